@@ -1,0 +1,1 @@
+"""Superelements and a model to motion."""

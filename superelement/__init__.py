@@ -1,0 +1,25 @@
+"""The superelement: an elastic body reduced to its interfaces, and its HDF5 file."""
+
+from .file import read, sha256, write
+from .interface import Interface
+from .kernel import Kernel, sample_kernel
+from .modes import Modes
+from .recovery import Recovery
+from .scheme import GeneralizedAlpha
+from .superelement import Provenance, Superelement
+from .validation import SuperelementError
+
+__all__ = [
+    "GeneralizedAlpha",
+    "Interface",
+    "Kernel",
+    "Modes",
+    "Provenance",
+    "Recovery",
+    "Superelement",
+    "SuperelementError",
+    "read",
+    "sample_kernel",
+    "sha256",
+    "write",
+]

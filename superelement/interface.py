@@ -1,0 +1,27 @@
+"""The frames by which a superelement meets the rest of the world."""
+
+from dataclasses import dataclass
+
+from .validation import Array, SuperelementError, checked
+
+
+@dataclass(frozen=True, eq=False)
+class Interface:
+    """A point of the body that carries loads and joints.
+
+    X (3,) is its position from the centre of mass in body axes [m]. With `rotations` it has six dofs,
+    three displacements [m] and three small rotations [rad], all in body axes; without, the displacements alone.
+    """
+
+    name: str
+    X: Array
+    rotations: bool = True
+
+    def __post_init__(self) -> None:
+        if not self.name or "/" in self.name or "." in self.name:
+            raise SuperelementError(f"interface name: expected text without '/' and '.', found {self.name!r}")
+        object.__setattr__(self, "X", checked(f"interface {self.name!r}: X", self.X, (3,)))
+
+    @property
+    def n_dofs(self) -> int:
+        return 6 if self.rotations else 3

@@ -1,0 +1,98 @@
+"""The sampled impulse responses of a superelement, and how modes produce them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .modes import Modes
+from .scheme import GeneralizedAlpha
+from .validation import Array, SuperelementError, check_positive, check_symmetric, checked
+
+
+@dataclass(frozen=True, eq=False)
+class Kernel:
+    """Interface impulse responses free of rigid modes, in body axes, for one step size and one scheme.
+
+        u_n = g_initial[n] p_0 + sum_{j=1..n} g[n-j] p_j                       (methods, eq. 2.1)
+
+    g[k] (n_k, n_c, n_c) is the displacement k steps after the step that ends in a unit load; g[0] is the
+    instantaneous compliance. In the numbering of the paper g[k] = h H_{k+2}. g_initial[k] is the displacement
+    k steps after t_0 under a unit load that acts at t_0 alone. [m/N, rad/N, m/(N m), rad/(N m)]
+    `error` is the relative error of the transfer function over the band that the method states; 0 if exact.
+    """
+
+    h: float
+    scheme: GeneralizedAlpha
+    g: Array
+    g_initial: Array
+    error: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_positive("kernel: h", self.h)
+        if not (np.isfinite(self.error) and self.error >= 0.0):
+            raise SuperelementError(f"kernel: error: expected a number >= 0, found {self.error}")
+        g = checked("kernel: g", self.g, ("n_k", "n_c", "n_c"))
+        n_k, n_c, columns = g.shape
+        if n_c != columns or n_k < 2:
+            raise SuperelementError(f"kernel: g: expected two or more square matrices, found shape {g.shape}")
+        g_initial = checked("kernel: g_initial", self.g_initial, (n_k, n_c, n_c))
+        check_symmetric("kernel: g", g)
+        check_symmetric("kernel: g_initial", g_initial)
+        object.__setattr__(self, "g", g)
+        object.__setattr__(self, "g_initial", g_initial)
+
+    @property
+    def n_c(self) -> int:
+        return self.g.shape[1]
+
+    @property
+    def steps(self) -> int:
+        """The number of time steps that the kernel covers."""
+        return len(self.g) - 1
+
+    @property
+    def length(self) -> float:
+        """The time that the kernel covers [s]."""
+        return self.steps * self.h
+
+
+def sample_kernel(modes: Modes, h: float, scheme: GeneralizedAlpha, steps: int) -> Kernel:
+    """The kernel that generalized-alpha time stepping of the modes produces, exactly.
+
+        g[k] = phi diag(c_k) phi^T,   c_k: the scalar recursion of each omega, zeta under a unit load at one step
+
+    h [s], `steps` time steps; the result has steps + 1 lags. Source: methods, section 2.1.
+    """
+    impulse, initial = _scalar_responses(modes, h, scheme, steps)
+    return Kernel(h, scheme, _spread(modes.phi, impulse), _spread(modes.phi, initial))
+
+
+def _scalar_responses(modes: Modes, h: float, scheme: GeneralizedAlpha, steps: int) -> tuple[Array, Array]:
+    """Responses (steps + 1, m) of each mode to a unit load at the first step, and to one at t_0."""
+    stiffness, damping = modes.omega**2, 2.0 * modes.zeta * modes.omega
+    alpha_m, alpha_f, beta, gamma = scheme.alpha_m, scheme.alpha_f, scheme.beta, scheme.gamma
+    pivot = (1 - alpha_m) / (1 - alpha_f) + gamma * h * damping + beta * h * h * stiffness
+
+    def march(acc: Array, load: float) -> Array:
+        """eta after 0, 1, ... steps + 1 steps from rest with acceleration `acc`, `load` acting at the first."""
+        eta, rate, a = np.zeros_like(acc), np.zeros_like(acc), acc
+        response = np.zeros((steps + 2, len(acc)))
+        for k in range(1, steps + 2):
+            eta = eta + h * rate + h * h * (0.5 - beta) * a
+            rate = rate + h * (1 - gamma) * a
+            carried = (alpha_m * a - alpha_f * acc) / (1 - alpha_f)
+            a = (load - stiffness * eta - damping * rate - carried) / pivot
+            acc = (1 - alpha_m) / (1 - alpha_f) * a + carried
+            eta = eta + beta * h * h * a
+            rate = rate + gamma * h * a
+            response[k], load = eta, 0.0
+        return response
+
+    rest = np.zeros_like(modes.omega)
+    return march(rest, 1.0)[1:], march(rest + 1.0, 0.0)[:-1]
+
+
+def _spread(phi: Array, coefficients: Array) -> Array:
+    """phi diag(c_k) phi^T for every row c_k: (n_k, n_c, n_c), symmetric to the last bit."""
+    g = (phi[None, :, :] * coefficients[:, None, :]) @ phi.T
+    return 0.5 * (g + g.transpose(0, 2, 1))

@@ -1,0 +1,38 @@
+"""Elastic modes seen at the interfaces: the form of a superelement that knows no step size."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .validation import Array, SuperelementError, checked
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """Mass-normalised elastic modes restricted to the interface dofs.
+
+        u = phi eta,     eta_i'' + 2 zeta_i omega_i eta_i' + omega_i^2 eta_i = phi_i . p
+
+    omega (m,) [rad/s], all positive (rigid modes are not among them), zeta (m,) [-], phi (n_c, m) [1/sqrt(kg)].
+    """
+
+    omega: Array
+    zeta: Array
+    phi: Array
+
+    def __post_init__(self) -> None:
+        omega = checked("modes: omega", self.omega, ("m",))
+        m = len(omega)
+        zeta = checked("modes: zeta", self.zeta, (m,))
+        phi = checked("modes: phi", self.phi, ("n_c", m))
+        if m and omega.min() <= 0.0:
+            raise SuperelementError(f"modes: omega: expected positive frequencies, found {omega.min()} rad/s")
+        if m and zeta.min() < 0.0:
+            raise SuperelementError(f"modes: zeta: expected ratios >= 0, found {zeta.min()}")
+        for name, array in (("omega", omega), ("zeta", zeta), ("phi", phi)):
+            object.__setattr__(self, name, array)
+
+    @property
+    def frequencies(self) -> Array:
+        """Natural frequencies [Hz], in the order of `omega`."""
+        return self.omega / (2.0 * np.pi)

@@ -1,0 +1,128 @@
+"""The superelement: all that a multibody solver needs to know of an elastic body."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .interface import Interface
+from .kernel import Kernel, sample_kernel
+from .modes import Modes
+from .recovery import Recovery
+from .scheme import GeneralizedAlpha
+from .validation import Array, SuperelementError, check_positive, check_symmetric, checked
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """Where a superelement comes from: enough to make it again and to recognise it."""
+
+    body: str = ""
+    """the text of the body file"""
+    mesh: str = ""
+    """the name of the mesh"""
+    mesh_sha256: str = ""
+    method: str = ""
+    """how the impulse responses were computed: march, modal, ..."""
+    tolerance: float = 0.0
+    """the error asked of the method; 0 where it is exact"""
+    versions: Mapping[str, str] = field(default_factory=dict)
+    timings: Mapping[str, float] = field(default_factory=dict)
+    """seconds by stage"""
+
+
+@dataclass(frozen=True, eq=False)
+class Superelement:
+    """An elastic body as its interfaces feel it.
+
+    Body axes are the mesh axes with the origin at the centre of mass of the finite element mass matrix.
+
+    mass [kg], J_rot (3, 3) [kg m^2] and center (3,), the centre of mass in mesh coordinates [m], from U^T M U;
+    interfaces, whose dofs in their order are the rows (and columns) of everything of size n_c;
+    kernel: the sampled impulse responses; modes: the same body without a step size, or None;
+    compliance (n_c, n_c): P_C P K^+ P^T P_C^T, the inertia-relieved static one [m/N ...];
+    mobility (n_c, n_c): P_C M^-1 P^T P_C^T, accelerations under unit loads at rest [1/kg ...].
+    """
+
+    name: str
+    mass: float
+    J_rot: Array
+    center: Array
+    interfaces: tuple[Interface, ...]
+    kernel: Kernel
+    modes: Modes | None
+    compliance: Array
+    mobility: Array
+    recovery: Recovery | None = None
+    provenance: Provenance = field(default_factory=Provenance)
+
+    def __post_init__(self) -> None:
+        if not self.name:
+            raise SuperelementError("name: expected text, found ''")
+        check_positive("mass", self.mass)
+        J_rot = checked("J_rot", self.J_rot, (3, 3))
+        check_symmetric("J_rot", J_rot)
+        if np.linalg.eigvalsh(J_rot).min() <= 0.0:
+            raise SuperelementError(
+                f"J_rot: expected positive principal inertias, found {np.linalg.eigvalsh(J_rot).tolist()}"
+            )
+        interfaces = tuple(self.interfaces)
+        names = [interface.name for interface in interfaces]
+        if len(set(names)) != len(names):
+            raise SuperelementError(f"interfaces: expected different names, found {names}")
+        n_c = sum(interface.n_dofs for interface in interfaces)
+        if self.kernel.n_c != n_c:
+            raise SuperelementError(
+                f"kernel: g: expected {n_c} rows, the dofs of interfaces {names}, found {self.kernel.n_c}"
+            )
+        if self.modes is not None and len(self.modes.phi) != n_c:
+            raise SuperelementError(
+                f"modes: phi: expected {n_c} rows, the dofs of interfaces {names}, found {len(self.modes.phi)}"
+            )
+        if self.recovery is not None:
+            n_modes = 0 if self.modes is None else len(self.modes.omega)
+            if self.recovery.phi.shape[2] != n_modes:
+                raise SuperelementError(
+                    f"recovery: phi: expected {n_modes} columns, one per mode, found {self.recovery.phi.shape[2]}"
+                )
+        object.__setattr__(self, "J_rot", J_rot)
+        object.__setattr__(self, "center", checked("center", self.center, (3,)))
+        object.__setattr__(self, "interfaces", interfaces)
+        for field_name in ("compliance", "mobility"):
+            matrix = checked(field_name, getattr(self, field_name), (n_c, n_c))
+            check_symmetric(field_name, matrix)
+            object.__setattr__(self, field_name, matrix)
+
+    @property
+    def n_c(self) -> int:
+        """The number of interface dofs."""
+        return self.kernel.n_c
+
+    def interface(self, name: str) -> Interface:
+        return self.interfaces[self._index(name)]
+
+    def rows(self, name: str) -> slice:
+        """The rows of an interface in kernel, modes, compliance and mobility."""
+        index = self._index(name)
+        start = sum(interface.n_dofs for interface in self.interfaces[:index])
+        return slice(start, start + self.interfaces[index].n_dofs)
+
+    def kernel_for(self, h: float, scheme: GeneralizedAlpha, steps: int) -> Kernel:
+        """The kernel for any step, scheme and number of steps: the stored one where it fits, else from the modes."""
+        stored = self.kernel
+        same = np.isclose(stored.h, h, rtol=1e-12, atol=0.0) and stored.scheme == scheme
+        if same and stored.steps >= steps:
+            return stored
+        if self.modes is None:
+            raise SuperelementError(
+                f"{self.name}: no modes, so the kernel is fixed: h = {stored.h} s, rho_inf = {stored.scheme.rho_inf}, "
+                f"{stored.steps} steps; asked for h = {h} s, rho_inf = {scheme.rho_inf}, {steps} steps"
+            )
+        return sample_kernel(self.modes, h, scheme, steps)
+
+    def _index(self, name: str) -> int:
+        for index, interface in enumerate(self.interfaces):
+            if interface.name == name:
+                return index
+        known = ", ".join(interface.name for interface in self.interfaces)
+        raise SuperelementError(f"{self.name}: no interface {name!r}; it has: {known}")

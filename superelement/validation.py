@@ -1,0 +1,64 @@
+"""Checks that the parts of a superelement share. Each failure quotes what was found."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+SYMMETRY_TOLERANCE = 1e-8
+"""Largest asymmetry of a reciprocal matrix, relative to the scale of its diagonal."""
+
+
+class SuperelementError(ValueError):
+    """A superelement, or its file, that contradicts its own definition."""
+
+
+def checked(name: str, value: Any, shape: Sequence[int | str]) -> Array:
+    """A read-only contiguous float array of the given shape; a letter in `shape` stands for any length."""
+    try:
+        array = np.array(value, dtype=np.float64, order="C")
+    except (TypeError, ValueError) as error:
+        raise SuperelementError(f"{name}: expected numbers of shape {_text(shape)}, found {value!r}") from error
+    fits = array.ndim == len(shape) and all(
+        isinstance(want, str) or want == have for want, have in zip(shape, array.shape, strict=True)
+    )
+    if not fits:
+        raise SuperelementError(f"{name}: expected shape {_text(shape)}, found {_text(array.shape)}")
+    if not np.isfinite(array).all():
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        raise SuperelementError(f"{name}: expected finite numbers, found {array[where]} at index {where}")
+    array.flags.writeable = False
+    return array
+
+
+def check_positive(name: str, value: float) -> None:
+    if not (np.isfinite(value) and value > 0.0):
+        raise SuperelementError(f"{name}: expected a positive number, found {value}")
+
+
+def check_symmetric(name: str, matrices: Array) -> None:
+    """`matrices` (..., n, n) must be symmetric relative to the largest diagonal entries, row by row.
+
+    Rows of a kernel mix metres and radians, so each entry is measured against
+    sqrt(max |a_ii| max |a_jj|), the scale that its own two rows give it.
+    """
+    if matrices.size == 0:
+        return
+    n = matrices.shape[-1]
+    stack = matrices.reshape(-1, n, n)
+    scale = np.sqrt(np.abs(np.diagonal(stack, axis1=1, axis2=2)).max(axis=0))
+    defect = np.abs(stack - stack.transpose(0, 2, 1)).max(axis=0)
+    allowed = SYMMETRY_TOLERANCE * np.outer(scale, scale)
+    if (defect > allowed).any():
+        i, j = np.unravel_index(int(np.argmax(defect - allowed)), defect.shape)
+        raise SuperelementError(
+            f"{name}: expected a symmetric matrix, found entries ({i}, {j}) and ({j}, {i}) that differ by "
+            f"{defect[i, j]:.3e}, where the diagonal allows {allowed[i, j]:.3e}"
+        )
+
+
+def _text(shape: Sequence[int | str]) -> str:
+    return "(" + ", ".join(str(n) for n in shape) + ("," if len(shape) == 1 else "") + ")"
