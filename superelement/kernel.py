@@ -43,7 +43,7 @@ class Kernel:
 
     @property
     def n_c(self) -> int:
-        return self.g.shape[1]
+        return int(self.g.shape[1])
 
     @property
     def steps(self) -> int:
