@@ -7,31 +7,40 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import metadata
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
 
+from .fields import dataset, expect, group, number, put, scalar, text, texts, vector
 from .interface import Interface
 from .kernel import Kernel
 from .modes import Modes
 from .recovery import Recovery
 from .scheme import GeneralizedAlpha
 from .superelement import Provenance, Superelement
-from .validation import SuperelementError
+from .validation import SuperelementError, checked
 
 FORMAT = "duhamel-superelement"
 VERSION = 1
 
 
 def write(path: str | os.PathLike[str], superelement: Superelement) -> None:
-    """Write a superelement; the file appears whole or not at all."""
-    with _renamed_when_whole(Path(path)) as temporary, h5py.File(temporary, "w") as file:
-        _fill(file, superelement)
+    """Write a superelement; the file appears whole or not at all, and an older one stays until then.
+
+    Raises `SuperelementError` where the folder is missing or cannot be written to.
+    """
+    try:
+        with _renamed_when_whole(Path(path)) as temporary, h5py.File(temporary, "w") as file:
+            _fill(file, superelement)
+    except OSError as error:
+        raise SuperelementError(f"{path}: cannot be written: {error}") from error
 
 
 def read(path: str | os.PathLike[str]) -> Superelement:
-    """Read and validate a superelement; `SuperelementError` names file, dataset and what was found."""
+    """Read and validate a superelement; groups that this version does not know are passed over.
+
+    Raises `SuperelementError`, which names the file, the dataset or attribute, what was expected and what was found.
+    """
     try:
         with h5py.File(path, "r") as file:
             return _superelement(file)
@@ -59,38 +68,38 @@ def _fill(file: h5py.File, body: Superelement) -> None:
     )
 
     rigid = file.create_group("rigid")
-    _put(rigid, "mass", body.mass, "kg")
-    _put(rigid, "J_rot", body.J_rot, "kg m^2")
-    _put(rigid, "center", body.center, "m")
+    put(rigid, "mass", body.mass, "kg")
+    put(rigid, "J_rot", body.J_rot, "kg m^2")
+    put(rigid, "center", body.center, "m")
 
     interfaces = file.create_group("interfaces")
     interfaces.create_dataset("name", data=[i.name for i in body.interfaces], dtype=h5py.string_dtype())
-    _put(interfaces, "X", np.array([i.X for i in body.interfaces]).reshape(-1, 3), "m")
+    put(interfaces, "X", np.array([i.X for i in body.interfaces]).reshape(-1, 3), "m")
     interfaces.create_dataset("rotations", data=np.array([i.rotations for i in body.interfaces], dtype=bool))
     interfaces.create_dataset("row", data=np.array([body.rows(i.name).start for i in body.interfaces], dtype=np.int64))
 
     kernel = file.create_group("kernel")
     kernel.attrs.update(h=body.kernel.h, rho_inf=body.kernel.scheme.rho_inf, error=body.kernel.error)
-    _put(kernel, "g", body.kernel.g, "m/N, rad/N, rad/(N m)")
-    _put(kernel, "g_initial", body.kernel.g_initial, "m/N, rad/N, rad/(N m)")
+    put(kernel, "g", body.kernel.g, "m/N, rad/N, rad/(N m)")
+    put(kernel, "g_initial", body.kernel.g_initial, "m/N, rad/N, rad/(N m)")
 
     if body.modes is not None:
         modes = file.create_group("modes")
-        _put(modes, "omega", body.modes.omega, "rad/s")
-        _put(modes, "zeta", body.modes.zeta, "1")
-        _put(modes, "phi", body.modes.phi, "1/sqrt(kg), 1/(sqrt(kg) m)")
+        put(modes, "omega", body.modes.omega, "rad/s")
+        put(modes, "zeta", body.modes.zeta, "1")
+        put(modes, "phi", body.modes.phi, "1/sqrt(kg), 1/(sqrt(kg) m)")
 
     static = file.create_group("static")
-    _put(static, "compliance", body.compliance, "m/N, rad/N, rad/(N m)")
-    _put(static, "mobility", body.mobility, "1/kg, 1/(kg m), 1/(kg m^2)")
+    put(static, "compliance", body.compliance, "m/N, rad/N, rad/(N m)")
+    put(static, "mobility", body.mobility, "1/kg, 1/(kg m), 1/(kg m^2)")
 
     if body.recovery is not None:
         recovery = file.create_group("recovery")
-        _put(recovery, "points", body.recovery.points, "m")
+        put(recovery, "points", body.recovery.points, "m")
         recovery.create_dataset("cells", data=body.recovery.cells)
-        _put(recovery, "phi", body.recovery.phi, "1/sqrt(kg)")
+        put(recovery, "phi", body.recovery.phi, "1/sqrt(kg)")
         if body.recovery.stress is not None:
-            _put(recovery, "stress", body.recovery.stress, "Pa/(m sqrt(kg))")
+            put(recovery, "stress", body.recovery.stress, "Pa/(m sqrt(kg))")
 
     provenance = file.create_group("provenance")
     source = body.provenance
@@ -106,58 +115,50 @@ def _fill(file: h5py.File, body: Superelement) -> None:
 
 
 def _superelement(file: h5py.File) -> Superelement:
-    _check_identity(file)
-    interfaces, rows = _interfaces(file)
+    expect(file, "format", FORMAT)
+    expect(file, "version", VERSION)
+    expect(file, "units", "SI")
     body = Superelement(
-        name=str(_attribute(file, "name")),
-        mass=float(_dataset(file, "rigid/mass")),
-        J_rot=_dataset(file, "rigid/J_rot"),
-        center=_dataset(file, "rigid/center"),
-        interfaces=interfaces,
+        name=text(file, "name"),
+        mass=scalar(file, "rigid/mass"),
+        J_rot=dataset(file, "rigid/J_rot"),
+        center=dataset(file, "rigid/center"),
+        interfaces=_interfaces(file),
         kernel=_kernel(file),
         modes=_modes(file),
-        compliance=_dataset(file, "static/compliance"),
-        mobility=_dataset(file, "static/mobility"),
+        compliance=dataset(file, "static/compliance"),
+        mobility=dataset(file, "static/mobility"),
         recovery=_recovery(file),
         provenance=_provenance(file),
     )
-    expected = [body.rows(interface.name).start for interface in interfaces]
-    if rows != expected:
-        raise SuperelementError(f"interfaces/row: expected {expected}, found {rows}")
+    _check_rows(file, body)
     return body
 
 
-def _check_identity(file: h5py.File) -> None:
-    if (found := file.attrs.get("format")) != FORMAT:
-        raise SuperelementError(f"attribute format: expected {FORMAT!r}, found {found!r}")
-    if (version := file.attrs.get("version")) != VERSION:
-        raise SuperelementError(f"attribute version: this reader knows version {VERSION}, found {version!r}")
-    if (units := file.attrs.get("units")) != "SI":
-        raise SuperelementError(f"attribute units: expected 'SI', found {units!r}")
+def _interfaces(file: h5py.File) -> tuple[Interface, ...]:
+    names = texts(file, "interfaces/name")
+    X = checked("interfaces/X", dataset(file, "interfaces/X"), (len(names), 3))
+    rotations = vector(file, "interfaces/rotations", len(names))
+    if not np.isin(rotations, (0, 1)).all():
+        raise SuperelementError(f"interfaces/rotations: expected true or false, found {rotations.tolist()}")
+    return tuple(Interface(name, x, bool(rotates)) for name, x, rotates in zip(names, X, rotations, strict=True))
 
 
-def _interfaces(file: h5py.File) -> tuple[tuple[Interface, ...], list[int]]:
-    names = [name.decode() for name in np.atleast_1d(_dataset(file, "interfaces/name"))]
-    X = _dataset(file, "interfaces/X")
-    rotations = np.atleast_1d(_dataset(file, "interfaces/rotations"))
-    rows = np.atleast_1d(_dataset(file, "interfaces/row"))
-    if not (X.shape == (len(names), 3) and rotations.shape == rows.shape == (len(names),)):
-        raise SuperelementError(
-            f"interfaces: expected one X, rotations and row for each of {names}, "
-            f"found shapes {X.shape}, {rotations.shape} and {rows.shape}"
-        )
-    interfaces = tuple(Interface(name, x, bool(rotates)) for name, x, rotates in zip(names, X, rotations, strict=True))
-    return interfaces, [int(row) for row in rows]
+def _check_rows(file: h5py.File, body: Superelement) -> None:
+    expected = [body.rows(interface.name).start for interface in body.interfaces]
+    found = vector(file, "interfaces/row", len(expected)).tolist()
+    if found != expected:
+        raise SuperelementError(f"interfaces/row: expected {expected}, found {found}")
 
 
 def _kernel(file: h5py.File) -> Kernel:
-    group = _group(file, "kernel")
+    attributes = group(file, "kernel")
     return Kernel(
-        h=float(_attribute(group, "h")),
-        scheme=_scheme(float(_attribute(group, "rho_inf"))),
-        g=_dataset(file, "kernel/g"),
-        g_initial=_dataset(file, "kernel/g_initial"),
-        error=float(_attribute(group, "error")),
+        h=number(attributes, "h"),
+        scheme=_scheme(number(attributes, "rho_inf")),
+        g=dataset(file, "kernel/g"),
+        g_initial=dataset(file, "kernel/g_initial"),
+        error=number(attributes, "error"),
     )
 
 
@@ -171,54 +172,32 @@ def _scheme(rho_inf: float) -> GeneralizedAlpha:
 def _modes(file: h5py.File) -> Modes | None:
     if "modes" not in file:
         return None
-    return Modes(_dataset(file, "modes/omega"), _dataset(file, "modes/zeta"), _dataset(file, "modes/phi"))
+    return Modes(dataset(file, "modes/omega"), dataset(file, "modes/zeta"), dataset(file, "modes/phi"))
 
 
 def _recovery(file: h5py.File) -> Recovery | None:
     if "recovery" not in file:
         return None
     return Recovery(
-        points=_dataset(file, "recovery/points"),
-        cells=_dataset(file, "recovery/cells"),
-        phi=_dataset(file, "recovery/phi"),
-        stress=_dataset(file, "recovery/stress") if "recovery/stress" in file else None,
+        points=dataset(file, "recovery/points"),
+        cells=dataset(file, "recovery/cells"),
+        phi=dataset(file, "recovery/phi"),
+        stress=dataset(file, "recovery/stress") if "recovery/stress" in file else None,
     )
 
 
 def _provenance(file: h5py.File) -> Provenance:
-    group = _group(file, "provenance")
+    source = group(file, "provenance")
+    versions, timings = group(source, "versions"), group(source, "timings")
     return Provenance(
-        body=str(_attribute(group, "body")),
-        mesh=str(_attribute(group, "mesh")),
-        mesh_sha256=str(_attribute(group, "mesh_sha256")),
-        method=str(_attribute(group, "method")),
-        tolerance=float(_attribute(group, "tolerance")),
-        versions={name: str(value) for name, value in _group(group, "versions").attrs.items()},
-        timings={name: float(value) for name, value in _group(group, "timings").attrs.items()},
+        body=text(source, "body"),
+        mesh=text(source, "mesh"),
+        mesh_sha256=text(source, "mesh_sha256"),
+        method=text(source, "method"),
+        tolerance=number(source, "tolerance"),
+        versions={name: text(versions, name) for name in versions.attrs},
+        timings={name: number(timings, name) for name in timings.attrs},
     )
-
-
-def _put(group: h5py.Group, name: str, data: Any, units: str) -> None:
-    group.create_dataset(name, data=data).attrs["units"] = units
-
-
-def _group(parent: h5py.Group, name: str) -> h5py.Group:
-    if not isinstance(parent.get(name), h5py.Group):
-        raise SuperelementError(f"group {name!r} is missing")
-    return parent[name]
-
-
-def _dataset(file: h5py.File, name: str) -> Any:
-    if not isinstance(file.get(name), h5py.Dataset):
-        raise SuperelementError(f"dataset {name!r} is missing")
-    return file[name][()]
-
-
-def _attribute(group: h5py.Group, name: str) -> Any:
-    if name not in group.attrs:
-        where = "" if group.name == "/" else f" of group {group.name[1:]!r}"
-        raise SuperelementError(f"attribute {name!r}{where} is missing")
-    return group.attrs[name]
 
 
 @contextmanager

@@ -18,8 +18,8 @@ class Interface:
     rotations: bool = True
 
     def __post_init__(self) -> None:
-        if not self.name or "/" in self.name or "." in self.name:
-            raise SuperelementError(f"interface name: expected text without '/' and '.', found {self.name!r}")
+        if not (self.name and self.name.isprintable()) or "/" in self.name or "." in self.name:
+            raise SuperelementError(f"interface name: expected one line without '/' and '.', found {self.name!r}")
         object.__setattr__(self, "X", checked(f"interface {self.name!r}: X", self.X, (3,)))
 
     @property

@@ -56,15 +56,19 @@ class Kernel:
         return self.steps * self.h
 
 
-def sample_kernel(modes: Modes, h: float, scheme: GeneralizedAlpha, steps: int) -> Kernel:
+def sample_kernel(modes: Modes, h: float, scheme: GeneralizedAlpha, steps: int, error: float = 0.0) -> Kernel:
     """The kernel that generalized-alpha time stepping of the modes produces, exactly.
 
         g[k] = phi diag(c_k) phi^T,   c_k: the scalar recursion of each omega, zeta under a unit load at one step
 
-    h [s], `steps` time steps; the result has steps + 1 lags. Source: methods, section 2.1.
+    h [s], `steps` time steps, one or more; the result has steps + 1 lags. `error` is that of the modes themselves.
+    Raises `SuperelementError` for a step that is not positive or fewer steps than one. Source: methods, section 2.1.
     """
+    check_positive("kernel: h", h)
+    if steps < 1:
+        raise SuperelementError(f"kernel: steps: expected one or more, found {steps}")
     impulse, initial = _scalar_responses(modes, h, scheme, steps)
-    return Kernel(h, scheme, _spread(modes.phi, impulse), _spread(modes.phi, initial))
+    return Kernel(h, scheme, _spread(modes.phi, impulse), _spread(modes.phi, initial), error)
 
 
 def _scalar_responses(modes: Modes, h: float, scheme: GeneralizedAlpha, steps: int) -> tuple[Array, Array]:
@@ -93,6 +97,13 @@ def _scalar_responses(modes: Modes, h: float, scheme: GeneralizedAlpha, steps: i
 
 
 def _spread(phi: Array, coefficients: Array) -> Array:
-    """phi diag(c_k) phi^T for every row c_k: (n_k, n_c, n_c), symmetric to the last bit."""
-    g = (phi[None, :, :] * coefficients[:, None, :]) @ phi.T
-    return 0.5 * (g + g.transpose(0, 2, 1))
+    """phi diag(c_k) phi^T for every row c_k: (n_k, n_c, n_c), symmetric to the last bit.
+
+    One matrix product over the pairs i <= j: no array of n_k n_c m numbers for the many modes of a large mesh.
+    """
+    n_c = len(phi)
+    i, j = np.triu_indices(n_c)
+    g = np.empty((len(coefficients), n_c, n_c))
+    g[:, i, j] = coefficients @ (phi[i] * phi[j]).T
+    g[:, j, i] = g[:, i, j]
+    return g

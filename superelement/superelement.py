@@ -57,15 +57,14 @@ class Superelement:
     provenance: Provenance = field(default_factory=Provenance)
 
     def __post_init__(self) -> None:
-        if not self.name:
-            raise SuperelementError("name: expected text, found ''")
+        if not (self.name and self.name.isprintable()):
+            raise SuperelementError(f"name: expected one line of text, found {self.name!r}")
         check_positive("mass", self.mass)
         J_rot = checked("J_rot", self.J_rot, (3, 3))
         check_symmetric("J_rot", J_rot)
-        if np.linalg.eigvalsh(J_rot).min() <= 0.0:
-            raise SuperelementError(
-                f"J_rot: expected positive principal inertias, found {np.linalg.eigvalsh(J_rot).tolist()}"
-            )
+        principal = np.linalg.eigvalsh(J_rot)
+        if principal.min() <= 0.0:
+            raise SuperelementError(f"J_rot: expected positive principal inertias, found {principal.tolist()}")
         interfaces = tuple(self.interfaces)
         names = [interface.name for interface in interfaces]
         if len(set(names)) != len(names):
@@ -108,7 +107,11 @@ class Superelement:
         return slice(start, start + self.interfaces[index].n_dofs)
 
     def kernel_for(self, h: float, scheme: GeneralizedAlpha, steps: int) -> Kernel:
-        """The kernel for any step, scheme and number of steps: the stored one where it fits, else from the modes."""
+        """The kernel for any step and scheme over at least `steps` steps.
+
+        The stored one, as it is, where it fits and is long enough; else the modes give it. Raises
+        `SuperelementError` where the body has no modes and the stored kernel does not fit.
+        """
         stored = self.kernel
         same = np.isclose(stored.h, h, rtol=1e-12, atol=0.0) and stored.scheme == scheme
         if same and stored.steps >= steps:
@@ -118,7 +121,7 @@ class Superelement:
                 f"{self.name}: no modes, so the kernel is fixed: h = {stored.h} s, rho_inf = {stored.scheme.rho_inf}, "
                 f"{stored.steps} steps; asked for h = {h} s, rho_inf = {scheme.rho_inf}, {steps} steps"
             )
-        return sample_kernel(self.modes, h, scheme, steps)
+        return sample_kernel(self.modes, h, scheme, steps, stored.error)
 
     def _index(self, name: str) -> int:
         for index, interface in enumerate(self.interfaces):

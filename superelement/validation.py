@@ -18,10 +18,12 @@ class SuperelementError(ValueError):
 
 def checked(name: str, value: Any, shape: Sequence[int | str]) -> Array:
     """A read-only contiguous float array of the given shape; a letter in `shape` stands for any length."""
+    if np.iscomplexobj(value):
+        raise SuperelementError(f"{name}: expected real numbers of shape {_text(shape)}, found complex ones")
     try:
         array = np.array(value, dtype=np.float64, order="C")
     except (TypeError, ValueError) as error:
-        raise SuperelementError(f"{name}: expected numbers of shape {_text(shape)}, found {value!r}") from error
+        raise SuperelementError(f"{name}: expected numbers of shape {_text(shape)}, found others: {error}") from error
     fits = array.ndim == len(shape) and all(
         isinstance(want, str) or want == have for want, have in zip(shape, array.shape, strict=True)
     )
@@ -29,7 +31,8 @@ def checked(name: str, value: Any, shape: Sequence[int | str]) -> Array:
         raise SuperelementError(f"{name}: expected shape {_text(shape)}, found {_text(array.shape)}")
     if not np.isfinite(array).all():
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
-        raise SuperelementError(f"{name}: expected finite numbers, found {array[where]} at index {where}")
+        place = f" at index {where}" if where else ""
+        raise SuperelementError(f"{name}: expected finite numbers, found {array[where]}{place}")
     array.flags.writeable = False
     return array
 

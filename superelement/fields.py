@@ -1,0 +1,77 @@
+"""Attributes and datasets of an HDF5 file, read with errors that name them and written with their units."""
+
+from typing import Any
+
+import h5py
+import numpy as np
+
+from .validation import Array, SuperelementError, checked
+
+
+def put(group: h5py.Group, name: str, data: Any, units: str) -> None:
+    group.create_dataset(name, data=data).attrs["units"] = units
+
+
+def group(file: h5py.Group, name: str) -> h5py.Group:
+    if not isinstance(file.get(name), h5py.Group):
+        raise SuperelementError(f"group {name!r} is missing")
+    return file[name]
+
+
+def dataset(file: h5py.Group, name: str) -> Any:
+    """The whole of a dataset, as it is."""
+    return _dataset(file, name)[()]
+
+
+def scalar(file: h5py.Group, name: str) -> float:
+    return float(checked(name, dataset(file, name), ()))
+
+
+def vector(file: h5py.Group, name: str, length: int) -> Array:
+    return checked(name, dataset(file, name), (length,))
+
+
+def texts(file: h5py.Group, name: str) -> list[str]:
+    """A dataset of text, one entry per row; UTF-8 of any length, or the fixed-length kind that other tools write."""
+    found = _dataset(file, name)
+    if h5py.check_string_dtype(found.dtype) is None or found.ndim != 1:
+        raise SuperelementError(f"{name}: expected text of shape (n,), found {found.dtype} of shape {found.shape}")
+    return list(found.asstr()[()])
+
+
+def number(file: h5py.Group, name: str) -> float:
+    """A finite number that stands as an attribute."""
+    return float(checked(_label(file, name), _attribute(file, name), ()))
+
+
+def text(file: h5py.Group, name: str) -> str:
+    """A text that stands as an attribute."""
+    found = _attribute(file, name)
+    if isinstance(found, bytes):
+        return found.decode()
+    if not isinstance(found, str):
+        raise SuperelementError(f"{_label(file, name)}: expected text, found {found!r}")
+    return found
+
+
+def expect(file: h5py.Group, name: str, value: str | int) -> None:
+    """An attribute that must have this value and no other."""
+    found = text(file, name) if isinstance(value, str) else _attribute(file, name)
+    if not np.array_equal(found, value):
+        raise SuperelementError(f"{_label(file, name)}: expected {value!r}, found {found!r}")
+
+
+def _dataset(file: h5py.Group, name: str) -> h5py.Dataset:
+    if not isinstance(file.get(name), h5py.Dataset):
+        raise SuperelementError(f"dataset {name!r} is missing")
+    return file[name]
+
+
+def _attribute(file: h5py.Group, name: str) -> Any:
+    if name not in file.attrs:
+        raise SuperelementError(f"{_label(file, name)} is missing")
+    return file.attrs[name]
+
+
+def _label(file: h5py.Group, name: str) -> str:
+    return f"attribute {name!r}" + ("" if file.name == "/" else f" of group {file.name[1:]!r}")
