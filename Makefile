@@ -1,0 +1,62 @@
+# Each target makes the virtual environment it needs. Wanted on the machine: Python 3.11, make, a PyPI index.
+
+PYTHON ?= $(shell command -v python3.11 || command -v python3)
+VENV ?= .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet --no-input
+PACKAGES := superelement preprocess solver view cli
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test lint validation benchmark constraints clean
+.DELETE_ON_ERROR:
+
+help: ## list the targets
+	@sed -n 's/^\([a-z]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)
+
+demo: $(VENV)/.installed ## a mesh of a beam, its superelement, the paper's Case 1, and a picture of the motion
+	@mkdir -p out
+	$(BIN)/duhamel preprocess meshes/beam/beam.toml
+	$(BIN)/duhamel run examples/case1.toml -o out/case1-results.h5
+	$(BIN)/duhamel plot out/case1-results.h5 -o out/case1.png
+	@echo "hub speed and tip deflection: $(CURDIR)/out/case1.png"
+
+test: $(VENV)/.installed ## the tests
+	$(BIN)/python -m pytest
+
+lint: $(VENV)/.installed build/types/.linked ## style and types
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	MYPYPATH=build/types $(BIN)/mypy $(PACKAGES:%=-p duhamel.%)
+
+validation: $(VENV)/.validation ## published problems and peer codes; takes minutes
+	$(BIN)/python -m pytest -m validation
+
+benchmark: $(VENV)/.validation ## timed work, as ratios against a peer measured in the same run
+	@set -e; for program in benchmarks/*.py; do echo "$$program"; $(BIN)/python "$$program"; done
+
+constraints: ## the newest versions that pyproject.toml allows, written to constraints.txt
+	rm -rf build/constraints
+	$(PYTHON) -m venv build/constraints
+	build/constraints/bin/python -m pip --disable-pip-version-check --quiet install ".[test,validation]"
+	{ sed -n '/^#/p' constraints.txt; \
+	  build/constraints/bin/python -m pip freeze --exclude duhamel; } > build/constraints.txt
+	mv build/constraints.txt constraints.txt
+
+clean: ## remove what the targets above made
+	rm -rf $(VENV) build out
+
+# The stamps stand for a finished installation: a second make finds them and installs nothing.
+$(VENV)/.installed: pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(VENV)
+	$(PIP) install -c constraints.txt -e ".[test]"
+	@touch $@
+
+$(VENV)/.validation: $(VENV)/.installed
+	$(PIP) install -c constraints.txt -e ".[test,validation]"
+	@touch $@
+
+# An editable install hides the namespace from mypy, so it is shown a tree of links with the same shape.
+build/types/.linked: Makefile
+	mkdir -p build/types/duhamel
+	for package in $(PACKAGES); do ln -sfn ../../../$$package build/types/duhamel/$$package; done
+	@touch $@
