@@ -1,1 +1,19 @@
 """Meshes to superelements."""
+
+from .body import Body, read_body
+from .build import build
+from .errors import BodyError, InterfaceError, MeshError, MethodError, PreprocessError
+from .structure import Structure, assemble
+
+__all__ = [
+    "Body",
+    "BodyError",
+    "InterfaceError",
+    "MeshError",
+    "MethodError",
+    "PreprocessError",
+    "Structure",
+    "assemble",
+    "build",
+    "read_body",
+]

@@ -1,0 +1,235 @@
+"""The body file: what a user writes to turn a mesh into a superelement."""
+
+import difflib
+import os
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    NonNegativeFloat,
+    PositiveFloat,
+    PositiveInt,
+    PrivateAttr,
+    ValidationError,
+    model_validator,
+)
+
+from .errors import BodyError
+
+Vector = tuple[float, float, float]
+Method = Literal["auto", "modal", "march", "krylov"]
+
+
+class Table(BaseModel):
+    """A table of the file: frozen, of finite numbers, and without keys that nobody reads."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _known_keys(cls, data: Any) -> Any:
+        for key in data if isinstance(data, Mapping) else ():
+            if key not in cls.model_fields:
+                nearest = difflib.get_close_matches(key, cls.model_fields, n=1, cutoff=0.5)
+                hint = f"did you mean {nearest[0]!r}?" if nearest else f"known are {', '.join(cls.model_fields)}"
+                raise ValueError(f"unknown key {key!r}; {hint}")
+        return data
+
+
+class Section(Table):
+    """The cross-section of a beam, in its own axes: x along the beam, y and z across.
+
+    EA [N], EI_y and EI_z (bending about y and z) and GJ [N m^2]; mass_per_length [kg/m];
+    polar_inertia_per_length rho I_p [kg m], the inertia about the beam's axis.
+    GA_y and GA_z [N]: shear stiffnesses along y and z, shape factor included; with either, bending in that direction is
+    Timoshenko's. rotary_inertia_y and _z: rho I_y and rho I_z [kg m]; 0 unless given for Euler-Bernoulli bending, and
+    mass_per_length EI / EA (the value of a homogeneous section) for Timoshenko bending.
+    orientation: a vector that with the beam's axis spans the plane of local x and y, in mesh axes; unless given, local
+    y is horizontal (e_z cross x), or e_y where the beam is vertical.
+    """
+
+    EA: PositiveFloat
+    EI_y: PositiveFloat
+    EI_z: PositiveFloat
+    GJ: PositiveFloat
+    mass_per_length: PositiveFloat
+    polar_inertia_per_length: PositiveFloat
+    GA_y: PositiveFloat | None = None
+    GA_z: PositiveFloat | None = None
+    rotary_inertia_y: NonNegativeFloat | None = None
+    rotary_inertia_z: NonNegativeFloat | None = None
+    orientation: Vector | None = None
+
+
+class Material(Table):
+    """A linear, isotropic material: Young's modulus E [Pa], Poisson's ratio nu, density rho [kg/m^3]."""
+
+    E: PositiveFloat
+    nu: Annotated[float, Field(gt=-1.0, lt=0.5)]
+    rho: PositiveFloat
+
+
+class Plane(Table):
+    """The facets of the boundary that lie in a plane, within `tolerance` times the size of the mesh."""
+
+    point: Vector
+    normal: Vector
+    tolerance: PositiveFloat = 1e-6
+
+    @model_validator(mode="after")
+    def _has_direction(self) -> Self:
+        if not any(self.normal):
+            raise ValueError("normal: expected a vector that is not zero")
+        return self
+
+
+class InterfaceSelection(Table):
+    """Where a body meets others: the node nearest to a point, a named group of the mesh, or the facets in a plane.
+
+    A node of a solid gives three dofs; a node of a beam, and any set of facets, gives a frame of six.
+    kind: "average", the frame follows the facets as their mean motion does, without stiffening them; "rigid", the
+    facets follow the frame. at: the place of the frame; the centroid of the facets unless given.
+    tolerance: the distance allowed between `node` and the nearest node, as a fraction of the size of the mesh.
+    """
+
+    node: Vector | None = None
+    group: str | None = None
+    plane: Plane | None = None
+    kind: Literal["average", "rigid"] = "average"
+    at: Vector | None = None
+    tolerance: PositiveFloat = 1e-3
+
+    @model_validator(mode="after")
+    def _one_selection(self) -> Self:
+        given = [key for key in ("node", "group", "plane") if getattr(self, key) is not None]
+        if len(given) != 1:
+            raise ValueError(f"expected one of node, group and plane, found {' and '.join(given) or 'none'}")
+        return self
+
+
+class Impulse(Table):
+    """The impulse responses to compute: `steps` steps of `step` seconds, with the damping rho_inf of the scheme.
+
+    method: "modal" from all elastic modes, "march" by stepping the full model, "auto" the one that fits the size.
+    """
+
+    step: PositiveFloat
+    steps: PositiveInt
+    rho_inf: Annotated[float, Field(ge=0.0, le=1.0)] = 0.9
+    method: Method = "auto"
+    tolerance: PositiveFloat = 1e-8
+
+
+class Ratios(Table):
+    """Modal damping ratios over frequency [Hz]: linear between the points, constant outside."""
+
+    frequencies: tuple[NonNegativeFloat, ...]
+    ratios: tuple[NonNegativeFloat, ...]
+
+    @model_validator(mode="after")
+    def _a_table(self) -> Self:
+        if len(self.frequencies) != len(self.ratios) or not self.frequencies:
+            raise ValueError(
+                f"expected a ratio for every frequency, found {len(self.frequencies)} frequencies "
+                f"and {len(self.ratios)} ratios"
+            )
+        if any(b <= a for a, b in zip(self.frequencies, self.frequencies[1:], strict=False)):
+            raise ValueError(f"frequencies: expected increasing values, found {list(self.frequencies)}")
+        return self
+
+
+class Rayleigh(Table):
+    """C = mass M + stiffness K, with `mass` [1/s] and `stiffness` [s]."""
+
+    mass: NonNegativeFloat = 0.0
+    stiffness: NonNegativeFloat = 0.0
+
+
+def _as_table(value: Any) -> Any:
+    """One ratio is a table of one point."""
+    return {"frequencies": [0.0], "ratios": [value]} if isinstance(value, int | float) else value
+
+
+class Damping(Table):
+    """None, a ratio for every mode, or Rayleigh's."""
+
+    modal: Annotated[Ratios | None, BeforeValidator(_as_table)] = None
+    rayleigh: Rayleigh | None = None
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Self:
+        if self.modal is not None and self.rayleigh is not None:
+            raise ValueError("expected one of modal and rayleigh, found both")
+        return self
+
+
+class Body(Table):
+    """A mesh, what it is made of, where it meets others, and the impulse responses wanted.
+
+    One of section and sections (by mesh group) for meshes of lines; one of material and materials for solids.
+    """
+
+    name: str = Field(min_length=1)
+    mesh: Path
+    section: Section | None = None
+    sections: dict[str, Section] = {}
+    material: Material | None = None
+    materials: dict[str, Material] = {}
+    interfaces: dict[str, InterfaceSelection] = Field(min_length=1)
+    impulse: Impulse
+    damping: Damping = Damping()
+    _text: str = PrivateAttr(default="")
+
+    @model_validator(mode="after")
+    def _one_make(self) -> Self:
+        makes = ("section", "sections", "material", "materials")
+        given = [key for key in makes if getattr(self, key)]
+        if len(given) != 1:
+            raise ValueError(f"expected one of {', '.join(makes)}, found {' and '.join(given) or 'none'}")
+        for name in self.interfaces:
+            if not name or "/" in name or "." in name:
+                raise ValueError(f"interfaces: expected a name without '/' and '.', found {name!r}")
+        return self
+
+    @property
+    def text(self) -> str:
+        """The body file as it was read; for a body made in Python its values in JSON."""
+        return self._text or self.model_dump_json(exclude_unset=True)
+
+    @classmethod
+    def from_toml(cls, text: str, folder: Path) -> "Body":
+        """A body from the text of its file; the mesh is looked for from `folder`."""
+        body = cls.model_validate(tomllib.loads(text))
+        body = body.model_copy(update={"mesh": folder / body.mesh})
+        body._text = text
+        return body
+
+
+def read_body(path: str | os.PathLike[str]) -> Body:
+    """Read a body file; `BodyError` names the file, the key, what was found and what was expected."""
+    path = Path(path)
+    try:
+        return Body.from_toml(path.read_text(encoding="utf-8"), path.parent)
+    except ValidationError as error:
+        raise BodyError("\n".join(f"{path}: {_message(failure)}" for failure in error.errors())) from error
+    except tomllib.TOMLDecodeError as error:
+        raise BodyError(f"{path}: not a TOML file: {error}") from error
+    except (OSError, UnicodeDecodeError) as error:
+        raise BodyError(f"{path}: not a readable file: {error}") from error
+
+
+def _message(failure: Mapping[str, Any]) -> str:
+    """One failure of pydantic in our words: KEY: what was expected, found VALUE."""
+    key = ".".join(str(part) for part in failure["loc"])
+    text = str(failure["msg"]).removeprefix("Value error, ")
+    if failure["type"] == "missing":
+        text = "missing"
+    elif failure["type"] != "value_error":
+        text = f"{text[0].lower()}{text[1:]}, found {failure['input']!r}"
+    return f"{key}: {text}" if key else text

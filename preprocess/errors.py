@@ -1,0 +1,21 @@
+"""What can go wrong between a mesh and a superelement: one exception for each kind of failure."""
+
+
+class PreprocessError(ValueError):
+    """Anything that keeps a body from becoming a superelement."""
+
+
+class BodyError(PreprocessError):
+    """A body file that cannot be read, or that contradicts itself or its mesh."""
+
+
+class MeshError(PreprocessError):
+    """A mesh that cannot be read, or that makes no sound finite element model."""
+
+
+class InterfaceError(PreprocessError):
+    """An interface that selects nothing, or too little to carry a frame."""
+
+
+class MethodError(PreprocessError):
+    """A method that cannot be used on this body."""

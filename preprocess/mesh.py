@@ -1,0 +1,152 @@
+"""Meshes and their named groups, read through meshio."""
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import meshio
+import numpy as np
+from numpy.typing import NDArray
+
+from ..superelement.validation import Array
+from .errors import MeshError
+
+IntArray = NDArray[np.int64]
+
+LINES = ("line",)
+SOLIDS = ("tetra", "tetra10", "hexahedron", "hexahedron20", "hexahedron27")
+PARTS = ("vertex", "line", "line3", "triangle", "triangle6", "quad", "quad8", "quad9")
+"""Cells that may bound or mark a body without being one."""
+
+DIMENSIONS = {"vertex": 0, "line": 1, "line3": 1, "triangle": 2, "triangle6": 2, "quad": 2, "quad8": 2, "quad9": 2}
+
+# meshio's readers fail on damaged files wherever their parsing stumbles.
+_PARSER_FAILURES = (meshio.ReadError, ValueError, LookupError, TypeError, AssertionError, EOFError, OSError)
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """A named part of a mesh: cells by type, as rows of `Mesh.cells[type]`, and points that belong to no cell."""
+
+    cells: Mapping[str, IntArray]
+    points: IntArray
+
+    @property
+    def kinds(self) -> list[str]:
+        """The types of what it holds, for messages."""
+        return [*self.cells, *(["points"] if len(self.points) else [])]
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Points (n, 3) [m]; cells by meshio's type names, (n_cells, n_nodes) in meshio's node order; named groups.
+
+    `body_type` is the type of the cells that make the body: lines or one of the solid cells.
+    """
+
+    name: str
+    points: Array
+    cells: Mapping[str, IntArray]
+    groups: Mapping[str, Group]
+    body_type: str
+
+    @property
+    def size(self) -> float:
+        """The diagonal of the bounding box [m]."""
+        return float(np.linalg.norm(np.ptp(self.points, axis=0)))
+
+    @property
+    def elements(self) -> IntArray:
+        """The cells that make the body."""
+        return self.cells[self.body_type]
+
+    def group(self, name: str) -> Group:
+        if name not in self.groups:
+            known = ", ".join(sorted(self.groups)) or "none"
+            raise MeshError(f"{self.name}: no group {name!r}; the groups of the mesh are: {known}")
+        return self.groups[name]
+
+
+def read_mesh(path: str | os.PathLike[str]) -> Mesh:
+    """Read a mesh in any format of meshio. Groups are its cell sets, point sets and the physical groups of Gmsh.
+
+    `MeshError` if the file cannot be read, or holds cells that are neither lines nor one kind of solid.
+    """
+    path = Path(path)
+    raw = _parse(path)
+    if not len(raw.points):
+        raise MeshError(f"{path}: the mesh has no points")
+    points = np.zeros((len(raw.points), 3))
+    points[:, : np.shape(raw.points)[1]] = raw.points
+    cells = {
+        kind: np.concatenate([np.asarray(block.data, dtype=np.int64) for block in raw.cells if block.type == kind])
+        for kind in dict.fromkeys(block.type for block in raw.cells)
+    }
+    return Mesh(path.name, points, cells, _groups(raw), _body_type(path.name, list(cells)))
+
+
+def _parse(path: Path) -> meshio.Mesh:
+    """meshio's mesh; each format of the suffix is tried by name, for meshio itself would print and exit on failure."""
+    if not path.is_file():
+        raise MeshError(f"{path}: no such mesh file")
+    formats = meshio.extension_to_filetypes.get(path.suffix.lower(), [])
+    if not formats:
+        raise MeshError(f"{path}: expected a mesh format that meshio reads, found the suffix {path.suffix!r}")
+    failures = []
+    for name in formats:
+        try:
+            return meshio._helpers.reader_map[name](str(path))
+        except _PARSER_FAILURES as error:
+            failures.append(f"as {name}: {error or type(error).__name__}")
+    raise MeshError(f"{path}: the mesh cannot be read ({'; '.join(failures)})")
+
+
+def _body_type(name: str, kinds: list[str]) -> str:
+    """The type of the cells that make the body: the solid ones, else lines."""
+    unsupported = [kind for kind in kinds if kind not in (*SOLIDS, *PARTS)]
+    if unsupported:
+        raise MeshError(f"{name}: unsupported cells {', '.join(unsupported)}; bodies are made of {_supported()}")
+    solids = [kind for kind in kinds if kind in SOLIDS]
+    if len(solids) > 1:
+        raise MeshError(f"{name}: expected one kind of solid cells, found {', '.join(solids)}")
+    if solids:
+        return solids[0]
+    if "line" in kinds and all(kind in ("vertex", "line") for kind in kinds):
+        return "line"
+    raise MeshError(f"{name}: no body in cells of type {', '.join(kinds) or 'none'}; bodies are made of {_supported()}")
+
+
+def _supported() -> str:
+    return ", ".join((*LINES, *SOLIDS))
+
+
+def _groups(raw: meshio.Mesh) -> dict[str, Group]:
+    """All groups by name, whichever way the format says them."""
+    blocks = [block.type for block in raw.cells]
+    firsts = np.array([sum(len(b.data) for b in raw.cells[:i] if b.type == kind) for i, kind in enumerate(blocks)])
+    members: dict[str, dict[str, list[IntArray]]] = {}
+
+    def add(name: str, block: int, rows: IntArray) -> None:
+        if len(rows):
+            members.setdefault(name, {}).setdefault(blocks[block], []).append(rows + firsts[block])
+
+    for name, per_block in raw.cell_sets.items():
+        if not name.startswith("gmsh:"):
+            for block, rows in enumerate(per_block):
+                add(name, block, np.asarray(rows if rows is not None else [], dtype=np.int64))
+    tags = raw.cell_data.get("gmsh:physical", [])
+    for name, (tag, dimension) in raw.field_data.items():
+        for block, block_tags in enumerate(tags):
+            if raw.cells[block].dim == dimension:
+                add(name, block, np.flatnonzero(np.asarray(block_tags) == tag))
+
+    points = {name: np.asarray(rows, dtype=np.int64) for name, rows in raw.point_sets.items()}
+    none = np.zeros(0, dtype=np.int64)
+    return {
+        name: Group(
+            {kind: np.unique(np.concatenate(rows)) for kind, rows in members.get(name, {}).items()},
+            points.get(name, none),
+        )
+        for name in {**members, **points}
+    }

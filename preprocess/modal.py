@@ -1,0 +1,34 @@
+"""Impulse responses from all elastic modes."""
+
+import numpy as np
+from scipy.linalg import eigh
+
+from ..superelement import Modes
+from .body import Damping
+from .damping import damping_ratios
+from .errors import MeshError, MethodError
+from .rigid import project
+from .structure import Structure
+
+LIMIT = 4000
+"""Unknowns up to which all modes are computed; beyond, the dense eigenproblem takes minutes and gigabytes."""
+
+
+def elastic_modes(structure: Structure, damping: Damping) -> Modes:
+    """All modes but the six rigid ones, K phi = omega^2 M phi, seen at the interfaces.
+
+    `MethodError` above `LIMIT` unknowns.
+    """
+    if structure.n_u > LIMIT:
+        raise MethodError(f"impulse.method modal takes up to {LIMIT} unknowns, found {structure.n_u}: use method march")
+    values, vectors = eigh(structure.K.toarray(), structure.M.toarray(), overwrite_a=True, overwrite_b=True)
+    if values[6] <= 1e-13 * values[-1]:
+        raise MeshError(
+            f"expected six zero modes, found {int((values <= 1e-13 * values[-1]).sum())}: the body is a mechanism, "
+            f"eigenvalues {values[:8].tolist()}"
+        )
+    shapes = project(vectors[:, 6:], structure.U, structure.M)
+    # The solver's eigenvalues carry rounding of the size of the largest; Rayleigh's quotient, of their own size.
+    squares = np.einsum("im,im->m", shapes, structure.K @ shapes) / np.einsum("im,im->m", shapes, structure.M @ shapes)
+    omega = np.sqrt(squares)
+    return Modes(omega, damping_ratios(damping, omega), structure.P_C @ shapes)

@@ -1,0 +1,111 @@
+"""The finite element model that kernels are computed from: mesh, matrices, rigid modes and interfaces."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from ..superelement import Interface
+from ..superelement.validation import Array
+from .beam import beam_matrices, node_dofs
+from .body import Body, Section
+from .connectivity import check_connected, check_used
+from .errors import BodyError
+from .interfaces import Attachment, beam_attachment
+from .mesh import IntArray, Mesh, read_mesh
+from .nodes import Nodes
+from .rigid import RigidModes, relieve, rigid_modes
+
+
+@dataclass(frozen=True, eq=False)
+class Structure:
+    """M u'' + K u = P_C^T p, free in space.
+
+    nodes: the points of the dofs; K [N/m ...] and M [kg ...] (n_u, n_u) sparse and symmetric; rigid: the rigid modes
+    about the centre of mass; interfaces, and P_C (n_c, n_u) sparse: u_C = P_C u, so that P_C^T p is the load of
+    interface forces p. All in mesh axes.
+    """
+
+    nodes: Nodes
+    K: Any
+    M: Any
+    rigid: RigidModes
+    interfaces: tuple[Interface, ...]
+    P_C: Any
+
+    @property
+    def n_u(self) -> int:
+        return int(self.M.shape[0])
+
+    @property
+    def U(self) -> Array:
+        """Rigid modes (n_u, 6) with U^T M U = I."""
+        return self.rigid.U
+
+    @cached_property
+    def loads(self) -> Array:
+        """P^T P_C^T (n_u, n_c): unit loads at the interfaces, made free of rigid acceleration."""
+        return relieve(self.P_C.T.toarray(), self.U, self.M)
+
+
+def assemble(body: Body) -> Structure:
+    """The finite element model of a body, from its mesh file."""
+    return assemble_mesh(body, read_mesh(body.mesh))
+
+
+def assemble_mesh(body: Body, mesh: Mesh) -> Structure:
+    """The finite element model of a body on a mesh that is already read."""
+    check_used(mesh)
+    check_connected(mesh)
+    return _beam_structure(body, mesh)
+
+
+def _beam_structure(body: Body, mesh: Mesh) -> Structure:
+    n = len(mesh.points)
+    nodes = Nodes(mesh.points, np.ones(n, dtype=bool))
+    K, M = (_scatter(blocks, node_dofs(mesh.elements), 6 * n) for blocks in beam_matrices(mesh, _sections(body, mesh)))
+    attachments = [beam_attachment(name, selection, mesh, nodes) for name, selection in body.interfaces.items()]
+    return _structure(nodes, K, M, attachments)
+
+
+def _structure(nodes: Nodes, K: Any, M: Any, attachments: list[Attachment]) -> Structure:
+    rigid = rigid_modes(nodes, M)
+    interfaces = tuple(Interface(a.name, a.X - rigid.center, a.n_dofs == 6) for a in attachments)
+    P_C = sp.vstack([a.rows for a in attachments], format="csr")
+    return Structure(nodes, K, M, rigid, interfaces, P_C)
+
+
+def _sections(body: Body, mesh: Mesh) -> list[Section]:
+    """The section of every line."""
+    if body.section is not None:
+        return [body.section] * len(mesh.elements)
+    if not body.sections:
+        raise BodyError(f"{mesh.name} is a mesh of lines: expected [section] or [sections.GROUP], found a material")
+    owner = owners(list(body.sections), mesh, "sections")
+    sections = list(body.sections.values())
+    return [sections[i] for i in owner]
+
+
+def owners(groups: list[str], mesh: Mesh, key: str) -> IntArray:
+    """For every element (n,) which of `groups` it is in; `BodyError` unless it is in exactly one."""
+    members = np.zeros((len(groups), len(mesh.elements)), dtype=bool)
+    for i, name in enumerate(groups):
+        members[i, mesh.group(name).cells.get(mesh.body_type, [])] = True
+    count = members.sum(axis=0)
+    if (count != 1).any():
+        element = int(np.flatnonzero(count != 1)[0])
+        raise BodyError(
+            f"{mesh.name}: every element must be in exactly one of the groups of [{key}] ({', '.join(groups)}): "
+            f"{(count == 0).sum()} are in none and {(count > 1).sum()} in several, first element {element}"
+        )
+    return np.argmax(members, axis=0)
+
+
+def _scatter(blocks: Array, dofs: IntArray, n_dofs: int) -> Any:
+    """The sum of element matrices (n, k, k) in rows and columns `dofs` (n, k), symmetric to the last bit."""
+    rows = np.broadcast_to(dofs[:, :, None], blocks.shape)
+    columns = np.broadcast_to(dofs[:, None, :], blocks.shape)
+    matrix = sp.coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(n_dofs, n_dofs)).tocsc()
+    return 0.5 * (matrix + matrix.T)
