@@ -7,7 +7,7 @@ import numpy as np
 from ..superelement.validation import Array
 from .body import Section
 from .errors import MeshError
-from .mesh import IntArray, Mesh
+from .mesh import Mesh
 
 VERTICAL = 1e-3
 """Sine of the angle to e_z below which a beam counts as vertical."""
@@ -126,8 +126,9 @@ def _bending_stiffness(L: Array, EI: Array, Phi: Array) -> Array:
     s, a, b = 6.0 * L, (4.0 + Phi) * L**2, (2.0 - Phi) * L**2
     rows = [[12.0 * one, s, -12.0 * one, s], [zero, a, -s, b], [zero, zero, 12.0 * one, -s], [zero, zero, zero, a]]
     upper = np.array(rows).transpose(2, 0, 1)
-    factor: Array = EI / (L**3 * (1.0 + Phi))
-    return factor[:, None, None] * (upper + np.triu(upper, 1).transpose(0, 2, 1))
+    factor = EI / (L**3 * (1.0 + Phi))
+    matrix: Array = factor[:, None, None] * (upper + np.triu(upper, 1).transpose(0, 2, 1))
+    return matrix
 
 
 def _local_mass(L: Array, p: BeamProperties) -> Array:
@@ -170,8 +171,3 @@ def _bending_shapes(xi: float, L: Array, Phi: Array) -> tuple[Array, Array]:
         ]
     )
     return (N / (1.0 + Phi)).T, (T / (1.0 + Phi)).T
-
-
-def node_dofs(cells: IntArray) -> IntArray:
-    """The dofs (n, 12) of lines (n, 2), six to a node."""
-    return (6 * cells[:, :, None] + np.arange(6)).reshape(len(cells), 12)

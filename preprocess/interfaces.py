@@ -9,25 +9,29 @@ import scipy.sparse as sp
 from ..superelement.validation import Array
 from .body import InterfaceSelection
 from .errors import InterfaceError
-from .mesh import IntArray, Mesh
+from .facets import Facets
+from .mesh import DIMENSIONS, IntArray, Mesh
 from .nodes import Nodes
+
+LINE = 1e-6
+"""Second radius of a set of points over the first, below which they lie on a line and cannot carry a moment."""
 
 
 @dataclass(frozen=True, eq=False)
 class Attachment:
     """An interface on the dofs of the mesh: u_C = rows @ u, with rows (3 or 6, n_u) sparse and the frame at X (3,).
 
-    `slaves` are the nodes that follow the frame as one rigid piece; None where nothing is tied.
+    `tied` are the nodes that follow the frame as one rigid piece; none where the frame follows the nodes.
     """
 
     name: str
     X: Array
     rows: Any
-    slaves: IntArray | None = None
+    tied: IntArray
 
     @property
-    def n_dofs(self) -> int:
-        return int(self.rows.shape[0])
+    def rotates(self) -> bool:
+        return bool(self.rows.shape[0] == 6)
 
 
 def nodal(name: str, node: int, nodes: Nodes) -> Attachment:
@@ -35,7 +39,7 @@ def nodal(name: str, node: int, nodes: Nodes) -> Attachment:
     n_dofs = 6 if nodes.rotations[node] else 3
     columns = nodes.first[node] + np.arange(n_dofs)
     rows = sp.csr_array((np.ones(n_dofs), (np.arange(n_dofs), columns)), shape=(n_dofs, nodes.n_dofs))
-    return Attachment(name, nodes.points[node], rows)
+    return Attachment(name, nodes.points[node], rows, tied=np.zeros(0, dtype=np.int64))
 
 
 def beam_attachment(name: str, selection: InterfaceSelection, mesh: Mesh, nodes: Nodes) -> Attachment:
@@ -46,7 +50,7 @@ def beam_attachment(name: str, selection: InterfaceSelection, mesh: Mesh, nodes:
         raise InterfaceError(
             f"interfaces.{name}: a mesh of lines has no facets to select by a plane; use node or group"
         )
-    members = group_nodes(mesh, selection.group)
+    members = _group_nodes(mesh, selection.group)
     if len(members) != 1:
         raise InterfaceError(
             f"interfaces.{name}: expected a group of one node on a mesh of lines, found {len(members)} nodes "
@@ -69,8 +73,66 @@ def nearest_node(name: str, selection: InterfaceSelection, mesh: Mesh) -> int:
     return node
 
 
-def group_nodes(mesh: Mesh, name: str) -> IntArray:
+def solid_attachment(name: str, selection: InterfaceSelection, mesh: Mesh, nodes: Nodes, facets: Facets) -> Attachment:
+    """An interface of a solid: a node with three dofs, or a frame with six that facets or points carry."""
+    from .surface import mean_motion, mean_motion_of_points, surface
+
+    if selection.node is not None:
+        return nodal(name, nearest_node(name, selection, mesh), nodes)
+    patch = _selected_facets(name, selection, mesh, facets)
+    if len(patch):
+        faces = surface(mesh.points, patch)
+        members = np.unique(patch)
+        X = faces.centroid if selection.at is None else np.array(selection.at)
+        _check_spread(name, mesh.points[members])
+        rows = mean_motion(faces, X, nodes)
+    else:
+        members = _group_nodes(mesh, selection.group or "")
+        X = mesh.points[members].mean(axis=0) if selection.at is None else np.array(selection.at)
+        if len(members) == 1:
+            return nodal(name, int(members[0]), nodes)
+        _check_spread(name, mesh.points[members])
+        rows = mean_motion_of_points(members, X, nodes)
+    tied = members if selection.kind == "rigid" else members[:0]
+    return Attachment(name, X, rows, tied)
+
+
+def _selected_facets(name: str, selection: InterfaceSelection, mesh: Mesh, facets: Facets) -> IntArray:
+    """The facets (m, k) of a plane or a group; none if the group is of points."""
+    if selection.plane is not None:
+        plane = selection.plane
+        distance = plane.tolerance * mesh.size
+        found = facets.in_plane(mesh.points, np.array(plane.point), np.array(plane.normal), distance)
+        if not len(found):
+            raise InterfaceError(
+                f"interfaces.{name}: no facet of the boundary lies within {distance:.3g} m of the plane through "
+                f"{list(plane.point)} with normal {list(plane.normal)}"
+            )
+        return found
+    group = mesh.group(selection.group or "")
+    dimensions = {DIMENSIONS.get(kind, 3) for kind in group.cells}
+    if dimensions == {2}:
+        return np.vstack([facets.matching(mesh.cells[kind][rows]) for kind, rows in group.cells.items()])
+    if dimensions <= {0}:
+        return facets.nodes[:0]
+    raise InterfaceError(
+        f"interfaces.{name}: expected a group of facets or of points, found {', '.join(group.kinds)} "
+        f"in {selection.group!r}"
+    )
+
+
+def _group_nodes(mesh: Mesh, name: str) -> IntArray:
     """All nodes of a group, each once."""
     group = mesh.group(name)
     parts = [mesh.cells[kind][rows].ravel() for kind, rows in group.cells.items()]
     return np.unique(np.concatenate([*parts, group.points]))
+
+
+def _check_spread(name: str, points: Array) -> None:
+    """Three points that are not on a line, or there is no rotation to speak of."""
+    radii = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    if len(points) < 3 or radii[1] <= LINE * radii[0]:
+        raise InterfaceError(
+            f"interfaces.{name}: a frame needs three nodes that are not on a line, found {len(points)} nodes "
+            f"from {points.min(axis=0).tolist()} to {points.max(axis=0).tolist()}; use node for a single one"
+        )

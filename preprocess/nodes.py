@@ -57,3 +57,8 @@ def spider(arms: Array) -> Array:
     o, one = np.zeros_like(x), np.ones_like(x)
     rows = [[one, o, o, o, z, -y], [o, one, o, -z, o, x], [o, o, one, y, -x, o]]
     return np.array(rows).transpose(2, 0, 1)
+
+
+def node_dofs(cells: IntArray, per_node: int) -> IntArray:
+    """The dofs (n, k * per_node) of elements (n, k) whose nodes all have `per_node` dofs."""
+    return (per_node * cells[:, :, None] + np.arange(per_node)).reshape(len(cells), -1)

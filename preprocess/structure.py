@@ -9,13 +9,15 @@ import scipy.sparse as sp
 
 from ..superelement import Interface
 from ..superelement.validation import Array
-from .beam import beam_matrices, node_dofs
-from .body import Body, Section
-from .connectivity import check_connected, check_used
+from .beam import beam_matrices
+from .body import Body, Material, Section
+from .connectivity import check_connected, check_no_mechanism, check_used
 from .errors import BodyError
-from .interfaces import Attachment, beam_attachment
-from .mesh import IntArray, Mesh, read_mesh
-from .nodes import Nodes
+from .facets import facets_of
+from .interfaces import Attachment, beam_attachment, solid_attachment
+from .mesh import LINES, IntArray, Mesh, read_mesh
+from .nodes import Nodes, node_dofs
+from .reduction import tie
 from .rigid import RigidModes, relieve, rigid_modes
 
 
@@ -59,21 +61,35 @@ def assemble_mesh(body: Body, mesh: Mesh) -> Structure:
     """The finite element model of a body on a mesh that is already read."""
     check_used(mesh)
     check_connected(mesh)
-    return _beam_structure(body, mesh)
+    return _beam_structure(body, mesh) if mesh.body_type in LINES else _solid_structure(body, mesh)
 
 
 def _beam_structure(body: Body, mesh: Mesh) -> Structure:
-    n = len(mesh.points)
-    nodes = Nodes(mesh.points, np.ones(n, dtype=bool))
-    K, M = (_scatter(blocks, node_dofs(mesh.elements), 6 * n) for blocks in beam_matrices(mesh, _sections(body, mesh)))
+    nodes = Nodes(mesh.points, np.ones(len(mesh.points), dtype=bool))
+    stiffness, mass = beam_matrices(mesh, _sections(body, mesh))
+    dofs = node_dofs(mesh.elements, 6)
+    K, M = _scatter(stiffness, dofs, nodes.n_dofs), _scatter(mass, dofs, nodes.n_dofs)
     attachments = [beam_attachment(name, selection, mesh, nodes) for name, selection in body.interfaces.items()]
-    return _structure(nodes, K, M, attachments)
+    return _structure(nodes, K, M, attachments, sp.vstack([a.rows for a in attachments], format="csr"))
 
 
-def _structure(nodes: Nodes, K: Any, M: Any, attachments: list[Attachment]) -> Structure:
+def _solid_structure(body: Body, mesh: Mesh) -> Structure:
+    from .solid import solid_matrices
+
+    facets = facets_of(mesh)
+    check_no_mechanism(mesh, facets)
+    nodes = Nodes(mesh.points, np.zeros(len(mesh.points), dtype=bool))
+    stiffness, mass = solid_matrices(mesh, _materials(body, mesh))
+    dofs = node_dofs(mesh.elements, 3)
+    attachments = [solid_attachment(name, choice, mesh, nodes, facets) for name, choice in body.interfaces.items()]
+    left, T, P_C = tie(nodes, attachments)
+    K, M = (T.T @ _scatter(blocks, dofs, nodes.n_dofs) @ T for blocks in (stiffness, mass))
+    return _structure(left, K.tocsc(), M.tocsc(), attachments, P_C)
+
+
+def _structure(nodes: Nodes, K: Any, M: Any, attachments: list[Attachment], P_C: Any) -> Structure:
     rigid = rigid_modes(nodes, M)
-    interfaces = tuple(Interface(a.name, a.X - rigid.center, a.n_dofs == 6) for a in attachments)
-    P_C = sp.vstack([a.rows for a in attachments], format="csr")
+    interfaces = tuple(Interface(a.name, a.X - rigid.center, a.rotates) for a in attachments)
     return Structure(nodes, K, M, rigid, interfaces, P_C)
 
 
@@ -83,12 +99,21 @@ def _sections(body: Body, mesh: Mesh) -> list[Section]:
         return [body.section] * len(mesh.elements)
     if not body.sections:
         raise BodyError(f"{mesh.name} is a mesh of lines: expected [section] or [sections.GROUP], found a material")
-    owner = owners(list(body.sections), mesh, "sections")
     sections = list(body.sections.values())
-    return [sections[i] for i in owner]
+    return [sections[i] for i in _owners(list(body.sections), mesh, "sections")]
 
 
-def owners(groups: list[str], mesh: Mesh, key: str) -> IntArray:
+def _materials(body: Body, mesh: Mesh) -> list[Material]:
+    """The material of every solid element."""
+    if body.material is not None:
+        return [body.material] * len(mesh.elements)
+    if not body.materials:
+        raise BodyError(f"{mesh.name} is a mesh of solids: expected [material] or [materials.GROUP], found a section")
+    materials = list(body.materials.values())
+    return [materials[i] for i in _owners(list(body.materials), mesh, "materials")]
+
+
+def _owners(groups: list[str], mesh: Mesh, key: str) -> IntArray:
     """For every element (n,) which of `groups` it is in; `BodyError` unless it is in exactly one."""
     members = np.zeros((len(groups), len(mesh.elements)), dtype=bool)
     for i, name in enumerate(groups):
@@ -100,7 +125,8 @@ def owners(groups: list[str], mesh: Mesh, key: str) -> IntArray:
             f"{mesh.name}: every element must be in exactly one of the groups of [{key}] ({', '.join(groups)}): "
             f"{(count == 0).sum()} are in none and {(count > 1).sum()} in several, first element {element}"
         )
-    return np.argmax(members, axis=0)
+    owner: IntArray = members.argmax(axis=0)
+    return owner
 
 
 def _scatter(blocks: Array, dofs: IntArray, n_dofs: int) -> Any:

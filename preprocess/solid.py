@@ -1,0 +1,116 @@
+"""Matrices of solid elements, all at once, by scikit-fem."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from skfem import (
+    BilinearForm,
+    CellBasis,
+    Element,
+    ElementHex1,
+    ElementHex2,
+    ElementHexS2,
+    ElementTetP1,
+    ElementTetP2,
+    ElementVector,
+    MappingIsoparametric,
+    MeshHex1,
+    MeshHex2,
+    MeshTet1,
+    MeshTet2,
+)
+from skfem.element import DiscreteField
+from skfem.helpers import ddot, dot, sym_grad, trace
+
+from ..superelement.validation import Array
+from .body import Material
+from .errors import MeshError
+from .mesh import Mesh
+
+FLAT = 1e-10
+"""The Jacobian of an element, relative to the cube of its diameter, below which it counts as degenerate."""
+
+
+@dataclass(repr=False)
+class MeshHexS2(MeshHex1):  # type: ignore[misc]
+    """A hexahedral mesh with curved edges, which scikit-fem has the element for."""
+
+    elem: type[Element] = field(default=ElementHexS2)
+
+
+# scikit-fem numbers the nodes of a hexahedron from (1, 1, 1); this is a turn, not a reflection, of meshio's numbering.
+_HEX = [4, 0, 7, 5, 3, 1, 6, 2, 16, 15, 12, 11, 8, 19, 14, 17, 13, 10, 9, 18, 20, 25, 22, 23, 24, 21, 26]
+
+
+@dataclass(frozen=True)
+class Kind:
+    """How scikit-fem sees a solid: mesh, element, its nodes as places in meshio's order, order of integration."""
+
+    mesh: type[Any]
+    element: type[Element]
+    order: list[int]
+    intorder: int
+
+
+# Integration is exact for stiffness and mass on straight-sided simplices and on parallelepipeds.
+KINDS = {
+    "tetra": Kind(MeshTet1, ElementTetP1, list(range(4)), 2),
+    "tetra10": Kind(MeshTet2, ElementTetP2, list(range(10)), 4),
+    "hexahedron": Kind(MeshHex1, ElementHex1, _HEX[:8], 5),
+    "hexahedron20": Kind(MeshHexS2, ElementHexS2, _HEX[:20], 5),
+    "hexahedron27": Kind(MeshHex2, ElementHex2, _HEX, 5),
+}
+
+
+@BilinearForm  # type: ignore[untyped-decorator]
+def _stiffness(u: Any, v: Any, w: Any) -> Any:
+    """2 mu eps(u) : eps(v) + lambda tr eps(u) tr eps(v)"""
+    strain, virtual = sym_grad(u), sym_grad(v)
+    return 2.0 * w["mu"] * ddot(strain, virtual) + w["lam"] * trace(strain) * trace(virtual)
+
+
+@BilinearForm  # type: ignore[untyped-decorator]
+def _mass(u: Any, v: Any, w: Any) -> Any:
+    return w["rho"] * dot(u, v)
+
+
+def solid_matrices(mesh: Mesh, materials: list[Material]) -> tuple[Array, Array]:
+    """Stiffness and consistent mass (n, 3k, 3k) of every solid element; three displacements to a node, meshio's order.
+
+    K_e = int B^T C B dV with Hooke's law of an isotropic material, M_e = int rho N^T N dV. `materials` has one material
+    per element. `MeshError` for an inverted or degenerate element.
+    """
+    kind = KINDS[mesh.body_type]
+    # Extra rows of nodes are reordered by scikit-fem itself; elements keep their order, and so their local matrices.
+    grid = kind.mesh(mesh.points.T, mesh.elements[:, kind.order].T)
+    mapping = MappingIsoparametric(grid, kind.element())
+    basis = CellBasis(grid, ElementVector(kind.element()), mapping, intorder=kind.intorder, disable_doflocs=True)
+    _check_jacobians(mesh, mapping.detDF(basis.X))
+
+    def constants(values: list[float]) -> DiscreteField:
+        return DiscreteField(np.broadcast_to(np.array(values)[:, None], basis.dx.shape))
+
+    lam = constants([m.E * m.nu / ((1.0 + m.nu) * (1.0 - 2.0 * m.nu)) for m in materials])
+    mu = constants([m.E / (2.0 * (1.0 + m.nu)) for m in materials])
+    K = _stiffness.elemental(basis, lam=lam, mu=mu).tolocal()
+    M = _mass.elemental(basis, rho=constants([m.rho for m in materials])).tolocal()
+
+    back = (3 * np.argsort(kind.order)[:, None] + np.arange(3)).ravel()
+    return K[:, back[:, None], back], M[:, back[:, None], back]
+
+
+def _check_jacobians(mesh: Mesh, jacobians: Array) -> None:
+    """Every element must keep its orientation and volume at all integration points; jacobians (n, q)."""
+    diameter = np.linalg.norm(np.ptp(mesh.points[mesh.elements], axis=1), axis=1)
+    worst = jacobians.min(axis=1) / diameter**3
+    bad = np.flatnonzero(worst <= FLAT)
+    if bad.size:
+        element = int(bad[0])
+        state = "inverted" if worst[element] < -FLAT else "degenerate"
+        groups = [name for name, g in mesh.groups.items() if element in g.cells.get(mesh.body_type, ())]
+        raise MeshError(
+            f"{mesh.name}: {mesh.body_type} element {element} of group {', '.join(groups) or '(none)'} is {state}: "
+            f"its Jacobian falls to {jacobians[element].min():.3e} m^3 at points {mesh.elements[element].tolist()}; "
+            f"{bad.size} elements are inverted or degenerate"
+        )

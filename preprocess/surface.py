@@ -1,0 +1,78 @@
+"""Integrals over facets in space: area, centroid, and the mean rigid motion of a surface."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from skfem import Element, ElementQuad1, ElementQuad2, ElementQuadS2, ElementTriP1, ElementTriP2
+from skfem.quadrature import get_quadrature
+
+from ..superelement.validation import Array
+from .mesh import IntArray
+from .nodes import Nodes, spider
+
+ELEMENTS = {3: ElementTriP1, 6: ElementTriP2, 4: ElementQuad1, 8: ElementQuadS2, 9: ElementQuad2}
+"""The shape functions of a facet by its number of nodes; meshio orders them as scikit-fem does."""
+ORDER = 5
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Facets ready to integrate: nodes (n, k), shape functions N (k, q), points x (n, q, 3), areas dA (n, q) [m^2]."""
+
+    nodes: IntArray
+    N: Array
+    x: Array
+    dA: Array
+
+    @property
+    def area(self) -> float:
+        return float(self.dA.sum())
+
+    @property
+    def centroid(self) -> Array:
+        """The centroid of the area (3,)."""
+        moment: Array = np.einsum("fq,fqi->i", self.dA, self.x)
+        return moment / self.area
+
+
+def surface(points: Array, facets: IntArray) -> Surface:
+    """The isoparametric surface of facets (n, k) over points (n_points, 3)."""
+    element: Element = ELEMENTS[facets.shape[1]]()
+    xi, weights = get_quadrature(element.refdom, ORDER)
+    values = [element.lbasis(xi, i) for i in range(facets.shape[1])]
+    N = np.array([np.broadcast_to(value, weights.shape) for value, _ in values])
+    dN = np.array([np.broadcast_to(gradient, xi.shape) for _, gradient in values])
+    corners = points[facets]
+    tangents = np.einsum("kdq,fki->dfqi", dN, corners)
+    dA = np.linalg.norm(np.cross(tangents[0], tangents[1]), axis=-1) * weights
+    return Surface(facets, N, np.einsum("kq,fki->fqi", N, corners), dA)
+
+
+def mean_motion(patch: Surface, X: Array, nodes: Nodes) -> Any:
+    """D (6, n_dofs) sparse: the rigid motion about X nearest to that of the surface, q = D u.
+
+        int |u - A q|^2 dA least:   D = (int A^T A dA)^-1 int A^T N dA,   A = [I, -(x - X)~]
+
+    so D A = I, and a load p on the frame becomes the traction A (int A^T A dA)^-1 p, linear over the surface as the
+    stress in a beam. With nodal areas int N_i dA as weights (methods 5.1) the corners of quadratic facets would weigh
+    nothing, or less; the integral needs no such weights, and differs only in how a facet shares load among its nodes.
+    """
+    A = spider((patch.x - X).reshape(-1, 3)).reshape(*patch.x.shape, 6)
+    blocks = np.einsum("fqij,kq,fq->fkij", A, patch.N, patch.dA)
+    return fitted(blocks.reshape(-1, 3, 6), patch.nodes.ravel(), X, nodes)
+
+
+def mean_motion_of_points(members: IntArray, X: Array, nodes: Nodes) -> Any:
+    """D (6, n_dofs) sparse as `mean_motion`, of single nodes that all weigh the same."""
+    return fitted(spider(nodes.points[members] - X), members, X, nodes)
+
+
+def fitted(blocks: Array, members: IntArray, X: Array, nodes: Nodes) -> Any:
+    """(sum B_i^T A_i)^-1 [B_i^T] for weighted arms B_i (n, 3, 6) of nodes `members`, on which D A = I to rounding."""
+    G = np.einsum("nij,nik->jk", blocks, spider(nodes.points[members] - X))
+    D = np.linalg.solve(G, blocks.transpose(2, 0, 1).reshape(6, -1))
+    columns = nodes.displacements[members].ravel()
+    rows = np.repeat(np.arange(6), len(columns))
+    return sp.coo_array((D.ravel(), (rows, np.tile(columns, 6))), shape=(6, nodes.n_dofs)).tocsr()
