@@ -1,0 +1,58 @@
+"""The compiler of the time loop: numba, cached on disk, so that a machine compiles once.
+
+With NUMBA_DISABLE_JIT=1 in the environment everything here runs as plain Python, for debugging and coverage.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numba
+import numpy as np
+from numba.core import config
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+FOLDER = Path(__file__).parent
+
+
+def compiled(function: Function) -> Function:
+    """Compile on first call. Sums may be reordered (for vector instructions), nothing else is relaxed."""
+    jit: Any = numba.njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
+    jitted: Function = jit(function)
+    return jitted
+
+
+def as_index(values: Any) -> Index:
+    """Integers as the compiled code expects them."""
+    return np.array(values, dtype=np.int64).reshape(-1)
+
+
+def as_rows(vectors: Any) -> Array:
+    """Three-vectors (n, 3) as the compiled code expects them, n = 0 included."""
+    return np.array(vectors, dtype=np.float64).reshape(-1, 3)
+
+
+def is_cached() -> bool:
+    """Whether this machine holds compiled code for the present sources."""
+    if config.DISABLE_JIT:
+        return True
+    return any(_cache_folder().glob("loop.advance-*.nbi"))
+
+
+def discard_stale_cache() -> None:
+    """Delete compiled code older than any source file of the solver.
+
+    numba looks at the file of a function alone, not at those of the functions that it calls.
+    """
+    newest = max(path.stat().st_mtime for path in FOLDER.glob("*.py"))
+    for index in _cache_folder().glob("*.nbi"):
+        if index.stat().st_mtime < newest:
+            index.unlink(missing_ok=True)
+
+
+def _cache_folder() -> Path:
+    return FOLDER / "__pycache__"

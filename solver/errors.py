@@ -1,0 +1,21 @@
+"""What can go wrong, one exception per kind of failure."""
+
+
+class ModelError(ValueError):
+    """A model that contradicts itself; the message names the body, joint or load."""
+
+
+class ConvergenceError(RuntimeError):
+    """Newton's method did not converge in a time step.
+
+    step, time [s]; residual: of equilibrium and constraints, relative to what the tolerance is measured against;
+    joint: the name of the joint that is most open, `opening` [m or rad] how far.
+    """
+
+    def __init__(self, step: int, time: float, residual: float, tolerance: float, joint: str, opening: float) -> None:
+        self.step, self.time, self.residual, self.joint, self.opening = step, time, residual, joint, opening
+        worst = f"; the most open joint is {joint!r}, by {opening:.3e}" if joint else ""
+        super().__init__(
+            f"no convergence in step {step} (t = {time:.9g} s): relative residual {residual:.3e}, "
+            f"tolerance {tolerance:.1e}{worst}; try a smaller step"
+        )

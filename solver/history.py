@@ -1,0 +1,131 @@
+"""The convolution of interface loads with impulse responses, one step at a time, in two exact forms.
+
+    recursive: the modes carry the history; a step costs the number of modes
+    direct:    the sum over all past loads; a step costs its own number
+
+Both give u_{n+1} = history + weight G_0 p_{n+1}, with history complete before p_{n+1} is known. `weight` is 1 for
+the consistent rule (methods 2.1) and 1/2 for eq. (55) of the paper, which convolves the mean of p_n and p_{n+1}.
+"""
+
+from .compiled import Array, compiled
+from .system import Elastic, Scheme, State
+
+
+@compiled
+def recall(elastic: Elastic, scheme: Scheme, state: State, history: Array) -> None:
+    """Start step n + 1: `history` (n_u,), the displacements that past loads alone would give."""
+    _coast(elastic, scheme, state)
+    n = state.step[0] + 1
+    for e in range(len(elastic.body)):
+        first, last = elastic.dof[e], elastic.dof[e + 1]
+        if elastic.mode_range[e] < elastic.mode_range[e + 1]:
+            _sum_modes(elastic, e, state.eta, history)
+        else:
+            _convolve(elastic, scheme, e, n, state.p_history, history)
+        if scheme.weight != 1.0:
+            for i in range(first, last):
+                for c in range(elastic.active_range[e], elastic.active_range[e + 1]):
+                    k = elastic.active[c]
+                    history[i] += (1.0 - scheme.weight) * instantaneous(elastic, e, i - first, k - first) * state.p[k]
+
+
+@compiled
+def remember(elastic: Elastic, scheme: Scheme, state: State, p_n: Array) -> None:
+    """End step n + 1: take in the loads state.p = p_{n+1}, given those of the step before."""
+    weight = scheme.weight
+    for e in range(len(elastic.body)):
+        first = elastic.dof[e]
+        begin, end = elastic.mode_range[e], elastic.mode_range[e + 1]
+        for c in range(elastic.active_range[e], elastic.active_range[e + 1]):
+            k = elastic.active[c]
+            load = weight * state.p[k] + (1.0 - weight) * p_n[k]
+            if len(state.p_history):
+                state.p_history[state.step[0] + 1, k] = load
+            if load != 0.0 and begin < end:
+                _push(elastic, scheme, state, e, k - first, load)
+
+
+@compiled
+def instantaneous(elastic: Elastic, e: int, i: int, j: int) -> float:
+    """Entry (i, j) of G_0 of flexible body e."""
+    n_c = elastic.dof[e + 1] - elastic.dof[e]
+    return elastic.G_0[elastic.G_0_start[e] + i * n_c + j]
+
+
+@compiled
+def respond(elastic: Elastic, scheme: Scheme, history: Array, p: Array, u: Array) -> None:
+    """u = history + weight G_0 p at all interface dofs."""
+    for e in range(len(elastic.body)):
+        first = elastic.dof[e]
+        for i in range(first, elastic.dof[e + 1]):
+            u[i] = history[i]
+            for c in range(elastic.active_range[e], elastic.active_range[e + 1]):
+                k = elastic.active[c]
+                u[i] += scheme.weight * instantaneous(elastic, e, i - first, k - first) * p[k]
+
+
+@compiled
+def _coast(elastic: Elastic, scheme: Scheme, state: State) -> None:
+    """Advance all modes by one step without load (methods 2.1)."""
+    h, alpha_m, alpha_f, beta, gamma = scheme.h, scheme.alpha_m, scheme.alpha_f, scheme.beta, scheme.gamma
+    ratio = (1.0 - alpha_m) / (1.0 - alpha_f)
+    for i in range(len(elastic.stiffness)):
+        a = state.eta_a[i]
+        eta = state.eta[i] + h * state.eta_rate[i] + h * h * (0.5 - beta) * a
+        rate = state.eta_rate[i] + h * (1.0 - gamma) * a
+        carried = (alpha_m * a - alpha_f * state.eta_acceleration[i]) / (1.0 - alpha_f)
+        a = -(elastic.stiffness[i] * eta + elastic.damping[i] * rate + carried) / elastic.pivot[i]
+        state.eta[i] = eta + beta * h * h * a
+        state.eta_rate[i] = rate + gamma * h * a
+        state.eta_acceleration[i] = ratio * a + carried
+        state.eta_a[i] = a
+
+
+@compiled
+def _push(elastic: Elastic, scheme: Scheme, state: State, e: int, c: int, load: float) -> None:
+    """Add the effect of a load on dof c of body e, acting at the end of the step, to the modes that have coasted."""
+    h = scheme.h
+    ratio = (1.0 - scheme.alpha_m) / (1.0 - scheme.alpha_f)
+    displacement, velocity = scheme.beta * h * h, scheme.gamma * h
+    begin, end = elastic.mode_range[e], elastic.mode_range[e + 1]
+    start = elastic.phi_start[e] + c * (end - begin)
+    for i in range(end - begin):
+        a = elastic.phi[start + i] * load / elastic.pivot[begin + i]
+        state.eta[begin + i] += displacement * a
+        state.eta_rate[begin + i] += velocity * a
+        state.eta_acceleration[begin + i] += ratio * a
+        state.eta_a[begin + i] += a
+
+
+@compiled
+def _sum_modes(elastic: Elastic, e: int, eta: Array, out: Array) -> None:
+    """out = phi eta on the dofs of body e"""
+    first, last = elastic.dof[e], elastic.dof[e + 1]
+    begin, end = elastic.mode_range[e], elastic.mode_range[e + 1]
+    m = end - begin
+    for c in range(last - first):
+        start = elastic.phi_start[e] + c * m
+        total = 0.0
+        for i in range(m):
+            total += elastic.phi[start + i] * eta[begin + i]
+        out[first + c] = total
+
+
+@compiled
+def _convolve(elastic: Elastic, scheme: Scheme, e: int, n: int, p: Array, out: Array) -> None:
+    """out = g_initial[n] p_0 + sum_{j=1..n-1} g[n-j] p_j on the dofs of body e"""
+    first, last = elastic.dof[e], elastic.dof[e + 1]
+    n_c = last - first
+    start = elastic.g_start[e]
+    for c in range(n_c):
+        total = 0.0
+        for m in range(n_c):
+            total += elastic.g_initial[start + (n * n_c + c) * n_c + m] * p[0, first + m]
+        out[first + c] = total
+    for j in range(1, n):
+        lag = start + (n - j) * n_c * n_c
+        for c in range(n_c):
+            total = 0.0
+            for m in range(n_c):
+                total += elastic.g[lag + c * n_c + m] * p[j, first + m]
+            out[first + c] += total

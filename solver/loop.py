@@ -1,0 +1,179 @@
+"""The time loop: generalized-alpha on the rotation group, methods 2.5 and 5.4. Compiled, and free of allocations."""
+
+from .compiled import Array, compiled
+from .frames import move_frames, wrench
+from .history import recall, remember, respond
+from .loads import load_vector
+from .newton import correct, evaluate, relative_residual, set_rotation
+from .rotations import quaternion_exponential, quaternion_product, relative_rotation
+from .system import Inputs, Loads, Output, Scheme, State, System, Workspace
+from .vectors import dot, rotate, row
+
+
+@compiled
+def advance(
+    system: System, frame_quaternions: Array, inputs: Inputs, state: State, work: Workspace, output: Output
+) -> int:
+    """Take one step per row of the inputs; return how many were taken: fewer than asked where Newton failed."""
+    scheme = system.scheme
+    for k in range(len(inputs.load)):
+        loads, drive = inputs.load[k], inputs.drive[k]
+        _begin(system, state, work)
+        recall(system.elastic, scheme, state, work.history)
+        _predict(scheme, state, work)
+        iterations = 0
+        while True:
+            evaluate(system, loads, drive, state, work)
+            residual = relative_residual(system, state, work)
+            if residual <= scheme.tolerance and iterations > 0:
+                break
+            if iterations == scheme.max_iterations or not correct(system, loads, drive, state, work):
+                output.iterations[k] = iterations
+                output.residual[k] = residual
+                return k
+            iterations += 1
+        respond(system.elastic, scheme, work.history, state.p, state.u)
+        remember(system.elastic, scheme, state, work.p_n)
+        _finish(scheme, state)
+        account(system, loads, drive, state, work)
+        state.step[0] += 1
+        output.iterations[k] = iterations
+        output.residual[k] = residual
+        record(system, frame_quaternions, k, state, work, output)
+    return len(inputs.load)
+
+
+@compiled
+def _begin(system: System, state: State, work: Workspace) -> None:
+    """Keep what the step will need of its start."""
+    work.quaternion[:] = state.quaternion
+    work.u_n[:] = state.u
+    work.p_n[:] = state.p
+    for m in range(len(system.loads.frame)):
+        f = system.loads.frame[m]
+        work.load_position[m] = work.r[f]
+        work.load_axes[m] = work.D[f]
+
+
+@compiled
+def _predict(scheme: Scheme, state: State, work: Workspace) -> None:
+    """Eqs (66)-(70) with v_dot = 0 and lambda = lambda_n; a becomes a*, psi the predicted rotation increment."""
+    h, beta, gamma = scheme.h, scheme.beta, scheme.gamma
+    for b in range(len(state.x)):
+        for i in range(6):
+            a_n = state.a[b, i]
+            a = (scheme.alpha_f * state.v_dot[b, i] - scheme.alpha_m * a_n) / (1.0 - scheme.alpha_m)
+            change = h * state.v[b, i] + h * h * ((0.5 - beta) * a_n + beta * a)
+            if i < 3:
+                state.x[b, i] += change
+            else:
+                work.psi[b, i - 3] = change
+            state.v[b, i] += h * ((1.0 - gamma) * a_n + gamma * a)
+            state.v_dot[b, i] = 0.0
+            state.a[b, i] = a
+        set_rotation(b, state, work)
+
+
+@compiled
+def _finish(scheme: Scheme, state: State) -> None:
+    """a_{n+1} = a* + (1 - alpha_f) / (1 - alpha_m) v_dot_{n+1}"""
+    ratio = (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
+    for b in range(len(state.a)):
+        for i in range(6):
+            state.a[b, i] += ratio * state.v_dot[b, i]
+
+
+@compiled
+def account(system: System, loads: Array, drive: Array, state: State, work: Workspace) -> None:
+    """Add the work of the step: trapezoidal means of loads times displacements.
+
+    Elastic energy: that of the interface loads p . du (methods 7). Drives: -lambda dphi/ds ds.
+    """
+    elastic = system.elastic
+    for i in range(len(elastic.active)):
+        k = elastic.active[i]
+        state.elastic_energy[0] += 0.5 * (state.p[k] + work.p_n[k]) * (state.u[k] - work.u_n[k])
+    _account_loads(system.loads, loads, state, work)
+    for i in range(len(state.lam)):
+        d = system.joints.drive[i]
+        if d >= 0:
+            force = -state.lam[i] * work.drive_slope[i]
+            state.work[0] += 0.5 * (force + state.drive_force[d]) * (drive[d] - state.drive[d])
+            state.drive_force[d] = force
+            state.drive[d] = drive[d]
+
+
+@compiled
+def _account_loads(loads: Loads, values: Array, state: State, work: Workspace) -> None:
+    turn = work.q_temp[:3]
+    for m in range(len(loads.frame)):
+        f = loads.frame[m]
+        vector = load_vector(loads, m, values[m], work)
+        if loads.torque[m]:
+            relative_rotation(work.load_axes[m], work.D[f], turn)
+        else:
+            for i in range(3):
+                turn[i] = work.r[f, i] - work.load_position[m, i]
+        for i in range(3):
+            state.work[0] += 0.5 * (vector[i] + state.load_vector[m, i]) * turn[i]
+            state.load_vector[m, i] = vector[i]
+
+
+@compiled
+def record(
+    system: System, frame_quaternions: Array, k: int, state: State, work: Workspace, output: Output
+) -> None:
+    """Write the present state into row k of the output."""
+    frames = system.frames
+    move_frames(frames, len(frames.body), state, work)
+    output.x[k] = state.x
+    output.R[k] = state.quaternion
+    output.v[k] = state.v
+    output.v_dot[k] = state.v_dot
+    output.frame_position[k] = work.r
+    for f in range(len(frames.body)):
+        dof = frames.dof[f]
+        n = 0 if dof < 0 else 3 + 3 * frames.rotations[f]
+        for i in range(6):
+            output.frame_u[k, f, i] = state.u[dof + i] if i < n else 0.0
+        force, moment = wrench(work, f)
+        for i in range(3):
+            output.frame_force[k, f, i] = force[i]
+            output.frame_force[k, f, 3 + i] = moment[i]
+        _frame_rotation(system, frame_quaternions, f, n == 6, state, work, output.frame_rotation[k, f])
+    output.multipliers[k] = state.lam
+    output.joint_wrench[k] = work.joint_wrench
+    _energies(system, state, output.energy[k])
+
+
+@compiled
+def _frame_rotation(
+    system: System, frame_quaternions: Array, f: int, small: bool, state: State, work: Workspace, out: Array
+) -> None:
+    """The quaternion of D = R exp(skew(w)) D_0."""
+    b, dof = system.frames.body[f], system.frames.dof[f]
+    if b < 0:
+        out[:] = frame_quaternions[f]
+    elif small:
+        body = work.m_temp.reshape(9)[:4]
+        quaternion_exponential(state.u[dof + 3 : dof + 6], work.q_temp)
+        quaternion_product(state.quaternion[b], work.q_temp, body)
+        quaternion_product(body, frame_quaternions[f], out)
+    else:
+        quaternion_product(state.quaternion[b], frame_quaternions[f], out)
+
+
+@compiled
+def _energies(system: System, state: State, out: Array) -> None:
+    """Kinetic energy of the rigid motion, elastic energy (vibration included), potential of gravity, work."""
+    bodies = system.bodies
+    kinetic, potential = 0.0, 0.0
+    for b in range(len(bodies.mass)):
+        velocity, omega = row(state.v, b), (state.v[b, 3], state.v[b, 4], state.v[b, 5])
+        kinetic += 0.5 * bodies.mass[b] * dot(velocity, velocity)
+        kinetic += 0.5 * dot(omega, rotate(bodies.J_rot, b, omega))
+        potential -= bodies.mass[b] * dot(row(state.x, b), (bodies.gravity[0], bodies.gravity[1], bodies.gravity[2]))
+    out[0] = kinetic
+    out[1] = state.elastic_energy[0]
+    out[2] = potential
+    out[3] = state.work[0]

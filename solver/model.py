@@ -1,0 +1,219 @@
+"""What a multibody model is: bodies with frames, joints and loads between frames. Frozen, and checked when made."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..superelement import Superelement
+from .compiled import Array
+from .errors import ModelError
+from .joints import Joint
+from .signals import Signal
+
+GROUND = "ground"
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """A point and three axes fixed in a body: position (3,) [m] and rotation vector (3,) [rad] in body axes."""
+
+    position: Array = field(default_factory=lambda: np.zeros(3))
+    rotation: Array = field(default_factory=lambda: np.zeros(3))
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "position", vector("position", self.position))
+        object.__setattr__(self, "rotation", vector("rotation", self.rotation))
+
+
+@dataclass(frozen=True)
+class Place:
+    """Put a body so that its `frame` coincides, axes included, with the frame `on` ("BODY.FRAME") of another."""
+
+    frame: str
+    on: str
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Where a body starts and how fast.
+
+    Either `position` (3,) of the centre of mass [m] and `rotation` vector (3,) [rad] in space, or `place`.
+    velocity (3,) of the centre of mass in space [m/s]; angular_velocity (3,) in body axes [rad/s].
+    """
+
+    position: Array = field(default_factory=lambda: np.zeros(3))
+    rotation: Array = field(default_factory=lambda: np.zeros(3))
+    place: Place | None = None
+    velocity: Array = field(default_factory=lambda: np.zeros(3))
+    angular_velocity: Array = field(default_factory=lambda: np.zeros(3))
+
+    def __post_init__(self) -> None:
+        for name in ("position", "rotation", "velocity", "angular_velocity"):
+            object.__setattr__(self, name, vector(name, getattr(self, name)))
+        if self.place is not None and (self.position.any() or self.rotation.any()):
+            raise ModelError("a body starts by `place` or by `position` and `rotation`, got both")
+
+
+@dataclass(frozen=True, eq=False)
+class RigidBody:
+    """mass [kg]; inertia about the centre of mass in body axes, (3,) principal or (3, 3) [kg m^2]; named frames."""
+
+    mass: float
+    inertia: Array
+    frames: Mapping[str, Frame] = field(default_factory=dict)
+    start: Start = field(default_factory=Start)
+
+    def __post_init__(self) -> None:
+        if not self.mass > 0.0:
+            raise ModelError(f"mass: expected a positive number, got {self.mass}")
+        inertia = np.asarray(self.inertia, dtype=float)
+        if inertia.shape == (3,):
+            inertia = np.diag(inertia)
+        if inertia.shape != (3, 3) or not np.allclose(inertia, inertia.T, rtol=1e-9, atol=0.0):
+            raise ModelError(f"inertia: expected three principal values or a symmetric 3x3 matrix, got {self.inertia}")
+        if not np.linalg.eigvalsh(inertia).min() > 0.0:
+            raise ModelError(f"inertia: expected positive principal values, got {np.linalg.eigvalsh(inertia).tolist()}")
+        object.__setattr__(self, "inertia", inertia)
+
+
+@dataclass(frozen=True, eq=False)
+class FlexibleBody:
+    """A superelement that moves; its frames are its interfaces. `source` is the path of its file, if it has one."""
+
+    superelement: Superelement
+    start: Start = field(default_factory=Start)
+    source: str = ""
+
+    @property
+    def mass(self) -> float:
+        return self.superelement.mass
+
+    @property
+    def inertia(self) -> Array:
+        return self.superelement.J_rot
+
+    @property
+    def frames(self) -> Mapping[str, Frame]:
+        return {interface.name: Frame(interface.X) for interface in self.superelement.interfaces}
+
+
+Body = RigidBody | FlexibleBody
+
+
+@dataclass(frozen=True, eq=False)
+class Load:
+    """A force [N] or torque [N m] on a frame: signal(t) times `direction`, whose length counts.
+
+    `direction` (3,) is in space, or in the axes of the frame when the load follows it.
+    """
+
+    type: str
+    on: str
+    direction: Array
+    signal: Signal
+    follower: bool = False
+
+    def __post_init__(self) -> None:
+        if self.type not in ("force", "torque"):
+            raise ModelError(f"load on {self.on}: type: expected 'force' or 'torque', got {self.type!r}")
+        object.__setattr__(self, "direction", vector(f"load on {self.on}: direction", self.direction))
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """Bodies by name, joints and loads, and how to integrate their motion.
+
+    t_end [s]; gravity (3,) [m/s^2], the acceleration of a free body; step [s] and rho_inf, by default those of the
+    superelements; rule "consistent" (methods 2.4) or "paper" (eq. 55); history "auto", "recursive" or "direct";
+    tolerance of Newton's method, relative to the forces and displacements of a step. `ground_frames` are frames
+    fixed in space. `source` is the text of the model file, if there is one.
+    """
+
+    bodies: Mapping[str, Body]
+    joints: tuple[Joint, ...] = ()
+    loads: tuple[Load, ...] = ()
+    t_end: float = 1.0
+    gravity: Array = field(default_factory=lambda: np.zeros(3))
+    step: float | None = None
+    rho_inf: float | None = None
+    rule: str = "consistent"
+    history: str = "auto"
+    tolerance: float = 1e-10
+    max_iterations: int = 20
+    ground_frames: Mapping[str, Frame] = field(default_factory=dict)
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "gravity", vector("gravity", self.gravity))
+        object.__setattr__(self, "joints", tuple(self.joints))
+        object.__setattr__(self, "loads", tuple(self.loads))
+        self._check_numbers()
+        self._check_names()
+
+    @property
+    def flexible_bodies(self) -> dict[str, FlexibleBody]:
+        return {name: body for name, body in self.bodies.items() if isinstance(body, FlexibleBody)}
+
+    def frames_of(self, body: str) -> Mapping[str, Frame]:
+        return self.ground_frames if body == GROUND else self.bodies[body].frames
+
+    def _check_numbers(self) -> None:
+        if not self.t_end > 0.0:
+            raise ModelError(f"t_end: expected a positive time, got {self.t_end}")
+        if self.step is not None and not self.step > 0.0:
+            raise ModelError(f"step: expected a positive time, got {self.step}")
+        if self.rule not in ("consistent", "paper"):
+            raise ModelError(f"rule: expected 'consistent' or 'paper', got {self.rule!r}")
+        if self.history not in ("auto", "recursive", "direct"):
+            raise ModelError(f"history: expected 'auto', 'recursive' or 'direct', got {self.history!r}")
+        if not 0.0 < self.tolerance < 1.0:
+            raise ModelError(f"tolerance: expected a number between 0 and 1, got {self.tolerance}")
+        if self.max_iterations < 1:
+            raise ModelError(f"max_iterations: expected 1 or more, got {self.max_iterations}")
+
+    def _check_names(self) -> None:
+        if not self.bodies:
+            raise ModelError("bodies: expected at least one body, got none")
+        for name in self.bodies:
+            if name == GROUND or not name or "." in name or "/" in name:
+                raise ModelError(f"bodies: a body cannot be named {name!r}")
+        names = [joint.name for joint in self.joints]
+        for name in names:
+            if names.count(name) > 1:
+                raise ModelError(f"joints: expected different names, got {name!r} more than once")
+        for owner, frame in self._references():
+            self._check_frame(owner, frame)
+
+    def _references(self) -> Iterator[tuple[str, str]]:
+        for name, body in self.bodies.items():
+            if (place := body.start.place) is not None:
+                yield f"body {name!r}: place", f"{name}.{place.frame}"
+                yield f"body {name!r}: place", place.on
+        for joint in self.joints:
+            for frame in joint.between:
+                yield f"joint {joint.name!r}", frame
+            if joint.between[0].partition(".")[0] == joint.between[1].partition(".")[0]:
+                raise ModelError(f"joint {joint.name!r}: expected frames of two bodies, got {list(joint.between)}")
+        for load in self.loads:
+            yield f"load ({load.type}) on {load.on!r}", load.on
+            if load.on.partition(".")[0] == GROUND:
+                raise ModelError(f"load ({load.type}): expected a frame of a body, got {load.on!r}")
+
+    def _check_frame(self, owner: str, reference: str) -> None:
+        body, _, frame = reference.partition(".")
+        if body not in self.bodies and body != GROUND:
+            raise ModelError(f"{owner}: no body {body!r}; there are: {', '.join([GROUND, *self.bodies])}")
+        known = ", ".join(self.frames_of(body)) or "none"
+        if frame and frame not in self.frames_of(body):
+            raise ModelError(f"{owner}: no frame {frame!r} on {body!r}; it has: {known}")
+        if not frame and body in self.flexible_bodies:
+            raise ModelError(f"{owner}: {body!r} is flexible: name one of its interfaces ({known}) as {body}.INTERFACE")
+
+
+def vector(name: str, value: Any) -> Array:
+    array = np.asarray(value, dtype=float)
+    if array.shape != (3,) or not np.isfinite(array).all():
+        raise ModelError(f"{name}: expected three numbers, got {value}")
+    return array

@@ -1,0 +1,271 @@
+"""What a run leaves behind: an HDF5 file, written as the run goes on, and `Results`, which reads it.
+
+Every dataset has the time steps, t = 0 included, along its first axis and its units as an attribute. Between writes
+the file is closed, so that a run that is killed leaves what it had.
+"""
+
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import h5py
+import numpy as np
+
+from ..superelement import sha256
+from .compilation import CompiledModel
+from .compiled import Array
+from .errors import ModelError
+from .model import GROUND
+from .system import Output
+
+FORMAT = "duhamel-results"
+VERSION = 1
+
+
+class _Column(NamedTuple):
+    """A dataset: its units and the rows of it that an output holds, given the number of the first step."""
+
+    units: str
+    rows: Callable[[Output], Any]
+
+
+class ResultsFile:
+    """Appends chunks of output to a file, or to memory where no path is given."""
+
+    def __init__(self, path: Path | None, compiled: CompiledModel) -> None:
+        if path and not path.parent.is_dir():
+            raise ModelError(f"{path}: no folder {path.parent}")
+        self._path = path
+        self._memory = None if path else h5py.File("results", "w", driver="core", backing_store=False)
+        self._columns = _columns(compiled)
+        self._h = compiled.h
+        with self._open("w") as file:
+            _describe(file, compiled)
+
+    def append(self, first: int, output: Output, n: int) -> None:
+        """Write the first n rows of the output: the steps from `first` on."""
+        with self._open("a") as file:
+            _extend(file, "time", "s", self._h * np.arange(first, first + n), first)
+            for name, column in self._columns.items():
+                _extend(file, name, column.units, column.rows(output)[:n], first)
+            kinetic, elastic, potential, work = output.energy[:n].T
+            balance = kinetic + elastic + potential - work
+            reference = balance[0] if first == 0 else file["energy"].attrs["start"]
+            file["energy"].attrs["start"] = reference
+            _extend(file, "energy/balance", "J", balance - reference, first)
+
+    def note(self, **attributes: Any) -> None:
+        """Attributes of the group /solver."""
+        with self._open("a") as file:
+            file["solver"].attrs.update(attributes)
+
+    def results(self) -> "Results":
+        return Results(self._memory or h5py.File(self._path, "r"))
+
+    @contextmanager
+    def _open(self, mode: str) -> Iterator[h5py.File]:
+        if self._memory is not None:
+            yield self._memory
+        else:
+            with h5py.File(self._path, mode) as file:
+                yield file
+
+
+@dataclass(frozen=True, eq=False)
+class BodyMotion:
+    """Motion of a centre of mass and of body axes."""
+
+    x: Array
+    """(n, 3) position in space [m]"""
+    R: Array
+    """(n, 4) unit quaternion (w, x, y, z), body axes to space"""
+    v: Array
+    """(n, 6) velocity in space [m/s], angular velocity in body axes [rad/s]"""
+    v_dot: Array
+    """(n, 6) their derivatives"""
+
+
+@dataclass(frozen=True, eq=False)
+class FrameMotion:
+    """Motion of a frame and the wrench on its body there."""
+
+    position: Array
+    """(n, 3) in space [m]"""
+    rotation: Array
+    """(n, 4) unit quaternion, frame axes to space"""
+    u: Array
+    """(n, 6) elastic displacement [m] and rotation [rad] in body axes, 0 on rigid bodies"""
+    force: Array
+    """(n, 6) force [N] and moment [N m] of joints and loads on the body, in space"""
+
+
+@dataclass(frozen=True, eq=False)
+class JointForces:
+    multipliers: Array
+    """(n, rows) one per row of the joint, in the order of its table [N, N m]"""
+    force: Array
+    """(n, 3) on the second body, in space [N]"""
+    moment: Array
+    """(n, 3) on the second body about its frame, in space [N m]"""
+
+
+@dataclass(frozen=True, eq=False)
+class Energy:
+    """Energies over time (n,) [J]; `balance` is kinetic + elastic + potential - work, less its value at t = 0."""
+
+    kinetic: Array
+    elastic: Array
+    potential: Array
+    work: Array
+    balance: Array
+
+
+class Results:
+    """The results of a run; arrays are read when asked for."""
+
+    def __init__(self, file: h5py.File) -> None:
+        self._file = file
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str]) -> "Results":
+        """Open a results file; ValueError if it is none."""
+        try:
+            file = h5py.File(path, "r")
+        except OSError as error:
+            raise ValueError(f"{path}: not a readable HDF5 file: {error}") from error
+        if (found := file.attrs.get("format")) != FORMAT:
+            raise ValueError(f"{path}: attribute format: expected {FORMAT!r}, found {found!r}")
+        return cls(file)
+
+    @property
+    def time(self) -> Array:
+        """(n,) [s]"""
+        return self._array("time")
+
+    @property
+    def energy(self) -> Energy:
+        return Energy(**self._group("energy"))
+
+    @property
+    def iterations(self) -> Array:
+        """(n,) Newton iterations of each step"""
+        return self._array("solver/iterations")
+
+    @property
+    def residual(self) -> Array:
+        """(n,) relative residual of each step"""
+        return self._array("solver/residual")
+
+    @property
+    def solver(self) -> dict[str, Any]:
+        """How the run went: steps, step size, seconds, rule, history, ..."""
+        return dict(self._file["solver"].attrs)
+
+    def body(self, name: str) -> BodyMotion:
+        return BodyMotion(**self._group(f"bodies/{name}"))
+
+    def frame(self, name: str) -> FrameMotion:
+        """A frame as "BODY.FRAME"."""
+        return FrameMotion(**self._group(f"frames/{name}"))
+
+    def joint(self, name: str) -> JointForces:
+        return JointForces(**self._group(f"joints/{name}"))
+
+    def _group(self, name: str) -> dict[str, Array]:
+        if name not in self._file:
+            parent = name.partition("/")[0]
+            raise KeyError(f"no {name}; there are: {', '.join(self._file[parent])}")
+        return {key: dataset[()] for key, dataset in self._file[name].items()}
+
+    def _array(self, name: str) -> Array:
+        array: Array = self._file[name][()]
+        return array
+
+
+def make_output(compiled: CompiledModel, n: int) -> Output:
+    """Room for n steps."""
+    system = compiled.system
+    n_b, n_f = len(system.bodies.mass), len(system.frames.body)
+    n_j, n_rows = len(system.joints.frame_a), len(system.joints.rotation)
+    return Output(
+        x=np.zeros((n, n_b, 3)),
+        R=np.zeros((n, n_b, 4)),
+        v=np.zeros((n, n_b, 6)),
+        v_dot=np.zeros((n, n_b, 6)),
+        frame_position=np.zeros((n, n_f, 3)),
+        frame_rotation=np.zeros((n, n_f, 4)),
+        frame_u=np.zeros((n, n_f, 6)),
+        frame_force=np.zeros((n, n_f, 6)),
+        multipliers=np.zeros((n, n_rows)),
+        joint_wrench=np.zeros((n, n_j, 6)),
+        energy=np.zeros((n, 4)),
+        iterations=np.zeros(n, dtype=np.int64),
+        residual=np.zeros(n),
+    )
+
+
+def _columns(compiled: CompiledModel) -> dict[str, _Column]:
+    columns: dict[str, _Column] = {}
+    for b, name in enumerate(compiled.body_names):
+        columns |= {
+            f"bodies/{name}/x": _Column("m", lambda output, b=b: output.x[:, b]),
+            f"bodies/{name}/R": _Column("1", lambda output, b=b: output.R[:, b]),
+            f"bodies/{name}/v": _Column("m/s, rad/s", lambda output, b=b: output.v[:, b]),
+            f"bodies/{name}/v_dot": _Column("m/s^2, rad/s^2", lambda output, b=b: output.v_dot[:, b]),
+        }
+    for f, name in enumerate(compiled.frame_names):
+        if "." not in name or name.startswith(f"{GROUND}."):
+            continue
+        columns |= {
+            f"frames/{name}/position": _Column("m", lambda output, f=f: output.frame_position[:, f]),
+            f"frames/{name}/rotation": _Column("1", lambda output, f=f: output.frame_rotation[:, f]),
+            f"frames/{name}/u": _Column("m, rad", lambda output, f=f: output.frame_u[:, f]),
+            f"frames/{name}/force": _Column("N, N m", lambda output, f=f: output.frame_force[:, f]),
+        }
+    rows = compiled.system.joints.row
+    for j, joint in enumerate(compiled.model.joints):
+        own = slice(int(rows[j]), int(rows[j + 1]))
+        columns |= {
+            f"joints/{joint.name}/multipliers": _Column("N, N m", lambda output, own=own: output.multipliers[:, own]),
+            f"joints/{joint.name}/force": _Column("N", lambda output, j=j: output.joint_wrench[:, j, :3]),
+            f"joints/{joint.name}/moment": _Column("N m", lambda output, j=j: output.joint_wrench[:, j, 3:]),
+        }
+    for i, name in enumerate(("kinetic", "elastic", "potential", "work")):
+        columns[f"energy/{name}"] = _Column("J", lambda output, i=i: output.energy[:, i])
+    columns["solver/iterations"] = _Column("1", lambda output: output.iterations)
+    columns["solver/residual"] = _Column("1", lambda output: output.residual)
+    return columns
+
+
+def _describe(file: h5py.File, compiled: CompiledModel) -> None:
+    model = compiled.model
+    file.attrs.update(
+        format=FORMAT,
+        version=VERSION,
+        units="SI",
+        created_by=f"duhamel {metadata.version('duhamel')}",
+        model=model.source,
+    )
+    for group in ("bodies", "frames", "joints", "energy"):
+        file.create_group(group)
+    hashes = file.create_group("superelements")
+    for name, body in model.flexible_bodies.items():
+        hashes.attrs[name] = sha256(body.source) if body.source else ""
+    file.create_group("solver").attrs.update(
+        h=compiled.h, rho_inf=compiled.scheme.rho_inf, steps=compiled.n_steps, rule=model.rule, finished=False
+    )
+
+
+def _extend(file: h5py.File, name: str, units: str, rows: Any, first: int) -> None:
+    """Append rows to a dataset, which is made when the first rows come."""
+    if first == 0:
+        shape = rows.shape[1:]
+        dataset = file.create_dataset(name, data=rows, maxshape=(None, *shape), chunks=(1024, *shape))
+        dataset.attrs["units"] = units
+    else:
+        file[name].resize(first + len(rows), axis=0)
+        file[name][first:] = rows

@@ -1,0 +1,179 @@
+"""A model as flat arrays: what the compiled loop reads (`System`), what it moves (`State`), where it scribbles.
+
+Numbering: bodies b, six coordinates each (delta x in space, delta Theta in body axes); frames f; joints j with their
+rows i, one multiplier each; loads l; flexible bodies e with their interface dofs, numbered through in `u`. Frames that
+carry joints or loads come before those that are only observed; the interface dofs of the former are `active`: no
+others are ever loaded.
+"""
+
+from typing import NamedTuple
+
+from .compiled import Array, Index
+
+
+class Scheme(NamedTuple):
+    """Generalized-alpha with its step; `weight` of p_{n+1} against p_n in the convolution: 1, or 1/2 in eq. (55)."""
+
+    h: float
+    alpha_m: float
+    alpha_f: float
+    beta: float
+    gamma: float
+    beta_prime: float
+    gamma_prime: float
+    weight: float
+    tolerance: float
+    max_iterations: int
+
+
+class Bodies(NamedTuple):
+    mass: Array  # (n_b,)
+    J_rot: Array  # (n_b, 3, 3)
+    gravity: Array  # (3,)
+
+
+class Frames(NamedTuple):
+    n_acting: int
+    body: Index  # (n_f,) -1: fixed in space
+    X: Array  # (n_f, 3) position from the centre of mass, in body axes
+    D_0: Array  # (n_f, 3, 3) axes in the undeformed body
+    dof: Index  # (n_f,) the first of its dofs in u, -1: a rigid offset
+    active: Index  # (n_f,) the first of its active dofs, -1: none
+    rotations: Index  # (n_f,) 1: the interface has rotations
+
+
+class Joints(NamedTuple):
+    frame_a: Index  # (n_j,)
+    frame_b: Index  # (n_j,)
+    row: Index  # (n_j + 1,) the first row of each joint, and the number of rows
+    rotation: Index  # (n_rows,) 0: translation row, 1: rotation row
+    a: Array  # (n_rows, 3) the axis carried by frame A, in its axes
+    a_turned: Array  # (n_rows, 3) the axis that `a` turns to after a quarter turn of the drive
+    b: Array  # (n_rows, 3) the axis carried by frame B, in its axes
+    drive: Index  # (n_rows,) the drive of the row, -1: none
+
+
+class Loads(NamedTuple):
+    frame: Index  # (n_l,)
+    torque: Index  # (n_l,) 0: force, 1: torque
+    follower: Index  # (n_l,)
+    direction: Array  # (n_l, 3)
+
+
+class Elastic(NamedTuple):
+    body: Index  # (n_e,)
+    dof: Index  # (n_e + 1,) the range of each body in u
+    active: Index  # (n_a,) the dofs that can be loaded
+    active_range: Index  # (n_e + 1,) the range of each body in `active`
+    G_0: Array  # instantaneous compliances (n_c, n_c) one after the other
+    G_0_start: Index  # (n_e,)
+    mode_range: Index  # (n_e + 1,) the range of each body in the modal state; empty: direct convolution
+    stiffness: Array  # (n_modes,) omega^2
+    damping: Array  # (n_modes,) 2 zeta omega
+    pivot: Array  # (n_modes,)
+    phi: Array  # (n_c, m) one after the other; bodies may share one
+    phi_start: Index  # (n_e,)
+    g: Array  # kernels (n_k, n_c, n_c) one after the other; bodies may share one
+    g_initial: Array
+    g_start: Index  # (n_e,)
+
+
+class System(NamedTuple):
+    scheme: Scheme
+    bodies: Bodies
+    frames: Frames
+    joints: Joints
+    loads: Loads
+    elastic: Elastic
+
+
+class State(NamedTuple):
+    step: Index  # (1,)
+    x: Array  # (n_b, 3)
+    quaternion: Array  # (n_b, 4)
+    R: Array  # (n_b, 3, 3)
+    v: Array  # (n_b, 6) velocity in space, angular velocity in body axes
+    v_dot: Array  # (n_b, 6)
+    a: Array  # (n_b, 6) pseudo-acceleration
+    lam: Array  # (n_rows,)
+    u: Array  # (n_u,)
+    p: Array  # (n_u,) interface loads, body axes
+    eta: Array  # (n_modes,)
+    eta_rate: Array  # (n_modes,)
+    eta_acceleration: Array  # (n_modes,)
+    eta_a: Array  # (n_modes,)
+    p_history: Array  # (n_steps + 1, n_u), empty unless some body convolves directly
+    load_vector: Array  # (n_l, 3) force or torque at the last step, in space
+    drive: Array  # (n_d,) at the last step
+    drive_force: Array  # (n_d,) work per unit of the drive, at the last step
+    elastic_energy: Array  # (1,) from the work of the interface loads
+    work: Array  # (1,) of loads and drives
+
+
+class Workspace(NamedTuple):
+    """Scratch memory of one step, made once."""
+
+    # the start of the step
+    quaternion: Array  # (n_b, 4)
+    psi: Array  # (n_b, 3) rotation increment
+    u_n: Array  # (n_u,)
+    p_n: Array  # (n_u,)
+    load_position: Array  # (n_l, 3)
+    load_axes: Array  # (n_l, 3, 3)
+    # kinematics of frames
+    r: Array  # (n_f, 3)
+    D: Array  # (n_f, 3, 3)
+    lever: Array  # (n_f, 3) X + u, body axes
+    T: Array  # (n_f, 3, 3) tangent of the small rotation
+    wrench: Array  # (n_f, 6) force and moment on the body at the frame, in space
+    # joints
+    phi: Array  # (n_rows,) constraint residual
+    gradient: Array  # (n_rows, 12) with respect to (r, theta) of frames A and B, in space
+    delta: Array  # (n_j, 3) r_B - r_A
+    joint_wrench: Array  # (n_j, 6) on B, in space
+    moment_tangent: Array  # (n_j, 3, 3)
+    drive_slope: Array  # (n_rows,) d phi / d drive
+    # equations
+    force: Array  # (n_b, 6) generalized forces of loads and joints
+    force_scale: Array  # (n_b, 2) sums of the magnitudes of forces and of moments
+    residual: Array  # (n_b, 6) of equilibrium
+    history: Array  # (n_u,)
+    u_residual: Array  # (n_a,)
+    # Newton matrices; z: 6 n_b rigid coordinates, then n_a active dofs
+    map: Array  # (n_f, 6, 12) from (delta x, delta Theta, delta u, delta w) to (delta r, delta theta) in space
+    frame_tangent: Array  # (12, 12)
+    product: Array  # (6, 12)
+    K: Array  # (n_z, n_z) derivative of the generalized forces
+    B: Array  # (n_rows, n_z) constraint Jacobian
+    C: Array  # (n_a, n_a) I - G_0 K_aa
+    E: Array  # (n_a, n_a + 1) C^-1 G_0, C^-1 r_u
+    EB: Array  # (n_a, n_q + n_rows)
+    S: Array  # (n, n) iteration matrix
+    rhs: Array  # (n, 1)
+    q_temp: Array  # (4,)
+    m_temp: Array  # (3, 3)
+
+
+class Inputs(NamedTuple):
+    """Signals at the steps of one chunk."""
+
+    load: Array  # (n, n_l)
+    drive: Array  # (n, n_d)
+
+
+class Output(NamedTuple):
+    """What a step leaves behind; one row per step."""
+
+    x: Array  # (n, n_b, 3)
+    R: Array  # (n, n_b, 4)
+    v: Array  # (n, n_b, 6)
+    v_dot: Array  # (n, n_b, 6)
+    frame_position: Array  # (n, n_f, 3)
+    frame_rotation: Array  # (n, n_f, 4)
+    frame_u: Array  # (n, n_f, 6)
+    frame_force: Array  # (n, n_f, 6)
+    multipliers: Array  # (n, n_rows)
+    joint_wrench: Array  # (n, n_j, 6)
+    energy: Array  # (n, 4) kinetic, elastic, potential, work
+    iterations: Index  # (n,)
+    residual: Array  # (n,)
