@@ -110,6 +110,8 @@ class InterfaceSelection(Table):
         given = [key for key in ("node", "group", "plane") if getattr(self, key) is not None]
         if len(given) != 1:
             raise ValueError(f"expected one of node, group and plane, found {' and '.join(given) or 'none'}")
+        if self.node is not None and self.model_fields_set & {"kind", "at"}:
+            raise ValueError("kind and at belong to a group or a plane, found them with node")
         return self
 
 
@@ -117,6 +119,7 @@ class Impulse(Table):
     """The impulse responses to compute: `steps` steps of `step` seconds, with the damping rho_inf of the scheme.
 
     method: "modal" from all elastic modes, "march" by stepping the full model, "auto" the one that fits the size.
+    tolerance: the error asked of methods that approximate; modal and march do not.
     """
 
     step: PositiveFloat

@@ -1,8 +1,5 @@
 """From a body file's contents to a superelement."""
 
-import time
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
 from importlib import metadata
 
 from ..superelement import GeneralizedAlpha, Kernel, Modes, Provenance, Superelement, sample_kernel, sha256
@@ -11,6 +8,7 @@ from .errors import MethodError
 from .march import march_kernel
 from .mesh import read_mesh
 from .modal import LIMIT, elastic_modes
+from .progress import Stages, shown_stages
 from .static import compliance, mobility
 from .structure import Structure, assemble_mesh
 
@@ -20,18 +18,22 @@ PACKAGES = ("duhamel", "numpy", "scipy", "scikit-fem", "meshio")
 def build(body: Body, progress: bool = False) -> Superelement:
     """The superelement of a body: mesh, finite elements, interfaces, static and impulse responses.
 
-    `progress` shows a bar on the terminal while impulse responses are marched. `PreprocessError` if the body, its mesh
-    or its method do not allow it.
+    `progress` shows on the terminal what is being done and, while impulse responses are marched, how far it is.
+    `PreprocessError` if the body, its mesh or its method do not allow it.
     """
-    clock = Clock()
-    with clock.stage("mesh"):
+    with shown_stages(progress) as stages:
+        return _build(body, stages)
+
+
+def _build(body: Body, stages: Stages) -> Superelement:
+    with stages.stage("mesh"):
         mesh = read_mesh(body.mesh)
-    with clock.stage("assembly"):
+    with stages.stage("assembly"):
         structure = assemble_mesh(body, mesh)
-    with clock.stage("static"):
+    with stages.stage("static"):
         H, B = compliance(structure), mobility(structure)
-    with clock.stage("impulse"):
-        method, kernel, modes = impulse_responses(structure, body, _bar if progress else iter)
+    with stages.stage("impulse"):
+        method, kernel, modes = impulse_responses(structure, body, stages)
     return Superelement(
         name=body.name,
         mass=structure.rigid.mass,
@@ -49,14 +51,12 @@ def build(body: Body, progress: bool = False) -> Superelement:
             method=method,
             tolerance=0.0,
             versions={name: metadata.version(name) for name in PACKAGES},
-            timings=clock.seconds,
+            timings=stages.seconds,
         ),
     )
 
 
-def impulse_responses(
-    structure: Structure, body: Body, track: Callable[[Iterable[int]], Iterable[int]]
-) -> tuple[str, Kernel, Modes | None]:
+def impulse_responses(structure: Structure, body: Body, stages: Stages) -> tuple[str, Kernel, Modes | None]:
     """The method that was used, the kernel, and the modes if the method has them. The one place that knows methods."""
     impulse = body.impulse
     scheme = GeneralizedAlpha(impulse.rho_inf)
@@ -68,25 +68,7 @@ def impulse_responses(
             modes = elastic_modes(structure, body.damping)
             return method, sample_kernel(modes, impulse.step, scheme, impulse.steps), modes
         case "march":
-            return method, march_kernel(structure, body.damping, impulse.step, scheme, impulse.steps, track), None
+            kernel = march_kernel(structure, body.damping, impulse.step, scheme, impulse.steps, stages.track)
+            return method, kernel, None
         case _:
             raise MethodError(f"impulse.method {method} is not available yet: use auto, modal or march")
-
-
-class Clock:
-    """Seconds by stage."""
-
-    def __init__(self) -> None:
-        self.seconds: dict[str, float] = {}
-
-    @contextmanager
-    def stage(self, name: str) -> Iterator[None]:
-        start = time.perf_counter()
-        yield
-        self.seconds[name] = time.perf_counter() - start
-
-
-def _bar(steps: Iterable[int]) -> Iterable[int]:
-    from rich.progress import track
-
-    return track(steps, description="Marching", transient=True)

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..superelement.validation import Array
-from .errors import MeshError
 from .mesh import IntArray, Mesh
 
 TETRA = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
@@ -15,27 +14,32 @@ _MIDDLES = [[16, 15, 19, 11], [9, 18, 13, 17], [8, 17, 12, 16], [19, 14, 18, 10]
 HEXAHEDRON20 = [corners + middles for corners, middles in zip(HEXAHEDRON, _MIDDLES, strict=True)]
 HEXAHEDRON27 = [[*facet, 20 + i] for i, facet in enumerate(HEXAHEDRON20)]
 
+TRIANGLES = ("triangle", "triangle6")
+QUADS = ("quad", "quad8", "quad9")
+
 # Local facets of each solid in meshio's node order: corners, then the middles of the sides between them, then the
 # middle of the facet.
 LOCAL = {
-    "tetra": (TETRA, 3),
-    "tetra10": (TETRA10, 3),
-    "hexahedron": (HEXAHEDRON, 4),
-    "hexahedron20": (HEXAHEDRON20, 4),
-    "hexahedron27": (HEXAHEDRON27, 4),
+    "tetra": (TETRA, TRIANGLES),
+    "tetra10": (TETRA10, TRIANGLES),
+    "hexahedron": (HEXAHEDRON, QUADS),
+    "hexahedron20": (HEXAHEDRON20, QUADS),
+    "hexahedron27": (HEXAHEDRON27, QUADS),
 }
-"""Facets and their number of corners, by the type of the solid."""
+"""Facets, and the types of cells that can name them, by the type of the solid."""
 
 
 @dataclass(frozen=True, eq=False)
 class Facets:
     """Every face of the elements once: nodes (n, k), their first `corners` being corners.
 
+    kinds are the types of cells that can name a facet, by its corners;
     sides (n_elements, n_local): the facet of each side of each element; boundary (n,): whether it has one element only.
     """
 
     nodes: IntArray
     corners: int
+    kinds: tuple[str, ...]
     sides: IntArray
     boundary: np.ndarray[tuple[int], np.dtype[np.bool_]]
 
@@ -46,27 +50,22 @@ class Facets:
         return self.nodes[near & self.boundary]
 
     def matching(self, cells: IntArray) -> IntArray:
-        """The facets (m, k) that have the corners of the given cells (m, >= corners); `MeshError` if one has none."""
+        """The facet (m,) that has the corners of each of the given cells (m, >= corners), or -1."""
         keys = np.sort(np.vstack([self.nodes[:, : self.corners], cells[:, : self.corners]]), axis=1)
         _, label = np.unique(keys, axis=0, return_inverse=True)
         label = label.ravel()
         facet_of = np.full(label.max() + 1, -1, dtype=np.int64)
         facet_of[label[: len(self.nodes)]] = np.arange(len(self.nodes))
-        found = facet_of[label[len(self.nodes) :]]
-        if (found < 0).any():
-            raise MeshError(
-                f"{(found < 0).sum()} of {len(cells)} facets are no face of an element, "
-                f"first that of nodes {cells[int(np.argmin(found))].tolist()}"
-            )
-        return self.nodes[found]
+        return facet_of[label[len(self.nodes) :]]
 
 
 def facets_of(mesh: Mesh) -> Facets:
     """The facets of a mesh of solids."""
-    local, corners = LOCAL[mesh.body_type]
+    local, kinds = LOCAL[mesh.body_type]
+    corners = 3 if kinds is TRIANGLES else 4
     nodes = mesh.elements[:, np.array(local)]  # (elements, sides, k)
     flat = nodes.reshape(-1, nodes.shape[2])
     _, first, side, count = np.unique(
         np.sort(flat[:, :corners], axis=1), axis=0, return_index=True, return_inverse=True, return_counts=True
     )
-    return Facets(flat[first], corners, side.reshape(nodes.shape[:2]), count == 1)
+    return Facets(flat[first], corners, kinds, side.reshape(nodes.shape[:2]), count == 1)

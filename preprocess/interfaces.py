@@ -44,6 +44,8 @@ def nodal(name: str, node: int, nodes: Nodes) -> Attachment:
 
 def beam_attachment(name: str, selection: InterfaceSelection, mesh: Mesh, nodes: Nodes) -> Attachment:
     """An interface of a beam: the node nearest to a point, or the one node of a group."""
+    if selection.model_fields_set & {"kind", "at"}:
+        raise InterfaceError(f"interfaces.{name}: kind and at belong to facets, of which a mesh of lines has none")
     if selection.node is not None:
         return nodal(name, nearest_node(name, selection, mesh), nodes)
     if selection.group is None:
@@ -112,13 +114,24 @@ def _selected_facets(name: str, selection: InterfaceSelection, mesh: Mesh, facet
     group = mesh.group(selection.group or "")
     dimensions = {DIMENSIONS.get(kind, 3) for kind in group.cells}
     if dimensions == {2}:
-        return np.vstack([facets.matching(mesh.cells[kind][rows]) for kind, rows in group.cells.items()])
+        return np.vstack([_faces(name, mesh.cells[kind][rows], kind, facets) for kind, rows in group.cells.items()])
     if dimensions <= {0}:
         return facets.nodes[:0]
     raise InterfaceError(
         f"interfaces.{name}: expected a group of facets or of points, found {', '.join(group.kinds)} "
         f"in {selection.group!r}"
     )
+
+
+def _faces(name: str, cells: IntArray, kind: str, facets: Facets) -> IntArray:
+    """The facets (m, k) of elements that the cells of a group name."""
+    found = facets.matching(cells) if kind in facets.kinds else np.full(len(cells), -1)
+    if (found < 0).any():
+        raise InterfaceError(
+            f"interfaces.{name}: {(found < 0).sum()} of {len(cells)} {kind} cells are no face of an element, "
+            f"first that of points {cells[int(np.argmin(found))].tolist()}"
+        )
+    return facets.nodes[found]
 
 
 def _group_nodes(mesh: Mesh, name: str) -> IntArray:

@@ -12,7 +12,7 @@ from .factor import factorize
 from .rigid import project
 from .structure import Structure
 
-Track = Callable[[Iterable[int]], Iterable[int]]
+Track = Callable[[range], Iterable[int]]
 DRIFT_STEPS = 100
 """Steps after which rounding that has leaked into the rigid modes, where nothing holds it back, is taken out."""
 

@@ -1,6 +1,7 @@
 """Meshes and their named groups, read through meshio."""
 
 import os
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,7 +23,7 @@ PARTS = ("vertex", "line", "line3", "triangle", "triangle6", "quad", "quad8", "q
 DIMENSIONS = {"vertex": 0, "line": 1, "line3": 1, "triangle": 2, "triangle6": 2, "quad": 2, "quad8": 2, "quad9": 2}
 
 # meshio's readers fail on damaged files wherever their parsing stumbles.
-_PARSER_FAILURES = (meshio.ReadError, ValueError, LookupError, TypeError, AssertionError, EOFError, OSError)
+_PARSER_FAILURES = (meshio.ReadError, ValueError, LookupError, TypeError, AssertionError, EOFError, OSError, Warning)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +97,10 @@ def _parse(path: Path) -> meshio.Mesh:
     failures = []
     for name in formats:
         try:
-            return meshio._helpers.reader_map[name](str(path))
+            with warnings.catch_warnings():
+                # numpy only warns of a text that breaks off, and returns what it has of the numbers.
+                warnings.filterwarnings("error", "string or file could not be read", DeprecationWarning)
+                return meshio._helpers.reader_map[name](str(path))
         except _PARSER_FAILURES as error:
             failures.append(f"as {name}: {error or type(error).__name__}")
     raise MeshError(f"{path}: the mesh cannot be read ({'; '.join(failures)})")

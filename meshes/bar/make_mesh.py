@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 LENGTH, WIDTH, HEIGHT = 0.5, 0.02, 0.01
-ELEMENTS = (24, 2, 1)
+ELEMENTS = (20, 3, 2)
 LINES = 20
 Edges = list[tuple[int, int]]
 EDGES: Edges = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]

@@ -1,0 +1,41 @@
+"""How far a build has come: seconds by stage, and a bar on the terminal for those who ask."""
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+
+class Stages:
+    """The stages of a build, timed; `bar` is a progress display of rich, or None to show nothing."""
+
+    def __init__(self, bar: Any | None = None) -> None:
+        self.seconds: dict[str, float] = {}
+        self._bar = bar
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        """Time what happens inside, with a moving bar of unknown length."""
+        task = self._bar.add_task(name, total=None) if self._bar is not None else None
+        start = time.perf_counter()
+        yield
+        self.seconds[name] = time.perf_counter() - start
+        if self._bar is not None:
+            self._bar.remove_task(task)
+
+    def track(self, steps: range) -> Iterator[int]:
+        """The steps, with a bar that fills."""
+        return iter(steps) if self._bar is None else iter(self._bar.track(steps, description="marching"))
+
+
+@contextmanager
+def shown_stages(progress: bool) -> Iterator[Stages]:
+    """Stages that show themselves if `progress`; the display goes when they are over."""
+    if not progress:
+        yield Stages()
+        return
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
+    with Progress(*columns, transient=True) as bar:
+        yield Stages(bar)
