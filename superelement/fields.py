@@ -70,7 +70,8 @@ def _dataset(file: h5py.Group, name: str) -> h5py.Dataset:
 def _attribute(file: h5py.Group, name: str) -> Any:
     if name not in file.attrs:
         raise SuperelementError(f"{_label(file, name)} is missing")
-    return file.attrs[name]
+    found = file.attrs[name]
+    return found.item() if isinstance(found, np.generic) else found
 
 
 def _label(file: h5py.Group, name: str) -> str:

@@ -1,6 +1,7 @@
 """The HDF5 file of a superelement, schema version 1. Written under a temporary name and renamed when whole."""
 
 import hashlib
+import io
 import os
 import tempfile
 from collections.abc import Iterator
@@ -29,9 +30,16 @@ def write(path: str | os.PathLike[str], superelement: Superelement) -> None:
 
     Raises `SuperelementError` where the folder is missing or cannot be written to.
     """
+    # The file is made in memory first: HDF5 itself brings the process down when the disk is full.
+    image = io.BytesIO()
+    with h5py.File(image, "w") as file:
+        _fill(file, superelement)
+    target = Path(path)
+    if not target.parent.is_dir():
+        raise SuperelementError(f"{path}: no folder {target.parent}")
     try:
-        with _renamed_when_whole(Path(path)) as temporary, h5py.File(temporary, "w") as file:
-            _fill(file, superelement)
+        with _renamed_when_whole(target) as temporary:
+            temporary.write_bytes(image.getbuffer())
     except OSError as error:
         raise SuperelementError(f"{path}: cannot be written: {error}") from error
 
@@ -202,8 +210,6 @@ def _provenance(file: h5py.File) -> Provenance:
 
 @contextmanager
 def _renamed_when_whole(path: Path) -> Iterator[Path]:
-    if not path.parent.is_dir():
-        raise SuperelementError(f"{path}: no folder {path.parent}")
     handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
     os.close(handle)
     temporary = Path(name)

@@ -18,12 +18,13 @@ class SuperelementError(ValueError):
 
 def checked(name: str, value: Any, shape: Sequence[int | str]) -> Array:
     """A read-only contiguous float array of the given shape; a letter in `shape` stands for any length."""
-    if np.iscomplexobj(value):
-        raise SuperelementError(f"{name}: expected real numbers of shape {_text(shape)}, found complex ones")
     try:
-        array = np.array(value, dtype=np.float64, order="C")
+        found = np.asarray(value)
+        array = found.real.astype(np.float64, order="C")
     except (TypeError, ValueError) as error:
         raise SuperelementError(f"{name}: expected numbers of shape {_text(shape)}, found others: {error}") from error
+    if np.iscomplexobj(found):
+        raise SuperelementError(f"{name}: expected real numbers of shape {_text(shape)}, found complex ones")
     fits = array.ndim == len(shape) and all(
         isinstance(want, str) or want == have for want, have in zip(shape, array.shape, strict=True)
     )

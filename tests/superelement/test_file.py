@@ -1,0 +1,391 @@
+"""The HDF5 file: the same bits come back, whole or not at all, and each fault has its message."""
+
+import dataclasses
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+from duhamel.superelement import (
+    GeneralizedAlpha,
+    Interface,
+    Kernel,
+    Modes,
+    Provenance,
+    Recovery,
+    Superelement,
+    SuperelementError,
+    read,
+    sha256,
+    write,
+)
+
+
+def assert_identical(found: Any, expected: Any) -> None:
+    """Equal to the last bit, in every field of every part."""
+    assert type(found) is type(expected)
+    if dataclasses.is_dataclass(expected):
+        for field in dataclasses.fields(expected):
+            assert_identical(getattr(found, field.name), getattr(expected, field.name))
+    elif isinstance(expected, tuple):
+        assert len(found) == len(expected)
+        for one, other in zip(found, expected, strict=True):
+            assert_identical(one, other)
+    elif isinstance(expected, np.ndarray):
+        assert (found.dtype, found.shape, found.tobytes()) == (expected.dtype, expected.shape, expected.tobytes())
+    else:
+        assert found == expected
+
+
+def any_floats(rng: np.random.Generator, *shape: int) -> np.ndarray:
+    """Finite numbers of any bit pattern: any exponent, subnormal numbers and both zeros among them."""
+    bits = rng.integers(0, 2**64, shape, dtype=np.uint64)
+    numbers = bits.view(np.float64)
+    numbers[~np.isfinite(numbers)] = -0.0
+    numbers[rng.random(shape) < 0.1] = -5e-324
+    return numbers
+
+
+def any_symmetric(rng: np.random.Generator, *shape: int) -> np.ndarray:
+    matrices = any_floats(rng, *shape)
+    i, j = np.triu_indices(shape[-1])
+    matrices[..., j, i] = matrices[..., i, j]
+    return matrices
+
+
+def any_element(seed: int) -> Superelement:
+    rng = np.random.default_rng(seed)
+    names = ["root", "tip", "Flansch außen", "面", "a b", "-1"][: rng.integers(0, 7)]
+    interfaces = tuple(Interface(name, any_floats(rng, 3), bool(rng.integers(2))) for name in names)
+    n_c = sum(interface.n_dofs for interface in interfaces)
+    n_k, m, p = rng.integers(2, 9), rng.integers(0, 5), rng.integers(1, 6)
+    modes = Modes(np.abs(any_floats(rng, m)) + 5e-324, np.abs(any_floats(rng, m)), any_floats(rng, n_c, m))
+    cells = rng.integers(-1, p, (rng.integers(0, 4), 3))
+    stress = any_floats(rng, p, 6, m) if rng.integers(2) else None
+    return Superelement(
+        name=f"Körper {seed}/2",
+        mass=float(rng.uniform(1e-300, 1.0)),
+        J_rot=np.diag(rng.uniform(1e-12, 1e12, 3)),
+        center=any_floats(rng, 3),
+        interfaces=interfaces,
+        kernel=Kernel(
+            h=float(rng.uniform(1e-9, 1.0)),
+            scheme=GeneralizedAlpha(float(rng.random())),
+            g=any_symmetric(rng, n_k, n_c, n_c),
+            g_initial=any_symmetric(rng, n_k, n_c, n_c),
+            error=float(rng.random()),
+        ),
+        modes=modes if seed % 3 else None,
+        compliance=any_symmetric(rng, n_c, n_c),
+        mobility=any_symmetric(rng, n_c, n_c),
+        recovery=Recovery(any_floats(rng, p, 3), cells, any_floats(rng, p, 3, m), stress) if seed % 3 == 1 else None,
+        provenance=Provenance(
+            body="# größer als ein Attribut\n" * int(rng.integers(0, 9999)),
+            mesh="",
+            mesh_sha256="0f" * 32,
+            method="modal",
+            tolerance=float(rng.random()),
+            versions={f"package {k}": f"{k}.0" for k in range(rng.integers(0, 12))},
+            timings={f"stage {k}": float(rng.random()) for k in range(rng.integers(0, 12))},
+        ),
+    )
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "body.h5"
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_every_field_comes_back_to_the_last_bit(seed, path):
+    element = any_element(seed)
+    write(path, element)
+    assert_identical(read(path), element)
+
+
+def test_the_same_superelement_gives_the_same_file(make_element, tmp_path):
+    for name in ("one.h5", "two.h5"):
+        write(tmp_path / name, make_element())
+    assert sha256(tmp_path / "one.h5") == sha256(tmp_path / "two.h5")
+
+
+def test_groups_of_other_programs_are_passed_over(make_element, path):
+    element = make_element()
+    write(path, element)
+    with h5py.File(path, "r+") as file:
+        file["load_patterns/gravity"] = np.full(3, np.nan)
+        file["kernel/velocity"] = np.zeros(7)
+        file.attrs["colour"] = "red"
+        file["interfaces"].attrs["colour"] = 3
+    assert_identical(read(path), element)
+
+
+def test_text_of_fixed_length_and_other_number_types_are_read(make_element, path):
+    """What other tools write: fixed-length text, the version as a float, big-endian and 32-bit integer data."""
+    element = make_element()
+    write(path, element)
+    with h5py.File(path, "r+") as file:
+        for name in ("format", "units", "name"):
+            file.attrs[name] = np.bytes_(file.attrs[name])
+        file.attrs["version"] = 1.0
+        for name, dtype in (("interfaces/name", "S9"), ("interfaces/row", "i4"), ("kernel/g", ">f8")):
+            data = np.array(file[name].asstr()[()] if name.endswith("name") else file[name][()], dtype=dtype)
+            del file[name]
+            file[name] = data
+    assert_identical(read(path), element)
+
+
+def test_units_stand_at_every_dimensional_dataset(make_element, path):
+    write(path, make_element())
+    without = []
+    with h5py.File(path) as file:
+        file.visititems(
+            lambda name, item: (
+                without.append(name) if isinstance(item, h5py.Dataset) and "units" not in item.attrs else None
+            )
+        )
+    assert without == ["interfaces/name", "interfaces/rotations", "interfaces/row", "recovery/cells"]
+
+
+# What write leaves behind
+
+
+def unwritable(element: Superelement) -> Superelement:
+    """HDF5 text holds no NUL, and the provenance comes last: the write fails when all else is in the file."""
+    return replace(element, provenance=Provenance(mesh_sha256="\0"))
+
+
+def test_a_failed_write_leaves_no_file(make_element, path):
+    with pytest.raises(ValueError, match="NULL"):
+        write(path, unwritable(make_element()))
+    assert os.listdir(path.parent) == []
+
+
+def test_a_failed_write_leaves_the_older_file_as_it_was(make_element, path):
+    write(path, make_element())
+    before = path.read_bytes()
+    with pytest.raises(ValueError, match="NULL"):
+        write(path, unwritable(make_element(1)))
+    assert os.listdir(path.parent) == [path.name]
+    assert path.read_bytes() == before
+
+
+def test_a_full_disk_leaves_no_file_and_one_error(make_element, path):
+    """A file size limit stands for the full disk; it holds for a whole process, hence one of its own."""
+    source = path.with_name("source.h5")
+    write(source, make_element(m=40))
+    program = (
+        "import resource, signal, sys\n"
+        "from duhamel.superelement import SuperelementError, read, write\n"
+        "element = read(sys.argv[1])\n"
+        "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))\n"
+        "try:\n"
+        "    write(sys.argv[2], element)\n"
+        "except SuperelementError as error:\n"
+        "    print(error)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program, source, path], capture_output=True, text=True, check=True)
+    assert done.stdout == f"{path}: cannot be written: [Errno 27] File too large\n"
+    assert os.listdir(path.parent) == [source.name]
+
+
+def test_writing_makes_a_file_that_others_may_read(make_element, path):
+    """The temporary file is private; the umask, not that, decides who reads the result."""
+    path.with_name("plain").touch()
+    write(path, make_element())
+    assert path.stat().st_mode == path.with_name("plain").stat().st_mode
+
+
+def test_a_missing_folder_is_named(make_element, path):
+    target = path.parent / "none" / "body.h5"
+    with pytest.raises(SuperelementError, match=rf"{target}: no folder {target.parent}"):
+        write(target, make_element())
+
+
+def test_a_folder_in_the_place_of_the_file_is_refused(make_element, path):
+    path.mkdir()
+    with pytest.raises(SuperelementError, match=rf"{path}: cannot be written: .*directory"):
+        write(path, make_element())
+    assert os.listdir(path.parent) == [path.name]
+
+
+# What read refuses
+
+
+def without(name):
+    def change(file):
+        del file[name]
+
+    return change
+
+
+def with_group(name):
+    def change(file):
+        del file[name]
+        file.create_group(name)
+
+    return change
+
+
+def with_dataset(name, value):
+    def change(file):
+        del file[name]
+        file[name] = value
+
+    return change
+
+
+def with_entry(name, index, value):
+    def change(file):
+        file[name][index] = value
+
+    return change
+
+
+def with_attribute(group, name, value):
+    def change(file):
+        file[group].attrs[name] = value
+
+    return change
+
+
+def without_attribute(group, name):
+    def change(file):
+        del file[group].attrs[name]
+
+    return change
+
+
+FAULTS = {
+    "other format": (
+        with_attribute("/", "format", "vtk"),
+        "attribute 'format': expected 'duhamel-superelement', found 'vtk'",
+    ),
+    "no format": (without_attribute("/", "format"), "attribute 'format' is missing"),
+    "version 2": (with_attribute("/", "version", 2), "attribute 'version': expected 1, found 2"),
+    "version list": (
+        with_attribute("/", "version", [1, 2]),
+        r"attribute 'version': expected 1, found array\(\[1, 2\]\)",
+    ),
+    "other units": (with_attribute("/", "units", "mm"), "attribute 'units': expected 'SI', found 'mm'"),
+    "name number": (with_attribute("/", "name", 3), r"attribute 'name': expected text, found .*3"),
+    "no name": (with_attribute("/", "name", ""), "name: expected one line of text, found ''"),
+    "no mass": (without("rigid/mass"), "dataset 'rigid/mass' is missing"),
+    "mass list": (with_dataset("rigid/mass", [1.0, 2.0]), r"rigid/mass: expected shape \(\), found \(2,\)"),
+    "mass text": (
+        with_dataset("rigid/mass", "heavy"),
+        r"rigid/mass: expected numbers of shape \(\), found others.*heavy",
+    ),
+    "mass NaN": (with_dataset("rigid/mass", np.nan), "rigid/mass: expected finite numbers, found nan"),
+    "mass negative": (with_dataset("rigid/mass", -1.0), "mass: expected a positive number, found -1.0"),
+    "no rigid group": (without("rigid"), "dataset 'rigid/mass' is missing"),
+    "J_rot": (with_entry("rigid/J_rot", (0, 0), -1.0), "J_rot: expected positive principal inertias, found"),
+    "J_rot skew": (with_entry("rigid/J_rot", (0, 1), 9.0), "J_rot: expected a symmetric matrix"),
+    "center": (with_dataset("rigid/center", [0.0, 0.0]), r"center: expected shape \(3,\), found \(2,\)"),
+    "interface numbers": (with_dataset("interfaces/name", [1, 2]), "interfaces/name: expected text of shape"),
+    "interface twice": (
+        with_dataset("interfaces/name", ["a", "a"]),
+        r"interfaces: expected different names, found \['a', 'a'\]",
+    ),
+    "interface X": (
+        with_dataset("interfaces/X", np.zeros((3, 3))),
+        r"interfaces/X: expected shape \(2, 3\), found \(3, 3\)",
+    ),
+    "interface X NaN": (with_entry("interfaces/X", (1, 2), np.nan), r"interfaces/X: .* found nan at index \(1, 2\)"),
+    "rotations": (
+        with_dataset("interfaces/rotations", [1, 2]),
+        r"interfaces/rotations: expected true or false, found \[1.0, 2.0\]",
+    ),
+    "row": (with_dataset("interfaces/row", [0, 3]), r"interfaces/row: expected \[0, 6\], found \[0.0, 3.0\]"),
+    "row shape": (with_dataset("interfaces/row", [0, 6, 9]), r"interfaces/row: expected shape \(2,\), found \(3,\)"),
+    "no kernel": (without("kernel"), "group 'kernel' is missing"),
+    "no g": (without("kernel/g"), "dataset 'kernel/g' is missing"),
+    "g is a group": (with_group("kernel/g"), "dataset 'kernel/g' is missing"),
+    "g shape": (
+        with_dataset("kernel/g", np.zeros((8, 6, 6))),
+        r"kernel: g_initial: expected shape \(8, 6, 6\), found \(8, 9, 9\)",
+    ),
+    "g NaN": (
+        with_entry("kernel/g", (3, 2, 1), np.nan),
+        r"kernel: g: expected finite numbers, found nan at index \(3, 2, 1\)",
+    ),
+    "g skew": (
+        with_entry("kernel/g", (3, 2, 1), 1.0),
+        r"kernel: g: expected a symmetric matrix, found entries \(1, 2\) and \(2, 1\)",
+    ),
+    "g complex": (with_dataset("kernel/g", np.zeros((8, 9, 9), complex)), "kernel: g: expected real numbers"),
+    "g_initial": (
+        with_entry("kernel/g_initial", (0, 0, 8), np.inf),
+        r"kernel: g_initial: .* found inf at index \(0, 0, 8\)",
+    ),
+    "no step": (without_attribute("kernel", "h"), "attribute 'h' of group 'kernel' is missing"),
+    "step text": (with_attribute("kernel", "h", "fast"), "attribute 'h' of group 'kernel': expected numbers"),
+    "step zero": (with_attribute("kernel", "h", 0.0), "kernel: h: expected a positive number, found 0.0"),
+    "rho_inf": (with_attribute("kernel", "rho_inf", 1.5), r"kernel: rho_inf must lie in \[0, 1\], got 1.5"),
+    "error NaN": (with_attribute("kernel", "error", np.nan), "attribute 'error' of group 'kernel': expected finite"),
+    "no omega": (without("modes/omega"), "dataset 'modes/omega' is missing"),
+    "omega": (with_entry("modes/omega", 0, -2.0), "modes: omega: expected positive frequencies, found -2.0 rad/s"),
+    "zeta": (with_entry("modes/zeta", 0, -2.0), "modes: zeta: expected ratios >= 0, found -2.0"),
+    "phi columns": (
+        with_dataset("modes/phi", np.zeros((9, 5))),
+        r"modes: phi: expected shape \(n_c, 4\), found \(9, 5\)",
+    ),
+    "phi rows": (with_dataset("modes/phi", np.zeros((8, 4))), "modes: phi: expected 9 rows, .* found 8"),
+    "compliance": (
+        with_dataset("static/compliance", np.eye(6)),
+        r"compliance: expected shape \(9, 9\), found \(6, 6\)",
+    ),
+    "compliance skew": (with_entry("static/compliance", (0, 1), 9.0), "compliance: expected a symmetric matrix"),
+    "no mobility": (without("static/mobility"), "dataset 'static/mobility' is missing"),
+    "recovery phi": (
+        with_dataset("recovery/phi", np.zeros((5, 3, 2))),
+        r"recovery: stress: expected shape \(5, 6, 2\)",
+    ),
+    "recovery cells": (
+        with_entry("recovery/cells", (0, 0), 5),
+        "recovery: cells: expected point indices from -1 to 4, found -1 to 5",
+    ),
+    "no provenance": (without("provenance"), "group 'provenance' is missing"),
+    "no versions": (without("provenance/versions"), "group 'versions' is missing"),
+    "no method": (without_attribute("provenance", "method"), "attribute 'method' of group 'provenance' is missing"),
+    "timing": (
+        with_attribute("provenance/timings", "modes", "long"),
+        "attribute 'modes' of group 'provenance/timings': expected numbers",
+    ),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_each_fault_is_one_error_that_names_file_and_place(fault, make_element, path):
+    change, message = FAULTS[fault]
+    write(path, make_element())
+    with h5py.File(path, "r+") as file:
+        change(file)
+    with pytest.raises(SuperelementError, match=message) as caught:
+        read(path)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert "\n" not in str(caught.value)
+
+
+def test_a_missing_file_is_named(path):
+    with pytest.raises(SuperelementError, match=rf"{path}: no such file"):
+        read(path)
+
+
+def test_a_file_that_is_not_hdf5_is_named(path):
+    path.write_text("name = 'beam'\n")
+    with pytest.raises(SuperelementError, match=rf"{path}: not a readable HDF5 file"):
+        read(path)
+
+
+@pytest.mark.parametrize("part", [0.1, 0.5, 0.9])
+def test_a_file_cut_short_is_refused(part, make_element, path):
+    write(path, make_element())
+    os.truncate(path, int(part * path.stat().st_size))
+    with pytest.raises(SuperelementError, match=rf"{path}: not a readable HDF5 file"):
+        read(path)
