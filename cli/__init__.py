@@ -1,1 +1,5 @@
 """The `duhamel` command."""
+
+from .app import app
+
+__all__ = ["app"]

@@ -24,6 +24,9 @@ from .validation import SuperelementError, checked
 FORMAT = "duhamel-superelement"
 VERSION = 1
 
+DAMAGE = (OSError, RuntimeError, KeyError)
+"""What h5py raises on a file with wrong bytes inside, each for other parts of its structure."""
+
 
 def write(path: str | os.PathLike[str], superelement: Superelement) -> None:
     """Write a superelement; the file appears whole or not at all, and an older one stays until then.
@@ -56,7 +59,7 @@ def read(path: str | os.PathLike[str]) -> Superelement:
         raise SuperelementError(f"{path}: {error}") from error
     except FileNotFoundError as error:
         raise SuperelementError(f"{path}: no such file") from error
-    except OSError as error:
+    except DAMAGE as error:
         raise SuperelementError(f"{path}: not a readable HDF5 file: {error}") from error
 
 

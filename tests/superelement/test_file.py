@@ -389,3 +389,12 @@ def test_a_file_cut_short_is_refused(part, make_element, path):
     os.truncate(path, int(part * path.stat().st_size))
     with pytest.raises(SuperelementError, match=rf"{path}: not a readable HDF5 file"):
         read(path)
+
+
+@pytest.mark.parametrize("mark", [b"TREE", b"SNOD", b"HEAP", b"GCOL"])
+def test_a_file_with_wrong_bytes_inside_is_refused(mark, make_element, path):
+    """Each kind of structure that a file is made of has a mark, which is overwritten where it stands first."""
+    write(path, make_element())
+    path.write_bytes(path.read_bytes().replace(mark, b"\0\0\0\0"))
+    with pytest.raises(SuperelementError, match=rf"{path}: "):
+        read(path)

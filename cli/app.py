@@ -1,0 +1,63 @@
+"""The subcommands, one function each. Each imports what it needs when called, so that `duhamel run` starts fast."""
+
+from pathlib import Path
+from time import perf_counter
+from typing import Annotated
+
+import typer
+
+from .failures import told_in_one_line
+
+app = typer.Typer(
+    help="Impulse superelements from meshes, and multibody dynamics on them.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+BodyFile = Annotated[Path, typer.Argument(metavar="BODY.toml", help="Mesh, section or material, interfaces.")]
+ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.toml", help="Bodies, joints, loads, simulation.")]
+SuperelementFile = Annotated[Path, typer.Argument(metavar="FILE.h5", help="A superelement.")]
+Output = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE.h5", show_default=False)]
+
+
+@app.command()
+def preprocess(body_file: BodyFile, output: Output = None) -> None:
+    """Turn a mesh into a superelement: NAME.h5 beside the body file, unless told otherwise."""
+    from .. import preprocess, superelement
+
+    start = perf_counter()
+    with told_in_one_line(preprocess, superelement):
+        body = preprocess.read_body(body_file)
+        element = preprocess.build(body, progress=True)
+        target = output or body_file.with_name(f"{element.name}.h5")
+        superelement.write(target, element)
+    megabytes = target.stat().st_size / 1e6
+    typer.echo(f"{target}: {element.n_c} dofs, {megabytes:.3g} MB, {perf_counter() - start:.2f} s")
+
+
+@app.command()
+def run(model_file: ModelFile, output: Output = None) -> None:
+    """Simulate a model: MODEL-results.h5 beside the model file, unless told otherwise."""
+    from .. import solver, superelement
+
+    start = perf_counter()
+    target = output or model_file.with_name(f"{model_file.stem}-results.h5")
+    with told_in_one_line(solver, superelement):
+        model = solver.read_model(model_file)
+        results = solver.simulate(model, output=target, progress=True)
+    steps, loop = int(results.solver["steps"]), float(results.solver["seconds"])
+    typer.echo(f"{target}: {steps} steps, {perf_counter() - start:.2f} s in all, {1e6 * loop / steps:.1f} us per step")
+
+
+@app.command()
+def info(file: SuperelementFile) -> None:
+    """Show what a superelement holds."""
+    from rich.console import Console
+
+    from .. import superelement
+    from .description import describe
+
+    with told_in_one_line(superelement):
+        element = superelement.read(file)
+    Console().print(describe(element))

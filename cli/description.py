@@ -1,0 +1,76 @@
+"""A superelement as a table."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from rich.table import Table
+from rich.text import Text
+
+from ..superelement import Interface, Kernel, Modes, Provenance, Superelement
+from ..superelement.validation import Array
+
+SHOWN_FREQUENCIES = 10
+
+Row = tuple[str, str]
+
+
+def describe(element: Superelement) -> Table:
+    """Mass properties, interfaces, frequencies, kernel and provenance, a section each."""
+    table = Table(title=Text(element.name), show_header=False)
+    table.add_column(no_wrap=True)
+    table.add_column(overflow="fold")
+    sections = (
+        _rigid(element),
+        _interfaces(element.interfaces),
+        _frequencies(element.modes),
+        _kernel(element.kernel),
+        _provenance(element.provenance),
+    )
+    for section in sections:
+        for label, value in section:
+            table.add_row(Text(label), Text(value))
+        table.add_section()
+    return table
+
+
+def _rigid(element: Superelement) -> Iterator[Row]:
+    principal = np.linalg.eigvalsh(element.J_rot).astype(np.float64)
+    yield "mass [kg]", f"{element.mass:.6g}"
+    yield "centre of mass [m]", _line(element.center)
+    yield "principal inertia [kg m^2]", _line(principal)
+    yield "inertia [kg m^2]", "\n".join(_line(row) for row in element.J_rot)
+
+
+def _interfaces(interfaces: tuple[Interface, ...]) -> Iterator[Row]:
+    yield "interfaces", f"{len(interfaces)}, positions [m] from the centre of mass"
+    for interface in interfaces:
+        yield f"  {interface.name}", f"{_line(interface.X)}   {interface.n_dofs} dofs"
+
+
+def _frequencies(modes: Modes | None) -> Iterator[Row]:
+    if modes is None:
+        yield "modes", "none, so the step and rho_inf of the kernel are fixed"
+        return
+    first = np.sort(modes.frequencies)[:SHOWN_FREQUENCIES]
+    yield "modes", str(len(modes.omega))
+    yield f"first {len(first)} [Hz]", ", ".join(f"{frequency:.5g}" for frequency in first)
+
+
+def _kernel(kernel: Kernel) -> Iterator[Row]:
+    yield "kernel step [s]", f"{kernel.h:.6g}"
+    yield "kernel length [s]", f"{kernel.length:.6g}, {kernel.steps} steps"
+    yield "kernel rho_inf", f"{kernel.scheme.rho_inf:.6g}"
+    yield "kernel error", f"{kernel.error:.3g}"
+    yield "kernel n_c", str(kernel.n_c)
+
+
+def _provenance(source: Provenance) -> Iterator[Row]:
+    yield "mesh", source.mesh
+    yield "mesh SHA-256", source.mesh_sha256
+    yield "method", f"{source.method}, tolerance {source.tolerance:.3g}"
+    yield "versions", ", ".join(f"{name} {version}" for name, version in source.versions.items())
+    yield "timings [s]", ", ".join(f"{stage} {seconds:.3g}" for stage, seconds in source.timings.items())
+
+
+def _line(values: Array) -> str:
+    return " ".join(f"{value:11.5g}" for value in values)

@@ -1,0 +1,68 @@
+"""`duhamel info`: what it shows of a superelement, and how it fails."""
+
+import re
+
+import pytest
+from duhamel.cli import app
+
+
+def cells(output: str) -> dict[str, str]:
+    """The table read back: label -> value, with the lines of a folded value joined by a blank."""
+    table: dict[str, str] = {}
+    label = ""
+    for line in output.splitlines():
+        parts = [re.sub(r"\s+", " ", part).strip() for part in line.split("│")]
+        if len(parts) == 4:
+            label = parts[1] or label
+            table[label] = f"{table.get(label, '')} {parts[2]}".strip()
+    return table
+
+
+@pytest.fixture
+def shown(runner, element_file):
+    result = runner.invoke(app, ["info", str(element_file)])
+    assert result.exit_code == 0
+    return cells(result.stdout)
+
+
+def test_mass_properties(shown):
+    assert shown["mass [kg]"] == "0.0429"
+    assert shown["centre of mass [m]"] == "0.25 0 0"
+    assert shown["principal inertia [kg m^2]"] == "2 4 7.5"
+    assert shown["inertia [kg m^2]"] == "3 1 0 1 3 0 0 0 7.5"
+
+
+def test_interfaces_with_position_and_dofs(shown):
+    assert shown["interfaces"] == "2, positions [m] from the centre of mass"
+    assert shown["root"] == "-0.25 0 0 6 dofs"
+    assert shown["tip"] == "0.25 0 0 3 dofs"
+
+
+def test_the_number_of_modes_and_the_first_ten_frequencies(shown):
+    assert shown["modes"] == "12"
+    assert shown["first 10 [Hz]"] == "100, 200, 300, 400, 500, 600, 700, 800, 900, 1000"
+
+
+def test_the_kernel(shown):
+    found = [shown[f"kernel {label}"] for label in ("step [s]", "length [s]", "rho_inf", "error", "n_c")]
+    assert found == ["0.0005", "0.02, 40 steps", "0.8", "3e-09", "9"]
+
+
+def test_the_provenance_with_the_whole_hash(shown):
+    assert shown["mesh"] == "beam.msh"
+    assert shown["mesh SHA-256"].replace(" ", "") == "0123456789abcdef" * 4
+    assert shown["method"] == "modal, tolerance 1e-08"
+    assert shown["versions"] == "numpy 2.4.6"
+    assert shown["timings [s]"] == "modes 0.25"
+
+
+def test_a_body_without_modes_says_so(runner, measured_file):
+    table = cells(runner.invoke(app, ["info", str(measured_file)]).stdout)
+    assert table["modes"] == "none, so the step and rho_inf of the kernel are fixed"
+
+
+def test_a_missing_file_is_one_line_on_stderr(runner, tmp_path):
+    result = runner.invoke(app, ["info", str(tmp_path / "none.h5")])
+    assert result.exit_code == 1
+    assert result.stdout == ""
+    assert result.stderr == f"error: {tmp_path / 'none.h5'}: no such file\n"

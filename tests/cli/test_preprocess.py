@@ -1,0 +1,72 @@
+"""`duhamel preprocess`: where the file goes, what is printed, and how it fails."""
+
+import meshio
+import numpy as np
+import pytest
+from duhamel.cli import app
+from duhamel.superelement import read
+
+BODY = """
+name = "rod"
+mesh = "mesh.vtk"
+
+[section]
+EA = 2.16e7
+EI_y = 5.5
+EI_z = 5.5
+GJ = 4.0
+mass_per_length = 0.0858
+polar_inertia_per_length = 4.4e-8
+
+[interfaces.root]
+node = [0, 0, 0]
+
+[impulse]
+step = 1e-4
+steps = 20
+"""
+
+
+@pytest.fixture
+def body_file(tmp_path):
+    points = np.column_stack([np.linspace(0, 0.5, 5), np.zeros(5), np.zeros(5)])
+    lines = np.column_stack([np.arange(4), np.arange(1, 5)])
+    meshio.write_points_cells(tmp_path / "mesh.vtk", points, [("line", lines)])
+    (tmp_path / "body.toml").write_text(BODY)
+    return tmp_path / "body.toml"
+
+
+def test_the_file_stands_beside_the_body_file_under_the_name_of_the_body(runner, body_file):
+    result = runner.invoke(app, ["preprocess", str(body_file)])
+    target = body_file.with_name("rod.h5")
+    assert result.exit_code == 0, result.output
+    last = result.stdout.splitlines()[-1]
+    assert last.startswith(f"{target}: 6 dofs, {target.stat().st_size / 1e6:.3g} MB, ")
+    assert last.endswith(" s")
+    assert read(target).mass == pytest.approx(0.0858 * 0.5, rel=1e-12)
+
+
+def test_the_file_goes_where_it_is_sent(runner, body_file):
+    target = body_file.with_name("elsewhere.h5")
+    result = runner.invoke(app, ["preprocess", str(body_file), "-o", str(target)])
+    assert result.exit_code == 0, result.output
+    assert sorted(path.name for path in body_file.parent.glob("*.h5")) == ["elsewhere.h5"]
+
+
+@pytest.mark.parametrize("name", ["body.toml", "mesh.vtk"])
+def test_a_missing_file_is_one_line_on_stderr_and_nothing_is_written(name, runner, body_file):
+    missing = body_file.with_name(name)
+    missing.unlink()
+    result = runner.invoke(app, ["preprocess", str(body_file)])
+    assert result.exit_code == 1
+    assert result.stderr.startswith("error: ")
+    assert str(missing) in result.stderr
+    assert result.stderr.count("\n") == 1
+    assert list(body_file.parent.glob("*.h5")) == []
+
+
+def test_a_missing_folder_for_the_result_is_one_line_on_stderr(runner, body_file):
+    target = body_file.parent / "none" / "rod.h5"
+    result = runner.invoke(app, ["preprocess", str(body_file), "-o", str(target)])
+    assert result.exit_code == 1
+    assert result.stderr.splitlines()[-1] == f"error: {target}: no folder {target.parent}"
