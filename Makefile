@@ -42,6 +42,7 @@ constraints: ## the newest versions that pyproject.toml allows, written to const
 	{ sed -n '/^#/p' constraints.txt; \
 	  build/constraints/bin/python -m pip freeze --exclude duhamel; } > build/constraints.txt
 	mv build/constraints.txt constraints.txt
+	rm -rf build/constraints
 
 clean: ## remove what the targets above made
 	rm -rf $(VENV) build out
