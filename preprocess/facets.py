@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..superelement.validation import Array
+from .errors import MeshError
 from .mesh import IntArray, Mesh
 
 TETRA = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
@@ -60,7 +61,7 @@ class Facets:
 
 
 def facets_of(mesh: Mesh) -> Facets:
-    """The facets of a mesh of solids."""
+    """The facets of a mesh of solids; `MeshError` where neighbours disagree about the middle nodes between them."""
     local, kinds = LOCAL[mesh.body_type]
     corners = 3 if kinds is TRIANGLES else 4
     nodes = mesh.elements[:, np.array(local)]  # (elements, sides, k)
@@ -68,4 +69,12 @@ def facets_of(mesh: Mesh) -> Facets:
     _, first, side, count = np.unique(
         np.sort(flat[:, :corners], axis=1), axis=0, return_index=True, return_inverse=True, return_counts=True
     )
+    ordered = np.sort(flat, axis=1)
+    torn = (ordered != ordered[first[side.ravel()]]).any(axis=1)
+    if torn.any():
+        number = int(np.argmax(torn))
+        raise MeshError(
+            f"{mesh.name}: {int(torn.sum())} faces of elements share their corners but not their middle nodes with a "
+            f"neighbour, first one of element {number // len(local)}, at {mesh.points[flat[number, 0]].tolist()}"
+        )
     return Facets(flat[first], corners, kinds, side.reshape(nodes.shape[:2]), count == 1)

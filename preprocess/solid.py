@@ -22,6 +22,7 @@ from skfem import (
 )
 from skfem.element import DiscreteField
 from skfem.helpers import ddot, dot, sym_grad, trace
+from skfem.quadrature import get_quadrature
 
 from ..superelement.validation import Array
 from .body import Material
@@ -82,11 +83,13 @@ def solid_matrices(mesh: Mesh, materials: list[Material]) -> tuple[Array, Array]
     per element. `MeshError` for an inverted or degenerate element.
     """
     kind = KINDS[mesh.body_type]
-    # Extra rows of nodes are reordered by scikit-fem itself; elements keep their order, and so their local matrices.
-    grid = kind.mesh(mesh.points.T, mesh.elements[:, kind.order].T)
-    mapping = MappingIsoparametric(grid, kind.element())
-    basis = CellBasis(grid, ElementVector(kind.element()), mapping, intorder=kind.intorder, disable_doflocs=True)
-    _check_jacobians(mesh, mapping.detDF(basis.X))
+    element = kind.element()
+    _check_jacobians(mesh, _jacobians(mesh, kind))
+    # Elements are handed over apart, each with nodes of its own, so that nothing rests on how shared ones are numbered.
+    n, k = mesh.elements.shape
+    grid = kind.mesh(mesh.points[mesh.elements[:, kind.order]].reshape(-1, 3).T, np.arange(n * k).reshape(n, k).T)
+    mapping = MappingIsoparametric(grid, element)
+    basis = CellBasis(grid, ElementVector(element), mapping, intorder=kind.intorder, disable_doflocs=True)
 
     def constants(values: list[float]) -> DiscreteField:
         return DiscreteField(np.broadcast_to(np.array(values)[:, None], basis.dx.shape))
@@ -98,6 +101,15 @@ def solid_matrices(mesh: Mesh, materials: list[Material]) -> tuple[Array, Array]
 
     back = (3 * np.argsort(kind.order)[:, None] + np.arange(3)).ravel()
     return K[:, back[:, None], back], M[:, back[:, None], back]
+
+
+def _jacobians(mesh: Mesh, kind: Kind) -> Array:
+    """det dx/dxi (n, q) of every element at its integration points [m^3]."""
+    element = kind.element()
+    xi, _ = get_quadrature(element.refdom, kind.intorder)
+    gradients = np.array([np.broadcast_to(element.lbasis(xi, i)[1], xi.shape) for i in range(len(kind.order))])
+    jacobians: Array = np.linalg.det(np.einsum("kdq,nki->nqid", gradients, mesh.points[mesh.elements[:, kind.order]]))
+    return jacobians
 
 
 def _check_jacobians(mesh: Mesh, jacobians: Array) -> None:
@@ -112,5 +124,5 @@ def _check_jacobians(mesh: Mesh, jacobians: Array) -> None:
         raise MeshError(
             f"{mesh.name}: {mesh.body_type} element {element} of group {', '.join(groups) or '(none)'} is {state}: "
             f"its Jacobian falls to {jacobians[element].min():.3e} m^3 at points {mesh.elements[element].tolist()}; "
-            f"{bad.size} elements are inverted or degenerate"
+            f"{bad.size} of {len(worst)} elements are inverted or degenerate"
         )

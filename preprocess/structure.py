@@ -76,10 +76,10 @@ def _beam_structure(body: Body, mesh: Mesh) -> Structure:
 def _solid_structure(body: Body, mesh: Mesh) -> Structure:
     from .solid import solid_matrices
 
-    facets = facets_of(mesh)
-    check_no_mechanism(mesh, facets)
     nodes = Nodes(mesh.points, np.zeros(len(mesh.points), dtype=bool))
     stiffness, mass = solid_matrices(mesh, _materials(body, mesh))
+    facets = facets_of(mesh)
+    check_no_mechanism(mesh, facets)
     dofs = node_dofs(mesh.elements, 3)
     attachments = [solid_attachment(name, choice, mesh, nodes, facets) for name, choice in body.interfaces.items()]
     left, T, P_C = tie(nodes, attachments)

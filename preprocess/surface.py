@@ -59,20 +59,25 @@ def mean_motion(patch: Surface, X: Array, nodes: Nodes) -> Any:
     stress in a beam. With nodal areas int N_i dA as weights (methods 5.1) the corners of quadratic facets would weigh
     nothing, or less; the integral needs no such weights, and differs only in how a facet shares load among its nodes.
     """
-    A = spider((patch.x - X).reshape(-1, 3)).reshape(*patch.x.shape, 6)
+    A = spider((patch.x - patch.centroid).reshape(-1, 3)).reshape(*patch.x.shape, 6)
     blocks = np.einsum("fqij,kq,fq->fkij", A, patch.N, patch.dA)
-    return fitted(blocks.reshape(-1, 3, 6), patch.nodes.ravel(), X, nodes)
+    return _fitted(blocks.reshape(-1, 3, 6), patch.nodes.ravel(), patch.centroid, X, nodes)
 
 
 def mean_motion_of_points(members: IntArray, X: Array, nodes: Nodes) -> Any:
     """D (6, n_dofs) sparse as `mean_motion`, of single nodes that all weigh the same."""
-    return fitted(spider(nodes.points[members] - X), members, X, nodes)
+    middle = nodes.points[members].mean(axis=0)
+    return _fitted(spider(nodes.points[members] - middle), members, middle, X, nodes)
 
 
-def fitted(blocks: Array, members: IntArray, X: Array, nodes: Nodes) -> Any:
-    """(sum B_i^T A_i)^-1 [B_i^T] for weighted arms B_i (n, 3, 6) of nodes `members`, on which D A = I to rounding."""
-    G = np.einsum("nij,nik->jk", blocks, spider(nodes.points[members] - X))
+def _fitted(blocks: Array, members: IntArray, middle: Array, X: Array, nodes: Nodes) -> Any:
+    """(sum B_i^T A_i)^-1 [B_i^T] for weighted arms B_i (n, 3, 6) of nodes `members`, on which D A = I to rounding.
+
+    Both arms reach from `middle`, where the fit is best conditioned; the frame at X moves with the fitted motion.
+    """
+    G = np.einsum("nij,nik->jk", blocks, spider(nodes.points[members] - middle))
     D = np.linalg.solve(G, blocks.transpose(2, 0, 1).reshape(6, -1))
+    D[:3] = spider((X - middle)[None])[0] @ D
     columns = nodes.displacements[members].ravel()
     rows = np.repeat(np.arange(6), len(columns))
     return sp.coo_array((D.ravel(), (rows, np.tile(columns, 6))), shape=(6, nodes.n_dofs)).tocsr()
