@@ -2,15 +2,13 @@
 
 from importlib import metadata
 
-from ..superelement import GeneralizedAlpha, Kernel, Modes, Provenance, Superelement, sample_kernel, sha256
+from ..superelement import Provenance, Superelement, sha256
 from .body import Body
-from .errors import MethodError
-from .march import march_kernel
+from .impulse import impulse_responses
 from .mesh import read_mesh
-from .modal import LIMIT, elastic_modes
 from .progress import Stages, shown_stages
 from .static import compliance, mobility
-from .structure import Structure, assemble_mesh
+from .structure import assemble_mesh
 
 PACKAGES = ("duhamel", "numpy", "scipy", "scikit-fem", "meshio")
 
@@ -33,7 +31,7 @@ def _build(body: Body, stages: Stages) -> Superelement:
     with stages.stage("static"):
         H, B = compliance(structure), mobility(structure)
     with stages.stage("impulse"):
-        method, kernel, modes = impulse_responses(structure, body, stages)
+        method, kernel, modes = impulse_responses(structure, body, stages.track)
     return Superelement(
         name=body.name,
         mass=structure.rigid.mass,
@@ -54,21 +52,3 @@ def _build(body: Body, stages: Stages) -> Superelement:
             timings=stages.seconds,
         ),
     )
-
-
-def impulse_responses(structure: Structure, body: Body, stages: Stages) -> tuple[str, Kernel, Modes | None]:
-    """The method that was used, the kernel, and the modes if the method has them. The one place that knows methods."""
-    impulse = body.impulse
-    scheme = GeneralizedAlpha(impulse.rho_inf)
-    method = impulse.method
-    if method == "auto":
-        method = "modal" if structure.n_u <= LIMIT else "march"
-    match method:
-        case "modal":
-            modes = elastic_modes(structure, body.damping)
-            return method, sample_kernel(modes, impulse.step, scheme, impulse.steps), modes
-        case "march":
-            kernel = march_kernel(structure, body.damping, impulse.step, scheme, impulse.steps, stages.track)
-            return method, kernel, None
-        case _:
-            raise MethodError(f"impulse.method {method} is not available yet: use auto, modal or march")

@@ -1,8 +1,11 @@
 """Meshes and their named groups, read through meshio."""
 
+import io
 import os
+import struct
 import warnings
 from collections.abc import Mapping
+from contextlib import redirect_stderr
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,7 +26,16 @@ PARTS = ("vertex", "line", "line3", "triangle", "triangle6", "quad", "quad8", "q
 DIMENSIONS = {"vertex": 0, "line": 1, "line3": 1, "triangle": 2, "triangle6": 2, "quad": 2, "quad8": 2, "quad9": 2}
 
 # meshio's readers fail on damaged files wherever their parsing stumbles.
-_PARSER_FAILURES = (meshio.ReadError, ValueError, LookupError, TypeError, AssertionError, EOFError, OSError, Warning)
+_PARSER_FAILURES = (
+    meshio.ReadError,
+    ValueError,
+    LookupError,
+    TypeError,
+    AssertionError,
+    OSError,
+    struct.error,
+    DeprecationWarning,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,13 +109,24 @@ def _parse(path: Path) -> meshio.Mesh:
     failures = []
     for name in formats:
         try:
-            with warnings.catch_warnings():
-                # numpy only warns of a text that breaks off, and returns what it has of the numbers.
-                warnings.filterwarnings("error", "string or file could not be read", DeprecationWarning)
-                return meshio._helpers.reader_map[name](str(path))
+            return _parse_as(name, path)
         except _PARSER_FAILURES as error:
             failures.append(f"as {name}: {error or type(error).__name__}")
     raise MeshError(f"{path}: the mesh cannot be read ({'; '.join(failures)})")
+
+
+def _parse_as(name: str, path: Path) -> meshio.Mesh:
+    """meshio's mesh in one format; a file that breaks off is a `ReadError`, where meshio and numpy only complain."""
+    complaints = io.StringIO()
+    with warnings.catch_warnings(), redirect_stderr(complaints):
+        warnings.filterwarnings("error", "string or file could not be read", DeprecationWarning)
+        mesh = meshio._helpers.reader_map[name](str(path))
+    text = " ".join(complaints.getvalue().split())
+    if "not closed by" in text:
+        raise meshio.ReadError(f"the file breaks off: {text}")
+    if text:
+        warnings.warn(f"{path}: meshio says: {text}", stacklevel=2)
+    return mesh
 
 
 def _body_type(name: str, kinds: list[str]) -> str:

@@ -34,8 +34,9 @@ def shown_stages(progress: bool) -> Iterator[Stages]:
     if not progress:
         yield Stages()
         return
+    from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
-    with Progress(*columns, transient=True) as bar:
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         yield Stages(bar)
