@@ -1,0 +1,75 @@
+"""`duhamel run`: where the results go, what is printed, what is loaded, and how it fails."""
+
+import re
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+import pytest
+from duhamel.cli import app
+
+MODEL = """
+[simulation]
+t_end = 0.01
+
+[bodies.beam]
+superelement = "beam.h5"
+velocity = [2.0, 0.0, 0.0]
+"""
+
+
+@pytest.fixture
+def model_file(element_file):
+    """A free body made by hand, in steady motion."""
+    path = element_file.with_name("flight.toml")
+    path.write_text(MODEL)
+    return path
+
+
+def test_the_results_stand_beside_the_model_file(runner, model_file):
+    result = runner.invoke(app, ["run", str(model_file)])
+    target = model_file.with_name("flight-results.h5")
+    assert result.exit_code == 0, result.output
+    last = result.stdout.splitlines()[-1]
+    assert re.fullmatch(rf"{target}: 20 steps, [\d.]+ s in all, [\d.]+ us per step", last)
+    with h5py.File(target) as file:
+        np.testing.assert_allclose(file["bodies/beam/x"][:, 0], 2.0 * file["time"][:], rtol=0, atol=1e-13)
+
+
+def test_the_results_go_where_they_are_sent(runner, model_file):
+    target = model_file.with_name("elsewhere.h5")
+    result = runner.invoke(app, ["run", str(model_file), "-o", str(target)])
+    assert result.exit_code == 0, result.output
+    assert sorted(path.name for path in model_file.parent.glob("*.h5")) == ["beam.h5", "elsewhere.h5"]
+
+
+def test_a_run_loads_nothing_that_only_meshes_and_plots_need(model_file):
+    program = (
+        "import sys\n"
+        "from duhamel.cli import app\n"
+        "app(['run', sys.argv[1]], standalone_mode=False)\n"
+        "print(sorted({'skfem', 'meshio', 'matplotlib', 'duhamel.preprocess'} & set(sys.modules)))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program, model_file], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
+@pytest.mark.parametrize("name", ["flight.toml", "beam.h5"])
+def test_a_missing_file_is_one_line_on_stderr_and_nothing_is_written(name, runner, model_file):
+    missing = model_file.with_name(name)
+    missing.unlink()
+    result = runner.invoke(app, ["run", str(model_file)])
+    assert result.exit_code == 1
+    assert result.stderr.startswith("error: ")
+    assert str(missing) in result.stderr
+    assert result.stderr.count("\n") == 1
+    assert list(model_file.parent.glob("*-results.h5")) == []
+
+
+def test_another_step_for_a_body_without_modes_is_one_line_on_stderr(runner, model_file, measured_file):
+    model_file.write_text(MODEL.replace("beam.h5", measured_file.name).replace("t_end", "step = 1e-4\nt_end"))
+    result = runner.invoke(app, ["run", str(model_file)])
+    assert result.exit_code == 1
+    assert "no modes, so the kernel is fixed: h = 0.0005 s" in result.stderr
+    assert "Traceback" not in result.stderr
