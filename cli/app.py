@@ -24,9 +24,9 @@ Output = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE.h5"
 @app.command()
 def preprocess(body_file: BodyFile, output: Output = None) -> None:
     """Turn a mesh into a superelement: NAME.h5 beside the body file, unless told otherwise."""
+    start = perf_counter()
     from .. import preprocess, superelement
 
-    start = perf_counter()
     with told_in_one_line(preprocess, superelement):
         body = preprocess.read_body(body_file)
         element = preprocess.build(body, progress=True)
@@ -39,9 +39,9 @@ def preprocess(body_file: BodyFile, output: Output = None) -> None:
 @app.command()
 def run(model_file: ModelFile, output: Output = None) -> None:
     """Simulate a model: MODEL-results.h5 beside the model file, unless told otherwise."""
+    start = perf_counter()
     from .. import solver, superelement
 
-    start = perf_counter()
     target = output or model_file.with_name(f"{model_file.stem}-results.h5")
     with told_in_one_line(solver, superelement):
         model = solver.read_model(model_file)
