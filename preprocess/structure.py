@@ -12,7 +12,7 @@ from ..superelement.validation import Array
 from .beam import beam_matrices
 from .body import Body, Material, Section
 from .connectivity import check_connected, check_no_mechanism, check_used
-from .errors import BodyError
+from .errors import BodyError, InterfaceError
 from .facets import facets_of
 from .interfaces import Attachment, beam_attachment, solid_attachment
 from .mesh import LINES, IntArray, Mesh, read_mesh
@@ -61,7 +61,10 @@ def assemble_mesh(body: Body, mesh: Mesh) -> Structure:
     """The finite element model of a body on a mesh that is already read."""
     check_used(mesh)
     check_connected(mesh)
-    return _beam_structure(body, mesh) if mesh.body_type in LINES else _solid_structure(body, mesh)
+    try:
+        return _beam_structure(body, mesh) if mesh.body_type in LINES else _solid_structure(body, mesh)
+    except InterfaceError as error:
+        raise InterfaceError(f"{mesh.name}: {error}") from error
 
 
 def _beam_structure(body: Body, mesh: Mesh) -> Structure:

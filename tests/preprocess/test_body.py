@@ -93,7 +93,7 @@ MISTAKES = [
     (
         "node = [0, 0, 0]",
         'node = [0, 0, 0]\ngroup = "a"',
-        r"root: expected one of node, group and plane, found node and g",
+        r"interfaces\.root: expected one of node, group and plane, found node and g",
     ),
     ("node = [0, 0, 0]", "tolerance = 0.1", r"interfaces\.root: expected one of node, group and plane, found none"),
     (
@@ -104,12 +104,12 @@ MISTAKES = [
     (
         'group = "tip"',
         'group = "tip"\nkind = "stiff"',
-        r"tip\.kind: input should be 'average' or 'rigid', found 'stiff'",
+        r"interfaces\.tip\.kind: input should be 'average' or 'rigid', found 'stiff'",
     ),
     (
         'group = "tip"',
         "plane = {point = [0, 0, 0], normal = [0, 0, 0]}",
-        r"tip\.plane: normal: expected a vector that is",
+        r"interfaces\.tip\.plane: normal: expected a vector that is",
     ),
     ("[interfaces.tip]", '[interfaces."a.b"]', r"interfaces: expected a name without '/' and '\.', found 'a\.b'"),
     ("step = 6e-5", "step = -1", r"impulse\.step: input should be greater than 0, found -1"),

@@ -146,7 +146,7 @@ def test_a_group_of_one_point_is_a_node(solid_body, box):
     [
         (
             {"node": [1.01, 0, 0]},
-            r"interfaces.tip: no node at \[1.01, 0.0, 0.0\]: the nearest is at \[1.0, 0.0, 0.0\], 0.01 m",
+            r"mesh.msh: interfaces.tip: no node at \[1.01, 0.0, 0.0\]: the nearest is at \[1.0, 0.0, 0.0\], 0.01 m",
         ),
         ({"group": "box"}, "interfaces.tip: expected a group of facets or of points, found hexahedron in 'box'"),
         (
