@@ -1,1 +1,33 @@
 """Superelements and a model to motion."""
+
+from .errors import ConvergenceError, ModelError
+from .joints import Joint
+from .model import FlexibleBody, Frame, Load, Model, Place, RigidBody, Start
+from .model_file import read_model
+from .results import Results
+from .signals import Constant, Function, Harmonic, Impulse, Polynomial, Pulse, Steps, Table
+from .simulation import simulate
+
+__all__ = [
+    "Constant",
+    "ConvergenceError",
+    "FlexibleBody",
+    "Frame",
+    "Function",
+    "Harmonic",
+    "Impulse",
+    "Joint",
+    "Load",
+    "Model",
+    "ModelError",
+    "Place",
+    "Polynomial",
+    "Pulse",
+    "Results",
+    "RigidBody",
+    "Start",
+    "Steps",
+    "Table",
+    "read_model",
+    "simulate",
+]

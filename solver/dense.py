@@ -9,31 +9,37 @@ def solve_in_place(A: Array, B: Array) -> bool:
     n, columns = B.shape
     for k in range(n):
         pivot = k
+        largest = abs(A[k, k])
         for i in range(k + 1, n):
-            if abs(A[i, k]) > abs(A[pivot, k]):
-                pivot = i
-        if A[pivot, k] == 0.0:
+            if abs(A[i, k]) > largest:
+                pivot, largest = i, abs(A[i, k])
+        if largest == 0.0:
             return False
+        row, right = A[k, k:], B[k]
         if pivot != k:
-            for j in range(k, n):
-                A[k, j], A[pivot, j] = A[pivot, j], A[k, j]
-            for j in range(columns):
-                B[k, j], B[pivot, j] = B[pivot, j], B[k, j]
-        inverse = 1.0 / A[k, k]
+            other, other_right = A[pivot, k:], B[pivot]
+            for j in range(len(row)):
+                row[j], other[j] = other[j], row[j]
+            for j in range(len(right)):
+                right[j], other_right[j] = other_right[j], right[j]
+        inverse = 1.0 / row[0]
         for i in range(k + 1, n):
             factor = A[i, k] * inverse
             if factor != 0.0:
-                for j in range(k + 1, n):
-                    A[i, j] -= factor * A[k, j]
-                for j in range(columns):
-                    B[i, j] -= factor * B[k, j]
+                other, other_right = A[i, k:], B[i]
+                for j in range(1, len(row)):
+                    other[j] -= factor * row[j]
+                for j in range(len(right)):
+                    other_right[j] -= factor * right[j]
     for k in range(n - 1, -1, -1):
         inverse = 1.0 / A[k, k]
+        right = B[k]
         for j in range(columns):
-            B[k, j] *= inverse
+            right[j] *= inverse
         for i in range(k):
             factor = A[i, k]
             if factor != 0.0:
+                other_right = B[i]
                 for j in range(columns):
-                    B[i, j] -= factor * B[k, j]
+                    other_right[j] -= factor * right[j]
     return True

@@ -101,21 +101,21 @@ def width(frames: Frames, f: int) -> int:
         return 0
     if frames.active[f] < 0:
         return 6
-    return 9 + 3 * frames.rotations[f]
+    return 9 + 3 * int(frames.rotations[f])
 
 
 @compiled
 def column(frames: Frames, n_q: int, f: int, i: int) -> int:
     """The column of B and K where column i of the map of frame f belongs."""
-    return 6 * frames.body[f] + i if i < 6 else n_q + frames.active[f] + i - 6
+    return int(6 * frames.body[f] + i if i < 6 else n_q + frames.active[f] + i - 6)
 
 
 @compiled
 def add_frame_tangents(frames: Frames, n_q: int, state: State, work: Workspace) -> None:
     """K += derivative of the map of the frames under their present wrenches, held constant in space.
 
-        d(f_Theta) = -F x du + ((X + u) x (F x .) + M x .) dTheta,   d(p_u) = F x dTheta
-        d(p_w) = d(T(w) M)/dw dw + T(w) (M x dTheta)
+    d(f_Theta) = -F x du + ((X + u) x (F x .) + M x .) dTheta,   d(p_u) = F x dTheta
+    d(p_w) = d(T(w) M)/dw dw + T(w) (M x dTheta)
     """
     for f in range(frames.n_acting):
         b = frames.body[f]

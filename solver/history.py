@@ -21,7 +21,7 @@ def recall(elastic: Elastic, scheme: Scheme, state: State, history: Array) -> No
         if elastic.mode_range[e] < elastic.mode_range[e + 1]:
             _sum_modes(elastic, e, state.eta, history)
         else:
-            _convolve(elastic, scheme, e, n, state.p_history, history)
+            _convolve(elastic, e, n, state.p_history, history)
         if scheme.weight != 1.0:
             for i in range(first, last):
                 for c in range(elastic.active_range[e], elastic.active_range[e + 1]):
@@ -49,7 +49,7 @@ def remember(elastic: Elastic, scheme: Scheme, state: State, p_n: Array) -> None
 def instantaneous(elastic: Elastic, e: int, i: int, j: int) -> float:
     """Entry (i, j) of G_0 of flexible body e."""
     n_c = elastic.dof[e + 1] - elastic.dof[e]
-    return elastic.G_0[elastic.G_0_start[e] + i * n_c + j]
+    return float(elastic.G_0[elastic.G_0_start[e] + i * n_c + j])
 
 
 @compiled
@@ -112,20 +112,23 @@ def _sum_modes(elastic: Elastic, e: int, eta: Array, out: Array) -> None:
 
 
 @compiled
-def _convolve(elastic: Elastic, scheme: Scheme, e: int, n: int, p: Array, out: Array) -> None:
+def _convolve(elastic: Elastic, e: int, n: int, p: Array, out: Array) -> None:
     """out = g_initial[n] p_0 + sum_{j=1..n-1} g[n-j] p_j on the dofs of body e"""
     first, last = elastic.dof[e], elastic.dof[e + 1]
-    n_c = last - first
-    start = elastic.g_start[e]
-    for c in range(n_c):
-        total = 0.0
-        for m in range(n_c):
-            total += elastic.g_initial[start + (n * n_c + c) * n_c + m] * p[0, first + m]
-        out[first + c] = total
+    square = (last - first) ** 2
+    out[first:last] = 0.0
+    _add_product(elastic.g_initial, elastic.g_start[e] + n * square, p[0, first:last], out[first:last])
     for j in range(1, n):
-        lag = start + (n - j) * n_c * n_c
-        for c in range(n_c):
-            total = 0.0
-            for m in range(n_c):
-                total += elastic.g[lag + c * n_c + m] * p[j, first + m]
-            out[first + c] += total
+        _add_product(elastic.g, elastic.g_start[e] + (n - j) * square, p[j, first:last], out[first:last])
+
+
+@compiled
+def _add_product(matrices: Array, start: int, p: Array, out: Array) -> None:
+    """out += g p for the symmetric matrix g that begins at `start`, row by row; rows without load cost nothing."""
+    n = len(out)
+    for i in range(n):
+        load = p[i]
+        if load != 0.0:
+            row = matrices[start + i * n : start + (i + 1) * n]
+            for c in range(n):
+                out[c] += row[c] * load

@@ -105,8 +105,9 @@ class Joint:
         return np.column_stack([axis, second, np.cross(axis, second)])
 
     def _unit(self, key: str, value: Any) -> Array:
-        array = np.asarray(value, dtype=float)
-        length = np.linalg.norm(array)
+        array = np.asarray(value, dtype=np.float64)
+        length = float(np.linalg.norm(array))
         if array.shape != (3,) or not (np.isfinite(length) and length > 0.0):
             raise ModelError(f"joint {self.name!r}: {key}: expected three numbers that are not all zero, got {value}")
-        return array / length
+        unit: Array = array / length
+        return unit

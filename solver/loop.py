@@ -7,7 +7,7 @@ from .loads import load_vector
 from .newton import correct, evaluate, relative_residual, set_rotation
 from .rotations import quaternion_exponential, quaternion_product, relative_rotation
 from .system import Inputs, Loads, Output, Scheme, State, System, Workspace
-from .vectors import dot, rotate, row
+from .vectors import copy, dot, rotate, row
 
 
 @compiled
@@ -46,13 +46,13 @@ def advance(
 @compiled
 def _begin(system: System, state: State, work: Workspace) -> None:
     """Keep what the step will need of its start."""
-    work.quaternion[:] = state.quaternion
-    work.u_n[:] = state.u
-    work.p_n[:] = state.p
+    copy(state.quaternion, work.quaternion)
+    copy(state.u, work.u_n)
+    copy(state.p, work.p_n)
     for m in range(len(system.loads.frame)):
         f = system.loads.frame[m]
-        work.load_position[m] = work.r[f]
-        work.load_axes[m] = work.D[f]
+        copy(work.r[f], work.load_position[m])
+        copy(work.D[f], work.load_axes[m])
 
 
 @compiled
@@ -120,17 +120,15 @@ def _account_loads(loads: Loads, values: Array, state: State, work: Workspace) -
 
 
 @compiled
-def record(
-    system: System, frame_quaternions: Array, k: int, state: State, work: Workspace, output: Output
-) -> None:
+def record(system: System, frame_quaternions: Array, k: int, state: State, work: Workspace, output: Output) -> None:
     """Write the present state into row k of the output."""
     frames = system.frames
     move_frames(frames, len(frames.body), state, work)
-    output.x[k] = state.x
-    output.R[k] = state.quaternion
-    output.v[k] = state.v
-    output.v_dot[k] = state.v_dot
-    output.frame_position[k] = work.r
+    copy(state.x, output.x[k])
+    copy(state.quaternion, output.R[k])
+    copy(state.v, output.v[k])
+    copy(state.v_dot, output.v_dot[k])
+    copy(work.r, output.frame_position[k])
     for f in range(len(frames.body)):
         dof = frames.dof[f]
         n = 0 if dof < 0 else 3 + 3 * frames.rotations[f]
@@ -141,8 +139,8 @@ def record(
             output.frame_force[k, f, i] = force[i]
             output.frame_force[k, f, 3 + i] = moment[i]
         _frame_rotation(system, frame_quaternions, f, n == 6, state, work, output.frame_rotation[k, f])
-    output.multipliers[k] = state.lam
-    output.joint_wrench[k] = work.joint_wrench
+    copy(state.lam, output.multipliers[k])
+    copy(work.joint_wrench, output.joint_wrench[k])
     _energies(system, state, output.energy[k])
 
 
@@ -153,7 +151,7 @@ def _frame_rotation(
     """The quaternion of D = R exp(skew(w)) D_0."""
     b, dof = system.frames.body[f], system.frames.dof[f]
     if b < 0:
-        out[:] = frame_quaternions[f]
+        copy(frame_quaternions[f], out)
     elif small:
         body = work.m_temp.reshape(9)[:4]
         quaternion_exponential(state.u[dof + 3 : dof + 6], work.q_temp)

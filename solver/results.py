@@ -4,8 +4,9 @@ Every dataset has the time steps, t = 0 included, along its first axis and its u
 the file is closed, so that a run that is killed leaves what it had.
 """
 
+import io
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import metadata
@@ -27,10 +28,14 @@ VERSION = 1
 
 
 class _Column(NamedTuple):
-    """A dataset: its units and the rows of it that an output holds, given the number of the first step."""
+    """A dataset: its units, and the field of the output that holds it, with what to take of each row."""
 
     units: str
-    rows: Callable[[Output], Any]
+    field: str
+    part: tuple[int | slice, ...] = ()
+
+    def rows(self, output: Output, n: int) -> Any:
+        return getattr(output, self.field)[(slice(n), *self.part)]
 
 
 class ResultsFile:
@@ -40,7 +45,7 @@ class ResultsFile:
         if path and not path.parent.is_dir():
             raise ModelError(f"{path}: no folder {path.parent}")
         self._path = path
-        self._memory = None if path else h5py.File("results", "w", driver="core", backing_store=False)
+        self._memory = None if path else h5py.File(io.BytesIO(), "w")
         self._columns = _columns(compiled)
         self._h = compiled.h
         with self._open("w") as file:
@@ -51,7 +56,7 @@ class ResultsFile:
         with self._open("a") as file:
             _extend(file, "time", "s", self._h * np.arange(first, first + n), first)
             for name, column in self._columns.items():
-                _extend(file, name, column.units, column.rows(output)[:n], first)
+                _extend(file, name, column.units, column.rows(output, n), first)
             kinetic, elastic, potential, work = output.energy[:n].T
             balance = kinetic + elastic + potential - work
             reference = balance[0] if first == 0 else file["energy"].attrs["start"]
@@ -212,32 +217,33 @@ def _columns(compiled: CompiledModel) -> dict[str, _Column]:
     columns: dict[str, _Column] = {}
     for b, name in enumerate(compiled.body_names):
         columns |= {
-            f"bodies/{name}/x": _Column("m", lambda output, b=b: output.x[:, b]),
-            f"bodies/{name}/R": _Column("1", lambda output, b=b: output.R[:, b]),
-            f"bodies/{name}/v": _Column("m/s, rad/s", lambda output, b=b: output.v[:, b]),
-            f"bodies/{name}/v_dot": _Column("m/s^2, rad/s^2", lambda output, b=b: output.v_dot[:, b]),
+            f"bodies/{name}/x": _Column("m", "x", (b,)),
+            f"bodies/{name}/R": _Column("1", "R", (b,)),
+            f"bodies/{name}/v": _Column("m/s, rad/s", "v", (b,)),
+            f"bodies/{name}/v_dot": _Column("m/s^2, rad/s^2", "v_dot", (b,)),
         }
     for f, name in enumerate(compiled.frame_names):
         if "." not in name or name.startswith(f"{GROUND}."):
             continue
         columns |= {
-            f"frames/{name}/position": _Column("m", lambda output, f=f: output.frame_position[:, f]),
-            f"frames/{name}/rotation": _Column("1", lambda output, f=f: output.frame_rotation[:, f]),
-            f"frames/{name}/u": _Column("m, rad", lambda output, f=f: output.frame_u[:, f]),
-            f"frames/{name}/force": _Column("N, N m", lambda output, f=f: output.frame_force[:, f]),
+            f"frames/{name}/position": _Column("m", "frame_position", (f,)),
+            f"frames/{name}/rotation": _Column("1", "frame_rotation", (f,)),
+            f"frames/{name}/u": _Column("m, rad", "frame_u", (f,)),
+            f"frames/{name}/force": _Column("N, N m", "frame_force", (f,)),
         }
     rows = compiled.system.joints.row
     for j, joint in enumerate(compiled.model.joints):
-        own = slice(int(rows[j]), int(rows[j + 1]))
         columns |= {
-            f"joints/{joint.name}/multipliers": _Column("N, N m", lambda output, own=own: output.multipliers[:, own]),
-            f"joints/{joint.name}/force": _Column("N", lambda output, j=j: output.joint_wrench[:, j, :3]),
-            f"joints/{joint.name}/moment": _Column("N m", lambda output, j=j: output.joint_wrench[:, j, 3:]),
+            f"joints/{joint.name}/multipliers": _Column(
+                "N, N m", "multipliers", (slice(int(rows[j]), int(rows[j + 1])),)
+            ),
+            f"joints/{joint.name}/force": _Column("N", "joint_wrench", (j, slice(0, 3))),
+            f"joints/{joint.name}/moment": _Column("N m", "joint_wrench", (j, slice(3, 6))),
         }
     for i, name in enumerate(("kinetic", "elastic", "potential", "work")):
-        columns[f"energy/{name}"] = _Column("J", lambda output, i=i: output.energy[:, i])
-    columns["solver/iterations"] = _Column("1", lambda output: output.iterations)
-    columns["solver/residual"] = _Column("1", lambda output: output.residual)
+        columns[f"energy/{name}"] = _Column("J", "energy", (i,))
+    columns["solver/iterations"] = _Column("1", "iterations")
+    columns["solver/residual"] = _Column("1", "residual")
     return columns
 
 

@@ -53,7 +53,7 @@ def _polynomial(psi: Array, constant: float, linear: float, quadratic: float, ou
 
 @compiled
 def square_norm(a: Array) -> float:
-    return a[0] * a[0] + a[1] * a[1] + a[2] * a[2]
+    return float(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
 
 
 @compiled
@@ -173,5 +173,6 @@ def quaternion_of(R: Array) -> Array:
             [R[1, 0] - R[0, 1], R[0, 2] + R[2, 0], R[1, 2] + R[2, 1], 1 - R[0, 0] - R[1, 1] + R[2, 2]],
         ]
     )
-    q = products[int(np.argmax(np.diagonal(products)))]
-    return q / np.copysign(np.linalg.norm(q), q[0])
+    q: Array = products[int(np.argmax(np.diagonal(products)))]
+    unit: Array = q / np.copysign(np.linalg.norm(q), q[0])
+    return unit

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from .compilation import CompiledModel, compile_system
-from .compiled import Array, discard_stale_cache, is_cached
+from .compiled import Array, is_cached
 from .errors import ConvergenceError
 from .initial import begin
 from .loop import advance, record
@@ -27,7 +27,6 @@ def simulate(model: Model, output: str | os.PathLike[str] | None = None, progres
     Raises ModelError for a model that cannot start and ConvergenceError where Newton's method fails; the results
     file then holds the steps before the failure.
     """
-    discard_stale_cache()
     compiled = compile_system(model)
     file = ResultsFile(Path(output) if output is not None else None, compiled)
     with Progress("compiling (first run only)", shown=progress and not is_cached()):
@@ -71,7 +70,7 @@ def _chunk_rows(compiled: CompiledModel) -> int:
 
 def _inputs(compiled: CompiledModel, first: int, n: int) -> Inputs:
     """Signals at the steps first, first + 1, ..."""
-    t = compiled.h * np.arange(first, first + n)
+    t = compiled.h * np.arange(first, first + n, dtype=np.float64)
     load = [signal.samples(t, compiled.h) for signal in compiled.load_signals]
     drive = [np.array([signal(time) for time in t.tolist()]) for signal in compiled.drives]
     return Inputs(_columns(load, n), _columns(drive, n))

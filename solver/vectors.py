@@ -1,4 +1,4 @@
-"""Three-vectors as tuples, which the compiler keeps in registers, and rows of arrays as three-vectors."""
+"""Three-vectors as tuples, which the compiler keeps in registers, and arrays copied without allocation."""
 
 from .compiled import Array, compiled
 
@@ -61,3 +61,11 @@ def rotate_back(R: Array, i: int, a: Vector) -> Vector:
         R[i, 0, 1] * a[0] + R[i, 1, 1] * a[1] + R[i, 2, 1] * a[2],
         R[i, 0, 2] * a[0] + R[i, 1, 2] * a[1] + R[i, 2, 2] * a[2],
     )
+
+
+@compiled
+def copy(source: Array, out: Array) -> None:
+    """out[:] = source for contiguous arrays of one shape (numba's own slice assignment allocates)."""
+    a, b = source.reshape(source.size), out.reshape(out.size)
+    for i in range(len(a)):
+        b[i] = a[i]

@@ -1,0 +1,61 @@
+"""Tables of a TOML file as frozen models."""
+
+import difflib
+import os
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
+
+Vector = tuple[float, float, float]
+
+
+class InputError(ValueError):
+    """A file that cannot be read, or that says what nobody understands; a line for each thing found."""
+
+
+class Table(BaseModel):
+    """A table of a file: frozen, of finite numbers, and without keys that nobody reads."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _known_keys(cls, data: Any) -> Any:
+        known = {field.alias or name: name for name, field in cls.model_fields.items()}
+        for key in data if isinstance(data, Mapping) else ():
+            if key not in known and key not in cls.model_fields:
+                nearest = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
+                hint = f"did you mean {nearest[0]!r}?" if nearest else f"known are {', '.join(known)}"
+                raise ValueError(f"unknown key {key!r}; {hint}")
+        return data
+
+
+AnyTable = TypeVar("AnyTable", bound=Table)
+
+
+def read_table(path: str | os.PathLike[str], kind: type[AnyTable]) -> tuple[AnyTable, str]:
+    """The table in a TOML file, and its text; `InputError` names the file, the key, what was found and expected."""
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8")
+        return kind.model_validate(tomllib.loads(text)), text
+    except ValidationError as error:
+        raise InputError("\n".join(f"{path}: {_message(failure)}" for failure in error.errors())) from error
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: not a TOML file: {error}") from error
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: not a readable file: {error}") from error
+
+
+def _message(failure: Mapping[str, Any]) -> str:
+    """One failure of pydantic in our words: KEY: what was expected, found VALUE."""
+    key = ".".join(str(part) for part in failure["loc"])
+    text = str(failure["msg"]).removeprefix("Value error, ")
+    if failure["type"] == "missing":
+        text = "missing"
+    elif failure["type"] != "value_error":
+        text = f"{text[0].lower()}{text[1:]}, found {failure['input']!r}"
+    return f"{key}: {text}" if key else text

@@ -1,0 +1,227 @@
+"""The model file: what a user writes to run a simulation, and how it becomes a `Model`."""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt, model_validator
+
+from ..inputs import InputError, Table, Vector, read_table
+from ..superelement import Superelement, read
+from .errors import ModelError
+from .joints import Joint
+from .model import Body, FlexibleBody, Frame, Load, Model, Place, RigidBody, Start
+from .signals import Constant, Harmonic, Impulse, Polynomial, Pulse, Signal, Steps
+from .signals import Table as Points
+
+Matrix = tuple[Vector, Vector, Vector]
+
+
+class _Steps(Table):
+    times: tuple[float, ...]
+    values: tuple[float, ...]
+    linear: bool = False
+
+    def signal(self) -> Signal:
+        return (Points if self.linear else Steps)(self.times, self.values)
+
+
+class _Harmonic(Table):
+    amplitude: float
+    frequency: float
+    phase: float = 0.0
+    offset: float = 0.0
+
+    def signal(self) -> Signal:
+        return Harmonic(self.amplitude, self.frequency, self.phase, self.offset)
+
+
+class _Polynomial(Table):
+    polynomial: Annotated[tuple[float, ...], Field(min_length=1)]
+
+    def signal(self) -> Signal:
+        return Polynomial(self.polynomial)
+
+
+class _Impulse(Table):
+    impulse: float
+    at: NonNegativeFloat
+
+    def signal(self) -> Signal:
+        return Impulse(self.impulse, self.at)
+
+
+class _Pulse(Table):
+    pulse: float
+    start: float = Field(alias="from")
+    end: float = Field(alias="to")
+
+    def signal(self) -> Signal:
+        return Pulse(self.pulse, self.start, self.end)
+
+
+_SIGNALS: dict[str, Any] = {
+    "times": _Steps,
+    "amplitude": _Harmonic,
+    "polynomial": _Polynomial,
+    "impulse": _Impulse,
+    "pulse": _Pulse,
+}
+"""signals by the key that tells them apart"""
+
+
+def _signal(value: Any) -> Signal:
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return Constant(float(value))
+    if isinstance(value, Mapping):
+        for key, kind in _SIGNALS.items():
+            if key in value:
+                signal: Signal = kind.model_validate(value).signal()
+                return signal
+    raise ValueError(f"expected a number or a table with one of the keys {', '.join(_SIGNALS)}, found {value!r}")
+
+
+class _Frame(Table):
+    position: Vector = (0.0, 0.0, 0.0)
+    rotation: Vector = (0.0, 0.0, 0.0)
+
+    def frame(self) -> Frame:
+        return Frame(np.array(self.position), np.array(self.rotation))
+
+
+class _Place(Table):
+    frame: str
+    on: str
+
+
+class _Body(Table):
+    mass: PositiveFloat | None = None
+    inertia: Vector | Matrix | None = None
+    frames: dict[str, _Frame] = Field(default_factory=dict)
+    superelement: Path | None = None
+    position: Vector = (0.0, 0.0, 0.0)
+    rotation: Vector = (0.0, 0.0, 0.0)
+    place: _Place | None = None
+    velocity: Vector = (0.0, 0.0, 0.0)
+    angular_velocity: Vector = (0.0, 0.0, 0.0)
+
+    @model_validator(mode="after")
+    def _rigid_or_flexible(self) -> "_Body":
+        if self.superelement is not None:
+            if given := [key for key in ("mass", "inertia", "frames") if key in self.model_fields_set]:
+                raise ValueError(f"the superelement brings {', '.join(given)}: give either, not both")
+        elif self.mass is None or self.inertia is None:
+            raise ValueError("expected mass and inertia of a rigid body, or superelement")
+        return self
+
+
+class _Joint(Table):
+    name: str
+    type: str
+    between: tuple[str, str]
+    axis: Vector | None = None
+    second_axis: Vector | None = None
+    angle: Any = None
+    distance: Any = None
+
+
+class _Load(Table):
+    type: Literal["force", "torque"]
+    on: str
+    direction: Vector
+    signal: Any
+    follower: bool = False
+
+
+class _Simulation(Table):
+    t_end: PositiveFloat
+    gravity: Vector = (0.0, 0.0, 0.0)
+    step: PositiveFloat | None = None
+    rho_inf: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
+    rule: Literal["consistent", "paper"] = "consistent"
+    history: Literal["auto", "recursive", "direct"] = "auto"
+    tolerance: PositiveFloat = 1e-10
+    max_iterations: PositiveInt = 20
+
+
+class _Ground(Table):
+    frames: dict[str, _Frame] = Field(default_factory=dict)
+
+
+class _ModelFile(Table):
+    simulation: _Simulation
+    bodies: dict[str, _Body] = Field(min_length=1)
+    ground: _Ground = _Ground()
+    joints: tuple[_Joint, ...] = ()
+    loads: tuple[_Load, ...] = ()
+
+
+def read_model(path: str | os.PathLike[str]) -> Model:
+    """Read a model file and the superelements it names; ModelError names the file, the key and what was found.
+
+    Paths of superelements are relative to the model file. A superelement named by several bodies is read once.
+    """
+    path = Path(path)
+    try:
+        file, text = read_table(path, _ModelFile)
+        return _model(file, text, path.parent)
+    except InputError as error:
+        raise ModelError(str(error)) from error
+    except ModelError as error:
+        raise ModelError(f"{path}: {error}") from error
+
+
+def _model(file: _ModelFile, text: str, folder: Path) -> Model:
+    superelements: dict[Path, Superelement] = {}
+    return Model(
+        bodies={name: _body(name, body, folder, superelements) for name, body in file.bodies.items()},
+        joints=tuple(_joint(joint) for joint in file.joints),
+        loads=tuple(_load(load) for load in file.loads),
+        ground_frames={name: frame.frame() for name, frame in file.ground.frames.items()},
+        source=text,
+        **dict(file.simulation),
+    )
+
+
+def _body(name: str, body: _Body, folder: Path, superelements: dict[Path, Superelement]) -> Body:
+    place = None if body.place is None else Place(body.place.frame, body.place.on)
+    try:
+        start = Start(
+            np.array(body.position),
+            np.array(body.rotation),
+            place,
+            np.array(body.velocity),
+            np.array(body.angular_velocity),
+        )
+        if body.superelement is None:
+            frames = {frame: table.frame() for frame, table in body.frames.items()}
+            return RigidBody(float(body.mass or 0.0), np.array(body.inertia), frames, start)
+        source = folder / body.superelement
+        if source not in superelements:
+            superelements[source] = read(source)
+        return FlexibleBody(superelements[source], start, str(source))
+    except ValueError as error:
+        raise ModelError(f"bodies.{name}: {error}") from error
+
+
+def _joint(joint: _Joint) -> Joint:
+    drives = {}
+    for key in ("angle", "distance"):
+        if (value := getattr(joint, key)) is not None:
+            drives[key] = _named(f"joint {joint.name!r}: {key}", value)
+    axis, second = (None if given is None else np.array(given) for given in (joint.axis, joint.second_axis))
+    return Joint(joint.name, joint.type, joint.between, axis, second, **drives)
+
+
+def _load(load: _Load) -> Load:
+    signal = _named(f"load ({load.type}) on {load.on!r}: signal", load.signal)
+    return Load(load.type, load.on, np.array(load.direction), signal, load.follower)
+
+
+def _named(owner: str, value: Any) -> Any:
+    try:
+        return _signal(value)
+    except ValueError as error:
+        raise ModelError(f"{owner}: {error}") from error
