@@ -202,8 +202,12 @@ class Body(Table):
 
     @property
     def text(self) -> str:
-        """The body file as it was read; for a body made in Python its values in JSON."""
-        return self._text or self.model_dump_json(exclude_unset=True)
+        """The body file as it was read; for a body made or changed in Python its values in JSON."""
+        if self._text:
+            as_read = Body.model_validate(tomllib.loads(self._text))
+            if as_read.model_dump(exclude={"mesh"}) == self.model_dump(exclude={"mesh"}):
+                return self._text
+        return self.model_dump_json(exclude_unset=True)
 
     @classmethod
     def from_toml(cls, text: str, folder: Path) -> "Body":

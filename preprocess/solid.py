@@ -1,11 +1,10 @@
-"""Matrices of solid elements, all at once, by scikit-fem."""
+"""Matrices of solid elements, all at once, from the shape functions of scikit-fem."""
 
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from skfem import (
-    BilinearForm,
     CellBasis,
     Element,
     ElementHex1,
@@ -13,15 +12,12 @@ from skfem import (
     ElementHexS2,
     ElementTetP1,
     ElementTetP2,
-    ElementVector,
     MappingIsoparametric,
     MeshHex1,
     MeshHex2,
     MeshTet1,
     MeshTet2,
 )
-from skfem.element import DiscreteField
-from skfem.helpers import ddot, dot, sym_grad, trace
 from skfem.quadrature import get_quadrature
 
 from ..superelement.validation import Array
@@ -64,43 +60,40 @@ KINDS = {
 }
 
 
-@BilinearForm  # type: ignore[untyped-decorator]
-def _stiffness(u: Any, v: Any, w: Any) -> Any:
-    """2 mu eps(u) : eps(v) + lambda tr eps(u) tr eps(v)"""
-    strain, virtual = sym_grad(u), sym_grad(v)
-    return 2.0 * w["mu"] * ddot(strain, virtual) + w["lam"] * trace(strain) * trace(virtual)
-
-
-@BilinearForm  # type: ignore[untyped-decorator]
-def _mass(u: Any, v: Any, w: Any) -> Any:
-    return w["rho"] * dot(u, v)
-
-
 def solid_matrices(mesh: Mesh, materials: list[Material]) -> tuple[Array, Array]:
     """Stiffness and consistent mass (n, 3k, 3k) of every solid element; three displacements to a node, meshio's order.
 
-    K_e = int B^T C B dV with Hooke's law of an isotropic material, M_e = int rho N^T N dV. `materials` has one material
-    per element. `MeshError` for an inverted or degenerate element.
+        K_(ia)(jb) = int lambda N_i,a N_j,b + mu N_i,b N_j,a + mu delta_ab N_i,c N_j,c dV     (Hooke, isotropic)
+        M_(ia)(jb) = int rho delta_ab N_i N_j dV
+
+    `materials` has one material per element. `MeshError` for an inverted or degenerate element.
     """
     kind = KINDS[mesh.body_type]
-    element = kind.element()
     _check_jacobians(mesh, _jacobians(mesh, kind))
+    N, dN, dV = _shapes(mesh, kind)
+    n, k, _, _ = dN.shape
+    rows = dN.reshape(n, 3 * k, -1)
+    G = ((rows * dV[:, None]) @ rows.transpose(0, 2, 1)).reshape(n, k, 3, k, 3)
+    identity = np.eye(3)[:, None, :]
+    lam = np.array([m.E * m.nu / ((1.0 + m.nu) * (1.0 - 2.0 * m.nu)) for m in materials])[:, None, None, None, None]
+    mu = np.array([m.E / (2.0 * (1.0 + m.nu)) for m in materials])[:, None, None, None, None]
+    rho = np.array([m.rho for m in materials])[:, None, None, None, None]
+    K = lam * G + mu * G.swapaxes(2, 4) + mu * np.einsum("eicjc->eij", G)[:, :, None, :, None] * identity
+    M = rho * ((N * dV[:, None]) @ N.transpose(0, 2, 1))[:, :, None, :, None] * identity
+    return K.reshape(n, 3 * k, 3 * k), M.reshape(n, 3 * k, 3 * k)
+
+
+def _shapes(mesh: Mesh, kind: Kind) -> tuple[Array, Array, Array]:
+    """Shapes N (n, k, q), their gradients (n, k, 3, q) and volumes dV (n, q) at integration points, meshio's order."""
     # Elements are handed over apart, each with nodes of its own, so that nothing rests on how shared ones are numbered.
     n, k = mesh.elements.shape
     grid = kind.mesh(mesh.points[mesh.elements[:, kind.order]].reshape(-1, 3).T, np.arange(n * k).reshape(n, k).T)
-    mapping = MappingIsoparametric(grid, element)
-    basis = CellBasis(grid, ElementVector(element), mapping, intorder=kind.intorder, disable_doflocs=True)
-
-    def constants(values: list[float]) -> DiscreteField:
-        return DiscreteField(np.broadcast_to(np.array(values)[:, None], basis.dx.shape))
-
-    lam = constants([m.E * m.nu / ((1.0 + m.nu) * (1.0 - 2.0 * m.nu)) for m in materials])
-    mu = constants([m.E / (2.0 * (1.0 + m.nu)) for m in materials])
-    K = _stiffness.elemental(basis, lam=lam, mu=mu).tolocal()
-    M = _mass.elemental(basis, rho=constants([m.rho for m in materials])).tolocal()
-
-    back = (3 * np.argsort(kind.order)[:, None] + np.arange(3)).ravel()
-    return K[:, back[:, None], back], M[:, back[:, None], back]
+    mapping = MappingIsoparametric(grid, kind.element())
+    basis = CellBasis(grid, kind.element(), mapping, intorder=kind.intorder, disable_doflocs=True)
+    fields = [basis.basis[i][0] for i in np.argsort(kind.order)]
+    N = np.stack([np.broadcast_to(np.asarray(field), basis.dx.shape) for field in fields], axis=1)
+    dN = np.stack([field.grad.transpose(1, 0, 2) for field in fields], axis=1)
+    return N, dN, basis.dx
 
 
 def _jacobians(mesh: Mesh, kind: Kind) -> Array:
@@ -123,6 +116,6 @@ def _check_jacobians(mesh: Mesh, jacobians: Array) -> None:
         groups = [name for name, g in mesh.groups.items() if element in g.cells.get(mesh.body_type, ())]
         raise MeshError(
             f"{mesh.name}: {mesh.body_type} element {element} of group {', '.join(groups) or '(none)'} is {state}: "
-            f"its Jacobian falls to {jacobians[element].min():.3e} m^3 at points {mesh.elements[element].tolist()}; "
+            f"its Jacobian falls to {jacobians[element].min():.3e} m^3 near {mesh.points[mesh.elements[element]].mean(axis=0).tolist()}; "
             f"{bad.size} of {len(worst)} elements are inverted or degenerate"
         )

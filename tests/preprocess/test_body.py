@@ -68,6 +68,13 @@ def test_the_same_body_in_python(written):
         made.name = "other"
 
 
+def test_the_text_of_a_changed_body_tells_the_change(written):
+    body = read_body(written(BEAM))
+    changed = body.model_copy(update={"impulse": body.impulse.model_copy(update={"steps": 7})})
+    assert Body.model_validate_json(changed.text).impulse.steps == 7
+    assert body.model_copy(update={"mesh": Path("elsewhere.msh")}).text == BEAM
+
+
 def test_an_absolute_mesh_path_stays(written):
     body = read_body(written(BEAM.replace("meshes/beam.msh", "/data/beam.msh")))
     assert body.mesh == Path("/data/beam.msh")
