@@ -90,9 +90,9 @@ def solid_attachment(name: str, selection: InterfaceSelection, mesh: Mesh, nodes
         rows = mean_motion(faces, X, nodes)
     else:
         members = _group_nodes(mesh, selection.group or "")
-        X = mesh.points[members].mean(axis=0) if selection.at is None else np.array(selection.at)
-        if len(members) == 1:
+        if len(members) == 1 and not selection.model_fields_set & {"kind", "at"}:
             return nodal(name, int(members[0]), nodes)
+        X = mesh.points[members].mean(axis=0) if selection.at is None else np.array(selection.at)
         _check_spread(name, mesh.points[members])
         rows = mean_motion_of_points(members, X, nodes)
     tied = members if selection.kind == "rigid" else members[:0]

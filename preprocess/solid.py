@@ -114,8 +114,9 @@ def _check_jacobians(mesh: Mesh, jacobians: Array) -> None:
         element = int(bad[0])
         state = "inverted" if worst[element] < -FLAT else "degenerate"
         groups = [name for name, g in mesh.groups.items() if element in g.cells.get(mesh.body_type, ())]
+        place = mesh.points[mesh.elements[element]].mean(axis=0)
         raise MeshError(
             f"{mesh.name}: {mesh.body_type} element {element} of group {', '.join(groups) or '(none)'} is {state}: "
-            f"its Jacobian falls to {jacobians[element].min():.3e} m^3 near {mesh.points[mesh.elements[element]].mean(axis=0).tolist()}; "
+            f"its Jacobian falls to {jacobians[element].min():.3e} m^3 near {place.tolist()}; "
             f"{bad.size} of {len(worst)} elements are inverted or degenerate"
         )
