@@ -25,7 +25,7 @@ test: $(VENV)/.installed ## the tests
 
 # TID252: the folders at the root are one namespace, and import from each other as its parts.
 lint: $(VENV)/.installed build/types/.linked ## style and types
-	$(BIN)/ruff check --extend-ignore TID252 .
+	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	MYPYPATH=build/types $(BIN)/mypy $(PACKAGES:%=-p duhamel.%)
 

@@ -35,8 +35,8 @@ def move_frames(frames: Frames, n: int, state: State, work: Workspace) -> None:
         if k >= 0 and frames.rotations[f]:
             w = state.u[k + 3 : k + 6]
             tangent(w, work.T[f])
-            exponential(w, work.m_temp)
-            _multiply(work.m_temp, frames.D_0[f], work.D[f])
+            exponential(w, work.scratch_33)
+            _multiply(work.scratch_33, frames.D_0[f], work.D[f])
             _rotate_columns(state.R[b], work.D[f])
         else:
             _multiply(state.R[b], frames.D_0[f], work.D[f])
@@ -138,11 +138,11 @@ def add_frame_tangents(frames: Frames, n_q: int, state: State, work: Workspace) 
             z = n_q + frames.active[f] + 3
             k = frames.dof[f] + 3
             for i in range(3):
-                work.q_temp[i] = M[i]
-            tangent_derivative(state.u[k : k + 3], work.q_temp, work.m_temp)
+                work.scratch_3[i] = M[i]
+            tangent_derivative(state.u[k : k + 3], work.scratch_3, work.scratch_33)
             for i in range(3):
                 for j in range(3):
-                    work.K[z + i, z + j] += work.m_temp[i, j]
+                    work.K[z + i, z + j] += work.scratch_33[i, j]
 
 
 @compiled

@@ -13,11 +13,11 @@ import numpy as np
 
 from .compilation import CompiledModel
 from .compiled import Array
-from .constraints import add_joints, carried_axis
+from .constraints import carried_axis
+from .equations import evaluate
 from .errors import ModelError
-from .frames import map_frames
 from .loads import load_vector
-from .newton import evaluate
+from .newton import linearise
 from .rotations import quaternion_of
 from .system import State, System, Workspace
 
@@ -38,10 +38,7 @@ def begin(compiled: CompiledModel) -> Beginning:
     drive = np.array([signal(0.0) for signal in compiled.drives])
     system = compiled.system
     evaluate(system, loads, drive, state, work)
-    map_frames(system.frames, state, work)
-    work.B[:] = 0.0
-    add_joints(system.joints, system.frames, 6 * len(system.bodies.mass), work)
-
+    linearise(system, loads, state, work)
     correction = _fit_velocities(compiled, state, work)
     evaluate(system, loads, drive, state, work)
     v_dot, lam = _accelerations(compiled, state, work)
@@ -235,7 +232,9 @@ def _allocate(compiled: CompiledModel) -> tuple[State, Workspace]:
         EB=np.zeros((n_a, n_q + n_rows)),
         S=np.zeros((n_q + n_rows, n_q + n_rows)),
         rhs=np.zeros((n_q + n_rows, 1)),
-        q_temp=np.zeros(4),
-        m_temp=np.zeros((3, 3)),
+        scratch_3=np.zeros(3),
+        scratch_4=np.zeros(4),
+        scratch_4b=np.zeros(4),
+        scratch_33=np.zeros((3, 3)),
     )
     return state, work

@@ -1,10 +1,11 @@
 """The time loop: generalized-alpha on the rotation group, methods 2.5 and 5.4. Compiled, and free of allocations."""
 
 from .compiled import Array, compiled
+from .equations import evaluate, relative_residual
 from .frames import move_frames, wrench
 from .history import recall, remember, respond
 from .loads import load_vector
-from .newton import correct, evaluate, relative_residual, set_rotation
+from .newton import correct, set_rotation
 from .rotations import quaternion_exponential, quaternion_product, relative_rotation
 from .system import Inputs, Loads, Output, Scheme, State, System, Workspace
 from .vectors import copy, dot, rotate, row
@@ -27,7 +28,7 @@ def advance(
             residual = relative_residual(system, state, work)
             if residual <= scheme.tolerance and iterations > 0:
                 break
-            if iterations == scheme.max_iterations or not correct(system, loads, drive, state, work):
+            if iterations == scheme.max_iterations or not correct(system, loads, state, work):
                 output.iterations[k] = iterations
                 output.residual[k] = residual
                 return k
@@ -105,7 +106,7 @@ def account(system: System, loads: Array, drive: Array, state: State, work: Work
 
 @compiled
 def _account_loads(loads: Loads, values: Array, state: State, work: Workspace) -> None:
-    turn = work.q_temp[:3]
+    turn = work.scratch_3
     for m in range(len(loads.frame)):
         f = loads.frame[m]
         vector = load_vector(loads, m, values[m], work)
@@ -153,10 +154,9 @@ def _frame_rotation(
     if b < 0:
         copy(frame_quaternions[f], out)
     elif small:
-        body = work.m_temp.reshape(9)[:4]
-        quaternion_exponential(state.u[dof + 3 : dof + 6], work.q_temp)
-        quaternion_product(state.quaternion[b], work.q_temp, body)
-        quaternion_product(body, frame_quaternions[f], out)
+        quaternion_exponential(state.u[dof + 3 : dof + 6], work.scratch_4)
+        quaternion_product(state.quaternion[b], work.scratch_4, work.scratch_4b)
+        quaternion_product(work.scratch_4b, frame_quaternions[f], out)
     else:
         quaternion_product(state.quaternion[b], frame_quaternions[f], out)
 

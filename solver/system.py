@@ -150,8 +150,10 @@ class Workspace(NamedTuple):
     EB: Array  # (n_a, n_q + n_rows)
     S: Array  # (n, n) iteration matrix
     rhs: Array  # (n, 1)
-    q_temp: Array  # (4,)
-    m_temp: Array  # (3, 3)
+    scratch_3: Array
+    scratch_4: Array
+    scratch_4b: Array
+    scratch_33: Array
 
 
 class Inputs(NamedTuple):

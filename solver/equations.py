@@ -1,0 +1,103 @@
+"""The equations of a time step and how far a state is from satisfying them.
+
+    r_eq = J v_dot + v~ J v - f_r = 0       equilibrium of every body; f_r: loads, joints, gravity
+    phi(x, R, u, t) = 0                     constraints
+    r_u  = history + w G_0 p - u = 0        displacements of the active interface dofs; w: 1, or 1/2 in eq. (55)
+
+Source: methods 2.4 and 5.4.
+"""
+
+from .compiled import Array, compiled
+from .constraints import evaluate_joints
+from .frames import load_bodies, move_frames
+from .history import instantaneous
+from .loads import evaluate_loads
+from .system import Bodies, Elastic, Scheme, State, System, Workspace
+from .vectors import cross, rotate
+
+ROUNDING = 64 * 2.2e-16
+
+
+@compiled
+def evaluate(system: System, loads: Array, drive: Array, state: State, work: Workspace) -> None:
+    """Wrenches, generalized forces and residuals of the present state."""
+    frames = system.frames
+    move_frames(frames, frames.n_acting, state, work)
+    work.wrench[:] = 0.0
+    evaluate_loads(system.loads, loads, work)
+    evaluate_joints(system.joints, state.lam, drive, work)
+    load_bodies(frames, state, work)
+    _equilibrium(system.bodies, state, work)
+    _compatibility(system.elastic, system.scheme, state, work)
+
+
+@compiled
+def relative_residual(system: System, state: State, work: Workspace) -> float:
+    """The largest residual over what the tolerance is measured against; at rounding level it returns 0.
+
+    Equilibrium against the sum of the magnitudes of its terms; constraints and interface displacements against the
+    largest motion of the step (translations in m, rotations in rad) and the rounding of positions.
+    """
+    scheme = system.scheme
+    n_b = len(system.bodies.mass)
+    length, angle, size, worst = 0.0, 0.0, 0.0, 0.0
+    for b in range(n_b):
+        for i in range(3):
+            length = max(length, abs(scheme.h * state.v[b, i]) + abs(scheme.h * scheme.h * state.v_dot[b, i]))
+            angle = max(angle, abs(work.psi[b, i]) + abs(scheme.h * scheme.h * state.v_dot[b, 3 + i]))
+            size = max(size, abs(state.x[b, i]))
+    for f in range(system.frames.n_acting):
+        for i in range(3):
+            size = max(size, abs(work.lever[f, i]))
+    length += angle * size
+    for b in range(n_b):
+        for i in range(6):
+            scale = work.force_scale[b, i // 3]
+            r = abs(work.residual[b, i])
+            if r > ROUNDING * scale and r > 1e-300:
+                worst = max(worst, r / scale)
+    for i in range(len(work.phi)):
+        rotation = system.joints.rotation[i]
+        worst = max(worst, _beyond(work.phi[i], angle if rotation else length, 1.0 if rotation else size, scheme))
+    for i in range(len(work.u_residual)):
+        worst = max(worst, _beyond(work.u_residual[i], length + angle, size, scheme))
+    return worst
+
+
+@compiled
+def _beyond(residual: float, motion: float, size: float, scheme: Scheme) -> float:
+    """A residual over the motion of the step, 0 where it is rounding of a quantity of the given size."""
+    floor = ROUNDING * size
+    return abs(residual) / max(motion, floor / scheme.tolerance) if abs(residual) > floor else 0.0
+
+
+@compiled
+def _equilibrium(bodies: Bodies, state: State, work: Workspace) -> None:
+    """residual = J v_dot + v~ J v - f_r, with gravity in f_r."""
+    for b in range(len(bodies.mass)):
+        mass = bodies.mass[b]
+        omega = (state.v[b, 3], state.v[b, 4], state.v[b, 5])
+        momentum = rotate(bodies.J_rot, b, omega)
+        gyroscopic = cross(omega, momentum)
+        inertia = rotate(bodies.J_rot, b, (state.v_dot[b, 3], state.v_dot[b, 4], state.v_dot[b, 5]))
+        for i in range(3):
+            weight = mass * bodies.gravity[i]
+            work.residual[b, i] = mass * state.v_dot[b, i] - weight - work.force[b, i]
+            work.residual[b, 3 + i] = inertia[i] + gyroscopic[i] - work.force[b, 3 + i]
+            work.force_scale[b, 0] += abs(mass * state.v_dot[b, i]) + abs(weight)
+            work.force_scale[b, 1] += abs(inertia[i]) + abs(gyroscopic[i])
+
+
+@compiled
+def _compatibility(elastic: Elastic, scheme: Scheme, state: State, work: Workspace) -> None:
+    """u_residual = history + w G_0 p - u at the active dofs."""
+    for e in range(len(elastic.body)):
+        first = elastic.dof[e]
+        begin, end = elastic.active_range[e], elastic.active_range[e + 1]
+        for i in range(begin, end):
+            row = elastic.active[i]
+            total = work.history[row] - state.u[row]
+            for j in range(begin, end):
+                k = elastic.active[j]
+                total += scheme.weight * instantaneous(elastic, e, row - first, k - first) * state.p[k]
+            work.u_residual[i] = total
