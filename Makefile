@@ -23,7 +23,6 @@ demo: $(VENV)/.installed ## a mesh of a beam, its superelement, the paper's Case
 test: $(VENV)/.installed ## the tests
 	$(BIN)/python -m pytest
 
-# TID252: the folders at the root are one namespace, and import from each other as its parts.
 lint: $(VENV)/.installed build/types/.linked ## style and types
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
