@@ -1,45 +1,25 @@
 """The body file: what a user writes to turn a mesh into a superelement."""
 
-import difflib
 import os
 import tomllib
-from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
-    BaseModel,
     BeforeValidator,
-    ConfigDict,
     Field,
     NonNegativeFloat,
     PositiveFloat,
     PositiveInt,
     PrivateAttr,
-    ValidationError,
     model_validator,
 )
 
+from ..inputs import InputError, Table, Vector, read_table
 from .errors import BodyError
 
-Vector = tuple[float, float, float]
 Method = Literal["auto", "modal", "march", "krylov"]
-
-
-class Table(BaseModel):
-    """A table of the file: frozen, of finite numbers, and without keys that nobody reads."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-    @model_validator(mode="before")
-    @classmethod
-    def _known_keys(cls, data: Any) -> Any:
-        for key in data if isinstance(data, Mapping) else ():
-            if key not in cls.model_fields:
-                nearest = difflib.get_close_matches(key, cls.model_fields, n=1, cutoff=0.5)
-                hint = f"did you mean {nearest[0]!r}?" if nearest else f"known are {', '.join(cls.model_fields)}"
-                raise ValueError(f"unknown key {key!r}; {hint}")
-        return data
 
 
 class Section(Table):
@@ -142,7 +122,7 @@ class Ratios(Table):
                 f"expected a ratio for every frequency, found {len(self.frequencies)} frequencies "
                 f"and {len(self.ratios)} ratios"
             )
-        if any(b <= a for a, b in zip(self.frequencies, self.frequencies[1:], strict=False)):
+        if any(b <= a for a, b in pairwise(self.frequencies)):
             raise ValueError(f"frequencies: expected increasing values, found {list(self.frequencies)}")
         return self
 
@@ -181,9 +161,9 @@ class Body(Table):
     name: str = Field(min_length=1)
     mesh: Path
     section: Section | None = None
-    sections: dict[str, Section] = {}
+    sections: dict[str, Section] = Field(default_factory=dict)
     material: Material | None = None
-    materials: dict[str, Material] = {}
+    materials: dict[str, Material] = Field(default_factory=dict)
     interfaces: dict[str, InterfaceSelection] = Field(min_length=1)
     impulse: Impulse
     damping: Damping = Damping()
@@ -209,34 +189,13 @@ class Body(Table):
                 return self._text
         return self.model_dump_json(exclude_unset=True)
 
-    @classmethod
-    def from_toml(cls, text: str, folder: Path) -> "Body":
-        """A body from the text of its file; the mesh is looked for from `folder`."""
-        body = cls.model_validate(tomllib.loads(text))
-        body = body.model_copy(update={"mesh": folder / body.mesh})
-        body._text = text
-        return body
-
 
 def read_body(path: str | os.PathLike[str]) -> Body:
     """Read a body file; `BodyError` names the file, the key, what was found and what was expected."""
-    path = Path(path)
     try:
-        return Body.from_toml(path.read_text(encoding="utf-8"), path.parent)
-    except ValidationError as error:
-        raise BodyError("\n".join(f"{path}: {_message(failure)}" for failure in error.errors())) from error
-    except tomllib.TOMLDecodeError as error:
-        raise BodyError(f"{path}: not a TOML file: {error}") from error
-    except (OSError, UnicodeDecodeError) as error:
-        raise BodyError(f"{path}: not a readable file: {error}") from error
-
-
-def _message(failure: Mapping[str, Any]) -> str:
-    """One failure of pydantic in our words: KEY: what was expected, found VALUE."""
-    key = ".".join(str(part) for part in failure["loc"])
-    text = str(failure["msg"]).removeprefix("Value error, ")
-    if failure["type"] == "missing":
-        text = "missing"
-    elif failure["type"] != "value_error":
-        text = f"{text[0].lower()}{text[1:]}, found {failure['input']!r}"
-    return f"{key}: {text}" if key else text
+        body, text = read_table(path, Body)
+    except InputError as error:
+        raise BodyError(str(error)) from error
+    body = body.model_copy(update={"mesh": Path(path).parent / body.mesh})
+    body._text = text
+    return body
