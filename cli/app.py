@@ -18,7 +18,13 @@ app = typer.Typer(
 BodyFile = Annotated[Path, typer.Argument(metavar="BODY.toml", help="Mesh, section or material, interfaces.")]
 ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.toml", help="Bodies, joints, loads, simulation.")]
 SuperelementFile = Annotated[Path, typer.Argument(metavar="FILE.h5", help="A superelement.")]
+ResultsFile = Annotated[Path, typer.Argument(metavar="RESULTS.h5", help="What `duhamel run` wrote.")]
+Panels = Annotated[
+    list[str] | None,
+    typer.Argument(metavar="QUANTITY[,QUANTITY]", help="A panel each, as angular_velocity:hub:z.", show_default=False),
+]
 Output = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE.h5", show_default=False)]
+Picture = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE.png", show_default=False)]
 
 
 @app.command()
@@ -48,6 +54,26 @@ def run(model_file: ModelFile, output: Output = None) -> None:
         results = solver.simulate(model, output=target, progress=True)
     steps, loop = int(results.solver["steps"]), float(results.solver["seconds"])
     typer.echo(f"{target}: {steps} steps, {perf_counter() - start:.2f} s in all, {1e6 * loop / steps:.1f} us per step")
+
+
+@app.command()
+def plot(results_file: ResultsFile, quantities: Panels = None, output: Picture = None) -> None:
+    """Draw results over time: RESULTS.png beside the results file, unless told otherwise.
+
+    Each argument is a panel: a quantity, or several joined by commas. Without arguments: how fast the bodies turn,
+    how far the flexible ones bend, the energies and their balance. A quantity that does not exist lists those that do.
+    """
+    from .. import view
+
+    target = output or results_file.with_suffix(".png")
+    with told_in_one_line(view):
+        recording = view.read(results_file)
+        panels = [
+            [curve for quantity in panel.split(",") for curve in view.curves(recording, quantity)]
+            for panel in quantities or ()
+        ]
+        view.save(view.draw(recording.time, panels or view.overview(recording), results_file.stem), target)
+    typer.echo(target)
 
 
 @app.command()

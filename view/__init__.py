@@ -1,1 +1,22 @@
 """Result files to pictures."""
+
+from .errors import PictureError, QuantityError, ResultsError
+from .overview import overview
+from .picture import COLOURS, draw, panels, save
+from .quantities import Curve, curves
+from .recording import Recording, read
+
+__all__ = [
+    "COLOURS",
+    "Curve",
+    "PictureError",
+    "QuantityError",
+    "Recording",
+    "ResultsError",
+    "curves",
+    "draw",
+    "overview",
+    "panels",
+    "read",
+    "save",
+]

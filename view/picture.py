@@ -1,0 +1,120 @@
+"""Curves over time as pictures: one panel below the other, and one look for all."""
+
+import io
+import os
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+from cycler import cycler
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from .errors import PictureError
+from .quantities import Curve
+from .rotations import Array
+
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+"""the palette of Okabe and Ito, which the colour-blind can tell apart"""
+
+STYLE: dict[Any, Any] = {
+    "axes.edgecolor": "0.35",
+    "axes.formatter.limits": (-4, 5),
+    "axes.formatter.use_mathtext": True,
+    "axes.grid": True,
+    "axes.labelsize": 9,
+    "axes.linewidth": 0.7,
+    "axes.prop_cycle": cycler(color=COLOURS),
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "axes.titlesize": 9,
+    "axes.xmargin": 0.01,
+    "figure.titlesize": 10,
+    "font.size": 9,
+    "grid.color": "0.9",
+    "grid.linewidth": 0.6,
+    "legend.fontsize": 8,
+    "legend.frameon": False,
+    "lines.linewidth": 1.2,
+    "xtick.color": "0.35",
+    "xtick.labelcolor": "black",
+    "ytick.color": "0.35",
+    "ytick.labelcolor": "black",
+}
+
+PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+"""of units, by their powers of ten"""
+
+WIDTH, PANEL_HEIGHT = 7.0, 2.2
+"""[inch]"""
+
+DOTS_PER_INCH = 130
+
+
+def panels(rows: int, columns: int = 1, share_time: bool = True) -> tuple[Figure, list[Axes]]:
+    """An empty figure in the style of all pictures, and its panels, row by row."""
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH if columns == 1 else 1.3 * WIDTH, PANEL_HEIGHT * rows), layout="constrained")
+        axes: Any = figure.subplots(rows, columns, sharex=share_time, squeeze=False)
+        figure.align_ylabels()
+    return figure, list(axes.flat)
+
+
+def draw(time: Array, contents: Sequence[Sequence[Curve]], title: str = "") -> Figure:
+    """A panel for each list of curves, which must have one unit.   time (n,)
+
+    What the curves of a panel have in common stands above it, what tells them apart in its legend.
+    Raises PictureError where units differ.
+    """
+    figure, axes = panels(len(contents))
+    with matplotlib.rc_context(STYLE):
+        for axis, curves in zip(axes, contents, strict=True):
+            _fill(axis, time, curves)
+        axes[-1].set_xlabel("time [s]")
+        figure.suptitle(title, x=0.01, ha="left", fontweight="bold")
+    return figure
+
+
+def save(figure: Figure, path: str | os.PathLike[str]) -> None:
+    """Write a picture in the format that the suffix names; PictureError if there is no such format or folder."""
+    path = Path(path)
+    formats = figure.canvas.get_supported_filetypes()
+    if (suffix := path.suffix.removeprefix(".").lower()) not in formats:
+        raise PictureError(f"{path}: expected a suffix of {', '.join(sorted(formats))}, found {path.suffix!r}")
+    if not path.parent.is_dir():
+        raise PictureError(f"{path}: no folder {path.parent}")
+    image = io.BytesIO()
+    figure.savefig(image, format=suffix, dpi=DOTS_PER_INCH)
+    try:
+        path.write_bytes(image.getbuffer())
+    except OSError as error:
+        raise PictureError(f"{path}: cannot be written: {error}") from error
+
+
+def _fill(axes: Axes, time: Array, curves: Sequence[Curve]) -> None:
+    units = {curve.unit: _line(curve.words) for curve in curves}
+    if len(units) > 1:
+        found = " and ".join(f"{words} [{unit}]" for unit, words in units.items())
+        raise PictureError(f"expected curves of one unit in a panel, found {found}")
+    words = np.array([curve.words for curve in curves])
+    common = (words == words[0]).all(axis=0)
+    exponent = _exponent(max(float(np.abs(curve.values).max()) for curve in curves))
+    for curve, row in zip(curves, words, strict=True):
+        axes.plot(time, curve.values / 10.0**exponent, label=_line(row[~common]))
+    axes.set_title(_line(words[0, common]), loc="left")
+    axes.set_ylabel(f"[{PREFIXES[exponent]}{curves[0].unit}]")
+    if len(curves) > 1:
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
+def _line(words: Iterable[str]) -> str:
+    return ", ".join(word for word in words if word)
+
+
+def _exponent(peak: float) -> int:
+    """Of the prefix that makes values up to a peak easy to read."""
+    if peak == 0.0 or 0.1 <= peak < 1e4:
+        return 0
+    return int(np.clip(3 * np.floor(np.log10(peak) / 3), min(PREFIXES), max(PREFIXES)))

@@ -1,0 +1,166 @@
+"""A results file, and the motion it holds."""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+
+from .errors import QuantityError, ResultsError
+from .rotations import Array, inverse, product, rotate, twists
+
+FORMAT = "duhamel-results"
+VERSION = 1
+QUATERNION, VECTOR, WRENCH = (4,), (3,), (6,)
+
+
+@dataclass(frozen=True)
+class Recording:
+    """The motion in a results file, read when asked for.
+
+    `bodies`, `frames` ("BODY.FRAME"), `interfaces` (the frames of flexible bodies), `joints` and `energies` are the
+    names it holds. All vectors are (n, 3), one row for each time, and in space unless said otherwise. Methods raise
+    QuantityError for a name that is not there, and ResultsError for a dataset that is missing or has another shape.
+    """
+
+    path: Path
+    bodies: tuple[str, ...]
+    frames: tuple[str, ...]
+    interfaces: tuple[str, ...]
+    joints: tuple[str, ...]
+    energies: tuple[str, ...]
+
+    @property
+    def time(self) -> Array:
+        """(n,) [s]"""
+        with _opened(self.path) as file:
+            time: Array = file["time"][()]
+        return time
+
+    def position(self, name: str) -> Array:
+        """Of the centre of mass of a body, or of the origin of a frame [m]."""
+        return self._array(*self._place(name, "x", "position"), VECTOR)
+
+    def rotation(self, name: str) -> Array:
+        """The axes of a body or a frame to space, (n, 4) unit quaternion."""
+        return self._array(*self._place(name, "R", "rotation"), QUATERNION)
+
+    def angle(self, name: str) -> Array:
+        """How far a body or frame has turned since t = 0 about the space axes x, y, z, beyond full turns too [rad].
+
+        Each column is the twist about its axis (`twists`): for a body that turns about one axis, its angle.
+        """
+        q = self.rotation(name)
+        return twists(product(q, inverse(q[0])))
+
+    def velocity(self, body: str) -> Array:
+        """Of the centre of mass [m/s]."""
+        return self._twist(body, "v")[:, :3]
+
+    def acceleration(self, body: str) -> Array:
+        """Of the centre of mass [m/s^2]."""
+        return self._twist(body, "v_dot")[:, :3]
+
+    def angular_velocity(self, body: str) -> Array:
+        """R omega [rad/s]."""
+        return rotate(self.rotation(body), self._twist(body, "v")[:, 3:])
+
+    def angular_acceleration(self, body: str) -> Array:
+        """d/dt (R omega) = R omega_dot [rad/s^2]."""
+        return rotate(self.rotation(body), self._twist(body, "v_dot")[:, 3:])
+
+    def displacement(self, name: str, seen_from: str) -> Array:
+        """The displacement of a body or frame in the axes D of another, since t = 0 [m].
+
+            u(t) = s(t) - s(0),    s = D^T (r - r_reference)
+
+        With the tip of a beam seen from the frame of the hub that carries it, this is the tip deflection, eq. (96).
+        """
+        apart = self.position(name) - self.position(seen_from)
+        seen = rotate(inverse(self.rotation(seen_from)), apart)
+        displacement: Array = seen - seen[0]
+        return displacement
+
+    def elastic_displacement(self, interface: str) -> Array:
+        """Of an interface, in the axes of its body [m]."""
+        return self._elastic(interface)[:, :3]
+
+    def elastic_rotation(self, interface: str) -> Array:
+        """Of an interface, rotation vector in the axes of its body [rad]."""
+        return self._elastic(interface)[:, 3:]
+
+    def force(self, joint: str) -> Array:
+        """Of a joint on the second of its frames [N]."""
+        return self._array("joints", _known("joint", joint, self.joints), "force", VECTOR)
+
+    def moment(self, joint: str) -> Array:
+        """Of a joint on the second of its frames, about it [N m]."""
+        return self._array("joints", _known("joint", joint, self.joints), "moment", VECTOR)
+
+    def energy(self, name: str) -> Array:
+        """(n,) [J]"""
+        return self._array("energy", "", _known("energy", name, self.energies), ())
+
+    def _place(self, name: str, of_body: str, of_frame: str) -> tuple[str, str, str]:
+        name = _known("body or frame", name, self.bodies + self.frames)
+        return ("bodies", name, of_body) if name in self.bodies else ("frames", name, of_frame)
+
+    def _twist(self, body: str, name: str) -> Array:
+        return self._array("bodies", _known("body", body, self.bodies), name, WRENCH)
+
+    def _elastic(self, interface: str) -> Array:
+        return self._array("frames", _known("interface", interface, self.interfaces), "u", WRENCH)
+
+    def _array(self, group: str, owner: str, name: str, row: tuple[int, ...]) -> Array:
+        path = "/".join(part for part in (group, owner, name) if part)
+        with _opened(self.path) as file:
+            dataset = file.get(path)
+            if not isinstance(dataset, h5py.Dataset):
+                raise ResultsError(f"dataset {path!r} is missing")
+            if dataset.shape != (expected := (len(file["time"]), *row)):
+                raise ResultsError(f"dataset {path!r}: expected shape {expected}, found {dataset.shape}")
+            array: Array = dataset[()]
+        return array
+
+
+def read(path: str | os.PathLike[str]) -> Recording:
+    """Open a results file; ResultsError if it is none, or holds no time step."""
+    with _opened(path) as file:
+        for key, expected in (("format", FORMAT), ("version", VERSION)):
+            if (found := file.attrs.get(key)) != expected:
+                raise ResultsError(f"attribute {key!r}: expected {expected!r}, found {found!r}")
+        time = file.get("time")
+        if not isinstance(time, h5py.Dataset) or time.ndim != 1 or not len(time):
+            raise ResultsError("dataset 'time' is missing or empty: the run stopped before its first step")
+        flexible = file["superelements"].attrs
+        frames = tuple(file["frames"])
+        return Recording(
+            path=Path(path),
+            bodies=tuple(file["bodies"]),
+            frames=frames,
+            interfaces=tuple(frame for frame in frames if frame.partition(".")[0] in flexible),
+            joints=tuple(file["joints"]),
+            energies=tuple(file["energy"]),
+        )
+
+
+@contextmanager
+def _opened(path: str | os.PathLike[str]) -> Iterator[h5py.File]:
+    """The file, open as briefly as can be: an open one cannot be written again."""
+    try:
+        with h5py.File(path, "r") as file:
+            yield file
+    except ResultsError as error:
+        raise ResultsError(f"{path}: {error}") from error
+    except FileNotFoundError as error:
+        raise ResultsError(f"{path}: no such file") from error
+    except (OSError, RuntimeError, KeyError) as error:
+        raise ResultsError(f"{path}: not a readable results file: {error}") from error
+
+
+def _known(what: str, name: str, names: tuple[str, ...]) -> str:
+    if name not in names:
+        raise QuantityError(f"no {what} {name!r}; there are: {', '.join(names) or 'none'}")
+    return name
