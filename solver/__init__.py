@@ -4,9 +4,11 @@ from .errors import ConvergenceError, ModelError
 from .joints import Joint
 from .model import FlexibleBody, Frame, Load, Model, Place, RigidBody, Start
 from .model_file import read_model
+from .motions import PrescribedMotion
 from .results import Results
 from .signals import Constant, Function, Harmonic, Impulse, Polynomial, Pulse, Steps, Table
 from .simulation import simulate
+from .springs import Law, Spring
 
 __all__ = [
     "Constant",
@@ -17,14 +19,17 @@ __all__ = [
     "Harmonic",
     "Impulse",
     "Joint",
+    "Law",
     "Load",
     "Model",
     "ModelError",
     "Place",
     "Polynomial",
+    "PrescribedMotion",
     "Pulse",
     "Results",
     "RigidBody",
+    "Spring",
     "Start",
     "Steps",
     "Table",

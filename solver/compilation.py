@@ -6,15 +6,28 @@ import numpy as np
 
 from ..superelement import GeneralizedAlpha, Superelement
 from .compiled import Array, as_index, as_rows
+from .coupling_rows import (
+    Row,
+    joint_observers,
+    joint_rows,
+    lay_out_couplings,
+    lay_out_rows,
+    motion_rows,
+    spring_rows,
+)
 from .errors import ModelError
 from .flexibility import lay_out_elastic
-from .joint_rows import lay_out_joints
-from .joints import Joint
-from .model import GROUND, FlexibleBody, Model
-from .placement import Pose, frame_pose, place_bodies
+from .model import Model
+from .numbering import NumberedFrames, number_frames, side_names
+from .placement import Pose, place_bodies
 from .rotations import quaternion_of
+from .rows import measures_length
 from .signals import Motion, Signal
-from .system import Bodies, Frames, Joints, Loads, Scheme, System
+from .springs import Spring
+from .system import Bodies, Loads, Scheme, System
+
+ASSEMBLY_TOLERANCE = 1e-9
+"""largest opening of a joint at the start, relative to the size of the model"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +42,10 @@ class CompiledModel:
     body_names: list[str]
     frame_names: list[str]
     frame_poses: list[Pose]
+    coupling_names: list[str]
+    observers: list[tuple[str, str]]
+    """joint and coordinate of each observer row"""
+    observer_starts: Array
     drives: list[Motion]
     load_signals: list[Signal]
     superelements: list[Superelement]
@@ -49,10 +66,20 @@ def compile_system(model: Model) -> CompiledModel:
     n_steps = int(np.ceil(model.t_end / h - 1e-6))
     poses = place_bodies(model)
     body_names = list(model.bodies)
-    frame_names, frame_poses = _frames_of(model, poses)
-    frames = _frames(model, body_names, frame_names, frame_poses)
-    joints, drives = lay_out_joints(model.joints, [_sides(joint) for joint in model.joints], frame_names, frame_poses)
-    _check_moments(model, frames, frame_names, joints)
+    frames = number_frames(model, poses)
+    rows = {
+        **{joint.name: joint_rows(joint, frames.sides(joint)) for joint in model.joints},
+        **{motion.name: motion_rows(motion, frames.sides(motion)) for motion in model.motions},
+        **{spring.name: spring_rows(spring, frames.sides(spring)) for spring in model.springs},
+    }
+    couplings, drives = lay_out_couplings(list(rows.values()))
+    observers = {
+        (joint.name, coordinate): row
+        for joint in model.joints
+        for coordinate, row in joint_observers(joint, frames.sides(joint)).items()
+    }
+    _check_assembled(model, frames)
+    _check_moments(model, frames, rows)
     system = System(
         scheme=Scheme(
             h=h,
@@ -71,15 +98,16 @@ def compile_system(model: Model) -> CompiledModel:
             J_rot=np.array([body.inertia for body in model.bodies.values()], dtype=float),
             gravity=model.gravity.copy(),
         ),
-        frames=frames,
-        joints=joints,
+        frames=frames.arrays,
+        couplings=couplings,
+        observers=lay_out_rows(list(observers.values())),
         loads=Loads(
-            frame=as_index([frame_names.index(load.on) for load in model.loads]),
+            frame=as_index([frames.number(load.on) for load in model.loads]),
             torque=as_index([load.type == "torque" for load in model.loads]),
             follower=as_index([load.follower for load in model.loads]),
             direction=as_rows([load.direction for load in model.loads]),
         ),
-        elastic=lay_out_elastic(model, frames, h, scheme, n_steps),
+        elastic=lay_out_elastic(model, frames.arrays, h, scheme, n_steps),
     )
     return CompiledModel(
         model=model,
@@ -88,8 +116,11 @@ def compile_system(model: Model) -> CompiledModel:
         n_steps=n_steps,
         poses=[poses[name] for name in body_names],
         body_names=body_names,
-        frame_names=frame_names,
-        frame_poses=frame_poses,
+        frame_names=list(frames.poses),
+        frame_poses=list(frames.poses.values()),
+        coupling_names=list(rows),
+        observers=list(observers),
+        observer_starts=np.array([row.start for row in observers.values()]),
         drives=drives,
         load_signals=[load.signal for load in model.loads],
         superelements=[body.superelement for body in model.flexible_bodies.values()],
@@ -120,85 +151,33 @@ def _given_or_common(key: str, given: float | None, found: dict[str, float], def
     raise ModelError(f"simulation: {key}: the superelements differ ({listed}), so the model must give one")
 
 
-def _ground_name(joint: Joint) -> str:
-    """The frame fixed in space where the other side of a joint to the bare ground starts."""
-    return f"{GROUND}.({joint.name})"
-
-
-def _sides(joint: Joint) -> tuple[str, str]:
-    first, second = (_ground_name(joint) if side == GROUND else side for side in joint.between)
-    return first, second
-
-
-def _frames_of(model: Model, poses: dict[str, Pose]) -> tuple[list[str], list[Pose]]:
-    """All frames by name with their starting poses, those with joints and loads first."""
-    named: dict[str, Pose] = {}
+def _check_assembled(model: Model, frames: NumberedFrames) -> None:
+    """The frames of a joint must meet at the start, but for the directions in which it slides."""
     for joint in model.joints:
-        for name, side, other in zip(_sides(joint), joint.between, reversed(joint.between), strict=True):
-            named[name] = frame_pose(model, poses, other if side == GROUND else side)
-    for load in model.loads:
-        named[load.on] = frame_pose(model, poses, load.on)
-    for body in model.bodies:
-        for frame in model.frames_of(body):
-            named.setdefault(f"{body}.{frame}", frame_pose(model, poses, f"{body}.{frame}"))
-    return list(named), list(named.values())
+        sides = frames.sides(joint)
+        gap = sides.gap(joint.basis())
+        opening = [gap[k] for k in joint.kind.translations]
+        if joint.distance is not None:
+            opening.append(gap[2] - joint.distance(0.0))
+        A, B = sides.pose_a.x, sides.pose_b.x
+        worst = max(map(abs, opening), default=0.0)
+        if worst > ASSEMBLY_TOLERANCE * max(1e-3, float(np.abs([A, B]).max())):
+            start = "" if joint.distance is None else f", the distance starts at {joint.distance(0.0):.6g}"
+            raise ModelError(
+                f"joint {joint.name!r}: open by {worst:.6g} m at the start: {joint.between[0]} is at {A.tolist()}, "
+                f"{joint.between[1]} at {B.tolist()}{start}"
+            )
 
 
-def _frames(model: Model, body_names: list[str], frame_names: list[str], frame_poses: list[Pose]) -> Frames:
-    acting = {side for joint in model.joints for side in _sides(joint)} | {load.on for load in model.loads}
-    first_dof = _first_dofs(model)
-    n = len(frame_names)
-    frames = Frames(
-        n_acting=len(acting),
-        body=np.full(n, -1, dtype=np.int64),
-        X=np.zeros((n, 3)),
-        D_0=np.tile(np.eye(3), (n, 1, 1)),
-        dof=np.full(n, -1, dtype=np.int64),
-        active=np.full(n, -1, dtype=np.int64),
-        rotations=np.zeros(n, dtype=np.int64),
-    )
-    n_active = 0
-    # Active dofs are numbered body by body, so that the bodies' ranges are contiguous.
-    by_dof = sorted(range(n), key=lambda f: first_dof.get(frame_names[f], -1))
-    for f in by_dof:
-        owner, _, name = frame_names[f].partition(".")
-        if owner == GROUND:
-            continue
-        frames.body[f] = body_names.index(owner)
-        body = model.bodies[owner]
-        if name:
-            frames.X[f] = body.frames[name].position
-            frames.D_0[f] = Pose(np.zeros(3), np.eye(3)).carry(body.frames[name]).R
-        if isinstance(body, FlexibleBody):
-            interface = body.superelement.interface(name)
-            frames.dof[f] = first_dof[frame_names[f]]
-            frames.rotations[f] = interface.rotations
-            if f < frames.n_acting:
-                frames.active[f] = n_active
-                n_active += interface.n_dofs
-    return frames
-
-
-def _first_dofs(model: Model) -> dict[str, int]:
-    first: dict[str, int] = {}
-    n = 0
-    for name, body in model.flexible_bodies.items():
-        for interface in body.superelement.interfaces:
-            first[f"{name}.{interface.name}"] = n
-            n += interface.n_dofs
-    return first
-
-
-def _check_moments(model: Model, frames: Frames, frame_names: list[str], joints: Joints) -> None:
+def _check_moments(model: Model, frames: NumberedFrames, rows: dict[str, list[Row]]) -> None:
     """An interface without rotations carries forces alone."""
-    rows = np.diff(joints.row)
-    turning = np.add.reduceat(joints.rotation, joints.row[:-1]) if len(rows) else rows
     loaded: dict[str, str] = {}
-    for joint, moments in zip(model.joints, turning, strict=True):
-        if moments:
-            loaded |= dict.fromkeys(_sides(joint), f"joint {joint.name!r} ({joint.type})")
+    for coupling in (*model.joints, *model.springs):
+        if not all(measures_length(row.kind) for row in rows[coupling.name]):
+            kind = "spring" if isinstance(coupling, Spring) else "joint"
+            loaded |= dict.fromkeys(side_names(coupling), f"{kind} {coupling.name!r} ({coupling.type})")
     loaded |= {load.on: f"torque on {load.on!r}" for load in model.loads if load.type == "torque"}
     for frame, owner in loaded.items():
-        f = frame_names.index(frame)
-        if frames.dof[f] >= 0 and not frames.rotations[f]:
+        f = frames.number(frame)
+        if frames.arrays.dof[f] >= 0 and not frames.arrays.rotations[f]:
             raise ModelError(f"{owner}: interface {frame!r} has no rotations and carries forces alone")

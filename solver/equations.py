@@ -1,17 +1,18 @@
 """The equations of a time step and how far a state is from satisfying them.
 
     r_eq = J v_dot + v~ J v - f_r = 0       equilibrium of every body; f_r: loads, joints, gravity
-    phi(x, R, u, t) = 0                     constraints
+    phi(x, R, u, lambda, t) = 0             constraints and force laws
     r_u  = history + w G_0 p - u = 0        displacements of the active interface dofs; w: 1, or 1/2 in eq. (55)
 
 Source: methods 2.4 and 5.4.
 """
 
 from .compiled import Array, compiled
-from .constraints import evaluate_joints
-from .frames import load_bodies, move_frames
+from .couplings import evaluate_couplings
+from .frames import load_bodies, move_frame_velocities, move_frames
 from .history import instantaneous
 from .loads import evaluate_loads
+from .rows import measures_length
 from .system import Bodies, Elastic, Scheme, State, System, Workspace
 from .vectors import cross, rotate
 
@@ -22,24 +23,28 @@ ROUNDING = 64 * 2.2e-16
 def evaluate(system: System, loads: Array, drive: Array, state: State, work: Workspace) -> None:
     """Wrenches, generalized forces and residuals of the present state."""
     frames = system.frames
+    _follow_displacements(system.elastic, system.scheme, state, work)
     move_frames(frames, frames.n_acting, state, work)
+    move_frame_velocities(frames, frames.n_acting, state, work)
     work.wrench[:] = 0.0
     evaluate_loads(system.loads, loads, work)
-    evaluate_joints(system.joints, state.lam, drive, work)
+    evaluate_couplings(system.couplings, state.lam, state.coordinate, drive, work)
     load_bodies(frames, state, work)
     _equilibrium(system.bodies, state, work)
     _compatibility(system.elastic, system.scheme, state, work)
 
 
 @compiled
-def relative_residual(system: System, state: State, work: Workspace) -> float:
-    """The largest residual over what the tolerance is measured against; at rounding level it returns 0.
+def relative_residual(system: System, converged: bool, state: State, work: Workspace) -> float:
+    """The largest residual over what the tolerance is measured against; 0 at the rounding of its terms.
 
     Equilibrium against the sum of the magnitudes of its terms; constraints and interface displacements against the
-    largest motion of the step (translations in m, rotations in rad) and the rounding of positions.
+    largest motion of the step (translations in m, rotations in rad). The rounding of positions, seen through beta',
+    becomes one of forces; it counts only once Newton has `converged` as far as it can, lest it hide a true residual.
     """
-    scheme = system.scheme
-    n_b = len(system.bodies.mass)
+    bodies, scheme = system.bodies, system.scheme
+    tolerance = scheme.tolerance
+    n_b = len(bodies.mass)
     length, angle, size, worst = 0.0, 0.0, 0.0, 0.0
     for b in range(n_b):
         for i in range(3):
@@ -51,24 +56,38 @@ def relative_residual(system: System, state: State, work: Workspace) -> float:
             size = max(size, abs(work.lever[f, i]))
     length += angle * size
     for b in range(n_b):
-        for i in range(6):
-            scale = work.force_scale[b, i // 3]
-            r = abs(work.residual[b, i])
-            if r > ROUNDING * scale and r > 1e-300:
-                worst = max(worst, r / scale)
+        rounding = ROUNDING * scheme.beta_prime if converged else 0.0
+        force_floor = ROUNDING * work.force_scale[b, 0] + rounding * bodies.mass[b] * size
+        moment_floor = ROUNDING * (work.force_scale[b, 1] + size * work.force_scale[b, 0])
+        for i in range(3):
+            moment_floor += rounding * bodies.J_rot[b, i, i]
+        for i in range(3):
+            worst = max(worst, _relative(work.residual[b, i], work.force_scale[b, 0], force_floor, tolerance))
+            worst = max(worst, _relative(work.residual[b, 3 + i], work.force_scale[b, 1], moment_floor, tolerance))
     for i in range(len(work.phi)):
-        rotation = system.joints.rotation[i]
-        worst = max(worst, _beyond(work.phi[i], angle if rotation else length, 1.0 if rotation else size, scheme))
+        if system.couplings.compliant[i]:
+            worst = max(worst, _relative(work.phi[i], work.law_scale[i], ROUNDING * work.law_scale[i], tolerance))
+        elif measures_length(system.couplings.rows.kind[i]):
+            worst = max(worst, _relative(work.phi[i], length, ROUNDING * size, tolerance))
+        else:
+            worst = max(worst, _relative(work.phi[i], angle, ROUNDING, tolerance))
     for i in range(len(work.u_residual)):
-        worst = max(worst, _beyond(work.u_residual[i], length + angle, size, scheme))
+        worst = max(worst, _relative(work.u_residual[i], length + angle, ROUNDING * size, tolerance))
     return worst
 
 
 @compiled
-def _beyond(residual: float, motion: float, size: float, scheme: Scheme) -> float:
-    """A residual over the motion of the step, 0 where it is rounding of a quantity of the given size."""
-    floor = ROUNDING * size
-    return abs(residual) / max(motion, floor / scheme.tolerance) if abs(residual) > floor else 0.0
+def _relative(residual: float, scale: float, floor: float, tolerance: float) -> float:
+    """|residual| / scale, and 0 up to the floor that rounding sets."""
+    return abs(residual) / max(scale, floor / tolerance) if abs(residual) > floor else 0.0
+
+
+@compiled
+def _follow_displacements(elastic: Elastic, scheme: Scheme, state: State, work: Workspace) -> None:
+    """Interface rates follow displacements by Newmark's formulas, as those of the bodies do."""
+    for i in range(len(elastic.active)):
+        k = elastic.active[i]
+        state.u_rate[k] = work.u_rate_predicted[k] + scheme.gamma_prime * (state.u[k] - work.u_predicted[k])
 
 
 @compiled

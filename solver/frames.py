@@ -12,9 +12,9 @@ Source: methods 5.2, with the rotation of the frame turned from its own axes to 
 """
 
 from .compiled import Array, compiled
-from .rotations import exponential, tangent, tangent_derivative
+from .rotations import exponential, tangent, tangent_derivative, tangent_inverse
 from .system import Frames, State, Workspace
-from .vectors import Vector, add, add_to_row, cross, rotate, rotate_back, row
+from .vectors import Vector, add, add_to_row, cross, multiply, rotate, rotate_back, row, scale, subtract, triple
 
 
 @compiled
@@ -40,6 +40,109 @@ def move_frames(frames: Frames, n: int, state: State, work: Workspace) -> None:
             _rotate_columns(state.R[b], work.D[f])
         else:
             _multiply(state.R[b], frames.D_0[f], work.D[f])
+
+
+@compiled
+def move_frame_velocities(frames: Frames, n: int, state: State, work: Workspace) -> None:
+    """V = [R (omega x lever + du/dt) + dx/dt;  R (omega + T(w)^T dw/dt)] of the first n frames."""
+    for f in range(n):
+        b = frames.body[f]
+        if b < 0:
+            continue
+        local, spin = local_velocity(frames, f, state, work)
+        velocity = add(row(state.v, b), rotate(state.R, b, local))
+        spin = rotate(state.R, b, spin)
+        for i in range(3):
+            work.V[f, i] = velocity[i]
+            work.V[f, 3 + i] = spin[i]
+
+
+@compiled
+def local_velocity(frames: Frames, f: int, state: State, work: Workspace) -> tuple[Vector, Vector]:
+    """In body axes: omega x lever + du/dt, and omega + T(w)^T dw/dt."""
+    omega = spin_of(state, frames.body[f])
+    velocity, spin = cross(omega, row(work.lever, f)), omega
+    k = frames.dof[f]
+    if k >= 0:
+        velocity = add(velocity, triple(state.u_rate, k))
+        if frames.rotations[f]:
+            spin = add(spin, rotate_back(work.T, f, triple(state.u_rate, k + 3)))
+    return velocity, spin
+
+
+@compiled
+def frame_acceleration(frames: Frames, f: int, state: State, work: Workspace) -> tuple[Vector, Vector]:
+    """The time derivative of V of a moving frame, in space.
+
+    x'' + R (omega' x l + omega x (omega x l + 2 u') + u''),   R (omega' + T^T w'' + (T^T)' w' + omega x T^T w')
+    """
+    b = frames.body[f]
+    omega, alpha = spin_of(state, b), (state.v_dot[b, 3], state.v_dot[b, 4], state.v_dot[b, 5])
+    lever = row(work.lever, f)
+    k = frames.dof[f]
+    rate = triple(state.u_rate, k) if k >= 0 else (0.0, 0.0, 0.0)
+    local = add(cross(alpha, lever), cross(omega, add(cross(omega, lever), scale(2.0, rate))))
+    turning = alpha
+    if k >= 0:
+        local = add(local, triple(state.u_acceleration, k))
+        if frames.rotations[f]:
+            w_rate = triple(state.u_rate, k + 3)
+            _tangent_slope(state, k + 3, w_rate, work)
+            slope = scale(-1.0, multiply(work.scratch_33, w_rate))
+            turning = add(turning, rotate_back(work.T, f, triple(state.u_acceleration, k + 3)))
+            turning = add(turning, add(slope, cross(omega, rotate_back(work.T, f, w_rate))))
+    return add(row(state.v_dot, b), rotate(state.R, b, local)), rotate(state.R, b, turning)
+
+
+@compiled
+def _tangent_slope(state: State, k: int, m: Vector, work: Workspace) -> None:
+    """`work.scratch_33` = d(T(v) m)/dv at v = -w, for T(w)^T = T(-w)."""
+    for i in range(3):
+        work.scratch_3[i] = -state.u[k + i]
+        work.scratch_3b[i] = m[i]
+    tangent_derivative(work.scratch_3, work.scratch_3b, work.scratch_33)
+
+
+@compiled
+def map_frame_velocities(frames: Frames, gamma_prime: float, psi: Array, state: State, work: Workspace) -> None:
+    """The derivatives (6, 12) of V by (delta x, delta Theta, delta u, delta w), with rates gamma' times increments.
+
+    delta omega = gamma' T^-1(psi) delta Theta,   delta (du/dt) = gamma' delta u
+    """
+    for f in range(frames.n_acting):
+        b = frames.body[f]
+        if b < 0:
+            continue
+        A = work.rate_map[f]
+        A[:] = 0.0
+        local, spin = local_velocity(frames, f, state, work)
+        lever, omega = row(work.lever, f), spin_of(state, b)
+        tangent_inverse(psi[b], work.scratch_33)
+        for j in range(3):
+            e = (1.0 if j == 0 else 0.0, 1.0 if j == 1 else 0.0, 1.0 if j == 2 else 0.0)
+            d_omega = scale(gamma_prime, multiply(work.scratch_33, e))
+            by_turn = rotate(state.R, b, add(cross(e, local), cross(d_omega, lever)))
+            spin_by_turn = rotate(state.R, b, add(cross(e, spin), d_omega))
+            by_u = rotate(state.R, b, add(cross(omega, e), scale(gamma_prime, e)))
+            A[j, j] = gamma_prime
+            for i in range(3):
+                A[i, 3 + j] = by_turn[i]
+                A[3 + i, 3 + j] = spin_by_turn[i]
+                A[i, 6 + j] = by_u[i]
+        k = frames.dof[f]
+        if k >= 0 and frames.rotations[f]:
+            _tangent_slope(state, k + 3, triple(state.u_rate, k + 3), work)
+            for j in range(3):
+                e = (1.0 if j == 0 else 0.0, 1.0 if j == 1 else 0.0, 1.0 if j == 2 else 0.0)
+                change = subtract(scale(gamma_prime, rotate_back(work.T, f, e)), multiply(work.scratch_33, e))
+                by_w = rotate(state.R, b, change)
+                for i in range(3):
+                    A[3 + i, 9 + j] = by_w[i]
+
+
+@compiled
+def spin_of(state: State, b: int) -> Vector:
+    return state.v[b, 3], state.v[b, 4], state.v[b, 5]
 
 
 @compiled

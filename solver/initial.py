@@ -13,12 +13,13 @@ import numpy as np
 
 from .compilation import CompiledModel
 from .compiled import Array
-from .constraints import carried_axis
+from .couplings import turn_of
 from .equations import evaluate
 from .errors import ModelError
 from .loads import load_vector
 from .newton import linearise
 from .rotations import quaternion_of
+from .rows import ROTATION, carried_axis
 from .system import State, System, Workspace
 
 
@@ -38,13 +39,16 @@ def begin(compiled: CompiledModel) -> Beginning:
     drive = np.array([signal(0.0) for signal in compiled.drives])
     system = compiled.system
     evaluate(system, loads, drive, state, work)
-    linearise(system, loads, state, work)
+    linearise(system, loads, drive, state, work)
     correction = _fit_velocities(compiled, state, work)
     evaluate(system, loads, drive, state, work)
-    v_dot, lam = _accelerations(compiled, state, work)
+    state.coordinate[:] = work.coordinate
+    state.lam[:] -= work.phi * system.couplings.compliant  # phi of a force law is lambda less what the law says
+    evaluate(system, loads, drive, state, work)
+    v_dot, lam = _accelerations(compiled, drive, state, work)
     state.v_dot[:] = v_dot
     state.a[:] = v_dot
-    state.lam[:] = lam
+    state.lam[:] += lam
     evaluate(system, loads, drive, state, work)
     _start_history(compiled, state)
     _start_accounts(system, loads, drive, state, work)
@@ -54,40 +58,41 @@ def begin(compiled: CompiledModel) -> Beginning:
 def _fit_velocities(compiled: CompiledModel, state: State, work: Workspace) -> float:
     """Project the velocities onto B_r v + phi_t = 0 in the metric of the mass; the largest change."""
     system = compiled.system
-    n_q = 6 * len(system.bodies.mass)
-    B = work.B[:, :n_q]
-    rates = np.array([drive.derivatives(0.0)[0] for drive in compiled.drives])
-    phi_t = np.array(
-        [work.drive_slope[i] * rates[d] if d >= 0 else 0.0 for i, d in enumerate(system.joints.drive.tolist())]
-    )
+    hard = np.flatnonzero(system.couplings.compliant == 0)
+    B = work.B[hard, : 6 * len(system.bodies.mass)]
+    rates = np.array([*(drive.derivatives(0.0)[0] for drive in compiled.drives), 0.0])
+    phi_t = (work.drive_slope * rates[system.couplings.drive])[hard]
     change = _inverse_inertia(system) @ B.T
     correction = change @ np.linalg.lstsq(B @ change, -(B @ state.v.ravel() + phi_t), rcond=1e-12)[0]
     left = B @ (state.v.ravel() + correction) + phi_t
     if len(left) and np.abs(left).max() > 1e-8 * max(1.0, float(np.abs(phi_t).max())):
-        row = int(np.argmax(np.abs(left)))
-        joint = compiled.model.joints[int(np.searchsorted(system.joints.row, row, side="right")) - 1]
-        raise ModelError(f"joint {joint.name!r}: no velocities of rigid motion satisfy it at the start")
+        row = int(hard[np.argmax(np.abs(left))])
+        name = compiled.coupling_names[int(np.searchsorted(system.couplings.range, row, side="right")) - 1]
+        raise ModelError(f"joint {name!r}: no velocities of rigid motion satisfy it at the start")
     state.v[:] += correction.reshape(-1, 6)
     return float(np.abs(correction).max(initial=0.0))
 
 
-def _accelerations(compiled: CompiledModel, state: State, work: Workspace) -> tuple[Array, Array]:
+def _accelerations(compiled: CompiledModel, drive: Array, state: State, work: Workspace) -> tuple[Array, Array]:
+    """v_dot (n_b, 6) and the multipliers of the constraints (n_rows,), 0 for those of force laws, already at work."""
     system = compiled.system
-    n_q, n_rows = 6 * len(system.bodies.mass), len(state.lam)
-    B_r, B_a = work.B[:, :n_q], work.B[:, n_q:]
+    hard = np.flatnonzero(system.couplings.compliant == 0)
+    n_q, n_rows = 6 * len(system.bodies.mass), len(hard)
+    B_r, B_a = work.B[hard, :n_q], work.B[hard, n_q:]
     A_el = _mobility(compiled)
     p = state.p[system.elastic.active]
     inverse = _inverse_inertia(system)
     # with v_dot = 0 the residual of equilibrium is v~ J v - f_r
     free = -inverse @ work.residual.ravel()
-    gap = _convective(compiled, state, work) + B_a @ (A_el @ p) + B_r @ free
+    gap = _convective(compiled, drive, state, work)[hard] + B_a @ (A_el @ p) + B_r @ free
     schur = B_r @ inverse @ B_r.T + B_a @ A_el @ B_a.T
     scale = 1.0 / np.sqrt(np.maximum(np.diagonal(schur), 1e-300))
     scaled = schur * np.outer(scale, scale)
     if n_rows and (rank := int(np.linalg.matrix_rank(scaled, tol=1e-11, hermitian=True))) < n_rows:
         raise ModelError(f"joints: {n_rows} rows of which {rank} are independent: some constraints are redundant")
-    lam = -scale * np.linalg.solve(scaled, scale * gap)
-    v_dot = free + inverse @ (B_r.T @ lam)
+    lam = np.zeros(len(state.lam))
+    lam[hard] = -scale * np.linalg.solve(scaled, scale * gap)
+    v_dot = free + inverse @ (B_r.T @ lam[hard])
     return v_dot.reshape(-1, 6), lam
 
 
@@ -111,36 +116,31 @@ def _mobility(compiled: CompiledModel) -> Array:
     return A_el
 
 
-def _convective(compiled: CompiledModel, state: State, work: Workspace) -> Array:
-    """The second time derivative of every row at v_dot = 0 (n_rows,): centripetal terms and the drives."""
-    joints, frames = compiled.system.joints, compiled.system.frames
-    derivatives = [drive.derivatives(0.0) for drive in compiled.drives]
-    drive = np.array([signal(0.0) for signal in compiled.drives])
-    spin = np.zeros((len(frames.body), 3))
-    velocity, acceleration = np.zeros_like(spin), np.zeros_like(spin)
+def _convective(compiled: CompiledModel, drive: Array, state: State, work: Workspace) -> Array:
+    """The second time derivative of every constraint at v_dot = 0 (n_rows,): centripetal terms and the drives."""
+    couplings, rows, frames = compiled.system.couplings, compiled.system.couplings.rows, compiled.system.frames
+    derivatives = [*(signal.derivatives(0.0) for signal in compiled.drives), (0.0, 0.0)]
+    spin, velocity = work.V[:, 3:], work.V[:, :3]
+    acceleration = np.zeros_like(velocity)
     for f, b in enumerate(frames.body.tolist()):
         if b >= 0:
-            arm = work.r[f] - state.x[b]
-            spin[f] = state.R[b] @ state.v[b, 3:]
-            velocity[f] = state.v[b, :3] + np.cross(spin[f], arm)
-            acceleration[f] = np.cross(spin[f], np.cross(spin[f], arm))
+            acceleration[f] = np.cross(spin[f], np.cross(spin[f], work.r[f] - state.x[b]))
     second = np.zeros(len(state.lam))
-    for j, (A, B) in enumerate(zip(joints.frame_a, joints.frame_b, strict=True)):
-        delta = work.r[B] - work.r[A]
-        for i in range(joints.row[j], joints.row[j + 1]):
-            in_a, slope_in_a, _ = carried_axis(joints, i, drive)
-            a, slope = work.D[A] @ in_a, work.D[A] @ slope_in_a
-            s_1, s_2 = derivatives[joints.drive[i]] if joints.drive[i] >= 0 else (0.0, 0.0)
-            a_1, a_2 = np.cross(spin[A], a), np.cross(spin[A], np.cross(spin[A], a))
-            if joints.rotation[i]:
-                b = work.D[B] @ joints.b[i]
-                b_1, b_2 = np.cross(spin[B], b), np.cross(spin[B], np.cross(spin[B], b))
-                a_2 = a_2 + 2.0 * s_1 * np.cross(spin[A], slope) + s_2 * slope - s_1**2 * a
-                a_1 = a_1 + s_1 * slope
-                second[i] = a_2 @ b + 2.0 * a_1 @ b_1 + a @ b_2
-            else:
-                second[i] = a @ (acceleration[B] - acceleration[A]) + 2.0 * a_1 @ (velocity[B] - velocity[A])
-                second[i] += a_2 @ delta - s_2
+    for i in np.flatnonzero(couplings.compliant == 0):
+        A, B = rows.frame_a[i], rows.frame_b[i]
+        s_1, s_2 = derivatives[couplings.drive[i]]
+        turn = turn_of(couplings, i, drive)
+        a = work.D[A] @ np.array(carried_axis(rows, i, turn))
+        a_1, a_2 = np.cross(spin[A], a), np.cross(spin[A], np.cross(spin[A], a))
+        if rows.kind[i] == ROTATION:
+            b = work.D[B] @ rows.b[i]
+            b_1, b_2 = np.cross(spin[B], b), np.cross(spin[B], np.cross(spin[B], b))
+            slope = work.D[A] @ np.array(carried_axis(rows, i, turn + 0.5 * np.pi))
+            a_2 = a_2 + 2.0 * s_1 * np.cross(spin[A], slope) + s_2 * slope - s_1**2 * a
+            second[i] = a_2 @ b + 2.0 * (a_1 + s_1 * slope) @ b_1 + a @ b_2
+        else:
+            second[i] = a @ (acceleration[B] - acceleration[A]) + 2.0 * a_1 @ (velocity[B] - velocity[A])
+            second[i] += a_2 @ (work.r[B] - work.r[A]) - s_2
     return second
 
 
@@ -153,7 +153,10 @@ def _start_history(compiled: CompiledModel, state: State) -> None:
         state.p_history[0] = state.p
     for e in range(len(elastic.body)):
         begin, end = elastic.mode_range[e], elastic.mode_range[e + 1]
-        p = state.p[elastic.dof[e] : elastic.dof[e + 1]]
+        own = slice(elastic.dof[e], elastic.dof[e + 1])
+        p = state.p[own]
+        state.u_acceleration[own] = compiled.superelements[e].mobility @ p
+        state.u_a[own] = state.u_acceleration[own]
         start = elastic.phi_start[e]
         phi = elastic.phi[start : start + len(p) * (end - begin)].reshape(len(p), end - begin)
         state.eta_acceleration[begin:end] = phi.T @ p
@@ -164,15 +167,15 @@ def _start_accounts(system: System, loads: Array, drive: Array, state: State, wo
     for m, value in enumerate(loads):
         state.load_vector[m, :3] = load_vector(system.loads, m, value, work)
     state.drive[:] = drive
-    for i, d in enumerate(system.joints.drive.tolist()):
+    for i, d in enumerate(system.couplings.drive.tolist()):
         if d >= 0:
             state.drive_force[d] = -state.lam[i] * work.drive_slope[i]
 
 
 def _allocate(compiled: CompiledModel) -> tuple[State, Workspace]:
     system = compiled.system
-    n_b, n_f, n_j = len(system.bodies.mass), len(system.frames.body), len(system.joints.frame_a)
-    n_rows, n_l, n_d = len(system.joints.rotation), len(system.loads.frame), len(compiled.drives)
+    n_b, n_f, n_j = len(system.bodies.mass), len(system.frames.body), len(compiled.coupling_names)
+    n_rows, n_l, n_d = len(system.couplings.rows.kind), len(system.loads.frame), len(compiled.drives)
     n_u, n_a, n_modes = int(system.elastic.dof[-1]), len(system.elastic.active), len(system.elastic.stiffness)
     n_q = 6 * n_b
     directly = n_u > 0 and bool((np.diff(system.elastic.mode_range) == 0).any())
@@ -187,6 +190,9 @@ def _allocate(compiled: CompiledModel) -> tuple[State, Workspace]:
         a=np.zeros((n_b, 6)),
         lam=np.zeros(n_rows),
         u=np.zeros(n_u),
+        u_rate=np.zeros(n_u),
+        u_acceleration=np.zeros(n_u),
+        u_a=np.zeros(n_u),
         p=np.zeros(n_u),
         eta=np.zeros(n_modes),
         eta_rate=np.zeros(n_modes),
@@ -196,14 +202,20 @@ def _allocate(compiled: CompiledModel) -> tuple[State, Workspace]:
         load_vector=np.zeros((n_l, 3)),
         drive=np.zeros(n_d),
         drive_force=np.zeros(n_d),
+        coordinate=np.zeros(n_rows),
+        observed=compiled.observer_starts.copy(),
         elastic_energy=np.zeros(1),
         work=np.zeros(1),
+        compliance_work=np.zeros(1),
     )
     work = Workspace(
         quaternion=state.quaternion.copy(),
         psi=np.zeros((n_b, 3)),
         u_n=np.zeros(n_u),
         p_n=np.zeros(n_u),
+        u_predicted=np.zeros(n_u),
+        u_rate_predicted=np.zeros(n_u),
+        lam_n=np.zeros(n_rows),
         load_position=np.zeros((n_l, 3)),
         load_axes=np.zeros((n_l, 3, 3)),
         r=np.array([pose.x for pose in compiled.frame_poses]).reshape(n_f, 3),
@@ -211,11 +223,13 @@ def _allocate(compiled: CompiledModel) -> tuple[State, Workspace]:
         lever=np.zeros((n_f, 3)),
         T=np.tile(np.eye(3), (n_f, 1, 1)),
         wrench=np.zeros((n_f, 6)),
+        V=np.zeros((n_f, 6)),
+        coordinate=np.zeros(n_rows),
+        rate=np.zeros(n_rows),
         phi=np.zeros(n_rows),
+        law_scale=np.zeros(n_rows),
         gradient=np.zeros((n_rows, 12)),
-        delta=np.zeros((n_j, 3)),
-        joint_wrench=np.zeros((n_j, 6)),
-        moment_tangent=np.zeros((n_j, 3, 3)),
+        coupling_wrench=np.zeros((n_j, 6)),
         drive_slope=np.zeros(n_rows),
         force=np.zeros((n_b, 6)),
         force_scale=np.zeros((n_b, 2)),
@@ -223,16 +237,21 @@ def _allocate(compiled: CompiledModel) -> tuple[State, Workspace]:
         history=np.zeros(n_u),
         u_residual=np.zeros(n_a),
         map=np.zeros((n_f, 6, 12)),
+        rate_map=np.zeros((n_f, 6, 12)),
         frame_tangent=np.zeros((12, 12)),
         product=np.zeros((6, 12)),
         K=np.zeros((n_q + n_a, n_q + n_a)),
         B=np.zeros((n_rows, n_q + n_a)),
+        B_rate=np.zeros((n_rows, n_q + n_a)),
+        A=np.zeros((n_rows, n_q + n_a)),
         C=np.zeros((n_a, n_a)),
         E=np.zeros((n_a, n_a + 1)),
         EB=np.zeros((n_a, n_q + n_rows)),
         S=np.zeros((n_q + n_rows, n_q + n_rows)),
         rhs=np.zeros((n_q + n_rows, 1)),
         scratch_3=np.zeros(3),
+        scratch_3b=np.zeros(3),
+        scratch_12=np.zeros(12),
         scratch_4=np.zeros(4),
         scratch_4b=np.zeros(4),
         scratch_33=np.zeros((3, 3)),

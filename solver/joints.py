@@ -9,7 +9,8 @@ A drive adds a row of the same two kinds: `angle` turns e1(A) by the signal befo
 subtracts the signal from e3(A) . (r_B - r_A).
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -20,26 +21,46 @@ from .signals import Motion
 
 
 @dataclass(frozen=True)
+class Angle:
+    """The angle from e_i to e_k, both carried by one frame, at which e_j of the other is seen; `by_b`: seen from B."""
+
+    i: int
+    k: int
+    j: int
+    by_b: bool = False
+
+
+@dataclass(frozen=True)
 class JointType:
     translations: tuple[int, ...]
     rotations: tuple[tuple[int, int], ...]
     axes: int
     """how many axes a user gives: none, e3, or e1 and e2"""
     drives: tuple[str, ...] = ()
+    distances: Mapping[str, int] = field(default_factory=dict)
+    """coordinates left free: e_k(A) . (r_B - r_A) by name"""
+    angles: Mapping[str, "Angle"] = field(default_factory=dict)
 
 
 _ALL = (0, 1, 2)
 _NO_ROTATION = ((0, 1), (1, 2), (2, 0))
 _ABOUT_E3 = ((0, 2), (1, 2))
+_TURN = Angle(0, 1, 0)
 
 JOINT_TYPES = {
     "fixed": JointType(_ALL, _NO_ROTATION, axes=0),
     "spherical": JointType(_ALL, (), axes=0),
-    "revolute": JointType(_ALL, _ABOUT_E3, axes=1, drives=("angle",)),
-    "universal": JointType(_ALL, ((0, 1),), axes=2),
-    "cylindrical": JointType((0, 1), _ABOUT_E3, axes=1, drives=("angle", "distance")),
-    "prismatic": JointType((0, 1), _NO_ROTATION, axes=1, drives=("distance",)),
-    "planar": JointType((2,), _ABOUT_E3, axes=1),
+    "revolute": JointType(_ALL, _ABOUT_E3, axes=1, drives=("angle",), angles={"angle": _TURN}),
+    "universal": JointType(
+        _ALL, ((0, 1),), axes=2, angles={"angle": Angle(1, 2, 1), "second_angle": Angle(0, 2, 0, by_b=True)}
+    ),
+    "cylindrical": JointType(
+        (0, 1), _ABOUT_E3, axes=1, drives=("angle", "distance"), distances={"distance": 2}, angles={"angle": _TURN}
+    ),
+    "prismatic": JointType((0, 1), _NO_ROTATION, axes=1, drives=("distance",), distances={"distance": 2}),
+    "planar": JointType(
+        (2,), _ABOUT_E3, axes=1, distances={"distance": 0, "second_distance": 1}, angles={"angle": _TURN}
+    ),
 }
 
 
@@ -90,24 +111,29 @@ class Joint:
 
     def basis(self) -> Array:
         """The joint axes e1, e2, e3 at the start, in space, as columns (3, 3)."""
+        owner = f"joint {self.name!r}"
         if self.axis is None:
             return np.eye(3)
-        axis = self._unit("axis", self.axis)
         if self.second_axis is None:
-            # e1: the coordinate axis farthest from e3, made perpendicular to it
-            e1 = np.eye(3)[int(np.argmin(np.abs(axis)))]
-            e1 = e1 - axis * (axis @ e1)
-            e1 = e1 / np.linalg.norm(e1)
-            return np.column_stack([e1, np.cross(axis, e1), axis])
-        second = self._unit("second_axis", self.second_axis)
+            return basis_about(unit_vector(f"{owner}: axis", self.axis))
+        axis, second = unit_vector(f"{owner}: axis", self.axis), unit_vector(f"{owner}: second_axis", self.second_axis)
         if abs(axis @ second) > 1e-9:
-            raise ModelError(f"joint {self.name!r}: the axes of a universal joint must be perpendicular at the start")
+            raise ModelError(f"{owner}: the axes of a universal joint must be perpendicular at the start")
         return np.column_stack([axis, second, np.cross(axis, second)])
 
-    def _unit(self, key: str, value: Any) -> Array:
-        array = np.asarray(value, dtype=np.float64)
-        length = float(np.linalg.norm(array))
-        if array.shape != (3,) or not (np.isfinite(length) and length > 0.0):
-            raise ModelError(f"joint {self.name!r}: {key}: expected three numbers that are not all zero, got {value}")
-        unit: Array = array / length
-        return unit
+
+def basis_about(axis: Array) -> Array:
+    """Axes e1, e2, e3 as columns (3, 3): e3 along a unit vector, e1 near the coordinate axis farthest from it."""
+    e1 = np.eye(3)[int(np.argmin(np.abs(axis)))]
+    e1 = e1 - axis * (axis @ e1)
+    e1 = e1 / np.linalg.norm(e1)
+    return np.column_stack([e1, np.cross(axis, e1), axis])
+
+
+def unit_vector(name: str, value: Any) -> Array:
+    array = np.asarray(value, dtype=np.float64)
+    length = float(np.linalg.norm(array))
+    if array.shape != (3,) or not (np.isfinite(length) and length > 0.0):
+        raise ModelError(f"{name}: expected three numbers that are not all zero, got {value}")
+    unit: Array = array / length
+    return unit

@@ -1,14 +1,16 @@
 """The time loop: generalized-alpha on the rotation group, methods 2.5 and 5.4. Compiled, and free of allocations."""
 
 from .compiled import Array, compiled
+from .couplings import spring_energy
 from .equations import evaluate, relative_residual
-from .frames import move_frames, wrench
+from .frames import frame_acceleration, move_frame_velocities, move_frames, spin_of, wrench
 from .history import recall, remember, respond
 from .loads import load_vector
 from .newton import correct, set_rotation
 from .rotations import quaternion_exponential, quaternion_product, relative_rotation
-from .system import Inputs, Loads, Output, Scheme, State, System, Workspace
-from .vectors import copy, dot, rotate, row
+from .rows import evaluate_row
+from .system import Bodies, Inputs, Loads, Output, Rows, Scheme, State, System, Workspace
+from .vectors import add, copy, cross, dot, rotate, row, scale, triple
 
 
 @compiled
@@ -22,20 +24,21 @@ def advance(
         _begin(system, state, work)
         recall(system.elastic, scheme, state, work.history)
         _predict(scheme, state, work)
+        _predict_displacements(scheme, state, work)
         iterations = 0
         while True:
             evaluate(system, loads, drive, state, work)
-            residual = relative_residual(system, state, work)
+            residual = relative_residual(system, iterations > 1, state, work)
             if residual <= scheme.tolerance and iterations > 0:
                 break
-            if iterations == scheme.max_iterations or not correct(system, loads, state, work):
+            if iterations == scheme.max_iterations or not correct(system, loads, drive, state, work):
                 output.iterations[k] = iterations
                 output.residual[k] = residual
                 return k
             iterations += 1
         respond(system.elastic, scheme, work.history, state.p, state.u)
         remember(system.elastic, scheme, state, work.p_n)
-        _finish(scheme, state)
+        _finish(scheme, state, work)
         account(system, loads, drive, state, work)
         state.step[0] += 1
         output.iterations[k] = iterations
@@ -50,6 +53,7 @@ def _begin(system: System, state: State, work: Workspace) -> None:
     copy(state.quaternion, work.quaternion)
     copy(state.u, work.u_n)
     copy(state.p, work.p_n)
+    copy(state.lam, work.lam_n)
     for m in range(len(system.loads.frame)):
         f = system.loads.frame[m]
         copy(work.r[f], work.load_position[m])
@@ -76,19 +80,37 @@ def _predict(scheme: Scheme, state: State, work: Workspace) -> None:
 
 
 @compiled
-def _finish(scheme: Scheme, state: State) -> None:
-    """a_{n+1} = a* + (1 - alpha_f) / (1 - alpha_m) v_dot_{n+1}"""
+def _predict_displacements(scheme: Scheme, state: State, work: Workspace) -> None:
+    """The same for interface displacements and rates; u itself starts the step where it is."""
+    h, beta, gamma = scheme.h, scheme.beta, scheme.gamma
+    for k in range(len(state.u)):
+        a_n = state.u_a[k]
+        a = (scheme.alpha_f * state.u_acceleration[k] - scheme.alpha_m * a_n) / (1.0 - scheme.alpha_m)
+        work.u_predicted[k] = state.u[k] + h * state.u_rate[k] + h * h * ((0.5 - beta) * a_n + beta * a)
+        work.u_rate_predicted[k] = state.u_rate[k] + h * ((1.0 - gamma) * a_n + gamma * a)
+        state.u_a[k] = a
+
+
+@compiled
+def _finish(scheme: Scheme, state: State, work: Workspace) -> None:
+    """a_{n+1} = a* + (1 - alpha_f) / (1 - alpha_m) v_dot_{n+1}, for bodies and interfaces."""
     ratio = (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
     for b in range(len(state.a)):
         for i in range(6):
             state.a[b, i] += ratio * state.v_dot[b, i]
+    for k in range(len(state.u)):
+        change = state.u[k] - work.u_predicted[k]
+        state.u_rate[k] = work.u_rate_predicted[k] + scheme.gamma_prime * change
+        state.u_acceleration[k] = scheme.beta_prime * change
+        state.u_a[k] += ratio * state.u_acceleration[k]
 
 
 @compiled
 def account(system: System, loads: Array, drive: Array, state: State, work: Workspace) -> None:
     """Add the work of the step: trapezoidal means of loads times displacements.
 
-    Elastic energy: that of the interface loads p . du (methods 7). Drives: -lambda dphi/ds ds.
+    Elastic energy: that of the interface loads p . du (methods 7). Drives: -lambda dphi/ds ds. Springs and dampers:
+    lambda dc.
     """
     elastic = system.elastic
     for i in range(len(elastic.active)):
@@ -96,7 +118,11 @@ def account(system: System, loads: Array, drive: Array, state: State, work: Work
         state.elastic_energy[0] += 0.5 * (state.p[k] + work.p_n[k]) * (state.u[k] - work.u_n[k])
     _account_loads(system.loads, loads, state, work)
     for i in range(len(state.lam)):
-        d = system.joints.drive[i]
+        if system.couplings.compliant[i]:
+            turn = work.coordinate[i] - state.coordinate[i]
+            state.compliance_work[0] += 0.5 * (state.lam[i] + work.lam_n[i]) * turn
+        state.coordinate[i] = work.coordinate[i]
+        d = system.couplings.drive[i]
         if d >= 0:
             force = -state.lam[i] * work.drive_slope[i]
             state.work[0] += 0.5 * (force + state.drive_force[d]) * (drive[d] - state.drive[d])
@@ -125,6 +151,7 @@ def record(system: System, frame_quaternions: Array, k: int, state: State, work:
     """Write the present state into row k of the output."""
     frames = system.frames
     move_frames(frames, len(frames.body), state, work)
+    move_frame_velocities(frames, len(frames.body), state, work)
     copy(state.x, output.x[k])
     copy(state.quaternion, output.R[k])
     copy(state.v, output.v[k])
@@ -139,10 +166,19 @@ def record(system: System, frame_quaternions: Array, k: int, state: State, work:
         for i in range(3):
             output.frame_force[k, f, i] = force[i]
             output.frame_force[k, f, 3 + i] = moment[i]
+        if frames.body[f] >= 0:
+            linear, angular = frame_acceleration(frames, f, state, work)
+            for i in range(3):
+                output.frame_acceleration[k, f, i] = linear[i]
+                output.frame_acceleration[k, f, 3 + i] = angular[i]
         _frame_rotation(system, frame_quaternions, f, n == 6, state, work, output.frame_rotation[k, f])
+    copy(work.V, output.frame_velocity[k])
     copy(state.lam, output.multipliers[k])
-    copy(work.joint_wrench, output.joint_wrench[k])
-    _energies(system, state, output.energy[k])
+    copy(work.coordinate, output.coordinates[k])
+    copy(work.coupling_wrench, output.coupling_wrench[k])
+    _observe(system.observers, state, work, output.observed[k], output.observed_rates[k])
+    _energies(system, state, work, output.energy[k])
+    _momentum(system.bodies, state, output.momentum[k])
 
 
 @compiled
@@ -162,16 +198,44 @@ def _frame_rotation(
 
 
 @compiled
-def _energies(system: System, state: State, out: Array) -> None:
-    """Kinetic energy of the rigid motion, elastic energy (vibration included), potential of gravity, work."""
+def _observe(observers: Rows, state: State, work: Workspace, values: Array, rates: Array) -> None:
+    """Joint coordinates and their rates; angles go on over full turns."""
+    gradient = work.scratch_12
+    for i in range(len(observers.kind)):
+        A, B = observers.frame_a[i], observers.frame_b[i]
+        values[i] = evaluate_row(observers, i, 0.0, state.observed[i], work, gradient)
+        state.observed[i] = values[i]
+        rates[i] = 0.0
+        for k in range(6):
+            rates[i] += gradient[k] * work.V[A, k] + gradient[6 + k] * work.V[B, k]
+
+
+@compiled
+def _energies(system: System, state: State, work: Workspace, out: Array) -> None:
+    """Kinetic energy of the rigid motion, elastic energy (vibration included), springs, gravity, work; see Output."""
     bodies = system.bodies
     kinetic, potential = 0.0, 0.0
     for b in range(len(bodies.mass)):
-        velocity, omega = row(state.v, b), (state.v[b, 3], state.v[b, 4], state.v[b, 5])
+        velocity, omega = row(state.v, b), spin_of(state, b)
         kinetic += 0.5 * bodies.mass[b] * dot(velocity, velocity)
         kinetic += 0.5 * dot(omega, rotate(bodies.J_rot, b, omega))
-        potential -= bodies.mass[b] * dot(row(state.x, b), (bodies.gravity[0], bodies.gravity[1], bodies.gravity[2]))
+        potential -= bodies.mass[b] * dot(row(state.x, b), triple(bodies.gravity, 0))
     out[0] = kinetic
     out[1] = state.elastic_energy[0]
-    out[2] = potential
-    out[3] = state.work[0]
+    out[2] = spring_energy(system.couplings, work)
+    out[3] = potential
+    out[4] = state.work[0]
+    out[5] = state.compliance_work[0]
+
+
+@compiled
+def _momentum(bodies: Bodies, state: State, out: Array) -> None:
+    """Linear momentum, and angular momentum about the origin, in space: sums of m v and of x x m v + R J omega."""
+    out[:] = 0.0
+    for b in range(len(bodies.mass)):
+        linear = scale(bodies.mass[b], row(state.v, b))
+        own = rotate(state.R, b, rotate(bodies.J_rot, b, spin_of(state, b)))
+        angular = add(cross(row(state.x, b), linear), own)
+        for i in range(3):
+            out[i] += linear[i]
+            out[3 + i] += angular[i]

@@ -10,7 +10,9 @@ from ..superelement import Superelement
 from .compiled import Array
 from .errors import ModelError
 from .joints import Joint
+from .motions import PrescribedMotion
 from .signals import Signal
+from .springs import Spring
 
 GROUND = "ground"
 
@@ -134,6 +136,8 @@ class Model:
     bodies: Mapping[str, Body]
     joints: tuple[Joint, ...] = ()
     loads: tuple[Load, ...] = ()
+    springs: tuple[Spring, ...] = ()
+    motions: tuple[PrescribedMotion, ...] = ()
     t_end: float = 1.0
     gravity: Array = field(default_factory=lambda: np.zeros(3))
     step: float | None = None
@@ -147,8 +151,8 @@ class Model:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "gravity", vector("gravity", self.gravity))
-        object.__setattr__(self, "joints", tuple(self.joints))
-        object.__setattr__(self, "loads", tuple(self.loads))
+        for name in ("joints", "loads", "springs", "motions"):
+            object.__setattr__(self, name, tuple(getattr(self, name)))
         self._check_numbers()
         self._check_names()
 
@@ -179,10 +183,10 @@ class Model:
         for name in self.bodies:
             if name == GROUND or not name or "." in name or "/" in name:
                 raise ModelError(f"bodies: a body cannot be named {name!r}")
-        names = [joint.name for joint in self.joints]
+        names = [coupling.name for coupling in (*self.joints, *self.springs, *self.motions)]
         for name in names:
             if names.count(name) > 1:
-                raise ModelError(f"joints: expected different names, got {name!r} more than once")
+                raise ModelError(f"joints, springs, motions: expected different names, got {name!r} more than once")
         for owner, frame in self._references():
             self._check_frame(owner, frame)
 
@@ -191,11 +195,17 @@ class Model:
             if (place := body.start.place) is not None:
                 yield f"body {name!r}: place", f"{name}.{place.frame}"
                 yield f"body {name!r}: place", place.on
-        for joint in self.joints:
-            for frame in joint.between:
-                yield f"joint {joint.name!r}", frame
-            if joint.between[0].partition(".")[0] == joint.between[1].partition(".")[0]:
-                raise ModelError(f"joint {joint.name!r}: expected frames of two bodies, got {list(joint.between)}")
+        for kind, couplings in (("joint", self.joints), ("spring", self.springs)):
+            for coupling in couplings:
+                owner, (first, second) = f"{kind} {coupling.name!r}", coupling.between
+                yield owner, first
+                yield owner, second
+                if first.partition(".")[0] == second.partition(".")[0]:
+                    raise ModelError(f"{owner}: expected frames of two bodies, got {[first, second]}")
+        for motion in self.motions:
+            yield f"motion {motion.name!r}", motion.on
+            if motion.on.partition(".")[0] == GROUND:
+                raise ModelError(f"motion {motion.name!r}: expected a frame of a body, got {motion.on!r}")
         for load in self.loads:
             yield f"load ({load.type}) on {load.on!r}", load.on
             if load.on.partition(".")[0] == GROUND:

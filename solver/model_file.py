@@ -13,8 +13,10 @@ from ..superelement import Superelement, read
 from .errors import ModelError
 from .joints import Joint
 from .model import Body, FlexibleBody, Frame, Load, Model, Place, RigidBody, Start
+from .motions import PrescribedMotion
 from .signals import Constant, Harmonic, Impulse, Polynomial, Pulse, Signal, Steps
 from .signals import Table as Points
+from .springs import Law, Spring
 
 Matrix = tuple[Vector, Vector, Vector]
 
@@ -127,6 +129,29 @@ class _Joint(Table):
     distance: Any = None
 
 
+class _Law(Table):
+    deformation: tuple[float, ...]
+    force: tuple[float, ...]
+
+
+class _Spring(Table):
+    name: str
+    type: str
+    between: tuple[str, str]
+    axis: Vector | None = None
+    stiffness: float | tuple[float, ...] | tuple[tuple[float, ...], ...] = 0.0
+    damping: float | tuple[float, ...] | tuple[tuple[float, ...], ...] = 0.0
+    law: _Law | None = None
+    rest: float | tuple[float, ...] | None = None
+
+
+class _Motion(Table):
+    name: str
+    on: str
+    direction: Vector
+    displacement: Any
+
+
 class _Load(Table):
     type: Literal["force", "torque"]
     on: str
@@ -156,6 +181,8 @@ class _ModelFile(Table):
     ground: _Ground = _Ground()
     joints: tuple[_Joint, ...] = ()
     loads: tuple[_Load, ...] = ()
+    springs: tuple[_Spring, ...] = ()
+    motions: tuple[_Motion, ...] = ()
 
 
 def read_model(path: str | os.PathLike[str]) -> Model:
@@ -179,6 +206,8 @@ def _model(file: _ModelFile, text: str, folder: Path) -> Model:
         bodies={name: _body(name, body, folder, superelements) for name, body in file.bodies.items()},
         joints=tuple(_joint(joint) for joint in file.joints),
         loads=tuple(_load(load) for load in file.loads),
+        springs=tuple(_spring(spring) for spring in file.springs),
+        motions=tuple(_motion(motion) for motion in file.motions),
         ground_frames={name: frame.frame() for name, frame in file.ground.frames.items()},
         source=text,
         **dict(file.simulation),
@@ -213,6 +242,24 @@ def _joint(joint: _Joint) -> Joint:
             drives[key] = _named(f"joint {joint.name!r}: {key}", value)
     axis, second = (None if given is None else np.array(given) for given in (joint.axis, joint.second_axis))
     return Joint(joint.name, joint.type, joint.between, axis, second, **drives)
+
+
+def _spring(spring: _Spring) -> Spring:
+    return Spring(
+        spring.name,
+        spring.type,
+        spring.between,
+        None if spring.axis is None else np.array(spring.axis),
+        np.array(spring.stiffness),
+        np.array(spring.damping),
+        None if spring.law is None else Law(spring.law.deformation, spring.law.force),
+        None if spring.rest is None else np.array(spring.rest),
+    )
+
+
+def _motion(motion: _Motion) -> PrescribedMotion:
+    displacement = _named(f"motion {motion.name!r}: displacement", motion.displacement)
+    return PrescribedMotion(motion.name, motion.on, np.array(motion.direction), displacement)
 
 
 def _load(load: _Load) -> Load:

@@ -1,20 +1,21 @@
 """Newton's method on the equations of a time step, with their exact tangent.
 
 Unknowns: delta x and delta Theta of every body (dr), lambda, and the displacements u of the active interface dofs,
-which are eliminated. K_ab: derivatives of the generalized forces, r rigid, a active; B: constraint Jacobian.
+which are eliminated. K_ab: derivatives of the generalized forces, r rigid, a active; B: of the rows' coordinates; A: of
+their residuals, A = B for a constraint, and lambda + stiffness c + ... = 0 for a spring, times h^2, whose Z is 1.
 
     du = E (K_ar dr + B_a^T dlam) + C^-1 r_u,     C = I - w G_0 K_aa,   E = C^-1 w G_0
 
     [ h^2 (S_rr - K_rr - K_ra E K_ar)   -(B_r^T + K_ra E B_a^T) ] [ dr       ]     [ h^2 (r_eq - K_ra C^-1 r_u) ]
-    [ B_r + B_a E K_ar                   B_a E B_a^T / h^2      ] [ h^2 dlam ] = - [ phi + B_a C^-1 r_u         ]
+    [ A_r + A_a E K_ar                   Z + A_a E B_a^T / h^2  ] [ h^2 dlam ] = - [ phi + A_a C^-1 r_u         ]
 
 S_rr: inertia, with delta Theta = T(psi) delta psi. All blocks are of order one. Source: methods 5.4; u exactly.
 """
 
 from .compiled import Array, compiled
-from .constraints import add_joints
+from .couplings import add_couplings
 from .dense import solve_in_place
-from .frames import add_frame_tangents, map_frames
+from .frames import add_frame_tangents, map_frame_velocities, map_frames
 from .history import instantaneous
 from .loads import add_loads
 from .rotations import (
@@ -29,9 +30,9 @@ from .vectors import cross, rotate
 
 
 @compiled
-def correct(system: System, loads: Array, state: State, work: Workspace) -> bool:
+def correct(system: System, loads: Array, drive: Array, state: State, work: Workspace) -> bool:
     """One Newton iteration: solve for the corrections and apply them. False if the iteration matrix is singular."""
-    linearise(system, loads, state, work)
+    linearise(system, loads, drive, state, work)
     _assemble(system, state, work)
     if len(system.elastic.active) and not _eliminate(system, work):
         return False
@@ -42,14 +43,17 @@ def correct(system: System, loads: Array, state: State, work: Workspace) -> bool
 
 
 @compiled
-def linearise(system: System, loads: Array, state: State, work: Workspace) -> None:
-    """K and B at the present state, which `evaluate` has seen last."""
+def linearise(system: System, loads: Array, drive: Array, state: State, work: Workspace) -> None:
+    """K, B and A at the present state, which `evaluate` has seen last."""
     n_q = 6 * len(system.bodies.mass)
     map_frames(system.frames, state, work)
+    if system.couplings.n_compliant:
+        map_frame_velocities(system.frames, system.scheme.gamma_prime, work.psi, state, work)
     work.K[:] = 0.0
     work.B[:] = 0.0
+    work.B_rate[:] = 0.0
     add_frame_tangents(system.frames, n_q, state, work)
-    add_joints(system.joints, system.frames, n_q, work)
+    add_couplings(system.couplings, system.frames, n_q, system.scheme.h, state.lam, drive, work)
     add_loads(system.loads, system.frames, n_q, loads, work)
 
 
@@ -68,7 +72,7 @@ def _assemble(system: System, state: State, work: Workspace) -> None:
     """S and rhs as if all bodies were rigid."""
     n_q, n_rows = 6 * len(system.bodies.mass), len(state.lam)
     h2 = system.scheme.h * system.scheme.h
-    S, rhs, K, B = work.S, work.rhs, work.K, work.B
+    S, rhs, K, A, B = work.S, work.rhs, work.K, work.A, work.B
     S[:] = 0.0
     for i in range(n_q):
         for j in range(n_q):
@@ -76,9 +80,12 @@ def _assemble(system: System, state: State, work: Workspace) -> None:
         rhs[i, 0] = -h2 * work.residual[i // 6, i % 6]
     for i in range(n_rows):
         for j in range(n_q):
-            S[n_q + i, j] = B[i, j]
+            S[n_q + i, j] = A[i, j]
             S[j, n_q + i] = -B[i, j]
         rhs[n_q + i, 0] = -work.phi[i]
+        if system.couplings.compliant[i]:
+            S[n_q + i, n_q + i] = 1.0
+            rhs[n_q + i, 0] *= h2
     _add_inertia(system.bodies, system.scheme, state, work)
 
 
@@ -87,7 +94,7 @@ def _eliminate(system: System, work: Workspace) -> bool:
     """Add to S and rhs what the interface displacements do; EB becomes du / d(dr, h^2 dlam)."""
     n_q, n_rows, n_a = 6 * len(system.bodies.mass), len(work.phi), len(system.elastic.active)
     h2 = system.scheme.h * system.scheme.h
-    S, rhs, K, B, E, EB = work.S, work.rhs, work.K, work.B, work.E, work.EB
+    S, rhs, K, A, B, E, EB = work.S, work.rhs, work.K, work.A, work.B, work.E, work.EB
     _flexibility(system.elastic, system.scheme, n_q, work)
     if not solve_in_place(work.C, E):
         return False
@@ -105,7 +112,7 @@ def _eliminate(system: System, work: Workspace) -> bool:
             _add_row(-h2 * K[i, n_q + k], EB[k], E[k, n_a], S[i], rhs[i])
     for i in range(n_rows):
         for k in range(n_a):
-            _add_row(B[i, n_q + k], EB[k], E[k, n_a], S[n_q + i], rhs[n_q + i])
+            _add_row(A[i, n_q + k], EB[k], E[k, n_a], S[n_q + i], rhs[n_q + i])
     return True
 
 

@@ -48,6 +48,7 @@ class ResultsFile:
         self._memory = None if path else h5py.File(io.BytesIO(), "w")
         self._columns = _columns(compiled)
         self._h = compiled.h
+        self._energy_start: tuple[float, float] | None = None
         with self._open("w") as file:
             _describe(file, compiled)
 
@@ -57,11 +58,18 @@ class ResultsFile:
             _extend(file, "time", "s", self._h * np.arange(first, first + n), first)
             for name, column in self._columns.items():
                 _extend(file, name, column.units, column.rows(output, n), first)
-            kinetic, elastic, potential, work = output.energy[:n].T
-            balance = kinetic + elastic + potential - work
-            reference = balance[0] if first == 0 else file["energy"].attrs["start"]
-            file["energy"].attrs["start"] = reference
-            _extend(file, "energy/balance", "J", balance - reference, first)
+            for name, values in self._balances(output, n).items():
+                _extend(file, f"energy/{name}", "J", values, first)
+
+    def _balances(self, output: Output, n: int) -> dict[str, Array]:
+        """What dampers took, and what is missing in the sum of all energies; both 0 at the start."""
+        kinetic, elastic, springs, potential, work, compliance_work = output.energy[:n].T
+        if self._energy_start is None:
+            self._energy_start = (springs[0], (kinetic + elastic + springs + potential)[0])
+        springs_start, total_start = self._energy_start
+        dissipated = -compliance_work - (springs - springs_start)
+        balance = kinetic + elastic + springs + potential + dissipated - work - total_start
+        return {"dissipated": dissipated, "balance": balance}
 
     def note(self, **attributes: Any) -> None:
         """Attributes of the group /solver."""
@@ -102,6 +110,10 @@ class FrameMotion:
     """(n, 3) in space [m]"""
     rotation: Array
     """(n, 4) unit quaternion, frame axes to space"""
+    velocity: Array
+    """(n, 6) velocity [m/s] and angular velocity [rad/s], in space"""
+    acceleration: Array
+    """(n, 6) their derivatives"""
     u: Array
     """(n, 6) elastic displacement [m] and rotation [rad] in body axes, 0 on rigid bodies"""
     force: Array
@@ -109,24 +121,44 @@ class FrameMotion:
 
 
 @dataclass(frozen=True, eq=False)
-class JointForces:
+class Coupling:
     multipliers: Array
     """(n, rows) one per row of the joint, in the order of its table [N, N m]"""
     force: Array
     """(n, 3) on the second body, in space [N]"""
     moment: Array
     """(n, 3) on the second body about its frame, in space [N m]"""
+    coordinates: dict[str, Array]
+    """(n,) joint coordinates and their rates by name: angle [rad], angle_rate, distance [m], distance_rate, ...
+
+    Of a spring "coordinates" (n, rows). Angles go on over full turns.
+    """
 
 
 @dataclass(frozen=True, eq=False)
 class Energy:
-    """Energies over time (n,) [J]; `balance` is kinetic + elastic + potential - work, less its value at t = 0."""
+    """Energies over time (n,) [J].
+
+    kinetic (of the rigid motion), elastic (vibration included, from the work of interface loads), springs, potential
+    (gravity), work (of loads and drives), dissipated (by dampers); balance: the sum of all but work, plus dissipated,
+    less work and less its value at t = 0.
+    """
 
     kinetic: Array
     elastic: Array
+    springs: Array
     potential: Array
     work: Array
+    dissipated: Array
     balance: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Momentum:
+    """Linear (n, 3) [kg m/s] and angular momentum about the origin (n, 3) [kg m^2/s], in space."""
+
+    linear: Array
+    angular: Array
 
 
 class Results:
@@ -177,8 +209,21 @@ class Results:
         """A frame as "BODY.FRAME"."""
         return FrameMotion(**self._group(f"frames/{name}"))
 
-    def joint(self, name: str) -> JointForces:
-        return JointForces(**self._group(f"joints/{name}"))
+    @property
+    def momentum(self) -> Momentum:
+        return Momentum(**self._group("momentum"))
+
+    def joint(self, name: str) -> Coupling:
+        """A joint or a prescribed motion."""
+        return self._coupling(f"joints/{name}")
+
+    def spring(self, name: str) -> Coupling:
+        return self._coupling(f"springs/{name}")
+
+    def _coupling(self, name: str) -> Coupling:
+        data = self._group(name)
+        forces = {key: data.pop(key) for key in ("multipliers", "force", "moment")}
+        return Coupling(**forces, coordinates=data)
 
     def _group(self, name: str) -> dict[str, Array]:
         if name not in self._file:
@@ -195,7 +240,7 @@ def make_output(compiled: CompiledModel, n: int) -> Output:
     """Room for n steps."""
     system = compiled.system
     n_b, n_f = len(system.bodies.mass), len(system.frames.body)
-    n_j, n_rows = len(system.joints.frame_a), len(system.joints.rotation)
+    n_rows, n_j, n_o = len(system.couplings.rows.kind), len(compiled.coupling_names), len(compiled.observers)
     return Output(
         x=np.zeros((n, n_b, 3)),
         R=np.zeros((n, n_b, 4)),
@@ -205,9 +250,15 @@ def make_output(compiled: CompiledModel, n: int) -> Output:
         frame_rotation=np.zeros((n, n_f, 4)),
         frame_u=np.zeros((n, n_f, 6)),
         frame_force=np.zeros((n, n_f, 6)),
+        frame_velocity=np.zeros((n, n_f, 6)),
+        frame_acceleration=np.zeros((n, n_f, 6)),
         multipliers=np.zeros((n, n_rows)),
-        joint_wrench=np.zeros((n, n_j, 6)),
-        energy=np.zeros((n, 4)),
+        coordinates=np.zeros((n, n_rows)),
+        observed=np.zeros((n, n_o)),
+        observed_rates=np.zeros((n, n_o)),
+        coupling_wrench=np.zeros((n, n_j, 6)),
+        energy=np.zeros((n, 6)),
+        momentum=np.zeros((n, 6)),
         iterations=np.zeros(n, dtype=np.int64),
         residual=np.zeros(n),
     )
@@ -228,22 +279,39 @@ def _columns(compiled: CompiledModel) -> dict[str, _Column]:
         columns |= {
             f"frames/{name}/position": _Column("m", "frame_position", (f,)),
             f"frames/{name}/rotation": _Column("1", "frame_rotation", (f,)),
+            f"frames/{name}/velocity": _Column("m/s, rad/s", "frame_velocity", (f,)),
+            f"frames/{name}/acceleration": _Column("m/s^2, rad/s^2", "frame_acceleration", (f,)),
             f"frames/{name}/u": _Column("m, rad", "frame_u", (f,)),
             f"frames/{name}/force": _Column("N, N m", "frame_force", (f,)),
         }
-    rows = compiled.system.joints.row
-    for j, joint in enumerate(compiled.model.joints):
-        columns |= {
-            f"joints/{joint.name}/multipliers": _Column(
-                "N, N m", "multipliers", (slice(int(rows[j]), int(rows[j + 1])),)
-            ),
-            f"joints/{joint.name}/force": _Column("N", "joint_wrench", (j, slice(0, 3))),
-            f"joints/{joint.name}/moment": _Column("N m", "joint_wrench", (j, slice(3, 6))),
-        }
-    for i, name in enumerate(("kinetic", "elastic", "potential", "work")):
+    columns |= _coupling_columns(compiled)
+    for i, name in enumerate(("kinetic", "elastic", "springs", "potential", "work")):
         columns[f"energy/{name}"] = _Column("J", "energy", (i,))
+    columns["momentum/linear"] = _Column("kg m/s", "momentum", (slice(0, 3),))
+    columns["momentum/angular"] = _Column("kg m^2/s", "momentum", (slice(3, 6),))
     columns["solver/iterations"] = _Column("1", "iterations")
     columns["solver/residual"] = _Column("1", "residual")
+    return columns
+
+
+def _coupling_columns(compiled: CompiledModel) -> dict[str, _Column]:
+    columns: dict[str, _Column] = {}
+    first = compiled.system.couplings.range.tolist()
+    groups = {spring.name: "springs" for spring in compiled.model.springs}
+    for j, name in enumerate(compiled.coupling_names):
+        rows = slice(first[j], first[j + 1])
+        group = groups.get(name, "joints")
+        columns |= {
+            f"{group}/{name}/multipliers": _Column("N, N m", "multipliers", (rows,)),
+            f"{group}/{name}/force": _Column("N", "coupling_wrench", (j, slice(0, 3))),
+            f"{group}/{name}/moment": _Column("N m", "coupling_wrench", (j, slice(3, 6))),
+        }
+        if group == "springs":
+            columns[f"{group}/{name}/coordinates"] = _Column("m, rad", "coordinates", (rows,))
+    for i, (joint, coordinate) in enumerate(compiled.observers):
+        units = "rad" if "angle" in coordinate else "m"
+        columns[f"joints/{joint}/{coordinate}"] = _Column(units, "observed", (i,))
+        columns[f"joints/{joint}/{coordinate}_rate"] = _Column(f"{units}/s", "observed_rates", (i,))
     return columns
 
 
@@ -256,7 +324,7 @@ def _describe(file: h5py.File, compiled: CompiledModel) -> None:
         created_by=f"duhamel {metadata.version('duhamel')}",
         model=model.source,
     )
-    for group in ("bodies", "frames", "joints", "energy"):
+    for group in ("bodies", "frames", "joints", "springs", "energy", "momentum"):
         file.create_group(group)
     hashes = file.create_group("superelements")
     for name, body in model.flexible_bodies.items():

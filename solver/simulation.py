@@ -14,7 +14,7 @@ from .loop import advance, record
 from .model import Model
 from .progress import Progress
 from .results import Results, ResultsFile, make_output
-from .system import Inputs, State, System, Workspace
+from .system import Inputs, State, Workspace
 
 CHUNK_NUMBERS = 1 << 20
 """how many numbers of output a chunk may hold"""
@@ -81,14 +81,15 @@ def _columns(signals: list[Array], n: int) -> Array:
 
 
 def _failure(compiled: CompiledModel, step: int, residual: float, work: Workspace) -> ConvergenceError:
-    joint, opening = _worst_joint(compiled.model, compiled.system, work)
-    tolerance = compiled.model.tolerance
-    return ConvergenceError(step, step * compiled.h, residual, tolerance, joint, opening)
+    name, opening = _worst_joint(compiled, work)
+    return ConvergenceError(step, step * compiled.h, residual, compiled.model.tolerance, name, opening)
 
 
-def _worst_joint(model: Model, system: System, work: Workspace) -> tuple[str, float]:
-    if not len(work.phi):
+def _worst_joint(compiled: CompiledModel, work: Workspace) -> tuple[str, float]:
+    couplings = compiled.system.couplings
+    opening = np.abs(work.phi) * (couplings.compliant == 0)
+    if not opening.any():
         return "", 0.0
-    row = int(np.argmax(np.abs(work.phi)))
-    joint = int(np.searchsorted(system.joints.row, row, side="right")) - 1
-    return model.joints[joint].name, float(np.abs(work.phi[row]))
+    row = int(np.argmax(opening))
+    joint = int(np.searchsorted(couplings.range, row, side="right")) - 1
+    return compiled.coupling_names[joint], float(opening[row])

@@ -1,9 +1,9 @@
 """A model as flat arrays: what the compiled loop reads (`System`), what it moves (`State`), where it scribbles.
 
-Numbering: bodies b, six coordinates each (delta x in space, delta Theta in body axes); frames f; joints j with their
-rows i, one multiplier each; loads l; flexible bodies e with their interface dofs, numbered through in `u`. Frames that
-carry joints or loads come before those that are only observed; the interface dofs of the former are `active`: no
-others are ever loaded.
+Numbering: bodies b, six coordinates each (delta x in space, delta Theta in body axes); frames f; couplings (joints,
+motions, springs) with their rows i, one multiplier each; loads l; flexible bodies e with their interface dofs, numbered
+through in `u`. Frames that carry couplings or loads come before those that are only observed; the interface dofs of the
+former are `active`: no others are ever loaded.
 """
 
 from typing import NamedTuple
@@ -42,15 +42,35 @@ class Frames(NamedTuple):
     rotations: Index  # (n_f,) 1: the interface has rotations
 
 
-class Joints(NamedTuple):
-    frame_a: Index  # (n_j,)
-    frame_b: Index  # (n_j,)
-    row: Index  # (n_j + 1,) the first row of each joint, and the number of rows
-    rotation: Index  # (n_rows,) 0: translation row, 1: rotation row
-    a: Array  # (n_rows, 3) the axis carried by frame A, in its axes
-    a_turned: Array  # (n_rows, 3) the axis that `a` turns to after a quarter turn of the drive
-    b: Array  # (n_rows, 3) the axis carried by frame B, in its axes
+class Rows(NamedTuple):
+    """Scalar coordinates of pairs of frames; rows.py says what the kinds are."""
+
+    kind: Index  # (n,)
+    frame_a: Index  # (n,)
+    frame_b: Index  # (n,)
+    a: Array  # (n, 3) the axis carried by frame A, in its axes
+    a_turned: Array  # (n, 3) the axis that `a` turns to after a quarter turn
+    b: Array  # (n, 3) the axis carried by frame B, in its axes
+
+
+class Couplings(NamedTuple):
+    """Joints and springs: rows with a multiplier each, which keeps the row at 0 or follows from a force law.
+
+    The law of row i: lambda_i = -sum_j (stiffness_ij (c_j - rest_j) + damping_ij dc_j/dt) - table_i(c_i), j over the
+    rows of the same coupling.
+    """
+
+    rows: Rows
+    n_compliant: int
+    range: Index  # (n_couplings + 1,) the rows of each coupling
     drive: Index  # (n_rows,) the drive of the row, -1: none
+    compliant: Index  # (n_rows,) 1: follows a law
+    rest: Array  # (n_rows,)
+    stiffness: Array  # (n_rows, 6)
+    damping: Array  # (n_rows, 6)
+    table: Index  # (n_rows + 1,) the points of each row's table
+    table_coordinate: Array
+    table_force: Array
 
 
 class Loads(NamedTuple):
@@ -82,7 +102,8 @@ class System(NamedTuple):
     scheme: Scheme
     bodies: Bodies
     frames: Frames
-    joints: Joints
+    couplings: Couplings
+    observers: Rows  # joint coordinates that are only watched
     loads: Loads
     elastic: Elastic
 
@@ -97,6 +118,9 @@ class State(NamedTuple):
     a: Array  # (n_b, 6) pseudo-acceleration
     lam: Array  # (n_rows,)
     u: Array  # (n_u,)
+    u_rate: Array  # (n_u,)
+    u_acceleration: Array  # (n_u,)
+    u_a: Array  # (n_u,)
     p: Array  # (n_u,) interface loads, body axes
     eta: Array  # (n_modes,)
     eta_rate: Array  # (n_modes,)
@@ -106,8 +130,11 @@ class State(NamedTuple):
     load_vector: Array  # (n_l, 3) force or torque at the last step, in space
     drive: Array  # (n_d,) at the last step
     drive_force: Array  # (n_d,) work per unit of the drive, at the last step
+    coordinate: Array  # (n_rows,) of the couplings, at the last step
+    observed: Array  # (n_observers,) at the last step
     elastic_energy: Array  # (1,) from the work of the interface loads
     work: Array  # (1,) of loads and drives
+    compliance_work: Array  # (1,) of springs and dampers on the bodies
 
 
 class Workspace(NamedTuple):
@@ -118,6 +145,9 @@ class Workspace(NamedTuple):
     psi: Array  # (n_b, 3) rotation increment
     u_n: Array  # (n_u,)
     p_n: Array  # (n_u,)
+    u_predicted: Array  # (n_u,) for u_acceleration = 0
+    u_rate_predicted: Array  # (n_u,)
+    lam_n: Array  # (n_rows,)
     load_position: Array  # (n_l, 3)
     load_axes: Array  # (n_l, 3, 3)
     # kinematics of frames
@@ -126,12 +156,14 @@ class Workspace(NamedTuple):
     lever: Array  # (n_f, 3) X + u, body axes
     T: Array  # (n_f, 3, 3) tangent of the small rotation
     wrench: Array  # (n_f, 6) force and moment on the body at the frame, in space
-    # joints
-    phi: Array  # (n_rows,) constraint residual
+    V: Array  # (n_f, 6) velocity and angular velocity of frames, in space
+    # couplings
+    coordinate: Array  # (n_rows,)
+    rate: Array  # (n_rows,)
+    phi: Array  # (n_rows,) residual: of the constraint, or of the force law
+    law_scale: Array  # (n_rows,) sum of the magnitudes in a force law
     gradient: Array  # (n_rows, 12) with respect to (r, theta) of frames A and B, in space
-    delta: Array  # (n_j, 3) r_B - r_A
-    joint_wrench: Array  # (n_j, 6) on B, in space
-    moment_tangent: Array  # (n_j, 3, 3)
+    coupling_wrench: Array  # (n_couplings, 6) on B, in space
     drive_slope: Array  # (n_rows,) d phi / d drive
     # equations
     force: Array  # (n_b, 6) generalized forces of loads and joints
@@ -141,16 +173,21 @@ class Workspace(NamedTuple):
     u_residual: Array  # (n_a,)
     # Newton matrices; z: 6 n_b rigid coordinates, then n_a active dofs
     map: Array  # (n_f, 6, 12) from (delta x, delta Theta, delta u, delta w) to (delta r, delta theta) in space
+    rate_map: Array  # (n_f, 6, 12) derivative of V by the same
     frame_tangent: Array  # (12, 12)
     product: Array  # (6, 12)
     K: Array  # (n_z, n_z) derivative of the generalized forces
-    B: Array  # (n_rows, n_z) constraint Jacobian
+    B: Array  # (n_rows, n_z) derivative of the rows' coordinates
+    B_rate: Array  # (n_rows, n_z) derivative of their rates
+    A: Array  # (n_rows, n_z) derivative of the residuals phi; h^2 times that of a force law
     C: Array  # (n_a, n_a) I - G_0 K_aa
     E: Array  # (n_a, n_a + 1) C^-1 G_0, C^-1 r_u
     EB: Array  # (n_a, n_q + n_rows)
     S: Array  # (n, n) iteration matrix
     rhs: Array  # (n, 1)
     scratch_3: Array
+    scratch_3b: Array
+    scratch_12: Array
     scratch_4: Array
     scratch_4b: Array
     scratch_33: Array
@@ -174,8 +211,14 @@ class Output(NamedTuple):
     frame_rotation: Array  # (n, n_f, 4)
     frame_u: Array  # (n, n_f, 6)
     frame_force: Array  # (n, n_f, 6)
+    frame_velocity: Array  # (n, n_f, 6)
+    frame_acceleration: Array  # (n, n_f, 6)
     multipliers: Array  # (n, n_rows)
-    joint_wrench: Array  # (n, n_j, 6)
-    energy: Array  # (n, 4) kinetic, elastic, potential, work
+    coordinates: Array  # (n, n_rows)
+    observed: Array  # (n, n_observers)
+    observed_rates: Array  # (n, n_observers)
+    coupling_wrench: Array  # (n, n_couplings, 6)
+    energy: Array  # (n, 6) kinetic, elastic, springs, potential, work, compliance work
+    momentum: Array  # (n, 6) linear, and angular about the origin, in space
     iterations: Index  # (n,)
     residual: Array  # (n,)

@@ -11,6 +11,20 @@ def row(A: Array, i: int) -> Vector:
 
 
 @compiled
+def triple(a: Array, k: int) -> Vector:
+    return a[k], a[k + 1], a[k + 2]
+
+
+@compiled
+def multiply(M: Array, a: Vector) -> Vector:
+    return (
+        M[0, 0] * a[0] + M[0, 1] * a[1] + M[0, 2] * a[2],
+        M[1, 0] * a[0] + M[1, 1] * a[1] + M[1, 2] * a[2],
+        M[2, 0] * a[0] + M[2, 1] * a[1] + M[2, 2] * a[2],
+    )
+
+
+@compiled
 def add_to_row(A: Array, i: int, first: int, a: Vector) -> None:
     """A[i, first : first + 3] += a"""
     A[i, first] += a[0]
