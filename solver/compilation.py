@@ -17,6 +17,7 @@ from .coupling_rows import (
 )
 from .errors import ModelError
 from .flexibility import lay_out_elastic
+from .joints import Joint
 from .model import Model
 from .numbering import NumberedFrames, number_frames, side_names
 from .placement import Pose, place_bodies
@@ -26,8 +27,8 @@ from .signals import Motion, Signal
 from .springs import Spring
 from .system import Bodies, Loads, Scheme, System
 
-ASSEMBLY_TOLERANCE = 1e-9
-"""largest opening of a joint at the start, relative to the size of the model"""
+ASSEMBLY_TOLERANCE = 1e-3
+"""largest opening of a joint, relative to the size of the model, that is closed without being asked to"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +50,8 @@ class CompiledModel:
     drives: list[Motion]
     load_signals: list[Signal]
     superelements: list[Superelement]
+    compliances: list[Array]
+    """static compliance of every flexible body (n_c, n_c)"""
 
     @property
     def h(self) -> float:
@@ -60,8 +63,8 @@ class CompiledModel:
         return np.array([quaternion_of(D) for D in self.system.frames.D_0]).reshape(-1, 4)
 
 
-def compile_system(model: Model) -> CompiledModel:
-    """Number bodies, frames, rows and dofs, and lay them out for the time loop."""
+def compile_system(model: Model, without: frozenset[int] = frozenset()) -> CompiledModel:
+    """Number bodies, frames, rows and dofs, and lay them out for the time loop; rows `without` are left out."""
     h, scheme = _step_and_scheme(model)
     n_steps = int(np.ceil(model.t_end / h - 1e-6))
     poses = place_bodies(model)
@@ -72,14 +75,18 @@ def compile_system(model: Model) -> CompiledModel:
         **{motion.name: motion_rows(motion, frames.sides(motion)) for motion in model.motions},
         **{spring.name: spring_rows(spring, frames.sides(spring)) for spring in model.springs},
     }
+    numbers = iter(range(sum(map(len, rows.values()))))
+    rows = {name: [row for row in own if next(numbers) not in without] for name, own in rows.items()}
     couplings, drives = lay_out_couplings(list(rows.values()))
     observers = {
         (joint.name, coordinate): row
         for joint in model.joints
         for coordinate, row in joint_observers(joint, frames.sides(joint)).items()
     }
-    _check_assembled(model, frames)
+    if not model.assemble:
+        _check_assembled(model, frames)
     _check_moments(model, frames, rows)
+    elastic, compliances = lay_out_elastic(model, frames.arrays, h, scheme, n_steps)
     system = System(
         scheme=Scheme(
             h=h,
@@ -107,7 +114,7 @@ def compile_system(model: Model) -> CompiledModel:
             follower=as_index([load.follower for load in model.loads]),
             direction=as_rows([load.direction for load in model.loads]),
         ),
-        elastic=lay_out_elastic(model, frames.arrays, h, scheme, n_steps),
+        elastic=elastic,
     )
     return CompiledModel(
         model=model,
@@ -124,6 +131,7 @@ def compile_system(model: Model) -> CompiledModel:
         drives=drives,
         load_signals=[load.signal for load in model.loads],
         superelements=[body.superelement for body in model.flexible_bodies.values()],
+        compliances=compliances,
     )
 
 
@@ -165,14 +173,15 @@ def _check_assembled(model: Model, frames: NumberedFrames) -> None:
             start = "" if joint.distance is None else f", the distance starts at {joint.distance(0.0):.6g}"
             raise ModelError(
                 f"joint {joint.name!r}: open by {worst:.6g} m at the start: {joint.between[0]} is at {A.tolist()}, "
-                f"{joint.between[1]} at {B.tolist()}{start}"
+                f"{joint.between[1]} at {B.tolist()}{start}; assemble = true would close it"
             )
 
 
 def _check_moments(model: Model, frames: NumberedFrames, rows: dict[str, list[Row]]) -> None:
     """An interface without rotations carries forces alone."""
     loaded: dict[str, str] = {}
-    for coupling in (*model.joints, *model.springs):
+    couplings: list[Joint | Spring] = [*model.joints, *model.springs]
+    for coupling in couplings:
         if not all(measures_length(row.kind) for row in rows[coupling.name]):
             kind = "spring" if isinstance(coupling, Spring) else "joint"
             loaded |= dict.fromkeys(side_names(coupling), f"{kind} {coupling.name!r} ({coupling.type})")

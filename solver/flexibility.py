@@ -20,10 +20,16 @@ class _Memory(NamedTuple):
     g: Array  # (n_k, n_c, n_c)
     g_initial: Array
     G_0: Array  # (n_c, n_c)
+    compliance: Array  # (n_c, n_c) static, as this memory sums to
 
 
-def lay_out_elastic(model: Model, frames: Frames, h: float, scheme: GeneralizedAlpha, n_steps: int) -> Elastic:
-    """Number the interface dofs of all flexible bodies; bodies with the same superelement share its data."""
+def lay_out_elastic(
+    model: Model, frames: Frames, h: float, scheme: GeneralizedAlpha, n_steps: int
+) -> tuple[Elastic, list[Array]]:
+    """Number the interface dofs of all flexible bodies; bodies with the same superelement share its data.
+
+    Also their static compliances.
+    """
     bodies = model.flexible_bodies
     memories = [
         _by_modes(body.superelement, h, scheme)
@@ -39,7 +45,7 @@ def lay_out_elastic(model: Model, frames: Frames, h: float, scheme: GeneralizedA
     phi, phi_start = _packed([memory.phi for memory in memories], owners)
     g, g_start = _packed([memory.g for memory in memories], owners)
     g_initial, _ = _packed([memory.g_initial for memory in memories], owners)
-    return Elastic(
+    elastic = Elastic(
         body=as_index([list(model.bodies).index(name) for name in bodies]),
         dof=as_index(dofs),
         active=active,
@@ -56,6 +62,7 @@ def lay_out_elastic(model: Model, frames: Frames, h: float, scheme: GeneralizedA
         g_initial=g_initial,
         g_start=g_start,
     )
+    return elastic, [memory.compliance for memory in memories]
 
 
 def _active_dofs(frames: Frames) -> list[int]:
@@ -82,7 +89,8 @@ def _by_modes(element: Superelement, h: float, scheme: GeneralizedAlpha) -> _Mem
     ratio = (1.0 - scheme.alpha_m) / (1.0 - scheme.alpha_f)
     pivot = ratio + scheme.gamma * h * damping + scheme.beta * h * h * stiffness
     G_0 = (modes.phi * (scheme.beta * h * h / pivot)) @ modes.phi.T
-    return _Memory(np.array([stiffness, damping, pivot]), modes.phi, np.empty(0), np.empty(0), G_0)
+    compliance = (modes.phi / stiffness) @ modes.phi.T
+    return _Memory(np.array([stiffness, damping, pivot]), modes.phi, np.empty(0), np.empty(0), G_0, compliance)
 
 
 def _by_kernel(element: Superelement, h: float, scheme: GeneralizedAlpha, n_steps: int) -> _Memory:
@@ -90,7 +98,7 @@ def _by_kernel(element: Superelement, h: float, scheme: GeneralizedAlpha, n_step
         kernel = element.kernel_for(h, scheme, n_steps)
     except SuperelementError as error:
         raise ModelError(f"superelement {error}") from error
-    return _Memory(np.empty((3, 0)), np.empty(0), kernel.g, kernel.g_initial, kernel.g[0])
+    return _Memory(np.empty((3, 0)), np.empty(0), kernel.g, kernel.g_initial, kernel.g[0], element.compliance)
 
 
 def _packed(arrays: Sequence[Array], owners: Sequence[int]) -> tuple[Array, Index]:

@@ -22,6 +22,8 @@ def recall(elastic: Elastic, scheme: Scheme, state: State, history: Array) -> No
             _sum_modes(elastic, e, state.eta, history)
         else:
             _convolve(elastic, e, n, state.p_history, history)
+            for i in range(first, last):
+                history[i] += state.history_rest[i]
         if scheme.weight != 1.0:
             for i in range(first, last):
                 for c in range(elastic.active_range[e], elastic.active_range[e + 1]):
@@ -40,7 +42,7 @@ def remember(elastic: Elastic, scheme: Scheme, state: State, p_n: Array) -> None
             k = elastic.active[c]
             load = weight * state.p[k] + (1.0 - weight) * p_n[k]
             if len(state.p_history):
-                state.p_history[state.step[0] + 1, k] = load
+                state.p_history[state.step[0] + 1, k] = load - state.p_rest[k]
             if load != 0.0 and begin < end:
                 _push(elastic, scheme, state, e, k - first, load)
 

@@ -11,109 +11,128 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .compilation import CompiledModel
+from .allocation import allocate
+from .assembly import Wish, close_joints, fit_velocities, hard_rows, interface_mobility, inverse_inertia
+from .compilation import CompiledModel, compile_system
 from .compiled import Array
 from .couplings import turn_of
 from .equations import evaluate
+from .equilibrium import settle
 from .errors import ModelError
 from .loads import load_vector
+from .model import Model
 from .newton import linearise
-from .rotations import quaternion_of
+from .placement import rotation_matrix
+from .redundancy import degrees_of_freedom as count_freedoms
+from .redundancy import describe_rows, redundant_rows
 from .rows import ROTATION, carried_axis
 from .system import State, System, Workspace
 
 
 @dataclass(frozen=True, eq=False)
 class Beginning:
-    """The state at t = 0, its workspace, and by how much the given velocities had to change [m/s, rad/s]."""
+    """A compiled model in its state at t = 0, and what it took to get there.
 
+    moved: the largest change of a given position [m] or rotation [rad]; velocity_correction: the same of velocities
+    [m/s, rad/s]; removed: the redundant constraints left out, in words; degrees_of_freedom of the mechanism.
+    """
+
+    compiled: CompiledModel
     state: State
     work: Workspace
+    moved: float
     velocity_correction: float
+    removed: str
+    degrees_of_freedom: int
 
 
-def begin(compiled: CompiledModel) -> Beginning:
+def begin(model: Model) -> Beginning:
     """A state that satisfies positions, velocities and equilibrium at t = 0."""
-    state, work = _allocate(compiled)
-    loads = np.array([signal.samples(np.zeros(1), compiled.h)[0] for signal in compiled.load_signals])
-    drive = np.array([signal(0.0) for signal in compiled.drives])
+    compiled = compile_system(model)
+    state, work, moved = _close(compiled)
+    degrees_of_freedom = count_freedoms(compiled, work)
+    without = redundant_rows(compiled, work)
+    removed = describe_rows(compiled, sorted(without))
+    if without:
+        compiled = compile_system(model, without)
+        state, work, moved = _close(compiled)
+    correction = fit_velocities(compiled, state, work, _wishes(compiled, "_rate"))
+    loads, drive = _inputs(compiled)
+    if model.start == "equilibrium":
+        _check_drives_rest(compiled)
+        settle(compiled, loads, drive, model.steady_rotation, state, work)
+        state.coordinate[:] = work.coordinate
+        _start_steadily(compiled, state)
+        _start_loaded(compiled, state)
+    else:
+        _start_unloaded(compiled, loads, drive, state, work)
+    _start_accounts(compiled.system, loads, drive, state, work)
+    return Beginning(compiled, state, work, moved, correction, removed, degrees_of_freedom)
+
+
+def _close(compiled: CompiledModel) -> tuple[State, Workspace, float]:
+    state, work = allocate(compiled)
+    moved = close_joints(compiled, *_inputs(compiled), state, work, _wishes(compiled, ""))
+    return state, work, moved
+
+
+def _inputs(compiled: CompiledModel) -> tuple[Array, Array]:
+    """Loads and drives at t = 0."""
+    loads = [signal.samples(np.zeros(1), compiled.h)[0] for signal in compiled.load_signals]
+    return np.array(loads), np.array([signal(0.0) for signal in compiled.drives])
+
+
+def _wishes(compiled: CompiledModel, suffix: str) -> list[Wish]:
+    """What the joints shall start with: coordinates (no suffix) or their rates."""
+    starts = {joint.name: joint.start for joint in compiled.model.joints}
+    return [
+        Wish(i, float(starts[joint][coordinate + suffix]))
+        for i, (joint, coordinate) in enumerate(compiled.observers)
+        if coordinate + suffix in starts[joint]
+    ]
+
+
+def _check_drives_rest(compiled: CompiledModel) -> None:
+    for signal in compiled.drives:
+        if any(signal.derivatives(0.0)):
+            raise ModelError("start = 'equilibrium': a drive has a rate or an acceleration at t = 0")
+
+
+def _start_unloaded(compiled: CompiledModel, loads: Array, drive: Array, state: State, work: Workspace) -> None:
+    """Bodies start without elastic displacements; multipliers and accelerations take up the loads."""
     system = compiled.system
-    evaluate(system, loads, drive, state, work)
-    linearise(system, loads, drive, state, work)
-    correction = _fit_velocities(compiled, state, work)
     evaluate(system, loads, drive, state, work)
     state.coordinate[:] = work.coordinate
     state.lam[:] -= work.phi * system.couplings.compliant  # phi of a force law is lambda less what the law says
     evaluate(system, loads, drive, state, work)
+    linearise(system, loads, drive, state, work)
     v_dot, lam = _accelerations(compiled, drive, state, work)
     state.v_dot[:] = v_dot
     state.a[:] = v_dot
     state.lam[:] += lam
     evaluate(system, loads, drive, state, work)
     _start_history(compiled, state)
-    _start_accounts(system, loads, drive, state, work)
-    return Beginning(state, work, correction)
-
-
-def _fit_velocities(compiled: CompiledModel, state: State, work: Workspace) -> float:
-    """Project the velocities onto B_r v + phi_t = 0 in the metric of the mass; the largest change."""
-    system = compiled.system
-    hard = np.flatnonzero(system.couplings.compliant == 0)
-    B = work.B[hard, : 6 * len(system.bodies.mass)]
-    rates = np.array([*(drive.derivatives(0.0)[0] for drive in compiled.drives), 0.0])
-    phi_t = (work.drive_slope * rates[system.couplings.drive])[hard]
-    change = _inverse_inertia(system) @ B.T
-    correction = change @ np.linalg.lstsq(B @ change, -(B @ state.v.ravel() + phi_t), rcond=1e-12)[0]
-    left = B @ (state.v.ravel() + correction) + phi_t
-    if len(left) and np.abs(left).max() > 1e-8 * max(1.0, float(np.abs(phi_t).max())):
-        row = int(hard[np.argmax(np.abs(left))])
-        name = compiled.coupling_names[int(np.searchsorted(system.couplings.range, row, side="right")) - 1]
-        raise ModelError(f"joint {name!r}: no velocities of rigid motion satisfy it at the start")
-    state.v[:] += correction.reshape(-1, 6)
-    return float(np.abs(correction).max(initial=0.0))
 
 
 def _accelerations(compiled: CompiledModel, drive: Array, state: State, work: Workspace) -> tuple[Array, Array]:
     """v_dot (n_b, 6) and the multipliers of the constraints (n_rows,), 0 for those of force laws, already at work."""
     system = compiled.system
-    hard = np.flatnonzero(system.couplings.compliant == 0)
-    n_q, n_rows = 6 * len(system.bodies.mass), len(hard)
+    hard = hard_rows(system)
+    n_q = 6 * len(system.bodies.mass)
     B_r, B_a = work.B[hard, :n_q], work.B[hard, n_q:]
-    A_el = _mobility(compiled)
+    A_el = interface_mobility(compiled)
     p = state.p[system.elastic.active]
-    inverse = _inverse_inertia(system)
+    inverse = inverse_inertia(system)
     # with v_dot = 0 the residual of equilibrium is v~ J v - f_r
     free = -inverse @ work.residual.ravel()
     gap = _convective(compiled, drive, state, work)[hard] + B_a @ (A_el @ p) + B_r @ free
     schur = B_r @ inverse @ B_r.T + B_a @ A_el @ B_a.T
     scale = 1.0 / np.sqrt(np.maximum(np.diagonal(schur), 1e-300))
     scaled = schur * np.outer(scale, scale)
-    if n_rows and (rank := int(np.linalg.matrix_rank(scaled, tol=1e-11, hermitian=True))) < n_rows:
-        raise ModelError(f"joints: {n_rows} rows of which {rank} are independent: some constraints are redundant")
     lam = np.zeros(len(state.lam))
     lam[hard] = -scale * np.linalg.solve(scaled, scale * gap)
     v_dot = free + inverse @ (B_r.T @ lam[hard])
     return v_dot.reshape(-1, 6), lam
-
-
-def _inverse_inertia(system: System) -> Array:
-    n_q = 6 * len(system.bodies.mass)
-    inverse = np.zeros((n_q, n_q))
-    for b, (mass, J_rot) in enumerate(zip(system.bodies.mass, system.bodies.J_rot, strict=True)):
-        inverse[6 * b : 6 * b + 3, 6 * b : 6 * b + 3] = np.eye(3) / mass
-        inverse[6 * b + 3 : 6 * b + 6, 6 * b + 3 : 6 * b + 6] = np.linalg.inv(J_rot)
-    return inverse
-
-
-def _mobility(compiled: CompiledModel) -> Array:
-    """A_el of all active dofs (n_a, n_a)."""
-    elastic = compiled.system.elastic
-    A_el = np.zeros((len(elastic.active), len(elastic.active)))
-    for e, element in enumerate(compiled.superelements):
-        rows = slice(elastic.active_range[e], elastic.active_range[e + 1])
-        dofs = elastic.active[rows] - elastic.dof[e]
-        A_el[rows, rows] = element.mobility[np.ix_(dofs, dofs)]
-    return A_el
 
 
 def _convective(compiled: CompiledModel, drive: Array, state: State, work: Workspace) -> Array:
@@ -126,7 +145,7 @@ def _convective(compiled: CompiledModel, drive: Array, state: State, work: Works
         if b >= 0:
             acceleration[f] = np.cross(spin[f], np.cross(spin[f], work.r[f] - state.x[b]))
     second = np.zeros(len(state.lam))
-    for i in np.flatnonzero(couplings.compliant == 0):
+    for i in hard_rows(compiled.system).tolist():
         A, B = rows.frame_a[i], rows.frame_b[i]
         s_1, s_2 = derivatives[couplings.drive[i]]
         turn = turn_of(couplings, i, drive)
@@ -152,15 +171,50 @@ def _start_history(compiled: CompiledModel, state: State) -> None:
     if len(state.p_history):
         state.p_history[0] = state.p
     for e in range(len(elastic.body)):
-        begin, end = elastic.mode_range[e], elastic.mode_range[e + 1]
         own = slice(elastic.dof[e], elastic.dof[e + 1])
         p = state.p[own]
         state.u_acceleration[own] = compiled.superelements[e].mobility @ p
         state.u_a[own] = state.u_acceleration[own]
-        start = elastic.phi_start[e]
-        phi = elastic.phi[start : start + len(p) * (end - begin)].reshape(len(p), end - begin)
-        state.eta_acceleration[begin:end] = phi.T @ p
-        state.eta_a[begin:end] = phi.T @ p
+        modes = slice(elastic.mode_range[e], elastic.mode_range[e + 1])
+        if modes.start < modes.stop:
+            state.eta_acceleration[modes] = _phi(compiled, e).T @ p
+            state.eta_a[modes] = state.eta_acceleration[modes]
+
+
+def _start_steadily(compiled: CompiledModel, state: State) -> None:
+    """The pseudo-acceleration is the acceleration at t + (alpha_m - alpha_f) h, turned with the steady rotation."""
+    state.a[:] = state.v_dot
+    rotation, scheme = compiled.model.steady_rotation, compiled.system.scheme
+    if rotation is not None:
+        ahead = (scheme.alpha_m - scheme.alpha_f) * scheme.h
+        state.a[:, :3] = state.v_dot[:, :3] @ rotation_matrix(ahead * rotation.angular_velocity).T
+
+
+def _start_loaded(compiled: CompiledModel, state: State) -> None:
+    """In equilibrium modes and displacements rest under the loads, which have always acted."""
+    elastic = compiled.system.elastic
+    for e in range(len(elastic.body)):
+        own = slice(elastic.dof[e], elastic.dof[e + 1])
+        p = state.p[own]
+        state.u[own] = compiled.compliances[e] @ p
+        state.elastic_energy[0] += 0.5 * p @ state.u[own]
+        modes = slice(elastic.mode_range[e], elastic.mode_range[e + 1])
+        if modes.start < modes.stop:
+            state.eta[modes] = (_phi(compiled, e).T @ p) / elastic.stiffness[modes]
+        else:
+            start, n_c = elastic.G_0_start[e], len(p)
+            G_0 = elastic.G_0[start : start + n_c * n_c].reshape(n_c, n_c)
+            state.p_rest[own] = p
+            state.history_rest[own] = state.u[own] - G_0 @ p
+
+
+def _phi(compiled: CompiledModel, e: int) -> Array:
+    """The modes of flexible body e at its interfaces (n_c, m)."""
+    elastic = compiled.system.elastic
+    n_c = int(elastic.dof[e + 1] - elastic.dof[e])
+    m = int(elastic.mode_range[e + 1] - elastic.mode_range[e])
+    start = int(elastic.phi_start[e])
+    return elastic.phi[start : start + n_c * m].reshape(n_c, m)
 
 
 def _start_accounts(system: System, loads: Array, drive: Array, state: State, work: Workspace) -> None:
@@ -170,90 +224,3 @@ def _start_accounts(system: System, loads: Array, drive: Array, state: State, wo
     for i, d in enumerate(system.couplings.drive.tolist()):
         if d >= 0:
             state.drive_force[d] = -state.lam[i] * work.drive_slope[i]
-
-
-def _allocate(compiled: CompiledModel) -> tuple[State, Workspace]:
-    system = compiled.system
-    n_b, n_f, n_j = len(system.bodies.mass), len(system.frames.body), len(compiled.coupling_names)
-    n_rows, n_l, n_d = len(system.couplings.rows.kind), len(system.loads.frame), len(compiled.drives)
-    n_u, n_a, n_modes = int(system.elastic.dof[-1]), len(system.elastic.active), len(system.elastic.stiffness)
-    n_q = 6 * n_b
-    directly = n_u > 0 and bool((np.diff(system.elastic.mode_range) == 0).any())
-    starts = [body.start for body in compiled.model.bodies.values()]
-    state = State(
-        step=np.zeros(1, dtype=np.int64),
-        x=np.array([pose.x for pose in compiled.poses]),
-        quaternion=np.array([quaternion_of(pose.R) for pose in compiled.poses]),
-        R=np.array([pose.R for pose in compiled.poses]),
-        v=np.array([[*start.velocity, *start.angular_velocity] for start in starts]),
-        v_dot=np.zeros((n_b, 6)),
-        a=np.zeros((n_b, 6)),
-        lam=np.zeros(n_rows),
-        u=np.zeros(n_u),
-        u_rate=np.zeros(n_u),
-        u_acceleration=np.zeros(n_u),
-        u_a=np.zeros(n_u),
-        p=np.zeros(n_u),
-        eta=np.zeros(n_modes),
-        eta_rate=np.zeros(n_modes),
-        eta_acceleration=np.zeros(n_modes),
-        eta_a=np.zeros(n_modes),
-        p_history=np.zeros((compiled.n_steps + 1 if directly else 0, n_u)),
-        load_vector=np.zeros((n_l, 3)),
-        drive=np.zeros(n_d),
-        drive_force=np.zeros(n_d),
-        coordinate=np.zeros(n_rows),
-        observed=compiled.observer_starts.copy(),
-        elastic_energy=np.zeros(1),
-        work=np.zeros(1),
-        compliance_work=np.zeros(1),
-    )
-    work = Workspace(
-        quaternion=state.quaternion.copy(),
-        psi=np.zeros((n_b, 3)),
-        u_n=np.zeros(n_u),
-        p_n=np.zeros(n_u),
-        u_predicted=np.zeros(n_u),
-        u_rate_predicted=np.zeros(n_u),
-        lam_n=np.zeros(n_rows),
-        load_position=np.zeros((n_l, 3)),
-        load_axes=np.zeros((n_l, 3, 3)),
-        r=np.array([pose.x for pose in compiled.frame_poses]).reshape(n_f, 3),
-        D=np.array([pose.R for pose in compiled.frame_poses]).reshape(n_f, 3, 3),
-        lever=np.zeros((n_f, 3)),
-        T=np.tile(np.eye(3), (n_f, 1, 1)),
-        wrench=np.zeros((n_f, 6)),
-        V=np.zeros((n_f, 6)),
-        coordinate=np.zeros(n_rows),
-        rate=np.zeros(n_rows),
-        phi=np.zeros(n_rows),
-        law_scale=np.zeros(n_rows),
-        gradient=np.zeros((n_rows, 12)),
-        coupling_wrench=np.zeros((n_j, 6)),
-        drive_slope=np.zeros(n_rows),
-        force=np.zeros((n_b, 6)),
-        force_scale=np.zeros((n_b, 2)),
-        residual=np.zeros((n_b, 6)),
-        history=np.zeros(n_u),
-        u_residual=np.zeros(n_a),
-        map=np.zeros((n_f, 6, 12)),
-        rate_map=np.zeros((n_f, 6, 12)),
-        frame_tangent=np.zeros((12, 12)),
-        product=np.zeros((6, 12)),
-        K=np.zeros((n_q + n_a, n_q + n_a)),
-        B=np.zeros((n_rows, n_q + n_a)),
-        B_rate=np.zeros((n_rows, n_q + n_a)),
-        A=np.zeros((n_rows, n_q + n_a)),
-        C=np.zeros((n_a, n_a)),
-        E=np.zeros((n_a, n_a + 1)),
-        EB=np.zeros((n_a, n_q + n_rows)),
-        S=np.zeros((n_q + n_rows, n_q + n_rows)),
-        rhs=np.zeros((n_q + n_rows, 1)),
-        scratch_3=np.zeros(3),
-        scratch_3b=np.zeros(3),
-        scratch_12=np.zeros(12),
-        scratch_4=np.zeros(4),
-        scratch_4b=np.zeros(4),
-        scratch_33=np.zeros((3, 3)),
-    )
-    return state, work

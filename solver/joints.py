@@ -70,7 +70,8 @@ class Joint:
 
     `axis` (3,) in space at the start: the axis of a revolute, cylindrical or prismatic joint, the normal of a planar
     one, the axis fixed in the first frame of a universal joint, whose `second_axis` is fixed in the second.
-    `angle` [rad] and `distance` [m] drive a joint; the start is at angle(0).
+    `angle` [rad] and `distance` [m] drive a joint; the start is at angle(0). `start` gives free coordinates
+    or their rates values at t = 0 other than those of the bodies' places: angle, angle_rate, distance, ...
     """
 
     name: str
@@ -80,6 +81,7 @@ class Joint:
     second_axis: Array | None = None
     angle: Motion | None = None
     distance: Motion | None = None
+    start: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.type not in JOINT_TYPES:
@@ -103,6 +105,13 @@ class Joint:
                     f"joint {self.name!r}: {drive}: expected a smooth signal "
                     f"(constant, harmonic, polynomial), got {type(signal).__name__.lower()}"
                 )
+        known = [key for name in (*self.kind.distances, *self.kind.angles) for key in (name, f"{name}_rate")]
+        for key in self.start:
+            if key not in known:
+                takes = ", ".join(known) or "nothing"
+                raise ModelError(f"joint {self.name!r}: start: a {self.type} joint takes {takes}, got {key!r}")
+            if getattr(self, key.removesuffix("_rate"), None) is not None:
+                raise ModelError(f"joint {self.name!r}: start: {key} is driven")
         self.basis()
 
     @property

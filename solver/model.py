@@ -59,6 +59,18 @@ class Start:
 
 
 @dataclass(frozen=True, eq=False)
+class SteadyRotation:
+    """All bodies turn as one: angular_velocity (3,) [rad/s] in space, about the point `center` (3,) [m]."""
+
+    angular_velocity: Array
+    center: Array = field(default_factory=lambda: np.zeros(3))
+
+    def __post_init__(self) -> None:
+        for name in ("angular_velocity", "center"):
+            object.__setattr__(self, name, vector(f"steady_rotation: {name}", getattr(self, name)))
+
+
+@dataclass(frozen=True, eq=False)
 class RigidBody:
     """mass [kg]; inertia about the centre of mass in body axes, (3,) principal or (3, 3) [kg m^2]; named frames."""
 
@@ -131,6 +143,11 @@ class Model:
     superelements; rule "consistent" (methods 2.4) or "paper" (eq. 55); history "auto", "recursive" or "direct";
     tolerance of Newton's method, relative to the forces and displacements of a step. `ground_frames` are frames
     fixed in space. `source` is the text of the model file, if there is one.
+
+    start: "given", as the bodies say, or "equilibrium", from rest, or in a `steady_rotation`, under gravity and the
+    loads at t = 0, elastic displacements included; assemble: close joints however far they are open at the start
+    (otherwise by no more than a thousandth of the size of the model); redundant: what to do with constraints that
+    depend on one another, "error" or "remove".
     """
 
     bodies: Mapping[str, Body]
@@ -146,6 +163,10 @@ class Model:
     history: str = "auto"
     tolerance: float = 1e-10
     max_iterations: int = 20
+    start: str = "given"
+    steady_rotation: SteadyRotation | None = None
+    assemble: bool = False
+    redundant: str = "error"
     ground_frames: Mapping[str, Frame] = field(default_factory=dict)
     source: str = ""
 
@@ -172,6 +193,12 @@ class Model:
             raise ModelError(f"rule: expected 'consistent' or 'paper', got {self.rule!r}")
         if self.history not in ("auto", "recursive", "direct"):
             raise ModelError(f"history: expected 'auto', 'recursive' or 'direct', got {self.history!r}")
+        if self.start not in ("given", "equilibrium"):
+            raise ModelError(f"start: expected 'given' or 'equilibrium', got {self.start!r}")
+        if self.redundant not in ("error", "remove"):
+            raise ModelError(f"redundant: expected 'error' or 'remove', got {self.redundant!r}")
+        if self.steady_rotation is not None and self.start != "equilibrium":
+            raise ModelError("steady_rotation: needs start = 'equilibrium'")
         if not 0.0 < self.tolerance < 1.0:
             raise ModelError(f"tolerance: expected a number between 0 and 1, got {self.tolerance}")
         if self.max_iterations < 1:
@@ -183,7 +210,8 @@ class Model:
         for name in self.bodies:
             if name == GROUND or not name or "." in name or "/" in name:
                 raise ModelError(f"bodies: a body cannot be named {name!r}")
-        names = [coupling.name for coupling in (*self.joints, *self.springs, *self.motions)]
+        couplings: list[Joint | Spring | PrescribedMotion] = [*self.joints, *self.springs, *self.motions]
+        names = [coupling.name for coupling in couplings]
         for name in names:
             if names.count(name) > 1:
                 raise ModelError(f"joints, springs, motions: expected different names, got {name!r} more than once")

@@ -33,12 +33,12 @@ from .vectors import cross, rotate
 def correct(system: System, loads: Array, drive: Array, state: State, work: Workspace) -> bool:
     """One Newton iteration: solve for the corrections and apply them. False if the iteration matrix is singular."""
     linearise(system, loads, drive, state, work)
-    _assemble(system, state, work)
-    if len(system.elastic.active) and not _eliminate(system, work):
+    assemble(system, state, work)
+    if len(system.elastic.active) and not eliminate(system, work):
         return False
     if not solve_in_place(work.S, work.rhs):
         return False
-    _apply(system, state, work)
+    apply_correction(system, state, work)
     return True
 
 
@@ -68,7 +68,7 @@ def set_rotation(b: int, state: State, work: Workspace) -> None:
 
 
 @compiled
-def _assemble(system: System, state: State, work: Workspace) -> None:
+def assemble(system: System, state: State, work: Workspace) -> None:
     """S and rhs as if all bodies were rigid."""
     n_q, n_rows = 6 * len(system.bodies.mass), len(state.lam)
     h2 = system.scheme.h * system.scheme.h
@@ -90,7 +90,7 @@ def _assemble(system: System, state: State, work: Workspace) -> None:
 
 
 @compiled
-def _eliminate(system: System, work: Workspace) -> bool:
+def eliminate(system: System, work: Workspace) -> bool:
     """Add to S and rhs what the interface displacements do; EB becomes du / d(dr, h^2 dlam)."""
     n_q, n_rows, n_a = 6 * len(system.bodies.mass), len(work.phi), len(system.elastic.active)
     h2 = system.scheme.h * system.scheme.h
@@ -125,7 +125,7 @@ def _add_row(factor: float, response: Array, constant: float, row: Array, right:
 
 
 @compiled
-def _apply(system: System, state: State, work: Workspace) -> None:
+def apply_correction(system: System, state: State, work: Workspace) -> None:
     """Add the corrections to u, lambda and the motion of the bodies."""
     n_q, n_a = 6 * len(system.bodies.mass), len(system.elastic.active)
     h2 = system.scheme.h * system.scheme.h

@@ -12,29 +12,30 @@ from .placement import Pose, frame_pose
 from .springs import Spring
 from .system import Frames
 
+Coupling = Joint | Spring | PrescribedMotion
+
 
 @dataclass(frozen=True, eq=False)
 class NumberedFrames:
     """All frames by name in the order of their numbers, with their poses at the start, and their arrays."""
 
     poses: dict[str, Pose]
+    numbers: dict[str, int]
     arrays: Frames
 
     def number(self, name: str) -> int:
-        return self._numbers[name]
+        return self.numbers[name]
 
-    def sides(self, coupling: Joint | Spring | PrescribedMotion) -> Sides:
+    def sides(self, coupling: Coupling) -> Sides:
         first, second = side_names(coupling)
         return Sides(self.number(first), self.number(second), self.poses[first], self.poses[second])
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "_numbers", {name: f for f, name in enumerate(self.poses)})
 
 
 def number_frames(model: Model, poses: dict[str, Pose]) -> NumberedFrames:
     """Number the frames of a model whose bodies start in the given poses."""
     named: dict[str, Pose] = {}
-    for coupling in (*model.joints, *model.motions, *model.springs):
+    couplings: list[Coupling] = [*model.joints, *model.motions, *model.springs]
+    for coupling in couplings:
         first, second = between(coupling)
         for name, side, other in zip(side_names(coupling), (first, second), (second, first), strict=True):
             named[name] = frame_pose(model, poses, other if side == GROUND else side)
@@ -44,15 +45,16 @@ def number_frames(model: Model, poses: dict[str, Pose]) -> NumberedFrames:
     for body in model.bodies:
         for frame in model.frames_of(body):
             named.setdefault(f"{body}.{frame}", frame_pose(model, poses, f"{body}.{frame}"))
-    return NumberedFrames(named, _arrays(model, list(named), n_acting))
+    numbers = {name: f for f, name in enumerate(named)}
+    return NumberedFrames(named, numbers, _arrays(model, list(named), n_acting))
 
 
-def between(coupling: Joint | Spring | PrescribedMotion) -> tuple[str, str]:
+def between(coupling: Coupling) -> tuple[str, str]:
     """The frames that a coupling names; a motion acts against the ground."""
     return (GROUND, coupling.on) if isinstance(coupling, PrescribedMotion) else coupling.between
 
 
-def side_names(coupling: Joint | Spring | PrescribedMotion) -> tuple[str, str]:
+def side_names(coupling: Coupling) -> tuple[str, str]:
     """The same, with a frame of the coupling's own in place of the bare ground: fixed where the other side starts."""
     first, second = (f"{GROUND}.({coupling.name})" if side == GROUND else side for side in between(coupling))
     return first, second

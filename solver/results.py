@@ -42,8 +42,6 @@ class ResultsFile:
     """Appends chunks of output to a file, or to memory where no path is given."""
 
     def __init__(self, path: Path | None, compiled: CompiledModel) -> None:
-        if path and not path.parent.is_dir():
-            raise ModelError(f"{path}: no folder {path.parent}")
         self._path = path
         self._memory = None if path else h5py.File(io.BytesIO(), "w")
         self._columns = _columns(compiled)
@@ -234,6 +232,11 @@ class Results:
     def _array(self, name: str) -> Array:
         array: Array = self._file[name][()]
         return array
+
+
+def check_folder(path: Path) -> None:
+    if not path.parent.is_dir():
+        raise ModelError(f"{path}: no folder {path.parent}")
 
 
 def make_output(compiled: CompiledModel, n: int) -> Output:

@@ -6,14 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
-from .compilation import CompiledModel, compile_system
+from .compilation import CompiledModel
 from .compiled import Array, is_cached
 from .errors import ConvergenceError
 from .initial import begin
 from .loop import advance, record
 from .model import Model
 from .progress import Progress
-from .results import Results, ResultsFile, make_output
+from .results import Results, ResultsFile, check_folder, make_output
 from .system import Inputs, State, Workspace
 
 CHUNK_NUMBERS = 1 << 20
@@ -27,14 +27,21 @@ def simulate(model: Model, output: str | os.PathLike[str] | None = None, progres
     Raises ModelError for a model that cannot start and ConvergenceError where Newton's method fails; the results
     file then holds the steps before the failure.
     """
-    compiled = compile_system(model)
-    file = ResultsFile(Path(output) if output is not None else None, compiled)
+    if output is not None:
+        check_folder(Path(output))
     with Progress("compiling (first run only)", shown=progress and not is_cached()):
-        beginning = begin(compiled)
-        _compile_loop(compiled, beginning.state, beginning.work)
-    file.note(velocity_correction=beginning.velocity_correction)
+        beginning = begin(model)
+        compiled, state, work = beginning.compiled, beginning.state, beginning.work
+        _compile_loop(compiled, state, work)
+    file = ResultsFile(Path(output) if output is not None else None, compiled)
+    file.note(
+        degrees_of_freedom=beginning.degrees_of_freedom,
+        moved=beginning.moved,
+        velocity_correction=beginning.velocity_correction,
+        removed=beginning.removed,
+    )
     started = time.perf_counter()
-    _march(compiled, beginning.state, beginning.work, file, progress)
+    _march(compiled, state, work, file, progress)
     file.note(finished=True, seconds=time.perf_counter() - started)
     return file.results()
 

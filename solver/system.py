@@ -126,6 +126,8 @@ class State(NamedTuple):
     eta_rate: Array  # (n_modes,)
     eta_acceleration: Array  # (n_modes,)
     eta_a: Array  # (n_modes,)
+    p_rest: Array  # (n_u,) loads that have always acted: direct convolution leaves them out ...
+    history_rest: Array  # (n_u,) ... and adds what they do, (compliance - G_0) p_rest
     p_history: Array  # (n_steps + 1, n_u), empty unless some body convolves directly
     load_vector: Array  # (n_l, 3) force or torque at the last step, in space
     drive: Array  # (n_d,) at the last step

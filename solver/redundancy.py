@@ -1,0 +1,108 @@
+"""Constraints that depend on one another, found by factorization and named; and how many ways a mechanism can move."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import qr, svd
+
+from .assembly import hard_rows, interface_mobility, inverse_inertia
+from .compilation import CompiledModel
+from .compiled import Array
+from .errors import ModelError
+from .rows import DISTANCE, TRANSLATION
+from .system import Workspace
+
+RANK_TOLERANCE = 1e-9
+"""singular values of the constraint Jacobian, rows scaled to unit length, below which rows count as dependent"""
+
+
+def degrees_of_freedom(compiled: CompiledModel, work: Workspace) -> int:
+    """Of the mechanism, its bodies taken as rigid: six for each less the rank of the constraints."""
+    n_q = 6 * len(compiled.system.bodies.mass)
+    return n_q - rank(_rigid_jacobian(compiled, work))
+
+
+def redundant_rows(compiled: CompiledModel, work: Workspace) -> frozenset[int]:
+    """Rows to leave out so that the others are independent, elastic interfaces included.
+
+    None, unless the model says that redundant constraints may be removed: then ModelError names them all.
+    """
+    hard = hard_rows(compiled.system)
+    elastic = work.B[hard, 6 * len(compiled.system.bodies.mass) :] @ _mobility_root(compiled)
+    found = find_redundancy(np.hstack([_rigid_jacobian(compiled, work), elastic]))
+    if found is None:
+        return frozenset()
+    involved, removable = (hard[rows].tolist() for rows in (found.involved, found.removable))
+    if compiled.model.redundant == "error":
+        raise ModelError(
+            f"joints: {len(hard)} constraints of which {len(removable)} are redundant; on one another depend "
+            f"{describe_rows(compiled, involved)}; free a joint, or let redundant = 'remove' drop "
+            f"{describe_rows(compiled, removable)}"
+        )
+    return frozenset(removable)
+
+
+def describe_rows(compiled: CompiledModel, rows: list[int]) -> str:
+    """Rows by joint: "hinge (translation 3, rotation 1)"."""
+    couplings = compiled.system.couplings
+    by_joint: dict[str, list[str]] = {}
+    for i in rows:
+        j = int(np.searchsorted(couplings.range, i, side="right")) - 1
+        own = couplings.rows.kind[couplings.range[j] : couplings.range[j + 1]]
+        lengths = np.isin(own, (TRANSLATION, DISTANCE))
+        k = i - int(couplings.range[j])
+        kind = "translation" if lengths[k] else "rotation"
+        by_joint.setdefault(compiled.coupling_names[j], []).append(
+            f"{kind} {1 + int((lengths[:k] == lengths[k]).sum())}"
+        )
+    return ", ".join(f"{joint} ({', '.join(names)})" for joint, names in by_joint.items())
+
+
+@dataclass(frozen=True)
+class Redundancy:
+    """Rows (numbers) that take part in a dependence, and those whose removal leaves the others independent."""
+
+    involved: list[int]
+    removable: list[int]
+
+
+def find_redundancy(J: Array) -> Redundancy | None:
+    """The dependent rows of a Jacobian (n, m), by its left null space; of equal choices, later rows are removable."""
+    if not len(J):
+        return None
+    null = _left_null_space(J)
+    if not null.shape[1]:
+        return None
+    involved = np.flatnonzero(np.abs(null).max(axis=1) > 1e-6)
+    later = 1.0 + 1e-3 * np.arange(len(J)) / len(J)
+    _, _, pivots = qr(null.T * later, pivoting=True, mode="economic")
+    return Redundancy(involved.tolist(), sorted(pivots[: null.shape[1]].tolist()))
+
+
+def rank(J: Array) -> int:
+    return len(J) - _left_null_space(J).shape[1] if len(J) else 0
+
+
+def _left_null_space(J: Array) -> Array:
+    """Vectors y (n, k) with y^T J = 0, J's rows scaled to unit length."""
+    length = np.linalg.norm(J, axis=1)
+    scaled = J / np.where(length > 0.0, length, 1.0)[:, None]
+    left, values, _ = svd(scaled, full_matrices=True)
+    small = np.concatenate([values, np.zeros(len(J) - len(values))]) < RANK_TOLERANCE * max(
+        1.0, values.max(initial=0.0)
+    )
+    return np.asarray(left[:, small])
+
+
+def _rigid_jacobian(compiled: CompiledModel, work: Workspace) -> Array:
+    """Rows of the constraints against bodies, columns scaled by their inertia."""
+    n_q = 6 * len(compiled.system.bodies.mass)
+    rows: Array = work.B[hard_rows(compiled.system), :n_q] @ np.linalg.cholesky(inverse_inertia(compiled.system))
+    return rows
+
+
+def _mobility_root(compiled: CompiledModel) -> Array:
+    """A square root of the interface mobilities at the active dofs."""
+    values, vectors = np.linalg.eigh(interface_mobility(compiled))
+    root: Array = vectors * np.sqrt(np.maximum(values, 0.0))
+    return root
