@@ -2,7 +2,7 @@
 
 from .errors import ConvergenceError, ModelError
 from .joints import Joint
-from .model import FlexibleBody, Frame, Load, Model, Place, RigidBody, Start
+from .model import FlexibleBody, Frame, Load, Model, Place, RigidBody, Start, SteadyRotation
 from .model_file import read_model
 from .motions import PrescribedMotion
 from .results import Results
@@ -31,6 +31,7 @@ __all__ = [
     "RigidBody",
     "Spring",
     "Start",
+    "SteadyRotation",
     "Steps",
     "Table",
     "read_model",
