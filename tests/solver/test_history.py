@@ -73,5 +73,5 @@ def test_the_rules_differ(elements):
 
 def test_a_body_without_modes_cannot_be_recursive(elements, measured):
     model = tangle(*(measured(element) for element in elements), history="recursive")
-    with pytest.raises(ModelError, match="body 'a': history 'recursive' needs modes, and .*'random 1' has none"):
+    with pytest.raises(ModelError, match=r"body 'a': history 'recursive' needs modes, and .*'random 1' has none"):
         simulate(model)
