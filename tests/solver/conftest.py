@@ -86,13 +86,17 @@ def hub_and_beam() -> Callable[..., Model]:
 def random_element() -> Callable[..., Superelement]:
     """A superelement of random numbers; `rotations` says of each interface whether it has them."""
 
-    def make(seed: int, rotations: tuple[bool, ...], modes: int = 8, steps: int = 200) -> Superelement:
+    def make(
+        seed: int,
+        rotations: tuple[bool, ...],
+        modes: int = 8,
+        steps: int = 200,
+        omega: tuple[float, float] = (50.0, 5000.0),
+    ) -> Superelement:
         rng = np.random.default_rng(seed)
         interfaces = tuple(Interface(f"i{k}", rng.normal(size=3), given) for k, given in enumerate(rotations))
         n_c = sum(interface.n_dofs for interface in interfaces)
-        form = Modes(
-            np.sort(rng.uniform(50.0, 5000.0, modes)), rng.uniform(0, 0.05, modes), rng.normal(size=(n_c, modes))
-        )
+        form = Modes(np.sort(rng.uniform(*omega, modes)), rng.uniform(0, 0.05, modes), rng.normal(size=(n_c, modes)))
         half = rng.normal(size=(3, 3))
         return Superelement(
             name=f"random {seed}",
