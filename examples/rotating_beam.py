@@ -66,8 +66,7 @@ class Motion:
 
 def main(folder: Path, with_reference: bool = True) -> dict[str, Motion]:
     """Run, check and draw both cases; the motions by case and kind, as "case1-paper"."""
-    if not BODY.with_suffix(".h5").exists():
-        superelement.write(BODY.with_suffix(".h5"), preprocess.build(preprocess.read_body(BODY)))
+    ensure_superelement()
     folder.mkdir(parents=True, exist_ok=True)
     motions = {}
     for case in CASES:
@@ -83,6 +82,12 @@ def main(folder: Path, with_reference: bool = True) -> dict[str, Motion]:
         if reference is not None:
             motions[f"{case.name}-exudyn"] = reference
     return motions
+
+
+def ensure_superelement() -> None:
+    """Make the superelement of the beam if it is not there."""
+    if not (target := BODY.with_suffix(".h5")).exists():
+        superelement.write(target, preprocess.build(preprocess.read_body(BODY)))
 
 
 def variants(case: Case) -> dict[str, solver.Model]:

@@ -9,6 +9,11 @@ from .conftest import EXAMPLES
 PHI = {"case1": 4.0, "case2": 0.5}
 
 
+@pytest.fixture(autouse=True)
+def _superelement(example):
+    example("rotating_beam").ensure_superelement()
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     return tmp_path_factory.mktemp("examples")
