@@ -32,14 +32,16 @@ def evaluate(system: System, loads: Array, drive: Array, state: State, work: Wor
 
 
 @compiled
-def relative_residual(system: System, state: State, work: Workspace) -> float:
-    """The largest residual over what the tolerance is measured against; at rounding level it returns 0.
+def relative_residual(system: System, converged: bool, state: State, work: Workspace) -> float:
+    """The largest residual over what the tolerance is measured against; 0 at the rounding of its terms.
 
     Equilibrium against the sum of the magnitudes of its terms; constraints and interface displacements against the
-    largest motion of the step (translations in m, rotations in rad) and the rounding of positions.
+    largest motion of the step (translations in m, rotations in rad). The rounding of positions, seen through beta',
+    becomes one of forces; it counts only once Newton has `converged` as far as it can, lest it hide a true residual.
     """
-    scheme = system.scheme
-    n_b = len(system.bodies.mass)
+    bodies, scheme = system.bodies, system.scheme
+    tolerance = scheme.tolerance
+    n_b = len(bodies.mass)
     length, angle, size, worst = 0.0, 0.0, 0.0, 0.0
     for b in range(n_b):
         for i in range(3):
@@ -51,24 +53,28 @@ def relative_residual(system: System, state: State, work: Workspace) -> float:
             size = max(size, abs(work.lever[f, i]))
     length += angle * size
     for b in range(n_b):
-        for i in range(6):
-            scale = work.force_scale[b, i // 3]
-            r = abs(work.residual[b, i])
-            if r > ROUNDING * scale and r > 1e-300:
-                worst = max(worst, r / scale)
+        rounding = ROUNDING * scheme.beta_prime if converged else 0.0
+        force_floor = ROUNDING * work.force_scale[b, 0] + rounding * bodies.mass[b] * size
+        moment_floor = ROUNDING * (work.force_scale[b, 1] + size * work.force_scale[b, 0])
+        for i in range(3):
+            moment_floor += rounding * bodies.J_rot[b, i, i]
+        for i in range(3):
+            worst = max(worst, _relative(work.residual[b, i], work.force_scale[b, 0], force_floor, tolerance))
+            worst = max(worst, _relative(work.residual[b, 3 + i], work.force_scale[b, 1], moment_floor, tolerance))
     for i in range(len(work.phi)):
-        rotation = system.joints.rotation[i]
-        worst = max(worst, _beyond(work.phi[i], angle if rotation else length, 1.0 if rotation else size, scheme))
+        if system.joints.rotation[i]:
+            worst = max(worst, _relative(work.phi[i], angle, ROUNDING, tolerance))
+        else:
+            worst = max(worst, _relative(work.phi[i], length, ROUNDING * size, tolerance))
     for i in range(len(work.u_residual)):
-        worst = max(worst, _beyond(work.u_residual[i], length + angle, size, scheme))
+        worst = max(worst, _relative(work.u_residual[i], length + angle, ROUNDING * size, tolerance))
     return worst
 
 
 @compiled
-def _beyond(residual: float, motion: float, size: float, scheme: Scheme) -> float:
-    """A residual over the motion of the step, 0 where it is rounding of a quantity of the given size."""
-    floor = ROUNDING * size
-    return abs(residual) / max(motion, floor / scheme.tolerance) if abs(residual) > floor else 0.0
+def _relative(residual: float, scale: float, floor: float, tolerance: float) -> float:
+    """|residual| / scale, and 0 up to the floor that rounding sets."""
+    return abs(residual) / max(scale, floor / tolerance) if abs(residual) > floor else 0.0
 
 
 @compiled

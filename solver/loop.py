@@ -25,7 +25,7 @@ def advance(
         iterations = 0
         while True:
             evaluate(system, loads, drive, state, work)
-            residual = relative_residual(system, state, work)
+            residual = relative_residual(system, iterations > 1, state, work)
             if residual <= scheme.tolerance and iterations > 0:
                 break
             if iterations == scheme.max_iterations or not correct(system, loads, state, work):
