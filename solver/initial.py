@@ -60,8 +60,11 @@ def _fit_velocities(compiled: CompiledModel, state: State, work: Workspace) -> f
     phi_t = np.array(
         [work.drive_slope[i] * rates[d] if d >= 0 else 0.0 for i, d in enumerate(system.joints.drive.tolist())]
     )
-    change = _inverse_inertia(system) @ B.T
-    correction = change @ np.linalg.lstsq(B @ change, -(B @ state.v.ravel() + phi_t), rcond=1e-12)[0]
+    # Least squares in L^-1 v with L L^T = J^-1, rows scaled: without squaring, light bodies cost no digits.
+    L = np.linalg.cholesky(_inverse_inertia(system))
+    scale = 1.0 / np.linalg.norm(B @ L, axis=1)
+    gap = B @ state.v.ravel() + phi_t
+    correction = -L @ np.linalg.lstsq(scale[:, None] * (B @ L), scale * gap, rcond=1e-11)[0]
     left = B @ (state.v.ravel() + correction) + phi_t
     if len(left) and np.abs(left).max() > 1e-8 * max(1.0, float(np.abs(phi_t).max())):
         row = int(np.argmax(np.abs(left)))
