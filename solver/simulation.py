@@ -28,10 +28,10 @@ def simulate(model: Model, output: str | os.PathLike[str] | None = None, progres
     file then holds the steps before the failure.
     """
     compiled = compile_system(model)
-    file = ResultsFile(Path(output) if output is not None else None, compiled)
     with Progress("compiling (first run only)", shown=progress and not is_cached()):
         beginning = begin(compiled)
         _compile_loop(compiled, beginning.state, beginning.work)
+    file = ResultsFile(Path(output) if output is not None else None, compiled)
     file.note(velocity_correction=beginning.velocity_correction)
     started = time.perf_counter()
     _march(compiled, beginning.state, beginning.work, file, progress)
