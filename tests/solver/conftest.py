@@ -60,6 +60,12 @@ def coarse_beam(tmp_path_factory: pytest.TempPathFactory) -> Beam:
 
 
 @pytest.fixture(scope="session")
+def coarse(tmp_path_factory: pytest.TempPathFactory) -> Superelement:
+    """Three elements, without damping."""
+    return make_beam(mesh=line_mesh(tmp_path_factory.mktemp("coarse") / "coarse.msh", 3)).element
+
+
+@pytest.fixture(scope="session")
 def hub_and_beam() -> Callable[..., Model]:
     """The paper's rotating beam: a hub of phi times the inertia of the beam, on a pivot, carries it on its rim."""
 
