@@ -7,6 +7,8 @@
 Source: methods 2.4 and 5.4.
 """
 
+import math
+
 from .compiled import Array, compiled
 from .couplings import evaluate_couplings
 from .frames import load_bodies, move_frame_velocities, move_frames
@@ -78,7 +80,9 @@ def relative_residual(system: System, converged: bool, state: State, work: Works
 
 @compiled
 def _relative(residual: float, scale: float, floor: float, tolerance: float) -> float:
-    """|residual| / scale, and 0 up to the floor that rounding sets."""
+    """|residual| / scale, 0 up to the floor that rounding sets, infinite for what is no number."""
+    if not abs(residual) < math.inf:
+        return math.inf
     return abs(residual) / max(scale, floor / tolerance) if abs(residual) > floor else 0.0
 
 

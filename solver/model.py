@@ -80,7 +80,7 @@ class RigidBody:
     start: Start = field(default_factory=Start)
 
     def __post_init__(self) -> None:
-        if not self.mass > 0.0:
+        if not 0.0 < self.mass < np.inf:
             raise ModelError(f"mass: expected a positive number, got {self.mass}")
         inertia = np.asarray(self.inertia, dtype=float)
         if inertia.shape == (3,):
@@ -133,6 +133,8 @@ class Load:
         if self.type not in ("force", "torque"):
             raise ModelError(f"load on {self.on}: type: expected 'force' or 'torque', got {self.type!r}")
         object.__setattr__(self, "direction", vector(f"load on {self.on}: direction", self.direction))
+        if not isinstance(self.signal, Signal):
+            raise ModelError(f"load on {self.on}: signal: expected a signal such as Constant, got {self.signal!r}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,10 +187,12 @@ class Model:
         return self.ground_frames if body == GROUND else self.bodies[body].frames
 
     def _check_numbers(self) -> None:
-        if not self.t_end > 0.0:
+        if not 0.0 < self.t_end < np.inf:
             raise ModelError(f"t_end: expected a positive time, got {self.t_end}")
-        if self.step is not None and not self.step > 0.0:
+        if self.step is not None and not 0.0 < self.step < np.inf:
             raise ModelError(f"step: expected a positive time, got {self.step}")
+        if self.rho_inf is not None and not 0.0 <= self.rho_inf <= 1.0:
+            raise ModelError(f"rho_inf: expected a number from 0 to 1, got {self.rho_inf}")
         if self.rule not in ("consistent", "paper"):
             raise ModelError(f"rule: expected 'consistent' or 'paper', got {self.rule!r}")
         if self.history not in ("auto", "recursive", "direct"):
@@ -208,11 +212,16 @@ class Model:
         if not self.bodies:
             raise ModelError("bodies: expected at least one body, got none")
         for name in self.bodies:
-            if name == GROUND or not name or "." in name or "/" in name:
+            if name == GROUND or not _is_name(name):
                 raise ModelError(f"bodies: a body cannot be named {name!r}")
+            for frame in self.frames_of(name):
+                if not _is_name(frame):
+                    raise ModelError(f"body {name!r}: a frame cannot be named {frame!r}")
         couplings: list[Joint | Spring | PrescribedMotion] = [*self.joints, *self.springs, *self.motions]
         names = [coupling.name for coupling in couplings]
         for name in names:
+            if not _is_name(name):
+                raise ModelError(f"joints: a joint cannot be named {name!r}")
             if names.count(name) > 1:
                 raise ModelError(f"joints, springs, motions: expected different names, got {name!r} more than once")
         for owner, frame in self._references():
@@ -221,6 +230,8 @@ class Model:
     def _references(self) -> Iterator[tuple[str, str]]:
         for name, body in self.bodies.items():
             if (place := body.start.place) is not None:
+                if not place.frame:
+                    raise ModelError(f"body {name!r}: place: expected the name of one of its frames, got ''")
                 yield f"body {name!r}: place", f"{name}.{place.frame}"
                 yield f"body {name!r}: place", place.on
         for kind, couplings in (("joint", self.joints), ("spring", self.springs)):
@@ -248,6 +259,11 @@ class Model:
             raise ModelError(f"{owner}: no frame {frame!r} on {body!r}; it has: {known}")
         if not frame and body in self.flexible_bodies:
             raise ModelError(f"{owner}: {body!r} is flexible: name one of its interfaces ({known}) as {body}.INTERFACE")
+
+
+def _is_name(name: str) -> bool:
+    """Names make up paths of results and references to frames."""
+    return bool(name) and "." not in name and "/" not in name
 
 
 def vector(name: str, value: Any) -> Array:

@@ -75,7 +75,7 @@ class ResultsFile:
             file["solver"].attrs.update(attributes)
 
     def results(self) -> "Results":
-        return Results(self._memory or h5py.File(self._path, "r"))
+        return Results(self._memory or self._path)
 
     @contextmanager
     def _open(self, mode: str) -> Iterator[h5py.File]:
@@ -160,21 +160,23 @@ class Momentum:
 
 
 class Results:
-    """The results of a run; arrays are read when asked for."""
+    """The results of a run; arrays are read when asked for, and between reads the file is closed."""
 
-    def __init__(self, file: h5py.File) -> None:
-        self._file = file
+    def __init__(self, source: h5py.File | Path) -> None:
+        self._source = source
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> "Results":
         """Open a results file; ValueError if it is none."""
+        results = cls(Path(path))
         try:
-            file = h5py.File(path, "r")
+            with results._open() as file:
+                found = file.attrs.get("format")
         except OSError as error:
             raise ValueError(f"{path}: not a readable HDF5 file: {error}") from error
-        if (found := file.attrs.get("format")) != FORMAT:
+        if found != FORMAT:
             raise ValueError(f"{path}: attribute format: expected {FORMAT!r}, found {found!r}")
-        return cls(file)
+        return results
 
     @property
     def time(self) -> Array:
@@ -198,7 +200,8 @@ class Results:
     @property
     def solver(self) -> dict[str, Any]:
         """How the run went: steps, step size, seconds, rule, history, ..."""
-        return dict(self._file["solver"].attrs)
+        with self._open() as file:
+            return dict(file["solver"].attrs)
 
     def body(self, name: str) -> BodyMotion:
         return BodyMotion(**self._group(f"bodies/{name}"))
@@ -224,14 +227,24 @@ class Results:
         return Coupling(**forces, coordinates=data)
 
     def _group(self, name: str) -> dict[str, Array]:
-        if name not in self._file:
-            parent = name.partition("/")[0]
-            raise KeyError(f"no {name}; there are: {', '.join(self._file[parent])}")
-        return {key: dataset[()] for key, dataset in self._file[name].items()}
+        with self._open() as file:
+            if name not in file:
+                parent = name.partition("/")[0]
+                raise KeyError(f"no {name}; there are: {', '.join(file[parent])}")
+            return {key: dataset[()] for key, dataset in file[name].items()}
 
     def _array(self, name: str) -> Array:
-        array: Array = self._file[name][()]
+        with self._open() as file:
+            array: Array = file[name][()]
         return array
+
+    @contextmanager
+    def _open(self) -> Iterator[h5py.File]:
+        if isinstance(self._source, h5py.File):
+            yield self._source
+        else:
+            with h5py.File(self._source, "r") as file:
+                yield file
 
 
 def check_folder(path: Path) -> None:

@@ -16,6 +16,7 @@ from .compiled import Array
 from .errors import ModelError
 
 
+@runtime_checkable
 class Signal(Protocol):
     def __call__(self, t: float) -> float:
         """The value at time t [s]."""

@@ -2,7 +2,7 @@
 
 from .errors import PictureError, QuantityError, ResultsError
 from .overview import overview
-from .picture import COLOURS, draw, panels, save
+from .picture import COLOURS, draw, entitle, panels, save, style
 from .quantities import Curve, curves
 from .recording import Recording, read
 
@@ -15,8 +15,10 @@ __all__ = [
     "ResultsError",
     "curves",
     "draw",
+    "entitle",
     "overview",
     "panels",
     "read",
     "save",
+    "style",
 ]

@@ -3,6 +3,7 @@
 import io
 import os
 from collections.abc import Iterable, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,7 @@ STYLE: dict[Any, Any] = {
     "axes.prop_cycle": cycler(color=COLOURS),
     "axes.spines.right": False,
     "axes.spines.top": False,
+    "axes.titlelocation": "left",
     "axes.titlesize": 9,
     "axes.xmargin": 0.01,
     "figure.titlesize": 10,
@@ -50,16 +52,25 @@ PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M
 WIDTH, PANEL_HEIGHT = 7.0, 2.2
 """[inch]"""
 
-DOTS_PER_INCH = 130
+DOTS_PER_INCH = 110
+
+
+def style() -> AbstractContextManager[None]:
+    """The look of all pictures, for figures that are drawn by hand: `with style(): ...`."""
+    return matplotlib.rc_context(STYLE)
 
 
 def panels(rows: int, columns: int = 1, share_time: bool = True) -> tuple[Figure, list[Axes]]:
-    """An empty figure in the style of all pictures, and its panels, row by row."""
-    with matplotlib.rc_context(STYLE):
+    """An empty figure and its panels, row by row."""
+    with style():
         figure = Figure(figsize=(WIDTH if columns == 1 else 1.3 * WIDTH, PANEL_HEIGHT * rows), layout="constrained")
         axes: Any = figure.subplots(rows, columns, sharex=share_time, squeeze=False)
-        figure.align_ylabels()
     return figure, list(axes.flat)
+
+
+def entitle(figure: Figure, title: str) -> None:
+    """A title at the upper left of a figure."""
+    figure.suptitle(title, x=0.01, ha="left", fontweight="bold")
 
 
 def draw(time: Array, contents: Sequence[Sequence[Curve]], title: str = "") -> Figure:
@@ -69,11 +80,11 @@ def draw(time: Array, contents: Sequence[Sequence[Curve]], title: str = "") -> F
     Raises PictureError where units differ.
     """
     figure, axes = panels(len(contents))
-    with matplotlib.rc_context(STYLE):
+    with style():
         for axis, curves in zip(axes, contents, strict=True):
             _fill(axis, time, curves)
         axes[-1].set_xlabel("time [s]")
-        figure.suptitle(title, x=0.01, ha="left", fontweight="bold")
+        entitle(figure, title)
     return figure
 
 
@@ -103,7 +114,7 @@ def _fill(axes: Axes, time: Array, curves: Sequence[Curve]) -> None:
     exponent = _exponent(max(float(np.abs(curve.values).max()) for curve in curves))
     for curve, row in zip(curves, words, strict=True):
         axes.plot(time, curve.values / 10.0**exponent, label=_line(row[~common]))
-    axes.set_title(_line(words[0, common]), loc="left")
+    axes.set_title(_line(words[0, common]))
     axes.set_ylabel(f"[{PREFIXES[exponent]}{curves[0].unit}]")
     if len(curves) > 1:
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))

@@ -130,7 +130,7 @@ def read(path: str | os.PathLike[str]) -> Recording:
     with _opened(path) as file:
         for key, expected in (("format", FORMAT), ("version", VERSION)):
             if (found := file.attrs.get(key)) != expected:
-                raise ResultsError(f"attribute {key!r}: expected {expected!r}, found {found!r}")
+                raise ResultsError(f"attribute {key!r}: expected {expected}, found {found}")
         time = file.get("time")
         if not isinstance(time, h5py.Dataset) or time.ndim != 1 or not len(time):
             raise ResultsError("dataset 'time' is missing or empty: the run stopped before its first step")

@@ -1,0 +1,132 @@
+"""Bodies of the solver's tests: the paper's beam and its hub, and superelements of random numbers."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import pytest
+from duhamel.preprocess import Structure, assemble, build, read_body
+from duhamel.preprocess.body import Damping
+from duhamel.solver import FlexibleBody, Frame, Joint, Model, Place, RigidBody, Start, rotations
+from duhamel.superelement import GeneralizedAlpha, Interface, Modes, Superelement, sample_kernel
+
+BEAM = Path(__file__).parents[2] / "meshes" / "beam" / "beam.toml"
+BEAM_INERTIA = 4.75475e-3
+"""of the paper's beam about the axis of its hub [kg m^2]"""
+
+
+@dataclass(frozen=True, eq=False)
+class Beam:
+    """A finite element beam and its superelement."""
+
+    structure: Structure
+    element: Superelement
+
+
+def make_beam(**changes: Any) -> Beam:
+    body = read_body(BEAM).model_copy(update=changes)
+    return Beam(assemble(body), build(body))
+
+
+def line_mesh(path: Path, elements: int) -> Path:
+    """A bar of 0.5 m along x, its last point named tip."""
+    points = np.zeros((elements + 1, 3))
+    points[:, 0] = np.linspace(0.0, 0.5, elements + 1)
+    lines = np.stack([np.arange(elements), np.arange(1, elements + 1)], axis=1)
+    tags = [np.array([1]), np.full(elements, 2)]
+    meshio.Mesh(
+        points,
+        [("vertex", np.array([[elements]])), ("line", lines)],
+        cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags},
+        field_data={"tip": np.array([1, 0]), "bar": np.array([2, 1])},
+    ).write(path, file_format="gmsh22", binary=False)
+    return path
+
+
+@pytest.fixture(scope="session")
+def beam() -> Beam:
+    """The beam of the paper: 10 elements, 60 elastic modes, no damping."""
+    return make_beam()
+
+
+@pytest.fixture(scope="session")
+def coarse_beam(tmp_path_factory: pytest.TempPathFactory) -> Beam:
+    """Three elements, with two per cent of damping."""
+    mesh = line_mesh(tmp_path_factory.mktemp("coarse") / "coarse.msh", 3)
+    return make_beam(mesh=mesh, damping=Damping.model_validate({"modal": 0.02}))
+
+
+@pytest.fixture(scope="session")
+def coarse(tmp_path_factory: pytest.TempPathFactory) -> Superelement:
+    """Three elements, without damping."""
+    return make_beam(mesh=line_mesh(tmp_path_factory.mktemp("coarse") / "coarse.msh", 3)).element
+
+
+@pytest.fixture(scope="session")
+def hub_and_beam() -> Callable[..., Model]:
+    """The paper's rotating beam: a hub of phi times the inertia of the beam, on a pivot, carries it on its rim."""
+
+    def make(beam: Beam, phi: float, pivot: str = "revolute", spin: Any = (0.0, 0.0, 0.0), **settings: Any) -> Model:
+        axis = [0, 0, 1] if pivot == "revolute" else None
+        omega = np.asarray(spin, dtype=float)
+        J = phi * BEAM_INERTIA
+        hub = RigidBody(0.01, [0.6 * J, 0.7 * J, J], {"rim": Frame([0.05, 0, 0])}, Start(angular_velocity=omega))
+        center = np.array([0.05, 0, 0]) - beam.element.interface("root").X
+        start = Start(place=Place("root", "hub.rim"), velocity=np.cross(omega, center), angular_velocity=omega)
+        return Model(
+            bodies={"hub": hub, "beam": FlexibleBody(beam.element, start)},
+            joints=(
+                Joint("pivot", pivot, ("ground", "hub"), axis),
+                Joint("clamp", "fixed", ("hub.rim", "beam.root")),
+            ),
+            **settings,
+        )
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def random_element() -> Callable[..., Superelement]:
+    """A superelement of random numbers; `rotations` says of each interface whether it has them."""
+
+    def make(
+        seed: int,
+        rotations: tuple[bool, ...],
+        modes: int = 8,
+        steps: int = 200,
+        omega: tuple[float, float] = (50.0, 5000.0),
+    ) -> Superelement:
+        rng = np.random.default_rng(seed)
+        interfaces = tuple(Interface(f"i{k}", rng.normal(size=3), given) for k, given in enumerate(rotations))
+        n_c = sum(interface.n_dofs for interface in interfaces)
+        form = Modes(np.sort(rng.uniform(*omega, modes)), rng.uniform(0, 0.05, modes), rng.normal(size=(n_c, modes)))
+        half = rng.normal(size=(3, 3))
+        return Superelement(
+            name=f"random {seed}",
+            mass=rng.uniform(0.5, 2.0),
+            J_rot=half @ half.T + np.eye(3),
+            center=np.zeros(3),
+            interfaces=interfaces,
+            kernel=sample_kernel(form, 1e-3, GeneralizedAlpha(0.9), steps),
+            modes=form,
+            compliance=form.phi / form.omega**2 @ form.phi.T,
+            mobility=form.phi @ form.phi.T,
+        )
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def measured() -> Callable[[Superelement], Superelement]:
+    """The same body known by its kernel alone."""
+    return lambda element: replace(element, modes=None)
+
+
+def rotation(psi: Any) -> np.ndarray:
+    """exp(skew(psi)), (3, 3)"""
+    R = np.empty((3, 3))
+    rotations.exponential(np.asarray(psi, dtype=float), R)
+    return R

@@ -1,0 +1,89 @@
+"""What joints block and what they leave free."""
+
+import numpy as np
+import pytest
+from duhamel.solver import Constant, Frame, Joint, Load, Model, Polynomial, RigidBody, Start, simulate
+from scipy.spatial.transform import Rotation
+
+AXIS, SECOND = np.array([1.0, 2.0, 2.0]) / 3.0, np.array([2.0, -2.0, 1.0]) / 3.0
+# translations along e1, e2, e3 and rotations that a joint leaves free, and its rows
+JOINTS = {
+    "fixed": ({}, [], 0, 6),
+    "spherical": ({}, [], 3, 3),
+    "revolute": ({"axis": AXIS}, [], 1, 5),
+    "universal": ({"axis": AXIS, "second_axis": SECOND}, [], 2, 4),
+    "cylindrical": ({"axis": AXIS}, [2], 1, 4),
+    "prismatic": ({"axis": AXIS}, [2], 0, 5),
+    "planar": ({"axis": AXIS}, [0, 1], 1, 3),
+}
+
+
+def rotations(quaternions):
+    return Rotation.from_quat(quaternions, scalar_first=True)
+
+
+def relative_motion(type_, axes):
+    """Of frame B in the joint axes of frame A, from rest under arbitrary loads: translation (n, 3), rotation."""
+    a = RigidBody(1.0, [1.0, 2.0, 1.5], {"f": Frame([0.3, 0.2, -0.1], [0.5, 0.1, -0.3])})
+    b = RigidBody(2.0, [2.0, 1.0, 1.5], {"g": Frame([-0.2, 0.4, 0.1])}, Start([0.5, -0.2, -0.2], [0.0, 0.0, 0.0]))
+    joint = Joint("joint", type_, ("a.f", "b.g"), **axes)
+    loads = (
+        Load("force", "b", [3.0, -2.0, 5.0], Constant(1.0)),
+        Load("torque", "b", [1.0, 2.0, -1.5], Constant(1.0)),
+        Load("torque", "a", [-1.0, 0.5, 1.0], Constant(1.0)),
+    )
+    model = Model({"a": a, "b": b}, (joint,), loads, t_end=0.5, step=1e-3, rho_inf=0.9, gravity=[0, 0, -9.81])
+    results = simulate(model)
+    A, B = results.frame("a.f"), results.frame("b.g")
+    turn_a = rotations(A.rotation) * rotations(A.rotation[0]).inv()
+    turn_b = rotations(B.rotation) * rotations(B.rotation[0]).inv()
+    axes_of_a = turn_a * Rotation.from_matrix(joint.basis())
+    translation = axes_of_a.inv().apply(B.position - A.position)
+    relative = axes_of_a.inv() * turn_b * Rotation.from_matrix(joint.basis())
+    return results, translation, relative
+
+
+@pytest.mark.parametrize("name", JOINTS)
+def test_a_joint_blocks_what_it_should_and_nothing_else(name):
+    axes, sliding, turning, rows = JOINTS[name]
+    results, translation, relative = relative_motion(name, axes)
+    assert results.joint("joint").multipliers.shape[1] == rows == 6 - len(sliding) - turning
+    for k in range(3):
+        if k in sliding:
+            assert np.abs(translation[:, k]).max() > 1e-2
+        else:
+            assert np.abs(translation[:, k]).max() < 1e-12
+    turned = relative.as_rotvec()
+    if turning == 0:
+        assert np.abs(turned).max() < 1e-12
+    elif turning == 1:
+        assert np.abs(turned[:, :2]).max() < 1e-12
+        assert np.abs(turned[:, 2]).max() > 1e-2
+    elif turning == 2:
+        # e1 of A and e2 of B stay perpendicular while the rest turns
+        assert np.abs(relative.as_matrix()[:, 0, 1]).max() < 1e-12
+        assert np.abs(turned[:, :2]).max(axis=0).min() > 1e-2
+    else:
+        assert np.abs(turned).max(axis=0).min() > 1e-2
+    # the joint does no work and its wrenches balance
+    assert np.abs(results.energy.balance).max() < 1e-5 * results.energy.kinetic.max()
+
+
+@pytest.mark.parametrize("name", JOINTS)
+def test_a_joint_wrench_keeps_the_second_body_in_its_motion(name):
+    """m x'' = force + loads on B, at every step."""
+    results, _, _ = relative_motion(name, JOINTS[name][0])
+    applied = np.array([3.0, -2.0, 5.0]) + 2.0 * np.array([0, 0, -9.81])
+    expected = 2.0 * results.body("b").v_dot[:, :3] - applied
+    np.testing.assert_allclose(results.joint("joint").force, expected, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(results.frame("b.g").force[:, :3], expected, rtol=0, atol=1e-8)
+
+
+def test_a_revolute_joint_turns_more_than_half_a_turn():
+    """A drive passes half a turn, and several whole ones."""
+    drive = Polynomial((0.0, 0.0, 20.0))
+    joint = Joint("motor", "revolute", ("ground", "body"), AXIS, angle=drive)
+    body = RigidBody(1.0, [1.0, 2.0, 1.5])
+    results = simulate(Model({"body": body}, (joint,), t_end=1.0, step=1e-3, rho_inf=0.9))
+    expected = Rotation.from_rotvec(np.outer([drive(t) for t in results.time], AXIS))
+    assert (rotations(results.body("body").R) * expected.inv()).magnitude().max() < 1e-12

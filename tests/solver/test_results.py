@@ -1,0 +1,235 @@
+"""Results: the file, what a run that breaks off leaves in it, and plain Python against compiled code."""
+
+import hashlib
+import os
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from duhamel.solver import ConvergenceError, Results, read_model, simulate
+from duhamel.superelement import write
+
+MODEL = """
+[simulation]
+t_end = 0.01
+step = 2e-4
+
+[bodies.hub]
+mass = 0.01
+inertia = [1e-6, 1e-6, 0.019]
+frames.rim = {position = [0.05, 0, 0]}
+
+[bodies.beam]
+superelement = "beam.h5"
+place = {frame = "root", on = "hub.rim"}
+
+[[joints]]
+name = "pivot"
+type = "revolute"
+between = ["ground", "hub"]
+axis = [0, 0, 1]
+
+[[joints]]
+name = "clamp"
+type = "fixed"
+between = ["hub.rim", "beam.root"]
+
+[[loads]]
+type = "torque"
+on = "hub"
+direction = [0, 0, 1]
+signal = {times = [0, 0.005], values = [1, -1]}
+"""
+N = 51
+
+
+@pytest.fixture(scope="module")
+def model_file(coarse, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("model")
+    write(folder / "beam.h5", coarse)
+    (folder / "rotor.toml").write_text(MODEL)
+    return folder / "rotor.toml"
+
+
+@pytest.fixture(scope="module")
+def results_file(model_file):
+    path = model_file.with_name("rotor-results.h5")
+    simulate(read_model(model_file), path)
+    return path
+
+
+BODY = {"x": ((N, 3), "m"), "R": ((N, 4), "1"), "v": ((N, 6), "m/s, rad/s"), "v_dot": ((N, 6), "m/s^2, rad/s^2")}
+FRAME = {
+    "position": ((N, 3), "m"),
+    "rotation": ((N, 4), "1"),
+    "u": ((N, 6), "m, rad"),
+    "force": ((N, 6), "N, N m"),
+}
+
+
+def joint(rows):
+    return {"multipliers": ((N, rows), "N, N m"), "force": ((N, 3), "N"), "moment": ((N, 3), "N m")}
+
+
+DATASETS = {
+    "time": ((N,), "s"),
+    "solver/iterations": ((N,), "1"),
+    "solver/residual": ((N,), "1"),
+    **{f"energy/{name}": ((N,), "J") for name in ("kinetic", "elastic", "potential", "work", "balance")},
+    **{f"bodies/{body}/{name}": entry for body in ("hub", "beam") for name, entry in BODY.items()},
+    **{f"frames/{f}/{name}": entry for f in ("hub.rim", "beam.root", "beam.tip") for name, entry in FRAME.items()},
+    **{f"joints/pivot/{name}": entry for name, entry in joint(5).items()},
+    **{f"joints/clamp/{name}": entry for name, entry in joint(6).items()},
+}
+
+
+def datasets(path):
+    found = {}
+    with h5py.File(path, "r") as file:
+        file.visititems(lambda name, item: found.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None)
+    return found
+
+
+def test_every_dataset_of_the_file_and_its_units(results_file):
+    with h5py.File(results_file, "r") as file:
+        found = {}
+        file.visititems(
+            lambda name, item: (
+                found.update({name: (item.shape, item.attrs["units"])}) if isinstance(item, h5py.Dataset) else None
+            )
+        )
+    assert found == DATASETS
+
+
+def test_the_attributes_of_the_file(results_file, model_file):
+    with h5py.File(results_file, "r") as file:
+        assert file.attrs["format"] == "duhamel-results"
+        assert file.attrs["version"] == 1
+        assert file.attrs["units"] == "SI"
+        assert file.attrs["created_by"].startswith("duhamel ")
+        assert file.attrs["model"] == MODEL
+        digest = hashlib.sha256(model_file.with_name("beam.h5").read_bytes()).hexdigest()
+        assert dict(file["superelements"].attrs) == {"beam": digest}
+        solver = dict(file["solver"].attrs)
+    assert solver["finished"]
+    assert (solver["h"], solver["rho_inf"], solver["steps"], solver["rule"]) == (2e-4, 0.9, N - 1, "consistent")
+
+
+def test_time_starts_at_zero_and_ends_at_t_end(results_file):
+    np.testing.assert_allclose(Results.read(results_file).time, 2e-4 * np.arange(N), rtol=1e-14)
+
+
+def test_results_in_memory_are_those_of_the_file(results_file, model_file):
+    memory, file = simulate(read_model(model_file)), Results.read(results_file)
+    for read in (
+        lambda results: vars(results.body("beam")),
+        lambda results: vars(results.frame("beam.tip")),
+        lambda results: vars(results.joint("clamp")),
+        lambda results: vars(results.energy),
+        lambda results: {"time": results.time, "iterations": results.iterations, "residual": results.residual},
+    ):
+        a, b = read(memory), read(file)
+        assert a.keys() == b.keys()
+        for key, array in a.items():
+            np.testing.assert_array_equal(array, b[key])
+
+
+def test_a_second_run_replaces_the_file_of_the_first(results_file, model_file, tmp_path):
+    model, path = read_model(model_file), tmp_path / "out.h5"
+    first = simulate(model, path)
+    assert len(first.time) == N
+    second = simulate(replace(model, t_end=0.002), path)
+    assert len(second.time) == 11
+
+
+def test_what_has_no_results_says_so(results_file, tmp_path):
+    with pytest.raises(KeyError, match="no bodies/wheel; there are: beam, hub"):
+        Results.read(results_file).body("wheel")
+    with pytest.raises(KeyError, match=r"no frames/hub; there are: beam.root, beam.tip, hub.rim"):
+        Results.read(results_file).frame("hub")
+    (tmp_path / "text.h5").write_text("hello")
+    with pytest.raises(ValueError, match=r"text.h5: not a readable HDF5 file"):
+        Results.read(tmp_path / "text.h5")
+    with pytest.raises(ValueError, match=r"beam.h5: attribute format: expected 'duhamel-results'"):
+        Results.read(results_file.with_name("beam.h5"))
+
+
+def test_a_run_that_fails_leaves_the_steps_before_the_failure(model_file, tmp_path):
+    """A torque of 1e9 N m from 5 ms on turns the hub by more than Newton's method can follow."""
+    text = MODEL.replace("values = [1, -1]", "values = [1, 1e9]")
+    failing = model_file.with_name("failing.toml")
+    failing.write_text(text)
+    path = tmp_path / "failing.h5"
+    with pytest.raises(ConvergenceError) as caught:
+        simulate(read_model(failing), path)
+    error, left = caught.value, Results.read(path)
+    assert len(left.time) == error.step
+    assert not left.solver["finished"]
+    assert error.time == pytest.approx(error.step * 2e-4)
+    whole = Results.read(model_file.with_name("rotor-results.h5"))
+    before = 24  # the torque changes half a step before 5 ms
+    np.testing.assert_array_equal(left.body("hub").x[:before], whole.body("hub").x[:before])
+    assert {len(array) for array in datasets(path).values()} == {error.step}
+    assert f"step {error.step} (t = {error.time:.9g} s)" in str(error)
+    assert f"relative residual {error.residual:.3e}, tolerance 1.0e-10" in str(error)
+    assert f"the most open joint is {error.joint!r}, by {error.opening:.3e}" in str(error)
+    assert error.joint in ("pivot", "clamp")
+
+
+KILLED = """
+import sys
+from dataclasses import replace
+from duhamel.solver import read_model, simulate
+simulate(replace(read_model(sys.argv[1]), t_end=1e5), sys.argv[2])
+"""
+
+
+def test_a_run_that_is_killed_leaves_whole_steps(results_file, model_file, tmp_path):
+    path = tmp_path / "killed.h5"
+    run = subprocess.Popen([sys.executable, "-c", KILLED, str(model_file), str(path)])
+    deadline = time.monotonic() + 100.0
+    while not (path.exists() and path.stat().st_size > 2_000_000) and time.monotonic() < deadline:
+        assert run.poll() is None, "the run ended by itself"
+        time.sleep(0.02)
+    run.kill()
+    run.wait()
+    found = datasets(path)
+    lengths = {len(array) for array in found.values()}
+    assert len(lengths) == 1
+    assert lengths.pop() > 1000
+    assert found.keys() == DATASETS.keys()
+    np.testing.assert_array_equal(found["bodies/hub/v"][:N], Results.read(results_file).body("hub").v)
+    assert (np.diff(found["time"]) > 0).all()
+
+
+PLAIN = """
+import sys
+from duhamel.solver import read_model, simulate
+simulate(read_model(sys.argv[1]), sys.argv[2])
+"""
+
+
+def test_plain_python_gives_what_the_compiled_code_gives(results_file, model_file, tmp_path):
+    path = tmp_path / "plain.h5"
+    environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
+    subprocess.run([sys.executable, "-c", PLAIN, str(model_file), str(path)], env=environment, check=True)
+    plain, compiled = datasets(path), datasets(results_file)
+    assert plain.keys() == compiled.keys()
+    for name, array in compiled.items():
+        if name.startswith("solver/"):
+            continue
+        # accelerations and forces are positions over h^2, and so is their rounding
+        of_forces = name.startswith("joints") or name.endswith(("force", "v_dot"))
+        tolerance = 1e-6 if of_forces else 1e-10
+        assert np.abs(plain[name] - array).max() <= tolerance * max(1.0, np.abs(array).max()), name
+
+
+def test_a_folder_that_is_missing_is_named(model_file, tmp_path):
+    path = tmp_path / "nowhere" / "out.h5"
+    with pytest.raises(ValueError, match=f"{Path(path)}: no folder {path.parent}"):
+        simulate(read_model(model_file), path)

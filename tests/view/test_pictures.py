@@ -1,0 +1,124 @@
+"""Quantities by name, what the default picture shows, and what stands on the panels."""
+
+import numpy as np
+import pytest
+from duhamel import view
+
+from .conftest import ANGLE, TIME, TRAVEL
+
+
+@pytest.fixture
+def recording(results_file):
+    return view.read(results_file)
+
+
+def words(curves):
+    return [", ".join(filter(None, curve.words)) for curve in curves]
+
+
+def test_a_quantity_with_an_axis_is_one_curve(recording):
+    (curve,) = view.curves(recording, "displacement:beam.tip:disc.rim:y")
+    assert curve.words == ("displacement", "beam.tip seen from disc.rim", "y")
+    assert curve.unit == "m"
+    np.testing.assert_allclose(curve.values, TRAVEL[:, 1] - TRAVEL[0, 1], rtol=0, atol=1e-15)
+
+
+def test_without_an_axis_components_that_are_zero_are_left_out(recording):
+    assert words(view.curves(recording, "angle:disc")) == ["angle, disc, z"]
+    assert words(view.curves(recording, "elastic_rotation:beam.tip")) == [
+        f"elastic rotation, beam.tip, {axis}" for axis in "xyz"
+    ]
+    assert len(view.curves(recording, "velocity:beam")) == 3
+
+
+def test_an_energy_has_no_axis(recording):
+    (curve,) = view.curves(recording, "energy:elastic")
+    assert curve.words == ("energy", "elastic", "")
+    with pytest.raises(view.QuantityError, match=r"energy:elastic:x: expected energy:ENERGY$"):
+        view.curves(recording, "energy:elastic:x")
+
+
+@pytest.mark.parametrize(
+    ("quantity", "message"),
+    [
+        ("speed:disc", "speed:disc: no quantity 'speed'; there are: position:BODY|FRAME"),
+        ("angle", r"angle: expected angle:BODY|FRAME\[:x|y|z\]"),
+        ("angle:disc:w", r"angle:disc:w: expected angle"),
+        ("displacement:beam.tip:y", "displacement:beam.tip:y: no body or frame 'y'; there are: beam, disc"),
+        ("angle:wheel:z", "angle:wheel:z: no body or frame 'wheel'; there are: beam, disc"),
+    ],
+)
+def test_a_quantity_that_is_not_there(recording, quantity, message):
+    with pytest.raises(view.QuantityError, match=message.replace("|", r"\|")):
+        view.curves(recording, quantity)
+
+
+def test_the_overview_of_a_flexible_model(recording):
+    speed, travel, energies, balance = view.overview(recording)
+    assert words(speed) == ["angular velocity, disc, z"]
+    assert words(travel) == [f"elastic displacement, beam.tip, {axis}" for axis in "xyz"]
+    assert words(energies) == ["energy, kinetic", "energy, work"]
+    assert words(balance) == ["energy, balance"]
+
+
+def test_the_overview_of_rigid_bodies_shows_positions(edit):
+    _, travel, *_ = view.overview(view.read(edit(lambda file: file["superelements"].attrs.clear())))
+    assert words(travel) == ["position, beam, x", "position, beam, y"]
+
+
+def test_the_overview_shows_velocities_where_nothing_turns(edit):
+    def stop(file):
+        file["bodies/disc/v"][:] = 0.0
+        file["bodies/beam/v"][:, 0] = TIME
+
+    speed, *_ = view.overview(view.read(edit(stop)))
+    assert words(speed) == ["velocity, beam, x"]
+
+
+def test_titles_say_what_curves_share_and_legends_what_they_do_not(recording):
+    panel = [*view.curves(recording, "angle:disc:z"), *view.curves(recording, "angle:beam.tip:z")]
+    figure = view.draw(recording.time, [panel], "disc")
+    (axes,) = figure.axes
+    assert axes.get_title("left") == "angle, z"
+    assert axes.get_ylabel() == "[rad]"
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["disc", "beam.tip"]
+    np.testing.assert_allclose(axes.lines[0].get_ydata(), ANGLE, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "unit", "factor"),
+    [
+        ("elastic_displacement:beam.tip:x", "[mm]", 1e3),
+        ("energy:balance", "[nJ]", 1e9),
+        ("energy:potential", "[J]", 1.0),
+        ("angular_acceleration:disc:z", "[rad/s²]", 1.0),
+        ("energy:kinetic", "[kJ]", 1e-3),
+    ],
+)
+def test_prefixes_make_numbers_easy_to_read(recording, quantity, unit, factor):
+    (curve,) = view.curves(recording, quantity)
+    (axes,) = view.draw(recording.time, [[curve]]).axes
+    assert axes.get_ylabel() == unit
+    np.testing.assert_allclose(axes.lines[0].get_ydata(), factor * curve.values, rtol=1e-14)
+
+
+def test_a_panel_has_one_unit(recording):
+    panel = [*view.curves(recording, "angle:disc:z"), *view.curves(recording, "energy:work")]
+    with pytest.raises(view.PictureError, match=r"found angle, disc, z \[rad\] and energy, work \[J\]"):
+        view.draw(recording.time, [panel])
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
+def test_pictures_are_written_in_the_format_of_their_name(recording, tmp_path, suffix):
+    target = tmp_path / f"picture.{suffix}"
+    view.save(view.draw(recording.time, view.overview(recording)), target)
+    assert target.read_bytes().startswith({"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[suffix])
+
+
+def test_a_picture_that_cannot_be_written(recording, tmp_path):
+    figure = view.draw(recording.time, view.overview(recording))
+    with pytest.raises(view.PictureError, match=r"picture.h5: expected a suffix of .*png.*, found '.h5'"):
+        view.save(figure, tmp_path / "picture.h5")
+    with pytest.raises(view.PictureError, match="no folder"):
+        view.save(figure, tmp_path / "absent/picture.png")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["disc-results.h5"]
