@@ -305,7 +305,7 @@ FILES = {
         {"rest": "[bodies.b]\nmass = 1.0"},
         "bodies.b: expected mass and inertia of a rigid body, or superelement",
     ),
-    "no superelement": ({"rest": "[bodies.b]\nsuperelement = 'none.h5'"}, "bodies.b: "),
+    "no superelement": ({"rest": "[bodies.b]\nsuperelement = 'none.h5'"}, "none.h5: no such file"),
     "a signal that is none": (
         {"rest": "[[loads]]\ntype='force'\non='a'\ndirection=[1,0,0]\nsignal={wave = 1}"},
         "load (force) on 'a': signal: expected a number or a table with one of the keys times, amplitude, polynomial, "
