@@ -152,7 +152,7 @@ def hard_rows(system: System) -> Index:
 
 
 def _size(state: State, work: Workspace) -> float:
-    return max(1.0, float(np.abs(state.x).max()), float(np.abs(work.lever).max()))
+    return max(1.0, float(np.abs(state.x).max()), float(np.abs(work.lever).max(initial=0.0)))
 
 
 def _owner(compiled: CompiledModel, hard: Index, row: int, wishes: list[Wish]) -> str:

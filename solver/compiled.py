@@ -5,6 +5,7 @@ With NUMBA_DISABLE_JIT=1 in the environment everything here runs as plain Python
 
 import os
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -54,8 +55,9 @@ def discard_stale_cache() -> None:
     """
     newest = max(path.stat().st_mtime for path in FOLDER.glob("*.py"))
     for index in _cache_folder().glob("*.nbi"):
-        if index.stat().st_mtime < newest:
-            index.unlink(missing_ok=True)
+        with suppress(FileNotFoundError):  # another process may be quicker
+            if index.stat().st_mtime < newest:
+                index.unlink()
 
 
 def _cache_folder() -> Path:

@@ -132,7 +132,7 @@ def _accelerations(system: System, work: Workspace) -> float:
 
 
 def _size(state: State, work: Workspace) -> float:
-    return float(max(np.ptp(state.x, axis=0).max(), np.abs(work.lever).max(), 1e-3))
+    return float(max(np.ptp(state.x, axis=0).max(), np.abs(work.lever).max(initial=0.0), 1e-3))
 
 
 def _skew(a: Array) -> Array:

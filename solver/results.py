@@ -1,7 +1,7 @@
 """What a run leaves behind: an HDF5 file, written as the run goes on, and `Results`, which reads it.
 
 Every dataset has the time steps, t = 0 included, along its first axis and its units as an attribute. Between writes
-the file is closed, so that a run that is killed leaves what it had.
+the file is closed, so that a run that is killed leaves what it had: the first `written` rows, an attribute of /solver.
 """
 
 import io
@@ -58,6 +58,8 @@ class ResultsFile:
                 _extend(file, name, column.units, column.rows(output, n), first)
             for name, values in self._balances(output, n).items():
                 _extend(file, f"energy/{name}", "J", values, first)
+        # Rows count once they are all in the file: a run can be killed while it writes them.
+        self.note(written=first + n)
 
     def _balances(self, output: Output, n: int) -> dict[str, Array]:
         """What dampers took, and what is missing in the sum of all energies; both 0 at the start."""
@@ -231,11 +233,11 @@ class Results:
             if name not in file:
                 parent = name.partition("/")[0]
                 raise KeyError(f"no {name}; there are: {', '.join(file[parent])}")
-            return {key: dataset[()] for key, dataset in file[name].items()}
+            return {key: dataset[: _written(file)] for key, dataset in file[name].items()}
 
     def _array(self, name: str) -> Array:
         with self._open() as file:
-            array: Array = file[name][()]
+            array: Array = file[name][: _written(file)]
         return array
 
     @contextmanager
@@ -245,6 +247,11 @@ class Results:
         else:
             with h5py.File(self._source, "r") as file:
                 yield file
+
+
+def _written(file: h5py.File) -> int:
+    """The number of rows, t = 0 included, that every dataset holds."""
+    return int(file["solver"].attrs.get("written", 0))
 
 
 def check_folder(path: Path) -> None:

@@ -36,7 +36,7 @@ class Recording:
     def time(self) -> Array:
         """(n,) [s]"""
         with _opened(self.path) as file:
-            time: Array = file["time"][()]
+            time: Array = file["time"][: _steps(file)]
         return time
 
     def position(self, name: str) -> Array:
@@ -119,9 +119,10 @@ class Recording:
             dataset = file.get(path)
             if not isinstance(dataset, h5py.Dataset):
                 raise ResultsError(f"dataset {path!r} is missing")
-            if dataset.shape != (expected := (len(file["time"]), *row)):
-                raise ResultsError(f"dataset {path!r}: expected shape {expected}, found {dataset.shape}")
-            array: Array = dataset[()]
+            n = _steps(file)
+            if len(dataset) < n or dataset.shape[1:] != row:
+                raise ResultsError(f"dataset {path!r}: expected shape {(n, *row)}, found {dataset.shape}")
+            array: Array = dataset[:n]
         return array
 
 
@@ -144,6 +145,11 @@ def read(path: str | os.PathLike[str]) -> Recording:
             joints=tuple(file["joints"]),
             energies=tuple(file["energy"]),
         )
+
+
+def _steps(file: h5py.File) -> int:
+    """The steps that all datasets hold: a run that is killed may leave some of them longer."""
+    return int(file["solver"].attrs.get("written", len(file["time"])))
 
 
 @contextmanager

@@ -18,7 +18,7 @@ from duhamel.solver import (
     Start,
     simulate,
 )
-from duhamel.solver.compilation import CompiledModel, compile_system
+from duhamel.solver.compilation import CompiledModel
 from duhamel.solver.equations import evaluate
 from duhamel.solver.initial import begin
 from duhamel.solver.newton import correct, linearise, set_rotation
@@ -67,9 +67,8 @@ class Point:
     def of(cls, model, seed=0):
         """Rotations of any size, elastic displacements of centimetres, elastic rotations up to 0.3 rad."""
         rng = np.random.default_rng(seed)
-        compiled = compile_system(model)
-        beginning = begin(compiled)
-        state, work = beginning.state, beginning.work
+        beginning = begin(model)
+        compiled, state, work = beginning.compiled, beginning.state, beginning.work
         state.x[:] += rng.uniform(-0.5, 0.5, state.x.shape)
         work.quaternion[:] = Rotation.random(len(state.x), rng).as_quat(scalar_first=True)
         work.psi[:] = rng.uniform(-0.6, 0.6, work.psi.shape)
@@ -122,7 +121,7 @@ def assert_tangents(model, seed=0):
     n = point.n_q + len(point.active)
     K, B = difference(point.moved, n)
     point.evaluated()
-    linearise(point.system, point.loads, point.state, point.work)
+    linearise(point.system, point.loads, point.drive, point.state, point.work)
     np.testing.assert_allclose(point.work.K, K, rtol=0, atol=1e-9 * max(1.0, np.abs(K).max()))
     if len(B):
         np.testing.assert_allclose(point.work.B, B, rtol=0, atol=1e-9 * np.abs(B).max())
@@ -241,7 +240,7 @@ def test_newtons_correction_removes_the_residuals_to_first_order(make_body, rule
 
     start = unknowns()
     here = residuals(start, start, 0.0)
-    assert correct(point.system, point.loads, state, work)
+    assert correct(point.system, point.loads, point.drive, state, work)
     change = [after - before for after, before in zip(unknowns(), start, strict=True)]
     step = 1e-3 / max(1.0, np.abs(change[1]).max(), np.abs(change[0]).max())
     plus, minus, far, farther = (residuals(start, change, share) for share in (step, -step, 2 * step, -2 * step))

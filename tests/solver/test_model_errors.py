@@ -1,0 +1,396 @@
+"""Every way to write a model that contradicts itself, and what is said about it."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from duhamel.solver import (
+    Constant,
+    ConvergenceError,
+    FlexibleBody,
+    Frame,
+    Function,
+    Harmonic,
+    Joint,
+    Load,
+    Model,
+    ModelError,
+    Place,
+    Polynomial,
+    RigidBody,
+    Start,
+    Steps,
+    read_model,
+    simulate,
+)
+from duhamel.superelement import GeneralizedAlpha, sample_kernel, write
+
+
+def body(**settings):
+    return RigidBody(1.0, [1.0, 2.0, 1.5], {"f": Frame([0.5, 0, 0])}, **settings)
+
+
+def model(joints=(), loads=(), **settings):
+    bodies = {"a": body(), "b": body(start=Start(position=[1.0, 0, 0], rotation=[0, 0, np.pi]))}
+    return Model(**{"bodies": bodies, "joints": joints, "loads": loads, "t_end": 0.1, "step": 0.01} | settings)
+
+
+def weld(*between):
+    return Joint("weld", "fixed", between)
+
+
+MADE = {
+    "a body that is not there": (
+        lambda: model((weld("a", "c.f"),)),
+        "joint 'weld': no body 'c'; there are: ground, a, b",
+    ),
+    "a frame that is not there": (
+        lambda: model((weld("a.g", "b"),)),
+        "joint 'weld': no frame 'g' on 'a'; it has: f",
+    ),
+    "a frame of the ground that is not there": (
+        lambda: model((weld("ground.wall", "b"),)),
+        "joint 'weld': no frame 'wall' on 'ground'; it has: none",
+    ),
+    "a load on nothing": (
+        lambda: model((), (Load("force", "c", [1, 0, 0], Constant(1.0)),)),
+        "load (force) on 'c': no body 'c'; there are: ground, a, b",
+    ),
+    "a load on the ground": (
+        lambda: model((), (Load("torque", "ground", [1, 0, 0], Constant(1.0)),)),
+        "load (torque): expected a frame of a body, got 'ground'",
+    ),
+    "a place on nothing": (
+        lambda: model(bodies={"a": body(start=Start(place=Place("f", "z.f")))}),
+        "body 'a': place: no body 'z'; there are: ground, a",
+    ),
+    "a place by a frame that is not there": (
+        lambda: model(bodies={"a": body(start=Start(place=Place("g", "ground")))}),
+        "body 'a': place: no frame 'g' on 'a'; it has: f",
+    ),
+    "a place by no frame": (
+        lambda: model(bodies={"a": body(start=Start(place=Place("", "ground")))}),
+        "body 'a': place: expected the name of one of its frames, got ''",
+    ),
+    "a joint of a body with itself": (
+        lambda: model((weld("a", "a.f"),)),
+        "joint 'weld': expected frames of two bodies, got ['a', 'a.f']",
+    ),
+    "two joints of one name": (
+        lambda: model((weld("a", "ground"), weld("b", "ground"))),
+        "joints: expected different names, got 'weld' more than once",
+    ),
+    "no bodies": (lambda: model(bodies={}), "bodies: expected at least one body, got none"),
+    "a body called ground": (lambda: model(bodies={"ground": body()}), "bodies: a body cannot be named 'ground'"),
+    "a body with a dot": (lambda: model(bodies={"a.b": body()}), "bodies: a body cannot be named 'a.b'"),
+    "a joint with a slash": (
+        lambda: model((Joint("a/b", "fixed", ("a", "ground")),)),
+        "joints: a joint cannot be named 'a/b'",
+    ),
+    "a frame with a slash": (
+        lambda: model(bodies={"a": RigidBody(1.0, [1, 1, 1], {"x/y": Frame()})}),
+        "body 'a': a frame cannot be named 'x/y'",
+    ),
+    "a joint of an unknown type": (
+        lambda: Joint("j", "hinge", ("a", "b")),
+        "joint 'j': type: expected one of fixed, spherical, revolute, universal, cylindrical, prismatic, planar, "
+        "got 'hinge'",
+    ),
+    "a joint of three": (lambda: Joint("j", "fixed", ("a", "b", "c")), "joint 'j': between: expected two frames, got"),
+    "an axis too many": (
+        lambda: Joint("j", "fixed", ("a", "b"), [0, 0, 1]),
+        "joint 'j': a fixed joint takes neither axis nor second_axis",
+    ),
+    "an axis too few": (lambda: Joint("j", "revolute", ("a", "b")), "joint 'j': a revolute joint takes axis alone"),
+    "one axis for two": (
+        lambda: Joint("j", "universal", ("a", "b"), [0, 0, 1]),
+        "joint 'j': a universal joint takes axis and second_axis",
+    ),
+    "an axis without direction": (
+        lambda: Joint("j", "revolute", ("a", "b"), [0, 0, 0]),
+        "joint 'j': axis: expected three numbers that are not all zero, got [0, 0, 0]",
+    ),
+    "oblique axes": (
+        lambda: Joint("j", "universal", ("a", "b"), [0, 0, 1], [0, 1, 1]),
+        "joint 'j': the axes of a universal joint must be perpendicular at the start",
+    ),
+    "a drive of the wrong kind": (
+        lambda: Joint("j", "revolute", ("a", "b"), [0, 0, 1], distance=Constant(1.0)),
+        "joint 'j': a revolute joint is driven by angle, got distance",
+    ),
+    "a drive of what has none": (
+        lambda: Joint("j", "spherical", ("a", "b"), angle=Constant(1.0)),
+        "joint 'j': a spherical joint is driven by nothing, got angle",
+    ),
+    "a drive that jumps": (
+        lambda: Joint("j", "revolute", ("a", "b"), [0, 0, 1], angle=Steps((0.0,), (1.0,))),
+        "joint 'j': angle: expected a smooth signal (constant, harmonic, polynomial), got steps",
+    ),
+    "a load of an unknown type": (
+        lambda: Load("moment", "a", [1, 0, 0], Constant(1.0)),
+        "load on a: type: expected 'force' or 'torque', got 'moment'",
+    ),
+    "a load with two numbers": (
+        lambda: Load("force", "a", [1, 0], Constant(1.0)),
+        "load on a: direction: expected three numbers, got [1, 0]",
+    ),
+    "a load without a signal": (
+        lambda: Load("force", "a", [1, 0, 0], 2.0),
+        "load on a: signal: expected a signal such as Constant, got 2.0",
+    ),
+    "no mass": (lambda: RigidBody(0.0, [1, 1, 1]), "mass: expected a positive number, got 0.0"),
+    "no inertia": (lambda: RigidBody(1.0, [1, 1, 0]), "inertia: expected positive principal values, got"),
+    "a skew inertia": (
+        lambda: RigidBody(1.0, [[1, 0.1, 0], [0, 1, 0], [0, 0, 1]]),
+        "inertia: expected three principal values or a symmetric 3x3 matrix",
+    ),
+    "two positions": (
+        lambda: Start(position=[1, 0, 0], place=Place("f", "ground")),
+        "a body starts by `place` or by `position` and `rotation`, got both",
+    ),
+    "a position that is no number": (
+        lambda: Start(position=[np.nan, 0, 0]),
+        "position: expected three numbers, got [nan, 0, 0]",
+    ),
+    "no time": (lambda: model(t_end=0.0), "t_end: expected a positive time, got 0.0"),
+    "no end": (lambda: model(t_end=np.inf), "t_end: expected a positive time, got inf"),
+    "a step backwards": (lambda: model(step=-1e-3), "step: expected a positive time, got -0.001"),
+    "a radius above one": (lambda: model(rho_inf=1.5), "rho_inf: expected a number from 0 to 1, got 1.5"),
+    "an unknown rule": (lambda: model(rule="exact"), "rule: expected 'consistent' or 'paper', got 'exact'"),
+    "an unknown history": (
+        lambda: model(history="fft"),
+        "history: expected 'auto', 'recursive' or 'direct', got 'fft'",
+    ),
+    "a tolerance of one": (lambda: model(tolerance=1.0), "tolerance: expected a number between 0 and 1, got 1.0"),
+    "no iterations": (lambda: model(max_iterations=0), "max_iterations: expected 1 or more, got 0"),
+}
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_a_model_that_cannot_be_made(name):
+    make, message = MADE[name]
+    with pytest.raises(ModelError, match=re.escape(message)):
+        make()
+
+
+def circle():
+    return model(
+        bodies={"a": body(start=Start(place=Place("f", "b.f"))), "b": body(start=Start(place=Place("f", "a.f")))}
+    )
+
+
+STARTED = {
+    "a circle of places": (circle, "bodies a, b: they are placed on one another in a circle"),
+    "an open joint": (
+        lambda: model((weld("a", "b"),)),
+        "joint 'weld': open by 1 m at the start: a is at [0.0, 0.0, 0.0], b at [1.0, 0.0, 0.0]",
+    ),
+    "a distance that starts elsewhere": (
+        lambda: model((Joint("j", "prismatic", ("a", "b"), [1, 0, 0], distance=Polynomial((0.75, 1.0))),)),
+        "joint 'j': open by 0.25 m at the start: a is at [0.0, 0.0, 0.0], b at [1.0, 0.0, 0.0], "
+        "the distance starts at 0.75",
+    ),
+    "redundant joints": (
+        lambda: model((weld("a.f", "b.f"), Joint("again", "revolute", ("a.f", "b.f"), [0, 0, 1]))),
+        "joints: 11 rows of which 6 are independent: some constraints are redundant",
+    ),
+    "drives that fight": (
+        lambda: model(
+            (
+                weld("a.f", "b.f"),
+                Joint("motor", "revolute", ("a.f", "b.f"), [0, 0, 1], angle=Harmonic(1.0, 1.0)),
+            )
+        ),
+        "no velocities of rigid motion satisfy it at the start",
+    ),
+    "no step": (lambda: model(step=None), "simulation: step: a model without superelements needs one"),
+}
+
+
+@pytest.mark.parametrize("name", STARTED)
+def test_a_model_that_cannot_start(name, tmp_path):
+    make, message = STARTED[name]
+    path = tmp_path / "results.h5"
+    with pytest.raises(ModelError, match=re.escape(message)):
+        simulate(make(), path)
+    assert not path.exists()
+
+
+@pytest.fixture(scope="module")
+def element(random_element):
+    return random_element(1, (True, False))
+
+
+def flexible(**bodies):
+    return {name: FlexibleBody(element) for name, element in bodies.items()}
+
+
+def test_a_flexible_body_is_joined_by_an_interface(element):
+    with pytest.raises(
+        ModelError, match=re.escape("joint 'j': 'e' is flexible: name one of its interfaces (i0, i1) as e.INTERFACE")
+    ):
+        Model(flexible(e=element), (Joint("j", "spherical", ("ground", "e")),))
+
+
+def test_an_interface_without_rotations_carries_no_moments(element):
+    start = {"e": FlexibleBody(element)}
+    with pytest.raises(ModelError, match=re.escape("joint 'j' (fixed): interface 'e.i1' has no rotations and carries")):
+        simulate(Model(start, (Joint("j", "fixed", ("ground", "e.i1")),)))
+    load = Load("torque", "e.i1", [1, 0, 0], Constant(1.0))
+    with pytest.raises(ModelError, match=re.escape("torque on 'e.i1': interface 'e.i1' has no rotations and carries")):
+        simulate(Model(start, (), (load,)))
+
+
+def test_superelements_of_different_steps_ask_for_one(element):
+    other = replace(element, kernel=sample_kernel(element.modes, 2e-3, GeneralizedAlpha(0.7), 200))
+    model = Model(flexible(e=element, f=other), t_end=0.01, rho_inf=0.9)
+    with pytest.raises(
+        ModelError,
+        match=re.escape("simulation: step: the superelements differ (e: 0.001, f: 0.002), so the model must"),
+    ):
+        simulate(model)
+    with pytest.raises(ModelError, match=re.escape("simulation: rho_inf: the superelements differ (e: 0.9, f: 0.7)")):
+        simulate(replace(model, step=1e-3, rho_inf=None))
+    assert simulate(replace(model, step=1e-3)).solver["h"] == 1e-3
+
+
+def test_a_kernel_alone_has_one_step_and_one_length(element, measured):
+    model = Model(flexible(e=measured(element)), t_end=0.05)
+    with pytest.raises(ModelError, match=r"superelement random 1: .*0.002"):
+        simulate(replace(model, step=2e-3))
+    with pytest.raises(ModelError, match=r"superelement random 1: .*0.8"):
+        simulate(replace(model, rho_inf=0.8))
+    with pytest.raises(ModelError, match=r"superelement random 1: .*200"):
+        simulate(replace(model, t_end=0.3))
+
+
+def test_a_load_that_is_no_number_stops_the_run():
+    signal = Function(lambda t: float("nan") if t > 0.0551 else 1.0)
+    with pytest.raises(ConvergenceError, match=r"no convergence in step 6 \(t = 0.06 s\): relative residual inf"):
+        simulate(model((), (Load("force", "a", [1, 0, 0], signal),)))
+
+
+FILE = """
+[simulation]
+t_end = 0.1
+step = 0.01
+{simulation}
+
+[bodies.a]
+mass = 1.0
+inertia = [1, 1, 1]
+{body}
+
+{rest}
+"""
+
+FILES = {
+    "simulation.t_ned": ({"simulation": "t_ned = 1"}, "simulation: unknown key 't_ned'; did you mean 't_end'?"),
+    "unknown": ({"rest": "[[joint]]\nname = 'a'"}, "unknown key 'joint'; did you mean 'joints'?"),
+    "gravity": ({"simulation": "gravity = [0, 1]"}, "simulation.gravity.2: missing"),
+    "rule": (
+        {"simulation": "rule = 'exact'"},
+        "simulation.rule: input should be 'consistent' or 'paper', found 'exact'",
+    ),
+    "rho_inf": (
+        {"simulation": "rho_inf = 2"},
+        "simulation.rho_inf: input should be less than or equal to 1, found 2",
+    ),
+    "two kinds of body": (
+        {"body": "superelement = 'a.h5'"},
+        "bodies.a: the superelement brings mass, inertia: give either, not both",
+    ),
+    "no kind of body": (
+        {"rest": "[bodies.b]\nmass = 1.0"},
+        "bodies.b: expected mass and inertia of a rigid body, or superelement",
+    ),
+    "no superelement": ({"rest": "[bodies.b]\nsuperelement = 'none.h5'"}, "none.h5: no such file"),
+    "a signal that is none": (
+        {"rest": "[[loads]]\ntype='force'\non='a'\ndirection=[1,0,0]\nsignal={wave = 1}"},
+        "load (force) on 'a': signal: expected a number or a table with one of the keys times, amplitude, polynomial, "
+        "impulse, pulse, found {'wave': 1}",
+    ),
+    "a key of a signal": (
+        {"rest": "[[loads]]\ntype='force'\non='a'\ndirection=[1,0,0]\nsignal={amplitude = 1, frequenzy = 2}"},
+        "unknown key 'frequenzy'; did you mean 'frequency'?",
+    ),
+    "a load of no type": (
+        {"rest": "[[loads]]\ntype='push'\non='a'\ndirection=[1,0,0]\nsignal=1"},
+        "loads.0.type: input should be 'force' or 'torque', found 'push'",
+    ),
+    "a joint to nothing": (
+        {"rest": "[[joints]]\nname='j'\ntype='fixed'\nbetween=['ground', 'b']"},
+        "joint 'j': no body 'b'; there are: ground, a",
+    ),
+    "a mass below zero": (
+        {"rest": "[bodies.b]\nmass = -1.0\ninertia = [1, 1, 1]"},
+        "bodies.b.mass: input should be greater than 0, found -1.0",
+    ),
+    "an inertia of nothing": (
+        {"rest": "[bodies.b]\nmass = 1.0\ninertia = [1, 1, -1]"},
+        "bodies.b: inertia: expected positive principal values",
+    ),
+    "no TOML": ({"rest": "[bodies"}, "not a TOML file"),
+}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_model_file_that_says_what_cannot_be(name, tmp_path):
+    """The message names the file, the key, what was found and what was expected."""
+    parts, message = FILES[name]
+    path = tmp_path / "model.toml"
+    path.write_text(FILE.format(**{"simulation": "", "body": "", "rest": ""} | parts))
+    with pytest.raises(ModelError) as caught:
+        read_model(path)
+    assert str(path) in str(caught.value)
+    assert message in str(caught.value)
+
+
+def test_a_model_file_that_is_not_there(tmp_path):
+    with pytest.raises(ModelError, match=re.escape(f"{tmp_path / 'none.toml'}: not a readable file")):
+        read_model(tmp_path / "none.toml")
+
+
+SIGNALS = {
+    "2.5": Constant(2.5),
+    "{times = [0, 0.05], values = [1, 0]}": Steps((0.0, 0.05), (1.0, 0.0)),
+    "{amplitude = 1, frequency = 50, offset = 2}": Harmonic(1.0, 50.0, 0.0, 2.0),
+    "{polynomial = [1, 2, 3]}": Polynomial((1.0, 2.0, 3.0)),
+}
+
+
+def test_a_model_file_becomes_the_model_it_describes(element, tmp_path):
+    write(tmp_path / "e.h5", element)
+    loads = "\n".join(
+        f"[[loads]]\ntype = 'force'\non = 'e.i0'\ndirection = [0, 0, 2]\nfollower = true\nsignal = {signal}"
+        for signal in SIGNALS
+    )
+    text = FILE.format(
+        simulation="gravity = [0, 0, -9.81]\nhistory = 'direct'",
+        body="frames.f = {position = [1, 0, 0], rotation = [0, 0, 1]}\nangular_velocity = [0, 0, 3]",
+        rest="[ground]\nframes.wall = {position = [0, 1, 0]}\n"
+        "[bodies.e]\nsuperelement = 'e.h5'\nplace = {frame = 'i0', on = 'a.f'}\n"
+        "[bodies.twin]\nsuperelement = 'e.h5'\n"
+        "[[joints]]\nname = 'j'\ntype = 'cylindrical'\nbetween = ['ground.wall', 'a']\naxis = [0, 0, 1]\n"
+        "angle = {amplitude = 1, frequency = 2}\n" + loads,
+    )
+    path = tmp_path / "model.toml"
+    path.write_text(text)
+    model = read_model(path)
+    assert list(model.bodies) == ["a", "e", "twin"]
+    assert model.bodies["e"].superelement is model.bodies["twin"].superelement
+    assert model.bodies["e"].start.place == Place("i0", "a.f")
+    assert (model.gravity, model.history, model.step, model.source) == (
+        pytest.approx([0, 0, -9.81]),
+        "direct",
+        0.01,
+        text,
+    )
+    assert model.bodies["a"].frames["f"].rotation == pytest.approx([0, 0, 1])
+    assert model.bodies["a"].start.angular_velocity == pytest.approx([0, 0, 3])
+    assert model.ground_frames["wall"].position == pytest.approx([0, 1, 0])
+    (joint,) = model.joints
+    assert (joint.type, joint.between, joint.angle) == ("cylindrical", ("ground.wall", "a"), Harmonic(1.0, 2.0))
+    assert [load.signal for load in model.loads] == list(SIGNALS.values())
+    assert all(load.follower and load.direction[2] == 2.0 for load in model.loads)
