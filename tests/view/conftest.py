@@ -65,6 +65,7 @@ def results_file(tmp_path: Path) -> Path:
     with h5py.File(path, "w") as file:
         file.attrs.update(format="duhamel-results", version=1, units="SI")
         file.create_group("superelements").attrs["beam"] = "0123456789abcdef"
+        file.create_group("solver").attrs["written"] = len(TIME)
         for name, data in datasets.items():
             file[name] = data
     return path
