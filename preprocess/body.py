@@ -6,6 +6,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import (
     BeforeValidator,
     Field,
@@ -95,6 +96,54 @@ class InterfaceSelection(Table):
         return self
 
 
+def _as_matrix(value: Any) -> Any:
+    """Three principal values are a diagonal matrix."""
+    if isinstance(value, list | tuple) and len(value) == 3 and all(isinstance(entry, int | float) for entry in value):
+        return [[value[0], 0.0, 0.0], [0.0, value[1], 0.0], [0.0, 0.0, value[2]]]
+    return value
+
+
+class PointMass(Table):
+    """A rigid piece that moves with the body at a point: of an interface, the node nearest to a point, or a group.
+
+    mass [kg]; inertia about that point in mesh axes [kg m^2], principal values or a 3x3 matrix, none unless given.
+    A group is one node of a beam; of a solid it is one node, or facets or points whose mean motion the mass follows.
+    tolerance: as for an interface.
+    """
+
+    mass: NonNegativeFloat
+    inertia: Annotated[tuple[Vector, Vector, Vector], BeforeValidator(_as_matrix)] = ((0.0,) * 3,) * 3
+    interface: str | None = None
+    node: Vector | None = None
+    group: str | None = None
+    tolerance: PositiveFloat = 1e-3
+
+    @model_validator(mode="after")
+    def _one_place(self) -> Self:
+        given = [key for key in ("interface", "node", "group") if getattr(self, key) is not None]
+        if len(given) != 1:
+            raise ValueError(f"expected one of interface, node and group, found {' and '.join(given) or 'none'}")
+        return self
+
+    @model_validator(mode="after")
+    def _a_mass(self) -> Self:
+        J = np.array(self.inertia)
+        if not np.array_equal(J, J.T) or np.linalg.eigvalsh(J)[0] < -1e-12 * np.abs(J).max():
+            raise ValueError(
+                f"inertia: expected principal values or a symmetric matrix, none of them negative, found {J.tolist()}"
+            )
+        if not (self.mass or J.any()):
+            raise ValueError("expected a mass or an inertia, found neither")
+        return self
+
+    @property
+    def selection(self) -> InterfaceSelection | None:
+        """The place on the mesh; None for that of an interface."""
+        if self.node is not None:
+            return InterfaceSelection(node=self.node, tolerance=self.tolerance)
+        return None if self.group is None else InterfaceSelection(group=self.group)
+
+
 class Impulse(Table):
     """The impulse responses to compute: `steps` steps of `step` seconds, with the damping rho_inf of the scheme.
 
@@ -165,6 +214,7 @@ class Body(Table):
     material: Material | None = None
     materials: dict[str, Material] = Field(default_factory=dict)
     interfaces: dict[str, InterfaceSelection] = Field(min_length=1)
+    masses: dict[str, PointMass] = Field(default_factory=dict)
     impulse: Impulse
     damping: Damping = Damping()
     _text: str = PrivateAttr(default="")
@@ -178,6 +228,10 @@ class Body(Table):
         for name in self.interfaces:
             if not name or "/" in name or "." in name:
                 raise ValueError(f"interfaces: expected a name without '/' and '.', found {name!r}")
+        for name, mass in self.masses.items():
+            if mass.interface is not None and mass.interface not in self.interfaces:
+                known = ", ".join(self.interfaces)
+                raise ValueError(f"masses.{name}: no interface {mass.interface!r}; there are: {known}")
         return self
 
     @property

@@ -14,7 +14,7 @@ class MeshError(PreprocessError):
 
 
 class InterfaceError(PreprocessError):
-    """An interface that selects nothing, or too little to carry a frame."""
+    """An interface or a mass that selects nothing, or too little to carry a frame."""
 
 
 class MethodError(PreprocessError):

@@ -1,5 +1,6 @@
 """Rigid interfaces: nodes that follow a frame, and the model on the dofs that are left."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -11,17 +12,17 @@ from .mesh import IntArray
 from .nodes import Nodes, spider
 
 
-def tie(nodes: Nodes, attachments: list[Attachment]) -> tuple[Nodes, Any, Any]:
-    """The nodes that are left once tied ones follow their frames, T and P_C.
+def tie(nodes: Nodes, attachments: Mapping[str, Attachment]) -> tuple[Nodes, Any, dict[str, Any]]:
+    """The nodes that are left once tied ones follow their frames, T, and the rows of every attachment on what is left.
 
         u = T u_left,   u_i = [I, -(X_i - X_C)~] q_C for a tied node i;   then K_left = T^T K T and M_left = T^T M T
 
     u_left holds the free nodes in their order, then the frames with six dofs each. T (n_u, n_left) and
-    P_C (n_c, n_left) are sparse; the rows of P_C for a rigid frame pick its dofs. For solids, whose nodes have three
+    the rows (3 or 6, n_left) are sparse; those of a rigid frame pick its dofs. For solids, whose nodes have three
     dofs. Source: methods 5.1.
     """
-    rigid = [attachment for attachment in attachments if len(attachment.tied)]
-    _check_apart(rigid)
+    _check_apart(attachments)
+    rigid = [attachment for attachment in attachments.values() if len(attachment.tied)]
     free = np.setdiff1d(np.arange(len(nodes.points)), [node for a in rigid for node in a.tied])
     left = Nodes(
         np.vstack([nodes.points[free], *(a.X for a in rigid)]),
@@ -43,8 +44,8 @@ def tie(nodes: Nodes, attachments: list[Attachment]) -> tuple[Nodes, Any, Any]:
     ).tocsr()
 
     frames = iter(range(len(free), len(left.points)))
-    picks = [_pick(left, next(frames)) if len(a.tied) else a.rows @ T for a in attachments]
-    return left, T, sp.vstack(picks, format="csr")
+    rows = {name: _pick(left, next(frames)) if len(a.tied) else a.rows @ T for name, a in attachments.items()}
+    return left, T, rows
 
 
 def _pick(nodes: Nodes, node: int) -> Any:
@@ -52,15 +53,15 @@ def _pick(nodes: Nodes, node: int) -> Any:
     return sp.coo_array((np.ones(6), (np.arange(6), columns)), shape=(6, nodes.n_dofs)).tocsr()
 
 
-def _check_apart(rigid: list[Attachment]) -> None:
+def _check_apart(attachments: Mapping[str, Attachment]) -> None:
     """A node can follow one frame only."""
     owner: dict[int, str] = {}
-    for attachment in rigid:
+    for name, attachment in attachments.items():
         taken: IntArray = attachment.tied
         for node in taken.tolist():
             if node in owner:
                 raise InterfaceError(
-                    f"interfaces.{attachment.name}: rigid interfaces must not share nodes, found point {node} "
+                    f"interfaces.{name}: rigid interfaces must not share nodes, found point {node} "
                     f"also in {owner[node]}"
                 )
-            owner[node] = attachment.name
+            owner[node] = name

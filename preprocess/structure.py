@@ -1,7 +1,8 @@
 """The finite element model that kernels are computed from: mesh, matrices, rigid modes and interfaces."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -10,11 +11,12 @@ import scipy.sparse as sp
 from ..superelement import Interface
 from ..superelement.validation import Array
 from .beam import beam_matrices
-from .body import Body, Material, Section
+from .body import Body, InterfaceSelection, Material, Section
 from .connectivity import check_connected, check_no_mechanism, check_used
 from .errors import BodyError, InterfaceError
 from .facets import facets_of
 from .interfaces import Attachment, beam_attachment, solid_attachment
+from .masses import lumped_mass, placed_masses
 from .mesh import LINES, IntArray, Mesh, read_mesh
 from .nodes import Nodes, node_dofs
 from .reduction import tie
@@ -72,8 +74,12 @@ def _beam_structure(body: Body, mesh: Mesh) -> Structure:
     stiffness, mass = beam_matrices(mesh, _sections(body, mesh))
     dofs = node_dofs(mesh.elements, 6)
     K, M = _scatter(stiffness, dofs, nodes.n_dofs), _scatter(mass, dofs, nodes.n_dofs)
-    attachments = [beam_attachment(name, selection, mesh, nodes) for name, selection in body.interfaces.items()]
-    return _structure(nodes, K, M, attachments, sp.vstack([a.rows for a in attachments], format="csr"))
+
+    attach = partial(beam_attachment, mesh=mesh, nodes=nodes)
+    attachments = _attachments("interfaces", body.interfaces, attach)
+    rows = {name: attachment.rows for name, attachment in attachments.items()}
+    placed = {name: a.rows for name, a in _attachments("masses", placed_masses(body), attach).items()}
+    return _structure(nodes, K, M + lumped_mass(body, rows, placed), attachments, rows)
 
 
 def _solid_structure(body: Body, mesh: Mesh) -> Structure:
@@ -84,16 +90,34 @@ def _solid_structure(body: Body, mesh: Mesh) -> Structure:
     facets = facets_of(mesh)
     check_no_mechanism(mesh, facets)
     dofs = node_dofs(mesh.elements, 3)
-    attachments = [solid_attachment(name, choice, mesh, nodes, facets) for name, choice in body.interfaces.items()]
-    left, T, P_C = tie(nodes, attachments)
+
+    attach = partial(solid_attachment, mesh=mesh, nodes=nodes, facets=facets)
+    attachments = _attachments("interfaces", body.interfaces, attach)
+    left, T, rows = tie(nodes, attachments)
+    placed = {name: a.rows @ T for name, a in _attachments("masses", placed_masses(body), attach).items()}
     K, M = (T.T @ _scatter(blocks, dofs, nodes.n_dofs) @ T for blocks in (stiffness, mass))
-    return _structure(left, K.tocsc(), M.tocsc(), attachments, P_C)
+    return _structure(left, K.tocsc(), (M + lumped_mass(body, rows, placed)).tocsc(), attachments, rows)
 
 
-def _structure(nodes: Nodes, K: Any, M: Any, attachments: list[Attachment], P_C: Any) -> Structure:
+def _attachments(
+    table: str, selections: Mapping[str, InterfaceSelection], attach: Callable[[InterfaceSelection], Attachment]
+) -> dict[str, Attachment]:
+    """What the selections of a table of the body file pick; errors name the table and the key."""
+    found = {}
+    for name, selection in selections.items():
+        try:
+            found[name] = attach(selection)
+        except InterfaceError as error:
+            raise InterfaceError(f"{table}.{name}: {error}") from error
+    return found
+
+
+def _structure(
+    nodes: Nodes, K: Any, M: Any, attachments: Mapping[str, Attachment], rows: Mapping[str, Any]
+) -> Structure:
     rigid = rigid_modes(nodes, M)
-    interfaces = tuple(Interface(a.name, a.X - rigid.center, a.rotates) for a in attachments)
-    return Structure(nodes, K, M, rigid, interfaces, P_C)
+    interfaces = tuple(Interface(name, a.X - rigid.center, a.rotates) for name, a in attachments.items())
+    return Structure(nodes, K, M, rigid, interfaces, sp.vstack(list(rows.values()), format="csr"))
 
 
 def _sections(body: Body, mesh: Mesh) -> list[Section]:
