@@ -6,7 +6,7 @@ from .model import FlexibleBody, Frame, Load, Model, Place, RigidBody, Start, St
 from .model_file import read_model
 from .motions import PrescribedMotion
 from .results import Results
-from .signals import Constant, Function, Harmonic, Impulse, Polynomial, Pulse, Steps, Table
+from .signals import Constant, Function, Harmonic, Impulse, Polynomial, Pulse, SmoothFunction, Steps, Table
 from .simulation import simulate
 from .springs import Law, Spring
 
@@ -29,6 +29,7 @@ __all__ = [
     "Pulse",
     "Results",
     "RigidBody",
+    "SmoothFunction",
     "Spring",
     "Start",
     "SteadyRotation",

@@ -112,6 +112,17 @@ class Function(Pointwise):
 
 
 @dataclass(frozen=True)
+class SmoothFunction(Function):
+    """A Python function of time with its first and second derivative; it can drive joints."""
+
+    rate: Callable[[float], float]
+    acceleration: Callable[[float], float]
+
+    def derivatives(self, t: float) -> tuple[float, float]:
+        return float(self.rate(t)), float(self.acceleration(t))
+
+
+@dataclass(frozen=True)
 class Steps:
     """values[i] from times[i] on, 0 before the first."""
 

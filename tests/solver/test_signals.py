@@ -7,12 +7,14 @@ from duhamel.solver import (
     Function,
     Harmonic,
     Impulse,
+    Joint,
     Load,
     Model,
     ModelError,
     Polynomial,
     Pulse,
     RigidBody,
+    SmoothFunction,
     Steps,
     Table,
     simulate,
@@ -122,3 +124,20 @@ def test_a_body_gains_the_momentum_of_its_loads(signal, impulse, rho_inf):
     v = simulate(model).body("body").v[-1]
     assert 2.0 * v[2] == pytest.approx(impulse, rel=1e-10)
     assert 0.5 * v[3] == pytest.approx(2.0 * impulse, rel=1e-10)
+
+
+def test_a_smooth_function_drives_a_joint():
+    """Its derivatives are those of the motion from the first step on."""
+    swing = SmoothFunction(
+        lambda t: 0.3 * np.sin(5.0 * t), lambda t: 1.5 * np.cos(5.0 * t), lambda t: -7.5 * np.sin(5.0 * t)
+    )
+    model = Model(
+        bodies={"arm": RigidBody(1.0, [1.0, 1.0, 1.0])},
+        joints=(Joint("drive", "revolute", ("ground", "arm"), axis=[0, 0, 1], angle=swing),),
+        t_end=2.0,
+        step=1e-3,
+    )
+    results = simulate(model)
+    coordinates = results.joint("drive").coordinates
+    np.testing.assert_allclose(coordinates["angle"], 0.3 * np.sin(5.0 * results.time), atol=1e-12)
+    np.testing.assert_allclose(coordinates["angle_rate"], 1.5 * np.cos(5.0 * results.time), atol=2e-5)
