@@ -47,11 +47,14 @@ def run(model_file: ModelFile, output: Output = None) -> None:
     """Simulate a model: MODEL-results.h5 beside the model file, unless told otherwise."""
     start = perf_counter()
     from .. import solver, superelement
+    from .account import account
 
     target = output or model_file.with_name(f"{model_file.stem}-results.h5")
     with told_in_one_line(solver, superelement):
         model = solver.read_model(model_file)
         results = solver.simulate(model, output=target, progress=True)
+    for line in account(results):
+        typer.echo(line)
     steps, loop = int(results.solver["steps"]), float(results.solver["seconds"])
     typer.echo(f"{target}: {steps} steps, {perf_counter() - start:.2f} s in all, {1e6 * loop / steps:.1f} us per step")
 

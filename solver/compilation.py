@@ -54,6 +54,12 @@ class CompiledModel:
     """static compliance of every flexible body (n_c, n_c)"""
 
     @property
+    def all_modal(self) -> bool:
+        """Whether there are flexible bodies, and modes carry the history of all of them."""
+        modes = np.diff(self.system.elastic.mode_range)
+        return len(modes) > 0 and bool(modes.all())
+
+    @property
     def h(self) -> float:
         return float(self.system.scheme.h)
 

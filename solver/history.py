@@ -67,6 +67,15 @@ def respond(elastic: Elastic, scheme: Scheme, history: Array, p: Array, u: Array
 
 
 @compiled
+def modal_energy(elastic: Elastic, state: State) -> float:
+    """Kinetic and strain energy of all modes, 1/2 (eta'^2 + omega^2 eta^2)."""
+    total = 0.0
+    for i in range(len(elastic.stiffness)):
+        total += state.eta_rate[i] ** 2 + elastic.stiffness[i] * state.eta[i] ** 2
+    return 0.5 * total
+
+
+@compiled
 def _coast(elastic: Elastic, scheme: Scheme, state: State) -> None:
     """Advance all modes by one step without load (methods 2.1)."""
     h, alpha_m, alpha_f, beta, gamma = scheme.h, scheme.alpha_m, scheme.alpha_f, scheme.beta, scheme.gamma

@@ -4,7 +4,7 @@ from .compiled import Array, compiled
 from .couplings import spring_energy
 from .equations import evaluate, relative_residual
 from .frames import frame_acceleration, move_frame_velocities, move_frames, spin_of, wrench
-from .history import recall, remember, respond
+from .history import modal_energy, recall, remember, respond
 from .loads import load_vector
 from .newton import correct, set_rotation
 from .rotations import quaternion_exponential, quaternion_product, relative_rotation
@@ -226,6 +226,7 @@ def _energies(system: System, state: State, work: Workspace, out: Array) -> None
     out[3] = potential
     out[4] = state.work[0]
     out[5] = state.compliance_work[0]
+    out[6] = modal_energy(system.elastic, state)
 
 
 @compiled

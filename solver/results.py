@@ -63,7 +63,7 @@ class ResultsFile:
 
     def _balances(self, output: Output, n: int) -> dict[str, Array]:
         """What dampers took, and what is missing in the sum of all energies; both 0 at the start."""
-        kinetic, elastic, springs, potential, work, compliance_work = output.energy[:n].T
+        kinetic, elastic, springs, potential, work, compliance_work, _ = output.energy[:n].T
         if self._energy_start is None:
             self._energy_start = (springs[0], (kinetic + elastic + springs + potential)[0])
         springs_start, total_start = self._energy_start
@@ -141,7 +141,8 @@ class Energy:
 
     kinetic (of the rigid motion), elastic (vibration included, from the work of interface loads), springs, potential
     (gravity), work (of loads and drives), dissipated (by dampers); balance: the sum of all but work, plus dissipated,
-    less work and less its value at t = 0.
+    less work and less its value at t = 0. modal: the same energy as elastic, from the modes themselves; None where
+    some body convolves a kernel directly. Where elastic falls below zero, the convolution has created energy.
     """
 
     kinetic: Array
@@ -151,6 +152,7 @@ class Energy:
     work: Array
     dissipated: Array
     balance: Array
+    modal: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -280,7 +282,7 @@ def make_output(compiled: CompiledModel, n: int) -> Output:
         observed=np.zeros((n, n_o)),
         observed_rates=np.zeros((n, n_o)),
         coupling_wrench=np.zeros((n, n_j, 6)),
-        energy=np.zeros((n, 6)),
+        energy=np.zeros((n, 7)),
         momentum=np.zeros((n, 6)),
         iterations=np.zeros(n, dtype=np.int64),
         residual=np.zeros(n),
@@ -310,6 +312,8 @@ def _columns(compiled: CompiledModel) -> dict[str, _Column]:
     columns |= _coupling_columns(compiled)
     for i, name in enumerate(("kinetic", "elastic", "springs", "potential", "work")):
         columns[f"energy/{name}"] = _Column("J", "energy", (i,))
+    if compiled.all_modal:
+        columns["energy/modal"] = _Column("J", "energy", (6,))
     columns["momentum/linear"] = _Column("kg m/s", "momentum", (slice(0, 3),))
     columns["momentum/angular"] = _Column("kg m^2/s", "momentum", (slice(3, 6),))
     columns["solver/iterations"] = _Column("1", "iterations")

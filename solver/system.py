@@ -220,7 +220,7 @@ class Output(NamedTuple):
     observed: Array  # (n, n_observers)
     observed_rates: Array  # (n, n_observers)
     coupling_wrench: Array  # (n, n_couplings, 6)
-    energy: Array  # (n, 6) kinetic, elastic, springs, potential, work, compliance work
+    energy: Array  # (n, 7) kinetic, elastic, springs, potential, work, compliance work, modal
     momentum: Array  # (n, 6) linear, and angular about the origin, in space
     iterations: Index  # (n,)
     residual: Array  # (n,)
