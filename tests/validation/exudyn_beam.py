@@ -103,17 +103,17 @@ def rotating_beam(
         raise ValueError(f"torque: expected increasing times, found {times}")
 
     model = _assemble(phi, n_elements)
-    settings = _settings()
+    choices = settings()
     edges = np.concatenate(([0.0], times[(times > 0.0) & (times < t_end)], [t_end]))
     histories = []
     for start, end in pairwise(edges):
         F = values[times <= start][-1] if np.any(times <= start) else 0.0
         steps = int(np.ceil((end - start) / step * (1.0 - 1e-12)))
-        settings.timeIntegration.startTime = start
-        settings.timeIntegration.endTime = end
-        settings.timeIntegration.numberOfSteps = steps
+        choices.timeIntegration.startTime = start
+        choices.timeIntegration.endTime = end
+        choices.timeIntegration.numberOfSteps = steps
         model.system.SetLoadParameter(model.torque, "loadVector", [0.0, 0.0, C0 * F])
-        model.system.SolveDynamic(settings, updateInitialValues=True)
+        model.system.SolveDynamic(choices, updateInitialValues=True)
         # Each run stores its initial state too: the end of the run before it.
         history = _history(model, np.linspace(start, end, steps + 1))
         histories.append(history if not histories else history[1:])
@@ -180,7 +180,8 @@ def _assemble(phi: float, n_elements: int) -> _Model:
     return model
 
 
-def _settings() -> Any:
+def settings() -> Any:
+    """How Exudyn integrates and stops; time span and number of steps are left to the caller."""
     settings = exudyn.SimulationSettings()
     settings.solution.file.write = False
     settings.solution.sensors.writePeriod = 0.0  # every step
