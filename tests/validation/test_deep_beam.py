@@ -7,9 +7,9 @@ Source: NAFEMS, The standard NAFEMS benchmarks, TNSB Rev. 3 (1990), tests FV5 an
 of bending), 77.542 (torsion), 125.00 (axial), 148.31 (two of bending), 233.10 (torsion), 284.55 (bending). 5T: peak
 deflection at mid-span 1.043 mm at 0.0117 s, static 0.538 mm. The closed form of Timoshenko's beam is beside them:
 
-    omega^4 - (k^2 (kappa G / rho + E / rho) + kappa G A / (rho I_A)) omega^2 + k^4 kappa G E / rho^2 = 0,   k = n pi / L
+    omega^4 - (k^2 (kappa G + E) / rho + kappa G A / (rho I_A)) omega^2 + k^4 kappa G E / rho^2 = 0
 
-with kappa = 5/6. The polar moment of area serves as torsion constant, as in the reference.
+with k = n pi / L and kappa = 5/6. The polar moment of area serves as torsion constant, as in the reference.
 
 One superelement of 20 elements with an interface at every node: the uniform load is made of forces on nodes. The
 frequencies are those of the spectrum of a free vibration, so that they come from the solver's own steps. Damping is
