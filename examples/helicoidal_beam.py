@@ -28,7 +28,7 @@ STIFFNESS = {"beam": 5.5, "flat": 0.55}
 """EI_y of the superelements, for bending out of the plane of rotation [N m^2]"""
 
 BOTH_WAYS = {"beam": 0.01, "flat": 0.05}
-"""how far the tips may be apart with the tip mass on a joint and in the superelement, over L: terms that are neglected"""
+"""how far the tips may be apart with the tip mass on a joint and in the superelement, over L: neglected terms"""
 
 L, G, PRINTED_IMPULSE = 0.5, 9.81, 0.2
 TITLES = {
