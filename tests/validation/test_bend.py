@@ -3,8 +3,8 @@
 R = 100 in, section 1 x 1 in, E = 1e7 psi, nu = 0 (so G = E/2), force 600 lb along z at the tip. The arc starts at the
 origin along x and bends towards -y, so that the tip is at (70.71, -29.29, 0) without the force.
 
-Reference: displacement of the tip (-23.821, 13.732, 53.610) in; published values differ by about one per cent. Source of
-the problem: K. J. Bathe and S. Bolourchi, Large displacement analysis of three-dimensional beam structures,
+Reference: displacement of the tip (-23.821, 13.732, 53.610) in; published values differ by about one per cent.
+Source of the problem: K. J. Bathe and S. Bolourchi, Large displacement analysis of three-dimensional beam structures,
 International Journal for Numerical Methods in Engineering 14 (1979) 961-986.
 
 Five superelements of 8 straight elements each; each turns by about ten degrees within itself, where it is linear.
