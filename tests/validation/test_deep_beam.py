@@ -4,9 +4,9 @@ Length 10 m, section 2 x 2 m, E = 200 GPa, nu = 0.3, rho = 8000 kg/m^3. One end 
 other along y and z. 5T: a load of 1e6 N/m along y acts from t = 0 on; damping 2 % in the first mode.
 
 Sources: NAFEMS, The standard NAFEMS benchmarks (TNSB Rev. 3, 1990), test FV5; NAFEMS, Selected benchmarks for forced
-vibration (R0016), test 5T. Frequencies of FV5: 42.649 (two of bending), 77.542 (torsion), 125.00 (axial), 148.31 (two of
-bending), 233.10 (torsion), 284.55 (bending). 5T: peak deflection at mid-span 1.043 mm at 0.0117 s, static 0.538 mm. The
-closed form of Timoshenko's beam is beside them:
+vibration (R0016), test 5T. Frequencies of FV5: 42.649 (two of bending), 77.542 (torsion), 125.00 (axial), 148.31 (two
+of bending), 233.10 (torsion), 284.55 (bending). 5T: peak deflection at mid-span 1.043 mm at 0.0117 s, static 0.538 mm.
+The closed form of Timoshenko's beam is beside them:
 
     omega^4 - (k^2 (kappa G + E) / rho + kappa G A / (rho I_A)) omega^2 + k^4 kappa G E / rho^2 = 0
 
