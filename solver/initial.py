@@ -1,10 +1,10 @@
-"""The state at t = 0: positions as given, velocities made to fit the constraints, accelerations and multipliers.
+"""The state at t = 0: joints closed, velocities that fit them, then either equilibrium (equilibrium.py) or, from bodies
+without elastic displacements,
 
     [ J   -B_r^T               ] [ v_dot ]   [ f_r - v~ J v                       ]
     [ B_r  B_a A_el B_a^T      ] [ lam   ] = [ -(phi_ddot at v_dot = 0) - B_a A_el p ]
 
-A_el: the interface mobilities, p: the loads on interfaces. Elastic displacements and velocities start at zero.
-Source: methods 5.4.
+A_el: the interface mobilities, p: the loads on interfaces. Source: methods 5.4.
 """
 
 from dataclasses import dataclass
