@@ -45,6 +45,8 @@ def close_joints(
         part = stage / stages
         targets = [start + part * (wish.value - start) for wish, start in zip(wishes, starts, strict=True)]
         _close(compiled, loads, drive, state, work, [Wish(w.observer, t) for w, t in zip(wishes, targets, strict=True)])
+        for i in range(len(state.observed)):
+            state.observed[i] = _observed(compiled, i, state, work)[0]
     turn = np.arccos(np.clip(0.5 * (np.einsum("bij,bij->b", R, state.R) - 1.0), -1.0, 1.0))
     return float(max(np.abs(state.x - x).max(), turn.max()))
 

@@ -120,6 +120,8 @@ def add_couplings(
     rows, H = couplings.rows, work.frame_tangent
     for j in range(len(couplings.range) - 1):
         first, last = couplings.range[j], couplings.range[j + 1]
+        if first == last:  # all its rows were redundant
+            continue
         A, B = rows.frame_a[first], rows.frame_b[first]
         for i in range(first, last):
             _add_gradient(frames, n_q, i, A, 0, work.gradient[i], work.map, work.B)

@@ -10,12 +10,12 @@ Source: methods 2.4 and 5.4.
 import math
 
 from .compiled import Array, compiled
-from .couplings import evaluate_couplings
+from .couplings import evaluate_couplings, table
 from .frames import load_bodies, move_frame_velocities, move_frames
 from .history import instantaneous
 from .loads import evaluate_loads
 from .rows import measures_length
-from .system import Bodies, Elastic, Scheme, State, System, Workspace
+from .system import Bodies, Couplings, Elastic, Scheme, State, System, Workspace
 from .vectors import cross, rotate
 
 ROUNDING = 64 * 2.2e-16
@@ -66,16 +66,32 @@ def relative_residual(system: System, converged: bool, state: State, work: Works
         for i in range(3):
             worst = max(worst, _relative(work.residual[b, i], work.force_scale[b, 0], force_floor, tolerance))
             worst = max(worst, _relative(work.residual[b, 3 + i], work.force_scale[b, 1], moment_floor, tolerance))
-    for i in range(len(work.phi)):
-        if system.couplings.compliant[i]:
-            worst = max(worst, _relative(work.phi[i], work.law_scale[i], ROUNDING * work.law_scale[i], tolerance))
-        elif measures_length(system.couplings.rows.kind[i]):
-            worst = max(worst, _relative(work.phi[i], length, ROUNDING * size, tolerance))
-        else:
-            worst = max(worst, _relative(work.phi[i], angle, ROUNDING, tolerance))
+    couplings = system.couplings
+    for j in range(len(couplings.range) - 1):
+        for i in range(couplings.range[j], couplings.range[j + 1]):
+            if couplings.compliant[i]:
+                floor = ROUNDING * work.law_scale[i]
+                if converged:
+                    floor += law_rounding(couplings, i, couplings.range[j], scheme.gamma_prime, size, work)
+                worst = max(worst, _relative(work.phi[i], work.law_scale[i], floor, tolerance))
+            elif measures_length(couplings.rows.kind[i]):
+                worst = max(worst, _relative(work.phi[i], length, ROUNDING * size, tolerance))
+            else:
+                worst = max(worst, _relative(work.phi[i], angle, ROUNDING, tolerance))
     for i in range(len(work.u_residual)):
         worst = max(worst, _relative(work.u_residual[i], length + angle, ROUNDING * size, tolerance))
     return worst
+
+
+@compiled
+def law_rounding(couplings: Couplings, i: int, first: int, gamma_prime: float, size: float, work: Workspace) -> float:
+    """What the rounding of positions does to the force law of row i of a spring whose rows begin at `first`."""
+    _, slope, _ = table(couplings, i, work.coordinate[i])
+    total = abs(slope) * (size if measures_length(couplings.rows.kind[i]) else 1.0)
+    for j in range(first, min(first + 6, len(couplings.rows.kind))):
+        steep = abs(couplings.stiffness[i, j - first]) + gamma_prime * abs(couplings.damping[i, j - first])
+        total += steep * (size if measures_length(couplings.rows.kind[j]) else 1.0)
+    return ROUNDING * total
 
 
 @compiled

@@ -16,6 +16,7 @@ from .equations import evaluate
 from .errors import ModelError
 from .model import SteadyRotation
 from .newton import apply_correction, assemble, eliminate, linearise
+from .rows import DISTANCE, TRANSLATION
 from .system import State, System, Workspace
 
 MAX_ITERATIONS = 400
@@ -115,11 +116,14 @@ def _residual(system: System, state: State, work: Workspace) -> float:
     """Largest residual relative to the forces and moments in the system, and to its size."""
     forces, size = max(float(work.force_scale[:, 0].max()), 1e-300), _size(state, work)
     moments = max(float(work.force_scale[:, 1].max()), forces * 1e-3 * size)
-    law = np.where(system.couplings.compliant == 1, work.phi / np.maximum(work.law_scale, 1e-300), work.phi / size)
+    # a spring that carries nothing knows its length to rounding alone: laws count against all forces
+    lengths = np.isin(system.couplings.rows.kind, (TRANSLATION, DISTANCE))
+    laws = np.maximum(work.law_scale, np.where(lengths, forces, moments))
+    phi = work.phi / np.where(system.couplings.compliant == 1, laws, size)
     parts = (
         work.residual[:, :3] / forces,
         work.residual[:, 3:] / moments,
-        law,
+        phi,
         work.u_residual / size,
     )
     return max(float(np.abs(part).max(initial=0.0)) for part in parts)

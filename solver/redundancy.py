@@ -25,7 +25,7 @@ def degrees_of_freedom(compiled: CompiledModel, work: Workspace) -> int:
 def redundant_rows(compiled: CompiledModel, work: Workspace) -> frozenset[int]:
     """Rows to leave out so that the others are independent, elastic interfaces included.
 
-    None, unless the model says that redundant constraints may be removed: then ModelError names them all.
+    ModelError names them unless the model says that redundant constraints may be removed; drives never are.
     """
     hard = hard_rows(compiled.system)
     elastic = work.B[hard, 6 * len(compiled.system.bodies.mass) :] @ _mobility_root(compiled)
@@ -38,6 +38,11 @@ def redundant_rows(compiled: CompiledModel, work: Workspace) -> frozenset[int]:
             f"joints: {len(hard)} constraints of which {len(removable)} are redundant; on one another depend "
             f"{describe_rows(compiled, involved)}; free a joint, or let redundant = 'remove' drop "
             f"{describe_rows(compiled, removable)}"
+        )
+    if driven := [i for i in removable if compiled.system.couplings.drive[i] >= 0]:
+        raise ModelError(
+            f"joints: {describe_rows(compiled, driven)} is driven against other constraints: on one another depend "
+            f"{describe_rows(compiled, involved)}"
         )
     return frozenset(removable)
 

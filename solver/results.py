@@ -365,7 +365,9 @@ def _extend(file: h5py.File, name: str, units: str, rows: Any, first: int) -> No
     """Append rows to a dataset, which is made when the first rows come."""
     if first == 0:
         shape = rows.shape[1:]
-        dataset = file.create_dataset(name, data=rows, maxshape=(None, *shape), chunks=(1024, *shape))
+        # a joint may have lost all its rows; HDF5 then wants room for one
+        maxshape, chunks = (None, *(width or None for width in shape)), (1024, *(width or 1 for width in shape))
+        dataset = file.create_dataset(name, data=rows, maxshape=maxshape, chunks=chunks)
         dataset.attrs["units"] = units
     else:
         file[name].resize(first + len(rows), axis=0)

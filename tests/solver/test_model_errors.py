@@ -79,7 +79,7 @@ MADE = {
     ),
     "two joints of one name": (
         lambda: model((weld("a", "ground"), weld("b", "ground"))),
-        "joints: expected different names, got 'weld' more than once",
+        "joints, springs, motions: expected different names, got 'weld' more than once",
     ),
     "no bodies": (lambda: model(bodies={}), "bodies: expected at least one body, got none"),
     "a body called ground": (lambda: model(bodies={"ground": body()}), "bodies: a body cannot be named 'ground'"),
@@ -193,16 +193,20 @@ STARTED = {
     ),
     "redundant joints": (
         lambda: model((weld("a.f", "b.f"), Joint("again", "revolute", ("a.f", "b.f"), [0, 0, 1]))),
-        "joints: 11 rows of which 6 are independent: some constraints are redundant",
+        "joints: 11 constraints of which 5 are redundant; on one another depend weld (translation 1, translation 2, "
+        "translation 3, rotation 2, rotation 3), again (translation 1, translation 2, translation 3, rotation 1, "
+        "rotation 2); free a joint, or let redundant = 'remove' drop again (translation 1, translation 2, "
+        "translation 3, rotation 1, rotation 2)",
     ),
     "drives that fight": (
         lambda: model(
             (
                 weld("a.f", "b.f"),
                 Joint("motor", "revolute", ("a.f", "b.f"), [0, 0, 1], angle=Harmonic(1.0, 1.0)),
-            )
+            ),
+            redundant="remove",
         ),
-        "no velocities of rigid motion satisfy it at the start",
+        "joints: motor (rotation 3) is driven against other constraints: on one another depend weld (translation 1, ",
     ),
     "no step": (lambda: model(step=None), "simulation: step: a model without superelements needs one"),
 }
