@@ -96,7 +96,7 @@ def spring_rows(spring: Spring, sides: Sides) -> list[Row]:
     gap = sides.gap(spring.basis())
     if spring.type == "point":
         length = float(np.linalg.norm(gap))
-        if length == 0.0:
+        if length <= 1e-12 * max(1.0, float(np.abs(sides.pose_a.x).max())):
             raise ModelError(f"spring {spring.name!r}: its ends {list(spring.between)} coincide at the start")
         rows = [Row(DISTANCE, A, B, start=length)]
     elif spring.type == "torsion":

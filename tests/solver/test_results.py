@@ -234,7 +234,7 @@ POSITION_ROUNDING = 1e-13
 
 
 def order_of_rounding(name):
-    """Rates of displacements are positions over h, accelerations and forces positions over h^2; so is their rounding."""
+    """Rates are positions over h, accelerations and forces positions over h^2; so is their rounding."""
     if name.endswith(("force", "moment", "multipliers", "v_dot", "acceleration")):
         return 2
     return 1 if name.endswith(("velocity", "_rate", "/v")) or name.startswith(("momentum", "energy")) else 0

@@ -11,17 +11,19 @@ from duhamel.solver import (
     Frame,
     Harmonic,
     Joint,
+    Law,
     Load,
     Model,
     Polynomial,
     RigidBody,
+    Spring,
     Start,
     simulate,
 )
 from duhamel.solver.compilation import CompiledModel
 from duhamel.solver.equations import evaluate
 from duhamel.solver.initial import begin
-from duhamel.solver.newton import correct, linearise, set_rotation
+from duhamel.solver.newton import assemble, correct, eliminate, linearise, set_rotation
 from duhamel.solver.system import State, System, Workspace
 from scipy.spatial.transform import Rotation
 
@@ -38,6 +40,14 @@ JOINTS = {
     "driven prismatic": {"axis": AXIS, "distance": Polynomial((0.0, 0.4))},
     "driven cylindrical": {"axis": AXIS, "angle": Constant(0.4), "distance": Polynomial((0.0, 0.4))},
 }
+
+
+def symmetric(seed, size):
+    """A full positive matrix (6, 6)."""
+    half = np.random.default_rng(seed).normal(size=(6, 6))
+    return size * half @ half.T
+
+
 PAIRS = [("rigid", "rigid"), ("rigid", "flexible"), ("flexible", "flexible")]
 
 
@@ -93,16 +103,16 @@ class Point:
         return np.concatenate([self.work.force.ravel(), self.state.p[self.active]])
 
     def moved(self, z):
-        """Forces and constraints after delta x, delta Theta of every body and delta u; the point stays."""
+        """Forces and coordinates of rows after delta x, delta Theta of every body and delta u; the point stays."""
         x, R, u = self.state.x.copy(), self.state.R.copy(), self.state.u.copy()
         rigid = z[: self.n_q].reshape(-1, 6)
         self.state.x[:] += rigid[:, :3]
         self.state.R[:] = R @ Rotation.from_rotvec(rigid[:, 3:]).as_matrix()
         self.state.u[self.active] += z[self.n_q :]
         self.evaluated()
-        forces, phi = self.forces(), self.work.phi.copy()
+        forces, coordinates = self.forces(), self.work.coordinate.copy()
         self.state.x[:], self.state.R[:], self.state.u[:] = x, R, u
-        return forces, phi
+        return forces, coordinates
 
 
 def difference(f, n, h=1e-3):
@@ -116,7 +126,7 @@ def difference(f, n, h=1e-3):
 
 
 def assert_tangents(model, seed=0):
-    """K = d forces / dz and B = d phi / dz."""
+    """K = d forces / dz and B = d coordinates / dz."""
     point = Point.of(model, seed)
     n = point.n_q + len(point.active)
     K, B = difference(point.moved, n)
@@ -198,6 +208,116 @@ def test_the_tangent_of_many_joints_and_loads_on_shared_frames(make_pair):
         ),
     )
     assert_tangents(model, seed=4)
+
+
+SPRINGS = {
+    "point": {"stiffness": 30.0, "damping": 2.0, "rest": 0.3},
+    "torsion": {"axis": AXIS, "stiffness": 5.0, "damping": 0.4, "law": Law((-1.0, 0.0, 1.0), (-3.0, 0.0, 8.0))},
+    "bushing": {"axis": AXIS, "stiffness": symmetric(1, 50.0), "damping": symmetric(2, 3.0)},
+}
+
+
+@pytest.mark.parametrize("kinds", PAIRS, ids="-".join)
+@pytest.mark.parametrize("name", SPRINGS)
+def test_rows_of_a_spring(make_pair, name, kinds):
+    """Wrenches and their derivatives at constant multipliers, of distances, angles and displacements."""
+    spring = Spring("spring", name, ("a.i0", "b.i1" if name == "point" else "b.i0"), **SPRINGS[name])
+    assert_tangents(make_pair(kinds, springs=(spring,)))
+
+
+@pytest.mark.parametrize("turns", [-3, -1, 0, 2])
+def test_the_rows_of_an_angle_go_on_over_full_turns(make_pair, turns):
+    """The value of the branch nearest to the last one, with the same gradient."""
+    spring = Spring("spring", "torsion", ("a.i0", "b.i0"), AXIS, stiffness=1.0)
+    point = Point.of(make_pair(("flexible", "rigid"), springs=(spring,)))
+    value, gradient = point.work.coordinate[0], point.work.gradient[0].copy()
+    point.state.coordinate[0] = value + 2 * np.pi * turns + 3.0
+    point.evaluated()
+    assert point.work.coordinate[0] == pytest.approx(value + 2 * np.pi * turns, abs=1e-13)
+    np.testing.assert_array_equal(point.work.gradient[0], gradient)
+
+
+def whole_matrix(point):
+    """The Newton matrix of (dr, du, dlambda), put together from the blocks of its elimination."""
+    system, state, work = point.system, point.state, point.work
+    linearise(system, point.loads, point.drive, state, work)
+    assemble(system, state, work)
+    n_q, n_a, h2 = point.n_q, len(point.active), system.scheme.h**2
+    compliant = system.couplings.compliant.astype(bool)
+    A = work.A / np.where(compliant, h2, 1.0)[:, None]
+    inertia, K, B = work.S[:n_q, :n_q].copy() / h2, work.K.copy(), work.B.copy()
+    assert eliminate(system, work)
+    G = np.zeros((n_a, n_a))
+    for e in range(len(system.elastic.body)):
+        rows = range(system.elastic.active_range[e], system.elastic.active_range[e + 1])
+        dofs = system.elastic.active[rows] - system.elastic.dof[e]
+        n_c = system.elastic.dof[e + 1] - system.elastic.dof[e]
+        start = system.elastic.G_0_start[e]
+        G[np.ix_(rows, rows)] = system.elastic.G_0[start : start + n_c * n_c].reshape(n_c, n_c)[np.ix_(dofs, dofs)]
+    G = system.scheme.weight * G
+    return np.block(
+        [
+            [inertia, -K[:n_q, n_q:], -B[:, :n_q].T],
+            [G @ K[n_q:, :n_q], G @ K[n_q:, n_q:] - np.eye(n_a), G @ B[:, n_q:].T],
+            [A[:, :n_q], A[:, n_q:], np.diag(compliant.astype(float))],
+        ]
+    )
+
+
+def step_residuals(point, z):
+    """Of equilibrium, displacements and rows, with accelerations and rates that follow the increments; it stays."""
+    state, work, scheme = point.state, point.work, point.system.scheme
+    kept = [array.copy() for array in (state.x, state.v, state.v_dot, state.u, state.lam, work.psi)]
+    n_q, n_a = point.n_q, len(point.active)
+    rigid = z[:n_q].reshape(-1, 6)
+    for b, step in enumerate(rigid):
+        # psi after exp(psi) exp(delta Theta), not to first order alone
+        turned = Rotation.from_rotvec(work.psi[b]) * Rotation.from_rotvec(step[3:])
+        change = np.concatenate([step[:3], turned.as_rotvec() - work.psi[b]])
+        state.x[b] += change[:3]
+        work.psi[b] += change[3:]
+        state.v[b] += scheme.gamma_prime * change
+        state.v_dot[b] += scheme.beta_prime * change
+        set_rotation(b, state, work)
+    state.u[point.active] += z[n_q : n_q + n_a]
+    state.lam[:] += z[n_q + n_a :]
+    point.evaluated()
+    parts = (work.residual.ravel().copy(), work.u_residual.copy(), work.phi.copy())
+    for array, old in zip((state.x, state.v, state.v_dot, state.u, state.lam, work.psi), kept, strict=True):
+        array[:] = old
+    for b in range(len(state.x)):
+        set_rotation(b, state, work)
+    return parts
+
+
+@pytest.mark.parametrize("rule", ["consistent", "paper"])
+def test_the_newton_matrix_entry_by_entry(make_body, rule):
+    """With springs and dampers of all kinds, a driven joint, followers, and elastic rates."""
+    bodies = {"a": make_body("flexible", 5), "b": make_body("flexible", 6), "c": make_body("rigid", 7)}
+    springs = (
+        Spring("bush", "bushing", ("a.i0", "b.i0"), stiffness=symmetric(1, 50.0), damping=symmetric(2, 0.5)),
+        Spring("turn", "torsion", ("b.i0", "c.i0"), **SPRINGS["torsion"]),
+        Spring("tie", "point", ("c.i1", "a.i1"), **SPRINGS["point"]),
+    )
+    loads = (
+        Load("force", "a.i0", [1.0, 2.0, -1.0], Constant(1.0), follower=True),
+        Load("torque", "b.i0", [1.0, -2.0, 3.0], Constant(1.0), follower=True),
+        Load("torque", "a.i0", [0.0, 1.0, 2.0], Constant(1.0)),
+    )
+    joints = (Joint("motor", "revolute", ("c.i0", "a.i0"), AXIS, angle=Harmonic(0.8, 1.0, 0.5)),)
+    point = Point.of(Model(bodies, joints, loads, springs, t_end=1.0, step=1e-2, rho_inf=0.8, rule=rule), seed=11)
+    rng = np.random.default_rng(12)
+    point.work.u_predicted[:] = point.state.u
+    point.work.u_rate_predicted[:] = rng.uniform(-1.0, 1.0, len(point.state.u))
+    point.evaluated()
+    n = point.n_q + len(point.active) + len(point.state.lam)
+    differences = difference(lambda z: step_residuals(point, z), n)
+    point.evaluated()
+    matrix = np.split(whole_matrix(point), np.cumsum([len(part) for part in differences])[:-1])
+    columns = np.cumsum([point.n_q, len(point.active)])
+    for rows, expected in zip(matrix, differences, strict=True):
+        for block, wanted in zip(np.split(rows, columns, 1), np.split(expected, columns, 1), strict=True):
+            np.testing.assert_allclose(block, wanted, rtol=0, atol=1e-9 * max(1.0, np.abs(wanted).max()))
 
 
 def chain(make_body, omega=(50.0, 5000.0), **settings):
