@@ -90,7 +90,7 @@ def compile_system(model: Model, without: frozenset[int] = frozenset()) -> Compi
         for coordinate, row in joint_observers(joint, frames.sides(joint)).items()
     }
     if not model.assemble:
-        _check_assembled(model, frames)
+        _check_assembled(model, poses, frames)
     _check_moments(model, frames, rows)
     elastic, compliances = lay_out_elastic(model, frames.arrays, h, scheme, n_steps)
     system = System(
@@ -165,8 +165,9 @@ def _given_or_common(key: str, given: float | None, found: dict[str, float], def
     raise ModelError(f"simulation: {key}: the superelements differ ({listed}), so the model must give one")
 
 
-def _check_assembled(model: Model, frames: NumberedFrames) -> None:
+def _check_assembled(model: Model, bodies: dict[str, Pose], frames: NumberedFrames) -> None:
     """The frames of a joint must meet at the start, but for the directions in which it slides."""
+    size = max(1e-3, max(float(np.abs(pose.x).max()) for pose in (*bodies.values(), *frames.poses.values())))
     for joint in model.joints:
         sides = frames.sides(joint)
         gap = sides.gap(joint.basis())
@@ -175,7 +176,7 @@ def _check_assembled(model: Model, frames: NumberedFrames) -> None:
             opening.append(gap[2] - joint.distance(0.0))
         A, B = sides.pose_a.x, sides.pose_b.x
         worst = max(map(abs, opening), default=0.0)
-        if worst > ASSEMBLY_TOLERANCE * max(1e-3, float(np.abs([A, B]).max())):
+        if worst > ASSEMBLY_TOLERANCE * size:
             start = "" if joint.distance is None else f", the distance starts at {joint.distance(0.0):.6g}"
             raise ModelError(
                 f"joint {joint.name!r}: open by {worst:.6g} m at the start: {joint.between[0]} is at {A.tolist()}, "
