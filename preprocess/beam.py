@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..superelement.validation import Array
-from .body import Section
 from .errors import MeshError
+from .material import Section
 from .mesh import Mesh
 
 VERTICAL = 1e-3

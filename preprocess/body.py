@@ -19,81 +19,10 @@ from pydantic import (
 
 from ..inputs import InputError, Table, Vector, read_table
 from .errors import BodyError
+from .material import Material, Section
+from .selection import InterfaceSelection
 
 Method = Literal["auto", "modal", "march", "krylov"]
-
-
-class Section(Table):
-    """The cross-section of a beam, in its own axes: x along the beam, y and z across.
-
-    EA [N], EI_y and EI_z (bending about y and z) and GJ [N m^2]; mass_per_length [kg/m];
-    polar_inertia_per_length rho I_p [kg m], the inertia about the beam's axis.
-    GA_y and GA_z [N]: shear stiffnesses along y and z, shape factor included; with either, bending in that direction is
-    Timoshenko's. rotary_inertia_y and _z: rho I_y and rho I_z [kg m]; 0 unless given for Euler-Bernoulli bending, and
-    mass_per_length EI / EA (the value of a homogeneous section) for Timoshenko bending.
-    orientation: a vector that with the beam's axis spans the plane of local x and y, in mesh axes; unless given, local
-    y is horizontal (e_z cross x), or e_y where the beam is vertical.
-    """
-
-    EA: PositiveFloat
-    EI_y: PositiveFloat
-    EI_z: PositiveFloat
-    GJ: PositiveFloat
-    mass_per_length: PositiveFloat
-    polar_inertia_per_length: PositiveFloat
-    GA_y: PositiveFloat | None = None
-    GA_z: PositiveFloat | None = None
-    rotary_inertia_y: NonNegativeFloat | None = None
-    rotary_inertia_z: NonNegativeFloat | None = None
-    orientation: Vector | None = None
-
-
-class Material(Table):
-    """A linear, isotropic material: Young's modulus E [Pa], Poisson's ratio nu, density rho [kg/m^3]."""
-
-    E: PositiveFloat
-    nu: Annotated[float, Field(gt=-1.0, lt=0.5)]
-    rho: PositiveFloat
-
-
-class Plane(Table):
-    """The facets of the boundary that lie in a plane, within `tolerance` times the size of the mesh."""
-
-    point: Vector
-    normal: Vector
-    tolerance: PositiveFloat = 1e-6
-
-    @model_validator(mode="after")
-    def _has_direction(self) -> Self:
-        if not any(self.normal):
-            raise ValueError("normal: expected a vector that is not zero")
-        return self
-
-
-class InterfaceSelection(Table):
-    """Where a body meets others: the node nearest to a point, a named group of the mesh, or the facets in a plane.
-
-    A node of a solid gives three dofs; a node of a beam, and any set of facets, gives a frame of six.
-    kind: "average", the frame follows the facets as their mean motion does, without stiffening them; "rigid", the
-    facets follow the frame. at: the place of the frame; the centroid of the facets unless given.
-    tolerance: the distance allowed between `node` and the nearest node, as a fraction of the size of the mesh.
-    """
-
-    node: Vector | None = None
-    group: str | None = None
-    plane: Plane | None = None
-    kind: Literal["average", "rigid"] = "average"
-    at: Vector | None = None
-    tolerance: PositiveFloat = 1e-3
-
-    @model_validator(mode="after")
-    def _one_selection(self) -> Self:
-        given = [key for key in ("node", "group", "plane") if getattr(self, key) is not None]
-        if len(given) != 1:
-            raise ValueError(f"expected one of node, group and plane, found {' and '.join(given) or 'none'}")
-        if self.node is not None and self.model_fields_set & {"kind", "at"}:
-            raise ValueError("kind and at belong to a group or a plane, found them with node")
-        return self
 
 
 def _as_matrix(value: Any) -> Any:

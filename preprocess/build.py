@@ -5,8 +5,8 @@ from importlib import metadata
 from ..superelement import Provenance, Superelement, sha256
 from .body import Body
 from .impulse import impulse_responses
-from .mesh import read_mesh
 from .progress import Stages, shown_stages
+from .reading import read_mesh
 from .static import compliance, mobility
 from .structure import assemble_mesh
 

@@ -7,11 +7,11 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..superelement.validation import Array
-from .body import InterfaceSelection
 from .errors import InterfaceError
 from .facets import Facets
 from .mesh import DIMENSIONS, IntArray, Mesh
 from .nodes import Nodes
+from .selection import InterfaceSelection
 
 LINE = 1e-6
 """Second radius of a set of points over the first, below which they lie on a line and cannot carry a moment."""

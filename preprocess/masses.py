@@ -7,8 +7,9 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.linalg import block_diag
 
-from .body import Body, InterfaceSelection, PointMass
+from .body import Body, PointMass
 from .errors import InterfaceError
+from .selection import InterfaceSelection
 
 
 def placed_masses(body: Body) -> dict[str, InterfaceSelection]:

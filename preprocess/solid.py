@@ -21,8 +21,8 @@ from skfem import (
 from skfem.quadrature import get_quadrature
 
 from ..superelement.validation import Array
-from .body import Material
 from .errors import MeshError
+from .material import Material
 from .mesh import Mesh
 
 FLAT = 1e-10

@@ -11,16 +11,19 @@ import scipy.sparse as sp
 from ..superelement import Interface
 from ..superelement.validation import Array
 from .beam import beam_matrices
-from .body import Body, InterfaceSelection, Material, Section
+from .body import Body
 from .connectivity import check_connected, check_no_mechanism, check_used
 from .errors import BodyError, InterfaceError
 from .facets import facets_of
 from .interfaces import Attachment, beam_attachment, solid_attachment
 from .masses import lumped_mass, placed_masses
-from .mesh import LINES, IntArray, Mesh, read_mesh
+from .material import Material, Section
+from .mesh import LINES, IntArray, Mesh
 from .nodes import Nodes, node_dofs
+from .reading import read_mesh
 from .reduction import tie
 from .rigid import RigidModes, relieve, rigid_modes
+from .selection import InterfaceSelection
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from duhamel.preprocess import MeshError, assemble
 from duhamel.preprocess.beam import beam_matrices
-from duhamel.preprocess.body import Damping, Section
-from duhamel.preprocess.mesh import read_mesh
+from duhamel.preprocess.body import Damping
+from duhamel.preprocess.material import Section
 from duhamel.preprocess.modal import elastic_modes
+from duhamel.preprocess.reading import read_mesh
 from duhamel.preprocess.structure import Structure
 from scipy.linalg import eigh
 from scipy.spatial.transform import Rotation

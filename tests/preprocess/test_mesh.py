@@ -4,7 +4,7 @@ import meshio
 import numpy as np
 import pytest
 from duhamel.preprocess import BodyError, MeshError, assemble
-from duhamel.preprocess.mesh import read_mesh
+from duhamel.preprocess.reading import read_mesh
 from duhamel.preprocess.static import compliance
 
 GMSH = {

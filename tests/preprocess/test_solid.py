@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from duhamel.preprocess import MeshError, assemble
 from duhamel.preprocess.facets import facets_of
-from duhamel.preprocess.mesh import read_mesh
+from duhamel.preprocess.reading import read_mesh
 
 E, NU = 2.1e11, 0.3
 
