@@ -4,7 +4,7 @@ from .errors import ConvergenceError, ModelError
 from .joints import Joint
 from .model import FlexibleBody, Frame, Load, Model, Place, RigidBody, Start, SteadyRotation
 from .model_file import read_model
-from .motions import PrescribedMotion
+from .motions import PrescribedDisplacement, PrescribedRotation
 from .results import Results
 from .signals import Constant, Function, Harmonic, Impulse, Polynomial, Pulse, SmoothFunction, Steps, Table
 from .simulation import simulate
@@ -25,7 +25,8 @@ __all__ = [
     "ModelError",
     "Place",
     "Polynomial",
-    "PrescribedMotion",
+    "PrescribedDisplacement",
+    "PrescribedRotation",
     "Pulse",
     "Results",
     "RigidBody",

@@ -17,14 +17,12 @@ from .coupling_rows import (
 )
 from .errors import ModelError
 from .flexibility import lay_out_elastic
-from .joints import Joint
 from .model import Model
-from .numbering import NumberedFrames, number_frames, side_names
+from .numbering import Coupling, NumberedFrames, number_frames, side_names
 from .placement import Pose, place_bodies
 from .rotations import quaternion_of
 from .rows import measures_length
 from .signals import Motion, Signal
-from .springs import Spring
 from .system import Bodies, Loads, Scheme, System
 
 ASSEMBLY_TOLERANCE = 1e-3
@@ -187,11 +185,14 @@ def _check_assembled(model: Model, bodies: dict[str, Pose], frames: NumberedFram
 def _check_moments(model: Model, frames: NumberedFrames, rows: dict[str, list[Row]]) -> None:
     """An interface without rotations carries forces alone."""
     loaded: dict[str, str] = {}
-    couplings: list[Joint | Spring] = [*model.joints, *model.springs]
-    for coupling in couplings:
+    owners: dict[str, Coupling] = {
+        **{f"joint {joint.name!r} ({joint.type})": joint for joint in model.joints},
+        **{f"motion {motion.name!r}": motion for motion in model.motions},
+        **{f"spring {spring.name!r} ({spring.type})": spring for spring in model.springs},
+    }
+    for owner, coupling in owners.items():
         if not all(measures_length(row.kind) for row in rows[coupling.name]):
-            kind = "spring" if isinstance(coupling, Spring) else "joint"
-            loaded |= dict.fromkeys(side_names(coupling), f"{kind} {coupling.name!r} ({coupling.type})")
+            loaded |= dict.fromkeys(side_names(coupling), owner)
     loaded |= {load.on: f"torque on {load.on!r}" for load in model.loads if load.type == "torque"}
     for frame, owner in loaded.items():
         f = frames.number(frame)

@@ -7,8 +7,8 @@ import numpy as np
 
 from .compiled import Array, as_index, as_rows
 from .errors import ModelError
-from .joints import Joint
-from .motions import PrescribedMotion
+from .joints import ABOUT_E3, Joint, basis_about
+from .motions import PrescribedDisplacement, PrescribedMotion
 from .placement import Pose
 from .rows import ANGLE, DISTANCE, ROTATION, TRANSLATION
 from .signals import Motion
@@ -64,10 +64,15 @@ def joint_rows(joint: Joint, sides: Sides) -> list[Row]:
     if joint.distance is not None:
         rows.append(Row(TRANSLATION, A, B, in_a[:, 2], drive=joint.distance))
     if joint.angle is not None:
-        s = joint.angle(0.0)
-        e2 = np.cos(s) * in_b[:, 1] - np.sin(s) * in_b[:, 0]
-        rows.append(Row(ROTATION, A, B, in_a[:, 0], in_a[:, 1], e2, drive=joint.angle))
+        rows.append(_driven_angle(A, B, in_a, in_b, joint.angle))
     return rows
+
+
+def _driven_angle(A: int, B: int, in_a: Array, in_b: Array, angle: Motion) -> Row:
+    """e1(A), turned about e3 by the signal, stays perpendicular to the axis of B that is e2 turned by -angle(0)."""
+    start = angle(0.0)
+    e2 = np.cos(start) * in_b[:, 1] - np.sin(start) * in_b[:, 0]
+    return Row(ROTATION, A, B, in_a[:, 0], in_a[:, 1], e2, drive=angle)
 
 
 def joint_observers(joint: Joint, sides: Sides) -> dict[str, Row]:
@@ -85,8 +90,16 @@ def joint_observers(joint: Joint, sides: Sides) -> dict[str, Row]:
 
 
 def motion_rows(motion: PrescribedMotion, sides: Sides) -> list[Row]:
-    """One driven translation against the frame fixed in space where the moving frame starts."""
-    return [Row(TRANSLATION, sides.A, sides.B, sides.pose_a.R.T @ motion.direction, drive=motion.displacement)]
+    """Driven rows against the frame fixed in space where the moving frame starts.
+
+    A displacement is one translation; a rotation keeps its axis, as a revolute joint does, and drives the angle.
+    """
+    A, B = sides.A, sides.B
+    if isinstance(motion, PrescribedDisplacement):
+        return [Row(TRANSLATION, A, B, sides.pose_a.R.T @ motion.direction, drive=motion.displacement)]
+    in_a, in_b = sides.carried(basis_about(motion.axis))
+    rows = [Row(ROTATION, A, B, in_a[:, i], b=in_b[:, j]) for i, j in ABOUT_E3]
+    return [*rows, _driven_angle(A, B, in_a, in_b, motion.angle)]
 
 
 def spring_rows(spring: Spring, sides: Sides) -> list[Row]:

@@ -44,22 +44,22 @@ class JointType:
 
 _ALL = (0, 1, 2)
 _NO_ROTATION = ((0, 1), (1, 2), (2, 0))
-_ABOUT_E3 = ((0, 2), (1, 2))
+ABOUT_E3 = ((0, 2), (1, 2))
 _TURN = Angle(0, 1, 0)
 
 JOINT_TYPES = {
     "fixed": JointType(_ALL, _NO_ROTATION, axes=0),
     "spherical": JointType(_ALL, (), axes=0),
-    "revolute": JointType(_ALL, _ABOUT_E3, axes=1, drives=("angle",), angles={"angle": _TURN}),
+    "revolute": JointType(_ALL, ABOUT_E3, axes=1, drives=("angle",), angles={"angle": _TURN}),
     "universal": JointType(
         _ALL, ((0, 1),), axes=2, angles={"angle": Angle(1, 2, 1), "second_angle": Angle(0, 2, 0, by_b=True)}
     ),
     "cylindrical": JointType(
-        (0, 1), _ABOUT_E3, axes=1, drives=("angle", "distance"), distances={"distance": 2}, angles={"angle": _TURN}
+        (0, 1), ABOUT_E3, axes=1, drives=("angle", "distance"), distances={"distance": 2}, angles={"angle": _TURN}
     ),
     "prismatic": JointType((0, 1), _NO_ROTATION, axes=1, drives=("distance",), distances={"distance": 2}),
     "planar": JointType(
-        (2,), _ABOUT_E3, axes=1, distances={"distance": 0, "second_distance": 1}, angles={"angle": _TURN}
+        (2,), ABOUT_E3, axes=1, distances={"distance": 0, "second_distance": 1}, angles={"angle": _TURN}
     ),
 }
 

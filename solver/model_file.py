@@ -1,7 +1,7 @@
 """The model file: what a user writes to run a simulation, and how it becomes a `Model`."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -10,10 +10,11 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt, model_
 
 from ..inputs import InputError, Table, Vector, read_table
 from ..superelement import Superelement, read
+from .compiled import Array
 from .errors import ModelError
 from .joints import Joint
 from .model import Body, FlexibleBody, Frame, Load, Model, Place, RigidBody, Start
-from .motions import PrescribedMotion
+from .motions import PrescribedDisplacement, PrescribedMotion, PrescribedRotation
 from .signals import Constant, Harmonic, Impulse, Polynomial, Pulse, Signal, Steps
 from .signals import Table as Points
 from .springs import Law, Spring
@@ -127,6 +128,7 @@ class _Joint(Table):
     second_axis: Vector | None = None
     angle: Any = None
     distance: Any = None
+    start: dict[str, float] = Field(default_factory=dict)
 
 
 class _Law(Table):
@@ -148,8 +150,22 @@ class _Spring(Table):
 class _Motion(Table):
     name: str
     on: str
-    direction: Vector
-    displacement: Any
+    direction: Vector | None = None
+    displacement: Any = None
+    axis: Vector | None = None
+    angle: Any = None
+
+    def motion(self) -> PrescribedMotion:
+        owner = f"motion {self.name!r}"
+        given = [key for key in ("direction", "displacement", "axis", "angle") if getattr(self, key) is not None]
+        if given == ["direction", "displacement"]:
+            signal = _named(f"{owner}: displacement", self.displacement)
+            return PrescribedDisplacement(self.name, self.on, np.array(self.direction), signal)
+        if given == ["axis", "angle"]:
+            signal = _named(f"{owner}: angle", self.angle)
+            return PrescribedRotation(self.name, self.on, np.array(self.axis), signal)
+        found = " and ".join(given) or "none"
+        raise ModelError(f"{owner}: expected direction and displacement, or axis and angle, found {found}")
 
 
 class _Load(Table):
@@ -207,7 +223,7 @@ def _model(file: _ModelFile, text: str, folder: Path) -> Model:
         joints=tuple(_joint(joint) for joint in file.joints),
         loads=tuple(_load(load) for load in file.loads),
         springs=tuple(_spring(spring) for spring in file.springs),
-        motions=tuple(_motion(motion) for motion in file.motions),
+        motions=tuple(motion.motion() for motion in file.motions),
         ground_frames={name: frame.frame() for name, frame in file.ground.frames.items()},
         source=text,
         **dict(file.simulation),
@@ -240,8 +256,8 @@ def _joint(joint: _Joint) -> Joint:
     for key in ("angle", "distance"):
         if (value := getattr(joint, key)) is not None:
             drives[key] = _named(f"joint {joint.name!r}: {key}", value)
-    axis, second = (None if given is None else np.array(given) for given in (joint.axis, joint.second_axis))
-    return Joint(joint.name, joint.type, joint.between, axis, second, **drives)
+    axis, second = _array(joint.axis), _array(joint.second_axis)
+    return Joint(joint.name, joint.type, joint.between, axis, second, start=joint.start, **drives)
 
 
 def _spring(spring: _Spring) -> Spring:
@@ -249,7 +265,7 @@ def _spring(spring: _Spring) -> Spring:
         spring.name,
         spring.type,
         spring.between,
-        None if spring.axis is None else np.array(spring.axis),
+        _array(spring.axis),
         np.array(spring.stiffness),
         np.array(spring.damping),
         None if spring.law is None else Law(spring.law.deformation, spring.law.force),
@@ -257,14 +273,13 @@ def _spring(spring: _Spring) -> Spring:
     )
 
 
-def _motion(motion: _Motion) -> PrescribedMotion:
-    displacement = _named(f"motion {motion.name!r}: displacement", motion.displacement)
-    return PrescribedMotion(motion.name, motion.on, np.array(motion.direction), displacement)
-
-
 def _load(load: _Load) -> Load:
     signal = _named(f"load ({load.type}) on {load.on!r}: signal", load.signal)
     return Load(load.type, load.on, np.array(load.direction), signal, load.follower)
+
+
+def _array(value: Sequence[float] | None) -> Array | None:
+    return None if value is None else np.array(value)
 
 
 def _named(owner: str, value: Any) -> Any:

@@ -8,6 +8,7 @@ import h5py
 import numpy as np
 import pytest
 from duhamel.cli import app
+from duhamel.superelement import read
 
 MODEL = """
 [simulation]
@@ -35,6 +36,13 @@ def test_the_results_stand_beside_the_model_file(runner, model_file):
     assert re.fullmatch(rf"{target}: 20 steps, [\d.]+ s in all, [\d.]+ us per step", last)
     with h5py.File(target) as file:
         np.testing.assert_allclose(file["bodies/beam/x"][:, 0], 2.0 * file["time"][:], rtol=0, atol=1e-13)
+
+
+def test_the_momentum_at_the_end_is_told(runner, model_file, element_file):
+    result = runner.invoke(app, ["run", str(model_file)])
+    mass = read(element_file).mass
+    line = f"momentum at the end [kg m/s]: ({2 * mass:.4g}, 0, 0); angular, about the origin [kg m^2/s]: (0, 0, 0)"
+    assert line in result.stdout.splitlines()
 
 
 def test_the_results_go_where_they_are_sent(runner, model_file):

@@ -12,9 +12,11 @@ from duhamel.solver import (
     Model,
     ModelError,
     Polynomial,
-    PrescribedMotion,
+    PrescribedDisplacement,
+    PrescribedRotation,
     RigidBody,
     Start,
+    read_model,
     simulate,
 )
 from scipy.spatial.transform import Rotation
@@ -42,7 +44,7 @@ def test_a_slide_is_shaken():
             Model(
                 {"block": RigidBody(m, [0.1, 0.2, 0.3])},
                 (Joint("rail", "prismatic", ("ground", "block"), AXIS),),
-                motions=(PrescribedMotion("shake", "block", AXIS, shake),),
+                motions=(PrescribedDisplacement("shake", "block", AXIS, shake),),
                 t_end=1.0,
                 step=h,
                 rho_inf=0.9,
@@ -71,7 +73,7 @@ def test_a_frame_off_the_centre_follows_a_path(random_element):
     path = (Harmonic(0.02, 2.0), Harmonic(-0.03, 3.0), Polynomial((0.0, 0.1, -0.3)))
     model = Model(
         {"body": FlexibleBody(element, Start([0.1, -0.2, 0.3], [0.3, 0.5, -0.2]))},
-        motions=tuple(PrescribedMotion(f"m{k}", "body.i1", np.eye(3)[k], path[k]) for k in range(3)),
+        motions=tuple(PrescribedDisplacement(f"m{k}", "body.i1", np.eye(3)[k], path[k]) for k in range(3)),
         gravity=[0, 0, -9.81],
         t_end=0.4,
         step=5e-4,
@@ -204,6 +206,106 @@ def test_a_driven_cylindrical_joint_screws():
     np.testing.assert_allclose(results.body("body").x[:, :2], expected, rtol=0, atol=1e-12)
 
 
+def test_a_body_turned_about_a_fixed_axis():
+    """The attitude is exp(angle n~) R_0 to rounding, beyond full turns; the moment is Euler's, to order two."""
+    J, angle, errors = np.diag([0.2, 0.5, 0.4]), Harmonic(8.0, 0.6), []
+    start = Start([0.3, 0.1, -0.2], [0.4, -0.3, 0.6], velocity=[1.0, 0.0, 0.0])
+    for h in (2e-3, 1e-3):
+        results = simulate(
+            Model(
+                {"body": RigidBody(2.0, J, start=start)},
+                motions=(PrescribedRotation("spin", "body", AXIS, angle),),
+                t_end=1.5,
+                step=h,
+                rho_inf=0.5,
+            )
+        )
+        body, (s, rate, acceleration) = results.body("body"), samples(angle, results.time)
+        assert s.max() > 2 * np.pi
+        R = (Rotation.from_rotvec(np.outer(s, AXIS)) * Rotation.from_rotvec(start.rotation)).as_matrix()
+        found = Rotation.from_quat(body.R, scalar_first=True).as_matrix()
+        np.testing.assert_allclose(found, R, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(body.x, start.position + np.outer(results.time, [1.0, 0, 0]), rtol=0, atol=1e-12)
+        n = R[0].T @ AXIS
+        euler = np.outer(acceleration, J @ n) + np.outer(rate**2, np.cross(n, J @ n))
+        moment = np.einsum("tji,tj->ti", R, results.joint("spin").moment)
+        errors.append(np.abs(moment - euler)[results.time > 0.6].max() / np.abs(euler).max())
+    assert np.log2(errors[0] / errors[1]) > 1.9, errors
+    assert errors[1] < 1e-4
+
+
+def test_a_frame_whose_whole_motion_is_given_moves_as_one_on_a_driven_table(random_element):
+    """A flexible body held by a turning interface: prescribed, or fixed to a table on a driven pivot."""
+    element, angle = random_element(5, (True, False), omega=(50.0, 400.0)), Harmonic(0.3, 10.0)
+    beam = FlexibleBody(element, Start([0.1, -0.2, 0.3], [0.3, 0.5, -0.2]))
+    common = {"t_end": 0.15, "step": 5e-4, "rho_inf": 0.9, "gravity": [0, 0, -9.81], "tolerance": 1e-12}
+    held = [PrescribedDisplacement(f"m{k}", "beam.i0", np.eye(3)[k], Constant(0.0)) for k in range(3)]
+    given = simulate(
+        Model({"beam": beam}, motions=(*held, PrescribedRotation("turn", "beam.i0", AXIS, angle)), **common)
+    )
+    at = given.frame("beam.i0").position[0]
+    table = RigidBody(5.0, [1.0, 2.0, 3.0], start=Start(at))
+    joints = (
+        Joint("pivot", "revolute", ("ground", "table"), AXIS, angle=angle),
+        Joint("weld", "fixed", ("table", "beam.i0")),
+    )
+    driven = simulate(Model({"table": table, "beam": beam}, joints, **common))
+    np.testing.assert_allclose(given.body("beam").x, driven.body("beam").x, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(given.frame("beam.i1").u, driven.frame("beam.i1").u, rtol=0, atol=1e-11)
+    wrench = driven.frame("beam.i0").force
+    np.testing.assert_allclose(given.frame("beam.i0").force, wrench, rtol=0, atol=1e-9 * np.abs(wrench).max())
+    assert np.abs(given.energy.balance).max() == pytest.approx(np.abs(driven.energy.balance).max(), rel=0.5)
+
+
+def test_a_turning_interface_needs_rotations(random_element):
+    element = random_element(5, (True, False))
+    motion = PrescribedRotation("turn", "beam.i1", AXIS, Constant(0.0))
+    with pytest.raises(ModelError, match=r"motion 'turn': interface 'beam.i1' has no rotations and carries forces"):
+        simulate(Model({"beam": FlexibleBody(element)}, motions=(motion,), t_end=0.01))
+
+
+def test_motions_from_a_model_file(tmp_path):
+    path = tmp_path / "table.toml"
+    path.write_text("""
+        [simulation]
+        t_end = 0.2
+        step = 1e-3
+        [bodies.table]
+        mass = 1.0
+        inertia = [1.0, 1.0, 1.0]
+        [bodies.wheel]
+        mass = 1.0
+        inertia = [1.0, 1.0, 1.0]
+        [[joints]]
+        name = "axle"
+        type = "revolute"
+        between = ["ground", "wheel"]
+        axis = [0, 0, 1]
+        start = {angle = 0.5, angle_rate = 2.0}
+        [[motions]]
+        name = "shake"
+        on = "table"
+        direction = [1, 0, 0]
+        displacement = {polynomial = [0, 2]}
+        [[motions]]
+        name = "turn"
+        on = "table"
+        axis = [0, 1, 0]
+        angle = {polynomial = [0, 3]}
+    """)
+    results = simulate(read_model(path))
+    table, axle = results.body("table"), results.joint("axle").coordinates
+    np.testing.assert_allclose(table.x[:, 0], 2.0 * results.time, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(table.v[:, 4], 3.0, rtol=1e-10)
+    np.testing.assert_allclose(axle["angle"], 0.5 + 2.0 * results.time, rtol=0, atol=1e-12)
+
+    path.write_text(path.read_text().replace("angle = {polynomial", "displacement = {polynomial"))
+    with pytest.raises(ModelError, match=r"motion 'turn': expected direction and displacement, or axis and angle, fo"):
+        read_model(path)
+
+
 def test_a_motion_that_starts_elsewhere_is_refused():
+    with pytest.raises(ModelError, match=r"motion 'turn': angle: expected 0 at t = 0, got 0.5"):
+        PrescribedRotation("turn", "body", [1, 0, 0], Constant(0.5))
     with pytest.raises(ModelError, match=r"motion 'shake': displacement: expected 0 at t = 0, got 0.5"):
-        PrescribedMotion("shake", "body", [1, 0, 0], Constant(0.5))
+        PrescribedDisplacement("shake", "body", [1, 0, 0], Constant(0.5))

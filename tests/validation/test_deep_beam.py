@@ -20,7 +20,7 @@ Tolerances: 0.5 % for frequencies (of a mesh of 20 elements), 1 % for the deflec
 
 import numpy as np
 import pytest
-from duhamel.solver import Constant, FlexibleBody, Impulse, Joint, Load, Model, PrescribedMotion, Start, simulate
+from duhamel.solver import Constant, FlexibleBody, Impulse, Joint, Load, Model, PrescribedDisplacement, Start, simulate
 
 from .straight_beam import along, beam_superelement
 
@@ -68,8 +68,8 @@ def supported(beam, loads, **settings):
         bodies={"beam": FlexibleBody(beam, Start(position=[0.5 * L, 0, 0]))},
         joints=(Joint("support", "universal", ("ground", first), axis=[0, 1, 0], second_axis=[0, 0, 1]),),
         motions=(
-            PrescribedMotion("across", last, [0, 1, 0], Constant(0.0)),
-            PrescribedMotion("up", last, [0, 0, 1], Constant(0.0)),
+            PrescribedDisplacement("across", last, [0, 1, 0], Constant(0.0)),
+            PrescribedDisplacement("up", last, [0, 0, 1], Constant(0.0)),
         ),
         loads=loads,
         **settings,
