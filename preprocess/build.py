@@ -31,22 +31,22 @@ def _build(body: Body, stages: Stages) -> Superelement:
     with stages.stage("static"):
         H, B = compliance(structure), mobility(structure)
     with stages.stage("impulse"):
-        method, kernel, modes = impulse_responses(structure, body, stages.track)
+        responses = impulse_responses(structure, body, stages.track)
     return Superelement(
         name=body.name,
         mass=structure.rigid.mass,
         J_rot=structure.rigid.J_rot,
         center=structure.rigid.center,
         interfaces=structure.interfaces,
-        kernel=kernel,
-        modes=modes,
+        kernel=responses.kernel,
+        modes=responses.modes,
         compliance=H,
         mobility=B,
         provenance=Provenance(
             body=body.text,
             mesh=mesh.name,
             mesh_sha256=sha256(body.mesh),
-            method=method,
+            method=responses.method,
             tolerance=0.0,
             versions={name: metadata.version(name) for name in PACKAGES},
             timings=stages.seconds,

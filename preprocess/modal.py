@@ -1,9 +1,13 @@
 """Impulse responses from all elastic modes."""
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 from scipy.linalg import eigh
 
 from ..superelement import Modes
+from ..superelement.validation import Array
 from .body import Damping
 from .damping import damping_ratios
 from .errors import MeshError, MethodError
@@ -13,9 +17,18 @@ from .structure import Structure
 LIMIT = 4000
 """Unknowns up to which all modes are computed; beyond, the dense eigenproblem takes minutes and gigabytes."""
 
+Shapes = Callable[[Any], Array]
+"""rows (k, n_u) sparse -> rows @ phi (k, m): mode shapes of chosen dofs, or of what is linear in them."""
+
 
 def elastic_modes(structure: Structure, damping: Damping) -> Modes:
-    """All modes but the six rigid ones, K phi = omega^2 M phi, seen at the interfaces.
+    """All modes but the six rigid ones, seen at the interfaces."""
+    modes, _ = elastic_shapes(structure, damping)
+    return modes
+
+
+def elastic_shapes(structure: Structure, damping: Damping) -> tuple[Modes, Shapes]:
+    """All modes but the six rigid ones, K phi = omega^2 M phi: at the interfaces, and wherever asked.
 
     `MethodError` above `LIMIT` unknowns.
     """
@@ -31,4 +44,4 @@ def elastic_modes(structure: Structure, damping: Damping) -> Modes:
     # The solver's eigenvalues carry rounding of the size of the largest; Rayleigh's quotient, of their own size.
     squares = np.einsum("im,im->m", shapes, structure.K @ shapes) / np.einsum("im,im->m", shapes, structure.M @ shapes)
     omega = np.sqrt(squares)
-    return Modes(omega, damping_ratios(damping, omega), structure.P_C @ shapes)
+    return Modes(omega, damping_ratios(damping, omega), structure.P_C @ shapes), lambda rows: rows @ shapes
