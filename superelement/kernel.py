@@ -1,10 +1,12 @@
 """The sampled impulse responses of a superelement, and how modes produce them."""
 
 from dataclasses import dataclass
+from itertools import repeat
 
 import numpy as np
 
 from .modes import Modes
+from .response import respond
 from .scheme import GeneralizedAlpha
 from .validation import Array, SuperelementError, check_positive, check_symmetric, checked
 
@@ -73,27 +75,9 @@ def sample_kernel(modes: Modes, h: float, scheme: GeneralizedAlpha, steps: int, 
 
 def _scalar_responses(modes: Modes, h: float, scheme: GeneralizedAlpha, steps: int) -> tuple[Array, Array]:
     """Responses (steps + 1, m) of each mode to a unit load at the first step, and to one at t_0."""
-    stiffness, damping = modes.omega**2, 2.0 * modes.zeta * modes.omega
-    alpha_m, alpha_f, beta, gamma = scheme.alpha_m, scheme.alpha_f, scheme.beta, scheme.gamma
-    pivot = (1 - alpha_m) / (1 - alpha_f) + gamma * h * damping + beta * h * h * stiffness
-
-    def march(acc: Array, load: float) -> Array:
-        """eta after 0, 1, ... steps + 1 steps from rest with acceleration `acc`, `load` acting at the first."""
-        eta, rate, a = np.zeros_like(acc), np.zeros_like(acc), acc
-        response = np.zeros((steps + 2, len(acc)))
-        for k in range(1, steps + 2):
-            eta = eta + h * rate + h * h * (0.5 - beta) * a
-            rate = rate + h * (1 - gamma) * a
-            carried = (alpha_m * a - alpha_f * acc) / (1 - alpha_f)
-            a = (load - stiffness * eta - damping * rate - carried) / pivot
-            acc = (1 - alpha_m) / (1 - alpha_f) * a + carried
-            eta = eta + beta * h * h * a
-            rate = rate + gamma * h * a
-            response[k], load = eta, 0.0
-        return response
-
-    rest = np.zeros_like(modes.omega)
-    return march(rest, 1.0)[1:], march(rest + 1.0, 0.0)[:-1]
+    impulse = respond(modes, h, scheme, [1.0, *repeat(0.0, steps)])
+    initial = respond(modes, h, scheme, repeat(0.0, steps), acceleration=1.0)
+    return np.array(list(impulse))[1:], np.array(list(initial))
 
 
 def _spread(phi: Array, coefficients: Array) -> Array:
