@@ -51,7 +51,7 @@ def beam_matrices(mesh: Mesh, sections: list[Section]) -> tuple[Array, Array]:
 
 def _lengths_and_axes(mesh: Mesh, sections: list[Section]) -> tuple[Array, Array]:
     """Lengths (n,) and local axes (n, 3, 3), whose rows are x, y and z."""
-    ends = mesh.points[mesh.elements]
+    ends = mesh.points[mesh.cells["line"]]
     along = ends[:, 1] - ends[:, 0]
     lengths = np.linalg.norm(along, axis=1)
     if (short := np.flatnonzero(lengths <= 1e-12 * mesh.size)).size:

@@ -1,6 +1,6 @@
 """Whether the elements of a mesh hang together as one body."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import scipy.sparse as sp
@@ -16,12 +16,13 @@ from .nodes import spider
 def check_used(mesh: Mesh) -> None:
     """Every point must be a node of an element, or it has no mass."""
     unused = np.ones(len(mesh.points), dtype=bool)
-    unused[mesh.elements] = False
+    for cells in mesh.elements.values():
+        unused[cells] = False
     if unused.any():
         point = int(np.flatnonzero(unused)[0])
         raise MeshError(
-            f"{mesh.name}: {unused.sum()} nodes without mass: they belong to no {mesh.body_type} element, "
-            f"first point {point} at {mesh.points[point].tolist()}"
+            f"{mesh.name}: {unused.sum()} nodes without mass: they belong to no element of type "
+            f"{', '.join(mesh.body_types)}, first point {point} at {mesh.points[point].tolist()}"
         )
 
 
@@ -30,7 +31,8 @@ def check_connected(mesh: Mesh) -> None:
     pieces, label = _clusters(mesh.elements, len(mesh.points))
     if pieces > 1:
         sizes = np.bincount(label).tolist()
-        places = [mesh.points[mesh.elements[np.argmax(label == piece), 0]].tolist() for piece in range(pieces)]
+        firsts = [mesh.element(int(np.argmax(label == piece))) for piece in range(pieces)]
+        places = [mesh.points[mesh.elements[kind][row, 0]].tolist() for kind, row in firsts]
         raise MeshError(
             f"{mesh.name}: expected one connected body, found {pieces} pieces of {_listing(sizes)} elements, "
             f"which hold the points {_listing(places)}"
@@ -43,7 +45,7 @@ def check_no_mechanism(mesh: Mesh, facets: Facets) -> None:
     Without strain every element moves rigidly, so the rigid motions q_a of pieces held together by facets must agree,
     [I, -X~] (q_a - q_b) = 0, at every node X that they share: six motions in all are a free body, more a mechanism.
     """
-    pieces, label = _clusters(facets.sides, len(facets.nodes))
+    pieces, label = _clusters(facets.sides, facets.count)
     if pieces == 1:
         return
     motions, joints = _motions(mesh, pieces, label)
@@ -57,8 +59,8 @@ def check_no_mechanism(mesh: Mesh, facets: Facets) -> None:
 
 def _motions(mesh: Mesh, pieces: int, label: IntArray) -> tuple[int, Array]:
     """The number of motions without strain, and the points where pieces meet."""
-    of_node = np.repeat(label, mesh.elements.shape[1])
-    pairs = np.unique(np.stack([mesh.elements.ravel(), of_node], axis=1), axis=0)
+    element, node = _incidence(mesh.elements)
+    pairs = np.unique(np.stack([node, label[element]], axis=1), axis=0)
     same = pairs[1:, 0] == pairs[:-1, 0]
     nodes, one, other = pairs[1:][same, 0], pairs[:-1][same, 1], pairs[1:][same, 1]
     arms = spider((mesh.points[nodes] - mesh.points.mean(axis=0)) / mesh.size)
@@ -68,14 +70,20 @@ def _motions(mesh: Mesh, pieces: int, label: IntArray) -> tuple[int, Array]:
     return 6 * pieces - int(np.linalg.matrix_rank(rows.reshape(-1, 6 * pieces))), mesh.points[np.unique(nodes)]
 
 
-def _clusters(members: IntArray, n_members: int) -> tuple[int, IntArray]:
-    """Elements that share members (n, k), all of them used, in one cluster: how many, and which of each (n,)."""
-    n, k = members.shape
+def _clusters(members: Mapping[str, IntArray], n_members: int) -> tuple[int, IntArray]:
+    """Elements that share members, all of them used, in one cluster: how many, and which of each (n_elements,)."""
+    n = sum(len(rows) for rows in members.values())
+    element, member = _incidence(members)
     # One graph of elements and members: its edges are fewer than those between elements that touch.
-    edges = (np.repeat(np.arange(n), k), n + members.ravel())
-    graph = sp.coo_array((np.ones(n * k), edges), shape=(n + n_members, n + n_members))
+    graph = sp.coo_array((np.ones(len(element)), (element, n + member)), shape=(n + n_members, n + n_members))
     count, label = connected_components(graph, directed=False)
     return int(count), label[:n].astype(np.int64)
+
+
+def _incidence(members: Mapping[str, IntArray]) -> tuple[IntArray, IntArray]:
+    """Pairs of an element's number and a member of it, from the members (n, k) of each type of element."""
+    per_element = np.concatenate([np.full(len(rows), rows.shape[1]) for rows in members.values()])
+    return np.repeat(np.arange(len(per_element)), per_element), np.concatenate([r.ravel() for r in members.values()])
 
 
 def _listing(items: Sequence[object]) -> str:

@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from ..superelement.validation import Array
 from .errors import InterfaceError
 from .facets import Facets
-from .mesh import DIMENSIONS, IntArray, Mesh
+from .mesh import DIMENSIONS, NONE, IntArray, Mesh
 from .nodes import Nodes
 from .selection import InterfaceSelection
 
@@ -77,10 +77,10 @@ def solid_attachment(selection: InterfaceSelection, mesh: Mesh, nodes: Nodes, fa
 
     if selection.node is not None:
         return nodal(nearest_node(selection, mesh), nodes)
-    patch = _selected_facets(selection, mesh, facets)
-    if len(patch):
-        faces = surface(mesh.points, patch)
-        members = np.unique(patch)
+    chosen = _selected_facets(selection, mesh, facets)
+    if len(chosen):
+        faces = surface(mesh.points, facets.patch(chosen))
+        members = faces.nodes
         X = faces.centroid if selection.at is None else np.array(selection.at)
         _check_spread(mesh.points[members])
         rows = mean_motion(faces, X, nodes)
@@ -96,11 +96,12 @@ def solid_attachment(selection: InterfaceSelection, mesh: Mesh, nodes: Nodes, fa
 
 
 def _selected_facets(selection: InterfaceSelection, mesh: Mesh, facets: Facets) -> IntArray:
-    """The facets (m, k) of a plane or a group; none if the group is of points."""
+    """The numbers (m,) of the facets of a plane or a group; none if the group is of points."""
     if selection.plane is not None:
         plane = selection.plane
         distance = plane.tolerance * mesh.size
-        found = facets.in_plane(mesh.points, np.array(plane.point), np.array(plane.normal), distance)
+        normal = np.array(plane.normal) / np.linalg.norm(plane.normal)
+        found = facets.boundary_within(np.abs((mesh.points - plane.point) @ normal) <= distance)
         if not len(found):
             raise InterfaceError(
                 f"no facet of the boundary lies within {distance:.3g} m of the plane through "
@@ -110,23 +111,23 @@ def _selected_facets(selection: InterfaceSelection, mesh: Mesh, facets: Facets) 
     group = mesh.group(selection.group or "")
     dimensions = {DIMENSIONS.get(kind, 3) for kind in group.cells}
     if dimensions == {2}:
-        return np.vstack([_faces(mesh.cells[kind][rows], kind, facets) for kind, rows in group.cells.items()])
+        return np.concatenate([_faces(mesh.cells[kind][rows], kind, facets) for kind, rows in group.cells.items()])
     if dimensions <= {0}:
-        return facets.nodes[:0]
+        return NONE
     raise InterfaceError(
         f"expected a group of facets or of points, found {', '.join(group.kinds)} in {selection.group!r}"
     )
 
 
 def _faces(cells: IntArray, kind: str, facets: Facets) -> IntArray:
-    """The facets (m, k) of elements that the cells of a group name."""
-    found = facets.matching(cells) if kind in facets.kinds else np.full(len(cells), -1)
+    """The numbers (m,) of the facets that the cells of a group name."""
+    found = facets.matching(kind, cells)
     if (found < 0).any():
         raise InterfaceError(
             f"{(found < 0).sum()} of {len(cells)} {kind} cells are no face of an element, "
             f"first that of points {cells[int(np.argmin(found))].tolist()}"
         )
-    return facets.nodes[found]
+    return found
 
 
 def _group_nodes(mesh: Mesh, name: str) -> IntArray:

@@ -29,7 +29,7 @@ _PARSER_FAILURES = (
 def read_mesh(path: str | os.PathLike[str]) -> Mesh:
     """Read a mesh in any format of meshio. Groups are its cell sets, point sets and the physical groups of Gmsh.
 
-    `MeshError` if the file cannot be read, or holds cells that are neither lines nor one kind of solid.
+    `MeshError` if the file cannot be read, or holds cells that are neither lines nor solids.
     """
     path = Path(path)
     raw = _parse(path)
@@ -41,7 +41,7 @@ def read_mesh(path: str | os.PathLike[str]) -> Mesh:
         kind: np.concatenate([np.asarray(block.data, dtype=np.int64) for block in raw.cells if block.type == kind])
         for kind in dict.fromkeys(block.type for block in raw.cells)
     }
-    return Mesh(path.name, points, cells, _groups(raw), _body_type(path.name, list(cells)))
+    return Mesh(path.name, points, cells, _groups(raw), _body_types(path.name, list(cells)))
 
 
 def _parse(path: Path) -> meshio.Mesh:
@@ -74,18 +74,16 @@ def _parse_as(name: str, path: Path) -> meshio.Mesh:
     return mesh
 
 
-def _body_type(name: str, kinds: list[str]) -> str:
-    """The type of the cells that make the body: the solid ones, else lines."""
+def _body_types(name: str, kinds: list[str]) -> tuple[str, ...]:
+    """The types of the cells that make the body: the solid ones, else lines."""
     unsupported = [kind for kind in kinds if kind not in (*SOLIDS, *PARTS)]
     if unsupported:
         raise MeshError(f"{name}: unsupported cells {', '.join(unsupported)}; bodies are made of {_supported()}")
-    solids = [kind for kind in kinds if kind in SOLIDS]
-    if len(solids) > 1:
-        raise MeshError(f"{name}: expected one kind of solid cells, found {', '.join(solids)}")
+    solids = tuple(kind for kind in kinds if kind in SOLIDS)
     if solids:
-        return solids[0]
+        return solids
     if "line" in kinds and all(kind in ("vertex", "line") for kind in kinds):
-        return "line"
+        return LINES
     raise MeshError(f"{name}: no body in cells of type {', '.join(kinds) or 'none'}; bodies are made of {_supported()}")
 
 

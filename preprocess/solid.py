@@ -60,17 +60,17 @@ KINDS = {
 }
 
 
-def solid_matrices(mesh: Mesh, materials: list[Material]) -> tuple[Array, Array]:
-    """Stiffness and consistent mass (n, 3k, 3k) of every solid element; three displacements to a node, meshio's order.
+def solid_matrices(mesh: Mesh, name: str, materials: list[Material]) -> tuple[Array, Array]:
+    """Stiffness and consistent mass (n, 3k, 3k) of the solids of a type; three displacements to a node, meshio's order.
 
         K_(ia)(jb) = int lambda N_i,a N_j,b + mu N_i,b N_j,a + mu delta_ab N_i,c N_j,c dV     (Hooke, isotropic)
         M_(ia)(jb) = int rho delta_ab N_i N_j dV
 
     `materials` has one material per element. `MeshError` for an inverted or degenerate element.
     """
-    kind = KINDS[mesh.body_type]
-    _check_jacobians(mesh, _jacobians(mesh, kind))
-    N, dN, dV = _shapes(mesh, kind)
+    kind, cells = KINDS[name], mesh.cells[name]
+    _check_jacobians(mesh, name, _jacobians(mesh.points[cells], kind))
+    N, dN, dV = _shapes(mesh.points[cells], kind)
     n, k, _, _ = dN.shape
     rows = dN.reshape(n, 3 * k, -1)
     G = ((rows * dV[:, None]) @ rows.transpose(0, 2, 1)).reshape(n, k, 3, k, 3)
@@ -83,11 +83,11 @@ def solid_matrices(mesh: Mesh, materials: list[Material]) -> tuple[Array, Array]
     return K.reshape(n, 3 * k, 3 * k), M.reshape(n, 3 * k, 3 * k)
 
 
-def _shapes(mesh: Mesh, kind: Kind) -> tuple[Array, Array, Array]:
+def _shapes(corners: Array, kind: Kind) -> tuple[Array, Array, Array]:
     """Shapes N (n, k, q), their gradients (n, k, 3, q) and volumes dV (n, q) at integration points, meshio's order."""
     # Elements are handed over apart, each with nodes of its own, so that nothing rests on how shared ones are numbered.
-    n, k = mesh.elements.shape
-    grid = kind.mesh(mesh.points[mesh.elements[:, kind.order]].reshape(-1, 3).T, np.arange(n * k).reshape(n, k).T)
+    n, k, _ = corners.shape
+    grid = kind.mesh(corners[:, kind.order].reshape(-1, 3).T, np.arange(n * k).reshape(n, k).T)
     mapping = MappingIsoparametric(grid, kind.element())
     basis = CellBasis(grid, kind.element(), mapping, intorder=kind.intorder, disable_doflocs=True)
     fields = [basis.basis[i][0] for i in np.argsort(kind.order)]
@@ -96,27 +96,27 @@ def _shapes(mesh: Mesh, kind: Kind) -> tuple[Array, Array, Array]:
     return N, dN, basis.dx
 
 
-def _jacobians(mesh: Mesh, kind: Kind) -> Array:
+def _jacobians(corners: Array, kind: Kind) -> Array:
     """det dx/dxi (n, q) of every element at its integration points [m^3]."""
     element = kind.element()
     xi, _ = get_quadrature(element.refdom, kind.intorder)
     gradients = np.array([np.broadcast_to(element.lbasis(xi, i)[1], xi.shape) for i in range(len(kind.order))])
-    jacobians: Array = np.linalg.det(np.einsum("kdq,nki->nqid", gradients, mesh.points[mesh.elements[:, kind.order]]))
+    jacobians: Array = np.linalg.det(np.einsum("kdq,nki->nqid", gradients, corners[:, kind.order]))
     return jacobians
 
 
-def _check_jacobians(mesh: Mesh, jacobians: Array) -> None:
+def _check_jacobians(mesh: Mesh, kind: str, jacobians: Array) -> None:
     """Every element must keep its orientation and volume at all integration points; jacobians (n, q)."""
-    diameter = np.linalg.norm(np.ptp(mesh.points[mesh.elements], axis=1), axis=1)
+    diameter = np.linalg.norm(np.ptp(mesh.points[mesh.cells[kind]], axis=1), axis=1)
     worst = jacobians.min(axis=1) / diameter**3
     bad = np.flatnonzero(worst <= FLAT)
     if bad.size:
         element = int(bad[0])
         state = "inverted" if worst[element] < -FLAT else "degenerate"
-        groups = [name for name, g in mesh.groups.items() if element in g.cells.get(mesh.body_type, ())]
-        place = mesh.points[mesh.elements[element]].mean(axis=0)
+        groups = [name for name, g in mesh.groups.items() if element in g.cells.get(kind, ())]
+        place = mesh.points[mesh.cells[kind][element]].mean(axis=0)
         raise MeshError(
-            f"{mesh.name}: {mesh.body_type} element {element} of group {', '.join(groups) or '(none)'} is {state}: "
+            f"{mesh.name}: {kind} element {element} of group {', '.join(groups) or '(none)'} is {state}: "
             f"its Jacobian falls to {jacobians[element].min():.3e} m^3 near {place.tolist()}; "
             f"{bad.size} of {len(worst)} elements are inverted or degenerate"
         )

@@ -67,7 +67,7 @@ def assemble_mesh(body: Body, mesh: Mesh) -> Structure:
     check_used(mesh)
     check_connected(mesh)
     try:
-        return _beam_structure(body, mesh) if mesh.body_type in LINES else _solid_structure(body, mesh)
+        return _beam_structure(body, mesh) if mesh.body_types == LINES else _solid_structure(body, mesh)
     except InterfaceError as error:
         raise InterfaceError(f"{mesh.name}: {error}") from error
 
@@ -75,7 +75,7 @@ def assemble_mesh(body: Body, mesh: Mesh) -> Structure:
 def _beam_structure(body: Body, mesh: Mesh) -> Structure:
     nodes = Nodes(mesh.points, np.ones(len(mesh.points), dtype=bool))
     stiffness, mass = beam_matrices(mesh, _sections(body, mesh))
-    dofs = node_dofs(mesh.elements, 6)
+    dofs = node_dofs(mesh.cells["line"], 6)
     K, M = _scatter(stiffness, dofs, nodes.n_dofs), _scatter(mass, dofs, nodes.n_dofs)
 
     attach = partial(beam_attachment, mesh=mesh, nodes=nodes)
@@ -89,16 +89,21 @@ def _solid_structure(body: Body, mesh: Mesh) -> Structure:
     from .solid import solid_matrices
 
     nodes = Nodes(mesh.points, np.zeros(len(mesh.points), dtype=bool))
-    stiffness, mass = solid_matrices(mesh, _materials(body, mesh))
+    materials = _materials(body, mesh)
+    K = M = sp.csc_array((nodes.n_dofs, nodes.n_dofs))
+    for kind, cells in mesh.elements.items():
+        first = mesh.first[kind]
+        stiffness, mass = solid_matrices(mesh, kind, materials[first : first + len(cells)])
+        dofs = node_dofs(cells, 3)
+        K, M = K + _scatter(stiffness, dofs, nodes.n_dofs), M + _scatter(mass, dofs, nodes.n_dofs)
     facets = facets_of(mesh)
     check_no_mechanism(mesh, facets)
-    dofs = node_dofs(mesh.elements, 3)
 
     attach = partial(solid_attachment, mesh=mesh, nodes=nodes, facets=facets)
     attachments = _attachments("interfaces", body.interfaces, attach)
     left, T, rows = tie(nodes, attachments)
     placed = {name: a.rows @ T for name, a in _attachments("masses", placed_masses(body), attach).items()}
-    K, M = (T.T @ _scatter(blocks, dofs, nodes.n_dofs) @ T for blocks in (stiffness, mass))
+    K, M = T.T @ K @ T, T.T @ M @ T
     return _structure(left, K.tocsc(), (M + lumped_mass(body, rows, placed)).tocsc(), attachments, rows)
 
 
@@ -126,7 +131,7 @@ def _structure(
 def _sections(body: Body, mesh: Mesh) -> list[Section]:
     """The section of every line."""
     if body.section is not None:
-        return [body.section] * len(mesh.elements)
+        return [body.section] * mesh.n_elements
     if not body.sections:
         raise BodyError(f"{mesh.name} is a mesh of lines: expected [section] or [sections.GROUP], found a material")
     sections = list(body.sections.values())
@@ -136,7 +141,7 @@ def _sections(body: Body, mesh: Mesh) -> list[Section]:
 def _materials(body: Body, mesh: Mesh) -> list[Material]:
     """The material of every solid element."""
     if body.material is not None:
-        return [body.material] * len(mesh.elements)
+        return [body.material] * mesh.n_elements
     if not body.materials:
         raise BodyError(f"{mesh.name} is a mesh of solids: expected [material] or [materials.GROUP], found a section")
     materials = list(body.materials.values())
@@ -145,15 +150,15 @@ def _materials(body: Body, mesh: Mesh) -> list[Material]:
 
 def _owners(groups: list[str], mesh: Mesh, key: str) -> IntArray:
     """For every element (n,) which of `groups` it is in; `BodyError` unless it is in exactly one."""
-    members = np.zeros((len(groups), len(mesh.elements)), dtype=bool)
+    members = np.zeros((len(groups), mesh.n_elements), dtype=bool)
     for i, name in enumerate(groups):
-        members[i, mesh.group(name).cells.get(mesh.body_type, [])] = True
+        members[i, mesh.members(name)] = True
     count = members.sum(axis=0)
     if (count != 1).any():
-        element = int(np.flatnonzero(count != 1)[0])
+        kind, row = mesh.element(int(np.flatnonzero(count != 1)[0]))
         raise BodyError(
             f"{mesh.name}: every element must be in exactly one of the groups of [{key}] ({', '.join(groups)}): "
-            f"{(count == 0).sum()} are in none and {(count > 1).sum()} in several, first element {element}"
+            f"{(count == 0).sum()} are in none and {(count > 1).sum()} in several, first {kind} element {row}"
         )
     owner: IntArray = members.argmax(axis=0)
     return owner

@@ -9,22 +9,36 @@ from skfem import Element, ElementQuad1, ElementQuad2, ElementQuadS2, ElementTri
 from skfem.quadrature import get_quadrature
 
 from ..superelement.validation import Array
+from .facets import Patch
 from .mesh import IntArray
 from .nodes import Nodes, spider
 
-ELEMENTS = {3: ElementTriP1, 6: ElementTriP2, 4: ElementQuad1, 8: ElementQuadS2, 9: ElementQuad2}
-"""The shape functions of a facet by its number of nodes; meshio orders them as scikit-fem does."""
+ELEMENTS = {
+    "triangle": ElementTriP1,
+    "triangle6": ElementTriP2,
+    "quad": ElementQuad1,
+    "quad8": ElementQuadS2,
+    "quad9": ElementQuad2,
+}
+"""The shape functions of facets; meshio orders their nodes as scikit-fem does."""
 ORDER = 5
 
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """Facets ready to integrate: nodes (n, k), shape functions N (k, q), points x (n, q, 3), areas dA (n, q) [m^2]."""
+    """Facets ready to integrate, as points x (m, 3) with areas dA (m,) [m^2] each.
 
-    nodes: IntArray
-    N: Array
+    N (m, n_points), sparse: values at the points x from values at the nodes of the mesh.
+    """
+
     x: Array
     dA: Array
+    N: Any
+
+    @property
+    def nodes(self) -> IntArray:
+        """The nodes of the facets, each once."""
+        return np.unique(self.N.indices)
 
     @property
     def area(self) -> float:
@@ -33,21 +47,31 @@ class Surface:
     @property
     def centroid(self) -> Array:
         """The centroid of the area (3,)."""
-        moment: Array = np.einsum("fq,fqi->i", self.dA, self.x)
+        moment: Array = self.dA @ self.x
         return moment / self.area
 
 
-def surface(points: Array, facets: IntArray) -> Surface:
-    """The isoparametric surface of facets (n, k) over points (n_points, 3)."""
-    element: Element = ELEMENTS[facets.shape[1]]()
+def surface(points: Array, patch: Patch) -> Surface:
+    """The isoparametric surface of facets over points (n_points, 3)."""
+    pieces = [_piece(points, kind, nodes) for kind, nodes in patch.items()]
+    x, dA, N = zip(*pieces, strict=True)
+    return Surface(np.concatenate(x), np.concatenate(dA), sp.vstack(N, format="csr"))
+
+
+def _piece(points: Array, kind: str, facets: IntArray) -> tuple[Array, Array, Any]:
+    """x, dA and N of facets (n, k) of one type."""
+    element: Element = ELEMENTS[kind]()
     xi, weights = get_quadrature(element.refdom, ORDER)
-    values = [element.lbasis(xi, i) for i in range(facets.shape[1])]
+    n, k = facets.shape
+    values = [element.lbasis(xi, i) for i in range(k)]
     N = np.array([np.broadcast_to(value, weights.shape) for value, _ in values])
     dN = np.array([np.broadcast_to(gradient, xi.shape) for _, gradient in values])
     corners = points[facets]
     tangents = np.einsum("kdq,fki->dfqi", dN, corners)
     dA = np.linalg.norm(np.cross(tangents[0], tangents[1]), axis=-1) * weights
-    return Surface(facets, N, np.einsum("kq,fki->fqi", N, corners), dA)
+    columns = np.broadcast_to(facets[:, None, :], (n, len(weights), k)).ravel()
+    table = sp.csr_array((np.tile(N.T.ravel(), n), columns, np.arange(0, len(columns) + 1, k)), (dA.size, len(points)))
+    return np.einsum("kq,fki->fqi", N, corners).reshape(-1, 3), dA.ravel(), table
 
 
 def mean_motion(patch: Surface, X: Array, nodes: Nodes) -> Any:
@@ -59,9 +83,10 @@ def mean_motion(patch: Surface, X: Array, nodes: Nodes) -> Any:
     stress in a beam. With nodal areas int N_i dA as weights (methods 5.1) the corners of quadratic facets would weigh
     nothing, or less; the integral needs no such weights, and differs only in how a facet shares load among its nodes.
     """
-    A = spider((patch.x - patch.centroid).reshape(-1, 3)).reshape(*patch.x.shape, 6)
-    blocks = np.einsum("fqij,kq,fq->fkij", A, patch.N, patch.dA)
-    return _fitted(blocks.reshape(-1, 3, 6), patch.nodes.ravel(), patch.centroid, X, nodes)
+    A = spider(patch.x - patch.centroid)
+    blocks = patch.N.T @ (patch.dA[:, None] * A.reshape(-1, 18))
+    members = patch.nodes
+    return _fitted(blocks[members].reshape(-1, 3, 6), members, patch.centroid, X, nodes)
 
 
 def mean_motion_of_points(members: IntArray, X: Array, nodes: Nodes) -> Any:

@@ -63,7 +63,8 @@ def box_mesh(
     """A box from the origin; groups root and tip are its faces across x, and all its elements are in `box`."""
     grid, cells = solid_cells(kind, divisions)
     points = grid / (2.0 * np.array(divisions)) * size
-    faces = cells[:, np.array(LOCAL[kind][0])].reshape(-1, len(LOCAL[kind][0][0]))
+    (local,) = LOCAL[kind].values()
+    faces = cells[:, np.array(local)].reshape(-1, len(local[0]))
     at = {name: faces[(grid[faces, 0] == x).all(axis=1)] for name, x in (("root", 0), ("tip", 2 * divisions[0]))}
     facet = FACET_TYPES[kind]
     return named(points, [("root", facet, at["root"]), ("tip", facet, at["tip"]), ("box", kind, cells)])

@@ -58,5 +58,7 @@ def test_several_pieces(solid_body, beam_body, lines):
 
 
 def test_points_without_mass(beam_body, lines):
-    with pytest.raises(MeshError, match=r"mesh.msh: 1 nodes without mass: .*no line element, first point 2 at \[0.2"):
+    with pytest.raises(
+        MeshError, match=r"mesh.msh: 1 nodes without mass: .*no element of type line, first point 2 at \[0.2"
+    ):
         assemble(beam_body(lines([[0, 0, 0], [0.1, 0, 0], [0.2, 9, 0], [0.3, 0, 0]], [[0, 1], [1, 3]])))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from duhamel.preprocess import MeshError, assemble
-from duhamel.preprocess.facets import facets_of
+from duhamel.preprocess.facets import CORNERS, facets_of
 from duhamel.preprocess.reading import read_mesh
 
 E, NU = 2.1e11, 0.3
@@ -77,13 +77,14 @@ def test_the_volume_of_a_curved_body(solid_body, box, kind):
 def test_sides_have_their_middles_between_their_corners(save, box, kind):
     mesh = read_mesh(save(box(kind, divisions=(2, 1, 1))))
     facets = facets_of(mesh)
-    c, points = facets.corners, mesh.points
-    ring = points[facets.nodes[:, :c]]
-    if facets.nodes.shape[1] >= 2 * c:
+    ((facet, nodes),) = facets.nodes.items()
+    c, points = CORNERS[facet], mesh.points
+    ring = points[nodes[:, :c]]
+    if nodes.shape[1] >= 2 * c:
         middles = 0.5 * (ring + np.roll(ring, -1, axis=1))
-        np.testing.assert_allclose(points[facets.nodes[:, c : 2 * c]], middles, rtol=0, atol=1e-15)
-    if facets.nodes.shape[1] == 9:
-        np.testing.assert_allclose(points[facets.nodes[:, 8]], ring.mean(axis=1), rtol=0, atol=1e-15)
+        np.testing.assert_allclose(points[nodes[:, c : 2 * c]], middles, rtol=0, atol=1e-15)
+    if nodes.shape[1] == 9:
+        np.testing.assert_allclose(points[nodes[:, 8]], ring.mean(axis=1), rtol=0, atol=1e-15)
     outward = np.cross(ring[:, 1] - ring[:, 0], ring[:, 2] - ring[:, 1])
     middle = np.array([0.5, 0.5, 0.5])
     assert (np.einsum("fi,fi->f", outward, ring.mean(axis=1) - middle)[facets.boundary] > 0).all()
