@@ -70,7 +70,7 @@ def sample_kernel(modes: Modes, h: float, scheme: GeneralizedAlpha, steps: int, 
     if steps < 1:
         raise SuperelementError(f"kernel: steps: expected one or more, found {steps}")
     impulse, initial = _scalar_responses(modes, h, scheme, steps)
-    return Kernel(h, scheme, _spread(modes.phi, impulse), _spread(modes.phi, initial), error)
+    return Kernel(h, scheme, spread(modes.phi, impulse), spread(modes.phi, initial), error)
 
 
 def _scalar_responses(modes: Modes, h: float, scheme: GeneralizedAlpha, steps: int) -> tuple[Array, Array]:
@@ -80,8 +80,8 @@ def _scalar_responses(modes: Modes, h: float, scheme: GeneralizedAlpha, steps: i
     return np.array(list(impulse))[1:], np.array(list(initial))
 
 
-def _spread(phi: Array, coefficients: Array) -> Array:
-    """phi diag(c_k) phi^T for every row c_k: (n_k, n_c, n_c), symmetric to the last bit.
+def spread(phi: Array, coefficients: Array) -> Array:
+    """phi diag(c_k) phi^T for every row c_k of real coefficients: (n_k, n_c, n_c), symmetric to the last bit.
 
     One matrix product over the pairs i <= j: no array of n_k n_c m numbers for the many modes of a large mesh.
     """
