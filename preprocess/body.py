@@ -76,15 +76,25 @@ class PointMass(Table):
 class Impulse(Table):
     """The impulse responses to compute: `steps` steps of `step` seconds, with the damping rho_inf of the scheme.
 
-    method: "modal" from all elastic modes, "march" by stepping the full model, "auto" the one that fits the size.
-    tolerance: the error asked of methods that approximate; modal and march do not.
+    method: "modal" from all elastic modes, "krylov" from as many as it takes, "march" by stepping the full model,
+    "auto" the one of the first two that fits the size. tolerance: the relative error of the transfer function up to
+    `band` [Hz], half the Nyquist frequency unless given, that "krylov" may make; the others make none.
     """
 
     step: PositiveFloat
     steps: PositiveInt
     rho_inf: Annotated[float, Field(ge=0.0, le=1.0)] = 0.9
     method: Method = "auto"
-    tolerance: PositiveFloat = 1e-8
+    tolerance: PositiveFloat = 1e-6
+    band: PositiveFloat | None = None
+
+    @model_validator(mode="after")
+    def _below_nyquist(self) -> Self:
+        if self.band is not None and self.band > 0.5 / self.step:
+            raise ValueError(
+                f"band: expected at most the Nyquist frequency of the step, {0.5 / self.step:g} Hz, found {self.band:g}"
+            )
+        return self
 
 
 class Ratios(Table):

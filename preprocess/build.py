@@ -16,7 +16,7 @@ PACKAGES = ("duhamel", "numpy", "scipy", "scikit-fem", "meshio")
 def build(body: Body, progress: bool = False) -> Superelement:
     """The superelement of a body: mesh, finite elements, interfaces, static and impulse responses.
 
-    `progress` shows on the terminal what is being done and, while impulse responses are marched, how far it is.
+    `progress` shows on the terminal what is being done and how far it is.
     `PreprocessError` if the body, its mesh or its method do not allow it.
     """
     with shown_stages(progress) as stages:
@@ -31,7 +31,7 @@ def _build(body: Body, stages: Stages) -> Superelement:
     with stages.stage("static"):
         H, B = compliance(structure), mobility(structure)
     with stages.stage("impulse"):
-        responses = impulse_responses(structure, body, stages.track)
+        responses = impulse_responses(structure, body, stages)
     return Superelement(
         name=body.name,
         mass=structure.rigid.mass,
@@ -47,7 +47,7 @@ def _build(body: Body, stages: Stages) -> Superelement:
             mesh=mesh.name,
             mesh_sha256=sha256(body.mesh),
             method=responses.method,
-            tolerance=0.0,
+            tolerance=responses.tolerance,
             versions={name: metadata.version(name) for name in PACKAGES},
             timings=stages.seconds,
         ),

@@ -3,11 +3,16 @@
 from dataclasses import dataclass
 
 from ..superelement import GeneralizedAlpha, Kernel, Modes, sample_kernel
+from .band import Band
 from .body import Body
-from .errors import MethodError
-from .march import Track, march_kernel
-from .modal import LIMIT, Shapes, elastic_shapes
+from .krylov import krylov_modes
+from .march import march_kernel
+from .modal import Shapes, elastic_shapes
+from .progress import Stages
 from .structure import Structure
+
+SMALL = 1000
+"""Unknowns up to which all modes are as quick as some."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,24 +27,29 @@ class ImpulseResponses:
     kernel: Kernel
     modes: Modes | None = None
     shapes: Shapes | None = None
+    tolerance: float = 0.0
+    """the error asked of the method; 0 where it is exact"""
 
 
-def impulse_responses(structure: Structure, body: Body, track: Track = iter) -> ImpulseResponses:
+def impulse_responses(structure: Structure, body: Body, stages: Stages | None = None) -> ImpulseResponses:
     """The impulse responses that a body asks for, by the method it names or, with "auto", the one that fits its size.
 
-    `MethodError` where the method does not allow what is asked.
+    `stages` shows how far it is. `MethodError` where the method does not allow what is asked.
     """
-    impulse = body.impulse
-    scheme = GeneralizedAlpha(impulse.rho_inf)
+    stages = stages or Stages()
+    impulse, damping = body.impulse, body.damping
+    h, scheme, steps = impulse.step, GeneralizedAlpha(impulse.rho_inf), impulse.steps
     method = impulse.method
     if method == "auto":
-        method = "modal" if structure.n_u <= LIMIT else "march"
+        method = "modal" if structure.n_u <= SMALL else "krylov"
     match method:
         case "modal":
-            modes, shapes = elastic_shapes(structure, body.damping)
-            return ImpulseResponses(method, sample_kernel(modes, impulse.step, scheme, impulse.steps), modes, shapes)
+            modes, shapes = elastic_shapes(structure, damping)
+            return ImpulseResponses(method, sample_kernel(modes, h, scheme, steps), modes, shapes)
+        case "krylov":
+            band = Band(h, scheme, steps, impulse.band or 0.25 / h)
+            modes, shapes, error = krylov_modes(structure, damping, band, impulse.tolerance, stages.tell)
+            kernel = sample_kernel(modes, h, scheme, steps, error, band.limit)
+            return ImpulseResponses(method, kernel, modes, shapes, impulse.tolerance)
         case "march":
-            kernel = march_kernel(structure, body.damping, impulse.step, scheme, impulse.steps, track)
-            return ImpulseResponses(method, kernel)
-        case _:
-            raise MethodError(f"impulse.method {method} is not available yet: use auto, modal or march")
+            return ImpulseResponses(method, march_kernel(structure, damping, h, scheme, steps, stages.track))

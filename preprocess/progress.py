@@ -12,16 +12,23 @@ class Stages:
     def __init__(self, bar: Any | None = None) -> None:
         self.seconds: dict[str, float] = {}
         self._bar = bar
+        self._name, self._task = "", None
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
         """Time what happens inside, with a moving bar of unknown length."""
-        task = self._bar.add_task(name, total=None) if self._bar is not None else None
+        if self._bar is not None:
+            self._name, self._task = name, self._bar.add_task(name, total=None)
         start = time.perf_counter()
         yield
         self.seconds[name] = time.perf_counter() - start
         if self._bar is not None:
-            self._bar.remove_task(task)
+            self._bar.remove_task(self._task)
+
+    def tell(self, text: str) -> None:
+        """Say beside the name of the stage how it goes."""
+        if self._bar is not None:
+            self._bar.update(self._task, description=f"{self._name}: {text}")
 
     def track(self, steps: range) -> Iterator[int]:
         """The steps, with a bar that fills."""

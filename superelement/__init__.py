@@ -6,7 +6,7 @@ from .kernel import Kernel, sample_kernel
 from .modes import Modes
 from .recovery import Recovery
 from .scheme import GeneralizedAlpha
-from .superelement import Provenance, Superelement
+from .superelement import Provenance, StepWarning, Superelement
 from .validation import SuperelementError
 
 __all__ = [
@@ -16,6 +16,7 @@ __all__ = [
     "Modes",
     "Provenance",
     "Recovery",
+    "StepWarning",
     "Superelement",
     "SuperelementError",
     "read",

@@ -91,11 +91,14 @@ def _fill(file: h5py.File, body: Superelement) -> None:
 
     kernel = file.create_group("kernel")
     kernel.attrs.update(h=body.kernel.h, rho_inf=body.kernel.scheme.rho_inf, error=body.kernel.error)
+    if body.kernel.band is not None:
+        kernel.attrs["band"] = body.kernel.band
     put(kernel, "g", body.kernel.g, "m/N, rad/N, rad/(N m)")
     put(kernel, "g_initial", body.kernel.g_initial, "m/N, rad/N, rad/(N m)")
 
     if body.modes is not None:
         modes = file.create_group("modes")
+        modes.attrs["h_min"] = body.modes.h_min
         put(modes, "omega", body.modes.omega, "rad/s")
         put(modes, "zeta", body.modes.zeta, "1")
         put(modes, "phi", body.modes.phi, "1/sqrt(kg), 1/(sqrt(kg) m)")
@@ -170,6 +173,7 @@ def _kernel(file: h5py.File) -> Kernel:
         g=dataset(file, "kernel/g"),
         g_initial=dataset(file, "kernel/g_initial"),
         error=number(attributes, "error"),
+        band=number(attributes, "band") if "band" in attributes.attrs else None,
     )
 
 
@@ -183,7 +187,13 @@ def _scheme(rho_inf: float) -> GeneralizedAlpha:
 def _modes(file: h5py.File) -> Modes | None:
     if "modes" not in file:
         return None
-    return Modes(dataset(file, "modes/omega"), dataset(file, "modes/zeta"), dataset(file, "modes/phi"))
+    attributes = group(file, "modes")
+    return Modes(
+        omega=dataset(file, "modes/omega"),
+        zeta=dataset(file, "modes/zeta"),
+        phi=dataset(file, "modes/phi"),
+        h_min=number(attributes, "h_min") if "h_min" in attributes.attrs else 0.0,
+    )
 
 
 def _recovery(file: h5py.File) -> Recovery | None:

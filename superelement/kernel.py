@@ -20,7 +20,8 @@ class Kernel:
     g[k] (n_k, n_c, n_c) is the displacement k steps after the step that ends in a unit load; g[0] is the
     instantaneous compliance. In the numbering of the paper g[k] = h H_{k+2}. g_initial[k] is the displacement
     k steps after t_0 under a unit load that acts at t_0 alone. [m/N, rad/N, m/(N m), rad/(N m)]
-    `error` is the relative error of the transfer function over the band that the method states; 0 if exact.
+    `error` is the relative error of the transfer function from 0 to `band` [Hz], or at all frequencies if None;
+    0 if exact.
     """
 
     h: float
@@ -28,11 +29,14 @@ class Kernel:
     g: Array
     g_initial: Array
     error: float = 0.0
+    band: float | None = None
 
     def __post_init__(self) -> None:
         check_positive("kernel: h", self.h)
         if not (np.isfinite(self.error) and self.error >= 0.0):
             raise SuperelementError(f"kernel: error: expected a number >= 0, found {self.error}")
+        if self.band is not None:
+            check_positive("kernel: band", self.band)
         g = checked("kernel: g", self.g, ("n_k", "n_c", "n_c"))
         n_k, n_c, columns = g.shape
         if n_c != columns or n_k < 2:
@@ -58,19 +62,21 @@ class Kernel:
         return self.steps * self.h
 
 
-def sample_kernel(modes: Modes, h: float, scheme: GeneralizedAlpha, steps: int, error: float = 0.0) -> Kernel:
+def sample_kernel(
+    modes: Modes, h: float, scheme: GeneralizedAlpha, steps: int, error: float = 0.0, band: float | None = None
+) -> Kernel:
     """The kernel that generalized-alpha time stepping of the modes produces, exactly.
 
         g[k] = phi diag(c_k) phi^T,   c_k: the scalar recursion of each omega, zeta under a unit load at one step
 
-    h [s], `steps` time steps, one or more; the result has steps + 1 lags. `error` is that of the modes themselves.
+    h [s], `steps` time steps, one or more; the result has steps + 1 lags. `error` and `band` are those of the modes.
     Raises `SuperelementError` for a step that is not positive or fewer steps than one. Source: methods, section 2.1.
     """
     check_positive("kernel: h", h)
     if steps < 1:
         raise SuperelementError(f"kernel: steps: expected one or more, found {steps}")
     impulse, initial = _scalar_responses(modes, h, scheme, steps)
-    return Kernel(h, scheme, spread(modes.phi, impulse), spread(modes.phi, initial), error)
+    return Kernel(h, scheme, spread(modes.phi, impulse), spread(modes.phi, initial), error, band)
 
 
 def _scalar_responses(modes: Modes, h: float, scheme: GeneralizedAlpha, steps: int) -> tuple[Array, Array]:

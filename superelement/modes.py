@@ -14,11 +14,13 @@ class Modes:
         u = phi eta,     eta_i'' + 2 zeta_i omega_i eta_i' + omega_i^2 eta_i = phi_i . p
 
     omega (m,) [rad/s], all positive (rigid modes are not among them), zeta (m,) [-], phi (n_c, m) [1/sqrt(kg)].
+    h_min [s] is the finest step that they are made for, 0 if any: they are right up to 1 / (4 h_min) [Hz].
     """
 
     omega: Array
     zeta: Array
     phi: Array
+    h_min: float = 0.0
 
     def __post_init__(self) -> None:
         omega = checked("modes: omega", self.omega, ("m",))
@@ -29,6 +31,8 @@ class Modes:
             raise SuperelementError(f"modes: omega: expected positive frequencies, found {omega.min()} rad/s")
         if m and zeta.min() < 0.0:
             raise SuperelementError(f"modes: zeta: expected ratios >= 0, found {zeta.min()}")
+        if not (np.isfinite(self.h_min) and self.h_min >= 0.0):
+            raise SuperelementError(f"modes: h_min: expected a step >= 0 s, found {self.h_min}")
         for name, array in (("omega", omega), ("zeta", zeta), ("phi", phi)):
             object.__setattr__(self, name, array)
 

@@ -1,5 +1,6 @@
 """The superelement: all that a multibody solver needs to know of an elastic body."""
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -11,6 +12,10 @@ from .modes import Modes
 from .recovery import Recovery
 from .scheme import GeneralizedAlpha
 from .validation import Array, SuperelementError, check_positive, check_symmetric, checked
+
+
+class StepWarning(UserWarning):
+    """A step so fine that the modes of a body leave out frequencies that it would resolve."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +115,7 @@ class Superelement:
         """The kernel for any step and scheme over at least `steps` steps.
 
         The stored one, as it is, where it fits and is long enough; else the modes give it. Raises
-        `SuperelementError` where the body has no modes and the stored kernel does not fit.
+        `SuperelementError` where the body has no modes and the stored kernel does not fit; warns as `modes_for` does.
         """
         stored = self.kernel
         same = np.isclose(stored.h, h, rtol=1e-12, atol=0.0) and stored.scheme == scheme
@@ -121,7 +126,24 @@ class Superelement:
                 f"{self.name}: no modes, so the kernel is fixed: h = {stored.h} s, rho_inf = {stored.scheme.rho_inf}, "
                 f"{stored.steps} steps; asked for h = {h} s, rho_inf = {scheme.rho_inf}, {steps} steps"
             )
-        return sample_kernel(self.modes, h, scheme, steps, stored.error)
+        return sample_kernel(self.modes_for(h), h, scheme, steps, stored.error, stored.band)
+
+    def modes_for(self, h: float) -> Modes:
+        """The modes, for time stepping by h [s]; `SuperelementError` where the body has none.
+
+        Warns (`StepWarning`) of a step finer than `h_min`: up to 1 / (4 h) [Hz] it would resolve more than they hold.
+        """
+        modes = self.modes
+        if modes is None:
+            raise SuperelementError(f"{self.name}: no modes")
+        if h < modes.h_min * (1.0 - 1e-9):
+            warnings.warn(
+                f"{self.name}: modes for steps down to {modes.h_min:g} s, right up to {0.25 / modes.h_min:g} Hz; "
+                f"asked for steps of {h:g} s, which resolve {0.25 / h:g} Hz",
+                StepWarning,
+                stacklevel=2,
+            )
+        return modes
 
     def _index(self, name: str) -> int:
         for index, interface in enumerate(self.interfaces):

@@ -1,0 +1,83 @@
+"""The band of frequencies in which a kernel must be right, and how far from right it is."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from ..superelement import GeneralizedAlpha, Modes
+from ..superelement.transfer import Complex, dynamic_stiffness, transfer
+from ..superelement.validation import Array
+
+PARTS = 8
+"""Equal parts of the band, each on a scale of its own: displacements fall with the square of the frequency."""
+GRID = 16
+"""Frequencies in every part, besides those of the resonances in it."""
+RESONANCES = 64
+"""Resonances looked at in every part; of more, each second, third, ... from the top."""
+
+
+@dataclass(frozen=True)
+class Band:
+    """The transfer function of kernels with step h [s] and `steps` steps, from 0 to `limit` [Hz].
+
+        G(d) = sum_k g[k] d^k,    d = exp(-1 / steps - 2 pi i f h),    0 <= f <= limit
+
+    On this circle lags count for as long as the kernel is, and resonances are as high as they grow in that time.
+    Errors are |G_ij - G'_ij| / sqrt(max |G_ii| max |G_jj|), each entry on the scale of its own two rows, with the
+    largest |G_ii| in each eighth of the band for itself, and for g[0] = G(0) alone. Source: methods 2.1 and 11.
+    """
+
+    h: float
+    scheme: GeneralizedAlpha
+    steps: int
+    limit: float
+
+    @property
+    def finest_step(self) -> float:
+        """The step [s] of which the band reaches half the Nyquist frequency; h itself if it reaches less."""
+        return min(self.h, 0.25 / self.limit)
+
+    def error(self, modes: Modes, better: Modes) -> float:
+        """The largest error of `modes`, taking `better` for the truth."""
+        return max(self._error(modes, better, delay) for delay in self._delays(better))
+
+    def contributions(self, modes: Modes) -> Array:
+        """The error (m,) that leaving out each mode makes, at most: |phi_i phi_j| is largest for i = j."""
+        largest = np.zeros(len(modes.omega))
+        for delay in self._delays(modes):
+            scale = _scale(self._transfer(modes, delay))
+            weight = np.abs(1.0 / dynamic_stiffness(modes, self.h, self.scheme, delay)).max(axis=0)
+            largest = np.maximum(largest, (modes.phi**2 / scale[:, None]).max(axis=0) * weight)
+        return largest
+
+    def _error(self, modes: Modes, better: Modes, delay: Complex) -> float:
+        G = self._transfer(better, delay)
+        scale = np.sqrt(_scale(G))
+        return float((np.abs(self._transfer(modes, delay) - G).max(axis=0) / np.outer(scale, scale)).max())
+
+    def _transfer(self, modes: Modes, delay: Complex) -> Complex:
+        return transfer(modes, self.h, self.scheme, delay)
+
+    def _delays(self, modes: Modes) -> list[Complex]:
+        """The delays of every part: a grid, and where the modes resonate, Re sigma = -omega^2."""
+        edges = np.linspace(0.0, 2.0 * np.pi * self.limit * self.h, PARTS + 1)
+        parts = [np.zeros(1, dtype=np.complex128)]
+        for low, high in pairwise(edges):
+            fine = np.linspace(low, high, 1024)
+            sigma, _ = self.scheme.symbols(self.h, self._delay(fine))
+            inside = modes.omega[(-sigma[0].real <= modes.omega**2) & (modes.omega**2 <= -sigma[-1].real)]
+            inside = np.sort(inside)[:: -(1 + len(inside) // RESONANCES)]
+            resonances = np.interp(inside**2, -sigma.real, fine)
+            parts.append(self._delay(np.concatenate([np.linspace(low, high, GRID), resonances])))
+        return parts
+
+    def _delay(self, angle: Array) -> Complex:
+        delay: Complex = np.exp(-1.0 / self.steps - 1j * angle)
+        return delay
+
+
+def _scale(G: Complex) -> Array:
+    """max |G_ii| (n_c,) over the first axis; the smallest number for a dof that does not move."""
+    largest: Array = np.abs(np.diagonal(G, axis1=1, axis2=2)).max(axis=0)
+    return np.maximum(largest, np.finfo(float).tiny)

@@ -1,0 +1,143 @@
+"""Impulse responses from the block Krylov space of the time step's own matrix."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+from scipy.linalg import eigh
+
+from ..superelement import GeneralizedAlpha, Modes
+from ..superelement.validation import Array
+from .band import Band
+from .basis import Basis
+from .body import Damping, Rayleigh
+from .damping import damping_ratios
+from .errors import MeshError, MethodError
+from .factor import factorize
+from .mesh import IntArray
+from .modal import Shapes
+from .structure import Structure
+
+LIMIT = 4000
+"""Dimension at most: beyond, the dense eigenproblems of the space take minutes and its basis gigabytes."""
+GROWTH = 0.1
+"""The error is estimated each time that the space has grown by this share of itself."""
+SAFETY = 2.0
+"""What the last block has changed counts so many times: alone, it is down to 0.6 of the error at times."""
+PRUNED = 0.1
+"""Share of the tolerance that may be spent on leaving out modes."""
+RIGID = 6
+
+Watch = Callable[[str], None]
+
+
+class KrylovSpace:
+    """V = span{P S^-1 F, P S^-1 M P S^-1 F, ...} with S = K + s M and F = P^T P_C^T, orthonormal in M.
+
+    k blocks hold what k steps of the march with S visit, so that the first k lags of the kernel that its modes make
+    are exact. The rigid modes head the basis, so that nothing else in it contains them. Source: methods 11.
+    """
+
+    def __init__(self, structure: Structure, shift: float) -> None:
+        self.basis = Basis(structure.M)
+        self.basis.extend(structure.U)
+        self._structure = structure
+        self._solve = factorize(structure.K + shift * structure.M)
+        self._load = structure.loads
+        self._stiffness: list[Array] = []
+
+    @property
+    def blocks(self) -> int:
+        return len(self._stiffness)
+
+    @property
+    def dimension(self) -> int:
+        return self.basis.columns - RIGID
+
+    def grow(self) -> bool:
+        """Add a block; False if nothing is left to add, for the space holds all that interface loads excite."""
+        V = self.basis.extend(self._solve(self._load))
+        if V.shape[1] == 0:
+            return False
+        self._stiffness.append(self.basis.products(self._structure.K @ V)[RIGID:])
+        self._load = self._structure.M @ V
+        return True
+
+    def ritz(self, blocks: int) -> tuple[Array, Array]:
+        """omega (m,) [rad/s] and Q (r, m) of the first blocks: V^T K V Q = Q diag(omega^2), Q^T Q = I."""
+        size = len(self._stiffness[blocks - 1])
+        K = np.zeros((size, size))
+        for columns in self._stiffness[:blocks]:
+            rows, width = columns.shape
+            K[:rows, rows - width : rows] = columns
+        squares, Q = eigh(K, lower=False)
+        if squares[0] <= 1e-13 * squares[-1]:
+            raise MeshError(
+                f"expected six zero modes, found {RIGID + int((squares <= 1e-13 * squares[-1]).sum())}: "
+                f"the body is a mechanism, eigenvalues {squares[:8].tolist()}"
+            )
+        return np.sqrt(squares), Q
+
+
+def krylov_modes(
+    structure: Structure, damping: Damping, band: Band, tolerance: float, watch: Watch
+) -> tuple[Modes, Shapes, float]:
+    """Modes whose transfer function is right to `tolerance` in the band, their shapes, and the error as estimated.
+
+    The estimate is what the last block has changed, times `SAFETY`, and what the modes contribute that are left out,
+    the least of which add up to a tenth of the tolerance; only the latter where the space is exhausted, for then it
+    holds every mode that the interfaces can excite. `watch` is told how it goes.
+    `MethodError` if the tolerance asks for a larger space than `LIMIT`.
+    """
+    space = KrylovSpace(structure, _shift(damping, band.scheme, band.h))
+
+    def found(blocks: int) -> tuple[Modes, Array]:
+        omega, Q = space.ritz(blocks)
+        phi = _rows(space.basis, Q, structure.P_C)
+        return Modes(omega, damping_ratios(damping, omega), phi, band.finest_step), Q
+
+    check = 2
+    while space.grow():
+        if space.blocks < check:
+            continue
+        modes, Q = found(space.blocks)
+        before, _ = found(space.blocks - 1)
+        error = SAFETY * band.error(before, modes)
+        watch(f"{space.blocks} blocks, error {error:.1e}")
+        if error <= (1.0 - PRUNED) * tolerance:
+            break
+        if space.dimension >= LIMIT:
+            raise MethodError(
+                f"impulse.method krylov: an error of {tolerance:g} up to {band.limit:g} Hz takes more than "
+                f"{space.dimension} vectors, found {error:.1e} with {space.blocks} blocks: "
+                "raise impulse.tolerance, lower impulse.band, or use method march"
+            )
+        check = space.blocks + 1 + int(GROWTH * space.blocks)
+    else:
+        (modes, Q), error = found(space.blocks), 0.0
+
+    kept, lost = _prune(band.contributions(modes), PRUNED * tolerance)
+    modes = Modes(modes.omega[kept], modes.zeta[kept], modes.phi[:, kept], modes.h_min)
+    return modes, partial(_rows, space.basis, Q[:, kept]), error + lost
+
+
+def _shift(damping: Damping, scheme: GeneralizedAlpha, h: float) -> float:
+    """s for which K + s M is the matrix of the time step, up to a factor; modal ratios add no matrix to it."""
+    rayleigh = damping.rayleigh or Rayleigh()
+    velocity = scheme.gamma_prime(h)
+    return (scheme.beta_prime(h) + velocity * rayleigh.mass) / (1.0 + velocity * rayleigh.stiffness)
+
+
+def _rows(basis: Basis, Q: Array, rows: Any) -> Array:
+    """rows @ V Q, of the elastic part of the basis that Q has coordinates for."""
+    shapes: Array = basis.at(rows)[:, RIGID : RIGID + len(Q)] @ Q
+    return shapes
+
+
+def _prune(contributions: Array, budget: float) -> tuple[IntArray, float]:
+    """Which modes to keep, in their order, and the sum of what the others contribute: as many as the budget allows."""
+    order = np.argsort(contributions)
+    sums = np.cumsum(contributions[order])
+    left_out = int(np.searchsorted(sums, budget, side="right"))
+    return np.sort(order[left_out:]), float(sums[left_out - 1]) if left_out else 0.0
