@@ -1,6 +1,4 @@
-"""Chains in free flight: every joint of the table between flexible frames, and what equilibrium says of its reactions."""
-
-from dataclasses import replace
+"""Chains in free flight: reactions of every joint of the table between flexible frames, momenta and energy."""
 
 import numpy as np
 import pytest

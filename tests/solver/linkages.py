@@ -1,0 +1,93 @@
+"""Mechanisms that close upon themselves: linkages of rigid and flexible members."""
+
+import numpy as np
+from duhamel.solver import FlexibleBody, Frame, Joint, Model, RigidBody, Start
+
+from .frameworks import bar
+
+CRANK, COUPLER, ROCKER, BASE = 0.1, 0.3, 0.25, 0.3
+ANGLE = 1.0
+"""of the crank at the start"""
+X, Z = np.eye(3)[[0, 2]]
+
+
+def pins(angle):
+    """B and C of the rigid four-bar A B C D, A at the origin, D at (BASE, 0): two circles meet in C."""
+    B, D = CRANK * np.array([np.cos(angle), np.sin(angle), 0.0]), BASE * X
+    distance = np.linalg.norm(D - B)
+    along = (D - B) / distance
+    foot = (COUPLER**2 - ROCKER**2 + distance**2) / (2 * distance)
+    return B, B + foot * along + np.sqrt(COUPLER**2 - foot**2) * np.cross(Z, along)
+
+
+def between(p, q):
+    """Position and rotation of a bar along its own x axis, from p to q."""
+    axis = np.cross(X, (q - p) / np.linalg.norm(q - p))
+    turn = np.arctan2(np.linalg.norm(axis), X @ (q - p) / np.linalg.norm(q - p))
+    return {"position": 0.5 * (p + q), "rotation": turn * axis / np.linalg.norm(axis)}
+
+
+def crank(angle=0.0):
+    frames = {"pin": Frame([-CRANK / 2, 0, 0]), "end": Frame([CRANK / 2, 0, 0])}
+    start = Start(0.5 * CRANK * np.array([np.cos(angle), np.sin(angle), 0.0]), [0, 0, angle])
+    return RigidBody(0.02, [1e-5, 2e-5, 2e-5], frames, start)
+
+
+def four_bar(folder, stiffness=0.05, drive=None, **settings):
+    """A rigid crank; a coupler and a rocker that bend by some per cent of their length."""
+    B, C = pins(ANGLE)
+    return Model(
+        bodies={
+            "crank": crank(ANGLE),
+            "rod": FlexibleBody(bar(folder, COUPLER, stiffness=stiffness), Start(**between(B, C))),
+            "rocker": FlexibleBody(bar(folder, ROCKER, stiffness=stiffness), Start(**between(C, BASE * X))),
+        },
+        joints=(
+            Joint("A", "revolute", ("ground.A", "crank.pin"), Z, angle=drive),
+            Joint("B", "revolute", ("crank.end", "rod.left"), Z),
+            Joint("C", "revolute", ("rod.right", "rocker.left"), Z),
+            Joint("D", "revolute", ("rocker.right", "ground.D"), Z),
+        ),
+        ground_frames={"A": Frame(), "D": Frame(BASE * X)},
+        **settings,
+    )
+
+
+def slider_crank(folder, **settings):
+    B = crank(ANGLE).start.position * 2
+    P = (B[0] + np.sqrt(COUPLER**2 - B[1] ** 2)) * X
+    return Model(
+        bodies={
+            "crank": crank(ANGLE),
+            "rod": FlexibleBody(bar(folder, COUPLER, stiffness=0.05), Start(**between(B, P))),
+            "piston": RigidBody(0.03, [1e-5, 1e-5, 1e-5], {"eye": Frame()}, Start(P)),
+        },
+        joints=(
+            Joint("A", "revolute", ("ground", "crank.pin"), Z),
+            Joint("B", "revolute", ("crank.end", "rod.left"), Z),
+            Joint("C", "revolute", ("rod.right", "piston.eye"), Z),
+            Joint("D", "prismatic", ("ground", "piston"), X),
+        ),
+        **settings,
+    )
+
+
+def spatial_four_bar(folder, **settings):
+    """Crank and rocker about skew axes, a flexible rod on a spherical and a universal joint, bent and twisted."""
+    B, C, D = CRANK * X, np.array([0.25, 0.2, 0.15]), np.array([0.25, 0.2, -0.1])
+    rod = FlexibleBody(bar(folder, float(np.linalg.norm(C - B)), stiffness=0.05), Start(**between(B, C)))
+    frames = {"pin": Frame([0, 0, -0.125]), "end": Frame([0, 0, 0.125])}
+    return Model(
+        bodies={
+            "crank": crank(),
+            "rod": rod,
+            "rocker": RigidBody(0.05, [2e-4, 2e-4, 1e-5], frames, Start(0.5 * (C + D))),
+        },
+        joints=(
+            Joint("A", "revolute", ("ground", "crank.pin"), Z),
+            Joint("B", "spherical", ("crank.end", "rod.left")),
+            Joint("C", "universal", ("rod.right", "rocker.end"), np.cross(C - B, X), C - B),
+            Joint("D", "revolute", ("rocker.pin", "ground"), X),
+        ),
+        **settings,
+    )
