@@ -20,7 +20,7 @@ from pydantic import (
 from ..inputs import InputError, Table, Vector, read_table
 from .errors import BodyError
 from .material import Material, Section
-from .selection import InterfaceSelection
+from .selection import InterfaceSelection, Selection
 
 Method = Literal["auto", "modal", "march", "krylov"]
 
@@ -32,26 +32,24 @@ def _as_matrix(value: Any) -> Any:
     return value
 
 
-class PointMass(Table):
-    """A rigid piece that moves with the body at a point: of an interface, the node nearest to a point, or a group.
+class PointMass(Selection):
+    """A rigid piece that moves with the body: with an interface, or with what it selects on the mesh, as interfaces do.
 
-    mass [kg]; inertia about that point in mesh axes [kg m^2], principal values or a 3x3 matrix, none unless given.
-    A group is one node of a beam; of a solid it is one node, or facets or points whose mean motion the mass follows.
-    tolerance: as for an interface.
+    mass [kg]; inertia about its place in mesh axes [kg m^2], principal values or a 3x3 matrix, none unless given.
+    On facets or points of a solid it follows their mean motion.
     """
 
     mass: NonNegativeFloat
     inertia: Annotated[tuple[Vector, Vector, Vector], BeforeValidator(_as_matrix)] = ((0.0,) * 3,) * 3
     interface: str | None = None
-    node: Vector | None = None
-    group: str | None = None
-    tolerance: PositiveFloat = 1e-3
 
     @model_validator(mode="after")
     def _one_place(self) -> Self:
-        given = [key for key in ("interface", "node", "group") if getattr(self, key) is not None]
-        if len(given) != 1:
-            raise ValueError(f"expected one of interface, node and group, found {' and '.join(given) or 'none'}")
+        others = self.places | self.model_fields_set & {"at"}
+        if self.interface is not None and others:
+            raise ValueError(f"interface stands alone, found it with {' and '.join(sorted(others))}")
+        if self.interface is None and not self.places:
+            raise ValueError("expected interface, or what it selects on the mesh: node, group, plane, ..., found none")
         return self
 
     @model_validator(mode="after")
@@ -68,9 +66,10 @@ class PointMass(Table):
     @property
     def selection(self) -> InterfaceSelection | None:
         """The place on the mesh; None for that of an interface."""
-        if self.node is not None:
-            return InterfaceSelection(node=self.node, tolerance=self.tolerance)
-        return None if self.group is None else InterfaceSelection(group=self.group)
+        if self.interface is not None:
+            return None
+        own = set(Selection.model_fields)
+        return InterfaceSelection.model_validate(self.model_dump(include=own, exclude_unset=True))
 
 
 class Impulse(Table):

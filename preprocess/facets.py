@@ -62,10 +62,10 @@ class Facets:
             first += len(nodes)
         return found
 
-    def boundary_within(self, chosen: Chosen) -> IntArray:
-        """The numbers of boundary facets that have all their nodes among the chosen (n_points,)."""
-        within = np.concatenate([chosen[nodes].all(axis=1) for nodes in self.nodes.values()])
-        return np.flatnonzero(within & self.boundary)
+    def within(self, chosen: Chosen) -> Chosen:
+        """Which facets (count,) have all their nodes among the chosen (n_points,)."""
+        inside: Chosen = np.concatenate([chosen[nodes].all(axis=1) for nodes in self.nodes.values()])
+        return inside
 
     def matching(self, kind: str, cells: IntArray) -> IntArray:
         """The number (m,) of the facet with the corners of each of the cells (m, k) of a type, or -1 where none has."""

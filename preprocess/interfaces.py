@@ -1,6 +1,7 @@
 """Interfaces: what the body file selects on the mesh, as rows that pick or average displacements."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -15,49 +16,93 @@ from .selection import InterfaceSelection
 
 LINE = 1e-6
 """Second radius of a set of points over the first, below which they lie on a line and cannot carry a moment."""
+LISTED = 4
+"""Nodes that a message lists."""
 
 
 @dataclass(frozen=True, eq=False)
 class Attachment:
     """A frame on the dofs of the mesh: u_C = rows @ u, with rows (3 or 6, n_u) sparse and the frame at X (3,).
 
-    `tied` are the nodes that follow the frame as one rigid piece; none where the frame follows the nodes.
+    nodes: those that carry the frame; facets: the numbers of the facets that do, of `area` [m^2], none where nodes do.
+    rigid: whether the nodes follow the frame as one piece, or the frame the nodes.
     """
 
     X: Array
     rows: Any
-    tied: IntArray
+    nodes: IntArray
+    facets: IntArray = field(default_factory=lambda: NONE)
+    area: float = 0.0
+    rigid: bool = False
 
     @property
     def rotates(self) -> bool:
         return bool(self.rows.shape[0] == 6)
 
 
-def nodal(node: int, nodes: Nodes) -> Attachment:
+def attachments(
+    table: str, selections: Mapping[str, InterfaceSelection], mesh: Mesh, nodes: Nodes, facets: Facets | None
+) -> dict[str, Attachment]:
+    """What the selections of a table of the body file pick, by name; `facets` of solids, None for beams.
+
+    `InterfaceError` names the table and the key of what selects nothing, or too little to carry a frame.
+    """
+    found = {}
+    for name, selection in selections.items():
+        try:
+            if selection.node is not None:
+                found[name] = _nodal(_nearest_node(selection, mesh), nodes)
+            elif facets is None:
+                found[name] = _on_beams(selection, mesh, nodes)
+            else:
+                found[name] = _on_solids(selection, mesh, nodes, facets)
+        except InterfaceError as error:
+            raise InterfaceError(f"{table}.{name}: {error}") from error
+    return found
+
+
+def _nodal(node: int, nodes: Nodes) -> Attachment:
     """The dofs of one node: three on a solid, six on a beam."""
     n_dofs = 6 if nodes.rotations[node] else 3
     columns = nodes.first[node] + np.arange(n_dofs)
     rows = sp.csr_array((np.ones(n_dofs), (np.arange(n_dofs), columns)), shape=(n_dofs, nodes.n_dofs))
-    return Attachment(nodes.points[node], rows, tied=np.zeros(0, dtype=np.int64))
+    return Attachment(nodes.points[node], rows, np.array([node]))
 
 
-def beam_attachment(selection: InterfaceSelection, mesh: Mesh, nodes: Nodes) -> Attachment:
-    """A frame of a beam: the node nearest to a point, or the one node of a group."""
+def _on_beams(selection: InterfaceSelection, mesh: Mesh, nodes: Nodes) -> Attachment:
+    """The frame of the one node that a group or shapes select."""
     if selection.model_fields_set & {"kind", "at"}:
         raise InterfaceError("kind and at belong to facets, of which a mesh of lines has none")
-    if selection.node is not None:
-        return nodal(nearest_node(selection, mesh), nodes)
-    if selection.group is None:
-        raise InterfaceError("a mesh of lines has no facets to select by a plane; use node or group")
-    members = _group_nodes(mesh, selection.group)
+    members = _selected_nodes(selection, mesh)
     if len(members) != 1:
+        listing = ", ".join(f"{node} at {mesh.points[node].tolist()}" for node in members[:LISTED])
+        more = ", ..." if len(members) > LISTED else ""
         raise InterfaceError(
-            f"expected a group of one node on a mesh of lines, found {len(members)} nodes in {selection.group!r}"
+            f"expected one node of the lines, found {len(members)} in {selection}: points {listing}{more}"
         )
-    return nodal(int(members[0]), nodes)
+    return _nodal(int(members[0]), nodes)
 
 
-def nearest_node(selection: InterfaceSelection, mesh: Mesh) -> int:
+def _on_solids(selection: InterfaceSelection, mesh: Mesh, nodes: Nodes, facets: Facets) -> Attachment:
+    """A frame with six dofs that facets or points carry; with three, if a group names a single point."""
+    from .surface import mean_motion, mean_motion_of_points, surface
+
+    rigid = selection.kind == "rigid"
+    if _names_points(selection, mesh):
+        members = _selected_nodes(selection, mesh)
+        if len(members) == 1 and not selection.model_fields_set & {"kind", "at"}:
+            return _nodal(int(members[0]), nodes)
+        _check_spread(mesh.points[members])
+        X = mesh.points[members].mean(axis=0) if selection.at is None else np.array(selection.at)
+        return Attachment(X, mean_motion_of_points(members, X, nodes), members, rigid=rigid)
+    numbers = _selected_facets(selection, mesh, facets)
+    faces = surface(mesh.points, facets.patch(numbers))
+    _check_spread(mesh.points[faces.nodes])
+    X = faces.centroid if selection.at is None else np.array(selection.at)
+    return Attachment(X, mean_motion(faces, X, nodes), faces.nodes, numbers, faces.area, rigid)
+
+
+def _nearest_node(selection: InterfaceSelection, mesh: Mesh) -> int:
     """The node nearest to the point of the selection; `InterfaceError` if it is farther than the tolerance allows."""
     distance = np.linalg.norm(mesh.points - np.array(selection.node), axis=1)
     node = int(distance.argmin())
@@ -71,52 +116,44 @@ def nearest_node(selection: InterfaceSelection, mesh: Mesh) -> int:
     return node
 
 
-def solid_attachment(selection: InterfaceSelection, mesh: Mesh, nodes: Nodes, facets: Facets) -> Attachment:
-    """A frame of a solid: a node with three dofs, or a frame with six that facets or points carry."""
-    from .surface import mean_motion, mean_motion_of_points, surface
-
-    if selection.node is not None:
-        return nodal(nearest_node(selection, mesh), nodes)
-    chosen = _selected_facets(selection, mesh, facets)
-    if len(chosen):
-        faces = surface(mesh.points, facets.patch(chosen))
-        members = faces.nodes
-        X = faces.centroid if selection.at is None else np.array(selection.at)
-        _check_spread(mesh.points[members])
-        rows = mean_motion(faces, X, nodes)
-    else:
-        members = _group_nodes(mesh, selection.group or "")
-        if len(members) == 1 and not selection.model_fields_set & {"kind", "at"}:
-            return nodal(int(members[0]), nodes)
-        X = mesh.points[members].mean(axis=0) if selection.at is None else np.array(selection.at)
-        _check_spread(mesh.points[members])
-        rows = mean_motion_of_points(members, X, nodes)
-    tied = members if selection.kind == "rigid" else members[:0]
-    return Attachment(X, rows, tied)
-
-
-def _selected_facets(selection: InterfaceSelection, mesh: Mesh, facets: Facets) -> IntArray:
-    """The numbers (m,) of the facets of a plane or a group; none if the group is of points."""
-    if selection.plane is not None:
-        plane = selection.plane
-        distance = plane.tolerance * mesh.size
-        normal = np.array(plane.normal) / np.linalg.norm(plane.normal)
-        found = facets.boundary_within(np.abs((mesh.points - plane.point) @ normal) <= distance)
-        if not len(found):
-            raise InterfaceError(
-                f"no facet of the boundary lies within {distance:.3g} m of the plane through "
-                f"{list(plane.point)} with normal {list(plane.normal)}"
-            )
-        return found
-    group = mesh.group(selection.group or "")
+def _names_points(selection: InterfaceSelection, mesh: Mesh) -> bool:
+    """Whether the group of a selection is one of points; if not, it must be one of facets."""
+    if selection.group is None:
+        return False
+    group = mesh.group(selection.group)
     dimensions = {DIMENSIONS.get(kind, 3) for kind in group.cells}
-    if dimensions == {2}:
-        return np.concatenate([_faces(mesh.cells[kind][rows], kind, facets) for kind, rows in group.cells.items()])
-    if dimensions <= {0}:
-        return NONE
+    if dimensions <= {0} or dimensions == {2}:
+        return dimensions <= {0}
     raise InterfaceError(
         f"expected a group of facets or of points, found {', '.join(group.kinds)} in {selection.group!r}"
     )
+
+
+def _selected_nodes(selection: InterfaceSelection, mesh: Mesh) -> IntArray:
+    """The nodes (n,) of a group, or of the mesh, that lie in the shapes of a selection."""
+    members = np.arange(len(mesh.points)) if selection.group is None else _group_nodes(mesh, selection.group)
+    found = members[selection.holds(mesh.points[members], mesh.size)]
+    if not len(found):
+        raise InterfaceError(f"no node lies in {selection}")
+    return found
+
+
+def _selected_facets(selection: InterfaceSelection, mesh: Mesh, facets: Facets) -> IntArray:
+    """The numbers (m,) of the facets of a group, or of the boundary, that lie in the shapes of a selection."""
+    if selection.group is None:
+        candidates = np.flatnonzero(facets.boundary)
+    else:
+        cells = mesh.group(selection.group).cells
+        candidates = np.concatenate([_faces(mesh.cells[kind][rows], kind, facets) for kind, rows in cells.items()])
+    chosen = selection.holds(mesh.points, mesh.size)
+    found = candidates[facets.within(chosen)[candidates]]
+    if not len(found):
+        nodes = np.unique(np.concatenate([part.ravel() for part in facets.patch(candidates).values()]))
+        inside = nodes[chosen[nodes]]
+        what = "facet of the boundary" if selection.group is None else "facet"
+        near = f"only {len(inside)} nodes do" if len(inside) else "nor does a node"
+        raise InterfaceError(f"no {what} lies as a whole in {selection}, {near}")
+    return found
 
 
 def _faces(cells: IntArray, kind: str, facets: Facets) -> IntArray:

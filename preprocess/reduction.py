@@ -21,11 +21,10 @@ def tie(nodes: Nodes, attachments: Mapping[str, Attachment]) -> tuple[Nodes, Any
     the rows (3 or 6, n_left) are sparse; those of a rigid frame pick its dofs. For solids, whose nodes have three
     dofs. Source: methods 5.1.
     """
-    _check_apart(attachments)
-    rigid = [attachment for attachment in attachments.values() if len(attachment.tied)]
-    free = np.setdiff1d(np.arange(len(nodes.points)), [node for a in rigid for node in a.tied])
+    rigid = {name: attachment for name, attachment in attachments.items() if attachment.rigid}
+    free = np.flatnonzero(_owners(rigid, len(nodes.points)) < 0)
     left = Nodes(
-        np.vstack([nodes.points[free], *(a.X for a in rigid)]),
+        np.vstack([nodes.points[free], *(a.X for a in rigid.values())]),
         np.repeat([False, True], [len(free), len(rigid)]),
     )
     old, new, values = (
@@ -33,18 +32,18 @@ def tie(nodes: Nodes, attachments: Mapping[str, Attachment]) -> tuple[Nodes, Any
         [left.displacements[: len(free)].ravel()],
         [np.ones(3 * len(free))],
     )
-    for place, attachment in enumerate(rigid, start=len(free)):
-        arms = spider(nodes.points[attachment.tied] - attachment.X)  # (n, 3, 6)
+    for place, attachment in enumerate(rigid.values(), start=len(free)):
+        arms = spider(nodes.points[attachment.nodes] - attachment.X)  # (n, 3, 6)
         frame = left.first[place] + np.arange(6)
-        old.append(np.repeat(nodes.displacements[attachment.tied].ravel(), 6))
-        new.append(np.tile(frame, 3 * len(attachment.tied)))
+        old.append(np.repeat(nodes.displacements[attachment.nodes].ravel(), 6))
+        new.append(np.tile(frame, 3 * len(attachment.nodes)))
         values.append(arms.ravel())
     T = sp.coo_array(
         (np.concatenate(values), (np.concatenate(old), np.concatenate(new))), shape=(nodes.n_dofs, left.n_dofs)
     ).tocsr()
 
     frames = iter(range(len(free), len(left.points)))
-    rows = {name: _pick(left, next(frames)) if len(a.tied) else a.rows @ T for name, a in attachments.items()}
+    rows = {name: _pick(left, next(frames)) if a.rigid else a.rows @ T for name, a in attachments.items()}
     return left, T, rows
 
 
@@ -53,15 +52,16 @@ def _pick(nodes: Nodes, node: int) -> Any:
     return sp.coo_array((np.ones(6), (np.arange(6), columns)), shape=(6, nodes.n_dofs)).tocsr()
 
 
-def _check_apart(attachments: Mapping[str, Attachment]) -> None:
-    """A node can follow one frame only."""
-    owner: dict[int, str] = {}
-    for name, attachment in attachments.items():
-        taken: IntArray = attachment.tied
-        for node in taken.tolist():
-            if node in owner:
-                raise InterfaceError(
-                    f"interfaces.{name}: rigid interfaces must not share nodes, found point {node} "
-                    f"also in {owner[node]}"
-                )
-            owner[node] = name
+def _owners(rigid: Mapping[str, Attachment], n_points: int) -> IntArray:
+    """For every point (n_points,) the rigid frame that it follows, -1 for none; a point can follow one only."""
+    owner = np.full(n_points, -1, dtype=np.int64)
+    names = list(rigid)
+    for number, (name, attachment) in enumerate(rigid.items()):
+        taken = attachment.nodes[owner[attachment.nodes] >= 0]
+        if len(taken):
+            raise InterfaceError(
+                f"interfaces.{name}: rigid interfaces must not share nodes, found point {taken[0]} "
+                f"also in {names[owner[taken[0]]]}"
+            )
+        owner[attachment.nodes] = number
+    return owner

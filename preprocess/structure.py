@@ -1,8 +1,8 @@
 """The finite element model that kernels are computed from: mesh, matrices, rigid modes and interfaces."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from .body import Body
 from .connectivity import check_connected, check_no_mechanism, check_used
 from .errors import BodyError, InterfaceError
 from .facets import facets_of
-from .interfaces import Attachment, beam_attachment, solid_attachment
+from .interfaces import Attachment, attachments
 from .masses import lumped_mass, placed_masses
 from .material import Material, Section
 from .mesh import LINES, IntArray, Mesh
@@ -23,7 +23,6 @@ from .nodes import Nodes, node_dofs
 from .reading import read_mesh
 from .reduction import tie
 from .rigid import RigidModes, relieve, rigid_modes
-from .selection import InterfaceSelection
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,53 +77,32 @@ def _beam_structure(body: Body, mesh: Mesh) -> Structure:
     dofs = node_dofs(mesh.cells["line"], 6)
     K, M = _scatter(stiffness, dofs, nodes.n_dofs), _scatter(mass, dofs, nodes.n_dofs)
 
-    attach = partial(beam_attachment, mesh=mesh, nodes=nodes)
-    attachments = _attachments("interfaces", body.interfaces, attach)
-    rows = {name: attachment.rows for name, attachment in attachments.items()}
-    placed = {name: a.rows for name, a in _attachments("masses", placed_masses(body), attach).items()}
-    return _structure(nodes, K, M + lumped_mass(body, rows, placed), attachments, rows)
+    frames = attachments("interfaces", body.interfaces, mesh, nodes, None)
+    rows = {name: frame.rows for name, frame in frames.items()}
+    masses = attachments("masses", placed_masses(body), mesh, nodes, None)
+    placed = {name: mass.rows for name, mass in masses.items()}
+    return _structure(nodes, K, M + lumped_mass(body, rows, placed), frames, rows)
 
 
 def _solid_structure(body: Body, mesh: Mesh) -> Structure:
     from .solid import solid_matrices
 
     nodes = Nodes(mesh.points, np.zeros(len(mesh.points), dtype=bool))
-    materials = _materials(body, mesh)
-    K = M = sp.csc_array((nodes.n_dofs, nodes.n_dofs))
-    for kind, cells in mesh.elements.items():
-        first = mesh.first[kind]
-        stiffness, mass = solid_matrices(mesh, kind, materials[first : first + len(cells)])
-        dofs = node_dofs(cells, 3)
-        K, M = K + _scatter(stiffness, dofs, nodes.n_dofs), M + _scatter(mass, dofs, nodes.n_dofs)
+    K, M = solid_matrices(mesh, *materials_of(body, mesh))
     facets = facets_of(mesh)
     check_no_mechanism(mesh, facets)
 
-    attach = partial(solid_attachment, mesh=mesh, nodes=nodes, facets=facets)
-    attachments = _attachments("interfaces", body.interfaces, attach)
-    left, T, rows = tie(nodes, attachments)
-    placed = {name: a.rows @ T for name, a in _attachments("masses", placed_masses(body), attach).items()}
+    frames = attachments("interfaces", body.interfaces, mesh, nodes, facets)
+    left, T, rows = tie(nodes, frames)
+    masses = attachments("masses", placed_masses(body), mesh, nodes, facets)
+    placed = {name: mass.rows @ T for name, mass in masses.items()}
     K, M = T.T @ K @ T, T.T @ M @ T
-    return _structure(left, K.tocsc(), (M + lumped_mass(body, rows, placed)).tocsc(), attachments, rows)
+    return _structure(left, K.tocsc(), (M + lumped_mass(body, rows, placed)).tocsc(), frames, rows)
 
 
-def _attachments(
-    table: str, selections: Mapping[str, InterfaceSelection], attach: Callable[[InterfaceSelection], Attachment]
-) -> dict[str, Attachment]:
-    """What the selections of a table of the body file pick; errors name the table and the key."""
-    found = {}
-    for name, selection in selections.items():
-        try:
-            found[name] = attach(selection)
-        except InterfaceError as error:
-            raise InterfaceError(f"{table}.{name}: {error}") from error
-    return found
-
-
-def _structure(
-    nodes: Nodes, K: Any, M: Any, attachments: Mapping[str, Attachment], rows: Mapping[str, Any]
-) -> Structure:
+def _structure(nodes: Nodes, K: Any, M: Any, frames: Mapping[str, Attachment], rows: Mapping[str, Any]) -> Structure:
     rigid = rigid_modes(nodes, M)
-    interfaces = tuple(Interface(name, a.X - rigid.center, a.rotates) for name, a in attachments.items())
+    interfaces = tuple(Interface(name, a.X - rigid.center, a.rotates) for name, a in frames.items())
     return Structure(nodes, K, M, rigid, interfaces, sp.vstack(list(rows.values()), format="csr"))
 
 
@@ -138,14 +116,13 @@ def _sections(body: Body, mesh: Mesh) -> list[Section]:
     return [sections[i] for i in _owners(list(body.sections), mesh, "sections")]
 
 
-def _materials(body: Body, mesh: Mesh) -> list[Material]:
-    """The material of every solid element."""
+def materials_of(body: Body, mesh: Mesh) -> tuple[list[Material], IntArray]:
+    """The materials of a body of solids, and for every element (n_elements,) which of them it is made of."""
     if body.material is not None:
-        return [body.material] * mesh.n_elements
+        return [body.material], np.zeros(mesh.n_elements, dtype=np.int64)
     if not body.materials:
         raise BodyError(f"{mesh.name} is a mesh of solids: expected [material] or [materials.GROUP], found a section")
-    materials = list(body.materials.values())
-    return [materials[i] for i in _owners(list(body.materials), mesh, "materials")]
+    return list(body.materials.values()), _owners(list(body.materials), mesh, "materials")
 
 
 def _owners(groups: list[str], mesh: Mesh, key: str) -> IntArray:
@@ -165,8 +142,13 @@ def _owners(groups: list[str], mesh: Mesh, key: str) -> IntArray:
 
 
 def _scatter(blocks: Array, dofs: IntArray, n_dofs: int) -> Any:
-    """The sum of element matrices (n, k, k) in rows and columns `dofs` (n, k), symmetric to the last bit."""
+    """The sum of element matrices (n, k, k) in rows and columns `dofs` (n, k)."""
     rows = np.broadcast_to(dofs[:, :, None], blocks.shape)
     columns = np.broadcast_to(dofs[:, None, :], blocks.shape)
-    matrix = sp.coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(n_dofs, n_dofs)).tocsc()
-    return 0.5 * (matrix + matrix.T)
+    matrix = sp.coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(n_dofs, n_dofs))
+    return _symmetric(matrix.tocsc())
+
+
+def _symmetric(matrix: Any) -> Any:
+    """The same matrix, symmetric to the last bit."""
+    return (0.5 * (matrix + matrix.T)).tocsc()

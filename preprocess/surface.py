@@ -28,17 +28,13 @@ ORDER = 5
 class Surface:
     """Facets ready to integrate, as points x (m, 3) with areas dA (m,) [m^2] each.
 
-    N (m, n_points), sparse: values at the points x from values at the nodes of the mesh.
+    nodes (n,): those of the facets, each once; N (m, n), sparse: values at the points x from values at these nodes.
     """
 
+    nodes: IntArray
     x: Array
     dA: Array
     N: Any
-
-    @property
-    def nodes(self) -> IntArray:
-        """The nodes of the facets, each once."""
-        return np.unique(self.N.indices)
 
     @property
     def area(self) -> float:
@@ -52,10 +48,11 @@ class Surface:
 
 
 def surface(points: Array, patch: Patch) -> Surface:
-    """The isoparametric surface of facets over points (n_points, 3)."""
-    pieces = [_piece(points, kind, nodes) for kind, nodes in patch.items()]
+    """The isoparametric surface of facets over the points (n_points, 3) of a mesh."""
+    nodes = np.unique(np.concatenate([facets.ravel() for facets in patch.values()]))
+    pieces = [_piece(points[nodes], kind, np.searchsorted(nodes, facets)) for kind, facets in patch.items()]
     x, dA, N = zip(*pieces, strict=True)
-    return Surface(np.concatenate(x), np.concatenate(dA), sp.vstack(N, format="csr"))
+    return Surface(nodes, np.concatenate(x), np.concatenate(dA), sp.vstack(N, format="csr"))
 
 
 def _piece(points: Array, kind: str, facets: IntArray) -> tuple[Array, Array, Any]:
@@ -85,8 +82,7 @@ def mean_motion(patch: Surface, X: Array, nodes: Nodes) -> Any:
     """
     A = spider(patch.x - patch.centroid)
     blocks = patch.N.T @ (patch.dA[:, None] * A.reshape(-1, 18))
-    members = patch.nodes
-    return _fitted(blocks[members].reshape(-1, 3, 6), members, patch.centroid, X, nodes)
+    return _fitted(blocks.reshape(-1, 3, 6), patch.nodes, patch.centroid, X, nodes)
 
 
 def mean_motion_of_points(members: IntArray, X: Array, nodes: Nodes) -> Any:

@@ -100,13 +100,17 @@ MISTAKES = [
     (
         "node = [0, 0, 0]",
         'node = [0, 0, 0]\ngroup = "a"',
-        r"interfaces\.root: expected one of node, group and plane, found node and g",
+        r"interfaces\.root: node stands alone, found it with group",
     ),
-    ("node = [0, 0, 0]", "tolerance = 0.1", r"interfaces\.root: expected one of node, group and plane, found none"),
+    (
+        "node = [0, 0, 0]",
+        "tolerance = 0.1",
+        r"interfaces\.root: expected node, or one .* group, plane, box, .* found none",
+    ),
     (
         "node = [0, 0, 0]",
         'node = [0, 0, 0]\nkind = "rigid"',
-        r"interfaces\.root: kind and at belong to a group or a plane",
+        r"interfaces\.root: node stands alone, found it with kind",
     ),
     (
         'group = "tip"',

@@ -151,7 +151,7 @@ def test_a_group_of_one_point_is_a_node(solid_body, box):
         ({"group": "box"}, "interfaces.tip: expected a group of facets or of points, found hexahedron in 'box'"),
         (
             {"plane": {"point": [0.77, 0, 0], "normal": [1, 0, 0]}},
-            r"interfaces.tip: no facet of the boundary lies within .* of the plane through \[0.77",
+            r"interfaces.tip: no facet of the boundary lies as a whole in plane \(point=\(0.77, .*, nor does a node",
         ),
     ],
 )
@@ -198,8 +198,15 @@ def test_rigid_interfaces_share_no_nodes(solid_body, box):
 @pytest.mark.parametrize(
     ("tip", "message"),
     [
-        ({"group": "beam"}, "interfaces.tip: expected a group of one node on a mesh of lines, found 4 nodes in 'beam'"),
-        ({"plane": {"point": [0, 0, 0], "normal": [1, 0, 0]}}, "interfaces.tip: a mesh of lines has no facets"),
+        (
+            {"group": "beam"},
+            r"interfaces.tip: expected one node of the lines, found 4 in group 'beam': points 0 at",
+        ),
+        (
+            {"box": {"corners": [[0.1, 0, 0], [1, 0, 0]]}},
+            r"interfaces.tip: expected one node .*, found 3 in box \(corn",
+        ),
+        ({"sphere": {"center": [0, 1, 0], "radius": 0.1}}, r"interfaces.tip: no node lies in sphere \(center="),
         ({"group": "tip", "kind": "rigid"}, "interfaces.tip: kind and at belong to facets"),
         ({"node": [0.3, 0, 0]}, r"interfaces.tip: no node at \[0.3, 0.0, 0.0\]: .* allows 0.0005 m"),
     ],

@@ -182,7 +182,7 @@ def test_the_march_knows_the_masses_too(beam_body, beam):
     ("mass", "error", "message"),
     [
         ({"node": [0.3, 0, 0], "mass": 1}, InterfaceError, r"mesh.msh: masses.lump: no node at \[0.3, 0.0, 0.0\]"),
-        ({"group": "beam", "mass": 1}, InterfaceError, "masses.lump: expected a group of one node on a mesh of lines"),
+        ({"group": "beam", "mass": 1}, InterfaceError, "masses.lump: expected one node of the lines"),
         ({"group": "end", "mass": 1}, MeshError, "no group 'end'; the groups of the mesh are: beam, root, tip"),
     ],
 )
@@ -202,8 +202,8 @@ def test_a_node_of_a_solid_carries_no_inertia(solid_body, box):
     ("mass", "message"),
     [
         ({"interface": "tpi", "mass": 1}, "masses.lump: no interface 'tpi'; there are: root, tip"),
-        ({"mass": 1}, "expected one of interface, node and group, found none"),
-        ({"interface": "tip", "group": "tip", "mass": 1}, "found interface and group"),
+        ({"mass": 1}, "expected interface, or what it selects on the mesh"),
+        ({"interface": "tip", "group": "tip", "mass": 1}, "interface stands alone, found it with group"),
         ({"interface": "tip"}, "Field required"),
         ({"interface": "tip", "mass": -1}, "greater than or equal to 0"),
         ({"interface": "tip", "mass": 0}, "expected a mass or an inertia, found neither"),
