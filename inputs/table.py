@@ -52,7 +52,8 @@ def read_table(path: str | os.PathLike[str], kind: type[AnyTable]) -> tuple[AnyT
 
 def _message(failure: Mapping[str, Any]) -> str:
     """One failure of pydantic in our words: KEY: what was expected, found VALUE."""
-    key = ".".join(str(part) for part in failure["loc"])
+    # A choice between types shows as a part of its own, in brackets, that is no key of the file.
+    key = ".".join(str(part) for part in failure["loc"] if not str(part).startswith("("))
     text = str(failure["msg"]).removeprefix("Value error, ")
     if failure["type"] == "missing":
         text = "missing"
