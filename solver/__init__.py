@@ -1,6 +1,6 @@
 """Superelements and a model to motion."""
 
-from .errors import ConvergenceError, ModelError
+from .errors import ConvergenceError, ModelError, RecoveryError
 from .joints import Joint
 from .model import FlexibleBody, Frame, Load, Model, Place, RigidBody, Start, SteadyRotation
 from .model_file import read_model
@@ -28,6 +28,7 @@ __all__ = [
     "PrescribedDisplacement",
     "PrescribedRotation",
     "Pulse",
+    "RecoveryError",
     "Results",
     "RigidBody",
     "SmoothFunction",

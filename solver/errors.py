@@ -19,3 +19,7 @@ class ConvergenceError(RuntimeError):
             f"no convergence in step {step} (t = {time:.9g} s): relative residual {residual:.3e}, "
             f"tolerance {tolerance:.1e}{worst}; try a smaller step"
         )
+
+
+class RecoveryError(ValueError):
+    """A field that results cannot give: no modes on the surface, another superelement, a time outside the run."""

@@ -6,7 +6,7 @@ the file is closed, so that a run that is killed leaves what it had: the first `
 
 import io
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import metadata
@@ -16,11 +16,12 @@ from typing import Any, NamedTuple
 import h5py
 import numpy as np
 
-from ..superelement import sha256
+from ..superelement import GeneralizedAlpha, Recovery, Superelement, SuperelementError, sha256, von_mises
 from .compilation import CompiledModel
 from .compiled import Array
-from .errors import ModelError
+from .errors import ModelError, RecoveryError
 from .model import GROUND
+from .recovery import Instants, Stepping, instants, interface_loads, modal_coordinates, place, read_again
 from .system import Output
 
 FORMAT = "duhamel-results"
@@ -46,6 +47,7 @@ class ResultsFile:
         self._memory = None if path else h5py.File(io.BytesIO(), "w")
         self._columns = _columns(compiled)
         self._h = compiled.h
+        self._superelements = {name: body.superelement for name, body in compiled.model.flexible_bodies.items()}
         self._energy_start: tuple[float, float] | None = None
         with self._open("w") as file:
             _describe(file, compiled)
@@ -77,7 +79,7 @@ class ResultsFile:
             file["solver"].attrs.update(attributes)
 
     def results(self) -> "Results":
-        return Results(self._memory or self._path)
+        return Results(self._memory or self._path, self._superelements)
 
     @contextmanager
     def _open(self, mode: str) -> Iterator[h5py.File]:
@@ -164,15 +166,24 @@ class Momentum:
 
 
 class Results:
-    """The results of a run; arrays are read when asked for, and between reads the file is closed."""
+    """The results of a run; arrays are read when asked for, and between reads the file is closed.
 
-    def __init__(self, source: h5py.File | Path) -> None:
+    Fields of flexible bodies (`displacement`, `stress`, `von_mises`, `position`) are superposed from the modes of
+    their superelements, at times t [s], one or several (k,), of the run; between steps they are linear in time. They
+    take one pass over the steps before t: ask for many times at once. `RecoveryError` says what is missing.
+    """
+
+    def __init__(self, source: h5py.File | Path, superelements: Mapping[str, Superelement] | None = None) -> None:
         self._source = source
+        self._superelements = dict(superelements or {})
 
     @classmethod
-    def read(cls, path: str | os.PathLike[str]) -> "Results":
-        """Open a results file; ValueError if it is none."""
-        results = cls(Path(path))
+    def read(cls, path: str | os.PathLike[str], superelements: Mapping[str, Superelement] | None = None) -> "Results":
+        """Open a results file; ValueError if it is none.
+
+        superelements: by body, for fields, where the files that the run read are no longer where they were.
+        """
+        results = cls(Path(path), superelements)
         try:
             with results._open() as file:
                 found = file.attrs.get("format")
@@ -224,6 +235,60 @@ class Results:
 
     def spring(self, name: str) -> Coupling:
         return self._coupling(f"springs/{name}")
+
+    def displacement(self, body: str, t: Any) -> Array:
+        """Elastic displacements of the points of the recovery, (p, 3) or (k, p, 3), in body axes [m]."""
+        recovery, eta, _ = self._recover(body, t)
+        return recovery.displacement(eta).reshape(*np.shape(t), -1, 3)
+
+    def stress(self, body: str, t: Any) -> Array:
+        """Stresses xx, yy, zz, yz, xz, xy at these points, (p, 6) or (k, p, 6), in body axes [Pa]."""
+        recovery, eta, _ = self._recover(body, t)
+        try:
+            return recovery.stresses(eta).reshape(*np.shape(t), -1, 6)
+        except SuperelementError as error:
+            raise RecoveryError(f"body {body!r}: {error}") from error
+
+    def von_mises(self, body: str, t: Any) -> Array:
+        """The equivalent stress at these points, (p,) or (k, p) [Pa]."""
+        return von_mises(self.stress(body, t))
+
+    def position(self, body: str, t: Any) -> Array:
+        """Where these points are in space, x + R (X + u), (p, 3) or (k, p, 3) [m]."""
+        recovery, eta, when = self._recover(body, t)
+        motion = self.body(body)
+        x, R = (when.of(rows[when.before], rows[when.after]) for rows in (motion.x, motion.R))
+        return place(x, R, recovery.points + recovery.displacement(eta)).reshape(*np.shape(t), -1, 3)
+
+    def superelement(self, body: str) -> Superelement:
+        """The superelement of a flexible body, read again from its file if need be; `RecoveryError` if it changed."""
+        if body not in self._superelements:
+            with self._open() as file:
+                hashes = file["superelements"].attrs
+                paths = file["superelements/files"].attrs if "files" in file["superelements"] else {}
+                digest, path = hashes.get(body), paths.get(body)
+            self._superelements[body] = read_again(body, path, digest)
+        return self._superelements[body]
+
+    def _recover(self, body: str, t: Any) -> tuple[Recovery, Array, Instants]:
+        """The recovery of a body, its modal coordinates (k, m) at times t (k,), and where these lie."""
+        element = self.superelement(body)
+        if element.recovery is None or element.modes is None:
+            raise RecoveryError(
+                f"body {body!r}: superelement {element.name!r} holds no recovery, for which its body file needs a "
+                f"table [recovery]"
+            )
+        when = instants(self.time, np.atleast_1d(np.asarray(t, dtype=float)))
+        R = self.body(body).R
+        frames = [(self.frame(f"{body}.{interface.name}"), interface.rotations) for interface in element.interfaces]
+        p = np.hstack([interface_loads(R, frame.u, frame.force, rotations) for frame, rotations in frames])
+        both = modal_coordinates(element.modes, p, self._stepping, np.concatenate([when.before, when.after]))
+        return element.recovery, when.of(*np.split(both, 2)), when
+
+    @property
+    def _stepping(self) -> Stepping:
+        run = self.solver
+        return Stepping(float(run["h"]), GeneralizedAlpha(float(run["rho_inf"])), str(run["rule"]), str(run["start"]))
 
     def _coupling(self, name: str) -> Coupling:
         data = self._group(name)
@@ -356,8 +421,15 @@ def _describe(file: h5py.File, compiled: CompiledModel) -> None:
     hashes = file.create_group("superelements")
     for name, body in model.flexible_bodies.items():
         hashes.attrs[name] = sha256(body.source) if body.source else ""
+    files = hashes.create_group("files")
+    files.attrs.update({name: str(Path(b.source).resolve()) for name, b in model.flexible_bodies.items() if b.source})
     file.create_group("solver").attrs.update(
-        h=compiled.h, rho_inf=compiled.scheme.rho_inf, steps=compiled.n_steps, rule=model.rule, finished=False
+        h=compiled.h,
+        rho_inf=compiled.scheme.rho_inf,
+        steps=compiled.n_steps,
+        rule=model.rule,
+        start=model.start,
+        finished=False,
     )
 
 

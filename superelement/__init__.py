@@ -4,7 +4,8 @@ from .file import read, sha256, write
 from .interface import Interface
 from .kernel import Kernel, sample_kernel
 from .modes import Modes
-from .recovery import Recovery
+from .recovery import Recovery, von_mises
+from .response import respond
 from .scheme import GeneralizedAlpha
 from .superelement import Provenance, StepWarning, Superelement
 from .validation import SuperelementError
@@ -20,7 +21,9 @@ __all__ = [
     "Superelement",
     "SuperelementError",
     "read",
+    "respond",
     "sample_kernel",
     "sha256",
+    "von_mises",
     "write",
 ]
