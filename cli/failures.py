@@ -1,26 +1,42 @@
-"""Which failures are the user's to mend, and how they are told."""
+"""Which failures and warnings are the user's to mend, and how they are told."""
 
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import ModuleType
+from typing import Any
 
 import typer
 
 
 @contextmanager
 def told_in_one_line(*packages: ModuleType) -> Iterator[None]:
-    """Print `error: ...` and exit with 1 on an exception that the packages export.
+    """Print `error: ...` and exit with 1 on an exception that the packages export, `warning: ...` on a warning.
 
     Any other exception is a defect of the program, and shows its traceback.
     """
-    try:
-        yield
-    except exported_exceptions(*packages) as error:
-        typer.echo(f"error: {error}", err=True)
-        raise typer.Exit(1) from error
+    exported = _exported_exceptions(*packages)
+    own_warnings = tuple(item for item in exported if issubclass(item, Warning))
+    with warnings.catch_warnings():
+        for category in own_warnings:
+            warnings.simplefilter("always", category)
+        show = warnings.showwarning
+
+        def tell(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+            if issubclass(category, own_warnings):
+                typer.echo(f"warning: {message}", err=True)
+            else:
+                show(message, category, *where, **more)
+
+        warnings.showwarning = tell
+        try:
+            yield
+        except exported as error:
+            typer.echo(f"error: {error}", err=True)
+            raise typer.Exit(1) from error
 
 
-def exported_exceptions(*packages: ModuleType) -> tuple[type[Exception], ...]:
-    """The exception types among the public names of packages."""
+def _exported_exceptions(*packages: ModuleType) -> tuple[type[Exception], ...]:
+    """The exception types, warnings among them, among the public names of packages."""
     names = (getattr(package, name) for package in packages for name in package.__all__)
     return tuple(item for item in names if isinstance(item, type) and issubclass(item, Exception))

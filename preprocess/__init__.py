@@ -2,7 +2,7 @@
 
 from .body import Body, read_body
 from .build import build
-from .errors import BodyError, InterfaceError, MeshError, MethodError, PreprocessError
+from .errors import BodyError, InterfaceError, MeshError, MeshWarning, MethodError, PreprocessError
 from .structure import Structure, assemble
 
 __all__ = [
@@ -10,6 +10,7 @@ __all__ = [
     "BodyError",
     "InterfaceError",
     "MeshError",
+    "MeshWarning",
     "MethodError",
     "PreprocessError",
     "Structure",

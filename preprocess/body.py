@@ -139,14 +139,25 @@ class Damping(Table):
         return self
 
 
+class RecoveredFields(Table):
+    """What the superelement can give back of the mesh: displacements of its surface or lines, and stresses there.
+
+    stress: at the nodes of the surface of solids, for which memory and file grow by 48 bytes a node and mode.
+    """
+
+    stress: bool = False
+
+
 class Body(Table):
     """A mesh, what it is made of, where it meets others, and the impulse responses wanted.
 
     One of section and sections (by mesh group) for meshes of lines; one of material and materials for solids.
+    scale: the unit of the mesh's coordinates in metres, 1e-3 for millimetres. All else is in SI units.
     """
 
     name: str = Field(min_length=1)
     mesh: Path
+    scale: PositiveFloat = 1.0
     section: Section | None = None
     sections: dict[str, Section] = Field(default_factory=dict)
     material: Material | None = None
@@ -155,6 +166,7 @@ class Body(Table):
     masses: dict[str, PointMass] = Field(default_factory=dict)
     impulse: Impulse
     damping: Damping = Damping()
+    recovery: RecoveredFields | None = None
     _text: str = PrivateAttr(default="")
 
     @model_validator(mode="after")

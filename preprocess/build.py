@@ -25,7 +25,7 @@ def build(body: Body, progress: bool = False) -> Superelement:
 
 def _build(body: Body, stages: Stages) -> Superelement:
     with stages.stage("mesh"):
-        mesh = read_mesh(body.mesh)
+        mesh = read_mesh(body.mesh, body.scale)
     with stages.stage("assembly"):
         structure = assemble_mesh(body, mesh)
     with stages.stage("static"):

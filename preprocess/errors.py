@@ -19,3 +19,7 @@ class InterfaceError(PreprocessError):
 
 class MethodError(PreprocessError):
     """A method that cannot be used on this body."""
+
+
+class MeshWarning(UserWarning):
+    """A mesh file that holds more than is read of it."""

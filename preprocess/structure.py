@@ -31,7 +31,8 @@ class Structure:
 
     nodes: the points of the dofs; K [N/m ...] and M [kg ...] (n_u, n_u) sparse and symmetric; rigid: the rigid modes
     about the centre of mass; interfaces, and P_C (n_c, n_u) sparse: u_C = P_C u, so that P_C^T p is the load of
-    interface forces p. All in mesh axes.
+    interface forces p; T (3 n, n_u) sparse: the displacements of the mesh's n points are T u, tied ones included.
+    All in mesh axes.
     """
 
     nodes: Nodes
@@ -40,6 +41,7 @@ class Structure:
     rigid: RigidModes
     interfaces: tuple[Interface, ...]
     P_C: Any
+    T: Any
 
     @property
     def n_u(self) -> int:
@@ -58,7 +60,7 @@ class Structure:
 
 def assemble(body: Body) -> Structure:
     """The finite element model of a body, from its mesh file."""
-    return assemble_mesh(body, read_mesh(body.mesh))
+    return assemble_mesh(body, read_mesh(body.mesh, body.scale))
 
 
 def assemble_mesh(body: Body, mesh: Mesh) -> Structure:
@@ -81,7 +83,8 @@ def _beam_structure(body: Body, mesh: Mesh) -> Structure:
     rows = {name: frame.rows for name, frame in frames.items()}
     masses = attachments("masses", placed_masses(body), mesh, nodes, None)
     placed = {name: mass.rows for name, mass in masses.items()}
-    return _structure(nodes, K, M + lumped_mass(body, rows, placed), frames, rows)
+    T = sp.eye_array(nodes.n_dofs, format="csr")[nodes.displacements.ravel()]
+    return _structure(nodes, K, M + lumped_mass(body, rows, placed), frames, rows, T)
 
 
 def _solid_structure(body: Body, mesh: Mesh) -> Structure:
@@ -97,13 +100,15 @@ def _solid_structure(body: Body, mesh: Mesh) -> Structure:
     masses = attachments("masses", placed_masses(body), mesh, nodes, facets)
     placed = {name: mass.rows @ T for name, mass in masses.items()}
     K, M = T.T @ K @ T, T.T @ M @ T
-    return _structure(left, K.tocsc(), (M + lumped_mass(body, rows, placed)).tocsc(), frames, rows)
+    return _structure(left, K.tocsc(), (M + lumped_mass(body, rows, placed)).tocsc(), frames, rows, T)
 
 
-def _structure(nodes: Nodes, K: Any, M: Any, frames: Mapping[str, Attachment], rows: Mapping[str, Any]) -> Structure:
+def _structure(
+    nodes: Nodes, K: Any, M: Any, frames: Mapping[str, Attachment], rows: Mapping[str, Any], T: Any
+) -> Structure:
     rigid = rigid_modes(nodes, M)
     interfaces = tuple(Interface(name, a.X - rigid.center, a.rotates) for name, a in frames.items())
-    return Structure(nodes, K, M, rigid, interfaces, sp.vstack(list(rows.values()), format="csr"))
+    return Structure(nodes, K, M, rigid, interfaces, sp.vstack(list(rows.values()), format="csr"), T)
 
 
 def _sections(body: Body, mesh: Mesh) -> list[Section]:
