@@ -1,0 +1,163 @@
+"""How many ways a mechanism can move, and which constraints depend on one another."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from duhamel.solver import (
+    FlexibleBody,
+    Frame,
+    Harmonic,
+    Joint,
+    Model,
+    ModelError,
+    Polynomial,
+    PrescribedDisplacement,
+    PrescribedRotation,
+    RigidBody,
+    Start,
+    simulate,
+)
+from duhamel.solver.initial import begin
+from scipy.spatial.transform import Rotation
+
+from .frameworks import bar
+from .linkages import Z, four_bar, slider_crank, spatial_four_bar
+
+X, Y = np.eye(3)[:2]
+
+
+def freedoms(model):
+    return begin(model).degrees_of_freedom
+
+
+def link(p, q):
+    """A rigid link with its frames at p and q."""
+    middle, half = 0.5 * (np.add(p, q)), 0.5 * np.subtract(q, p)
+    return RigidBody(1.0, [0.1, 0.2, 0.3], {"near": Frame(-half), "far": Frame(half)}, Start(middle))
+
+
+def chain(*types, length=0.2):
+    """Links along x, each on a joint of the given type to the one before, the first to the ground."""
+    axes = {"universal": (Y, Z), "revolute": (Y,), "prismatic": (X,), "cylindrical": (X,), "planar": (Z,)}
+    names = [f"link{k}" for k in range(len(types))]
+    ends = length * np.outer(np.arange(len(types) + 1), X)
+    parents = ["ground", *(f"{name}.far" for name in names)]
+    return Model(
+        bodies={name: link(p, q) for name, p, q in zip(names, ends[:-1], ends[1:], strict=True)},
+        joints=[
+            Joint(f"J{k}", kind, (parent, f"{name}.near"), *axes.get(kind, ()))
+            for k, (kind, parent, name) in enumerate(zip(types, parents[:-1], names, strict=True))
+        ],
+        t_end=0.01,
+        step=1e-3,
+    )
+
+
+@pytest.mark.parametrize(
+    ("types", "count"),
+    [
+        (["revolute", "revolute"], 2),
+        (["spherical", "spherical"], 6),
+        (["universal"] * 5, 10),
+        (["fixed", "revolute", "prismatic", "cylindrical", "planar", "spherical"], 10),
+    ],
+)
+def test_open_chains_move_as_their_joints_add_up(types, count):
+    assert freedoms(chain(*types)) == count
+
+
+def test_bodies_without_joints_have_six_each(tmp_path):
+    beam = bar(tmp_path, 0.3)
+    assert freedoms(Model({"free": FlexibleBody(beam), "other": FlexibleBody(beam), "rigid": link(X, Y)})) == 18
+
+
+@pytest.mark.parametrize("make", [four_bar, slider_crank, spatial_four_bar])
+def test_linkages_with_flexible_members_have_one(make, tmp_path):
+    """No constraint is redundant: what would be among rigid members, a flexible one takes up."""
+    model = make(tmp_path)
+    beginning = begin(model)
+    assert beginning.degrees_of_freedom == 1
+    assert not beginning.removed
+    joints = [replace(joint, angle=Polynomial((0.0, 1.0))) if joint.name == "A" else joint for joint in model.joints]
+    assert freedoms(replace(model, joints=joints)) == 0
+
+
+def test_drives_and_motions_take_one_each_and_rotations_three():
+    model = chain("spherical", "cylindrical")
+    assert freedoms(model) == 5
+    still = Harmonic(0.01, 1.0)
+    first, second = model.joints
+    assert freedoms(replace(model, joints=(first, replace(second, angle=still)))) == 4
+    assert freedoms(replace(model, joints=(first, replace(second, angle=still, distance=still)))) == 3
+    lift = PrescribedDisplacement("lift", "link0.far", Z, still)
+    assert freedoms(replace(model, motions=(lift,))) == 4
+    assert freedoms(replace(model, motions=(lift, replace(lift, name="push", direction=Y)))) == 3
+    assert freedoms(replace(model, motions=(PrescribedRotation("turn", "link0.far", Z, still),))) == 2
+
+
+LENGTH, TWIST, TURN = (1.0, 0.6), 0.7, 0.6
+"""of Bennett's linkage: lengths a, b, a, b and twists alpha, beta, alpha, beta with a sin beta = b sin alpha"""
+TWISTS = (TWIST, float(np.arcsin(LENGTH[1] / LENGTH[0] * np.sin(TWIST))))
+
+
+def second_angle(first):
+    """tan(first / 2) tan(second / 2) = sin((beta + alpha) / 2) / sin((beta - alpha) / 2)"""
+    alpha, beta = TWISTS
+    return 2 * np.arctan(np.sin(0.5 * (beta + alpha)) / np.sin(0.5 * (beta - alpha)) / np.tan(0.5 * first))
+
+
+def bennett(drive=None, **settings):
+    """Four links on four hinges whose axes meet nowhere; the last link is the ground. It should be rigid, and moves."""
+    angles = [TURN, second_angle(TURN), -TURN, -second_angle(TURN)]
+    corners, axes = [np.zeros(3)], [Z]
+    turn = Rotation.identity()
+    for k, angle in enumerate(angles):
+        turn = turn * Rotation.from_rotvec(angle * Z)
+        corners.append(corners[-1] + LENGTH[k % 2] * turn.apply(X))
+        turn = turn * Rotation.from_rotvec(TWISTS[k % 2] * X)
+        axes.append(turn.apply(Z))
+    np.testing.assert_allclose(corners[4], 0.0, atol=1e-14)
+    np.testing.assert_allclose(axes[4], Z, atol=1e-14)
+    links = {f"link{k}": link(corners[k], corners[k + 1]) for k in range(3)}
+    sides = ["ground", "link0.near", "link0.far", "link1.near", "link1.far", "link2.near", "link2.far", "ground"]
+    joints = [Joint(f"J{k}", "revolute", tuple(sides[2 * k : 2 * k + 2]), axes[k]) for k in range(4)]
+    joints[0] = replace(joints[0], angle=drive)
+    return Model(links, joints, t_end=1.0, step=1e-2, rho_inf=0.9, **settings)
+
+
+def test_the_constraints_of_bennetts_linkage_are_told():
+    with pytest.raises(ModelError, match=r"joints: 20 constraints of which 3 are redundant; on one another depend J0"):
+        simulate(bennett())
+    beginning = begin(bennett(redundant="remove"))
+    assert beginning.degrees_of_freedom == 1
+    assert beginning.removed.count("rotation") + beginning.removed.count("translation") == 3
+
+
+def test_bennetts_linkage_moves_as_its_closed_form():
+    """With the redundant constraints removed those left hold it together."""
+    drive = Polynomial((0.0, 0.0, 4.5))
+    results = simulate(bennett(drive, redundant="remove"))
+    first = TURN + np.array([drive(t) for t in results.time])
+    expected = second_angle(first)
+    angle = [results.joint(f"J{k}").coordinates["angle"] for k in range(4)]
+    np.testing.assert_allclose(angle[0], first - TURN, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(angle[1], expected - expected[0], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(angle[2], -angle[0], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(angle[3], -angle[1], rtol=0, atol=1e-9)
+    assert np.ptp(angle[1]) > 2.0
+
+
+def test_constraints_that_contradict_each_other_are_named():
+    """A drive against a joint that blocks it, a linkage that cannot close."""
+    model = chain("fixed", "revolute")
+    doubled = Joint("again", "revolute", ("link0.far", "link1.near"), Y, angle=Polynomial((0.0, 1.0)))
+    blocked = replace(model.joints[1], type="fixed", axis=None)
+    with pytest.raises(ModelError, match="driven against other constraints"):
+        simulate(replace(model, joints=(model.joints[0], blocked, doubled), redundant="remove"))
+    far = Joint("far", "spherical", ("link1.far", "ground.nail"))
+    out_of_reach = replace(
+        model, joints=(*model.joints, far), ground_frames={"nail": Frame(0.5 * X + 0.3 * Z)}, assemble=True
+    )
+    with pytest.raises(ModelError, match=r"stays open by 0\.\d+ however the bodies are placed"):
+        simulate(out_of_reach)
