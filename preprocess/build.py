@@ -7,6 +7,7 @@ from .body import Body
 from .impulse import impulse_responses
 from .progress import Stages, shown_stages
 from .reading import read_mesh
+from .recovery import check_recovery, recover
 from .static import compliance, mobility
 from .structure import assemble_mesh
 
@@ -26,12 +27,17 @@ def build(body: Body, progress: bool = False) -> Superelement:
 def _build(body: Body, stages: Stages) -> Superelement:
     with stages.stage("mesh"):
         mesh = read_mesh(body.mesh, body.scale)
+        check_recovery(body, mesh)
     with stages.stage("assembly"):
         structure = assemble_mesh(body, mesh)
     with stages.stage("static"):
         H, B = compliance(structure), mobility(structure)
     with stages.stage("impulse"):
         responses = impulse_responses(structure, body, stages)
+    recovery = None
+    if body.recovery is not None and responses.shapes is not None:
+        with stages.stage("recovery"):
+            recovery = recover(body, mesh, structure, responses.shapes)
     return Superelement(
         name=body.name,
         mass=structure.rigid.mass,
@@ -42,6 +48,7 @@ def _build(body: Body, stages: Stages) -> Superelement:
         modes=responses.modes,
         compliance=H,
         mobility=B,
+        recovery=recovery,
         provenance=Provenance(
             body=body.text,
             mesh=mesh.name,
