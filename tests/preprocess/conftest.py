@@ -1,4 +1,4 @@
-"""Meshes made on the spot: boxes of every solid element, lines, and the files that hold them."""
+"""Meshes made on the spot, the files that hold them, and bodies on them."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -8,22 +8,10 @@ import meshio
 import numpy as np
 import pytest
 from duhamel.preprocess import Body
-from duhamel.preprocess.facets import LOCAL
 
-SOLIDS = ["tetra", "tetra10", "hexahedron", "hexahedron20", "hexahedron27"]
-FACET_TYPES = {
-    "tetra": "triangle",
-    "tetra10": "triangle6",
-    "hexahedron": "quad",
-    "hexahedron20": "quad8",
-    "hexahedron27": "quad9",
-}
-CUBE = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)])
-SIX_TETRAHEDRA = np.array([(0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6)])
-TETRA_EDGES = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)]
-CUBE_EDGES = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
-CUBE_FACES = [(0, 4, 7, 3), (1, 2, 6, 5), (0, 1, 5, 4), (3, 7, 6, 2), (0, 3, 2, 1), (4, 5, 6, 7)]
+from .blocks import box_mesh, named
 
+SOLIDS = ["tetra", "tetra10", "hexahedron", "hexahedron20", "hexahedron27", "wedge"]
 IMPULSE = {"step": 1e-4, "steps": 20}
 STEEL = {"E": 2.1e11, "nu": 0.3, "rho": 7800.0}
 SECTION = {
@@ -34,40 +22,6 @@ SECTION = {
     "mass_per_length": 0.0858,
     "polar_inertia_per_length": 4.4e-8,
 }
-
-
-def solid_cells(kind: str, divisions: tuple[int, int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """Points on a grid of half elements (integers), and cells in meshio's order."""
-    origins = 2 * np.stack(np.meshgrid(*map(np.arange, divisions), indexing="ij"), axis=-1).reshape(-1, 1, 3)
-    corners = origins + 2 * CUBE  # (n, 8, 3)
-    edges, faces = CUBE_EDGES, CUBE_FACES
-    if kind.startswith("tetra"):
-        corners = corners[:, SIX_TETRAHEDRA].reshape(-1, 4, 3)
-        edges, faces = TETRA_EDGES, []
-    nodes = [corners]
-    if kind in ("tetra10", "hexahedron20", "hexahedron27"):
-        nodes.append(np.stack([(corners[:, a] + corners[:, b]) // 2 for a, b in edges], axis=1))
-    if kind == "hexahedron27":
-        nodes.append(np.stack([corners[:, face].sum(axis=1) // 4 for face in faces], axis=1))
-        nodes.append(corners.sum(axis=1, keepdims=True) // 8)
-    per_cell = np.concatenate(nodes, axis=1)
-    points, cells = np.unique(per_cell.reshape(-1, 3), axis=0, return_inverse=True)
-    return points, cells.reshape(len(per_cell), -1)
-
-
-def box_mesh(
-    kind: str,
-    size: tuple[float, float, float] = (1.0, 1.0, 1.0),
-    divisions: tuple[int, int, int] = (2, 2, 2),
-) -> meshio.Mesh:
-    """A box from the origin; groups root and tip are its faces across x, and all its elements are in `box`."""
-    grid, cells = solid_cells(kind, divisions)
-    points = grid / (2.0 * np.array(divisions)) * size
-    (local,) = LOCAL[kind].values()
-    faces = cells[:, np.array(local)].reshape(-1, len(local[0]))
-    at = {name: faces[(grid[faces, 0] == x).all(axis=1)] for name, x in (("root", 0), ("tip", 2 * divisions[0]))}
-    facet = FACET_TYPES[kind]
-    return named(points, [("root", facet, at["root"]), ("tip", facet, at["tip"]), ("box", kind, cells)])
 
 
 def line_mesh(points: Any, lines: Any = None) -> meshio.Mesh:
@@ -81,22 +35,6 @@ def line_mesh(points: Any, lines: Any = None) -> meshio.Mesh:
 
 def straight(elements: int, length: float = 0.5, along: Any = (1.0, 0.0, 0.0)) -> meshio.Mesh:
     return line_mesh(np.linspace(0.0, length, elements + 1)[:, None] * np.array(along))
-
-
-def named(points: np.ndarray, parts: list[tuple[str, str, Any]]) -> meshio.Mesh:
-    """A mesh whose parts are physical groups of Gmsh, each an entity of its own."""
-    cells = [meshio.CellBlock(kind, np.asarray(rows)) for _, kind, rows in parts]
-    tags = [np.full(len(block), i + 1) for i, block in enumerate(cells)]
-    entities = np.zeros((len(points), 2), dtype=int)
-    for i in reversed(range(len(parts))):
-        entities[cells[i].data[0 if cells[i].dim == 3 else slice(None)]] = cells[i].dim, i + 1
-    return meshio.Mesh(
-        points,
-        cells,
-        point_data={"gmsh:dim_tags": entities},
-        cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags},
-        field_data={name: np.array([i + 1, cells[i].dim]) for i, (name, _, _) in enumerate(parts)},
-    )
 
 
 @pytest.fixture(params=SOLIDS)

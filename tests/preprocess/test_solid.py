@@ -9,7 +9,7 @@ from duhamel.preprocess.reading import read_mesh
 E, NU = 2.1e11, 0.3
 
 TETRA = [((0, 1), 4), ((1, 2), 5), ((2, 0), 6), ((0, 3), 7), ((1, 3), 8), ((2, 3), 9)]
-MIDDLES = {"tetra": [], "tetra10": TETRA, "hexahedron": []}
+MIDDLES = {"tetra": [], "tetra10": TETRA, "hexahedron": [], "wedge": []}
 
 
 def energy_density(strain: np.ndarray) -> float:
@@ -20,7 +20,7 @@ def energy_density(strain: np.ndarray) -> float:
 def perturbed(mesh, kind, amount=0.06):
     """Inner nodes moved at random; middle nodes with them, so that edges stay straight."""
     points, cells = mesh.points.copy(), mesh.cells[-1].data
-    corners = np.unique(cells[:, : 4 if kind.startswith("tetra") else 8])
+    corners = np.unique(cells[:, : {"tetra10": 4}.get(kind, cells.shape[1])])
     inner = corners[((points[corners] > 1e-9) & (points[corners] < 1 - 1e-9)).all(axis=1)]
     shift = np.zeros_like(points)
     shift[inner] = np.random.default_rng(2).uniform(-amount, amount, (len(inner), 3))
@@ -30,7 +30,7 @@ def perturbed(mesh, kind, amount=0.06):
     return mesh
 
 
-@pytest.mark.parametrize("kind", ["tetra", "tetra10", "hexahedron"])
+@pytest.mark.parametrize("kind", ["tetra", "tetra10", "hexahedron", "wedge"])
 def test_patch_of_distorted_elements(solid_body, box, kind):
     """A linear displacement has its exact energy, and leaves inner nodes without force."""
     structure = assemble(solid_body(perturbed(box(kind, divisions=(3, 3, 3)), kind)))
@@ -77,17 +77,20 @@ def test_the_volume_of_a_curved_body(solid_body, box, kind):
 def test_sides_have_their_middles_between_their_corners(save, box, kind):
     mesh = read_mesh(save(box(kind, divisions=(2, 1, 1))))
     facets = facets_of(mesh)
-    ((facet, nodes),) = facets.nodes.items()
-    c, points = CORNERS[facet], mesh.points
-    ring = points[nodes[:, :c]]
-    if nodes.shape[1] >= 2 * c:
-        middles = 0.5 * (ring + np.roll(ring, -1, axis=1))
-        np.testing.assert_allclose(points[nodes[:, c : 2 * c]], middles, rtol=0, atol=1e-15)
-    if nodes.shape[1] == 9:
-        np.testing.assert_allclose(points[nodes[:, 8]], ring.mean(axis=1), rtol=0, atol=1e-15)
-    outward = np.cross(ring[:, 1] - ring[:, 0], ring[:, 2] - ring[:, 1])
+    numbers = np.arange(facets.count)
+    for facet, nodes in facets.patch(numbers).items():
+        c, points = CORNERS[facet], mesh.points
+        ring = points[nodes[:, :c]]
+        if nodes.shape[1] >= 2 * c:
+            middles = 0.5 * (ring + np.roll(ring, -1, axis=1))
+            np.testing.assert_allclose(points[nodes[:, c : 2 * c]], middles, rtol=0, atol=1e-15)
+        if nodes.shape[1] == 9:
+            np.testing.assert_allclose(points[nodes[:, 8]], ring.mean(axis=1), rtol=0, atol=1e-15)
     middle = np.array([0.5, 0.5, 0.5])
-    assert (np.einsum("fi,fi->f", outward, ring.mean(axis=1) - middle)[facets.boundary] > 0).all()
+    for facet, nodes in facets.patch(numbers[facets.boundary]).items():
+        ring = mesh.points[nodes[:, : CORNERS[facet]]]
+        outward = np.cross(ring[:, 1] - ring[:, 0], ring[:, 2] - ring[:, 1])
+        assert (np.einsum("fi,fi->f", outward, ring.mean(axis=1) - middle) > 0).all()
 
 
 def test_materials_by_group(solid_body, box):
@@ -95,7 +98,8 @@ def test_materials_by_group(solid_body, box):
     block = mesh.cells[2]
     mesh.cells[2:] = [type(block)("hexahedron", block.data[[i]]) for i in (0, 1)]
     mesh.cell_data = {key: [*data[:2], np.array([3]), np.array([4])] for key, data in mesh.cell_data.items()}
-    mesh.field_data = {**mesh.field_data, "left": np.array([3, 3]), "right": np.array([4, 3])}
+    del mesh.field_data["box"]
+    mesh.field_data |= {"left": np.array([3, 3]), "right": np.array([4, 3])}
     light, heavy = {"E": E, "nu": NU, "rho": 1.0}, {"E": E / 2, "nu": NU, "rho": 3.0}
     structure = assemble(solid_body(mesh, material=None, materials={"left": light, "right": heavy}))
     assert structure.rigid.mass == pytest.approx(4.0, rel=1e-14)
@@ -107,7 +111,7 @@ def test_materials_by_group(solid_body, box):
     assert 0.5 * u.ravel() @ (structure.K @ u.ravel()) == pytest.approx(expected, rel=1e-12)
 
 
-@pytest.mark.parametrize("kind", ["tetra", "tetra10", "hexahedron"])
+@pytest.mark.parametrize("kind", ["tetra", "tetra10", "hexahedron", "wedge"])
 def test_an_inverted_element_is_named(solid_body, box, kind):
     mesh = box(kind)
     cells = mesh.cells[-1].data
