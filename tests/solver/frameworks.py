@@ -19,7 +19,7 @@ SECTION = {
 ELASTIC = ("EA", "EI_y", "EI_z", "GJ")
 
 
-def framework(folder, ends, interfaces, elements=4, stiffness=1.0, step=2e-4, steps=10, damping=None):
+def framework(folder, ends, interfaces, elements=4, stiffness=1.0, step=2e-4, steps=10):
     """Straight bars, each given by its two ends and cut into `elements`; bars that share an end are joined there.
 
     interfaces: points by name; stiffness: a factor on all of them.
@@ -36,7 +36,6 @@ def framework(folder, ends, interfaces, elements=4, stiffness=1.0, step=2e-4, st
         "section": SECTION | {name: stiffness * SECTION[name] for name in ELASTIC},
         "interfaces": {name: {"node": list(point)} for name, point in interfaces.items()},
         "impulse": {"step": step, "steps": steps},
-        "damping": {} if damping is None else {"modal": damping},
     }
     return build(Body.model_validate(body))
 

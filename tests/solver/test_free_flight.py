@@ -78,11 +78,11 @@ def test_reactions_between_flexible_frames_are_in_equilibrium(kind, tmp_path):
 def flying_chain(folder, **settings):
     """Rigid on flexible, flexible on flexible, rigid on rigid, flexible on rigid, each on a joint of its own."""
     link = bar(folder, 0.2, stiffness=0.002)
-    half, ends = 0.1, {"near": Frame([-0.1, 0, 0]), "far": Frame([0.1, 0, 0])}
+    ends = {"near": Frame([-0.1, 0, 0]), "far": Frame([0.1, 0, 0])}
     inertia = [4e-5, 1e-4, 8e-5]
 
     def start(k, omega):
-        return Start([half + 2 * half * k, 0, 0], velocity=[0.0, 0.0, 0.3 * k], angular_velocity=omega)
+        return Start([0.1 + 0.2 * k, 0, 0], velocity=[0.0, 0.0, 0.3 * k], angular_velocity=omega)
 
     bodies = {
         "a": RigidBody(0.03, inertia, ends, start(0, [8.0, 0.0, 4.0])),
