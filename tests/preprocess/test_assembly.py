@@ -170,7 +170,8 @@ def test_a_bad_element_of_a_second_type_is_named(solid_body):
 def stacked(lower, upper):
     """One unit cube of a type on one of another, which share the nodes where they touch."""
     (below, cells), (above, others) = (solid_cells(kind, (1, 1, 1)) for kind in (lower, upper))
-    corners = np.concatenate([below[cells].reshape(-1, 3), (above + [0, 0, 2])[others].reshape(-1, 3)])
+    above[:, 2] += 2
+    corners = np.concatenate([below[cells].reshape(-1, 3), above[others].reshape(-1, 3)])
     grid, numbers = np.unique(corners, axis=0, return_inverse=True)
     numbers = numbers.ravel()
     parts = [("a", lower, numbers[: cells.size].reshape(cells.shape))]
