@@ -13,12 +13,6 @@ TOLERANCE = 1e-10
 """of Newton's method: of constraints relative to the motion in a step"""
 
 
-def pushed(make, folder, h):
-    """A smooth torque turns the crank for 0.1 s."""
-    torque = Load("torque", "crank", Z, Function(lambda t: 0.05 * np.sin(np.pi * t / 0.1) ** 2))
-    return simulate(make(folder, loads=(torque,), t_end=0.1, step=h))
-
-
 def speed(results):
     """The largest velocity of translation, and of rotation at the far end of the mechanism."""
     motions = [results.body(name).v for name in ("crank", "rod")]
@@ -28,14 +22,14 @@ def speed(results):
 @pytest.mark.parametrize("make", [four_bar, slider_crank, spatial_four_bar])
 def test_a_flexible_loop_stays_closed_and_converges_with_order_two(make, tmp_path):
     """Ends of the rod and energy balance err with the square of the step; joints open by Newton's tolerance at most."""
-    finest = pushed(make, tmp_path, 2.5e-5)
-    bent = np.abs(finest.frame("rod.right").u).max()
-    assert bent > 3e-4
+    torque = Load("torque", "crank", Z, Function(lambda t: 0.05 * np.sin(np.pi * t / 0.1) ** 2))
+    model = make(tmp_path, loads=(torque,), t_end=0.1)
+    finest = simulate(replace(model, step=2.5e-5))
+    assert np.abs(finest.frame("rod.right").u).max() > 3e-4
     errors, balances = [], []
     for h in STEPS:
-        results = pushed(make, tmp_path, h)
-        assert results.solver["degrees_of_freedom"] == 1
-        for joint in make(tmp_path).joints[1:3]:
+        results = simulate(replace(model, step=h))
+        for joint in model.joints[1:3]:
             A, B = (results.frame(name).position for name in joint.between)
             np.testing.assert_allclose(A, B, rtol=0, atol=TOLERANCE * h * speed(results))
         exact = [finest.frame(f"rod.{end}").position[:: round(STEPS[0] / 2.5e-5)] for end in ("left", "right")]
