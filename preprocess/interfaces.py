@@ -117,13 +117,18 @@ def _nearest_node(selection: InterfaceSelection, mesh: Mesh) -> int:
 
 
 def _names_points(selection: InterfaceSelection, mesh: Mesh) -> bool:
-    """Whether the group of a selection is one of points; if not, it must be one of facets."""
+    """Whether the group of a selection is one of points; if not, it must be one of facets.
+
+    Of a name that a file gives to several things, facets come first, then points, and solid elements do not count.
+    """
     if selection.group is None:
         return False
     group = mesh.group(selection.group)
     dimensions = {DIMENSIONS.get(kind, 3) for kind in group.cells}
-    if dimensions <= {0} or dimensions == {2}:
-        return dimensions <= {0}
+    if 2 in dimensions:
+        return False
+    if 0 in dimensions or len(group.points):
+        return True
     raise InterfaceError(
         f"expected a group of facets or of points, found {', '.join(group.kinds)} in {selection.group!r}"
     )
@@ -143,7 +148,7 @@ def _selected_facets(selection: InterfaceSelection, mesh: Mesh, facets: Facets) 
     if selection.group is None:
         candidates = np.flatnonzero(facets.boundary)
     else:
-        cells = mesh.group(selection.group).cells
+        cells = {kind: rows for kind, rows in mesh.group(selection.group).cells.items() if DIMENSIONS.get(kind) == 2}
         candidates = np.concatenate([_faces(mesh.cells[kind][rows], kind, facets) for kind, rows in cells.items()])
     chosen = selection.holds(mesh.points, mesh.size)
     found = candidates[facets.within(chosen)[candidates]]
@@ -168,10 +173,11 @@ def _faces(cells: IntArray, kind: str, facets: Facets) -> IntArray:
 
 
 def _group_nodes(mesh: Mesh, name: str) -> IntArray:
-    """All nodes of a group, each once."""
+    """The points of a group, each once; the nodes of its cells if it names no points."""
     group = mesh.group(name)
-    parts = [mesh.cells[kind][rows].ravel() for kind, rows in group.cells.items()]
-    return np.unique(np.concatenate([*parts, group.points]))
+    nodes = {kind: mesh.cells[kind][rows].ravel() for kind, rows in group.cells.items()}
+    points = np.unique(np.concatenate([nodes.get("vertex", NONE), group.points]))
+    return points if len(points) else np.unique(np.concatenate(list(nodes.values())))
 
 
 def _check_spread(points: Array) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from .errors import MeshError, MeshWarning
-from .formats import abaqus, gmsh, med, nastran, through_meshio
+from .formats import abaqus, gmsh, med, nastran, through_meshio, xdmf
 from .mesh import LINES, PARTS, SOLIDS, Mesh
 
 _READERS = {
@@ -19,6 +19,8 @@ _READERS = {
     ".dat": nastran.read,
     ".fem": nastran.read,
     ".med": med.read,
+    ".xdmf": xdmf.read,
+    ".xmf": xdmf.read,
 }
 """By suffix; meshio reads what is not here."""
 

@@ -5,7 +5,7 @@ part goes by its own name if the file has one instance, else by INSTANCE.NAME. A
 or quad of its corners. Source: Abaqus Keywords Guide, and for nodes and faces of elements Abaqus Elements Guide.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 
@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import MeshError
-from ..mesh import DIMENSIONS, IntArray
+from ..mesh import DIMENSIONS, NONE, IntArray
 from .abaqus_deck import Keyword
 from .abaqus_parts import Instance, Sets, read_instances
-from .draft import Draft, Numbering
+from .draft import Draft, Numbering, Sequence
 
 # Corners of the faces S1, S2, ... of each solid.
 _FACES = {
@@ -33,19 +33,20 @@ def read(path: Path) -> Draft:
     nodes, elements = _Family("node", lost), _Family("element", lost)
     for name, instance in instances.items():
         nodes.add(name, instance.part.numbers, instance.part.nsets)
-        numbers = [np.zeros(0, dtype=np.int64), *(numbers for _, numbers, _ in instance.part.elements)]
+        numbers = [NONE, *(numbers for _, numbers, _ in instance.part.elements)]
         elements.add(name, np.concatenate(numbers), instance.part.elsets)
 
     draft = Draft(np.concatenate([instance.points for instance in instances.values()]), lost)
-    cells = _Cells(draft, instances, nodes)
+    sequence = _sequence(draft, instances, nodes)
+    surfaces = _Surfaces(draft, sequence, nodes, elements)
     for key, instance in instances.items():
         name_of = partial(_group_name, instance=instance, instances=instances)
         for name in instance.part.nsets.written.values():
             draft.mark_points(name_of(name), nodes.members(key, name))
         for name in instance.part.elsets.written.values():
-            cells.mark(name_of(name), elements.members(key, name))
+            sequence.mark(name_of(name), elements.members(key, name))
         for surface in instance.part.surfaces:
-            _add_surface(surface, key, name_of(surface["NAME"]), draft, cells, nodes, elements)
+            surfaces.add(surface, key, name_of(surface["NAME"]))
     return draft
 
 
@@ -81,75 +82,35 @@ class _Family:
         path = (*inside, f"{instance}.{item.upper()}")
         if path[-1] in inside:
             raise MeshError(f"the {self._what} set {item!r} contains itself")
-        found = [np.zeros(0, dtype=np.int64)]
+        found = [NONE]
         for entry in sets.entries[item.upper()]:
             holder = entry.instance or instance
             if holder not in self._instances:
                 raise MeshError(f"{self._what} set {item!r}: no instance {holder!r}")
-            if isinstance(entry.item, str):
-                found.append(self.members(holder, entry.item, path))
-            else:
-                numbering, first, _ = self._instances[holder]
-                known = numbering.known(entry.item)
-                if not known.all():
-                    self._lost.append(f"{(~known).sum()} numbers of set {item} that are no {self._what}s")
-                found.append(first + numbering.rows(entry.item[known], item))
+            numbering, first, _ = self._instances[holder]
+            match entry.item:
+                case str(name):
+                    found.append(self.members(holder, name, path))
+                case range() as numbers:
+                    found.append(first + numbering.within(numbers))
+                case numbers:
+                    known = numbering.known(numbers)
+                    if not known.all():
+                        self._lost.append(f"{(~known).sum()} numbers of set {item} that are no {self._what}s")
+                    found.append(first + numbering.rows(numbers[known], item))
         return np.concatenate(found)
 
 
-class _Cells:
-    """The cell of every element of all instances: its type, as a place in `kinds`, and its row; -1 for unknown ones."""
-
-    def __init__(self, draft: Draft, instances: Mapping[str, Instance], nodes: _Family) -> None:
-        self._draft = draft
-        self.kinds: list[str] = []
-        kinds, rows = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
-        for name, instance in instances.items():
-            for kind, numbers, members in instance.part.elements:
-                if kind is None:
-                    kinds.append(np.full(len(numbers), -1))
-                    rows.append(np.full(len(numbers), -1))
-                    continue
-                if kind not in self.kinds:
-                    self.kinds.append(kind)
-                kinds.append(np.full(len(numbers), self.kinds.index(kind)))
-                rows.append(draft.add(kind, nodes.rows(name, members, f"*ELEMENT, {kind}")))
-        self._kinds, self._rows = np.concatenate(kinds), np.concatenate(rows)
-        self._nodes = draft.cells
-
-    def by_kind(self, elements: IntArray) -> Iterator[tuple[str, IntArray]]:
-        """The elements of each type, as rows of its cells."""
-        for i, kind in enumerate(self.kinds):
-            rows = self._rows[elements[self._kinds[elements] == i]]
-            if len(rows):
-                yield kind, rows
-
-    def mark(self, group: str, elements: IntArray) -> None:
-        for kind, rows in self.by_kind(elements):
-            self._draft.mark(group, kind, rows)
-
-    def mark_face(self, group: str, elements: IntArray, face: int) -> bool:
-        """Put one face of each element into a group; whether all of them have it."""
-        done = True
-        for kind, rows in self.by_kind(elements):
-            faces = _FACES.get(kind.rstrip("0123456789"), [])
-            if 1 <= face <= len(faces):
-                corners = self._nodes[kind][rows][:, faces[face - 1]]
-                facet = "triangle" if corners.shape[1] == 3 else "quad"
-                self._draft.mark(group, facet, self._draft.add(facet, corners))
+def _sequence(draft: Draft, instances: Mapping[str, Instance], nodes: _Family) -> Sequence:
+    """The elements of all instances as cells."""
+    sequence = Sequence(draft)
+    for name, instance in instances.items():
+        for kind, numbers, members in instance.part.elements:
+            if kind is None:
+                sequence.skip(len(numbers))
             else:
-                done = False
-        return done
-
-    def mark_facets(self, group: str, elements: IntArray) -> bool:
-        """Put elements that are facets themselves into a group; whether all of them are."""
-        done = True
-        for kind, rows in self.by_kind(elements):
-            if DIMENSIONS.get(kind) == 2:
-                self._draft.mark(group, kind, rows)
-            else:
-                done = False
-        return done
+                sequence.add(kind, nodes.rows(name, members, f"*ELEMENT, {kind}"))
+    return sequence
 
 
 def _group_name(name: str, instance: Instance, instances: Mapping[str, Instance]) -> str:
@@ -160,21 +121,37 @@ def _group_name(name: str, instance: Instance, instances: Mapping[str, Instance]
     return name if plain else f"{instance.name}.{name}"
 
 
-def _add_surface(
-    surface: Keyword, instance: str, group: str, draft: Draft, cells: _Cells, nodes: _Family, elements: _Family
-) -> None:
-    """TYPE=ELEMENT: faces of solids, S1 to S6, and elements that are facets themselves; TYPE=NODE: nodes."""
-    kind = surface.get("TYPE").upper() or "ELEMENT"
-    whole = kind in ("ELEMENT", "NODE") and "COMBINE" not in surface.parameters
-    for item, *rest in surface.data if whole else ():
-        label = rest[0].upper() if rest else ""
-        if kind == "NODE":
-            draft.mark_points(group, nodes.members(instance, item))
-        elif label[:1] == "S" and label[1:].isdigit():
-            whole &= cells.mark_face(group, elements.members(instance, item), int(label[1:]))
-        elif label in ("", "SPOS", "SNEG"):
-            whole &= cells.mark_facets(group, elements.members(instance, item))
-        else:
-            whole = False
-    if not whole:
-        draft.lost.append(f"surface {group} ({surface.place}), or parts of it")
+class _Surfaces:
+    """Surfaces become groups of facets or of nodes."""
+
+    def __init__(self, draft: Draft, sequence: Sequence, nodes: _Family, elements: _Family) -> None:
+        self._draft, self._sequence = draft, sequence
+        self._nodes, self._elements = nodes, elements
+        self._cells = draft.cells
+
+    def add(self, surface: Keyword, instance: str, group: str) -> None:
+        """TYPE=ELEMENT: faces S1 to S6 of solids, and elements that are facets themselves; TYPE=NODE: nodes."""
+        kind = surface.get("TYPE").upper() or "ELEMENT"
+        whole = kind in ("ELEMENT", "NODE") and "COMBINE" not in surface.parameters
+        for item, *rest in surface.data if whole else ():
+            label = rest[0].upper() if rest else ""
+            if kind == "NODE":
+                self._draft.mark_points(group, self._nodes.members(instance, item))
+                continue
+            for cells, rows in self._sequence.by_kind(self._elements.members(instance, item)):
+                whole &= self._mark_facets(group, cells, rows, label)
+        if not whole:
+            self._draft.lost.append(f"surface {group} ({surface.place}), or parts of it")
+
+    def _mark_facets(self, group: str, kind: str, rows: IntArray, label: str) -> bool:
+        """Whether the cells have such a face."""
+        if DIMENSIONS.get(kind) == 2 and label in ("", "SPOS", "SNEG"):
+            self._draft.mark(group, kind, rows)
+            return True
+        faces = {f"S{i}": face for i, face in enumerate(_FACES.get(kind.rstrip("0123456789"), []), 1)}
+        if label not in faces:
+            return False
+        corners = self._cells[kind][rows][:, faces[label]]
+        facet = "triangle" if corners.shape[1] == 3 else "quad"
+        self._draft.mark(group, facet, self._draft.add(facet, corners))
+        return True

@@ -29,10 +29,10 @@ class Keyword:
         return self.parameters.get(parameter, "")
 
     def ints(self, items: list[str]) -> list[int]:
-        try:
-            return [int(item) for item in items]
-        except ValueError as error:
-            raise MeshError(f"{self.place}: *{self.name}: expected an integer, {error}") from error
+        for item in items:
+            if not re.fullmatch(r"[+-]?\d{1,18}", item):
+                raise MeshError(f"{self.place}: *{self.name}: expected an integer, found {item!r}")
+        return [int(item) for item in items]
 
     def floats(self, items: list[str]) -> list[float]:
         """Numbers, 0 where nothing is written; Fortran's exponents are understood."""

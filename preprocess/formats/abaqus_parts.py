@@ -39,9 +39,12 @@ _CONNECTIONS = ("TIE", "MPC", "EQUATION", "COUPLING", "KINEMATIC COUPLING", "RIG
 
 @dataclass(frozen=True)
 class Entry:
-    """Of a set: numbers, or the name of another set; of an instance, where it is said."""
+    """Of a set: numbers, a range of which it has those that are there, or the name of another set.
 
-    item: str | IntArray
+    They are of an instance, where it is said.
+    """
+
+    item: str | IntArray | range
     instance: str = ""
 
 
@@ -151,7 +154,7 @@ def _add_nodes(part: Part, keyword: Keyword) -> None:
         raise MeshError(f"{keyword.place}: *NODE: expected nodes in rectangular coordinates below it")
     numbers = keyword.ints([line[0] for line in keyword.data])
     part.numbers += numbers
-    part.points += [keyword.floats([*line[1:4], "", ""][:3]) for line in keyword.data]
+    part.points += [keyword.floats([*line[1:4], "", "", ""][:3]) for line in keyword.data]
     if keyword.get("NSET"):
         part.nsets.add(keyword["NSET"], [Entry(np.array(numbers, dtype=np.int64))])
 
@@ -190,7 +193,7 @@ def _entries(keyword: Keyword) -> list[Entry]:
         ranges = [(*keyword.ints(line), 1)[:3] for line in keyword.data]
         if any(len(given) != 3 or given[2] < 1 for given in ranges):
             raise MeshError(f"{keyword.place}: GENERATE: expected first, last and a positive step in each line")
-        return [Entry(np.arange(first, last + 1, step), instance) for first, last, step in ranges]
+        return [Entry(range(first, last + 1, step), instance) for first, last, step in ranges]
     items = [item for line in keyword.data for item in line if item]
     numbers = keyword.ints([item for item in items if item.isdigit()])
     names = [Entry(item.strip('"'), instance) for item in items if not item.isdigit()]

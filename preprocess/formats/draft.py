@@ -1,11 +1,14 @@
 """A mesh while its file is being read."""
 
+from collections import Counter
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...superelement.validation import Array
 from ..errors import MeshError
-from ..mesh import Group, IntArray
+from ..mesh import NONE, Group, IntArray
 
 
 class Draft:
@@ -19,14 +22,15 @@ class Draft:
         self.points = points
         self.lost = [] if lost is None else lost
         self._blocks: dict[str, list[IntArray]] = {}
+        self._counts: Counter[str] = Counter()
         self._cells: dict[str, dict[str, list[IntArray]]] = {}
         self._points: dict[str, list[IntArray]] = {}
 
     def add(self, kind: str, nodes: IntArray) -> IntArray:
         """Cells (n, k) of one type, as rows of `points`; their rows (n,) among all cells of that type."""
-        blocks = self._blocks.setdefault(kind, [])
-        first = sum(map(len, blocks))
-        blocks.append(nodes)
+        first = self._counts[kind]
+        self._counts[kind] += len(nodes)
+        self._blocks.setdefault(kind, []).append(nodes)
         return np.arange(first, first + len(nodes))
 
     def mark(self, name: str, kind: str, rows: ArrayLike) -> None:
@@ -47,9 +51,43 @@ class Draft:
         found = {}
         for name in {**self._cells, **self._points}:
             cells = {kind: np.unique(np.concatenate(rows)) for kind, rows in self._cells.get(name, {}).items()}
-            points = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *self._points.get(name, [])]))
+            points = np.unique(np.concatenate([NONE, *self._points.get(name, [])]))
             found[name] = Group({kind: rows for kind, rows in cells.items() if len(rows)}, points)
         return {name: group for name, group in found.items() if group.kinds}
+
+
+class Sequence:
+    """The elements of a file in its order, whatever their types: the cell that each has become."""
+
+    def __init__(self, draft: Draft) -> None:
+        self._draft = draft
+        self._kinds: list[str] = []
+        self._blocks: list[tuple[IntArray, IntArray]] = [(NONE, NONE)]
+
+    def add(self, kind: str, nodes: IntArray) -> None:
+        """The next elements, all of one type."""
+        if kind not in self._kinds:
+            self._kinds.append(kind)
+        self._blocks.append((np.full(len(nodes), self._kinds.index(kind)), self._draft.add(kind, nodes)))
+
+    def skip(self, count: int) -> None:
+        """The next elements become no cells."""
+        self._blocks.append((np.full(count, -1), np.full(count, -1)))
+
+    def __len__(self) -> int:
+        return sum(len(rows) for _, rows in self._blocks)
+
+    def by_kind(self, elements: IntArray) -> Iterator[tuple[str, IntArray]]:
+        """The cells of elements, given by their places in the order of the file: rows of each type."""
+        kinds, rows = (np.concatenate(parts) for parts in zip(*self._blocks, strict=True))
+        for i, kind in enumerate(self._kinds):
+            if len(found := rows[elements[kinds[elements] == i]]):
+                yield kind, found
+
+    def mark(self, group: str, elements: IntArray) -> None:
+        """Put the cells of elements into a group."""
+        for kind, rows in self.by_kind(elements):
+            self._draft.mark(group, kind, rows)
 
 
 class Numbering:
@@ -70,6 +108,12 @@ class Numbering:
     def known(self, numbers: ArrayLike) -> NDArray[np.bool_]:
         """Whether the numbers are there, in their shape."""
         return np.isin(np.asarray(numbers, dtype=np.int64), self._sorted)
+
+    def within(self, numbers: range) -> IntArray:
+        """The places of those numbers of a range that are there."""
+        inside = (self._sorted >= numbers.start) & (self._sorted < numbers.stop)
+        inside &= (self._sorted - numbers.start) % numbers.step == 0
+        return self._order[inside]
 
     def rows(self, numbers: ArrayLike, user: str) -> IntArray:
         """The places of numbers, in their shape; `MeshError` if `user` asks for one that is not there."""

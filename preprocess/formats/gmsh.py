@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import MeshError
-from ..mesh import DIMENSIONS, IntArray
+from ..mesh import DIMENSIONS, NONE, IntArray
 from .draft import Draft, Numbering
 from .numbers import BinaryNumbers, Numbers, TextNumbers
 
@@ -188,7 +188,7 @@ def _read4(sections: dict[str, bytes], form: _Format, names: dict[tuple[int, int
     groups = _entities(form.numbers(sections["Entities"])) if "Entities" in sections else {}
     numbers = form.numbers(sections["Nodes"])
     blocks, count, _, _ = numbers.table(1, ("u", 4))[0][0].tolist()
-    given, points = [np.zeros(0, dtype=np.int64)], [np.zeros((0, 3))]
+    given, points = [NONE], [np.zeros((0, 3))]
     for _ in range(blocks):
         (((dimension, _, parametric),), ((length,),)) = numbers.table(1, ("i", 3), ("u", 1))
         given.append(numbers.table(length, ("u", 1))[0].ravel())

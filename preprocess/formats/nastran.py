@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import MeshError
+from ..mesh import NONE
 from .draft import Draft, Numbering
 from .nastran_deck import Card, read_cards
 from .nastran_frames import frame_of
@@ -116,12 +117,12 @@ def _add_points(draft: Draft, card: Card, numbering: Numbering) -> None:
     match card.name:
         case "SPC":
             numbers = [card.integer(field) for field in (3, 6) if card.text(field)]
+            ranges = [range(number, number + 1) for number in numbers]
         case "SPC1":
-            numbers = card.integers(4)
+            ranges = card.ranges(4)
         case _:
-            numbers = card.integers(3)
-    name = f"{card.name[:3].lower()} {card.integer(2)}"
-    known = numbering.known(numbers)
-    if not known.any():
+            ranges = card.ranges(3)
+    rows = np.concatenate([NONE, *map(numbering.within, ranges)])
+    if not len(rows):
         draft.lost.append(f"{card.name} {card.integer(2)} ({card.place}), which names no grid points")
-    draft.mark_points(name, numbering.rows(np.array(numbers, dtype=np.int64)[known], name))
+    draft.mark_points(f"{card.name[:3].lower()} {card.integer(2)}", rows)

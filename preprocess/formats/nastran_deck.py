@@ -32,7 +32,7 @@ class Card:
         text = self.text(field)
         if not text and default is not None:
             return default
-        if not re.fullmatch(r"[+-]?\d+", text):
+        if not re.fullmatch(r"[+-]?\d{1,18}", text):
             raise MeshError(f"{self.place}: {self.name}: expected an integer in field {field}, found {text!r}")
         return int(text)
 
@@ -44,18 +44,19 @@ class Card:
         except ValueError as error:
             raise MeshError(f"{self.place}: {self.name}: expected a number in field {field}, found {text!r}") from error
 
-    def integers(self, first: int) -> list[int]:
-        """The integers from a field on, with ranges as `1 THRU 5`."""
-        found: list[int] = []
-        fields = iter(range(first, len(self.fields) + 2))
-        for field in fields:
+    def ranges(self, first: int) -> list[range]:
+        """The integers from a field on, with those between as `1 THRU 5`."""
+        found: list[range] = []
+        thru = False
+        for field in range(first, len(self.fields) + 2):
             if self.text(field).upper() == "THRU":
-                field = next(fields, field)
-                if not found:
+                if not found or thru:
                     raise MeshError(f"{self.place}: {self.name}: THRU without a first number")
-                found.extend(range(found[-1] + 1, self.integer(field) + 1))
+                thru = True
             elif self.text(field):
-                found.append(self.integer(field))
+                number = self.integer(field)
+                found.append(range(found.pop().start if thru else number, number + 1))
+                thru = False
         return found
 
 

@@ -23,7 +23,7 @@ class TextNumbers:
     def table(self, rows: int, *columns: Column) -> list[Any]:
         """The next rows, split into arrays (rows, n) for each column; `MeshError` if there are not as many."""
         width = sum(count for _, count in columns)
-        if not 0 <= rows * width <= self.left:
+        if min(rows, *(count for _, count in columns)) < 0 or rows * width > self.left:
             raise MeshError(f"expected {rows} rows of {width} numbers, found {self.left} numbers")
         values, self._values = np.split(self._values, [rows * width])
         ends = np.cumsum([count for _, count in columns])[:-1]
@@ -64,9 +64,11 @@ class BinaryNumbers:
 
     def table(self, rows: int, *columns: Column) -> list[Any]:
         """As for text."""
+        rows = int(rows)  # numpy's integers overflow
+        width = sum(int(count) * np.dtype(self._types[code]).itemsize for code, count in columns)
+        if min(rows, *(count for _, count in columns)) < 0 or rows * width > self.left:
+            raise MeshError(f"expected {rows} rows of {width} bytes, found {self.left} bytes")
         row = np.dtype([(str(i), self._types[code], (count,)) for i, (code, count) in enumerate(columns)])
-        if not 0 <= rows * row.itemsize <= self.left:
-            raise MeshError(f"expected {rows} rows of {row.itemsize} bytes, found {self.left} bytes")
         table = np.frombuffer(self._data, row, rows)
         self._data = self._data[rows * row.itemsize :]
         return [table[str(i)].astype(float if code == "d" else np.int64) for i, (code, _) in enumerate(columns)]
