@@ -25,21 +25,26 @@ class Basis:
         self._M = M
         self._chunks: list[Array] = []
 
-    def extend(self, W: Array) -> Array:
-        """Add what is new in W (n_u, k); the columns that were added (n_u, k or fewer), none if nothing is new.
+    def extend(self, W: Array, near: int = 0) -> int:
+        """Add what is new in W (n_u, k); the number of columns that this makes, k or fewer, 0 if nothing is new.
 
-        Twice orthogonal to all the others, by matrix products: once leaves rounding relative to what was removed.
+        W, made orthogonal to the columns from `near` on (all, unless it is known to be nearly orthogonal to those
+        before), is normalised and then made orthogonal to all: the second time leaves rounding of the size of V.
         """
         squares = np.einsum("ik,ik->k", W, self._M @ W)
         W = W / np.sqrt(np.maximum(squares, np.finfo(float).tiny))
-        for shortest in (NEW, OUTSIDE):
-            W = self._normalised(self._remainder(W), shortest)
+        W = self._normalised(self._remainder(W, near), NEW)
+        W = self._normalised(self._remainder(W), OUTSIDE)
         self._append(W)
-        return W
+        return W.shape[1]
+
+    def since(self, start: int) -> Array:
+        """The columns from `start` on."""
+        return np.hstack(self._filled(start))
 
     def products(self, f: Array) -> Array:
         """V^T f (r, k) for f (n_u, k)."""
-        return np.concatenate([np.zeros((0, f.shape[1])), *(chunk.T @ f for chunk in self._filled())])
+        return np.concatenate([chunk.T @ f for chunk in self._filled()])
 
     def at(self, rows: Any) -> Array:
         """rows @ V (k, r) for sparse rows (k, n_u)."""
@@ -48,13 +53,11 @@ class Basis:
         rows = rows[:, touched]
         return np.hstack([rows @ chunk[touched] for chunk in self._filled()])
 
-    def _remainder(self, W: Array) -> Array:
-        """W - V V^T M W"""
-        coefficients = self.products(self._M @ W)
-        start = 0
-        for chunk in self._filled():
-            W = W - chunk @ coefficients[start : start + chunk.shape[1]]
-            start += chunk.shape[1]
+    def _remainder(self, W: Array, start: int = 0) -> Array:
+        """W - V V^T M W, with the columns of V from `start` on."""
+        MW = self._M @ W
+        for chunk in self._filled(start):
+            W = W - chunk @ (chunk.T @ MW)
         return W
 
     def _normalised(self, W: Array, shortest: float) -> Array:
@@ -81,7 +84,10 @@ class Basis:
             self.columns += width
             W = W[:, width:]
 
-    def _filled(self) -> list[Array]:
-        """The chunks, the last one up to where it is filled."""
-        last = self.columns - CHUNK * (len(self._chunks) - 1)
-        return [*self._chunks[:-1], *(chunk[:, :last] for chunk in self._chunks[-1:])]
+    def _filled(self, start: int = 0) -> list[Array]:
+        """The chunks from column `start` on, the last one up to where it is filled."""
+        return [
+            chunk[:, max(0, start - CHUNK * i) : self.columns - CHUNK * i]
+            for i, chunk in enumerate(self._chunks)
+            if start < CHUNK * (i + 1)
+        ]

@@ -44,12 +44,12 @@ class KrylovSpace:
         self.basis.extend(structure.U)
         self._structure = structure
         self._solve = factorize(structure.K + shift * structure.M)
-        self._load = structure.loads
-        self._stiffness: list[Array] = []
+        self._ends = [RIGID]
+        self._stiffness = np.zeros((0, 0))
 
     @property
     def blocks(self) -> int:
-        return len(self._stiffness)
+        return len(self._ends) - 1
 
     @property
     def dimension(self) -> int:
@@ -57,27 +57,32 @@ class KrylovSpace:
 
     def grow(self) -> bool:
         """Add a block; False if nothing is left to add, for the space holds all that interface loads excite."""
-        V = self.basis.extend(self._solve(self._load))
-        if V.shape[1] == 0:
+        load = self._structure.M @ self.basis.since(self._ends[-2]) if self.blocks else self._structure.loads
+        # S^-1 M is symmetric in M: what it makes of a block has parts along that block and its two neighbours alone.
+        if not self.basis.extend(self._solve(load), near=self._ends[max(0, self.blocks - 2)]):
             return False
-        self._stiffness.append(self.basis.products(self._structure.K @ V)[RIGID:])
-        self._load = self._structure.M @ V
+        self._ends.append(self.basis.columns)
         return True
 
     def ritz(self, blocks: int) -> tuple[Array, Array]:
         """omega (m,) [rad/s] and Q (r, m) of the first blocks: V^T K V Q = Q diag(omega^2), Q^T Q = I."""
-        size = len(self._stiffness[blocks - 1])
-        K = np.zeros((size, size))
-        for columns in self._stiffness[:blocks]:
-            rows, width = columns.shape
-            K[:rows, rows - width : rows] = columns
-        squares, Q = eigh(K, lower=False)
+        self._reduce_stiffness()
+        size = self._ends[blocks] - RIGID
+        squares, Q = eigh(self._stiffness[:size, :size], lower=False)
         if squares[0] <= 1e-13 * squares[-1]:
             raise MeshError(
                 f"expected six zero modes, found {RIGID + int((squares <= 1e-13 * squares[-1]).sum())}: "
                 f"the body is a mechanism, eigenvalues {squares[:8].tolist()}"
             )
         return np.sqrt(squares), Q
+
+    def _reduce_stiffness(self) -> None:
+        """V^T K V, the upper half, with what has come since the last time: many columns are as quick as a few."""
+        done = len(self._stiffness)
+        if done < self.dimension:
+            new = self.basis.products(self._structure.K @ self.basis.since(RIGID + done))[RIGID:]
+            left = np.pad(self._stiffness, ((0, self.dimension - done), (0, 0)))
+            self._stiffness = np.hstack([left, new])
 
 
 def krylov_modes(
