@@ -52,7 +52,7 @@ def _frequencies(modes: Modes | None) -> Iterator[Row]:
         yield "modes", "none, so the step and rho_inf of the kernel are fixed"
         return
     first = np.sort(modes.frequencies)[:SHOWN_FREQUENCIES]
-    yield "modes", str(len(modes.omega))
+    yield "modes", str(len(modes.omega)) + (f", for steps down to {modes.h_min:.6g} s" if modes.h_min else "")
     yield f"first {len(first)} [Hz]", ", ".join(f"{frequency:.5g}" for frequency in first)
 
 
@@ -60,7 +60,7 @@ def _kernel(kernel: Kernel) -> Iterator[Row]:
     yield "kernel step [s]", f"{kernel.h:.6g}"
     yield "kernel length [s]", f"{kernel.length:.6g}, {kernel.steps} steps"
     yield "kernel rho_inf", f"{kernel.scheme.rho_inf:.6g}"
-    yield "kernel error", f"{kernel.error:.3g}"
+    yield "kernel error", f"{kernel.error:.3g}" + (f" up to {kernel.band:.5g} Hz" if kernel.band else "")
     yield "kernel n_c", str(kernel.n_c)
 
 

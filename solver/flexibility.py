@@ -31,13 +31,16 @@ def lay_out_elastic(
     Also their static compliances.
     """
     bodies = model.flexible_bodies
-    memories = [
-        _by_modes(body.superelement, h, scheme)
-        if _has_modes(name, body.superelement, model.history)
-        else _by_kernel(body.superelement, h, scheme, n_steps)
-        for name, body in bodies.items()
-    ]
     owners = [id(body.superelement) for body in bodies.values()]
+    made: dict[int, _Memory] = {}
+    for owner, (name, body) in zip(owners, bodies.items(), strict=True):
+        if owner not in made:
+            made[owner] = (
+                _by_modes(body.superelement, h, scheme)
+                if _has_modes(name, body.superelement, model.history)
+                else _by_kernel(body.superelement, h, scheme, n_steps)
+            )
+    memories = [made[owner] for owner in owners]
     dofs = np.cumsum([0, *(body.superelement.n_c for body in bodies.values())])
     active = np.array(sorted(_active_dofs(frames)), dtype=np.int64)
     stiffness, damping, pivot = np.hstack([np.empty((3, 0)), *(memory.recursion for memory in memories)])
@@ -81,9 +84,7 @@ def _has_modes(name: str, element: Superelement, history: str) -> bool:
 
 
 def _by_modes(element: Superelement, h: float, scheme: GeneralizedAlpha) -> _Memory:
-    modes = element.modes
-    if modes is None:
-        raise ModelError(f"superelement {element.name!r} has no modes")
+    modes = element.modes_for(h)
     stiffness = modes.omega**2
     damping = 2.0 * modes.zeta * modes.omega
     ratio = (1.0 - scheme.alpha_m) / (1.0 - scheme.alpha_f)
