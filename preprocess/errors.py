@@ -23,3 +23,12 @@ class MethodError(PreprocessError):
 
 class MeshWarning(UserWarning):
     """A mesh file that holds more than is read of it."""
+
+
+class MemoryShortageError(PreprocessError, MemoryError):
+    """A build that needs more memory than there is; needed and available [bytes]."""
+
+    def __init__(self, message: str, needed: float, available: float) -> None:
+        super().__init__(message)
+        self.needed = needed
+        self.available = available

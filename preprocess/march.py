@@ -10,6 +10,7 @@ from .body import Damping
 from .damping import damping_matrix
 from .factor import factorize
 from .rigid import project
+from .static import initial_accelerations
 from .structure import Structure
 
 Track = Callable[[range], Iterable[int]]
@@ -36,7 +37,7 @@ def march_kernel(
     solve = factorize(S if C is None else S + scheme.gamma * h * C)
 
     # Columns: first those loaded at the first step, then those loaded at t_0.
-    acc = np.hstack([np.zeros_like(loads), factorize(M)(loads)])
+    acc = np.hstack([np.zeros_like(loads), initial_accelerations(structure)])
     u, v, a = np.zeros_like(acc), np.zeros_like(acc), acc
     f = np.hstack([loads, np.zeros_like(loads)])
     response = np.zeros((steps + 2, n_c, 2 * n_c))

@@ -40,3 +40,8 @@ class Modes:
     def frequencies(self) -> Array:
         """Natural frequencies [Hz], in the order of `omega`."""
         return self.omega / (2.0 * np.pi)
+
+    @property
+    def compliance(self) -> Array:
+        """Static compliance (n_c, n_c), phi diag(1 / omega^2) phi^T: what a kernel made of the modes adds up to."""
+        return (self.phi / self.omega**2) @ self.phi.T

@@ -1,0 +1,66 @@
+"""What a build will take, from sizes alone: formulas fitted to measurements."""
+
+from dataclasses import dataclass
+
+from .threads import threads
+
+FACTOR_RATE = 28e9
+"""Operations of a factorization per second and thread."""
+ANALYSIS_RATE = 7e6
+"""Entries of a matrix whose order of elimination is found per second."""
+SOLVE_RATE = 15e9
+"""Operations of a solve with many right-hand sides per second; one thread does them."""
+PRODUCT_RATE = 15e9
+"""Operations of dense products with tall matrices per second."""
+ASSEMBLY_RATE = 2e6
+"""Entries of K and M that are assembled per second."""
+ENTRY = 12
+"""Bytes of an entry of a sparse matrix, with its row."""
+REAL = 8
+"""Bytes of a number."""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Seconds on the machine of the fit (cores of 3 GHz with AVX2), and bytes at the peak."""
+
+    seconds: float
+    bytes: float
+
+
+def factorization_cost(n_u: int, nnz: int) -> Cost:
+    """Of a sparse L D L^T of n_u unknowns and nnz entries after nested dissection, when they fill a cube.
+
+        nnz(L) = 21 n_u^(4/3),   flops = 31 n_u^2,   bytes = 9.5 nnz(L) + 45 nnz
+
+    Fitted to rslab 1.7 on cubes of tet10, tet4, 20- and 27-node hexahedra of 15 000 to 273 000 unknowns: nnz(L) within
+    a fifth, bytes within a quarter. Slender and flat bodies take less: a bar of 4:1 three quarters of the bytes and
+    half the time, a plate of 50 x 50 x 3 elements half the bytes and a fifth of the time.
+    """
+    seconds = 31.0 * n_u**2 / (FACTOR_RATE * threads()) + nnz / ANALYSIS_RATE
+    return Cost(seconds, 9.5 * _entries(n_u) + 45.0 * nnz)
+
+
+def krylov_cost(n_u: int, nnz: int, n_c: int, steps: int, blocks: int) -> Cost:
+    """Of a whole build with n_c interface dofs, `steps` steps and `blocks` blocks of Krylov vectors.
+
+    Bytes are those of K, M and K + s M, the factor, the basis (n_u, n_c blocks), some blocks beside it and the kernels;
+    seconds those of assembly, factorization, 4 nnz(L) operations for each vector that is solved for, and
+    8 n_u r^2 / 2 for r vectors made orthogonal twice.
+    """
+    vectors = 6 + n_c * blocks
+    factorization = factorization_cost(n_u, nnz)
+    solves = 4.0 * _entries(n_u) * n_c * blocks / SOLVE_RATE
+    products = 4.0 * n_u * vectors**2 / PRODUCT_RATE
+    matrices = 3.0 * ENTRY * nnz
+    vectors_held = REAL * n_u * (vectors + 8 * n_c)
+    kernels = 4.0 * REAL * n_c**2 * steps
+    return Cost(
+        nnz / ASSEMBLY_RATE + factorization.seconds + solves + products,
+        matrices + factorization.bytes + vectors_held + kernels,
+    )
+
+
+def _entries(n_u: int) -> float:
+    entries: float = 21.0 * n_u ** (4.0 / 3.0)
+    return entries

@@ -1,0 +1,69 @@
+"""How much memory there is, and the refusal of what does not fit into it."""
+
+import os
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from .errors import MemoryShortageError
+
+ROOT = Path("/")
+
+
+def require(size: float, what: str, remedy: str) -> None:
+    """`MemoryShortageError` if `what` needs more bytes than there are: before hours are spent, or the machine is stopped."""
+    free = available()
+    if size > free:
+        raise MemoryShortageError(
+            f"{what} needs {gigabytes(size)} of memory, {gigabytes(free)} are available: {remedy}", size, free
+        )
+
+
+def gigabytes(size: float) -> str:
+    """Bytes as text, in GB with three digits."""
+    return f"{size / 1e9:.3g} GB"
+
+
+def available(root: Path = ROOT) -> int:
+    """Bytes that this process may still take: of the machine, and of the control groups that it runs in.
+
+    Where the system does not say what is free, all the memory of the machine; where it does not say even that, no
+    limit at all. Source: proc(5), cgroups(7).
+    """
+    return min(_machine(root), *_control_groups(root), sys.maxsize)
+
+
+def _machine(root: Path) -> int:
+    path = root / "proc/meminfo"
+    if path.exists():
+        values = dict(line.split(":", 1) for line in path.read_text().splitlines() if ":" in line)
+        return int(values["MemAvailable"].split()[0]) * 1024
+    if "SC_PHYS_PAGES" in getattr(os, "sysconf_names", {}):
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    return sys.maxsize
+
+
+def _control_groups(root: Path) -> Iterator[int]:
+    """What each group that holds the process has left; a group inside others is bound by them too."""
+    path = root / "proc/self/cgroup"
+    for line in path.read_text().splitlines() if path.exists() else ():
+        _, controllers, group = line.split(":", 2)
+        if not controllers:
+            top, limit, used, cache = root / "sys/fs/cgroup", "memory.max", "memory.current", "inactive_file"
+        elif "memory" in controllers.split(","):
+            top = root / "sys/fs/cgroup/memory"
+            limit, used, cache = "memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"
+        else:
+            continue
+        inside = top / group.lstrip("/")
+        for folder in (inside, *inside.parents):
+            if folder.is_relative_to(top) and (folder / limit).exists() and (folder / used).exists():
+                most = (folder / limit).read_text().strip()
+                if most != "max":
+                    # Files that are cached but not in use give way to whoever asks for memory.
+                    yield int(most) - int((folder / used).read_text()) + _entry(folder / "memory.stat", cache)
+
+
+def _entry(path: Path, key: str) -> int:
+    entries = dict(line.split() for line in path.read_text().splitlines())
+    return int(entries.get(key, 0))

@@ -1,0 +1,12 @@
+"""How many threads numerical libraries may use."""
+
+import os
+
+
+def threads() -> int:
+    """The processors that this process may run on, or fewer where OMP_NUM_THREADS asks for fewer."""
+    affinity = getattr(os, "sched_getaffinity", None)
+    processors = len(affinity(0)) if affinity is not None else os.cpu_count() or 1
+    # A list sets the threads of nested regions, outermost first.
+    asked = os.environ.get("OMP_NUM_THREADS", "").split(",")[0].strip()
+    return min(processors, int(asked)) if asked.isdecimal() and int(asked) > 0 else processors
