@@ -39,7 +39,7 @@ class Keyword:
         try:
             return [float(item.upper().replace("D", "E") or 0.0) for item in items]
         except ValueError as error:
-            raise MeshError(f"{self.place}: *{self.name}: expected a number, {error}") from error
+            raise MeshError(f"{self.place}: *{self.name}: expected numbers, found {items}") from error
 
 
 def keywords(path: Path) -> Iterator[Keyword]:

@@ -191,6 +191,8 @@ def _read4(sections: dict[str, bytes], form: _Format, names: dict[tuple[int, int
     given, points = [NONE], [np.zeros((0, 3))]
     for _ in range(blocks):
         (((dimension, _, parametric),), ((length,),)) = numbers.table(1, ("i", 3), ("u", 1))
+        if dimension not in range(4):
+            raise MeshError(f"$Nodes: expected an entity of dimension 0 to 3, found {dimension}")
         given.append(numbers.table(length, ("u", 1))[0].ravel())
         # Parametric nodes carry their parameters on the entity, one for each of its dimensions.
         points.append(numbers.table(length, ("d", 3 + bool(parametric) * dimension))[0][:, :3])

@@ -42,7 +42,9 @@ class Card:
         try:
             return float(re.sub(r"(?<=[\d.])([+-])", r"E\1", text) or 0.0)
         except ValueError as error:
-            raise MeshError(f"{self.place}: {self.name}: expected a number in field {field}, found {text!r}") from error
+            raise MeshError(
+                f"{self.place}: {self.name}: expected a number in field {field}, found {self.text(field)!r}"
+            ) from error
 
     def ranges(self, first: int) -> list[range]:
         """The integers from a field on, with those between as `1 THRU 5`."""
