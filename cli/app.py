@@ -24,15 +24,29 @@ Panels = Annotated[
     typer.Argument(metavar="QUANTITY[,QUANTITY]", help="A panel each, as angular_velocity:hub:z.", show_default=False),
 ]
 Output = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE.h5", show_default=False)]
+PreprocessOutput = Annotated[
+    Path | None,
+    typer.Option("--output", "-o", metavar="FILE", help="The superelement, or the picture.", show_default=False),
+]
+DryRun = Annotated[
+    bool,
+    typer.Option(
+        "--dry-run",
+        help="Only say what was found on the mesh and what to expect, and draw it: NAME.png beside the body file.",
+    ),
+]
 Picture = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE.png", show_default=False)]
 
 
 @app.command()
-def preprocess(body_file: BodyFile, output: Output = None) -> None:
+def preprocess(body_file: BodyFile, output: PreprocessOutput = None, dry_run: DryRun = False) -> None:
     """Turn a mesh into a superelement: NAME.h5 beside the body file, unless told otherwise."""
     start = perf_counter()
     from .. import preprocess, superelement
 
+    if dry_run:
+        _survey(body_file, output)
+        return
     with told_in_one_line(preprocess, superelement):
         body = preprocess.read_body(body_file)
         element = preprocess.build(body, progress=True)
@@ -40,6 +54,22 @@ def preprocess(body_file: BodyFile, output: Output = None) -> None:
         superelement.write(target, element)
     megabytes = target.stat().st_size / 1e6
     typer.echo(f"{target}: {element.n_c} dofs, {megabytes:.3g} MB, {perf_counter() - start:.2f} s")
+
+
+def _survey(body_file: Path, output: Path | None) -> None:
+    from rich.console import Console
+
+    from .. import preprocess, view
+    from ..preprocess.survey import survey
+    from .survey import scene, tell
+
+    with told_in_one_line(preprocess, view):
+        body = preprocess.read_body(body_file)
+        found = survey(body)
+        target = output or body_file.with_name(f"{body.name}.png")
+        view.save(view.draw_scene(scene(found)), target)
+    Console().print(tell(found))
+    typer.echo(target)
 
 
 @app.command()

@@ -36,7 +36,8 @@ class Plane(Table):
     def holds(self, points: Array, size: float) -> Chosen:
         """|(X - point) . n| <= tolerance size"""
         height = (points - self.point) @ (np.array(self.normal) / np.linalg.norm(self.normal))
-        return np.abs(height) <= self.tolerance * size
+        near: Chosen = np.abs(height) <= self.tolerance * size
+        return near
 
 
 class Box(Table):
@@ -93,8 +94,10 @@ class Cylinder(Table):
         along = (end - start) / length
         z = (points - start) @ along
         r = np.linalg.norm(points - start - z[:, None] * along, axis=1)
-        between: Chosen = (z >= -margin) & (z <= length + margin)
-        return between & (r >= self.inner - margin) & (r <= self.radius + margin)
+        inside: Chosen = (
+            (z >= -margin) & (z <= length + margin) & (r >= self.inner - margin) & (r <= self.radius + margin)
+        )
+        return inside
 
 
 class Selection(Table):

@@ -5,16 +5,21 @@ from .overview import overview
 from .picture import COLOURS, draw, entitle, panels, save, style
 from .quantities import Curve, curves
 from .recording import Recording, read
+from .scene import Patch, Place, Scene, draw_scene
 
 __all__ = [
     "COLOURS",
     "Curve",
+    "Patch",
     "PictureError",
+    "Place",
     "QuantityError",
     "Recording",
     "ResultsError",
+    "Scene",
     "curves",
     "draw",
+    "draw_scene",
     "entitle",
     "overview",
     "panels",

@@ -1,0 +1,215 @@
+"""Bodies in space as pictures: surfaces shaded by the direction they face, lines, and places with their names."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import hsv_to_rgb, to_rgb
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from .labels import apart
+from .picture import COLOURS, style
+from .rotations import Array
+
+IntArray = NDArray[np.int64]
+
+BODY, HEAVY = (0.82, 0.84, 0.87), (0.15, 0.15, 0.15)
+"""the colours of a body, and of the dots of masses"""
+AXES = (("x", "#c1272d"), ("y", "#2e8b40"), ("z", "#2456a6"))
+LIGHT = np.array([-0.35, 0.55, 0.76]) / np.linalg.norm([-0.35, 0.55, 0.76])
+"""direction towards the light, in the axes of the picture: right, up, towards the eye"""
+AMBIENT = 0.68
+EYE = np.array([1.0, -1.35, 0.8])
+"""direction towards the eye; the second view is from the other side, so that every face shows in one of them"""
+WIDTH, HIGHEST, MARGIN = 9.0, 4.6, 0.3
+"""of a picture, of a body in it, and around it [inch]"""
+LINE, LETTER = 0.2, 0.085
+"""height of a line of text, width of a letter [inch]"""
+FINE = 20_000
+"""facets above which their edges would blacken the picture and are left out"""
+
+
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """Facets (m, k, 3) of one shape, corners turning outwards, and the place (m,) that each belongs to, -1 for none."""
+
+    facets: Array
+    places: IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """A point (3,) with a name; `turns` if it is a frame, with axes, and not the place of a point."""
+
+    name: str
+    point: Array
+    turns: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A body of facets or of lines (m, 2, 3), places that share a colour with their facets, and masses."""
+
+    patches: Sequence[Patch] = ()
+    lines: Array = field(default_factory=lambda: np.zeros((0, 2, 3)))
+    places: Sequence[Place] = ()
+    masses: Sequence[Place] = ()
+
+    @property
+    def points(self) -> Array:
+        """All points (n, 3)."""
+        corners = [patch.facets.reshape(-1, 3) for patch in self.patches]
+        marks = [place.point[None] for place in (*self.places, *self.masses)]
+        return np.concatenate([*corners, self.lines.reshape(-1, 3), *marks])
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """An orthographic view: camera (3, 3) with right, up and towards the eye as rows; the middle (2,) of what it shows.
+
+    inch: the length in space of an inch on paper; size (2,): of the paper [inch]; body (2,): of what is shown [inch].
+    """
+
+    camera: Array
+    middle: Array
+    inch: float
+    size: Array
+    body: Array
+
+    def on_paper(self, points: Array) -> Array:
+        """(..., 3) in space to (..., 2) from the middle of the paper [inch]."""
+        flat: Array = (points @ self.camera[:2].T - self.middle) / self.inch
+        return flat
+
+
+def colour(number: int) -> tuple[float, float, float]:
+    """The colour of a place: those of all pictures, then as many more as it takes, each far from the last."""
+    if number < len(COLOURS):
+        return to_rgb(COLOURS[number])
+    red, green, blue = hsv_to_rgb((0.618034 * number % 1.0, 0.75, 0.85)).tolist()
+    return red, green, blue
+
+
+def draw_scene(scene: Scene) -> Figure:
+    """A view of lines, two from opposite sides of surfaces, at one scale; a place is named where more of it shows."""
+    cameras = [_camera(EYE), _camera(-EYE)] if scene.patches else [_camera(EYE)]
+    marks = (*scene.places, *scene.masses)
+    shades = [*(colour(i) for i in range(len(scene.places))), *(HEAVY for _ in scene.masses)]
+    where = _best_views(scene, cameras)
+    views, beside = _layout(scene, cameras)
+    columns, rows = (len(views), 1) if beside else (1, len(views))
+    with style():
+        figure = Figure(figsize=tuple(views[0].size * (columns, rows)))
+        for i, view in enumerate(views):
+            across, down = i % columns, i // columns
+            axes = figure.add_axes((across / columns, 1.0 - (down + 1) / rows, 1.0 / columns, 1.0 / rows))
+            axes.set_axis_off()
+            axes.set_xlim(-0.5 * view.size[0], 0.5 * view.size[0])
+            axes.set_ylim(-0.5 * view.size[1], 0.5 * view.size[1])
+            _paint(axes, scene, view)
+            _axes_of_the_mesh(axes, view)
+            shown = [n for n in range(len(marks)) if where[n] == i]
+            _name(axes, [marks[n] for n in shown], [shades[n] for n in shown], view)
+    return figure
+
+
+def _camera(eye: Array) -> Array:
+    """Right, up and towards the eye as rows (3, 3); z is up."""
+    towards = eye / np.linalg.norm(eye)
+    right = np.cross([0.0, 0.0, 1.0], towards)
+    right /= np.linalg.norm(right)
+    return np.array([right, np.cross(towards, right), towards])
+
+
+def _layout(scene: Scene, cameras: Sequence[Array]) -> tuple[list[View], bool]:
+    """The views, and whether they stand beside each other; the body fills what margins and names leave."""
+    points = scene.points
+    flat = [points @ camera[:2].T for camera in cameras]
+    extent = np.max([np.ptp(part, axis=0) for part in flat], axis=0)
+    marks = (*scene.places, *scene.masses)
+    names = MARGIN + LETTER * max((len(mark.name) for mark in marks), default=0)
+    beside = len(cameras) > 1 and extent[0] < 1.8 * extent[1]
+    width = WIDTH / 2 if beside else WIDTH
+    room = np.array([max(width - 2.0 * names, 0.4 * width), HIGHEST])
+    inch = float((extent / room).max())
+    height = max(extent[1] / inch, LINE * len(marks) / 2, 0.8) + 2.0 * MARGIN
+    size, body = np.array([width, height]), extent / inch
+    middles = [0.5 * (part.min(axis=0) + part.max(axis=0)) for part in flat]
+    return [View(c, middle, inch, size, body) for c, middle in zip(cameras, middles, strict=True)], beside
+
+
+def _area_vectors(facets: Array) -> Array:
+    """Normals (m, 3) of polygons (m, k, 3), as long as their areas, by Newell's formula."""
+    areas: Array = 0.5 * np.cross(facets, np.roll(facets, -1, axis=1)).sum(axis=1)
+    return areas
+
+
+def _best_views(scene: Scene, cameras: Sequence[Array]) -> IntArray:
+    """For every place and mass (n,) the view in which more of its facets face the eye; for points the nearer one."""
+    middle = scene.points.mean(axis=0)
+    marks = (*scene.places, *scene.masses)
+    shown = np.zeros((len(marks), len(cameras)))
+    for patch in scene.patches:
+        own = patch.places >= 0
+        areas = _area_vectors(patch.facets[own])
+        for view, camera in enumerate(cameras):
+            shown[:, view] += np.bincount(patch.places[own], np.maximum(areas @ camera[2], 0.0), len(marks))
+    for row, mark in zip(shown, marks, strict=True):
+        if not row.any():
+            row[:] = [(mark.point - middle) @ camera[2] for camera in cameras]
+    # What shows alike on both sides is named on the first.
+    best: IntArray = np.argmax(shown >= shown.max(axis=1, keepdims=True) - 1e-2 * np.abs(shown), axis=1)
+    return best
+
+
+def _paint(axes: Axes, scene: Scene, view: View) -> None:
+    """Facets that face the eye, from the farthest to the nearest, and lines."""
+    base = np.array([*(colour(i) for i in range(len(scene.places))), BODY])
+    polygons: list[Array] = []
+    depths, shades = [np.zeros(0)], [np.zeros((0, 3))]
+    for patch in scene.patches:
+        areas = _area_vectors(patch.facets) @ view.camera.T
+        seen = areas[:, 2] > 0.0
+        normals = areas[seen] / np.linalg.norm(areas[seen], axis=1)[:, None]
+        brightness = AMBIENT + (1.0 - AMBIENT) * np.clip(normals @ LIGHT, 0.0, 1.0)
+        polygons.extend(view.on_paper(patch.facets[seen]))
+        depths.append((patch.facets[seen] @ view.camera[2]).mean(axis=1))
+        shades.append(base[patch.places[seen]] * brightness[:, None])
+    order = np.argsort(np.concatenate(depths))
+    faces = np.concatenate(shades)[order]
+    # Edges in the colour of the face close the gaps that smoothing leaves between neighbours.
+    edges = 0.75 * faces if len(faces) < FINE else faces
+    facets = PolyCollection([polygons[i] for i in order], facecolors=faces, edgecolors=edges, linewidths=0.3)
+    axes.add_collection(facets, autolim=False)
+    axes.add_collection(LineCollection(list(view.on_paper(scene.lines)), colors="0.45", linewidths=1.8), autolim=False)
+
+
+def _name(axes: Axes, marks: Sequence[Place], shades: Sequence[tuple[float, float, float]], view: View) -> None:
+    """Dots and small axes at places, and names in columns on both sides of the body, with a line to each."""
+    points = view.on_paper(np.array([mark.point for mark in marks]).reshape(-1, 3))
+    for side in (-1.0, 1.0):
+        column = np.flatnonzero((points[:, 0] >= 0.0) == (side > 0.0))
+        heights = apart(points[column, 1], LINE, 0.5 * view.size[1] - 0.5 * LINE)
+        x = side * (0.5 * view.body[0] + 0.6 * MARGIN)
+        for n, height in zip(column.tolist(), heights.tolist(), strict=True):
+            axes.plot([points[n, 0], x], [points[n, 1], height], color=shades[n], linewidth=0.8, zorder=4)
+            align = "left" if side > 0.0 else "right"
+            axes.text(x + 0.06 * side, height, marks[n].name, ha=align, va="center", fontsize=9, zorder=6)
+    for mark, point, shade in zip(marks, points, shades, strict=True):
+        if mark.turns:
+            for direction, (_, own) in zip(view.camera[:2].T, AXES, strict=True):
+                axes.plot(*zip(point, point + 0.28 * direction, strict=True), color=own, linewidth=1.4, zorder=4)
+        size = 5.0 if shade is not HEAVY else 7.0
+        axes.plot(*point, "o", color=shade, markersize=size, markeredgecolor="white", markeredgewidth=0.8, zorder=5)
+
+
+def _axes_of_the_mesh(axes: Axes, view: View) -> None:
+    """The directions x, y, z in the lower left corner."""
+    corner = -0.5 * view.size + 0.35
+    for direction, (name, shade) in zip(view.camera[:2].T, AXES, strict=True):
+        axes.plot(*zip(corner, corner + 0.22 * direction, strict=True), color=shade, linewidth=1.6)
+        x, y = corner + 0.32 * direction
+        axes.text(x, y, name, color=shade, ha="center", va="center", fontsize=8)
