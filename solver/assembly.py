@@ -35,9 +35,8 @@ class Wish(NamedTuple):
 
 def close_joints(
     compiled: CompiledModel, loads: Array, drive: Array, state: State, work: Workspace, wishes: list[Wish]
-) -> float:
-    """Move the bodies until all constraints hold; the largest change of a position [m] or rotation [rad]."""
-    x, R = state.x.copy(), state.R.copy()
+) -> None:
+    """Move the bodies until all constraints hold."""
     starts = [_observed(compiled, wish.observer, state, work)[0] for wish in wishes]
     far = max((abs(wish.value - start) for wish, start in zip(wishes, starts, strict=True)), default=0.0)
     stages = max(1, int(np.ceil(far / LARGEST_TURN)))
@@ -47,25 +46,29 @@ def close_joints(
         _close(compiled, loads, drive, state, work, [Wish(w.observer, t) for w, t in zip(wishes, targets, strict=True)])
         for i in range(len(state.observed)):
             state.observed[i] = _observed(compiled, i, state, work)[0]
-    turn = np.arccos(np.clip(0.5 * (np.einsum("bij,bij->b", R, state.R) - 1.0), -1.0, 1.0))
-    return float(max(np.abs(state.x - x).max(), turn.max()))
 
 
 def fit_velocities(compiled: CompiledModel, state: State, work: Workspace, wishes: list[Wish]) -> float:
     """Change the velocities least until constraints and wishes hold; the largest change [m/s, rad/s]."""
     system = compiled.system
     hard = hard_rows(system)
-    rates = np.array([*(drive.derivatives(0.0)[0] for drive in compiled.drives), 0.0])
-    phi_t = (work.drive_slope * rates[system.couplings.drive])[hard]
+    phi_t = drive_rates(compiled, work)[hard]
     B = _jacobian(compiled, state, work, wishes)
     missed = B @ state.v.ravel() + np.concatenate([phi_t, [-wish.value for wish in wishes]])
     change = -_least_change(system, B, missed)
     left = missed + B @ change
     if len(left) and np.abs(left).max() > 1e-8 * max(1.0, float(np.abs(missed).max())):
-        name = _owner(compiled, hard, int(np.argmax(np.abs(left))), wishes)
-        raise ModelError(f"joint {name!r}: no velocities of rigid motion satisfy it at the start")
+        owner = _owner(compiled, hard, int(np.argmax(np.abs(left))), wishes)
+        raise ModelError(f"{owner}: no velocities of rigid motion satisfy it at the start")
     state.v[:] += change.reshape(-1, 6)
     return float(np.abs(change).max(initial=0.0))
+
+
+def drive_rates(compiled: CompiledModel, work: Workspace) -> Array:
+    """What the drives add to the rates of the constraints at t = 0, d phi / d s ds/dt (n_rows,)."""
+    rates = np.array([*(drive.derivatives(0.0)[0] for drive in compiled.drives), 0.0])
+    added: Array = work.drive_slope * rates[compiled.system.couplings.drive]
+    return added
 
 
 def inverse_inertia(system: System) -> Array:
@@ -108,8 +111,8 @@ def _close(
     missed_wishes = [_observed(compiled, wish.observer, state, work)[0] - wish.value for wish in wishes]
     left = np.abs(np.concatenate([work.phi[hard], missed_wishes]))
     if left.max(initial=0.0) > 1e-10 * _size(state, work):
-        name = _owner(compiled, hard, int(np.argmax(left)), wishes)
-        raise ModelError(f"joint {name!r}: stays open by {left.max():.6g} however the bodies are placed")
+        owner = _owner(compiled, hard, int(np.argmax(left)), wishes)
+        raise ModelError(f"{owner}: stays open by {left.max():.6g} however the bodies are placed")
 
 
 def _move(change: Array, state: State, work: Workspace) -> None:
@@ -159,5 +162,5 @@ def _size(state: State, work: Workspace) -> float:
 
 def _owner(compiled: CompiledModel, hard: Index, row: int, wishes: list[Wish]) -> str:
     if row >= len(hard):
-        return compiled.observers[wishes[row - len(hard)].observer][0]
-    return compiled.coupling_names[int(np.searchsorted(compiled.system.couplings.range, hard[row], side="right")) - 1]
+        return f"joint {compiled.observers[wishes[row - len(hard)].observer][0]!r}"
+    return compiled.owner_of(int(hard[row]))

@@ -125,7 +125,7 @@ MADE = {
     ),
     "a drive that jumps": (
         lambda: Joint("j", "revolute", ("a", "b"), [0, 0, 1], angle=Steps((0.0,), (1.0,))),
-        "joint 'j': angle: expected a smooth signal (constant, harmonic, polynomial), got steps",
+        "joint 'j': angle: expected a smooth signal (constant, harmonic, polynomial, spline), got steps",
     ),
     "a load of an unknown type": (
         lambda: Load("moment", "a", [1, 0, 0], Constant(1.0)),
@@ -292,7 +292,7 @@ inertia = [1, 1, 1]
 FILES = {
     "simulation.t_ned": ({"simulation": "t_ned = 1"}, "simulation: unknown key 't_ned'; did you mean 't_end'?"),
     "unknown": ({"rest": "[[joint]]\nname = 'a'"}, "unknown key 'joint'; did you mean 'joints'?"),
-    "gravity": ({"simulation": "gravity = [0, 1]"}, "simulation.gravity.2: missing"),
+    "gravity": ({"simulation": "gravity = [0, 1]"}, "simulation.gravity: expected three numbers, found [0, 1]"),
     "rule": (
         {"simulation": "rule = 'exact'"},
         "simulation.rule: input should be 'consistent' or 'paper', found 'exact'",
