@@ -86,13 +86,14 @@ class KrylovSpace:
 
 
 def krylov_modes(
-    structure: Structure, damping: Damping, band: Band, tolerance: float, watch: Watch
+    structure: Structure, damping: Damping, band: Band, tolerance: float, watch: Watch, fields: bool = False
 ) -> tuple[Modes, Shapes, float]:
     """Modes whose transfer function is right to `tolerance` in the band, their shapes, and the error as estimated.
 
     The estimate is what the last block has changed, times `SAFETY`, and what the modes contribute that are left out,
     the least of which add up to a tenth of the tolerance; only the latter where the space is exhausted, for then it
-    holds every mode that the interfaces can excite. `watch` is told how it goes.
+    holds every mode that the interfaces can excite. With `fields` it is that of the displacements and strains of the
+    whole body, if larger. `watch` is told how it goes.
     `MethodError` if the tolerance asks for a larger space than `LIMIT`.
     """
     space = KrylovSpace(structure, _shift(damping, band.scheme, band.h))
@@ -107,8 +108,10 @@ def krylov_modes(
         if space.blocks < check:
             continue
         modes, Q = found(space.blocks)
-        before, _ = found(space.blocks - 1)
+        before, Q_before = found(space.blocks - 1)
         error = SAFETY * band.error(before, modes)
+        if fields:
+            error = max(error, SAFETY * band.field_error(before, modes, Q[: len(Q_before)].T @ Q_before))
         watch(f"{space.blocks} blocks, error {error:.1e}")
         if error <= (1.0 - PRUNED) * tolerance:
             break
@@ -122,7 +125,10 @@ def krylov_modes(
     else:
         (modes, Q), error = found(space.blocks), 0.0
 
-    kept, lost = _prune(band.contributions(modes), PRUNED * tolerance)
+    contributions = band.contributions(modes)
+    if fields:
+        contributions = np.maximum(contributions, band.field_contributions(modes))
+    kept, lost = _prune(contributions, PRUNED * tolerance)
     modes = Modes(modes.omega[kept], modes.zeta[kept], modes.phi[:, kept], modes.h_min)
     return modes, partial(_rows, space.basis, Q[:, kept]), error + lost
 
