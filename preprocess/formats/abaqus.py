@@ -96,7 +96,7 @@ class _Family:
                 case numbers:
                     known = numbering.known(numbers)
                     if not known.all():
-                        self._lost.append(f"{(~known).sum()} numbers of set {item} that are no {self._what}s")
+                        self._lost.append(f"numbers of set {item} that are no {self._what}s ({(~known).sum()})")
                     found.append(first + numbering.rows(numbers[known], item))
         return np.concatenate(found)
 

@@ -130,7 +130,7 @@ def read_instances(path: Path, lost: list[str]) -> dict[str, Instance]:
                 raise MeshError(f"{keyword.place}: *{name} is not supported; expected a mesh that is written out")
             case name if name in _CONNECTIONS:
                 lost.append(f"*{name} ({keyword.place})")
-    lost.extend(f"{count} elements of type {name}" for name, count in left_out.items())
+    lost.extend(f"elements of type {name} ({count})" for name, count in left_out.items())
     return instances
 
 

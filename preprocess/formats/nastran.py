@@ -76,7 +76,7 @@ def read(path: Path) -> Draft:
     system = np.array([card.integer(3, default_system) for card in grids], dtype=np.int64)
     for number in np.unique(system):
         points[system == number] = frame_of(int(number), systems).to_basic(points[system == number])
-    draft = Draft(points, [f"{count} {name}" for name, count in left_out.items()])
+    draft = Draft(points, [f"{name} ({count})" for name, count in left_out.items()])
     _add_elements(draft, elements, numbering, names)
     for card in sets:
         _add_points(draft, card, numbering)

@@ -53,6 +53,19 @@ def test_the_file_goes_where_it_is_sent(runner, body_file):
     assert sorted(path.name for path in body_file.parent.glob("*.h5")) == ["elsewhere.h5"]
 
 
+def test_what_a_mesh_loses_is_one_line_on_stderr(runner, body_file):
+    nodes = "".join(f"{i + 1}, {0.125 * i}, 0, 0\n" for i in range(5))
+    lines = "".join(f"{i}, {i}, {i + 1}\n" for i in range(1, 5))
+    deck = f"*NODE\n{nodes}*ELEMENT, TYPE=B31\n{lines}*ELEMENT, TYPE=MASS, ELSET=tip\n9, 5\n"
+    body_file.with_name("mesh.inp").write_text(deck)
+    body_file.write_text(BODY.replace("mesh.vtk", "mesh.inp"))
+    result = runner.invoke(app, ["preprocess", str(body_file)])
+    assert result.exit_code == 0, result.output
+    told = [line for line in result.stderr.splitlines() if line.strip()]
+    assert told == [f"warning: {body_file.with_name('mesh.inp')}: left out: elements of type MASS (1)"]
+    assert body_file.with_name("rod.h5").is_file()
+
+
 @pytest.mark.parametrize("name", ["body.toml", "mesh.vtk"])
 def test_a_missing_file_is_one_line_on_stderr_and_nothing_is_written(name, runner, body_file):
     missing = body_file.with_name(name)
