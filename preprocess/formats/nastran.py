@@ -42,10 +42,8 @@ _ORDER = {
     "hexahedron20": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15],
     "wedge15": [*range(9), 12, 13, 14, 9, 10, 11],
 }
-_LEFT_OUT = re.compile(
-    r"CELAS\d|CDAMP\d|CMASS\d|CBUSH\w*|CGAP|CVISC|CONM\d|CONROD|CBEND|CWELD|CFAST|CSEAM|CTRI?A?X\w*|CQUADX?\d*"
-    r"|RBAR\w*|RBE\d|RROD|RSPLINE|MPC\w*"
-)
+# Other elements, rigid ones and constraints between points.
+_LEFT_OUT = re.compile(r"(?!CORD)C\w+|R(BAR|BE|JOINT|ROD|SPLINE|SSCON|TRPLT)\w*|MPC\w*")
 
 
 def read(path: Path) -> Draft:
