@@ -21,8 +21,8 @@ class Recording:
     """The motion in a results file, read when asked for.
 
     `bodies`, `frames` ("BODY.FRAME"), `interfaces` (the frames of flexible bodies), `joints`, `springs` and `energies`
-    are the names it holds. All vectors are (n, 3), one row for each time, and in space unless said otherwise. Methods
-    raise QuantityError for a name that is not there, and ResultsError for a dataset that is missing or of another shape.
+    are the names it holds. All vectors are (n, 3), one row for each time, and in space unless said otherwise.
+    Methods raise QuantityError for an unknown name, ResultsError for a dataset that is missing or of another shape.
     """
 
     path: Path
