@@ -19,6 +19,7 @@ from duhamel.solver import (
     Place,
     Polynomial,
     RigidBody,
+    Spring,
     Start,
     Steps,
     read_model,
@@ -145,6 +146,26 @@ MADE = {
         lambda: RigidBody(1.0, [[1, 0.1, 0], [0, 1, 0], [0, 0, 1]]),
         "inertia: expected three principal values or a symmetric 3x3 matrix",
     ),
+    "an inertia of nothing that is": (
+        lambda: RigidBody(1.0, [1, 1, 2.1]),
+        "inertia: expected principal values of which none exceeds the sum of the other two, got [1.0, 1.0, 2.1]",
+    ),
+    "an inertia in an array": (
+        lambda: RigidBody(1.0, np.array([1.0, 2.0])),
+        "inertia: expected three principal values or a symmetric 3x3 matrix, got [1.0, 2.0]",
+    ),
+    "a damper that drives": (
+        lambda: Spring("s", "point", ("a", "b"), damping=-0.5),
+        "spring 's': damping: expected zero or more, got -0.5",
+    ),
+    "a bushing that drives": (
+        lambda: Spring("s", "bushing", ("a", "b"), damping=np.eye(6) + 2.0 * np.eye(6)[::-1]),
+        "spring 's': damping: expected no negative eigenvalue, which would create energy, got -1",
+    ),
+    "a spring with a dot": (
+        lambda: model(springs=(Spring("a.b", "point", ("a", "b")),)),
+        "springs: a spring cannot be named 'a.b'",
+    ),
     "two positions": (
         lambda: Start(position=[1, 0, 0], place=Place("f", "ground")),
         "a body starts by `place` or by `position` and `rotation`, got both",
@@ -204,9 +225,15 @@ STARTED = {
                 weld("a.f", "b.f"),
                 Joint("motor", "revolute", ("a.f", "b.f"), [0, 0, 1], angle=Harmonic(1.0, 1.0)),
             ),
-            redundant="remove",
         ),
         "joints: motor (rotation 3) is driven against other constraints: on one another depend weld (translation 1, ",
+    ),
+    "one constraint too many": (
+        lambda: model(
+            (Joint("weld", "fixed", ("a.f", "b.f")),),
+            motions=[PrescribedDisplacement(name, "a", [1, 0, 0], Constant(0.0)) for name in ("one", "two")],
+        ),
+        "joints: one (translation 1), two (translation 1) is driven against other constraints",
     ),
     "no step": (lambda: model(step=None), "simulation: step: a model without superelements needs one"),
 }
@@ -315,9 +342,25 @@ FILES = {
         "load (force) on 'a': signal: expected a number or a table with one of the keys times, amplitude, polynomial, "
         "impulse, pulse, found {'wave': 1}",
     ),
+    "a signal that is nearly one": (
+        {"rest": "[[loads]]\ntype='force'\non='a'\ndirection=[1,0,0]\nsignal={polynomal = [1]}"},
+        "load (force) on 'a': signal: expected a number or a table with one of the keys times, amplitude, polynomial, "
+        "impulse, pulse, found {'polynomal': [1]}; did you mean 'polynomial'?",
+    ),
     "a key of a signal": (
         {"rest": "[[loads]]\ntype='force'\non='a'\ndirection=[1,0,0]\nsignal={amplitude = 1, frequenzy = 2}"},
-        "unknown key 'frequenzy'; did you mean 'frequency'?",
+        "load (force) on 'a': signal: unknown key 'frequenzy'; did you mean 'frequency'?",
+    ),
+    "a value of a signal": (
+        {"rest": "[[loads]]\ntype='force'\non='a'\ndirection=[1,0,0]\nsignal={times = [0], values = ['1']}"},
+        "load (force) on 'a': signal: values.0: input should be a valid number, found '1'",
+    ),
+    "a signal of two kinds": (
+        {
+            "rest": "[[loads]]\ntype='force'\non='a'\ndirection=[1,0,0]\n"
+            "signal={times = [0, 1], values = [0, 1], linear = true, spline = true}"
+        },
+        "load (force) on 'a': signal: expected linear or spline, found both",
     ),
     "a load of no type": (
         {"rest": "[[loads]]\ntype='push'\non='a'\ndirection=[1,0,0]\nsignal=1"},
