@@ -6,8 +6,8 @@ it grows by z = exp(i theta), and so must all that the scheme carries along:
     x_1 = x + h v + h^2 ((1/2 - beta) a + beta a_1),    v_1 = v + h ((1 - gamma) a + gamma a_1)
     (1 - alpha_m) a_1 + alpha_m a = (1 - alpha_f) v_dot_1 + alpha_f v_dot
 
-With a_1 = z a and so on, v, a and v_dot are multiples of x - c. They differ from those of a continuous rotation, i Omega
-and -Omega^2, by theta^2, enough to make flexible bodies ring. The turn of the bodies needs nothing: it is stepped exactly.
+With a_1 = z a and so on, v, a and v_dot are multiples of x - c. They differ from those of a continuous rotation,
+i Omega and -Omega^2, by theta^2, enough to make flexible bodies ring. How the bodies turn is stepped exactly as it is.
 """
 
 from dataclasses import dataclass

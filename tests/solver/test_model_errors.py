@@ -18,6 +18,7 @@ from duhamel.solver import (
     ModelError,
     Place,
     Polynomial,
+    PrescribedDisplacement,
     RigidBody,
     Spring,
     Start,
@@ -201,6 +202,20 @@ def circle():
     )
 
 
+def two_pins(*others):
+    """Two bodies on two spherical joints, which both keep their distance."""
+    frames = {"low": Frame([0.5, 0, 0]), "high": Frame([0.5, 0.3, 0])}
+    opposite = {"low": Frame([-0.5, 0, 0]), "high": Frame([-0.5, 0.3, 0])}
+    bodies = {
+        "a": RigidBody(1.0, [1.0, 2.0, 1.5], frames),
+        "b": RigidBody(1.0, [1.0, 2.0, 1.5], opposite, Start([1.0, 0, 0])),
+    }
+    pins = [Joint(name, "spherical", (f"a.{name}", f"b.{name}")) for name in ("low", "high")]
+    joints = [other for other in others if isinstance(other, Joint)]
+    motions = [other for other in others if not isinstance(other, Joint)]
+    return model((*pins, *joints), bodies=bodies, motions=motions)
+
+
 STARTED = {
     "a circle of places": (circle, "bodies a, b: they are placed on one another in a circle"),
     "an open joint": (
@@ -229,11 +244,13 @@ STARTED = {
         "joints: motor (rotation 3) is driven against other constraints: on one another depend weld (translation 1, ",
     ),
     "one constraint too many": (
-        lambda: model(
-            (Joint("weld", "fixed", ("a.f", "b.f")),),
-            motions=[PrescribedDisplacement(name, "a", [1, 0, 0], Constant(0.0)) for name in ("one", "two")],
-        ),
-        "joints: one (translation 1), two (translation 1) is driven against other constraints",
+        two_pins,
+        "joints: 6 constraints of which 1 is redundant; on one another depend low (translation 2), "
+        "high (translation 2); free a joint, or let redundant = 'remove' drop high (translation 2)",
+    ),
+    "pins that are driven apart": (
+        lambda: two_pins(PrescribedDisplacement("push", "b", [0, 1, 0], Polynomial((0.0, 1.0))), weld("ground", "a")),
+        "joints: push (translation 1) is driven against other constraints: on one another depend low (translation 1, ",
     ),
     "no step": (lambda: model(step=None), "simulation: step: a model without superelements needs one"),
 }

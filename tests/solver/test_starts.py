@@ -1,4 +1,4 @@
-"""Starts: equilibrium that stays still, joint coordinates asked for, what is off at the start, redundant constraints."""
+"""Starts: equilibrium that stays still, joint coordinates asked for, what is off as given, redundant constraints."""
 
 from dataclasses import replace
 
