@@ -126,7 +126,7 @@ def krylov_modes(
             continue
         modes, Q = found(space.blocks)
         before, Q_before = found(space.blocks - 1)
-        error = SAFETY * band.error(before, modes)
+        error = SAFETY * band.error(before, modes, enough=tolerance)
         if fields:
             error = max(error, SAFETY * band.field_error(before, modes, Q[: len(Q_before)].T @ Q_before))
         watch(f"{space.blocks} blocks, error {error:.1e}")
