@@ -50,6 +50,7 @@ def attachments(
     found = {}
     for name, selection in selections.items():
         try:
+            _check_elements(selection, mesh)
             if selection.node is not None:
                 found[name] = _nodal(_nearest_node(selection, mesh), nodes)
             elif facets is None:
@@ -59,6 +60,15 @@ def attachments(
         except InterfaceError as error:
             raise InterfaceError(f"{table}.{name}: {error}") from error
     return found
+
+
+def _check_elements(selection: InterfaceSelection, mesh: Mesh) -> None:
+    """The nodes that a group names must be of elements, or nothing is there to carry a frame."""
+    if selection.group is not None and len(loose := mesh.group(selection.group).loose):
+        raise InterfaceError(
+            f"group {selection.group!r} names {len(loose)} nodes that belong to no element and have no mass, first at "
+            f"{loose[0].tolist()}: name the nodes or facets of the body that are to carry the frame"
+        )
 
 
 def _nodal(node: int, nodes: Nodes) -> Attachment:

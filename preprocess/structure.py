@@ -12,7 +12,7 @@ from ..superelement import Interface
 from ..superelement.validation import Array
 from .beam import beam_matrices
 from .body import Body
-from .connectivity import check_connected, check_no_mechanism, check_used
+from .connectivity import check_connected, check_no_mechanism
 from .errors import BodyError, InterfaceError
 from .facets import facets_of
 from .interfaces import Attachment, attachments
@@ -65,7 +65,6 @@ def assemble(body: Body) -> Structure:
 
 def assemble_mesh(body: Body, mesh: Mesh) -> Structure:
     """The finite element model of a body on a mesh that is already read."""
-    check_used(mesh)
     check_connected(mesh)
     try:
         return _beam_structure(body, mesh) if mesh.body_types == LINES else _solid_structure(body, mesh)
