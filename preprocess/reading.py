@@ -10,6 +10,7 @@ import numpy as np
 from ..superelement.validation import Array
 from .errors import MeshError, MeshWarning
 from .formats import abaqus, gmsh, med, nastran, through_meshio, xdmf
+from .formats.draft import Draft
 from .mesh import LINES, PARTS, SOLIDS, Mesh
 
 _READERS = {
@@ -36,6 +37,18 @@ def read_mesh(path: str | os.PathLike[str], scale: float = 1.0) -> Mesh:
     to no element are left out.
     """
     path = Path(path)
+    draft = read_draft(path)
+    cells = {kind: rows for kind, rows in draft.cells.items() if len(rows)}
+    mesh = Mesh(path.name, scale * draft.points, cells, draft.groups, _body_types(path.name, cells))
+    loose = draft.points[~mesh.used]
+    lost = [*draft.lost, *([_told(loose)] if len(loose) else [])]
+    if lost:
+        warnings.warn(f"{path}: left out: {'; '.join(dict.fromkeys(lost))}", MeshWarning, stacklevel=2)
+    return mesh.without_loose_nodes() if len(loose) else mesh
+
+
+def read_draft(path: Path) -> Draft:
+    """What a mesh file holds, whatever its cells; `MeshError` if it cannot be read."""
     if not path.is_file():
         raise MeshError(f"{path}: no such mesh file")
     try:
@@ -47,13 +60,7 @@ def read_mesh(path: str | os.PathLike[str], scale: float = 1.0) -> Mesh:
     if not np.isfinite(draft.points).all():
         point = int(np.flatnonzero(~np.isfinite(draft.points).all(axis=1))[0])
         raise MeshError(f"{path}: point {point} is at {draft.points[point].tolist()}")
-    cells = {kind: rows for kind, rows in draft.cells.items() if len(rows)}
-    mesh = Mesh(path.name, scale * draft.points, cells, draft.groups, _body_types(path.name, cells))
-    loose = draft.points[~mesh.used]
-    lost = [*draft.lost, *([_told(loose)] if len(loose) else [])]
-    if lost:
-        warnings.warn(f"{path}: left out: {'; '.join(dict.fromkeys(lost))}", MeshWarning, stacklevel=2)
-    return mesh.without_loose_nodes() if len(loose) else mesh
+    return draft
 
 
 def _told(loose: Array) -> str:
