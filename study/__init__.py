@@ -1,0 +1,8 @@
+"""One model or body for many values of its parameters."""
+
+from .case import Case
+from .errors import ClusterError, StudyError
+from .study_file import Study, read_study
+from .sweep import Row, sweep
+
+__all__ = ["Case", "ClusterError", "Row", "Study", "StudyError", "read_study", "sweep"]
