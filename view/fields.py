@@ -59,7 +59,7 @@ def draw_fields(fields: Sequence[Field], label: str, scale: float = 1.0, scene: 
     with style():
         axes = figure.add_axes((1.0 - (length + margin) / wide, margin / high, length / wide, height / high))
         bar = Colorbar(axes, cmap=colours, norm=norm, orientation="horizontal")
-        bar.outline.set_visible(False)  # type: ignore[operator]
+        bar.outline.set_visible(False)
         axes.set_title(label, fontsize=8)
         axes.tick_params(labelsize=8, length=2)
     return figure
