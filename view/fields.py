@@ -14,8 +14,10 @@ from .rotations import Array
 from .scene import IntArray, Patch, Scene, draw_scene
 
 COLOURS = "turbo"
-BAR = (2.6, 0.11, 0.42)
-"""length and height of the bar of colours, and how far it is from the corner of the picture [inch]"""
+BAR = (3.2, 0.11)
+"""length and height of the bar of colours [inch]"""
+ROOM = (0.25, 0.6)
+"""below and in all for the bar, under the views [inch]"""
 
 TRIANGLES = {
     3: [[0, 1, 2]],
@@ -54,10 +56,15 @@ def draw_fields(fields: Sequence[Field], label: str, scale: float = 1.0, scene: 
         patches.append(Patch(facets, np.full(len(facets), -1), colours(norm(scale * values))[:, :3]))
     whole = Scene(patches, scene.lines, scene.places, scene.masses) if scene else Scene(patches)
     figure = draw_scene(whole)
-    length, height, margin = BAR
+    (length, height), (below, room) = BAR, ROOM
     wide, high = figure.get_size_inches()
+    for axes in figure.axes:
+        x, y, width, part = axes.get_position().bounds
+        axes.set_position((x, (y * high + room) / (high + room), width, part * high / (high + room)))
+    figure.set_size_inches(wide, high + room)
+    high += room
     with style():
-        axes = figure.add_axes((1.0 - (length + margin) / wide, margin / high, length / wide, height / high))
+        axes = figure.add_axes((0.5 - 0.5 * length / wide, below / high, length / wide, height / high))
         bar = Colorbar(axes, cmap=colours, norm=norm, orientation="horizontal")
         bar.outline.set_visible(False)
         axes.set_title(label, fontsize=8)
