@@ -3,7 +3,7 @@
     python meshes/connecting_rod/make_mesh.py [--size MILLIMETRES] [-o FILE.msh]
 
 The rod lies along x, with the axis of the big end on z; its shank is an I. Tetrahedra of 10 nodes follow the bores. The
-elements of rod.msh are of 7.5 mm, 21 thousand unknowns; --size 3 makes a hundred thousand.
+elements of rod.msh are of 7.5 mm, 21 thousand unknowns; --size 3 makes 96 thousand (fine.toml).
 """
 
 from argparse import ArgumentParser
