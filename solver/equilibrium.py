@@ -8,14 +8,16 @@ flow M dq/dtau = f, which grow as the residual falls until they are Newton's. It
 """
 
 import numpy as np
+from numpy.lib.stride_tricks import as_strided
 
+from .blocks import factorise
 from .compilation import CompiledModel
 from .compiled import Array
-from .dense import solve_in_place
 from .equations import evaluate
 from .errors import ModelError
+from .flexibility import active_flexibility
 from .model import SteadyRotation
-from .newton import apply_correction, assemble, eliminate, linearise
+from .newton import assemble, correct, linearise
 from .rows import DISTANCE, TRANSLATION
 from .system import State, System, Workspace
 
@@ -67,10 +69,9 @@ def _step(
     assemble(system, state, work)
     if rotation is not None:
         _add_centrifugal(system, rotation, state, work)
-    solved = not len(system.elastic.active) or eliminate(system, work)
-    if not (solved and solve_in_place(work.S, work.rhs)):
+    if not factorise(system.pattern, work.S, work.pivots):
         raise ModelError("no equilibrium found at the start: the mechanism is singular there")
-    apply_correction(system, state, work)
+    correct(system, state, work)
     work.quaternion[:] = state.quaternion
     work.psi[:] = 0.0
 
@@ -82,8 +83,9 @@ def _at_rest(compiled: CompiledModel) -> System:
     for e, compliance in enumerate(compiled.compliances):
         start = elastic.G_0_start[e]
         G_0[start : start + compliance.size] = compliance.ravel()
+    G_active, _ = active_flexibility(compiled.compliances, elastic.active, elastic.active_range, elastic.dof, 1.0)
     scheme = compiled.system.scheme._replace(weight=1.0, gamma_prime=0.0)
-    return compiled.system._replace(scheme=scheme, elastic=elastic._replace(G_0=G_0))
+    return compiled.system._replace(scheme=scheme, elastic=elastic._replace(G_0=G_0, G_active=G_active))
 
 
 def _stiffened(system: System, beta: float) -> System:
@@ -102,14 +104,15 @@ def _rotate_steadily(rotation: SteadyRotation | None, state: State) -> None:
 
 
 def _add_centrifugal(system: System, rotation: SteadyRotation, state: State, work: Workspace) -> None:
-    """S += h^2 d(J v_dot + v~ J v) where x'' = Omega~ Omega~ (x - c) and omega = R^T Omega follow the increments."""
+    """h^2 d(J v_dot + v~ J v) where x'' = Omega~ Omega~ (x - c) and omega = R^T Omega follow the increments."""
     h2 = system.scheme.h**2
     spin = _skew(rotation.angular_velocity)
     for b, (mass, J) in enumerate(zip(system.bodies.mass, system.bodies.J_rot, strict=True)):
-        omega = state.v[b, 3:]
-        x, theta = slice(6 * b, 6 * b + 3), slice(6 * b + 3, 6 * b + 6)
-        work.S[x, x] += h2 * mass * spin @ spin
-        work.S[theta, theta] += h2 * (_skew(omega) @ J - _skew(J @ omega)) @ _skew(omega)
+        omega, R = state.v[b, 3:], state.R[b]
+        start, stride = system.pattern.body_block[b]
+        block = as_strided(work.S[start:], (6, 6), (stride * work.S.itemsize, work.S.itemsize))
+        block[:3, :3] += h2 * mass * R.T @ spin @ spin @ R
+        block[3:, 3:] += h2 * (_skew(omega) @ J - _skew(J @ omega)) @ _skew(omega)
 
 
 def _residual(system: System, state: State, work: Workspace) -> float:

@@ -19,6 +19,7 @@ from .couplings import turn_of
 from .equations import evaluate
 from .equilibrium import settle
 from .errors import ModelError
+from .jacobian import jacobian
 from .loads import load_vector
 from .model import Model
 from .newton import linearise
@@ -50,8 +51,8 @@ def begin(model: Model) -> Beginning:
     """A state that satisfies positions, velocities and equilibrium at t = 0."""
     compiled = compile_system(model)
     state, work, moved = _close(compiled)
-    degrees_of_freedom = count_freedoms(compiled, work)
-    without = redundant_rows(compiled, work)
+    degrees_of_freedom = count_freedoms(compiled, state, work)
+    without = redundant_rows(compiled, state, work)
     removed = describe_rows(compiled, sorted(without))
     if without:
         compiled = compile_system(model, without)
@@ -119,7 +120,8 @@ def _accelerations(compiled: CompiledModel, drive: Array, state: State, work: Wo
     system = compiled.system
     hard = hard_rows(system)
     n_q = 6 * len(system.bodies.mass)
-    B_r, B_a = work.B[hard, :n_q], work.B[hard, n_q:]
+    B = jacobian(system, system.couplings.rows, work.B, state).toarray()[hard]
+    B_r, B_a = B[:, :n_q], B[:, n_q:]
     A_el = interface_mobility(compiled)
     p = state.p[system.elastic.active]
     inverse = inverse_inertia(system)

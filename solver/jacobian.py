@@ -1,0 +1,30 @@
+"""Derivatives of rows by the coordinates of all bodies, as a sparse matrix."""
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array
+
+from .compiled import Array
+from .system import Rows, State, System
+
+
+def jacobian(system: System, rows: Rows, B: Array, state: State) -> csr_array:
+    """The derivatives B (n, 24) of rows by the coordinates of their frames as a matrix (n, 6 n_b + n_a).
+
+    Columns: delta x, in space, and delta Theta of every body; then the displacements of all active dofs.
+    """
+    frames, n_q = system.frames, 6 * len(system.bodies.mass)
+    entries, numbers, columns = [], [], []
+    for first, f in ((0, rows.frame_a), (12, rows.frame_b)):
+        body, active = frames.body[f], frames.active[f]
+        part = B[:, first : first + 12].copy()
+        part[:, :3] = np.einsum("ij,ikj->ik", part[:, :3], state.R[body])
+        place = np.hstack([6 * body[:, None] + np.arange(6), n_q + active[:, None] + np.arange(6)])
+        there = np.repeat(
+            np.stack([body >= 0, active >= 0, (active >= 0) & (frames.rotations[f] == 1)], 1), (6, 3, 3), 1
+        )
+        entries.append(part[there])
+        numbers.append(np.nonzero(there)[0])
+        columns.append(place[there])
+    positions = np.concatenate(numbers), np.concatenate(columns)
+    shape = len(rows.kind), n_q + len(system.elastic.active)
+    return coo_array((np.concatenate(entries), positions), shape=shape).tocsr()
