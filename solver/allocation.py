@@ -72,6 +72,7 @@ def allocate(compiled: CompiledModel) -> tuple[State, Workspace]:
         force_scale=np.zeros((n_b, 2)),
         residual=np.zeros((n_b, 6)),
         history=np.zeros(n_u),
+        modal=np.zeros(n_modes),
         u_residual=np.zeros(n_a),
         rate_map=np.zeros((n_f, 6, 12)),
         frame_tangent=np.zeros((12, 12)),

@@ -52,8 +52,7 @@ def _factorise_rows(pattern: Pattern, k: int, S: Array, pivots: Index) -> bool:
             factor = S[row + p] * S[own + p]
             S[row + p] = factor
             if factor != 0.0:
-                for j in range(p + 1, width):
-                    S[row + j] -= factor * S[own + j]
+                _subtract(factor, S[own + p + 1 : own + width], S[row + p + 1 : row + width])
     return True
 
 
@@ -68,17 +67,16 @@ def _eliminate_below(pattern: Pattern, k: int, S: Array) -> None:
                 factor = S[row + p] * S[own + p]
                 S[row + p] = factor
                 if factor != 0.0:
-                    for j in range(p + 1, n):
-                        S[row + j] -= factor * S[own + j]
+                    _subtract(factor, S[own + p + 1 : own + n], S[row + p + 1 : row + n])
             for s in range(pattern.segment_range[a], pattern.segment_range[a + 1]):
-                target = segment[s, 0] + i * segment[s, 1]
                 length = segment[s, 3]
+                start_of_row = segment[s, 0] + i * segment[s, 1]
+                target = S[start_of_row : start_of_row + length]
                 for p in range(n):
                     factor = S[row + p]
                     if factor != 0.0:
                         source = start + p * width + segment[s, 2]
-                        for j in range(length):
-                            S[target + j] -= factor * S[source + j]
+                        _subtract(factor, S[source : source + length], target)
             row += n
 
 
@@ -89,18 +87,13 @@ def _go_forward(pattern: Pattern, k: int, S: Array, pivots: Index, x: Array) -> 
         pivot = first + pivots[first + p]
         x[first + p], x[pivot] = x[pivot], x[first + p]
     for p in range(1, n):
-        total = 0.0
-        for j in range(p):
-            total += S[start + p * width + j] * x[first + j]
-        x[first + p] -= total
+        own = start + p * width
+        x[first + p] -= _product(S[own : own + p], x[first : first + p])
     row = pattern.lower[k]
     for a in range(pattern.later_range[k], pattern.later_range[k + 1]):
         i = pattern.later[a]
         for z in range(pattern.first[i], pattern.first[i + 1]):
-            total = 0.0
-            for j in range(n):
-                total += S[row + j] * x[first + j]
-            x[z] -= total
+            x[z] -= _product(S[row : row + n], x[first : first + n])
             row += n
 
 
@@ -109,14 +102,24 @@ def _go_back(pattern: Pattern, k: int, S: Array, x: Array) -> None:
     n, width, start, first = pattern.size[k], pattern.width[k], pattern.row[k], pattern.first[k]
     for p in range(n - 1, -1, -1):
         own = start + p * width
-        total = x[first + p]
-        for j in range(p + 1, n):
-            total -= S[own + j] * x[first + j]
+        total = x[first + p] - _product(S[own + p + 1 : own + n], x[first + p + 1 : first + n])
         column = own + n
         for a in range(pattern.later_range[k], pattern.later_range[k + 1]):
             i = pattern.later[a]
-            later = pattern.first[i]
-            for j in range(pattern.size[i]):
-                total -= S[column + j] * x[later + j]
+            total -= _product(S[column : column + pattern.size[i]], x[pattern.first[i] : pattern.first[i + 1]])
             column += pattern.size[i]
         x[first + p] = total * S[own + p]
+
+
+@compiled
+def _subtract(factor: float, source: Array, target: Array) -> None:
+    for j in range(len(target)):
+        target[j] -= factor * source[j]
+
+
+@compiled
+def _product(a: Array, b: Array) -> float:
+    total = 0.0
+    for j in range(len(a)):
+        total += a[j] * b[j]
+    return total

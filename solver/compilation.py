@@ -28,8 +28,8 @@ from .system import Bodies, Loads, Scheme, System
 
 ASSEMBLY_TOLERANCE = 1e-3
 """largest opening of a joint, relative to the size of the model, that is closed without being asked to"""
-REUSE = 0.02
-"""contraction of the residual by an iteration above which the iteration matrix is made anew: the cheapest in trials"""
+REUSE = 1e-3
+"""ratio of successive corrections above which the iteration matrix is made anew: the cheapest in trials"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -44,7 +44,7 @@ def evaluate_couplings(couplings: Couplings, lam: Array, near: Array, drive: Arr
         wrench[:] = 0.0
         for i in range(couplings.range[j], couplings.range[j + 1]):
             for k in range(6):
-                wrench[k] += lam[i] * work.gradient[i, 6 + k]
+                wrench[k] += lam[i] * work.gradient[i, couplings.second[i] + k]
             if couplings.compliant[i]:
                 _follow_law(couplings, i, couplings.range[j], couplings.range[j + 1], lam, work)
 

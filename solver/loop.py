@@ -21,7 +21,7 @@ def advance(
     for k in range(len(inputs.load)):
         loads, drive = inputs.load[k], inputs.drive[k]
         _begin(system, state, work)
-        recall(system.elastic, scheme, state, work.history)
+        recall(system.elastic, scheme, state, work.history, work.modal)
         _predict(scheme, state, work)
         _predict_displacements(scheme, state, work)
         iterations, residual, converged = converge(system, loads, drive, state, work)
@@ -30,7 +30,7 @@ def advance(
         if not converged:
             return k
         respond(system.elastic, scheme, work.history, state.p, state.u)
-        remember(system.elastic, scheme, state, work.p_n)
+        remember(system.elastic, scheme, state, work.p_n, work.modal)
         _finish(scheme, state, work)
         account(system, loads, drive, state, work)
         state.step[0] += 1
@@ -71,7 +71,7 @@ def _predict(scheme: Scheme, state: State, work: Workspace) -> None:
 
 @compiled
 def _predict_displacements(scheme: Scheme, state: State, work: Workspace) -> None:
-    """The same for interface displacements and rates; u itself starts the step where it is."""
+    """The same for interface displacements and rates."""
     h, beta, gamma = scheme.h, scheme.beta, scheme.gamma
     for k in range(len(state.u)):
         a_n = state.u_a[k]
@@ -79,6 +79,7 @@ def _predict_displacements(scheme: Scheme, state: State, work: Workspace) -> Non
         work.u_predicted[k] = state.u[k] + h * state.u_rate[k] + h * h * ((0.5 - beta) * a_n + beta * a)
         work.u_rate_predicted[k] = state.u_rate[k] + h * ((1.0 - gamma) * a_n + gamma * a)
         state.u_a[k] = a
+        state.u[k] = work.u_predicted[k] + state.u_acceleration[k] / scheme.beta_prime
 
 
 @compiled

@@ -9,8 +9,8 @@ residuals, A = B for a constraint, and lambda + stiffness c + ... = 0 for a spri
     [ A_r                  A_a              Z                ] [ h^2 dlam ]     [ phi      ]
 
 S_rr: inertia, with delta Theta = T(psi) delta psi. All blocks are of order one. In body axes nothing of a mechanism
-that turns as a whole changes but what ties it to the ground, so the factors of one matrix serve many steps: they are
-made anew when an iteration leaves more than `scheme.reuse` of the residual. Source: methods 5.4; u exactly.
+that turns as a whole changes, so the factors of one matrix serve many steps: they are made anew when a correction is
+larger than `scheme.reuse` times the one before. Source: methods 5.4; u exactly.
 """
 
 import math
@@ -52,7 +52,7 @@ def _iterate(
     system: System, reuse: float, loads: Array, drive: Array, state: State, work: Workspace
 ) -> tuple[int, float, bool]:
     scheme = system.scheme
-    previous = math.inf
+    change = previous = math.inf
     iterations = 0
     while True:
         evaluate(system, loads, drive, state, work)
@@ -61,14 +61,14 @@ def _iterate(
             return iterations, residual, True
         if iterations == scheme.max_iterations:
             return iterations, residual, False
-        if not work.renewed[0] or not residual <= reuse * previous:
+        if not work.renewed[0] or not change <= reuse * previous:
             work.renewed[0] = 0
             if not renew(system, loads, drive, state, work):
                 return iterations, residual, False
             work.renewed[0] = 1
             work.renewed[1] += 1
-        correct(system, state, work)
-        previous = residual
+        previous = change
+        change = correct(system, state, work)
         iterations += 1
 
 
@@ -81,11 +81,17 @@ def renew(system: System, loads: Array, drive: Array, state: State, work: Worksp
 
 
 @compiled
-def correct(system: System, state: State, work: Workspace) -> None:
-    """Solve for the corrections with the factors at hand and apply them."""
+def correct(system: System, state: State, work: Workspace) -> float:
+    """Solve for the corrections with the factors at hand and apply them; the largest of motions and displacements."""
     set_right_hand_side(system, state, work)
     substitute(system.pattern, work.S, work.pivots, work.rhs)
     apply_correction(system, state, work)
+    largest = 0.0
+    for b in range(len(system.bodies.mass)):
+        k = system.pattern.body[b]
+        for z in range(system.pattern.first[k], system.pattern.first[k + 1]):
+            largest = max(largest, abs(work.rhs[z]))
+    return largest
 
 
 @compiled

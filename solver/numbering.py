@@ -28,7 +28,8 @@ class NumberedFrames:
 
     def sides(self, coupling: Coupling) -> Sides:
         first, second = side_names(coupling)
-        return Sides(self.number(first), self.number(second), self.poses[first], self.poses[second])
+        fixed = self.arrays.body[self.number(first)] < 0
+        return Sides(self.number(first), self.number(second), self.poses[first], self.poses[second], bool(fixed))
 
 
 def number_frames(model: Model, poses: dict[str, Pose]) -> NumberedFrames:

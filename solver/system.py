@@ -24,7 +24,7 @@ class Scheme(NamedTuple):
     weight: float
     tolerance: float
     max_iterations: int
-    reuse: float  # how much of the residual an iteration may leave before the matrix is made anew; 0: always anew
+    reuse: float  # ratio of successive corrections above which the iteration matrix is made anew; 0: always anew
 
 
 class Bodies(NamedTuple):
@@ -65,6 +65,7 @@ class Couplings(NamedTuple):
     rows: Rows
     n_compliant: int
     range: Index  # (n_couplings + 1,) the rows of each coupling
+    second: Index  # (n_rows,) where the second frame that the coupling names stands in the gradient: 6, or 0 if A
     drive: Index  # (n_rows,) the drive of the row, -1: none
     compliant: Index  # (n_rows,) 1: follows a law
     rest: Array  # (n_rows,)
@@ -202,6 +203,7 @@ class Workspace(NamedTuple):
     force_scale: Array  # (n_b, 2) sums of the magnitudes of forces and of moments
     residual: Array  # (n_b, 6) of equilibrium
     history: Array  # (n_u,)
+    modal: Array  # (n_modes,)
     u_residual: Array  # (n_a,)
     # Newton's matrix; coordinates of a frame: delta X, delta Theta, delta u, delta w, all in body axes
     rate_map: Array  # (n_f, 6, 12) derivative of V by the coordinates
