@@ -65,7 +65,7 @@ def _survey(body_file: Path, output: Path | None) -> None:
 
     with told_in_one_line(preprocess, view):
         body = preprocess.read_body(body_file)
-        found = survey(body)
+        found = survey(body, progress=True)
         target = output or body_file.with_name(f"{body.name}.png")
         view.save(view.draw_scene(scene(found)), target)
     Console().print(tell(found))

@@ -51,6 +51,33 @@ class Band:
             largest = np.maximum(largest, (modes.phi**2 / scale[:, None]).max(axis=0) * weight)
         return largest
 
+    def field_error(self, modes: Modes, better: Modes, turn: Array) -> float:
+        """The same of what unit loads on the interfaces do to the body as a whole, in the norm of its strain energy.
+
+        |u_j - u'_j| / max |u_j| for the load on each interface dof j, |u|^2 = u^T K u = sum omega^2 eta^2. Kernels,
+        which see loads where they act, err with the square of this. turn (m', m): `modes` in terms of `better`.
+        """
+        return max(self._field_error(modes, better, turn, delay) for delay in self._delays(better))
+
+    def field_contributions(self, modes: Modes) -> Array:
+        """The error (m,) that leaving out each mode makes in this norm."""
+        largest = np.zeros(len(modes.omega))
+        for delay in self._delays(modes):
+            energy = _energy(modes, self._coordinates(modes, delay))
+            share = energy / _largest(energy.sum(axis=1))
+            largest = np.maximum(largest, np.sqrt(share.max(axis=(0, 2))))
+        return largest
+
+    def _field_error(self, modes: Modes, better: Modes, turn: Array, delay: Complex) -> float:
+        eta = self._coordinates(better, delay)
+        missing = _energy(better, eta - turn @ self._coordinates(modes, delay)).sum(axis=1)
+        return float(np.sqrt((missing / _largest(_energy(better, eta).sum(axis=1))).max()))
+
+    def _coordinates(self, modes: Modes, delay: Complex) -> Complex:
+        """eta (n, m, n_c) under a unit load on each interface dof."""
+        eta: Complex = modes.phi.T / dynamic_stiffness(modes, self.h, self.scheme, delay)[:, :, None]
+        return eta
+
     def _error(self, modes: Modes, better: Modes, delay: Complex) -> float:
         G = self._transfer(better, delay)
         scale = np.sqrt(_scale(G))
@@ -78,6 +105,17 @@ class Band:
 
 
 def _scale(G: Complex) -> Array:
-    """max |G_ii| (n_c,) over the first axis; the smallest number for a dof that does not move."""
-    largest: Array = np.abs(np.diagonal(G, axis1=1, axis2=2)).max(axis=0)
+    """max |G_ii| (n_c,) over the first axis."""
+    return _largest(np.abs(np.diagonal(G, axis1=1, axis2=2)))
+
+
+def _largest(sizes: Array) -> Array:
+    """The largest (n_c,) over the first axis; the smallest number there is for a dof that does not move."""
+    largest: Array = sizes.max(axis=0)
     return np.maximum(largest, np.finfo(float).tiny)
+
+
+def _energy(modes: Modes, eta: Complex) -> Array:
+    """Twice the strain energy of each mode (n, m, n_c)."""
+    energy: Array = (modes.omega[:, None] * np.abs(eta)) ** 2
+    return energy

@@ -36,7 +36,7 @@ class Basis:
         W = self._normalised(self._remainder(W, near), NEW)
         W = self._normalised(self._remainder(W), OUTSIDE)
         self._append(W)
-        return W.shape[1]
+        return int(W.shape[1])
 
     def since(self, start: int) -> Array:
         """The columns from `start` on."""

@@ -4,6 +4,7 @@ from importlib import metadata
 
 from ..superelement import Provenance, Superelement, sha256
 from .body import Body
+from .factor import accounts
 from .impulse import impulse_responses
 from .progress import Stages, shown_stages
 from .reading import read_mesh
@@ -11,7 +12,7 @@ from .recovery import check_recovery, recover
 from .static import compliance, mobility
 from .structure import assemble_mesh
 
-PACKAGES = ("duhamel", "numpy", "scipy", "scikit-fem", "meshio")
+PACKAGES = ("duhamel", "numpy", "scipy", "scikit-fem", "meshio", "rslab")
 
 
 def build(body: Body, progress: bool = False) -> Superelement:
@@ -20,20 +21,22 @@ def build(body: Body, progress: bool = False) -> Superelement:
     `progress` shows on the terminal what is being done and how far it is.
     `PreprocessError` if the body, its mesh or its method do not allow it.
     """
-    with shown_stages(progress) as stages:
-        return _build(body, stages)
+    with shown_stages(progress) as stages, accounts() as factorizations:
+        return _build(body, stages, factorizations)
 
 
-def _build(body: Body, stages: Stages) -> Superelement:
+def _build(body: Body, stages: Stages, factorizations: list[str]) -> Superelement:
     with stages.stage("mesh"):
         mesh = read_mesh(body.mesh, body.scale)
         check_recovery(body, mesh)
     with stages.stage("assembly"):
         structure = assemble_mesh(body, mesh)
-    with stages.stage("static"):
-        H, B = compliance(structure), mobility(structure)
     with stages.stage("impulse"):
         responses = impulse_responses(structure, body, stages)
+    with stages.stage("static"):
+        # Modes say it without another factorization; and steps start as their modes do, not as the whole mesh would.
+        modes = responses.modes
+        H, B = (compliance(structure), mobility(structure)) if modes is None else (modes.compliance, modes.mobility)
     recovery = None
     if body.recovery is not None and responses.shapes is not None:
         with stages.stage("recovery"):
@@ -55,7 +58,14 @@ def _build(body: Body, stages: Stages) -> Superelement:
             mesh_sha256=sha256(body.mesh),
             method=responses.method,
             tolerance=responses.tolerance,
-            versions={name: metadata.version(name) for name in PACKAGES},
+            versions=_versions(factorizations),
             timings=stages.seconds,
         ),
     )
+
+
+def _versions(factorizations: list[str]) -> dict[str, str]:
+    versions = {name: metadata.version(name) for name in PACKAGES}
+    if factorizations:
+        versions["factorization"] = ", ".join(dict.fromkeys(factorizations))
+    return versions

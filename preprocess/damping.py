@@ -23,8 +23,8 @@ def damping_matrix(damping: Damping, structure: Structure) -> Any | None:
     """C (n_u, n_u) sparse, or None without damping; `MethodError` for modal ratios, which have no sparse matrix."""
     if damping.modal is not None:
         raise MethodError(
-            "impulse.method march takes no modal damping, for that needs all modes: "
-            "use method modal, or damping.rayleigh = {mass = ..., stiffness = ...}"
+            "impulse.method march takes no modal damping, for that needs modes: "
+            "use method krylov or modal, or damping.rayleigh = {mass = ..., stiffness = ...}"
         )
     if damping.rayleigh is not None:
         return damping.rayleigh.mass * structure.M + damping.rayleigh.stiffness * structure.K

@@ -15,7 +15,7 @@ from .mesh import IntArray
 from .nodes import Nodes
 from .structure import Structure
 
-SOLVED = 20_000
+SOLVED = 50_000
 """Unknowns of solids up to which frequencies are computed, and above which they are estimated."""
 SPLINES = 350
 """Splines for a component of displacement: fields enough for some ten modes, few enough for a dense eigenproblem."""

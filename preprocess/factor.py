@@ -1,6 +1,8 @@
 """The one place where sparse matrices are factorized."""
 
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any
@@ -26,8 +28,7 @@ COARSER = "use a coarser mesh, or a machine with more memory"
 class Factor:
     """x = factor(b) solves A x = b for b (n,) or (n, k).
 
-    backend: the library that made it; residual: as it was measured; passed_over: the libraries that failed before, and
-    why.
+    backend: the library that made it; residual: as it was measured; passed_over: why others did not.
     """
 
     solve: Solve
@@ -37,6 +38,25 @@ class Factor:
 
     def __call__(self, b: Array) -> Array:
         return self.solve(b)
+
+    @property
+    def account(self) -> str:
+        """The library and, where it was not the first choice, why."""
+        return "; ".join([self.backend, *(f"not {reason}" for reason in self.passed_over)])
+
+
+_accounts: ContextVar[list[str]] = ContextVar("_accounts")
+
+
+@contextmanager
+def accounts() -> Iterator[list[str]]:
+    """The accounts of the factorizations that are made inside, in their order: where they are made is deep below."""
+    found: list[str] = []
+    token = _accounts.set(found)
+    try:
+        yield found
+    finally:
+        _accounts.reset(token)
 
 
 def factorize(matrix: Any, name: str = "the matrix") -> Factor:
@@ -61,7 +81,9 @@ def factorize(matrix: Any, name: str = "the matrix") -> Factor:
             continue
         residual = _residual(A, solve)
         if residual <= ACCURATE:
-            return Factor(solve, backend, residual, tuple(failures))
+            factor = Factor(solve, backend, residual, tuple(failures))
+            _accounts.get([]).append(factor.account)
+            return factor
         failures.append(f"{backend}: relative residual {residual:.1e}, expected {ACCURATE:g} at most")
     raise MethodError(f"{name} ({A.shape[0]} unknowns) could not be factorized: {'; '.join(failures)}")
 
@@ -100,7 +122,7 @@ def _cholmod(A: Any, name: str) -> Solve:
 
     require(factorization_cost(A.shape[0], A.nnz).bytes, _task(A, name), COARSER)
     try:
-        factor = analyze(A, mode="supernodal", ordering_method="metis", use_long=True).cholesky(A)
+        factor = analyze(A, mode="supernodal", ordering_method="metis").cholesky(A)
     except CholmodNotPositiveDefiniteError as error:
         raise _not_definite(A, name, str(error)) from error
     except CholmodError as error:

@@ -48,7 +48,8 @@ def impulse_responses(structure: Structure, body: Body, stages: Stages | None = 
             return ImpulseResponses(method, sample_kernel(modes, h, scheme, steps), modes, shapes)
         case "krylov":
             band = Band(h, scheme, steps, impulse.band or 0.25 / h)
-            modes, shapes, error = krylov_modes(structure, damping, band, impulse.tolerance, stages.tell)
+            fields = body.recovery is not None
+            modes, shapes, error = krylov_modes(structure, damping, band, impulse.tolerance, stages.tell, fields)
             kernel = sample_kernel(modes, h, scheme, steps, error, band.limit)
             return ImpulseResponses(method, kernel, modes, shapes, impulse.tolerance)
         case "march":

@@ -156,7 +156,7 @@ def _selected_facets(selection: InterfaceSelection, mesh: Mesh, facets: Facets) 
         nodes = np.unique(np.concatenate([part.ravel() for part in facets.patch(candidates).values()]))
         inside = nodes[chosen[nodes]]
         what = "facet of the boundary" if selection.group is None else "facet"
-        near = f"only {len(inside)} nodes do" if len(inside) else "nor does a node"
+        near = f"only nodes do: {len(inside)}" if len(inside) else "nor does a node"
         raise InterfaceError(f"no {what} lies as a whole in {selection}, {near}")
     return found
 

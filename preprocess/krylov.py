@@ -15,6 +15,7 @@ from .body import Damping, Rayleigh
 from .damping import damping_ratios
 from .errors import MeshError, MethodError
 from .factor import factorize
+from .memory import available
 from .mesh import IntArray
 from .modal import Shapes
 from .structure import Structure
@@ -27,6 +28,8 @@ SAFETY = 2.0
 """What the last block has changed counts so many times: alone, it is down to 0.6 of the error at times."""
 PRUNED = 0.1
 """Share of the tolerance that may be spent on leaving out modes."""
+WORK = 8
+"""Blocks that a new one needs memory for beside the basis."""
 RIGID = 6
 
 Watch = Callable[[str], None]
@@ -36,14 +39,16 @@ class KrylovSpace:
     """V = span{P S^-1 F, P S^-1 M P S^-1 F, ...} with S = K + s M and F = P^T P_C^T, orthonormal in M.
 
     k blocks hold what k steps of the march with S visit, so that the first k lags of the kernel that its modes make
-    are exact. The rigid modes head the basis, so that nothing else in it contains them. Source: methods 11.
+    are exact (of g_initial too, unless damping in proportion to K meets rho_inf < 1: the scheme then keeps a trace of
+    the accelerations at t_0, which no block holds). The rigid modes head the basis, so that nothing else in it
+    contains them. Source: methods 11.
     """
 
     def __init__(self, structure: Structure, shift: float) -> None:
         self.basis = Basis(structure.M)
         self.basis.extend(structure.U)
         self._structure = structure
-        self._solve = factorize(structure.K + shift * structure.M)
+        self._solve = factorize(structure.K + shift * structure.M, "the matrix of the time step")
         self._ends = [RIGID]
         self._stiffness = np.zeros((0, 0))
 
@@ -86,14 +91,15 @@ class KrylovSpace:
 
 
 def krylov_modes(
-    structure: Structure, damping: Damping, band: Band, tolerance: float, watch: Watch
+    structure: Structure, damping: Damping, band: Band, tolerance: float, watch: Watch, fields: bool = False
 ) -> tuple[Modes, Shapes, float]:
     """Modes whose transfer function is right to `tolerance` in the band, their shapes, and the error as estimated.
 
     The estimate is what the last block has changed, times `SAFETY`, and what the modes contribute that are left out,
     the least of which add up to a tenth of the tolerance; only the latter where the space is exhausted, for then it
-    holds every mode that the interfaces can excite. `watch` is told how it goes.
-    `MethodError` if the tolerance asks for a larger space than `LIMIT`.
+    holds every mode that the interfaces can excite. With `fields` it is that of the displacements and strains of the
+    whole body, if larger. `watch` is told how it goes.
+    `MethodError` if the tolerance asks for a larger space than `LIMIT`, or than there is memory for.
     """
     space = KrylovSpace(structure, _shift(damping, band.scheme, band.h))
 
@@ -107,22 +113,28 @@ def krylov_modes(
         if space.blocks < check:
             continue
         modes, Q = found(space.blocks)
-        before, _ = found(space.blocks - 1)
+        before, Q_before = found(space.blocks - 1)
         error = SAFETY * band.error(before, modes)
+        if fields:
+            error = max(error, SAFETY * band.field_error(before, modes, Q[: len(Q_before)].T @ Q_before))
         watch(f"{space.blocks} blocks, error {error:.1e}")
         if error <= (1.0 - PRUNED) * tolerance:
             break
-        if space.dimension >= LIMIT:
+        check = space.blocks + 1 + int(GROWTH * space.blocks)
+        room = min(LIMIT, space.dimension + available() // (8 * structure.n_u) - WORK * structure.loads.shape[1])
+        if space.dimension + (check - space.blocks) * structure.loads.shape[1] > room:
             raise MethodError(
-                f"impulse.method krylov: an error of {tolerance:g} up to {band.limit:g} Hz takes more than "
-                f"{space.dimension} vectors, found {error:.1e} with {space.blocks} blocks: "
+                f"impulse.method krylov: an error of {tolerance:g} up to {band.limit:g} Hz takes more than the {room} "
+                f"vectors that there is time and memory for, found {error:.1e} with {space.dimension}: "
                 "raise impulse.tolerance, lower impulse.band, or use method march"
             )
-        check = space.blocks + 1 + int(GROWTH * space.blocks)
     else:
         (modes, Q), error = found(space.blocks), 0.0
 
-    kept, lost = _prune(band.contributions(modes), PRUNED * tolerance)
+    contributions = band.contributions(modes)
+    if fields:
+        contributions = np.maximum(contributions, band.field_contributions(modes))
+    kept, lost = _prune(contributions, PRUNED * tolerance)
     modes = Modes(modes.omega[kept], modes.zeta[kept], modes.phi[:, kept], modes.h_min)
     return modes, partial(_rows, space.basis, Q[:, kept]), error + lost
 

@@ -34,7 +34,7 @@ def march_kernel(
     n_c = loads.shape[1]
     inertia = (1 - scheme.alpha_m) / (1 - scheme.alpha_f)
     S = inertia * M + scheme.beta * h * h * K
-    solve = factorize(S if C is None else S + scheme.gamma * h * C)
+    solve = factorize(S if C is None else S + scheme.gamma * h * C, "the matrix of the time step")
 
     # Columns: first those loaded at the first step, then those loaded at t_0.
     acc = np.hstack([np.zeros_like(loads), initial_accelerations(structure)])

@@ -11,7 +11,7 @@ ROOT = Path("/")
 
 
 def require(size: float, what: str, remedy: str) -> None:
-    """`MemoryShortageError` if `what` needs more bytes than there are: before hours are spent, or the machine is stopped."""
+    """`MemoryShortageError` if `what` needs `size` bytes and there are fewer. `remedy`: what to do about it."""
     free = available()
     if size > free:
         raise MemoryShortageError(

@@ -33,7 +33,9 @@ def elastic_shapes(structure: Structure, damping: Damping) -> tuple[Modes, Shape
     `MethodError` above `LIMIT` unknowns.
     """
     if structure.n_u > LIMIT:
-        raise MethodError(f"impulse.method modal takes up to {LIMIT} unknowns, found {structure.n_u}: use method march")
+        raise MethodError(
+            f"impulse.method modal takes up to {LIMIT} unknowns, found {structure.n_u}: use method krylov"
+        )
     values, vectors = eigh(structure.K.toarray(), structure.M.toarray(), overwrite_a=True, overwrite_b=True)
     if values[6] <= 1e-13 * values[-1]:
         raise MeshError(

@@ -45,7 +45,7 @@ def read_mesh(path: str | os.PathLike[str], scale: float = 1.0) -> Mesh:
         raise MeshError(f"{path}: point {point} is at {draft.points[point].tolist()}")
     body_types = _body_types(path.name, draft.cells)
     if draft.lost:
-        warnings.warn(f"{path}: left out: {'; '.join(draft.lost)}", MeshWarning, stacklevel=2)
+        warnings.warn(f"{path}: left out: {'; '.join(dict.fromkeys(draft.lost))}", MeshWarning, stacklevel=2)
     return Mesh(path.name, scale * draft.points, draft.cells, draft.groups, body_types)
 
 

@@ -70,16 +70,12 @@ def surface_of(mesh: Mesh, owners: IntArray) -> SolidSurface:
     for kind, sides in facets.sides.items():
         owner[sides] = _of(owners, mesh, kind)[:, None]
     outer = np.flatnonzero(facets.boundary)
-    width = max(nodes.shape[1] for nodes in facets.patch(outer).values())
+    patch = facets.patch(outer).values()
+    width = max(nodes.shape[1] for nodes in patch)
+    cells = np.vstack([np.pad(nodes, ((0, 0), (0, width - nodes.shape[1])), constant_values=-1) for nodes in patch])
     # A node of a material is one number, node + n_nodes * material, until points are counted.
-    n_nodes, rows, first = len(mesh.points), [], 0
-    for nodes in facets.nodes.values():
-        numbers = first + np.flatnonzero(facets.boundary[first : first + len(nodes)])
-        row = np.full((len(numbers), width), -1)
-        row[:, : nodes.shape[1]] = nodes[numbers - first] + n_nodes * owner[numbers][:, None]
-        rows.append(row)
-        first += len(nodes)
-    cells = np.vstack(rows)
+    n_nodes = len(mesh.points)
+    cells = np.where(cells >= 0, cells + n_nodes * owner[outer][:, None], -1)
     keys = np.unique(cells[cells >= 0])
     point = np.full(n_nodes * (1 + int(owners.max())), -1)
     point[keys] = np.arange(len(keys))

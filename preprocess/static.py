@@ -97,7 +97,7 @@ def _determinate_dofs(structure: Structure) -> Array:
     # A rotation [rad] counts as the displacement that it makes at the radius of gyration.
     turning = structure.nodes.first[structure.nodes.rotations][:, None] + np.arange(3, 6)
     A[turning] *= scale
-    _, _, pivots = qr(A.T, mode="economic", pivoting=True)
+    _, pivots = qr(A.T, mode="r", pivoting=True)
     return np.asarray(pivots[:6])
 
 

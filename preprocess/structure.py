@@ -84,7 +84,7 @@ def _beam_structure(body: Body, mesh: Mesh) -> Structure:
     masses = attachments("masses", placed_masses(body), mesh, nodes, None)
     placed = {name: mass.rows for name, mass in masses.items()}
     T = sp.eye_array(nodes.n_dofs, format="csr")[nodes.displacements.ravel()]
-    return _structure(nodes, K, M + lumped_mass(body, rows, placed), frames, rows, T)
+    return _structure(nodes, K, M + _symmetric(lumped_mass(body, rows, placed)), frames, rows, T)
 
 
 def _solid_structure(body: Body, mesh: Mesh) -> Structure:
@@ -99,8 +99,9 @@ def _solid_structure(body: Body, mesh: Mesh) -> Structure:
     left, T, rows = tie(nodes, frames)
     masses = attachments("masses", placed_masses(body), mesh, nodes, facets)
     placed = {name: mass.rows @ T for name, mass in masses.items()}
-    K, M = T.T @ K @ T, T.T @ M @ T
-    return _structure(left, K.tocsc(), (M + lumped_mass(body, rows, placed)).tocsc(), frames, rows, T)
+    if left.n_dofs < nodes.n_dofs:
+        K, M = (_symmetric(T.T @ matrix @ T) for matrix in (K, M))
+    return _structure(left, K, M + _symmetric(lumped_mass(body, rows, placed)), frames, rows, T)
 
 
 def _structure(

@@ -35,7 +35,7 @@ class Instants(NamedTuple):
     share: Array
 
     def of(self, before: Array, after: Array) -> Array:
-        """Linear between values (..., k) of the steps before and after."""
+        """Linear between values (k, ...) at the steps before and after."""
         share = self.share.reshape(-1, *[1] * (before.ndim - 1))
         value: Array = (1.0 - share) * before + share * after
         return value

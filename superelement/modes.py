@@ -45,3 +45,8 @@ class Modes:
     def compliance(self) -> Array:
         """Static compliance (n_c, n_c), phi diag(1 / omega^2) phi^T: what a kernel made of the modes adds up to."""
         return (self.phi / self.omega**2) @ self.phi.T
+
+    @property
+    def mobility(self) -> Array:
+        """Accelerations of the interfaces under unit loads at rest (n_c, n_c), phi phi^T: with what the modes start."""
+        return self.phi @ self.phi.T

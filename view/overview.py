@@ -19,19 +19,19 @@ def overview(recording: Recording) -> list[list[Curve]]:
 
     How fast are the angular velocities of the bodies, or their velocities if nothing turns; how far are the elastic
     displacements of the interfaces, or the positions of the bodies if none is flexible. Where there are many, those
-    that are largest are shown.
+    that are largest are shown: positions by how far they go.
     """
     speed = _all(recording, "angular_velocity", recording.bodies)
     if not any(curve.values.any() for curve in speed):
         speed = _all(recording, "velocity", recording.bodies)
     if recording.interfaces:
-        travel = _all(recording, "elastic_displacement", recording.interfaces)
+        travel = _largest(_all(recording, "elastic_displacement", recording.interfaces), _peak)
     else:
-        travel = _all(recording, "position", recording.bodies)
-    energies = [f"energy:{name}" for name in recording.energies if name != "balance"]
+        travel = _largest(_all(recording, "position", recording.bodies), _range)
+    energies = [f"energy:{name}" for name in recording.energies if name not in ("balance", "modal")]
     return [
         _largest(speed, _peak),
-        _largest(travel, _range),
+        travel,
         _largest([curve for energy in energies for curve in curves(recording, energy)], _peak),
         curves(recording, "energy:balance"),
     ]

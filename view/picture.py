@@ -54,6 +54,9 @@ WIDTH, PANEL_HEIGHT = 7.0, 2.2
 
 DOTS_PER_INCH = 110
 
+STEADY = 1e-4
+"""the least span of the ordinate of a panel, relative to its largest value"""
+
 
 def style() -> AbstractContextManager[None]:
     """The look of all pictures, for figures that are drawn by hand: `with style(): ...`."""
@@ -111,13 +114,23 @@ def _fill(axes: Axes, time: Array, curves: Sequence[Curve]) -> None:
         raise PictureError(f"expected curves of one unit in a panel, found {found}")
     words = np.array([curve.words for curve in curves])
     common = (words == words[0]).all(axis=0)
-    exponent = _exponent(max(float(np.abs(curve.values).max()) for curve in curves))
+    peak = max(float(np.abs(curve.values).max()) for curve in curves)
+    exponent = _exponent(peak)
     for curve, row in zip(curves, words, strict=True):
         axes.plot(time, curve.values / 10.0**exponent, label=_line(row[~common]))
+    _widen(axes, STEADY * peak / 10.0**exponent)
     axes.set_title(_line(words[0, common]))
     axes.set_ylabel(f"[{PREFIXES[exponent]}{curves[0].unit}]")
     if len(curves) > 1:
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
+def _widen(axes: Axes, least: float) -> None:
+    """Show at least this much of the ordinate: below it a curve is a level with rounding on it."""
+    low, high = axes.get_ylim()
+    if high - low < least:
+        middle = 0.5 * (low + high)
+        axes.set_ylim(middle - 0.5 * least, middle + 0.5 * least)
 
 
 def _line(words: Iterable[str]) -> str:

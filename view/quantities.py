@@ -25,7 +25,8 @@ NEGLIGIBLE = 1e-6
 @dataclass(frozen=True)
 class Kind:
     values: Callable[..., Any]
-    unit: str
+    unit: str | Callable[..., str]
+    """or what gives it, for the same names"""
     names: tuple[str, ...]
     """what each name stands for"""
     axes: bool = True
@@ -34,15 +35,18 @@ class Kind:
 KINDS = {
     "position": Kind(Recording.position, "m", ("BODY|FRAME",)),
     "displacement": Kind(Recording.displacement, "m", ("BODY|FRAME", "BODY|FRAME")),
-    "velocity": Kind(Recording.velocity, "m/s", ("BODY",)),
-    "acceleration": Kind(Recording.acceleration, "m/s²", ("BODY",)),
+    "velocity": Kind(Recording.velocity, "m/s", ("BODY|FRAME",)),
+    "acceleration": Kind(Recording.acceleration, "m/s²", ("BODY|FRAME",)),
     "angle": Kind(Recording.angle, "rad", ("BODY|FRAME",)),
-    "angular_velocity": Kind(Recording.angular_velocity, "rad/s", ("BODY",)),
-    "angular_acceleration": Kind(Recording.angular_acceleration, "rad/s²", ("BODY",)),
+    "angular_velocity": Kind(Recording.angular_velocity, "rad/s", ("BODY|FRAME",)),
+    "angular_acceleration": Kind(Recording.angular_acceleration, "rad/s²", ("BODY|FRAME",)),
     "elastic_displacement": Kind(Recording.elastic_displacement, "m", ("INTERFACE",)),
     "elastic_rotation": Kind(Recording.elastic_rotation, "rad", ("INTERFACE",)),
-    "force": Kind(Recording.force, "N", ("JOINT",)),
-    "moment": Kind(Recording.moment, "N m", ("JOINT",)),
+    "force": Kind(Recording.force, "N", ("JOINT|SPRING",)),
+    "moment": Kind(Recording.moment, "N m", ("JOINT|SPRING",)),
+    "coordinate": Kind(Recording.coordinate, Recording.coordinate_unit, ("JOINT", "COORDINATE"), axes=False),
+    "linear_momentum": Kind(Recording.linear_momentum, "kg m/s", ()),
+    "angular_momentum": Kind(Recording.angular_momentum, "kg m²/s", ()),
     "energy": Kind(Recording.energy, "J", ("ENERGY",), axes=False),
 }
 
@@ -70,12 +74,13 @@ def curves(recording: Recording, quantity: str) -> list[Curve]:
         raise QuantityError(f"{quantity}: expected {usage(kind_name)}")
     try:
         values = kind.values(recording, *names)
+        unit = kind.unit if isinstance(kind.unit, str) else kind.unit(recording, *names)
     except QuantityError as error:
         raise QuantityError(f"{quantity}: {error}") from error
     title, of = kind_name.replace("_", " "), " seen from ".join(names)
     if not kind.axes:
-        return [Curve((title, of, ""), kind.unit, values)]
-    return [Curve((title, of, axis), kind.unit, values[:, AXES.index(axis)]) for axis in axes or _moving_axes(values)]
+        return [Curve((title, of, ""), unit, values)]
+    return [Curve((title, of, axis), unit, values[:, AXES.index(axis)]) for axis in axes or _moving_axes(values)]
 
 
 def usage(kind_name: str) -> str:

@@ -20,9 +20,9 @@ QUATERNION, VECTOR, WRENCH = (4,), (3,), (6,)
 class Recording:
     """The motion in a results file, read when asked for.
 
-    `bodies`, `frames` ("BODY.FRAME"), `interfaces` (the frames of flexible bodies), `joints` and `energies` are the
-    names it holds. All vectors are (n, 3), one row for each time, and in space unless said otherwise. Methods raise
-    QuantityError for a name that is not there, and ResultsError for a dataset that is missing or has another shape.
+    `bodies`, `frames` ("BODY.FRAME"), `interfaces` (the frames of flexible bodies), `joints`, `springs` and `energies`
+    are the names it holds. All vectors are (n, 3), one row for each time, and in space unless said otherwise.
+    Methods raise QuantityError for an unknown name, ResultsError for a dataset that is missing or of another shape.
     """
 
     path: Path
@@ -30,6 +30,7 @@ class Recording:
     frames: tuple[str, ...]
     interfaces: tuple[str, ...]
     joints: tuple[str, ...]
+    springs: tuple[str, ...]
     energies: tuple[str, ...]
 
     @property
@@ -55,21 +56,21 @@ class Recording:
         q = self.rotation(name)
         return twists(product(q, inverse(q[0])))
 
-    def velocity(self, body: str) -> Array:
-        """Of the centre of mass [m/s]."""
-        return self._twist(body, "v")[:, :3]
+    def velocity(self, name: str) -> Array:
+        """Of the centre of mass of a body, or of the origin of a frame [m/s]."""
+        return self._twist(name, "v", "velocity")[:, :3]
 
-    def acceleration(self, body: str) -> Array:
-        """Of the centre of mass [m/s^2]."""
-        return self._twist(body, "v_dot")[:, :3]
+    def acceleration(self, name: str) -> Array:
+        """Of the centre of mass of a body, or of the origin of a frame [m/s^2]."""
+        return self._twist(name, "v_dot", "acceleration")[:, :3]
 
-    def angular_velocity(self, body: str) -> Array:
-        """R omega [rad/s]."""
-        return rotate(self.rotation(body), self._twist(body, "v")[:, 3:])
+    def angular_velocity(self, name: str) -> Array:
+        """R omega of a body, or that of a frame [rad/s]."""
+        return self._spin(name, "v", "velocity")
 
-    def angular_acceleration(self, body: str) -> Array:
-        """d/dt (R omega) = R omega_dot [rad/s^2]."""
-        return rotate(self.rotation(body), self._twist(body, "v_dot")[:, 3:])
+    def angular_acceleration(self, name: str) -> Array:
+        """d/dt (R omega) = R omega_dot of a body, or that of a frame [rad/s^2]."""
+        return self._spin(name, "v_dot", "acceleration")
 
     def displacement(self, name: str, seen_from: str) -> Array:
         """The displacement of a body or frame in the axes D of another, since t = 0 [m].
@@ -91,13 +92,29 @@ class Recording:
         """Of an interface, rotation vector in the axes of its body [rad]."""
         return self._elastic(interface)[:, 3:]
 
-    def force(self, joint: str) -> Array:
-        """Of a joint on the second of its frames [N]."""
-        return self._array("joints", _known("joint", joint, self.joints), "force", VECTOR)
+    def force(self, coupling: str) -> Array:
+        """Of a joint or spring on the second of its frames [N]."""
+        return self._array(*self._coupling(coupling), "force", VECTOR)
 
-    def moment(self, joint: str) -> Array:
-        """Of a joint on the second of its frames, about it [N m]."""
-        return self._array("joints", _known("joint", joint, self.joints), "moment", VECTOR)
+    def moment(self, coupling: str) -> Array:
+        """Of a joint or spring on the second of its frames, about it [N m]."""
+        return self._array(*self._coupling(coupling), "moment", VECTOR)
+
+    def coordinate(self, joint: str, name: str) -> Array:
+        """A coordinate of a joint or its rate, as `angle` or `distance_rate` (n,), in the units that the file gives."""
+        return self._array("joints", joint, self._coordinate(joint, name), ())
+
+    def coordinate_unit(self, joint: str, name: str) -> str:
+        with _opened(self.path) as file:
+            return str(file[f"joints/{joint}/{self._coordinate(joint, name)}"].attrs["units"])
+
+    def linear_momentum(self) -> Array:
+        """Of all bodies [kg m/s]."""
+        return self._array("momentum", "", "linear", VECTOR)
+
+    def angular_momentum(self) -> Array:
+        """Of all bodies about the origin [kg m^2/s]."""
+        return self._array("momentum", "", "angular", VECTOR)
 
     def energy(self, name: str) -> Array:
         """(n,) [J]"""
@@ -107,8 +124,21 @@ class Recording:
         name = _known("body or frame", name, self.bodies + self.frames)
         return ("bodies", name, of_body) if name in self.bodies else ("frames", name, of_frame)
 
-    def _twist(self, body: str, name: str) -> Array:
-        return self._array("bodies", _known("body", body, self.bodies), name, WRENCH)
+    def _twist(self, name: str, of_body: str, of_frame: str) -> Array:
+        return self._array(*self._place(name, of_body, of_frame), WRENCH)
+
+    def _spin(self, name: str, of_body: str, of_frame: str) -> Array:
+        spin = self._twist(name, of_body, of_frame)[:, 3:]
+        return rotate(self.rotation(name), spin) if name in self.bodies else spin
+
+    def _coupling(self, name: str) -> tuple[str, str]:
+        _known("joint or spring", name, self.joints + self.springs)
+        return ("joints" if name in self.joints else "springs"), name
+
+    def _coordinate(self, joint: str, name: str) -> str:
+        with _opened(self.path) as file:
+            datasets = file["joints"][_known("joint", joint, self.joints)]
+            return _known(f"coordinate of {joint}", name, tuple(key for key in datasets if datasets[key].ndim == 1))
 
     def _elastic(self, interface: str) -> Array:
         return self._array("frames", _known("interface", interface, self.interfaces), "u", WRENCH)
@@ -143,6 +173,7 @@ def read(path: str | os.PathLike[str]) -> Recording:
             frames=frames,
             interfaces=tuple(frame for frame in frames if frame.partition(".")[0] in flexible),
             joints=tuple(file["joints"]),
+            springs=tuple(file["springs"]),
             energies=tuple(file["energy"]),
         )
 

@@ -37,7 +37,10 @@ def read(path: Path) -> Draft:
         elements.add(name, np.concatenate(numbers), instance.part.elsets)
 
     draft = Draft(np.concatenate([instance.points for instance in instances.values()]), lost)
-    sequence = _sequence(draft, instances, nodes)
+    sequence = Sequence(draft)
+    for name, instance in instances.items():
+        for kind, _, members in instance.part.elements:
+            sequence.add(kind, nodes.rows(name, members, f"*ELEMENT, {kind}"))
     surfaces = _Surfaces(draft, sequence, nodes, elements)
     for key, instance in instances.items():
         name_of = partial(_group_name, instance=instance, instances=instances)
@@ -96,21 +99,9 @@ class _Family:
                 case numbers:
                     known = numbering.known(numbers)
                     if not known.all():
-                        self._lost.append(f"{(~known).sum()} numbers of set {item} that are no {self._what}s")
+                        self._lost.append(f"numbers of set {item} that are no {self._what}s ({(~known).sum()})")
                     found.append(first + numbering.rows(numbers[known], item))
         return np.concatenate(found)
-
-
-def _sequence(draft: Draft, instances: Mapping[str, Instance], nodes: _Family) -> Sequence:
-    """The elements of all instances as cells."""
-    sequence = Sequence(draft)
-    for name, instance in instances.items():
-        for kind, numbers, members in instance.part.elements:
-            if kind is None:
-                sequence.skip(len(numbers))
-            else:
-                sequence.add(kind, nodes.rows(name, members, f"*ELEMENT, {kind}"))
-    return sequence
 
 
 def _group_name(name: str, instance: Instance, instances: Mapping[str, Instance]) -> str:

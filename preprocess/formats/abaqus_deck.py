@@ -8,6 +8,9 @@ from pathlib import Path
 from ..errors import MeshError
 from .text import lines
 
+_INTEGER = re.compile(r"[+-]?\d{1,18}")
+_INCLUDE = re.compile(r'\*INCLUDE\s*,\s*INPUT\s*=\s*"?([^"]+?)"?\s*,?\s*', re.IGNORECASE)
+
 
 @dataclass(frozen=True)
 class Keyword:
@@ -30,7 +33,7 @@ class Keyword:
 
     def ints(self, items: list[str]) -> list[int]:
         for item in items:
-            if not re.fullmatch(r"[+-]?\d{1,18}", item):
+            if not _INTEGER.fullmatch(item):
                 raise MeshError(f"{self.place}: *{self.name}: expected an integer, found {item!r}")
         return [int(item) for item in items]
 
@@ -74,5 +77,5 @@ def _keyword(text: str, place: str) -> Keyword:
 
 def _included(text: str) -> str | None:
     """The file of `*INCLUDE, INPUT=file`."""
-    match = re.fullmatch(r'\*INCLUDE\s*,\s*INPUT\s*=\s*"?([^"]+?)"?\s*,?\s*', text, re.IGNORECASE)
+    match = _INCLUDE.fullmatch(text)
     return match and match[1]

@@ -1,7 +1,7 @@
 """What an Abaqus input file defines: parts, their instances, and the sets of each."""
 
 import re
-from copy import deepcopy
+from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from ...superelement.validation import Array
 from ..errors import MeshError
-from ..mesh import IntArray
+from ..mesh import NONE, IntArray
 from .abaqus_deck import Keyword, keywords
 
 # Types of cells and numbers of nodes by the names of elements: solids, whatever makes facets, trusses and beams.
@@ -61,20 +61,28 @@ class Sets:
         if not internal:
             self.written.setdefault(name.upper(), name)
 
+    def copy(self) -> "Sets":
+        return Sets({name: [*entries] for name, entries in self.entries.items()}, {**self.written})
+
 
 @dataclass
 class Part:
     """What stands between *PART and *END PART, or outside of all parts.
 
-    elements: type of cell, None if it is unknown, numbers (n,) and numbers of the nodes (n, k), in meshio's order.
+    elements: type of cell, numbers (n,) and numbers of the nodes (n, k), in meshio's order.
     """
 
     numbers: list[int] = field(default_factory=list)
     points: list[list[float]] = field(default_factory=list)
-    elements: list[tuple[str | None, IntArray, IntArray]] = field(default_factory=list)
+    elements: list[tuple[str, IntArray, IntArray]] = field(default_factory=list)
     nsets: Sets = field(default_factory=Sets)
     elsets: Sets = field(default_factory=Sets)
     surfaces: list[Keyword] = field(default_factory=list)
+
+    def copy(self) -> "Part":
+        """A part to which more may be added."""
+        lists = [*self.numbers], [*self.points], [*self.elements]
+        return Part(*lists, self.nsets.copy(), self.elsets.copy(), [*self.surfaces])
 
 
 @dataclass(frozen=True)
@@ -102,7 +110,7 @@ def read_instances(path: Path, lost: list[str]) -> dict[str, Instance]:
     assembly = part = Part()
     parts: dict[str, Part] = {}
     instances = {"": Instance("", assembly, np.zeros(3), np.zeros(3), np.eye(3))}
-    left_out: dict[str, int] = {}
+    left_out: Counter[str] = Counter()
     for keyword in keywords(path):
         match keyword.name:
             case "PART":
@@ -110,16 +118,15 @@ def read_instances(path: Path, lost: list[str]) -> dict[str, Instance]:
             case "INSTANCE":
                 if keyword["PART"].upper() not in parts:
                     raise MeshError(f"{keyword.place}: no part {keyword['PART']!r} before this instance of it")
-                part = deepcopy(parts[keyword["PART"].upper()])
+                part = parts[keyword["PART"].upper()].copy()
                 instances[keyword["NAME"].upper()] = _instance(part, keyword)
             case "END PART" | "END INSTANCE":
                 part = assembly
             case "NODE":
                 _add_nodes(part, keyword)
             case "ELEMENT":
-                kind, count = _add_elements(part, keyword)
-                if kind is None:
-                    left_out[keyword["TYPE"]] = left_out.get(keyword["TYPE"], 0) + count
+                if not _add_elements(part, keyword):
+                    left_out[f"elements of type {keyword['TYPE'].upper()}"] += 1
             case "NSET":
                 part.nsets.add(keyword["NSET"], _entries(keyword), "INTERNAL" in keyword.parameters)
             case "ELSET":
@@ -129,8 +136,8 @@ def read_instances(path: Path, lost: list[str]) -> dict[str, Instance]:
             case name if name in _GENERATED:
                 raise MeshError(f"{keyword.place}: *{name} is not supported; expected a mesh that is written out")
             case name if name in _CONNECTIONS:
-                lost.append(f"*{name} ({keyword.place})")
-    lost.extend(f"{count} elements of type {name}" for name, count in left_out.items())
+                left_out[f"*{name}"] += 1
+    lost.extend(left_out)
     return instances
 
 
@@ -159,15 +166,13 @@ def _add_nodes(part: Part, keyword: Keyword) -> None:
         part.nsets.add(keyword["NSET"], [Entry(np.array(numbers, dtype=np.int64))])
 
 
-def _add_elements(part: Part, keyword: Keyword) -> tuple[str | None, int]:
-    """The type of cell, None if it is unknown, and how many there are."""
+def _add_elements(part: Part, keyword: Keyword) -> bool:
+    """Whether the type is one of those that make cells."""
     if keyword.get("INPUT"):
         raise MeshError(f"{keyword.place}: *ELEMENT: expected elements below it")
-    found = [
-        (kind, k) for name, kind, k in _KINDS if re.fullmatch(rf"({name})([A-Z]\w*)?", keyword["TYPE"], re.IGNORECASE)
-    ]
-    if found:
-        ((kind, k),) = found
+    numbers = NONE
+    kinds = [(kind, k) for name, kind, k in _KINDS if re.fullmatch(rf"({name})([A-Z]\w*)?", keyword["TYPE"].upper())]
+    for kind, k in kinds:
         items = keyword.ints([item for line in keyword.data for item in line if item])
         if len(items) % (1 + k):
             raise MeshError(
@@ -177,13 +182,9 @@ def _add_elements(part: Part, keyword: Keyword) -> tuple[str | None, int]:
         table = np.array(items, dtype=np.int64).reshape(-1, 1 + k)
         numbers, nodes = table[:, 0], table[:, 1:]
         part.elements.append((kind, numbers, nodes[:, _ORDER[kind]] if kind in _ORDER else nodes))
-    else:
-        kind = None
-        numbers = np.array(keyword.ints([line[0] for line in keyword.data]), dtype=np.int64)
-        part.elements.append((None, numbers, numbers[:, None]))
     if keyword.get("ELSET"):
         part.elsets.add(keyword["ELSET"], [Entry(numbers)])
-    return kind, len(numbers)
+    return bool(kinds)
 
 
 def _entries(keyword: Keyword) -> list[Entry]:

@@ -57,7 +57,7 @@ class Draft:
 
 
 class Sequence:
-    """The elements of a file in its order, whatever their types: the cell that each has become."""
+    """The elements of a file in its order, whatever their types, and the cell of each."""
 
     def __init__(self, draft: Draft) -> None:
         self._draft = draft
@@ -69,10 +69,6 @@ class Sequence:
         if kind not in self._kinds:
             self._kinds.append(kind)
         self._blocks.append((np.full(len(nodes), self._kinds.index(kind)), self._draft.add(kind, nodes)))
-
-    def skip(self, count: int) -> None:
-        """The next elements become no cells."""
-        self._blocks.append((np.full(count, -1), np.full(count, -1)))
 
     def __len__(self) -> int:
         return sum(len(rows) for _, rows in self._blocks)

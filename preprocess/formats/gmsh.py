@@ -44,6 +44,7 @@ _ORDER = {
     "hexahedron20": [*range(8), *_EDGES],
     "hexahedron27": [*range(8), *_EDGES, 22, 23, 21, 24, 20, 25, 26],
 }
+_SECTION = re.compile(rb"\s*\$(\w+)[ \t]*\r?\n")
 _PHYSICAL = ("physical point", "physical curve", "physical surface", "physical volume")
 
 
@@ -62,7 +63,7 @@ def _sections(data: bytes) -> dict[str, bytes]:
     """What stands between $NAME and $EndNAME."""
     sections = {}
     place = 0
-    while match := re.compile(rb"\s*\$(\w+)[ \t]*\r?\n").match(data, place):
+    while match := _SECTION.match(data, place):
         name = match[1]
         end = data.find(b"$End" + name, match.end())
         if end < 0:
@@ -203,16 +204,17 @@ def _read4(sections: dict[str, bytes], form: _Format, names: dict[tuple[int, int
 
     numbers = form.numbers(sections["Elements"])
     blocks, count, _, _ = numbers.table(1, ("u", 4))[0][0].tolist()
+    found = 0
     for _ in range(blocks):
         (((dimension, entity, number),), ((length,),)) = numbers.table(1, ("i", 3), ("u", 1))
         kind, k = _kind(int(number))
         rows = draft.add(kind, _cells(kind, numbers.table(length, ("u", 1 + k))[0][:, 1:], numbering))
-        count -= length
+        found += length
         for tag in groups.get((dimension, entity), []):
             draft.mark(_name(names, dimension, tag), kind, rows)
     _finish(numbers, "Elements")
-    if count:
-        raise MeshError(f"$Elements: the blocks hold {-count} elements more than the section announces")
+    if found != count:
+        raise MeshError(f"$Elements: expected {count} elements, found {found}")
     return draft
 
 

@@ -42,10 +42,8 @@ _ORDER = {
     "hexahedron20": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15],
     "wedge15": [*range(9), 12, 13, 14, 9, 10, 11],
 }
-_LEFT_OUT = re.compile(
-    r"CELAS\d|CDAMP\d|CMASS\d|CBUSH\w*|CGAP|CVISC|CONM\d|CONROD|CBEND|CWELD|CFAST|CSEAM|CTRI?A?X\w*|CQUADX?\d*"
-    r"|RBAR\w*|RBE\d|RROD|RSPLINE|MPC\w*"
-)
+# Other elements, rigid ones and constraints between points.
+_LEFT_OUT = re.compile(r"(?!CORD)C\w+|R(BAR|BE|JOINT|ROD|SPLINE|SSCON|TRPLT)\w*|MPC\w*")
 
 
 def read(path: Path) -> Draft:
@@ -76,7 +74,7 @@ def read(path: Path) -> Draft:
     system = np.array([card.integer(3, default_system) for card in grids], dtype=np.int64)
     for number in np.unique(system):
         points[system == number] = frame_of(int(number), systems).to_basic(points[system == number])
-    draft = Draft(points, [f"{count} {name}" for name, count in left_out.items()])
+    draft = Draft(points, [f"{name} ({count})" for name, count in left_out.items()])
     _add_elements(draft, elements, numbering, names)
     for card in sets:
         _add_points(draft, card, numbering)

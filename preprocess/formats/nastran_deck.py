@@ -8,6 +8,11 @@ from pathlib import Path
 from ..errors import MeshError
 from .text import lines
 
+_INTEGER = re.compile(r"[+-]?\d{1,18}")
+_BARE_EXPONENT = re.compile(r"(?<=[\d.])([+-])")
+_BEGIN = re.compile(r"\s*BEGIN\b", re.IGNORECASE)
+_END = re.compile(r"\s*ENDDATA\b", re.IGNORECASE)
+_INCLUDE = re.compile(r"INCLUDE\s+['\"]?([^'\"$]+?)['\"]?\s*(\$.*)?", re.IGNORECASE)
 # How preprocessors write the names of properties into comments: HyperMesh, ANSA and Femap.
 _NAMES = (
     re.compile(r'\$HMNAME PROP\s+(\d+)\s*"([^"]+)"'),
@@ -32,7 +37,7 @@ class Card:
         text = self.text(field)
         if not text and default is not None:
             return default
-        if not re.fullmatch(r"[+-]?\d{1,18}", text):
+        if not _INTEGER.fullmatch(text):
             raise MeshError(f"{self.place}: {self.name}: expected an integer in field {field}, found {text!r}")
         return int(text)
 
@@ -40,7 +45,7 @@ class Card:
         """A real number, as 1.5, 1.5e-3, 1.5-3 or 1.5D-3; 0 where nothing is written."""
         text = self.text(field).upper().replace("D", "E")
         try:
-            return float(re.sub(r"(?<=[\d.])([+-])", r"E\1", text) or 0.0)
+            return float(_BARE_EXPONENT.sub(r"E\1", text) or 0.0)
         except ValueError as error:
             raise MeshError(
                 f"{self.place}: {self.name}: expected a number in field {field}, found {self.text(field)!r}"
@@ -68,13 +73,13 @@ def read_cards(path: Path, names: dict[int, str]) -> Iterator[Card]:
     A file without BEGIN BULK is bulk data throughout; one with it must have an ENDDATA, else `MeshError`.
     """
     deck = list(lines(path, _included))
-    starts = [i for i, line in enumerate(deck) if re.match(r"\s*BEGIN\b", line.text, re.IGNORECASE)]
-    ends = [i for i, line in enumerate(deck) if re.match(r"\s*ENDDATA\b", line.text, re.IGNORECASE)]
+    starts = [i for i, line in enumerate(deck) if _BEGIN.match(line.text)]
+    ends = [i for i, line in enumerate(deck) if _END.match(line.text)]
     if starts and not ends:
         raise MeshError("the file breaks off: BEGIN BULK without ENDDATA")
     card: Card | None = None
     for place, text in deck[starts[0] + 1 if starts else 0 : ends[0] if ends else len(deck)]:
-        for pattern in _NAMES:
+        for pattern in _NAMES if text.startswith("$") else ():
             if match := pattern.match(text):
                 names.setdefault(int(match[1]), match[2].strip())
         name, fields = _fields(text)
@@ -104,5 +109,5 @@ def _fields(text: str) -> tuple[str, list[str]]:
 
 def _included(text: str) -> str | None:
     """The file of `INCLUDE 'file'`."""
-    match = re.fullmatch(r"INCLUDE\s+['\"]?([^'\"]+?)['\"]?\s*", text.partition("$")[0], re.IGNORECASE)
+    match = _INCLUDE.fullmatch(text)
     return match and match[1]

@@ -24,7 +24,7 @@ def lines(path: Path, included: Callable[[str], str | None], inside: tuple[Path,
         if name is None:
             yield Line(f"{path.name}, line {number}", text)
             continue
-        target = path.parent / name
+        target = path.parent / name.replace("\\", "/")
         if not target.is_file():
             raise MeshError(f"{path.name}, line {number}: no file {name} to include")
         yield from lines(target, included, (*inside, path))

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...superelement.validation import Array
 from ..errors import MeshError
-from ..mesh import IntArray
+from ..mesh import NONE, IntArray
 from .arrays import mark_values
 from .draft import Draft, Sequence
 from .xdmf_items import DataItems
@@ -50,22 +50,23 @@ def read(path: Path) -> Draft:
     lost: list[str] = []
     grids = _grids(root, lost)
     items = DataItems(path, root)
-    points = [_points(geometry, items) for grid in grids for geometry in grid.findall("Geometry")]
+    geometries = [geometry for grid in grids if (geometry := grid.find("Geometry")) is not None]
+    points = [_points(geometry, items) for geometry in geometries]
     if not points:
         raise MeshError("expected a Grid with a Geometry, found none")
     draft = Draft(np.concatenate(points), lost)
 
-    firsts = np.cumsum([0, *map(len, points)]).tolist()
-    sequence, place = Sequence(draft), 0
+    rows_of = np.split(np.arange(len(draft.points)), np.cumsum([len(part) for part in points])[:-1])
+    sequence, elements_of_first = Sequence(draft), NONE
     for grid in grids:
         # A grid without points or cells of its own is on those of the first one, which it includes by reference.
-        own = grid.find("Geometry") is not None
-        rows = np.arange(*firsts[place : place + 2]) if own else np.arange(firsts[1])
-        place += own
-        first = len(sequence)
-        for topology in grid.findall("Topology"):
-            _add_cells(sequence, topology, items, rows)
-        elements = np.arange(first, len(sequence)) if len(sequence) > first else np.arange(len(sequence))
+        geometry, topology = grid.find("Geometry"), grid.find("Topology")
+        rows = rows_of[0 if geometry is None else geometries.index(geometry)]
+        if topology is None:
+            elements = elements_of_first
+        else:
+            elements = _add_cells(sequence, topology, items, rows)
+            elements_of_first = elements_of_first if len(elements_of_first) else elements
         if len(grids) > 1:
             sequence.mark(grid.get("Name", "grid"), elements)
         _add_groups(draft, grid, items, rows, sequence, elements)
@@ -99,8 +100,9 @@ def _points(geometry: ElementTree.Element, items: DataItems) -> Array:
     return points
 
 
-def _add_cells(sequence: Sequence, topology: ElementTree.Element, items: DataItems, rows: IntArray) -> None:
-    """Cells of one type, or of mixed ones."""
+def _add_cells(sequence: Sequence, topology: ElementTree.Element, items: DataItems, rows: IntArray) -> IntArray:
+    """Cells of one type, or of mixed ones; their places in the sequence."""
+    first = len(sequence)
     name, _, order = (topology.get("TopologyType") or topology.get("Type") or "").lower().partition("_")
     name = _SHORT.get(name, name) + (f"_{order}" if order else "")
     values = items.integers(topology)
@@ -114,10 +116,10 @@ def _add_cells(sequence: Sequence, topology: ElementTree.Element, items: DataIte
     else:
         raise MeshError(f"unsupported Topology of type {name!r}")
     for kind, nodes in blocks:
-        nodes = nodes - int(topology.get("BaseOffset", "0"))
         if not ((nodes >= 0) & (nodes < len(rows))).all():
             raise MeshError(f"Topology: expected nodes 0 to {len(rows) - 1}, found {nodes.min()} to {nodes.max()}")
         sequence.add(kind, rows[nodes])
+    return np.arange(first, len(sequence))
 
 
 def _mixed(values: list[int]) -> list[tuple[str, IntArray]]:

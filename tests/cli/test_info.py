@@ -1,9 +1,11 @@
 """`duhamel info`: what it shows of a superelement, and how it fails."""
 
 import re
+from dataclasses import replace
 
 import pytest
 from duhamel.cli import app
+from duhamel.superelement import write
 
 
 def cells(output: str) -> dict[str, str]:
@@ -46,6 +48,15 @@ def test_the_number_of_modes_and_the_first_ten_frequencies(shown):
 def test_the_kernel(shown):
     found = [shown[f"kernel {label}"] for label in ("step [s]", "length [s]", "rho_inf", "error", "n_c")]
     assert found == ["0.0005", "0.02, 40 steps", "0.8", "3e-09", "9"]
+
+
+def test_a_body_of_some_modes_says_how_far_they_reach(runner, element, tmp_path):
+    modes = replace(element.modes, h_min=5e-4)
+    kernel = replace(element.kernel, error=2.34e-7, band=500.0)
+    write(tmp_path / "solid.h5", replace(element, modes=modes, kernel=kernel))
+    shown = cells(runner.invoke(app, ["info", str(tmp_path / "solid.h5")]).stdout)
+    assert shown["modes"] == "12, for steps down to 0.0005 s"
+    assert shown["kernel error"] == "2.34e-07 up to 500 Hz"
 
 
 def test_the_provenance_with_the_whole_hash(shown):

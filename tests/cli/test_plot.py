@@ -40,7 +40,7 @@ def test_an_argument_is_a_panel_and_a_comma_joins_curves(runner, results_file):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["velocity:hub"], "velocity:hub: no body 'hub'; there are: beam"),
+        (["velocity:hub"], "velocity:hub: no body or frame 'hub'; there are: beam"),
         (["velocity:beam,energy:work"], "expected curves of one unit in a panel"),
         (["-o", "picture.xyz"], "picture.xyz: expected a suffix of"),
     ],

@@ -53,6 +53,19 @@ def test_the_file_goes_where_it_is_sent(runner, body_file):
     assert sorted(path.name for path in body_file.parent.glob("*.h5")) == ["elsewhere.h5"]
 
 
+def test_what_a_mesh_loses_is_one_line_on_stderr(runner, body_file):
+    nodes = "".join(f"{i + 1}, {0.125 * i}, 0, 0\n" for i in range(5))
+    lines = "".join(f"{i}, {i}, {i + 1}\n" for i in range(1, 5))
+    deck = f"*NODE\n{nodes}*ELEMENT, TYPE=B31\n{lines}*ELEMENT, TYPE=MASS, ELSET=tip\n9, 5\n"
+    body_file.with_name("mesh.inp").write_text(deck)
+    body_file.write_text(BODY.replace("mesh.vtk", "mesh.inp"))
+    result = runner.invoke(app, ["preprocess", str(body_file)])
+    assert result.exit_code == 0, result.output
+    told = [line for line in result.stderr.splitlines() if line.strip()]
+    assert told == [f"warning: {body_file.with_name('mesh.inp')}: left out: elements of type MASS"]
+    assert body_file.with_name("rod.h5").is_file()
+
+
 @pytest.mark.parametrize("name", ["body.toml", "mesh.vtk"])
 def test_a_missing_file_is_one_line_on_stderr_and_nothing_is_written(name, runner, body_file):
     missing = body_file.with_name(name)
@@ -71,3 +84,54 @@ def test_a_missing_folder_for_the_result_is_one_line_on_stderr(runner, body_file
     result = runner.invoke(app, ["preprocess", str(body_file), "-o", str(target)])
     assert result.exit_code == 1
     assert result.stderr.splitlines()[-1] == f"error: {target}: no folder {target.parent}"
+
+
+def test_a_dry_run_tells_and_draws_and_writes_no_superelement(runner, body_file):
+    result = runner.invoke(app, ["preprocess", str(body_file), "--dry-run"])
+    assert result.exit_code == 0, result.output
+    picture = body_file.with_name("rod.png")
+    assert result.stdout.splitlines()[-1] == str(picture)
+    assert picture.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+    assert list(body_file.parent.glob("*.h5")) == []
+    for words in (
+        "0.0429",
+        "5 nodes, 4 line",
+        "30, of which 6 interface dofs",
+        "one node, 6 dofs",
+        "from the mesh itself",
+    ):
+        assert words in result.stdout
+
+
+def test_the_picture_of_a_dry_run_goes_where_it_is_sent(runner, body_file):
+    target = body_file.with_name("look.pdf")
+    result = runner.invoke(app, ["preprocess", str(body_file), "--dry-run", "-o", str(target)])
+    assert result.exit_code == 0, result.output
+    assert target.read_bytes()[:4] == b"%PDF"
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "message"),
+    [
+        (
+            "node = [0, 0, 0]",
+            "sphere = {center = [0, 0, 0], radius = 0.2}",
+            "mesh.vtk: interfaces.root: expected one node",
+        ),
+        ("node = [0, 0, 0]", "nodes = [0, 0, 0]", "body.toml: interfaces.root: unknown key 'nodes'"),
+    ],
+)
+def test_a_dry_run_fails_in_one_line_that_names_file_and_key(runner, body_file, right, wrong, message):
+    body_file.write_text(BODY.replace(right, wrong))
+    result = runner.invoke(app, ["preprocess", str(body_file), "--dry-run"])
+    assert result.exit_code == 1
+    assert message in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1
+    assert list(body_file.parent.glob("*.png")) == []
+
+
+def test_a_picture_in_no_format_is_one_line_on_stderr(runner, body_file):
+    target = body_file.with_name("rod.h5")
+    result = runner.invoke(app, ["preprocess", str(body_file), "--dry-run", "-o", str(target)])
+    assert result.exit_code == 1
+    assert f"error: {target}: expected a suffix of" in result.stderr

@@ -102,6 +102,15 @@ def test_matrices_are_symmetric_to_the_last_bit(kind):
         assert matrix.has_canonical_format
 
 
+def test_tied_faces_and_masses_leave_them_symmetric(solid_body, box, kind):
+    interfaces = {"root": {"group": "root", "kind": "rigid"}, "tip": {"group": "tip"}}
+    masses = {"tool": {"interface": "tip", "mass": 0.7, "inertia": [1.0, 2.0, 2.5]}}
+    structure = assemble(solid_body(box(kind), interfaces=interfaces, masses=masses))
+    for matrix in (structure.K, structure.M):
+        assert matrix.format == "csc"
+        assert (matrix != matrix.T).nnz == 0
+
+
 def test_batches_and_materials_add_up():
     """More elements than a batch holds, in two materials by turns: the sum of both parts by themselves."""
     mesh = curved("tetra", (12, 12, 4))

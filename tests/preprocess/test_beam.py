@@ -140,8 +140,8 @@ def test_local_y_is_horizontal_unless_the_beam_is_vertical(beam_body, beam, sect
 def test_sections_by_group(beam_body, lines, section):
     mesh = lines([[0, 0, 0], [0.1, 0, 0], [0.2, 0, 0]])
     mesh.cells[2:] = [type(mesh.cells[2])("line", mesh.cells[2].data[[i]]) for i in (1, 0)]
-    mesh.cell_data = {key: [*data[:2], np.array([3]), np.array([4])] for key, data in mesh.cell_data.items()}
-    mesh.field_data = {**mesh.field_data, "outer": np.array([3, 1]), "inner": np.array([4, 1])}
+    mesh.cell_data = {key: [*data[:2], np.array([11]), np.array([12])] for key, data in mesh.cell_data.items()}
+    mesh.field_data = {**mesh.field_data, "outer": np.array([11, 1]), "inner": np.array([12, 1])}
     heavy = section | {"mass_per_length": 1.0}
     structure = assemble(beam_body(mesh, None, sections={"inner": section, "outer": heavy}))
     m1, m2 = 0.1 * section["mass_per_length"], 0.1

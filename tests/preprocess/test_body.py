@@ -48,7 +48,7 @@ def test_a_file_and_its_defaults(written):
     assert body.text == BEAM
     assert body.interfaces["root"].node == (0.0, 0.0, 0.0)
     assert (body.interfaces["tip"].kind, body.interfaces["tip"].tolerance) == ("average", 1e-3)
-    assert (body.impulse.rho_inf, body.impulse.method, body.impulse.tolerance) == (0.9, "auto", 1e-8)
+    assert (body.impulse.rho_inf, body.impulse.method, body.impulse.tolerance) == (0.9, "auto", 1e-6)
     assert body.damping.modal is None
     assert body.damping.rayleigh is None
 

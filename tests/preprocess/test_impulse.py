@@ -86,22 +86,20 @@ def test_modes_are_complete(solid_body, box, kind):
     assert difference(((modes.phi / modes.omega**2) @ modes.phi.T)[None], compliance(structure)[None]) < 1e-9
 
 
-def test_auto_takes_modes_up_to_the_limit_and_marches_beyond(beam_body, beam, monkeypatch):
+def test_auto_takes_all_modes_of_small_bodies_and_krylov_for_others(beam_body, beam, monkeypatch):
     body = beam_body(beam(3))
     by_modes = build(body)
-    monkeypatch.setattr("duhamel.preprocess.impulse.LIMIT", 23)
-    by_steps = build(body)
-    assert (by_modes.provenance.method, by_steps.provenance.method) == ("modal", "march")
-    assert by_modes.modes is not None
-    assert by_steps.modes is None
-    assert difference(by_steps.kernel.g, by_modes.kernel.g) < 1e-9
+    monkeypatch.setattr("duhamel.preprocess.impulse.SMALL", 23)
+    by_krylov = build(body)
+    assert (by_modes.provenance.method, by_krylov.provenance.method) == ("modal", "krylov")
+    assert (by_modes.kernel.band, by_krylov.kernel.band) == (None, 2500.0)
+    assert (by_modes.modes.h_min, by_krylov.modes.h_min) == (0.0, 1e-4)
+    assert difference(by_krylov.kernel.g, by_modes.kernel.g) < 1e-9
 
 
 def test_methods_say_what_they_cannot_do(beam_body, beam, monkeypatch):
     with pytest.raises(MethodError, match=r"march takes no modal damping.*damping.rayleigh"):
         build(beam_body(beam(3), impulse=PAPER | {"method": "march"}, damping={"modal": 0.01}))
-    with pytest.raises(MethodError, match=r"impulse.method krylov is not available yet: use auto, modal or march"):
-        build(beam_body(beam(3), impulse=PAPER | {"method": "krylov"}))
     monkeypatch.setattr("duhamel.preprocess.modal.LIMIT", 23)
-    with pytest.raises(MethodError, match="modal takes up to 23 unknowns, found 24: use method march"):
+    with pytest.raises(MethodError, match="modal takes up to 23 unknowns, found 24: use method krylov"):
         build(beam_body(beam(3), impulse=PAPER | {"method": "modal"}))

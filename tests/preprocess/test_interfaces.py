@@ -36,6 +36,10 @@ CHOICES = {
         "tip": {"group": "tip", "at": [2, 1, 1]},
     },
     "nodes": {"root": {"node": [0, -0.1, 0.05]}, "tip": {"node": [1, 0.1, -0.05]}},
+    "shapes": {
+        "side": {"box": {"corners": [[0, -0.1, -0.1], [0.7, 0.1, -0.05]]}},
+        "tip": {"cylinder": {"axis": [[1, 0, 0], [2, 0, 0]], "radius": 0.2}, "kind": "rigid"},
+    },
     "plane": {"side": {"plane": {"point": [9, 0, 0.05], "normal": [0, 0, 3]}}, "tip": {"group": "tip"}},
 }
 
@@ -193,6 +197,39 @@ def test_rigid_interfaces_share_no_nodes(solid_body, box):
     message = r"interfaces.side: rigid interfaces must not share nodes, found point \d+ also in tip"
     with pytest.raises(InterfaceError, match=message):
         assemble(solid_body(bar(box, "hexahedron"), interfaces=interfaces))
+
+
+def test_what_lies_on_a_rigid_interface_moves_with_it(solid_body, box, kind):
+    """Wholly on it: by the rows of the rigid frame, [I, -r~; 0, I], and nothing else; in part: D A = I all the same."""
+    tip = {"group": "tip", "kind": "rigid", "at": [1.2, 0.1, 0]}
+    side = {"plane": {"point": [0, A / 2, 0], "normal": [0, 1, 0]}}
+    mesh = bar(box, kind)
+    corner = mesh.points[np.argmax(mesh.points @ [1, 1, 1])].tolist()
+    interfaces = {"tip": tip, "same": {"group": "tip"}, "corner": {"node": corner}, "side": side}
+    structure = assemble(solid_body(mesh, interfaces=interfaces))
+    np.testing.assert_allclose(structure.P_C @ structure.rigid.A, frame_motion(structure), rtol=0, atol=1e-12)
+    X = np.array([interface.X for interface in structure.interfaces])
+    frame = structure.P_C[:6]
+    arm = spider(X[[1]] - X[0])[0]
+    np.testing.assert_allclose((structure.P_C[6:12] @ frame.T).toarray(), np.vstack([arm, np.eye(6)[3:]]), atol=1e-12)
+    np.testing.assert_allclose((structure.P_C[12:15] @ frame.T).toarray(), spider(X[[2]] - X[0])[0], atol=1e-12)
+    for rows in (structure.P_C[6:12], structure.P_C[12:15]):
+        assert abs(rows - rows @ frame.T @ frame).max() < 1e-12
+
+
+@pytest.mark.parametrize("choice", ["average", "rigid"])
+def test_many_interfaces(solid_body, box, choice):
+    """Pads in rows and columns: 24 frames on a plate, where and as they were asked for."""
+    places = np.stack(np.meshgrid(np.arange(6), np.arange(4), [0.5], indexing="ij"), axis=-1).reshape(-1, 3)
+    corners = np.stack([places - [0.3, 0.3, 0.0], places + 0.3], axis=1).tolist()
+    pads = {f"pad{i}": {"box": {"corners": corners[i]}, "kind": choice} for i in range(24)}
+    mesh = box("hexahedron", size=(6.0, 4.0, 0.5), divisions=(24, 16, 1))
+    mesh.points -= [0.5, 0.5, 0.0]
+    structure = assemble(solid_body(mesh, interfaces=pads))
+    assert structure.P_C.shape == (144, structure.n_u)
+    X = np.array([interface.X for interface in structure.interfaces]) + structure.rigid.center
+    np.testing.assert_allclose(X, places, atol=1e-12)
+    np.testing.assert_allclose(structure.P_C @ structure.rigid.A, frame_motion(structure), rtol=0, atol=1e-11)
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ import pytest
 from duhamel.preprocess import BodyError, MeshError, assemble
 from duhamel.preprocess.reading import read_mesh
 from duhamel.preprocess.static import compliance
+from pydantic import ValidationError
 
 GMSH = {
     "gmsh 2.2 text": ("gmsh22", {"binary": False}),
@@ -126,3 +127,20 @@ def test_elements_without_a_material_of_their_own(solid_body, box):
         assemble(solid_body(box("hexahedron"), material=None, materials={"root": steel}))
     with pytest.raises(MeshError, match="no group 'bx'"):
         assemble(solid_body(box("hexahedron"), material=None, materials={"bx": steel}))
+
+
+@pytest.mark.parametrize("scale", [1e-3, 0.0254])
+def test_a_mesh_in_another_unit_of_length(solid_body, box, scale):
+    """Mass grows with the cube of the unit, inertia with its fifth power, compliance falls with it."""
+    body = solid_body(box("hexahedron", (0.3, 0.2, 0.1)))
+    one, other = assemble(body), assemble(body.model_copy(update={"scale": scale}))
+    assert other.rigid.mass == pytest.approx(scale**3 * one.rigid.mass, rel=1e-12)
+    np.testing.assert_allclose(other.rigid.J_rot, scale**5 * one.rigid.J_rot, rtol=1e-10, atol=1e-12 * scale**5)
+    np.testing.assert_allclose(other.rigid.center, scale * one.rigid.center, rtol=1e-12)
+    H, scaled = compliance(one)[:3, :3], compliance(other)[:3, :3]
+    np.testing.assert_allclose(scaled, H / scale, rtol=0, atol=1e-9 * np.abs(H).max() / scale)
+
+
+def test_a_unit_of_length_is_positive(solid_body, box):
+    with pytest.raises(ValidationError, match="scale"):
+        solid_body(box("tetra"), scale=0.0)

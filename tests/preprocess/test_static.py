@@ -1,11 +1,15 @@
 """Static compliance and mobility against closed forms and the sums over all modes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from duhamel.preprocess import assemble
+import scipy.sparse as sp
+from duhamel.preprocess import MeshError, assemble, build
 from duhamel.preprocess.body import Damping
 from duhamel.preprocess.modal import elastic_modes
-from duhamel.preprocess.static import compliance, mobility
+from duhamel.preprocess.static import _conjugate_gradients, compliance, initial_accelerations, mobility
+from scipy.sparse.linalg import eigsh
 
 L, EI, EA, GJ = 0.5, 5.5, 2.16e7, 4.0
 
@@ -69,3 +73,45 @@ def test_loads_that_balance_themselves_see_plain_elasticity(beam_body, beam):
     plain = balanced.T @ structure.P_C @ pseudo @ structure.P_C.T @ balanced
     relieved = balanced.T @ compliance(structure) @ balanced
     np.testing.assert_allclose(relieved, plain, rtol=0, atol=1e-8 * np.abs(plain).max())
+
+
+def test_ritz_modes_know_the_compliance(solid_body, box):
+    """What superelements of Krylov modes state, without a factorization of the held stiffness."""
+    body = solid_body(
+        box("tetra10", size=(0.4, 0.05, 0.05), divisions=(16, 2, 2)),
+        impulse={"step": 5e-6, "steps": 100, "method": "krylov", "tolerance": 1e-9},
+    )
+    assert relative(build(body).compliance, compliance(assemble(body))) < 1e-8
+
+
+def test_initial_accelerations_of_every_mass_matrix(beam_body, lines, solid_body, box):
+    """By conjugate gradients on solids; on beams askew, whose little polar inertia stops these, by factorization."""
+    askew = assemble(beam_body(lines(np.cumsum(np.random.default_rng(1).normal(size=(60, 3)), axis=0))))
+    assert _conjugate_gradients(askew.M.tocsr(), askew.loads) is None
+    solid = assemble(solid_body(box("tetra10", divisions=(3, 3, 3))))
+    assert _conjugate_gradients(solid.M.tocsr(), solid.loads) is not None
+    for structure in (askew, solid):
+        expected = np.linalg.solve(structure.M.toarray(), structure.loads)
+        found = initial_accelerations(structure)
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-10 * np.abs(expected).max())
+
+
+def test_iterations_do_not_grow_with_the_mesh(solid_body, box):
+    """Wathen's bound is that of one element; so the limit on iterations holds for meshes of any size."""
+    for n in (2, 4, 8):
+        M = assemble(solid_body(box("tetra10", size=(1.0, 0.2, 0.1), divisions=(n, n, n)))).M
+        scale = sp.diags_array(1.0 / np.sqrt(M.diagonal()))
+        least, most = (
+            eigsh(scale @ M @ scale, 1, which=which, return_eigenvectors=False, tol=1e-3)[0] for which in ("SA", "LA")
+        )
+        assert most / least < 40.0
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_mechanism_has_no_compliance(beam_body, beam, seed):
+    """K - K v v^T K / (v^T K v) lets v happen without any force: a seventh zero mode."""
+    structure = assemble(beam_body(beam(4)))
+    force = structure.K @ (v := np.random.default_rng(seed).normal(size=structure.n_u))
+    loose = structure.K - sp.csc_array(np.outer(force, force) / (v @ force))
+    with pytest.raises(MeshError, match="the body is a mechanism"):
+        compliance(replace(structure, K=loose))

@@ -1,8 +1,11 @@
 """Two evaluators of one convolution: modes that carry the history, and the sum over all past loads."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from duhamel.solver import Constant, FlexibleBody, Harmonic, Joint, Load, Model, ModelError, RigidBody, Start, simulate
+from duhamel.superelement import StepWarning
 
 STEPS = 200
 
@@ -75,3 +78,15 @@ def test_a_body_without_modes_cannot_be_recursive(elements, measured):
     model = tangle(*(measured(element) for element in elements), history="recursive")
     with pytest.raises(ModelError, match=r"body 'a': history 'recursive' needs modes, and .*'random 1' has none"):
         simulate(model)
+
+
+@pytest.mark.parametrize("history", ["recursive", "direct"])
+def test_a_step_finer_than_the_modes_hold_for_is_told_once(history, random_element):
+    """Two bodies of one superelement, at rest."""
+    element = random_element(0, (True,))
+    element = replace(element, modes=replace(element.modes, h_min=1e-3))
+    bodies = {name: FlexibleBody(element, Start(position=[0.0, 0.0, 0.0])) for name in ("a", "b")}
+    model = Model(bodies=bodies, t_end=1e-3, step=5e-4, rho_inf=0.9, history=history)
+    with pytest.warns(StepWarning, match=r"modes for steps down to 0\.001 s.* asked for steps of 0\.0005 s") as told:
+        simulate(model)
+    assert len(told) == 1

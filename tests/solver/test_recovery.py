@@ -1,9 +1,18 @@
 """Fields from recorded loads: at the interfaces they are what the run itself recorded."""
 
 from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
 
+import meshio
 import numpy as np
 import pytest
+from duhamel.preprocess import Body, assemble, build, read_body
+from duhamel.preprocess.body import RecoveredFields
+from duhamel.preprocess.material import Material
+from duhamel.preprocess.reading import read_mesh
+from duhamel.preprocess.recovery import recover
+from duhamel.preprocess.rigid import project
 from duhamel.solver import (
     Constant,
     FlexibleBody,
@@ -18,6 +27,10 @@ from duhamel.solver import (
     simulate,
 )
 from duhamel.superelement import Recovery, write
+from scipy.linalg import lu_factor, lu_solve
+from scipy.spatial.transform import Rotation
+
+BAR = Path(__file__).parents[2] / "meshes" / "bar" / "solid.toml"
 
 INTERFACES = ("root", "tip")
 RULES = pytest.mark.parametrize("rule", ["consistent", "paper"])
@@ -166,3 +179,146 @@ def test_results_that_are_read_find_their_superelement(coarse_beam, hub_and_beam
     simulate(replace(model, t_end=0.002), tmp_path / "out.h5")
     with pytest.raises(RecoveryError, match="body 'beam': the run read no file for its superelement"):
         again()
+
+
+STEEL = Material(E=2.1e11, nu=0.3, rho=7800.0)
+
+
+def solid(path, divisions, size, material=STEEL, method="modal", tolerance=1e-6, **changes):
+    """A bar of 8-node hexahedra along x with frames on its end faces; it stores its surface and the stresses there."""
+    n = np.array(divisions) + 1
+    points = np.stack(np.meshgrid(*(np.linspace(0, s, k) for s, k in zip(size, n, strict=True)), indexing="ij"), -1)
+    number = np.arange(n.prod()).reshape(n)
+    lower, upper = slice(None, -1), slice(1, None)
+    corners = [(lower, lower), (upper, lower), (upper, upper), (lower, upper)]
+    cells = [number[x, y, z].ravel() for z in (lower, upper) for x, y in corners]
+    meshio.Mesh(points.reshape(-1, 3), [("hexahedron", np.stack(cells, axis=1))]).write(path)
+    ends = {"root": [0.0, 0.0, 0.0], "tip": [size[0], 0.0, 0.0]}
+    body = Body(
+        name="bar",
+        mesh=path,
+        material=material,
+        interfaces={name: {"plane": {"point": point, "normal": [1, 0, 0]}} for name, point in ends.items()},
+        impulse={"step": 2e-5, "steps": 100, "method": method, "tolerance": tolerance},
+        recovery={"stress": True},
+        **changes,
+    )
+    return body, assemble(body), build(body)
+
+
+def unreduced(structure, p, h, rho_inf):
+    """u (n, n_u) of M u'' + K u = P^T P_C^T p in all unknowns: generalized-alpha as Chung and Hulbert wrote it."""
+    M, K, F = structure.M.toarray(), structure.K.toarray(), structure.loads
+    alpha_m, alpha_f = (2 * rho_inf - 1) / (rho_inf + 1), rho_inf / (rho_inf + 1)
+    gamma, beta = 0.5 - alpha_m + alpha_f, 0.25 * (1 - alpha_m + alpha_f) ** 2
+    S = lu_factor((1 - alpha_m) * M + (1 - alpha_f) * beta * h**2 * K)
+    u, v, a = np.zeros(len(M)), np.zeros(len(M)), np.linalg.solve(M, F @ p[0])
+    path = [u]
+    for before, after in pairwise(p):
+        u_star, v_star = u + h * v + h**2 * (0.5 - beta) * a, v + h * (1 - gamma) * a
+        load = F @ ((1 - alpha_f) * after + alpha_f * before) - K @ ((1 - alpha_f) * u_star + alpha_f * u)
+        a = lu_solve(S, load - alpha_m * M @ a)
+        u, v = u_star + beta * h**2 * a, v_star + gamma * h * a
+        path.append(u)
+    return np.array(path)
+
+
+def wrenches(results, body):
+    """Interface loads in body axes (n, 12): scipy's rotations, and T(w) from its power series."""
+    turn = Rotation.from_quat(np.roll(results.body(body).R, -1, axis=1))
+    parts = []
+    for frame in (results.frame(f"{body}.{name}") for name in INTERFACES):
+        moment = term = turn.apply(frame.force[:, 3:], inverse=True)
+        for k in range(2, 12):
+            term = -np.cross(frame.u[:, 3:], term) / k
+            moment = moment + term
+        parts += [turn.apply(frame.force[:, :3], inverse=True), moment]
+    return np.hstack(parts)
+
+
+def largest_errors(results, body, structure, steps):
+    """Of displacements and of stresses at some steps, over the largest there are."""
+    p = wrenches(results, "bar")
+    u = unreduced(structure, p, 2e-5, 0.9)[steps].T
+    u = project(u, structure.U, structure.M)  # where nothing holds rounding back
+    full = recover(body, read_mesh(body.mesh), structure, lambda rows: rows @ u)
+    fields = (
+        (results.displacement("bar", results.time[steps]), full.phi),
+        (results.stress("bar", results.time[steps]), full.stress),
+    )
+    return [np.abs(found - np.moveaxis(expected, -1, 0)).max() / np.abs(expected).max() for found, expected in fields]
+
+
+def test_fields_are_those_of_the_unreduced_model(tmp_path):
+    """A solid on a spherical joint turns, and its tip is pushed from the start on: every point at several times."""
+    body, structure, element = solid(tmp_path / "bar.vtu", (6, 2, 2), (0.3, 0.03, 0.02))
+    model = Model(
+        bodies={"bar": FlexibleBody(element, Start(position=[0.15, 0, 0], angular_velocity=[5.0, 0, 30.0]))},
+        joints=[Joint("pivot", "spherical", ("ground", "bar.root"))],
+        loads=[
+            Load("force", "bar.tip", [100.0, 200.0, 300.0], Constant(1.0)),
+            Load("torque", "bar.tip", [20.0, 5.0, 10.0], Constant(1.0), follower=True),
+        ],
+        t_end=0.006,
+    )
+    errors = largest_errors(simulate(model), body, structure, [0, 1, 40, 151, 300])
+    assert max(errors) < 1e-11
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
+def test_fields_of_krylov_modes_are_right_to_the_tolerance(tmp_path, tolerance):
+    """The same under a load within the band of the kernel, which grows as 1 - cos at 1 kHz."""
+    body, structure, element = solid(
+        tmp_path / "bar.vtu", (6, 2, 2), (0.3, 0.03, 0.02), method="krylov", tolerance=tolerance
+    )
+    signal = Harmonic(0.5, 1000.0, phase=-0.5 * np.pi, offset=0.5)
+    model = Model(
+        bodies={"bar": FlexibleBody(element, Start(position=[0.15, 0, 0]))},
+        joints=[Joint("pivot", "spherical", ("ground", "bar.root"))],
+        loads=[
+            Load("force", "bar.tip", [100.0, 200.0, 300.0], signal),
+            Load("torque", "bar.tip", [20.0, 5.0, 10.0], signal, follower=True),
+        ],
+        t_end=0.006,
+    )
+    errors = largest_errors(simulate(model), body, structure, [0, 1, 40, 151, 300])
+    assert max(errors) < tolerance
+
+
+def test_a_bar_under_way_carries_the_inertia_of_what_is_beyond(tmp_path):
+    """Pushed at its root a free bar accelerates, and once it rests in itself sigma_xx A = -F (1 - x / L)."""
+    push, size = 1000.0, (0.3, 0.03, 0.02)
+    material = Material(E=2.1e11, nu=0.0, rho=7800.0)
+    _, structure, element = solid(tmp_path / "bar.vtu", (6, 1, 1), size, material, damping={"modal": 0.3})
+    model = Model(
+        bodies={"bar": FlexibleBody(element)},
+        loads=[Load("force", "bar.root", [push, 0, 0], Constant(1.0))],
+        t_end=0.02,
+    )
+    stress = simulate(model).stress("bar", 0.02)
+    x = (element.recovery.points + structure.rigid.center)[:, 0]
+    expected = np.zeros_like(stress)
+    expected[:, 0] = -push * (1.0 - x / 0.3) / (0.03 * 0.02)
+    # at the ends stands the mean of the element there
+    inner = (x > 1e-9) & (x < 0.3 - 1e-9)
+    np.testing.assert_allclose(stress[inner], expected[inner], rtol=0, atol=1e-11 * np.abs(expected).max())
+
+
+def test_a_cantilever_in_bending():
+    """sigma_xx = -F (L - x) z / I, and nothing across but shear, in a solid that starts in equilibrium."""
+    element = build(read_body(BAR).model_copy(update={"recovery": RecoveredFields(stress=True)}))
+    L, width, depth = np.ptp(element.recovery.points, axis=0)
+    model = Model(
+        bodies={"bar": FlexibleBody(element, Start(position=[0.5 * L, 0, 0]))},
+        joints=[Joint("clamp", "fixed", ("ground", "bar.root"))],
+        loads=[Load("force", "bar.tip", [0, 0, 1], Constant(1.0))],
+        start="equilibrium",
+        t_end=1e-3,
+    )
+    stress = simulate(model).stress("bar", 1e-3)
+    x, _, z = element.recovery.points.T
+    away = np.abs(x) < 0.3 * L
+    expected = np.zeros((len(x), 4))
+    expected[:, 0] = -(0.5 * L - x) * z / (width * depth**3 / 12)
+    found = stress[away, :4]
+    np.testing.assert_allclose(found, expected[away], rtol=0, atol=1e-5 * np.abs(expected).max())

@@ -63,7 +63,12 @@ def any_element(seed: int) -> Superelement:
     interfaces = tuple(Interface(name, any_floats(rng, 3), bool(rng.integers(2))) for name in names)
     n_c = sum(interface.n_dofs for interface in interfaces)
     n_k, m, p = rng.integers(2, 9), rng.integers(0, 5), rng.integers(1, 6)
-    modes = Modes(np.abs(any_floats(rng, m)) + 5e-324, np.abs(any_floats(rng, m)), any_floats(rng, n_c, m))
+    modes = Modes(
+        np.abs(any_floats(rng, m)) + 5e-324,
+        np.abs(any_floats(rng, m)),
+        any_floats(rng, n_c, m),
+        h_min=float(rng.integers(2) * rng.random()),
+    )
     cells = rng.integers(-1, p, (rng.integers(0, 4), 3))
     stress = any_floats(rng, p, 6, m) if rng.integers(2) else None
     return Superelement(
@@ -78,6 +83,7 @@ def any_element(seed: int) -> Superelement:
             g=any_symmetric(rng, n_k, n_c, n_c),
             g_initial=any_symmetric(rng, n_k, n_c, n_c),
             error=float(rng.random()),
+            band=float(rng.uniform(1e-9, 1e9)) if seed % 2 else None,
         ),
         modes=modes if seed % 3 else None,
         compliance=any_symmetric(rng, n_c, n_c),
@@ -121,6 +127,16 @@ def test_groups_of_other_programs_are_passed_over(make_element, path):
         file["kernel/velocity"] = np.zeros(7)
         file.attrs["colour"] = "red"
         file["interfaces"].attrs["colour"] = 3
+    assert_identical(read(path), element)
+
+
+def test_files_that_know_no_band_and_no_finest_step_are_exact(make_element, path):
+    """As all were before either was written."""
+    element = make_element()
+    write(path, element)
+    with h5py.File(path, "r+") as file:
+        del file["modes"].attrs["h_min"]
+        assert "band" not in file["kernel"].attrs
     assert_identical(read(path), element)
 
 

@@ -4,7 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from duhamel.superelement import GeneralizedAlpha, Interface, Modes, Recovery, SuperelementError, sample_kernel
+from duhamel.superelement import (
+    GeneralizedAlpha,
+    Interface,
+    Modes,
+    Recovery,
+    SuperelementError,
+    sample_kernel,
+    von_mises,
+)
 
 
 def refused(message):
@@ -155,3 +163,22 @@ def test_without_modes_another_kernel_is_refused(h, rho_inf, steps, make_element
     with refused(message):
         element.kernel_for(h, GeneralizedAlpha(rho_inf), steps)
     assert element.kernel_for(1e-4, GeneralizedAlpha(0.8), 7) is element.kernel
+
+
+def test_von_mises_stress_of_tension_shear_and_pressure():
+    """|sigma|, sqrt(3) |tau| in any plane, none under pressure, and that of turned axes."""
+    tension, pressure = [-3.0, 0, 0, 0, 0, 0], [2.0, 2.0, 2.0, 0, 0, 0]
+    shears = np.eye(6)[3:] * 2.0
+    np.testing.assert_allclose(von_mises(np.array([tension, pressure, *shears])), [3, 0, *[2 * 3**0.5] * 3], atol=1e-15)
+    # shear is tension and compression across each other, at 45 degrees
+    assert von_mises(np.array([2.0, -2.0, 0, 0, 0, 0])) == pytest.approx(2 * 3**0.5, rel=1e-15)
+
+
+def test_fields_are_sums_over_modes(make_element):
+    recovery = make_element().recovery
+    eta = np.random.default_rng(0).normal(size=(2, 3, recovery.phi.shape[2]))
+    u, sigma = recovery.displacement(eta), recovery.stresses(eta)
+    np.testing.assert_allclose(u, np.einsum("pim,abm->abpi", recovery.phi, eta), rtol=0, atol=1e-14)
+    np.testing.assert_allclose(sigma, np.einsum("pim,abm->abpi", recovery.stress, eta), rtol=0, atol=1e-14)
+    with pytest.raises(SuperelementError, match="recovery: no stress modes"):
+        replace(recovery, stress=None).stresses(eta)

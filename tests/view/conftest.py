@@ -51,9 +51,17 @@ def results_file(tmp_path: Path) -> Path:
         "frames/disc.rim/u": still,
         "frames/beam.tip/position": tip,
         "frames/beam.tip/rotation": quaternions(disc),
+        "frames/beam.tip/velocity": np.hstack([TRAVEL + 7.0, TRAVEL + 8.0]),
+        "frames/beam.tip/acceleration": np.hstack([TRAVEL + 9.0, TRAVEL + 10.0]),
         "frames/beam.tip/u": np.hstack([TRAVEL, 10 * TRAVEL]),
         "joints/clamp/force": TRAVEL + 1.0,
         "joints/clamp/moment": TRAVEL + 2.0,
+        "joints/clamp/angle": ANGLE,
+        "joints/clamp/angle_rate": SPEED,
+        "springs/mount/force": TRAVEL + 3.0,
+        "springs/mount/moment": TRAVEL + 4.0,
+        "momentum/linear": TRAVEL + 5.0,
+        "momentum/angular": TRAVEL + 6.0,
         "energy/kinetic": 30.0 * SPEED**2,
         "energy/elastic": np.full_like(TIME, 0.5),
         "energy/potential": np.zeros_like(TIME),
@@ -68,6 +76,8 @@ def results_file(tmp_path: Path) -> Path:
         file.create_group("solver").attrs["written"] = len(TIME)
         for name, data in datasets.items():
             file[name] = data
+        file["joints/clamp/angle"].attrs["units"] = "rad"
+        file["joints/clamp/angle_rate"].attrs["units"] = "rad/s"
     return path
 
 

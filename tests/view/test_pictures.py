@@ -1,5 +1,7 @@
 """Quantities by name, what the default picture shows, and what stands on the panels."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from duhamel import view
@@ -51,6 +53,27 @@ def test_an_energy_has_no_axis(recording):
 def test_a_quantity_that_is_not_there(recording, quantity, message):
     with pytest.raises(view.QuantityError, match=message.replace("|", r"\|")):
         view.curves(recording, quantity)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "unit", "count"),
+    [
+        ("coordinate:clamp:angle", "rad", 1),
+        ("coordinate:clamp:angle_rate", "rad/s", 1),
+        ("linear_momentum", "kg m/s", 3),
+    ],
+)
+def test_units_of_coordinates_and_momenta(recording, quantity, unit, count):
+    found = view.curves(recording, quantity)
+    assert [curve.unit for curve in found] == [unit] * count
+
+
+def test_rounding_on_a_level_is_not_magnified(recording):
+    curve = view.curves(recording, "energy:kinetic")[0]
+    level = replace(curve, values=20.0 + 1e-9 * np.sin(recording.time))
+    low, high = view.draw(recording.time, [[level]]).axes[0].get_ylim()
+    assert high - low >= 1e-4 * 20.0
+    assert low < 20.0 < high
 
 
 def test_the_overview_of_a_flexible_model(recording):

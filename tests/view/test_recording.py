@@ -24,6 +24,7 @@ def test_names(recording):
     assert recording.frames == ("beam.tip", "disc.rim")
     assert recording.interfaces == ("beam.tip",)
     assert recording.joints == ("clamp",)
+    assert recording.springs == ("mount",)
     np.testing.assert_array_equal(recording.time, TIME)
 
 
@@ -68,6 +69,15 @@ def test_what_stands_in_the_file_is_given_as_it_is(recording):
     np.testing.assert_array_equal(recording.elastic_rotation("beam.tip"), 10 * TRAVEL)
     np.testing.assert_array_equal(recording.force("clamp"), TRAVEL + 1.0)
     np.testing.assert_array_equal(recording.moment("clamp"), TRAVEL + 2.0)
+    np.testing.assert_array_equal(recording.force("mount"), TRAVEL + 3.0)
+    np.testing.assert_array_equal(recording.moment("mount"), TRAVEL + 4.0)
+    np.testing.assert_array_equal(recording.coordinate("clamp", "angle_rate"), SPEED)
+    np.testing.assert_array_equal(recording.linear_momentum(), TRAVEL + 5.0)
+    np.testing.assert_array_equal(recording.angular_momentum(), TRAVEL + 6.0)
+    np.testing.assert_array_equal(recording.velocity("beam.tip"), TRAVEL + 7.0)
+    np.testing.assert_array_equal(recording.angular_velocity("beam.tip"), TRAVEL + 8.0)
+    np.testing.assert_array_equal(recording.acceleration("beam.tip"), TRAVEL + 9.0)
+    np.testing.assert_array_equal(recording.angular_acceleration("beam.tip"), TRAVEL + 10.0)
     np.testing.assert_array_equal(recording.energy("kinetic"), 30.0 * SPEED**2)
 
 
@@ -75,9 +85,14 @@ def test_what_stands_in_the_file_is_given_as_it_is(recording):
     ("ask", "message"),
     [
         (lambda found: found.angle("wheel"), "no body or frame 'wheel'; there are: beam, disc, beam.tip, disc.rim"),
-        (lambda found: found.velocity("disc.rim"), "no body 'disc.rim'; there are: beam, disc"),
+        (lambda found: found.velocity("wheel"), "no body or frame 'wheel'; there are: beam, disc, beam.tip, disc.rim"),
         (lambda found: found.elastic_rotation("disc.rim"), "no interface 'disc.rim'; there are: beam.tip"),
-        (lambda found: found.force("pivot"), "no joint 'pivot'; there are: clamp"),
+        (lambda found: found.force("pivot"), "no joint or spring 'pivot'; there are: clamp, mount"),
+        (lambda found: found.coordinate("mount", "angle"), "no joint 'mount'; there are: clamp"),
+        (
+            lambda found: found.coordinate("clamp", "distance"),
+            "no coordinate of clamp 'distance'; there are: angle, angle_rate",
+        ),
         (lambda found: found.energy("heat"), "no energy 'heat'; there are: balance, elastic, kinetic"),
     ],
 )

@@ -151,7 +151,7 @@ def test_what_is_left_out_is_told_in_one_warning(written):
     with pytest.warns(MeshWarning) as told:
         mesh = read_mesh(written(CUBE + more))
     assert len(told) == 1
-    for part in ("2 elements of type MASS", "*TIE", "surface skin", "1 numbers of set a that are no nodes"):
+    for part in ("elements of type MASS", "*TIE", "surface skin", "numbers of set a that are no nodes (1)"):
         assert part in str(told[0].message)
     assert set(mesh.groups) == {"Cube", "a"}
 

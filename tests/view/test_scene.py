@@ -1,0 +1,98 @@
+"""Pictures of bodies: what is seen is in its colour, what is behind is not, and labels keep apart."""
+
+import matplotlib.image
+import numpy as np
+import pytest
+from duhamel import view
+from duhamel.view.labels import apart
+from duhamel.view.scene import colour
+
+CORNERS = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)], float)
+FACES = [[0, 4, 7, 3], [1, 2, 6, 5], [0, 1, 5, 4], [3, 7, 6, 2], [0, 3, 2, 1], [4, 5, 6, 7]]
+
+
+def pixels(scene, path):
+    """Hue (rows, columns, 3) and brightness (rows, columns): the colour over its largest part, and that part."""
+    view.save(view.draw_scene(scene), path)
+    image = matplotlib.image.imread(path)[:, :, :3]
+    assert path.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+    largest = image.max(axis=2)
+    return image / np.maximum(largest, 1e-6)[:, :, None], largest
+
+
+def count(hue, number):
+    own = np.array(colour(number))
+    return int((np.abs(hue - own / own.max()).max(axis=2) < 0.02).sum())
+
+
+def cube(owners, **more):
+    names = [view.Place(f"face {n}", CORNERS[FACES[face]].mean(axis=0)) for n, face in enumerate(np.argsort(owners))]
+    places = names[-(max(owners) + 1) :] if max(owners) >= 0 else []
+    return view.Scene([view.Patch(CORNERS[FACES], np.array(owners))], places=places, **more)
+
+
+def test_faces_show_in_the_colours_of_their_places(tmp_path):
+    """The top of a cube and its right side, as wide as their projections: the ratio of their pixels is known."""
+    hue, _ = pixels(cube([-1, 0, -1, -1, -1, 1]), tmp_path / "cube.png")
+    eye = np.array([1.0, -1.35, 0.8])
+    right, top = count(hue, 0), count(hue, 1)
+    assert right > 10_000
+    assert top / right == pytest.approx(eye[2] / eye[0], rel=0.05)
+
+
+def test_what_faces_away_is_hidden_and_seen_from_the_other_side(tmp_path):
+    """The bottom of a cube shows in the right half of the picture only."""
+    hue, _ = pixels(cube([-1, -1, -1, -1, 0, -1]), tmp_path / "cube.png")
+    middle = hue.shape[1] // 2
+    assert count(hue[:, middle:], 0) > 10_000
+    assert count(hue[:, :middle], 0) == 0
+
+
+def test_what_is_nearer_covers_what_is_behind(tmp_path):
+    """Two cubes in line with the eye, the nearer one larger: only dot and line of the other show first."""
+    eye = np.array([1.0, -1.35, 0.8])
+    near, far = 2.0 * (CORNERS - 0.5) + 3.0 * eye, CORNERS - 0.5
+    places = [view.Place("near", 3.0 * eye, turns=False), view.Place("far", np.zeros(3), turns=False)]
+    facets = np.concatenate([near[FACES], far[FACES]])
+    scene = view.Scene([view.Patch(facets, np.repeat([0, 1], 6))], places=places)
+    hue, _ = pixels(scene, tmp_path / "cubes.png")
+    halves = [hue[:, : hue.shape[1] // 2], hue[:, hue.shape[1] // 2 :]]
+    if hue.shape[0] > hue.shape[1]:
+        halves = [hue[: hue.shape[0] // 2], hue[hue.shape[0] // 2 :]]
+    assert count(halves[0], 0) > 2_000
+    assert count(halves[0], 1) < 100
+    assert count(halves[1], 1) > 500
+
+
+def test_lines_and_dots(tmp_path):
+    lines = np.array([[[0, 0, 0], [1, 0, 0]], [[1, 0, 0], [1, 1, 0]]], dtype=float)
+    scene = view.Scene(
+        lines=lines,
+        places=[view.Place("root", lines[0, 0], turns=False)],
+        masses=[view.Place("lump 1 kg", lines[1, 1], turns=False)],
+    )
+    hue, brightness = pixels(scene, tmp_path / "lines.png")
+    assert count(hue, 0) > 20
+    assert (brightness < 0.2).sum() > 30
+
+
+def test_colours_differ():
+    colours = np.array([colour(number) for number in range(24)])
+    distance = np.linalg.norm(colours[:, None] - colours, axis=2) + 9.0 * np.eye(24)
+    assert distance.min() > 0.05
+
+
+def test_labels_keep_their_distance_and_their_order():
+    rng = np.random.default_rng(0)
+    for n in (1, 2, 7, 24, 40):
+        wanted = rng.uniform(-2.0, 2.0, n)
+        heights = apart(wanted, 0.2, 2.0)
+        gap = min(0.2, 4.0 / max(n - 1, 1))
+        assert (np.diff(heights[np.argsort(wanted)]) >= gap - 1e-12).all()
+        assert np.abs(heights).max() <= 2.0 + 1e-12
+
+
+def test_labels_that_are_apart_stay_and_others_move_as_little_as_they_can():
+    np.testing.assert_allclose(apart(np.array([1.0, -1.0, 0.0]), 0.2, 2.0), [1.0, -1.0, 0.0])
+    np.testing.assert_allclose(apart(np.array([0.0, 0.0, 1.0]), 0.2, 2.0), [-0.1, 0.1, 1.0])
+    assert len(apart(np.zeros(0), 0.2, 2.0)) == 0
