@@ -8,7 +8,7 @@ from ..solver import Results
 from ..superelement.validation import Array
 
 NOTICEABLE = 1e-9
-"""changes of given positions [m, rad] and velocities [m/s, rad/s] that are worth a line"""
+"""what given positions [m, rad] and velocities [m/s, rad/s] miss, or are changed by, that is worth a line"""
 
 
 def account(results: Results) -> Iterator[str]:
@@ -17,15 +17,23 @@ def account(results: Results) -> Iterator[str]:
     yield f"degrees of freedom (bodies as rigid): {solver['degrees_of_freedom']}"
     if solver["removed"]:
         yield f"redundant constraints removed: {solver['removed']}"
+    if solver["opening"] > NOTICEABLE:
+        yield f"{solver['opening_at']} was open by {solver['opening']:.3g} m as given, more than any other"
+    if solver["velocity_misfit"] > NOTICEABLE:
+        misfit, joint = solver["velocity_misfit"], solver["velocity_misfit_at"]
+        yield f"{joint} opened at {misfit:.3g} m/s or rad/s as given, more than any other"
     if solver["moved"] > NOTICEABLE:
-        yield f"closed the joints at the start: bodies moved by up to {solver['moved']:.3g} m or rad"
+        yield f"bodies start up to {solver['moved']:.3g} m or rad from their given places"
     if solver["velocity_correction"] > NOTICEABLE:
-        yield f"fitted the velocities at the start: changed by up to {solver['velocity_correction']:.3g} m/s or rad/s"
+        yield f"and up to {solver['velocity_correction']:.3g} m/s or rad/s from their given velocities"
     energy = results.energy
     names = ("kinetic", "elastic", "springs", "potential", "work", "dissipated")
     last = ", ".join(f"{name} {getattr(energy, name)[-1]:.4g}" for name in names if getattr(energy, name).any())
     largest = float(np.abs(energy.balance).max())
-    yield f"energy at the end [J]: {last or 'none'}; balance within {largest:.2g}"
+    sizes = [np.abs(getattr(energy, name)).max() for name in names if name != "potential"]
+    scale = float(max(*sizes, np.ptp(energy.potential)))
+    part = f", {largest / scale:.1g} of the largest" if scale > 0.0 else ""
+    yield f"energy at the end [J]: {last or 'none'}; balance within {largest:.2g}{part}"
     linear, angular = results.momentum.linear[-1], results.momentum.angular[-1]
     yield f"momentum at the end [kg m/s]: {_vector(linear)}; angular, about the origin [kg m^2/s]: {_vector(angular)}"
     lowest, scale = float(energy.elastic.min()), float(np.abs(energy.elastic).max())

@@ -5,11 +5,31 @@ import os
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
 
-from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+    model_validator,
+)
 
-Vector = tuple[float, float, float]
+
+def expected(what: str) -> WrapValidator:
+    """One message for a value of several parts or kinds: `what` was expected, and what was found."""
+
+    def check(value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
+        try:
+            return handler(value)
+        except ValidationError as error:
+            raise ValueError(f"expected {what}, found {_plain(value)!r}") from error
+
+    return WrapValidator(check)
+
+
+Vector = Annotated[tuple[float, float, float], expected("three numbers")]
 
 
 class InputError(ValueError):
@@ -17,9 +37,9 @@ class InputError(ValueError):
 
 
 class Table(BaseModel):
-    """A table of a file: frozen, of finite numbers, and without keys that nobody reads."""
+    """A table of a file: frozen, of finite numbers, and without keys that nobody reads; text is no number."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
 
     @model_validator(mode="before")
     @classmethod
@@ -30,7 +50,7 @@ class Table(BaseModel):
                 nearest = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
                 hint = f"did you mean {nearest[0]!r}?" if nearest else f"known are {', '.join(known)}"
                 raise ValueError(f"unknown key {key!r}; {hint}")
-        return data
+        return {key: _frozen(value) for key, value in data.items()} if isinstance(data, Mapping) else data
 
 
 AnyTable = TypeVar("AnyTable", bound=Table)
@@ -50,6 +70,24 @@ def read_table(path: str | os.PathLike[str], kind: type[AnyTable]) -> tuple[AnyT
         raise InputError(f"{path}: not a readable file: {error}") from error
 
 
+def read_part(value: Any, kind: type[AnyTable]) -> AnyTable:
+    """A table inside a file whose kind shows in its keys; `InputError` as `read_table`, without the file."""
+    try:
+        return kind.model_validate(value)
+    except ValidationError as error:
+        raise InputError("; ".join(_message(failure) for failure in error.errors())) from error
+
+
+def _frozen(value: Any) -> Any:
+    """Arrays of TOML as tuples, which strict tables want."""
+    return tuple(_frozen(entry) for entry in value) if isinstance(value, list) else value
+
+
+def _plain(value: Any) -> Any:
+    """Tuples as the arrays of TOML that they were."""
+    return [_plain(entry) for entry in value] if isinstance(value, tuple) else value
+
+
 def _message(failure: Mapping[str, Any]) -> str:
     """One failure of pydantic in our words: KEY: what was expected, found VALUE."""
     # A choice between types shows as a part of its own, in brackets, that is no key of the file.
@@ -58,5 +96,5 @@ def _message(failure: Mapping[str, Any]) -> str:
     if failure["type"] == "missing":
         text = "missing"
     elif failure["type"] != "value_error":
-        text = f"{text[0].lower()}{text[1:]}, found {failure['input']!r}"
+        text = f"{text[0].lower()}{text[1:]}, found {_plain(failure['input'])!r}"
     return f"{key}: {text}" if key else text

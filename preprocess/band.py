@@ -38,9 +38,17 @@ class Band:
         """The step [s] of which the band reaches half the Nyquist frequency; h itself if it reaches less."""
         return min(self.h, 0.25 / self.limit)
 
-    def error(self, modes: Modes, better: Modes) -> float:
-        """The largest error of `modes`, taking `better` for the truth."""
-        return max(self._error(modes, better, delay) for delay in self._delays(better))
+    def error(self, modes: Modes, better: Modes, enough: float = np.inf) -> float:
+        """The largest error of `modes`, taking `better` for the truth.
+
+        Looked for from the highest frequencies down, which converge last, until one is beyond `enough`.
+        """
+        largest = 0.0
+        for delay in reversed(self._delays(better)):
+            largest = max(largest, self._error(modes, better, delay))
+            if largest > enough:
+                break
+        return largest
 
     def contributions(self, modes: Modes) -> Array:
         """The error (m,) that leaving out each mode makes, at most: |phi_i phi_j| is largest for i = j."""

@@ -42,6 +42,14 @@ class Basis:
         """The columns from `start` on."""
         return np.hstack(self._filled(start))
 
+    def combined(self, Q: Array) -> Array:
+        """V Q (n_u, k) for Q (r, k), or with the first columns of V alone for fewer rows."""
+        total = np.zeros((self._M.shape[0], Q.shape[1]))
+        for i, chunk in enumerate(self._filled()):
+            part = Q[CHUNK * i : CHUNK * (i + 1)]
+            total += chunk[:, : len(part)] @ part
+        return total
+
     def products(self, f: Array) -> Array:
         """V^T f (r, k) for f (n_u, k)."""
         return np.concatenate([chunk.T @ f for chunk in self._filled()])

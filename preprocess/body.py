@@ -28,7 +28,7 @@ Method = Literal["auto", "modal", "march", "krylov"]
 def _as_matrix(value: Any) -> Any:
     """Three principal values are a diagonal matrix."""
     if isinstance(value, list | tuple) and len(value) == 3 and all(isinstance(entry, int | float) for entry in value):
-        return [[value[0], 0.0, 0.0], [0.0, value[1], 0.0], [0.0, 0.0, value[2]]]
+        return (value[0], 0.0, 0.0), (0.0, value[1], 0.0), (0.0, 0.0, value[2])
     return value
 
 
@@ -156,7 +156,7 @@ class Body(Table):
     """
 
     name: str = Field(min_length=1)
-    mesh: Path
+    mesh: Annotated[Path, Field(strict=False)]
     scale: PositiveFloat = 1.0
     section: Section | None = None
     sections: dict[str, Section] = Field(default_factory=dict)

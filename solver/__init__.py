@@ -6,7 +6,7 @@ from .model import FlexibleBody, Frame, Load, Model, Place, RigidBody, Start, St
 from .model_file import read_model
 from .motions import PrescribedDisplacement, PrescribedRotation
 from .results import Results
-from .signals import Constant, Function, Harmonic, Impulse, Polynomial, Pulse, SmoothFunction, Steps, Table
+from .signals import Constant, Function, Harmonic, Impulse, Polynomial, Pulse, SmoothFunction, Spline, Steps, Table
 from .simulation import simulate
 from .springs import Law, Spring
 
@@ -32,6 +32,7 @@ __all__ = [
     "Results",
     "RigidBody",
     "SmoothFunction",
+    "Spline",
     "Spring",
     "Start",
     "SteadyRotation",

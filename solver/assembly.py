@@ -17,11 +17,11 @@ from .compiled import Array, Index
 from .couplings import pull_back_pair
 from .equations import evaluate
 from .errors import ModelError
-from .jacobian import jacobian
+from .jacobian import coupling_jacobian, jacobian
 from .newton import linearise, set_rotation
 from .rotations import tangent_inverse
 from .rows import evaluate_row
-from .system import Rows, State, System, Workspace
+from .system import State, System, Workspace
 
 LARGEST_TURN = 0.2
 """rad; a joint that starts farther from its given place gets there in several steps"""
@@ -36,9 +36,8 @@ class Wish(NamedTuple):
 
 def close_joints(
     compiled: CompiledModel, loads: Array, drive: Array, state: State, work: Workspace, wishes: list[Wish]
-) -> float:
-    """Move the bodies until all constraints hold; the largest change of a position [m] or rotation [rad]."""
-    x, R = state.x.copy(), state.R.copy()
+) -> None:
+    """Move the bodies until all constraints hold."""
     starts = [_observed(compiled, wish.observer, state, work)[0] for wish in wishes]
     far = max((abs(wish.value - start) for wish, start in zip(wishes, starts, strict=True)), default=0.0)
     stages = max(1, int(np.ceil(far / LARGEST_TURN)))
@@ -48,25 +47,29 @@ def close_joints(
         _close(compiled, loads, drive, state, work, [Wish(w.observer, t) for w, t in zip(wishes, targets, strict=True)])
         for i in range(len(state.observed)):
             state.observed[i] = _observed(compiled, i, state, work)[0]
-    turn = np.arccos(np.clip(0.5 * (np.einsum("bij,bij->b", R, state.R) - 1.0), -1.0, 1.0))
-    return float(max(np.abs(state.x - x).max(), turn.max()))
 
 
 def fit_velocities(compiled: CompiledModel, state: State, work: Workspace, wishes: list[Wish]) -> float:
     """Change the velocities least until constraints and wishes hold; the largest change [m/s, rad/s]."""
     system = compiled.system
     hard = hard_rows(system)
-    rates = np.array([*(drive.derivatives(0.0)[0] for drive in compiled.drives), 0.0])
-    phi_t = (work.drive_slope * rates[system.couplings.drive])[hard]
+    phi_t = drive_rates(compiled, work)[hard]
     B = _jacobian(compiled, state, work, wishes)
     missed = B @ state.v.ravel() + np.concatenate([phi_t, [-wish.value for wish in wishes]])
     change = -_least_change(system, B, missed)
     left = missed + B @ change
     if len(left) and np.abs(left).max() > 1e-8 * max(1.0, float(np.abs(missed).max())):
-        name = _owner(compiled, hard, int(np.argmax(np.abs(left))), wishes)
-        raise ModelError(f"joint {name!r}: no velocities of rigid motion satisfy it at the start")
+        owner = _owner(compiled, hard, int(np.argmax(np.abs(left))), wishes)
+        raise ModelError(f"{owner}: no velocities of rigid motion satisfy it at the start")
     state.v[:] += change.reshape(-1, 6)
     return float(np.abs(change).max(initial=0.0))
+
+
+def drive_rates(compiled: CompiledModel, work: Workspace) -> Array:
+    """What the drives add to the rates of the constraints at t = 0, d phi / d s ds/dt (n_rows,)."""
+    rates = np.array([*(drive.derivatives(0.0)[0] for drive in compiled.drives), 0.0])
+    added: Array = work.drive_slope * rates[compiled.system.couplings.drive]
+    return added
 
 
 def inverse_inertia(system: System) -> Array:
@@ -109,8 +112,8 @@ def _close(
     missed_wishes = [_observed(compiled, wish.observer, state, work)[0] - wish.value for wish in wishes]
     left = np.abs(np.concatenate([work.phi[hard], missed_wishes]))
     if left.max(initial=0.0) > 1e-10 * _size(state, work):
-        name = _owner(compiled, hard, int(np.argmax(left)), wishes)
-        raise ModelError(f"joint {name!r}: stays open by {left.max():.6g} however the bodies are placed")
+        owner = _owner(compiled, hard, int(np.argmax(left)), wishes)
+        raise ModelError(f"{owner}: stays open by {left.max():.6g} however the bodies are placed")
 
 
 def _move(change: Array, state: State, work: Workspace) -> None:
@@ -125,7 +128,7 @@ def _move(change: Array, state: State, work: Workspace) -> None:
 def _jacobian(compiled: CompiledModel, state: State, work: Workspace, wishes: list[Wish]) -> Array:
     n_q = 6 * len(compiled.system.bodies.mass)
     wished = [_observed(compiled, wish.observer, state, work)[1] for wish in wishes]
-    B = jacobian(compiled.system, compiled.system.couplings.rows, work.B, state).toarray()
+    B = coupling_jacobian(compiled.system, state, work).toarray()
     return np.vstack([B[hard_rows(compiled.system), :n_q], *wished])
 
 
@@ -136,8 +139,9 @@ def _observed(compiled: CompiledModel, i: int, state: State, work: Workspace) ->
     gradient, B = np.empty(12), np.zeros((1, 24))
     value = evaluate_row(observers, i, 0.0, float(state.observed[i]), work, gradient)
     pull_back_pair(frames, int(observers.frame_a[i]), int(observers.frame_b[i]), gradient, state, work, B[0])
-    own = Rows(*(array[i : i + 1] for array in observers))
-    return value, jacobian(compiled.system, own, B, state).toarray()[0, :n_q]
+    own = slice(i, i + 1)
+    row = jacobian(compiled.system, observers.frame_a[own], observers.frame_b[own], B, state)
+    return value, row.toarray()[0, :n_q]
 
 
 def _least_change(system: System, B: Array, missed: Array) -> Array:
@@ -160,5 +164,5 @@ def _size(state: State, work: Workspace) -> float:
 
 def _owner(compiled: CompiledModel, hard: Index, row: int, wishes: list[Wish]) -> str:
     if row >= len(hard):
-        return compiled.observers[wishes[row - len(hard)].observer][0]
-    return compiled.coupling_names[int(np.searchsorted(compiled.system.couplings.range, hard[row], side="right")) - 1]
+        return f"joint {compiled.observers[wishes[row - len(hard)].observer][0]!r}"
+    return compiled.owner_of(int(hard[row]))

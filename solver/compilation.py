@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..superelement import GeneralizedAlpha, Superelement
 from .compiled import Array, as_index, as_rows
@@ -63,6 +64,22 @@ class CompiledModel:
     @property
     def h(self) -> float:
         return float(self.system.scheme.h)
+
+    @property
+    def measures_lengths(self) -> NDArray[np.bool_]:
+        """Of every row whether its coordinate is a length, not an angle (n_rows,)."""
+        return np.array([measures_length(kind) for kind in self.system.couplings.rows.kind.tolist()], dtype=bool)
+
+    def coupling_of(self, row: int) -> int:
+        """The number of the coupling that a row belongs to."""
+        return int(np.searchsorted(self.system.couplings.range, row, side="right")) - 1
+
+    def owner_of(self, row: int) -> str:
+        """The same as messages name it: "joint 'hinge'"."""
+        j = self.coupling_of(row)
+        model = self.model
+        kinds = ["joint"] * len(model.joints) + ["motion"] * len(model.motions) + ["spring"] * len(model.springs)
+        return f"{kinds[j]} {self.coupling_names[j]!r}"
 
     @property
     def frame_quaternions(self) -> Array:

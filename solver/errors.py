@@ -1,5 +1,9 @@
 """What can go wrong, one exception per kind of failure."""
 
+from typing import Any
+
+import numpy as np
+
 
 class ModelError(ValueError):
     """A model that contradicts itself; the message names the body, joint or load."""
@@ -23,3 +27,8 @@ class ConvergenceError(RuntimeError):
 
 class RecoveryError(ValueError):
     """A field that results cannot give: no modes on the surface, another superelement, a time outside the run."""
+
+
+def plain(value: Any) -> Any:
+    """A value as messages quote it: arrays as lists."""
+    return value.tolist() if isinstance(value, np.ndarray) else value

@@ -53,11 +53,11 @@ def lay_out_elastic(
         [memory.G_0 for memory in memories], active, active_range, dofs, weight
     )
     numbers = {name: b for b, name in enumerate(model.bodies)}
-    body = as_index([numbers[name] for name in bodies])
+    flexible = as_index([numbers[name] for name in bodies])
     of_body = np.full(len(numbers), -1)
-    of_body[body] = np.arange(len(body))
+    of_body[flexible] = np.arange(len(flexible))
     elastic = Elastic(
-        body=body,
+        body=flexible,
         dof=as_index(dofs),
         active=active,
         active_range=as_index(active_range),

@@ -4,7 +4,8 @@
     delta r     = R (delta X - skew(X + u) delta Theta + delta u)           (in space)
     delta theta = R (delta Theta + T(w)^T delta w)                          (in space)
 
-with delta X = R^T delta x, so that nothing but R changes when a body turns, and a force f and a moment m on the frame, in space, F = R^T f and M = R^T m in body axes, load the body with
+with delta X = R^T delta x, so that nothing but R changes when a body turns. A force f and a moment m on the frame, in
+space, F = R^T f and M = R^T m in body axes, load the body with
 
     F on X,   (X + u) x F + M on Theta,   F on u,   T(w) M on w.
 

@@ -8,6 +8,7 @@ A_el: the interface mobilities, p: the loads on interfaces. Source: methods 5.4.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,30 +18,44 @@ from .compilation import CompiledModel, compile_system
 from .compiled import Array
 from .couplings import turn_of
 from .equations import evaluate
-from .equilibrium import settle
-from .errors import ModelError
-from .jacobian import jacobian
+from .equilibrium import check_drives, check_steady, settle
+from .jacobian import coupling_jacobian
 from .loads import load_vector
 from .model import Model
 from .newton import linearise
-from .placement import rotation_matrix
 from .redundancy import degrees_of_freedom as count_freedoms
 from .redundancy import describe_rows, redundant_rows
 from .rows import ROTATION, carried_axis
+from .steady import steady_motion
 from .system import State, System, Workspace
+
+
+class Misfit(NamedTuple):
+    """How far what a model gives is from satisfying its constraints, before anything is changed.
+
+    The largest gap [m] and the joint it is at; the largest rate [m/s, rad/s] at which the velocities would open one.
+    Rotations always meet: axes are given in space. Drives do not count among the rates.
+    """
+
+    opening: float
+    opening_at: str
+    velocity: float
+    velocity_at: str
 
 
 @dataclass(frozen=True, eq=False)
 class Beginning:
     """A compiled model in its state at t = 0, and what it took to get there.
 
-    moved: the largest change of a given position [m] or rotation [rad]; velocity_correction: the same of velocities
-    [m/s, rad/s]; removed: the redundant constraints left out, in words; degrees_of_freedom of the mechanism.
+    moved: the largest difference between a given and the starting position [m] or rotation [rad]; velocity_correction:
+    the largest change of a velocity [m/s, rad/s]; removed: the redundant constraints left out, in words;
+    degrees_of_freedom of the mechanism.
     """
 
     compiled: CompiledModel
     state: State
     work: Workspace
+    misfit: Misfit
     moved: float
     velocity_correction: float
     removed: str
@@ -50,31 +65,59 @@ class Beginning:
 def begin(model: Model) -> Beginning:
     """A state that satisfies positions, velocities and equilibrium at t = 0."""
     compiled = compile_system(model)
-    state, work, moved = _close(compiled)
+    state, work = allocate(compiled)
+    misfit = _misfit(compiled, state, work)
+    _close(compiled, state, work)
     degrees_of_freedom = count_freedoms(compiled, state, work)
     without = redundant_rows(compiled, state, work)
     removed = describe_rows(compiled, sorted(without))
     if without:
         compiled = compile_system(model, without)
-        state, work, moved = _close(compiled)
-    correction = fit_velocities(compiled, state, work, _wishes(compiled, "_rate"))
+        state, work = allocate(compiled)
+        _close(compiled, state, work)
     loads, drive = _inputs(compiled)
+    correction = 0.0
     if model.start == "equilibrium":
-        _check_drives_rest(compiled)
-        settle(compiled, loads, drive, model.steady_rotation, state, work)
+        check_drives(compiled)
+        rotation = model.steady_rotation
+        motion = None if rotation is None else steady_motion(rotation, compiled.system.scheme)
+        settle(compiled, loads, drive, motion, state, work)
+        check_steady(compiled, motion, state, work)
         state.coordinate[:] = work.coordinate
-        _start_steadily(compiled, state)
         _start_loaded(compiled, state)
     else:
+        correction = fit_velocities(compiled, state, work, _wishes(compiled, "_rate"))
         _start_unloaded(compiled, loads, drive, state, work)
     _start_accounts(compiled.system, loads, drive, state, work)
-    return Beginning(compiled, state, work, moved, correction, removed, degrees_of_freedom)
+    return Beginning(compiled, state, work, misfit, _moved(compiled, state), correction, removed, degrees_of_freedom)
 
 
-def _close(compiled: CompiledModel) -> tuple[State, Workspace, float]:
-    state, work = allocate(compiled)
-    moved = close_joints(compiled, *_inputs(compiled), state, work, _wishes(compiled, ""))
-    return state, work, moved
+def _misfit(compiled: CompiledModel, state: State, work: Workspace) -> Misfit:
+    couplings = compiled.system.couplings
+    evaluate(compiled.system, *_inputs(compiled), state, work)
+    hard = couplings.compliant == 0
+    opening = np.abs(work.phi) * (hard & compiled.measures_lengths)
+    velocity = np.abs(work.rate) * (hard & (couplings.drive < 0))
+    return Misfit(*_largest(compiled, opening), *_largest(compiled, velocity))
+
+
+def _largest(compiled: CompiledModel, values: Array) -> tuple[float, str]:
+    """The largest of the values of all rows, and the joint or motion that it belongs to."""
+    if not values.any():
+        return 0.0, ""
+    row = int(np.argmax(values))
+    return float(values[row]), compiled.owner_of(row)
+
+
+def _moved(compiled: CompiledModel, state: State) -> float:
+    x, R = (np.array(given) for given in zip(*((pose.x, pose.R) for pose in compiled.poses), strict=True))
+    chord = np.linalg.norm(state.R - R, axis=(1, 2)) / np.sqrt(8.0)  # sin(turn / 2)
+    turn = 2.0 * np.arcsin(np.minimum(chord, 1.0))
+    return float(max(np.abs(state.x - x).max(), turn.max()))
+
+
+def _close(compiled: CompiledModel, state: State, work: Workspace) -> None:
+    close_joints(compiled, *_inputs(compiled), state, work, _wishes(compiled, ""))
 
 
 def _inputs(compiled: CompiledModel) -> tuple[Array, Array]:
@@ -91,12 +134,6 @@ def _wishes(compiled: CompiledModel, suffix: str) -> list[Wish]:
         for i, (joint, coordinate) in enumerate(compiled.observers)
         if coordinate + suffix in starts[joint]
     ]
-
-
-def _check_drives_rest(compiled: CompiledModel) -> None:
-    for signal in compiled.drives:
-        if any(signal.derivatives(0.0)):
-            raise ModelError("start = 'equilibrium': a drive has a rate or an acceleration at t = 0")
 
 
 def _start_unloaded(compiled: CompiledModel, loads: Array, drive: Array, state: State, work: Workspace) -> None:
@@ -120,7 +157,7 @@ def _accelerations(compiled: CompiledModel, drive: Array, state: State, work: Wo
     system = compiled.system
     hard = hard_rows(system)
     n_q = 6 * len(system.bodies.mass)
-    B = jacobian(system, system.couplings.rows, work.B, state).toarray()[hard]
+    B = coupling_jacobian(system, state, work).toarray()[hard]
     B_r, B_a = B[:, :n_q], B[:, n_q:]
     A_el = interface_mobility(compiled)
     p = state.p[system.elastic.active]
@@ -181,15 +218,6 @@ def _start_history(compiled: CompiledModel, state: State) -> None:
         if modes.start < modes.stop:
             state.eta_acceleration[modes] = _phi(compiled, e).T @ p
             state.eta_a[modes] = state.eta_acceleration[modes]
-
-
-def _start_steadily(compiled: CompiledModel, state: State) -> None:
-    """The pseudo-acceleration is the acceleration at t + (alpha_m - alpha_f) h, turned with the steady rotation."""
-    state.a[:] = state.v_dot
-    rotation, scheme = compiled.model.steady_rotation, compiled.system.scheme
-    if rotation is not None:
-        ahead = (scheme.alpha_m - scheme.alpha_f) * scheme.h
-        state.a[:, :3] = state.v_dot[:, :3] @ rotation_matrix(ahead * rotation.angular_velocity).T
 
 
 def _start_loaded(compiled: CompiledModel, state: State) -> None:

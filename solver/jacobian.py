@@ -3,18 +3,24 @@
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 
-from .compiled import Array
-from .system import Rows, State, System
+from .compiled import Array, Index
+from .system import State, System, Workspace
 
 
-def jacobian(system: System, rows: Rows, B: Array, state: State) -> csr_array:
-    """The derivatives B (n, 24) of rows by the coordinates of their frames as a matrix (n, 6 n_b + n_a).
+def coupling_jacobian(system: System, state: State, work: Workspace) -> csr_array:
+    """Of the rows of all couplings as `linearise` left them (n_rows, 6 n_b + n_a)."""
+    rows = system.couplings.rows
+    return jacobian(system, rows.frame_a, rows.frame_b, work.B, state)
+
+
+def jacobian(system: System, frame_a: Index, frame_b: Index, B: Array, state: State) -> csr_array:
+    """The derivatives B (n, 24) of rows by the coordinates of their frames A and B as a matrix (n, 6 n_b + n_a).
 
     Columns: delta x, in space, and delta Theta of every body; then the displacements of all active dofs.
     """
     frames, n_q = system.frames, 6 * len(system.bodies.mass)
     entries, numbers, columns = [], [], []
-    for first, f in ((0, rows.frame_a), (12, rows.frame_b)):
+    for first, f in ((0, frame_a), (12, frame_b)):
         body, active = frames.body[f], frames.active[f]
         part = B[:, first : first + 12].copy()
         part[:, :3] = np.einsum("ij,ikj->ik", part[:, :3], state.R[body])
@@ -26,5 +32,5 @@ def jacobian(system: System, rows: Rows, B: Array, state: State) -> csr_array:
         numbers.append(np.nonzero(there)[0])
         columns.append(place[there])
     positions = np.concatenate(numbers), np.concatenate(columns)
-    shape = len(rows.kind), n_q + len(system.elastic.active)
+    shape = len(B), n_q + len(system.elastic.active)
     return coo_array((np.concatenate(entries), positions), shape=shape).tocsr()

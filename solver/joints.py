@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from .compiled import Array
-from .errors import ModelError
+from .errors import ModelError, plain
 from .signals import Motion
 
 
@@ -103,7 +103,7 @@ class Joint:
             if not isinstance(signal, Motion):
                 raise ModelError(
                     f"joint {self.name!r}: {drive}: expected a smooth signal "
-                    f"(constant, harmonic, polynomial), got {type(signal).__name__.lower()}"
+                    f"(constant, harmonic, polynomial, spline), got {type(signal).__name__.lower()}"
                 )
         known = [key for name in (*self.kind.distances, *self.kind.angles) for key in (name, f"{name}_rate")]
         for key in self.start:
@@ -143,6 +143,6 @@ def unit_vector(name: str, value: Any) -> Array:
     array = np.asarray(value, dtype=np.float64)
     length = float(np.linalg.norm(array))
     if array.shape != (3,) or not (np.isfinite(length) and length > 0.0):
-        raise ModelError(f"{name}: expected three numbers that are not all zero, got {value}")
+        raise ModelError(f"{name}: expected three numbers that are not all zero, got {plain(value)}")
     unit: Array = array / length
     return unit

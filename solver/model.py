@@ -8,13 +8,15 @@ import numpy as np
 
 from ..superelement import Superelement
 from .compiled import Array
-from .errors import ModelError
+from .errors import ModelError, plain
 from .joints import Joint
 from .motions import PrescribedMotion
 from .signals import Signal
 from .springs import Spring
 
 GROUND = "ground"
+INERTIA_TOLERANCE = 1e-6
+"""relative; by how much the inertia of a plate, given in a few digits, may exceed that of its two directions"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +74,10 @@ class SteadyRotation:
 
 @dataclass(frozen=True, eq=False)
 class RigidBody:
-    """mass [kg]; inertia about the centre of mass in body axes, (3,) principal or (3, 3) [kg m^2]; named frames."""
+    """mass [kg]; inertia about the centre of mass in body axes, (3,) principal or (3, 3) [kg m^2]; named frames.
+
+    No principal inertia exceeds the sum of the other two: there is no distribution of mass that has it.
+    """
 
     mass: float
     inertia: Array
@@ -86,9 +91,17 @@ class RigidBody:
         if inertia.shape == (3,):
             inertia = np.diag(inertia)
         if inertia.shape != (3, 3) or not np.allclose(inertia, inertia.T, rtol=1e-9, atol=0.0):
-            raise ModelError(f"inertia: expected three principal values or a symmetric 3x3 matrix, got {self.inertia}")
-        if not np.linalg.eigvalsh(inertia).min() > 0.0:
-            raise ModelError(f"inertia: expected positive principal values, got {np.linalg.eigvalsh(inertia).tolist()}")
+            raise ModelError(
+                f"inertia: expected three principal values or a symmetric 3x3 matrix, got {plain(self.inertia)}"
+            )
+        principal = np.linalg.eigvalsh(inertia)
+        if not principal[0] > 0.0:
+            raise ModelError(f"inertia: expected positive principal values, got {principal.tolist()}")
+        if principal[2] > (1.0 + INERTIA_TOLERANCE) * (principal[0] + principal[1]):
+            raise ModelError(
+                f"inertia: expected principal values of which none exceeds the sum of the other two, "
+                f"got {principal.tolist()}"
+            )
         object.__setattr__(self, "inertia", inertia)
 
 
@@ -146,8 +159,10 @@ class Model:
     tolerance of Newton's method, relative to the forces and displacements of a step. `ground_frames` are frames
     fixed in space. `source` is the text of the model file, if there is one.
 
-    start: "given", as the bodies say, or "equilibrium", from rest, or in a `steady_rotation`, under gravity and the
-    loads at t = 0, elastic displacements included; assemble: close joints however far they are open at the start
+    start: "given", as the bodies say, or "equilibrium", at rest, or in a `steady_rotation`, under gravity and the
+    loads at t = 0, elastic displacements included; places and joint coordinates are then where the search begins, and
+    velocities are refused. A steady rotation goes on as it starts if gravity and loads that do not follow act along
+    its axis. assemble: close joints however far they are open at the start
     (otherwise by no more than a thousandth of the size of the model); redundant: what to do with constraints that
     depend on one another, "error" or "remove".
     """
@@ -178,6 +193,7 @@ class Model:
             object.__setattr__(self, name, tuple(getattr(self, name)))
         self._check_numbers()
         self._check_names()
+        self._check_start()
 
     @property
     def flexible_bodies(self) -> dict[str, FlexibleBody]:
@@ -201,8 +217,6 @@ class Model:
             raise ModelError(f"start: expected 'given' or 'equilibrium', got {self.start!r}")
         if self.redundant not in ("error", "remove"):
             raise ModelError(f"redundant: expected 'error' or 'remove', got {self.redundant!r}")
-        if self.steady_rotation is not None and self.start != "equilibrium":
-            raise ModelError("steady_rotation: needs start = 'equilibrium'")
         if not 0.0 < self.tolerance < 1.0:
             raise ModelError(f"tolerance: expected a number between 0 and 1, got {self.tolerance}")
         if self.max_iterations < 1:
@@ -217,15 +231,38 @@ class Model:
             for frame in self.frames_of(name):
                 if not _is_name(frame):
                     raise ModelError(f"body {name!r}: a frame cannot be named {frame!r}")
-        couplings: list[Joint | Spring | PrescribedMotion] = [*self.joints, *self.springs, *self.motions]
-        names = [coupling.name for coupling in couplings]
-        for name in names:
+        named = [("joint", joint.name) for joint in self.joints]
+        named += [("spring", spring.name) for spring in self.springs]
+        named += [("motion", motion.name) for motion in self.motions]
+        names = [name for _, name in named]
+        for kind, name in named:
             if not _is_name(name):
-                raise ModelError(f"joints: a joint cannot be named {name!r}")
+                raise ModelError(f"{kind}s: a {kind} cannot be named {name!r}")
             if names.count(name) > 1:
                 raise ModelError(f"joints, springs, motions: expected different names, got {name!r} more than once")
         for owner, frame in self._references():
             self._check_frame(owner, frame)
+
+    def _check_start(self) -> None:
+        """Equilibrium has no velocities but those of a steady rotation."""
+        if self.start != "equilibrium":
+            if self.steady_rotation is not None:
+                raise ModelError("steady_rotation: needs start = 'equilibrium'")
+            return
+        for name, body in self.bodies.items():
+            for key in ("velocity", "angular_velocity"):
+                if (velocity := getattr(body.start, key)).any():
+                    raise ModelError(
+                        f"body {name!r}: {key}: start = 'equilibrium' takes none but steady_rotation, "
+                        f"got {velocity.tolist()}"
+                    )
+        for joint in self.joints:
+            for key, value in joint.start.items():
+                if key.endswith("_rate") and value != 0.0:
+                    raise ModelError(
+                        f"joint {joint.name!r}: start: {key}: start = 'equilibrium' takes no rates but "
+                        f"steady_rotation, got {value}"
+                    )
 
     def _references(self) -> Iterator[tuple[str, str]]:
         for name, body in self.bodies.items():
@@ -269,5 +306,5 @@ def _is_name(name: str) -> bool:
 def vector(name: str, value: Any) -> Array:
     array = np.asarray(value, dtype=float)
     if array.shape != (3,) or not np.isfinite(array).all():
-        raise ModelError(f"{name}: expected three numbers, got {value}")
+        raise ModelError(f"{name}: expected three numbers, got {plain(value)}")
     return array

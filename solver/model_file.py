@@ -1,5 +1,6 @@
 """The model file: what a user writes to run a simulation, and how it becomes a `Model`."""
 
+import difflib
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -8,27 +9,35 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt, model_validator
 
-from ..inputs import InputError, Table, Vector, read_table
+from ..inputs import InputError, Table, Vector, expected, read_part, read_table
 from ..superelement import Superelement, read
 from .compiled import Array
 from .errors import ModelError
 from .joints import Joint
-from .model import Body, FlexibleBody, Frame, Load, Model, Place, RigidBody, Start
+from .model import Body, FlexibleBody, Frame, Load, Model, Place, RigidBody, Start, SteadyRotation
 from .motions import PrescribedDisplacement, PrescribedMotion, PrescribedRotation
-from .signals import Constant, Harmonic, Impulse, Polynomial, Pulse, Signal, Steps
+from .signals import Constant, Harmonic, Impulse, Polynomial, Pulse, Signal, Spline, Steps
 from .signals import Table as Points
 from .springs import Law, Spring
 
-Matrix = tuple[Vector, Vector, Vector]
+Between = Annotated[tuple[str, str], expected("the names of two frames")]
+Inertia = Annotated[Vector | tuple[Vector, Vector, Vector], expected("three numbers or a 3x3 matrix")]
+Coefficients = Annotated[
+    float | tuple[float, ...] | tuple[tuple[float, ...], ...], expected("a number, six numbers or a 6x6 matrix")
+]
 
 
-class _Steps(Table):
+class _Points(Table):
     times: tuple[float, ...]
     values: tuple[float, ...]
     linear: bool = False
+    spline: bool = False
 
     def signal(self) -> Signal:
-        return (Points if self.linear else Steps)(self.times, self.values)
+        if self.linear and self.spline:
+            raise ValueError("expected linear or spline, found both")
+        kind = Spline if self.spline else Points if self.linear else Steps
+        return kind(self.times, self.values)
 
 
 class _Harmonic(Table):
@@ -66,7 +75,7 @@ class _Pulse(Table):
 
 
 _SIGNALS: dict[str, Any] = {
-    "times": _Steps,
+    "times": _Points,
     "amplitude": _Harmonic,
     "polynomial": _Polynomial,
     "impulse": _Impulse,
@@ -78,12 +87,15 @@ _SIGNALS: dict[str, Any] = {
 def _signal(value: Any) -> Signal:
     if isinstance(value, int | float) and not isinstance(value, bool):
         return Constant(float(value))
+    meant = ""
     if isinstance(value, Mapping):
         for key, kind in _SIGNALS.items():
             if key in value:
-                signal: Signal = kind.model_validate(value).signal()
+                signal: Signal = read_part(value, kind).signal()
                 return signal
-    raise ValueError(f"expected a number or a table with one of the keys {', '.join(_SIGNALS)}, found {value!r}")
+        nearest = [near for key in value for near in difflib.get_close_matches(key, _SIGNALS, n=1)]
+        meant = f"; did you mean {nearest[0]!r}?" if nearest else ""
+    raise ValueError(f"expected a number or a table with one of the keys {', '.join(_SIGNALS)}, found {value!r}{meant}")
 
 
 class _Frame(Table):
@@ -101,9 +113,9 @@ class _Place(Table):
 
 class _Body(Table):
     mass: PositiveFloat | None = None
-    inertia: Vector | Matrix | None = None
+    inertia: Inertia | None = None
     frames: dict[str, _Frame] = Field(default_factory=dict)
-    superelement: Path | None = None
+    superelement: Annotated[Path, Field(strict=False)] | None = None
     position: Vector = (0.0, 0.0, 0.0)
     rotation: Vector = (0.0, 0.0, 0.0)
     place: _Place | None = None
@@ -123,7 +135,7 @@ class _Body(Table):
 class _Joint(Table):
     name: str
     type: str
-    between: tuple[str, str]
+    between: Between
     axis: Vector | None = None
     second_axis: Vector | None = None
     angle: Any = None
@@ -139,10 +151,10 @@ class _Law(Table):
 class _Spring(Table):
     name: str
     type: str
-    between: tuple[str, str]
+    between: Between
     axis: Vector | None = None
-    stiffness: float | tuple[float, ...] | tuple[tuple[float, ...], ...] = 0.0
-    damping: float | tuple[float, ...] | tuple[tuple[float, ...], ...] = 0.0
+    stiffness: Coefficients = 0.0
+    damping: Coefficients = 0.0
     law: _Law | None = None
     rest: float | tuple[float, ...] | None = None
 
@@ -176,6 +188,14 @@ class _Load(Table):
     follower: bool = False
 
 
+class _SteadyRotation(Table):
+    angular_velocity: Vector
+    center: Vector = (0.0, 0.0, 0.0)
+
+    def rotation(self) -> SteadyRotation:
+        return SteadyRotation(np.array(self.angular_velocity), np.array(self.center))
+
+
 class _Simulation(Table):
     t_end: PositiveFloat
     gravity: Vector = (0.0, 0.0, 0.0)
@@ -185,6 +205,15 @@ class _Simulation(Table):
     history: Literal["auto", "recursive", "direct"] = "auto"
     tolerance: PositiveFloat = 1e-10
     max_iterations: PositiveInt = 20
+    start: Literal["given", "equilibrium"] = "given"
+    steady_rotation: _SteadyRotation | None = None
+    assemble: bool = False
+    redundant: Literal["error", "remove"] = "error"
+
+    def settings(self) -> dict[str, Any]:
+        """What `Model` is told besides its parts."""
+        rotation = None if self.steady_rotation is None else self.steady_rotation.rotation()
+        return {**dict(self), "steady_rotation": rotation}
 
 
 class _Ground(Table):
@@ -226,7 +255,7 @@ def _model(file: _ModelFile, text: str, folder: Path) -> Model:
         motions=tuple(motion.motion() for motion in file.motions),
         ground_frames={name: frame.frame() for name, frame in file.ground.frames.items()},
         source=text,
-        **dict(file.simulation),
+        **file.simulation.settings(),
     )
 
 

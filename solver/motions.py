@@ -52,4 +52,7 @@ def _check_from_rest(name: str, signal: Any) -> None:
     if not isinstance(signal, Motion):
         raise ModelError(f"{name}: expected a smooth signal, got {type(signal).__name__.lower()}")
     if signal(0.0) != 0.0:
-        raise ModelError(f"{name}: expected 0 at t = 0, got {signal(0.0)}")
+        raise ModelError(
+            f"{name}: expected 0 at t = 0, got {signal(0.0):.6g}: it counts from where the frame starts; "
+            f"an offset of {-signal(0.0):.6g} would make it so"
+        )

@@ -8,7 +8,7 @@ import numpy as np
 from .compiled import Array
 from .errors import ModelError
 from .model import GROUND, Frame, Model
-from .rotations import exponential
+from .rotations import rotation_matrix
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,12 +41,6 @@ def frame_pose(model: Model, poses: Mapping[str, Pose], reference: str) -> Pose:
     """The starting pose of "BODY.FRAME", or of the origin frame "BODY"."""
     body, _, frame = reference.partition(".")
     return poses[body].carry(model.frames_of(body)[frame]) if frame else poses[body]
-
-
-def rotation_matrix(psi: Array) -> Array:
-    R = np.empty((3, 3))
-    exponential(psi, R)
-    return R
 
 
 def _support(model: Model, name: str) -> str | None:

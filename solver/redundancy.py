@@ -9,8 +9,7 @@ from .assembly import hard_rows, interface_mobility, inverse_inertia
 from .compilation import CompiledModel
 from .compiled import Array
 from .errors import ModelError
-from .jacobian import jacobian
-from .rows import DISTANCE, TRANSLATION
+from .jacobian import coupling_jacobian
 from .system import State, Workspace
 
 RANK_TOLERANCE = 1e-9
@@ -26,42 +25,40 @@ def degrees_of_freedom(compiled: CompiledModel, state: State, work: Workspace) -
 def redundant_rows(compiled: CompiledModel, state: State, work: Workspace) -> frozenset[int]:
     """Rows to leave out so that the others are independent, elastic interfaces included.
 
-    ModelError names them unless the model says that redundant constraints may be removed; drives never are.
+    ModelError names them unless the model says that redundant constraints may be removed. A drive is never redundant:
+    it moves what the constraints that it depends on hold still.
     """
     hard = hard_rows(compiled.system)
-    B = jacobian(compiled.system, compiled.system.couplings.rows, work.B, state).toarray()
+    B = coupling_jacobian(compiled.system, state, work).toarray()
     elastic = B[hard, 6 * len(compiled.system.bodies.mass) :] @ _mobility_root(compiled)
     found = find_redundancy(np.hstack([_rigid_jacobian(compiled, state, work), elastic]))
     if found is None:
         return frozenset()
     involved, removable = (hard[rows].tolist() for rows in (found.involved, found.removable))
-    if compiled.model.redundant == "error":
-        raise ModelError(
-            f"joints: {len(hard)} constraints of which {len(removable)} are redundant; on one another depend "
-            f"{describe_rows(compiled, involved)}; free a joint, or let redundant = 'remove' drop "
-            f"{describe_rows(compiled, removable)}"
-        )
-    if driven := [i for i in removable if compiled.system.couplings.drive[i] >= 0]:
+    if driven := [i for i in involved if compiled.system.couplings.drive[i] >= 0]:
         raise ModelError(
             f"joints: {describe_rows(compiled, driven)} is driven against other constraints: on one another depend "
-            f"{describe_rows(compiled, involved)}"
+            f"{describe_rows(compiled, involved)}; take away the drive or free a joint"
+        )
+    if compiled.model.redundant == "error":
+        are = "is" if len(removable) == 1 else "are"
+        raise ModelError(
+            f"joints: {len(hard)} constraints of which {len(removable)} {are} redundant; on one another depend "
+            f"{describe_rows(compiled, involved)}; free a joint, or let redundant = 'remove' drop "
+            f"{describe_rows(compiled, removable)}"
         )
     return frozenset(removable)
 
 
 def describe_rows(compiled: CompiledModel, rows: list[int]) -> str:
     """Rows by joint: "hinge (translation 3, rotation 1)"."""
-    couplings = compiled.system.couplings
+    lengths, first = compiled.measures_lengths, compiled.system.couplings.range
     by_joint: dict[str, list[str]] = {}
     for i in rows:
-        j = int(np.searchsorted(couplings.range, i, side="right")) - 1
-        own = couplings.rows.kind[couplings.range[j] : couplings.range[j + 1]]
-        lengths = np.isin(own, (TRANSLATION, DISTANCE))
-        k = i - int(couplings.range[j])
-        kind = "translation" if lengths[k] else "rotation"
-        by_joint.setdefault(compiled.coupling_names[j], []).append(
-            f"{kind} {1 + int((lengths[:k] == lengths[k]).sum())}"
-        )
+        j = compiled.coupling_of(i)
+        before = lengths[first[j] : i]
+        kind = "translation" if lengths[i] else "rotation"
+        by_joint.setdefault(compiled.coupling_names[j], []).append(f"{kind} {1 + int((before == lengths[i]).sum())}")
     return ", ".join(f"{joint} ({', '.join(names)})" for joint, names in by_joint.items())
 
 
@@ -104,7 +101,7 @@ def _left_null_space(J: Array) -> Array:
 def _rigid_jacobian(compiled: CompiledModel, state: State, work: Workspace) -> Array:
     """Rows of the constraints against bodies, columns scaled by their inertia."""
     n_q = 6 * len(compiled.system.bodies.mass)
-    B = jacobian(compiled.system, compiled.system.couplings.rows, work.B, state).toarray()
+    B = coupling_jacobian(compiled.system, state, work).toarray()
     rows: Array = B[hard_rows(compiled.system), :n_q] @ np.linalg.cholesky(inverse_inertia(compiled.system))
     return rows
 

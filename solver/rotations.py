@@ -2,7 +2,7 @@
 
 Conventions: skew(a) b = a x b; R maps body to space; delta R = R skew(delta Theta) with delta Theta material;
 delta Theta = T(psi) delta psi with the material (right) tangent T. Source: methods, sections 1 (eqs 4-6) and 9.
-Functions write into `out`, their last argument, and allocate nothing.
+Compiled functions write into `out`, their last argument, and allocate nothing.
 """
 
 import math
@@ -160,6 +160,13 @@ def relative_rotation(A: Array, B: Array, out: Array) -> None:
     scale = 0.5 * angle / sine if sine > 1e-8 else 0.5
     for i in range(3):
         out[i] *= scale
+
+
+def rotation_matrix(psi: Array) -> Array:
+    """exp(skew(psi)), (3, 3)."""
+    R = np.empty((3, 3))
+    exponential(psi, R)
+    return R
 
 
 def quaternion_of(R: Array) -> Array:

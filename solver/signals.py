@@ -6,9 +6,9 @@ the jump falls between two steps; elsewhere they are its values.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -99,6 +99,39 @@ class Table(Pointwise):
 
     def __call__(self, t: float) -> float:
         return float(np.interp(t, self.times, self.values))
+
+
+@dataclass(frozen=True)
+class Spline(Pointwise):
+    """The smoothest curve through the points (times, values), for measured motions: the natural cubic spline.
+
+    Its second derivative is zero at both ends, beyond which it goes on straight, so that it drives joints without
+    jumps of velocity or acceleration anywhere.
+    """
+
+    times: tuple[float, ...]
+    values: tuple[float, ...]
+    _pieces: Any = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        from scipy.interpolate import CubicSpline
+
+        _check_table(self.times, self.values)
+        if len(self.times) < 2:
+            raise ModelError(f"a spline needs two or more points, got {len(self.times)}")
+        object.__setattr__(self, "_pieces", CubicSpline(self.times, self.values, bc_type="natural"))
+
+    def __call__(self, t: float) -> float:
+        return float(self.samples(np.array(t), 0.0))
+
+    def samples(self, t: Array, h: float) -> Array:
+        within = np.clip(t, self.times[0], self.times[-1])
+        values: Array = self._pieces(within) + self._pieces(within, 1) * (t - within)
+        return values
+
+    def derivatives(self, t: float) -> tuple[float, float]:
+        within = float(np.clip(t, self.times[0], self.times[-1]))
+        return float(self._pieces(within, 1)), float(self._pieces(within, 2))
 
 
 @dataclass(frozen=True)

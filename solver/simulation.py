@@ -36,6 +36,10 @@ def simulate(model: Model, output: str | os.PathLike[str] | None = None, progres
     file = ResultsFile(Path(output) if output is not None else None, compiled)
     file.note(
         degrees_of_freedom=beginning.degrees_of_freedom,
+        opening=beginning.misfit.opening,
+        opening_at=beginning.misfit.opening_at,
+        velocity_misfit=beginning.misfit.velocity,
+        velocity_misfit_at=beginning.misfit.velocity_at,
         moved=beginning.moved,
         velocity_correction=beginning.velocity_correction,
         removed=beginning.removed,
@@ -98,5 +102,4 @@ def _worst_joint(compiled: CompiledModel, work: Workspace) -> tuple[str, float]:
     if not opening.any():
         return "", 0.0
     row = int(np.argmax(opening))
-    joint = int(np.searchsorted(couplings.range, row, side="right")) - 1
-    return compiled.coupling_names[joint], float(opening[row])
+    return compiled.coupling_names[compiled.coupling_of(row)], float(opening[row])

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from .compiled import Array
-from .errors import ModelError
+from .errors import ModelError, plain
 from .joints import basis_about, unit_vector
 
 SPRING_ROWS = {"point": 1, "torsion": 1, "bushing": 6}
@@ -42,6 +42,7 @@ class Spring:
     """A spring with a damper between frames A and B, given as in a joint.
 
     stiffness, damping: a number, or for a bushing six numbers or a symmetric (6, 6) matrix [N/m, N m/rad; N s/m ...];
+    damping, which takes energy away, has no negative eigenvalue;
     law: a tabulated part (point and torsion);
     rest: the coordinates without force (length, angle, or six of them), by default those of the start;
     axis: of torsion, or e_3 of a bushing, in space at the start.
@@ -66,15 +67,19 @@ class Spring:
         if self.type == "torsion" and self.axis is None:
             raise ModelError(f"spring {self.name!r}: axis: a torsion spring needs one")
         if self.type == "point" and self.axis is not None:
-            raise ModelError(f"spring {self.name!r}: axis: a point spring takes none, got {self.axis}")
+            raise ModelError(f"spring {self.name!r}: axis: a point spring takes none, got {plain(self.axis)}")
         if self.law is not None and self.type == "bushing":
             raise ModelError(f"spring {self.name!r}: law: a bushing takes none")
         for key in ("stiffness", "damping"):
             object.__setattr__(self, key, self._matrix(key, getattr(self, key)))
+        lowest = np.linalg.eigvalsh(self.damping)[0]
+        if lowest < -1e-9 * np.abs(self.damping).max():
+            wanted = "zero or more" if self.n_rows == 1 else "no negative eigenvalue, which would create energy"
+            raise ModelError(f"spring {self.name!r}: damping: expected {wanted}, got {lowest:.6g}")
         if self.rest is not None:
             rest = np.atleast_1d(np.asarray(self.rest, dtype=np.float64))
             if rest.shape != (self.n_rows,):
-                raise ModelError(f"spring {self.name!r}: rest: expected {self.n_rows} numbers, got {self.rest}")
+                raise ModelError(f"spring {self.name!r}: rest: expected {self.n_rows} numbers, got {plain(self.rest)}")
             object.__setattr__(self, "rest", rest)
         self.basis()
 
@@ -96,5 +101,5 @@ class Spring:
         matrix = np.diag(array) if array.shape == (n,) else array
         if matrix.shape != (n, n) or not np.isfinite(matrix).all() or not np.allclose(matrix, matrix.T, rtol=1e-9):
             wanted = "a number" if n == 1 else "six numbers or a symmetric 6x6 matrix"
-            raise ModelError(f"spring {self.name!r}: {key}: expected {wanted}, got {value}")
+            raise ModelError(f"spring {self.name!r}: {key}: expected {wanted}, got {plain(value)}")
         return np.ascontiguousarray(matrix)

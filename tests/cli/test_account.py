@@ -1,4 +1,4 @@
-"""What `duhamel run` tells of the energy of a run."""
+"""What `duhamel run` tells of the start and of the energy of a run."""
 
 import re
 
@@ -42,3 +42,58 @@ def test_energy_that_the_convolution_created_is_told(told):
     )
     assert float(found[1]) < -1e-6
     assert "created energy" not in told("consistent")
+
+
+PENDULUM = """
+[simulation]
+t_end = 0.01
+step = 1e-3
+
+[bodies.bob]
+mass = 1.0
+inertia = [0.1, 0.1, 0.1]
+position = [0.50001, 0, 0]
+velocity = [0.3, 0, 0]
+frames.pin = {position = [-0.5, 0, 0]}
+
+[[joints]]
+name = "pin"
+type = "revolute"
+between = ["ground.pin", "bob.pin"]
+axis = [0, 0, 1]
+start = {START}
+
+[ground]
+frames.pin = {}
+"""
+
+
+@pytest.fixture
+def start_told(runner, tmp_path):
+    """The lines of a run of a bob that is 10 um off its pin and thrown away from it."""
+
+    def run(start="{}"):
+        path = tmp_path / "pendulum.toml"
+        path.write_text(PENDULUM.replace("{START}", start))
+        result = runner.invoke(app, ["run", str(path)])
+        assert result.exit_code == 0, result.output
+        return result.stdout.splitlines()
+
+    return run
+
+
+def test_how_far_the_start_was_off_is_told_as_given(start_told):
+    """Whatever joints ask for at the start moves bodies, but opens nothing."""
+    lines = start_told()
+    assert "joint 'pin' was open by 1e-05 m as given, more than any other" in lines
+    assert "joint 'pin' opened at 0.3 m/s or rad/s as given, more than any other" in lines
+    assert "bodies start up to 1e-05 m or rad from their given places" in lines
+    asked = start_told("{angle = 1}")
+    assert asked[1:3] == lines[1:3]
+    assert "bodies start up to 1 m or rad from their given places" in asked
+
+
+def test_the_balance_is_told_beside_the_largest_energy(told):
+    found = re.search(r"balance within (\S+), (\S+) of the largest\n", told("consistent"))
+    assert float(found[1]) > 0.0
+    assert 0.0 < float(found[2]) < 1.0

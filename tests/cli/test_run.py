@@ -81,3 +81,54 @@ def test_another_step_for_a_body_without_modes_is_one_line_on_stderr(runner, mod
     assert result.exit_code == 1
     assert "no modes, so the kernel is fixed: h = 0.0005 s" in result.stderr
     assert "Traceback" not in result.stderr
+
+
+RIGID = """
+[simulation]
+t_end = 0.01
+STEP
+
+[bodies.stone]
+mass = 1.0
+inertia = [1, 1, 1]
+frames.edge = {position = [0.5, 0, 0]}
+"""
+COILED = """
+[[springs]]
+name = "coil"
+type = "point"
+between = ["ground.hook", "stone"]
+
+[ground]
+frames.hook = {}
+"""
+FAST = """
+[[joints]]
+name = "top"
+type = "spherical"
+between = ["ground", "stone.edge"]
+
+[[loads]]
+type = "torque"
+on = "stone"
+direction = [1, 2, 3]
+signal = 1e9
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (RIGID.replace("STEP", ""), "simulation: step: a model without superelements needs one"),
+        (RIGID.replace("STEP", "step = 1e-3") + COILED, "spring 'coil': its ends ['ground.hook', 'stone'] coincide"),
+        (RIGID.replace("STEP", "step = 1e-2\nmax_iterations = 1") + FAST, "no convergence in step 1 (t = 0.01 s): "),
+        (RIGID.replace("STEP", "stop = 1e-3"), "simulation: unknown key 'stop'; did you mean 'step'?"),
+    ],
+)
+def test_every_error_of_a_model_names_its_file_once(runner, tmp_path, text, message):
+    path = tmp_path / "stone.toml"
+    path.write_text(text)
+    result = runner.invoke(app, ["run", str(path)])
+    assert result.exit_code == 1
+    assert result.stderr.startswith(f"error: {path}: {message}")
+    assert result.stderr.count(str(path)) == 1

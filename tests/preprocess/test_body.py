@@ -95,7 +95,7 @@ MISTAKES = [
         r"section\.polar_inertia_per_length: .* greater than 0",
     ),
     ("GJ = 4.0", "", r"section\.GJ: missing"),
-    ("node = [0, 0, 0]", "node = [0, 0]", r"interfaces\.root\.node\.2: missing"),
+    ("node = [0, 0, 0]", "node = [0, 0]", r"interfaces\.root\.node: expected three numbers, found \[0, 0\]"),
     ("node = [0, 0, 0]", "nodes = [0, 0, 0]", r"interfaces\.root: unknown key 'nodes'; did you mean 'node'\?"),
     (
         "node = [0, 0, 0]",

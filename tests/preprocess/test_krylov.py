@@ -246,6 +246,19 @@ def test_the_response_to_a_load_within_the_band_is_that_of_the_march(case, rho_i
             assert (np.abs(u - expected).max(axis=0) / np.sqrt(scale * scale[j])).max() < tolerance
 
 
+def test_low_frequencies_do_not_drown_in_the_rounding_of_high_ones(beam_body, beam, section):
+    """400 elements at 1 us: eigenvalues over eleven orders, and still the first frequency of a free beam.
+
+    f = (beta L)^2 / (2 pi L^2) sqrt(EI / m) in both planes. Rounding of K itself leaves some 1e-8.
+    """
+    structure = assemble(beam_body(beam(400)))
+    modes, _, stated = krylov_modes(structure, NONE, half_nyquist(1e-6, GeneralizedAlpha(0.9)), 1e-6, lambda text: None)
+    first = 4.730040744862704**2 / (2 * np.pi * 0.5**2) * np.sqrt(section["EI_y"] / section["mass_per_length"])
+    np.testing.assert_allclose(modes.frequencies[:2], first, rtol=1e-7)
+    assert modes.omega[-1] > 1e5 * modes.omega[0]
+    assert stated <= 1e-6
+
+
 # What comes of it
 
 

@@ -18,7 +18,9 @@ from duhamel.solver import (
     ModelError,
     Place,
     Polynomial,
+    PrescribedDisplacement,
     RigidBody,
+    Spring,
     Start,
     Steps,
     read_model,
@@ -125,7 +127,7 @@ MADE = {
     ),
     "a drive that jumps": (
         lambda: Joint("j", "revolute", ("a", "b"), [0, 0, 1], angle=Steps((0.0,), (1.0,))),
-        "joint 'j': angle: expected a smooth signal (constant, harmonic, polynomial), got steps",
+        "joint 'j': angle: expected a smooth signal (constant, harmonic, polynomial, spline), got steps",
     ),
     "a load of an unknown type": (
         lambda: Load("moment", "a", [1, 0, 0], Constant(1.0)),
@@ -144,6 +146,26 @@ MADE = {
     "a skew inertia": (
         lambda: RigidBody(1.0, [[1, 0.1, 0], [0, 1, 0], [0, 0, 1]]),
         "inertia: expected three principal values or a symmetric 3x3 matrix",
+    ),
+    "an inertia of nothing that is": (
+        lambda: RigidBody(1.0, [1, 1, 2.1]),
+        "inertia: expected principal values of which none exceeds the sum of the other two, got [1.0, 1.0, 2.1]",
+    ),
+    "an inertia in an array": (
+        lambda: RigidBody(1.0, np.array([1.0, 2.0])),
+        "inertia: expected three principal values or a symmetric 3x3 matrix, got [1.0, 2.0]",
+    ),
+    "a damper that drives": (
+        lambda: Spring("s", "point", ("a", "b"), damping=-0.5),
+        "spring 's': damping: expected zero or more, got -0.5",
+    ),
+    "a bushing that drives": (
+        lambda: Spring("s", "bushing", ("a", "b"), damping=np.eye(6) + 2.0 * np.eye(6)[::-1]),
+        "spring 's': damping: expected no negative eigenvalue, which would create energy, got -1",
+    ),
+    "a spring with a dot": (
+        lambda: model(springs=(Spring("a.b", "point", ("a", "b")),)),
+        "springs: a spring cannot be named 'a.b'",
     ),
     "two positions": (
         lambda: Start(position=[1, 0, 0], place=Place("f", "ground")),
@@ -180,6 +202,20 @@ def circle():
     )
 
 
+def two_pins(*others):
+    """Two bodies on two spherical joints, which both keep their distance."""
+    frames = {"low": Frame([0.5, 0, 0]), "high": Frame([0.5, 0.3, 0])}
+    opposite = {"low": Frame([-0.5, 0, 0]), "high": Frame([-0.5, 0.3, 0])}
+    bodies = {
+        "a": RigidBody(1.0, [1.0, 2.0, 1.5], frames),
+        "b": RigidBody(1.0, [1.0, 2.0, 1.5], opposite, Start([1.0, 0, 0])),
+    }
+    pins = [Joint(name, "spherical", (f"a.{name}", f"b.{name}")) for name in ("low", "high")]
+    joints = [other for other in others if isinstance(other, Joint)]
+    motions = [other for other in others if not isinstance(other, Joint)]
+    return model((*pins, *joints), bodies=bodies, motions=motions)
+
+
 STARTED = {
     "a circle of places": (circle, "bodies a, b: they are placed on one another in a circle"),
     "an open joint": (
@@ -204,9 +240,17 @@ STARTED = {
                 weld("a.f", "b.f"),
                 Joint("motor", "revolute", ("a.f", "b.f"), [0, 0, 1], angle=Harmonic(1.0, 1.0)),
             ),
-            redundant="remove",
         ),
         "joints: motor (rotation 3) is driven against other constraints: on one another depend weld (translation 1, ",
+    ),
+    "one constraint too many": (
+        two_pins,
+        "joints: 6 constraints of which 1 is redundant; on one another depend low (translation 2), "
+        "high (translation 2); free a joint, or let redundant = 'remove' drop high (translation 2)",
+    ),
+    "pins that are driven apart": (
+        lambda: two_pins(PrescribedDisplacement("push", "b", [0, 1, 0], Polynomial((0.0, 1.0))), weld("ground", "a")),
+        "joints: push (translation 1) is driven against other constraints: on one another depend low (translation 1, ",
     ),
     "no step": (lambda: model(step=None), "simulation: step: a model without superelements needs one"),
 }
@@ -292,7 +336,7 @@ inertia = [1, 1, 1]
 FILES = {
     "simulation.t_ned": ({"simulation": "t_ned = 1"}, "simulation: unknown key 't_ned'; did you mean 't_end'?"),
     "unknown": ({"rest": "[[joint]]\nname = 'a'"}, "unknown key 'joint'; did you mean 'joints'?"),
-    "gravity": ({"simulation": "gravity = [0, 1]"}, "simulation.gravity.2: missing"),
+    "gravity": ({"simulation": "gravity = [0, 1]"}, "simulation.gravity: expected three numbers, found [0, 1]"),
     "rule": (
         {"simulation": "rule = 'exact'"},
         "simulation.rule: input should be 'consistent' or 'paper', found 'exact'",
@@ -315,9 +359,25 @@ FILES = {
         "load (force) on 'a': signal: expected a number or a table with one of the keys times, amplitude, polynomial, "
         "impulse, pulse, found {'wave': 1}",
     ),
+    "a signal that is nearly one": (
+        {"rest": "[[loads]]\ntype='force'\non='a'\ndirection=[1,0,0]\nsignal={polynomal = [1]}"},
+        "load (force) on 'a': signal: expected a number or a table with one of the keys times, amplitude, polynomial, "
+        "impulse, pulse, found {'polynomal': [1]}; did you mean 'polynomial'?",
+    ),
     "a key of a signal": (
         {"rest": "[[loads]]\ntype='force'\non='a'\ndirection=[1,0,0]\nsignal={amplitude = 1, frequenzy = 2}"},
-        "unknown key 'frequenzy'; did you mean 'frequency'?",
+        "load (force) on 'a': signal: unknown key 'frequenzy'; did you mean 'frequency'?",
+    ),
+    "a value of a signal": (
+        {"rest": "[[loads]]\ntype='force'\non='a'\ndirection=[1,0,0]\nsignal={times = [0], values = ['1']}"},
+        "load (force) on 'a': signal: values.0: input should be a valid number, found '1'",
+    ),
+    "a signal of two kinds": (
+        {
+            "rest": "[[loads]]\ntype='force'\non='a'\ndirection=[1,0,0]\n"
+            "signal={times = [0, 1], values = [0, 1], linear = true, spline = true}"
+        },
+        "load (force) on 'a': signal: expected linear or spline, found both",
     ),
     "a load of no type": (
         {"rest": "[[loads]]\ntype='push'\non='a'\ndirection=[1,0,0]\nsignal=1"},

@@ -307,5 +307,5 @@ def test_motions_from_a_model_file(tmp_path):
 def test_a_motion_that_starts_elsewhere_is_refused():
     with pytest.raises(ModelError, match=r"motion 'turn': angle: expected 0 at t = 0, got 0.5"):
         PrescribedRotation("turn", "body", [1, 0, 0], Constant(0.5))
-    with pytest.raises(ModelError, match=r"motion 'shake': displacement: expected 0 at t = 0, got 0.5"):
+    with pytest.raises(ModelError, match=r"motion 'shake': displacement: .* got 0.5: .*an offset of -0.5 would make"):
         PrescribedDisplacement("shake", "body", [1, 0, 0], Constant(0.5))

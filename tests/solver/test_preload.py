@@ -51,16 +51,22 @@ def wound_four_bar(folder):
     )
 
 
-@pytest.mark.parametrize("history", ["recursive", "direct"])
+@pytest.mark.parametrize(
+    ("history", "rule"), [("recursive", "consistent"), ("direct", "consistent"), ("recursive", "paper")]
+)
 @pytest.mark.parametrize("make", [on_springs, between_walls, wound_four_bar])
-def test_a_preload_stays_still(make, history, tmp_path):
-    """Over 1000 steps, to 1e-12 of the size of the model, although the bodies are bent."""
+def test_a_preload_stays_still(make, history, rule, tmp_path):
+    """Over 1000 steps, to 1e-12 of the size of the model, although the bodies are bent.
+
+    Eq. (55), which creates energy, makes even rounding grow: over 300 steps.
+    """
+    steps = 300 if rule == "paper" else STEPS
     model = make(tmp_path)
     gravity = [0.0, 0.0, -9.81]
-    settings = {"start": "equilibrium", "history": history, "gravity": gravity, "step": 2e-4, "t_end": STEPS * 2e-4}
-    results = simulate(replace(model, **settings, rho_inf=0.9))
+    settings = {"start": "equilibrium", "history": history, "rule": rule, "gravity": gravity, "rho_inf": 0.9}
+    results = simulate(replace(model, **settings, step=2e-4, t_end=steps * 2e-4))
     frames = [results.frame(f"{name}.{end}") for name in model.flexible_bodies for end in ("left", "right")]
-    assert len(results.time) == STEPS + 1
+    assert len(results.time) == steps + 1
     assert min(np.abs(frame.u).max() for frame in frames) > 1e-3
     size = max(float(np.abs(frame.position).max()) for frame in frames)
     moved = max(float(np.abs(frame.position - frame.position[0]).max()) for frame in frames)

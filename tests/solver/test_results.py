@@ -21,7 +21,7 @@ step = 2e-4
 
 [bodies.hub]
 mass = 0.01
-inertia = [1e-6, 1e-6, 0.019]
+inertia = [0.0095, 0.0095, 0.019]
 frames.rim = {position = [0.05, 0, 0]}
 
 [bodies.beam]

@@ -207,7 +207,7 @@ def test_a_body_falls_freely():
 def test_a_follower_torque_spins_a_body_and_its_work_is_counted():
     """omega = torque t / J about the axis that turns with the body, and the energy is the work."""
     body = RigidBody(
-        1.0, [1.0, 2.0, 4.0], {"knob": Frame([0.3, 0, 0], [0, 0.5 * np.pi, 0])}, Start(rotation=[0.4, -0.2, 0.9])
+        1.0, [3.0, 2.0, 4.0], {"knob": Frame([0.3, 0, 0], [0, 0.5 * np.pi, 0])}, Start(rotation=[0.4, -0.2, 0.9])
     )
     load = Load("torque", "body.knob", [1, 0, 0], Constant(2.0), follower=True)
     results = simulate(Model({"body": body}, loads=(load,), t_end=1.0, step=1e-3, rho_inf=0.9))

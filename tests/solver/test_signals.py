@@ -15,6 +15,7 @@ from duhamel.solver import (
     Pulse,
     RigidBody,
     SmoothFunction,
+    Spline,
     Steps,
     Table,
     simulate,
@@ -69,7 +70,13 @@ def test_samples_do_not_depend_on_how_they_are_asked_for(chunk):
 
 @pytest.mark.parametrize(
     "signal",
-    [Constant(2.5), Harmonic(1.5, 3.0, 0.4, -0.2), Polynomial((1.0, -2.0, 3.0, 0.5)), Polynomial((4.0,))],
+    [
+        Constant(2.5),
+        Harmonic(1.5, 3.0, 0.4, -0.2),
+        Polynomial((1.0, -2.0, 3.0, 0.5)),
+        Polynomial((4.0,)),
+        Spline((0.0, 0.3, 0.5), (1.0, 3.0, 2.0)),
+    ],
     ids=lambda signal: type(signal).__name__,
 )
 def test_derivatives_of_motions(signal):
@@ -98,6 +105,8 @@ def test_values_of_signals():
         (lambda: Steps((), ()), "got 0 times and 0 values"),
         (lambda: Table((0.0, 0.0), (1.0, 2.0)), r"times of a signal must increase, got \[0.0, 0.0\]"),
         (lambda: Pulse(1.0, 0.2, 0.1), "must end after it starts, got start = 0.2, end = 0.1"),
+        (lambda: Spline((0.0,), (1.0,)), "a spline needs two or more points, got 1"),
+        (lambda: Spline((0.0, 1.0), (1.0,)), "as many values as times, got 2 times and 1 values"),
         (lambda: Impulse(1.0, -0.1), "must act at t >= 0, got at = -0.1"),
     ],
 )
@@ -141,3 +150,45 @@ def test_a_smooth_function_drives_a_joint():
     coordinates = results.joint("drive").coordinates
     np.testing.assert_allclose(coordinates["angle"], 0.3 * np.sin(5.0 * results.time), atol=1e-12)
     np.testing.assert_allclose(coordinates["angle_rate"], 1.5 * np.cos(5.0 * results.time), atol=2e-5)
+
+
+def swing(t):
+    return 0.3 * np.sin(5.0 * t)
+
+
+def test_a_spline_through_points_of_a_motion_is_near_it():
+    """Of order four away from the ends; through the points, straight beyond them, and smooth everywhere."""
+    t = np.linspace(0.7, 1.3, 201)
+    errors = []
+    for n in (21, 41):
+        times = np.linspace(0.0, 2.0, n)
+        spline = Spline(tuple(times), tuple(swing(times)))
+        np.testing.assert_allclose(spline.samples(times, H), swing(times), rtol=0, atol=1e-15)
+        errors.append(np.abs(spline.samples(t, H) - swing(t)).max())
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.2)
+    for end, outwards in ((0.0, -1.0), (2.0, 1.0)):
+        slope, bend = spline.derivatives(end)
+        assert bend == pytest.approx(0.0, abs=1e-12)
+        assert spline.derivatives(end + outwards) == pytest.approx((slope, 0.0), abs=1e-12)
+        assert spline(end + outwards) == pytest.approx(spline(end) + outwards * slope, rel=1e-12)
+
+
+def test_a_spline_drives_and_loads_as_the_motion_that_it_passes_through():
+    """The angle of a driven joint and its rate; the momentum that a force has given."""
+    times = np.linspace(0.0, 1.2, 121)
+    measured = Spline(tuple(times), tuple(swing(times)))
+    body = RigidBody(2.0, [1.0, 1.0, 1.0])
+    driven = Model(
+        bodies={"arm": body},
+        joints=(Joint("drive", "revolute", ("ground", "arm"), axis=[0, 0, 1], angle=measured),),
+        t_end=1.0,
+        step=1e-3,
+    )
+    coordinates = simulate(driven).joint("drive").coordinates
+    t = 1e-3 * np.arange(1001)
+    np.testing.assert_allclose(coordinates["angle"], swing(t), rtol=0, atol=1e-7)
+    np.testing.assert_allclose(coordinates["angle_rate"], 1.5 * np.cos(5.0 * t), rtol=0, atol=1e-4)
+    pushed = Model({"arm": body}, loads=(Load("force", "arm", [1, 0, 0], measured),), t_end=1.0, step=1e-3)
+    np.testing.assert_allclose(
+        simulate(pushed).body("arm").v[:, 0], 0.3 / 5.0 * (1.0 - np.cos(5.0 * t)) / 2.0, rtol=0, atol=1e-6
+    )

@@ -23,7 +23,7 @@ from duhamel.solver import (
 from duhamel.solver.compilation import CompiledModel
 from duhamel.solver.equations import evaluate
 from duhamel.solver.initial import begin
-from duhamel.solver.jacobian import jacobian
+from duhamel.solver.jacobian import coupling_jacobian
 from duhamel.solver.newton import assemble, correct, linearise, renew, set_rotation
 from duhamel.solver.system import State, System, Workspace
 from scipy.spatial.transform import Rotation
@@ -139,7 +139,7 @@ def assert_tangents(model, seed=0):
     tangent = in_space(point.system, point.state, point.work.S)[:n, :n]
     np.testing.assert_allclose(tangent, K, rtol=0, atol=1e-9 * max(1.0, np.abs(K).max()))
     if len(B):
-        gradients = jacobian(point.system, rows, point.work.B, point.state).toarray()
+        gradients = coupling_jacobian(point.system, point.state, point.work).toarray()
         np.testing.assert_allclose(gradients, B, rtol=0, atol=1e-9 * np.abs(B).max())
         # and the forces are B^T lambda
         if not model.loads:

@@ -53,7 +53,7 @@ def beams(tmp_path_factory):
 
 def motion(part, n, force, pulse, gravity):
     """Results of a beam of n superelements; height and angle of the hub (n_t,), deflection of the tip in its axes."""
-    hub = RigidBody(HUB_MASS, [1e-6, 1e-6, HUB_INERTIA], {"rim": Frame([a, 0, 0])})
+    hub = RigidBody(HUB_MASS, HUB_INERTIA * np.array([0.5, 0.5, 1.0]), {"rim": Frame([a, 0, 0])})
     supports = ["hub.rim", *(f"b{i}.tip" for i in range(n - 1))]
     model = Model(
         bodies={

@@ -34,7 +34,7 @@ def case(request):
 
 def motion(beam, phi, C_0, rule):
     """Time, hub speed and transverse tip deflection in the hub frame."""
-    hub = RigidBody(0.01, [1e-6, 1e-6, phi * I_T], {"rim": Frame([a, 0, 0])})
+    hub = RigidBody(0.01, phi * I_T * np.array([0.5, 0.5, 1.0]), {"rim": Frame([a, 0, 0])})
     model = Model(
         bodies={"hub": hub, "beam": FlexibleBody(beam, Start(place=Place("root", "hub.rim")))},
         joints=(
