@@ -29,7 +29,7 @@ from .system import Bodies, Loads, Scheme, System
 
 ASSEMBLY_TOLERANCE = 1e-3
 """largest opening of a joint, relative to the size of the model, that is closed without being asked to"""
-REUSE = 1e-3
+REUSE = 1e-2
 """ratio of successive corrections above which the iteration matrix is made anew: the cheapest in trials"""
 
 

@@ -34,7 +34,7 @@ def recall(elastic: Elastic, scheme: Scheme, state: State, history: Array, modal
 
 @compiled
 def remember(elastic: Elastic, scheme: Scheme, state: State, p_n: Array, modal: Array) -> None:
-    """End step n + 1: take in the loads state.p = p_{n+1}, given p_n of the step before; `modal`: room for modal loads."""
+    """End step n + 1: take in the loads p_{n+1} = state.p, given p_n before; `modal`: room for (n_modes,)."""
     weight = scheme.weight
     modal[:] = 0.0
     for e in range(len(elastic.body)):

@@ -28,48 +28,49 @@ from .rotations import (
     quaternion_product,
     tangent_inverse,
 )
-from .system import Elastic, Scheme, State, System, Workspace
+from .system import Scheme, State, System, Workspace
 from .vectors import UNITS, copy, cross, multiply, rotate, rotate_back, row
+
+MARGIN = 1e-3
+"""how far below the tolerance Newton's method goes where it still converges"""
+STALLED = 0.1
+"""share of the residual that is left where it no longer does"""
 
 
 @compiled
 def converge(system: System, loads: Array, drive: Array, state: State, work: Workspace) -> tuple[int, float, bool]:
     """Newton's method from the predicted state: iterations, relative residual, and whether it converged.
 
+    It goes on a little below the tolerance while that costs one correction more: errors of old factors do not square.
     Where old factors, or the accelerations that the step began with, lead nowhere, it starts once more from zero
     accelerations and makes every matrix anew.
     """
-    iterations, residual, converged = _iterate(system, system.scheme.reuse, loads, drive, state, work)
-    if not converged and system.scheme.reuse > 0.0:
-        restart(system.scheme, state, work)
-        more, residual, converged = _iterate(system, 0.0, loads, drive, state, work)
-        iterations += more
-    return iterations, residual, converged
-
-
-@compiled
-def _iterate(
-    system: System, reuse: float, loads: Array, drive: Array, state: State, work: Workspace
-) -> tuple[int, float, bool]:
     scheme = system.scheme
-    change = previous = math.inf
-    iterations = 0
+    reuse = scheme.reuse
+    change = previous_change = previous = math.inf
+    total = iterations = 0
     while True:
         evaluate(system, loads, drive, state, work)
         residual = relative_residual(system, iterations > 1, state, work)
-        if residual <= scheme.tolerance and iterations > 0:
-            return iterations, residual, True
-        if iterations == scheme.max_iterations:
-            return iterations, residual, False
-        if not work.renewed[0] or not change <= reuse * previous:
-            work.renewed[0] = 0
-            if not renew(system, loads, drive, state, work):
-                return iterations, residual, False
-            work.renewed[0] = 1
+        enough = residual <= MARGIN * scheme.tolerance or residual > STALLED * previous
+        if residual <= scheme.tolerance and iterations > 0 and (enough or iterations == scheme.max_iterations):
+            return total, residual, True
+        solvable = iterations < scheme.max_iterations
+        if solvable and not (work.renewed[0] and change <= reuse * previous_change):
+            solvable = renew(system, loads, drive, state, work)
+            work.renewed[0] = int(solvable)
             work.renewed[1] += 1
-        previous = change
-        change = correct(system, state, work)
-        iterations += 1
+        if solvable:
+            previous_change, previous = change, residual
+            change = correct(system, state, work)
+            iterations += 1
+            total += 1
+        elif reuse > 0.0:
+            reuse, iterations = 0.0, 0
+            change = previous_change = previous = math.inf
+            restart(scheme, state, work)
+        else:
+            return total, residual, False
 
 
 @compiled
@@ -192,23 +193,18 @@ def set_right_hand_side(system: System, state: State, work: Workspace) -> None:
 @compiled
 def apply_correction(system: System, state: State, work: Workspace) -> None:
     """Add the corrections in `work.rhs` to u, lambda and the motion of the bodies."""
-    pattern, couplings = system.pattern, system.couplings
+    pattern, couplings, elastic = system.pattern, system.couplings, system.elastic
     h2 = system.scheme.h * system.scheme.h
     for b in range(len(system.bodies.mass)):
         first = pattern.first[pattern.body[b]]
-        _apply_displacements(system.elastic, b, first + 6, state, work)
+        e = elastic.of_body[b]
+        if e >= 0:
+            for i in range(elastic.active_range[e], elastic.active_range[e + 1]):
+                state.u[elastic.active[i]] += work.rhs[first + 6 + i - elastic.active_range[e]]
         _move_body(b, first, system.scheme, state, work)
     for j in range(len(pattern.coupling)):
         for i in range(couplings.range[j], couplings.range[j + 1]):
             state.lam[i] += work.rhs[pattern.first[pattern.coupling[j]] + i - couplings.range[j]] / h2
-
-
-@compiled
-def _apply_displacements(elastic: Elastic, b: int, first: int, state: State, work: Workspace) -> None:
-    e = elastic.of_body[b]
-    if e >= 0:
-        for i in range(elastic.active_range[e], elastic.active_range[e + 1]):
-            state.u[elastic.active[i]] += work.rhs[first + i - elastic.active_range[e]]
 
 
 @compiled

@@ -135,7 +135,6 @@ def assert_tangents(model, seed=0):
     K, B = difference(point.moved, n)
     point.evaluated()
     linearise(point.system, point.loads, point.drive, point.state, point.work)
-    rows = point.system.couplings.rows
     tangent = in_space(point.system, point.state, point.work.S)[:n, :n]
     np.testing.assert_allclose(tangent, K, rtol=0, atol=1e-9 * max(1.0, np.abs(K).max()))
     if len(B):
