@@ -14,9 +14,10 @@ import numpy as np
 
 from .compilation import CompiledModel
 from .compiled import Array, Index
+from .couplings import pull_back_pair
 from .equations import evaluate
 from .errors import ModelError
-from .frames import column, width
+from .jacobian import coupling_jacobian, jacobian
 from .newton import linearise, set_rotation
 from .rotations import tangent_inverse
 from .rows import evaluate_row
@@ -127,19 +128,20 @@ def _move(change: Array, state: State, work: Workspace) -> None:
 def _jacobian(compiled: CompiledModel, state: State, work: Workspace, wishes: list[Wish]) -> Array:
     n_q = 6 * len(compiled.system.bodies.mass)
     wished = [_observed(compiled, wish.observer, state, work)[1] for wish in wishes]
-    return np.vstack([work.B[hard_rows(compiled.system), :n_q], *wished])
+    B = coupling_jacobian(compiled.system, state, work).toarray()
+    return np.vstack([B[hard_rows(compiled.system), :n_q], *wished])
 
 
 def _observed(compiled: CompiledModel, i: int, state: State, work: Workspace) -> tuple[float, Array]:
     """The value of a joint coordinate and its derivative by (delta x, delta Theta) of all bodies."""
     observers, frames = compiled.system.observers, compiled.system.frames
     n_q = 6 * len(compiled.system.bodies.mass)
-    gradient, derivative = np.empty(12), np.zeros(n_q)
+    gradient, B = np.empty(12), np.zeros((1, 24))
     value = evaluate_row(observers, i, 0.0, float(state.observed[i]), work, gradient)
-    for f, first in ((int(observers.frame_a[i]), 0), (int(observers.frame_b[i]), 6)):
-        for k in range(min(6, width(frames, f))):
-            derivative[column(frames, n_q, f, k)] += gradient[first : first + 6] @ work.map[f, :, k]
-    return value, derivative
+    pull_back_pair(frames, int(observers.frame_a[i]), int(observers.frame_b[i]), gradient, state, work, B[0])
+    own = slice(i, i + 1)
+    row = jacobian(compiled.system, observers.frame_a[own], observers.frame_b[own], B, state)
+    return value, row.toarray()[0, :n_q]
 
 
 def _least_change(system: System, B: Array, missed: Array) -> Array:

@@ -12,7 +12,6 @@ import math
 from .compiled import Array, compiled
 from .couplings import evaluate_couplings, table
 from .frames import load_bodies, move_frame_velocities, move_frames
-from .history import instantaneous
 from .loads import evaluate_loads
 from .rows import measures_length
 from .system import Bodies, Couplings, Elastic, Scheme, State, System, Workspace
@@ -33,7 +32,7 @@ def evaluate(system: System, loads: Array, drive: Array, state: State, work: Wor
     evaluate_couplings(system.couplings, state.lam, state.coordinate, drive, work)
     load_bodies(frames, state, work)
     _equilibrium(system.bodies, state, work)
-    _compatibility(system.elastic, system.scheme, state, work)
+    _compatibility(system.elastic, state, work)
 
 
 @compiled
@@ -128,15 +127,14 @@ def _equilibrium(bodies: Bodies, state: State, work: Workspace) -> None:
 
 
 @compiled
-def _compatibility(elastic: Elastic, scheme: Scheme, state: State, work: Workspace) -> None:
+def _compatibility(elastic: Elastic, state: State, work: Workspace) -> None:
     """u_residual = history + w G_0 p - u at the active dofs."""
     for e in range(len(elastic.body)):
-        first = elastic.dof[e]
         begin, end = elastic.active_range[e], elastic.active_range[e + 1]
+        entry = elastic.G_active_start[e]
         for i in range(begin, end):
-            row = elastic.active[i]
-            total = work.history[row] - state.u[row]
+            total = work.history[elastic.active[i]] - state.u[elastic.active[i]]
             for j in range(begin, end):
-                k = elastic.active[j]
-                total += scheme.weight * instantaneous(elastic, e, row - first, k - first) * state.p[k]
+                total += elastic.G_active[entry] * state.p[elastic.active[j]]
+                entry += 1
             work.u_residual[i] = total

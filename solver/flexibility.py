@@ -24,7 +24,7 @@ class _Memory(NamedTuple):
 
 
 def lay_out_elastic(
-    model: Model, frames: Frames, h: float, scheme: GeneralizedAlpha, n_steps: int
+    model: Model, frames: Frames, h: float, scheme: GeneralizedAlpha, n_steps: int, weight: float
 ) -> tuple[Elastic, list[Array]]:
     """Number the interface dofs of all flexible bodies; bodies with the same superelement share its data.
 
@@ -48,13 +48,24 @@ def lay_out_elastic(
     phi, phi_start = _packed([memory.phi for memory in memories], owners)
     g, g_start = _packed([memory.g for memory in memories], owners)
     g_initial, _ = _packed([memory.g_initial for memory in memories], owners)
+    active_range = np.searchsorted(active, dofs)
+    G_active, G_active_start = active_flexibility(
+        [memory.G_0 for memory in memories], active, active_range, dofs, weight
+    )
+    numbers = {name: b for b, name in enumerate(model.bodies)}
+    flexible = as_index([numbers[name] for name in bodies])
+    of_body = np.full(len(numbers), -1)
+    of_body[flexible] = np.arange(len(flexible))
     elastic = Elastic(
-        body=as_index([list(model.bodies).index(name) for name in bodies]),
+        body=flexible,
         dof=as_index(dofs),
         active=active,
-        active_range=as_index(np.searchsorted(active, dofs)),
+        active_range=as_index(active_range),
+        of_body=of_body,
         G_0=G_0,
         G_0_start=G_0_start,
+        G_active=G_active,
+        G_active_start=G_active_start,
         mode_range=as_index(np.cumsum([0, *(memory.recursion.shape[1] for memory in memories)])),
         stiffness=stiffness.copy(),
         damping=damping.copy(),
@@ -66,6 +77,17 @@ def lay_out_elastic(
         g_start=g_start,
     )
     return elastic, [memory.compliance for memory in memories]
+
+
+def active_flexibility(
+    matrices: Sequence[Array], active: Index, active_range: Index, dofs: Index, weight: float
+) -> tuple[Array, Index]:
+    """weight times the rows and columns of the active dofs of every body's matrix (n_c, n_c), and where each starts."""
+    parts = []
+    for e, matrix in enumerate(matrices):
+        own = active[active_range[e] : active_range[e + 1]] - dofs[e]
+        parts.append(weight * matrix[np.ix_(own, own)])
+    return _packed(parts, range(len(parts)))
 
 
 def _active_dofs(frames: Frames) -> list[int]:

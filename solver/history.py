@@ -9,12 +9,13 @@ the consistent rule (methods 2.1) and 1/2 for eq. (55) of the paper, which convo
 
 from .compiled import Array, compiled
 from .system import Elastic, Scheme, State
+from .vectors import copy
 
 
 @compiled
-def recall(elastic: Elastic, scheme: Scheme, state: State, history: Array) -> None:
+def recall(elastic: Elastic, scheme: Scheme, state: State, history: Array, modal: Array) -> None:
     """Start step n + 1: `history` (n_u,), the displacements that past loads alone would give."""
-    _coast(elastic, scheme, state)
+    _coast(elastic, scheme, state, modal)
     n = state.step[0] + 1
     for e in range(len(elastic.body)):
         first, last = elastic.dof[e], elastic.dof[e + 1]
@@ -32,9 +33,10 @@ def recall(elastic: Elastic, scheme: Scheme, state: State, history: Array) -> No
 
 
 @compiled
-def remember(elastic: Elastic, scheme: Scheme, state: State, p_n: Array) -> None:
-    """End step n + 1: take in the loads state.p = p_{n+1}, given those of the step before."""
+def remember(elastic: Elastic, scheme: Scheme, state: State, p_n: Array, modal: Array) -> None:
+    """End step n + 1: take in the loads p_{n+1} = state.p, given p_n before; `modal`: room for (n_modes,)."""
     weight = scheme.weight
+    modal[:] = 0.0
     for e in range(len(elastic.body)):
         first = elastic.dof[e]
         begin, end = elastic.mode_range[e], elastic.mode_range[e + 1]
@@ -43,8 +45,11 @@ def remember(elastic: Elastic, scheme: Scheme, state: State, p_n: Array) -> None
             load = weight * state.p[k] + (1.0 - weight) * p_n[k]
             if len(state.p_history):
                 state.p_history[state.step[0] + 1, k] = load - state.p_rest[k]
-            if load != 0.0 and begin < end:
-                _push(elastic, scheme, state, e, k - first, load)
+            start = elastic.phi_start[e] + (k - first) * (end - begin)
+            phi, forces = elastic.phi[start : start + end - begin], modal[begin:end]
+            for i in range(len(forces)):
+                forces[i] += phi[i] * load
+    _push(elastic, scheme, state, modal)
 
 
 @compiled
@@ -76,36 +81,43 @@ def modal_energy(elastic: Elastic, state: State) -> float:
 
 
 @compiled
-def _coast(elastic: Elastic, scheme: Scheme, state: State) -> None:
-    """Advance all modes by one step without load (methods 2.1)."""
+def _coast(elastic: Elastic, scheme: Scheme, state: State, change: Array) -> None:
+    """Advance all modes by one step without load (methods 2.1); `change`: room for their new a."""
     h, alpha_m, alpha_f, beta, gamma = scheme.h, scheme.alpha_m, scheme.alpha_f, scheme.beta, scheme.gamma
+    kept, lost = alpha_m / (1.0 - alpha_f), alpha_f / (1.0 - alpha_f)
     ratio = (1.0 - alpha_m) / (1.0 - alpha_f)
-    for i in range(len(elastic.stiffness)):
+    # one array written in each loop, and few read, lets the compiler use vector instructions
+    for i in range(len(change)):
         a = state.eta_a[i]
         eta = state.eta[i] + h * state.eta_rate[i] + h * h * (0.5 - beta) * a
         rate = state.eta_rate[i] + h * (1.0 - gamma) * a
-        carried = (alpha_m * a - alpha_f * state.eta_acceleration[i]) / (1.0 - alpha_f)
-        a = -(elastic.stiffness[i] * eta + elastic.damping[i] * rate + carried) / elastic.pivot[i]
-        state.eta[i] = eta + beta * h * h * a
-        state.eta_rate[i] = rate + gamma * h * a
-        state.eta_acceleration[i] = ratio * a + carried
-        state.eta_a[i] = a
+        carried = kept * a - lost * state.eta_acceleration[i]
+        change[i] = -(elastic.stiffness[i] * eta + elastic.damping[i] * rate + carried) / elastic.pivot[i]
+    for i in range(len(change)):
+        state.eta[i] += h * state.eta_rate[i] + h * h * ((0.5 - beta) * state.eta_a[i] + beta * change[i])
+    for i in range(len(change)):
+        state.eta_rate[i] += h * ((1.0 - gamma) * state.eta_a[i] + gamma * change[i])
+    for i in range(len(change)):
+        state.eta_acceleration[i] = ratio * change[i] + kept * state.eta_a[i] - lost * state.eta_acceleration[i]
+    copy(change, state.eta_a)
 
 
 @compiled
-def _push(elastic: Elastic, scheme: Scheme, state: State, e: int, c: int, load: float) -> None:
-    """Add the effect of a load on dof c of body e, acting at the end of the step, to the modes that have coasted."""
+def _push(elastic: Elastic, scheme: Scheme, state: State, change: Array) -> None:
+    """Add the effect of modal loads `change`, acting at the end of the step, to the modes that have coasted."""
     h = scheme.h
     ratio = (1.0 - scheme.alpha_m) / (1.0 - scheme.alpha_f)
     displacement, velocity = scheme.beta * h * h, scheme.gamma * h
-    begin, end = elastic.mode_range[e], elastic.mode_range[e + 1]
-    start = elastic.phi_start[e] + c * (end - begin)
-    for i in range(end - begin):
-        a = elastic.phi[start + i] * load / elastic.pivot[begin + i]
-        state.eta[begin + i] += displacement * a
-        state.eta_rate[begin + i] += velocity * a
-        state.eta_acceleration[begin + i] += ratio * a
-        state.eta_a[begin + i] += a
+    for i in range(len(change)):
+        change[i] /= elastic.pivot[i]
+    for i in range(len(change)):
+        state.eta[i] += displacement * change[i]
+    for i in range(len(change)):
+        state.eta_rate[i] += velocity * change[i]
+    for i in range(len(change)):
+        state.eta_acceleration[i] += ratio * change[i]
+    for i in range(len(change)):
+        state.eta_a[i] += change[i]
 
 
 @compiled
@@ -116,9 +128,10 @@ def _sum_modes(elastic: Elastic, e: int, eta: Array, out: Array) -> None:
     m = end - begin
     for c in range(last - first):
         start = elastic.phi_start[e] + c * m
+        phi, own = elastic.phi[start : start + m], eta[begin:end]
         total = 0.0
-        for i in range(m):
-            total += elastic.phi[start + i] * eta[begin + i]
+        for i in range(len(phi)):
+            total += phi[i] * own[i]
         out[first + c] = total
 
 

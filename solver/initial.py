@@ -19,6 +19,7 @@ from .compiled import Array
 from .couplings import turn_of
 from .equations import evaluate
 from .equilibrium import check_drives, check_steady, settle
+from .jacobian import coupling_jacobian
 from .loads import load_vector
 from .model import Model
 from .newton import linearise
@@ -67,8 +68,8 @@ def begin(model: Model) -> Beginning:
     state, work = allocate(compiled)
     misfit = _misfit(compiled, state, work)
     _close(compiled, state, work)
-    degrees_of_freedom = count_freedoms(compiled, work)
-    without = redundant_rows(compiled, work)
+    degrees_of_freedom = count_freedoms(compiled, state, work)
+    without = redundant_rows(compiled, state, work)
     removed = describe_rows(compiled, sorted(without))
     if without:
         compiled = compile_system(model, without)
@@ -156,7 +157,8 @@ def _accelerations(compiled: CompiledModel, drive: Array, state: State, work: Wo
     system = compiled.system
     hard = hard_rows(system)
     n_q = 6 * len(system.bodies.mass)
-    B_r, B_a = work.B[hard, :n_q], work.B[hard, n_q:]
+    B = coupling_jacobian(system, state, work).toarray()[hard]
+    B_r, B_a = B[:, :n_q], B[:, n_q:]
     A_el = interface_mobility(compiled)
     p = state.p[system.elastic.active]
     inverse = inverse_inertia(system)

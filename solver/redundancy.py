@@ -9,27 +9,29 @@ from .assembly import hard_rows, interface_mobility, inverse_inertia
 from .compilation import CompiledModel
 from .compiled import Array
 from .errors import ModelError
-from .system import Workspace
+from .jacobian import coupling_jacobian
+from .system import State, Workspace
 
 RANK_TOLERANCE = 1e-9
 """singular values of the constraint Jacobian, rows scaled to unit length, below which rows count as dependent"""
 
 
-def degrees_of_freedom(compiled: CompiledModel, work: Workspace) -> int:
+def degrees_of_freedom(compiled: CompiledModel, state: State, work: Workspace) -> int:
     """Of the mechanism, its bodies taken as rigid: six for each less the rank of the constraints."""
     n_q = 6 * len(compiled.system.bodies.mass)
-    return n_q - rank(_rigid_jacobian(compiled, work))
+    return n_q - rank(_rigid_jacobian(compiled, state, work))
 
 
-def redundant_rows(compiled: CompiledModel, work: Workspace) -> frozenset[int]:
+def redundant_rows(compiled: CompiledModel, state: State, work: Workspace) -> frozenset[int]:
     """Rows to leave out so that the others are independent, elastic interfaces included.
 
     ModelError names them unless the model says that redundant constraints may be removed. A drive is never redundant:
     it moves what the constraints that it depends on hold still.
     """
     hard = hard_rows(compiled.system)
-    elastic = work.B[hard, 6 * len(compiled.system.bodies.mass) :] @ _mobility_root(compiled)
-    found = find_redundancy(np.hstack([_rigid_jacobian(compiled, work), elastic]))
+    B = coupling_jacobian(compiled.system, state, work).toarray()
+    elastic = B[hard, 6 * len(compiled.system.bodies.mass) :] @ _mobility_root(compiled)
+    found = find_redundancy(np.hstack([_rigid_jacobian(compiled, state, work), elastic]))
     if found is None:
         return frozenset()
     involved, removable = (hard[rows].tolist() for rows in (found.involved, found.removable))
@@ -96,10 +98,11 @@ def _left_null_space(J: Array) -> Array:
     return np.asarray(left[:, small])
 
 
-def _rigid_jacobian(compiled: CompiledModel, work: Workspace) -> Array:
+def _rigid_jacobian(compiled: CompiledModel, state: State, work: Workspace) -> Array:
     """Rows of the constraints against bodies, columns scaled by their inertia."""
     n_q = 6 * len(compiled.system.bodies.mass)
-    rows: Array = work.B[hard_rows(compiled.system), :n_q] @ np.linalg.cholesky(inverse_inertia(compiled.system))
+    B = coupling_jacobian(compiled.system, state, work).toarray()
+    rows: Array = B[hard_rows(compiled.system), :n_q] @ np.linalg.cholesky(inverse_inertia(compiled.system))
     return rows
 
 
