@@ -3,6 +3,7 @@
 import numpy as np
 
 from .compilation import CompiledModel
+from .lookahead import kept_steps
 from .rotations import quaternion_of
 from .system import State, Workspace
 
@@ -13,7 +14,7 @@ def allocate(compiled: CompiledModel) -> tuple[State, Workspace]:
     n_rows, n_l, n_d = len(system.couplings.rows.kind), len(system.loads.frame), len(compiled.drives)
     n_u, n_a, n_modes = int(system.elastic.dof[-1]), len(system.elastic.active), len(system.elastic.stiffness)
     pattern, n = system.pattern, int(system.pattern.first[-1])
-    directly = n_u > 0 and bool((np.diff(system.elastic.mode_range) == 0).any())
+    n_kept = kept_steps(system.elastic, compiled.n_steps)
     starts = [body.start for body in compiled.model.bodies.values()]
     state = State(
         step=np.zeros(1, dtype=np.int64),
@@ -35,7 +36,11 @@ def allocate(compiled: CompiledModel) -> tuple[State, Workspace]:
         eta_a=np.zeros(n_modes),
         p_rest=np.zeros(n_u),
         history_rest=np.zeros(n_u),
-        p_history=np.zeros((compiled.n_steps + 1 if directly else 0, n_u)),
+        p_start=np.zeros(n_u),
+        p_history=np.zeros((n_u, n_kept)),
+        ahead=np.zeros((n_u, n_kept)),
+        window=np.zeros(1, dtype=np.int64),
+        since=np.ones(len(system.elastic.body), dtype=np.int64),
         load_vector=np.zeros((n_l, 3)),
         drive=np.zeros(n_d),
         drive_force=np.zeros(n_d),

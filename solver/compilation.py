@@ -54,6 +54,8 @@ class CompiledModel:
     superelements: list[Superelement]
     compliances: list[Array]
     """static compliance of every flexible body (n_c, n_c)"""
+    truncation: float
+    """largest error of kernels that are cut off, relative to static displacements"""
 
     @property
     def all_modal(self) -> bool:
@@ -111,7 +113,7 @@ def compile_system(model: Model, without: frozenset[int] = frozenset()) -> Compi
         _check_assembled(model, poses, frames)
     _check_moments(model, frames, rows)
     weight = 1.0 if model.rule == "consistent" else 0.5
-    elastic, compliances = lay_out_elastic(model, frames.arrays, h, scheme, n_steps, weight)
+    elastic, compliances, truncation = lay_out_elastic(model, frames.arrays, h, scheme, n_steps, weight)
     pattern = lay_out_pattern(len(body_names), frames.arrays, couplings, elastic)
     system = System(
         scheme=Scheme(
@@ -160,6 +162,7 @@ def compile_system(model: Model, without: frozenset[int] = frozenset()) -> Compi
         load_signals=[load.signal for load in model.loads],
         superelements=[body.superelement for body in model.flexible_bodies.values()],
         compliances=compliances,
+        truncation=truncation,
     )
 
 

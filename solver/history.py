@@ -1,7 +1,8 @@
-"""The convolution of interface loads with impulse responses, one step at a time, in two exact forms.
+"""The convolution of interface loads with impulse responses, one step at a time, in three exact forms.
 
     recursive: the modes carry the history; a step costs the number of modes
     direct:    the sum over all past loads; a step costs its own number
+    fft:       that sum over the present block of steps; `ahead` holds what earlier ones do (lookahead.py)
 
 Both give u_{n+1} = history + weight G_0 p_{n+1}, with history complete before p_{n+1} is known. `weight` is 1 for
 the consistent rule (methods 2.1) and 1/2 for eq. (55) of the paper, which convolves the mean of p_n and p_{n+1}.
@@ -22,9 +23,7 @@ def recall(elastic: Elastic, scheme: Scheme, state: State, history: Array, modal
         if elastic.mode_range[e] < elastic.mode_range[e + 1]:
             _sum_modes(elastic, e, state.eta, history)
         else:
-            _convolve(elastic, e, n, state.p_history, history)
-            for i in range(first, last):
-                history[i] += state.history_rest[i]
+            _convolve(elastic, e, n, state, history)
         if scheme.weight != 1.0:
             for i in range(first, last):
                 for c in range(elastic.active_range[e], elastic.active_range[e + 1]):
@@ -43,8 +42,8 @@ def remember(elastic: Elastic, scheme: Scheme, state: State, p_n: Array, modal: 
         for c in range(elastic.active_range[e], elastic.active_range[e + 1]):
             k = elastic.active[c]
             load = weight * state.p[k] + (1.0 - weight) * p_n[k]
-            if len(state.p_history):
-                state.p_history[state.step[0] + 1, k] = load - state.p_rest[k]
+            if begin == end:
+                state.p_history[k, state.step[0] + 1 - state.window[0]] = load - state.p_rest[k]
             start = elastic.phi_start[e] + (k - first) * (end - begin)
             phi, forces = elastic.phi[start : start + end - begin], modal[begin:end]
             for i in range(len(forces)):
@@ -129,30 +128,30 @@ def _sum_modes(elastic: Elastic, e: int, eta: Array, out: Array) -> None:
     for c in range(last - first):
         start = elastic.phi_start[e] + c * m
         phi, own = elastic.phi[start : start + m], eta[begin:end]
-        total = 0.0
-        for i in range(len(phi)):
-            total += phi[i] * own[i]
-        out[first + c] = total
+        out[first + c] = _product(phi, own)
 
 
 @compiled
-def _convolve(elastic: Elastic, e: int, n: int, p: Array, out: Array) -> None:
-    """out = g_initial[n] p_0 + sum_{j=1..n-1} g[n-j] p_j on the dofs of body e"""
+def _convolve(elastic: Elastic, e: int, n: int, state: State, out: Array) -> None:
+    """out = g_initial[n] p_0 + sum_{j=1..n-1} g[n-j] p_j + what loads at rest do, on the dofs of body e"""
     first, last = elastic.dof[e], elastic.dof[e + 1]
-    square = (last - first) ** 2
-    out[first:last] = 0.0
-    _add_product(elastic.g_initial, elastic.g_start[e] + n * square, p[0, first:last], out[first:last])
-    for j in range(1, n):
-        _add_product(elastic.g, elastic.g_start[e] + (n - j) * square, p[j, first:last], out[first:last])
+    n_c, lags, start = last - first, elastic.lags[e], elastic.g_start[e]
+    n_0 = state.window[0]
+    since = max(state.since[e], n - lags + 1)
+    for i in range(n_c):
+        total = state.history_rest[first + i] + state.ahead[first + i, n - n_0]
+        for c in range(elastic.active_range[e], elastic.active_range[e + 1]):
+            k = elastic.active[c]
+            if n < lags:
+                total += elastic.g_initial[start + (n * n_c + i) * n_c + k - first] * state.p_start[k]
+            end = start + (i * n_c + k - first + 1) * lags
+            total += _product(elastic.g[end - 1 - n + since : end - 1], state.p_history[k, since - n_0 : n - n_0])
+        out[first + i] = total
 
 
 @compiled
-def _add_product(matrices: Array, start: int, p: Array, out: Array) -> None:
-    """out += g p for the symmetric matrix g that begins at `start`, row by row; rows without load cost nothing."""
-    n = len(out)
-    for i in range(n):
-        load = p[i]
-        if load != 0.0:
-            row = matrices[start + i * n : start + (i + 1) * n]
-            for c in range(n):
-                out[c] += row[c] * load
+def _product(a: Array, b: Array) -> float:
+    total = 0.0
+    for j in range(len(a)):
+        total += a[j] * b[j]
+    return total

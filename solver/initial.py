@@ -207,8 +207,7 @@ def _start_history(compiled: CompiledModel, state: State) -> None:
     elastic, scheme = compiled.system.elastic, compiled.system.scheme
     if scheme.weight != 1.0:
         return
-    if len(state.p_history):
-        state.p_history[0] = state.p
+    state.p_start[:] = state.p
     for e in range(len(elastic.body)):
         own = slice(elastic.dof[e], elastic.dof[e + 1])
         p = state.p[own]

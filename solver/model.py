@@ -155,8 +155,9 @@ class Model:
     """Bodies by name, joints and loads, and how to integrate their motion.
 
     t_end [s]; gravity (3,) [m/s^2], the acceleration of a free body; step [s] and rho_inf, by default those of the
-    superelements; rule "consistent" (methods 2.4) or "paper" (eq. 55); history "auto", "recursive" or "direct";
-    tolerance of Newton's method, relative to the forces and displacements of a step. `ground_frames` are frames
+    superelements; rule "consistent" (methods 2.4) or "paper" (eq. 55); history "auto" (the cheapest), "recursive",
+    "direct" or "fft"; memory [s], after which impulse responses are faded out and cut off (those that modes carry are
+    not); tolerance of Newton's method, relative to the forces and displacements of a step. `ground_frames` are frames
     fixed in space. `source` is the text of the model file, if there is one.
 
     start: "given", as the bodies say, or "equilibrium", at rest, or in a `steady_rotation`, under gravity and the
@@ -178,6 +179,7 @@ class Model:
     rho_inf: float | None = None
     rule: str = "consistent"
     history: str = "auto"
+    memory: float | None = None
     tolerance: float = 1e-10
     max_iterations: int = 20
     start: str = "given"
@@ -211,8 +213,10 @@ class Model:
             raise ModelError(f"rho_inf: expected a number from 0 to 1, got {self.rho_inf}")
         if self.rule not in ("consistent", "paper"):
             raise ModelError(f"rule: expected 'consistent' or 'paper', got {self.rule!r}")
-        if self.history not in ("auto", "recursive", "direct"):
-            raise ModelError(f"history: expected 'auto', 'recursive' or 'direct', got {self.history!r}")
+        if self.history not in ("auto", "recursive", "direct", "fft"):
+            raise ModelError(f"history: expected 'auto', 'recursive', 'direct' or 'fft', got {self.history!r}")
+        if self.memory is not None and not 0.0 < self.memory < np.inf:
+            raise ModelError(f"memory: expected a positive time, got {self.memory}")
         if self.start not in ("given", "equilibrium"):
             raise ModelError(f"start: expected 'given' or 'equilibrium', got {self.start!r}")
         if self.redundant not in ("error", "remove"):

@@ -202,7 +202,8 @@ class _Simulation(Table):
     step: PositiveFloat | None = None
     rho_inf: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
     rule: Literal["consistent", "paper"] = "consistent"
-    history: Literal["auto", "recursive", "direct"] = "auto"
+    history: Literal["auto", "recursive", "direct", "fft"] = "auto"
+    memory: PositiveFloat | None = None
     tolerance: PositiveFloat = 1e-10
     max_iterations: PositiveInt = 20
     start: Literal["given", "equilibrium"] = "given"

@@ -10,6 +10,7 @@ from .compilation import CompiledModel
 from .compiled import Array, is_cached
 from .errors import ConvergenceError
 from .initial import begin
+from .lookahead import Lookahead
 from .loop import advance, record
 from .model import Model
 from .progress import Progress
@@ -46,6 +47,7 @@ def simulate(model: Model, output: str | os.PathLike[str] | None = None, progres
         moved=beginning.moved,
         velocity_correction=beginning.velocity_correction,
         removed=beginning.removed,
+        truncation=compiled.truncation,
     )
     started = time.perf_counter()
     _march(compiled, state, work, file, progress)
@@ -56,6 +58,7 @@ def simulate(model: Model, output: str | os.PathLike[str] | None = None, progres
 def _march(compiled: CompiledModel, state: State, work: Workspace, file: ResultsFile, progress: bool) -> None:
     quaternions = compiled.frame_quaternions
     done, total, stint = 0, compiled.n_steps, 16
+    lookahead = Lookahead(compiled.system.elastic, total)
     with Recorder(file, compiled) as recorder, Progress("simulating", total, shown=progress) as bar:
         record(compiled.system, quaternions, 0, state, work, recorder.free)
         recorder.keep(0, 1)
@@ -63,13 +66,15 @@ def _march(compiled: CompiledModel, state: State, work: Workspace, file: Results
         while done < total:
             started = time.perf_counter()
             output = recorder.free
-            inputs = _inputs(compiled, done + 1, min(stint, total - done, len(output.residual)))
+            rows = lookahead.room(done, min(stint, total - done, len(output.residual)))
+            inputs = _inputs(compiled, done + 1, rows)
             taken = advance(compiled.system, quaternions, inputs, state, work, output)
             recorder.keep(done + 1, taken)
             done += taken
             bar.advance(taken)
             if taken < len(inputs.load):
                 raise _failure(compiled, done + 1, float(output.residual[taken]), work)
+            lookahead.look(state)
             if time.perf_counter() - started < 0.5 * STINT:
                 stint *= 2
 

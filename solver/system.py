@@ -99,9 +99,11 @@ class Elastic(NamedTuple):
     pivot: Array  # (n_modes,)
     phi: Array  # (n_c, m) one after the other; bodies may share one
     phi_start: Index  # (n_e,)
-    g: Array  # kernels (n_k, n_c, n_c) one after the other; bodies may share one
-    g_initial: Array
+    g: Array  # kernels (n_c, n_c, lags), from the last lag to the first, one after the other; bodies may share one
+    g_initial: Array  # the same as (lags, n_c, n_c), from the first lag on
     g_start: Index  # (n_e,)
+    lags: Index  # (n_e,) how many of them there are
+    looks_ahead: Index  # (n_e,) 1: blocks of past loads are convolved by FFT
 
 
 class Pattern(NamedTuple):
@@ -159,7 +161,11 @@ class State(NamedTuple):
     eta_a: Array  # (n_modes,)
     p_rest: Array  # (n_u,) loads that have always acted: direct convolution leaves them out ...
     history_rest: Array  # (n_u,) ... and adds what they do, (compliance - G_0) p_rest
-    p_history: Array  # (n_steps + 1, n_u), empty unless some body convolves directly
+    p_start: Array  # (n_u,) loads that begin at t = 0, which kernels answer with g_initial
+    p_history: Array  # (n_u, n) loads at the steps from window[0] on, without p_rest; n = 0 where all bodies have modes
+    ahead: Array  # (n_u, n) displacements at the same steps by the loads before `since`
+    window: Index  # (1,)
+    since: Index  # (n_e,) the first step whose loads the time loop convolves itself
     load_vector: Array  # (n_l, 3) force or torque at the last step, in space
     drive: Array  # (n_d,) at the last step
     drive_force: Array  # (n_d,) work per unit of the drive, at the last step
