@@ -127,8 +127,8 @@ def sweep(
 
     with told_in_one_line(study):
         plan = study.read_study(study_file, output)
-        with shown_cases(len(plan.cases)) as tell:
-            rows = study.sweep(plan, workers, scheduler, force, tell)
+    with told_in_one_line(study, about=study_file), shown_cases(len(plan.cases)) as tell:
+        rows = study.sweep(plan, workers, scheduler, force, tell)
     failed = list(verdict(rows))
     for line in failed:
         typer.echo(line, err=True)

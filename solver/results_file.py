@@ -41,7 +41,12 @@ class ResultsFile:
         self._memory = None if path else h5py.File(io.BytesIO(), "w")
         self._columns = lay_out_columns(compiled)
         self._h = compiled.h
-        self._superelements = {name: body.superelement for name, body in compiled.model.flexible_bodies.items()}
+        # Those of a file are left there until a field is asked for, unless all of them is here already.
+        self._superelements = {
+            name: body.superelement
+            for name, body in compiled.model.flexible_bodies.items()
+            if body.superelement.recovery is not None or not body.source
+        }
         self._energy_start: tuple[float, float] | None = None
         self._written = 0
         self._run = uuid.uuid4().hex

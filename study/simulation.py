@@ -8,11 +8,10 @@ from typing import ClassVar
 
 import h5py
 
-from ..solver import ConvergenceError, ModelError, Results, read_model, simulate
+from ..solver import ConvergenceError, ModelError, Results, ResultsError, read_model, simulate
 from ..superelement import SuperelementError
 from .case import Case
 from .digest import digest
-from .parts import renamed_at_the_end
 
 NO_TIME = 1e-300
 """a run of this length [s] is its start alone"""
@@ -25,7 +24,7 @@ class Simulation:
 
     @property
     def failures(self) -> tuple[type[Exception], ...]:
-        return ModelError, ConvergenceError, SuperelementError, OSError, MemoryError
+        return ModelError, ConvergenceError, ResultsError, SuperelementError, OSError, MemoryError
 
     def check(self, base: Path, outputs: Mapping[str, str]) -> None:
         """Start the base model, which compiles the time loop, and look whether the results hold the outputs."""
@@ -39,8 +38,7 @@ class Simulation:
             check(read(results), outputs)
 
     def make(self, case: Case) -> None:
-        with renamed_at_the_end(case.target) as part:
-            simulate(read_model(case.source), output=part)
+        simulate(read_model(case.source), output=case.target)
 
     def is_made(self, case: Case) -> bool:
         try:

@@ -11,7 +11,6 @@ from typing import Any
 
 from .case import Case
 from .errors import StudyError
-from .parts import remove_parts
 from .study_file import Study
 from .workers import Report, in_process, on_cluster
 
@@ -68,7 +67,6 @@ def sweep(
             for case, report in reports:
                 finish(case, report)
     finally:
-        remove_parts(folder)
         write_summary(folder / "summary.csv", study, list(rows.values()))
     return tuple(rows.values())
 

@@ -242,6 +242,16 @@ def test_nodes_labels_and_groups_of_a_mesh_file(solid, tmp_path, writer, group):
     np.testing.assert_allclose(frame.X, [-0.5, 0.0, 0.0], atol=1e-12)
 
 
+def test_lumped_mass(solid, tmp_path):
+    """A diagonal matrix of masses is sound: Nastran's default."""
+    model = export(assemble(solid))
+    lumped = sp.diags_array(model.M.sum(axis=1), format="csc")
+    structure = assemble(given(Export(model.labels, model.points, model.dofs, model.K, lumped).write(tmp_path)))
+    assert structure.rigid.mass == pytest.approx(156.0, rel=1e-12)
+    np.testing.assert_allclose(structure.rigid.center, [0.5, 0.1, 0.05], atol=1e-12)
+    assert abs(structure.M - lumped).max() == 0.0
+
+
 def test_points_of_an_npz(solid, tmp_path):
     model = export(assemble(solid))
     np.savez(tmp_path / "nodes.npz", points=model.points, labels=model.labels)
