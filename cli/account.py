@@ -26,6 +26,8 @@ def account(results: Results) -> Iterator[str]:
         yield f"bodies start up to {solver['moved']:.3g} m or rad from their given places"
     if solver["velocity_correction"] > NOTICEABLE:
         yield f"bodies start up to {solver['velocity_correction']:.3g} m/s or rad/s from their given velocities"
+    if solver["truncation"] > 0.0:
+        yield f"impulse responses were cut off: displacements err by at most {solver['truncation']:.1g} of static ones"
     energy = results.energy
     names = ("kinetic", "elastic", "springs", "potential", "work", "dissipated")
     last = ", ".join(f"{name} {getattr(energy, name)[-1]:.4g}" for name in names if getattr(energy, name).any())

@@ -182,7 +182,7 @@ MADE = {
     "an unknown rule": (lambda: model(rule="exact"), "rule: expected 'consistent' or 'paper', got 'exact'"),
     "an unknown history": (
         lambda: model(history="fft"),
-        "history: expected 'auto', 'recursive' or 'direct', got 'fft'",
+        "history: expected 'auto', 'recursive', 'direct' or 'fft', got 'fft'",
     ),
     "a tolerance of one": (lambda: model(tolerance=1.0), "tolerance: expected a number between 0 and 1, got 1.0"),
     "no iterations": (lambda: model(max_iterations=0), "max_iterations: expected 1 or more, got 0"),
