@@ -7,8 +7,10 @@ import math
 
 from .lookahead import BLOCK
 
-MODE = 3.0
+MODE = 2.8
 """a mode coasting one step and taking in its load"""
+SUM = 0.11
+"""a term of a sum over modes"""
 PRODUCT = 0.2
 """a multiplication and addition in the time loop"""
 SAMPLE = 0.1
@@ -39,7 +41,7 @@ def history_costs(n_c: int, n_active: int, m: int | None, n_steps: int, lags: in
         "fft": sampling + _ahead(n_c, n_active, n_steps, lags),
     }
     if m is not None:
-        costs["recursive"] = m * (MODE + PRODUCT * (n_c + n_active))
+        costs["recursive"] = m * (MODE + SUM * (n_c + n_active))
     return costs
 
 
@@ -55,4 +57,11 @@ def _ahead(n_c: int, n_active: int, n_steps: int, lags: int) -> float:
     doublings = math.log2(BLOCK) + 0.5 * levels
     # a level is looked at half as often as the one below, and is twice as long
     transforms = TRANSFORM * levels * (n_c + n_active) * doublings
-    return LOOK / BLOCK + PRODUCT * n_c * n_active * 0.5 * BLOCK + transforms + SPECTRUM * levels * n_c * n_active
+    spectra = 2.0 * TRANSFORM * n_c * n_active * min(lags / n_steps, 1.0) * (doublings + 0.5 * levels)
+    return (
+        LOOK / BLOCK
+        + PRODUCT * n_c * n_active * 0.5 * BLOCK
+        + transforms
+        + spectra
+        + SPECTRUM * levels * n_c * n_active
+    )

@@ -181,9 +181,10 @@ MADE = {
     "a radius above one": (lambda: model(rho_inf=1.5), "rho_inf: expected a number from 0 to 1, got 1.5"),
     "an unknown rule": (lambda: model(rule="exact"), "rule: expected 'consistent' or 'paper', got 'exact'"),
     "an unknown history": (
-        lambda: model(history="fft"),
-        "history: expected 'auto', 'recursive', 'direct' or 'fft', got 'fft'",
+        lambda: model(history="modal"),
+        "history: expected 'auto', 'recursive', 'direct' or 'fft', got 'modal'",
     ),
+    "a memory of no length": (lambda: model(memory=0.0), "memory: expected a positive time, got 0.0"),
     "a tolerance of one": (lambda: model(tolerance=1.0), "tolerance: expected a number between 0 and 1, got 1.0"),
     "no iterations": (lambda: model(max_iterations=0), "max_iterations: expected 1 or more, got 0"),
 }
