@@ -5,6 +5,7 @@ from .joints import Joint
 from .model import FlexibleBody, Frame, Load, Model, Place, RigidBody, Start, SteadyRotation
 from .model_file import read_model
 from .motions import PrescribedDisplacement, PrescribedRotation
+from .output_request import OutputRequest
 from .results import Results
 from .signals import Constant, Function, Harmonic, Impulse, Polynomial, Pulse, SmoothFunction, Spline, Steps, Table
 from .simulation import simulate
@@ -23,6 +24,7 @@ __all__ = [
     "Load",
     "Model",
     "ModelError",
+    "OutputRequest",
     "Place",
     "Polynomial",
     "PrescribedDisplacement",

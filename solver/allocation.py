@@ -17,6 +17,7 @@ def allocate(compiled: CompiledModel) -> tuple[State, Workspace]:
     starts = [body.start for body in compiled.model.bodies.values()]
     state = State(
         step=np.zeros(1, dtype=np.int64),
+        prepared=np.zeros(1, dtype=np.int64),
         x=np.array([pose.x for pose in compiled.poses]),
         quaternion=np.array([quaternion_of(pose.R) for pose in compiled.poses]),
         R=np.array([pose.R for pose in compiled.poses]),
@@ -36,6 +37,7 @@ def allocate(compiled: CompiledModel) -> tuple[State, Workspace]:
         p_rest=np.zeros(n_u),
         history_rest=np.zeros(n_u),
         p_history=np.zeros((compiled.n_steps + 1 if directly else 0, n_u)),
+        load=np.zeros(n_l),
         load_vector=np.zeros((n_l, 3)),
         drive=np.zeros(n_d),
         drive_force=np.zeros(n_d),

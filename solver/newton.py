@@ -35,6 +35,8 @@ MARGIN = 1e-3
 """how far below the tolerance Newton's method goes where it still converges"""
 STALLED = 0.1
 """share of the residual that is left where it no longer does"""
+LOST = 1.0
+"""relative residual with which a given number of corrections has led nowhere"""
 
 
 @compiled
@@ -43,7 +45,7 @@ def converge(system: System, loads: Array, drive: Array, state: State, work: Wor
 
     It goes on a little below the tolerance while that costs one correction more: errors of old factors do not square.
     Where old factors, or the accelerations that the step began with, lead nowhere, it starts once more from zero
-    accelerations and makes every matrix anew.
+    accelerations and makes every matrix anew. After `scheme.corrections`, where given, it takes what it has.
     """
     scheme = system.scheme
     reuse = scheme.reuse
@@ -52,6 +54,8 @@ def converge(system: System, loads: Array, drive: Array, state: State, work: Wor
     while True:
         evaluate(system, loads, drive, state, work)
         residual = relative_residual(system, iterations > 1, state, work)
+        if iterations == scheme.corrections and iterations > 0:
+            return total, residual, residual < LOST
         enough = residual <= MARGIN * scheme.tolerance or residual > STALLED * previous
         if residual <= scheme.tolerance and iterations > 0 and (enough or iterations == scheme.max_iterations):
             return total, residual, True

@@ -48,6 +48,12 @@ class Results:
         return results
 
     @property
+    def recorded(self) -> tuple[str, ...]:
+        """What the run recorded: "bodies/hub", "frames/beam.tip", "energy", ...; all there is unless asked for less."""
+        with self._open() as file:
+            return _groups(file)
+
+    @property
     def time(self) -> Array:
         """(n,) [s]"""
         return self._array("time")
@@ -58,12 +64,12 @@ class Results:
 
     @property
     def iterations(self) -> Array:
-        """(n,) Newton iterations of each step"""
+        """(n,) Newton iterations of each recorded step"""
         return self._array("solver/iterations")
 
     @property
     def residual(self) -> Array:
-        """(n,) relative residual of each step"""
+        """(n,) relative residual of each recorded step"""
         return self._array("solver/residual")
 
     @property
@@ -132,12 +138,23 @@ class Results:
                 f"body {body!r}: superelement {element.name!r} holds no recovery, for which its body file needs a "
                 f"table [recovery]"
             )
+        self._check_recoverable(body, element)
         when = instants(self.time, np.atleast_1d(np.asarray(t, dtype=float)))
         R = self.body(body).R
         frames = [(self.frame(f"{body}.{interface.name}"), interface.rotations) for interface in element.interfaces]
         p = np.hstack([interface_loads(R, frame.u, frame.force, rotations) for frame, rotations in frames])
         both = modal_coordinates(element.modes, p, self._stepping, np.concatenate([when.before, when.after]))
         return element.recovery, when.of(*np.split(both, 2)), when
+
+    def _check_recoverable(self, body: str, element: Superelement) -> None:
+        if (every := int(self.solver.get("every", 1))) > 1:
+            raise RecoveryError(
+                f"body {body!r}: fields need the loads of every step, and the run recorded each {every}th"
+            )
+        recorded = self.recorded
+        needed = [f"bodies/{body}", *(f"frames/{body}.{interface.name}" for interface in element.interfaces)]
+        if missing := [name for name in needed if name not in recorded]:
+            raise RecoveryError(f"body {body!r}: fields need {', '.join(missing)}, which the run did not record")
 
     @property
     def _stepping(self) -> Stepping:
@@ -151,9 +168,11 @@ class Results:
 
     def _group(self, name: str) -> dict[str, Array]:
         with self._open() as file:
-            if name not in file:
-                parent = name.partition("/")[0]
-                raise KeyError(f"no {name}; there are: {', '.join(file[parent])}")
+            if name not in file or not len(file[name]):  # empty: energies that were not asked for
+                kind, _, _ = name.partition("/")
+                recorded = _groups(file)
+                like = [group.partition("/")[2] for group in recorded if group.startswith(f"{kind}/")]
+                raise KeyError(f"no {name}; there are: {', '.join(like or recorded)}")
             return {key: dataset[: _written(file)] for key, dataset in file[name].items()}
 
     def _array(self, name: str) -> Array:
@@ -168,6 +187,12 @@ class Results:
         else:
             with h5py.File(self._source, "r") as file:
                 yield file
+
+
+def _groups(file: h5py.File) -> tuple[str, ...]:
+    """What was recorded: "bodies/hub", "energy", ..."""
+    owned = [f"{kind}/{name}" for kind in ("bodies", "frames", "joints", "springs") for name in file[kind]]
+    return (*owned, *(kind for kind in ("energy", "momentum") if len(file[kind])))
 
 
 def _written(file: h5py.File) -> int:

@@ -21,7 +21,7 @@ from .compilation import CompiledModel
 from .compiled import Array, Index
 from .errors import ResultsError
 from .results import FORMAT, VERSION, Results
-from .results_layout import lay_out_columns
+from .results_layout import requested_columns
 from .system import Output
 
 PATIENCE = 10.0
@@ -39,7 +39,8 @@ class ResultsFile:
     def __init__(self, path: Path | None, compiled: CompiledModel) -> None:
         self._path = path
         self._memory = None if path else h5py.File(io.BytesIO(), "w")
-        self._columns = lay_out_columns(compiled)
+        self._columns = requested_columns(compiled)
+        self._balanced = compiled.model.output.selects("energy")
         self._h = compiled.h
         self._superelements = {name: body.superelement for name, body in compiled.model.flexible_bodies.items()}
         self._energy_start: tuple[float, float] | None = None
@@ -57,8 +58,9 @@ class ResultsFile:
             _extend(file, "time", "s", self._h * steps, first)
             for name, column in self._columns.items():
                 _extend(file, name, column.units, column.rows(output, n), first)
-            for name, values in self._balances(output, n).items():
-                _extend(file, f"energy/{name}", "J", values, first)
+            if self._balanced:
+                for name, values in self._balances(output, n).items():
+                    _extend(file, f"energy/{name}", "J", values, first)
         # Rows count once they are all in the file: a run can be killed while it writes them.
         self.note(written=first + n)
         self._written = first + n
@@ -141,6 +143,7 @@ def _describe(file: h5py.File, compiled: CompiledModel, run: str) -> None:
         steps=compiled.n_steps,
         rule=model.rule,
         start=model.start,
+        every=model.output.every,
         finished=False,
         written=0,
         run=run,
