@@ -7,8 +7,21 @@ from .model_file import read_model
 from .motions import PrescribedDisplacement, PrescribedRotation
 from .output_request import OutputRequest
 from .results import Results
-from .signals import Constant, Function, Harmonic, Impulse, Polynomial, Pulse, SmoothFunction, Spline, Steps, Table
+from .signals import (
+    Constant,
+    Function,
+    Harmonic,
+    Impulse,
+    Input,
+    Polynomial,
+    Pulse,
+    SmoothFunction,
+    Spline,
+    Steps,
+    Table,
+)
 from .simulation import simulate
+from .simulator import Simulator
 from .springs import Law, Spring
 
 __all__ = [
@@ -19,6 +32,7 @@ __all__ = [
     "Function",
     "Harmonic",
     "Impulse",
+    "Input",
     "Joint",
     "Law",
     "Load",
@@ -34,6 +48,7 @@ __all__ = [
     "Results",
     "ResultsError",
     "RigidBody",
+    "Simulator",
     "SmoothFunction",
     "Spline",
     "Spring",

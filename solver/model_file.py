@@ -17,7 +17,7 @@ from .joints import Joint
 from .model import Body, FlexibleBody, Frame, Load, Model, Place, RigidBody, Start, SteadyRotation
 from .motions import PrescribedDisplacement, PrescribedMotion, PrescribedRotation
 from .output_request import OutputRequest
-from .signals import Constant, Harmonic, Impulse, Polynomial, Pulse, Signal, Spline, Steps
+from .signals import Constant, Harmonic, Impulse, Input, Polynomial, Pulse, Signal, Spline, Steps
 from .signals import Table as Points
 from .springs import Law, Spring
 
@@ -75,12 +75,21 @@ class _Pulse(Table):
         return Pulse(self.pulse, self.start, self.end)
 
 
+class _Input(Table):
+    input: str
+    value: float = 0.0
+
+    def signal(self) -> Signal:
+        return Input(self.input, self.value)
+
+
 _SIGNALS: dict[str, Any] = {
     "times": _Points,
     "amplitude": _Harmonic,
     "polynomial": _Polynomial,
     "impulse": _Impulse,
     "pulse": _Pulse,
+    "input": _Input,
 }
 """signals by the key that tells them apart"""
 

@@ -148,9 +148,7 @@ class Results:
 
     def _check_recoverable(self, body: str, element: Superelement) -> None:
         if (every := int(self.solver.get("every", 1))) > 1:
-            raise RecoveryError(
-                f"body {body!r}: fields need the loads of every step, and the run recorded each {every}th"
-            )
+            raise RecoveryError(f"body {body!r}: fields need every step, and the run recorded one in {every}")
         recorded = self.recorded
         needed = [f"bodies/{body}", *(f"frames/{body}.{interface.name}" for interface in element.interfaces)]
         if missing := [name for name in needed if name not in recorded]:

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import h5py
 
-from ..solver import ConvergenceError, ModelError, Results, read_model, simulate
+from ..solver import ConvergenceError, ModelError, Results, ResultsError, read_model, simulate
 from ..superelement import SuperelementError
 from .case import Case
 from .digest import digest
@@ -25,7 +25,7 @@ class Simulation:
 
     @property
     def failures(self) -> tuple[type[Exception], ...]:
-        return ModelError, ConvergenceError, SuperelementError, OSError, MemoryError
+        return ModelError, ConvergenceError, ResultsError, SuperelementError, OSError, MemoryError
 
     def check(self, base: Path, outputs: Mapping[str, str]) -> None:
         """Start the base model, which compiles the time loop, and look whether the results hold the outputs."""
