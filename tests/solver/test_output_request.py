@@ -102,7 +102,7 @@ def test_what_was_not_recorded_is_told(model):
         results.body("beam")
     with pytest.raises(KeyError, match="no energy; there are: bodies/hub, joints/clamp, joints/pivot"):
         _ = results.energy
-    with pytest.raises(KeyError, match="no frames/beam.tip; there are: bodies/hub, joints/clamp, joints/pivot"):
+    with pytest.raises(KeyError, match=r"no frames/beam.tip; there are: bodies/hub, joints/clamp, joints/pivot"):
         results.frame("beam.tip")
 
 
@@ -123,11 +123,12 @@ def test_fields_need_every_step_and_the_loads_of_all_interfaces(model, coarse):
     phi = coarse.modes.phi.reshape(len(X), -1, len(coarse.modes.omega))
     beam = FlexibleBody(replace(coarse, recovery=Recovery(X, [[0, 1]], phi[:, :3])), model.bodies["beam"].start)
     recoverable = replace(model, bodies={**model.bodies, "beam": beam})
+    results = simulate(replace(recoverable, output=OutputRequest(10)))
     with pytest.raises(RecoveryError, match="body 'beam': fields need every step, and the run recorded one in 10"):
-        simulate(replace(recoverable, output=OutputRequest(10))).displacement("beam", 0.01)
+        results.displacement("beam", 0.01)
+    results = simulate(replace(recoverable, output=OutputRequest(quantities=("bodies", "frames/beam.tip"))))
     with pytest.raises(RecoveryError, match=r"body 'beam': fields need frames/beam.root, which the run did not record"):
-        request = OutputRequest(quantities=("bodies", "frames/beam.tip"))
-        simulate(replace(recoverable, output=request)).displacement("beam", 0.01)
+        results.displacement("beam", 0.01)
 
 
 FILE = """
