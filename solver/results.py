@@ -166,17 +166,25 @@ class Results:
 
     def _group(self, name: str) -> dict[str, Array]:
         with self._open() as file:
+            n = self._written(file)
             if name not in file or not len(file[name]):  # empty: energies that were not asked for
                 kind, _, _ = name.partition("/")
                 recorded = _groups(file)
                 like = [group.partition("/")[2] for group in recorded if group.startswith(f"{kind}/")]
                 raise KeyError(f"no {name}; there are: {', '.join(like or recorded)}")
-            return {key: dataset[: _written(file)] for key, dataset in file[name].items()}
+            return {key: dataset[:n] for key, dataset in file[name].items()}
 
     def _array(self, name: str) -> Array:
         with self._open() as file:
-            array: Array = file[name][: _written(file)]
+            n = self._written(file)
+            array: Array = file[name][:n]
         return array
+
+    def _written(self, file: h5py.File) -> int:
+        """The number of rows that every dataset holds, one or more."""
+        if not (written := int(file["solver"].attrs["written"])):
+            raise ResultsError(f"{self._source}: no step has been written yet")
+        return written
 
     @contextmanager
     def _open(self) -> Iterator[h5py.File]:
@@ -191,8 +199,3 @@ def _groups(file: h5py.File) -> tuple[str, ...]:
     """What was recorded: "bodies/hub", "energy", ..."""
     owned = [f"{kind}/{name}" for kind in ("bodies", "frames", "joints", "springs") for name in file[kind]]
     return (*owned, *(kind for kind in ("energy", "momentum") if len(file[kind])))
-
-
-def _written(file: h5py.File) -> int:
-    """The number of rows, t = 0 included, that every dataset holds."""
-    return int(file["solver"].attrs["written"])

@@ -152,12 +152,12 @@ def _describe(file: h5py.File, compiled: CompiledModel, run: str) -> None:
 
 def _extend(file: h5py.File, name: str, units: str, rows: Any, first: int) -> None:
     """Rows from `first` on, in place of any that an interrupted attempt left there."""
-    if name not in file:
+    dataset = file.get(name)
+    if dataset is None:
         shape = rows.shape[1:]
         # a joint may have lost all its rows; HDF5 then wants room for one
         maxshape, chunks = (None, *(width or None for width in shape)), (CHUNK, *(width or 1 for width in shape))
         file.create_dataset(name, data=rows, maxshape=maxshape, chunks=chunks).attrs["units"] = units
     else:
-        dataset = file[name]
         dataset.resize(first + len(rows), axis=0)
         dataset[first:] = rows

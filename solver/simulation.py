@@ -60,7 +60,6 @@ def _march(compiled: CompiledModel, state: State, work: Workspace, file: Results
         output = recorder.output
         record(system, quaternions, 0, state, work, output)
         recorder.keep(0, recorder.rows(0, 1))
-        recorder.flush()
         while done < total:
             started = time.perf_counter()
             rows = recorder.rows(done + 1, min(stint, total - done))
