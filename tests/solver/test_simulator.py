@@ -118,7 +118,7 @@ def test_a_simulator_closes_a_loop(coarse):
 
 
 def test_corrections_with_the_factors_of_the_step_before_converge_fast(coarse):
-    """Each brings a run a hundred times closer, or more, to one in which Newton's method converges; no step takes more."""
+    """Each brings a run a hundred times closer, or more, to that of Newton's method; no step takes more of them."""
     load = Steps((0.0, 0.01), (5.0, -5.0))
 
     def run(corrections):
