@@ -99,9 +99,7 @@ def run(model_file: ModelFile, output: Output = None) -> None:
 
     target = output or model_file.with_name(f"{model_file.stem}-results.h5")
     with told_in_one_line(solver, superelement):
-        model = solver.read_model(model_file)
-    with told_in_one_line(solver, superelement, about=model_file):
-        results = solver.simulate(model, output=target, progress=True)
+        results = solver.simulate(solver.read_model(model_file), output=target, progress=True)
     for line in account(results):
         typer.echo(line)
     steps, loop = int(results.solver["steps"]), float(results.solver["seconds"])

@@ -18,6 +18,7 @@ def allocate(compiled: CompiledModel) -> tuple[State, Workspace]:
     starts = [body.start for body in compiled.model.bodies.values()]
     state = State(
         step=np.zeros(1, dtype=np.int64),
+        prepared=np.zeros(1, dtype=np.int64),
         x=np.array([pose.x for pose in compiled.poses]),
         quaternion=np.array([quaternion_of(pose.R) for pose in compiled.poses]),
         R=np.array([pose.R for pose in compiled.poses]),
@@ -41,6 +42,7 @@ def allocate(compiled: CompiledModel) -> tuple[State, Workspace]:
         ahead=np.zeros((n_u, n_kept)),
         window=np.zeros(1, dtype=np.int64),
         since=np.ones(len(system.elastic.body), dtype=np.int64),
+        load=np.zeros(n_l),
         load_vector=np.zeros((n_l, 3)),
         drive=np.zeros(n_d),
         drive_force=np.zeros(n_d),

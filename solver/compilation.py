@@ -127,7 +127,8 @@ def compile_system(model: Model, without: frozenset[int] = frozenset()) -> Compi
             weight=weight,
             tolerance=model.tolerance,
             max_iterations=model.max_iterations,
-            reuse=REUSE,
+            corrections=model.corrections or 0,
+            reuse=np.inf if model.corrections else REUSE,
         ),
         bodies=Bodies(
             mass=np.array([body.mass for body in model.bodies.values()], dtype=float),

@@ -36,7 +36,20 @@ def evaluate(system: System, loads: Array, drive: Array, state: State, work: Wor
 
 
 @compiled
-def relative_residual(system: System, converged: bool, state: State, work: Workspace) -> float:
+def model_size(system: System, state: State, work: Workspace) -> float:
+    """The largest coordinate of a body or lever of a frame: what positions are rounded against."""
+    size = 0.0
+    for b in range(len(state.x)):
+        for i in range(3):
+            size = max(size, abs(state.x[b, i]))
+    for f in range(system.frames.n_acting):
+        for i in range(3):
+            size = max(size, abs(work.lever[f, i]))
+    return size
+
+
+@compiled
+def relative_residual(system: System, size: float, converged: bool, state: State, work: Workspace) -> float:
     """The largest residual over what the tolerance is measured against; 0 at the rounding of its terms.
 
     Equilibrium against the sum of the magnitudes of its terms; constraints and interface displacements against the
@@ -46,15 +59,11 @@ def relative_residual(system: System, converged: bool, state: State, work: Works
     bodies, scheme = system.bodies, system.scheme
     tolerance = scheme.tolerance
     n_b = len(bodies.mass)
-    length, angle, size, worst = 0.0, 0.0, 0.0, 0.0
+    length, angle, worst = 0.0, 0.0, 0.0
     for b in range(n_b):
         for i in range(3):
             length = max(length, abs(scheme.h * state.v[b, i]) + abs(scheme.h * scheme.h * state.v_dot[b, i]))
             angle = max(angle, abs(work.psi[b, i]) + abs(scheme.h * scheme.h * state.v_dot[b, 3 + i]))
-            size = max(size, abs(state.x[b, i]))
-    for f in range(system.frames.n_acting):
-        for i in range(3):
-            size = max(size, abs(work.lever[f, i]))
     length += angle * size
     for b in range(n_b):
         rounding = ROUNDING * scheme.beta_prime if converged else 0.0

@@ -119,7 +119,7 @@ def _step(
         _add_centrifugal(system, motion, state, work)
     if not factorise(system.pattern, work.S, work.pivots):
         return False
-    correct(system, state, work)
+    correct(system, _size(state, work), state, work)
     work.quaternion[:] = state.quaternion
     work.psi[:] = 0.0
     return True

@@ -247,8 +247,10 @@ def _phi(compiled: CompiledModel, e: int) -> Array:
 
 
 def _start_accounts(system: System, loads: Array, drive: Array, state: State, work: Workspace) -> None:
-    for m, value in enumerate(loads):
+    state.load[:] = loads
+    for m, (value, f) in enumerate(zip(loads, system.loads.frame, strict=True)):
         state.load_vector[m, :3] = load_vector(system.loads, m, value, work)
+        work.load_position[m], work.load_axes[m] = work.r[f], work.D[f]
     state.drive[:] = drive
     for i, d in enumerate(system.couplings.drive.tolist()):
         if d >= 0:

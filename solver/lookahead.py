@@ -47,7 +47,7 @@ class Lookahead:
         n = int(state.step[0])
         if n - state.window[0] == 2 * self._span:
             self._let_go(state)
-        if n % BLOCK == 0:
+        if n > 0 and n % BLOCK == 0:
             for e in self._looking:
                 block = min(n & -n, _power_above(int(self._elastic.lags[e])))
                 self._convolve(e, n, block, state)

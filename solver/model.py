@@ -11,6 +11,7 @@ from .compiled import Array
 from .errors import ModelError, plain
 from .joints import Joint
 from .motions import PrescribedMotion
+from .output_request import OutputRequest
 from .signals import Signal
 from .springs import Spring
 
@@ -158,7 +159,9 @@ class Model:
     superelements; rule "consistent" (methods 2.4) or "paper" (eq. 55); history "auto" (the cheapest), "recursive",
     "direct" or "fft"; memory [s], after which impulse responses are faded out and cut off (those that modes carry are
     not); tolerance of Newton's method, relative to the forces and displacements of a step. `ground_frames` are frames
-    fixed in space. `source` is the text of the model file, if there is one.
+    fixed in space. corrections: the most that Newton's method makes in a step before it goes on as it is, for steps of
+    bounded cost; by default it converges or fails. output: what is recorded. `source` is the text of the model file and
+    `path` its name, if there is one.
 
     start: "given", as the bodies say, or "equilibrium", at rest, or in a `steady_rotation`, under gravity and the
     loads at t = 0, elastic displacements included; places and joint coordinates are then where the search begins, and
@@ -182,12 +185,15 @@ class Model:
     memory: float | None = None
     tolerance: float = 1e-10
     max_iterations: int = 20
+    corrections: int | None = None
     start: str = "given"
     steady_rotation: SteadyRotation | None = None
     assemble: bool = False
     redundant: str = "error"
     ground_frames: Mapping[str, Frame] = field(default_factory=dict)
+    output: OutputRequest = field(default_factory=OutputRequest)
     source: str = ""
+    path: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "gravity", vector("gravity", self.gravity))
@@ -225,6 +231,8 @@ class Model:
             raise ModelError(f"tolerance: expected a number between 0 and 1, got {self.tolerance}")
         if self.max_iterations < 1:
             raise ModelError(f"max_iterations: expected 1 or more, got {self.max_iterations}")
+        if self.corrections is not None and self.corrections < 1:
+            raise ModelError(f"corrections: expected 1 or more, got {self.corrections}")
 
     def _check_names(self) -> None:
         if not self.bodies:

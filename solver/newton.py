@@ -16,9 +16,9 @@ larger than `scheme.reuse` times the one before. Source: methods 5.4; u exactly.
 import math
 
 from .blocks import factorise, substitute
-from .compiled import Array, compiled
+from .compiled import Array, compiled, compiled_apart
 from .couplings import add_couplings, place_rows
-from .equations import evaluate, relative_residual
+from .equations import evaluate, model_size, relative_residual
 from .frames import add_frame_tangents, map_frame_velocities
 from .loads import add_loads
 from .rotations import (
@@ -31,49 +31,55 @@ from .rotations import (
 from .system import Scheme, State, System, Workspace
 from .vectors import UNITS, copy, cross, multiply, rotate, rotate_back, row
 
-MARGIN = 1e-3
-"""how far below the tolerance Newton's method goes where it still converges"""
-STALLED = 0.1
-"""share of the residual that is left where it no longer does"""
+PRECISION = 1e-15
+"""the last correction, relative to the size of the model, of a state as near to the solution as rounding allows"""
+STALLED = 0.5
+"""ratio of successive corrections from which on others bring nothing"""
+LOST = 1.0
+"""relative residual with which a given number of corrections has led nowhere"""
 
 
 @compiled
 def converge(system: System, loads: Array, drive: Array, state: State, work: Workspace) -> tuple[int, float, bool]:
     """Newton's method from the predicted state: iterations, relative residual, and whether it converged.
 
-    It goes on a little below the tolerance while that costs one correction more: errors of old factors do not square.
-    Where old factors, or the accelerations that the step began with, lead nowhere, it starts once more from zero
-    accelerations and makes every matrix anew.
+    Errors of old factors do not square, so it goes on below the tolerance until the corrections come to rest. Where old
+    factors, or the accelerations that the step began with, lead nowhere, it starts once more from zero accelerations
+    and makes every matrix anew. After `scheme.corrections`, where given, it takes what it has.
     """
     scheme = system.scheme
     reuse = scheme.reuse
-    change = previous_change = previous = math.inf
+    size = model_size(system, state, work)
+    change = previous = math.inf
     total = iterations = 0
     while True:
         evaluate(system, loads, drive, state, work)
-        residual = relative_residual(system, iterations > 1, state, work)
-        enough = residual <= MARGIN * scheme.tolerance or residual > STALLED * previous
-        if residual <= scheme.tolerance and iterations > 0 and (enough or iterations == scheme.max_iterations):
+        residual = relative_residual(system, size, iterations > 1, state, work)
+        if iterations == scheme.corrections and iterations > 0:
+            return total, residual, residual < LOST
+        fast = change <= max(reuse * previous, PRECISION * size)
+        settled = change <= PRECISION * size or change > STALLED * previous
+        if residual <= scheme.tolerance and iterations > 0 and (settled or iterations == scheme.max_iterations):
+            work.renewed[0] = int(fast)
             return total, residual, True
         solvable = iterations < scheme.max_iterations
-        if solvable and not (work.renewed[0] and change <= reuse * previous_change):
+        if solvable and not (work.renewed[0] and fast):
             solvable = renew(system, loads, drive, state, work)
             work.renewed[0] = int(solvable)
             work.renewed[1] += 1
         if solvable:
-            previous_change, previous = change, residual
-            change = correct(system, state, work)
+            previous, change = change, correct(system, size, state, work)
             iterations += 1
             total += 1
         elif reuse > 0.0:
             reuse, iterations = 0.0, 0
-            change = previous_change = previous = math.inf
+            change = previous = math.inf
             restart(scheme, state, work)
         else:
             return total, residual, False
 
 
-@compiled
+@compiled_apart
 def renew(system: System, loads: Array, drive: Array, state: State, work: Workspace) -> bool:
     """The factors of the iteration matrix at the present state, which `evaluate` has seen last. False if singular."""
     linearise(system, loads, drive, state, work)
@@ -82,16 +88,16 @@ def renew(system: System, loads: Array, drive: Array, state: State, work: Worksp
 
 
 @compiled
-def correct(system: System, state: State, work: Workspace) -> float:
-    """Solve for the corrections with the factors at hand and apply them; the largest of motions and displacements."""
+def correct(system: System, size: float, state: State, work: Workspace) -> float:
+    """Solve for the corrections with the factors at hand and apply them; how far the largest moves a body."""
     set_right_hand_side(system, state, work)
     substitute(system.pattern, work.S, work.pivots, work.rhs)
     apply_correction(system, state, work)
     largest = 0.0
     for b in range(len(system.bodies.mass)):
-        k = system.pattern.body[b]
-        for z in range(system.pattern.first[k], system.pattern.first[k + 1]):
-            largest = max(largest, abs(work.rhs[z]))
+        first = system.pattern.first[system.pattern.body[b]]
+        for i in range(3):
+            largest = max(largest, abs(work.rhs[first + i]), size * abs(work.rhs[first + 3 + i]))
     return largest
 
 

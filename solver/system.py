@@ -24,7 +24,10 @@ class Scheme(NamedTuple):
     weight: float
     tolerance: float
     max_iterations: int
-    reuse: float  # ratio of successive corrections above which the iteration matrix is made anew; 0: always anew
+    corrections: int  # the most that a step may take before it goes on as it is, 0: converge or fail
+    reuse: (
+        float  # ratio of successive corrections above which the matrix is made anew; 0: always; inf: before each step
+    )
 
 
 class Bodies(NamedTuple):
@@ -143,6 +146,7 @@ class System(NamedTuple):
 
 class State(NamedTuple):
     step: Index  # (1,)
+    prepared: Index  # (1,) 1: the next step has been begun, as far as it goes without its inputs
     x: Array  # (n_b, 3)
     quaternion: Array  # (n_b, 4)
     R: Array  # (n_b, 3, 3)
@@ -166,6 +170,7 @@ class State(NamedTuple):
     ahead: Array  # (n_u, n) displacements at the same steps by the loads before `since`
     window: Index  # (1,)
     since: Index  # (n_e,) the first step whose loads the time loop convolves itself
+    load: Array  # (n_l,) values of the signals at the last step
     load_vector: Array  # (n_l, 3) force or torque at the last step, in space
     drive: Array  # (n_d,) at the last step
     drive_force: Array  # (n_d,) work per unit of the drive, at the last step
@@ -236,10 +241,12 @@ class Workspace(NamedTuple):
 
 
 class Inputs(NamedTuple):
-    """Signals at the steps of one chunk."""
+    """Signals at the next steps, and what to do besides."""
 
     load: Array  # (n, n_l)
     drive: Array  # (n, n_d)
+    row: Index  # (n,) of the output for the step, -1: it is not recorded
+    ahead: int  # 1: prepare the step after them
 
 
 class Output(NamedTuple):

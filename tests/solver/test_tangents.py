@@ -357,7 +357,7 @@ def test_newtons_correction_removes_the_residuals_to_first_order(make_body, rule
     start = unknowns()
     here = residuals(start, start, 0.0)
     assert renew(point.system, point.loads, point.drive, state, work)
-    correct(point.system, state, work)
+    correct(point.system, 1.0, state, work)
     change = [after - before for after, before in zip(unknowns(), start, strict=True)]
     step = 1e-3 / max(1.0, np.abs(change[1]).max(), np.abs(change[0]).max())
     plus, minus, far, farther = (residuals(start, change, share) for share in (step, -step, 2 * step, -2 * step))
