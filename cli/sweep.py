@@ -11,7 +11,7 @@ from ..study.sweep import Tell
 
 @contextmanager
 def shown_cases(total: int) -> Iterator[Tell]:
-    """A bar that fills with the cases; warnings and failures are told above it as they come."""
+    """A bar that fills with the cases; their warnings are told above it as they come."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 

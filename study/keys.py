@@ -20,10 +20,12 @@ def leaves(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, An
             yield f"{prefix}{key}", value
 
 
-def matching(document: Mapping[str, Any], patterns: Sequence[str]) -> Iterator[tuple[str, Any]]:
-    """The leaves whose keys match one of the patterns, such as "bodies.*.superelement", in the order of these."""
+def matching(document: Mapping[str, Any], patterns: Sequence[str]) -> Iterator[tuple[str, str]]:
+    """The texts whose keys match one of the patterns, such as "bodies.*.superelement", in the order of these."""
     for pattern in patterns:
-        yield from ((key, value) for key, value in leaves(document) if fnmatchcase(key, pattern))
+        for key, value in leaves(document):
+            if isinstance(value, str) and fnmatchcase(key, pattern):
+                yield key, value
 
 
 def replaced(document: Mapping[str, Any], key: str, value: Any) -> dict[str, Any]:

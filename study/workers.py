@@ -49,8 +49,8 @@ def on_cluster(
 ) -> Iterator[tuple[Case, Report]]:
     """Cases as they are finished by the workers of a scheduler, or by as many processes here (all cores by default).
 
-    A case whose worker dies is run again by another; one that outlives none of four is reported as failed (the
-    allowed-failures of Dask). Raises `ClusterError` without Dask, or where nobody answers.
+    A case whose worker dies is run again by another. One of which four workers die (more than the allowed-failures of
+    Dask) is reported as failed. Raises `ClusterError` without Dask, or where nobody answers.
     """
     with _client(workers, scheduler) as client:
         from distributed import as_completed

@@ -142,3 +142,9 @@ def test_the_command_tells_failures_and_exits_with_one(study_file):
     assert result.exit_code == 1
     assert result.stderr.startswith("failed: case-0002: ")
     assert "2 cases, 1 failed" in result.stdout
+
+
+def test_a_scheduler_brings_its_own_workers(study_file):
+    result = CliRunner().invoke(app, ["sweep", str(study_file()), "--workers", "0", "--scheduler", "tcp://127.0.0.1:1"])
+    assert result.exit_code == 2
+    assert "expected one of --workers and --scheduler" in " ".join(result.stderr.replace("│", " ").split())

@@ -124,10 +124,14 @@ def test_an_output_that_the_results_cannot_have_is_refused_before_anything_runs(
     assert not path.with_suffix("").exists()
 
 
-def test_a_base_file_that_does_not_run_is_refused_before_anything_runs(study_file, folder):
-    (folder / "model" / "hub.toml").write_text(MODEL.replace("mass = 1.0", "mass = -1.0"))
+@pytest.mark.parametrize(
+    ("change", "key"),
+    [(("mass = 1.0", "mass = -1.0"), "bodies.hub.mass"), (('"parts/beam.h5"', "3"), "bodies.beam.superelement")],
+)
+def test_a_base_file_that_does_not_run_is_refused_before_anything_runs(study_file, folder, change, key):
+    (folder / "model" / "hub.toml").write_text(MODEL.replace(*change))
     path = study_file()
-    with pytest.raises(StudyError, match=r"the base file does not run by itself: .*bodies\.hub\.mass"):
+    with pytest.raises(StudyError, match=rf"the base file does not run by itself: .*{key}"):
         run(path)
     assert not path.with_suffix("").exists()
 
