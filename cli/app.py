@@ -127,7 +127,7 @@ def sweep(
 
     with told_in_one_line(study):
         plan = study.read_study(study_file, output)
-    with told_in_one_line(study, about=study_file), shown_cases(len(plan.cases)) as tell:
+    with told_in_one_line(study), shown_cases(len(plan.cases)) as tell:
         rows = study.sweep(plan, workers, scheduler, force, tell)
     failed = list(verdict(rows))
     for line in failed:

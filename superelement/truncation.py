@@ -51,7 +51,7 @@ def truncation_error(kernel: Kernel, truncated: Kernel, modes: Modes | None, com
 
 
 def _extrapolated(kernel: Kernel) -> Array:
-    """What a kernel would add up to beyond its end, in magnitude, if it went on as from the third quarter to the last."""
+    """What a kernel would add up to beyond its end, in magnitude, if it decays as from third quarter to last."""
     quarter = len(kernel.g) // 4
     third, last = (np.abs(kernel.g[start:][:quarter]).sum(axis=0) for start in (2 * quarter, 3 * quarter))
     with np.errstate(divide="ignore", invalid="ignore"):
