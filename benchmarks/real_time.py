@@ -1,8 +1,8 @@
 """How long a step of the paper's Case 1 takes when its torque is given step by step, against the step h of 60 us.
 
 A step lasts from a torque to the outputs, with all that the next can do before its own. It is late where that takes
-longer than h. Nothing is tuned: an ordinary process, from Python, its garbage not collected. Its CPU time tells what the
-code takes, the wall time what other processes let it have.
+longer than h. Nothing is tuned: an ordinary process, from Python, its garbage not collected. CPU time is what the code
+takes, wall time what other processes let it have.
 Run as `python benchmarks/real_time.py [STEPS]`.
 """
 
@@ -55,9 +55,8 @@ def main() -> None:
         write(BEAM.with_suffix(".h5"), build(read_body(BEAM)))
     model = read_model(CASE_1)
     print(f"{steps} steps, us\n")
-    print(
-        "| corrections | time | median | 99 % | 99.9 % | worst | median of h | late |\n|---|---|---|---|---|---|---|---|"
-    )
+    print("| corrections | time | median | 99 % | 99.9 % | worst | median of h | late |")
+    print("|---|---|---|---|---|---|---|---|")
     for corrections in (None, 2, 1):
         both, h = step_times(replace(model, corrections=corrections), steps)
         for clock, times in zip(("wall", "CPU"), both, strict=True):
