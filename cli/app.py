@@ -119,14 +119,16 @@ def sweep(
     Each case is a file of its own, with what was made of it beside it; summary.csv has a row for each. A second call
     makes only what is missing, failed, or was made from other inputs.
     """
+    if scheduler is not None and workers is not None:
+        raise typer.BadParameter("a scheduler brings its own workers: expected one of --workers and --scheduler")
     start = perf_counter()
     from .. import study
     from .sweep import shown_cases, verdict
 
     with told_in_one_line(study):
         plan = study.read_study(study_file, output)
-        with shown_cases(len(plan.cases)) as tell:
-            rows = study.sweep(plan, workers, scheduler, force, tell)
+    with told_in_one_line(study, about=study_file), shown_cases(len(plan.cases)) as tell:
+        rows = study.sweep(plan, workers, scheduler, force, tell)
     failed = list(verdict(rows))
     for line in failed:
         typer.echo(line, err=True)

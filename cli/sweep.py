@@ -11,12 +11,13 @@ from ..study.sweep import Tell
 
 @contextmanager
 def shown_cases(total: int) -> Iterator[Tell]:
-    """A bar that fills with the cases; warnings and failures are told above it as they come."""
+    """A bar that fills with the cases; their warnings are told above it as they come."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     columns = (TextColumn("cases"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    console = Console(stderr=True)
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task("cases", total=total)
 
         def tell(row: Row) -> None:

@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.linalg import eigh
 from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import ArpackNoConvergence, eigsh
 
 from ..superelement.validation import Array
 from .errors import MatrixError
@@ -15,8 +15,10 @@ FREE = 1e-8
 """Force under a rigid motion, relative to what the same displacements make with all stiffnesses counted positive."""
 EQUAL = 1e-8
 """Difference of the masses in the three directions, relative to their mean."""
-RESTARTS = 20
-"""Of Lanczos on M over its diagonal, for its lowest eigenvalue: those of solids take a few."""
+STEPS = 30
+"""Of Lanczos on M over its diagonal, whose negative eigenvalues, if any, lie apart from the others."""
+EXHAUSTED = 1e-12
+"""Length of a step of Lanczos that is rounding, for a matrix with ones on its diagonal."""
 MOTIONS = tuple(f"{kind} {axis}" for kind in ("translation along", "rotation about") for axis in "xyz")
 
 
@@ -105,13 +107,22 @@ def _check_definite(model: GivenModel) -> None:
 
 
 def _lowest(S: Any) -> tuple[float, Array]:
-    """The lowest eigenvalue and its vector; 1 where Lanczos is not done in time, for it is small then but not known."""
-    start = np.random.default_rng(0).standard_normal(S.shape[0])
-    try:
-        values, vectors = eigsh(S, k=1, which="SA", v0=start, maxiter=RESTARTS, tol=1e-3)
-    except ArpackNoConvergence:
-        return 1.0, start
-    return float(values[0]), vectors[:, 0]
+    """The least of v^T S v for |v| = 1, and its v, in the space of `STEPS` steps of Lanczos."""
+    V = np.zeros((min(STEPS, S.shape[0]), S.shape[0]))
+    SV = np.zeros_like(V)
+    v = np.random.default_rng(0).standard_normal(S.shape[0])
+    for k in range(len(V)):
+        for _ in range(2):  # twice is enough to be orthogonal
+            v -= V[:k].T @ (V[:k] @ v)
+        length = np.linalg.norm(v)
+        if length <= EXHAUSTED:
+            V, SV = V[:k], SV[:k]
+            break
+        V[k] = v / length
+        SV[k] = S @ V[k]
+        v = SV[k].copy()
+    values, vectors = eigh(V @ SV.T)
+    return float(values[0]), V.T @ vectors[:, 0]
 
 
 def _check_mass(model: GivenModel, A: Array) -> None:

@@ -125,19 +125,20 @@ def _ordered(entries: Any, place: IntArray, kept: Any, n_dofs: int) -> Any:
 
 
 def _symmetric(model: GivenModel, name: str, matrix: Any) -> Any:
-    """(K + K^T) / 2, or K + K^T - diag K of half a matrix."""
-    diagonal = sp.diags_array(matrix.diagonal(), format="csc")
+    """(K + K^T) / 2; or K + K^T - diag K where each pair of dofs has one entry, for that is half of a matrix."""
     transposed = matrix.T.tocsc()
-    pattern = (matrix - diagonal).astype(bool)
-    if not pattern.multiply(pattern.T.tocsc()).nnz:
-        return (matrix + transposed - diagonal).tocsc()
-    difference = abs(matrix - transposed).tocoo()
+    difference = matrix - transposed
     largest = abs(matrix).max()
-    if difference.nnz and difference.max() > SYMMETRIC * largest:
-        worst = int(np.argmax(difference.data))
-        row, column = (model.dof(int(i[worst])) for i in (difference.row, difference.col))
-        raise MatrixError(
-            f"{name}: expected a symmetric matrix, found entries that differ from their mirror images by up to "
-            f"{difference.max() / largest:.1e} of the largest, most between {row} and {column}"
-        )
-    return (0.5 * (matrix + transposed)).tocsc()
+    if abs(difference).max() <= SYMMETRIC * largest:
+        return (0.5 * (matrix + transposed)).tocsc()
+    diagonal = sp.diags_array(matrix.diagonal(), format="csc")
+    one_side = (matrix - diagonal).astype(bool)
+    if not one_side.multiply(one_side.T.tocsc()).nnz:
+        return (matrix + transposed - diagonal).tocsc()
+    entries = abs(difference).tocoo()
+    worst = int(np.argmax(entries.data))
+    row, column = (model.dof(int(numbers[worst])) for numbers in (entries.row, entries.col))
+    raise MatrixError(
+        f"{name}: expected a symmetric matrix, found entries that differ from their mirror images by up to "
+        f"{entries.data[worst] / largest:.1e} of the largest, most between {row} and {column}"
+    )

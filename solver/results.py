@@ -9,11 +9,11 @@ from typing import Any
 import h5py
 import numpy as np
 
-from ..superelement import GeneralizedAlpha, Recovery, Superelement, SuperelementError, von_mises
+from ..superelement import Recovery, Superelement, SuperelementError, von_mises
 from .compiled import Array
 from .errors import RecoveryError, ResultsError
 from .quantities import BodyMotion, Coupling, Energy, FrameMotion, Momentum
-from .recovery import Instants, Stepping, instants, interface_loads, modal_coordinates, place, read_again
+from .recovery import Instants, instants, interface_loads, modal_coordinates, place, read_again, stepping
 
 FORMAT = "duhamel-results"
 VERSION = 1
@@ -143,7 +143,8 @@ class Results:
         R = self.body(body).R
         frames = [(self.frame(f"{body}.{interface.name}"), interface.rotations) for interface in element.interfaces]
         p = np.hstack([interface_loads(R, frame.u, frame.force, rotations) for frame, rotations in frames])
-        both = modal_coordinates(element.modes, p, self._stepping, np.concatenate([when.before, when.after]))
+        steps = np.concatenate([when.before, when.after])
+        both = modal_coordinates(element.modes, p, stepping(str(self._source), self.solver), steps)
         return element.recovery, when.of(*np.split(both, 2)), when
 
     def _check_recoverable(self, body: str, element: Superelement) -> None:
@@ -153,11 +154,6 @@ class Results:
         needed = [f"bodies/{body}", *(f"frames/{body}.{interface.name}" for interface in element.interfaces)]
         if missing := [name for name in needed if name not in recorded]:
             raise RecoveryError(f"body {body!r}: fields need {', '.join(missing)}, which the run did not record")
-
-    @property
-    def _stepping(self) -> Stepping:
-        run = self.solver
-        return Stepping(float(run["h"]), GeneralizedAlpha(float(run["rho_inf"])), str(run["rule"]), str(run["start"]))
 
     def _coupling(self, name: str) -> Coupling:
         data = self._group(name)

@@ -42,7 +42,12 @@ class ResultsFile:
         self._columns = requested_columns(compiled)
         self._balanced = compiled.model.output.selects("energy")
         self._h = compiled.h
-        self._superelements = {name: body.superelement for name, body in compiled.model.flexible_bodies.items()}
+        # Those of a file are left there until a field is asked for, unless all of them is here already.
+        self._superelements = {
+            name: body.superelement
+            for name, body in compiled.model.flexible_bodies.items()
+            if body.superelement.recovery is not None or not body.source
+        }
         self._energy_start: tuple[float, float] | None = None
         self._written = 0
         self._run = uuid.uuid4().hex

@@ -3,6 +3,7 @@
 from .case import Case
 from .errors import ClusterError, StudyError
 from .study_file import Study, read_study
-from .sweep import Row, sweep
+from .summary import Row
+from .sweep import sweep
 
 __all__ = ["Case", "ClusterError", "Row", "Study", "StudyError", "read_study", "sweep"]

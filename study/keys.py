@@ -3,8 +3,9 @@
 A part of a key is a key of a table, the `name` of an entry of an array of tables, or the number of an entry, from 0.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
+from fnmatch import fnmatchcase
 from typing import Any
 
 from .errors import StudyError
@@ -17,6 +18,14 @@ def leaves(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, An
             yield from leaves(value, f"{prefix}{key}.")
         else:
             yield f"{prefix}{key}", value
+
+
+def matching(document: Mapping[str, Any], patterns: Sequence[str]) -> Iterator[tuple[str, str]]:
+    """The texts whose keys match one of the patterns, such as "bodies.*.superelement", in the order of these."""
+    for pattern in patterns:
+        for key, value in leaves(document):
+            if isinstance(value, str) and fnmatchcase(key, pattern):
+                yield key, value
 
 
 def replaced(document: Mapping[str, Any], key: str, value: Any) -> dict[str, Any]:

@@ -10,11 +10,18 @@ from ..superelement import SuperelementError, read, write
 from .case import Case
 from .digest import digest
 from .errors import StudyError
+from .keys import matching
 
 
 @dataclass(frozen=True)
 class Preprocessing:
-    paths: ClassVar[tuple[str, ...]] = ("mesh",)
+    paths: ClassVar[tuple[str, ...]] = (
+        "mesh",
+        "matrices.stiffness",
+        "matrices.mass",
+        "matrices.nodes",
+        "matrices.dofs",
+    )
     columns: ClassVar[tuple[str, ...]] = ("seconds", "mass", "first_frequency", "modes", "error")
 
     @property
@@ -32,7 +39,8 @@ class Preprocessing:
     def is_made(self, case: Case) -> bool:
         try:
             made_from = read(case.target).provenance
-            return (made_from.body, made_from.mesh_sha256) == (case.text, digest(case.folder / case.document["mesh"]))
+            files = [digest(case.folder / path) for _, path in matching(case.document, self.paths)]
+            return (made_from.body, made_from.mesh_sha256) == (case.text, ", ".join(files))
         except (SuperelementError, OSError):
             return False
 

@@ -12,7 +12,7 @@ from ..solver import ConvergenceError, ModelError, Results, ResultsError, read_m
 from ..superelement import SuperelementError
 from .case import Case
 from .digest import digest
-from .parts import renamed_at_the_end
+from .keys import matching
 
 NO_TIME = 1e-300
 """a run of this length [s] is its start alone"""
@@ -39,8 +39,7 @@ class Simulation:
             check(read(results), outputs)
 
     def make(self, case: Case) -> None:
-        with renamed_at_the_end(case.target) as part:
-            simulate(read_model(case.source), output=part)
+        simulate(read_model(case.source), output=case.target)
 
     def is_made(self, case: Case) -> bool:
         try:
@@ -65,5 +64,5 @@ class Simulation:
 
 def _superelements(case: Case) -> dict[str, str]:
     """The digests of the superelements by body, as results files keep them."""
-    bodies = case.document["bodies"].items()
-    return {name: digest(case.folder / body["superelement"]) for name, body in bodies if "superelement" in body}
+    named = matching(case.document, Simulation.paths)
+    return {key.split(".")[1]: digest(case.folder / path) for key, path in named}

@@ -16,7 +16,7 @@ from pydantic import Field, model_validator
 from ..inputs import InputError, Table, read_table
 from .case import Case, Kind
 from .errors import StudyError
-from .keys import leaves, replaced
+from .keys import leaves, matching, replaced
 
 AnyPath = Annotated[Path, Field(strict=False)]
 
@@ -75,16 +75,7 @@ def read_study(path: str | os.PathLike[str], folder: str | os.PathLike[str] | No
 
 
 def _study(file: _StudyFile, path: Path, folder: Path) -> Study:
-    # Each loads what it works with, a second's worth.
-    kind: Kind
-    if file.model is not None:
-        from .simulation import Simulation
-
-        kind, base = Simulation(), path.parent / file.model
-    else:
-        from .preprocessing import Preprocessing
-
-        kind, base = Preprocessing(), path.parent / (file.body or "")
+    kind, base = _kind_and_base(file, path.parent)
     document = _relocated(_document(base), kind.paths, base.parent, folder)
     points = _grid(file.parameters or {}) if file.table is None else _rows(path.parent / file.table)
     cases = []
@@ -95,6 +86,17 @@ def _study(file: _StudyFile, path: Path, folder: Path) -> Study:
             changed = replaced(changed, key, _relative(path.parent / value, folder) if is_path else value)
         cases.append(Case(point.name, point.parameters, changed, folder))
     return Study(kind, base, folder, tuple(cases), file.outputs)
+
+
+def _kind_and_base(file: _StudyFile, folder: Path) -> tuple[Kind, Path]:
+    # Each loads what it works with, a second's worth.
+    if file.model is not None:
+        from .simulation import Simulation
+
+        return Simulation(), folder / file.model
+    from .preprocessing import Preprocessing
+
+    return Preprocessing(), folder / (file.body or "")
 
 
 def _document(base: Path) -> dict[str, Any]:
@@ -108,9 +110,8 @@ def _document(base: Path) -> dict[str, Any]:
 
 def _relocated(document: dict[str, Any], paths: tuple[str, ...], old: Path, new: Path) -> dict[str, Any]:
     """The same document for another folder."""
-    for key, value in leaves(document):
-        if any(fnmatchcase(key, pattern) for pattern in paths):
-            document = replaced(document, key, _relative(old / value, new))
+    for key, value in matching(document, paths):
+        document = replaced(document, key, _relative(old / value, new))
     return document
 
 

@@ -1,31 +1,13 @@
 """Run what is open of a study, and sum up all of it."""
 
-import csv
-import json
-import os
 from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any
 
 from .case import Case
 from .errors import StudyError
-from .parts import remove_parts
 from .study_file import Study
+from .summary import Row, write_summary
 from .workers import Report, in_process, on_cluster
-
-
-@dataclass(frozen=True)
-class Row:
-    """What the summary says of a case: status "done", "failed", or "open" where the study was stopped before it."""
-
-    case: Case
-    status: str = "open"
-    numbers: dict[str, float] = field(default_factory=dict)
-    message: str = ""
-    warnings: tuple[str, ...] = ()
-
 
 Tell = Callable[[Row], None]
 """called with a case when it is finished, or found made"""
@@ -68,7 +50,6 @@ def sweep(
             for case, report in reports:
                 finish(case, report)
     finally:
-        remove_parts(folder)
         write_summary(folder / "summary.csv", study, list(rows.values()))
     return tuple(rows.values())
 
@@ -98,21 +79,3 @@ def _write_sources(study: Study) -> None:
             case.source.write_text(case.text, encoding="utf-8")
     except OSError as error:
         raise StudyError(f"{study.folder}: cannot be written: {error}") from error
-
-
-def write_summary(path: Path, study: Study, rows: Sequence[Row]) -> None:
-    """A row a case: name, parameters, status, numbers and outputs in SI units, message."""
-    parameters = list(study.cases[0].parameters)
-    numbers = [*study.kind.columns, *study.outputs]
-    temporary = path.with_suffix(f".{os.getpid()}")
-    with temporary.open("w", encoding="utf-8", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(["case", *parameters, "status", *numbers, "message"])
-        for row in rows:
-            given = [_cell(row.case.parameters[key]) for key in parameters]
-            table.writerow([row.case.name, *given, row.status, *[row.numbers.get(n, "") for n in numbers], row.message])
-    temporary.replace(path)
-
-
-def _cell(value: Any) -> Any:
-    return json.dumps(value) if isinstance(value, list | dict | bool) else value

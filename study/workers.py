@@ -49,8 +49,8 @@ def on_cluster(
 ) -> Iterator[tuple[Case, Report]]:
     """Cases as they are finished by the workers of a scheduler, or by as many processes here (all cores by default).
 
-    A case whose worker dies is run again by another; one that outlives none of four is reported as failed (the
-    allowed-failures of Dask). Raises `ClusterError` without Dask, or where nobody answers.
+    A case whose worker dies is run again by another. One of which four workers die (more than the allowed-failures of
+    Dask) is reported as failed. Raises `ClusterError` without Dask, or where nobody answers.
     """
     with _client(workers, scheduler) as client:
         from distributed import as_completed
@@ -68,15 +68,18 @@ def on_cluster(
 
         hand_out()
         for future in finished:
-            case = running.pop(future.key)
-            error = future.exception()
-            yield case, future.result() if error is None else Report(f"{type(error).__name__}: {error}")
+            case, error = running.pop(future.key), future.exception()
+            report = future.result() if error is None else Report(f"{type(error).__name__}: {error}")
+            # Else Dask would make the case again, should the worker that remembers the report die.
+            future.release()
             hand_out()
+            yield case, report
 
 
 def _threads(client: "Client") -> int:
     """How many cases the cluster can run at once; one, where all workers are being replaced."""
-    return max(1, sum(client.nthreads().values()))
+    threads: dict[str, int] = client.nthreads()
+    return max(1, sum(threads.values()))
 
 
 @contextmanager
@@ -88,7 +91,7 @@ def _client(workers: int | None, scheduler: str | None) -> Iterator["Client"]:
             "Dask is not installed: pip install 'duhamel[cluster]', or --workers 0 for one case after another"
         ) from error
     if scheduler is None:
-        cluster = LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None)
+        cluster = LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address="127.0.0.1:0")
         with cluster, Client(cluster) as client:
             yield client
         return
