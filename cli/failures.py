@@ -3,6 +3,7 @@
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -10,9 +11,10 @@ import typer
 
 
 @contextmanager
-def told_in_one_line(*packages: ModuleType) -> Iterator[None]:
+def told_in_one_line(*packages: ModuleType, about: Path | None = None) -> Iterator[None]:
     """Print `error: ...` and exit with 1 on an exception that the packages export, `warning: ...` on a warning.
 
+    about: the file at fault, put before errors that do not know it.
     Any other exception is a defect of the program, and shows its traceback.
     """
     exported = _exported_exceptions(*packages)
@@ -32,7 +34,8 @@ def told_in_one_line(*packages: ModuleType) -> Iterator[None]:
         try:
             yield
         except exported as error:
-            typer.echo(f"error: {error}", err=True)
+            where = f"{about}: " if about else ""
+            typer.echo(f"error: {where}{error}", err=True)
             raise typer.Exit(1) from error
 
 

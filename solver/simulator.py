@@ -15,7 +15,7 @@ from .loop import advance, record
 from .model import Model
 from .results_layout import lay_out_columns, make_output
 from .signals import Input, Signal
-from .simulation import compile_loop, failure
+from .simulation import failure
 from .system import Inputs, Output
 
 
@@ -25,14 +25,13 @@ class Simulator:
         simulator = Simulator(model, outputs=["joints/pivot/angle", "frames/beam.tip/position"])
         while True:
             simulator.step([controller(simulator.outputs)])
-            simulator.prepare()
 
     `step` takes the values at the end of the step, in the order of `inputs`. Loads are linear between them: a force
-    that is to be held from one step to the next acts half a step early, with the same impulse. `prepare` does what the
-    next step can do before they are known; a step that finds nothing prepared does it itself. `outputs` (n,) are the
-    chosen datasets of results, one after the other, at the present `time`; they are those of `simulate`. With
-    `corrections` in the model all steps cost about the same, but for history "fft", which convolves whole blocks now
-    and then: bodies without modes take "direct" and a `memory`.
+    that is to be held from one step to the next acts half a step early, with the same impulse. What the next step can
+    do before they are known is done at the end of the one before: to recall the past, to predict, to factor the matrix
+    of a given number of `corrections`. With these all steps cost about the same, but for history "fft", which convolves
+    whole blocks now and then: bodies without modes take "direct" and a `memory`. `outputs` (n,) are the chosen datasets
+    of results, one after the other, at the present `time`; they are those of `simulate`.
 
     Raises ModelError for a model that cannot start, an output that there is not, a wrong number of inputs and a step
     beyond t_end; ConvergenceError where Newton's method fails, and then there are no further steps.
@@ -52,13 +51,12 @@ class Simulator:
         self._load, self._drive = load[0], drive[0]
         self._load_inputs = _places(compiled.load_signals, self.inputs)
         self._drive_inputs = _places(compiled.drives, self.inputs)
-        row = np.zeros(1, dtype=np.int64)
-        self._now = Inputs(load, drive, row, ahead=0)
-        self._ahead = Inputs(load[:0], drive[:0], row[:0], ahead=1)
+        self._signals = Inputs(load, drive, np.zeros(1, dtype=np.int64), ahead=1)
+        self._no_step = Inputs(load[:0], drive[:0], as_index([]), ahead=1)
         self._lookahead = Lookahead(compiled.system.elastic, compiled.n_steps)
-        self._foreseen = 0
-        compile_loop(compiled, self._state, self._work)
         record(compiled.system, self._quaternions, 0, self._state, self._work, self._output)
+        self._advance(self._no_step)
+        self._foresee(1)
 
     @property
     def time(self) -> float:
@@ -78,27 +76,25 @@ class Simulator:
         number = int(self._state.step[0]) + 1
         if number > self._compiled.n_steps:
             raise ModelError(f"t_end = {self._compiled.model.t_end:.9g} s has been reached")
-        self._foresee(number)
         for array, (places, given) in ((self._load, self._load_inputs), (self._drive, self._drive_inputs)):
             array[places] = values[given]
-        taken, residual = self._advance(self._now)
+        # a kernel ends with the run
+        last = number == self._compiled.n_steps
+        pauses = self._lookahead.room(number - 1, 2) == 1
+        taken, residual = self._advance(self._signals._replace(ahead=0) if last or pauses else self._signals)
         if not taken:
             raise failure(self._compiled, number, residual, self._work)
+        if pauses and not last:
+            self._lookahead.look(self._state)
+            self._advance(self._no_step)
+        self._foresee(number + 1)
         return self.outputs
-
-    def prepare(self) -> None:
-        """Begin the next step: recall the past, predict, factor the matrix of a given number of corrections."""
-        self._foresee(int(self._state.step[0]) + 1)
-        self._advance(self._ahead)
 
     def _advance(self, inputs: Inputs) -> tuple[int, float]:
         return advance(self._compiled.system, self._quaternions, inputs, self._state, self._work, self._output)
 
     def _foresee(self, number: int) -> None:
-        """The signals of step `number` that are no inputs, and what past blocks of loads do in it, once."""
-        if self._foreseen == number:
-            return
-        self._lookahead.look(self._state)
+        """The signals of step `number` that are no inputs."""
         h = self._compiled.h
         for i, load in enumerate(self._compiled.load_signals):
             if not isinstance(load, Input):
@@ -106,7 +102,6 @@ class Simulator:
         for i, drive in enumerate(self._compiled.drives):
             if not isinstance(drive, Input):
                 self._drive[i] = drive(h * number)
-        self._foreseen = number
 
 
 def _places(signals: Sequence[Signal], inputs: tuple[str, ...]) -> tuple[Index, Index]:

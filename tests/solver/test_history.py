@@ -142,7 +142,7 @@ def test_loads_at_rest_are_felt_beyond_any_memory(elements, monkeypatch):
         tolerance=1e-13,
     )
     u = simulate(model).frame("a.i1").u
-    assert np.abs(u - u[0]).max() < 1e-12 * np.abs(u[0]).max()
+    assert np.abs(u - u[0]).max() < 1e-15  # m, the rounding of positions of about a metre
 
 
 def test_the_rules_differ(elements):
