@@ -4,7 +4,7 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV ?= .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet --no-input
-PACKAGES := inputs superelement preprocess solver view cli
+PACKAGES := inputs superelement preprocess solver view study cli
 
 .DEFAULT_GOAL := help
 .PHONY: help demo test lint validation benchmark constraints clean
@@ -17,7 +17,8 @@ demo: $(VENV)/.installed ## a mesh of a beam, its superelement, the paper's Case
 	@mkdir -p out
 	$(BIN)/duhamel preprocess meshes/beam/beam.toml
 	$(BIN)/duhamel run examples/case1.toml -o out/case1-results.h5
-	$(BIN)/duhamel plot out/case1-results.h5 angular_velocity:hub:z displacement:beam.tip:hub.rim:y -o out/case1.png
+	$(BIN)/duhamel plot out/case1-results.h5 angular_velocity:hub:z displacement:beam.tip:hub.rim:y \
+	  --title "Case 1: a beam on a hub that a torque turns and stops" -o out/case1.png
 	@echo "hub speed and tip deflection: $(CURDIR)/out/case1.png"
 
 test: $(VENV)/.installed ## the tests

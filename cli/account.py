@@ -25,7 +25,7 @@ def account(results: Results) -> Iterator[str]:
     if solver["moved"] > NOTICEABLE:
         yield f"bodies start up to {solver['moved']:.3g} m or rad from their given places"
     if solver["velocity_correction"] > NOTICEABLE:
-        yield f"and up to {solver['velocity_correction']:.3g} m/s or rad/s from their given velocities"
+        yield f"bodies start up to {solver['velocity_correction']:.3g} m/s or rad/s from their given velocities"
     energy = results.energy
     names = ("kinetic", "elastic", "springs", "potential", "work", "dissipated")
     last = ", ".join(f"{name} {getattr(energy, name)[-1]:.4g}" for name in names if getattr(energy, name).any())

@@ -35,7 +35,25 @@ DryRun = Annotated[
         help="Only say what was found on the mesh and what to expect, and draw it: NAME.png beside the body file.",
     ),
 ]
+StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="A model or body, and values of its parameters.")]
+StudyFolder = Annotated[
+    Path | None,
+    typer.Option(
+        "--output", "-o", metavar="FOLDER", help="The cases: STUDY beside the study file.", show_default=False
+    ),
+]
+Workers = Annotated[
+    int | None,
+    typer.Option(min=0, help="Processes on this machine, as many as cores unless given; 0: none but this one."),
+]
+Scheduler = Annotated[
+    str | None, typer.Option(metavar="tcp://HOST:PORT", help="Of a Dask cluster that sees the same files.")
+]
+Force = Annotated[bool, typer.Option("--force", help="Also the cases that are up to date.")]
 Picture = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE.png", show_default=False)]
+Title = Annotated[
+    str | None, typer.Option(metavar="TEXT", help="Above the picture: the name of the file, unless given.")
+]
 
 
 @app.command()
@@ -91,7 +109,39 @@ def run(model_file: ModelFile, output: Output = None) -> None:
 
 
 @app.command()
-def plot(results_file: ResultsFile, quantities: Panels = None, output: Picture = None) -> None:
+def sweep(
+    study_file: StudyFile,
+    output: StudyFolder = None,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    force: Force = False,
+) -> None:
+    """Run a model, or preprocess a body, for many values of its parameters.
+
+    Each case is a file of its own, with what was made of it beside it; summary.csv has a row for each. A second call
+    makes only what is missing, failed, or was made from other inputs.
+    """
+    if scheduler is not None and workers is not None:
+        raise typer.BadParameter("a scheduler brings its own workers: expected one of --workers and --scheduler")
+    start = perf_counter()
+    from .. import study
+    from .sweep import shown_cases, verdict
+
+    with told_in_one_line(study):
+        plan = study.read_study(study_file, output)
+    with told_in_one_line(study, about=study_file), shown_cases(len(plan.cases)) as tell:
+        rows = study.sweep(plan, workers, scheduler, force, tell)
+    failed = list(verdict(rows))
+    for line in failed:
+        typer.echo(line, err=True)
+    seconds = perf_counter() - start
+    typer.echo(f"{plan.folder / 'summary.csv'}: {len(rows)} cases, {len(failed)} failed, {seconds:.1f} s")
+    if failed:
+        raise typer.Exit(1)
+
+
+@app.command()
+def plot(results_file: ResultsFile, quantities: Panels = None, output: Picture = None, title: Title = None) -> None:
     """Draw results over time: RESULTS.png beside the results file, unless told otherwise.
 
     Each argument is a panel: a quantity, or several joined by commas. Without arguments: how fast the bodies turn,
@@ -106,7 +156,8 @@ def plot(results_file: ResultsFile, quantities: Panels = None, output: Picture =
             [curve for quantity in panel.split(",") for curve in view.curves(recording, quantity)]
             for panel in quantities or ()
         ]
-        view.save(view.draw(recording.time, panels or view.overview(recording), results_file.stem), target)
+        heading = results_file.stem if title is None else title
+        view.save(view.draw(recording.time, panels or view.overview(recording), heading), target)
     typer.echo(target)
 
 

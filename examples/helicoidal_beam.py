@@ -11,6 +11,7 @@ paper's Figs 12 to 23 to FOLDER, by default out/.
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from duhamel.preprocess.body import PointMass
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
+from scipy.signal import butter, sosfiltfilt
 
 Array = NDArray[np.float64]
 
@@ -37,6 +39,9 @@ TITLES = {
     "case5": "Case 5: tip mass, hit at 0.2 s",
 }
 BLUE, RED, GREEN, *_ = view.COLOURS
+GREY = "0.6"
+BLOW = 0.2
+"""when the tip is hit in Case 5 [s]"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,15 +190,40 @@ def peak(values: Array) -> float:
     return float(np.abs(values).max())
 
 
+def swings(found: Run, start: float, end: float) -> Iterator[tuple[Array, Array]]:
+    """Turning [rad/s] and rising [m/s] of hub and beam from start to end (n,), the latter without what gravity adds."""
+    shown = (found.time > start) & (found.time < end - 1e-9)
+    fall = found.model.gravity[2] * found.time
+    for body in ("hub", "beam"):
+        velocity = found.recording.velocity(body)[:, 2] - fall
+        yield found.recording.angular_velocity(body)[shown, 2], velocity[shown]
+
+
+def out_of_phase(found: Run) -> float:
+    """The largest angle about the axis between tip and centre of mass [rad]."""
+    tip, center = (found.recording.position(place)[:, :2] @ [1.0, 1.0j] for place in ("beam.tip", "beam"))
+    return peak(np.angle(tip * center.conj()))
+
+
+def fast(deflection: Array, h: float) -> Array:
+    """What a deflection (n,) holds above 70 Hz, without the first two modes of the system."""
+    filtered: Array = sosfiltfilt(butter(4, 70.0, "highpass", fs=1.0 / h, output="sos"), deflection)
+    return filtered
+
+
 def overview(case: str, recording: view.Recording) -> Figure:
     """Angles, heights, horizontal motion and their rates, as Figs 12, 13, 16, 17, 20 and 21."""
     figure, panels = view.panels(5, 2, share_time=False)
     kinds = ("angle", "angular_velocity", "position", "velocity", "angular_acceleration", "acceleration")
     places = (panels[0], panels[1], panels[2], panels[3], panels[8], panels[9])
     for kind, axes in zip(kinds, places, strict=True):
-        for body, colour, label in (("hub", RED, "hub"), ("beam", BLUE, "beam")):
+        # Angles and heights of hub and beam all but coincide: there the upper curve is dashed.
+        over = (0, (4, 4)) if kind in ("angle", "position") else "-"
+        for body, colour, line in (("hub", RED, "-"), ("beam", BLUE, over)):
             (curve,) = view.curves(recording, f"{kind}:{body}:z")
-            axes.plot(recording.time, curve.values, color=colour, label=label, linewidth=0.9)
+            axes.plot(recording.time, curve.values, color=colour, linestyle=line, label=body, linewidth=0.9)
+        if kind.endswith("acceleration"):
+            show_the_blow(case, axes)
         label_axes(axes, f"{curve.words[0]}, z", f"[{curve.unit}]")
     panels[0].plot(recording.time, recording.elastic_rotation("beam.root")[:, 2], color=GREEN, label="elastic, root")
     label_axes(panels[0], "angle, z", "[rad]")
@@ -214,28 +244,40 @@ def tip(case: str, runs: dict[str, Run]) -> Figure:
     for column, (name, stiffness) in enumerate(STIFFNESS.items()):
         found = runs[f"{case}-{name}"]
         seen, floating, turned = panels[column], panels[2 + column], panels[4 + column]
-        for axis, colour in enumerate((GREEN, BLUE, RED)):
+        for axis, colour in enumerate((GREY, BLUE, RED)):
             look = {"color": colour, "label": "xyz"[axis], "linewidth": 0.9}
             seen.plot(found.time, 1e3 * found.deflection[:, axis], **look)
             floating.plot(found.time, 1e3 * found.recording.elastic_displacement("beam.tip")[:, axis], **look)
             turned.plot(found.time, found.recording.elastic_rotation("beam.root")[:, axis], **look)
+        show_the_blow(case, floating, turned)
         label_axes(seen, f"tip in hub axes, $EI_y$ = {stiffness} N m²", "[mm]")
         label_axes(floating, "tip in the floating frame", "[mm]")
-        label_axes(turned, "rotation at the hub, floating frame", "[rad]")
+        label_axes(turned, "rotation at the hub", "[rad]")
     view.entitle(figure, TITLES[case])
     return figure
 
 
 def trajectory(case: str, recording: view.Recording) -> Figure:
-    """Of centre of mass and tip, as Figs 15, 19 and 23."""
+    """Of centre of mass and tip, as Figs 15, 19 and 23; a ring at the start, and a star at the blow."""
     figure = Figure(figsize=(6.0, 5.0), layout="constrained")
     axes = figure.add_subplot(projection="3d")
     for place, colour, label in (("beam", BLUE, "centre of mass"), ("beam.tip", GREEN, "tip")):
-        axes.plot(*recording.position(place).T, color=colour, label=label, linewidth=0.9)
+        path = recording.position(place)
+        axes.plot(*path.T, color=colour, label=label, linewidth=0.9)
+        axes.plot(*path[0], marker="o", markerfacecolor="white", color=colour)
+        if case == "case5":
+            axes.plot(*path[np.searchsorted(recording.time, BLOW - 1e-9)], marker="*", markersize=9, color=colour)
     axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]", box_aspect=(1, 1, 1.2))
     axes.legend(loc="upper left")
     view.entitle(figure, TITLES[case])
     return figure
+
+
+def show_the_blow(case: str, *panels: Axes) -> None:
+    """Of Case 5 only the time around the blow: over the whole of it, vibrations are a solid band."""
+    if case == "case5":
+        for axes in panels:
+            axes.set_xlim(BLOW - 0.02, BLOW + 0.1)
 
 
 def after_the_blow(runs: dict[str, Run]) -> Figure:
@@ -275,6 +317,7 @@ def report(runs: dict[str, Run]) -> None:
             angular, linear = recording.angular_acceleration(body), recording.acceleration(body)
             print(f"{peak(angular[:, 2]):11.0f}{peak(linear[:, 2]):7.0f}", end="")
         print()
+    report_speeds(runs)
     for name in STIFFNESS:
         both = [runs[f"case5-{name}{kind}"] for kind in ("", "-lumped")]
         size = [peak(both[0].deflection[:, axis]) for axis in (1, 2)]
@@ -282,6 +325,27 @@ def report(runs: dict[str, Run]) -> None:
         relative = [d / s for d, s in zip(deflection, size, strict=True)]
         print(f"case5-{name}, the tip mass both ways: tips {apart(*both):.1e} of the length apart, ", end="")
         print(f"deflections y and z {relative[0]:.1e}, {relative[1]:.1e} of their peaks")
+
+
+def report_speeds(runs: dict[str, Run]) -> None:
+    """After the pulses, and of Case 5 also after the blow; what the blow leaves above 70 Hz."""
+    print("speeds: turning [rad/s], from and to; rising [m/s] without what gravity adds; tip and centre out of phase")
+    for name, found in runs.items():
+        if name.endswith("weightless"):  # gravity adds less to it
+            continue
+        pulse = max(load.signal.end for load in found.model.loads if isinstance(load.signal, solver.Pulse))
+        instants = [pulse, BLOW, found.model.t_end] if name.startswith("case5") else [pulse, found.model.t_end]
+        for start, end in pairwise(instants):
+            print(f"{name:24}{start:5.2f} to {end:.2f} s", end="")
+            for body, (turning, rising) in zip(("hub", "beam"), swings(found, start, end), strict=True):
+                print(f"   {body} {turning.min():7.2f}{turning.max():7.2f}", end="")
+                print(f"{rising.mean():7.2f} ± {np.ptp(rising) / 2:.2f}", end="")
+            print(f"{out_of_phase(found):10.3f} rad")
+        if len(instants) > 2:
+            y = fast(found.deflection[:, 1], found.model.step)
+            after = [peak(y[(found.time > t) & (found.time <= t + 0.05)]) for t in (0.205, 0.3, 0.6, 0.9)]
+            print(f"{'':24}tip above 70 Hz, y: {', '.join(f'{1e3 * size:.3f}' for size in after)} mm ", end="")
+            print("after 0, 0.1, 0.4, 0.7 s")
 
 
 if __name__ == "__main__":

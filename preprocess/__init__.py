@@ -2,13 +2,14 @@
 
 from .body import Body, read_body
 from .build import build
-from .errors import BodyError, InterfaceError, MeshError, MeshWarning, MethodError, PreprocessError
+from .errors import BodyError, InterfaceError, MatrixError, MeshError, MeshWarning, MethodError, PreprocessError
 from .structure import Structure, assemble
 
 __all__ = [
     "Body",
     "BodyError",
     "InterfaceError",
+    "MatrixError",
     "MeshError",
     "MeshWarning",
     "MethodError",

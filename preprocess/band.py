@@ -1,6 +1,6 @@
 """The band of frequencies in which a kernel must be right, and how far from right it is."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -13,6 +13,10 @@ PARTS = 8
 """Equal parts of the band, each on a scale of its own: displacements fall with the square of the frequency."""
 GRID = 16
 """Frequencies in every part, besides those of the resonances in it."""
+COARSER = 5
+"""Steps, from h to the coarsest that resolves the band, of which g[0] is looked at."""
+AT_ONCE: Complex = np.zeros(1, dtype=np.complex128)
+"""The delay d of g[0] = G(0)."""
 RESONANCES = 64
 """Resonances looked at in every part; of more, each second, third, ... from the top."""
 
@@ -38,12 +42,19 @@ class Band:
         """The step [s] of which the band reaches half the Nyquist frequency; h itself if it reaches less."""
         return min(self.h, 0.25 / self.limit)
 
+    @property
+    def coarsest_step(self) -> float:
+        """The step [s] that resolves the band to half its Nyquist frequency; h itself where that is finer."""
+        return max(self.h, 0.25 / self.limit)
+
     def error(self, modes: Modes, better: Modes, enough: float = np.inf) -> float:
         """The largest error of `modes`, taking `better` for the truth.
 
-        Looked for from the highest frequencies down, which converge last, until one is beyond `enough`.
+        First of g[0], of coarser steps too as long as they resolve the band; then from the highest frequencies down,
+        which converge last, until one is beyond `enough`.
         """
-        largest = 0.0
+        coarser = np.geomspace(self.h, self.coarsest_step, COARSER)
+        largest = max(replace(self, h=float(h))._error(modes, better, AT_ONCE) for h in coarser)
         for delay in reversed(self._delays(better)):
             largest = max(largest, self._error(modes, better, delay))
             if largest > enough:
@@ -97,7 +108,7 @@ class Band:
     def _delays(self, modes: Modes) -> list[Complex]:
         """The delays of every part: a grid, and where the modes resonate, Re sigma = -omega^2."""
         edges = np.linspace(0.0, 2.0 * np.pi * self.limit * self.h, PARTS + 1)
-        parts = [np.zeros(1, dtype=np.complex128)]
+        parts = [AT_ONCE]
         for low, high in pairwise(edges):
             fine = np.linspace(low, high, 1024)
             sigma, _ = self.scheme.symbols(self.h, self._delay(fine))

@@ -4,7 +4,7 @@ import os
 import tomllib
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, cast
 
 import numpy as np
 from pydantic import (
@@ -23,6 +23,7 @@ from .material import Material, Section
 from .selection import InterfaceSelection, Selection
 
 Method = Literal["auto", "modal", "march", "krylov"]
+FilePath = Annotated[Path, Field(strict=False)]
 
 
 def _as_matrix(value: Any) -> Any:
@@ -148,15 +149,38 @@ class RecoveredFields(Table):
     stress: bool = False
 
 
+class Matrices(Table):
+    """A finite element model of another program, free in space: files of K [N/m ...], M [kg ...] and of nodes [m].
+
+    nodes: labels and coordinates; dofs: node and direction of every row of the matrices, where neither they say so nor
+    the rows are three or six for each node in its order.
+    """
+
+    stiffness: FilePath
+    mass: FilePath
+    nodes: FilePath
+    dofs: FilePath | None = None
+
+    @property
+    def files(self) -> dict[str, Path]:
+        """By their keys."""
+        given = {"stiffness": self.stiffness, "mass": self.mass, "nodes": self.nodes, "dofs": self.dofs}
+        return {key: path for key, path in given.items() if path is not None}
+
+    def relative_to(self, folder: Path) -> "Matrices":
+        return Matrices.model_validate({key: folder / path for key, path in self.files.items()})
+
+
 class Body(Table):
-    """A mesh, what it is made of, where it meets others, and the impulse responses wanted.
+    """A mesh, what it is made of, where it meets others, and the impulse responses wanted; or matrices for a mesh.
 
     One of section and sections (by mesh group) for meshes of lines; one of material and materials for solids.
     scale: the unit of the mesh's coordinates in metres, 1e-3 for millimetres. All else is in SI units.
     """
 
     name: str = Field(min_length=1)
-    mesh: Annotated[Path, Field(strict=False)]
+    mesh: FilePath | None = None
+    matrices: Matrices | None = None
     scale: PositiveFloat = 1.0
     section: Section | None = None
     sections: dict[str, Section] = Field(default_factory=dict)
@@ -173,11 +197,23 @@ class Body(Table):
     def _one_make(self) -> Self:
         makes = ("section", "sections", "material", "materials")
         given = [key for key in makes if getattr(self, key)]
-        if len(given) != 1:
+        if self.mesh is None and self.matrices is None:
+            raise ValueError("expected mesh or [matrices], found neither")
+        if self.matrices is not None:
+            others = self.model_fields_set & {"mesh", "scale", "recovery", *makes}
+            if others:
+                raise ValueError(
+                    f"matrices: expected no mesh and nothing made of it, found {', '.join(sorted(others))}"
+                )
+        elif len(given) != 1:
             raise ValueError(f"expected one of {', '.join(makes)}, found {' and '.join(given) or 'none'}")
         for name in self.interfaces:
             if not name or "/" in name or "." in name:
                 raise ValueError(f"interfaces: expected a name without '/' and '.', found {name!r}")
+        for table, places in (("interfaces", self.interfaces), ("masses", self.masses)):
+            for name, place in places.items():
+                if place.nodes is not None and self.matrices is None:
+                    raise ValueError(f"{table}.{name}: nodes are labels of [matrices]; of a mesh use node or group")
         for name, mass in self.masses.items():
             if mass.interface is not None and mass.interface not in self.interfaces:
                 known = ", ".join(self.interfaces)
@@ -185,11 +221,22 @@ class Body(Table):
         return self
 
     @property
+    def source(self) -> Path | Matrices:
+        """What the model comes from: the mesh file, or matrices."""
+        return cast(Path | Matrices, self.mesh or self.matrices)
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The files of the source."""
+        return tuple(self.source.files.values()) if isinstance(self.source, Matrices) else (self.source,)
+
+    @property
     def text(self) -> str:
         """The body file as it was read; for a body made or changed in Python its values in JSON."""
         if self._text:
             as_read = Body.model_validate(tomllib.loads(self._text))
-            if as_read.model_dump(exclude={"mesh"}) == self.model_dump(exclude={"mesh"}):
+            paths = {"mesh", "matrices"}
+            if as_read.model_dump(exclude=paths) == self.model_dump(exclude=paths):
                 return self._text
         return self.model_dump_json(exclude_unset=True)
 
@@ -200,6 +247,8 @@ def read_body(path: str | os.PathLike[str]) -> Body:
         body, text = read_table(path, Body)
     except InputError as error:
         raise BodyError(str(error)) from error
-    body = body.model_copy(update={"mesh": Path(path).parent / body.mesh})
+    folder, source = Path(path).parent, body.source
+    found = {"matrices": source.relative_to(folder)} if isinstance(source, Matrices) else {"mesh": folder / source}
+    body = body.model_copy(update=found)
     body._text = text
     return body

@@ -6,11 +6,11 @@ from ..superelement import Provenance, Superelement, sha256
 from .body import Body
 from .factor import accounts
 from .impulse import impulse_responses
+from .mesh import Mesh
 from .progress import Stages, shown_stages
-from .reading import read_mesh
 from .recovery import check_recovery, recover
 from .static import compliance, mobility
-from .structure import assemble_mesh
+from .structure import assemble_on, read_source
 
 PACKAGES = ("duhamel", "numpy", "scipy", "scikit-fem", "meshio", "rslab")
 
@@ -27,10 +27,11 @@ def build(body: Body, progress: bool = False) -> Superelement:
 
 def _build(body: Body, stages: Stages, factorizations: list[str]) -> Superelement:
     with stages.stage("mesh"):
-        mesh = read_mesh(body.mesh, body.scale)
-        check_recovery(body, mesh)
+        source = read_source(body)
+        if isinstance(source, Mesh):
+            check_recovery(body, source)
     with stages.stage("assembly"):
-        structure = assemble_mesh(body, mesh)
+        structure = assemble_on(body, source)
     with stages.stage("impulse"):
         responses = impulse_responses(structure, body, stages)
     with stages.stage("static"):
@@ -38,9 +39,9 @@ def _build(body: Body, stages: Stages, factorizations: list[str]) -> Superelemen
         modes = responses.modes
         H, B = (compliance(structure), mobility(structure)) if modes is None else (modes.compliance, modes.mobility)
     recovery = None
-    if body.recovery is not None and responses.shapes is not None:
+    if body.recovery is not None and responses.shapes is not None and isinstance(source, Mesh):
         with stages.stage("recovery"):
-            recovery = recover(body, mesh, structure, responses.shapes)
+            recovery = recover(body, source, structure, responses.shapes)
     return Superelement(
         name=body.name,
         mass=structure.rigid.mass,
@@ -54,8 +55,8 @@ def _build(body: Body, stages: Stages, factorizations: list[str]) -> Superelemen
         recovery=recovery,
         provenance=Provenance(
             body=body.text,
-            mesh=mesh.name,
-            mesh_sha256=sha256(body.mesh),
+            mesh=", ".join(path.name for path in body.files),
+            mesh_sha256=", ".join(sha256(path) for path in body.files),
             method=responses.method,
             tolerance=responses.tolerance,
             versions=_versions(factorizations),

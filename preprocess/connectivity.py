@@ -13,19 +13,6 @@ from .mesh import IntArray, Mesh
 from .nodes import spider
 
 
-def check_used(mesh: Mesh) -> None:
-    """Every point must be a node of an element, or it has no mass."""
-    unused = np.ones(len(mesh.points), dtype=bool)
-    for cells in mesh.elements.values():
-        unused[cells] = False
-    if unused.any():
-        point = int(np.flatnonzero(unused)[0])
-        raise MeshError(
-            f"{mesh.name}: {unused.sum()} nodes without mass: they belong to no element of type "
-            f"{', '.join(mesh.body_types)}, first point {point} at {mesh.points[point].tolist()}"
-        )
-
-
 def check_connected(mesh: Mesh) -> None:
     """All elements must be in one piece."""
     pieces, label = _clusters(mesh.elements, len(mesh.points))

@@ -13,6 +13,10 @@ class MeshError(PreprocessError):
     """A mesh that cannot be read, or that makes no sound finite element model."""
 
 
+class MatrixError(PreprocessError):
+    """Matrices that cannot be read, that do not fit their nodes, or that are not those of a free elastic body."""
+
+
 class InterfaceError(PreprocessError):
     """An interface or a mass that selects nothing, or too little to carry a frame."""
 

@@ -63,7 +63,8 @@ def ritz_frequencies(structure: Structure, splines: int) -> Array:
 def _solved(structure: Structure, count: int) -> Array:
     """The frequencies of the mesh, by Lanczos' method on (K + s M)^-1 with s of the size of the first eigenvalue."""
     s = 0.1 * (2.0 * np.pi * ritz_frequencies(structure, 27)[0]) ** 2
-    inverse = LinearOperator(structure.K.shape, matvec=factorize(structure.K + s * structure.M), dtype=np.float64)
+    solve = factorize(structure.K + s * structure.M, "the shifted stiffness")
+    inverse = LinearOperator(structure.K.shape, matvec=solve, dtype=np.float64)
     squares = eigsh(structure.K, count + 6, structure.M, sigma=-s, OPinv=inverse, return_eigenvectors=False)
     elastic: Array = np.sort(squares)[6:]
     return np.sqrt(elastic) / (2.0 * np.pi)

@@ -1,6 +1,6 @@
 """The one place where sparse matrices are factorized."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
@@ -22,6 +22,7 @@ ACCURATE = 1e-10
 COLUMNS = 12
 """Right-hand sides that memory is set aside for: two interfaces of six dofs."""
 COARSER = "use a coarser mesh, or a machine with more memory"
+NOTHING: Mapping[str, float] = {}
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,15 +60,16 @@ def accounts() -> Iterator[list[str]]:
         _accounts.reset(token)
 
 
-def factorize(matrix: Any, name: str = "the matrix") -> Factor:
+def factorize(matrix: Any, name: str, beside: Mapping[str, float] = NOTHING) -> Factor:
     """Factorize a sparse symmetric positive definite matrix (n, n), with rslab or else with what there is.
 
         max_i |A x - b|_i / (|A| |x| + |b|)_i <= 1e-10
 
     holds for a random b: the backward error of every equation, which no choice of units can hide. Refinement has
     nothing to add to it: rslab leaves 1e-16 to 4e-14 on mass, stiffness and what time steps make of them, for solids in
-    any unit and for beams. `name` is what errors call the matrix. `MeshError` if it is not positive definite,
-    `MethodError` if no library solves with it, `MemoryShortageError` if it does not fit into the memory.
+    any unit and for beams. `name` is what errors call the matrix; `beside`, what is to fit into the memory with the
+    factor, in bytes. `MeshError` if the matrix is not positive definite, `MethodError` if no library solves with it,
+    `MemoryShortageError` before anything is factorized that does not fit.
     Source of the residual: W. Oettli and W. Prager, Numerische Mathematik 6 (1964) 405-409.
     """
     A = matrix.tocsc()
@@ -75,7 +77,7 @@ def factorize(matrix: Any, name: str = "the matrix") -> Factor:
     failures: list[str] = []
     for backend, attempt in _backends():
         try:
-            solve = attempt(A, name)
+            solve = attempt(A, name, beside)
         except _BackendError as failure:
             failures.append(f"{backend}: {failure}")
             continue
@@ -92,7 +94,7 @@ class _BackendError(Exception):
     """A library gave up; the next one may not."""
 
 
-def _backends() -> Iterator[tuple[str, Callable[[Any, str], Solve]]]:
+def _backends() -> Iterator[tuple[str, Callable[[Any, str, Mapping[str, float]], Solve]]]:
     """The libraries that are installed, best first."""
     yield "rslab", _rslab
     if find_spec("sksparse") is not None:
@@ -100,12 +102,12 @@ def _backends() -> Iterator[tuple[str, Callable[[Any, str], Solve]]]:
     yield "superlu", _superlu
 
 
-def _rslab(A: Any, name: str) -> Solve:
+def _rslab(A: Any, name: str, beside: Mapping[str, float] = NOTHING) -> Solve:
     """L D L^T by supernodes, after nested dissection where that pays."""
     import rslab
 
     analysis = rslab.analyze(A, path="ldlt", threads=threads())
-    require(analysis.memory_plan(nrhs=COLUMNS)["peak_bytes"], _task(A, name), COARSER)
+    _require(analysis.memory_plan(nrhs=COLUMNS)["peak_bytes"], A, name, beside)
     try:
         factor = analysis.factor(A)
     except RuntimeError as error:
@@ -116,11 +118,11 @@ def _rslab(A: Any, name: str) -> Solve:
     return lambda b: factor.solve(b) if b.ndim == 1 else factor.solve_many(b)
 
 
-def _cholmod(A: Any, name: str) -> Solve:
+def _cholmod(A: Any, name: str, beside: Mapping[str, float] = NOTHING) -> Solve:
     """L L^T by supernodes. As quick as its BLAS: with the reference one of Debian, eight times slower than rslab."""
     from sksparse.cholmod import CholmodError, CholmodNotPositiveDefiniteError, analyze
 
-    require(factorization_cost(A.shape[0], A.nnz).bytes, _task(A, name), COARSER)
+    _require(factorization_cost(A.shape[0], A.nnz).bytes, A, name, beside)
     try:
         factor = analyze(A, mode="supernodal", ordering_method="metis").cholesky(A)
     except CholmodNotPositiveDefiniteError as error:
@@ -130,11 +132,11 @@ def _cholmod(A: Any, name: str) -> Solve:
     return lambda b: factor.solve_A(b)
 
 
-def _superlu(A: Any, name: str) -> Solve:
+def _superlu(A: Any, name: str, beside: Mapping[str, float] = NOTHING) -> Solve:
     """L U after minimum degree: both factors are kept, with indices, and minimum degree fills more."""
     from scipy.sparse.linalg import splu
 
-    require(3.0 * factorization_cost(A.shape[0], A.nnz).bytes, _task(A, name), COARSER)
+    _require(3.0 * factorization_cost(A.shape[0], A.nnz).bytes, A, name, beside)
     try:
         # Positive definite matrices need no pivoting: keeping the diagonal keeps the symmetric, sparser ordering.
         factors = splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
@@ -143,8 +145,8 @@ def _superlu(A: Any, name: str) -> Solve:
     return lambda b: factors.solve(b)
 
 
-def _task(A: Any, name: str) -> str:
-    return f"the factorization of {name} ({A.shape[0]} unknowns)"
+def _require(size: float, A: Any, name: str, beside: Mapping[str, float]) -> None:
+    require({f"the factorization of {name} ({A.shape[0]} unknowns)": size, **beside}, COARSER)
 
 
 def _not_definite(A: Any, name: str, found: str) -> MeshError:

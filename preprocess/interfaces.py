@@ -1,6 +1,6 @@
 """Interfaces: what the body file selects on the mesh, as rows that pick or average displacements."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,6 +11,7 @@ from ..superelement.validation import Array
 from .errors import InterfaceError
 from .facets import Facets
 from .mesh import DIMENSIONS, NONE, IntArray, Mesh
+from .node_table import NodeTable
 from .nodes import Nodes
 from .selection import InterfaceSelection
 
@@ -47,18 +48,51 @@ def attachments(
 
     `InterfaceError` names the table and the key of what selects nothing, or too little to carry a frame.
     """
+
+    def attachment(selection: InterfaceSelection) -> Attachment:
+        _check_elements(selection, mesh)
+        if selection.node is not None:
+            return _nodal(_nearest_node(selection, mesh.points, mesh.size), nodes)
+        if facets is None:
+            return _on_beams(selection, mesh, nodes)
+        return _on_solids(selection, mesh, nodes, facets)
+
+    return _each(table, selections, attachment)
+
+
+def node_attachments(
+    table: str, selections: Mapping[str, InterfaceSelection], given: NodeTable, nodes: Nodes
+) -> dict[str, Attachment]:
+    """The same of nodes without elements: one gives its own dofs, several carry a frame of six."""
+
+    def attachment(selection: InterfaceSelection) -> Attachment:
+        if selection.node is not None:
+            return _nodal(_nearest_node(selection, given.points, given.size), nodes)
+        return _on_points(selection, _given_nodes(selection, given), nodes)
+
+    return _each(table, selections, attachment)
+
+
+def _each(
+    table: str, selections: Mapping[str, InterfaceSelection], attachment: Callable[[InterfaceSelection], Attachment]
+) -> dict[str, Attachment]:
+    """The attachment of every selection; errors name the table and the key."""
     found = {}
     for name, selection in selections.items():
         try:
-            if selection.node is not None:
-                found[name] = _nodal(_nearest_node(selection, mesh), nodes)
-            elif facets is None:
-                found[name] = _on_beams(selection, mesh, nodes)
-            else:
-                found[name] = _on_solids(selection, mesh, nodes, facets)
+            found[name] = attachment(selection)
         except InterfaceError as error:
             raise InterfaceError(f"{table}.{name}: {error}") from error
     return found
+
+
+def _check_elements(selection: InterfaceSelection, mesh: Mesh) -> None:
+    """The nodes that a group names must be of elements, or nothing is there to carry a frame."""
+    if selection.group is not None and len(loose := mesh.group(selection.group).loose):
+        raise InterfaceError(
+            f"group {selection.group!r} names {len(loose)} nodes that belong to no element and have no mass, first at "
+            f"{loose[0].tolist()}: name the nodes or facets of the body that are to carry the frame"
+        )
 
 
 def _nodal(node: int, nodes: Nodes) -> Attachment:
@@ -85,32 +119,38 @@ def _on_beams(selection: InterfaceSelection, mesh: Mesh, nodes: Nodes) -> Attach
 
 def _on_solids(selection: InterfaceSelection, mesh: Mesh, nodes: Nodes, facets: Facets) -> Attachment:
     """A frame with six dofs that facets or points carry; with three, if a group names a single point."""
-    from .surface import mean_motion, mean_motion_of_points, surface
+    from .surface import mean_motion, surface
 
-    rigid = selection.kind == "rigid"
     if _names_points(selection, mesh):
-        members = _selected_nodes(selection, mesh)
-        if len(members) == 1 and not selection.model_fields_set & {"kind", "at"}:
-            return _nodal(int(members[0]), nodes)
-        _check_spread(mesh.points[members])
-        X = mesh.points[members].mean(axis=0) if selection.at is None else np.array(selection.at)
-        return Attachment(X, mean_motion_of_points(members, X, nodes), members, rigid=rigid)
+        return _on_points(selection, _selected_nodes(selection, mesh), nodes)
     numbers = _selected_facets(selection, mesh, facets)
     faces = surface(mesh.points, facets.patch(numbers))
     _check_spread(mesh.points[faces.nodes])
     X = faces.centroid if selection.at is None else np.array(selection.at)
-    return Attachment(X, mean_motion(faces, X, nodes), faces.nodes, numbers, faces.area, rigid)
+    return Attachment(X, mean_motion(faces, X, nodes), faces.nodes, numbers, faces.area, selection.kind == "rigid")
 
 
-def _nearest_node(selection: InterfaceSelection, mesh: Mesh) -> int:
+def _on_points(selection: InterfaceSelection, members: IntArray, nodes: Nodes) -> Attachment:
+    """The dofs of a single point, or a frame with six that points carry."""
+    from .surface import mean_motion_of_points
+
+    if len(members) == 1 and not selection.model_fields_set & {"kind", "at"}:
+        return _nodal(int(members[0]), nodes)
+    points = nodes.points[members]
+    _check_spread(points)
+    X = points.mean(axis=0) if selection.at is None else np.array(selection.at)
+    return Attachment(X, mean_motion_of_points(members, X, nodes), members, rigid=selection.kind == "rigid")
+
+
+def _nearest_node(selection: InterfaceSelection, points: Array, size: float) -> int:
     """The node nearest to the point of the selection; `InterfaceError` if it is farther than the tolerance allows."""
-    distance = np.linalg.norm(mesh.points - np.array(selection.node), axis=1)
+    distance = np.linalg.norm(points - np.array(selection.node), axis=1)
     node = int(distance.argmin())
-    allowed = selection.tolerance * mesh.size
+    allowed = selection.tolerance * size
     if distance[node] > allowed:
         raise InterfaceError(
             f"no node at {list(selection.node or ())}: the nearest is at "
-            f"{mesh.points[node].tolist()}, {distance[node]:.3g} m away; tolerance {selection.tolerance} "
+            f"{points[node].tolist()}, {distance[node]:.3g} m away; tolerance {selection.tolerance} "
             f"of the mesh size allows {allowed:.3g} m"
         )
     return node
@@ -138,6 +178,25 @@ def _selected_nodes(selection: InterfaceSelection, mesh: Mesh) -> IntArray:
     """The nodes (n,) of a group, or of the mesh, that lie in the shapes of a selection."""
     members = np.arange(len(mesh.points)) if selection.group is None else _group_nodes(mesh, selection.group)
     found = members[selection.holds(mesh.points[members], mesh.size)]
+    if not len(found):
+        raise InterfaceError(f"no node lies in {selection}")
+    return found
+
+
+def _given_nodes(selection: InterfaceSelection, given: NodeTable) -> IntArray:
+    """The rows (n,) of the nodes that labels name, or that a group and shapes have in common."""
+    if selection.nodes is not None:
+        labels = np.unique(selection.nodes)
+        if len(unknown := given.unknown(labels)):
+            raise InterfaceError(f"nodes: no node {unknown[0]} with stiffness or mass in {given.name}")
+        return given.rows(labels)
+    members = np.arange(len(given.labels))
+    if selection.group is not None:
+        if selection.group not in given.groups:
+            known = ", ".join(sorted(given.groups)) or "none"
+            raise InterfaceError(f"no group {selection.group!r} in {given.name}; its groups are: {known}")
+        members = given.groups[selection.group]
+    found = members[selection.holds(given.points[members], given.size)]
     if not len(found):
         raise InterfaceError(f"no node lies in {selection}")
     return found

@@ -12,6 +12,7 @@ from ..superelement.validation import Array
 from .band import Band
 from .basis import Basis
 from .body import Damping, Rayleigh
+from .cost import REAL, WORK, basis_bytes
 from .damping import damping_ratios
 from .errors import MeshError, MethodError
 from .factor import factorize
@@ -21,19 +22,19 @@ from .modal import Shapes
 from .structure import Structure
 
 LIMIT = 4000
-"""Dimension at most: beyond, the dense eigenproblems of the space take minutes and its basis gigabytes."""
+"""Vectors at most: beyond, the dense eigenproblems of the space take minutes and its basis gigabytes."""
 GROWTH = 0.1
 """The error is estimated each time that the space has grown by this share of itself."""
 SAFETY = 2.0
 """What the last block has changed counts so many times: alone, it is down to 0.6 of the error at times."""
+NARROW = 4.0
+"""Of a band by so much narrower than that of the step, a second factorization saves more blocks than it costs."""
 PRUNED = 0.1
 """Share of the tolerance that may be spent on leaving out modes."""
 LOW = 1e-6
 """Eigenvalues, relative to the largest, that drown in its rounding: they are found anew from displacements."""
 NOTHING = 1e-14
 """Eigenvalues, relative to the largest, that only rounding keeps from zero."""
-WORK = 8
-"""Blocks that a new one needs memory for beside the basis."""
 RIGID = 6
 
 Watch = Callable[[str], None]
@@ -42,17 +43,30 @@ Watch = Callable[[str], None]
 class KrylovSpace:
     """V = span{P S^-1 F, P S^-1 M P S^-1 F, ...} with S = K + s M and F = P^T P_C^T, orthonormal in M.
 
-    k blocks hold what k steps of the march with S visit, so that the first k lags of the kernel that its modes make
-    are exact (of g_initial too, unless damping in proportion to K meets rho_inf < 1: the scheme then keeps a trace of
-    the accelerations at t_0, which no block holds). The rigid modes head the basis, so that nothing else in it
-    contains them. Source: methods 11.
+    k blocks hold what k steps of the march with S visit, if s is the shift of a time step, so that the first k lags of
+    the kernel that its modes make are exact (of g_initial too, unless damping in proportion to K meets rho_inf < 1: the
+    scheme then keeps a trace of the accelerations at t_0, which no block holds). The rigid modes head the basis, so
+    that nothing else in it contains them. Source: methods 11.
+
+    Every block sees waves travel for one step, so low frequencies take many where steps are far finer than they need.
+    With a second, `lower` shift the first block is as before, which makes g[0] exact, and all others are made with the
+    matrix of that shift: a rational Krylov space. Source: A. Ruhe, Linear Algebra Appl. 58 (1984) 391-405.
+
+    `MemoryShortageError` if a factor does not fit into the memory together with the basis that is to be expected.
     """
 
-    def __init__(self, structure: Structure, shift: float) -> None:
-        self.basis = Basis(structure.M)
-        self.basis.extend(structure.U)
+    def __init__(self, structure: Structure, shift: float, lower: float | None = None) -> None:
+        n_u, n_c = structure.n_u, structure.P_C.shape[0]
+        beside = {"the Krylov basis": basis_bytes(n_u, n_c)}
+        self._solve = factorize(structure.K + shift * structure.M, "the matrix of the time step", beside)
+        self._first = self._solve(structure.loads)
+        if lower is not None:
+            del self._solve  # two factors might not fit
+            self._solve = factorize(structure.K + lower * structure.M, "the matrix of a step for the band", beside)
         self._structure = structure
-        self._solve = factorize(structure.K + shift * structure.M, "the matrix of the time step")
+        self._most = min(LIMIT, available() // (REAL * n_u))
+        self.basis = Basis(structure.M, min(n_u, self._most))
+        self.basis.extend(structure.U)
         self._ends = [RIGID]
         self._stiffness = np.zeros((0, 0))
 
@@ -64,11 +78,17 @@ class KrylovSpace:
     def dimension(self) -> int:
         return self.basis.columns - RIGID
 
+    @property
+    def room(self) -> int:
+        """Vectors that there is time and memory for, those of the basis included; work on a block needs memory too."""
+        n_u, n_c = self._structure.n_u, self._structure.P_C.shape[0]
+        return int(min(self._most, self.basis.columns + available() // (REAL * n_u) - WORK * n_c))
+
     def grow(self) -> bool:
         """Add a block; False if nothing is left to add, for the space holds all that interface loads excite."""
-        load = self._structure.M @ self.basis.since(self._ends[-2]) if self.blocks else self._structure.loads
+        W = self._solve(self._structure.M @ self.basis.V[:, self._ends[-2] :]) if self.blocks else self._first
         # S^-1 M is symmetric in M: what it makes of a block has parts along that block and its two neighbours alone.
-        if not self.basis.extend(self._solve(load), near=self._ends[max(0, self.blocks - 2)]):
+        if not self.basis.extend(W, near=self._ends[max(0, self.blocks - 2)]):
             return False
         self._ends.append(self.basis.columns)
         return True
@@ -83,7 +103,7 @@ class KrylovSpace:
         squares, Q = eigh(self._stiffness[:size, :size], lower=False)
         low = squares < LOW * squares[-1]
         if low.any():
-            shapes = self.basis.combined(np.vstack([np.zeros((RIGID, low.sum())), Q[:, low]]))
+            shapes = self.basis.V[:, RIGID : RIGID + size] @ Q[:, low]
             squares[low], turn = eigh(shapes.T @ (self._structure.K @ shapes))
             Q[:, low] = Q[:, low] @ turn
         if squares[0] <= NOTHING * squares[-1]:
@@ -97,7 +117,8 @@ class KrylovSpace:
         """V^T K V, the upper half, with what has come since the last time: many columns are as quick as a few."""
         done = len(self._stiffness)
         if done < self.dimension:
-            new = self.basis.products(self._structure.K @ self.basis.since(RIGID + done))[RIGID:]
+            V = self.basis.V[:, RIGID:]
+            new = V.T @ (self._structure.K @ V[:, done:])
             left = np.pad(self._stiffness, ((0, self.dimension - done), (0, 0)))
             self._stiffness = np.hstack([left, new])
 
@@ -113,7 +134,8 @@ def krylov_modes(
     whole body, if larger. `watch` is told how it goes.
     `MethodError` if the tolerance asks for a larger space than `LIMIT`, or than there is memory for.
     """
-    space = KrylovSpace(structure, _shift(damping, band.scheme, band.h))
+    shift, lower = (_shift(damping, band.scheme, h) for h in (band.h, band.coarsest_step))
+    space = KrylovSpace(structure, shift, lower if shift > NARROW**2 * lower else None)
 
     def found(blocks: int) -> tuple[Modes, Array]:
         omega, Q = space.ritz(blocks)
@@ -133,8 +155,8 @@ def krylov_modes(
         if error <= (1.0 - PRUNED) * tolerance:
             break
         check = space.blocks + 1 + int(GROWTH * space.blocks)
-        room = min(LIMIT, space.dimension + available() // (8 * structure.n_u) - WORK * structure.loads.shape[1])
-        if space.dimension + (check - space.blocks) * structure.loads.shape[1] > room:
+        room = space.room
+        if space.basis.columns + (check - space.blocks) * structure.P_C.shape[0] > room:
             raise MethodError(
                 f"impulse.method krylov: an error of {tolerance:g} up to {band.limit:g} Hz takes more than the {room} "
                 f"vectors that there is time and memory for, found {error:.1e} with {space.dimension}: "

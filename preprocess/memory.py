@@ -2,7 +2,7 @@
 
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from .errors import MemoryShortageError
@@ -10,13 +10,13 @@ from .errors import MemoryShortageError
 ROOT = Path("/")
 
 
-def require(size: float, what: str, remedy: str) -> None:
-    """`MemoryShortageError` if `what` needs `size` bytes and there are fewer. `remedy`: what to do about it."""
-    free = available()
+def require(needs: Mapping[str, float], remedy: str) -> None:
+    """`MemoryShortageError` if all `needs`, bytes by what they are for, exceed what there is. `remedy`: what to do."""
+    size, free = sum(needs.values()), available()
     if size > free:
-        raise MemoryShortageError(
-            f"{what} needs {gigabytes(size)} of memory, {gigabytes(free)} are available: {remedy}", size, free
-        )
+        (what, part), *others = needs.items()
+        told = [f"{what} needs {gigabytes(part)} of memory", *(f"{what} {gigabytes(part)}" for what, part in others)]
+        raise MemoryShortageError(f"{' and '.join(told)}, {gigabytes(free)} are available: {remedy}", size, free)
 
 
 def gigabytes(size: float) -> str:

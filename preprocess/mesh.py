@@ -1,7 +1,7 @@
 """Meshes and their named groups."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from itertools import accumulate
 
 import numpy as np
@@ -23,10 +23,14 @@ DIMENSIONS = {"vertex": 0, "line": 1, "line3": 1, "triangle": 2, "triangle6": 2,
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """A named part of a mesh: cells by type, as rows of `Mesh.cells[type]`, and points that belong to no cell."""
+    """A named part of a mesh: cells by type, as rows of `Mesh.cells[type]`, and points that belong to no cell.
+
+    loose (k, 3): where the nodes are [m] that it names and the mesh leaves out, for no element has them.
+    """
 
     cells: Mapping[str, IntArray]
     points: IntArray
+    loose: Array = field(default_factory=lambda: np.zeros((0, 3)))
 
     @property
     def kinds(self) -> list[str]:
@@ -47,6 +51,14 @@ class Mesh:
     cells: Mapping[str, IntArray]
     groups: Mapping[str, Group]
     body_types: tuple[str, ...]
+
+    @property
+    def used(self) -> NDArray[np.bool_]:
+        """Which points (n,) are nodes of an element."""
+        used = np.zeros(len(self.points), dtype=np.bool_)
+        for cells in self.elements.values():
+            used[cells] = True
+        return used
 
     @property
     def size(self) -> float:
@@ -83,3 +95,29 @@ class Mesh:
             known = ", ".join(sorted(self.groups)) or "none"
             raise MeshError(f"{self.name}: no group {name!r}; the groups of the mesh are: {known}")
         return self.groups[name]
+
+    def without_loose_nodes(self) -> "Mesh":
+        """The mesh on the nodes of its elements: other points go, which have no mass, and other cells that need them.
+
+        Such are the reference points of Abaqus, the points of Gmsh's geometry, and grids that rigid elements hold.
+        """
+        used = self.used
+        place = np.cumsum(used) - 1
+        whole = {kind: np.flatnonzero(used[cells].all(axis=1)) for kind, cells in self.cells.items()}
+
+        def remaining(group: Group) -> Group:
+            nodes = [group.points, *(self.cells[kind][rows].ravel() for kind, rows in group.cells.items())]
+            named = np.unique(np.concatenate(nodes))
+            cells = {kind: np.flatnonzero(np.isin(whole[kind], rows)) for kind, rows in group.cells.items()}
+            return Group(
+                {kind: rows for kind, rows in cells.items() if len(rows)},
+                place[group.points[used[group.points]]],
+                self.points[named[~used[named]]],
+            )
+
+        return replace(
+            self,
+            points=self.points[used],
+            cells={kind: place[cells[whole[kind]]] for kind, cells in self.cells.items()},
+            groups={name: remaining(group) for name, group in self.groups.items()},
+        )

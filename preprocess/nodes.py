@@ -30,6 +30,11 @@ class Nodes:
         return int(self._counts.sum())
 
     @property
+    def owner(self) -> IntArray:
+        """The node of each dof (n_dofs,)."""
+        return np.repeat(np.arange(len(self.points)), self._counts)
+
+    @property
     def displacements(self) -> IntArray:
         """The dofs of the displacements (n, 3)."""
         return self.first[:, None] + np.arange(3)

@@ -15,29 +15,30 @@ from .nodes import Nodes, spider
 def tie(nodes: Nodes, attachments: Mapping[str, Attachment]) -> tuple[Nodes, Any, dict[str, Any]]:
     """The nodes that are left once tied ones follow their frames, T, and the rows of every attachment on what is left.
 
-        u = T u_left,   u_i = [I, -(X_i - X_C)~] q_C for a tied node i;   then K_left = T^T K T and M_left = T^T M T
+        u = T u_left,   K_left = T^T K T,   M_left = T^T M T,   u_i = [I, -(X_i - X_C)~; 0, I] q_C for a tied node i
 
     u_left holds the free nodes in their order, then the frames with six dofs each. T (n_u, n_left) and
-    the rows (3 or 6, n_left) are sparse; those of a rigid frame pick its dofs. For solids, whose nodes have three
-    dofs. Source: methods 5.1.
+    the rows (3 or 6, n_left) are sparse; those of a rigid frame pick its dofs. Nodes have three dofs, or six whose
+    rotations follow the frame as well. Source: methods 5.1.
     """
     rigid = {name: attachment for name, attachment in attachments.items() if attachment.rigid}
     free = np.flatnonzero(_owners(rigid, len(nodes.points)) < 0)
     left = Nodes(
         np.vstack([nodes.points[free], *(a.X for a in rigid.values())]),
-        np.repeat([False, True], [len(free), len(rigid)]),
+        np.concatenate([nodes.rotations[free], np.ones(len(rigid), dtype=bool)]),
     )
-    old, new, values = (
-        [nodes.displacements[free].ravel()],
-        [left.displacements[: len(free)].ravel()],
-        [np.ones(3 * len(free))],
-    )
+    kept = np.flatnonzero(np.isin(nodes.owner, free))
+    old, new, values = [kept], [np.arange(len(kept))], [np.ones(len(kept))]
     for place, attachment in enumerate(rigid.values(), start=len(free)):
         arms = spider(nodes.points[attachment.nodes] - attachment.X)  # (n, 3, 6)
         frame = left.first[place] + np.arange(6)
         old.append(np.repeat(nodes.displacements[attachment.nodes].ravel(), 6))
         new.append(np.tile(frame, 3 * len(attachment.nodes)))
         values.append(arms.ravel())
+        turning = nodes.first[attachment.nodes[nodes.rotations[attachment.nodes]]]
+        old.append((turning[:, None] + np.arange(3, 6)).ravel())
+        new.append(np.tile(frame[3:], len(turning)))
+        values.append(np.ones(3 * len(turning)))
     T = sp.coo_array(
         (np.concatenate(values), (np.concatenate(old), np.concatenate(new))), shape=(nodes.n_dofs, left.n_dofs)
     ).tocsr()

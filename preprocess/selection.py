@@ -1,10 +1,10 @@
 """What a body file selects on a mesh."""
 
-from typing import Literal, Protocol, Self
+from typing import Annotated, Literal, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import NonNegativeFloat, PositiveFloat, model_validator
+from pydantic import Field, NonNegativeFloat, PositiveFloat, model_validator
 
 from ..inputs import Table, Vector
 from ..superelement.validation import Array
@@ -106,11 +106,13 @@ class Selection(Table):
     Of a solid, shapes select the facets of the boundary that lie in them as a whole, and a group those that it names;
     a group of points selects its points. Of a beam, both select nodes. Given several, all must hold: the facets of a
     plane that lie in a box.
-    at: the place of the frame; the centroid of the facets unless given.
+    Of matrices, all select nodes: one gives its dofs, several carry a frame of six; nodes names them by their labels.
+    at: the place of the frame; the centroid of the facets, or the mean of the points, unless given.
     tolerance: the distance allowed between `node` and the nearest node, as a fraction of the size of the mesh.
     """
 
     node: Vector | None = None
+    nodes: Annotated[tuple[int, ...], Field(min_length=1)] | None = None
     group: str | None = None
     plane: Plane | None = None
     box: Box | None = None
@@ -124,12 +126,14 @@ class Selection(Table):
         others = self.places - {"node"} | self.model_fields_set & {"kind", "at"}
         if self.node is not None and others:
             raise ValueError(f"node stands alone, found it with {' and '.join(sorted(others))}")
+        if self.nodes is not None and self.places != {"nodes"}:
+            raise ValueError(f"nodes stands alone, found it with {' and '.join(sorted(self.places - {'nodes'}))}")
         return self
 
     @property
     def places(self) -> set[str]:
         """The keys that select something."""
-        given = {"node": self.node, "group": self.group, **self.shapes}
+        given = {"node": self.node, "nodes": self.nodes, "group": self.group, **self.shapes}
         return {key for key, value in given.items() if value is not None}
 
     @property

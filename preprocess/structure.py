@@ -1,7 +1,7 @@
 """The finite element model that kernels are computed from: mesh, matrices, rigid modes and interfaces."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -11,13 +11,15 @@ import scipy.sparse as sp
 from ..superelement import Interface
 from ..superelement.validation import Array
 from .beam import beam_matrices
-from .body import Body
-from .connectivity import check_connected, check_no_mechanism, check_used
+from .body import Body, Matrices
+from .connectivity import check_connected, check_no_mechanism
 from .errors import BodyError, InterfaceError
 from .facets import facets_of
-from .interfaces import Attachment, attachments
+from .free_body import check_free_body
+from .interfaces import Attachment, attachments, node_attachments
 from .masses import lumped_mass, placed_masses
 from .material import Material, Section
+from .matrices import GivenModel, read_matrices
 from .mesh import LINES, IntArray, Mesh
 from .nodes import Nodes, node_dofs
 from .reading import read_mesh
@@ -59,13 +61,29 @@ class Structure:
 
 
 def assemble(body: Body) -> Structure:
-    """The finite element model of a body, from its mesh file."""
-    return assemble_mesh(body, read_mesh(body.mesh, body.scale))
+    """The finite element model of a body, from its mesh or matrix files."""
+    return assemble_on(body, read_source(body))
+
+
+def read_source(body: Body) -> Mesh | GivenModel:
+    """What the files of a body hold, before it is made into a model with interfaces and masses."""
+    source = body.source
+    return read_matrices(source) if isinstance(source, Matrices) else read_mesh(source, body.scale)
+
+
+def assemble_on(body: Body, source: Mesh | GivenModel) -> Structure:
+    """The finite element model of a body on what its files hold."""
+    if isinstance(source, Mesh):
+        return assemble_mesh(body, source)
+    check_free_body(source)
+    try:
+        return _given_structure(body, source)
+    except InterfaceError as error:
+        raise InterfaceError(f"{source.table.name}: {error}") from error
 
 
 def assemble_mesh(body: Body, mesh: Mesh) -> Structure:
     """The finite element model of a body on a mesh that is already read."""
-    check_used(mesh)
     check_connected(mesh)
     try:
         return _beam_structure(body, mesh) if mesh.body_types == LINES else _solid_structure(body, mesh)
@@ -96,8 +114,23 @@ def _solid_structure(body: Body, mesh: Mesh) -> Structure:
     check_no_mechanism(mesh, facets)
 
     frames = attachments("interfaces", body.interfaces, mesh, nodes, facets)
-    left, T, rows = tie(nodes, frames)
     masses = attachments("masses", placed_masses(body), mesh, nodes, facets)
+    return _tied_structure(body, nodes, K, M, frames, masses)
+
+
+def _given_structure(body: Body, model: GivenModel) -> Structure:
+    nodes = model.nodes
+    frames = node_attachments("interfaces", body.interfaces, model.table, nodes)
+    masses = node_attachments("masses", placed_masses(body), model.table, nodes)
+    structure = _tied_structure(body, nodes, model.K, model.M, frames, masses)
+    return replace(structure, T=structure.T[nodes.displacements.ravel()])
+
+
+def _tied_structure(
+    body: Body, nodes: Nodes, K: Any, M: Any, frames: Mapping[str, Attachment], masses: Mapping[str, Attachment]
+) -> Structure:
+    """On the dofs that are left once nodes follow rigid frames; T (n_u, n_left) gives those of all nodes."""
+    left, T, rows = tie(nodes, frames)
     placed = {name: mass.rows @ T for name, mass in masses.items()}
     if left.n_dofs < nodes.n_dofs:
         K, M = (_symmetric(T.T @ matrix @ T) for matrix in (K, M))

@@ -9,6 +9,7 @@ from ..superelement.validation import Array
 from .body import Body
 from .cost import Cost, krylov_cost
 from .element import ELEMENTS, cofactors
+from .errors import BodyError
 from .estimate import Frequencies, first_frequencies
 from .facets import CORNERS, Facets, facets_of
 from .impulse import SMALL
@@ -18,8 +19,7 @@ from .material import Material, Section
 from .mesh import LINES, IntArray, Mesh
 from .nodes import Nodes
 from .progress import shown_stages
-from .reading import read_mesh
-from .structure import Structure, assemble_mesh
+from .structure import Structure, assemble_mesh, read_source
 
 SHOWN = 10
 """Frequencies that a survey looks for."""
@@ -27,8 +27,6 @@ BATCH = 2**14
 """Elements whose volumes are integrated at once."""
 LINEAR, QUADRATIC = 6, 4
 """Nodes in a wavelength: waves run too fast by (k h)^2 / 24, 5 per cent, and by sqrt(10) / pi - 1, 1 per cent."""
-BLOCKS = 20
-"""Krylov blocks to expect: 16 to 23 were taken by parts with 12 to 144 interface dofs, with the defaults."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +108,9 @@ def survey(body: Body, progress: bool = False) -> Survey:
     """
     with shown_stages(progress) as stages:
         with stages.stage("mesh"):
-            mesh = read_mesh(body.mesh, body.scale)
+            mesh = read_source(body)
+            if not isinstance(mesh, Mesh):
+                raise BodyError("a dry run draws what was selected on a mesh, found [matrices]")
         with stages.stage("assembly"):
             structure = assemble_mesh(body, mesh)
         with stages.stage("selection"):
@@ -142,7 +142,7 @@ def _cost(body: Body, structure: Structure) -> Cost | None:
     """What the method for large bodies will take; nothing worth telling for small ones and for other methods."""
     if body.impulse.method not in ("auto", "krylov") or structure.n_u <= SMALL:
         return None
-    return krylov_cost(structure.n_u, structure.K.nnz, structure.P_C.shape[0], body.impulse.steps, BLOCKS)
+    return krylov_cost(structure.n_u, structure.K.nnz, structure.P_C.shape[0], body.impulse.steps)
 
 
 def _makes(body: Body) -> Mapping[str, Material | Section]:

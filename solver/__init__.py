@@ -1,6 +1,6 @@
 """Superelements and a model to motion."""
 
-from .errors import ConvergenceError, ModelError, RecoveryError
+from .errors import ConvergenceError, ModelError, RecoveryError, ResultsError
 from .joints import Joint
 from .model import FlexibleBody, Frame, Load, Model, Place, RigidBody, Start, SteadyRotation
 from .model_file import read_model
@@ -30,6 +30,7 @@ __all__ = [
     "Pulse",
     "RecoveryError",
     "Results",
+    "ResultsError",
     "RigidBody",
     "SmoothFunction",
     "Spline",

@@ -25,6 +25,10 @@ class ConvergenceError(RuntimeError):
         )
 
 
+class ResultsError(ValueError):
+    """A results file that cannot be written or read, or that another run has taken over."""
+
+
 class RecoveryError(ValueError):
     """A field that results cannot give: no modes on the surface, another superelement, a time outside the run."""
 

@@ -274,7 +274,7 @@ def _body(name: str, body: _Body, folder: Path, superelements: dict[Path, Supere
             return RigidBody(float(body.mass or 0.0), np.array(body.inertia), frames, start)
         source = folder / body.superelement
         if source not in superelements:
-            superelements[source] = read(source)
+            superelements[source] = read(source, recovery=False)
         return FlexibleBody(superelements[source], start, str(source))
     except ValueError as error:
         raise ModelError(f"bodies.{name}: {error}") from error

@@ -6,9 +6,10 @@ stepped as the run was, whichever way it kept its history, so that phi_C eta are
 loop pays nothing for it.
 """
 
+from collections.abc import Mapping
 from itertools import islice
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,6 +26,14 @@ class Stepping(NamedTuple):
     scheme: GeneralizedAlpha
     rule: str
     start: str
+
+
+def stepping(file: str, run: Mapping[str, Any]) -> Stepping:
+    """What the attributes of /solver in a results file say of it; `RecoveryError` if one of them is missing."""
+    missing = [name for name in ("h", "rho_inf", "rule", "start") if name not in run]
+    if missing:
+        raise RecoveryError(f"{file}: group solver has no attribute {', '.join(missing)}, which fields need")
+    return Stepping(float(run["h"]), GeneralizedAlpha(float(run["rho_inf"])), str(run["rule"]), str(run["start"]))
 
 
 class Instants(NamedTuple):

@@ -1,4 +1,4 @@
-"""Run a model: the compiled loop in chunks, with results written and progress shown between them."""
+"""Run a model: the compiled loop in stints, with results written and progress shown between them."""
 
 import os
 import time
@@ -13,19 +13,22 @@ from .initial import begin
 from .loop import advance, record
 from .model import Model
 from .progress import Progress
-from .results import Results, ResultsFile, check_folder, make_output
+from .recorder import Recorder
+from .results import Results
+from .results_file import ResultsFile, check_folder
+from .results_layout import make_output
 from .system import Inputs, State, Workspace
 
-CHUNK_NUMBERS = 1 << 20
-"""how many numbers of output a chunk may hold"""
+STINT = 0.1
+"""seconds that the loop runs before it returns, for progress and interrupts"""
 
 
 def simulate(model: Model, output: str | os.PathLike[str] | None = None, progress: bool = False) -> Results:
     """Integrate the motion of a model from t = 0 to t_end.
 
     output: the results file, by default none (results stay in memory); progress: show a bar.
-    Raises ModelError for a model that cannot start and ConvergenceError where Newton's method fails; the results
-    file then holds the steps before the failure.
+    Raises ModelError for a model that cannot start, ConvergenceError where Newton's method fails and ResultsError for a
+    file that cannot be written; the file then holds the steps before the failure, as it does after an interrupt.
     """
     if output is not None:
         check_folder(Path(output))
@@ -52,31 +55,28 @@ def simulate(model: Model, output: str | os.PathLike[str] | None = None, progres
 
 def _march(compiled: CompiledModel, state: State, work: Workspace, file: ResultsFile, progress: bool) -> None:
     quaternions = compiled.frame_quaternions
-    rows = _chunk_rows(compiled)
-    output = make_output(compiled, rows)
-    record(compiled.system, quaternions, 0, state, work, output)
-    file.append(0, output, 1)
-    done, total = 0, compiled.n_steps
-    with Progress("simulating", total, shown=progress) as bar:
+    done, total, stint = 0, compiled.n_steps, 16
+    with Recorder(file, compiled) as recorder, Progress("simulating", total, shown=progress) as bar:
+        record(compiled.system, quaternions, 0, state, work, recorder.free)
+        recorder.keep(0, 1)
+        recorder.flush()
         while done < total:
-            inputs = _inputs(compiled, done + 1, min(rows, total - done))
+            started = time.perf_counter()
+            output = recorder.free
+            inputs = _inputs(compiled, done + 1, min(stint, total - done, len(output.residual)))
             taken = advance(compiled.system, quaternions, inputs, state, work, output)
-            if taken:
-                file.append(done + 1, output, taken)
+            recorder.keep(done + 1, taken)
             done += taken
             bar.advance(taken)
             if taken < len(inputs.load):
                 raise _failure(compiled, done + 1, float(output.residual[taken]), work)
+            if time.perf_counter() - started < 0.5 * STINT:
+                stint *= 2
 
 
 def _compile_loop(compiled: CompiledModel, state: State, work: Workspace) -> None:
     """Call the loop for no steps at all, so that it is compiled or loaded."""
     advance(compiled.system, compiled.frame_quaternions, _inputs(compiled, 1, 0), state, work, make_output(compiled, 0))
-
-
-def _chunk_rows(compiled: CompiledModel) -> int:
-    width = sum(array[0].size for array in make_output(compiled, 1))
-    return int(np.clip(CHUNK_NUMBERS // width, 16, 1024))
 
 
 def _inputs(compiled: CompiledModel, first: int, n: int) -> Inputs:

@@ -47,14 +47,16 @@ def write(path: str | os.PathLike[str], superelement: Superelement) -> None:
         raise SuperelementError(f"{path}: cannot be written: {error}") from error
 
 
-def read(path: str | os.PathLike[str]) -> Superelement:
+def read(path: str | os.PathLike[str], recovery: bool = True) -> Superelement:
     """Read and validate a superelement; groups that this version does not know are passed over.
+
+    recovery: whether to read that too, which for a large body is nearly all of the file and no concern of a simulation.
 
     Raises `SuperelementError`, which names the file, the dataset or attribute, what was expected and what was found.
     """
     try:
         with h5py.File(path, "r") as file:
-            return _superelement(file)
+            return _superelement(file, recovery)
     except SuperelementError as error:
         raise SuperelementError(f"{path}: {error}") from error
     except FileNotFoundError as error:
@@ -111,9 +113,10 @@ def _fill(file: h5py.File, body: Superelement) -> None:
         recovery = file.create_group("recovery")
         put(recovery, "points", body.recovery.points, "m")
         recovery.create_dataset("cells", data=body.recovery.cells)
-        put(recovery, "phi", body.recovery.phi, "1/sqrt(kg)")
+        # Modes are right to 1e-6 or so: single precision, 6e-8, halves what takes nearly all of the file.
+        put(recovery, "phi", body.recovery.phi.astype(np.float32), "1/sqrt(kg)")
         if body.recovery.stress is not None:
-            put(recovery, "stress", body.recovery.stress, "Pa/(m sqrt(kg))")
+            put(recovery, "stress", body.recovery.stress.astype(np.float32), "Pa/(m sqrt(kg))")
 
     provenance = file.create_group("provenance")
     source = body.provenance
@@ -128,7 +131,7 @@ def _fill(file: h5py.File, body: Superelement) -> None:
     provenance.create_group("timings").attrs.update(source.timings)
 
 
-def _superelement(file: h5py.File) -> Superelement:
+def _superelement(file: h5py.File, recovery: bool) -> Superelement:
     expect(file, "format", FORMAT)
     expect(file, "version", VERSION)
     expect(file, "units", "SI")
@@ -142,7 +145,7 @@ def _superelement(file: h5py.File) -> Superelement:
         modes=_modes(file),
         compliance=dataset(file, "static/compliance"),
         mobility=dataset(file, "static/mobility"),
-        recovery=_recovery(file),
+        recovery=_recovery(file) if recovery else None,
         provenance=_provenance(file),
     )
     _check_rows(file, body)

@@ -1,6 +1,7 @@
 """Result files to pictures."""
 
 from .errors import PictureError, QuantityError, ResultsError
+from .fields import Field, draw_fields
 from .overview import overview
 from .picture import COLOURS, draw, entitle, panels, save, style
 from .quantities import Curve, curves
@@ -10,6 +11,7 @@ from .scene import Patch, Place, Scene, draw_scene
 __all__ = [
     "COLOURS",
     "Curve",
+    "Field",
     "Patch",
     "PictureError",
     "Place",
@@ -19,6 +21,7 @@ __all__ = [
     "Scene",
     "curves",
     "draw",
+    "draw_fields",
     "draw_scene",
     "entitle",
     "overview",

@@ -34,10 +34,14 @@ FINE = 20_000
 
 @dataclass(frozen=True, eq=False)
 class Patch:
-    """Facets (m, k, 3) of one shape, corners turning outwards, and the place (m,) that each belongs to, -1 for none."""
+    """Facets (m, k, 3) of one shape, corners turning outwards, and the place (m,) that each belongs to, -1 for none.
+
+    colours (m, 3): of the facets, where these are not those of their places and of bodies.
+    """
 
     facets: Array
     places: IntArray
+    colours: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,7 +173,9 @@ def _paint(axes: Axes, scene: Scene, view: View) -> None:
     """Facets that face the eye, from the farthest to the nearest, and lines."""
     base = np.array([*(colour(i) for i in range(len(scene.places))), BODY])
     polygons: list[Array] = []
-    depths, shades = [np.zeros(0)], [np.zeros((0, 3))]
+    depths, shades, rims = [np.zeros(0)], [np.zeros((0, 3))], [np.zeros((0, 3))]
+    # Edges in the colour of the face close the gaps that smoothing leaves between neighbours.
+    fine = sum(len(patch.facets) for patch in scene.patches) > 2 * FINE
     for patch in scene.patches:
         areas = _area_vectors(patch.facets) @ view.camera.T
         seen = areas[:, 2] > 0.0
@@ -177,11 +183,11 @@ def _paint(axes: Axes, scene: Scene, view: View) -> None:
         brightness = AMBIENT + (1.0 - AMBIENT) * np.clip(normals @ LIGHT, 0.0, 1.0)
         polygons.extend(view.on_paper(patch.facets[seen]))
         depths.append((patch.facets[seen] @ view.camera[2]).mean(axis=1))
-        shades.append(base[patch.places[seen]] * brightness[:, None])
+        own = base[patch.places] if patch.colours is None else patch.colours
+        shades.append(own[seen] * brightness[:, None])
+        rims.append(shades[-1] * (1.0 if fine or patch.colours is not None else 0.75))
     order = np.argsort(np.concatenate(depths))
-    faces = np.concatenate(shades)[order]
-    # Edges in the colour of the face close the gaps that smoothing leaves between neighbours.
-    edges = 0.75 * faces if len(faces) < FINE else faces
+    faces, edges = (np.concatenate(parts)[order] for parts in (shades, rims))
     facets = PolyCollection([polygons[i] for i in order], facecolors=faces, edgecolors=edges, linewidths=0.3)
     axes.add_collection(facets, autolim=False)
     axes.add_collection(LineCollection(list(view.on_paper(scene.lines)), colors="0.45", linewidths=1.8), autolim=False)

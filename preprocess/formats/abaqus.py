@@ -36,7 +36,8 @@ def read(path: Path) -> Draft:
         numbers = [NONE, *(numbers for _, numbers, _ in instance.part.elements)]
         elements.add(name, np.concatenate(numbers), instance.part.elsets)
 
-    draft = Draft(np.concatenate([instance.points for instance in instances.values()]), lost)
+    labels = np.concatenate([np.asarray(instance.part.numbers, dtype=np.int64) for instance in instances.values()])
+    draft = Draft(np.concatenate([instance.points for instance in instances.values()]), lost, labels)
     sequence = Sequence(draft)
     for name, instance in instances.items():
         for kind, _, members in instance.part.elements:

@@ -15,11 +15,12 @@ class Draft:
     """Points (n, 3) and cells in the order of their file, and what the file says is in which group.
 
     A name that is given to several things, as to nodes and to elements, is one group of them all. `lost` tells in words
-    what the file holds and the draft does not.
+    what the file holds and the draft does not; labels (n,) are the numbers that it gives to points, None if none.
     """
 
-    def __init__(self, points: Array, lost: list[str] | None = None) -> None:
+    def __init__(self, points: Array, lost: list[str] | None = None, labels: IntArray | None = None) -> None:
         self.points = points
+        self.labels = labels
         self.lost = [] if lost is None else lost
         self._blocks: dict[str, list[IntArray]] = {}
         self._counts: Counter[str] = Counter()

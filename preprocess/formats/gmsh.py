@@ -140,7 +140,7 @@ def _read2(sections: dict[str, bytes], form: _Format, names: dict[tuple[int, int
     count, numbers = form.counted(sections["Nodes"])
     given, points = numbers.table(count, ("i", 1), ("d", 3))
     _finish(numbers, "Nodes")
-    draft, numbering = Draft(points), Numbering(given.ravel(), "node")
+    draft, numbering = Draft(points, labels=given.ravel()), Numbering(given.ravel(), "node")
 
     count, numbers = form.counted(sections["Elements"])
     tables = _binary_tables(numbers, count) if isinstance(numbers, BinaryNumbers) else _text_tables(numbers, count)
@@ -198,7 +198,8 @@ def _read4(sections: dict[str, bytes], form: _Format, names: dict[tuple[int, int
         # Parametric nodes carry their parameters on the entity, one for each of its dimensions.
         points.append(numbers.table(length, ("d", 3 + bool(parametric) * dimension))[0][:, :3])
     _finish(numbers, "Nodes")
-    draft, numbering = Draft(np.concatenate(points)), Numbering(np.concatenate(given), "node")
+    labels = np.concatenate(given)
+    draft, numbering = Draft(np.concatenate(points), labels=labels), Numbering(labels, "node")
     if count != len(draft.points):
         raise MeshError(f"$Nodes: expected {count} nodes, found {len(draft.points)}")
 

@@ -69,12 +69,13 @@ def read(path: Path) -> Draft:
             case name if _LEFT_OUT.fullmatch(name):
                 left_out[name] += 1
 
-    numbering = Numbering([card.integer(2) for card in grids], "grid point")
+    labels = np.array([card.integer(2) for card in grids], dtype=np.int64)
+    numbering = Numbering(labels, "grid point")
     points = np.array([[card.number(field) for field in (4, 5, 6)] for card in grids]).reshape(-1, 3)
     system = np.array([card.integer(3, default_system) for card in grids], dtype=np.int64)
     for number in np.unique(system):
         points[system == number] = frame_of(int(number), systems).to_basic(points[system == number])
-    draft = Draft(points, [f"{name} ({count})" for name, count in left_out.items()])
+    draft = Draft(points, [f"{name} ({count})" for name, count in left_out.items()], labels)
     _add_elements(draft, elements, numbering, names)
     for card in sets:
         _add_points(draft, card, numbering)

@@ -59,3 +59,15 @@ def test_a_file_without_results_is_one_line_on_stderr(runner, element_file):
     assert result.exit_code == 1
     assert "attribute 'format': expected duhamel-results, found duhamel-superelement" in result.stderr
     assert result.stderr.count("\n") == 1
+
+
+def test_a_title_in_words_takes_the_place_of_the_name_of_the_file(runner, results_file):
+    pictures = {}
+    for name, title in {"named": [], "titled": ["--title", "A body in flight"]}.items():
+        target = results_file.with_name(f"{name}.svg")
+        result = runner.invoke(app, ["plot", str(results_file), "velocity:beam:x", *title, "-o", str(target)])
+        assert result.exit_code == 0, result.output
+        pictures[name] = target.read_text()
+    assert "<!-- flight-results -->" in pictures["named"]
+    assert "<!-- A body in flight -->" in pictures["titled"]
+    assert "flight-results" not in pictures["titled"]

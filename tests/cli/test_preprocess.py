@@ -118,7 +118,7 @@ def test_the_picture_of_a_dry_run_goes_where_it_is_sent(runner, body_file):
             "sphere = {center = [0, 0, 0], radius = 0.2}",
             "mesh.vtk: interfaces.root: expected one node",
         ),
-        ("node = [0, 0, 0]", "nodes = [0, 0, 0]", "body.toml: interfaces.root: unknown key 'nodes'"),
+        ("node = [0, 0, 0]", "nood = [0, 0, 0]", "body.toml: interfaces.root: unknown key 'nood'"),
     ],
 )
 def test_a_dry_run_fails_in_one_line_that_names_file_and_key(runner, body_file, right, wrong, message):

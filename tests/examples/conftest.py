@@ -10,7 +10,7 @@ import pytest
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def example() -> Callable[[str], ModuleType]:
     def load(name: str) -> ModuleType:
         spec = spec_from_file_location(name, EXAMPLES / f"{name}.py")

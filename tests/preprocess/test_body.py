@@ -96,7 +96,7 @@ MISTAKES = [
     ),
     ("GJ = 4.0", "", r"section\.GJ: missing"),
     ("node = [0, 0, 0]", "node = [0, 0]", r"interfaces\.root\.node: expected three numbers, found \[0, 0\]"),
-    ("node = [0, 0, 0]", "nodes = [0, 0, 0]", r"interfaces\.root: unknown key 'nodes'; did you mean 'node'\?"),
+    ("node = [0, 0, 0]", "noode = [0, 0, 0]", r"interfaces\.root: unknown key 'noode'; did you mean 'node'\?"),
     (
         "node = [0, 0, 0]",
         'node = [0, 0, 0]\ngroup = "a"',

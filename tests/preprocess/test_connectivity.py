@@ -1,4 +1,4 @@
-"""Bodies that are none: loose points, several pieces, mechanisms."""
+"""Bodies that are none: several pieces, mechanisms."""
 
 import meshio
 import numpy as np
@@ -55,10 +55,3 @@ def test_several_pieces(solid_body, beam_body, lines):
     points = [[0, 0, 0], [1, 0, 0], [1, 0, 0], [2, 0, 0]]
     with pytest.raises(MeshError, match=r"found 2 pieces of 1, 1 elements, which hold the points .*\[1.0, 0.0, 0.0\]"):
         assemble(beam_body(lines(points, [[0, 1], [2, 3]])))
-
-
-def test_points_without_mass(beam_body, lines):
-    with pytest.raises(
-        MeshError, match=r"mesh.msh: 1 nodes without mass: .*no element of type line, first point 2 at \[0.2"
-    ):
-        assemble(beam_body(lines([[0, 0, 0], [0.1, 0, 0], [0.2, 9, 0], [0.3, 0, 0]], [[0, 1], [1, 3]])))

@@ -39,7 +39,7 @@ def backward_error(A, x, b):
 
 def test_every_equation_is_solved_to_rounding(matrix):
     """In any units, for one right-hand side and for many, stored in either order."""
-    factor = factorize(matrix)
+    factor = factorize(matrix, "A")
     assert (factor.backend, factor.passed_over, factor.account) == ("rslab", (), "rslab")
     assert factor.residual < 1e-12
     B = np.random.default_rng(2).normal(size=(matrix.shape[0], 12))
@@ -78,7 +78,7 @@ class Singular:
 def test_superlu_steps_in_where_rslab_gives_up(monkeypatch):
     without_cholmod(monkeypatch)
     monkeypatch.setattr("rslab.analyze", lambda A, path, threads: Singular())
-    factor = factorize(laplacian(50))
+    factor = factorize(laplacian(50), "A")
     assert factor.backend == "superlu"
     assert factor.passed_over == ("rslab: zero pivot in column 3",)
     assert factor.account == "superlu; not rslab: zero pivot in column 3"
@@ -89,12 +89,12 @@ def test_inaccurate_solutions_are_found_and_passed_over(monkeypatch):
     """A relative error of 1e-6 in one unknown of fifty is enough."""
     without_cholmod(monkeypatch)
 
-    def spoiled(A, name):
+    def spoiled(A, name, beside):
         solve = _rslab(A, name)
         return lambda b: solve(b) * np.where(np.arange(len(b)) == 7, 1.0 + 1e-6, 1.0)
 
     monkeypatch.setattr("duhamel.preprocess.factor._rslab", spoiled)
-    factor = factorize(laplacian(50))
+    factor = factorize(laplacian(50), "A")
     assert factor.backend == "superlu"
     assert "rslab: relative residual" in factor.passed_over[0]
 
@@ -124,10 +124,18 @@ def test_what_does_not_fit_is_refused_before_it_starts(attempt, monkeypatch):
     assert error.value.needed > error.value.available == 10_000
 
 
-def test_a_body_that_does_not_fit_is_refused(beam_body, beam, monkeypatch):
+@pytest.mark.parametrize(
+    ("method", "needs"),
+    [("march", "GB of memory, 1e-05"), ("krylov", r"GB of memory and the Krylov basis 0.000345 GB, 1e-05")],
+)
+def test_a_body_that_does_not_fit_is_refused(beam_body, beam, monkeypatch, method, needs):
+    """The basis of 6 + 12 (20 + 8) vectors of 126 unknowns along with the factor."""
     monkeypatch.setattr("duhamel.preprocess.memory.available", lambda: 10_000)
-    body = beam_body(beam(20), impulse={"step": 6e-5, "steps": 10, "method": "march"})
-    with pytest.raises(MemoryShortageError, match="use a coarser mesh, or a machine with more memory"):
+    body = beam_body(beam(20), impulse={"step": 6e-5, "steps": 10, "method": method})
+    message = (
+        rf"factorization of the matrix of the time step \(126 unknowns\) needs \S+ {needs} GB are available: use a"
+    )
+    with pytest.raises(MemoryShortageError, match=message):
         build(body)
 
 

@@ -52,11 +52,11 @@ def test_a_container_that_sees_its_own_group_as_the_whole(root):
     assert available(root) == 600_000
 
 
-def test_more_than_there_is_is_refused_with_both_numbers(monkeypatch):
+def test_more_than_there_is_is_refused_with_all_numbers(monkeypatch):
     monkeypatch.setattr("duhamel.preprocess.memory.available", lambda: 2e9)
-    require(2e9, "the basis", "lower impulse.band")
-    expected = re.escape("the basis needs 2.5 GB of memory, 2 GB are available: lower impulse.band")
-    with pytest.raises(MemoryShortageError, match=expected) as e:
-        require(2.5e9, "the basis", "lower impulse.band")
+    require({"the factor": 1.5e9, "the basis": 0.5e9}, "lower impulse.band")
+    expected = "the factor needs 1.5 GB of memory and the basis 1 GB, 2 GB are available: lower impulse.band"
+    with pytest.raises(MemoryShortageError, match=re.escape(expected)) as e:
+        require({"the factor": 1.5e9, "the basis": 1e9}, "lower impulse.band")
     assert isinstance(e.value, MemoryError)
     assert (e.value.needed, e.value.available) == (2.5e9, 2e9)

@@ -89,7 +89,7 @@ def error_of_flexure(body):
     held = np.repeat((x < 1e-9) | (x > 2 - 1e-9), 3)
     u = np.where(held, flexure(structure.nodes.points)[0].ravel(), 0.0)
     free = np.flatnonzero(~held)
-    u[free] = factorize(structure.K[free][:, free])(-(structure.K @ u)[free, None])[:, 0]
+    u[free] = factorize(structure.K[free][:, free], "K")(-(structure.K @ u)[free, None])[:, 0]
     recovery = recover(body, mesh, structure, lambda rows: rows @ u[:, None])
     _, expected = flexure(recovery.points + structure.rigid.center)
     return np.abs(recovery.stress[:, :, 0] - expected).max()
@@ -178,8 +178,10 @@ def test_a_built_solid_keeps_its_recovery_in_the_file(solid_body, box, tmp_path)
     np.testing.assert_allclose(recovery.phi[face].mean(axis=0), element.modes.phi[:3], rtol=0, atol=1e-12)
     write(tmp_path / "box.h5", element)
     again = read(tmp_path / "box.h5").recovery
-    for name in ("points", "cells", "phi", "stress"):
+    for name in ("points", "cells"):
         np.testing.assert_array_equal(getattr(again, name), getattr(recovery, name))
+    for name in ("phi", "stress"):
+        np.testing.assert_allclose(getattr(again, name), getattr(recovery, name), rtol=2.0**-24)
 
 
 def test_lines_have_points_and_displacements(beam_body, beam):

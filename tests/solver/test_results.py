@@ -11,7 +11,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from duhamel.solver import ConvergenceError, Results, read_model, simulate
+from duhamel.solver import ConvergenceError, Function, Results, ResultsError, read_model, simulate
 from duhamel.superelement import write
 
 MODEL = """
@@ -208,11 +208,19 @@ simulate(replace(read_model(sys.argv[1]), t_end=1e5), sys.argv[2])
 """
 
 
+def steps_in(path):
+    """How many steps a file holds that is being written."""
+    try:
+        return Results.read(path).solver["written"] if path.exists() else 0
+    except ResultsError:  # at the moment it is open to be written
+        return 0
+
+
 def test_a_run_that_is_killed_leaves_whole_steps(results_file, model_file, tmp_path):
     path = tmp_path / "killed.h5"
     run = subprocess.Popen([sys.executable, "-c", KILLED, str(model_file), str(path)])
     deadline = time.monotonic() + 100.0
-    while not (path.exists() and path.stat().st_size > 5_000_000) and time.monotonic() < deadline:
+    while steps_in(path) < 4 * N and time.monotonic() < deadline:
         assert run.poll() is None, "the run ended by itself"
         time.sleep(0.02)
     run.kill()
@@ -264,3 +272,73 @@ def test_a_folder_that_is_missing_is_named(model_file, tmp_path):
     path = tmp_path / "nowhere" / "out.h5"
     with pytest.raises(ValueError, match=f"{Path(path)}: no folder {path.parent}"):
         simulate(read_model(model_file), path)
+
+
+def under_a_load_that(model_file, acts):
+    """The model with a load of nothing; `acts` is called once, as soon as the loop asks for its value at 5 ms."""
+    done = []
+
+    def value(t):
+        if t > 5e-3 and not done:
+            done.append(t)
+            acts()
+        return 0.0
+
+    model = read_model(model_file)
+    return replace(model, loads=(*model.loads, replace(model.loads[0], signal=Function(value))))
+
+
+def test_an_interrupt_leaves_the_steps_before_it(results_file, model_file, tmp_path):
+    path = tmp_path / "interrupted.h5"
+
+    def interrupt():
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        simulate(under_a_load_that(model_file, interrupt), path)
+    left, whole = Results.read(path), Results.read(results_file)
+    n = left.solver["written"]
+    assert not left.solver["finished"]
+    assert 1 < n <= 26
+    assert {len(array) for array in datasets(path).values()} == {n}
+    np.testing.assert_array_equal(left.frame("beam.tip").position, whole.frame("beam.tip").position[:n])
+
+
+def test_the_later_of_two_runs_to_one_file_keeps_it(results_file, model_file, tmp_path):
+    path = tmp_path / "contended.h5"
+    model = read_model(model_file)
+    with pytest.raises(ResultsError, match=f"{path}: another run writes to this file now; this one stops, 1 rows long"):
+        simulate(under_a_load_that(model_file, lambda: simulate(model, path)), path)
+    found, whole = datasets(path), datasets(results_file)
+    assert found.keys() == whole.keys()
+    for name, array in whole.items():
+        np.testing.assert_array_equal(found[name], array)
+
+
+def test_a_file_that_was_deleted_is_named(model_file, tmp_path):
+    path = tmp_path / "deleted.h5"
+    with pytest.raises(ResultsError, match=f"{path}: cannot be written: .*No such file"):
+        simulate(under_a_load_that(model_file, path.unlink), path)
+    assert not path.exists()
+
+
+READER = """
+import sys, time, h5py
+with h5py.File(sys.argv[1]):
+    print("open", flush=True)
+    time.sleep(0.5)
+"""
+
+
+def test_a_run_waits_for_those_that_read_its_file(model_file, tmp_path):
+    path = tmp_path / "read.h5"
+    readers = []
+
+    def read():
+        readers.append(subprocess.Popen([sys.executable, "-c", READER, str(path)], stdout=subprocess.PIPE, text=True))
+        assert readers[0].stdout.readline() == "open\n"
+
+    results = simulate(under_a_load_that(model_file, read), path)
+    with readers[0] as reader:
+        assert reader.wait() == 0
+    assert len(results.time) == N

@@ -34,6 +34,8 @@ def make_element(make_modes: Callable[..., Modes]) -> MakeElement:
         modes = make_modes(seed, sum(interface.n_dofs for interface in interfaces), m)
         half = rng.normal(size=(3, 3))
         points = rng.normal(size=(5, 3))
+        # as a file keeps them, in single precision
+        phi, stress = (rng.normal(size=(5, k, m)).astype(np.float32).astype(float) for k in (3, 6))
         return Superelement(
             name=f"body {seed}",
             mass=rng.uniform(0.1, 10.0),
@@ -44,9 +46,7 @@ def make_element(make_modes: Callable[..., Modes]) -> MakeElement:
             modes=modes,
             compliance=modes.phi / modes.omega**2 @ modes.phi.T,
             mobility=modes.phi @ modes.phi.T,
-            recovery=Recovery(
-                points, [[0, 1, 2, -1], [1, 2, 3, 4]], rng.normal(size=(5, 3, m)), rng.normal(size=(5, 6, m))
-            ),
+            recovery=Recovery(points, [[0, 1, 2, -1], [1, 2, 3, 4]], phi, stress),
             provenance=Provenance(
                 body='name = "Träger"\n',
                 mesh="beam.msh",

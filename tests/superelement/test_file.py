@@ -50,6 +50,14 @@ def any_floats(rng: np.random.Generator, *shape: int) -> np.ndarray:
     return numbers
 
 
+def any_singles(rng: np.random.Generator, *shape: int) -> np.ndarray:
+    """Numbers of any bit pattern of single precision."""
+    bits = rng.integers(0, 2**32, shape, dtype=np.uint32)
+    numbers = bits.view(np.float32)
+    numbers[~np.isfinite(numbers)] = -0.0
+    return numbers.astype(np.float64)
+
+
 def any_symmetric(rng: np.random.Generator, *shape: int) -> np.ndarray:
     matrices = any_floats(rng, *shape)
     i, j = np.triu_indices(shape[-1])
@@ -70,7 +78,7 @@ def any_element(seed: int) -> Superelement:
         h_min=float(rng.integers(2) * rng.random()),
     )
     cells = rng.integers(-1, p, (rng.integers(0, 4), 3))
-    stress = any_floats(rng, p, 6, m) if rng.integers(2) else None
+    stress = any_singles(rng, p, 6, m) if rng.integers(2) else None
     return Superelement(
         name=f"Körper {seed}/2",
         mass=float(rng.uniform(1e-300, 1.0)),
@@ -88,7 +96,7 @@ def any_element(seed: int) -> Superelement:
         modes=modes if seed % 3 else None,
         compliance=any_symmetric(rng, n_c, n_c),
         mobility=any_symmetric(rng, n_c, n_c),
-        recovery=Recovery(any_floats(rng, p, 3), cells, any_floats(rng, p, 3, m), stress) if seed % 3 == 1 else None,
+        recovery=Recovery(any_floats(rng, p, 3), cells, any_singles(rng, p, 3, m), stress) if seed % 3 == 1 else None,
         provenance=Provenance(
             body="# größer als ein Attribut\n" * int(rng.integers(0, 9999)),
             mesh="",
@@ -111,6 +119,17 @@ def test_every_field_comes_back_to_the_last_bit(seed, path):
     element = any_element(seed)
     write(path, element)
     assert_identical(read(path), element)
+
+
+def test_a_recovery_is_kept_to_single_precision_and_read_only_if_wanted(path):
+    element = any_element(4)
+    rng = np.random.default_rng(0)
+    p, _, m = element.recovery.phi.shape
+    fine = replace(element.recovery, phi=rng.normal(size=(p, 3, m)), stress=1e12 * rng.normal(size=(p, 6, m)))
+    write(path, replace(element, recovery=fine))
+    for name in ("phi", "stress"):
+        np.testing.assert_allclose(getattr(read(path).recovery, name), getattr(fine, name), rtol=2.0**-24)
+    assert_identical(read(path, recovery=False), replace(element, recovery=None))
 
 
 def test_the_same_superelement_gives_the_same_file(make_element, tmp_path):

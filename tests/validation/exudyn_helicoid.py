@@ -1,11 +1,12 @@
-"""Cases 3 and 4 of the paper in Exudyn: a beam on a hub that slides along, and turns about, a vertical axis.
+"""Cases 3 to 5 of the paper in Exudyn: a beam on a hub that slides along, and turns about, a vertical axis.
 
 Geometrically exact beams in space (`ObjectBeamGeometricallyExact`: Simo and Vu-Quoc's, with two nodes and one point of
 integration), whose nodes are rigid frames: the clamp joins the first one to the hub, all six coordinates. The
 absolute nodal cables of the other models have no rotation about their axis in space and cannot be clamped so.
 
 The strain of a linear element errs with the square of its length: 1/(4 n^2) of the deflection of a cantilever under
-a force at its tip. Shear: GA = EA / 2.6, which for this section adds 1e-5 to deflections. Gravity acts on hub and beam.
+a force at its tip. Shear: GA = EA / 2.6, which for this section adds 1e-5 to deflections. Gravity acts on hub, beam and
+tip mass, a rigid body on the last node.
 """
 
 from dataclasses import dataclass
@@ -38,6 +39,7 @@ Array = NDArray[np.float64]
 GJ = 4.0
 POLAR = 4.4e-8  # inertia per length about the axis of the beam [kg m]
 HUB_MASS, HUB_INERTIA = 0.01, 0.00238
+TIP_INERTIA = 1e-8
 IDENTITY = [1.0, 0.0, 0.0, 0.0]  # Euler parameters
 
 
@@ -62,12 +64,29 @@ class Helicoid:
         return np.einsum("nji,nj->ni", self.rotation, arm) - np.array([a + L, 0.0, 0.0])
 
 
+@dataclass(frozen=True)
+class Blow:
+    """A force [N] in space on the tip, from start to end [s]."""
+
+    force: tuple[float, float, float]
+    start: float
+    end: float
+
+
 def helicoid(
-    torque: float, force: float, pulse: float, gravity: float, t_end: float, step: float, n_elements: int
+    torque: float,
+    force: float,
+    pulse: float,
+    gravity: float,
+    t_end: float,
+    step: float,
+    n_elements: int,
+    tip_mass: float = 0.0,
+    blow: Blow | None = None,
 ) -> Helicoid:
     """The motion under a torque [N m] and a vertical force [N] that act on the hub from t = 0 until `pulse` [s].
 
-    Two runs of the integrator meet where the loads end, so that no step straddles the jump.
+    Runs of the integrator meet where loads begin and end, so that no step straddles a jump.
     Raises exudyn.SolverError when Newton does not converge.
     """
     container = exudyn.SystemContainer()
@@ -85,8 +104,15 @@ def helicoid(
     root = system.AddMarker(MarkerNodeRigid(nodeNumber=nodes[0]))
     system.AddObject(ObjectJointGeneric(markerNumbers=[rim, root], constrainedAxes=[1, 1, 1, 1, 1, 1]))
     _add_weight(system, hub, gravity)
+    if tip_mass:
+        ball = ObjectRigidBody(
+            mass=tip_mass, inertia=[TIP_INERTIA, TIP_INERTIA, TIP_INERTIA, 0.0, 0.0, 0.0], nodeNumber=nodes[-1]
+        )
+        _add_weight(system, system.AddObject(ball), gravity)
+    tip = system.AddMarker(MarkerNodeRigid(nodeNumber=nodes[-1]))
     turning = system.AddLoad(LoadTorqueVector(markerNumber=center, loadVector=[0.0, 0.0, torque]))
     lifting = system.AddLoad(LoadForceVector(markerNumber=center, loadVector=[0.0, 0.0, force]))
+    striking = system.AddLoad(LoadForceVector(markerNumber=tip, loadVector=[0.0, 0.0, 0.0]))
     quantity = exudyn.OutputVariableType
     stored = {"storeInternal": True, "writeToFile": False}
     sensors = [
@@ -98,13 +124,16 @@ def helicoid(
 
     choices = settings()
     runs = []
-    for start, end in pairwise([0.0, pulse, t_end]):
+    instants = [0.0, pulse, *((blow.start, blow.end) if blow else ()), t_end]
+    for start, end in pairwise(instants):
         steps = round((end - start) / step)
         choices.timeIntegration.startTime, choices.timeIntegration.endTime = start, end
         choices.timeIntegration.numberOfSteps = steps
         if start >= pulse:
             for load in (turning, lifting):
                 system.SetLoadParameter(load, "loadVector", [0.0, 0.0, 0.0])
+        if blow:
+            system.SetLoadParameter(striking, "loadVector", list(blow.force) if start == blow.start else [0.0] * 3)
         system.SolveDynamic(choices, updateInitialValues=True)
         columns = [np.asarray(system.GetSensorStoredData(sensor))[:, 1:] for sensor in sensors]
         run = np.column_stack([np.linspace(start, end, steps + 1), *columns])

@@ -36,8 +36,10 @@ class Pendulum:
     ends: Array
 
 
-def pendulum(beams: int, t_end: float, step: float, gravity: float = 9.81, n_elements: int = 16) -> Pendulum:
-    """The motion of `beams` cables of `n_elements` each, joined by revolute joints.
+def pendulum(
+    beams: int, t_end: float, step: float, gravity: float = 9.81, n_elements: int = 16, stiffness: float = EI
+) -> Pendulum:
+    """The motion of `beams` cables of `n_elements` each and this bending stiffness [N m^2], joined by revolute joints.
 
     Raises exudyn.SolverError when Newton does not converge.
     """
@@ -47,7 +49,7 @@ def pendulum(beams: int, t_end: float, step: float, gravity: float = 9.81, n_ele
     support = system.AddMarker(MarkerPosition(bodyNumber=ground))
     sensors = []
     for beam in range(beams):
-        nodes = _add_cable(system, beam * L, n_elements, gravity)
+        nodes = _add_cable(system, beam * L, n_elements, gravity, stiffness)
         first, last = (system.AddMarker(MarkerNodePosition(nodeNumber=nodes[i])) for i in (0, -1))
         system.AddObject(ObjectJointRevolute2D(markerNumbers=[support, first]))
         support = last
@@ -63,7 +65,7 @@ def pendulum(beams: int, t_end: float, step: float, gravity: float = 9.81, n_ele
     return Pendulum(np.linspace(0.0, t_end, steps + 1), np.stack(ends, axis=1).reshape(-1, beams, 2, 2))
 
 
-def _add_cable(system: Any, x: float, n_elements: int, gravity: float) -> list[int]:
+def _add_cable(system: Any, x: float, n_elements: int, gravity: float, stiffness: float) -> list[int]:
     nodes = [
         system.AddNode(NodePoint2DSlope1(referenceCoordinates=[place, 0.0, 1.0, 0.0]))
         for place in x + np.linspace(0.0, L, n_elements + 1)
@@ -73,7 +75,7 @@ def _add_cable(system: Any, x: float, n_elements: int, gravity: float) -> list[i
             ObjectANCFCable2D(
                 length=L / n_elements,
                 massPerLength=m,
-                bendingStiffness=EI,
+                bendingStiffness=stiffness,
                 axialStiffness=EA,
                 nodeNumbers=[left, right],
             )

@@ -1,7 +1,18 @@
 """Cases 1 and 2 of the paper against a geometrically exact beam code (Exudyn, ANCF cable elements).
 
-Torque law: +1 to 0.05 s, -1 to 0.1 s, then 0. Tolerances: what a prototype of the method reached at the same step of
-6e-5 s, 7e-4 and 3e-3 of the peak hub speed with the consistent rule, 7e-4 and 7.6e-2 with eq. (55) of the paper.
+Torque law: +1 to 0.05 s, -1 to 0.1 s, then 0. Tolerances: a little above what was measured, the largest difference over
+time relative to the peak of Exudyn, which takes steps of 1e-5 s:
+
+    rule, step [s]        Case 1: hub speed, tip     Case 2: hub speed, tip
+    consistent, 6e-5      3.5e-4     7.9e-4          1.6e-3     2.1e-3
+                3e-5      1.9e-4     4.6e-4          1.4e-3     1.9e-3
+                1.5e-5    1.0e-4     4.7e-4          1.5e-3     1.9e-3
+    (55),       6e-5      6.2e-4     6.2e-3          7.6e-2     1.1e-1
+                3e-5      3.7e-4     3.4e-3          3.9e-2     5.6e-2
+                1.5e-5    2.1e-4     2.0e-3          2.0e-2     2.8e-2
+
+With the consistent rule the step matters little: what is left is the model, which knows no centrifugal stiffening. The
+errors of (55) are those of the rule and halve with the step.
 """
 
 from pathlib import Path
@@ -61,7 +72,10 @@ def difference(time, ours, reference_time, reference):
 
 @pytest.mark.parametrize(
     ("rule", "hub_speed", "tip"),
-    [("consistent", {4.0: 7e-4, 0.5: 3e-3}, {4.0: 1e-3, 0.5: 2.5e-3}), ("paper", {4.0: 7e-4, 0.5: 7.7e-2}, None)],
+    [
+        ("consistent", {4.0: 5e-4, 0.5: 2e-3}, {4.0: 1e-3, 0.5: 2.5e-3}),
+        ("paper", {4.0: 7e-4, 0.5: 8e-2}, {4.0: 7e-3, 0.5: 0.12}),
+    ],
 )
 def test_the_motion_is_that_of_a_geometrically_exact_beam(beam, case, rule, hub_speed, tip, record_property):
     phi, C_0, reference = case
@@ -72,8 +86,7 @@ def test_the_motion_is_that_of_a_geometrically_exact_beam(beam, case, rule, hub_
     record_property("tip deflection", tip_difference)
     print(f"phi = {phi}, {rule}: hub speed {speed_difference:.2e}, tip deflection {tip_difference:.2e} of the peak")
     assert speed_difference < hub_speed[phi]
-    if tip is not None:
-        assert tip_difference < tip[phi]
+    assert tip_difference < tip[phi]
 
 
 def test_the_paper_rule_is_worse_where_the_beam_matters(beam, case):

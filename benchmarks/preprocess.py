@@ -1,0 +1,209 @@
+"""Superelements of a bracket of ten-node tetrahedra, beside Hurty-Craig-Bampton modes of Exudyn on the same mesh.
+
+Ours: the whole kernel, n_c = 12, h = 1e-5 s, 5000 steps, to the default tolerance in the default band. Theirs: 16 modes
+besides the static ones, with the matrices of NGsolve, by both of the eigensolvers that Exudyn offers. Each measurement
+has a process of its own; libraries choose their threads. Needs the extra `validation`.
+Run as `python benchmarks/preprocess.py [--sizes 20 50 100 160 285] [--patience SECONDS]`; by default the two smallest.
+"""
+
+import argparse
+import contextlib
+import multiprocessing
+import os
+import resource
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+from unittest import mock
+
+SIZES = {20: (0.06, 0.008), 50: (0.062, 0.0065), 100: (0.06, 0.0048), 160: (0.062, 0.0038), 285: (0.056, 0.0035)}
+"""Width of the bracket and length of the elements [m], by thousands of unknowns: Netgen grades lengths by halves."""
+LENGTH, HEIGHT, THICKNESS = 0.2, 0.12, 0.03
+STEEL = {"E": 2.1e11, "nu": 0.3, "rho": 7800.0}
+ENDS = {"plate": ((LENGTH, 0.0, 0.0), (1.0, 0.0, 0.0)), "wall": ((0.0, 0.0, HEIGHT), (0.0, 0.0, 1.0))}
+MODES = 16
+NETGEN_ORDER = [0, 2, 1, 3, 5, 7, 4, 6, 9, 8]
+"""Netgen's ten nodes in meshio's order, which sees tetrahedra from the other side."""
+NETGEN, GMSH = "bracket.vol", "bracket.msh"
+
+Measurement = dict[str, Any]
+
+
+def make_mesh(folder: Path, width: float, length: float) -> Measurement:
+    """An angle of plane faces: files of the corners for Netgen, and of all nodes for us."""
+    import meshio
+    import numpy as np
+    from netgen.occ import Box, OCCGeometry
+
+    plate, wall = Box((0, 0, 0), (LENGTH, width, THICKNESS)), Box((0, 0, 0), (THICKNESS, width, HEIGHT))
+    mesh = OCCGeometry(plate + wall).GenerateMesh(maxh=length)
+    mesh.Save(str(folder / NETGEN))
+    mesh.SecondOrder()
+    cells = mesh.Elements3D().NumPy()["nodes"][:, :10].astype(np.int64)[:, NETGEN_ORDER] - 1
+    bracket = meshio.Mesh(mesh.Coordinates(), [("tetra10", cells)])
+    tags = {tag: [np.ones(len(cells), dtype=int)] for tag in ("gmsh:physical", "gmsh:geometrical")}
+    bracket.cell_data = tags
+    bracket.write(folder / GMSH, file_format="gmsh22")
+    return {"unknowns": 3 * len(bracket.points)}
+
+
+def ours(folder: Path) -> Measurement:
+    from duhamel.preprocess import Body, assemble, build
+
+    body = Body.model_validate(
+        {
+            "name": "bracket",
+            "mesh": folder / GMSH,
+            "material": STEEL,
+            "interfaces": {name: {"plane": {"point": p, "normal": n}} for name, (p, n) in ENDS.items()},
+            "impulse": {"step": 1e-5, "steps": 5000, "method": "krylov"},
+        }
+    )
+    with timed_factorization() as spent, measured() as found:
+        bracket = build(body)
+    structure = assemble(body)
+    return {
+        **found,
+        **bracket.provenance.timings,
+        **spent,
+        "modes": len(bracket.modes.omega),
+        "error": bracket.kernel.error,
+        "traces": (structure.K.trace(), structure.M.trace()),
+    }
+
+
+def exudyn(folder: Path, eigensolver: str) -> Measurement:
+    import ngsolve
+    from exudyn.FEM import FEMinterface, HCBstaticModeSelection
+
+    mesh, fem = ngsolve.Mesh(str(folder / NETGEN)), FEMinterface()
+    with measured() as found:
+        start = time.perf_counter()
+        mass, stiffness, _ = fem.ImportMeshFromNGsolve(
+            mesh, density=STEEL["rho"], youngsModulus=STEEL["E"], poissonsRatio=STEEL["nu"], meshOrder=2
+        )
+        found["import"] = time.perf_counter() - start
+        ends = [fem.GetNodesInPlane(*end) for end in ENDS.values()]
+        if eigensolver == "NGsolve":
+            fem.ComputeHurtyCraigBamptonModesNGsolve(mass, stiffness, ends, MODES)
+        else:
+            fem.ComputeHurtyCraigBamptonModes(ends, MODES, computationMode=HCBstaticModeSelection.RBE2)
+    return {**found, "traces": (fem.stiffnessMatrix.trace(), fem.massMatrix.trace())}
+
+
+@contextlib.contextmanager
+def timed_factorization() -> Iterator[Measurement]:
+    """Seconds of the factorization and of the solves of the Krylov space, and its number of blocks."""
+    from duhamel.preprocess import krylov
+
+    spent: Measurement = {"factorization": 0.0, "solves": 0.0, "blocks": 0}
+    factorize = krylov.factorize
+
+    def timed(*arguments: Any) -> Callable[[Any], Any]:
+        start = time.perf_counter()
+        factor = factorize(*arguments)
+        spent["factorization"] += time.perf_counter() - start
+
+        def solve(b: Any) -> Any:
+            start = time.perf_counter()
+            x = factor(b)
+            spent["solves"] += time.perf_counter() - start
+            spent["blocks"] += 1
+            return x
+
+        return solve
+
+    with mock.patch.object(krylov, "factorize", timed):
+        yield spent
+
+
+@contextlib.contextmanager
+def measured() -> Iterator[Measurement]:
+    """Seconds on the clock and of all processors, and the peak of memory [GB] with what was there before."""
+    found: Measurement = {}
+    start, cpu = time.perf_counter(), time.process_time()
+    yield found
+    found |= {
+        "total": time.perf_counter() - start,
+        "cpu": time.process_time() - cpu,
+        "peak": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20,
+    }
+
+
+def alone(work: Callable[..., Measurement], *arguments: Any, patience: float | None = None) -> Measurement | None:
+    """What `work` measures in a fresh process; None if that dies, or takes longer than `patience` [s]."""
+    context = multiprocessing.get_context("spawn")
+    receiver, sender = context.Pipe(duplex=False)
+    process = context.Process(target=send, args=(sender, work, *arguments))
+    process.start()
+    sender.close()
+    try:
+        return receiver.recv() if receiver.poll(patience) else None
+    except EOFError:
+        return None
+    finally:
+        process.kill()
+        process.join()
+
+
+def send(sender: Any, work: Callable[..., Measurement], *arguments: Any) -> None:
+    """Exudyn tells of its progress on the standard output, which is for the table."""
+    with open(os.devnull, "w") as nowhere:
+        os.dup2(nowhere.fileno(), 1)
+    sender.send(work(*arguments))
+
+
+def row_of_ours(unknowns: str, m: Measurement) -> str:
+    krylov = m["impulse"] - m["factorization"]
+    seconds = [f"{s:.1f} s" for s in (m["mesh"], m["assembly"], m["factorization"], krylov, m["total"], m["cpu"])]
+    rest = [f"{m['peak']:.2f} GB", f"{m['blocks']}", f"{m['modes']}", f"{m['error']:.1e}"]
+    return "| " + " | ".join([unknowns, *seconds, *rest]) + " |"
+
+
+def cells_of_peer(own: Measurement, found: Measurement | None, patience: float | None) -> list[str]:
+    if found is None:
+        return ["", "died" if patience is None else f"over {patience:.0f} s, or died", "", "", ""]
+    for trace, other in zip(found["traces"], own["traces"], strict=True):
+        if abs(trace / other - 1.0) > 1e-9:
+            raise SystemExit(f"the models differ: traces of K and M are {own['traces']} and {found['traces']}")
+    hcb = found["total"] - found["import"]
+    ratios = f"{found['total'] / own['total']:.1f} ({found['cpu'] / own['cpu']:.1f})"
+    return [f"{found['import']:.1f} s", f"{hcb:.1f} s", f"{found['cpu']:.1f} s", f"{found['peak']:.2f} GB", ratios]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Impulse superelements beside Hurty-Craig-Bampton modes.")
+    parser.add_argument("--sizes", type=int, nargs="+", choices=SIZES, default=[20, 50], help="thousands of unknowns")
+    parser.add_argument("--patience", type=float, help="seconds to wait for each run of the peer")
+    chosen = parser.parse_args()
+
+    packages = ("duhamel", "numpy", "scipy", "rslab", "exudyn", "ngsolve")
+    print(", ".join(f"{name} {metadata.version(name)}" for name in packages), f"{os.cpu_count()} cores", sep=", ")
+    heading = ["unknowns", "mesh", "assembly", "factorization", "Krylov", "total", "CPU", "peak", "blocks", "modes"]
+    peers = ["unknowns", "eigensolver", "import", "modes", "CPU", "peak", "ratio (of CPU)"]
+    tables = [table_of([*heading, "error"]), table_of(peers)]
+    for size in chosen.sizes:
+        with tempfile.TemporaryDirectory() as folder:
+            mesh, own = alone(make_mesh, Path(folder), *SIZES[size]), alone(ours, Path(folder))
+            if mesh is None or own is None:
+                raise SystemExit("died; what it said stands above")
+            unknowns = f"{mesh['unknowns']:,}".replace(",", " ")
+            tables[0].append(row_of_ours(unknowns, own))
+            print(tables[0][-1], flush=True)
+            for eigensolver in ("NGsolve", "SciPy"):
+                found = alone(exudyn, Path(folder), eigensolver, patience=chosen.patience)
+                cells = [unknowns, eigensolver, *cells_of_peer(own, found, chosen.patience)]
+                tables[1].append("| " + " | ".join(cells) + " |")
+                print(tables[1][-1], flush=True)
+    print("", *tables[0], "", *tables[1], sep="\n")
+
+
+def table_of(heading: list[str]) -> list[str]:
+    return ["| " + " | ".join(heading) + " |", "|" + "---|" * len(heading)]
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,35 @@
+"""What `duhamel sweep` shows while a study runs, and says at its end."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+
+import typer
+
+from ..study import Row
+from ..study.sweep import Tell
+
+
+@contextmanager
+def shown_cases(total: int) -> Iterator[Tell]:
+    """A bar that fills with the cases; their warnings are told above it as they come."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (TextColumn("cases"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    console = Console(stderr=True)
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task("cases", total=total)
+
+        def tell(row: Row) -> None:
+            bar.advance(task)
+            for warning in row.warnings:
+                typer.echo(f"warning: {row.case.name}: {warning}", err=True)
+
+        yield tell
+
+
+def verdict(rows: Sequence[Row]) -> Iterator[str]:
+    """A line for each case that failed."""
+    for row in rows:
+        if row.status == "failed":
+            yield f"failed: {row.case.name}: {row.message}"

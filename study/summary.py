@@ -1,0 +1,41 @@
+"""The summary of a study: a row a case."""
+
+import csv
+import json
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from .case import Case
+from .study_file import Study
+
+
+@dataclass(frozen=True)
+class Row:
+    """What is said of a case: status "done", "failed", or "open" where the study was stopped before it."""
+
+    case: Case
+    status: str = "open"
+    numbers: dict[str, float] = field(default_factory=dict)
+    message: str = ""
+    warnings: tuple[str, ...] = ()
+
+
+def write_summary(path: Path, study: Study, rows: Sequence[Row]) -> None:
+    """A table of comma-separated values: case, parameters, status, numbers and outputs in SI units, message."""
+    parameters = list(study.cases[0].parameters)
+    numbers = [*study.kind.columns, *study.outputs]
+    temporary = path.with_suffix(f".{os.getpid()}")
+    with temporary.open("w", encoding="utf-8", newline="") as file:
+        table = csv.writer(file)
+        table.writerow(["case", *parameters, "status", *numbers, "message"])
+        for row in rows:
+            given = [_cell(row.case.parameters[key]) for key in parameters]
+            table.writerow([row.case.name, *given, row.status, *[row.numbers.get(n, "") for n in numbers], row.message])
+    temporary.replace(path)
+
+
+def _cell(value: Any) -> Any:
+    return json.dumps(value) if isinstance(value, list | dict | bool) else value

@@ -1,0 +1,81 @@
+"""Run what is open of a study, and sum up all of it."""
+
+from collections.abc import Callable, Generator, Sequence
+from contextlib import closing
+
+from .case import Case
+from .errors import StudyError
+from .study_file import Study
+from .summary import Row, write_summary
+from .workers import Report, in_process, on_cluster
+
+Tell = Callable[[Row], None]
+"""called with a case when it is finished, or found made"""
+
+
+def sweep(
+    study: Study,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    force: bool = False,
+    tell: Tell = lambda row: None,
+) -> tuple[Row, ...]:
+    """Make the cases that are not made, or were made from other inputs, or all by `force`; write FOLDER/summary.csv.
+
+    workers: processes on this machine, all cores by default; 0 for this process. scheduler: the address of a Dask
+    scheduler, whose workers see the folder under the same path. Raises `StudyError` for what can be found before any
+    case runs, and `ClusterError`.
+    """
+    folder, kind = study.folder, study.kind
+    made = set() if force else {case.name for case in study.cases if kind.is_made(case)}
+    todo = [case for case in study.cases if case.name not in made]
+    if todo:
+        _check(study)
+        _write_sources(study)
+    rows = {case.name: Row(case) for case in study.cases}
+
+    def finish(case: Case, report: Report) -> None:
+        if report.failure:
+            row = Row(case, "failed", message=report.failure, warnings=report.warnings)
+        else:
+            row = Row(case, "done", kind.numbers(case, study.outputs), warnings=report.warnings)
+        rows[case.name] = row
+        tell(row)
+
+    try:
+        for case in study.cases:
+            if case.name in made:
+                finish(case, Report())
+        with closing(_reports(study, todo, workers, scheduler)) as reports:
+            for case, report in reports:
+                finish(case, report)
+    finally:
+        write_summary(folder / "summary.csv", study, list(rows.values()))
+    return tuple(rows.values())
+
+
+def _reports(
+    study: Study, todo: Sequence[Case], workers: int | None, scheduler: str | None
+) -> Generator[tuple[Case, Report], None, None]:
+    if not todo:
+        return
+    if workers == 0:
+        yield from in_process(study.kind, todo)
+    else:
+        yield from on_cluster(study.kind, todo, workers, scheduler)
+
+
+def _check(study: Study) -> None:
+    try:
+        study.kind.check(study.base, study.outputs)
+    except study.kind.failures as error:
+        raise StudyError(f"the base file does not run by itself: {error}") from error
+
+
+def _write_sources(study: Study) -> None:
+    try:
+        study.folder.mkdir(parents=True, exist_ok=True)
+        for case in study.cases:
+            case.source.write_text(case.text, encoding="utf-8")
+    except OSError as error:
+        raise StudyError(f"{study.folder}: cannot be written: {error}") from error

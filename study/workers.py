@@ -1,0 +1,107 @@
+"""Who works on the cases: this process, or workers of Dask."""
+
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from itertools import islice
+from typing import TYPE_CHECKING, Any
+
+from .case import Case, Kind
+from .errors import ClusterError
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+PATIENCE = 60
+"""how long to wait for a scheduler and its first worker [s]"""
+
+
+@dataclass(frozen=True)
+class Report:
+    """What came of a case; `failure` is empty if it was made."""
+
+    failure: str = ""
+    warnings: tuple[str, ...] = ()
+
+
+def attempt(kind: Kind, case: Case) -> Report:
+    """Make one case, from nothing."""
+    case.target.unlink(missing_ok=True)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", UserWarning)
+        try:
+            kind.make(case)
+            failure = ""
+        except kind.failures as error:
+            failure = str(error) or type(error).__name__
+    return Report(failure, tuple(dict.fromkeys(str(warning.message) for warning in caught)))
+
+
+def in_process(kind: Kind, cases: Sequence[Case]) -> Iterator[tuple[Case, Report]]:
+    """One case after another; an exception that is a defect comes through."""
+    for case in cases:
+        yield case, attempt(kind, case)
+
+
+def on_cluster(
+    kind: Kind, cases: Sequence[Case], workers: int | None = None, scheduler: str | None = None
+) -> Iterator[tuple[Case, Report]]:
+    """Cases as they are finished by the workers of a scheduler, or by as many processes here (all cores by default).
+
+    A case whose worker dies is run again by another. One of which four workers die (more than the allowed-failures of
+    Dask) is reported as failed. Raises `ClusterError` without Dask, or where nobody answers.
+    """
+    with _client(workers, scheduler) as client:
+        from distributed import as_completed
+
+        waiting = iter(cases)
+        running: dict[Any, Case] = {}
+        finished = as_completed()
+
+        def hand_out() -> None:
+            # No more than there are threads: Dask blames the death of a worker on all that it was given.
+            for case in islice(waiting, max(0, _threads(client) - len(running))):
+                future = client.submit(attempt, kind, case, pure=False)
+                running[future.key] = case
+                finished.add(future)
+
+        hand_out()
+        for future in finished:
+            case, error = running.pop(future.key), future.exception()
+            report = future.result() if error is None else Report(f"{type(error).__name__}: {error}")
+            # Else Dask would make the case again, should the worker that remembers the report die.
+            future.release()
+            hand_out()
+            yield case, report
+
+
+def _threads(client: "Client") -> int:
+    """How many cases the cluster can run at once; one, where all workers are being replaced."""
+    threads: dict[str, int] = client.nthreads()
+    return max(1, sum(threads.values()))
+
+
+@contextmanager
+def _client(workers: int | None, scheduler: str | None) -> Iterator["Client"]:
+    try:
+        from distributed import Client, LocalCluster
+    except ModuleNotFoundError as error:
+        raise ClusterError(
+            "Dask is not installed: pip install 'duhamel[cluster]', or --workers 0 for one case after another"
+        ) from error
+    if scheduler is None:
+        cluster = LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address="127.0.0.1:0")
+        with cluster, Client(cluster) as client:
+            yield client
+        return
+    try:
+        client = Client(scheduler, timeout=PATIENCE)
+    except (OSError, ValueError) as error:
+        raise ClusterError(f"{scheduler}: no scheduler: {error}") from error
+    with client:
+        try:
+            client.wait_for_workers(1, timeout=PATIENCE)
+        except TimeoutError as error:
+            raise ClusterError(f"{scheduler}: no worker within {PATIENCE} s") from error
+        yield client

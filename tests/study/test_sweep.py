@@ -1,0 +1,227 @@
+"""Studies in one process: numbers against closed forms, what runs again and what does not, what is told of failures."""
+
+import csv
+
+import h5py
+import pytest
+from duhamel.solver import read_model, simulate
+from duhamel.study import Row, StudyError, read_study, sweep
+from duhamel.superelement import StepWarning, read, write
+
+from .conftest import MODEL, STUDY, datasets, make_element
+
+
+def run(path, **settings) -> tuple[list[str], tuple[Row, ...]]:
+    """The cases whose files changed, and what is said of all cases."""
+    study = read_study(path)
+    before = {case.name: case.target.stat().st_mtime_ns for case in study.cases if case.target.exists()}
+    rows = sweep(study, workers=0, **settings)
+    targets = [case for case in study.cases if case.target.exists()]
+    return [case.name for case in targets if case.target.stat().st_mtime_ns != before.get(case.name)], rows
+
+
+def summary(path) -> list[dict[str, str]]:
+    with (path.with_suffix("") / "summary.csv").open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_study_gives_the_closed_form_and_what_single_runs_give(study_file):
+    path = study_file()
+    ran, _ = run(path)
+    rows = summary(path)
+    assert ran == [row["case"] for row in rows] == [f"case-{n:04d}" for n in range(1, 7)]
+    for row in rows:
+        J, C = float(row["bodies.hub.inertia"].strip("[]").split(",")[2]), float(row["loads.0.signal"])
+        assert float(row["angle"]) == pytest.approx(C * 0.05**2 / (2 * J), rel=1e-12)
+        assert (row["status"], row["steps"], row["message"]) == ("done", "100", "")
+        source = path.with_suffix("") / f"{row['case']}.toml"
+        simulate(read_model(source), output=source.with_name("alone.h5"))
+        assert datasets(source.with_name("alone.h5")) == datasets(source.with_suffix(".h5"))
+
+
+def test_a_second_call_runs_nothing_and_sums_up_the_same(study_file):
+    path = study_file()
+    run(path)
+    first = summary(path)
+    ran, _ = run(path)
+    assert ran == []
+    assert summary(path) == first
+    ran, _ = run(path, force=True)
+    assert len(ran) == 6
+
+
+def test_only_what_is_missing_unfinished_or_damaged_runs_again(study_file):
+    path = study_file()
+    run(path)
+    cases = path.with_suffix("")
+    (cases / "case-0002.h5").unlink()
+    (cases / "case-0004.h5").write_bytes((cases / "case-0004.h5").read_bytes()[:3000])
+    with h5py.File(cases / "case-0005.h5", "a") as file:
+        file["solver"].attrs["finished"] = False
+    ran, rows = run(path)
+    assert ran == ["case-0002", "case-0004", "case-0005"]
+    assert {row.status for row in rows} == {"done"}
+
+
+def test_a_value_added_to_the_first_parameter_leaves_the_cases_before_as_they_are(study_file):
+    run(study_file())
+    ran, _ = run(study_file(STUDY.replace("[1, 1, 2]]", "[1, 1, 2], [3, 3, 6]]")))
+    assert ran == ["case-0007", "case-0008", "case-0009"]
+
+
+def test_changed_inputs_run_again(study_file, folder):
+    path = study_file()
+    run(path)
+    ran, _ = run(study_file(STUDY.replace("[8, 4, 2]", "[8, 5, 2]")))
+    assert ran == ["case-0002", "case-0005"]
+    (folder / "model" / "hub.toml").write_text(MODEL.replace("velocity = [1, 0, 0]", "velocity = [2, 0, 0]"))
+    assert len(run(path)[0]) == 6
+    write(folder / "model" / "parts" / "beam.h5", make_element(mass=3.0))
+    assert len(run(path)[0]) == 6
+    assert run(path)[0] == []
+
+
+def test_other_outputs_are_read_from_the_results_that_are_there(study_file):
+    run(study_file())
+    ran, rows = run(study_file(STUDY + 'speed = "max |angular_velocity:hub|"\nmean = "mean angle:hub:z"\n'))
+    assert ran == []
+    assert rows[0].numbers["speed"] == pytest.approx(8 * 0.05 / 4, rel=1e-12)
+    # The trapezoids over the steps of a parabola exceed its mean by h^2 / 12 times its second derivative.
+    assert rows[0].numbers["mean"] == pytest.approx(2 * (0.05**2 / 6 + 5e-4**2 / 12), rel=1e-12)
+
+
+def test_reductions(study_file):
+    outputs = {
+        "max": "max angle:hub:z",
+        "min": "min angle:hub:z",
+        "final": "final |angle:hub:z|",
+        "peak-to-peak": "peak-to-peak angle:hub:z",
+    }
+    lines = "".join(f'{name} = "{text}"\n' for name, text in outputs.items())
+    text = STUDY.replace("[8, 4, 2]", "[-8]").replace('angle = "final angle:hub:z"\n', lines)
+    _, (row, _) = run(study_file(text))
+    end = 8 * 0.05**2 / (2 * 4)
+    expected = {"max": 0.0, "min": -end, "final": end, "peak-to-peak": end}
+    assert {name: row.numbers[name] for name in outputs} == pytest.approx(expected, rel=1e-12, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("output", "message"),
+    [
+        ("top angle:hub:z", "expected REDUCTION QUANTITY or REDUCTION |QUANTITY| with one of max, min, final"),
+        ("max |angle:hub:z", "expected REDUCTION QUANTITY"),
+        ("max angle:hub", "is of a vector: expected an axis, angle:hub:x, or its length, |angle:hub|"),
+        ("max angle:hbu:z", "no body or frame 'hbu'; there are: beam, hub, beam.tip"),
+        ("max angel:hub:z", "no quantity 'angel'"),
+    ],
+)
+def test_an_output_that_the_results_cannot_have_is_refused_before_anything_runs(study_file, folder, output, message):
+    path = study_file(STUDY.replace("final angle:hub:z", output))
+    with pytest.raises(StudyError) as error:
+        run(path)
+    assert str(error.value).startswith("outputs.angle: ")
+    assert message in str(error.value)
+    assert not path.with_suffix("").exists()
+
+
+@pytest.mark.parametrize(
+    ("change", "key"),
+    [(("mass = 1.0", "mass = -1.0"), "bodies.hub.mass"), (('"parts/beam.h5"', "3"), "bodies.beam.superelement")],
+)
+def test_a_base_file_that_does_not_run_is_refused_before_anything_runs(study_file, folder, change, key):
+    (folder / "model" / "hub.toml").write_text(MODEL.replace(*change))
+    path = study_file()
+    with pytest.raises(StudyError, match=rf"the base file does not run by itself: .*{key}"):
+        run(path)
+    assert not path.with_suffix("").exists()
+
+
+FAILING = """
+model = "model/hub.toml"
+[parameters]
+simulation.step = [5e-4, -1.0, 1e-3]
+[outputs]
+angle = "final angle:hub:z"
+"""
+
+
+def test_a_case_that_fails_is_told_and_the_others_run(study_file):
+    path = study_file(FAILING)
+    _, rows = run(path)
+    assert [row.status for row in rows] == ["done", "failed", "done"]
+    assert "simulation.step: input should be greater than 0, found -1.0" in rows[1].message
+    told = summary(path)[1]
+    assert (told["status"], told["angle"], told["message"]) == ("failed", "", rows[1].message)
+    assert not (path.with_suffix("") / "case-0002.h5").exists()
+    # A failed case runs again, and one that is mended takes its place.
+    ran, rows = run(study_file(FAILING.replace("-1.0", "2.5e-4")))
+    assert ran == ["case-0002"]
+    assert {row.status for row in rows} == {"done"}
+
+
+def test_a_run_that_stops_on_its_way_leaves_its_steps_and_runs_again(study_file, folder):
+    spun = MODEL.replace("signal = 8", "signal = {times = [0, 0.02], values = [0, 1e12]}")
+    model = spun.replace("step = 5e-4", "step = 5e-4\nmax_iterations = 2").replace(
+        'type = "revolute"', 'type = "spherical"'
+    )
+    model = model.replace('["ground", "hub"]', '["ground", "hub.rim"]').replace("axis = [0, 0, 1]\n", "")
+    (folder / "model" / "hub.toml").write_text(
+        model.replace("[bodies.beam]", "frames.rim = {position = [1, 0, 0]}\n\n[bodies.beam]")
+    )
+    path = study_file('model = "model/hub.toml"\nparameters.bodies.hub.mass = [1.0]')
+    _, (row,) = run(path)
+    assert row.status == "failed"
+    assert row.message.startswith("no convergence in step 40 ")
+    with h5py.File(path.with_suffix("") / "case-0001.h5") as file:
+        assert (file["solver"].attrs["written"], file["solver"].attrs["finished"]) == (40, False)
+    assert run(path)[0] == ["case-0001"]
+
+
+def test_warnings_of_a_case_are_told(study_file, folder):
+    beam = make_element(mass=2.0)
+    modes = type(beam.modes)(beam.modes.omega, beam.modes.zeta, beam.modes.phi, h_min=4e-4)
+    write(folder / "model" / "parts" / "beam.h5", type(beam)(**{**vars(beam), "modes": modes}))
+    _, rows = run(study_file('model = "model/hub.toml"\nparameters.simulation.step = [5e-4, 2e-4]'))
+    assert [len(row.warnings) for row in rows] == [0, 1]
+    with pytest.warns(StepWarning) as caught:
+        simulate(read_model(rows[1].case.source))
+    assert rows[1].warnings == (str(caught[0].message),)
+
+
+BODY = """
+name = "bar"
+mesh = "bar.msh"
+
+[section]
+EA = 1e7
+EI_y = 5.0
+EI_z = 5.0
+GJ = 4.0
+mass_per_length = 0.1
+polar_inertia_per_length = 4e-8
+
+[interfaces.root]
+node = [0, 0, 0]
+
+[impulse]
+step = 1e-4
+steps = 10
+"""
+
+
+def test_bodies_are_preprocessed(study_file, folder, line_mesh):
+    line_mesh(folder / "model" / "bar.msh", 4)
+    (folder / "model" / "bar.toml").write_text(BODY)
+    path = study_file('body = "model/bar.toml"\nparameters.section.mass_per_length = [0.1, 0.4]')
+    ran, rows = run(path)
+    assert ran == ["case-0001", "case-0002"]
+    assert [row.numbers["mass"] for row in rows] == pytest.approx([0.05, 0.2], rel=1e-12)
+    assert read(rows[1].case.target).provenance.body == rows[1].case.text
+    # Four times the mass, half the frequency, but for the rotary inertia, which is not scaled.
+    slow, fast = rows[1].numbers["first_frequency"], rows[0].numbers["first_frequency"]
+    assert slow / fast == pytest.approx(0.5, rel=1e-9)
+    assert run(path)[0] == []
+    line_mesh(folder / "model" / "bar.msh", 5)
+    assert run(path)[0] == ["case-0001", "case-0002"]
+    with pytest.raises(StudyError, match="outputs: expected with a model"):
+        run(study_file('body = "model/bar.toml"\nparameters.name = ["a"]\noutputs.x = "max energy:work"'))
