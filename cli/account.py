@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..solver import Results
+from ..solver.quantities import Energy
 from ..superelement.validation import Array
 
 NOTICEABLE = 1e-9
@@ -26,19 +27,31 @@ def account(results: Results) -> Iterator[str]:
         yield f"bodies start up to {solver['moved']:.3g} m or rad from their given places"
     if solver["velocity_correction"] > NOTICEABLE:
         yield f"bodies start up to {solver['velocity_correction']:.3g} m/s or rad/s from their given velocities"
-    energy = results.energy
+    if solver["truncation"] > 0.0:
+        yield f"impulse responses were cut off: displacements err by at most {solver['truncation']:.1g} of static ones"
+    recorded = results.recorded
+    if "energy" in recorded:
+        yield _energies(results.energy)
+    if "momentum" in recorded:
+        linear, angular = results.momentum.linear[-1], results.momentum.angular[-1]
+        yield (
+            f"momentum at the end [kg m/s]: {_vector(linear)}; angular, about the origin [kg m^2/s]: {_vector(angular)}"
+        )
+    if "energy" in recorded:
+        elastic = results.energy.elastic
+        lowest, scale = float(elastic.min()), float(np.abs(elastic).max())
+        if lowest < -1e-9 * scale and lowest < -10.0 * np.finfo(float).eps:
+            yield f"elastic energy fell to {lowest:.3g} J: the convolution has created energy (rule {solver['rule']!r})"
+
+
+def _energies(energy: Energy) -> str:
     names = ("kinetic", "elastic", "springs", "potential", "work", "dissipated")
     last = ", ".join(f"{name} {getattr(energy, name)[-1]:.4g}" for name in names if getattr(energy, name).any())
     largest = float(np.abs(energy.balance).max())
     sizes = [np.abs(getattr(energy, name)).max() for name in names if name != "potential"]
     scale = float(max(*sizes, np.ptp(energy.potential)))
     part = f", {largest / scale:.1g} of the largest" if scale > 0.0 else ""
-    yield f"energy at the end [J]: {last or 'none'}; balance within {largest:.2g}{part}"
-    linear, angular = results.momentum.linear[-1], results.momentum.angular[-1]
-    yield f"momentum at the end [kg m/s]: {_vector(linear)}; angular, about the origin [kg m^2/s]: {_vector(angular)}"
-    lowest, scale = float(energy.elastic.min()), float(np.abs(energy.elastic).max())
-    if lowest < -1e-9 * scale and lowest < -10.0 * np.finfo(float).eps:
-        yield f"elastic energy fell to {lowest:.3g} J: the convolution has created energy (rule {solver['rule']!r})"
+    return f"energy at the end [J]: {last or 'none'}; balance within {largest:.2g}{part}"
 
 
 def _vector(values: Array) -> str:

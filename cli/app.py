@@ -99,9 +99,7 @@ def run(model_file: ModelFile, output: Output = None) -> None:
 
     target = output or model_file.with_name(f"{model_file.stem}-results.h5")
     with told_in_one_line(solver, superelement):
-        model = solver.read_model(model_file)
-    with told_in_one_line(solver, superelement, about=model_file):
-        results = solver.simulate(model, output=target, progress=True)
+        results = solver.simulate(solver.read_model(model_file), output=target, progress=True)
     for line in account(results):
         typer.echo(line)
     steps, loop = int(results.solver["steps"]), float(results.solver["seconds"])
@@ -129,7 +127,7 @@ def sweep(
 
     with told_in_one_line(study):
         plan = study.read_study(study_file, output)
-    with told_in_one_line(study, about=study_file), shown_cases(len(plan.cases)) as tell:
+    with told_in_one_line(study), shown_cases(len(plan.cases)) as tell:
         rows = study.sweep(plan, workers, scheduler, force, tell)
     failed = list(verdict(rows))
     for line in failed:

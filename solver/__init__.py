@@ -5,9 +5,23 @@ from .joints import Joint
 from .model import FlexibleBody, Frame, Load, Model, Place, RigidBody, Start, SteadyRotation
 from .model_file import read_model
 from .motions import PrescribedDisplacement, PrescribedRotation
+from .output_request import OutputRequest
 from .results import Results
-from .signals import Constant, Function, Harmonic, Impulse, Polynomial, Pulse, SmoothFunction, Spline, Steps, Table
+from .signals import (
+    Constant,
+    Function,
+    Harmonic,
+    Impulse,
+    Input,
+    Polynomial,
+    Pulse,
+    SmoothFunction,
+    Spline,
+    Steps,
+    Table,
+)
 from .simulation import simulate
+from .simulator import Simulator
 from .springs import Law, Spring
 
 __all__ = [
@@ -18,11 +32,13 @@ __all__ = [
     "Function",
     "Harmonic",
     "Impulse",
+    "Input",
     "Joint",
     "Law",
     "Load",
     "Model",
     "ModelError",
+    "OutputRequest",
     "Place",
     "Polynomial",
     "PrescribedDisplacement",
@@ -32,6 +48,7 @@ __all__ = [
     "Results",
     "ResultsError",
     "RigidBody",
+    "Simulator",
     "SmoothFunction",
     "Spline",
     "Spring",

@@ -3,6 +3,7 @@
 import numpy as np
 
 from .compilation import CompiledModel
+from .lookahead import kept_steps
 from .rotations import quaternion_of
 from .system import State, Workspace
 
@@ -12,11 +13,12 @@ def allocate(compiled: CompiledModel) -> tuple[State, Workspace]:
     n_b, n_f, n_j = len(system.bodies.mass), len(system.frames.body), len(compiled.coupling_names)
     n_rows, n_l, n_d = len(system.couplings.rows.kind), len(system.loads.frame), len(compiled.drives)
     n_u, n_a, n_modes = int(system.elastic.dof[-1]), len(system.elastic.active), len(system.elastic.stiffness)
-    n_q = 6 * n_b
-    directly = n_u > 0 and bool((np.diff(system.elastic.mode_range) == 0).any())
+    pattern, n = system.pattern, int(system.pattern.first[-1])
+    n_kept = kept_steps(system.elastic, compiled.n_steps)
     starts = [body.start for body in compiled.model.bodies.values()]
     state = State(
         step=np.zeros(1, dtype=np.int64),
+        prepared=np.zeros(1, dtype=np.int64),
         x=np.array([pose.x for pose in compiled.poses]),
         quaternion=np.array([quaternion_of(pose.R) for pose in compiled.poses]),
         R=np.array([pose.R for pose in compiled.poses]),
@@ -35,7 +37,12 @@ def allocate(compiled: CompiledModel) -> tuple[State, Workspace]:
         eta_a=np.zeros(n_modes),
         p_rest=np.zeros(n_u),
         history_rest=np.zeros(n_u),
-        p_history=np.zeros((compiled.n_steps + 1 if directly else 0, n_u)),
+        p_start=np.zeros(n_u),
+        p_history=np.zeros((n_u, n_kept)),
+        ahead=np.zeros((n_u, n_kept)),
+        window=np.zeros(1, dtype=np.int64),
+        since=np.ones(len(system.elastic.body), dtype=np.int64),
+        load=np.zeros(n_l),
         load_vector=np.zeros((n_l, 3)),
         drive=np.zeros(n_d),
         drive_force=np.zeros(n_d),
@@ -72,20 +79,25 @@ def allocate(compiled: CompiledModel) -> tuple[State, Workspace]:
         force_scale=np.zeros((n_b, 2)),
         residual=np.zeros((n_b, 6)),
         history=np.zeros(n_u),
+        modal=np.zeros(n_modes),
         u_residual=np.zeros(n_a),
-        map=np.zeros((n_f, 6, 12)),
         rate_map=np.zeros((n_f, 6, 12)),
         frame_tangent=np.zeros((12, 12)),
-        product=np.zeros((6, 12)),
-        K=np.zeros((n_q + n_a, n_q + n_a)),
-        B=np.zeros((n_rows, n_q + n_a)),
-        B_rate=np.zeros((n_rows, n_q + n_a)),
-        A=np.zeros((n_rows, n_q + n_a)),
-        C=np.zeros((n_a, n_a)),
-        E=np.zeros((n_a, n_a + 1)),
-        EB=np.zeros((n_a, n_q + n_rows)),
-        S=np.zeros((n_q + n_rows, n_q + n_rows)),
-        rhs=np.zeros((n_q + n_rows, 1)),
+        half_tangent=np.zeros((12, 24)),
+        pair_tangent=np.zeros((24, 24)),
+        B=np.zeros((n_rows, 24)),
+        B_rate=np.zeros((n_rows, 24)),
+        A=np.zeros((n_rows, 24)),
+        S=np.zeros(pattern.n_numbers),
+        pivots=np.zeros(n, dtype=np.int64),
+        rhs=np.zeros(n),
+        forces=np.zeros(
+            int((pattern.force_block[:, 3] * (pattern.size[pattern.body[pattern.force_block[:, 0]]] - 6)).max())
+        ),
+        renewed=np.zeros(2, dtype=np.int64),
+        x_predicted=np.zeros((n_b, 3)),
+        v_predicted=np.zeros((n_b, 6)),
+        psi_predicted=np.zeros((n_b, 3)),
         scratch_3=np.zeros(3),
         scratch_3b=np.zeros(3),
         scratch_12=np.zeros(12),

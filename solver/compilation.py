@@ -20,6 +20,7 @@ from .errors import ModelError
 from .flexibility import lay_out_elastic
 from .model import Model
 from .numbering import Coupling, NumberedFrames, number_frames, side_names
+from .pattern import lay_out_pattern
 from .placement import Pose, place_bodies
 from .rotations import quaternion_of
 from .rows import measures_length
@@ -28,6 +29,8 @@ from .system import Bodies, Loads, Scheme, System
 
 ASSEMBLY_TOLERANCE = 1e-3
 """largest opening of a joint, relative to the size of the model, that is closed without being asked to"""
+REUSE = 1e-2
+"""ratio of successive corrections above which the iteration matrix is made anew: the cheapest in trials"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +54,8 @@ class CompiledModel:
     superelements: list[Superelement]
     compliances: list[Array]
     """static compliance of every flexible body (n_c, n_c)"""
+    truncation: float
+    """largest error of kernels that are cut off, relative to static displacements"""
 
     @property
     def all_modal(self) -> bool:
@@ -107,7 +112,9 @@ def compile_system(model: Model, without: frozenset[int] = frozenset()) -> Compi
     if not model.assemble:
         _check_assembled(model, poses, frames)
     _check_moments(model, frames, rows)
-    elastic, compliances = lay_out_elastic(model, frames.arrays, h, scheme, n_steps)
+    weight = 1.0 if model.rule == "consistent" else 0.5
+    elastic, compliances, truncation = lay_out_elastic(model, frames.arrays, h, scheme, n_steps, weight)
+    pattern = lay_out_pattern(len(body_names), frames.arrays, couplings, elastic)
     system = System(
         scheme=Scheme(
             h=h,
@@ -117,9 +124,11 @@ def compile_system(model: Model, without: frozenset[int] = frozenset()) -> Compi
             gamma=scheme.gamma,
             beta_prime=scheme.beta_prime(h),
             gamma_prime=scheme.gamma_prime(h),
-            weight=1.0 if model.rule == "consistent" else 0.5,
+            weight=weight,
             tolerance=model.tolerance,
             max_iterations=model.max_iterations,
+            corrections=model.corrections or 0,
+            reuse=np.inf if model.corrections else REUSE,
         ),
         bodies=Bodies(
             mass=np.array([body.mass for body in model.bodies.values()], dtype=float),
@@ -136,6 +145,7 @@ def compile_system(model: Model, without: frozenset[int] = frozenset()) -> Compi
             direction=as_rows([load.direction for load in model.loads]),
         ),
         elastic=elastic,
+        pattern=pattern,
     )
     return CompiledModel(
         model=model,
@@ -153,6 +163,7 @@ def compile_system(model: Model, without: frozenset[int] = frozenset()) -> Compi
         load_signals=[load.signal for load in model.loads],
         superelements=[body.superelement for body in model.flexible_bodies.values()],
         compliances=compliances,
+        truncation=truncation,
     )
 
 

@@ -26,7 +26,16 @@ def compiled(function: Function) -> Function:
     Sums may be reordered (for vector instructions), nothing else is relaxed. Reference counting and calls that
     pass dozens of arrays would take two thirds of the time of a step.
     """
-    options: dict[str, Any] = {"cache": True, "error_model": "numpy", "forceinline": True, "_nrt": False}
+    return _compile(function, forceinline=True)
+
+
+def compiled_apart(function: Function) -> Function:
+    """The same for what is called rarely, and not into the caller: code inside code is optimised once more."""
+    return _compile(function, forceinline=False)
+
+
+def _compile(function: Function, forceinline: bool) -> Function:
+    options: dict[str, Any] = {"cache": True, "error_model": "numpy", "forceinline": forceinline, "_nrt": False}
     jitted: Any = numba.njit(function, fastmath={"reassoc", "contract"}, **options)
     return cast(Function, jitted)
 

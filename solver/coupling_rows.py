@@ -34,6 +34,8 @@ class Row:
     stiffness: Array | None = None
     damping: Array | None = None
     law: tuple[Array, Array] | None = None
+    swapped: bool = False
+    """frame A is the second that the coupling names"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +46,11 @@ class Sides:
     B: int
     pose_a: Pose
     pose_b: Pose
+    fixed_a: bool = False
+    """frame A is fixed in space"""
+
+    def swapped(self) -> "Sides":
+        return Sides(self.B, self.A, self.pose_b, self.pose_a)
 
     def carried(self, basis: Array) -> tuple[Array, Array]:
         """Axes in space at the start, as frames A and B carry them."""
@@ -56,7 +63,13 @@ class Sides:
 
 
 def joint_rows(joint: Joint, sides: Sides) -> list[Row]:
-    """Constraints of a joint: its table, then its drives."""
+    """Constraints of a joint: its table, then its drives.
+
+    Of a joint with the ground the axes turn with the body, as all else that it feels: any lower pair reads the same
+    from both sides.
+    """
+    if sides.fixed_a and joint.distance is None and joint.angle is None:
+        return [replace(row, swapped=True) for row in joint_rows(joint, sides.swapped())]
     in_a, in_b = sides.carried(joint.basis())
     A, B = sides.A, sides.B
     rows = [Row(TRANSLATION, A, B, in_a[:, k]) for k in joint.kind.translations]
@@ -151,6 +164,7 @@ def lay_out_couplings(couplings: Sequence[list[Row]]) -> tuple[Couplings, list[M
         rows=lay_out_rows(rows),
         n_compliant=sum(row.stiffness is not None for row in rows),
         range=as_index(np.cumsum([0, *(len(coupling) for coupling in couplings)])),
+        second=as_index([0 if row.swapped else 6 for row in rows]),
         drive=as_index([-1 if row.drive is None else next(numbers) for row in rows]),
         compliant=as_index([row.stiffness is not None for row in rows]),
         rest=np.array([row.rest for row in rows], dtype=np.float64),

@@ -11,10 +11,10 @@ so that springs enter Newton like joints, and couple no two bodies but through t
 import math
 
 from .compiled import Array, compiled
-from .frames import add_pair_tangent, column, width
+from .frames import add_pair_tangent, coordinate, pull_back, width
 from .rows import ROTATION, add_row_tangent, carried_axis, evaluate_row, measures_length
-from .system import Couplings, Frames, Workspace
-from .vectors import dot, rotate, row
+from .system import Couplings, Frames, State, System, Workspace
+from .vectors import dot, rotate, row, triple
 
 
 @compiled
@@ -44,7 +44,7 @@ def evaluate_couplings(couplings: Couplings, lam: Array, near: Array, drive: Arr
         wrench[:] = 0.0
         for i in range(couplings.range[j], couplings.range[j + 1]):
             for k in range(6):
-                wrench[k] += lam[i] * work.gradient[i, 6 + k]
+                wrench[k] += lam[i] * work.gradient[i, couplings.second[i] + k]
             if couplings.compliant[i]:
                 _follow_law(couplings, i, couplings.range[j], couplings.range[j + 1], lam, work)
 
@@ -113,10 +113,9 @@ def spring_energy(couplings: Couplings, work: Workspace) -> float:
 
 
 @compiled
-def add_couplings(
-    couplings: Couplings, frames: Frames, n_q: int, h: float, lam: Array, drive: Array, work: Workspace
-) -> None:
+def add_couplings(system: System, drive: Array, state: State, work: Workspace) -> None:
     """B, B_rate and A of all rows, and K += the tangents of the wrenches at constant multipliers."""
+    couplings, frames, h = system.couplings, system.frames, system.scheme.h
     rows, H = couplings.rows, work.frame_tangent
     for j in range(len(couplings.range) - 1):
         first, last = couplings.range[j], couplings.range[j + 1]
@@ -124,35 +123,79 @@ def add_couplings(
             continue
         A, B = rows.frame_a[first], rows.frame_b[first]
         for i in range(first, last):
-            _add_gradient(frames, n_q, i, A, 0, work.gradient[i], work.map, work.B)
-            _add_gradient(frames, n_q, i, B, 6, work.gradient[i], work.map, work.B)
+            pull_back_pair(frames, A, B, work.gradient[i], state, work, work.B[i])
             if couplings.compliant[i]:
-                _add_rate(couplings, frames, n_q, i, drive, work)
+                _add_rate(couplings, frames, i, drive, state, work)
         for i in range(first, last):
             _add_residual(couplings, i, first, last, h, work)
         H[:] = 0.0
         for i in range(first, last):
-            add_row_tangent(rows, i, turn_of(couplings, i, drive), lam[i], work, H)
-        add_pair_tangent(frames, n_q, A, A, 0, 0, work)
-        add_pair_tangent(frames, n_q, A, B, 0, 6, work)
-        add_pair_tangent(frames, n_q, B, A, 6, 0, work)
-        add_pair_tangent(frames, n_q, B, B, 6, 6, work)
+            add_row_tangent(rows, i, turn_of(couplings, i, drive), state.lam[i], work, H)
+        _pull_back_tangent(frames, A, B, state, work)
+        _place_tangent(system, j, A, B, work)
 
 
 @compiled
-def _add_gradient(
-    frames: Frames, n_q: int, i: int, f: int, first: int, gradient: Array, maps: Array, out: Array
-) -> None:
-    """out[i] += gradient[first : first + 6] map_f"""
-    for k in range(width(frames, f)):
-        total = 0.0
-        for m in range(6):
-            total += gradient[first + m] * maps[f, m, k]
-        out[i, column(frames, n_q, f, k)] += total
+def pull_back_pair(frames: Frames, A: int, B: int, gradient: Array, state: State, work: Workspace, out: Array) -> None:
+    """A derivative by (r, theta) of two frames (12,) as one by the coordinates of both (24,)."""
+    pull_back(frames, A, triple(gradient, 0), triple(gradient, 3), state, work, out[:12])
+    pull_back(frames, B, triple(gradient, 6), triple(gradient, 9), state, work, out[12:])
 
 
 @compiled
-def _add_rate(couplings: Couplings, frames: Frames, n_q: int, i: int, drive: Array, work: Workspace) -> None:
+def _pull_back_tangent(frames: Frames, A: int, B: int, state: State, work: Workspace) -> None:
+    """`work.pair_tangent` = map^T `work.frame_tangent` map, columns first."""
+    H, half = work.frame_tangent, work.half_tangent
+    for k in range(12):
+        for f, first in ((A, 0), (B, 6)):
+            force = (H[first, k], H[first + 1, k], H[first + 2, k])
+            moment = (H[first + 3, k], H[first + 4, k], H[first + 5, k])
+            pull_back(frames, f, force, moment, state, work, half[k, 2 * first : 2 * first + 12])
+    for z in range(24):
+        for f, first in ((A, 0), (B, 6)):
+            force = (half[first, z], half[first + 1, z], half[first + 2, z])
+            moment = (half[first + 3, z], half[first + 4, z], half[first + 5, z])
+            pull_back(frames, f, force, moment, state, work, work.pair_tangent[z, 2 * first : 2 * first + 12])
+
+
+@compiled
+def _place_tangent(system: System, j: int, A: int, B: int, work: Workspace) -> None:
+    frames, pattern = system.frames, system.pattern
+    a, b = frames.body[A], frames.body[B]
+    if a >= 0:
+        add_pair_tangent(frames, A, A, 0, 0, pattern.body_block[a, 0], pattern.body_block[a, 1], work)
+    if b >= 0:
+        add_pair_tangent(frames, B, B, 12, 12, pattern.body_block[b, 0], pattern.body_block[b, 1], work)
+    if a >= 0 and b >= 0:
+        place = pattern.coupling_block[j]
+        add_pair_tangent(frames, A, B, 0, 12, place[0, 0], place[0, 1], work)
+        add_pair_tangent(frames, B, A, 12, 0, place[1, 0], place[1, 1], work)
+
+
+@compiled
+def place_rows(system: System, work: Workspace) -> None:
+    """B^T / h^2 into the rows of bodies, A and Z into those of couplings."""
+    couplings, frames, pattern = system.couplings, system.frames, system.pattern
+    h2 = system.scheme.h * system.scheme.h
+    S = work.S
+    for j in range(len(couplings.range) - 1):
+        first, last = couplings.range[j], couplings.range[j + 1]
+        place = pattern.coupling_block[j]
+        for i in range(first, last):
+            for side in range(2):
+                f = couplings.rows.frame_a[i] if side == 0 else couplings.rows.frame_b[i]
+                above, stride = place[2 + 2 * side, 0], place[2 + 2 * side, 1]
+                beside = place[3 + 2 * side, 0] + (i - first) * place[3 + 2 * side, 1]
+                for k in range(width(frames, f)):
+                    z = coordinate(frames, f, k)
+                    S[above + z * stride + i - first] += work.B[i, 12 * side + k] / h2
+                    S[beside + z] += work.A[i, 12 * side + k]
+            if couplings.compliant[i]:
+                S[place[6, 0] + (i - first) * (place[6, 1] + 1)] = 1.0
+
+
+@compiled
+def _add_rate(couplings: Couplings, frames: Frames, i: int, drive: Array, state: State, work: Workspace) -> None:
     """B_rate[i]: of dc/dt = gradient . V, by the gradient (V^T H) and by V."""
     rows, H, turned = couplings.rows, work.frame_tangent, work.scratch_12
     A, B = rows.frame_a[i], rows.frame_b[i]
@@ -163,9 +206,11 @@ def _add_rate(couplings: Couplings, frames: Frames, n_q: int, i: int, drive: Arr
         for m in range(6):
             total += work.V[A, m] * H[m, k] + work.V[B, m] * H[6 + m, k]
         turned[k] = total
-    for f, first in ((A, 0), (B, 6)):
-        _add_gradient(frames, n_q, i, f, first, turned, work.map, work.B_rate)
-        _add_gradient(frames, n_q, i, f, first, work.gradient[i], work.rate_map, work.B_rate)
+    pull_back_pair(frames, A, B, turned, state, work, work.B_rate[i])
+    for k in range(12):
+        for m in range(6):
+            work.B_rate[i, k] += work.gradient[i, m] * work.rate_map[A, m, k]
+            work.B_rate[i, 12 + k] += work.gradient[i, 6 + m] * work.rate_map[B, m, k]
 
 
 @compiled
@@ -173,7 +218,7 @@ def _add_residual(couplings: Couplings, i: int, first: int, last: int, h: float,
     """A[i] = B[i] of a constraint; h^2 (stiffness B + damping B_rate + table' B)[i] of a force law."""
     out = work.A[i]
     if not couplings.compliant[i]:
-        for z in range(len(out)):
+        for z in range(24):
             out[z] = work.B[i, z]
         return
     out[:] = 0.0
@@ -181,5 +226,5 @@ def _add_residual(couplings: Couplings, i: int, first: int, last: int, h: float,
     for j in range(first, last):
         stiffness = h * h * (couplings.stiffness[i, j - first] + (slope if i == j else 0.0))
         damping = h * h * couplings.damping[i, j - first]
-        for z in range(len(out)):
+        for z in range(24):
             out[z] += stiffness * work.B[j, z] + damping * work.B_rate[j, z]

@@ -12,7 +12,6 @@ import math
 from .compiled import Array, compiled
 from .couplings import evaluate_couplings, table
 from .frames import load_bodies, move_frame_velocities, move_frames
-from .history import instantaneous
 from .loads import evaluate_loads
 from .rows import measures_length
 from .system import Bodies, Couplings, Elastic, Scheme, State, System, Workspace
@@ -33,11 +32,24 @@ def evaluate(system: System, loads: Array, drive: Array, state: State, work: Wor
     evaluate_couplings(system.couplings, state.lam, state.coordinate, drive, work)
     load_bodies(frames, state, work)
     _equilibrium(system.bodies, state, work)
-    _compatibility(system.elastic, system.scheme, state, work)
+    _compatibility(system.elastic, state, work)
 
 
 @compiled
-def relative_residual(system: System, converged: bool, state: State, work: Workspace) -> float:
+def model_size(system: System, state: State, work: Workspace) -> float:
+    """The largest coordinate of a body or lever of a frame: what positions are rounded against."""
+    size = 0.0
+    for b in range(len(state.x)):
+        for i in range(3):
+            size = max(size, abs(state.x[b, i]))
+    for f in range(system.frames.n_acting):
+        for i in range(3):
+            size = max(size, abs(work.lever[f, i]))
+    return size
+
+
+@compiled
+def relative_residual(system: System, size: float, converged: bool, state: State, work: Workspace) -> float:
     """The largest residual over what the tolerance is measured against; 0 at the rounding of its terms.
 
     Equilibrium against the sum of the magnitudes of its terms; constraints and interface displacements against the
@@ -47,15 +59,11 @@ def relative_residual(system: System, converged: bool, state: State, work: Works
     bodies, scheme = system.bodies, system.scheme
     tolerance = scheme.tolerance
     n_b = len(bodies.mass)
-    length, angle, size, worst = 0.0, 0.0, 0.0, 0.0
+    length, angle, worst = 0.0, 0.0, 0.0
     for b in range(n_b):
         for i in range(3):
             length = max(length, abs(scheme.h * state.v[b, i]) + abs(scheme.h * scheme.h * state.v_dot[b, i]))
             angle = max(angle, abs(work.psi[b, i]) + abs(scheme.h * scheme.h * state.v_dot[b, 3 + i]))
-            size = max(size, abs(state.x[b, i]))
-    for f in range(system.frames.n_acting):
-        for i in range(3):
-            size = max(size, abs(work.lever[f, i]))
     length += angle * size
     for b in range(n_b):
         rounding = ROUNDING * scheme.beta_prime if converged else 0.0
@@ -128,15 +136,14 @@ def _equilibrium(bodies: Bodies, state: State, work: Workspace) -> None:
 
 
 @compiled
-def _compatibility(elastic: Elastic, scheme: Scheme, state: State, work: Workspace) -> None:
+def _compatibility(elastic: Elastic, state: State, work: Workspace) -> None:
     """u_residual = history + w G_0 p - u at the active dofs."""
     for e in range(len(elastic.body)):
-        first = elastic.dof[e]
         begin, end = elastic.active_range[e], elastic.active_range[e + 1]
+        entry = elastic.G_active_start[e]
         for i in range(begin, end):
-            row = elastic.active[i]
-            total = work.history[row] - state.u[row]
+            total = work.history[elastic.active[i]] - state.u[elastic.active[i]]
             for j in range(begin, end):
-                k = elastic.active[j]
-                total += scheme.weight * instantaneous(elastic, e, row - first, k - first) * state.p[k]
+                total += elastic.G_active[entry] * state.p[elastic.active[j]]
+                entry += 1
             work.u_residual[i] = total

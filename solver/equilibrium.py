@@ -9,15 +9,17 @@ tends to stable equilibria; but bodies given in an unstable one stay there, and 
 """
 
 import numpy as np
+from numpy.lib.stride_tricks import as_strided
 from numpy.typing import NDArray
 
-from .assembly import drive_rates
+from .blocks import factorise
+from .closing import drive_rates
 from .compilation import CompiledModel
 from .compiled import Array
-from .dense import solve_in_place
 from .equations import evaluate
 from .errors import ModelError
-from .newton import apply_correction, assemble, eliminate, linearise
+from .flexibility import active_flexibility
+from .newton import assemble, correct, linearise
 from .steady import SteadyMotion
 from .system import State, System, Workspace
 
@@ -115,10 +117,9 @@ def _step(
     assemble(system, state, work)
     if motion is not None:
         _add_centrifugal(system, motion, state, work)
-    solved = not len(system.elastic.active) or eliminate(system, work)
-    if not (solved and solve_in_place(work.S, work.rhs)):
+    if not factorise(system.pattern, work.S, work.pivots):
         return False
-    apply_correction(system, state, work)
+    correct(system, _size(state, work), state, work)
     work.quaternion[:] = state.quaternion
     work.psi[:] = 0.0
     return True
@@ -131,8 +132,9 @@ def _at_rest(compiled: CompiledModel) -> System:
     for e, compliance in enumerate(compiled.compliances):
         start = elastic.G_0_start[e]
         G_0[start : start + compliance.size] = compliance.ravel()
+    G_active, _ = active_flexibility(compiled.compliances, elastic.active, elastic.active_range, elastic.dof, 1.0)
     scheme = compiled.system.scheme._replace(weight=1.0, gamma_prime=0.0)
-    return compiled.system._replace(scheme=scheme, elastic=elastic._replace(G_0=G_0))
+    return compiled.system._replace(scheme=scheme, elastic=elastic._replace(G_0=G_0, G_active=G_active))
 
 
 def _stiffened(system: System, beta: float) -> System:
@@ -152,10 +154,11 @@ def _add_centrifugal(system: System, motion: SteadyMotion, state: State, work: W
     """S += h^2 d(J v_dot + v~ J v) where v_dot follows x, and omega = R^T Omega follows R."""
     h2 = system.scheme.h**2
     for b, (mass, J) in enumerate(zip(system.bodies.mass, system.bodies.J_rot, strict=True)):
-        omega = state.v[b, 3:]
-        x, theta = slice(6 * b, 6 * b + 3), slice(6 * b + 3, 6 * b + 6)
-        work.S[x, x] += h2 * mass * motion.acceleration
-        work.S[theta, theta] += h2 * (_skew(omega) @ J - _skew(J @ omega)) @ _skew(omega)
+        omega, R = state.v[b, 3:], state.R[b]
+        start, stride = system.pattern.body_block[b]
+        block = as_strided(work.S[start:], (6, 6), (stride * work.S.itemsize, work.S.itemsize))
+        block[:3, :3] += h2 * mass * R.T @ motion.acceleration @ R
+        block[3:, 3:] += h2 * (_skew(omega) @ J - _skew(J @ omega)) @ _skew(omega)
 
 
 def _parts(system: System, lengths: NDArray[np.bool_], state: State, work: Workspace) -> tuple[Array, ...]:

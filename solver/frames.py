@@ -1,19 +1,20 @@
 """Frames: where they are, what a wrench on them means for their body, and the chain rule between the two.
 
     r = x + R (X + u),   D = R exp(skew(w)) D_0
-    delta r     = delta x - R skew(X + u) delta Theta + R delta u           (in space)
+    delta r     = R (delta X - skew(X + u) delta Theta + delta u)           (in space)
     delta theta = R (delta Theta + T(w)^T delta w)                          (in space)
 
-so that a force f and a moment m on the frame, in space, F = R^T f and M = R^T m in body axes, load the body with
+with delta X = R^T delta x, so that nothing but R changes when a body turns. A force f and a moment m on the frame, in
+space, F = R^T f and M = R^T m in body axes, load the body with
 
-    f on x,   (X + u) x F + M on Theta,   F on u,   T(w) M on w.
+    F on X,   (X + u) x F + M on Theta,   F on u,   T(w) M on w.
 
 Source: methods 5.2, with the rotation of the frame turned from its own axes to space: D D_0^T W^T = R.
 """
 
 from .compiled import Array, compiled
 from .rotations import exponential, tangent, tangent_derivative, tangent_inverse
-from .system import Frames, State, Workspace
+from .system import Frames, Pattern, State, Workspace
 from .vectors import Vector, add, add_to_row, cross, multiply, rotate, rotate_back, row, scale, subtract, triple
 
 
@@ -105,9 +106,9 @@ def _tangent_slope(state: State, k: int, m: Vector, work: Workspace) -> None:
 
 @compiled
 def map_frame_velocities(frames: Frames, gamma_prime: float, psi: Array, state: State, work: Workspace) -> None:
-    """The derivatives (6, 12) of V by (delta x, delta Theta, delta u, delta w), with rates gamma' times increments.
+    """The derivatives (6, 12) of V by the coordinates of the frames, with rates gamma' times increments.
 
-    delta omega = gamma' T^-1(psi) delta Theta,   delta (du/dt) = gamma' delta u
+    delta (dx/dt) = gamma' R delta X,   delta omega = gamma' T^-1(psi) delta Theta,   delta (du/dt) = gamma' delta u
     """
     for f in range(frames.n_acting):
         b = frames.body[f]
@@ -124,8 +125,8 @@ def map_frame_velocities(frames: Frames, gamma_prime: float, psi: Array, state: 
             by_turn = rotate(state.R, b, add(cross(e, local), cross(d_omega, lever)))
             spin_by_turn = rotate(state.R, b, add(cross(e, spin), d_omega))
             by_u = rotate(state.R, b, add(cross(omega, e), scale(gamma_prime, e)))
-            A[j, j] = gamma_prime
             for i in range(3):
+                A[i, j] = gamma_prime * state.R[b, i, j]
                 A[i, 3 + j] = by_turn[i]
                 A[3 + i, 3 + j] = spin_by_turn[i]
                 A[i, 6 + j] = by_u[i]
@@ -174,32 +175,8 @@ def load_bodies(frames: Frames, state: State, work: Workspace) -> None:
 
 
 @compiled
-def map_frames(frames: Frames, state: State, work: Workspace) -> None:
-    """The maps (6, 12) from (delta x, delta Theta, delta u, delta w) to (delta r, delta theta) of the acting frames."""
-    for f in range(frames.n_acting):
-        b = frames.body[f]
-        if b < 0:
-            continue
-        A = work.map[f]
-        R = state.R[b]
-        lever = row(work.lever, f)
-        for i in range(3):
-            A[i, i] = 1.0
-            # row i of -R skew(lever) is lever x (row i of R)
-            turned = cross(lever, row(R, i))
-            for j in range(3):
-                A[i, 3 + j] = turned[j]
-                A[3 + i, 3 + j] = R[i, j]
-                A[i, 6 + j] = R[i, j]
-                A[3 + i, 9 + j] = 0.0
-                if frames.rotations[f]:
-                    for m in range(3):
-                        A[3 + i, 9 + j] += R[i, m] * work.T[f, j, m]
-
-
-@compiled
 def width(frames: Frames, f: int) -> int:
-    """The number of columns of the map of a frame: 0 in space, 6 rigid, 9 or 12 on an interface."""
+    """The number of coordinates of a frame: 0 in space, 6 rigid, 9 or 12 on an active interface."""
     if frames.body[f] < 0:
         return 0
     if frames.active[f] < 0:
@@ -208,13 +185,23 @@ def width(frames: Frames, f: int) -> int:
 
 
 @compiled
-def column(frames: Frames, n_q: int, f: int, i: int) -> int:
-    """The column of B and K where column i of the map of frame f belongs."""
-    return int(6 * frames.body[f] + i if i < 6 else n_q + frames.active[f] + i - 6)
+def pull_back(frames: Frames, f: int, force: Vector, moment: Vector, state: State, work: Workspace, out: Array) -> None:
+    """What a wrench on frame f, in space, means for X, Theta, u and w (12,): the transpose of the map of the frame."""
+    b = frames.body[f]
+    if b < 0:
+        return
+    F, M = rotate_back(state.R, b, force), rotate_back(state.R, b, moment)
+    about_center = add(cross(row(work.lever, f), F), M)
+    small = rotate(work.T, f, M)
+    for i in range(3):
+        out[i] = F[i]
+        out[3 + i] = about_center[i]
+        out[6 + i] = F[i]
+        out[9 + i] = small[i]
 
 
 @compiled
-def add_frame_tangents(frames: Frames, n_q: int, state: State, work: Workspace) -> None:
+def add_frame_tangents(frames: Frames, pattern: Pattern, state: State, work: Workspace) -> None:
     """K += derivative of the map of the frames under their present wrenches, held constant in space.
 
     d(f_Theta) = -F x du + ((X + u) x (F x .) + M x .) dTheta,   d(p_u) = F x dTheta
@@ -224,49 +211,47 @@ def add_frame_tangents(frames: Frames, n_q: int, state: State, work: Workspace) 
         b = frames.body[f]
         if b < 0:
             continue
+        start, stride = pattern.body_block[b, 0], pattern.body_block[b, 1]
+        turn = start + 3 * stride + 3
         force, moment = wrench(work, f)
         F, M = rotate_back(state.R, b, force), rotate_back(state.R, b, moment)
         lever = row(work.lever, f)
+        z = frames.column[f]
+        small = z >= 0 and frames.rotations[f] == 1
         for j in range(3):
             e = (1.0 if j == 0 else 0.0, 1.0 if j == 1 else 0.0, 1.0 if j == 2 else 0.0)
             dF, dM = cross(F, e), cross(M, e)
-            _add_to_column(work.K, 6 * b + 3, 6 * b + 3 + j, add(cross(lever, dF), dM), 1.0)
-            if frames.active[f] >= 0:
-                z = n_q + frames.active[f]
-                _add_to_column(work.K, 6 * b + 3, z + j, dF, -1.0)
-                _add_to_column(work.K, z, 6 * b + 3 + j, dF, 1.0)
-                if frames.rotations[f]:
-                    _add_to_column(work.K, z + 3, 6 * b + 3 + j, rotate(work.T, f, dM), 1.0)
-        if frames.active[f] >= 0 and frames.rotations[f]:
-            z = n_q + frames.active[f] + 3
+            _add_to_column(work.S, turn + j, stride, add(cross(lever, dF), dM))
+            if z >= 0:
+                _add_to_column(work.S, start + 3 * stride + z + j, stride, scale(-1.0, dF))
+                _add_to_column(work.S, start + z * stride + 3 + j, stride, dF)
+            if small:
+                _add_to_column(work.S, start + (z + 3) * stride + 3 + j, stride, rotate(work.T, f, dM))
+        if small:
             k = frames.dof[f] + 3
             for i in range(3):
                 work.scratch_3[i] = M[i]
             tangent_derivative(state.u[k : k + 3], work.scratch_3, work.scratch_33)
             for i in range(3):
                 for j in range(3):
-                    work.K[z + i, z + j] += work.scratch_33[i, j]
+                    work.S[start + (z + 3 + i) * stride + z + 3 + j] += work.scratch_33[i, j]
 
 
 @compiled
-def add_pair_tangent(frames: Frames, n_q: int, f: int, g: int, first_f: int, first_g: int, work: Workspace) -> None:
-    """K += A_f^T (the 6x6 block of `work.frame_tangent` at first_f, first_g) A_g."""
-    n_f, n_g = width(frames, f), width(frames, g)
-    if n_f == 0 or n_g == 0:
-        return
-    for i in range(6):
-        for j in range(n_g):
-            total = 0.0
-            for m in range(6):
-                total += work.frame_tangent[first_f + i, first_g + m] * work.map[g, m, j]
-            work.product[i, j] = total
-    for i in range(n_f):
-        z = column(frames, n_q, f, i)
-        for j in range(n_g):
-            total = 0.0
-            for m in range(6):
-                total += work.map[f, m, i] * work.product[m, j]
-            work.K[z, column(frames, n_q, g, j)] += total
+def add_pair_tangent(
+    frames: Frames, f: int, g: int, first_f: int, first_g: int, start: int, stride: int, work: Workspace
+) -> None:
+    """Add the part of `work.pair_tangent` that begins at first_f, first_g to a block between the bodies of f and g."""
+    for i in range(width(frames, f)):
+        target = start + stride * coordinate(frames, f, i)
+        for j in range(width(frames, g)):
+            work.S[target + coordinate(frames, g, j)] += work.pair_tangent[first_f + i, first_g + j]
+
+
+@compiled
+def coordinate(frames: Frames, f: int, i: int) -> int:
+    """The number of coordinate i of frame f among those of its body."""
+    return int(i if i < 6 else frames.column[f] + i - 6)
 
 
 @compiled
@@ -283,10 +268,10 @@ def _add(a: Array, first: int, b: Vector) -> None:
 
 
 @compiled
-def _add_to_column(K: Array, i: int, j: int, a: Vector, sign: float) -> None:
-    K[i, j] += sign * a[0]
-    K[i + 1, j] += sign * a[1]
-    K[i + 2, j] += sign * a[2]
+def _add_to_column(S: Array, start: int, stride: int, a: Vector) -> None:
+    S[start] += a[0]
+    S[start + stride] += a[1]
+    S[start + 2 * stride] += a[2]
 
 
 @compiled

@@ -1,9 +1,11 @@
 """Forces and torques on frames, in space or following the frame: f = direction s(t), or D direction s(t)."""
 
 from .compiled import Array, compiled
-from .frames import add_pair_tangent
-from .system import Frames, Loads, Workspace
-from .vectors import Vector, add_to_row, cross, rotate, row, scale
+from .frames import add_pair_tangent, pull_back
+from .system import Loads, State, System, Workspace
+from .vectors import UNITS, Vector, add_to_row, cross, rotate, row, scale
+
+NONE = (0.0, 0.0, 0.0)
 
 
 @compiled
@@ -21,24 +23,20 @@ def evaluate_loads(loads: Loads, values: Array, work: Workspace) -> None:
 
 
 @compiled
-def load_tangent(loads: Loads, m: int, value: float, work: Workspace) -> None:
-    """`work.frame_tangent`[:6, :6]: the derivative of the wrench of a follower by (r, theta): df = dtheta x f."""
-    K = work.frame_tangent
-    K[:] = 0.0
-    f = load_vector(loads, m, value, work)
-    first = 3 * loads.torque[m]
-    for i in range(3):
-        e = (1.0 if i == 0 else 0.0, 1.0 if i == 1 else 0.0, 1.0 if i == 2 else 0.0)
-        turned = cross(e, f)
-        for k in range(3):
-            K[first + k, 3 + i] = turned[k]
-
-
-@compiled
-def add_loads(loads: Loads, frames: Frames, n_q: int, values: Array, work: Workspace) -> None:
-    """K += the tangents of followers; other loads have none but that of their frame."""
+def add_loads(system: System, values: Array, state: State, work: Workspace) -> None:
+    """K += the tangents of followers, df = dtheta x f; other loads have none but that of their frame."""
+    loads, frames, pattern = system.loads, system.frames, system.pattern
+    half, tangent = work.half_tangent, work.pair_tangent
     for m in range(len(loads.frame)):
-        if loads.follower[m]:
-            f = loads.frame[m]
-            load_tangent(loads, m, values[m], work)
-            add_pair_tangent(frames, n_q, f, f, 0, 0, work)
+        f = loads.frame[m]
+        if not loads.follower[m] or frames.body[f] < 0:
+            continue
+        vector = load_vector(loads, m, values[m], work)
+        for i in range(3):
+            turned = cross(UNITS[i], vector)
+            force, moment = (NONE, turned) if loads.torque[m] else (turned, NONE)
+            pull_back(frames, f, force, moment, state, work, half[i, :12])
+        for z in range(12):
+            pull_back(frames, f, NONE, (half[0, z], half[1, z], half[2, z]), state, work, tangent[z, :12])
+        b = frames.body[f]
+        add_pair_tangent(frames, f, f, 0, 0, pattern.body_block[b, 0], pattern.body_block[b, 1], work)

@@ -2,11 +2,10 @@
 
 from .compiled import Array, compiled
 from .couplings import spring_energy
-from .equations import evaluate, relative_residual
 from .frames import frame_acceleration, move_frame_velocities, move_frames, spin_of, wrench
 from .history import modal_energy, recall, remember, respond
 from .loads import load_vector
-from .newton import correct, set_rotation
+from .newton import accelerate, converge, renew
 from .rotations import quaternion_exponential, quaternion_product, relative_rotation
 from .rows import evaluate_row
 from .system import Bodies, Inputs, Loads, Output, Rows, Scheme, State, System, Workspace
@@ -16,53 +15,57 @@ from .vectors import add, copy, cross, dot, rotate, row, scale, triple
 @compiled
 def advance(
     system: System, frame_quaternions: Array, inputs: Inputs, state: State, work: Workspace, output: Output
-) -> int:
-    """Take one step per row of the inputs; return how many were taken: fewer than asked where Newton failed."""
+) -> tuple[int, float]:
+    """Take one step per row of the inputs; return how many were taken, fewer than asked where Newton failed, and the
+    relative residual of the last."""
     scheme = system.scheme
-    for k in range(len(inputs.load)):
-        loads, drive = inputs.load[k], inputs.drive[k]
-        _begin(system, state, work)
-        recall(system.elastic, scheme, state, work.history)
-        _predict(scheme, state, work)
-        _predict_displacements(scheme, state, work)
-        iterations = 0
-        while True:
-            evaluate(system, loads, drive, state, work)
-            residual = relative_residual(system, iterations > 1, state, work)
-            if residual <= scheme.tolerance and iterations > 0:
-                break
-            if iterations == scheme.max_iterations or not correct(system, loads, drive, state, work):
-                output.iterations[k] = iterations
-                output.residual[k] = residual
-                return k
-            iterations += 1
+    n, residual = len(inputs.load), 0.0
+    for k in range(n + inputs.ahead):
+        if not state.prepared[0]:
+            prepare(system, state, work)
+        if k == n:
+            break
+        state.prepared[0] = 0
+        loads, drive, row = inputs.load[k], inputs.drive[k], inputs.row[k]
+        iterations, residual, converged = converge(system, loads, drive, state, work)
+        if not converged:
+            return k, residual
         respond(system.elastic, scheme, work.history, state.p, state.u)
-        remember(system.elastic, scheme, state, work.p_n)
+        remember(system.elastic, scheme, state, work.p_n, work.modal)
         _finish(scheme, state, work)
         account(system, loads, drive, state, work)
         state.step[0] += 1
-        output.iterations[k] = iterations
-        output.residual[k] = residual
-        record(system, frame_quaternions, k, state, work, output)
-    return len(inputs.load)
+        if row >= 0:
+            output.iterations[row] = iterations
+            output.residual[row] = residual
+            record(system, frame_quaternions, row, state, work, output)
+        else:
+            _follow(system.observers, state, work)
+    return n, residual
 
 
 @compiled
-def _begin(system: System, state: State, work: Workspace) -> None:
-    """Keep what the step will need of its start."""
+def prepare(system: System, state: State, work: Workspace) -> None:
+    """What a step can do before its inputs are known: remember its start, recall the past, predict.
+
+    Where the number of corrections is given, factor their matrix too, at the end of the step before.
+    """
+    scheme = system.scheme
+    if scheme.corrections > 0:
+        work.renewed[0] = int(renew(system, state.load, state.drive, state, work))
     copy(state.quaternion, work.quaternion)
     copy(state.u, work.u_n)
     copy(state.p, work.p_n)
     copy(state.lam, work.lam_n)
-    for m in range(len(system.loads.frame)):
-        f = system.loads.frame[m]
-        copy(work.r[f], work.load_position[m])
-        copy(work.D[f], work.load_axes[m])
+    recall(system.elastic, scheme, state, work.history, work.modal)
+    _predict(scheme, state, work)
+    _predict_displacements(scheme, state, work)
+    state.prepared[0] = 1
 
 
 @compiled
 def _predict(scheme: Scheme, state: State, work: Workspace) -> None:
-    """Eqs (66)-(70) with v_dot = 0 and lambda = lambda_n; a becomes a*, psi the predicted rotation increment."""
+    """Eqs (66)-(70), where a becomes a* for v_dot = 0; then what v_dot = v_dot_n adds. lambda begins as lambda_n."""
     h, beta, gamma = scheme.h, scheme.beta, scheme.gamma
     for b in range(len(state.x)):
         for i in range(6):
@@ -70,18 +73,17 @@ def _predict(scheme: Scheme, state: State, work: Workspace) -> None:
             a = (scheme.alpha_f * state.v_dot[b, i] - scheme.alpha_m * a_n) / (1.0 - scheme.alpha_m)
             change = h * state.v[b, i] + h * h * ((0.5 - beta) * a_n + beta * a)
             if i < 3:
-                state.x[b, i] += change
+                work.x_predicted[b, i] = state.x[b, i] + change
             else:
-                work.psi[b, i - 3] = change
-            state.v[b, i] += h * ((1.0 - gamma) * a_n + gamma * a)
-            state.v_dot[b, i] = 0.0
+                work.psi_predicted[b, i - 3] = change
+            work.v_predicted[b, i] = state.v[b, i] + h * ((1.0 - gamma) * a_n + gamma * a)
             state.a[b, i] = a
-        set_rotation(b, state, work)
+    accelerate(scheme, state, work)
 
 
 @compiled
 def _predict_displacements(scheme: Scheme, state: State, work: Workspace) -> None:
-    """The same for interface displacements and rates; u itself starts the step where it is."""
+    """The same for interface displacements and rates."""
     h, beta, gamma = scheme.h, scheme.beta, scheme.gamma
     for k in range(len(state.u)):
         a_n = state.u_a[k]
@@ -89,6 +91,7 @@ def _predict_displacements(scheme: Scheme, state: State, work: Workspace) -> Non
         work.u_predicted[k] = state.u[k] + h * state.u_rate[k] + h * h * ((0.5 - beta) * a_n + beta * a)
         work.u_rate_predicted[k] = state.u_rate[k] + h * ((1.0 - gamma) * a_n + gamma * a)
         state.u_a[k] = a
+        state.u[k] = work.u_predicted[k] + state.u_acceleration[k] / scheme.beta_prime
 
 
 @compiled
@@ -141,6 +144,9 @@ def _account_loads(loads: Loads, values: Array, state: State, work: Workspace) -
         else:
             for i in range(3):
                 turn[i] = work.r[f, i] - work.load_position[m, i]
+        copy(work.r[f], work.load_position[m])
+        copy(work.D[f], work.load_axes[m])
+        state.load[m] = values[m]
         for i in range(3):
             state.work[0] += 0.5 * (vector[i] + state.load_vector[m, i]) * turn[i]
             state.load_vector[m, i] = vector[i]
@@ -208,6 +214,13 @@ def _observe(observers: Rows, state: State, work: Workspace, values: Array, rate
         rates[i] = 0.0
         for k in range(6):
             rates[i] += gradient[k] * work.V[A, k] + gradient[6 + k] * work.V[B, k]
+
+
+@compiled
+def _follow(observers: Rows, state: State, work: Workspace) -> None:
+    """Joint coordinates of a step that is not recorded, which tell the turns of the next."""
+    for i in range(len(observers.kind)):
+        state.observed[i] = evaluate_row(observers, i, 0.0, state.observed[i], work, work.scratch_12)
 
 
 @compiled

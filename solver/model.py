@@ -11,6 +11,7 @@ from .compiled import Array
 from .errors import ModelError, plain
 from .joints import Joint
 from .motions import PrescribedMotion
+from .output_request import OutputRequest
 from .signals import Signal
 from .springs import Spring
 
@@ -155,9 +156,12 @@ class Model:
     """Bodies by name, joints and loads, and how to integrate their motion.
 
     t_end [s]; gravity (3,) [m/s^2], the acceleration of a free body; step [s] and rho_inf, by default those of the
-    superelements; rule "consistent" (methods 2.4) or "paper" (eq. 55); history "auto", "recursive" or "direct";
-    tolerance of Newton's method, relative to the forces and displacements of a step. `ground_frames` are frames
-    fixed in space. `source` is the text of the model file, if there is one.
+    superelements; rule "consistent" (methods 2.4) or "paper" (eq. 55); history "auto" (the cheapest), "recursive",
+    "direct" or "fft"; memory [s], after which impulse responses are faded out and cut off (those that modes carry are
+    not); tolerance of Newton's method, relative to the forces and displacements of a step. `ground_frames` are frames
+    fixed in space. corrections: the most that Newton's method makes in a step before it goes on as it is, for steps of
+    bounded cost; by default it converges or fails. output: what is recorded. `source` is the text of the model file and
+    `path` its name, if there is one.
 
     start: "given", as the bodies say, or "equilibrium", at rest, or in a `steady_rotation`, under gravity and the
     loads at t = 0, elastic displacements included; places and joint coordinates are then where the search begins, and
@@ -178,14 +182,18 @@ class Model:
     rho_inf: float | None = None
     rule: str = "consistent"
     history: str = "auto"
+    memory: float | None = None
     tolerance: float = 1e-10
     max_iterations: int = 20
+    corrections: int | None = None
     start: str = "given"
     steady_rotation: SteadyRotation | None = None
     assemble: bool = False
     redundant: str = "error"
     ground_frames: Mapping[str, Frame] = field(default_factory=dict)
+    output: OutputRequest = field(default_factory=OutputRequest)
     source: str = ""
+    path: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "gravity", vector("gravity", self.gravity))
@@ -211,8 +219,10 @@ class Model:
             raise ModelError(f"rho_inf: expected a number from 0 to 1, got {self.rho_inf}")
         if self.rule not in ("consistent", "paper"):
             raise ModelError(f"rule: expected 'consistent' or 'paper', got {self.rule!r}")
-        if self.history not in ("auto", "recursive", "direct"):
-            raise ModelError(f"history: expected 'auto', 'recursive' or 'direct', got {self.history!r}")
+        if self.history not in ("auto", "recursive", "direct", "fft"):
+            raise ModelError(f"history: expected 'auto', 'recursive', 'direct' or 'fft', got {self.history!r}")
+        if self.memory is not None and not 0.0 < self.memory < np.inf:
+            raise ModelError(f"memory: expected a positive time, got {self.memory}")
         if self.start not in ("given", "equilibrium"):
             raise ModelError(f"start: expected 'given' or 'equilibrium', got {self.start!r}")
         if self.redundant not in ("error", "remove"):
@@ -221,6 +231,8 @@ class Model:
             raise ModelError(f"tolerance: expected a number between 0 and 1, got {self.tolerance}")
         if self.max_iterations < 1:
             raise ModelError(f"max_iterations: expected 1 or more, got {self.max_iterations}")
+        if self.corrections is not None and self.corrections < 1:
+            raise ModelError(f"corrections: expected 1 or more, got {self.corrections}")
 
     def _check_names(self) -> None:
         if not self.bodies:

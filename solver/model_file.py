@@ -12,11 +12,12 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt, model_
 from ..inputs import InputError, Table, Vector, expected, read_part, read_table
 from ..superelement import Superelement, read
 from .compiled import Array
-from .errors import ModelError
+from .errors import ModelError, about
 from .joints import Joint
 from .model import Body, FlexibleBody, Frame, Load, Model, Place, RigidBody, Start, SteadyRotation
 from .motions import PrescribedDisplacement, PrescribedMotion, PrescribedRotation
-from .signals import Constant, Harmonic, Impulse, Polynomial, Pulse, Signal, Spline, Steps
+from .output_request import OutputRequest
+from .signals import Constant, Harmonic, Impulse, Input, Polynomial, Pulse, Signal, Spline, Steps
 from .signals import Table as Points
 from .springs import Law, Spring
 
@@ -74,12 +75,21 @@ class _Pulse(Table):
         return Pulse(self.pulse, self.start, self.end)
 
 
+class _Input(Table):
+    input: str
+    value: float = 0.0
+
+    def signal(self) -> Signal:
+        return Input(self.input, self.value)
+
+
 _SIGNALS: dict[str, Any] = {
     "times": _Points,
     "amplitude": _Harmonic,
     "polynomial": _Polynomial,
     "impulse": _Impulse,
     "pulse": _Pulse,
+    "input": _Input,
 }
 """signals by the key that tells them apart"""
 
@@ -202,9 +212,11 @@ class _Simulation(Table):
     step: PositiveFloat | None = None
     rho_inf: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
     rule: Literal["consistent", "paper"] = "consistent"
-    history: Literal["auto", "recursive", "direct"] = "auto"
+    history: Literal["auto", "recursive", "direct", "fft"] = "auto"
+    memory: PositiveFloat | None = None
     tolerance: PositiveFloat = 1e-10
     max_iterations: PositiveInt = 20
+    corrections: PositiveInt | None = None
     start: Literal["given", "equilibrium"] = "given"
     steady_rotation: _SteadyRotation | None = None
     assemble: bool = False
@@ -220,8 +232,17 @@ class _Ground(Table):
     frames: dict[str, _Frame] = Field(default_factory=dict)
 
 
+class _Output(Table):
+    every: PositiveInt = 1
+    quantities: tuple[str, ...] | None = None
+
+    def request(self) -> OutputRequest:
+        return OutputRequest(self.every, self.quantities)
+
+
 class _ModelFile(Table):
     simulation: _Simulation
+    output: _Output = _Output()
     bodies: dict[str, _Body] = Field(min_length=1)
     ground: _Ground = _Ground()
     joints: tuple[_Joint, ...] = ()
@@ -238,23 +259,24 @@ def read_model(path: str | os.PathLike[str]) -> Model:
     path = Path(path)
     try:
         file, text = read_table(path, _ModelFile)
-        return _model(file, text, path.parent)
     except InputError as error:
         raise ModelError(str(error)) from error
-    except ModelError as error:
-        raise ModelError(f"{path}: {error}") from error
+    with about(path):
+        return _model(file, text, path)
 
 
-def _model(file: _ModelFile, text: str, folder: Path) -> Model:
+def _model(file: _ModelFile, text: str, path: Path) -> Model:
     superelements: dict[Path, Superelement] = {}
     return Model(
-        bodies={name: _body(name, body, folder, superelements) for name, body in file.bodies.items()},
+        bodies={name: _body(name, body, path.parent, superelements) for name, body in file.bodies.items()},
         joints=tuple(_joint(joint) for joint in file.joints),
         loads=tuple(_load(load) for load in file.loads),
         springs=tuple(_spring(spring) for spring in file.springs),
         motions=tuple(motion.motion() for motion in file.motions),
         ground_frames={name: frame.frame() for name, frame in file.ground.frames.items()},
+        output=file.output.request(),
         source=text,
+        path=str(path),
         **file.simulation.settings(),
     )
 

@@ -28,7 +28,8 @@ class NumberedFrames:
 
     def sides(self, coupling: Coupling) -> Sides:
         first, second = side_names(coupling)
-        return Sides(self.number(first), self.number(second), self.poses[first], self.poses[second])
+        fixed = self.arrays.body[self.number(first)] < 0
+        return Sides(self.number(first), self.number(second), self.poses[first], self.poses[second], bool(fixed))
 
 
 def number_frames(model: Model, poses: dict[str, Pose]) -> NumberedFrames:
@@ -71,9 +72,11 @@ def _arrays(model: Model, frame_names: list[str], n_acting: int) -> Frames:
         D_0=np.tile(np.eye(3), (n, 1, 1)),
         dof=np.full(n, -1, dtype=np.int64),
         active=np.full(n, -1, dtype=np.int64),
+        column=np.full(n, -1, dtype=np.int64),
         rotations=np.zeros(n, dtype=np.int64),
     )
     n_active = 0
+    n_columns = np.full(len(body_numbers), 6)
     # Active dofs are numbered body by body, so that the bodies' ranges are contiguous.
     by_dof = sorted(range(n), key=lambda f: first_dof.get(frame_names[f], -1))
     for f in by_dof:
@@ -92,6 +95,8 @@ def _arrays(model: Model, frame_names: list[str], n_acting: int) -> Frames:
             if f < frames.n_acting:
                 frames.active[f] = n_active
                 n_active += interface.n_dofs
+                frames.column[f] = n_columns[frames.body[f]]
+                n_columns[frames.body[f]] += interface.n_dofs
     return frames
 
 

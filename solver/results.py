@@ -48,6 +48,12 @@ class Results:
         return results
 
     @property
+    def recorded(self) -> tuple[str, ...]:
+        """What the run recorded: "bodies/hub", "frames/beam.tip", "energy", ...; all there is unless asked for less."""
+        with self._open() as file:
+            return _groups(file)
+
+    @property
     def time(self) -> Array:
         """(n,) [s]"""
         return self._array("time")
@@ -58,12 +64,12 @@ class Results:
 
     @property
     def iterations(self) -> Array:
-        """(n,) Newton iterations of each step"""
+        """(n,) Newton iterations of each recorded step"""
         return self._array("solver/iterations")
 
     @property
     def residual(self) -> Array:
-        """(n,) relative residual of each step"""
+        """(n,) relative residual of each recorded step"""
         return self._array("solver/residual")
 
     @property
@@ -132,6 +138,7 @@ class Results:
                 f"body {body!r}: superelement {element.name!r} holds no recovery, for which its body file needs a "
                 f"table [recovery]"
             )
+        self._check_recoverable(body, element)
         when = instants(self.time, np.atleast_1d(np.asarray(t, dtype=float)))
         R = self.body(body).R
         frames = [(self.frame(f"{body}.{interface.name}"), interface.rotations) for interface in element.interfaces]
@@ -140,6 +147,14 @@ class Results:
         both = modal_coordinates(element.modes, p, stepping(str(self._source), self.solver), steps)
         return element.recovery, when.of(*np.split(both, 2)), when
 
+    def _check_recoverable(self, body: str, element: Superelement) -> None:
+        if (every := int(self.solver.get("every", 1))) > 1:
+            raise RecoveryError(f"body {body!r}: fields need every step, and the run recorded one in {every}")
+        recorded = self.recorded
+        needed = [f"bodies/{body}", *(f"frames/{body}.{interface.name}" for interface in element.interfaces)]
+        if missing := [name for name in needed if name not in recorded]:
+            raise RecoveryError(f"body {body!r}: fields need {', '.join(missing)}, which the run did not record")
+
     def _coupling(self, name: str) -> Coupling:
         data = self._group(name)
         forces = {key: data.pop(key) for key in ("multipliers", "force", "moment")}
@@ -147,15 +162,25 @@ class Results:
 
     def _group(self, name: str) -> dict[str, Array]:
         with self._open() as file:
-            if name not in file:
-                parent = name.partition("/")[0]
-                raise KeyError(f"no {name}; there are: {', '.join(file[parent])}")
-            return {key: dataset[: _written(file)] for key, dataset in file[name].items()}
+            n = self._written(file)
+            if name not in file or not len(file[name]):  # empty: energies that were not asked for
+                kind, _, _ = name.partition("/")
+                recorded = _groups(file)
+                like = [group.partition("/")[2] for group in recorded if group.startswith(f"{kind}/")]
+                raise KeyError(f"no {name}; there are: {', '.join(like or recorded)}")
+            return {key: dataset[:n] for key, dataset in file[name].items()}
 
     def _array(self, name: str) -> Array:
         with self._open() as file:
-            array: Array = file[name][: _written(file)]
+            n = self._written(file)
+            array: Array = file[name][:n]
         return array
+
+    def _written(self, file: h5py.File) -> int:
+        """The number of rows that every dataset holds, one or more."""
+        if not (written := int(file["solver"].attrs["written"])):
+            raise ResultsError(f"{self._source}: no step has been written yet")
+        return written
 
     @contextmanager
     def _open(self) -> Iterator[h5py.File]:
@@ -166,6 +191,7 @@ class Results:
                 yield file
 
 
-def _written(file: h5py.File) -> int:
-    """The number of rows, t = 0 included, that every dataset holds."""
-    return int(file["solver"].attrs["written"])
+def _groups(file: h5py.File) -> tuple[str, ...]:
+    """What was recorded: "bodies/hub", "energy", ..."""
+    owned = [f"{kind}/{name}" for kind in ("bodies", "frames", "joints", "springs") for name in file[kind]]
+    return (*owned, *(kind for kind in ("energy", "momentum") if len(file[kind])))

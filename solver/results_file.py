@@ -21,7 +21,7 @@ from .compilation import CompiledModel
 from .compiled import Array, Index
 from .errors import ResultsError
 from .results import FORMAT, VERSION, Results
-from .results_layout import lay_out_columns
+from .results_layout import requested_columns
 from .system import Output
 
 PATIENCE = 10.0
@@ -39,7 +39,8 @@ class ResultsFile:
     def __init__(self, path: Path | None, compiled: CompiledModel) -> None:
         self._path = path
         self._memory = None if path else h5py.File(io.BytesIO(), "w")
-        self._columns = lay_out_columns(compiled)
+        self._columns = requested_columns(compiled)
+        self._balanced = compiled.model.output.selects("energy")
         self._h = compiled.h
         # Those of a file are left there until a field is asked for, unless all of them is here already.
         self._superelements = {
@@ -62,8 +63,9 @@ class ResultsFile:
             _extend(file, "time", "s", self._h * steps, first)
             for name, column in self._columns.items():
                 _extend(file, name, column.units, column.rows(output, n), first)
-            for name, values in self._balances(output, n).items():
-                _extend(file, f"energy/{name}", "J", values, first)
+            if self._balanced:
+                for name, values in self._balances(output, n).items():
+                    _extend(file, f"energy/{name}", "J", values, first)
         # Rows count once they are all in the file: a run can be killed while it writes them.
         self.note(written=first + n)
         self._written = first + n
@@ -146,6 +148,7 @@ def _describe(file: h5py.File, compiled: CompiledModel, run: str) -> None:
         steps=compiled.n_steps,
         rule=model.rule,
         start=model.start,
+        every=model.output.every,
         finished=False,
         written=0,
         run=run,
@@ -154,12 +157,12 @@ def _describe(file: h5py.File, compiled: CompiledModel, run: str) -> None:
 
 def _extend(file: h5py.File, name: str, units: str, rows: Any, first: int) -> None:
     """Rows from `first` on, in place of any that an interrupted attempt left there."""
-    if name not in file:
+    dataset = file.get(name)
+    if dataset is None:
         shape = rows.shape[1:]
         # a joint may have lost all its rows; HDF5 then wants room for one
         maxshape, chunks = (None, *(width or None for width in shape)), (CHUNK, *(width or 1 for width in shape))
         file.create_dataset(name, data=rows, maxshape=maxshape, chunks=chunks).attrs["units"] = units
     else:
-        dataset = file[name]
         dataset.resize(first + len(rows), axis=0)
         dataset[first:] = rows

@@ -48,7 +48,20 @@ def make_output(compiled: CompiledModel, n: int) -> Output:
     )
 
 
+def requested_columns(compiled: CompiledModel) -> dict[str, Column]:
+    """The datasets that the model asks for; `ModelError` for a quantity that there is not."""
+    request, columns = compiled.model.output, lay_out_columns(compiled)
+    request.check([group_of(name) for name in columns])
+    return {name: column for name, column in columns.items() if request.selects(group_of(name))}
+
+
+def group_of(name: str) -> str:
+    """The group of a dataset."""
+    return name.rpartition("/")[0]
+
+
 def lay_out_columns(compiled: CompiledModel) -> dict[str, Column]:
+    """All datasets by name, in the order of the file, but for those that are derived of others: time and balances."""
     columns: dict[str, Column] = {}
     for b, name in enumerate(compiled.body_names):
         columns |= {

@@ -15,10 +15,9 @@ import math
 
 from .compiled import Array, compiled
 from .system import Rows, Workspace
-from .vectors import Vector, add, cross, dot, rotate, row, scale, subtract
+from .vectors import UNITS, Vector, add, cross, dot, rotate, row, scale, subtract
 
 TRANSLATION, ROTATION, DISTANCE, ANGLE = 0, 1, 2, 3
-UNITS = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 @compiled

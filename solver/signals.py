@@ -55,6 +55,20 @@ class Constant(Pointwise):
 
 
 @dataclass(frozen=True)
+class Input(Pointwise):
+    """What a `Simulator` is told at every step under this name; `value` at t = 0, and always in `simulate`."""
+
+    name: str
+    value: float = 0.0
+
+    def __call__(self, t: float) -> float:
+        return self.value
+
+    def derivatives(self, t: float) -> tuple[float, float]:
+        return 0.0, 0.0
+
+
+@dataclass(frozen=True)
 class Harmonic(Pointwise):
     """offset + amplitude sin(2 pi frequency t + phase), frequency in Hz, phase in rad."""
 

@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from .compilation import CompiledModel
-from .compiled import Array, is_cached
-from .errors import ConvergenceError
+from .compiled import Array, Index, is_cached
+from .errors import ConvergenceError, about
 from .initial import begin
+from .lookahead import Lookahead
 from .loop import advance, record
 from .model import Model
 from .progress import Progress
@@ -32,11 +33,11 @@ def simulate(model: Model, output: str | os.PathLike[str] | None = None, progres
     """
     if output is not None:
         check_folder(Path(output))
-    with Progress("compiling (first run only)", shown=progress and not is_cached()):
+    with about(model.path), Progress("compiling (first run only)", shown=progress and not is_cached()):
         beginning = begin(model)
         compiled, state, work = beginning.compiled, beginning.state, beginning.work
-        _compile_loop(compiled, state, work)
-    file = ResultsFile(Path(output) if output is not None else None, compiled)
+        compile_loop(compiled, state, work)
+        file = ResultsFile(Path(output) if output is not None else None, compiled)
     file.note(
         degrees_of_freedom=beginning.degrees_of_freedom,
         opening=beginning.misfit.opening,
@@ -46,6 +47,7 @@ def simulate(model: Model, output: str | os.PathLike[str] | None = None, progres
         moved=beginning.moved,
         velocity_correction=beginning.velocity_correction,
         removed=beginning.removed,
+        truncation=compiled.truncation,
     )
     started = time.perf_counter()
     _march(compiled, state, work, file, progress)
@@ -54,46 +56,51 @@ def simulate(model: Model, output: str | os.PathLike[str] | None = None, progres
 
 
 def _march(compiled: CompiledModel, state: State, work: Workspace, file: ResultsFile, progress: bool) -> None:
-    quaternions = compiled.frame_quaternions
+    system, quaternions = compiled.system, compiled.frame_quaternions
     done, total, stint = 0, compiled.n_steps, 16
+    lookahead = Lookahead(system.elastic, total)
     with Recorder(file, compiled) as recorder, Progress("simulating", total, shown=progress) as bar:
-        record(compiled.system, quaternions, 0, state, work, recorder.free)
-        recorder.keep(0, 1)
-        recorder.flush()
+        output = recorder.output
+        record(system, quaternions, 0, state, work, output)
+        recorder.keep(0, recorder.rows(0, 1))
         while done < total:
             started = time.perf_counter()
-            output = recorder.free
-            inputs = _inputs(compiled, done + 1, min(stint, total - done, len(output.residual)))
-            taken = advance(compiled.system, quaternions, inputs, state, work, output)
-            recorder.keep(done + 1, taken)
+            rows = recorder.rows(done + 1, lookahead.room(done, min(stint, total - done)))
+            taken, residual = advance(system, quaternions, signals(compiled, done + 1, rows), state, work, output)
+            recorder.keep(done + 1, rows[:taken])
             done += taken
             bar.advance(taken)
-            if taken < len(inputs.load):
-                raise _failure(compiled, done + 1, float(output.residual[taken]), work)
+            if taken < len(rows):
+                raise failure(compiled, done + 1, residual, work)
+            lookahead.look(state)
             if time.perf_counter() - started < 0.5 * STINT:
                 stint *= 2
 
 
-def _compile_loop(compiled: CompiledModel, state: State, work: Workspace) -> None:
+def compile_loop(compiled: CompiledModel, state: State, work: Workspace) -> None:
     """Call the loop for no steps at all, so that it is compiled or loaded."""
-    advance(compiled.system, compiled.frame_quaternions, _inputs(compiled, 1, 0), state, work, make_output(compiled, 0))
+    none = signals(compiled, 1, np.empty(0, dtype=np.int64))
+    advance(compiled.system, compiled.frame_quaternions, none, state, work, make_output(compiled, 0))
 
 
-def _inputs(compiled: CompiledModel, first: int, n: int) -> Inputs:
-    """Signals at the steps first, first + 1, ..."""
+def signals(compiled: CompiledModel, first: int, rows: Index) -> Inputs:
+    """Loads and drives at the steps first, first + 1, ..., which the loop records in the rows."""
+    n = len(rows)
     t = compiled.h * np.arange(first, first + n, dtype=np.float64)
     load = [signal.samples(t, compiled.h) for signal in compiled.load_signals]
     drive = [np.array([signal(time) for time in t.tolist()]) for signal in compiled.drives]
-    return Inputs(_columns(load, n), _columns(drive, n))
+    return Inputs(_columns(load, n), _columns(drive, n), rows, ahead=0)
 
 
 def _columns(signals: list[Array], n: int) -> Array:
     return np.array(signals).reshape(len(signals), n).T.copy()
 
 
-def _failure(compiled: CompiledModel, step: int, residual: float, work: Workspace) -> ConvergenceError:
+def failure(compiled: CompiledModel, step: int, residual: float, work: Workspace) -> ConvergenceError:
     name, opening = _worst_joint(compiled, work)
-    return ConvergenceError(step, step * compiled.h, residual, compiled.model.tolerance, name, opening)
+    return ConvergenceError(
+        step, step * compiled.h, residual, compiled.model.tolerance, name, opening, compiled.model.path
+    )
 
 
 def _worst_joint(compiled: CompiledModel, work: Workspace) -> tuple[str, float]:

@@ -24,6 +24,10 @@ class Scheme(NamedTuple):
     weight: float
     tolerance: float
     max_iterations: int
+    corrections: int  # the most that a step may take before it goes on as it is, 0: converge or fail
+    reuse: (
+        float  # ratio of successive corrections above which the matrix is made anew; 0: always; inf: before each step
+    )
 
 
 class Bodies(NamedTuple):
@@ -39,6 +43,7 @@ class Frames(NamedTuple):
     D_0: Array  # (n_f, 3, 3) axes in the undeformed body
     dof: Index  # (n_f,) the first of its dofs in u, -1: a rigid offset
     active: Index  # (n_f,) the first of its active dofs, -1: none
+    column: Index  # (n_f,) the first of them among the coordinates of its body, -1: none
     rotations: Index  # (n_f,) 1: the interface has rotations
 
 
@@ -63,6 +68,7 @@ class Couplings(NamedTuple):
     rows: Rows
     n_compliant: int
     range: Index  # (n_couplings + 1,) the rows of each coupling
+    second: Index  # (n_rows,) where the second frame that the coupling names stands in the gradient: 6, or 0 if A
     drive: Index  # (n_rows,) the drive of the row, -1: none
     compliant: Index  # (n_rows,) 1: follows a law
     rest: Array  # (n_rows,)
@@ -85,17 +91,46 @@ class Elastic(NamedTuple):
     dof: Index  # (n_e + 1,) the range of each body in u
     active: Index  # (n_a,) the dofs that can be loaded
     active_range: Index  # (n_e + 1,) the range of each body in `active`
+    of_body: Index  # (n_b,) the flexible body that a body is, -1: rigid
     G_0: Array  # instantaneous compliances (n_c, n_c) one after the other
     G_0_start: Index  # (n_e,)
+    G_active: Array  # weight G_0 of the active dofs of every body, one after the other
+    G_active_start: Index  # (n_e,)
     mode_range: Index  # (n_e + 1,) the range of each body in the modal state; empty: direct convolution
     stiffness: Array  # (n_modes,) omega^2
     damping: Array  # (n_modes,) 2 zeta omega
     pivot: Array  # (n_modes,)
     phi: Array  # (n_c, m) one after the other; bodies may share one
     phi_start: Index  # (n_e,)
-    g: Array  # kernels (n_k, n_c, n_c) one after the other; bodies may share one
-    g_initial: Array
+    g: Array  # kernels (n_c, n_c, lags), from the last lag to the first, one after the other; bodies may share one
+    g_initial: Array  # the same as (lags, n_c, n_c), from the first lag on
     g_start: Index  # (n_e,)
+    lags: Index  # (n_e,) how many of them there are
+    looks_ahead: Index  # (n_e,) 1: blocks of past loads are convolved by FFT
+
+
+class Pattern(NamedTuple):
+    """The iteration matrix as blocks, its nodes in the order of elimination; pattern.py says what they are.
+
+    The rows of node k hold its diagonal block and those of `later` nodes to its right, side by side; below stand the
+    blocks of the same nodes in its columns.
+    """
+
+    size: Index  # (n_nodes,) unknowns
+    first: Index  # (n_nodes + 1,) the first of them
+    width: Index  # (n_nodes,) of the rows: unknowns of the node and of the later ones
+    row: Index  # (n_nodes,) where the rows begin
+    lower: Index  # (n_nodes,) where the blocks below begin, as wide as the node
+    later_range: Index  # (n_nodes + 1,)
+    later: Index  # (n_later,) later nodes coupled with each
+    segment_range: Index  # (n_later + 1,)
+    segment: Index  # (n_segments, 4) of the update of a later node: first number, row distance, column, width
+    n_numbers: int  # of all blocks
+    body: Index  # (n_b,) node of every body
+    coupling: Index  # (n_couplings,) node of every coupling, -1: no rows
+    body_block: Index  # (n_b, 2) first number and row distance of the diagonal block
+    coupling_block: Index  # (n_couplings, 7, 2) of the blocks (A, B), (B, A), (A, j), (j, A), (B, j), (j, B), (j, j)
+    force_block: Index  # (n, 4) blocks in the rows of bodies: body, first number, row distance, width
 
 
 class System(NamedTuple):
@@ -106,10 +141,12 @@ class System(NamedTuple):
     observers: Rows  # joint coordinates that are only watched
     loads: Loads
     elastic: Elastic
+    pattern: Pattern
 
 
 class State(NamedTuple):
     step: Index  # (1,)
+    prepared: Index  # (1,) 1: the next step has been begun, as far as it goes without its inputs
     x: Array  # (n_b, 3)
     quaternion: Array  # (n_b, 4)
     R: Array  # (n_b, 3, 3)
@@ -128,7 +165,12 @@ class State(NamedTuple):
     eta_a: Array  # (n_modes,)
     p_rest: Array  # (n_u,) loads that have always acted: direct convolution leaves them out ...
     history_rest: Array  # (n_u,) ... and adds what they do, (compliance - G_0) p_rest
-    p_history: Array  # (n_steps + 1, n_u), empty unless some body convolves directly
+    p_start: Array  # (n_u,) loads that begin at t = 0, which kernels answer with g_initial
+    p_history: Array  # (n_u, n) loads at the steps from window[0] on, without p_rest; n = 0 where all bodies have modes
+    ahead: Array  # (n_u, n) displacements at the same steps by the loads before `since`
+    window: Index  # (1,)
+    since: Index  # (n_e,) the first step whose loads the time loop convolves itself
+    load: Array  # (n_l,) values of the signals at the last step
     load_vector: Array  # (n_l, 3) force or torque at the last step, in space
     drive: Array  # (n_d,) at the last step
     drive_force: Array  # (n_d,) work per unit of the drive, at the last step
@@ -172,21 +214,24 @@ class Workspace(NamedTuple):
     force_scale: Array  # (n_b, 2) sums of the magnitudes of forces and of moments
     residual: Array  # (n_b, 6) of equilibrium
     history: Array  # (n_u,)
+    modal: Array  # (n_modes,)
     u_residual: Array  # (n_a,)
-    # Newton matrices; z: 6 n_b rigid coordinates, then n_a active dofs
-    map: Array  # (n_f, 6, 12) from (delta x, delta Theta, delta u, delta w) to (delta r, delta theta) in space
-    rate_map: Array  # (n_f, 6, 12) derivative of V by the same
-    frame_tangent: Array  # (12, 12)
-    product: Array  # (6, 12)
-    K: Array  # (n_z, n_z) derivative of the generalized forces
-    B: Array  # (n_rows, n_z) derivative of the rows' coordinates
-    B_rate: Array  # (n_rows, n_z) derivative of their rates
-    A: Array  # (n_rows, n_z) derivative of the residuals phi; h^2 times that of a force law
-    C: Array  # (n_a, n_a) I - G_0 K_aa
-    E: Array  # (n_a, n_a + 1) C^-1 G_0, C^-1 r_u
-    EB: Array  # (n_a, n_q + n_rows)
-    S: Array  # (n, n) iteration matrix
-    rhs: Array  # (n, 1)
+    # Newton's matrix; coordinates of a frame: delta X, delta Theta, delta u, delta w, all in body axes
+    rate_map: Array  # (n_f, 6, 12) derivative of V by the coordinates
+    frame_tangent: Array  # (12, 12) derivative of the wrenches on two frames by their (delta r, delta theta), in space
+    half_tangent: Array  # (12, 24)
+    pair_tangent: Array  # (24, 24) the same for generalized forces and coordinates of both frames
+    B: Array  # (n_rows, 24) derivative of the rows' coordinates by the coordinates of frames A and B
+    B_rate: Array  # (n_rows, 24) derivative of their rates
+    A: Array  # (n_rows, 24) derivative of the residuals phi; h^2 times that of a force law
+    S: Array  # (n_numbers,) the blocks of the iteration matrix, or their factors
+    pivots: Index  # (n,) row exchanges
+    rhs: Array  # (n,) right-hand side, then corrections, in the order of the nodes
+    forces: Array  # the rows of a block that belong to active dofs
+    renewed: Index  # (2,) 1 when S holds factors that the time loop may use again; how often it was made anew
+    x_predicted: Array  # (n_b, 3) for v_dot = 0
+    v_predicted: Array  # (n_b, 6)
+    psi_predicted: Array  # (n_b, 3)
     scratch_3: Array
     scratch_3b: Array
     scratch_12: Array
@@ -196,10 +241,12 @@ class Workspace(NamedTuple):
 
 
 class Inputs(NamedTuple):
-    """Signals at the steps of one chunk."""
+    """Signals at the next steps, and what to do besides."""
 
     load: Array  # (n, n_l)
     drive: Array  # (n, n_d)
+    row: Index  # (n,) of the output for the step, -1: it is not recorded
+    ahead: int  # 1: prepare the step after them
 
 
 class Output(NamedTuple):

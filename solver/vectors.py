@@ -4,6 +4,8 @@ from .compiled import Array, compiled
 
 Vector = tuple[float, float, float]
 
+UNITS = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
 
 @compiled
 def row(A: Array, i: int) -> Vector:

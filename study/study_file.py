@@ -44,6 +44,7 @@ class _StudyFile(Table):
 class Study:
     """What to vary (`base`), how, and what to tell of it: outputs by name, as `outputs.py` reads them."""
 
+    path: Path
     kind: Kind
     base: Path
     folder: Path
@@ -85,7 +86,7 @@ def _study(file: _StudyFile, path: Path, folder: Path) -> Study:
             is_path = isinstance(value, str) and any(fnmatchcase(key, pattern) for pattern in kind.paths)
             changed = replaced(changed, key, _relative(path.parent / value, folder) if is_path else value)
         cases.append(Case(point.name, point.parameters, changed, folder))
-    return Study(kind, base, folder, tuple(cases), file.outputs)
+    return Study(path, kind, base, folder, tuple(cases), file.outputs)
 
 
 def _kind_and_base(file: _StudyFile, folder: Path) -> tuple[Kind, Path]:

@@ -69,7 +69,9 @@ def _check(study: Study) -> None:
     try:
         study.kind.check(study.base, study.outputs)
     except study.kind.failures as error:
-        raise StudyError(f"the base file does not run by itself: {error}") from error
+        raise StudyError(f"{study.path}: the base file does not run by itself: {error}") from error
+    except StudyError as error:
+        raise StudyError(f"{study.path}: {error}") from error
 
 
 def _write_sources(study: Study) -> None:

@@ -8,6 +8,7 @@ from .recovery import Recovery, von_mises
 from .response import respond
 from .scheme import GeneralizedAlpha
 from .superelement import Provenance, StepWarning, Superelement
+from .truncation import truncate, truncation_error
 from .validation import SuperelementError
 
 __all__ = [
@@ -24,6 +25,8 @@ __all__ = [
     "respond",
     "sample_kernel",
     "sha256",
+    "truncate",
+    "truncation_error",
     "von_mises",
     "write",
 ]

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from .errors import QuantityError
 from .quantities import AXES, Curve, curves
 from .recording import Recording
 from .rotations import Array
@@ -19,7 +20,8 @@ def overview(recording: Recording) -> list[list[Curve]]:
 
     How fast are the angular velocities of the bodies, or their velocities if nothing turns; how far are the elastic
     displacements of the interfaces, or the positions of the bodies if none is flexible. Where there are many, those
-    that are largest are shown: positions by how far they go.
+    that are largest are shown: positions by how far they go. A panel of which nothing was recorded is left out;
+    QuantityError if all are.
     """
     speed = _all(recording, "angular_velocity", recording.bodies)
     if not any(curve.values.any() for curve in speed):
@@ -29,12 +31,15 @@ def overview(recording: Recording) -> list[list[Curve]]:
     else:
         travel = _largest(_all(recording, "position", recording.bodies), _range)
     energies = [f"energy:{name}" for name in recording.energies if name not in ("balance", "modal")]
-    return [
+    panels = [
         _largest(speed, _peak),
         travel,
         _largest([curve for energy in energies for curve in curves(recording, energy)], _peak),
-        curves(recording, "energy:balance"),
+        curves(recording, "energy:balance") if "balance" in recording.energies else [],
     ]
+    if not any(panels):
+        raise QuantityError("there is nothing that is shown unasked: name quantities")
+    return [panel for panel in panels if panel]
 
 
 def _all(recording: Recording, kind: str, names: tuple[str, ...]) -> list[Curve]:

@@ -110,11 +110,11 @@ class Recording:
 
     def linear_momentum(self) -> Array:
         """Of all bodies [kg m/s]."""
-        return self._array("momentum", "", "linear", VECTOR)
+        return self._momentum("linear")
 
     def angular_momentum(self) -> Array:
         """Of all bodies about the origin [kg m^2/s]."""
-        return self._array("momentum", "", "angular", VECTOR)
+        return self._momentum("angular")
 
     def energy(self, name: str) -> Array:
         """(n,) [J]"""
@@ -142,6 +142,11 @@ class Recording:
 
     def _elastic(self, interface: str) -> Array:
         return self._array("frames", _known("interface", interface, self.interfaces), "u", WRENCH)
+
+    def _momentum(self, name: str) -> Array:
+        with _opened(self.path) as file:
+            recorded = tuple(file["momentum"])
+        return self._array("momentum", "", _known("momentum", name, recorded), VECTOR)
 
     def _array(self, group: str, owner: str, name: str, row: tuple[int, ...]) -> Array:
         path = "/".join(part for part in (group, owner, name) if part)

@@ -97,3 +97,16 @@ def test_the_balance_is_told_beside_the_largest_energy(told):
     found = re.search(r"balance within (\S+), (\S+) of the largest\n", told("consistent"))
     assert float(found[1]) > 0.0
     assert 0.0 < float(found[2]) < 1.0
+
+
+@pytest.mark.parametrize(
+    ("quantities", "told_of"), [("", ["energy", "momentum"]), ('"momentum"', ["momentum"]), ('"bodies"', [])]
+)
+def test_what_was_not_recorded_is_not_told(quantities, told_of, runner, tmp_path):
+    path = tmp_path / "pendulum.toml"
+    output = f"[output]\nquantities = [{quantities}]\n" if quantities else ""
+    path.write_text(PENDULUM.replace("{START}", "{}") + output)
+    result = runner.invoke(app, ["run", str(path)])
+    assert result.exit_code == 0, result.output
+    lines = [line for line in result.stdout.splitlines() if "at the end" in line]
+    assert [line.split()[0] for line in lines] == told_of

@@ -1,11 +1,23 @@
-"""Two evaluators of one convolution: modes that carry the history, and the sum over all past loads."""
+"""Three evaluators of one convolution: modes that carry the history, the sum over all past loads, blocks by FFT."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from duhamel.solver import Constant, FlexibleBody, Harmonic, Joint, Load, Model, ModelError, RigidBody, Start, simulate
-from duhamel.superelement import StepWarning
+from duhamel.solver import (
+    Constant,
+    FlexibleBody,
+    Harmonic,
+    Joint,
+    Load,
+    Model,
+    ModelError,
+    RigidBody,
+    Start,
+    lookahead,
+    simulate,
+)
+from duhamel.superelement import StepWarning, sample_kernel
 
 STEPS = 200
 
@@ -40,6 +52,13 @@ def tangle(first, second, third, **settings):
     )
 
 
+def damped(element):
+    """The same modes, faster and with a fifth of critical damping."""
+    modes = replace(element.modes, omega=element.modes.omega + 500.0, zeta=np.full(len(element.modes.omega), 0.2))
+    kernel = sample_kernel(modes, element.kernel.h, element.kernel.scheme, STEPS)
+    return replace(element, modes=modes, kernel=kernel, compliance=modes.compliance)
+
+
 def state(results):
     """Positions and elastic displacements over time. (Multipliers follow from them, over h^2.)"""
     return (
@@ -67,6 +86,63 @@ def test_recursion_and_direct_sum_agree(elements, measured, rule):
     ):
         for found, expected in zip(state(direct), recursive, strict=True):
             assert np.abs(found - expected).max() < 1e-10 * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("block", [8, 64, 128])
+@pytest.mark.parametrize("rule", ["consistent", "paper"])
+def test_blocks_and_direct_sum_agree(elements, monkeypatch, rule, block):
+    """Fast path against slow path: over 25, 3 and 1 blocks."""
+    direct = state(simulate(tangle(*elements, rule=rule, history="direct")))
+    monkeypatch.setattr(lookahead, "BLOCK", block)
+    for found, expected in zip(state(simulate(tangle(*elements, rule=rule, history="fft"))), direct, strict=True):
+        assert np.abs(found - expected).max() < 1e-10 * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("history", ["direct", "fft"])
+def test_memory_let_go_changes_nothing(elements, monkeypatch, history):
+    """Kernels of 60 lags in windows of 128 steps, which 200 steps outrun, against a window that holds them all."""
+    monkeypatch.setattr(lookahead, "BLOCK", 8)
+    model = tangle(*(damped(element) for element in elements), history=history, memory=0.06)
+    short = state(simulate(model))
+    monkeypatch.setattr(lookahead, "BLOCK", 256)
+    for found, expected in zip(short, state(simulate(model)), strict=True):
+        assert np.abs(found - expected).max() < 1e-10 * np.abs(expected).max()
+
+
+def test_a_memory_that_is_long_enough_gives_the_motion(elements):
+    """Against modes, which forget nothing: the error falls with the decay of the slowest mode, and is stated."""
+    given = [damped(element) for element in elements]
+    expected = state(simulate(tangle(*given, history="recursive")))
+    for memory in (0.06, 0.12):
+        results = simulate(tangle(*given, history="direct", memory=memory))
+        stated = results.solver["truncation"]
+        assert stated < 4.0 * np.exp(-0.75 * 100.0 * memory)
+        for found, exact in zip(state(results), expected, strict=True):
+            assert np.abs(found - exact).max() < stated * np.abs(exact).max()
+
+
+def test_a_memory_too_short_is_refused(elements):
+    with pytest.raises(ModelError, match=r"superelement 'random 1': memory: .* not decayed in 0\.02 s"):
+        simulate(tangle(*elements, history="direct", memory=0.02))
+
+
+def test_loads_at_rest_are_felt_beyond_any_memory(elements, monkeypatch):
+    """A preload stays still though its beginning is out of the window."""
+    monkeypatch.setattr(lookahead, "BLOCK", 8)
+    model = Model(
+        bodies={"a": FlexibleBody(damped(elements[0]))},
+        joints=(Joint("root", "fixed", ("ground", "a.i0")),),
+        loads=(Load("force", "a.i1", [0.0, 1.0, 0.0], Constant(2.0)),),
+        t_end=STEPS * 1e-3,
+        step=1e-3,
+        rho_inf=0.9,
+        start="equilibrium",
+        history="fft",
+        memory=0.06,
+        tolerance=1e-13,
+    )
+    u = simulate(model).frame("a.i1").u
+    assert np.abs(u - u[0]).max() < 1e-15  # m, the rounding of positions of about a metre
 
 
 def test_the_rules_differ(elements):

@@ -181,9 +181,10 @@ MADE = {
     "a radius above one": (lambda: model(rho_inf=1.5), "rho_inf: expected a number from 0 to 1, got 1.5"),
     "an unknown rule": (lambda: model(rule="exact"), "rule: expected 'consistent' or 'paper', got 'exact'"),
     "an unknown history": (
-        lambda: model(history="fft"),
-        "history: expected 'auto', 'recursive' or 'direct', got 'fft'",
+        lambda: model(history="modal"),
+        "history: expected 'auto', 'recursive', 'direct' or 'fft', got 'modal'",
     ),
+    "a memory of no length": (lambda: model(memory=0.0), "memory: expected a positive time, got 0.0"),
     "a tolerance of one": (lambda: model(tolerance=1.0), "tolerance: expected a number between 0 and 1, got 1.0"),
     "no iterations": (lambda: model(max_iterations=0), "max_iterations: expected 1 or more, got 0"),
 }
@@ -357,12 +358,12 @@ FILES = {
     "a signal that is none": (
         {"rest": "[[loads]]\ntype='force'\non='a'\ndirection=[1,0,0]\nsignal={wave = 1}"},
         "load (force) on 'a': signal: expected a number or a table with one of the keys times, amplitude, polynomial, "
-        "impulse, pulse, found {'wave': 1}",
+        "impulse, pulse, input, found {'wave': 1}",
     ),
     "a signal that is nearly one": (
         {"rest": "[[loads]]\ntype='force'\non='a'\ndirection=[1,0,0]\nsignal={polynomal = [1]}"},
         "load (force) on 'a': signal: expected a number or a table with one of the keys times, amplitude, polynomial, "
-        "impulse, pulse, found {'polynomal': [1]}; did you mean 'polynomial'?",
+        "impulse, pulse, input, found {'polynomal': [1]}; did you mean 'polynomial'?",
     ),
     "a key of a signal": (
         {"rest": "[[loads]]\ntype='force'\non='a'\ndirection=[1,0,0]\nsignal={amplitude = 1, frequenzy = 2}"},

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from duhamel.solver import Joint, Model, RigidBody, Spline, SteadyRotation, read_model, simulate
+from duhamel.solver import Joint, Model, OutputRequest, RigidBody, Spline, SteadyRotation, read_model, simulate
 from duhamel.superelement import write
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "file-formats.md"
@@ -57,8 +57,9 @@ def test_the_documented_file_is_read_whole(beam, tmp_path):
 def test_the_documented_file_leaves_nothing_out(tmp_path):
     """What a `Model` takes, a file can say: the names of the dataclasses' fields are keys of the document."""
     text = tomllib.loads(documented())
-    own = {"bodies", "joints", "loads", "springs", "motions", "ground_frames", "source"}
+    own = {"bodies", "joints", "loads", "springs", "motions", "ground_frames", "output", "source", "path"}
     assert set(text["simulation"]) == set(Model.__dataclass_fields__) - own
+    assert set(text["output"]) == set(OutputRequest.__dataclass_fields__)
     keys = set().union(*text["joints"])
     assert keys == set(Joint.__dataclass_fields__) - {"second_axis"}
     assert set(text["bodies"]["hub"]) >= set(RigidBody.__dataclass_fields__) - {"start"}

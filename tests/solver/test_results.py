@@ -288,6 +288,20 @@ def under_a_load_that(model_file, acts):
     return replace(model, loads=(*model.loads, replace(model.loads[0], signal=Function(value))))
 
 
+def test_a_file_without_steps_yet_says_so(model_file, tmp_path):
+    path = tmp_path / "begun.h5"
+
+    def look():
+        results = Results.read(path)
+        assert not results.solver["finished"]
+        with pytest.raises(ResultsError, match=f"{path}: no step has been written yet"):
+            _ = results.time
+        with pytest.raises(ResultsError, match=f"{path}: no step has been written yet"):
+            results.body("hub")
+
+    assert len(simulate(under_a_load_that(model_file, look), path).time) == N
+
+
 def test_an_interrupt_leaves_the_steps_before_it(results_file, model_file, tmp_path):
     path = tmp_path / "interrupted.h5"
 
@@ -307,7 +321,7 @@ def test_an_interrupt_leaves_the_steps_before_it(results_file, model_file, tmp_p
 def test_the_later_of_two_runs_to_one_file_keeps_it(results_file, model_file, tmp_path):
     path = tmp_path / "contended.h5"
     model = read_model(model_file)
-    with pytest.raises(ResultsError, match=f"{path}: another run writes to this file now; this one stops, 1 rows long"):
+    with pytest.raises(ResultsError, match=f"{path}: another run writes to this file now; this one stops, 0 rows long"):
         simulate(under_a_load_that(model_file, lambda: simulate(model, path)), path)
     found, whole = datasets(path), datasets(results_file)
     assert found.keys() == whole.keys()

@@ -89,6 +89,25 @@ def test_the_overview_of_rigid_bodies_shows_positions(edit):
     assert words(travel) == ["position, beam, x", "position, beam, y"]
 
 
+def test_the_overview_leaves_out_what_was_not_recorded(edit):
+    def energies_alone(file):
+        for kind in ("bodies", "frames", "joints", "springs", "momentum"):
+            file[kind].clear()
+
+    recording = view.read(edit(energies_alone))
+    energies, balance = view.overview(recording)
+    assert words(balance) == ["energy, balance"]
+    assert all(curve.words[0] == "energy" for curve in energies)
+    for quantity, message in (
+        ("angle:disc", "no body or frame 'disc'; there are: none"),
+        ("linear_momentum", "no momentum 'linear'; there are: none"),
+    ):
+        with pytest.raises(view.QuantityError, match=message):
+            view.curves(recording, quantity)
+    with pytest.raises(view.QuantityError, match="there is nothing that is shown unasked: name quantities"):
+        view.overview(view.read(edit(lambda file: file["energy"].clear())))
+
+
 def test_the_overview_shows_velocities_where_nothing_turns(edit):
     def stop(file):
         file["bodies/disc/v"][:] = 0.0

@@ -1,0 +1,105 @@
+"""Past loads convolved in blocks, by FFT: what a block that is complete does to the steps ahead.
+
+    after step n, with b = BLOCK 2^l the largest that divides n:   for i = 1 .. b
+        ahead[n + i] += sum_{j = n-b+1..n} g[n + i - j] p_j
+
+Together with the sum over the present block, which the time loop takes, these squares tile all pairs of steps once, so
+the result is that of the direct sum to rounding; N steps cost O(N log^2 N). A kernel of fewer lags than b needs no
+larger squares, and no loads older than itself: then memory does not grow with the steps. Source: E. Hairer, Ch. Lubich,
+M. Schlichte, SIAM J. Sci. Stat. Comput. 6 (1985); methods 3.
+"""
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from .compiled import Array
+from .system import Elastic, State
+
+Complex: TypeAlias = NDArray[np.complex128]
+
+BLOCK = 128
+"""steps whose loads the time loop convolves itself: about where a block costs what its FFT does"""
+
+
+class Lookahead:
+    """Keeps `state.ahead` for a run of n_steps."""
+
+    def __init__(self, elastic: Elastic, n_steps: int) -> None:
+        self._elastic = elastic
+        self._looking = np.flatnonzero(elastic.looks_ahead).tolist()
+        self._span = _span(elastic)
+        self._n_kept = kept_steps(elastic, n_steps)
+        self._spectra: dict[tuple[int, int], Complex] = {}
+
+    def room(self, step: int, n: int) -> int:
+        """How many steps, up to n, may follow `step` before `look` is called."""
+        if self._looking:
+            n = min(n, BLOCK - step % BLOCK)
+        elif self._n_kept:
+            n = min(n, self._span - step % self._span)
+        return n
+
+    def look(self, state: State) -> None:
+        """Take in the loads up to the last step, and let go of those too old to be felt."""
+        n = int(state.step[0])
+        if n - state.window[0] == 2 * self._span:
+            self._let_go(state)
+        if n > 0 and n % BLOCK == 0:
+            for e in self._looking:
+                block = min(n & -n, _power_above(int(self._elastic.lags[e])))
+                self._convolve(e, n, block, state)
+                state.since[e] = n + 1
+
+    def _let_go(self, state: State) -> None:
+        for rows in (state.p_history, state.ahead):
+            rows[:, : self._span + 1] = rows[:, self._span : 2 * self._span + 1]
+            rows[:, self._span + 1 :] = 0.0
+        state.window[0] += self._span
+
+    def _convolve(self, e: int, n: int, block: int, state: State) -> None:
+        elastic = self._elastic
+        active = elastic.active[elastic.active_range[e] : elastic.active_range[e + 1]]
+        own = slice(elastic.dof[e], elastic.dof[e + 1])
+        now = n - int(state.window[0])
+        loads = fft.rfft(state.p_history[active, now - block + 1 : now + 1], 2 * block)
+        columns = self._spectrum(e, block)[:, active - own.start]
+        response = fft.irfft(np.einsum("ikf,kf->if", columns, loads), 2 * block)[:, block:]
+        ahead = state.ahead[own, now + 1 : now + 1 + block]
+        ahead += response[:, : ahead.shape[1]]
+
+    def _spectrum(self, e: int, block: int) -> Complex:
+        """The transform of the first 2 block lags of body e, (n_c, n_c, block + 1)."""
+        key = int(self._elastic.g_start[e]), block
+        if key not in self._spectra:
+            n_c = int(self._elastic.dof[e + 1] - self._elastic.dof[e])
+            lags = int(self._elastic.lags[e])
+            g = self._elastic.g[key[0] : key[0] + n_c * n_c * lags].reshape(n_c, n_c, lags)
+            self._spectra[key] = fft.rfft(g[:, :, ::-1][:, :, : 2 * block], 2 * block)
+        return self._spectra[key]
+
+
+def kept_steps(elastic: Elastic, n_steps: int) -> int:
+    """How many steps a run of n_steps keeps the loads of, at a time: all, or twice what its longest kernel needs."""
+    if not elastic.lags.any():
+        return 0
+    return min(n_steps, 2 * _span(elastic)) + 1
+
+
+def _span(elastic: Elastic) -> int:
+    return _power_above(int(elastic.lags.max(initial=0)))
+
+
+def _power_above(lags: int) -> int:
+    """The smallest block that reaches over so many lags."""
+    block = BLOCK
+    while block < lags:
+        block *= 2
+    return block
+
+
+def reversed_lags(g: Array) -> Array:
+    """Kernels (lags, n_c, n_c) as the time loop reads them: (n_c, n_c, lags), from the last to the first."""
+    return np.ascontiguousarray(g[::-1].transpose(1, 2, 0))

@@ -1,0 +1,122 @@
+"""One step at a time, for inputs that are known only when the step is due: controllers, co-simulation, real time."""
+
+from collections.abc import Sequence
+from difflib import get_close_matches
+from typing import Any
+
+import numpy as np
+
+from .compilation import CompiledModel
+from .compiled import Array, Index, as_index
+from .errors import ModelError, about
+from .initial import begin
+from .lookahead import Lookahead
+from .loop import advance, record
+from .model import Model
+from .results_layout import lay_out_columns, make_output
+from .signals import Input, Signal
+from .simulation import failure
+from .system import Inputs, Output
+
+
+class Simulator:
+    """A model from t = 0 to t_end, with the values of its `Input` signals given step by step.
+
+        simulator = Simulator(model, outputs=["joints/pivot/angle", "frames/beam.tip/position"])
+        while True:
+            simulator.step([controller(simulator.outputs)])
+
+    `step` takes the values at the end of the step, in the order of `inputs`. Loads are linear between them: a force
+    that is to be held from one step to the next acts half a step early, with the same impulse. What the next step can
+    do before they are known is done at the end of the one before: to recall the past, to predict, to factor the matrix
+    of a given number of `corrections`. With these all steps cost about the same, but for history "fft", which convolves
+    whole blocks now and then: bodies without modes take "direct" and a `memory`. `outputs` (n,) are the chosen datasets
+    of results, one after the other, at the present `time`; they are those of `simulate`.
+
+    Raises ModelError for a model that cannot start, an output that there is not, a wrong number of inputs and a step
+    beyond t_end; ConvergenceError where Newton's method fails, and then there are no further steps.
+    """
+
+    def __init__(self, model: Model, outputs: Sequence[str]) -> None:
+        with about(model.path):
+            beginning = begin(model)
+            compiled, self._state, self._work = beginning.compiled, beginning.state, beginning.work
+            self._output = make_output(compiled, 1)
+            self._parts = _parts(compiled, outputs, self._output)
+        self._compiled, self._quaternions = compiled, compiled.frame_quaternions
+        signals: list[Signal] = [*compiled.load_signals, *compiled.drives]
+        self.inputs = tuple(dict.fromkeys(signal.name for signal in signals if isinstance(signal, Input)))
+        """the names of the inputs"""
+        load, drive = np.zeros((1, len(compiled.load_signals))), np.zeros((1, len(compiled.drives)))
+        self._load, self._drive = load[0], drive[0]
+        self._load_inputs = _places(compiled.load_signals, self.inputs)
+        self._drive_inputs = _places(compiled.drives, self.inputs)
+        self._signals = Inputs(load, drive, np.zeros(1, dtype=np.int64), ahead=1)
+        self._no_step = Inputs(load[:0], drive[:0], as_index([]), ahead=1)
+        self._lookahead = Lookahead(compiled.system.elastic, compiled.n_steps)
+        record(compiled.system, self._quaternions, 0, self._state, self._work, self._output)
+        self._advance(self._no_step)
+        self._foresee(1)
+
+    @property
+    def time(self) -> float:
+        """[s]"""
+        return self._compiled.h * float(self._state.step[0])
+
+    @property
+    def outputs(self) -> Array:
+        """(n,)"""
+        return np.concatenate(self._parts)
+
+    def step(self, inputs: Any) -> Array:
+        """Take a step with the values (n,) that the inputs have at its end; return the outputs there."""
+        values = np.asarray(inputs, dtype=np.float64)
+        if values.shape != (len(self.inputs),):
+            raise ModelError(f"inputs: expected values of {list(self.inputs)}, got {values.tolist()}")
+        number = int(self._state.step[0]) + 1
+        if number > self._compiled.n_steps:
+            raise ModelError(f"t_end = {self._compiled.model.t_end:.9g} s has been reached")
+        for array, (places, given) in ((self._load, self._load_inputs), (self._drive, self._drive_inputs)):
+            array[places] = values[given]
+        # a kernel ends with the run
+        last = number == self._compiled.n_steps
+        pauses = self._lookahead.room(number - 1, 2) == 1
+        taken, residual = self._advance(self._signals._replace(ahead=0) if last or pauses else self._signals)
+        if not taken:
+            raise failure(self._compiled, number, residual, self._work)
+        if pauses and not last:
+            self._lookahead.look(self._state)
+            self._advance(self._no_step)
+        self._foresee(number + 1)
+        return self.outputs
+
+    def _advance(self, inputs: Inputs) -> tuple[int, float]:
+        return advance(self._compiled.system, self._quaternions, inputs, self._state, self._work, self._output)
+
+    def _foresee(self, number: int) -> None:
+        """The signals of step `number` that are no inputs."""
+        h = self._compiled.h
+        for i, load in enumerate(self._compiled.load_signals):
+            if not isinstance(load, Input):
+                self._load[i] = load.samples(np.array([h * number]), h)[0]
+        for i, drive in enumerate(self._compiled.drives):
+            if not isinstance(drive, Input):
+                self._drive[i] = drive(h * number)
+
+
+def _places(signals: Sequence[Signal], inputs: tuple[str, ...]) -> tuple[Index, Index]:
+    """Which of the signals are inputs, and which of the inputs each of these is."""
+    found = [(i, inputs.index(signal.name)) for i, signal in enumerate(signals) if isinstance(signal, Input)]
+    return as_index([i for i, _ in found]), as_index([k for _, k in found])
+
+
+def _parts(compiled: CompiledModel, names: Sequence[str], output: Output) -> list[Array]:
+    """Views of the chosen datasets in the output of one step, each (n,)."""
+    columns, parts = lay_out_columns(compiled), []
+    for name in names:
+        if name not in columns:
+            near = get_close_matches(name, columns, n=3)
+            meant = f"; did you mean {' or '.join(map(repr, near))}?" if near else ""
+            raise ModelError(f"outputs: no {name!r}{meant}")
+        parts.append(columns[name].rows(output, 1).reshape(-1))
+    return parts

@@ -1,0 +1,154 @@
+"""Block elimination against dense elimination, and how its cost grows."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from duhamel.solver.blocks import factorise, substitute
+from duhamel.solver.pattern import Edge, Node, elimination_order, lay_out_pattern
+
+from .matrices import dense
+
+GROUND = -1
+
+
+def pattern_of(n_bodies, edges, flexible=()):
+    """Couplings as (body, body, rows, spring); `flexible`: bodies with six active dofs."""
+    rows = np.array([n for _, _, n, _ in edges], dtype=int)
+    owner = np.repeat(np.arange(len(edges)), rows)
+    body = np.array([b for a, b, _, _ in edges for b in (a, b)], dtype=int)
+    return lay_out_pattern(
+        n_bodies,
+        SimpleNamespace(body=body),
+        SimpleNamespace(
+            range=np.cumsum([0, *rows]),
+            compliant=np.array([int(edges[j][3]) for j in owner], dtype=int),
+            rows=SimpleNamespace(frame_a=2 * owner, frame_b=2 * owner + 1),
+        ),
+        SimpleNamespace(body=np.array(flexible, dtype=int), active_range=6 * np.arange(len(flexible) + 1)),
+    )
+
+
+def random_matrix(pattern, n_bodies, edges, rng):
+    """Inertia and stiffness of bodies and between them, gradients of joints, springs: what a mechanism has."""
+    n = pattern.first[-1]
+    matrix = np.zeros((n, n))
+
+    def unknowns(k):
+        return np.arange(pattern.first[k], pattern.first[k + 1])
+
+    for b in range(n_bodies):
+        own = unknowns(pattern.body[b])
+        half = rng.normal(size=(len(own), len(own)))
+        matrix[np.ix_(own, own)] = half @ half.T + np.eye(len(own))
+    for j, (a, b, n_rows, spring) in enumerate(edges):
+        if not n_rows:
+            continue
+        rows = unknowns(pattern.coupling[j])
+        ends = [unknowns(pattern.body[c]) for c in {a, b} - {GROUND}]
+        for own in ends:
+            gradient = rng.normal(size=(n_rows, len(own)))
+            matrix[np.ix_(own, rows)] -= gradient.T
+            matrix[np.ix_(rows, own)] += gradient
+        if spring:
+            matrix[rows, rows] += 1.0
+        if len(ends) == 2:
+            matrix[np.ix_(*ends)] += 0.1 * rng.normal(size=(len(ends[0]), len(ends[1])))
+            matrix[np.ix_(*ends[::-1])] += 0.1 * rng.normal(size=(len(ends[1]), len(ends[0])))
+    return matrix
+
+
+def blocks_of(pattern, matrix):
+    """The blocks of a matrix, in which nothing may stand elsewhere."""
+    numbers = dense(pattern, np.arange(1.0, pattern.n_numbers + 1.0)).astype(int)
+    S = np.zeros(pattern.n_numbers)
+    S[numbers[numbers > 0] - 1] = matrix[numbers > 0]
+    np.testing.assert_array_equal(dense(pattern, S), matrix)
+    return S
+
+
+TOPOLOGIES = {
+    "one body": (1, []),
+    "free chain": (4, [(0, 1, 5, False), (1, 2, 5, False), (2, 3, 3, False)]),
+    "chain from the ground": (4, [(GROUND, 0, 5, False), (0, 1, 5, False), (2, 1, 5, False), (2, 3, 6, False)]),
+    "star": (6, [(GROUND, 3, 5, False), *((3, b, 5, False) for b in (0, 1, 2, 4, 5))]),
+    "ground at both ends": (3, [(GROUND, 0, 5, False), (0, 1, 3, False), (1, 2, 3, False), (2, GROUND, 5, False)]),
+    "loop off the ground": (4, [(GROUND, 0, 3, False), *((b, (b + 1) % 4, 4, False) for b in range(4))]),
+    "loops in loops": (
+        6,
+        [(GROUND, 0, 5, False), *((b, b + 1, 3, False) for b in range(5)), (0, 5, 2, False), (1, 4, 2, False)],
+    ),
+    "springs": (4, [(0, 1, 6, True), (1, 2, 1, True), (2, 2, 1, True), (GROUND, 0, 3, True), (2, 3, 5, False)]),
+    "joint and spring side by side": (2, [(GROUND, 0, 5, False), (0, 1, 5, False), (1, 0, 1, True)]),
+    "two joints on the same bodies": (2, [(GROUND, 0, 5, False), (0, 1, 2, False), (0, 1, 2, False), (0, 1, 0, False)]),
+}
+
+
+@pytest.mark.parametrize("flexible", [(), (0,)], ids=["rigid", "flexible"])
+@pytest.mark.parametrize("name", TOPOLOGIES)
+def test_elimination_of_blocks_solves_what_dense_elimination_solves(name, flexible):
+    n_bodies, edges = TOPOLOGIES[name]
+    assert_solved(n_bodies, edges, flexible, np.random.default_rng(3))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_random_mechanisms(seed):
+    """Trees with joints of three or five rows, springs, and some loops, numbered at random."""
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(2, 15))
+    numbers = rng.permutation(n)
+    parents = [GROUND, *(numbers[rng.integers(0, b)] for b in range(1, n))]
+    tree = [(int(p), int(b), int(rng.choice([3, 5])), False) for p, b in zip(parents, numbers, strict=True)]
+    pairs = rng.integers(-1, n, size=(4, 2)).tolist()
+    more = [(a, b, 1, bool(rng.integers(2))) for a, b in pairs if a != b]
+    edges = [tree[i] for i in rng.permutation(n)] + more
+    assert_solved(n, edges, tuple(np.flatnonzero(rng.integers(2, size=n)).tolist()), rng)
+
+
+def assert_solved(n_bodies, edges, flexible, rng):
+    pattern = pattern_of(n_bodies, edges, flexible)
+    matrix = random_matrix(pattern, n_bodies, edges, rng)
+    S, pivots = blocks_of(pattern, matrix), np.zeros(len(matrix), dtype=np.int64)
+    assert factorise(pattern, S, pivots)
+    right = rng.normal(size=len(matrix))
+    x = right.copy()
+    substitute(pattern, S, pivots, x)
+    expected = np.linalg.solve(matrix, right)
+    np.testing.assert_allclose(x, expected, rtol=0, atol=1e-11 * np.linalg.cond(matrix) * np.abs(expected).max())
+
+
+def test_a_joint_without_effect_is_singular():
+    pattern = pattern_of(1, [(GROUND, 0, 3, False)])
+    matrix = np.eye(9)
+    matrix[6:, 6:] = 0.0
+    assert not factorise(pattern, blocks_of(pattern, matrix), np.zeros(9, dtype=np.int64))
+
+
+@pytest.mark.parametrize("kind", ["chain", "comb of loops", "chain on springs"])
+def test_the_numbers_of_a_matrix_grow_with_its_bodies_alone(kind):
+    """Twice as many bodies: twice the numbers; so every body more adds as many as the one before."""
+
+    def numbers(n):
+        edges = [(GROUND, 0, 5, False), *((b, b + 1, 5, False) for b in range(n - 1))]
+        if kind == "comb of loops":
+            edges += [(b, b + 2, 1, False) for b in range(0, n - 2, 3)]
+        if kind == "chain on springs":
+            edges += [(GROUND, b, 6, True) for b in range(n)]
+        return pattern_of(n, edges, tuple(range(n))).n_numbers
+
+    assert numbers(121) - numbers(61) == numbers(61 + 120) - numbers(121)
+
+
+def test_joints_follow_the_bodies_that_hang_on_them_and_close_loops_where_branches_meet():
+    edges = [Edge(0, GROUND, 0, False), Edge(1, 0, 1, False), Edge(2, 0, 2, False), Edge(3, 1, 2, False)]
+    order = elimination_order(3, [*edges, Edge(4, GROUND, 2, True)])
+    assert order == [
+        Node(False, 4),
+        Node(True, 2),
+        Node(False, 2),
+        Node(True, 1),
+        Node(False, 1),
+        Node(True, 0),
+        Node(False, 3),
+        Node(False, 0),
+    ]

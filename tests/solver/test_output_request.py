@@ -1,0 +1,157 @@
+"""What a run is asked to record: every n-th step and chosen quantities, against the whole."""
+
+from dataclasses import replace
+
+import h5py
+import numpy as np
+import pytest
+from duhamel.solver import (
+    FlexibleBody,
+    Frame,
+    Harmonic,
+    Joint,
+    Load,
+    Model,
+    ModelError,
+    OutputRequest,
+    Place,
+    RecoveryError,
+    Results,
+    RigidBody,
+    Spring,
+    Start,
+    read_model,
+    recorder,
+    simulate,
+)
+from duhamel.superelement import Recovery
+
+STEPS, H = 100, 5e-4
+
+
+@pytest.fixture(scope="module")
+def model(coarse):
+    """A hub that turns three times while its beam pulls at a damped tether."""
+    hub = RigidBody(0.01, [0.006, 0.007, 0.01], {"rim": Frame([0.05, 0, 0])}, Start(angular_velocity=[0, 0, 400.0]))
+    beam = FlexibleBody(coarse, Start(place=Place("root", "hub.rim")))
+    return Model(
+        bodies={"hub": hub, "beam": beam},
+        joints=(
+            Joint("pivot", "revolute", ("ground", "hub"), [0, 0, 1]),
+            Joint("clamp", "fixed", ("hub.rim", "beam.root")),
+        ),
+        springs=(Spring("tether", "point", ("ground.hook", "beam.tip"), stiffness=2.0, damping=0.01),),
+        loads=(Load("force", "beam.tip", [0, 0, 1], Harmonic(1.0, 300.0), follower=True),),
+        ground_frames={"hook": Frame([0.6, 0.2, 0])},
+        step=H,
+        t_end=STEPS * H,
+    )
+
+
+def datasets(path):
+    found = {}
+    with h5py.File(path, "r") as file:
+        file.visititems(lambda name, item: found.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None)
+    return found
+
+
+@pytest.fixture(scope="module")
+def whole(model, tmp_path_factory):
+    path = tmp_path_factory.mktemp("whole") / "whole.h5"
+    simulate(model, path)
+    return datasets(path)
+
+
+@pytest.mark.parametrize(("every", "numbers"), [(7, recorder.NUMBERS), (7, 1), (1, 1), (1000, 1)])
+def test_what_is_recorded_is_what_a_whole_record_holds_there(every, numbers, model, whole, tmp_path, monkeypatch):
+    """To the last bit, energies, balances and angles over full turns included, however many rows wait to be written."""
+    monkeypatch.setattr(recorder, "NUMBERS", numbers)
+    path = tmp_path / "thinned.h5"
+    simulate(replace(model, output=OutputRequest(every)), path)
+    thinned = datasets(path)
+    steps = sorted({*range(0, STEPS + 1, every), STEPS})
+    assert whole["joints/pivot/angle"][-1] > 4 * np.pi
+    assert thinned.keys() == whole.keys()
+    for name, array in whole.items():
+        np.testing.assert_array_equal(thinned[name], array[steps], err_msg=name)
+    assert Results.read(path).solver["every"] == every
+
+
+@pytest.mark.parametrize(
+    ("quantities", "prefixes"),
+    [
+        (("joints/pivot", "energy"), ("joints/pivot/", "energy/")),
+        (("frames", "bodies/hub"), ("frames/", "bodies/hub/")),
+        (("springs", "momentum"), ("springs/tether/", "momentum/")),
+        ((), ()),
+    ],
+)
+def test_chosen_quantities_alone_are_recorded(quantities, prefixes, model, whole, tmp_path):
+    path = tmp_path / "chosen.h5"
+    simulate(replace(model, output=OutputRequest(quantities=quantities)), path)
+    found = datasets(path)
+    assert set(found) == {name for name in whole if name.startswith(("time", "solver/", *prefixes))}
+    for name, array in found.items():
+        np.testing.assert_array_equal(array, whole[name])
+
+
+def test_what_was_not_recorded_is_told(model):
+    results = simulate(replace(model, output=OutputRequest(quantities=("joints", "bodies/hub"))))
+    assert results.recorded == ("bodies/hub", "joints/clamp", "joints/pivot")
+    with pytest.raises(KeyError, match="no bodies/beam; there are: hub"):
+        results.body("beam")
+    with pytest.raises(KeyError, match="no energy; there are: bodies/hub, joints/clamp, joints/pivot"):
+        _ = results.energy
+    with pytest.raises(KeyError, match=r"no frames/beam.tip; there are: bodies/hub, joints/clamp, joints/pivot"):
+        results.frame("beam.tip")
+
+
+def test_a_quantity_that_there_is_not_is_refused_before_the_file_is_touched(model, tmp_path):
+    path = tmp_path / "kept.h5"
+    path.write_text("kept")
+    wrong = replace(model, output=OutputRequest(quantities=("bodies/hubb",)), path="rotor.toml")
+    message = r"rotor.toml: output: quantities: no 'bodies/hubb'; there are: .*; did you mean 'bodies/hub'\?"
+    with pytest.raises(ModelError, match=message):
+        simulate(wrong, path)
+    assert path.read_text() == "kept"
+    with pytest.raises(ModelError, match="output: every: expected 1 or more, got 0"):
+        OutputRequest(0)
+
+
+def test_fields_need_every_step_and_the_loads_of_all_interfaces(model, coarse):
+    X = [interface.X for interface in coarse.interfaces]
+    phi = coarse.modes.phi.reshape(len(X), -1, len(coarse.modes.omega))
+    beam = FlexibleBody(replace(coarse, recovery=Recovery(X, [[0, 1]], phi[:, :3])), model.bodies["beam"].start)
+    recoverable = replace(model, bodies={**model.bodies, "beam": beam})
+    results = simulate(replace(recoverable, output=OutputRequest(10)))
+    with pytest.raises(RecoveryError, match="body 'beam': fields need every step, and the run recorded one in 10"):
+        results.displacement("beam", 0.01)
+    results = simulate(replace(recoverable, output=OutputRequest(quantities=("bodies", "frames/beam.tip"))))
+    with pytest.raises(RecoveryError, match=r"body 'beam': fields need frames/beam.root, which the run did not record"):
+        results.displacement("beam", 0.01)
+
+
+FILE = """
+[simulation]
+t_end = 0.01
+step = 1e-3
+corrections = 2
+
+[output]
+every = 4
+quantities = ["bodies"]
+
+[bodies.stone]
+mass = 1.0
+inertia = [1, 1, 1]
+velocity = [1, 0, 0]
+"""
+
+
+def test_a_model_file_says_it_too(tmp_path):
+    path = tmp_path / "stone.toml"
+    path.write_text(FILE)
+    model = read_model(path)
+    assert model.output == OutputRequest(4, ("bodies",))
+    assert model.corrections == 2
+    np.testing.assert_allclose(simulate(model).time, [0.0, 4e-3, 8e-3, 10e-3], rtol=1e-14)

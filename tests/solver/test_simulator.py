@@ -1,0 +1,175 @@
+"""One step at a time: to the last bit what `simulate` gives; steps of bounded cost, and how far they are off."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from duhamel.solver import (
+    ConvergenceError,
+    FlexibleBody,
+    Frame,
+    Input,
+    Joint,
+    Load,
+    Model,
+    ModelError,
+    Place,
+    Polynomial,
+    Pulse,
+    RigidBody,
+    Simulator,
+    Spring,
+    Start,
+    Steps,
+    Table,
+    lookahead,
+    read_model,
+    simulate,
+)
+
+STEPS, H = 60, 5e-4
+OUTPUTS = ("joints/pivot/angle", "frames/beam.tip/position", "joints/clamp/multipliers", "energy/work")
+
+
+def rotor(coarse, load, angle=None, **settings):
+    """A hub with a beam; a torque, the same load as a force on the tip, and a force that no one gives step by step."""
+    hub = RigidBody(0.01, [0.006, 0.007, 0.01], {"rim": Frame([0.05, 0, 0])})
+    loads = (
+        Load("torque", "hub", [0, 0, 1], load),
+        Load("force", "beam.tip", [0, 0, 0.2], Steps((0.0, 0.0103), (1.0, -2.0))),
+        Load("force", "beam.tip", [0, 1, 0], load, follower=True),
+    )
+    model = Model(
+        bodies={"hub": hub, "beam": FlexibleBody(coarse, Start(place=Place("root", "hub.rim")))},
+        joints=(
+            Joint("pivot", "revolute", ("ground", "hub"), [0, 0, 1], angle=angle),
+            Joint("clamp", "fixed", ("hub.rim", "beam.root")),
+        ),
+        loads=loads,
+        step=H,
+        t_end=STEPS * H,
+    )
+    return replace(model, **settings)
+
+
+def recorded(model):
+    """The outputs of all steps (n, n_out)."""
+    results = simulate(model)
+    return np.column_stack(
+        [
+            results.joint("pivot").coordinates["angle"],
+            results.frame("beam.tip").position,
+            results.joint("clamp").multipliers,
+            results.energy.work,
+        ]
+    )
+
+
+def values_at(steps):
+    return np.sin(40.0 * H * np.asarray(steps)) + 0.3
+
+
+@pytest.mark.parametrize("history", ["recursive", "direct", "fft"])
+@pytest.mark.parametrize("corrections", [None, 2])
+def test_step_by_step_is_simulate_to_the_last_bit(history, corrections, coarse, monkeypatch):
+    monkeypatch.setattr(lookahead, "BLOCK", 8)
+    settings = {"history": history, "corrections": corrections}
+    values = values_at(range(STEPS + 1))
+    told = Table(tuple(H * np.arange(STEPS + 1)), tuple(values))
+    expected = recorded(rotor(coarse, told, **settings))
+    simulator = Simulator(rotor(coarse, Input("motor", values[0]), **settings), OUTPUTS)
+    assert simulator.inputs == ("motor",)
+    found = [simulator.outputs, *(simulator.step([value]) for value in values[1:])]
+    np.testing.assert_array_equal(found, expected)
+    assert simulator.time == pytest.approx(STEPS * H, rel=1e-14)
+
+
+def test_a_joint_driven_by_an_input_is_one_driven_by_the_same_values(coarse):
+    """The drive t^3 starts as an input does, without speed or acceleration."""
+    drive = Polynomial((0.0, 0.0, 0.0, 8000.0))
+    expected = simulate(rotor(coarse, Steps((0.0,), (1.0,)), drive)).frame("beam.tip").position
+    driven = rotor(coarse, Steps((0.0,), (1.0,)), Input("angle"))
+    simulator = Simulator(driven, ["frames/beam.tip/position"])
+    found = [simulator.outputs, *(simulator.step([drive(H * n)]) for n in range(1, STEPS + 1))]
+    np.testing.assert_array_equal(found, expected)
+
+
+def test_a_simulator_closes_a_loop(coarse):
+    """A torque -k angle, told a step late, and a spring of stiffness k: apart by what a step of delay does, order 1."""
+    k = 30.0
+
+    def apart(step):
+        loads = tuple(Load("torque", "hub", [0, 0, 1], signal) for signal in (Input("motor"), Pulse(5.0, 0.0, 5e-3)))
+        model = rotor(coarse, Input("motor"), step=step, loads=loads)
+        simulator, angle = Simulator(model, ["joints/pivot/angle"]), 0.0
+        while simulator.time < model.t_end - 0.5 * step:
+            (angle,) = simulator.step([-k * angle])
+        spring = Spring("spring", "torsion", ("ground", "hub"), [0, 0, 1], stiffness=k)
+        sprung = replace(model, loads=loads[1:], springs=(spring,))
+        return abs(simulate(sprung).joint("pivot").coordinates["angle"][-1] - angle)
+
+    steps = [2e-4, 1e-4, 5e-5]
+    errors = [apart(step) for step in steps]
+    orders = np.log2(np.divide(errors[:-1], errors[1:]))
+    np.testing.assert_allclose(orders, 1.0, atol=0.1)
+
+
+def test_corrections_with_the_factors_of_the_step_before_converge_fast(coarse):
+    """Each brings a run a hundred times closer, or more, to that of Newton's method; no step takes more of them."""
+    load = Steps((0.0, 0.01), (5.0, -5.0))
+
+    def run(corrections):
+        return simulate(rotor(coarse, load, corrections=corrections))
+
+    exact = run(None).frame("beam.tip").position
+    runs = [run(corrections) for corrections in (1, 2, 3)]
+    errors = [np.abs(run.frame("beam.tip").position - exact).max() for run in runs]
+    assert errors[0] < 1e-3
+    assert errors[1] < 1e-2 * errors[0]
+    assert errors[2] < 1e-2 * errors[1]
+    assert [run.iterations.max() for run in runs] == [1, 2, 3]
+
+
+def test_what_a_simulator_cannot_do_is_told(coarse):
+    model = rotor(coarse, Input("motor"))
+    with pytest.raises(
+        ModelError, match=r"rotor.toml: outputs: no 'joints/pivot/angel'; did you mean 'joints/pivot/angle'"
+    ):
+        Simulator(replace(model, path="rotor.toml"), ["joints/pivot/angel"])
+    simulator = Simulator(replace(model, t_end=2 * H), OUTPUTS)
+    with pytest.raises(ModelError, match=r"inputs: expected values of \['motor'\], got \[1.0, 2.0\]"):
+        simulator.step([1, 2])
+    simulator.step([0.0])
+    simulator.step([0.0])
+    with pytest.raises(ModelError, match=r"t_end = 0.001 s has been reached"):
+        simulator.step([0.0])
+    lost = Simulator(model, OUTPUTS)
+    with pytest.raises(ConvergenceError, match="no convergence in step 1 "):
+        lost.step([1e12])
+
+
+def test_an_input_in_a_model_file_is_its_value_when_simulated(tmp_path):
+    path = tmp_path / "stone.toml"
+    path.write_text(FILE)
+    model = read_model(path)
+    np.testing.assert_allclose(simulate(model).body("stone").v[:, 0], 3.0 * 1e-3 * np.arange(11), rtol=0, atol=1e-13)
+    simulator = Simulator(model, ["bodies/stone/v"])
+    assert simulator.inputs == ("thrust",)
+    assert simulator.step([3.0])[0] == pytest.approx(3e-3, rel=1e-12)
+
+
+FILE = """
+[simulation]
+t_end = 0.01
+step = 1e-3
+
+[bodies.stone]
+mass = 1.0
+inertia = [1, 1, 1]
+
+[[loads]]
+type = "force"
+on = "stone"
+direction = [1, 0, 0]
+signal = {input = "thrust", value = 3}
+"""
