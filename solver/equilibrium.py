@@ -12,8 +12,8 @@ import numpy as np
 from numpy.lib.stride_tricks import as_strided
 from numpy.typing import NDArray
 
-from .assembly import drive_rates
 from .blocks import factorise
+from .closing import drive_rates
 from .compilation import CompiledModel
 from .compiled import Array
 from .equations import evaluate

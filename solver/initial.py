@@ -11,21 +11,23 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse import csc_array, csr_array
+from scipy.sparse.linalg import splu
 
 from .allocation import allocate
-from .assembly import Wish, close_joints, fit_velocities, hard_rows, interface_mobility, inverse_inertia
+from .closing import Wish, close_joints, fit_velocities
 from .compilation import CompiledModel, compile_system
 from .compiled import Array
-from .couplings import turn_of
 from .equations import evaluate
 from .equilibrium import check_drives, check_steady, settle
-from .jacobian import coupling_jacobian
+from .inertia import interface_mobility, inverse_inertia
+from .jacobian import constraint_jacobian, constraint_rows
 from .loads import load_vector
 from .model import Model
 from .newton import linearise
 from .redundancy import degrees_of_freedom as count_freedoms
 from .redundancy import describe_rows, redundant_rows
-from .rows import ROTATION, carried_axis
+from .rows import ROTATION
 from .steady import steady_motion
 from .system import State, System, Workspace
 
@@ -155,51 +157,60 @@ def _start_unloaded(compiled: CompiledModel, loads: Array, drive: Array, state: 
 def _accelerations(compiled: CompiledModel, drive: Array, state: State, work: Workspace) -> tuple[Array, Array]:
     """v_dot (n_b, 6) and the multipliers of the constraints (n_rows,), 0 for those of force laws, already at work."""
     system = compiled.system
-    hard = hard_rows(system)
-    n_q = 6 * len(system.bodies.mass)
-    B = coupling_jacobian(system, state, work).toarray()[hard]
-    B_r, B_a = B[:, :n_q], B[:, n_q:]
+    hard = constraint_rows(system)
+    B_r, B_a = constraint_jacobian(system, state, work)
     A_el = interface_mobility(compiled)
     p = state.p[system.elastic.active]
     inverse = inverse_inertia(system)
     # with v_dot = 0 the residual of equilibrium is v~ J v - f_r
     free = -inverse @ work.residual.ravel()
-    gap = _convective(compiled, drive, state, work)[hard] + B_a @ (A_el @ p) + B_r @ free
-    schur = B_r @ inverse @ B_r.T + B_a @ A_el @ B_a.T
-    scale = 1.0 / np.sqrt(np.maximum(np.diagonal(schur), 1e-300))
-    scaled = schur * np.outer(scale, scale)
+    gap = _convective(compiled, drive, state, work) + B_a @ (A_el @ p) + B_r @ free
+    schur = csr_array(B_r @ inverse @ B_r.T + B_a @ A_el @ B_a.T)
+    scale = 1.0 / np.sqrt(np.maximum(schur.diagonal(), 1e-300))
     lam = np.zeros(len(state.lam))
-    lam[hard] = -scale * np.linalg.solve(scaled, scale * gap)
+    if len(hard):
+        lam[hard] = -scale * splu(csc_array(scale[:, None] * schur * scale)).solve(scale * gap)
     v_dot = free + inverse @ (B_r.T @ lam[hard])
     return v_dot.reshape(-1, 6), lam
 
 
 def _convective(compiled: CompiledModel, drive: Array, state: State, work: Workspace) -> Array:
-    """The second time derivative of every constraint at v_dot = 0 (n_rows,): centripetal terms and the drives."""
-    couplings, rows, frames = compiled.system.couplings, compiled.system.couplings.rows, compiled.system.frames
+    """The second time derivative of every constraint at v_dot = 0: centripetal terms and the drives."""
+    couplings, frames = compiled.system.couplings, compiled.system.frames
+    hard = constraint_rows(compiled.system)
+    rows = couplings.rows
+    A, B, rotation = rows.frame_a[hard], rows.frame_b[hard], rows.kind[hard] == ROTATION
     derivatives = [*(signal.derivatives(0.0) for signal in compiled.drives), (0.0, 0.0)]
-    spin, velocity = work.V[:, 3:], work.V[:, :3]
-    acceleration = np.zeros_like(velocity)
-    for f, b in enumerate(frames.body.tolist()):
-        if b >= 0:
-            acceleration[f] = np.cross(spin[f], np.cross(spin[f], work.r[f] - state.x[b]))
-    second = np.zeros(len(state.lam))
-    for i in hard_rows(compiled.system).tolist():
-        A, B = rows.frame_a[i], rows.frame_b[i]
-        s_1, s_2 = derivatives[couplings.drive[i]]
-        turn = turn_of(couplings, i, drive)
-        a = work.D[A] @ np.array(carried_axis(rows, i, turn))
-        a_1, a_2 = np.cross(spin[A], a), np.cross(spin[A], np.cross(spin[A], a))
-        if rows.kind[i] == ROTATION:
-            b = work.D[B] @ rows.b[i]
-            b_1, b_2 = np.cross(spin[B], b), np.cross(spin[B], np.cross(spin[B], b))
-            slope = work.D[A] @ np.array(carried_axis(rows, i, turn + 0.5 * np.pi))
-            a_2 = a_2 + 2.0 * s_1 * np.cross(spin[A], slope) + s_2 * slope - s_1**2 * a
-            second[i] = a_2 @ b + 2.0 * (a_1 + s_1 * slope) @ b_1 + a @ b_2
-        else:
-            second[i] = a @ (acceleration[B] - acceleration[A]) + 2.0 * a_1 @ (velocity[B] - velocity[A])
-            second[i] += a_2 @ (work.r[B] - work.r[A]) - s_2
-    return second
+    s_1, s_2 = np.array(derivatives)[couplings.drive[hard]].T[:, :, None]
+    turn = np.where(rotation, np.append(drive, 0.0)[couplings.drive[hard]], 0.0)[:, None]
+    spin, velocity, acceleration = work.V[:, 3:], work.V[:, :3], np.zeros((len(frames.body), 3))
+    moving = frames.body >= 0
+    arm = work.r[moving] - state.x[frames.body[moving]]
+    acceleration[moving] = np.cross(spin[moving], np.cross(spin[moving], arm))
+
+    a = _turned(work.D[A], np.cos(turn) * rows.a[hard] + np.sin(turn) * rows.a_turned[hard])
+    a_1 = np.cross(spin[A], a)
+    a_2 = np.cross(spin[A], a_1)
+    lengths = _dot(a, acceleration[B] - acceleration[A]) + 2.0 * _dot(a_1, velocity[B] - velocity[A])
+    lengths += _dot(a_2, work.r[B] - work.r[A]) - s_2[:, 0]
+
+    slope = _turned(work.D[A], np.cos(turn) * rows.a_turned[hard] - np.sin(turn) * rows.a[hard])
+    a_1 += s_1 * slope
+    a_2 += 2.0 * s_1 * np.cross(spin[A], slope) + s_2 * slope - s_1**2 * a
+    b = _turned(work.D[B], rows.b[hard])
+    b_1 = np.cross(spin[B], b)
+    rotations = _dot(a_2, b) + 2.0 * _dot(a_1, b_1) + _dot(a, np.cross(spin[B], b_1))
+    return np.where(rotation, rotations, lengths)
+
+
+def _turned(D: Array, a: Array) -> Array:
+    turned: Array = np.einsum("nij,nj->ni", D, a)
+    return turned
+
+
+def _dot(a: Array, b: Array) -> Array:
+    product: Array = np.einsum("ni,ni->n", a, b)
+    return product
 
 
 def _start_history(compiled: CompiledModel, state: State) -> None:

@@ -1,10 +1,21 @@
-"""Derivatives of rows by the coordinates of all bodies, as a sparse matrix."""
+"""Derivatives of rows by the coordinates of all bodies, as sparse matrices."""
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 
 from .compiled import Array, Index
 from .system import State, System, Workspace
+
+
+def constraint_rows(system: System) -> Index:
+    """The rows that are constraints, not force laws."""
+    return np.flatnonzero(system.couplings.compliant == 0)
+
+
+def constraint_jacobian(system: System, state: State, work: Workspace) -> tuple[csr_array, csr_array]:
+    """B_r (n, 6 n_b) and B_a (n, n_a) of the constraints as `linearise` left them: by bodies, and by active dofs."""
+    B, n_q = coupling_jacobian(system, state, work)[constraint_rows(system)], 6 * len(system.bodies.mass)
+    return B[:, :n_q], B[:, n_q:]
 
 
 def coupling_jacobian(system: System, state: State, work: Workspace) -> csr_array:

@@ -4,12 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import qr, svd
+from scipy.sparse import csr_array, hstack
 
-from .assembly import hard_rows, interface_mobility, inverse_inertia
 from .compilation import CompiledModel
 from .compiled import Array
 from .errors import ModelError
-from .jacobian import coupling_jacobian
+from .independence import factorise_square, unit_rows
+from .inertia import inverse_root, mobility_root
+from .jacobian import constraint_jacobian, constraint_rows
 from .system import State, Workspace
 
 RANK_TOLERANCE = 1e-9
@@ -18,8 +20,9 @@ RANK_TOLERANCE = 1e-9
 
 def degrees_of_freedom(compiled: CompiledModel, state: State, work: Workspace) -> int:
     """Of the mechanism, its bodies taken as rigid: six for each less the rank of the constraints."""
-    n_q = 6 * len(compiled.system.bodies.mass)
-    return n_q - rank(_rigid_jacobian(compiled, state, work))
+    J = _rigid_jacobian(compiled, state, work)
+    n, n_q = J.shape
+    return int(n_q - (n if _clearly_independent(J) else rank(J.toarray())))
 
 
 def redundant_rows(compiled: CompiledModel, state: State, work: Workspace) -> frozenset[int]:
@@ -28,10 +31,10 @@ def redundant_rows(compiled: CompiledModel, state: State, work: Workspace) -> fr
     ModelError names them unless the model says that redundant constraints may be removed. A drive is never redundant:
     it moves what the constraints that it depends on hold still.
     """
-    hard = hard_rows(compiled.system)
-    B = coupling_jacobian(compiled.system, state, work).toarray()
-    elastic = B[hard, 6 * len(compiled.system.bodies.mass) :] @ _mobility_root(compiled)
-    found = find_redundancy(np.hstack([_rigid_jacobian(compiled, state, work), elastic]))
+    hard = constraint_rows(compiled.system)
+    _, B_a = constraint_jacobian(compiled.system, state, work)
+    J = csr_array(hstack([_rigid_jacobian(compiled, state, work), B_a @ mobility_root(compiled)]))
+    found = None if _clearly_independent(J) else find_redundancy(J.toarray())
     if found is None:
         return frozenset()
     involved, removable = (hard[rows].tolist() for rows in (found.involved, found.removable))
@@ -98,16 +101,12 @@ def _left_null_space(J: Array) -> Array:
     return np.asarray(left[:, small])
 
 
-def _rigid_jacobian(compiled: CompiledModel, state: State, work: Workspace) -> Array:
+def _rigid_jacobian(compiled: CompiledModel, state: State, work: Workspace) -> csr_array:
     """Rows of the constraints against bodies, columns scaled by their inertia."""
-    n_q = 6 * len(compiled.system.bodies.mass)
-    B = coupling_jacobian(compiled.system, state, work).toarray()
-    rows: Array = B[hard_rows(compiled.system), :n_q] @ np.linalg.cholesky(inverse_inertia(compiled.system))
-    return rows
+    B_r, _ = constraint_jacobian(compiled.system, state, work)
+    return csr_array(B_r @ inverse_root(compiled.system))
 
 
-def _mobility_root(compiled: CompiledModel) -> Array:
-    """A square root of the interface mobilities at the active dofs."""
-    values, vectors = np.linalg.eigh(interface_mobility(compiled))
-    root: Array = vectors * np.sqrt(np.maximum(values, 0.0))
-    return root
+def _clearly_independent(J: csr_array) -> bool:
+    scaled, _ = unit_rows(J)
+    return not J.shape[0] or factorise_square(scaled) is not None
