@@ -35,7 +35,7 @@ def simulate(model: Model, output: str | os.PathLike[str] | None = None, progres
     with about(model.path), Progress("compiling (first run only)", shown=progress and not is_cached()):
         beginning = begin(model)
         compiled, state, work = beginning.compiled, beginning.state, beginning.work
-        _compile_loop(compiled, state, work)
+        compile_loop(compiled, state, work)
         file = ResultsFile(Path(output) if output is not None else None, compiled)
     file.note(
         degrees_of_freedom=beginning.degrees_of_freedom,
@@ -63,7 +63,7 @@ def _march(compiled: CompiledModel, state: State, work: Workspace, file: Results
         while done < total:
             started = time.perf_counter()
             rows = recorder.rows(done + 1, min(stint, total - done))
-            taken, residual = advance(system, quaternions, _signals(compiled, done + 1, rows), state, work, output)
+            taken, residual = advance(system, quaternions, signals(compiled, done + 1, rows), state, work, output)
             recorder.keep(done + 1, rows[:taken])
             done += taken
             bar.advance(taken)
@@ -73,13 +73,13 @@ def _march(compiled: CompiledModel, state: State, work: Workspace, file: Results
                 stint *= 2
 
 
-def _compile_loop(compiled: CompiledModel, state: State, work: Workspace) -> None:
+def compile_loop(compiled: CompiledModel, state: State, work: Workspace) -> None:
     """Call the loop for no steps at all, so that it is compiled or loaded."""
-    none = _signals(compiled, 1, np.empty(0, dtype=np.int64))
+    none = signals(compiled, 1, np.empty(0, dtype=np.int64))
     advance(compiled.system, compiled.frame_quaternions, none, state, work, make_output(compiled, 0))
 
 
-def _signals(compiled: CompiledModel, first: int, rows: Index) -> Inputs:
+def signals(compiled: CompiledModel, first: int, rows: Index) -> Inputs:
     """Loads and drives at the steps first, first + 1, ..., which the loop records in the rows."""
     n = len(rows)
     t = compiled.h * np.arange(first, first + n, dtype=np.float64)
