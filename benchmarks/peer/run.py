@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """Microseconds of CPU and of the clock, and iterations, a step; positions (n, 3) of the tip [m] at times (n,) [s]."""
+    """Microseconds of CPU and on the clock, and iterations, a step; the tip at times (n,) [s], (n, 3) [m]."""
 
     cpu: float
     wall: float

@@ -9,8 +9,8 @@ from tests.validation.exudyn_beam import settings
 
 from .run import Run, Stopwatch
 
-TIGHT = 1e-12
-"""the least tolerance with which Newton's increments still converge"""
+TIGHT = 1e-13
+"""a tolerance near the least with which Newton's increments still converge"""
 
 
 class System:
