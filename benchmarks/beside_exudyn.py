@@ -2,7 +2,8 @@
 
 CPU time on one thread, and time on the clock beside it, medians over repeats in which the codes take turns. Exudyn
 records the position of one tip at every step, ours all that it records unless asked for less, in memory. Both integrate
-by generalized-alpha of spectral radius 0.9, with the same steps.
+by generalized-alpha of spectral radius 0.9, with the same steps. `left`: how far Newton's method leaves the tip from
+where the least tolerance gets it; `from ours`: the largest distance between the tips of the codes.
 Needs the extra `validation`. Run as `python benchmarks/beside_exudyn.py [--large] [--repeats N]`; `--large` adds a
 pendulum of 286 875 unknowns.
 """

@@ -30,7 +30,7 @@ class System:
         if dense:
             self._settings.linearSolver.solverType = exudyn.LinearSolverType.EXUdense
         self._stopwatch, self._iterations = Stopwatch(), 0
-        self._times, self._tips = [np.zeros(1)], []
+        self._times, self._tips, self._tip = [np.zeros(1)], [], None
 
     def watch(self, sensor: type, **where: Any) -> None:
         """Where the tip is."""
