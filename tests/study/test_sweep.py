@@ -119,7 +119,7 @@ def test_an_output_that_the_results_cannot_have_is_refused_before_anything_runs(
     path = study_file(STUDY.replace("final angle:hub:z", output))
     with pytest.raises(StudyError) as error:
         run(path)
-    assert str(error.value).startswith("outputs.angle: ")
+    assert str(error.value).startswith(f"{path}: outputs.angle: ")
     assert message in str(error.value)
     assert not path.with_suffix("").exists()
 
