@@ -35,6 +35,7 @@ def history_costs(n_c: int, n_active: int, m: int | None, n_steps: int, lags: in
     n_c interface dofs of which n_active are loaded, m modes (None: no modes), and kernels of so many lags, which modes
     would have to be sampled for.
     """
+    n_steps = max(n_steps, 1)  # a model that only starts
     sampling = 0.0 if m is None else SAMPLE * m * n_c**2 * min(lags, n_steps) / n_steps
     costs = {
         "direct": sampling + PRODUCT * n_c * n_active * _mean_reach(n_steps, lags),

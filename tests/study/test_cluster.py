@@ -19,7 +19,8 @@ from typer.testing import CliRunner
 
 from .conftest import MODEL, datasets
 
-LONG = MODEL.replace("t_end = 0.05", "t_end = 3.0")
+LONG = MODEL.replace("t_end = 0.05", "t_end = 3.0").replace("step = 5e-4", "step = 4e-6") + "[output]\nevery = 1000\n"
+"""three quarters of a million steps: seconds of a run, which shows its file after one of them"""
 LONG_STUDY = """
 model = "model/hub.toml"
 parameters.loads.0.signal = [1, 2, 3, 4, 5, 6]

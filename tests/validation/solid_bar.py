@@ -8,7 +8,7 @@ import numpy as np
 from duhamel.preprocess import Body, build
 from duhamel.superelement import Superelement
 from numpy.typing import NDArray
-from scipy.linalg import block_diag, cholesky, eigvalsh, null_space, solve_triangular
+from scipy.linalg import block_diag, cholesky, eigh, null_space, solve_triangular
 
 from ..preprocess.blocks import box_mesh
 
@@ -38,16 +38,22 @@ def solid_superelement(
     return build(Body.model_validate(body))
 
 
-def clamped_frequencies(bar: Superelement) -> Array:
-    """Frequencies [Hz] with the root on ground: those of rigid and elastic modes that add up to nothing there.
+def clamped_modes(bar: Superelement) -> tuple[Array, Array]:
+    """With the root on ground: frequencies (m,) [Hz], and what the tip does in modes of unit mass (6, m).
 
-    min eta^T diag(0, omega^2) eta,   |eta| = 1,   [U L^-T, phi] eta = 0 at the root,   L L^T = diag(m I, J_rot)
+    The rigid and the elastic modes that add up to nothing at the root:
+
+        K eta = omega^2 eta,   K = diag(0, omega^2),   [U L^-T, phi] eta = 0 at the root,   L L^T = diag(m I, J_rot)
     """
-    X = next(found.X for found in bar.interfaces if found.name == "root")
-    U = np.eye(6)
-    U[:3, 3:] = np.cross(np.eye(3), X).T  # columns e_i x X
     L = cholesky(block_diag(bar.mass * np.eye(3), bar.J_rot), lower=True)
-    rows = np.hstack([solve_triangular(L, U.T, lower=True).T, bar.modes.phi[bar.rows("root")]])
-    free = null_space(rows / np.linalg.norm(rows, axis=1, keepdims=True))
+    motion = []
+    for interface in bar.interfaces:
+        U = np.eye(6)
+        U[:3, 3:] = np.cross(np.eye(3), interface.X).T  # columns e_i x X
+        rigid = solve_triangular(L, U.T, lower=True).T
+        motion.append(np.hstack([rigid, bar.modes.phi[bar.rows(interface.name)]]))
+    root, tip = motion
+    free = null_space(root / np.linalg.norm(root, axis=1, keepdims=True))
     squares = np.concatenate([np.zeros(6), bar.modes.omega**2])
-    return np.sqrt(eigvalsh((free.T * squares) @ free)) / (2.0 * np.pi)
+    squares, Q = eigh((free.T * squares) @ free)
+    return np.sqrt(squares) / (2.0 * np.pi), tip @ free @ Q
