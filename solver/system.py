@@ -25,9 +25,7 @@ class Scheme(NamedTuple):
     tolerance: float
     max_iterations: int
     corrections: int  # the most that a step may take before it goes on as it is, 0: converge or fail
-    reuse: (
-        float  # ratio of successive corrections above which the matrix is made anew; 0: always; inf: before each step
-    )
+    reuse: float  # ratio of successive corrections above which the matrix is made anew; 0: always, inf: each step
 
 
 class Bodies(NamedTuple):
