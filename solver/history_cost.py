@@ -17,7 +17,7 @@ SAMPLE = 0.1
 """one of a matrix product, which makes a kernel from modes"""
 LOOK = 2e5
 """a look ahead, whatever its size, and the return to the loop after it"""
-TRANSFORM = 3.0
+TRANSFORM = 1.2
 """a number in a Fourier transform, per doubling"""
 SPECTRUM = 2.0
 """a number of a spectrum times loads"""
