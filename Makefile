@@ -32,7 +32,7 @@ lint: $(VENV)/.installed build/types/.linked ## style and types
 validation: $(VENV)/.validation ## published problems and peer codes; takes minutes
 	$(BIN)/python -m pytest -m validation
 
-benchmark: $(VENV)/.validation ## timed work, as ratios against a peer measured in the same run
+benchmark: $(VENV)/.validation ## timed work; where there is a peer, as ratios measured in the same run
 	@set -e; for program in benchmarks/*.py; do echo "$$program"; $(BIN)/python "$$program"; done
 
 constraints: ## the newest versions that pyproject.toml allows, written to constraints.txt

@@ -29,7 +29,8 @@ class Band:
 
     On this circle lags count for as long as the kernel is, and resonances are as high as they grow in that time.
     Errors are |G_ij - G'_ij| / sqrt(max |G_ii| max |G_jj|), each entry on the scale of its own two rows, with the
-    largest |G_ii| in each eighth of the band for itself, and for g[0] = G(0) alone. Source: methods 2.1 and 11.
+    largest |G_ii| in each eighth of the band for itself, and for g[0] = G(0) alone.
+    Source: docs/theory.md, Impulse responses and Large meshes.
     """
 
     h: float

@@ -143,7 +143,7 @@ class Damping(Table):
 class RecoveredFields(Table):
     """What the superelement can give back of the mesh: displacements of its surface or lines, and stresses there.
 
-    stress: at the nodes of the surface of solids, for which memory and file grow by 48 bytes a node and mode.
+    stress: at the nodes of the surface of solids, for which the file grows by 24 bytes a node and mode.
     """
 
     stress: bool = False

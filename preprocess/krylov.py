@@ -46,7 +46,7 @@ class KrylovSpace:
     k blocks hold what k steps of the march with S visit, if s is the shift of a time step, so that the first k lags of
     the kernel that its modes make are exact (of g_initial too, unless damping in proportion to K meets rho_inf < 1: the
     scheme then keeps a trace of the accelerations at t_0, which no block holds). The rigid modes head the basis, so
-    that nothing else in it contains them. Source: methods 11.
+    that nothing else in it contains them. Source: docs/theory.md, Large meshes.
 
     Every block sees waves travel for one step, so low frequencies take many where steps are far finer than they need.
     With a second, `lower` shift the first block is as before, which makes g[0] exact, and all others are made with the

@@ -27,7 +27,7 @@ def march_kernel(
         S = (1 - alpha_m) / (1 - alpha_f) M + gamma h C + beta h^2 K
 
     g: f acts at the first step alone; g_initial: f acts at t_0 alone, so v_dot_0 = a_0 = M^-1 P^T P_C^T.
-    h [s]; the kernel has steps + 1 lags. `track` sees the loop over steps. Source: methods 2.1.
+    h [s]; the kernel has steps + 1 lags. `track` sees the loop over steps. Source: docs/theory.md, Impulse responses.
     """
     K, M, P_C, U, loads = structure.K, structure.M, structure.P_C, structure.U, structure.loads
     C = damping_matrix(damping, structure)

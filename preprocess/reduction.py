@@ -19,7 +19,7 @@ def tie(nodes: Nodes, attachments: Mapping[str, Attachment]) -> tuple[Nodes, Any
 
     u_left holds the free nodes in their order, then the frames with six dofs each. T (n_u, n_left) and
     the rows (3 or 6, n_left) are sparse; those of a rigid frame pick its dofs. Nodes have three dofs, or six whose
-    rotations follow the frame as well. Source: methods 5.1.
+    rotations follow the frame as well. Source: docs/theory.md, Interfaces.
     """
     rigid = {name: attachment for name, attachment in attachments.items() if attachment.rigid}
     free = np.flatnonzero(_owners(rigid, len(nodes.points)) < 0)

@@ -24,7 +24,7 @@ def compliance(structure: Structure) -> Array:
         u = P K_c^-1 P^T P_C^T,    K_c: K with six statically determinate dofs held
 
     The loads balance themselves, so nothing reacts where dofs are held, and any six will do. One step of refinement
-    takes out most of the rounding, which a slender body has much of. Source: methods 5.1.
+    takes out most of the rounding, which a slender body has much of. Source: docs/theory.md, Interfaces.
     `MeshError` if that step changes the result: K has more zero modes than the six rigid ones.
     """
     K, U, M, f = structure.K.tocsr(), structure.U, structure.M, structure.loads

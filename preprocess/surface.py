@@ -77,7 +77,7 @@ def mean_motion(patch: Surface, X: Array, nodes: Nodes) -> Any:
         int |u - A q|^2 dA least:   D = (int A^T A dA)^-1 int A^T N dA,   A = [I, -(x - X)~]
 
     so D A = I, and a load p on the frame becomes the traction A (int A^T A dA)^-1 p, linear over the surface as the
-    stress in a beam. With nodal areas int N_i dA as weights (methods 5.1) the corners of quadratic facets would weigh
+    stress in a beam. With nodal areas int N_i dA as weights the corners of quadratic facets would weigh
     nothing, or less; the integral needs no such weights, and differs only in how a facet shares load among its nodes.
     """
     A = spider(patch.x - patch.centroid)

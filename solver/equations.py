@@ -4,7 +4,7 @@
     phi(x, R, u, lambda, t) = 0             constraints and force laws
     r_u  = history + w G_0 p - u = 0        displacements of the active interface dofs; w: 1, or 1/2 in eq. (55)
 
-Source: methods 2.4 and 5.4.
+Source: docs/theory.md, Impulse responses and The time step.
 """
 
 import math

@@ -9,7 +9,8 @@ space, F = R^T f and M = R^T m in body axes, load the body with
 
     F on X,   (X + u) x F + M on Theta,   F on u,   T(w) M on w.
 
-Source: methods 5.2, with the rotation of the frame turned from its own axes to space: D D_0^T W^T = R.
+
+Source: docs/theory.md, Frames, joints, loads, with the rotation of the frame turned to space: D D_0^T W^T = R.
 """
 
 from .compiled import Array, compiled

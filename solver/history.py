@@ -5,7 +5,7 @@
     fft:       that sum over the present block of steps; `ahead` holds what earlier ones do (lookahead.py)
 
 Both give u_{n+1} = history + weight G_0 p_{n+1}, with history complete before p_{n+1} is known. `weight` is 1 for
-the consistent rule (methods 2.1) and 1/2 for eq. (55) of the paper, which convolves the mean of p_n and p_{n+1}.
+the consistent rule and 1/2 for eq. (55) of the paper, which convolves the mean of p_n and p_{n+1}.
 """
 
 from .compiled import Array, compiled
@@ -81,7 +81,7 @@ def modal_energy(elastic: Elastic, state: State) -> float:
 
 @compiled
 def _coast(elastic: Elastic, scheme: Scheme, state: State, change: Array) -> None:
-    """Advance all modes by one step without load (methods 2.1); `change`: room for their new a."""
+    """Advance all modes by one step without load; `change`: room for their new a."""
     h, alpha_m, alpha_f, beta, gamma = scheme.h, scheme.alpha_m, scheme.alpha_f, scheme.beta, scheme.gamma
     kept, lost = alpha_m / (1.0 - alpha_f), alpha_f / (1.0 - alpha_f)
     ratio = (1.0 - alpha_m) / (1.0 - alpha_f)

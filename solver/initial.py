@@ -4,7 +4,7 @@ without elastic displacements,
     [ J   -B_r^T               ] [ v_dot ]   [ f_r - v~ J v                       ]
     [ B_r  B_a A_el B_a^T      ] [ lam   ] = [ -(phi_ddot at v_dot = 0) - B_a A_el p ]
 
-A_el: the interface mobilities, p: the loads on interfaces. Source: methods 5.4.
+A_el: the interface mobilities, p: the loads on interfaces. Source: docs/theory.md, The start.
 """
 
 from dataclasses import dataclass

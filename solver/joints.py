@@ -1,6 +1,6 @@
 """The lower pairs, each a table of primitive rows.
 
-A joint aligns axes e1, e2, e3 of frame A with those of frame B. Two primitive rows cover all pairs (methods 5.3):
+A joint aligns axes e1, e2, e3 of frame A with those of frame B. Two primitive rows cover all pairs:
 
     translation k:     e_k(A) . (r_B - r_A) = 0          r: the origin of a frame, in space
     rotation (i, j):   e_i(A) . e_j(B) = 0               e(A), e(B): axes carried by A and by B

@@ -6,7 +6,7 @@
 Together with the sum over the present block, which the time loop takes, these squares tile all pairs of steps once, so
 the result is that of the direct sum to rounding; N steps cost O(N log^2 N). A kernel of fewer lags than b needs no
 larger squares, and no loads older than itself: then memory does not grow with the steps. Source: E. Hairer, Ch. Lubich,
-M. Schlichte, SIAM J. Sci. Stat. Comput. 6 (1985); methods 3.
+M. Schlichte, SIAM J. Sci. Stat. Comput. 6 (1985); docs/theory.md, History.
 """
 
 from typing import TypeAlias

@@ -1,4 +1,4 @@
-"""The time loop: generalized-alpha on the rotation group, methods 2.5 and 5.4. Compiled, and free of allocations."""
+"""The time loop: generalized-alpha on the rotation group (docs/theory.md, The time step), without allocations."""
 
 from .compiled import Array, compiled
 from .couplings import spring_energy
@@ -112,7 +112,7 @@ def _finish(scheme: Scheme, state: State, work: Workspace) -> None:
 def account(system: System, loads: Array, drive: Array, state: State, work: Workspace) -> None:
     """Add the work of the step: trapezoidal means of loads times displacements.
 
-    Elastic energy: that of the interface loads p . du (methods 7). Drives: -lambda dphi/ds ds. Springs and dampers:
+    Elastic energy: that of the interface loads p . du. Drives: -lambda dphi/ds ds. Springs and dampers:
     lambda dc.
     """
     elastic = system.elastic

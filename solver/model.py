@@ -156,7 +156,7 @@ class Model:
     """Bodies by name, joints and loads, and how to integrate their motion.
 
     t_end [s]; gravity (3,) [m/s^2], the acceleration of a free body; step [s] and rho_inf, by default those of the
-    superelements; rule "consistent" (methods 2.4) or "paper" (eq. 55); history "auto" (the cheapest), "recursive",
+    superelements; rule "consistent" or "paper" (eq. 55); history "auto" (the cheapest), "recursive",
     "direct" or "fft"; memory [s], after which impulse responses are faded out and cut off (those that modes carry are
     not); tolerance of Newton's method, relative to the forces and displacements of a step. `ground_frames` are frames
     fixed in space. corrections: the most that Newton's method makes in a step before it goes on as it is, for steps of

@@ -10,7 +10,7 @@ residuals, A = B for a constraint, and lambda + stiffness c + ... = 0 for a spri
 
 S_rr: inertia, with delta Theta = T(psi) delta psi. All blocks are of order one. In body axes nothing of a mechanism
 that turns as a whole changes, so the factors of one matrix serve many steps: they are made anew when a correction is
-larger than `scheme.reuse` times the one before. Source: methods 5.4; u exactly.
+larger than `scheme.reuse` times the one before. Source: docs/theory.md, The time step; u exactly.
 """
 
 import math

@@ -97,7 +97,7 @@ def modal_coordinates(modes: Modes, p: Array, stepping: Stepping, steps: Index) 
     """eta (k, m) at some steps (k,), from the interface loads p (n, n_c) of all steps up to the last of them.
 
     A start in equilibrium is at eta = phi_C^T p_0 / omega^2, any other at eta = 0 with the acceleration phi_C^T p_0,
-    of which eq. (55), the paper's rule, knows nothing. Source: initial.py, methods 2.4.
+    of which eq. (55), the paper's rule, knows nothing. Source: initial.py, docs/theory.md, Impulse responses.
     """
     at_once = p[0] @ modes.phi
     start: dict[str, Array] = {}

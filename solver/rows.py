@@ -8,7 +8,8 @@ With a = D_A a_A, a' = D_A a'_A, b = D_B b_B carried by the frames, and Delta = 
     angle         c = atan2(a' . b, a . b)  gradient: from those of the two rotation rows; continued over full turns
 
 A wrench lambda times the gradient changes, at constant lambda, by lambda times the tangent H (12, 12) of the row: with
-N(a, b) = skew(b) skew(a) = a b^T - (a . b) I, d(a x b) = N dtheta_A - N^T dtheta_B. Source: methods 5.3.
+N(a, b) = skew(b) skew(a) = a b^T - (a . b) I, d(a x b) = N dtheta_A - N^T dtheta_B.
+Source: docs/theory.md, Frames, joints, loads.
 """
 
 import math

@@ -15,7 +15,7 @@ from .validation import Array, SuperelementError, check_positive, check_symmetri
 class Kernel:
     """Interface impulse responses free of rigid modes, in body axes, for one step size and one scheme.
 
-        u_n = g_initial[n] p_0 + sum_{j=1..n} g[n-j] p_j                       (methods, eq. 2.1)
+        u_n = g_initial[n] p_0 + sum_{j=1..n} g[n-j] p_j                       (docs/theory.md, Impulse responses)
 
     g[k] (n_k, n_c, n_c) is the displacement k steps after the step that ends in a unit load; g[0] is the
     instantaneous compliance. In the numbering of the paper g[k] = h H_{k+2}. g_initial[k] is the displacement
@@ -70,7 +70,8 @@ def sample_kernel(
         g[k] = phi diag(c_k) phi^T,   c_k: the scalar recursion of each omega, zeta under a unit load at one step
 
     h [s], `steps` time steps, one or more; the result has steps + 1 lags. `error` and `band` are those of the modes.
-    Raises `SuperelementError` for a step that is not positive or fewer steps than one. Source: methods, section 2.1.
+    Raises `SuperelementError` for a step that is not positive or fewer steps than one.
+    Source: docs/theory.md, Impulse responses.
     """
     check_positive("kernel: h", h)
     if steps < 1:

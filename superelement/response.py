@@ -22,7 +22,7 @@ def respond(
         eta'' + 2 zeta omega eta' + omega^2 eta = q
 
     loads: q (m,), or one number for all modes, at the end of each step. The start is without velocity, at `eta` and
-    with `acceleration` (m,). Source: methods, section 2.1.
+    with `acceleration` (m,). Source: docs/theory.md, Impulse responses.
     """
     stiffness, damping = modes.omega**2, 2.0 * modes.zeta * modes.omega
     alpha_m, alpha_f, beta, gamma = scheme.alpha_m, scheme.alpha_f, scheme.beta, scheme.gamma

@@ -56,7 +56,7 @@ class GeneralizedAlpha:
             F = ((1 - alpha_f) + alpha_f d) / ((1 - alpha_m) + alpha_m d),   V = h (gamma + (1 - gamma) d) / (1 - d)
 
         h [s]; delay (n,) complex, 0 for the first lag alone, where sigma and chi are beta' and gamma'.
-        Source: methods 2.1.
+        Source: docs/theory.md, Impulse responses.
         """
         d, beta, gamma = delay, self.beta, self.gamma
         Q = h * h * (beta + (0.5 + gamma - 2.0 * beta) * d + (0.5 + beta - gamma) * d * d) / (1.0 - d) ** 2

@@ -14,7 +14,7 @@ def transfer(modes: Modes, h: float, scheme: GeneralizedAlpha, delay: Complex) -
     """G = sum_k g[k] d^k = phi diag(1 / (sigma + 2 zeta omega chi + omega^2)) phi^T, the z-transform with d = 1/z.
 
     delay (n,): |d| < 1, and 0 gives g[0] -> (n, n_c, n_c) [m/N ...]. sigma and chi: `GeneralizedAlpha.symbols`.
-    Source: methods 2.1.
+    Source: docs/theory.md, Impulse responses.
     """
     receptance = 1.0 / dynamic_stiffness(modes, h, scheme, delay)
     return spread(modes.phi, receptance.real) + 1j * spread(modes.phi, receptance.imag)

@@ -17,7 +17,7 @@ def truncate(kernel: Kernel, lags: int, compliance: Array) -> Kernel:
 
     from k_1, three quarters of the lags, on; s, a Hann window of sum 1, makes the sum of all g' the compliance C
     (n_c, n_c), so that slow loads meet the stiffness of the body. g_initial fades likewise. Raises `SuperelementError`
-    unless 8 <= lags <= n_k. Source: D. J. Rixen, N. Haghighat, IMAC XXX (2012); methods 3.
+    unless 8 <= lags <= n_k. Source: D. J. Rixen, N. Haghighat, IMAC XXX (2012); docs/theory.md, History.
     """
     if not 8 <= lags <= len(kernel.g):
         raise SuperelementError(f"kernel: expected 8 to {len(kernel.g)} lags to keep, found {lags}")

@@ -27,7 +27,7 @@ def test_rotating_beam(example, folder):
     motions = script.main(folder, with_reference=False)  # which checks peaks, residuals and the rigid system
     for case in ("case1", "case2"):
         assert {f"{case}.png", f"{case}-rules.png", f"{case}-rigid.png"} <= {path.name for path in folder.iterdir()}
-    # Eq. (55) damps the first mode of Case 2 with a ratio of 2.69e-3 (methods 2.3). From 0.25 to 0.3 s that has acted
+    # Eq. (55) damps the first mode of Case 2 with a ratio of 2.69e-3. From 0.25 to 0.3 s that has acted
     # on vibrations that began between 0 and 0.2 s: for 0.05 s at least, for 0.3 s at most.
     rate = 2.69e-3 * 2 * np.pi * 29.4008
     late = motions["case2-consistent"].time > 0.25
@@ -54,7 +54,7 @@ def test_helicoidal_beam(example, folder):
     for case in ("case3", "case4", "case5"):
         assert {f"{case}.png", f"{case}-tip.png", f"{case}-trajectory.png"} <= {path.name for path in folder.iterdir()}
     # What the blow leaves above 70 Hz, after 0.1 s over what it was: the model has no damping, and with the consistent
-    # rule the vibration stays. Eq. (55) damps the second mode, near 108 Hz, with a ratio of 1.4e-2 (methods 2.3): by
+    # rule the vibration stays. Eq. (55) damps the second mode, near 108 Hz, with a ratio of 1.4e-2: by
     # exp(-0.0142 2 pi 108 0.1) = 0.38, and higher modes faster.
     kept = []
     for name in ("case5-beam", "case5-beam-paper"):

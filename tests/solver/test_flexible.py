@@ -20,7 +20,7 @@ def rotations(quaternions):
 def frequency(signal, h, rho_inf, near):
     """The frequency [Hz] of the peak of a spectrum, freed of the error of the time step.
 
-    An oscillation z^n of the recursion belongs to omega^2 = -sigma(z), sigma = 1 / (Q F) of methods 2.1.
+    An oscillation z^n of the recursion belongs to omega^2 = -sigma(z), sigma = 1 / (Q F).
     """
     n = np.arange(len(signal))
     windowed = (signal - signal.mean()) * np.blackman(len(signal))
@@ -39,7 +39,7 @@ def frequency(signal, h, rho_inf, near):
     ("phi", "frequencies"), [(4.0, (19.8986, 112.880, 314.770)), (0.5, (29.4008, 116.840, 316.841))]
 )
 def test_the_frequencies_of_a_beam_on_a_hub(beam, hub_and_beam, phi, frequencies):
-    """Methods 7, within the error of ten elements in bending (4e-5 at 114 Hz, 3e-4 at 314 Hz)."""
+    """docs/theory.md, Energy, within the error of ten elements in bending (4e-5 at 114 Hz, 3e-4 at 314 Hz)."""
     h, rho_inf = 1e-4, 0.99
     blow = Load("torque", "hub", [0, 0, 1], Impulse(1e-6, 0.0))
     model = hub_and_beam(beam, phi, loads=(blow,), t_end=2.0, step=h, rho_inf=rho_inf)

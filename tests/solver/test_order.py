@@ -1,4 +1,4 @@
-"""The order of the two convolution rules, and the size of their errors (methods 2.3)."""
+"""The order of the two convolution rules, and the size of their errors (docs/theory.md, Impulse responses)."""
 
 import numpy as np
 import pytest

@@ -39,7 +39,7 @@ def bar(arm, angle):
 
 @pytest.mark.parametrize(("arm", "small"), [(0.05, 5.153), (0.0, 5.425)])
 def test_the_period_of_a_pendulum(arm, small):
-    """T = 4 K(sin^2(angle/2)) / omega with omega of methods 7, at an amplitude of 60 degrees."""
+    """T = 4 K(sin^2(angle/2)) / omega with omega of docs/theory.md, Energy, at an amplitude of 60 degrees."""
     amplitude, h = np.pi / 3, 5e-4
     omega = np.sqrt(0.0429 * G * (arm + 0.25) / (0.0858 * 0.5**3 / 12 + 0.0429 * (arm + 0.25) ** 2))
     assert omega == pytest.approx(small, abs=5e-4)
