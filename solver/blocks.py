@@ -8,6 +8,7 @@ the diagonal (which holds reciprocals), right of it L_k^-1 P_k A_kj, below it A_
 
 from .compiled import Array, Index, compiled
 from .system import Pattern
+from .vectors import inner
 
 
 @compiled
@@ -88,12 +89,12 @@ def _go_forward(pattern: Pattern, k: int, S: Array, pivots: Index, x: Array) -> 
         x[first + p], x[pivot] = x[pivot], x[first + p]
     for p in range(1, n):
         own = start + p * width
-        x[first + p] -= _product(S[own : own + p], x[first : first + p])
+        x[first + p] -= inner(S[own : own + p], x[first : first + p])
     row = pattern.lower[k]
     for a in range(pattern.later_range[k], pattern.later_range[k + 1]):
         i = pattern.later[a]
         for z in range(pattern.first[i], pattern.first[i + 1]):
-            x[z] -= _product(S[row : row + n], x[first : first + n])
+            x[z] -= inner(S[row : row + n], x[first : first + n])
             row += n
 
 
@@ -102,11 +103,11 @@ def _go_back(pattern: Pattern, k: int, S: Array, x: Array) -> None:
     n, width, start, first = pattern.size[k], pattern.width[k], pattern.row[k], pattern.first[k]
     for p in range(n - 1, -1, -1):
         own = start + p * width
-        total = x[first + p] - _product(S[own + p + 1 : own + n], x[first + p + 1 : first + n])
+        total = x[first + p] - inner(S[own + p + 1 : own + n], x[first + p + 1 : first + n])
         column = own + n
         for a in range(pattern.later_range[k], pattern.later_range[k + 1]):
             i = pattern.later[a]
-            total -= _product(S[column : column + pattern.size[i]], x[pattern.first[i] : pattern.first[i + 1]])
+            total -= inner(S[column : column + pattern.size[i]], x[pattern.first[i] : pattern.first[i + 1]])
             column += pattern.size[i]
         x[first + p] = total * S[own + p]
 
@@ -115,11 +116,3 @@ def _go_back(pattern: Pattern, k: int, S: Array, x: Array) -> None:
 def _subtract(factor: float, source: Array, target: Array) -> None:
     for j in range(len(target)):
         target[j] -= factor * source[j]
-
-
-@compiled
-def _product(a: Array, b: Array) -> float:
-    total = 0.0
-    for j in range(len(a)):
-        total += a[j] * b[j]
-    return total

@@ -9,14 +9,13 @@ space, F = R^T f and M = R^T m in body axes, load the body with
 
     F on X,   (X + u) x F + M on Theta,   F on u,   T(w) M on w.
 
-
 Source: docs/theory.md, Frames, joints, loads, with the rotation of the frame turned to space: D D_0^T W^T = R.
 """
 
 from .compiled import Array, compiled
 from .rotations import exponential, tangent, tangent_derivative, tangent_inverse
 from .system import Frames, Pattern, State, Workspace
-from .vectors import Vector, add, add_to_row, cross, multiply, rotate, rotate_back, row, scale, subtract, triple
+from .vectors import UNITS, Vector, add, add_to_row, cross, multiply, rotate, rotate_back, row, scale, subtract, triple
 
 
 @compiled
@@ -121,7 +120,7 @@ def map_frame_velocities(frames: Frames, gamma_prime: float, psi: Array, state: 
         lever, omega = row(work.lever, f), spin_of(state, b)
         tangent_inverse(psi[b], work.scratch_33)
         for j in range(3):
-            e = (1.0 if j == 0 else 0.0, 1.0 if j == 1 else 0.0, 1.0 if j == 2 else 0.0)
+            e = UNITS[j]
             d_omega = scale(gamma_prime, multiply(work.scratch_33, e))
             by_turn = rotate(state.R, b, add(cross(e, local), cross(d_omega, lever)))
             spin_by_turn = rotate(state.R, b, add(cross(e, spin), d_omega))
@@ -135,7 +134,7 @@ def map_frame_velocities(frames: Frames, gamma_prime: float, psi: Array, state: 
         if k >= 0 and frames.rotations[f]:
             _tangent_slope(state, k + 3, triple(state.u_rate, k + 3), work)
             for j in range(3):
-                e = (1.0 if j == 0 else 0.0, 1.0 if j == 1 else 0.0, 1.0 if j == 2 else 0.0)
+                e = UNITS[j]
                 change = subtract(scale(gamma_prime, rotate_back(work.T, f, e)), multiply(work.scratch_33, e))
                 by_w = rotate(state.R, b, change)
                 for i in range(3):
@@ -220,7 +219,7 @@ def add_frame_tangents(frames: Frames, pattern: Pattern, state: State, work: Wor
         z = frames.column[f]
         small = z >= 0 and frames.rotations[f] == 1
         for j in range(3):
-            e = (1.0 if j == 0 else 0.0, 1.0 if j == 1 else 0.0, 1.0 if j == 2 else 0.0)
+            e = UNITS[j]
             dF, dM = cross(F, e), cross(M, e)
             _add_to_column(work.S, turn + j, stride, add(cross(lever, dF), dM))
             if z >= 0:

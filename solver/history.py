@@ -10,7 +10,7 @@ the consistent rule and 1/2 for eq. (55) of the paper, which convolves the mean 
 
 from .compiled import Array, compiled
 from .system import Elastic, Scheme, State
-from .vectors import copy
+from .vectors import copy, inner
 
 
 @compiled
@@ -128,7 +128,7 @@ def _sum_modes(elastic: Elastic, e: int, eta: Array, out: Array) -> None:
     for c in range(last - first):
         start = elastic.phi_start[e] + c * m
         phi, own = elastic.phi[start : start + m], eta[begin:end]
-        out[first + c] = _product(phi, own)
+        out[first + c] = inner(phi, own)
 
 
 @compiled
@@ -145,13 +145,5 @@ def _convolve(elastic: Elastic, e: int, n: int, state: State, out: Array) -> Non
             if n < lags:
                 total += elastic.g_initial[start + (n * n_c + i) * n_c + k - first] * state.p_start[k]
             end = start + (i * n_c + k - first + 1) * lags
-            total += _product(elastic.g[end - 1 - n + since : end - 1], state.p_history[k, since - n_0 : n - n_0])
+            total += inner(elastic.g[end - 1 - n + since : end - 1], state.p_history[k, since - n_0 : n - n_0])
         out[first + i] = total
-
-
-@compiled
-def _product(a: Array, b: Array) -> float:
-    total = 0.0
-    for j in range(len(a)):
-        total += a[j] * b[j]
-    return total

@@ -85,3 +85,12 @@ def copy(source: Array, out: Array) -> None:
     a, b = source.reshape(source.size), out.reshape(out.size)
     for i in range(len(a)):
         b[i] = a[i]
+
+
+@compiled
+def inner(a: Array, b: Array) -> float:
+    """a . b of arrays of any length."""
+    total = 0.0
+    for j in range(len(a)):
+        total += a[j] * b[j]
+    return total
