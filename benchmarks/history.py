@@ -62,7 +62,7 @@ def measure(body: Superelement, history: str, n_steps: int) -> float:
     model = Model({"body": FlexibleBody(body)}, loads=loads, t_end=n_steps * H, step=H, rho_inf=0.9, history=history)
     beginning = begin(model)
     system, state, work = beginning.compiled.system, beginning.state, beginning.work
-    lookahead = Lookahead(system.elastic, n_steps)
+    lookahead = Lookahead(system.elastic)
     p = np.random.default_rng(0).normal(size=(1024, len(state.p)))
     advance(system.elastic, system.scheme, state, work, p[:0])
     started, done = time.process_time(), 0

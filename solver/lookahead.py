@@ -24,40 +24,47 @@ BLOCK = 128
 """steps whose loads the time loop convolves itself: about where a block costs what its FFT does"""
 
 
-class Lookahead:
-    """Keeps `state.ahead` for a run of n_steps."""
+class Window:
+    """The steps whose loads are kept: twice `span`, of which the older half goes when they are full."""
 
-    def __init__(self, elastic: Elastic, n_steps: int) -> None:
+    def __init__(self, elastic: Elastic) -> None:
+        self.span = _span(elastic)
+
+    def make_room(self, n: int, state: State) -> None:
+        """For what comes after step n."""
+        if n - state.window[0] == 2 * self.span:
+            for rows in (state.p_history, state.ahead):
+                rows[:, : self.span + 1] = rows[:, self.span : 2 * self.span + 1]
+                rows[:, self.span + 1 :] = 0.0
+            state.window[0] += self.span
+
+
+class Lookahead:
+    """Keeps `state.ahead` for a run."""
+
+    def __init__(self, elastic: Elastic) -> None:
         self._elastic = elastic
         self._looking = np.flatnonzero(elastic.looks_ahead).tolist()
-        self._span = _span(elastic)
-        self._n_kept = kept_steps(elastic, n_steps)
+        self._window = Window(elastic)
         self._spectra: dict[tuple[int, int], Complex] = {}
 
     def room(self, step: int, n: int) -> int:
         """How many steps, up to n, may follow `step` before `look` is called."""
         if self._looking:
             n = min(n, BLOCK - step % BLOCK)
-        elif self._n_kept:
-            n = min(n, self._span - step % self._span)
+        elif self._elastic.lags.any():
+            n = min(n, self._window.span - step % self._window.span)
         return n
 
     def look(self, state: State) -> None:
         """Take in the loads up to the last step, and let go of those too old to be felt."""
         n = int(state.step[0])
-        if n - state.window[0] == 2 * self._span:
-            self._let_go(state)
+        self._window.make_room(n, state)
         if n > 0 and n % BLOCK == 0:
             for e in self._looking:
                 block = min(n & -n, _power_above(int(self._elastic.lags[e])))
                 self._convolve(e, n, block, state)
                 state.since[e] = n + 1
-
-    def _let_go(self, state: State) -> None:
-        for rows in (state.p_history, state.ahead):
-            rows[:, : self._span + 1] = rows[:, self._span : 2 * self._span + 1]
-            rows[:, self._span + 1 :] = 0.0
-        state.window[0] += self._span
 
     def _convolve(self, e: int, n: int, block: int, state: State) -> None:
         elastic = self._elastic

@@ -58,7 +58,7 @@ def simulate(model: Model, output: str | os.PathLike[str] | None = None, progres
 def _march(compiled: CompiledModel, state: State, work: Workspace, file: ResultsFile, progress: bool) -> None:
     system, quaternions = compiled.system, compiled.frame_quaternions
     done, total, stint = 0, compiled.n_steps, 16
-    lookahead = Lookahead(system.elastic, total)
+    lookahead = Lookahead(system.elastic)
     with Recorder(file, compiled) as recorder, Progress("simulating", total, shown=progress) as bar:
         output = recorder.output
         record(system, quaternions, 0, state, work, output)

@@ -10,9 +10,9 @@ from .compilation import CompiledModel
 from .compiled import Array, Index, as_index
 from .errors import ModelError, about
 from .initial import begin
-from .lookahead import Lookahead
 from .loop import advance, record
 from .model import Model
+from .partitions import Partitions
 from .results_layout import lay_out_columns, make_output
 from .signals import Input, Signal
 from .simulation import failure
@@ -29,9 +29,9 @@ class Simulator:
     `step` takes the values at the end of the step, in the order of `inputs`. Loads are linear between them: a force
     that is to be held from one step to the next acts half a step early, with the same impulse. What the next step can
     do before they are known is done at the end of the one before: to recall the past, to predict, to factor the matrix
-    of a given number of `corrections`. With these all steps cost about the same, but for history "fft", which convolves
-    whole blocks now and then: bodies without modes take "direct" and a `memory`. `outputs` (n,) are the chosen datasets
-    of results, one after the other, at the present `time`; they are those of `simulate`.
+    of a given number of `corrections`, with which all steps cost about the same. History "fft" is convolved in equal
+    parts, one a step, not in the growing blocks of `simulate`. `outputs` (n,) are the chosen datasets of results, one
+    after the other, at the present `time`; they are those of `simulate`.
 
     Raises ModelError for a model that cannot start, an output that there is not, a wrong number of inputs and a step
     beyond t_end; ConvergenceError where Newton's method fails, and then there are no further steps.
@@ -52,10 +52,9 @@ class Simulator:
         self._load_inputs = _places(compiled.load_signals, self.inputs)
         self._drive_inputs = _places(compiled.drives, self.inputs)
         self._signals = Inputs(load, drive, np.zeros(1, dtype=np.int64), ahead=1)
-        self._no_step = Inputs(load[:0], drive[:0], as_index([]), ahead=1)
-        self._lookahead = Lookahead(compiled.system.elastic, compiled.n_steps)
+        self._partitions = Partitions(compiled.system.elastic)
         record(compiled.system, self._quaternions, 0, self._state, self._work, self._output)
-        self._advance(self._no_step)
+        self._advance(Inputs(load[:0], drive[:0], as_index([]), ahead=1))
         self._foresee(1)
 
     @property
@@ -80,13 +79,10 @@ class Simulator:
             array[places] = values[given]
         # a kernel ends with the run
         last = number == self._compiled.n_steps
-        pauses = self._lookahead.room(number - 1, 2) == 1
-        taken, residual = self._advance(self._signals._replace(ahead=0) if last or pauses else self._signals)
+        taken, residual = self._advance(self._signals._replace(ahead=0) if last else self._signals)
         if not taken:
             raise failure(self._compiled, number, residual, self._work)
-        if pauses and not last:
-            self._lookahead.look(self._state)
-            self._advance(self._no_step)
+        self._partitions.work(self._state)
         self._foresee(number + 1)
         return self.outputs
 
