@@ -3,7 +3,7 @@
 import numpy as np
 
 from .compilation import CompiledModel
-from .lookahead import kept_steps
+from .lookahead import Window
 from .rotations import quaternion_of
 from .system import State, Workspace
 
@@ -14,7 +14,7 @@ def allocate(compiled: CompiledModel) -> tuple[State, Workspace]:
     n_rows, n_l, n_d = len(system.couplings.rows.kind), len(system.loads.frame), len(compiled.drives)
     n_u, n_a, n_modes = int(system.elastic.dof[-1]), len(system.elastic.active), len(system.elastic.stiffness)
     pattern, n = system.pattern, int(system.pattern.first[-1])
-    n_kept = kept_steps(system.elastic, compiled.n_steps)
+    n_kept = Window(system.elastic).kept(compiled.n_steps) if system.elastic.lags.any() else 0
     starts = [body.start for body in compiled.model.bodies.values()]
     state = State(
         step=np.zeros(1, dtype=np.int64),

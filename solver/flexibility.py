@@ -9,7 +9,6 @@ from ..superelement import GeneralizedAlpha, Superelement, SuperelementError, tr
 from .compiled import Array, Index, as_index
 from .errors import ModelError
 from .history_cost import cheapest_history
-from .lookahead import reversed_lags
 from .model import Model
 from .system import Elastic, Frames
 
@@ -155,8 +154,13 @@ def _by_kernel(
         raise ModelError(f"superelement {reason}") from reason
     g, g_initial = kernel.g[:lags], kernel.g_initial[:lags]
     return _Memory(
-        np.empty((3, 0)), np.empty(0), reversed_lags(g), g_initial, lags, looks_ahead, error, g[0], element.compliance
+        np.empty((3, 0)), np.empty(0), _reversed_lags(g), g_initial, lags, looks_ahead, error, g[0], element.compliance
     )
+
+
+def _reversed_lags(g: Array) -> Array:
+    """Kernels (lags, n_c, n_c) as the time loop reads them: (n_c, n_c, lags), from the last to the first."""
+    return np.ascontiguousarray(g[::-1].transpose(1, 2, 0))
 
 
 def _packed(arrays: Sequence[Array], owners: Sequence[int]) -> tuple[Array, Index]:

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from .compiled import Array
 from .system import Elastic, State
 
 Complex: TypeAlias = NDArray[np.complex128]
@@ -28,7 +27,11 @@ class Window:
     """The steps whose loads are kept: twice `span`, of which the older half goes when they are full."""
 
     def __init__(self, elastic: Elastic) -> None:
-        self.span = _span(elastic)
+        self.span = _power_above(int(elastic.lags.max(initial=0)))
+
+    def kept(self, n_steps: int) -> int:
+        """How many steps a run of n_steps keeps the loads of, at a time, t = 0 included."""
+        return min(n_steps, 2 * self.span) + 1
 
     def make_room(self, n: int, state: State) -> None:
         """For what comes after step n."""
@@ -88,25 +91,9 @@ class Lookahead:
         return self._spectra[key]
 
 
-def kept_steps(elastic: Elastic, n_steps: int) -> int:
-    """How many steps a run of n_steps keeps the loads of, at a time: all, or twice what its longest kernel needs."""
-    if not elastic.lags.any():
-        return 0
-    return min(n_steps, 2 * _span(elastic)) + 1
-
-
-def _span(elastic: Elastic) -> int:
-    return _power_above(int(elastic.lags.max(initial=0)))
-
-
 def _power_above(lags: int) -> int:
     """The smallest block that reaches over so many lags."""
     block = BLOCK
     while block < lags:
         block *= 2
     return block
-
-
-def reversed_lags(g: Array) -> Array:
-    """Kernels (lags, n_c, n_c) as the time loop reads them: (n_c, n_c, lags), from the last to the first."""
-    return np.ascontiguousarray(g[::-1].transpose(1, 2, 0))
