@@ -4,7 +4,7 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV ?= .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet --no-input
-PACKAGES := inputs superelement preprocess solver view study cli
+PACKAGES := inputs superelement results preprocess solver view study cli
 
 .DEFAULT_GOAL := help
 .PHONY: help demo test lint validation benchmark constraints clean

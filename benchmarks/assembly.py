@@ -1,7 +1,8 @@
-"""Stiffness and mass of blocks of ten-node tetrahedra, beside scikit-fem's own forms in the same run.
+"""Stiffness and mass of blocks of ten-node tetrahedra, beside scikit-fem's own forms in the same
+run.
 
-Each measurement has a process of its own: CPU time on one thread, and peak memory with mesh and imports.
-Run as `python benchmarks/assembly.py [--large]`.
+Each measurement has a process of its own: CPU time on one thread, and peak memory with mesh and
+imports. Run as `python benchmarks/assembly.py [--large]`.
 """
 
 import os
@@ -21,9 +22,9 @@ from typing import Any
 
 import numpy as np
 import skfem
-from duhamel.preprocess.material import Material
-from duhamel.preprocess.mesh import Mesh
-from duhamel.preprocess.solid import solid_matrices
+from duhamel.preprocess.body.material import Material
+from duhamel.preprocess.elements.solid import solid_matrices
+from duhamel.preprocess.mesh.mesh import Mesh
 from skfem.helpers import dot
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
@@ -47,13 +48,17 @@ def ours(mesh: Mesh) -> Matrices:
 
 def scikit_fem(mesh: Mesh) -> Matrices:
     corners, cells = np.unique(mesh.cells["tetra10"][:, :4], return_inverse=True)
-    grid = skfem.MeshTet1(*map(np.ascontiguousarray, (mesh.points[corners].T, cells.reshape(-1, 4).T)))
+    grid = skfem.MeshTet1(
+        *map(np.ascontiguousarray, (mesh.points[corners].T, cells.reshape(-1, 4).T))
+    )
     basis = skfem.Basis(grid, skfem.ElementVector(skfem.ElementTetP2()))
     stiffness = linear_elasticity(*lame_parameters(STEEL.E, STEEL.nu)).assemble(basis)
     return stiffness, skfem.BilinearForm(lambda u, v, _: STEEL.rho * dot(u, v)).assemble(basis)
 
 
-def measure(assemble: Callable[[Mesh], Matrices], divisions: tuple[int, int, int], repeats: int) -> list[float]:
+def measure(
+    assemble: Callable[[Mesh], Matrices], divisions: tuple[int, int, int], repeats: int
+) -> list[float]:
     """Unknowns, median CPU seconds, peak memory [GB], and the traces of K and M."""
     mesh = block(divisions)
     seconds = []
@@ -75,7 +80,9 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--large", action="store_true", help="287 000 unknowns too")
     sizes = [*SIZES, LARGE] if parser.parse_args().large else SIZES
-    print(f"{'unknowns':>10}{'ours':>10}{'scikit-fem':>12}{'ratio':>8}{'peak':>10}{'scikit-fem':>12}")
+    print(
+        f"{'unknowns':>10}{'ours':>10}{'scikit-fem':>12}{'ratio':>8}{'peak':>10}{'scikit-fem':>12}"
+    )
     for divisions in sizes:
         unknowns, seconds, peak, *traces = alone(ours, divisions, 5)
         _, theirs, their_peak, *others = alone(scikit_fem, divisions, 1)

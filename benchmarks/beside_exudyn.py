@@ -1,11 +1,12 @@
 """What a step costs beside Exudyn: the paper's Case 1, a solid pendulum, and chains of solids.
 
-CPU time on one thread, and time on the clock beside it, medians over repeats in which the codes take turns. Exudyn
-records the position of one tip at every step, ours all that it records unless asked for less, in memory. Both integrate
-by generalized-alpha of spectral radius 0.9, with the same steps. `left`: how far Newton's method leaves the tip from
-where the least tolerance gets it; `from ours`: the largest distance between the tips of the codes.
-Needs the extra `validation`. Run as `python benchmarks/beside_exudyn.py [--large] [--repeats N]`; `--large` adds a
-pendulum of 286 875 unknowns.
+CPU time on one thread, and time on the clock beside it, medians over repeats in which the codes
+take turns. Exudyn records the position of one tip at every step, ours all that it records unless
+asked for less, in memory. Both integrate by generalized-alpha of spectral radius 0.9, with the same
+steps. `left`: how far Newton's method leaves the tip from where the least tolerance gets it; `from
+ours`: the largest distance between the tips of the codes. Needs the extra `validation`. Run as
+`python benchmarks/beside_exudyn.py [--large] [--repeats N]`; `--large` adds a pendulum of 286 875
+unknowns.
 """
 
 import os
@@ -40,9 +41,13 @@ ELEMENTS = 20
 """of the beam of Case 1 in both codes"""
 STEEL = {"E": 2.1e11, "nu": 0.3, "rho": 7800.0}
 ALUMINIUM = {"E": 5.5 / 7.5e-11, "nu": 0.33, "rho": 2860.0}
-"""with which a square bar of 3e-5 m^2 has the EI = E A^2 / 12 and the mass per length of the paper's beam"""
+"""with which a square bar of 3e-5 m^2 has the EI = E A^2 / 12 and the mass per length of the
+paper's beam
+"""
 CASE_1_BAR = Bar(0.5, 3e-5**0.5, (100, 1, 1), ALUMINIUM, step=6e-5)
-SMALL, MIDDLE, LARGE = (Bar(0.5, 0.06, boxes, STEEL, step=1e-4) for boxes in ((24, 3, 3), (47, 6, 6), (76, 12, 12)))
+SMALL, MIDDLE, LARGE = (
+    Bar(0.5, 0.06, boxes, STEEL, step=1e-4) for boxes in ((24, 3, 3), (47, 6, 6), (76, 12, 12))
+)
 CHAINS = (1, 2, 4, 8, 16)
 GRAVITY = [0.0, -9.81, 0.0]
 STEPS, THEIR_STEPS, LEAST_STEPS = 20000, 4000, 1000
@@ -69,7 +74,9 @@ def ours(model: Model, tip: str) -> Entrant:
 
 
 def theirs(models: Mapping[str, Callable[[float], Run]]) -> list[Entrant]:
-    """Models of the same equations, with the loosest tolerance with which the first leaves no more than ENOUGH."""
+    """Models of the same equations, with the loosest tolerance with which the first leaves no more
+    than ENOUGH.
+    """
     first = next(iter(models.values()))
     exact = first(TIGHT)
     for tolerance in (1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, TIGHT):
@@ -90,7 +97,12 @@ def our_run(model: Model, tip: str, tolerance: float) -> Run:
     steps = len(results.time) - 1
     seconds = (whole.cpu - start.cpu, whole.wall - start.wall)
     iterations = float(results.iterations[1:].mean())
-    return Run(*(1e6 * s / (steps - 1) for s in seconds), iterations, results.time, results.frame(tip).position)
+    return Run(
+        *(1e6 * s / (steps - 1) for s in seconds),
+        iterations,
+        results.time,
+        results.frame(tip).position,
+    )
 
 
 def race(first: str, entrants: Sequence[Entrant], repeats: int) -> None:
@@ -107,7 +119,11 @@ def race(first: str, entrants: Sequence[Entrant], repeats: int) -> None:
             f"{runs[0].iterations:.1f}",
             f"{entrant.tolerance:.0e}",
         ]
-        cells += [f"{entrant.left:.1g} m", f"{runs[0].apart(rounds[0][0]):.1g} m", f"{cpu / own:.1f}"]
+        cells += [
+            f"{entrant.left:.1g} m",
+            f"{runs[0].apart(rounds[0][0]):.1g} m",
+            f"{cpu / own:.1f}",
+        ]
         print("| " + " | ".join(cells) + " |", flush=True)
 
 
@@ -124,7 +140,9 @@ def case_1(folder: Path, repeats: int) -> None:
     solid = replace(model.bodies["beam"], superelement=build(body))
     model = replace(model, bodies={**model.bodies, "beam": solid})
     bar = reduced_body(body, ["root"], MODES)
-    reduced = theirs({name: partial(rotor.reduced, bar, grip, step) for name, grip in grips(bar).items()})
+    reduced = theirs(
+        {name: partial(rotor.reduced, bar, grip, step) for name, grip in grips(bar).items()}
+    )
     race("solid", [ours(model, "beam.tip"), *reduced], repeats)
 
 
@@ -148,12 +166,19 @@ def chains(bar: Bar, numbers: Sequence[int], folder: Path, repeats: int) -> None
             for name, grip in grips(reduced).items()
         }
         first = f"{n} of {bar.unknowns:,}".replace(",", " ")
-        race(first, [ours(our_chain(superelement, n, end), f"bar{n - 1}.tip"), *theirs(models)], repeats)
+        race(
+            first,
+            [ours(our_chain(superelement, n, end), f"bar{n - 1}.tip"), *theirs(models)],
+            repeats,
+        )
 
 
 def our_chain(bar: Superelement, n: int, t_end: float) -> Model:
     root = bar.interface("root")
-    starts = [Start(position=-root.X), *(Start(place=Place("root", f"bar{i}.tip")) for i in range(n - 1))]
+    starts = [
+        Start(position=-root.X),
+        *(Start(place=Place("root", f"bar{i}.tip")) for i in range(n - 1)),
+    ]
     supports = ["ground", *(f"bar{i}.tip" for i in range(n - 1))]
     return Model(
         bodies={f"bar{i}": FlexibleBody(bar, start) for i, start in enumerate(starts)},
@@ -173,7 +198,9 @@ def main() -> None:
     chosen = parser.parse_args()
     packages = ("duhamel", "numba", "numpy", "exudyn")
     print(
-        ", ".join(f"{name} {metadata.version(name)}" for name in packages), f"load {os.getloadavg()[0]:.1f}", sep=", "
+        ", ".join(f"{name} {metadata.version(name)}" for name in packages),
+        f"load {os.getloadavg()[0]:.1f}",
+        sep=", ",
     )
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -187,7 +214,17 @@ def main() -> None:
 
 
 def heading(first: str) -> None:
-    cells = [first, "", "CPU, us a step", "clock", "iterations", "tolerance", "left", "from ours", "ratio"]
+    cells = [
+        first,
+        "",
+        "CPU, us a step",
+        "clock",
+        "iterations",
+        "tolerance",
+        "left",
+        "from ours",
+        "ratio",
+    ]
     print("", "| " + " | ".join(cells) + " |", "|" + "---|" * len(cells), sep="\n")
 
 

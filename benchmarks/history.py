@@ -1,4 +1,5 @@
-"""What a step of the history costs in each of its forms, over interface dofs, modes and steps; and what `auto` takes.
+"""What a step of the history costs in each of its forms, over interface dofs, modes and steps; and
+what `auto` takes.
 
 The history alone, without Newton and the rest of a step: loads are given. CPU time, one thread.
 
@@ -12,10 +13,10 @@ from typing import Any
 import numba
 import numpy as np
 from duhamel.solver import Constant, FlexibleBody, Load, Model
-from duhamel.solver.history import recall, remember
-from duhamel.solver.history_cost import cheapest_history, history_costs
-from duhamel.solver.initial import begin
-from duhamel.solver.lookahead import Lookahead
+from duhamel.solver.history.cost import cheapest_history, history_costs
+from duhamel.solver.history.dyadic import Lookahead
+from duhamel.solver.start.initial import begin
+from duhamel.solver.step.history import recall, remember
 from duhamel.superelement import GeneralizedAlpha, Interface, Modes, Superelement, sample_kernel
 
 H = 1e-4
@@ -59,7 +60,14 @@ def measure(body: Superelement, history: str, n_steps: int) -> float:
         for interface in body.interfaces
         for kind in ("force", "torque")
     )
-    model = Model({"body": FlexibleBody(body)}, loads=loads, t_end=n_steps * H, step=H, rho_inf=0.9, history=history)
+    model = Model(
+        {"body": FlexibleBody(body)},
+        loads=loads,
+        t_end=n_steps * H,
+        step=H,
+        rho_inf=0.9,
+        history=history,
+    )
     beginning = begin(model)
     system, state, work = beginning.compiled.system, beginning.state, beginning.work
     lookahead = Lookahead(system.elastic)
@@ -81,7 +89,9 @@ def main() -> None:
     parser.add_argument("--modes", type=int, nargs="+", default=[60, 400])
     arguments = parser.parse_args()
     print("microseconds a step, measured (modelled)")
-    print(f"{'dofs':>5} {'modes':>6} {'steps':>8}  {'recursive':>15} {'direct':>17} {'fft':>15}   auto; without modes")
+    print(
+        f"{'dofs':>5} {'modes':>6} {'steps':>8}  {'recursive':>15} {'direct':>17} {'fft':>15}   auto; without modes"
+    )
     for n_c in arguments.dofs:
         for m in arguments.modes:
             body = element(n_c, m)
@@ -95,7 +105,9 @@ def main() -> None:
                     ):
                         cells.append("-")
                         continue
-                    cells.append(f"{measure(body, history, n_steps):.2f} ({1e-3 * modelled[history]:.2f})")
+                    cells.append(
+                        f"{measure(body, history, n_steps):.2f} ({1e-3 * modelled[history]:.2f})"
+                    )
                 choice = cheapest_history(n_c, n_c, m, n_steps, n_steps + 1)
                 fallback = cheapest_history(n_c, n_c, None, n_steps, n_steps + 1)
                 print(

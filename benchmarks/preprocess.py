@@ -1,9 +1,11 @@
-"""Superelements of a bracket of ten-node tetrahedra, beside Hurty-Craig-Bampton modes of Exudyn on the same mesh.
+"""Superelements of a bracket of ten-node tetrahedra, beside Hurty-Craig-Bampton modes of Exudyn on
+the same mesh.
 
-Ours: the whole kernel, n_c = 12, h = 1e-5 s, 5000 steps, to the default tolerance in the default band. Theirs: 16 modes
-besides the static ones, with the matrices of NGsolve, by both of the eigensolvers that Exudyn offers. Each measurement
-has a process of its own; libraries choose their threads. Needs the extra `validation`.
-Run as `python benchmarks/preprocess.py [--sizes 20 50 100 160 285] [--patience SECONDS]`; by default the two smallest.
+Ours: the whole kernel, n_c = 12, h = 1e-5 s, 5000 steps, to the default tolerance in the default
+band. Theirs: 16 modes besides the static ones, with the matrices of NGsolve, by both of the
+eigensolvers that Exudyn offers. Each measurement has a process of its own; libraries choose their
+threads. Needs the extra `validation`. Run as `python benchmarks/preprocess.py [--sizes 20 50 100
+160 285] [--patience SECONDS]`; by default the two smallest.
 """
 
 import argparse
@@ -19,11 +21,22 @@ from pathlib import Path
 from typing import Any
 from unittest import mock
 
-SIZES = {20: (0.06, 0.008), 50: (0.062, 0.0065), 100: (0.06, 0.0048), 160: (0.062, 0.0038), 285: (0.056, 0.0035)}
-"""Width of the bracket and length of the elements [m], by thousands of unknowns: Netgen grades lengths by halves."""
+SIZES = {
+    20: (0.06, 0.008),
+    50: (0.062, 0.0065),
+    100: (0.06, 0.0048),
+    160: (0.062, 0.0038),
+    285: (0.056, 0.0035),
+}
+"""Width of the bracket and length of the elements [m], by thousands of unknowns: Netgen grades
+lengths by halves.
+"""
 LENGTH, HEIGHT, THICKNESS = 0.2, 0.12, 0.03
 STEEL = {"E": 2.1e11, "nu": 0.3, "rho": 7800.0}
-ENDS = {"plate": ((LENGTH, 0.0, 0.0), (1.0, 0.0, 0.0)), "wall": ((0.0, 0.0, HEIGHT), (0.0, 0.0, 1.0))}
+ENDS = {
+    "plate": ((LENGTH, 0.0, 0.0), (1.0, 0.0, 0.0)),
+    "wall": ((0.0, 0.0, HEIGHT), (0.0, 0.0, 1.0)),
+}
 MODES = 16
 NETGEN_ORDER = [0, 2, 1, 3, 5, 7, 4, 6, 9, 8]
 """Netgen's ten nodes in meshio's order, which sees tetrahedra from the other side."""
@@ -38,7 +51,10 @@ def make_mesh(folder: Path, width: float, length: float) -> Measurement:
     import numpy as np
     from netgen.occ import Box, OCCGeometry
 
-    plate, wall = Box((0, 0, 0), (LENGTH, width, THICKNESS)), Box((0, 0, 0), (THICKNESS, width, HEIGHT))
+    plate, wall = (
+        Box((0, 0, 0), (LENGTH, width, THICKNESS)),
+        Box((0, 0, 0), (THICKNESS, width, HEIGHT)),
+    )
     mesh = OCCGeometry(plate + wall).GenerateMesh(maxh=length)
     mesh.Save(str(folder / NETGEN))
     mesh.SecondOrder()
@@ -58,7 +74,9 @@ def ours(folder: Path) -> Measurement:
             "name": "bracket",
             "mesh": folder / GMSH,
             "material": STEEL,
-            "interfaces": {name: {"plane": {"point": p, "normal": n}} for name, (p, n) in ENDS.items()},
+            "interfaces": {
+                name: {"plane": {"point": p, "normal": n}} for name, (p, n) in ENDS.items()
+            },
             "impulse": {"step": 1e-5, "steps": 5000, "method": "krylov"},
         }
     )
@@ -83,21 +101,27 @@ def exudyn(folder: Path, eigensolver: str) -> Measurement:
     with measured() as found:
         start = time.perf_counter()
         mass, stiffness, _ = fem.ImportMeshFromNGsolve(
-            mesh, density=STEEL["rho"], youngsModulus=STEEL["E"], poissonsRatio=STEEL["nu"], meshOrder=2
+            mesh,
+            density=STEEL["rho"],
+            youngsModulus=STEEL["E"],
+            poissonsRatio=STEEL["nu"],
+            meshOrder=2,
         )
         found["import"] = time.perf_counter() - start
         ends = [fem.GetNodesInPlane(*end) for end in ENDS.values()]
         if eigensolver == "NGsolve":
             fem.ComputeHurtyCraigBamptonModesNGsolve(mass, stiffness, ends, MODES)
         else:
-            fem.ComputeHurtyCraigBamptonModes(ends, MODES, computationMode=HCBstaticModeSelection.RBE2)
+            fem.ComputeHurtyCraigBamptonModes(
+                ends, MODES, computationMode=HCBstaticModeSelection.RBE2
+            )
     return {**found, "traces": (fem.stiffnessMatrix.trace(), fem.massMatrix.trace())}
 
 
 @contextlib.contextmanager
 def timed_factorization() -> Iterator[Measurement]:
     """Seconds of the factorization and of the solves of the Krylov space, and its number of blocks."""
-    from duhamel.preprocess import krylov
+    from duhamel.preprocess.responses import krylov
 
     spent: Measurement = {"factorization": 0.0, "solves": 0.0, "blocks": 0}
     factorize = krylov.factorize
@@ -122,7 +146,9 @@ def timed_factorization() -> Iterator[Measurement]:
 
 @contextlib.contextmanager
 def measured() -> Iterator[Measurement]:
-    """Seconds on the clock and of all processors, and the peak of memory [GB] with what was there before."""
+    """Seconds on the clock and of all processors, and the peak of memory [GB] with what was there
+    before.
+    """
     found: Measurement = {}
     start, cpu = time.perf_counter(), time.process_time()
     yield found
@@ -133,8 +159,12 @@ def measured() -> Iterator[Measurement]:
     }
 
 
-def alone(work: Callable[..., Measurement], *arguments: Any, patience: float | None = None) -> Measurement | None:
-    """What `work` measures in a fresh process; None if that dies, or takes longer than `patience` [s]."""
+def alone(
+    work: Callable[..., Measurement], *arguments: Any, patience: float | None = None
+) -> Measurement | None:
+    """What `work` measures in a fresh process; None if that dies, or takes longer than `patience`
+    [s].
+    """
     context = multiprocessing.get_context("spawn")
     receiver, sender = context.Pipe(duplex=False)
     process = context.Process(target=send, args=(sender, work, *arguments))
@@ -158,7 +188,10 @@ def send(sender: Any, work: Callable[..., Measurement], *arguments: Any) -> None
 
 def row_of_ours(unknowns: str, m: Measurement) -> str:
     krylov = m["impulse"] - m["factorization"]
-    seconds = [f"{s:.1f} s" for s in (m["mesh"], m["assembly"], m["factorization"], krylov, m["total"], m["cpu"])]
+    seconds = [
+        f"{s:.1f} s"
+        for s in (m["mesh"], m["assembly"], m["factorization"], krylov, m["total"], m["cpu"])
+    ]
     rest = [f"{m['peak']:.2f} GB", f"{m['blocks']}", f"{m['modes']}", f"{m['error']:.1e}"]
     return "| " + " | ".join([unknowns, *seconds, *rest]) + " |"
 
@@ -168,21 +201,53 @@ def cells_of_peer(own: Measurement, found: Measurement | None, patience: float |
         return ["", "died" if patience is None else f"over {patience:.0f} s, or died", "", "", ""]
     for trace, other in zip(found["traces"], own["traces"], strict=True):
         if abs(trace / other - 1.0) > 1e-9:
-            raise SystemExit(f"the models differ: traces of K and M are {own['traces']} and {found['traces']}")
+            raise SystemExit(
+                f"the models differ: traces of K and M are {own['traces']} and {found['traces']}"
+            )
     hcb = found["total"] - found["import"]
     ratios = f"{found['total'] / own['total']:.1f} ({found['cpu'] / own['cpu']:.1f})"
-    return [f"{found['import']:.1f} s", f"{hcb:.1f} s", f"{found['cpu']:.1f} s", f"{found['peak']:.2f} GB", ratios]
+    return [
+        f"{found['import']:.1f} s",
+        f"{hcb:.1f} s",
+        f"{found['cpu']:.1f} s",
+        f"{found['peak']:.2f} GB",
+        ratios,
+    ]
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="Impulse superelements beside Hurty-Craig-Bampton modes.")
-    parser.add_argument("--sizes", type=int, nargs="+", choices=SIZES, default=[20, 50], help="thousands of unknowns")
+    parser = argparse.ArgumentParser(
+        description="Impulse superelements beside Hurty-Craig-Bampton modes."
+    )
+    parser.add_argument(
+        "--sizes",
+        type=int,
+        nargs="+",
+        choices=SIZES,
+        default=[20, 50],
+        help="thousands of unknowns",
+    )
     parser.add_argument("--patience", type=float, help="seconds to wait for each run of the peer")
     chosen = parser.parse_args()
 
     packages = ("duhamel", "numpy", "scipy", "rslab", "exudyn", "ngsolve")
-    print(", ".join(f"{name} {metadata.version(name)}" for name in packages), f"{os.cpu_count()} cores", sep=", ")
-    heading = ["unknowns", "mesh", "assembly", "factorization", "Krylov", "total", "CPU", "peak", "blocks", "modes"]
+    print(
+        ", ".join(f"{name} {metadata.version(name)}" for name in packages),
+        f"{os.cpu_count()} cores",
+        sep=", ",
+    )
+    heading = [
+        "unknowns",
+        "mesh",
+        "assembly",
+        "factorization",
+        "Krylov",
+        "total",
+        "CPU",
+        "peak",
+        "blocks",
+        "modes",
+    ]
     peers = ["unknowns", "eigensolver", "import", "modes", "CPU", "peak", "ratio (of CPU)"]
     tables = [table_of([*heading, "error"]), table_of(peers)]
     for size in chosen.sizes:

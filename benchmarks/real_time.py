@@ -1,9 +1,10 @@
-"""How long a step of the paper's Case 1 takes when its torque is given step by step, against the step h of 60 us.
+"""How long a step of the paper's Case 1 takes when its torque is given step by step, against the
+step h of 60 us.
 
-A step lasts from a torque to the outputs, with all that the next can do before its own. It is late where that takes
-longer than h. Nothing is tuned: an ordinary process, from Python, its garbage not collected. CPU time is what the code
-takes, wall time what other processes let it have.
-Run as `python benchmarks/real_time.py [STEPS]`.
+A step lasts from a torque to the outputs, with all that the next can do before its own. It is late
+where that takes longer than h. Nothing is tuned: an ordinary process, from Python, its garbage not
+collected. CPU time is what the code takes, wall time what other processes let it have. Run as
+`python benchmarks/real_time.py [STEPS]`.
 """
 
 import os
@@ -29,9 +30,13 @@ CLOCKS = (time.perf_counter_ns, time.thread_time_ns)
 
 
 def step_times(model: Model, steps: int) -> tuple[np.ndarray, float]:
-    """Wall and CPU nanoseconds of every step (2, steps), and h in nanoseconds; the torque is that of the paper."""
+    """Wall and CPU nanoseconds of every step (2, steps), and h in nanoseconds; the torque is that
+    of the paper.
+    """
     torque = model.loads[0].signal
-    model = replace(model, loads=(replace(model.loads[0], signal=Input("torque", torque(0.0))),), t_end=1e4)
+    model = replace(
+        model, loads=(replace(model.loads[0], signal=Input("torque", torque(0.0))),), t_end=1e4
+    )
     simulator = Simulator(model, OUTPUTS)
     simulator.step([torque(0.0)])
     h = simulator.time
@@ -60,9 +65,13 @@ def main() -> None:
     for corrections in (None, 2, 1):
         both, h = step_times(replace(model, corrections=corrections), steps)
         for clock, times in zip(("wall", "CPU"), both, strict=True):
-            cells = [f"{t / 1e3:.1f}" for t in (*np.quantile(times, [0.5, 0.99, 0.999]), times.max())]
+            cells = [
+                f"{t / 1e3:.1f}" for t in (*np.quantile(times, [0.5, 0.99, 0.999]), times.max())
+            ]
             name = corrections or "until converged"
-            print(f"| {name} | {clock} | {' | '.join(cells)} | {np.median(times) / h:.0%} | {np.mean(times > h):.2%} |")
+            print(
+                f"| {name} | {clock} | {' | '.join(cells)} | {np.median(times) / h:.0%} | {np.mean(times > h):.2%} |"
+            )
 
 
 if __name__ == "__main__":

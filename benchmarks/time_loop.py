@@ -1,7 +1,9 @@
-"""What a step of the time loop costs: the paper's Case 1 by part, bodies of many modes, and chains of flexible bodies.
+"""What a step of the time loop costs: the paper's Case 1 by part, bodies of many modes, and chains
+of flexible bodies.
 
-CPU time on one thread, without set-up and results files, medians of repeats in one process. Parts are differences:
-between runs with and without record, and with one correction more and a matrix in every step.
+CPU time on one thread, without set-up and results files, medians of repeats in one process. Parts
+are differences: between runs with and without record, and with one correction more and a matrix in
+every step.
 
     python benchmarks/time_loop.py [--bodies 1 2 4 8 16 64 256 1000]
 """
@@ -21,11 +23,19 @@ from typing import NamedTuple
 import numpy as np
 from duhamel.preprocess import build, read_body
 from duhamel.solver import FlexibleBody, Joint, Model, Start, read_model
-from duhamel.solver.initial import begin
-from duhamel.solver.loop import advance, record
-from duhamel.solver.results_layout import make_output
+from duhamel.solver.output.columns import make_output
 from duhamel.solver.simulation import compile_loop, signals
-from duhamel.superelement import GeneralizedAlpha, Interface, Modes, Superelement, read, sample_kernel, write
+from duhamel.solver.start.initial import begin
+from duhamel.solver.step.loop import advance, record
+from duhamel.superelement import (
+    GeneralizedAlpha,
+    Interface,
+    Modes,
+    Superelement,
+    read,
+    sample_kernel,
+    write,
+)
 
 FOLDER = Path(__file__).parents[1]
 CASE_1, BEAM = FOLDER / "examples" / "case1.toml", FOLDER / "meshes" / "beam" / "beam.toml"
@@ -63,7 +73,12 @@ def measure(model: Model, recorded: bool = True, repeats: int = REPEATS) -> Cost
         if taken < n:
             raise RuntimeError(f"no convergence in step {taken + 1}")
     corrections = float(output.iterations.mean()) if recorded else np.nan
-    return Cost(1e6 * statistics.median(seconds) / n, corrections, work.renewed[1] / n, statistics.median(starts))
+    return Cost(
+        1e6 * statistics.median(seconds) / n,
+        corrections,
+        work.renewed[1] / n,
+        statistics.median(starts),
+    )
 
 
 def beam() -> Superelement:
@@ -80,12 +95,18 @@ def case_1() -> None:
     correction = fixed[1] - fixed[0]
     others = bare.step - whole.corrections * correction
     matrix = fixed[0] - correction - others
-    print(f"Case 1: {whole.step:.1f} us a step, {whole.corrections:.2f} corrections, {whole.matrices:.3f} matrices\n")
+    print(
+        f"Case 1: {whole.step:.1f} us a step, {whole.corrections:.2f} corrections, {whole.matrices:.3f} matrices\n"
+    )
     print("| part | us | times a step |\n|---|---|---|")
-    print(f"| correction: evaluate, substitute, move | {correction:.2f} | {whole.corrections:.2f} |")
+    print(
+        f"| correction: evaluate, substitute, move | {correction:.2f} | {whole.corrections:.2f} |"
+    )
     print(f"| matrix: derivatives, blocks, factors | {matrix:.1f} | {whole.matrices:.3f} |")
     print(f"| record | {whole.step - bare.step:.2f} | 1 |")
-    print(f"| history, prediction, residuals at the end | {others - matrix * whole.matrices:.2f} | 1 |\n")
+    print(
+        f"| history, prediction, residuals at the end | {others - matrix * whole.matrices:.2f} | 1 |\n"
+    )
 
 
 def many_modes() -> None:
@@ -111,7 +132,9 @@ def element(m: int) -> Superelement:
         mass=1.0,
         J_rot=0.01 * np.eye(3),
         center=np.zeros(3),
-        interfaces=tuple(Interface(f"i{k}", np.array([0.2 * k - 0.1, 0.0, 0.0]), True) for k in range(2)),
+        interfaces=tuple(
+            Interface(f"i{k}", np.array([0.2 * k - 0.1, 0.0, 0.0]), True) for k in range(2)
+        ),
         kernel=sample_kernel(modes, H, GeneralizedAlpha(0.9), 8),
         modes=modes,
         compliance=modes.compliance,
@@ -121,18 +144,27 @@ def element(m: int) -> Superelement:
 
 def chains(numbers: Sequence[int]) -> None:
     """Beams on revolute joints that fall from the horizontal."""
-    print("| bodies | us a step | a body | corrections | matrices a step | start |\n|---|---|---|---|---|---|")
+    print(
+        "| bodies | us a step | a body | corrections | matrices a step | start |\n|---|---|---|---|---|---|"
+    )
     for n in numbers:
         cost = measure(chain(beam(), n, steps=40 if n > 100 else 400), repeats=3)
-        cells = f"{cost.step:.1f} | {cost.step / n:.1f} | {cost.corrections:.2f} | {cost.matrices:.3f}"
+        cells = (
+            f"{cost.step:.1f} | {cost.step / n:.1f} | {cost.corrections:.2f} | {cost.matrices:.3f}"
+        )
         print(f"| {n} | {cells} | {cost.start:.2f} s |", flush=True)
 
 
 def chain(element: Superelement, n: int, steps: int) -> Model:
     ends = ["ground", *(f"body{k}.tip" for k in range(n))]
     return Model(
-        bodies={f"body{k}": FlexibleBody(element, Start(position=[LENGTH * (k + 0.5), 0, 0])) for k in range(n)},
-        joints=[Joint(f"joint{k}", "revolute", (ends[k], f"body{k}.root"), [0, 0, 1]) for k in range(n)],
+        bodies={
+            f"body{k}": FlexibleBody(element, Start(position=[LENGTH * (k + 0.5), 0, 0]))
+            for k in range(n)
+        },
+        joints=[
+            Joint(f"joint{k}", "revolute", (ends[k], f"body{k}.root"), [0, 0, 1]) for k in range(n)
+        ],
         gravity=[0, -9.81, 0],
         t_end=steps * H,
         step=H,

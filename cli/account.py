@@ -1,19 +1,25 @@
-"""What `duhamel run` says of a run besides its speed: how it started, and what became of the energy."""
+"""What `duhamel run` says of a run besides its speed: how it started, and what became of the
+energy.
+"""
 
 from collections.abc import Iterator
 
 import numpy as np
 
+from ..results.quantities import Energy
 from ..solver import Results
-from ..solver.quantities import Energy
 from ..superelement.validation import Array
 
 NOTICEABLE = 1e-9
-"""what given positions [m, rad] and velocities [m/s, rad/s] miss, or are changed by, that is worth a line"""
+"""what given positions [m, rad] and velocities [m/s, rad/s] miss, or are changed by, that is worth
+a line
+"""
 
 
 def account(results: Results) -> Iterator[str]:
-    """Lines of text: degrees of freedom, what was changed at the start, energies and momenta at the end."""
+    """Lines of text: degrees of freedom, what was changed at the start, energies and momenta at the
+    end.
+    """
     solver = results.solver
     yield f"degrees of freedom (bodies as rigid): {solver['degrees_of_freedom']}"
     if solver["removed"]:
@@ -46,7 +52,9 @@ def account(results: Results) -> Iterator[str]:
 
 def _energies(energy: Energy) -> str:
     names = ("kinetic", "elastic", "springs", "potential", "work", "dissipated")
-    last = ", ".join(f"{name} {getattr(energy, name)[-1]:.4g}" for name in names if getattr(energy, name).any())
+    last = ", ".join(
+        f"{name} {getattr(energy, name)[-1]:.4g}" for name in names if getattr(energy, name).any()
+    )
     largest = float(np.abs(energy.balance).max())
     sizes = [np.abs(getattr(energy, name)).max() for name in names if name != "potential"]
     scale = float(max(*sizes, np.ptp(energy.potential)))

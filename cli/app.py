@@ -1,4 +1,6 @@
-"""The subcommands, one function each. Each imports what it needs when called, so that `duhamel run` starts fast."""
+"""The subcommands, one function each. Each imports what it needs when called, so that `duhamel run`
+starts fast.
+"""
 
 from pathlib import Path
 from time import perf_counter
@@ -15,18 +17,36 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-BodyFile = Annotated[Path, typer.Argument(metavar="BODY.toml", help="Mesh, section or material, interfaces.")]
-ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.toml", help="Bodies, joints, loads, simulation.")]
+BodyFile = Annotated[
+    Path, typer.Argument(metavar="BODY.toml", help="Mesh, section or material, interfaces.")
+]
+ModelFile = Annotated[
+    Path, typer.Argument(metavar="MODEL.toml", help="Bodies, joints, loads, simulation.")
+]
 SuperelementFile = Annotated[Path, typer.Argument(metavar="FILE.h5", help="A superelement.")]
-ResultsFile = Annotated[Path, typer.Argument(metavar="RESULTS.h5", help="What `duhamel run` wrote.")]
+ResultsFile = Annotated[
+    Path, typer.Argument(metavar="RESULTS.h5", help="What `duhamel run` wrote.")
+]
 Panels = Annotated[
     list[str] | None,
-    typer.Argument(metavar="QUANTITY[,QUANTITY]", help="A panel each, as angular_velocity:hub:z.", show_default=False),
+    typer.Argument(
+        metavar="QUANTITY[,QUANTITY]",
+        help="A panel each, as angular_velocity:hub:z.",
+        show_default=False,
+    ),
 ]
-Output = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE.h5", show_default=False)]
+Output = Annotated[
+    Path | None, typer.Option("--output", "-o", metavar="FILE.h5", show_default=False)
+]
 PreprocessOutput = Annotated[
     Path | None,
-    typer.Option("--output", "-o", metavar="FILE", help="The superelement, or the picture.", show_default=False),
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="FILE",
+        help="The superelement, or the picture.",
+        show_default=False,
+    ),
 ]
 DryRun = Annotated[
     bool,
@@ -35,29 +55,45 @@ DryRun = Annotated[
         help="Only say what was found on the mesh and what to expect, and draw it: NAME.png beside the body file.",
     ),
 ]
-StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="A model or body, and values of its parameters.")]
+StudyFile = Annotated[
+    Path,
+    typer.Argument(metavar="STUDY.toml", help="A model or body, and values of its parameters."),
+]
 StudyFolder = Annotated[
     Path | None,
     typer.Option(
-        "--output", "-o", metavar="FOLDER", help="The cases: STUDY beside the study file.", show_default=False
+        "--output",
+        "-o",
+        metavar="FOLDER",
+        help="The cases: STUDY beside the study file.",
+        show_default=False,
     ),
 ]
 Workers = Annotated[
     int | None,
-    typer.Option(min=0, help="Processes on this machine, as many as cores unless given; 0: none but this one."),
+    typer.Option(
+        min=0,
+        help="Processes on this machine, as many as cores unless given; 0: none but this one.",
+    ),
 ]
 Scheduler = Annotated[
-    str | None, typer.Option(metavar="tcp://HOST:PORT", help="Of a Dask cluster that sees the same files.")
+    str | None,
+    typer.Option(metavar="tcp://HOST:PORT", help="Of a Dask cluster that sees the same files."),
 ]
 Force = Annotated[bool, typer.Option("--force", help="Also the cases that are up to date.")]
-Picture = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE.png", show_default=False)]
+Picture = Annotated[
+    Path | None, typer.Option("--output", "-o", metavar="FILE.png", show_default=False)
+]
 Title = Annotated[
-    str | None, typer.Option(metavar="TEXT", help="Above the picture: the name of the file, unless given.")
+    str | None,
+    typer.Option(metavar="TEXT", help="Above the picture: the name of the file, unless given."),
 ]
 
 
 @app.command()
-def preprocess(body_file: BodyFile, output: PreprocessOutput = None, dry_run: DryRun = False) -> None:
+def preprocess(
+    body_file: BodyFile, output: PreprocessOutput = None, dry_run: DryRun = False
+) -> None:
     """Turn a mesh into a superelement: NAME.h5 beside the body file, unless told otherwise."""
     start = perf_counter()
     from .. import preprocess, superelement
@@ -103,7 +139,9 @@ def run(model_file: ModelFile, output: Output = None) -> None:
     for line in account(results):
         typer.echo(line)
     steps, loop = int(results.solver["steps"]), float(results.solver["seconds"])
-    typer.echo(f"{target}: {steps} steps, {perf_counter() - start:.2f} s in all, {1e6 * loop / steps:.1f} us per step")
+    typer.echo(
+        f"{target}: {steps} steps, {perf_counter() - start:.2f} s in all, {1e6 * loop / steps:.1f} us per step"
+    )
 
 
 @app.command()
@@ -116,11 +154,13 @@ def sweep(
 ) -> None:
     """Run a model, or preprocess a body, for many values of its parameters.
 
-    Each case is a file of its own, with what was made of it beside it; summary.csv has a row for each. A second call
-    makes only what is missing, failed, or was made from other inputs.
+    Each case is a file of its own, with what was made of it beside it; summary.csv has a row for
+    each. A second call makes only what is missing, failed, or was made from other inputs.
     """
     if scheduler is not None and workers is not None:
-        raise typer.BadParameter("a scheduler brings its own workers: expected one of --workers and --scheduler")
+        raise typer.BadParameter(
+            "a scheduler brings its own workers: expected one of --workers and --scheduler"
+        )
     start = perf_counter()
     from .. import study
     from .sweep import shown_cases, verdict
@@ -133,17 +173,25 @@ def sweep(
     for line in failed:
         typer.echo(line, err=True)
     seconds = perf_counter() - start
-    typer.echo(f"{plan.folder / 'summary.csv'}: {len(rows)} cases, {len(failed)} failed, {seconds:.1f} s")
+    typer.echo(
+        f"{plan.folder / 'summary.csv'}: {len(rows)} cases, {len(failed)} failed, {seconds:.1f} s"
+    )
     if failed:
         raise typer.Exit(1)
 
 
 @app.command()
-def plot(results_file: ResultsFile, quantities: Panels = None, output: Picture = None, title: Title = None) -> None:
+def plot(
+    results_file: ResultsFile,
+    quantities: Panels = None,
+    output: Picture = None,
+    title: Title = None,
+) -> None:
     """Draw results over time: RESULTS.png beside the results file, unless told otherwise.
 
-    Each argument is a panel: a quantity, or several joined by commas. Without arguments: how fast the bodies turn,
-    how far the flexible ones bend, the energies and their balance. A quantity that does not exist lists those that do.
+    Each argument is a panel: a quantity, or several joined by commas. Without arguments: how fast
+    the bodies turn, how far the flexible ones bend, the energies and their balance. A quantity that
+    does not exist lists those that do.
     """
     from .. import view
 

@@ -52,7 +52,10 @@ def _frequencies(modes: Modes | None) -> Iterator[Row]:
         yield "modes", "none, so the step and rho_inf of the kernel are fixed"
         return
     first = np.sort(modes.frequencies)[:SHOWN_FREQUENCIES]
-    yield "modes", str(len(modes.omega)) + (f", for steps down to {modes.h_min:.6g} s" if modes.h_min else "")
+    yield (
+        "modes",
+        str(len(modes.omega)) + (f", for steps down to {modes.h_min:.6g} s" if modes.h_min else ""),
+    )
     yield f"first {len(first)} [Hz]", ", ".join(f"{frequency:.5g}" for frequency in first)
 
 
@@ -60,7 +63,10 @@ def _kernel(kernel: Kernel) -> Iterator[Row]:
     yield "kernel step [s]", f"{kernel.h:.6g}"
     yield "kernel length [s]", f"{kernel.length:.6g}, {kernel.steps} steps"
     yield "kernel rho_inf", f"{kernel.scheme.rho_inf:.6g}"
-    yield "kernel error", f"{kernel.error:.3g}" + (f" up to {kernel.band:.5g} Hz" if kernel.band else "")
+    yield (
+        "kernel error",
+        f"{kernel.error:.3g}" + (f" up to {kernel.band:.5g} Hz" if kernel.band else ""),
+    )
     yield "kernel n_c", str(kernel.n_c)
 
 
@@ -69,7 +75,10 @@ def _provenance(source: Provenance) -> Iterator[Row]:
     yield "mesh SHA-256", source.mesh_sha256
     yield "method", f"{source.method}, tolerance {source.tolerance:.3g}"
     yield "versions", ", ".join(f"{name} {version}" for name, version in source.versions.items())
-    yield "timings [s]", ", ".join(f"{stage} {seconds:.3g}" for stage, seconds in source.timings.items())
+    yield (
+        "timings [s]",
+        ", ".join(f"{stage} {seconds:.3g}" for stage, seconds in source.timings.items()),
+    )
 
 
 def _line(values: Array) -> str:

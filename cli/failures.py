@@ -12,7 +12,8 @@ import typer
 
 @contextmanager
 def told_in_one_line(*packages: ModuleType, about: Path | None = None) -> Iterator[None]:
-    """Print `error: ...` and exit with 1 on an exception that the packages export, `warning: ...` on a warning.
+    """Print `error: ...` and exit with 1 on an exception that the packages export, `warning: ...`
+    on a warning.
 
     about: the file at fault, put before errors that do not know it.
     Any other exception is a defect of the program, and shows its traceback.

@@ -6,7 +6,7 @@ import numpy as np
 from rich.table import Table
 from rich.text import Text
 
-from ..preprocess.interfaces import Attachment
+from ..preprocess.assembly.interfaces import Attachment
 from ..preprocess.survey import Survey
 from ..superelement.validation import Array
 from ..view import Patch, Place, Scene
@@ -25,7 +25,13 @@ def tell(survey: Survey) -> Table:
     table = Table(title=Text(survey.body.name), show_header=False)
     table.add_column(no_wrap=True)
     table.add_column(overflow="fold")
-    for section in (_mesh(survey), _rigid(survey), _places(survey), _frequencies(survey), _cost(survey)):
+    for section in (
+        _mesh(survey),
+        _rigid(survey),
+        _places(survey),
+        _frequencies(survey),
+        _cost(survey),
+    ):
         for label, value in section:
             table.add_row(Text(label), Text(value))
         table.add_section()
@@ -33,7 +39,9 @@ def tell(survey: Survey) -> Table:
 
 
 def scene(survey: Survey) -> Scene:
-    """The boundary of solids or the lines of beams, with the facets of interfaces, the frames and the masses."""
+    """The boundary of solids or the lines of beams, with the facets of interfaces, the frames and
+    the masses.
+    """
     mesh, facets = survey.mesh, survey.facets
     places = [Place(name, place.X, place.rotates) for name, place in survey.interfaces.items()]
     masses = [
@@ -82,7 +90,9 @@ def _carried(place: Attachment) -> str:
     """What carries a frame."""
     if len(place.nodes) == 1:
         return f"one node, {place.rows.shape[0]} dofs"
-    facets = f"{len(place.facets)} facets of {place.area:.4g} m^2 with " if len(place.facets) else ""
+    facets = (
+        f"{len(place.facets)} facets of {place.area:.4g} m^2 with " if len(place.facets) else ""
+    )
     return f"{'rigid' if place.rigid else 'average'}, {facets}{len(place.nodes)} nodes"
 
 
@@ -91,16 +101,29 @@ def _frequencies(survey: Survey) -> Iterator[Row]:
     yield f"first {len(found.values)} [Hz]", ", ".join(f"{value:.5g}" for value in found.values)
     yield "  found", EXACT if found.exact else ESTIMATED
     inside = int((found.values <= band).sum())
-    yield "band [Hz]", f"up to {band:.5g}, which holds {'all' if inside == len(found.values) else inside} of these"
+    yield (
+        "band [Hz]",
+        f"up to {band:.5g}, which holds {'all' if inside == len(found.values) else inside} of these",
+    )
     kind = "bending" if survey.facets is None else "shear"
-    hint = "" if wave.nodes >= wave.needed else f": the mesh is too coarse for it, {wave.needed} would do"
-    yield f"  shortest {kind} wave [m]", f"{wave.wavelength:.4g}, {wave.nodes:.3g} nodes where they are sparse{hint}"
+    hint = (
+        ""
+        if wave.nodes >= wave.needed
+        else f": the mesh is too coarse for it, {wave.needed} would do"
+    )
+    yield (
+        f"  shortest {kind} wave [m]",
+        f"{wave.wavelength:.4g}, {wave.nodes:.3g} nodes where they are sparse{hint}",
+    )
 
 
 def _cost(survey: Survey) -> Iterator[Row]:
     if survey.cost is not None:
         seconds, gigabytes = survey.cost.seconds, survey.cost.bytes / 1e9
-        yield "to expect", f"about {seconds:.2g} s and {gigabytes:.2g} GB for {survey.body.impulse.steps} steps"
+        yield (
+            "to expect",
+            f"about {seconds:.2g} s and {gigabytes:.2g} GB for {survey.body.impulse.steps} steps",
+        )
 
 
 def _position(X: Array, survey: Survey) -> str:

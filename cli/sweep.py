@@ -17,7 +17,9 @@ def shown_cases(total: int) -> Iterator[Tell]:
 
     columns = (TextColumn("cases"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     console = Console(stderr=True)
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+    with Progress(
+        *columns, console=console, transient=True, disable=not console.is_terminal
+    ) as bar:
         task = bar.add_task("cases", total=total)
 
         def tell(row: Row) -> None:

@@ -2,10 +2,10 @@
 
     python examples/bladed_rotor.py [FOLDER]
 
-runs examples/bladed_rotor.toml, whose blades are one superelement used three times. It checks that the blades move
-alike until one is struck, the angular momentum, and what the blow adds to that blade against Duhamel's integral over
-modes of the finite element mesh with its root held, found without the superelement. Writes results and pictures to
-FOLDER, by default out/.
+runs examples/bladed_rotor.toml, whose blades are one superelement used three times. It checks that
+the blades move alike until one is struck, the angular momentum, and what the blow adds to that
+blade against Duhamel's integral over modes of the finite element mesh with its root held, found
+without the superelement. Writes results and pictures to FOLDER, by default out/.
 """
 
 import sys
@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import scipy.sparse as sp
 from duhamel import preprocess, solver, superelement, view
-from duhamel.preprocess.structure import assemble
+from duhamel.preprocess.assembly.structure import assemble
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.sparse.linalg import eigsh
@@ -39,8 +39,9 @@ HUB = (0.06, 0.03)
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """time (n,) [s]; deflections (3, n) of the tips along the axis of the rotor, seen from their seats, and what the
-    blow adds to the first by Duhamel's integral, expected (n,) [m]."""
+    """time (n,) [s]; deflections (3, n) of the tips along the axis of the rotor, seen from their
+    seats, and what the blow adds to the first by Duhamel's integral, expected (n,) [m].
+    """
 
     time: Array
     deflections: Array
@@ -51,8 +52,8 @@ class Motion:
 class Checks:
     """Largest differences, relative.
 
-    alike: of the tips from one another before the blow; momentum: of the angular momentum from what the torque leaves;
-    struck: of what the blow adds to the first blade from Duhamel's integral.
+    alike: of the tips from one another before the blow; momentum: of the angular momentum from what
+    the torque leaves; struck: of what the blow adds to the first blade from Duhamel's integral.
     """
 
     alike: float
@@ -85,7 +86,9 @@ def ensure_superelement() -> Path:
 
 
 def motion(model: solver.Model, recording: view.Recording) -> Motion:
-    tips = [recording.displacement(f"blade_{n}.tip", seen_from=f"hub.seat_{n}")[:, 2] for n in BLADES]
+    tips = [
+        recording.displacement(f"blade_{n}.tip", seen_from=f"hub.seat_{n}")[:, 2] for n in BLADES
+    ]
     time = recording.time
     (blow,) = [load for load in model.loads if load.on == "blade_1.tip"]
     force = blow.direction[2] * blow.signal.samples(time, time[1])
@@ -93,11 +96,13 @@ def motion(model: solver.Model, recording: view.Recording) -> Motion:
 
 
 def held_blade(time: Array, force: Array) -> Array:
-    """The deflection (n,) [m] along z of the tip of a blade whose root is held, under a force (n,) there along z [N].
+    """The deflection (n,) [m] along z of the tip of a blade whose root is held, under a force (n,)
+    there along z [N].
 
         u(t) = sum_i phi_i^2 / omega_i int_0^t sin(omega_i (t - s)) f(s) ds
 
-    from the modes of K u + P^T lambda = omega^2 M u, P u = 0 at the root, with the trapezoidal rule over the steps.
+    from the modes of K u + P^T lambda = omega^2 M u, P u = 0 at the root, with the trapezoidal rule
+    over the steps.
     """
     body = preprocess.read_body(BODY)
     structure = assemble(body)
@@ -133,9 +138,26 @@ def curves(found: Motion, results: solver.Results) -> Figure:
     blue, red, green, *_ = view.COLOURS
     speed.plot(found.time, results.body("hub").v[:, 5], color=blue)
     for n, colour, line in zip((0, 1, 2), (red, blue, green), ("-", "-", (0, (4, 3))), strict=True):
-        tips.plot(found.time, 1e3 * found.deflections[n], color=colour, linestyle=line, label=f"blade {n + 1}")
-    added.plot(found.time, 1e3 * (found.deflections[0] - found.deflections[1]), color=red, label="blade 1 less blade 2")
-    added.plot(found.time, 1e3 * found.expected, color="0.2", linestyle=(0, (4, 3)), label="Duhamel's integral")
+        tips.plot(
+            found.time,
+            1e3 * found.deflections[n],
+            color=colour,
+            linestyle=line,
+            label=f"blade {n + 1}",
+        )
+    added.plot(
+        found.time,
+        1e3 * (found.deflections[0] - found.deflections[1]),
+        color=red,
+        label="blade 1 less blade 2",
+    )
+    added.plot(
+        found.time,
+        1e3 * found.expected,
+        color="0.2",
+        linestyle=(0, (4, 3)),
+        label="Duhamel's integral",
+    )
     speed.set(title="speed of the hub", ylabel="[rad/s]")
     tips.set(title="tips seen from their seats, along the axis of the rotor", ylabel="[mm]")
     added.set(title="what the blow adds", ylabel="[mm]", xlabel="time [s]")
@@ -151,7 +173,10 @@ def stressed_rotor(results: solver.Results) -> Figure:
     worst = float(time[results.von_mises("blade_1", time).max(axis=1).argmax()])
     cells = results.superelement("blade_1").recovery.cells
     bodies = [f"blade_{n}" for n in BLADES]
-    fields = [view.Field(results.position(body, worst), cells, results.von_mises(body, worst)) for body in bodies]
+    fields = [
+        view.Field(results.position(body, worst), cells, results.von_mises(body, worst))
+        for body in bodies
+    ]
     return view.draw_fields(fields, "von Mises stress [MPa]", 1e-6, view.Scene(hub()))
 
 
@@ -160,7 +185,9 @@ def hub() -> list[view.Patch]:
     radius, height = HUB
     angles = np.linspace(0.0, 2.0 * np.pi, 73)
     circle = radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    lower, upper = (np.column_stack([circle, np.full(len(circle), side * 0.5 * height)]) for side in (-1.0, 1.0))
+    lower, upper = (
+        np.column_stack([circle, np.full(len(circle), side * 0.5 * height)]) for side in (-1.0, 1.0)
+    )
     rim = np.stack([lower[:-1], lower[1:], upper[1:], upper[:-1]], axis=1)
     ends = np.stack([upper[:-1], lower[-2::-1]])
     return [view.Patch(facets, np.full(len(facets), -1)) for facets in (rim, ends)]
@@ -169,7 +196,9 @@ def hub() -> list[view.Patch]:
 def report(checks: Checks) -> None:
     print(f"blades before the blow      alike within {checks.alike:.2e} of their deflection")
     print(f"angular momentum            as the torque left it within {checks.momentum:.2e}")
-    print(f"what the blow adds          Duhamel's integral over the held blade within {checks.struck:.2e} of its peak")
+    print(
+        f"what the blow adds          Duhamel's integral over the held blade within {checks.struck:.2e} of its peak"
+    )
 
 
 if __name__ == "__main__":

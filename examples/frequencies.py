@@ -1,9 +1,11 @@
-"""Frequencies of the paper's five cases about rest, and the damping that its rule of convolution (eq. 55) adds.
+"""Frequencies of the paper's five cases about rest, and the damping that its rule of convolution
+(eq. 55) adds.
 
     python examples/frequencies.py
 
-prints both for the beam as stiff out of the plane of rotation as in it, and for the one that is ten times softer.
-The hub of a model turns about, and where its joint is cylindrical slides along, the axis z; the rest is clamped to it.
+prints both for the beam as stiff out of the plane of rotation as in it, and for the one that is ten
+times softer. The hub of a model turns about, and where its joint is cylindrical slides along, the
+axis z; the rest is clamped to it.
 """
 
 from pathlib import Path
@@ -21,16 +23,20 @@ CASES = ("case1", "case2", "case3", "case4", "case5")
 
 
 def vibrations(model: solver.Model, beam: Superelement) -> tuple[Array, Array]:
-    """Frequencies (m,) [Hz] of small vibrations, rising, and the share (m,) of rigid motion in their kinetic energy.
+    """Frequencies (m,) [Hz] of small vibrations, rising, and the share (m,) of rigid motion in
+    their kinetic energy.
 
-    In the coordinates y of the hub, of the beam as a rigid body, of its modes and of the ball on its tip, if there is
-    one, M and K are block diagonal, and B y = 0 joins them: eigenvectors in the null space of B.
+    In the coordinates y of the hub, of the beam as a rigid body, of its modes and of the ball on
+    its tip, if there is one, M and K are block diagonal, and B y = 0 joins them: eigenvectors in
+    the null space of B.
     """
     hub, ball = model.bodies["hub"], model.bodies.get("ball")
     axis = next(joint for joint in model.joints if joint.between[0] == "ground")
     free = [2, 5] if axis.type == "cylindrical" else [5]
     masses = [inertia(hub)[np.ix_(free, free)], inertia(beam), np.eye(len(beam.modes.omega))]
-    root, tip = (np.hstack([rigid_motion(X), beam.modes.phi[beam.rows(name)]]) for name, X in places(beam))
+    root, tip = (
+        np.hstack([rigid_motion(X), beam.modes.phi[beam.rows(name)]]) for name, X in places(beam)
+    )
     B = np.hstack([rigid_motion(hub.frames["rim"].position)[:, free], -root])
     if ball is not None:
         masses.append(inertia(ball))
@@ -40,19 +46,25 @@ def vibrations(model: solver.Model, beam: Superelement) -> tuple[Array, Array]:
     K[elastic] = beam.modes.omega**2
     N = null_space(B)
     squares, modes = eigh(N.T @ (K[:, None] * N), N.T @ M @ N)
-    squares, y = squares[len(free) :], (N @ modes)[:, len(free) :]  # without the motions of the whole
+    squares, y = (
+        squares[len(free) :],
+        (N @ modes)[:, len(free) :],
+    )  # without the motions of the whole
     return np.sqrt(squares) / (2.0 * np.pi), 1.0 - (y[elastic] ** 2).sum(axis=0)
 
 
 def damping_of_the_paper(frequency: Array, rigid_share: Array, h: float) -> Array:
-    """Damping ratios (m,) that eq. (55) with the step h [s] gives to vibrations of an undamped system, to first order.
+    """Damping ratios (m,) that eq. (55) with the step h [s] gives to vibrations of an undamped
+    system, to first order.
 
-    The rule delays elastic displacements by h/2 (docs/theory.md), so that u = (1 - i omega h / 2) H_el lambda under
-    the loads lambda of a mode. Perturbing the mode, with mass-normalised modal coordinates eta of the beam,
+    The rule delays elastic displacements by h/2 (docs/theory.md), so that u = (1 - i omega h / 2)
+    H_el lambda under the loads lambda of a mode. Perturbing the mode, with mass-normalised modal
+    coordinates eta of the beam,
 
         zeta = h / (4 omega) sum_i (omega_i^2 - omega^2) eta_i^2 = (omega h / 4) (1 - sum_i eta_i^2)
 
-    since sum_i omega_i^2 eta_i^2 = omega^2 where nothing else is elastic: omega h / 4 times the rigid share.
+    since sum_i omega_i^2 eta_i^2 = omega^2 where nothing else is elastic: omega h / 4 times the
+    rigid share.
     """
     return 0.5 * np.pi * frequency * h * rigid_share
 

@@ -1,11 +1,13 @@
-"""Cases 3 to 5 of the paper: a beam on a hub that slides and turns, with gravity, a tip mass and a blow at the tip.
+"""Cases 3 to 5 of the paper: a beam on a hub that slides and turns, with gravity, a tip mass and a
+blow at the tip.
 
     python examples/helicoidal_beam.py [FOLDER]
 
-runs every case with both readings of the bending stiffness out of the plane, with the consistent rule of convolution
-and with that of the paper (eq. 55), Case 4 with a hub without weight, and Case 5 with the tip mass in the superelement,
-and with the blow as printed. Checks balances and what docs/paper.md says, and writes results and pictures like the
-paper's Figs 12 to 23 to FOLDER, by default out/.
+runs every case with both readings of the bending stiffness out of the plane, with the consistent
+rule of convolution and with that of the paper (eq. 55), Case 4 with a hub without weight, and Case
+5 with the tip mass in the superelement, and with the blow as printed. Checks balances and what
+docs/paper.md says, and writes results and pictures like the paper's Figs 12 to 23 to FOLDER, by
+default out/.
 """
 
 import sys
@@ -16,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 from duhamel import preprocess, solver, superelement, view
-from duhamel.preprocess.body import PointMass
+from duhamel.preprocess.body.body import PointMass
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -30,7 +32,9 @@ STIFFNESS = {"beam": 5.5, "flat": 0.55}
 """EI_y of the superelements, for bending out of the plane of rotation [N m^2]"""
 
 BOTH_WAYS = {"beam": 0.01, "flat": 0.05}
-"""how far the tips may be apart with the tip mass on a joint and in the superelement, over L: neglected terms"""
+"""how far the tips may be apart with the tip mass on a joint and in the superelement, over L:
+neglected terms
+"""
 
 L, G, PRINTED_IMPULSE = 0.5, 9.81, 0.2
 TITLES = {
@@ -46,7 +50,9 @@ BLOW = 0.2
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """A model and its motion. `deflection` (n, 3): the tip in the axes of the hub, eq. (96) put right [m]."""
+    """A model and its motion. `deflection` (n, 3): the tip in the axes of the hub, eq. (96) put
+    right [m].
+    """
 
     model: solver.Model
     results: solver.Results
@@ -82,7 +88,9 @@ def main(folder: Path) -> dict[str, Run]:
         for case in CASES:
             view.save(overview(case, runs[f"{case}-beam"].recording), folder / f"{case}.png")
             view.save(tip(case, runs), folder / f"{case}-tip.png")
-            view.save(trajectory(case, runs[f"{case}-beam"].recording), folder / f"{case}-trajectory.png")
+            view.save(
+                trajectory(case, runs[f"{case}-beam"].recording), folder / f"{case}-trajectory.png"
+            )
         view.save(after_the_blow(runs), folder / "case5-both-ways.png")
     return runs
 
@@ -119,19 +127,26 @@ def with_lumped_tip(model: solver.Model, name: str) -> solver.Model:
     """The ball in the mass matrix of the beam instead of on a joint."""
     ball = model.bodies["ball"]
     mass = PointMass(mass=ball.mass, inertia=ball.inertia.tolist(), interface="tip")
-    body = preprocess.read_body(ROOT / f"meshes/beam/{name}.toml").model_copy(update={"masses": {"tip": mass}})
+    body = preprocess.read_body(ROOT / f"meshes/beam/{name}.toml").model_copy(
+        update={"masses": {"tip": mass}}
+    )
     without = replace(
         model,
         bodies={key: value for key, value in model.bodies.items() if key != "ball"},
         joints=tuple(joint for joint in model.joints if joint.name != "weld"),
-        loads=tuple(replace(load, on="beam.tip") if load.on == "ball.center" else load for load in model.loads),
+        loads=tuple(
+            replace(load, on="beam.tip") if load.on == "ball.center" else load
+            for load in model.loads
+        ),
     )
     return with_beam(without, preprocess.build(body))
 
 
 def with_impulse(model: solver.Model, area: float) -> solver.Model:
     *pulses, blow = model.loads
-    return replace(model, loads=(*pulses, replace(blow, signal=solver.Impulse(area, blow.signal.at))))
+    return replace(
+        model, loads=(*pulses, replace(blow, signal=solver.Impulse(area, blow.signal.at)))
+    )
 
 
 def run(model: solver.Model, target: Path) -> Run:
@@ -148,7 +163,8 @@ def check(runs: dict[str, Run]) -> None:
         both = [runs[f"case5-{name}{kind}"] for kind in ("", "-lumped")]
         assert apart(*both) < BOTH_WAYS[name]
         assert abs(both[0].turns / both[1].turns - 1.0) < 1e-3
-    # The paper: the tip rises by some 20 % of the length in Cases 3 and 4. That takes the softer beam.
+    # The paper: the tip rises by some 20 % of the length in Cases 3 and 4. That takes the softer
+    # beam.
     for case in ("case3", "case4"):
         assert peak(runs[f"{case}-beam"].deflection[:, 2]) < 0.03 * L
         assert 0.16 * L < peak(runs[f"{case}-flat"].deflection[:, 2]) < 0.22 * L
@@ -158,8 +174,12 @@ def check(runs: dict[str, Run]) -> None:
 
 
 def check_momentum(found: Run) -> None:
-    """Upwards, what the loads brought less what gravity took; about the axis, what the torque brought until 0.2 s."""
-    impulse = sum(load.direction[2] * area(load.signal) for load in found.model.loads if load.type == "force")
+    """Upwards, what the loads brought less what gravity took; about the axis, what the torque
+    brought until 0.2 s.
+    """
+    impulse = sum(
+        load.direction[2] * area(load.signal) for load in found.model.loads if load.type == "force"
+    )
     mass = sum(body.mass for body in found.model.bodies.values())
     momentum = found.results.momentum
     expected = impulse + mass * found.model.gravity[2] * found.model.t_end
@@ -191,7 +211,9 @@ def peak(values: Array) -> float:
 
 
 def swings(found: Run, start: float, end: float) -> Iterator[tuple[Array, Array]]:
-    """Turning [rad/s] and rising [m/s] of hub and beam from start to end (n,), the latter without what gravity adds."""
+    """Turning [rad/s] and rising [m/s] of hub and beam from start to end (n,), the latter without
+    what gravity adds.
+    """
     shown = (found.time > start) & (found.time < end - 1e-9)
     fall = found.model.gravity[2] * found.time
     for body in ("hub", "beam"):
@@ -201,7 +223,9 @@ def swings(found: Run, start: float, end: float) -> Iterator[tuple[Array, Array]
 
 def out_of_phase(found: Run) -> float:
     """The largest angle about the axis between tip and centre of mass [rad]."""
-    tip, center = (found.recording.position(place)[:, :2] @ [1.0, 1.0j] for place in ("beam.tip", "beam"))
+    tip, center = (
+        found.recording.position(place)[:, :2] @ [1.0, 1.0j] for place in ("beam.tip", "beam")
+    )
     return peak(np.angle(tip * center.conj()))
 
 
@@ -214,23 +238,44 @@ def fast(deflection: Array, h: float) -> Array:
 def overview(case: str, recording: view.Recording) -> Figure:
     """Angles, heights, horizontal motion and their rates, as Figs 12, 13, 16, 17, 20 and 21."""
     figure, panels = view.panels(5, 2, share_time=False)
-    kinds = ("angle", "angular_velocity", "position", "velocity", "angular_acceleration", "acceleration")
+    kinds = (
+        "angle",
+        "angular_velocity",
+        "position",
+        "velocity",
+        "angular_acceleration",
+        "acceleration",
+    )
     places = (panels[0], panels[1], panels[2], panels[3], panels[8], panels[9])
     for kind, axes in zip(kinds, places, strict=True):
         # Angles and heights of hub and beam all but coincide: there the upper curve is dashed.
         over = (0, (4, 4)) if kind in ("angle", "position") else "-"
         for body, colour, line in (("hub", RED, "-"), ("beam", BLUE, over)):
             (curve,) = view.curves(recording, f"{kind}:{body}:z")
-            axes.plot(recording.time, curve.values, color=colour, linestyle=line, label=body, linewidth=0.9)
+            axes.plot(
+                recording.time,
+                curve.values,
+                color=colour,
+                linestyle=line,
+                label=body,
+                linewidth=0.9,
+            )
         if kind.endswith("acceleration"):
             show_the_blow(case, axes)
         label_axes(axes, f"{curve.words[0]}, z", f"[{curve.unit}]")
-    panels[0].plot(recording.time, recording.elastic_rotation("beam.root")[:, 2], color=GREEN, label="elastic, root")
+    panels[0].plot(
+        recording.time,
+        recording.elastic_rotation("beam.root")[:, 2],
+        color=GREEN,
+        label="elastic, root",
+    )
     label_axes(panels[0], "angle, z", "[rad]")
     for axis, name in enumerate("xy"):
         for place, colour in (("beam", BLUE), ("beam.tip", GREEN)):
             label = "tip" if "." in place else "beam"
-            panels[4 + axis].plot(recording.time, recording.position(place)[:, axis], color=colour, label=label)
+            panels[4 + axis].plot(
+                recording.time, recording.position(place)[:, axis], color=colour, label=label
+            )
         label_axes(panels[4 + axis], f"position, {name}", "[m]")
         panels[6 + axis].plot(recording.time, recording.velocity("beam")[:, axis], color=BLUE)
         label_axes(panels[6 + axis], f"velocity of the beam, {name}", "[m/s]")
@@ -239,7 +284,9 @@ def overview(case: str, recording: view.Recording) -> Figure:
 
 
 def tip(case: str, runs: dict[str, Run]) -> Figure:
-    """The tip in the axes of the hub, as Figs 14, 18 and 22, and in the floating frame, by both stiffnesses."""
+    """The tip in the axes of the hub, as Figs 14, 18 and 22, and in the floating frame, by both
+    stiffnesses.
+    """
     figure, panels = view.panels(3, 2, share_time=False)
     for column, (name, stiffness) in enumerate(STIFFNESS.items()):
         found = runs[f"{case}-{name}"]
@@ -247,7 +294,9 @@ def tip(case: str, runs: dict[str, Run]) -> Figure:
         for axis, colour in enumerate((GREY, BLUE, RED)):
             look = {"color": colour, "label": "xyz"[axis], "linewidth": 0.9}
             seen.plot(found.time, 1e3 * found.deflection[:, axis], **look)
-            floating.plot(found.time, 1e3 * found.recording.elastic_displacement("beam.tip")[:, axis], **look)
+            floating.plot(
+                found.time, 1e3 * found.recording.elastic_displacement("beam.tip")[:, axis], **look
+            )
             turned.plot(found.time, found.recording.elastic_rotation("beam.root")[:, axis], **look)
         show_the_blow(case, floating, turned)
         label_axes(seen, f"tip in hub axes, $EI_y$ = {stiffness} N m²", "[mm]")
@@ -258,7 +307,9 @@ def tip(case: str, runs: dict[str, Run]) -> Figure:
 
 
 def trajectory(case: str, recording: view.Recording) -> Figure:
-    """Of centre of mass and tip, as Figs 15, 19 and 23; a ring at the start, and a star at the blow."""
+    """Of centre of mass and tip, as Figs 15, 19 and 23; a ring at the start, and a star at the
+    blow.
+    """
     figure = Figure(figsize=(6.0, 5.0), layout="constrained")
     axes = figure.add_subplot(projection="3d")
     for place, colour, label in (("beam", BLUE, "centre of mass"), ("beam.tip", GREEN, "tip")):
@@ -266,7 +317,12 @@ def trajectory(case: str, recording: view.Recording) -> Figure:
         axes.plot(*path.T, color=colour, label=label, linewidth=0.9)
         axes.plot(*path[0], marker="o", markerfacecolor="white", color=colour)
         if case == "case5":
-            axes.plot(*path[np.searchsorted(recording.time, BLOW - 1e-9)], marker="*", markersize=9, color=colour)
+            axes.plot(
+                *path[np.searchsorted(recording.time, BLOW - 1e-9)],
+                marker="*",
+                markersize=9,
+                color=colour,
+            )
     axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]", box_aspect=(1, 1, 1.2))
     axes.legend(loc="upper left")
     view.entitle(figure, TITLES[case])
@@ -289,8 +345,16 @@ def after_the_blow(runs: dict[str, Run]) -> Figure:
         found = runs[f"case5-beam{kind}"]
         shown = (found.time > 0.18) & (found.time < 0.4)
         for axis, axes in zip((1, 2), panels, strict=True):
-            axes.plot(found.time[shown], 1e3 * found.deflection[shown, axis], color=colour, linestyle=line, label=label)
-            label_axes(axes, f"tip in hub axes, {'xyz'[axis]}", "[mm]", "time [s]" if axis == 2 else "")
+            axes.plot(
+                found.time[shown],
+                1e3 * found.deflection[shown, axis],
+                color=colour,
+                linestyle=line,
+                label=label,
+            )
+            label_axes(
+                axes, f"tip in hub axes, {'xyz'[axis]}", "[mm]", "time [s]" if axis == 2 else ""
+            )
     view.entitle(figure, TITLES["case5"])
     return figure
 
@@ -298,18 +362,31 @@ def after_the_blow(runs: dict[str, Run]) -> Figure:
 def label_axes(axes: Axes, title: str, ylabel: str, xlabel: str = "time [s]") -> None:
     axes.set(title=title, xlabel=xlabel, ylabel=ylabel)
     if len(axes.lines) > 1:
-        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, ncols=3, handlelength=1.4)
+        axes.legend(
+            loc="lower right",
+            bbox_to_anchor=(1.0, 1.0),
+            borderaxespad=0.2,
+            ncols=3,
+            handlelength=1.4,
+        )
 
 
 def report(runs: dict[str, Run]) -> None:
-    print(f"{'':24}{'turns':>8}{'height [m]':>20}{'tip, hub axes [mm]':>24}{'floating [mm]':>18}", end="")
+    print(
+        f"{'':24}{'turns':>8}{'height [m]':>20}{'tip, hub axes [mm]':>24}{'floating [mm]':>18}",
+        end="",
+    )
     print(f"{'root turns [rad]':>18}{'acceleration [rad/s²], [m/s²]':>34}")
-    print(f"{'':24}{'':8}{'largest':>10}{'at 1 s':>10}{'x':>8}{'y':>8}{'z':>8}{'y':>9}{'z':>9}{'y':>9}{'z':>9}")
+    print(
+        f"{'':24}{'':8}{'largest':>10}{'at 1 s':>10}{'x':>8}{'y':>8}{'z':>8}{'y':>9}{'z':>9}{'y':>9}{'z':>9}"
+    )
     for name, found in runs.items():
         recording = found.recording
         floating = recording.elastic_displacement("beam.tip")
         turned = recording.elastic_rotation("beam.root")
-        print(f"{name:24}{found.turns:8.3f}{found.height.max():10.3f}{found.height[-1]:10.3f}", end="")
+        print(
+            f"{name:24}{found.turns:8.3f}{found.height.max():10.3f}{found.height[-1]:10.3f}", end=""
+        )
         print("".join(f"{1e3 * peak(found.deflection[:, axis]):8.2f}" for axis in range(3)), end="")
         print("".join(f"{1e3 * peak(floating[:, axis]):9.2f}" for axis in (1, 2)), end="")
         print("".join(f"{peak(turned[:, axis]):9.3f}" for axis in (1, 2)), end="")
@@ -321,30 +398,50 @@ def report(runs: dict[str, Run]) -> None:
     for name in STIFFNESS:
         both = [runs[f"case5-{name}{kind}"] for kind in ("", "-lumped")]
         size = [peak(both[0].deflection[:, axis]) for axis in (1, 2)]
-        deflection = [peak(both[0].deflection[:, axis] - both[1].deflection[:, axis]) for axis in (1, 2)]
+        deflection = [
+            peak(both[0].deflection[:, axis] - both[1].deflection[:, axis]) for axis in (1, 2)
+        ]
         relative = [d / s for d, s in zip(deflection, size, strict=True)]
-        print(f"case5-{name}, the tip mass both ways: tips {apart(*both):.1e} of the length apart, ", end="")
+        print(
+            f"case5-{name}, the tip mass both ways: tips {apart(*both):.1e} of the length apart, ",
+            end="",
+        )
         print(f"deflections y and z {relative[0]:.1e}, {relative[1]:.1e} of their peaks")
 
 
 def report_speeds(runs: dict[str, Run]) -> None:
     """After the pulses, and of Case 5 also after the blow; what the blow leaves above 70 Hz."""
-    print("speeds: turning [rad/s], from and to; rising [m/s] without what gravity adds; tip and centre out of phase")
+    print(
+        "speeds: turning [rad/s], from and to; rising [m/s] without what gravity adds; tip and centre out of phase"
+    )
     for name, found in runs.items():
         if name.endswith("weightless"):  # gravity adds less to it
             continue
-        pulse = max(load.signal.end for load in found.model.loads if isinstance(load.signal, solver.Pulse))
-        instants = [pulse, BLOW, found.model.t_end] if name.startswith("case5") else [pulse, found.model.t_end]
+        pulse = max(
+            load.signal.end for load in found.model.loads if isinstance(load.signal, solver.Pulse)
+        )
+        instants = (
+            [pulse, BLOW, found.model.t_end]
+            if name.startswith("case5")
+            else [pulse, found.model.t_end]
+        )
         for start, end in pairwise(instants):
             print(f"{name:24}{start:5.2f} to {end:.2f} s", end="")
-            for body, (turning, rising) in zip(("hub", "beam"), swings(found, start, end), strict=True):
+            for body, (turning, rising) in zip(
+                ("hub", "beam"), swings(found, start, end), strict=True
+            ):
                 print(f"   {body} {turning.min():7.2f}{turning.max():7.2f}", end="")
                 print(f"{rising.mean():7.2f} ± {np.ptp(rising) / 2:.2f}", end="")
             print(f"{out_of_phase(found):10.3f} rad")
         if len(instants) > 2:
             y = fast(found.deflection[:, 1], found.model.step)
-            after = [peak(y[(found.time > t) & (found.time <= t + 0.05)]) for t in (0.205, 0.3, 0.6, 0.9)]
-            print(f"{'':24}tip above 70 Hz, y: {', '.join(f'{1e3 * size:.3f}' for size in after)} mm ", end="")
+            after = [
+                peak(y[(found.time > t) & (found.time <= t + 0.05)]) for t in (0.205, 0.3, 0.6, 0.9)
+            ]
+            print(
+                f"{'':24}tip above 70 Hz, y: {', '.join(f'{1e3 * size:.3f}' for size in after)} mm ",
+                end="",
+            )
             print("after 0, 0.1, 0.4, 0.7 s")
 
 

@@ -2,9 +2,10 @@
 
     python examples/rotating_beam.py [FOLDER]
 
-runs both cases with the consistent rule of convolution, with the rule of the paper (eq. 55) and with a rigid beam,
-checks the numbers at the top of this file, and writes results and pictures like the paper's Figs 3, 5 to 7, 9 and 10
-to FOLDER, by default out/. Where Exudyn is installed, a geometrically exact model is drawn beside.
+runs both cases with the consistent rule of convolution, with the rule of the paper (eq. 55) and
+with a rigid beam, checks the numbers at the top of this file, and writes results and pictures like
+the paper's Figs 3, 5 to 7, 9 and 10 to FOLDER, by default out/. Where Exudyn is installed, a
+geometrically exact model is drawn beside.
 """
 
 import sys
@@ -34,7 +35,8 @@ BLUE, RED, GREEN, *_ = view.COLOURS
 
 @dataclass(frozen=True)
 class Case:
-    """phi, C_0 [N m]; peaks of hub speed [rad/s] and tip deflection [m] by Exudyn, and how near ours must come to them.
+    """phi, C_0 [N m]; peaks of hub speed [rad/s] and tip deflection [m] by Exudyn, and how near
+    ours must come to them.
 
     `residual`: bounds of the tip deflection after the torque, over its peak.
     """
@@ -56,7 +58,9 @@ CASES = (
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """time (n,) [s], angle [rad] and speed [rad/s] of the hub, deflection of the tip in the hub frame [m], all (n,)."""
+    """time (n,) [s], angle [rad] and speed [rad/s] of the hub, deflection of the tip in the hub
+    frame [m], all (n,).
+    """
 
     time: Array
     angle: Array
@@ -70,13 +74,20 @@ def main(folder: Path, with_reference: bool = True) -> dict[str, Motion]:
     folder.mkdir(parents=True, exist_ok=True)
     motions = {}
     for case in CASES:
-        elastic, paper, rigid = (run(model, folder / name) for name, model in variants(case).items())
+        elastic, paper, rigid = (
+            run(model, folder / name) for name, model in variants(case).items()
+        )
         reference = exudyn_motion(case) if with_reference else None
         check(case, motion(elastic), motion(rigid))
         with view.style():
             view.save(overview(case, elastic), folder / f"{case.name}.png")
-            view.save(comparison(case, motion(elastic), motion(paper), reference), folder / f"{case.name}-rules.png")
-            view.save(with_rigid(case, motion(elastic), motion(rigid)), folder / f"{case.name}-rigid.png")
+            view.save(
+                comparison(case, motion(elastic), motion(paper), reference),
+                folder / f"{case.name}-rules.png",
+            )
+            view.save(
+                with_rigid(case, motion(elastic), motion(rigid)), folder / f"{case.name}-rigid.png"
+            )
         found = {"consistent": elastic, "paper": paper, "rigid": rigid}
         motions |= {f"{case.name}-{kind}": motion(recording) for kind, recording in found.items()}
         if reference is not None:
@@ -91,7 +102,9 @@ def ensure_superelement() -> None:
 
 
 def variants(case: Case) -> dict[str, solver.Model]:
-    """The model of a case, with the rule of the paper, and with a rigid beam, by the names of their results files."""
+    """The model of a case, with the rule of the paper, and with a rigid beam, by the names of their
+    results files.
+    """
     model = solver.read_model(ROOT / f"examples/{case.name}.toml")
     beam = model.bodies["beam"]
     kernel = beam.superelement.kernel
@@ -115,7 +128,9 @@ def run(model: solver.Model, target: Path) -> view.Recording:
 
 
 def motion(recording: view.Recording) -> Motion:
-    """About and across the axis z. The deflection is eq. (96) put right: the tip seen from the rim of the hub."""
+    """About and across the axis z. The deflection is eq. (96) put right: the tip seen from the rim
+    of the hub.
+    """
     return Motion(
         recording.time,
         recording.angle("hub")[:, 2],
@@ -125,13 +140,17 @@ def motion(recording: view.Recording) -> Motion:
 
 
 def exudyn_motion(case: Case) -> Motion | None:
-    """The same problem by the model of tests/validation/exudyn_beam.py, None where Exudyn is not installed."""
+    """The same problem by the model of tests/validation/exudyn_beam.py, None where Exudyn is not
+    installed.
+    """
     if find_spec("exudyn") is None:
         return None
     spec = spec_from_file_location("exudyn_beam", ROOT / "tests/validation/exudyn_beam.py")
     module: Any = module_from_spec(spec)
     spec.loader.exec_module(module)
-    beam = module.rotating_beam(case.phi, case.C0, TORQUE_TIMES, TORQUE_VALUES, t_end=0.3, step=2e-5)
+    beam = module.rotating_beam(
+        case.phi, case.C0, TORQUE_TIMES, TORQUE_VALUES, t_end=0.3, step=2e-5
+    )
     return Motion(beam.time, beam.hub_angle, beam.hub_speed, beam.tip[:, 1])
 
 
@@ -140,7 +159,8 @@ def check(case: Case, elastic: Motion, rigid: Motion) -> None:
     assert abs(np.abs(elastic.deflection).max() / case.peak_deflection - 1.0) < case.tolerance
     low, high = case.residual
     assert low <= residual(elastic) <= high
-    # The first pulse leaves the rigid system with this speed; it coasts for 0.1 s, and each pulse counts for half.
+    # The first pulse leaves the rigid system with this speed; it coasts for 0.1 s, and each pulse
+    # counts for half.
     speed = case.C0 * 0.05 / ((1.0 + case.phi) * I_T)
     assert abs(np.interp(0.1, rigid.time, rigid.speed) / speed - 1.0) < 1e-7
     assert abs(rigid.angle[-1] / (0.15 * speed) - 1.0) < 1e-6
@@ -154,14 +174,25 @@ def residual(motion: Motion) -> float:
 
 def overview(case: Case, recording: view.Recording) -> Figure:
     """Six panels as in Figs 3 and 7. What the fourth showed, the text of the paper does not say."""
-    figure, (angles, speeds, accelerations, body_axes, hub_axes, phase) = view.panels(3, 2, share_time=False)
+    figure, (angles, speeds, accelerations, body_axes, hub_axes, phase) = view.panels(
+        3, 2, share_time=False
+    )
     time = recording.time
-    for axes, kind in ((angles, "angle"), (speeds, "angular_velocity"), (accelerations, "angular_acceleration")):
+    for axes, kind in (
+        (angles, "angle"),
+        (speeds, "angular_velocity"),
+        (accelerations, "angular_acceleration"),
+    ):
         for body, colour, label in (("hub", RED, "hub"), ("beam", BLUE, "beam")):
             (curve,) = view.curves(recording, f"{kind}:{body}:z")
             axes.plot(time, curve.values, color=colour, label=label)
         label_axes(axes, curve.words[0], f"[{curve.unit}]")
-    angles.plot(time, recording.elastic_rotation("beam.root")[:, 2], color=GREEN, label="elastic, at the hub")
+    angles.plot(
+        time,
+        recording.elastic_rotation("beam.root")[:, 2],
+        color=GREEN,
+        label="elastic, at the hub",
+    )
     label_axes(angles, "angle", "[rad]")
 
     for interface, colour in (("root", RED), ("tip", BLUE)):
@@ -181,7 +212,9 @@ def overview(case: Case, recording: view.Recording) -> Figure:
 
 
 def comparison(case: Case, consistent: Motion, paper: Motion, reference: Motion | None) -> Figure:
-    """Hub speed and tip deflection as in Figs 5 and 9, by both rules, and their distance from the exact solution."""
+    """Hub speed and tip deflection as in Figs 5 and 9, by both rules, and their distance from the
+    exact solution.
+    """
     figure, (speed, deflection, *distance) = view.panels(2 if reference is None else 3)
     found = [(paper, RED, "-", "rule of the paper"), (consistent, BLUE, "-", "consistent rule")]
     if reference is not None:
@@ -213,7 +246,13 @@ def with_rigid(case: Case, elastic: Motion, rigid: Motion) -> Figure:
 def label_axes(axes: Axes, title: str, ylabel: str, xlabel: str = "time [s]") -> None:
     axes.set(title=title, xlabel=xlabel, ylabel=ylabel)
     if len(axes.lines) > 1:
-        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, ncols=3, handlelength=1.4)
+        axes.legend(
+            loc="lower right",
+            bbox_to_anchor=(1.0, 1.0),
+            borderaxespad=0.2,
+            ncols=3,
+            handlelength=1.4,
+        )
 
 
 def titled(case: Case) -> str:
@@ -221,7 +260,9 @@ def titled(case: Case) -> str:
 
 
 def report(motions: dict[str, Motion]) -> None:
-    print(f"{'':18}{'peak speed':>12}{'peak deflection, residual':>28}{'largest distance from Exudyn':>32}")
+    print(
+        f"{'':18}{'peak speed':>12}{'peak deflection, residual':>28}{'largest distance from Exudyn':>32}"
+    )
     print(f"{'':18}{'[rad/s]':>12}{'[mm]':>16}{'[1]':>12}{'speed':>18}{'deflection':>14}")
     for name, found in motions.items():
         print(f"{name:18}{np.abs(found.speed).max():12.5f}", end="")
@@ -237,7 +278,9 @@ def distances(found: Motion, reference: Motion | None) -> str:
         return ""
     pairs = ((found.speed, reference.speed), (found.deflection, reference.deflection))
     ours = [(np.interp(reference.time, found.time, mine), theirs) for mine, theirs in pairs]
-    speed, deflection = (np.abs(mine - theirs).max() / np.abs(theirs).max() for mine, theirs in ours)
+    speed, deflection = (
+        np.abs(mine - theirs).max() / np.abs(theirs).max() for mine, theirs in ours
+    )
     return f"{speed:18.1e}{deflection:14.1e}"
 
 

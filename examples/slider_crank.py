@@ -1,11 +1,13 @@
-"""A slider-crank with a solid connecting rod, and the stresses in the rod through the strokes of an engine.
+"""A slider-crank with a solid connecting rod, and the stresses in the rod through the strokes of an
+engine.
 
     python examples/slider_crank.py [FOLDER]
 
-runs examples/slider_crank.toml with the superelement of meshes/connecting_rod, and again with a rigid rod of the same
-inertia. It checks the force on the piston of the rigid rod against its closed form, that of the elastic rod against the
-rigid one, and the stresses in the middle of the shank against the force that Newton's law wants there. Writes results
-and pictures to FOLDER, by default out/.
+runs examples/slider_crank.toml with the superelement of meshes/connecting_rod, and again with a
+rigid rod of the same inertia. It checks the force on the piston of the rigid rod against its closed
+form, that of the elastic rod against the rigid one, and the stresses in the middle of the shank
+against the force that Newton's law wants there. Writes results and pictures to FOLDER, by default
+out/.
 """
 
 import sys
@@ -14,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 from duhamel import preprocess, solver, superelement, view
-from duhamel.preprocess.reading import read_mesh
+from duhamel.preprocess.mesh.reading import read_mesh
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -43,9 +45,10 @@ ENLARGED = 60.0
 class Strokes:
     """What was found in the rod through a cycle.
 
-    time (n,) [s]; largest (n,): von Mises stress anywhere [Pa]; flanges (n, 2): axial stress in the middle of the shank
-    at its sides y > 0 and y < 0 [Pa]; force (n,): in that section from its stresses, wanted (n,): from Newton's law
-    without the centrifugal forces of the turning rod, centrifugal (n,): what these would add [N], tension positive.
+    time (n,) [s]; largest (n,): von Mises stress anywhere [Pa]; flanges (n, 2): axial stress in the
+    middle of the shank at its sides y > 0 and y < 0 [Pa]; force (n,): in that section from its
+    stresses, wanted (n,): from Newton's law without the centrifugal forces of the turning rod,
+    centrifugal (n,): what these would add [N], tension positive.
     """
 
     time: Array
@@ -65,8 +68,9 @@ class Strokes:
 class Checks:
     """Largest differences of forces over their peaks.
 
-    rigid: on the piston, rigid rod less closed form; elastic: on the piston, elastic rod less rigid one, before the
-    compression; section: in the shank, from stresses less Newton's law; centrifugal: what is left out of the latter.
+    rigid: on the piston, rigid rod less closed form; elastic: on the piston, elastic rod less rigid
+    one, before the compression; section: in the shank, from stresses less Newton's law;
+    centrifugal: what is left out of the latter.
     """
 
     rigid: float
@@ -103,11 +107,14 @@ def with_rigid_rod(model: solver.Model) -> solver.Model:
     rod = model.bodies["rod"]
     kernel = rod.superelement.kernel
     rigid = solver.RigidBody(rod.mass, rod.inertia, rod.frames, rod.start)
-    return replace(model, bodies={**model.bodies, "rod": rigid}, step=kernel.h, rho_inf=kernel.scheme.rho_inf)
+    return replace(
+        model, bodies={**model.bodies, "rod": rigid}, step=kernel.h, rho_inf=kernel.scheme.rho_inf
+    )
 
 
 def inertia_force(angle: Array) -> Array:
-    """What accelerates the piston along x (n,) [N] when crank and rod are rigid: m times the second derivative of
+    """What accelerates the piston along x (n,) [N] when crank and rod are rigid: m times the second
+    derivative of
 
     x = r cos(a) + l sqrt(1 - k^2 sin(a)^2),   k = r / l
     """
@@ -124,8 +131,14 @@ def strokes(results: solver.Results) -> Strokes:
     stress = results.stress("rod", time)
     x, y, z = (recovery.points + results.superelement("rod").center).T
     # The outer faces of the flanges, a quarter of the height of the section along x.
-    near = (np.abs(x - SECTION) < 0.25 * HEIGHT[0]) & (np.abs(z) < 0.499 * THICKNESS) & (np.abs(y) > 0.45 * HEIGHT[0])
-    flanges = np.stack([stress[:, near & (side * y > 0.0), 0].mean(axis=1) for side in (1.0, -1.0)], axis=1)
+    near = (
+        (np.abs(x - SECTION) < 0.25 * HEIGHT[0])
+        & (np.abs(z) < 0.499 * THICKNESS)
+        & (np.abs(y) > 0.45 * HEIGHT[0])
+    )
+    flanges = np.stack(
+        [stress[:, near & (side * y > 0.0), 0].mean(axis=1) for side in (1.0, -1.0)], axis=1
+    )
     wanted, centrifugal = section_force(results, time)
     return Strokes(
         time=time,
@@ -144,11 +157,13 @@ def area() -> float:
 
 
 def section_force(results: solver.Results, time: Array) -> tuple[Array, Array]:
-    """N = F_x - m a_x in the section (n,), tension positive, and what centrifugal forces would add to it (n,) [N].
+    """N = F_x - m a_x in the section (n,), tension positive, and what centrifugal forces would add
+    to it (n,) [N].
 
-    F is the force on the rod at its small end, m the mass beyond the section and a the acceleration of its centre, all
-    in the axes of the rod. The superelement answers to loads on its interfaces and the inertia forces of the rigid
-    acceleration that goes with them, a + alpha x c; it does not know omega x (omega x c).
+    F is the force on the rod at its small end, m the mass beyond the section and a the acceleration
+    of its centre, all in the axes of the rod. The superelement answers to loads on its interfaces
+    and the inertia forces of the rigid acceleration that goes with them, a + alpha x c; it does not
+    know omega x (omega x c).
     """
     body, shown = results.body("rod"), np.isin(results.time, time)
     rotation = Rotation.from_quat(body.R[shown], scalar_first=True)
@@ -158,11 +173,15 @@ def section_force(results: solver.Results, time: Array) -> tuple[Array, Array]:
     mass, center = beyond_section()
     arm = center - results.superelement("rod").center
     centrifugal = np.cross(omega, np.cross(omega, arm))
-    return force[:, 0] - mass * (acceleration + np.cross(alpha, arm))[:, 0], -mass * centrifugal[:, 0]
+    return force[:, 0] - mass * (acceleration + np.cross(alpha, arm))[:, 0], -mass * centrifugal[
+        :, 0
+    ]
 
 
 def beyond_section() -> tuple[float, Array]:
-    """Mass [kg] and centre (3,) [m] of the rod on the side of the small end, from the corners of its tetrahedra."""
+    """Mass [kg] and centre (3,) [m] of the rod on the side of the small end, from the corners of
+    its tetrahedra.
+    """
     body = preprocess.read_body(BODY)
     mesh = read_mesh(body.mesh, body.scale)
     corners = mesh.points[mesh.cells["tetra10"][:, :4]]
@@ -173,7 +192,9 @@ def beyond_section() -> tuple[float, Array]:
     return mass, masses[beyond] @ centers[beyond] / mass
 
 
-def compare(model: solver.Model, elastic: solver.Results, rigid: solver.Results, found: Strokes) -> Checks:
+def compare(
+    model: solver.Model, elastic: solver.Results, rigid: solver.Results, found: Strokes
+) -> Checks:
     time = rigid.time
     gas = model.loads[0].signal.samples(time, time[1])
     exact = inertia_force(SPEED * time) + gas
@@ -197,15 +218,29 @@ def curves(found: Strokes, elastic: solver.Results, rigid: solver.Results) -> Fi
     degrees = np.rad2deg(SPEED * (found.time - CYCLE[0]))
     shown = np.isin(rigid.time, found.time)
     for results, colour, name in ((rigid, "0.6", "rigid rod"), (elastic, blue, "elastic rod")):
-        pin.plot(degrees, 1e-3 * results.joint("wrist_pin").force[shown, 0], color=colour, label=name)
+        pin.plot(
+            degrees, 1e-3 * results.joint("wrist_pin").force[shown, 0], color=colour, label=name
+        )
     section.plot(degrees, 1e-3 * found.force, color=blue, label="from stresses")
-    section.plot(degrees, 1e-3 * found.wanted, color=red, linestyle=(0, (4, 3)), label="from Newton's law")
+    section.plot(
+        degrees, 1e-3 * found.wanted, color=red, linestyle=(0, (4, 3)), label="from Newton's law"
+    )
     stress.plot(degrees, 1e-6 * found.largest, color=red, label="largest von Mises stress")
     for side, colour, name in ((0, blue, "+y"), (1, green, "-y")):
-        stress.plot(degrees, 1e-6 * found.flanges[:, side], color=colour, label=f"middle of the shank, {name}")
+        stress.plot(
+            degrees,
+            1e-6 * found.flanges[:, side],
+            color=colour,
+            label=f"middle of the shank, {name}",
+        )
     pin.set(title="force on the piston, along the cylinder", ylabel="[kN]")
     section.set(title="force in the middle of the shank", ylabel="[kN]")
-    stress.set(title="stress", ylabel="[MPa]", xlabel="angle of the crank [degrees]", xticks=range(0, 721, 90))
+    stress.set(
+        title="stress",
+        ylabel="[MPa]",
+        xlabel="angle of the crank [degrees]",
+        xticks=range(0, 721, 90),
+    )
     for axes in (pin, section, stress):
         axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, ncols=3)
     view.entitle(figure, "A connecting rod at 6000 revolutions a minute")
@@ -221,12 +256,20 @@ def stressed_rod(results: solver.Results, time: float) -> Figure:
 
 def report(found: Strokes, checks: Checks) -> None:
     k = found.largest.argmax()
-    print(f"largest stress              {1e-6 * found.largest[k]:.1f} MPa at {1e3 * found.worst:.2f} ms")
-    print(f"force in the shank          {1e-3 * found.force.min():.2f} to {1e-3 * found.force.max():.2f} kN")
+    print(
+        f"largest stress              {1e-6 * found.largest[k]:.1f} MPa at {1e3 * found.worst:.2f} ms"
+    )
+    print(
+        f"force in the shank          {1e-3 * found.force.min():.2f} to {1e-3 * found.force.max():.2f} kN"
+    )
     print(f"rigid rod, closed form      piston force within {checks.rigid:.2e} of its peak")
-    print(f"elastic rod, rigid rod      piston force within {checks.elastic:.2e} before the compression")
+    print(
+        f"elastic rod, rigid rod      piston force within {checks.elastic:.2e} before the compression"
+    )
     print(f"stresses, Newton's law      force in the shank within {checks.section:.2e} of its peak")
-    print(f"                            centrifugal forces, left out, would add up to {checks.centrifugal:.2e}")
+    print(
+        f"                            centrifugal forces, left out, would add up to {checks.centrifugal:.2e}"
+    )
 
 
 if __name__ == "__main__":

@@ -2,10 +2,11 @@
 
     python examples/swap.py [FOLDER]
 
-runs examples/swap.toml with the superelement of the beam mesh, and again with that of the solid mesh in its place; and
-Case 1 of the paper likewise, with the twin of its beam in solids. The two motions must differ by no more than the
-meshes explain: the frequencies of the rotor with one bar and with the other drift apart in phase, and the static
-deflections differ. Writes results and pictures to FOLDER, by default out/.
+runs examples/swap.toml with the superelement of the beam mesh, and again with that of the solid
+mesh in its place; and Case 1 of the paper likewise, with the twin of its beam in solids. The two
+motions must differ by no more than the meshes explain: the frequencies of the rotor with one bar
+and with the other drift apart in phase, and the static deflections differ. Writes results and
+pictures to FOLDER, by default out/.
 """
 
 import sys
@@ -43,13 +44,22 @@ class Swap:
 
 SWAPS = (
     Swap("swap", "bar", "bar", "swap", "A rotor with one bar from two meshes", 1e-4),
-    Swap("case1", "beam", "beam", "case1-solid", "Case 1 of the paper with its beam from two meshes", 1e-4),
+    Swap(
+        "case1",
+        "beam",
+        "beam",
+        "case1-solid",
+        "Case 1 of the paper with its beam from two meshes",
+        1e-4,
+    ),
 )
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """time (n,) [s], angle of the hub (n,) [rad], deflection of the tip along y and z of the rim (n, 2) [m]."""
+    """time (n,) [s], angle of the hub (n,) [rad], deflection of the tip along y and z of the rim
+    (n, 2) [m].
+    """
 
     time: Array
     angle: Array
@@ -58,11 +68,13 @@ class Motion:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Solid against beam, all relative: largest differences of the motions over their peaks, and what explains them.
+    """Solid against beam, all relative: largest differences of the motions over their peaks, and
+    what explains them.
 
-    frequency: of the first two elastic modes of the rotor [Hz], with the beam; frequency_shift: their change;
-    compliance_shift (2,): change of the static deflection of the clamped bar under a tip force along y and along z;
-    explained: by the phase 2 pi |shift| f t_end that the slower or faster of the two gains, and the compliance.
+    frequency: of the first two elastic modes of the rotor [Hz], with the beam; frequency_shift:
+    their change; compliance_shift (2,): change of the static deflection of the clamped bar under a
+    tip force along y and along z; explained: by the phase 2 pi |shift| f t_end that the slower or
+    faster of the two gains, and the compliance.
     """
 
     angle: float
@@ -106,11 +118,16 @@ def motion(recording: view.Recording, bar: str) -> Motion:
     return Motion(recording.time, recording.angle("hub")[:, 2], deflection)
 
 
-def compare(model: solver.Model, bars: dict[str, Superelement], motions: dict[str, Motion]) -> Comparison:
+def compare(
+    model: solver.Model, bars: dict[str, Superelement], motions: dict[str, Motion]
+) -> Comparison:
     beam, solid = motions["beam"], motions["solid"]
     frequency, of_solid = (rotor_frequencies(model, bar) for bar in bars.values())
     compliance = [np.diag(clamped_compliance(bar))[1:3] for bar in bars.values()]
-    frequency_shift, compliance_shift = of_solid / frequency - 1.0, compliance[1] / compliance[0] - 1.0
+    frequency_shift, compliance_shift = (
+        of_solid / frequency - 1.0,
+        compliance[1] / compliance[0] - 1.0,
+    )
     drift = 2.0 * np.pi * frequency * np.abs(frequency_shift) * model.t_end
     return Comparison(
         angle=largest(solid.angle - beam.angle) / largest(beam.angle),
@@ -131,10 +148,12 @@ def rotor_frequencies(model: solver.Model, bar: Superelement) -> Array:
 
     A load p between root and rim that leaves no gap between them, D(omega) p = 0:
 
-        D = sum_i phi_i phi_i^T / (omega_i^2 - omega^2) - (U [m I, J_rot]^-1 U^T + d d^T / I_hub) / omega^2
+        D = sum_i phi_i phi_i^T / (omega_i^2 - omega^2) - (U [m I, J_rot]^-1 U^T + d d^T / I_hub) /
+        omega^2
 
-    with all rows at the root of the bar, d the motion of the rim for a unit angle of the hub. D grows with omega up to
-    the first frequency of the free bar, and each eigenvalue that changes sign is a frequency of the rotor.
+    with all rows at the root of the bar, d the motion of the rim for a unit angle of the hub. D
+    grows with omega up to the first frequency of the free bar, and each eigenvalue that changes
+    sign is a frequency of the rotor.
     """
     hub = model.bodies["hub"]
     rim, axis = hub.frames["rim"], np.array([0.0, 0.0, 1.0])
@@ -149,14 +168,18 @@ def rotor_frequencies(model: solver.Model, bar: Superelement) -> Array:
         return float(np.linalg.eigvalsh(omega**2 * D)[-k])
 
     first_of_free_bar = float(bar.modes.omega.min())
-    roots = [brentq(eigenvalue, 1.0, 0.999 * first_of_free_bar, args=(k,), xtol=1e-9) for k in (1, 2)]
+    roots = [
+        brentq(eigenvalue, 1.0, 0.999 * first_of_free_bar, args=(k,), xtol=1e-9) for k in (1, 2)
+    ]
     return np.array(roots) / (2.0 * np.pi)
 
 
 def clamped_compliance(bar: Superelement) -> Array:
-    """Displacement of the tip under a load at the tip with the root held, (6, 6), from the inertia-relieved compliance.
+    """Displacement of the tip under a load at the tip with the root held, (6, 6), from the
+    inertia-relieved compliance.
 
-    The root answers a load p on the tip with -X^T p, X = U_tip U_root^-1, so that the loads balance each other.
+    The root answers a load p on the tip with -X^T p, X = U_tip U_root^-1, so that the loads balance
+    each other.
     """
     X = rigid_motion(bar, "tip") @ np.linalg.inv(rigid_motion(bar, "root"))
     balanced = np.hstack([-X, np.eye(6)])
@@ -172,13 +195,17 @@ def rigid_motion(bar: Superelement, interface: str) -> Array:
 
 
 def picture(motions: dict[str, Motion], title: str) -> Figure:
-    """The angle, the deflections of the tip, without that of a plane in which nothing moves, and their differences."""
+    """The angle, the deflections of the tip, without that of a plane in which nothing moves, and
+    their differences.
+    """
     blue, red, green, *_ = view.COLOURS
     beam, solid = motions["beam"], motions["solid"]
     peaks = np.abs(beam.deflection).max(axis=0)
     moving = [(row, name) for row, name in enumerate("yz") if peaks[row] > 1e-6 * peaks.max()]
     figure, (angle, *deflections, difference) = view.panels(2 + len(moving))
-    for (kind, found), colour, line in zip(motions.items(), (blue, red), ("-", (0, (4, 3))), strict=True):
+    for (kind, found), colour, line in zip(
+        motions.items(), (blue, red), ("-", (0, (4, 3))), strict=True
+    ):
         look = {"color": colour, "linestyle": line, "label": f"{kind} mesh"}
         angle.plot(found.time, found.angle, **look)
         for axes, (row, _) in zip(deflections, moving, strict=True):
@@ -197,8 +224,12 @@ def picture(motions: dict[str, Motion], title: str) -> Figure:
 
 def report(found: Comparison) -> None:
     f, shift, compliance = found.frequency, found.frequency_shift, found.compliance_shift
-    print(f"frequencies of the rotor    {f[0]:.3f}, {f[1]:.3f} Hz; solid less beam {shift[0]:+.2e}, {shift[1]:+.2e}")
-    print(f"static tip compliance       solid less beam {compliance[0]:+.2e} (y), {compliance[1]:+.2e} (z)")
+    print(
+        f"frequencies of the rotor    {f[0]:.3f}, {f[1]:.3f} Hz; solid less beam {shift[0]:+.2e}, {shift[1]:+.2e}"
+    )
+    print(
+        f"static tip compliance       solid less beam {compliance[0]:+.2e} (y), {compliance[1]:+.2e} (z)"
+    )
     print(f"angle of the hub            largest difference over its peak {found.angle:.2e}")
     print(f"deflection of the tip       largest difference over its peak {found.deflection:.2e}")
     print(f"                            explained by the meshes up to {found.explained:.2e}")

@@ -33,11 +33,15 @@ Vector = Annotated[tuple[float, float, float], expected("three numbers")]
 
 
 class InputError(ValueError):
-    """A file that cannot be read, or that says what nobody understands; a line for each thing found."""
+    """A file that cannot be read, or that says what nobody understands; a line for each thing
+    found.
+    """
 
 
 class Table(BaseModel):
-    """A table of a file: frozen, of finite numbers, and without keys that nobody reads; text is no number."""
+    """A table of a file: frozen, of finite numbers, and without keys that nobody reads; text is no
+    number.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
 
@@ -48,22 +52,32 @@ class Table(BaseModel):
         for key in data if isinstance(data, Mapping) else ():
             if key not in known and key not in cls.model_fields:
                 nearest = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
-                hint = f"did you mean {nearest[0]!r}?" if nearest else f"known are {', '.join(known)}"
+                hint = (
+                    f"did you mean {nearest[0]!r}?" if nearest else f"known are {', '.join(known)}"
+                )
                 raise ValueError(f"unknown key {key!r}; {hint}")
-        return {key: _frozen(value) for key, value in data.items()} if isinstance(data, Mapping) else data
+        return (
+            {key: _frozen(value) for key, value in data.items()}
+            if isinstance(data, Mapping)
+            else data
+        )
 
 
 AnyTable = TypeVar("AnyTable", bound=Table)
 
 
 def read_table(path: str | os.PathLike[str], kind: type[AnyTable]) -> tuple[AnyTable, str]:
-    """The table in a TOML file, and its text; `InputError` names the file, the key, what was found and expected."""
+    """The table in a TOML file, and its text; `InputError` names the file, the key, what was found
+    and expected.
+    """
     path = Path(path)
     try:
         text = path.read_text(encoding="utf-8")
         return kind.model_validate(tomllib.loads(text)), text
     except ValidationError as error:
-        raise InputError("\n".join(f"{path}: {_message(failure)}" for failure in error.errors())) from error
+        raise InputError(
+            "\n".join(f"{path}: {_message(failure)}" for failure in error.errors())
+        ) from error
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: not a TOML file: {error}") from error
     except (OSError, UnicodeDecodeError) as error:
@@ -71,7 +85,9 @@ def read_table(path: str | os.PathLike[str], kind: type[AnyTable]) -> tuple[AnyT
 
 
 def read_part(value: Any, kind: type[AnyTable]) -> AnyTable:
-    """A table inside a file whose kind shows in its keys; `InputError` as `read_table`, without the file."""
+    """A table inside a file whose kind shows in its keys; `InputError` as `read_table`, without the
+    file.
+    """
     try:
         return kind.model_validate(value)
     except ValidationError as error:

@@ -1,9 +1,17 @@
 """Meshes to superelements."""
 
-from .body import Body, read_body
+from .assembly.structure import Structure, assemble
+from .body.body import Body, read_body
 from .build import build
-from .errors import BodyError, InterfaceError, MatrixError, MeshError, MeshWarning, MethodError, PreprocessError
-from .structure import Structure, assemble
+from .errors import (
+    BodyError,
+    InterfaceError,
+    MatrixError,
+    MeshError,
+    MeshWarning,
+    MethodError,
+    PreprocessError,
+)
 
 __all__ = [
     "Body",

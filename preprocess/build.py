@@ -3,14 +3,14 @@
 from importlib import metadata
 
 from ..superelement import Provenance, Superelement, sha256
-from .body import Body
-from .factor import accounts
-from .impulse import impulse_responses
-from .mesh import Mesh
+from .assembly.structure import assemble_on, read_source
+from .body.body import Body
+from .mesh.mesh import Mesh
 from .progress import Stages, shown_stages
 from .recovery import check_recovery, recover
-from .static import compliance, mobility
-from .structure import assemble_on, read_source
+from .responses.factor import accounts
+from .responses.impulse import impulse_responses
+from .responses.static import compliance, mobility
 
 PACKAGES = ("duhamel", "numpy", "scipy", "scikit-fem", "meshio", "rslab")
 
@@ -35,9 +35,14 @@ def _build(body: Body, stages: Stages, factorizations: list[str]) -> Superelemen
     with stages.stage("impulse"):
         responses = impulse_responses(structure, body, stages)
     with stages.stage("static"):
-        # Modes say it without another factorization; and steps start as their modes do, not as the whole mesh would.
+        # Modes say it without another factorization; and steps start as their modes do, not as the
+        # whole mesh would.
         modes = responses.modes
-        H, B = (compliance(structure), mobility(structure)) if modes is None else (modes.compliance, modes.mobility)
+        H, B = (
+            (compliance(structure), mobility(structure))
+            if modes is None
+            else (modes.compliance, modes.mobility)
+        )
     recovery = None
     if body.recovery is not None and responses.shapes is not None and isinstance(source, Mesh):
         with stages.stage("recovery"):

@@ -14,7 +14,9 @@ class MeshError(PreprocessError):
 
 
 class MatrixError(PreprocessError):
-    """Matrices that cannot be read, that do not fit their nodes, or that are not those of a free elastic body."""
+    """Matrices that cannot be read, that do not fit their nodes, or that are not those of a free
+    elastic body.
+    """
 
 
 class InterfaceError(PreprocessError):

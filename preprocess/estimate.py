@@ -10,31 +10,39 @@ from scipy.interpolate import BSpline
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from ..superelement.validation import Array
-from .factor import factorize
-from .mesh import IntArray
-from .nodes import Nodes
-from .structure import Structure
+from .assembly.structure import Structure
+from .mesh.mesh import IntArray
+from .mesh.nodes import Nodes
+from .responses.factor import factorize
 
 SOLVED = 50_000
 """Unknowns of solids up to which frequencies are computed, and above which they are estimated."""
 SPLINES = 350
-"""Splines for a component of displacement: fields enough for some ten modes, few enough for a dense eigenproblem."""
+"""Splines for a component of displacement: fields enough for some ten modes, few enough for a dense
+eigenproblem.
+"""
 THIN = 1e-3
 """Extent of the grid across a body without any, over the largest."""
 INDEPENDENT = 1e-9
-"""Eigenvalue of the scaled mass matrix of the fields below which a field is a combination of others."""
+"""Eigenvalue of the scaled mass matrix of the fields below which a field is a combination of
+others.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Frequencies:
-    """The first elastic frequencies (m,) [Hz], ascending: those of the mesh if `exact`, upper bounds if not."""
+    """The first elastic frequencies (m,) [Hz], ascending: those of the mesh if `exact`, upper
+    bounds if not.
+    """
 
     values: Array
     exact: bool
 
 
 def first_frequencies(structure: Structure, count: int) -> Frequencies:
-    """Up to `count` frequencies: exact for beams and small solids, by Ritz's method for what is large."""
+    """Up to `count` frequencies: exact for beams and small solids, by Ritz's method for what is
+    large.
+    """
     count = min(count, structure.n_u - 7)
     if structure.nodes.rotations.all() or structure.n_u <= SOLVED:
         return Frequencies(_solved(structure, count), exact=True)
@@ -42,13 +50,15 @@ def first_frequencies(structure: Structure, count: int) -> Frequencies:
 
 
 def ritz_frequencies(structure: Structure, splines: int) -> Array:
-    """Upper bounds (m,) [Hz] of the elastic frequencies, from displacements that are quadratic splines in space.
+    """Upper bounds (m,) [Hz] of the elastic frequencies, from displacements that are quadratic
+    splines in space.
 
         V^T K V y = omega^2 V^T M V y,   V (n_u, 3 n): n products of splines in x, y and z in each direction
 
-    on a grid of cubes, the finest that leaves at most `splines` products that do not vanish on the body. The fields
-    hold the rigid motions, so by Courant's principle the values after the first six bound those of the mesh.
-    Nodes with rotations turn as the field does, by half its curl. Source: W. Ritz, J. reine angew. Math. 135 (1909).
+    on a grid of cubes, the finest that leaves at most `splines` products that do not vanish on the
+    body. The fields hold the rigid motions, so by Courant's principle the values after the first
+    six bound those of the mesh. Nodes with rotations turn as the field does, by half its curl.
+    Source: W. Ritz, J. reine angew. Math. 135 (1909).
     """
     V = _fields(structure.nodes, splines)
     K, M = (V.T @ (structure.K @ V)).toarray(), (V.T @ (structure.M @ V)).toarray()
@@ -61,29 +71,40 @@ def ritz_frequencies(structure: Structure, splines: int) -> Array:
 
 
 def _solved(structure: Structure, count: int) -> Array:
-    """The frequencies of the mesh, by Lanczos' method on (K + s M)^-1 with s of the size of the first eigenvalue."""
+    """The frequencies of the mesh, by Lanczos' method on (K + s M)^-1 with s of the size of the
+    first eigenvalue.
+    """
     s = 0.1 * (2.0 * np.pi * ritz_frequencies(structure, 27)[0]) ** 2
     solve = factorize(structure.K + s * structure.M, "the shifted stiffness")
     inverse = LinearOperator(structure.K.shape, matvec=solve, dtype=np.float64)
-    squares = eigsh(structure.K, count + 6, structure.M, sigma=-s, OPinv=inverse, return_eigenvectors=False)
+    squares = eigsh(
+        structure.K, count + 6, structure.M, sigma=-s, OPinv=inverse, return_eigenvectors=False
+    )
     elastic: Array = np.sort(squares)[6:]
     return np.sqrt(elastic) / (2.0 * np.pi)
 
 
 def _fields(nodes: Nodes, splines: int) -> Any:
-    """V (n_u, 3 n), sparse: the dofs under each of the n products of splines, along x, then y, then z."""
+    """V (n_u, 3 n), sparse: the dofs under each of the n products of splines, along x, then y, then
+    z.
+    """
     lower, upper = nodes.points.min(axis=0), nodes.points.max(axis=0)
     margin = 0.5 * np.maximum(THIN * (upper - lower).max() - (upper - lower), 0.0)
     lower, upper = lower - margin, upper + margin
     place = (nodes.points - lower) / (upper - lower)
-    along = [_along(x, n) for x, n in zip(place.T, _grid(place, upper - lower, splines), strict=True)]
-    (X, dX), (Y, dY), (Z, dZ) = ((N, dN / length) for (N, dN), length in zip(along, upper - lower, strict=True))
+    along = [
+        _along(x, n) for x, n in zip(place.T, _grid(place, upper - lower, splines), strict=True)
+    ]
+    (X, dX), (Y, dY), (Z, dZ) = (
+        (N, dN / length) for (N, dN), length in zip(along, upper - lower, strict=True)
+    )
 
     values = _product(X, Y, Z)
     used = np.flatnonzero(np.diff(values.tocsc().indptr))
     turning = nodes.rotations
     x, y, z = (
-        _product(*(factor[turning] for factor in factors))[:, used] for factors in ((dX, Y, Z), (X, dY, Z), (X, Y, dZ))
+        _product(*(factor[turning] for factor in factors))[:, used]
+        for factors in ((dX, Y, Z), (X, dY, Z), (X, Y, dZ))
     )
     curl = sp.block_array([[None, -z, y], [z, None, -x], [-y, x, None]])
     translations = nodes.displacements.T.ravel()
@@ -94,7 +115,8 @@ def _fields(nodes: Nodes, splines: int) -> Any:
 
 
 def _grid(place: Array, extent: Array, splines: int) -> IntArray:
-    """The cells (3,) of the finest grid of near cubes with at most `splines` products that reach a point.
+    """The cells (3,) of the finest grid of near cubes with at most `splines` products that reach a
+    point.
 
     place (n, 3): the points in the unit cube of the grid.
     """
@@ -108,7 +130,9 @@ def _grid(place: Array, extent: Array, splines: int) -> IntArray:
 
 
 def _reaching(place: Array, cells: IntArray) -> int:
-    """The number of products of quadratic splines that do not vanish at every point: three by three by three a cell."""
+    """The number of products of quadratic splines that do not vanish at every point: three by three
+    by three a cell.
+    """
     reached = np.zeros(cells + 2, dtype=np.bool_)
     occupied = np.unique(np.minimum((place * cells).astype(np.int64), cells - 1), axis=0)
     for offset in np.ndindex(3, 3, 3):
@@ -125,11 +149,15 @@ def _along(x: Array, cells: int) -> tuple[Any, Any]:
 
 def _product(X: Array, Y: Array, Z: Array) -> Any:
     """X_ni Y_nj Z_nk (n, i j k), sparse."""
-    columns: list[NDArray[np.int64]] = [np.argsort(N == 0.0, axis=1, kind="stable")[:, :3] for N in (X, Y, Z)]
+    columns: list[NDArray[np.int64]] = [
+        np.argsort(N == 0.0, axis=1, kind="stable")[:, :3] for N in (X, Y, Z)
+    ]
     parts = [np.take_along_axis(N, c, axis=1) for N, c in zip((X, Y, Z), columns, strict=True)]
     values = np.einsum("ni,nj,nk->nijk", *parts)
     i, j, k = columns
-    places = (i[:, :, None, None] * Y.shape[1] + j[:, None, :, None]) * Z.shape[1] + k[:, None, None, :]
+    places = (i[:, :, None, None] * Y.shape[1] + j[:, None, :, None]) * Z.shape[1] + k[
+        :, None, None, :
+    ]
     rows = np.repeat(np.arange(len(X)), 27)
     shape = (len(X), X.shape[1] * Y.shape[1] * Z.shape[1])
     product = sp.csr_array((values.ravel(), (rows, places.ravel())), shape=shape)

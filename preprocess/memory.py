@@ -11,12 +11,19 @@ ROOT = Path("/")
 
 
 def require(needs: Mapping[str, float], remedy: str) -> None:
-    """`MemoryShortageError` if all `needs`, bytes by what they are for, exceed what there is. `remedy`: what to do."""
+    """`MemoryShortageError` if all `needs`, bytes by what they are for, exceed what there is.
+    `remedy`: what to do.
+    """
     size, free = sum(needs.values()), available()
     if size > free:
         (what, part), *others = needs.items()
-        told = [f"{what} needs {gigabytes(part)} of memory", *(f"{what} {gigabytes(part)}" for what, part in others)]
-        raise MemoryShortageError(f"{' and '.join(told)}, {gigabytes(free)} are available: {remedy}", size, free)
+        told = [
+            f"{what} needs {gigabytes(part)} of memory",
+            *(f"{what} {gigabytes(part)}" for what, part in others),
+        ]
+        raise MemoryShortageError(
+            f"{' and '.join(told)}, {gigabytes(free)} are available: {remedy}", size, free
+        )
 
 
 def gigabytes(size: float) -> str:
@@ -25,10 +32,11 @@ def gigabytes(size: float) -> str:
 
 
 def available(root: Path = ROOT) -> int:
-    """Bytes that this process may still take: of the machine, and of the control groups that it runs in.
+    """Bytes that this process may still take: of the machine, and of the control groups that it
+    runs in.
 
-    Where the system does not say what is free, all the memory of the machine; where it does not say even that, no
-    limit at all. Source: proc(5), cgroups(7).
+    Where the system does not say what is free, all the memory of the machine; where it does not say
+    even that, no limit at all. Source: proc(5), cgroups(7).
     """
     return min(_machine(root), *_control_groups(root), sys.maxsize)
 
@@ -49,19 +57,36 @@ def _control_groups(root: Path) -> Iterator[int]:
     for line in path.read_text().splitlines() if path.exists() else ():
         _, controllers, group = line.split(":", 2)
         if not controllers:
-            top, limit, used, cache = root / "sys/fs/cgroup", "memory.max", "memory.current", "inactive_file"
+            top, limit, used, cache = (
+                root / "sys/fs/cgroup",
+                "memory.max",
+                "memory.current",
+                "inactive_file",
+            )
         elif "memory" in controllers.split(","):
             top = root / "sys/fs/cgroup/memory"
-            limit, used, cache = "memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"
+            limit, used, cache = (
+                "memory.limit_in_bytes",
+                "memory.usage_in_bytes",
+                "total_inactive_file",
+            )
         else:
             continue
         inside = top / group.lstrip("/")
         for folder in (inside, *inside.parents):
-            if folder.is_relative_to(top) and (folder / limit).exists() and (folder / used).exists():
+            if (
+                folder.is_relative_to(top)
+                and (folder / limit).exists()
+                and (folder / used).exists()
+            ):
                 most = (folder / limit).read_text().strip()
                 if most != "max":
                     # Files that are cached but not in use give way to whoever asks for memory.
-                    yield int(most) - int((folder / used).read_text()) + _entry(folder / "memory.stat", cache)
+                    yield (
+                        int(most)
+                        - int((folder / used).read_text())
+                        + _entry(folder / "memory.stat", cache)
+                    )
 
 
 def _entry(path: Path, key: str) -> int:

@@ -32,7 +32,11 @@ class Stages:
 
     def track(self, steps: range) -> Iterator[int]:
         """The steps, with a bar that fills."""
-        return iter(steps) if self._bar is None else iter(self._bar.track(steps, description="marching"))
+        return (
+            iter(steps)
+            if self._bar is None
+            else iter(self._bar.track(steps, description="marching"))
+        )
 
 
 @contextmanager

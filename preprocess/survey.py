@@ -6,32 +6,35 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..superelement.validation import Array
-from .body import Body
-from .cost import Cost, krylov_cost
-from .element import ELEMENTS, cofactors
+from .assembly.interfaces import Attachment, attachments
+from .assembly.masses import placed_masses
+from .assembly.structure import Structure, assemble_mesh, read_source
+from .body.body import Body
+from .body.material import Material, Section
+from .elements.element import ELEMENTS, cofactors
 from .errors import BodyError
 from .estimate import Frequencies, first_frequencies
-from .facets import CORNERS, Facets, facets_of
-from .impulse import SMALL
-from .interfaces import Attachment, attachments
-from .masses import placed_masses
-from .material import Material, Section
-from .mesh import LINES, IntArray, Mesh
-from .nodes import Nodes
+from .mesh.facets import CORNERS, Facets, facets_of
+from .mesh.mesh import LINES, IntArray, Mesh
+from .mesh.nodes import Nodes
 from .progress import shown_stages
-from .structure import Structure, assemble_mesh, read_source
+from .responses.cost import Cost, krylov_cost
+from .responses.impulse import SMALL
 
 SHOWN = 10
 """Frequencies that a survey looks for."""
 BATCH = 2**14
 """Elements whose volumes are integrated at once."""
 LINEAR, QUADRATIC = 6, 4
-"""Nodes in a wavelength: waves run too fast by (k h)^2 / 24, 5 per cent, and by sqrt(10) / pi - 1, 1 per cent."""
+"""Nodes in a wavelength: waves run too fast by (k h)^2 / 24, 5 per cent, and by sqrt(10) / pi - 1,
+1 per cent.
+"""
 
 
 @dataclass(frozen=True)
 class Share:
-    """What is made of one material or section: elements, their volume [m^3] or length [m], their mass [kg].
+    """What is made of one material or section: elements, their volume [m^3] or length [m], their
+    mass [kg].
 
     group: that of the mesh; empty for what all of the body is made of.
     """
@@ -44,10 +47,12 @@ class Share:
 
 @dataclass(frozen=True)
 class Resolution:
-    """The shortest wave [m] that the material carries at the end of the band, and the longest way between nodes [m].
+    """The shortest wave [m] that the material carries at the end of the band, and the longest way
+    between nodes [m].
 
-    Of solids the wave is one of shear, c = sqrt(G / rho); of beams one of bending, c^2 = omega sqrt(EI / mass).
-    needed: the nodes in a wavelength that carry it within about five per cent of its speed.
+    Of solids the wave is one of shear, c = sqrt(G / rho); of beams one of bending, c^2 = omega
+    sqrt(EI / mass). needed: the nodes in a wavelength that carry it within about five per cent of
+    its speed.
     """
 
     wavelength: float
@@ -62,10 +67,12 @@ class Resolution:
 
 @dataclass(frozen=True, eq=False)
 class Survey:
-    """A body on its mesh: matrices, places by the names of interfaces and of masses, and what to expect of it.
+    """A body on its mesh: matrices, places by the names of interfaces and of masses, and what to
+    expect of it.
 
-    facets: those of solids, None of beams; band [Hz]: up to where impulse responses are asked to be right.
-    cost: what to expect, of bodies that take a while. A mass on an interface has the place of the interface.
+    facets: those of solids, None of beams; band [Hz]: up to where impulse responses are asked to be
+    right. cost: what to expect, of bodies that take a while. A mass on an interface has the place
+    of the interface.
     """
 
     body: Body
@@ -81,7 +88,9 @@ class Survey:
     cost: Cost | None
 
     def boundary(self) -> Iterator[tuple[Array, IntArray]]:
-        """By type of facet: polygons (m, k, 3) that turn outwards, and the interface (m,) of each, -1 for none."""
+        """By type of facet: polygons (m, k, 3) that turn outwards, and the interface (m,) of each,
+        -1 for none.
+        """
         if self.facets is None:
             return
         owner = np.full(self.facets.count, -1, dtype=np.int64)
@@ -90,12 +99,17 @@ class Survey:
         first = 0
         for kind, nodes in self.facets.nodes.items():
             rows = np.flatnonzero(self.facets.boundary[first:][: len(nodes)])
-            yield self.mesh.points[nodes[rows][:, _around(kind, nodes.shape[1])]], owner[first + rows]
+            yield (
+                self.mesh.points[nodes[rows][:, _around(kind, nodes.shape[1])]],
+                owner[first + rows],
+            )
             first += len(nodes)
 
 
 def _around(kind: str, n_nodes: int) -> list[int]:
-    """The nodes on the rim of a facet, one after the other: corners, with the middles between them if there are any."""
+    """The nodes on the rim of a facet, one after the other: corners, with the middles between them
+    if there are any.
+    """
     corners = CORNERS[kind]
     middles = [] if n_nodes == corners else [range(corners, 2 * corners)]
     return [node for group in zip(range(corners), *middles, strict=True) for node in group]
@@ -121,7 +135,10 @@ def survey(body: Body, progress: bool = False) -> Survey:
             placed = attachments("masses", placed_masses(body), mesh, nodes, facets)
         with stages.stage("frequencies"):
             frequencies = first_frequencies(structure, SHOWN)
-    masses = {name: placed[name] if m.interface is None else interfaces[m.interface] for name, m in body.masses.items()}
+    masses = {
+        name: placed[name] if m.interface is None else interfaces[m.interface]
+        for name, m in body.masses.items()
+    }
     band = body.impulse.band or 0.25 / body.impulse.step
     return Survey(
         body=body,
@@ -139,7 +156,9 @@ def survey(body: Body, progress: bool = False) -> Survey:
 
 
 def _cost(body: Body, structure: Structure) -> Cost | None:
-    """What the method for large bodies will take; nothing worth telling for small ones and for other methods."""
+    """What the method for large bodies will take; nothing worth telling for small ones and for
+    other methods.
+    """
     if body.impulse.method not in ("auto", "krylov") or structure.n_u <= SMALL:
         return None
     return krylov_cost(structure.n_u, structure.K.nnz, structure.P_C.shape[0], body.impulse.steps)
@@ -189,6 +208,8 @@ def _wavelength(make: Material | Section, frequency: float) -> float:
     """The shortest wave [m] of a material or a section at a frequency [Hz]."""
     if isinstance(make, Section):
         omega = 2.0 * np.pi * frequency
-        return float(2.0 * np.pi * (min(make.EI_y, make.EI_z) / (make.mass_per_length * omega**2)) ** 0.25)
+        return float(
+            2.0 * np.pi * (min(make.EI_y, make.EI_z) / (make.mass_per_length * omega**2)) ** 0.25
+        )
     shear = make.elasticity.diagonal()[3:].min()
     return float(np.sqrt(shear / make.rho) / frequency)

@@ -1,13 +1,13 @@
 """Superelements and a model to motion."""
 
+from ..results.results import Results
 from .errors import ConvergenceError, ModelError, RecoveryError, ResultsError
-from .joints import Joint
-from .model import FlexibleBody, Frame, Load, Model, Place, RigidBody, Start, SteadyRotation
-from .model_file import read_model
-from .motions import PrescribedDisplacement, PrescribedRotation
-from .output_request import OutputRequest
-from .results import Results
-from .signals import (
+from .model.file import read_model
+from .model.joints import Joint
+from .model.model import FlexibleBody, Frame, Load, Model, Place, RigidBody, Start, SteadyRotation
+from .model.motions import PrescribedDisplacement, PrescribedRotation
+from .model.output_request import OutputRequest
+from .model.signals import (
     Constant,
     Function,
     Harmonic,
@@ -20,9 +20,9 @@ from .signals import (
     Steps,
     Table,
 )
+from .model.springs import Law, Spring
 from .simulation import simulate
 from .simulator import Simulator
-from .springs import Law, Spring
 
 __all__ = [
     "Constant",

@@ -15,14 +15,28 @@ class ModelError(ValueError):
 class ConvergenceError(RuntimeError):
     """Newton's method did not converge in a time step.
 
-    step, time [s]; residual: of equilibrium and constraints, relative to what the tolerance is measured against;
-    joint: the name of the joint that is most open, `opening` [m or rad] how far; model: the name of its file.
+    step, time [s]; residual: of equilibrium and constraints, relative to what the tolerance is
+    measured against; joint: the name of the joint that is most open, `opening` [m or rad] how far;
+    model: the name of its file.
     """
 
     def __init__(
-        self, step: int, time: float, residual: float, tolerance: float, joint: str, opening: float, model: str = ""
+        self,
+        step: int,
+        time: float,
+        residual: float,
+        tolerance: float,
+        joint: str,
+        opening: float,
+        model: str = "",
     ) -> None:
-        self.step, self.time, self.residual, self.joint, self.opening = step, time, residual, joint, opening
+        self.step, self.time, self.residual, self.joint, self.opening = (
+            step,
+            time,
+            residual,
+            joint,
+            opening,
+        )
         where = f"{model}: " if model else ""
         worst = f"; the most open joint is {joint!r}, by {opening:.3e}" if joint else ""
         super().__init__(
@@ -36,7 +50,9 @@ class ResultsError(ValueError):
 
 
 class RecoveryError(ValueError):
-    """A field that results cannot give: no modes on the surface, another superelement, a time outside the run."""
+    """A field that results cannot give: no modes on the surface, another superelement, a time
+    outside the run.
+    """
 
 
 @contextmanager

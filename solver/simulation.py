@@ -6,34 +6,41 @@ from pathlib import Path
 
 import numpy as np
 
-from .compilation import CompiledModel
-from .compiled import Array, Index, is_cached
+from ..results.results import Results
+from .arrays import Array, Index
 from .errors import ConvergenceError, about
-from .initial import begin
-from .lookahead import Lookahead
-from .loop import advance, record
-from .model import Model
+from .history.dyadic import Lookahead
+from .lower.lower import CompiledModel
+from .model.model import Model
+from .output.columns import make_output
+from .output.file import ResultsFile, check_folder
+from .output.recorder import Recorder
 from .progress import Progress
-from .recorder import Recorder
-from .results import Results
-from .results_file import ResultsFile, check_folder
-from .results_layout import make_output
-from .system import Inputs, State, Workspace
+from .start.initial import begin
+from .step.jit import is_cached
+from .step.loop import advance, record
+from .step.system import Inputs, State, Workspace
 
 STINT = 0.1
 """seconds that the loop runs before it returns, for progress and interrupts"""
 
 
-def simulate(model: Model, output: str | os.PathLike[str] | None = None, progress: bool = False) -> Results:
+def simulate(
+    model: Model, output: str | os.PathLike[str] | None = None, progress: bool = False
+) -> Results:
     """Integrate the motion of a model from t = 0 to t_end.
 
-    output: the results file, by default none (results stay in memory); progress: show a bar.
-    Raises ModelError for a model that cannot start, ConvergenceError where Newton's method fails and ResultsError for a
-    file that cannot be written; the file then holds the steps before the failure, as it does after an interrupt.
+    output: the results file, by default none (results stay in memory); progress: show a bar. Raises
+    ModelError for a model that cannot start, ConvergenceError where Newton's method fails and
+    ResultsError for a file that cannot be written; the file then holds the steps before the
+    failure, as it does after an interrupt.
     """
     if output is not None:
         check_folder(Path(output))
-    with about(model.path), Progress("compiling (first run only)", shown=progress and not is_cached()):
+    with (
+        about(model.path),
+        Progress("compiling (first run only)", shown=progress and not is_cached()),
+    ):
         beginning = begin(model)
         compiled, state, work = beginning.compiled, beginning.state, beginning.work
         compile_loop(compiled, state, work)
@@ -55,7 +62,9 @@ def simulate(model: Model, output: str | os.PathLike[str] | None = None, progres
     return file.results()
 
 
-def _march(compiled: CompiledModel, state: State, work: Workspace, file: ResultsFile, progress: bool) -> None:
+def _march(
+    compiled: CompiledModel, state: State, work: Workspace, file: ResultsFile, progress: bool
+) -> None:
     system, quaternions = compiled.system, compiled.frame_quaternions
     done, total, stint = 0, compiled.n_steps, 16
     lookahead = Lookahead(system.elastic)
@@ -66,7 +75,9 @@ def _march(compiled: CompiledModel, state: State, work: Workspace, file: Results
         while done < total:
             started = time.perf_counter()
             rows = recorder.rows(done + 1, lookahead.room(done, min(stint, total - done)))
-            taken, residual = advance(system, quaternions, signals(compiled, done + 1, rows), state, work, output)
+            taken, residual = advance(
+                system, quaternions, signals(compiled, done + 1, rows), state, work, output
+            )
             recorder.keep(done + 1, rows[:taken])
             done += taken
             bar.advance(taken)
@@ -80,7 +91,9 @@ def _march(compiled: CompiledModel, state: State, work: Workspace, file: Results
 def compile_loop(compiled: CompiledModel, state: State, work: Workspace) -> None:
     """Call the loop for no steps at all, so that it is compiled or loaded."""
     none = signals(compiled, 1, np.empty(0, dtype=np.int64))
-    advance(compiled.system, compiled.frame_quaternions, none, state, work, make_output(compiled, 0))
+    advance(
+        compiled.system, compiled.frame_quaternions, none, state, work, make_output(compiled, 0)
+    )
 
 
 def signals(compiled: CompiledModel, first: int, rows: Index) -> Inputs:
@@ -96,10 +109,18 @@ def _columns(signals: list[Array], n: int) -> Array:
     return np.array(signals).reshape(len(signals), n).T.copy()
 
 
-def failure(compiled: CompiledModel, step: int, residual: float, work: Workspace) -> ConvergenceError:
+def failure(
+    compiled: CompiledModel, step: int, residual: float, work: Workspace
+) -> ConvergenceError:
     name, opening = _worst_joint(compiled, work)
     return ConvergenceError(
-        step, step * compiled.h, residual, compiled.model.tolerance, name, opening, compiled.model.path
+        step,
+        step * compiled.h,
+        residual,
+        compiled.model.tolerance,
+        name,
+        opening,
+        compiled.model.path,
     )
 
 

@@ -1,4 +1,6 @@
-"""A case of a study: a file like any other, which runs by itself, and the file that is made from it."""
+"""A case of a study: a file like any other, which runs by itself, and the file that is made from
+it.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,7 +13,9 @@ import tomli_w
 
 @dataclass(frozen=True)
 class Case:
-    """Parameters by dotted key, and the document, which is the base file with these in place; both files by name."""
+    """Parameters by dotted key, and the document, which is the base file with these in place; both
+    files by name.
+    """
 
     name: str
     parameters: Mapping[str, Any]
@@ -34,7 +38,9 @@ class Case:
 
 
 class Kind(Protocol):
-    """What a study does with the files of its cases. The same class does it in this process and in workers."""
+    """What a study does with the files of its cases. The same class does it in this process and in
+    workers.
+    """
 
     paths: ClassVar[tuple[str, ...]]
     """patterns of the dotted keys that hold paths"""
@@ -52,7 +58,9 @@ class Kind(Protocol):
         """From source to target."""
 
     def is_made(self, case: Case) -> bool:
-        """Whether the target is whole, and made from the present contents of the source and of all files it names."""
+        """Whether the target is whole, and made from the present contents of the source and of all
+        files it names.
+        """
 
     def numbers(self, case: Case, outputs: Mapping[str, str]) -> dict[str, float]:
         """The values of `columns` and of the outputs, from the target."""

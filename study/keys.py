@@ -1,6 +1,8 @@
-"""Dotted keys of a TOML document, such as "bodies.hub.mass", "joints.pivot.axis" or "loads.0.signal".
+"""Dotted keys of a TOML document, such as "bodies.hub.mass", "joints.pivot.axis" or
+"loads.0.signal".
 
-A part of a key is a key of a table, the `name` of an entry of an array of tables, or the number of an entry, from 0.
+A part of a key is a key of a table, the `name` of an entry of an array of tables, or the number of
+an entry, from 0.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -21,7 +23,9 @@ def leaves(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, An
 
 
 def matching(document: Mapping[str, Any], patterns: Sequence[str]) -> Iterator[tuple[str, str]]:
-    """The texts whose keys match one of the patterns, such as "bodies.*.superelement", in the order of these."""
+    """The texts whose keys match one of the patterns, such as "bodies.*.superelement", in the order
+    of these.
+    """
     for pattern in patterns:
         for key, value in leaves(document):
             if isinstance(value, str) and fnmatchcase(key, pattern):
@@ -29,7 +33,9 @@ def matching(document: Mapping[str, Any], patterns: Sequence[str]) -> Iterator[t
 
 
 def replaced(document: Mapping[str, Any], key: str, value: Any) -> dict[str, Any]:
-    """A copy of the document with another value at a key; `StudyError` lists the keys there are if it is none."""
+    """A copy of the document with another value at a key; `StudyError` lists the keys there are if
+    it is none.
+    """
     changed = deepcopy(dict(document))
     place: Any = changed
     *way, last = key.split(".")
@@ -48,7 +54,9 @@ def _entry(place: Any, part: str, where: str) -> Any:
         entries = {str(number): number for number in range(len(place))}
         entries |= {entry["name"]: number for number, entry in enumerate(place) if _has_name(entry)}
     if part not in entries:
-        raise StudyError(f"no {part!r} in {where or 'the file'}; there are: {', '.join(entries) or 'no keys'}")
+        raise StudyError(
+            f"no {part!r} in {where or 'the file'}; there are: {', '.join(entries) or 'no keys'}"
+        )
     return entries[part]
 
 

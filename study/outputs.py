@@ -32,7 +32,9 @@ REDUCTIONS: dict[str, Callable[[Array, Array], float]] = {
 
 
 def values(recording: Recording, outputs: Mapping[str, str]) -> dict[str, float]:
-    """The outputs by name, in SI units; `StudyError` names one that is none, or of what the recording does not have."""
+    """The outputs by name, in SI units; `StudyError` names one that is none, or of what the
+    recording does not have.
+    """
     return {name: _told(name, _value, recording, output) for name, output in outputs.items()}
 
 
@@ -42,7 +44,9 @@ def check(recording: Recording, outputs: Mapping[str, str]) -> None:
         _told(name, _components, recording, output)
 
 
-def _told(name: str, function: Callable[[Recording, str], Any], recording: Recording, output: str) -> Any:
+def _told(
+    name: str, function: Callable[[Recording, str], Any], recording: Recording, output: str
+) -> Any:
     try:
         return function(recording, output)
     except (StudyError, QuantityError) as error:
@@ -69,6 +73,13 @@ def _parts(output: str) -> tuple[str, str, bool]:
         )
     reduction, magnitude, quantity = match[1], bool(match[2]), match[3]
     kind, *names = quantity.split(":")
-    if not magnitude and kind in KINDS and KINDS[kind].axes and names[-1:] not in [[axis] for axis in AXES]:
-        raise StudyError(f"{output!r} is of a vector: expected an axis, {quantity}:x, or its length, |{quantity}|")
+    if (
+        not magnitude
+        and kind in KINDS
+        and KINDS[kind].axes
+        and names[-1:] not in [[axis] for axis in AXES]
+    ):
+        raise StudyError(
+            f"{output!r} is of a vector: expected an axis, {quantity}:x, or its length, |{quantity}|"
+        )
     return reduction, quantity, magnitude

@@ -31,7 +31,9 @@ class Preprocessing:
     def check(self, base: Path, outputs: Mapping[str, str]) -> None:
         read_body(base)
         if outputs:
-            raise StudyError("outputs: expected with a model, whose results they are of, found with a body")
+            raise StudyError(
+                "outputs: expected with a model, whose results they are of, found with a body"
+            )
 
     def make(self, case: Case) -> None:
         write(case.target, build(read_body(case.source)))

@@ -28,7 +28,9 @@ class Simulation:
         return ModelError, ConvergenceError, ResultsError, SuperelementError, OSError, MemoryError
 
     def check(self, base: Path, outputs: Mapping[str, str]) -> None:
-        """Start the base model, which compiles the time loop, and look whether the results hold the outputs."""
+        """Start the base model, which compiles the time loop, and look whether the results hold the
+        outputs.
+        """
         # What draws needs a second to load and is no business of the workers.
         from ..view import read
         from .outputs import check
@@ -45,15 +47,26 @@ class Simulation:
         try:
             with h5py.File(case.target, "r") as file:
                 made_from = file.attrs["model"], dict(file["superelements"].attrs)
-                return bool(file["solver"].attrs["finished"]) and made_from == (case.text, _superelements(case))
-        except (OSError, KeyError, RuntimeError):  # what h5py raises on a file that is missing or damaged
+                return bool(file["solver"].attrs["finished"]) and made_from == (
+                    case.text,
+                    _superelements(case),
+                )
+        except (
+            OSError,
+            KeyError,
+            RuntimeError,
+        ):  # what h5py raises on a file that is missing or damaged
             return False
 
     def numbers(self, case: Case, outputs: Mapping[str, str]) -> dict[str, float]:
         results = Results.read(case.target)
         steps = int(results.solver["steps"])
         iterations = float(results.iterations[1:].mean()) if steps else 0.0
-        numbers = {"seconds": float(results.solver["seconds"]), "steps": steps, "iterations": iterations}
+        numbers = {
+            "seconds": float(results.solver["seconds"]),
+            "steps": steps,
+            "iterations": iterations,
+        }
         if outputs:
             from ..view import read
             from .outputs import values

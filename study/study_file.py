@@ -1,4 +1,6 @@
-"""The study file: what a user writes to run a model, or to preprocess a body, for many values of its parameters."""
+"""The study file: what a user writes to run a model, or to preprocess a body, for many values of
+its parameters.
+"""
 
 import csv
 import os
@@ -36,13 +38,17 @@ class _StudyFile(Table):
         for pair in (("model", "body"), ("parameters", "table")):
             given = [key for key in pair if getattr(self, key) is not None]
             if len(given) != 1:
-                raise ValueError(f"expected one of {' and '.join(pair)}, found {' and '.join(given) or 'none'}")
+                raise ValueError(
+                    f"expected one of {' and '.join(pair)}, found {' and '.join(given) or 'none'}"
+                )
         return self
 
 
 @dataclass(frozen=True)
 class Study:
-    """What to vary (`base`), how, and what to tell of it: outputs by name, as `outputs.py` reads them."""
+    """What to vary (`base`), how, and what to tell of it: outputs by name, as `outputs.py` reads
+    them.
+    """
 
     path: Path
     kind: Kind
@@ -61,14 +67,17 @@ class _Values:
 
 
 def read_study(path: str | os.PathLike[str], folder: str | os.PathLike[str] | None = None) -> Study:
-    """Read a study file, its table and its base file; `StudyError` names the file, the key and what was found.
+    """Read a study file, its table and its base file; `StudyError` names the file, the key and what
+    was found.
 
     folder: of the cases, by default named as the study file and beside it. Nothing is written.
     """
     path = Path(path).resolve()
     try:
         file, _ = read_table(path, _StudyFile)
-        return _study(file, path, path.with_suffix("") if folder is None else Path(folder).resolve())
+        return _study(
+            file, path, path.with_suffix("") if folder is None else Path(folder).resolve()
+        )
     except InputError as error:
         raise StudyError(str(error)) from error
     except StudyError as error:
@@ -83,8 +92,12 @@ def _study(file: _StudyFile, path: Path, folder: Path) -> Study:
     for point in points:
         changed = document
         for key, value in point.parameters.items():
-            is_path = isinstance(value, str) and any(fnmatchcase(key, pattern) for pattern in kind.paths)
-            changed = replaced(changed, key, _relative(path.parent / value, folder) if is_path else value)
+            is_path = isinstance(value, str) and any(
+                fnmatchcase(key, pattern) for pattern in kind.paths
+            )
+            changed = replaced(
+                changed, key, _relative(path.parent / value, folder) if is_path else value
+            )
         cases.append(Case(point.name, point.parameters, changed, folder))
     return Study(path, kind, base, folder, tuple(cases), file.outputs)
 
@@ -109,7 +122,9 @@ def _document(base: Path) -> dict[str, Any]:
         raise StudyError(f"{base}: not a readable file: {error}") from error
 
 
-def _relocated(document: dict[str, Any], paths: tuple[str, ...], old: Path, new: Path) -> dict[str, Any]:
+def _relocated(
+    document: dict[str, Any], paths: tuple[str, ...], old: Path, new: Path
+) -> dict[str, Any]:
     """The same document for another folder."""
     for key, value in matching(document, paths):
         document = replaced(document, key, _relative(old / value, new))
@@ -140,15 +155,21 @@ def _rows(path: Path) -> Iterator[_Values]:
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise StudyError(f"{path}: not a readable table: {error}") from error
     if not rows or len(set(header)) < len(header):
-        raise StudyError(f"{path}: expected a line of different keys and a line a case, found {header} and {len(rows)}")
+        raise StudyError(
+            f"{path}: expected a line of different keys and a line a case, found {header} and {len(rows)}"
+        )
     known: set[str] = set()
     for number, row in enumerate(rows, start=1):
         if len(row) != len(header):
-            raise StudyError(f"{path}: case {number}: expected {len(header)} values, found {len(row)}")
+            raise StudyError(
+                f"{path}: case {number}: expected {len(header)} values, found {len(row)}"
+            )
         cells = dict(zip(header, row, strict=True))
         name = cells.pop(NAME, f"case-{number:04d}")
         if name in known or not re.fullmatch(r"\w[\w.+-]*", name):
-            raise StudyError(f"{path}: case {number}: expected a new name for files, found {name!r}")
+            raise StudyError(
+                f"{path}: case {number}: expected a new name for files, found {name!r}"
+            )
         known.add(name)
         yield _Values(name, {key: _cell(cell) for key, cell in cells.items()})
 

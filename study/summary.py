@@ -14,7 +14,9 @@ from .study_file import Study
 
 @dataclass(frozen=True)
 class Row:
-    """What is said of a case: status "done", "failed", or "open" where the study was stopped before it."""
+    """What is said of a case: status "done", "failed", or "open" where the study was stopped before
+    it.
+    """
 
     case: Case
     status: str = "open"
@@ -24,7 +26,9 @@ class Row:
 
 
 def write_summary(path: Path, study: Study, rows: Sequence[Row]) -> None:
-    """A table of comma-separated values: case, parameters, status, numbers and outputs in SI units, message."""
+    """A table of comma-separated values: case, parameters, status, numbers and outputs in SI units,
+    message.
+    """
     parameters = list(study.cases[0].parameters)
     numbers = [*study.kind.columns, *study.outputs]
     temporary = path.with_suffix(f".{os.getpid()}")
@@ -33,7 +37,15 @@ def write_summary(path: Path, study: Study, rows: Sequence[Row]) -> None:
         table.writerow(["case", *parameters, "status", *numbers, "message"])
         for row in rows:
             given = [_cell(row.case.parameters[key]) for key in parameters]
-            table.writerow([row.case.name, *given, row.status, *[row.numbers.get(n, "") for n in numbers], row.message])
+            table.writerow(
+                [
+                    row.case.name,
+                    *given,
+                    row.status,
+                    *[row.numbers.get(n, "") for n in numbers],
+                    row.message,
+                ]
+            )
     temporary.replace(path)
 
 

@@ -20,11 +20,12 @@ def sweep(
     force: bool = False,
     tell: Tell = lambda row: None,
 ) -> tuple[Row, ...]:
-    """Make the cases that are not made, or were made from other inputs, or all by `force`; write FOLDER/summary.csv.
+    """Make the cases that are not made, or were made from other inputs, or all by `force`; write
+    FOLDER/summary.csv.
 
-    workers: processes on this machine, all cores by default; 0 for this process. scheduler: the address of a Dask
-    scheduler, whose workers see the folder under the same path. Raises `StudyError` for what can be found before any
-    case runs, and `ClusterError`.
+    workers: processes on this machine, all cores by default; 0 for this process. scheduler: the
+    address of a Dask scheduler, whose workers see the folder under the same path. Raises
+    `StudyError` for what can be found before any case runs, and `ClusterError`.
     """
     folder, kind = study.folder, study.kind
     made = set() if force else {case.name for case in study.cases if kind.is_made(case)}

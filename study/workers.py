@@ -47,10 +47,12 @@ def in_process(kind: Kind, cases: Sequence[Case]) -> Iterator[tuple[Case, Report
 def on_cluster(
     kind: Kind, cases: Sequence[Case], workers: int | None = None, scheduler: str | None = None
 ) -> Iterator[tuple[Case, Report]]:
-    """Cases as they are finished by the workers of a scheduler, or by as many processes here (all cores by default).
+    """Cases as they are finished by the workers of a scheduler, or by as many processes here (all
+    cores by default).
 
-    A case whose worker dies is run again by another. One of which four workers die (more than the allowed-failures of
-    Dask) is reported as failed. Raises `ClusterError` without Dask, or where nobody answers.
+    A case whose worker dies is run again by another. One of which four workers die (more than the
+    allowed-failures of Dask) is reported as failed. Raises `ClusterError` without Dask, or where
+    nobody answers.
     """
     with _client(workers, scheduler) as client:
         from distributed import as_completed
@@ -60,7 +62,8 @@ def on_cluster(
         finished = as_completed()
 
         def hand_out() -> None:
-            # No more than there are threads: Dask blames the death of a worker on all that it was given.
+            # No more than there are threads: Dask blames the death of a worker on all that it was
+            # given.
             for case in islice(waiting, max(0, _threads(client) - len(running))):
                 future = client.submit(attempt, kind, case, pure=False)
                 running[future.key] = case
@@ -69,7 +72,9 @@ def on_cluster(
         hand_out()
         for future in finished:
             case, error = running.pop(future.key), future.exception()
-            report = future.result() if error is None else Report(f"{type(error).__name__}: {error}")
+            report = (
+                future.result() if error is None else Report(f"{type(error).__name__}: {error}")
+            )
             # Else Dask would make the case again, should the worker that remembers the report die.
             future.release()
             hand_out()
@@ -91,7 +96,9 @@ def _client(workers: int | None, scheduler: str | None) -> Iterator["Client"]:
             "Dask is not installed: pip install 'duhamel[cluster]', or --workers 0 for one case after another"
         ) from error
     if scheduler is None:
-        cluster = LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address="127.0.0.1:0")
+        cluster = LocalCluster(
+            n_workers=workers, threads_per_worker=1, dashboard_address="127.0.0.1:0"
+        )
         with cluster, Client(cluster) as client:
             yield client
         return

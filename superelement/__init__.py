@@ -1,5 +1,6 @@
 """The superelement: an elastic body reduced to its interfaces, and its HDF5 file."""
 
+from ..solver.history.truncation import truncate, truncation_error
 from .file import read, sha256, write
 from .interface import Interface
 from .kernel import Kernel, sample_kernel
@@ -8,7 +9,6 @@ from .recovery import Recovery, von_mises
 from .response import respond
 from .scheme import GeneralizedAlpha
 from .superelement import Provenance, StepWarning, Superelement
-from .truncation import truncate, truncation_error
 from .validation import SuperelementError
 
 __all__ = [

@@ -1,4 +1,6 @@
-"""Attributes and datasets of an HDF5 file, read with errors that name them and written with their units."""
+"""Attributes and datasets of an HDF5 file, read with errors that name them and written with their
+units.
+"""
 
 from typing import Any
 
@@ -32,10 +34,14 @@ def vector(file: h5py.Group, name: str, length: int) -> Array:
 
 
 def texts(file: h5py.Group, name: str) -> list[str]:
-    """A dataset of text, one entry per row; UTF-8 of any length, or the fixed-length kind that other tools write."""
+    """A dataset of text, one entry per row; UTF-8 of any length, or the fixed-length kind that
+    other tools write.
+    """
     found = _dataset(file, name)
     if h5py.check_string_dtype(found.dtype) is None or found.ndim != 1:
-        raise SuperelementError(f"{name}: expected text of shape (n,), found {found.dtype} of shape {found.shape}")
+        raise SuperelementError(
+            f"{name}: expected text of shape (n,), found {found.dtype} of shape {found.shape}"
+        )
     return list(found.asstr()[()])
 
 

@@ -1,4 +1,6 @@
-"""The HDF5 file of a superelement, schema version 1. Written under a temporary name and renamed when whole."""
+"""The HDF5 file of a superelement, schema version 1. Written under a temporary name and renamed
+when whole.
+"""
 
 import hashlib
 import io
@@ -29,7 +31,8 @@ DAMAGE = (OSError, RuntimeError, KeyError)
 
 
 def write(path: str | os.PathLike[str], superelement: Superelement) -> None:
-    """Write a superelement; the file appears whole or not at all, and an older one stays until then.
+    """Write a superelement; the file appears whole or not at all, and an older one stays until
+    then.
 
     Raises `SuperelementError` where the folder is missing or cannot be written to.
     """
@@ -50,9 +53,11 @@ def write(path: str | os.PathLike[str], superelement: Superelement) -> None:
 def read(path: str | os.PathLike[str], recovery: bool = True) -> Superelement:
     """Read and validate a superelement; groups that this version does not know are passed over.
 
-    recovery: whether to read that too, which for a large body is nearly all of the file and no concern of a simulation.
+    recovery: whether to read that too, which for a large body is nearly all of the file and no
+    concern of a simulation.
 
-    Raises `SuperelementError`, which names the file, the dataset or attribute, what was expected and what was found.
+    Raises `SuperelementError`, which names the file, the dataset or attribute, what was expected
+    and what was found.
     """
     try:
         with h5py.File(path, "r") as file:
@@ -86,13 +91,21 @@ def _fill(file: h5py.File, body: Superelement) -> None:
     put(rigid, "center", body.center, "m")
 
     interfaces = file.create_group("interfaces")
-    interfaces.create_dataset("name", data=[i.name for i in body.interfaces], dtype=h5py.string_dtype())
+    interfaces.create_dataset(
+        "name", data=[i.name for i in body.interfaces], dtype=h5py.string_dtype()
+    )
     put(interfaces, "X", np.array([i.X for i in body.interfaces]).reshape(-1, 3), "m")
-    interfaces.create_dataset("rotations", data=np.array([i.rotations for i in body.interfaces], dtype=bool))
-    interfaces.create_dataset("row", data=np.array([body.rows(i.name).start for i in body.interfaces], dtype=np.int64))
+    interfaces.create_dataset(
+        "rotations", data=np.array([i.rotations for i in body.interfaces], dtype=bool)
+    )
+    interfaces.create_dataset(
+        "row", data=np.array([body.rows(i.name).start for i in body.interfaces], dtype=np.int64)
+    )
 
     kernel = file.create_group("kernel")
-    kernel.attrs.update(h=body.kernel.h, rho_inf=body.kernel.scheme.rho_inf, error=body.kernel.error)
+    kernel.attrs.update(
+        h=body.kernel.h, rho_inf=body.kernel.scheme.rho_inf, error=body.kernel.error
+    )
     if body.kernel.band is not None:
         kernel.attrs["band"] = body.kernel.band
     put(kernel, "g", body.kernel.g, "m/N, rad/N, rad/(N m)")
@@ -113,7 +126,8 @@ def _fill(file: h5py.File, body: Superelement) -> None:
         recovery = file.create_group("recovery")
         put(recovery, "points", body.recovery.points, "m")
         recovery.create_dataset("cells", data=body.recovery.cells)
-        # Modes are right to 1e-6 or so: single precision, 6e-8, halves what takes nearly all of the file.
+        # Modes are right to 1e-6 or so: single precision, 6e-8, halves what takes nearly all of the
+        # file.
         put(recovery, "phi", body.recovery.phi.astype(np.float32), "1/sqrt(kg)")
         if body.recovery.stress is not None:
             put(recovery, "stress", body.recovery.stress.astype(np.float32), "Pa/(m sqrt(kg))")
@@ -157,8 +171,13 @@ def _interfaces(file: h5py.File) -> tuple[Interface, ...]:
     X = checked("interfaces/X", dataset(file, "interfaces/X"), (len(names), 3))
     rotations = vector(file, "interfaces/rotations", len(names))
     if not np.isin(rotations, (0, 1)).all():
-        raise SuperelementError(f"interfaces/rotations: expected true or false, found {rotations.tolist()}")
-    return tuple(Interface(name, x, bool(rotates)) for name, x, rotates in zip(names, X, rotations, strict=True))
+        raise SuperelementError(
+            f"interfaces/rotations: expected true or false, found {rotations.tolist()}"
+        )
+    return tuple(
+        Interface(name, x, bool(rotates))
+        for name, x, rotates in zip(names, X, rotations, strict=True)
+    )
 
 
 def _check_rows(file: h5py.File, body: Superelement) -> None:

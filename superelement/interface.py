@@ -9,8 +9,9 @@ from .validation import Array, SuperelementError, checked
 class Interface:
     """A point of the body that carries loads and joints.
 
-    X (3,) is its position from the centre of mass in body axes [m]. With `rotations` it has six dofs,
-    three displacements [m] and three small rotations [rad], all in body axes; without, the displacements alone.
+    X (3,) is its position from the centre of mass in body axes [m]. With `rotations` it has six
+    dofs, three displacements [m] and three small rotations [rad], all in body axes; without, the
+    displacements alone.
     """
 
     name: str
@@ -19,7 +20,9 @@ class Interface:
 
     def __post_init__(self) -> None:
         if not (self.name and self.name.isprintable()) or "/" in self.name or "." in self.name:
-            raise SuperelementError(f"interface name: expected one line without '/' and '.', found {self.name!r}")
+            raise SuperelementError(
+                f"interface name: expected one line without '/' and '.', found {self.name!r}"
+            )
         object.__setattr__(self, "X", checked(f"interface {self.name!r}: X", self.X, (3,)))
 
     @property

@@ -13,15 +13,16 @@ from .validation import Array, SuperelementError, check_positive, check_symmetri
 
 @dataclass(frozen=True, eq=False)
 class Kernel:
-    """Interface impulse responses free of rigid modes, in body axes, for one step size and one scheme.
+    """Interface impulse responses free of rigid modes, in body axes, for one step size and one
+    scheme.
 
         u_n = g_initial[n] p_0 + sum_{j=1..n} g[n-j] p_j                       (docs/theory.md, Impulse responses)
 
-    g[k] (n_k, n_c, n_c) is the displacement k steps after the step that ends in a unit load; g[0] is the
-    instantaneous compliance. In the numbering of the paper g[k] = h H_{k+2}. g_initial[k] is the displacement
-    k steps after t_0 under a unit load that acts at t_0 alone. [m/N, rad/N, m/(N m), rad/(N m)]
-    `error` is the relative error of the transfer function from 0 to `band` [Hz], or at all frequencies if None;
-    0 if exact.
+    g[k] (n_k, n_c, n_c) is the displacement k steps after the step that ends in a unit load; g[0]
+    is the instantaneous compliance. In the numbering of the paper g[k] = h H_{k+2}. g_initial[k] is
+    the displacement k steps after t_0 under a unit load that acts at t_0 alone. [m/N, rad/N, m/(N
+    m), rad/(N m)] `error` is the relative error of the transfer function from 0 to `band` [Hz], or
+    at all frequencies if None; 0 if exact.
     """
 
     h: float
@@ -40,7 +41,9 @@ class Kernel:
         g = checked("kernel: g", self.g, ("n_k", "n_c", "n_c"))
         n_k, n_c, columns = g.shape
         if n_c != columns or n_k < 2:
-            raise SuperelementError(f"kernel: g: expected two or more square matrices, found shape {g.shape}")
+            raise SuperelementError(
+                f"kernel: g: expected two or more square matrices, found shape {g.shape}"
+            )
         g_initial = checked("kernel: g_initial", self.g_initial, (n_k, n_c, n_c))
         check_symmetric("kernel: g", g)
         check_symmetric("kernel: g_initial", g_initial)
@@ -63,15 +66,20 @@ class Kernel:
 
 
 def sample_kernel(
-    modes: Modes, h: float, scheme: GeneralizedAlpha, steps: int, error: float = 0.0, band: float | None = None
+    modes: Modes,
+    h: float,
+    scheme: GeneralizedAlpha,
+    steps: int,
+    error: float = 0.0,
+    band: float | None = None,
 ) -> Kernel:
     """The kernel that generalized-alpha time stepping of the modes produces, exactly.
 
         g[k] = phi diag(c_k) phi^T,   c_k: the scalar recursion of each omega, zeta under a unit load at one step
 
-    h [s], `steps` time steps, one or more; the result has steps + 1 lags. `error` and `band` are those of the modes.
-    Raises `SuperelementError` for a step that is not positive or fewer steps than one.
-    Source: docs/theory.md, Impulse responses.
+    h [s], `steps` time steps, one or more; the result has steps + 1 lags. `error` and `band` are
+    those of the modes. Raises `SuperelementError` for a step that is not positive or fewer steps
+    than one. Source: docs/theory.md, Impulse responses.
     """
     check_positive("kernel: h", h)
     if steps < 1:
@@ -80,7 +88,9 @@ def sample_kernel(
     return Kernel(h, scheme, spread(modes.phi, impulse), spread(modes.phi, initial), error, band)
 
 
-def _scalar_responses(modes: Modes, h: float, scheme: GeneralizedAlpha, steps: int) -> tuple[Array, Array]:
+def _scalar_responses(
+    modes: Modes, h: float, scheme: GeneralizedAlpha, steps: int
+) -> tuple[Array, Array]:
     """Responses (steps + 1, m) of each mode to a unit load at the first step, and to one at t_0."""
     impulse = respond(modes, h, scheme, [1.0, *repeat(0.0, steps)])
     initial = respond(modes, h, scheme, repeat(0.0, steps), acceleration=1.0)
@@ -88,9 +98,11 @@ def _scalar_responses(modes: Modes, h: float, scheme: GeneralizedAlpha, steps: i
 
 
 def spread(phi: Array, coefficients: Array) -> Array:
-    """phi diag(c_k) phi^T for every row c_k of real coefficients: (n_k, n_c, n_c), symmetric to the last bit.
+    """phi diag(c_k) phi^T for every row c_k of real coefficients: (n_k, n_c, n_c), symmetric to the
+    last bit.
 
-    One matrix product over the pairs i <= j: no array of n_k n_c m numbers for the many modes of a large mesh.
+    One matrix product over the pairs i <= j: no array of n_k n_c m numbers for the many modes of a
+    large mesh.
     """
     n_c = len(phi)
     i, j = np.triu_indices(n_c)

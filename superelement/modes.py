@@ -13,8 +13,9 @@ class Modes:
 
         u = phi eta,     eta_i'' + 2 zeta_i omega_i eta_i' + omega_i^2 eta_i = phi_i . p
 
-    omega (m,) [rad/s], all positive (rigid modes are not among them), zeta (m,) [-], phi (n_c, m) [1/sqrt(kg)].
-    h_min [s] is the finest step that they are made for, 0 if any: they are right up to 1 / (4 h_min) [Hz].
+    omega (m,) [rad/s], all positive (rigid modes are not among them), zeta (m,) [-], phi (n_c, m)
+    [1/sqrt(kg)]. h_min [s] is the finest step that they are made for, 0 if any: they are right up
+    to 1 / (4 h_min) [Hz].
     """
 
     omega: Array
@@ -28,7 +29,9 @@ class Modes:
         zeta = checked("modes: zeta", self.zeta, (m,))
         phi = checked("modes: phi", self.phi, ("n_c", m))
         if m and omega.min() <= 0.0:
-            raise SuperelementError(f"modes: omega: expected positive frequencies, found {omega.min()} rad/s")
+            raise SuperelementError(
+                f"modes: omega: expected positive frequencies, found {omega.min()} rad/s"
+            )
         if m and zeta.min() < 0.0:
             raise SuperelementError(f"modes: zeta: expected ratios >= 0, found {zeta.min()}")
         if not (np.isfinite(self.h_min) and self.h_min >= 0.0):
@@ -43,10 +46,14 @@ class Modes:
 
     @property
     def compliance(self) -> Array:
-        """Static compliance (n_c, n_c), phi diag(1 / omega^2) phi^T: what a kernel made of the modes adds up to."""
+        """Static compliance (n_c, n_c), phi diag(1 / omega^2) phi^T: what a kernel made of the
+        modes adds up to.
+        """
         return (self.phi / self.omega**2) @ self.phi.T
 
     @property
     def mobility(self) -> Array:
-        """Accelerations of the interfaces under unit loads at rest (n_c, n_c), phi phi^T: with what the modes start."""
+        """Accelerations of the interfaces under unit loads at rest (n_c, n_c), phi phi^T: with what
+        the modes start.
+        """
         return self.phi @ self.phi.T

@@ -11,11 +11,13 @@ from .validation import Array, SuperelementError, checked
 
 @dataclass(frozen=True, eq=False)
 class Recovery:
-    """Displacements and stresses of the surface mesh from modal coordinates eta: u = phi eta, sigma = stress eta.
+    """Displacements and stresses of the surface mesh from modal coordinates eta: u = phi eta, sigma
+    = stress eta.
 
-    points (p, 3) from the centre of mass in body axes [m]; cells (n, k) rows of point indices (-1 fills short rows),
-    each of the type that its number of points tells, in meshio's order: 2 line, 3 triangle, 4 quad, 6 triangle6,
-    8 quad8, 9 quad9; phi (p, 3, m); stress (p, 6, m) in the order xx, yy, zz, yz, xz, xy, or None.
+    points (p, 3) from the centre of mass in body axes [m]; cells (n, k) rows of point indices (-1
+    fills short rows), each of the type that its number of points tells, in meshio's order: 2 line,
+    3 triangle, 4 quad, 6 triangle6, 8 quad8, 9 quad9; phi (p, 3, m); stress (p, 6, m) in the order
+    xx, yy, zz, yz, xz, xy, or None.
     """
 
     points: Array
@@ -38,9 +40,13 @@ class Recovery:
         return _superpose(self.phi, eta)
 
     def stresses(self, eta: Array) -> Array:
-        """sigma = stress eta of every point (..., p, 6) [Pa], body axes; `SuperelementError` where none is stored."""
+        """sigma = stress eta of every point (..., p, 6) [Pa], body axes; `SuperelementError` where
+        none is stored.
+        """
         if self.stress is None:
-            raise SuperelementError("recovery: no stress modes, which only solids have and [recovery] stress asks for")
+            raise SuperelementError(
+                "recovery: no stress modes, which only solids have and [recovery] stress asks for"
+            )
         return _superpose(self.stress, eta)
 
 
@@ -50,13 +56,17 @@ def von_mises(stress: Array) -> Array:
     sqrt(((xx - yy)^2 + (yy - zz)^2 + (zz - xx)^2) / 2 + 3 (yz^2 + xz^2 + xy^2))
     """
     xx, yy, zz, *shear = np.moveaxis(stress, -1, 0)
-    square = 0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3.0 * sum(s * s for s in shear)
+    square = 0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3.0 * sum(
+        s * s for s in shear
+    )
     equivalent: Array = np.sqrt(square)
     return equivalent
 
 
 def _superpose(shapes: Array, eta: Array) -> Array:
-    """The sum over modes of shapes (p, k, m), each times its coordinate in eta (..., m): (..., p, k)."""
+    """The sum over modes of shapes (p, k, m), each times its coordinate in eta (..., m): (..., p,
+    k).
+    """
     p, k, m = shapes.shape
     field: Array = eta @ shapes.reshape(p * k, m).T
     return field.reshape(*eta.shape[:-1], p, k)

@@ -1,4 +1,6 @@
-"""The time stepping of modes, one scalar equation each: what kernels are sampled from and fields recovered with."""
+"""The time stepping of modes, one scalar equation each: what kernels are sampled from and fields
+recovered with.
+"""
 
 from collections.abc import Iterable, Iterator
 
@@ -17,12 +19,13 @@ def respond(
     eta: Array | float = 0.0,
     acceleration: Array | float = 0.0,
 ) -> Iterator[Array]:
-    """Modal coordinates (m,) after 0, 1, 2, ... steps of generalized-alpha, as many as there are `loads`.
+    """Modal coordinates (m,) after 0, 1, 2, ... steps of generalized-alpha, as many as there are
+    `loads`.
 
         eta'' + 2 zeta omega eta' + omega^2 eta = q
 
-    loads: q (m,), or one number for all modes, at the end of each step. The start is without velocity, at `eta` and
-    with `acceleration` (m,). Source: docs/theory.md, Impulse responses.
+    loads: q (m,), or one number for all modes, at the end of each step. The start is without
+    velocity, at `eta` and with `acceleration` (m,). Source: docs/theory.md, Impulse responses.
     """
     stiffness, damping = modes.omega**2, 2.0 * modes.zeta * modes.omega
     alpha_m, alpha_f, beta, gamma = scheme.alpha_m, scheme.alpha_f, scheme.beta, scheme.gamma

@@ -48,18 +48,25 @@ class GeneralizedAlpha:
         """d v / d q of one step, eq. (76) [1/s]."""
         return self.gamma / (self.beta * h)
 
-    def symbols(self, h: float, delay: NDArray[np.complex128]) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    def symbols(
+        self, h: float, delay: NDArray[np.complex128]
+    ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
         """What one step makes of s^2 and s, the accelerations and velocities per unit displacement.
 
             sigma = 1 / (Q F),   chi = V / Q,   with d = 1/z, the delay by one step:
             Q = h^2 (beta + (1/2 + gamma - 2 beta) d + (1/2 + beta - gamma) d^2) / (1 - d)^2
             F = ((1 - alpha_f) + alpha_f d) / ((1 - alpha_m) + alpha_m d),   V = h (gamma + (1 - gamma) d) / (1 - d)
 
-        h [s]; delay (n,) complex, 0 for the first lag alone, where sigma and chi are beta' and gamma'.
-        Source: docs/theory.md, Impulse responses.
+        h [s]; delay (n,) complex, 0 for the first lag alone, where sigma and chi are beta' and
+        gamma'. Source: docs/theory.md, Impulse responses.
         """
         d, beta, gamma = delay, self.beta, self.gamma
-        Q = h * h * (beta + (0.5 + gamma - 2.0 * beta) * d + (0.5 + beta - gamma) * d * d) / (1.0 - d) ** 2
+        Q = (
+            h
+            * h
+            * (beta + (0.5 + gamma - 2.0 * beta) * d + (0.5 + beta - gamma) * d * d)
+            / (1.0 - d) ** 2
+        )
         F = ((1.0 - self.alpha_f) + self.alpha_f * d) / ((1.0 - self.alpha_m) + self.alpha_m * d)
         V = h * (gamma + (1.0 - gamma) * d) / (1.0 - d)
         return 1.0 / (Q * F), V / Q

@@ -40,12 +40,13 @@ class Provenance:
 class Superelement:
     """An elastic body as its interfaces feel it.
 
-    Body axes are the mesh axes with the origin at the centre of mass of the finite element mass matrix.
+    Body axes are the mesh axes with the origin at the centre of mass of the finite element mass
+    matrix.
 
-    mass [kg], J_rot (3, 3) [kg m^2] and center (3,), the centre of mass in mesh coordinates [m], from U^T M U;
-    interfaces, whose dofs in their order are the rows (and columns) of everything of size n_c;
-    kernel: the sampled impulse responses; modes: the same body without a step size, or None;
-    compliance (n_c, n_c): P_C P K^+ P^T P_C^T, the inertia-relieved static one [m/N ...];
+    mass [kg], J_rot (3, 3) [kg m^2] and center (3,), the centre of mass in mesh coordinates [m],
+    from U^T M U; interfaces, whose dofs in their order are the rows (and columns) of everything of
+    size n_c; kernel: the sampled impulse responses; modes: the same body without a step size, or
+    None; compliance (n_c, n_c): P_C P K^+ P^T P_C^T, the inertia-relieved static one [m/N ...];
     mobility (n_c, n_c): P_C M^-1 P^T P_C^T, accelerations under unit loads at rest [1/kg ...].
     """
 
@@ -69,7 +70,9 @@ class Superelement:
         check_symmetric("J_rot", J_rot)
         principal = np.linalg.eigvalsh(J_rot)
         if principal.min() <= 0.0:
-            raise SuperelementError(f"J_rot: expected positive principal inertias, found {principal.tolist()}")
+            raise SuperelementError(
+                f"J_rot: expected positive principal inertias, found {principal.tolist()}"
+            )
         interfaces = tuple(self.interfaces)
         names = [interface.name for interface in interfaces]
         if len(set(names)) != len(names):
@@ -115,7 +118,8 @@ class Superelement:
         """The kernel for any step and scheme over at least `steps` steps.
 
         The stored one, as it is, where it fits and is long enough; else the modes give it. Raises
-        `SuperelementError` where the body has no modes and the stored kernel does not fit; warns as `modes_for` does.
+        `SuperelementError` where the body has no modes and the stored kernel does not fit; warns as
+        `modes_for` does.
         """
         stored = self.kernel
         same = np.isclose(stored.h, h, rtol=1e-12, atol=0.0) and stored.scheme == scheme
@@ -131,7 +135,8 @@ class Superelement:
     def modes_for(self, h: float) -> Modes:
         """The modes, for time stepping by h [s]; `SuperelementError` where the body has none.
 
-        Warns (`StepWarning`) of a step finer than `h_min`: up to 1 / (4 h) [Hz] it would resolve more than they hold.
+        Warns (`StepWarning`) of a step finer than `h_min`: up to 1 / (4 h) [Hz] it would resolve
+        more than they hold.
         """
         modes = self.modes
         if modes is None:

@@ -17,19 +17,27 @@ class SuperelementError(ValueError):
 
 
 def checked(name: str, value: Any, shape: Sequence[int | str]) -> Array:
-    """A read-only contiguous float array of the given shape; a letter in `shape` stands for any length."""
+    """A read-only contiguous float array of the given shape; a letter in `shape` stands for any
+    length.
+    """
     try:
         found = np.asarray(value)
         array = found.real.astype(np.float64, order="C")
     except (TypeError, ValueError) as error:
-        raise SuperelementError(f"{name}: expected numbers of shape {_text(shape)}, found others: {error}") from error
+        raise SuperelementError(
+            f"{name}: expected numbers of shape {_text(shape)}, found others: {error}"
+        ) from error
     if np.iscomplexobj(found):
-        raise SuperelementError(f"{name}: expected real numbers of shape {_text(shape)}, found complex ones")
+        raise SuperelementError(
+            f"{name}: expected real numbers of shape {_text(shape)}, found complex ones"
+        )
     fits = array.ndim == len(shape) and all(
         isinstance(want, str) or want == have for want, have in zip(shape, array.shape, strict=True)
     )
     if not fits:
-        raise SuperelementError(f"{name}: expected shape {_text(shape)}, found {_text(array.shape)}")
+        raise SuperelementError(
+            f"{name}: expected shape {_text(shape)}, found {_text(array.shape)}"
+        )
     if not np.isfinite(array).all():
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         place = f" at index {where}" if where else ""
@@ -44,7 +52,8 @@ def check_positive(name: str, value: float) -> None:
 
 
 def check_symmetric(name: str, matrices: Array) -> None:
-    """`matrices` (..., n, n) must be symmetric relative to the largest diagonal entries, row by row.
+    """`matrices` (..., n, n) must be symmetric relative to the largest diagonal entries, row by
+    row.
 
     Rows of a kernel mix metres and radians, so each entry is measured against
     sqrt(max |a_ii| max |a_jj|), the scale that its own two rows give it.

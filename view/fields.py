@@ -26,16 +26,18 @@ TRIANGLES = {
     8: [[0, 4, 7], [4, 1, 5], [5, 2, 6], [6, 3, 7], [4, 5, 6], [4, 6, 7]],
     9: [[0, 4, 8], [0, 8, 7], [4, 1, 5], [4, 5, 8], [8, 5, 2], [8, 2, 6], [7, 8, 6], [7, 6, 3]],
 }
-"""What facets are cut into, by their number of nodes in meshio's order, so that curved ones stay curved."""
+"""What facets are cut into, by their number of nodes in meshio's order, so that curved ones stay
+curved.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Field:
     """A surface and a value at each of its points.
 
-    points (p, 3) [m]; values (p,); cells (n, k): facets as rows of points that turn outwards, each of the type that
-    its number of nodes tells, in meshio's order (3, 4, 6, 8 or 9), with -1 filling short rows, as a superelement's
-    recovery has them.
+    points (p, 3) [m]; values (p,); cells (n, k): facets as rows of points that turn outwards, each
+    of the type that its number of nodes tells, in meshio's order (3, 4, 6, 8 or 9), with -1 filling
+    short rows, as a superelement's recovery has them.
     """
 
     points: Array
@@ -43,8 +45,11 @@ class Field:
     values: Array
 
 
-def draw_fields(fields: Sequence[Field], label: str, scale: float = 1.0, scene: Scene | None = None) -> Figure:
-    """Bodies from two sides, coloured by values times `scale` from zero to the largest; what else the scene holds too.
+def draw_fields(
+    fields: Sequence[Field], label: str, scale: float = 1.0, scene: Scene | None = None
+) -> Figure:
+    """Bodies from two sides, coloured by values times `scale` from zero to the largest; what else
+    the scene holds too.
 
     label: what the values are, with the unit that `scale` leaves, for the bar of colours.
     """
@@ -53,18 +58,24 @@ def draw_fields(fields: Sequence[Field], label: str, scale: float = 1.0, scene: 
     patches = [*(scene.patches if scene else ())]
     for field in fields:
         facets, values = _triangles(field)
-        patches.append(Patch(facets, np.full(len(facets), -1), colours(norm(scale * values))[:, :3]))
+        patches.append(
+            Patch(facets, np.full(len(facets), -1), colours(norm(scale * values))[:, :3])
+        )
     whole = Scene(patches, scene.lines, scene.places, scene.masses) if scene else Scene(patches)
     figure = draw_scene(whole)
     (length, height), (below, room) = BAR, ROOM
     wide, high = figure.get_size_inches()
     for axes in figure.axes:
         x, y, width, part = axes.get_position().bounds
-        axes.set_position((x, (y * high + room) / (high + room), width, part * high / (high + room)))
+        axes.set_position(
+            (x, (y * high + room) / (high + room), width, part * high / (high + room))
+        )
     figure.set_size_inches(wide, high + room)
     high += room
     with style():
-        axes = figure.add_axes((0.5 - 0.5 * length / wide, below / high, length / wide, height / high))
+        axes = figure.add_axes(
+            (0.5 - 0.5 * length / wide, below / high, length / wide, height / high)
+        )
         bar = Colorbar(axes, cmap=colours, norm=norm, orientation="horizontal")
         bar.outline.set_visible(False)
         axes.set_title(label, fontsize=8)
@@ -73,7 +84,9 @@ def draw_fields(fields: Sequence[Field], label: str, scale: float = 1.0, scene: 
 
 
 def _triangles(field: Field) -> tuple[Array, Array]:
-    """Triangles (m, 3, 3) and their mean values (m,): what facets are cut into, each cut in four again, for colours."""
+    """Triangles (m, 3, 3) and their mean values (m,): what facets are cut into, each cut in four
+    again, for colours.
+    """
     lengths = (field.cells >= 0).sum(axis=1)
     rows = [
         field.cells[lengths == length][:, parts].reshape(-1, 3)

@@ -6,10 +6,11 @@ from .rotations import Array
 
 
 def apart(heights: Array, distance: float, limit: float) -> Array:
-    """Heights (n,) in [-limit, limit] in the order of the given ones, `distance` apart or as far as there is room for.
+    """Heights (n,) in [-limit, limit] in the order of the given ones, `distance` apart or as far as
+    there is room for.
 
-    Of all such heights these are the nearest to the given ones, in the sense of least squares: what is too close moves
-    as one block to where its mean was (pool adjacent violators).
+    Of all such heights these are the nearest to the given ones, in the sense of least squares: what
+    is too close moves as one block to where its mean was (pool adjacent violators).
     """
     order = np.argsort(heights, kind="stable")
     distance = min(distance, 2.0 * limit / max(len(heights) - 1, 1))
@@ -19,7 +20,10 @@ def apart(heights: Array, distance: float, limit: float) -> Array:
         blocks.append([wanted, 1])
         while len(blocks) > 1 and blocks[-2][0] >= blocks[-1][0]:
             mean, size = blocks.pop()
-            blocks[-1] = [(blocks[-1][0] * blocks[-1][1] + mean * size) / (blocks[-1][1] + size), blocks[-1][1] + size]
+            blocks[-1] = [
+                (blocks[-1][0] * blocks[-1][1] + mean * size) / (blocks[-1][1] + size),
+                blocks[-1][1] + size,
+            ]
     rising = np.repeat([mean for mean, _ in blocks], [int(size) for _, size in blocks])
     reach = limit - 0.5 * distance * (len(heights) - 1)
     fitted = np.empty(len(heights))

@@ -18,10 +18,10 @@ VISIBLE = 0.01
 def overview(recording: Recording) -> list[list[Curve]]:
     """Four panels: how fast, how far, the energies, and how well they balance.
 
-    How fast are the angular velocities of the bodies, or their velocities if nothing turns; how far are the elastic
-    displacements of the interfaces, or the positions of the bodies if none is flexible. Where there are many, those
-    that are largest are shown: positions by how far they go. A panel of which nothing was recorded is left out;
-    QuantityError if all are.
+    How fast are the angular velocities of the bodies, or their velocities if nothing turns; how far
+    are the elastic displacements of the interfaces, or the positions of the bodies if none is
+    flexible. Where there are many, those that are largest are shown: positions by how far they go.
+    A panel of which nothing was recorded is left out; QuantityError if all are.
     """
     speed = _all(recording, "angular_velocity", recording.bodies)
     if not any(curve.values.any() for curve in speed):
@@ -43,7 +43,12 @@ def overview(recording: Recording) -> list[list[Curve]]:
 
 
 def _all(recording: Recording, kind: str, names: tuple[str, ...]) -> list[Curve]:
-    return [curve for name in names for axis in AXES for curve in curves(recording, f"{kind}:{name}:{axis}")]
+    return [
+        curve
+        for name in names
+        for axis in AXES
+        for curve in curves(recording, f"{kind}:{name}:{axis}")
+    ]
 
 
 def _peak(values: Array) -> float:
@@ -56,5 +61,9 @@ def _range(values: Array) -> float:
 
 def _largest(found: list[Curve], size: Callable[[Array], float]) -> list[Curve]:
     sizes = np.array([size(curve.values) for curve in found])
-    chosen = [i for i in np.argsort(-sizes, kind="stable")[:MOST_CURVES] if sizes[i] >= VISIBLE * sizes.max()]
+    chosen = [
+        i
+        for i in np.argsort(-sizes, kind="stable")[:MOST_CURVES]
+        if sizes[i] >= VISIBLE * sizes.max()
+    ]
     return [found[i] for i in sorted(chosen)]

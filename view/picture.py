@@ -66,7 +66,10 @@ def style() -> AbstractContextManager[None]:
 def panels(rows: int, columns: int = 1, share_time: bool = True) -> tuple[Figure, list[Axes]]:
     """An empty figure and its panels, row by row."""
     with style():
-        figure = Figure(figsize=(WIDTH if columns == 1 else 1.3 * WIDTH, PANEL_HEIGHT * rows), layout="constrained")
+        figure = Figure(
+            figsize=(WIDTH if columns == 1 else 1.3 * WIDTH, PANEL_HEIGHT * rows),
+            layout="constrained",
+        )
         axes: Any = figure.subplots(rows, columns, sharex=share_time, squeeze=False)
     return figure, list(axes.flat)
 
@@ -92,11 +95,15 @@ def draw(time: Array, contents: Sequence[Sequence[Curve]], title: str = "") -> F
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
-    """Write a picture in the format that the suffix names; PictureError if there is no such format or folder."""
+    """Write a picture in the format that the suffix names; PictureError if there is no such format
+    or folder.
+    """
     path = Path(path)
     formats = figure.canvas.get_supported_filetypes()
     if (suffix := path.suffix.removeprefix(".").lower()) not in formats:
-        raise PictureError(f"{path}: expected a suffix of {', '.join(sorted(formats))}, found {path.suffix!r}")
+        raise PictureError(
+            f"{path}: expected a suffix of {', '.join(sorted(formats))}, found {path.suffix!r}"
+        )
     if not path.parent.is_dir():
         raise PictureError(f"{path}: no folder {path.parent}")
     image = io.BytesIO()

@@ -2,8 +2,8 @@
 
     angular_velocity:hub:z          displacement:beam.tip:hub.rim:y          energy:kinetic
 
-A kind is a method of `Recording`; the names are its arguments. Without an axis, a vector gives the curves of those
-axes along which it is not zero.
+A kind is a method of `Recording`; the names are its arguments. Without an axis, a vector gives the
+curves of those axes along which it is not zero.
 """
 
 from collections.abc import Callable
@@ -19,7 +19,8 @@ from .rotations import Array
 AXES = ("x", "y", "z")
 
 NEGLIGIBLE = 1e-6
-"""a component this much smaller than the largest one is rounding, or as good as zero in a picture"""
+"""a component this much smaller than the largest one is rounding, or as good as zero in a picture
+"""
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,9 @@ KINDS = {
     "elastic_rotation": Kind(Recording.elastic_rotation, "rad", ("INTERFACE",)),
     "force": Kind(Recording.force, "N", ("JOINT|SPRING",)),
     "moment": Kind(Recording.moment, "N m", ("JOINT|SPRING",)),
-    "coordinate": Kind(Recording.coordinate, Recording.coordinate_unit, ("JOINT", "COORDINATE"), axes=False),
+    "coordinate": Kind(
+        Recording.coordinate, Recording.coordinate_unit, ("JOINT", "COORDINATE"), axes=False
+    ),
     "linear_momentum": Kind(Recording.linear_momentum, "kg m/s", ()),
     "angular_momentum": Kind(Recording.angular_momentum, "kg m²/s", ()),
     "energy": Kind(Recording.energy, "J", ("ENERGY",), axes=False),
@@ -65,7 +68,9 @@ def curves(recording: Recording, quantity: str) -> list[Curve]:
     """The curves of a quantity; QuantityError names the quantity and lists what there is."""
     kind_name, *names = quantity.split(":")
     if kind_name not in KINDS:
-        raise QuantityError(f"{quantity}: no quantity {kind_name!r}; there are: {', '.join(map(usage, KINDS))}")
+        raise QuantityError(
+            f"{quantity}: no quantity {kind_name!r}; there are: {', '.join(map(usage, KINDS))}"
+        )
     kind = KINDS[kind_name]
     axes: tuple[str, ...] = ()
     if kind.axes and len(names) == len(kind.names) + 1:
@@ -80,7 +85,10 @@ def curves(recording: Recording, quantity: str) -> list[Curve]:
     title, of = kind_name.replace("_", " "), " seen from ".join(names)
     if not kind.axes:
         return [Curve((title, of, ""), unit, values)]
-    return [Curve((title, of, axis), unit, values[:, AXES.index(axis)]) for axis in axes or _moving_axes(values)]
+    return [
+        Curve((title, of, axis), unit, values[:, AXES.index(axis)])
+        for axis in axes or _moving_axes(values)
+    ]
 
 
 def usage(kind_name: str) -> str:
@@ -91,4 +99,6 @@ def usage(kind_name: str) -> str:
 
 def _moving_axes(values: Array) -> list[str]:
     peaks = np.abs(values).max(axis=0)
-    return [axis for axis, peak in zip(AXES, peaks, strict=True) if peak > NEGLIGIBLE * peaks.max()] or list(AXES)
+    return [
+        axis for axis, peak in zip(AXES, peaks, strict=True) if peak > NEGLIGIBLE * peaks.max()
+    ] or list(AXES)

@@ -20,9 +20,10 @@ QUATERNION, VECTOR, WRENCH = (4,), (3,), (6,)
 class Recording:
     """The motion in a results file, read when asked for.
 
-    `bodies`, `frames` ("BODY.FRAME"), `interfaces` (the frames of flexible bodies), `joints`, `springs` and `energies`
-    are the names it holds. All vectors are (n, 3), one row for each time, and in space unless said otherwise.
-    Methods raise QuantityError for an unknown name, ResultsError for a dataset that is missing or of another shape.
+    `bodies`, `frames` ("BODY.FRAME"), `interfaces` (the frames of flexible bodies), `joints`,
+    `springs` and `energies` are the names it holds. All vectors are (n, 3), one row for each time,
+    and in space unless said otherwise. Methods raise QuantityError for an unknown name,
+    ResultsError for a dataset that is missing or of another shape.
     """
 
     path: Path
@@ -49,9 +50,11 @@ class Recording:
         return self._array(*self._place(name, "R", "rotation"), QUATERNION)
 
     def angle(self, name: str) -> Array:
-        """How far a body or frame has turned since t = 0 about the space axes x, y, z, beyond full turns too [rad].
+        """How far a body or frame has turned since t = 0 about the space axes x, y, z, beyond full
+        turns too [rad].
 
-        Each column is the twist about its axis (`twists`): for a body that turns about one axis, its angle.
+        Each column is the twist about its axis (`twists`): for a body that turns about one axis,
+        its angle.
         """
         q = self.rotation(name)
         return twists(product(q, inverse(q[0])))
@@ -77,7 +80,8 @@ class Recording:
 
             u(t) = s(t) - s(0),    s = D^T (r - r_reference)
 
-        With the tip of a beam seen from the frame of the hub that carries it, this is the tip deflection, eq. (96).
+        With the tip of a beam seen from the frame of the hub that carries it, this is the tip
+        deflection, eq. (96).
         """
         apart = self.position(name) - self.position(seen_from)
         seen = rotate(inverse(self.rotation(seen_from)), apart)
@@ -101,7 +105,9 @@ class Recording:
         return self._array(*self._coupling(coupling), "moment", VECTOR)
 
     def coordinate(self, joint: str, name: str) -> Array:
-        """A coordinate of a joint or its rate, as `angle` or `distance_rate` (n,), in the units that the file gives."""
+        """A coordinate of a joint or its rate, as `angle` or `distance_rate` (n,), in the units
+        that the file gives.
+        """
         return self._array("joints", joint, self._coordinate(joint, name), ())
 
     def coordinate_unit(self, joint: str, name: str) -> str:
@@ -138,7 +144,11 @@ class Recording:
     def _coordinate(self, joint: str, name: str) -> str:
         with _opened(self.path) as file:
             datasets = file["joints"][_known("joint", joint, self.joints)]
-            return _known(f"coordinate of {joint}", name, tuple(key for key in datasets if datasets[key].ndim == 1))
+            return _known(
+                f"coordinate of {joint}",
+                name,
+                tuple(key for key in datasets if datasets[key].ndim == 1),
+            )
 
     def _elastic(self, interface: str) -> Array:
         return self._array("frames", _known("interface", interface, self.interfaces), "u", WRENCH)
@@ -156,7 +166,9 @@ class Recording:
                 raise ResultsError(f"dataset {path!r} is missing")
             n = _steps(file)
             if len(dataset) < n or dataset.shape[1:] != row:
-                raise ResultsError(f"dataset {path!r}: expected shape {(n, *row)}, found {dataset.shape}")
+                raise ResultsError(
+                    f"dataset {path!r}: expected shape {(n, *row)}, found {dataset.shape}"
+                )
             array: Array = dataset[:n]
         return array
 
@@ -169,7 +181,9 @@ def read(path: str | os.PathLike[str]) -> Recording:
                 raise ResultsError(f"attribute {key!r}: expected {expected}, found {found}")
         time = file.get("time")
         if not isinstance(time, h5py.Dataset) or time.ndim != 1 or not len(time):
-            raise ResultsError("dataset 'time' is missing or empty: the run stopped before its first step")
+            raise ResultsError(
+                "dataset 'time' is missing or empty: the run stopped before its first step"
+            )
         flexible = file["superelements"].attrs
         frames = tuple(file["frames"])
         return Recording(

@@ -31,13 +31,14 @@ def product(p: Array, q: Array) -> Array:
 
 
 def twists(q: Array) -> Array:
-    """The angles (n, 3) by which rotations turn about each of the axes x, y, z, continuous over any number of turns.
+    """The angles (n, 3) by which rotations turn about each of the axes x, y, z, continuous over any
+    number of turns.
 
         angle_a = 2 atan2(q_a, q_w)
 
-    is the twist about the axis a that is left when the rotation is split into a twist and a swing of the axis [rad].
-    It has no value where the swing is half a turn, and is followed if it changes by less than half a turn from one
-    row to the next.
+    is the twist about the axis a that is left when the rotation is split into a twist and a swing
+    of the axis [rad]. It has no value where the swing is half a turn, and is followed if it changes
+    by less than half a turn from one row to the next.
     """
     half: Any = np.arctan2(q[:, 1:], q[:, :1])
     # q and -q are one rotation, so half angles are known up to multiples of pi.

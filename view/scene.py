@@ -1,4 +1,6 @@
-"""Bodies in space as pictures: surfaces shaded by the direction they face, lines, and places with their names."""
+"""Bodies in space as pictures: surfaces shaded by the direction they face, lines, and places with
+their names.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -23,7 +25,9 @@ LIGHT = np.array([-0.35, 0.55, 0.76]) / np.linalg.norm([-0.35, 0.55, 0.76])
 """direction towards the light, in the axes of the picture: right, up, towards the eye"""
 AMBIENT = 0.68
 EYE = np.array([1.0, -1.35, 0.8])
-"""direction towards the eye; the second view is from the other side, so that every face shows in one of them"""
+"""direction towards the eye; the second view is from the other side, so that every face shows in
+one of them
+"""
 WIDTH, HIGHEST, MARGIN = 9.0, 4.6, 0.3
 """of a picture, of a body in it, and around it [inch]"""
 LINE, LETTER = 0.2, 0.085
@@ -34,7 +38,8 @@ FINE = 20_000
 
 @dataclass(frozen=True, eq=False)
 class Patch:
-    """Facets (m, k, 3) of one shape, corners turning outwards, and the place (m,) that each belongs to, -1 for none.
+    """Facets (m, k, 3) of one shape, corners turning outwards, and the place (m,) that each belongs
+    to, -1 for none.
 
     colours (m, 3): of the facets, where these are not those of their places and of bodies.
     """
@@ -55,7 +60,9 @@ class Place:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A body of facets or of lines (m, 2, 3), places that share a colour with their facets, and masses."""
+    """A body of facets or of lines (m, 2, 3), places that share a colour with their facets, and
+    masses.
+    """
 
     patches: Sequence[Patch] = ()
     lines: Array = field(default_factory=lambda: np.zeros((0, 2, 3)))
@@ -72,9 +79,11 @@ class Scene:
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """An orthographic view: camera (3, 3) with right, up and towards the eye as rows; the middle (2,) of what it shows.
+    """An orthographic view: camera (3, 3) with right, up and towards the eye as rows; the middle
+    (2,) of what it shows.
 
-    inch: the length in space of an inch on paper; size (2,): of the paper [inch]; body (2,): of what is shown [inch].
+    inch: the length in space of an inch on paper; size (2,): of the paper [inch]; body (2,): of
+    what is shown [inch].
     """
 
     camera: Array
@@ -90,7 +99,9 @@ class View:
 
 
 def colour(number: int) -> tuple[float, float, float]:
-    """The colour of a place: those of all pictures, then as many more as it takes, each far from the last."""
+    """The colour of a place: those of all pictures, then as many more as it takes, each far from
+    the last.
+    """
     if number < len(COLOURS):
         return to_rgb(COLOURS[number])
     red, green, blue = hsv_to_rgb((0.618034 * number % 1.0, 0.75, 0.85)).tolist()
@@ -98,7 +109,9 @@ def colour(number: int) -> tuple[float, float, float]:
 
 
 def draw_scene(scene: Scene) -> Figure:
-    """A view of lines, two from opposite sides of surfaces, at one scale; a place is named where more of it shows."""
+    """A view of lines, two from opposite sides of surfaces, at one scale; a place is named where
+    more of it shows.
+    """
     cameras = [_camera(EYE), _camera(-EYE)] if scene.patches else [_camera(EYE)]
     marks = (*scene.places, *scene.masses)
     shades = [*(colour(i) for i in range(len(scene.places))), *(HEAVY for _ in scene.masses)]
@@ -109,7 +122,9 @@ def draw_scene(scene: Scene) -> Figure:
         figure = Figure(figsize=tuple(views[0].size * (columns, rows)))
         for i, view in enumerate(views):
             across, down = i % columns, i // columns
-            axes = figure.add_axes((across / columns, 1.0 - (down + 1) / rows, 1.0 / columns, 1.0 / rows))
+            axes = figure.add_axes(
+                (across / columns, 1.0 - (down + 1) / rows, 1.0 / columns, 1.0 / rows)
+            )
             axes.set_axis_off()
             axes.set_xlim(-0.5 * view.size[0], 0.5 * view.size[0])
             axes.set_ylim(-0.5 * view.size[1], 0.5 * view.size[1])
@@ -129,7 +144,9 @@ def _camera(eye: Array) -> Array:
 
 
 def _layout(scene: Scene, cameras: Sequence[Array]) -> tuple[list[View], bool]:
-    """The views, and whether they stand beside each other; the body fills what margins and names leave."""
+    """The views, and whether they stand beside each other; the body fills what margins and names
+    leave.
+    """
     points = scene.points
     flat = [points @ camera[:2].T for camera in cameras]
     extent = np.max([np.ptp(part, axis=0) for part in flat], axis=0)
@@ -142,7 +159,9 @@ def _layout(scene: Scene, cameras: Sequence[Array]) -> tuple[list[View], bool]:
     height = max(extent[1] / inch, LINE * len(marks) / 2, 0.8) + 2.0 * MARGIN
     size, body = np.array([width, height]), extent / inch
     middles = [0.5 * (part.min(axis=0) + part.max(axis=0)) for part in flat]
-    return [View(c, middle, inch, size, body) for c, middle in zip(cameras, middles, strict=True)], beside
+    return [
+        View(c, middle, inch, size, body) for c, middle in zip(cameras, middles, strict=True)
+    ], beside
 
 
 def _area_vectors(facets: Array) -> Array:
@@ -152,7 +171,9 @@ def _area_vectors(facets: Array) -> Array:
 
 
 def _best_views(scene: Scene, cameras: Sequence[Array]) -> IntArray:
-    """For every place and mass (n,) the view in which more of its facets face the eye; for points the nearer one."""
+    """For every place and mass (n,) the view in which more of its facets face the eye; for points
+    the nearer one.
+    """
     middle = scene.points.mean(axis=0)
     marks = (*scene.places, *scene.masses)
     shown = np.zeros((len(marks), len(cameras)))
@@ -160,12 +181,16 @@ def _best_views(scene: Scene, cameras: Sequence[Array]) -> IntArray:
         own = patch.places >= 0
         areas = _area_vectors(patch.facets[own])
         for view, camera in enumerate(cameras):
-            shown[:, view] += np.bincount(patch.places[own], np.maximum(areas @ camera[2], 0.0), len(marks))
+            shown[:, view] += np.bincount(
+                patch.places[own], np.maximum(areas @ camera[2], 0.0), len(marks)
+            )
     for row, mark in zip(shown, marks, strict=True):
         if not row.any():
             row[:] = [(mark.point - middle) @ camera[2] for camera in cameras]
     # What shows alike on both sides is named on the first.
-    best: IntArray = np.argmax(shown >= shown.max(axis=1, keepdims=True) - 1e-2 * np.abs(shown), axis=1)
+    best: IntArray = np.argmax(
+        shown >= shown.max(axis=1, keepdims=True) - 1e-2 * np.abs(shown), axis=1
+    )
     return best
 
 
@@ -188,28 +213,54 @@ def _paint(axes: Axes, scene: Scene, view: View) -> None:
         rims.append(shades[-1] * (1.0 if fine or patch.colours is not None else 0.75))
     order = np.argsort(np.concatenate(depths))
     faces, edges = (np.concatenate(parts)[order] for parts in (shades, rims))
-    facets = PolyCollection([polygons[i] for i in order], facecolors=faces, edgecolors=edges, linewidths=0.3)
+    facets = PolyCollection(
+        [polygons[i] for i in order], facecolors=faces, edgecolors=edges, linewidths=0.3
+    )
     axes.add_collection(facets, autolim=False)
-    axes.add_collection(LineCollection(list(view.on_paper(scene.lines)), colors="0.45", linewidths=1.8), autolim=False)
+    axes.add_collection(
+        LineCollection(list(view.on_paper(scene.lines)), colors="0.45", linewidths=1.8),
+        autolim=False,
+    )
 
 
-def _name(axes: Axes, marks: Sequence[Place], shades: Sequence[tuple[float, float, float]], view: View) -> None:
-    """Dots and small axes at places, and names in columns on both sides of the body, with a line to each."""
+def _name(
+    axes: Axes, marks: Sequence[Place], shades: Sequence[tuple[float, float, float]], view: View
+) -> None:
+    """Dots and small axes at places, and names in columns on both sides of the body, with a line to
+    each.
+    """
     points = view.on_paper(np.array([mark.point for mark in marks]).reshape(-1, 3))
     for side in (-1.0, 1.0):
         column = np.flatnonzero((points[:, 0] >= 0.0) == (side > 0.0))
         heights = apart(points[column, 1], LINE, 0.5 * view.size[1] - 0.5 * LINE)
         x = side * (0.5 * view.body[0] + 0.6 * MARGIN)
         for n, height in zip(column.tolist(), heights.tolist(), strict=True):
-            axes.plot([points[n, 0], x], [points[n, 1], height], color=shades[n], linewidth=0.8, zorder=4)
+            axes.plot(
+                [points[n, 0], x], [points[n, 1], height], color=shades[n], linewidth=0.8, zorder=4
+            )
             align = "left" if side > 0.0 else "right"
-            axes.text(x + 0.06 * side, height, marks[n].name, ha=align, va="center", fontsize=9, zorder=6)
+            axes.text(
+                x + 0.06 * side, height, marks[n].name, ha=align, va="center", fontsize=9, zorder=6
+            )
     for mark, point, shade in zip(marks, points, shades, strict=True):
         if mark.turns:
             for direction, (_, own) in zip(view.camera[:2].T, AXES, strict=True):
-                axes.plot(*zip(point, point + 0.28 * direction, strict=True), color=own, linewidth=1.4, zorder=4)
+                axes.plot(
+                    *zip(point, point + 0.28 * direction, strict=True),
+                    color=own,
+                    linewidth=1.4,
+                    zorder=4,
+                )
         size = 5.0 if shade is not HEAVY else 7.0
-        axes.plot(*point, "o", color=shade, markersize=size, markeredgecolor="white", markeredgewidth=0.8, zorder=5)
+        axes.plot(
+            *point,
+            "o",
+            color=shade,
+            markersize=size,
+            markeredgecolor="white",
+            markeredgewidth=0.8,
+            zorder=5,
+        )
 
 
 def _axes_of_the_mesh(axes: Axes, view: View) -> None:

@@ -2,4 +2,6 @@
 
 import sys
 
-sys.exudynFast = True  # its build without range checks, which it looks for when it is first imported
+sys.exudynFast = (
+    True  # its build without range checks, which it looks for when it is first imported
+)

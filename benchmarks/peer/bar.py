@@ -13,7 +13,8 @@ from tests.preprocess.blocks import box_mesh
 class Bar:
     """A bar along x from the origin, with its ends, `root` and `tip`, rigid.
 
-    length and side [m]; divisions: boxes of six tetrahedra along it and across; E [Pa], nu, rho [kg/m^3]; step [s].
+    length and side [m]; divisions: boxes of six tetrahedra along it and across; E [Pa], nu, rho
+    [kg/m^3]; step [s].
     """
 
     length: float

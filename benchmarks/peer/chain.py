@@ -2,7 +2,12 @@
 
 from collections.abc import Callable
 
-from exudyn.itemInterface import MarkerBodyRigid, ObjectGround, ObjectJointRevoluteZ, SensorSuperElement
+from exudyn.itemInterface import (
+    MarkerBodyRigid,
+    ObjectGround,
+    ObjectJointRevoluteZ,
+    SensorSuperElement,
+)
 
 from .reduced_body import Index, ReducedBody, rigid_marker
 from .run import Run
@@ -19,7 +24,9 @@ def chain(
     step: float,
     tolerance: float,
 ) -> Run:
-    """Joints hold bars at the nodes that `held_at` finds across x; the tip is the end of the last bar's axis."""
+    """Joints hold bars at the nodes that `held_at` finds across x; the tip is the end of the last
+    bar's axis.
+    """
     system = System(step, tolerance, dense=bars == 1)
     ground = system.items.AddObject(ObjectGround())
     support = system.items.AddMarker(MarkerBodyRigid(bodyNumber=ground))
@@ -29,7 +36,9 @@ def chain(
         system.items.AddObject(ObjectJointRevoluteZ(markerNumbers=[support, root]))
         if number < bars - 1:
             support = rigid_marker(system, body, held_at(length))
-    system.watch(SensorSuperElement, bodyNumber=body, meshNodeNumber=bar.nearest([length, 0.0, 0.0]))
+    system.watch(
+        SensorSuperElement, bodyNumber=body, meshNodeNumber=bar.nearest([length, 0.0, 0.0])
+    )
     system.items.Assemble()
     system.march(end)
     return system.run()

@@ -1,4 +1,6 @@
-"""The paper's Case 1 in Exudyn: a beam clamped to a hub that a torque turns and stops, with three kinds of beam."""
+"""The paper's Case 1 in Exudyn: a beam clamped to a hub that a torque turns and stops, with three
+kinds of beam.
+"""
 
 from collections.abc import Callable
 from itertools import pairwise
@@ -44,12 +46,25 @@ def cables(elements: int, step: float, tolerance: float) -> Run:
     system = System(step, tolerance)
     turn, rim = _planar_hub(system)
     nodes = [
-        system.items.AddNode(NodePoint2DSlope1(referenceCoordinates=[x, 0.0, 1.0, 0.0])) for x in _places(elements)
+        system.items.AddNode(NodePoint2DSlope1(referenceCoordinates=[x, 0.0, 1.0, 0.0]))
+        for x in _places(elements)
     ]
-    section = {"length": L / elements, "massPerLength": m, "bendingStiffness": EI, "axialStiffness": EA}
-    parts = [system.items.AddObject(ObjectANCFCable2D(nodeNumbers=list(ends), **section)) for ends in pairwise(nodes)]
-    root = system.items.AddMarker(MarkerBodyRigid(bodyNumber=parts[0], localPosition=[0.0, 0.0, 0.0]))
-    system.items.AddObject(ObjectJointGeneric(markerNumbers=[rim, root], constrainedAxes=CLAMPED_IN_PLANE))
+    section = {
+        "length": L / elements,
+        "massPerLength": m,
+        "bendingStiffness": EI,
+        "axialStiffness": EA,
+    }
+    parts = [
+        system.items.AddObject(ObjectANCFCable2D(nodeNumbers=list(ends), **section))
+        for ends in pairwise(nodes)
+    ]
+    root = system.items.AddMarker(
+        MarkerBodyRigid(bodyNumber=parts[0], localPosition=[0.0, 0.0, 0.0])
+    )
+    system.items.AddObject(
+        ObjectJointGeneric(markerNumbers=[rim, root], constrainedAxes=CLAMPED_IN_PLANE)
+    )
     system.watch(SensorNode, nodeNumber=nodes[-1])
     return _turned(system, turn)
 
@@ -58,7 +73,10 @@ def exact_beams(elements: int, step: float, tolerance: float) -> Run:
     """Geometrically exact beams in the plane, which shear."""
     system = System(step, tolerance)
     turn, rim = _planar_hub(system)
-    nodes = [system.items.AddNode(NodeRigidBody2D(referenceCoordinates=[x, 0.0, 0.0])) for x in _places(elements)]
+    nodes = [
+        system.items.AddNode(NodeRigidBody2D(referenceCoordinates=[x, 0.0, 0.0]))
+        for x in _places(elements)
+    ]
     section = {
         "length": L / elements,
         "massPerLength": m,
@@ -70,15 +88,23 @@ def exact_beams(elements: int, step: float, tolerance: float) -> Run:
     for ends in pairwise(nodes):
         system.items.AddObject(ObjectBeamGeometricallyExact2D(nodeNumbers=list(ends), **section))
     root = system.items.AddMarker(MarkerNodeRigid(nodeNumber=nodes[0]))
-    system.items.AddObject(ObjectJointGeneric(markerNumbers=[rim, root], constrainedAxes=CLAMPED_IN_PLANE))
+    system.items.AddObject(
+        ObjectJointGeneric(markerNumbers=[rim, root], constrainedAxes=CLAMPED_IN_PLANE)
+    )
     system.watch(SensorNode, nodeNumber=nodes[-1])
     return _turned(system, turn)
 
 
-def reduced(bar: ReducedBody, held_at: Callable[[float], Index], step: float, tolerance: float) -> Run:
-    """A solid bar in its floating frame, clamped in space by the nodes that `held_at` finds across x."""
+def reduced(
+    bar: ReducedBody, held_at: Callable[[float], Index], step: float, tolerance: float
+) -> Run:
+    """A solid bar in its floating frame, clamped in space by the nodes that `held_at` finds across
+    x.
+    """
     system = System(step, tolerance, dense=True)
-    node = system.items.AddNode(NodeRigidBodyEP(referenceCoordinates=[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]))
+    node = system.items.AddNode(
+        NodeRigidBodyEP(referenceCoordinates=[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+    )
     inertia = [0.5 * HUB, 0.5 * HUB, HUB, 0.0, 0.0, 0.0]
     hub = system.items.AddObject(ObjectRigidBody(mass=0.01, inertia=inertia, nodeNumber=node))
     turn = _pivot(system, hub, ObjectJointRevoluteZ)
@@ -99,7 +125,9 @@ def _planar_hub(system: System) -> tuple[int, int]:
     node = system.items.AddNode(NodeRigidBody2D())
     hub = system.items.AddObject(ObjectRigidBody2D(mass=0.01, inertia=HUB, nodeNumber=node))
     turn = _pivot(system, hub, ObjectJointRevolute2D)
-    return turn, system.items.AddMarker(MarkerBodyRigid(bodyNumber=hub, localPosition=[a, 0.0, 0.0]))
+    return turn, system.items.AddMarker(
+        MarkerBodyRigid(bodyNumber=hub, localPosition=[a, 0.0, 0.0])
+    )
 
 
 def _pivot(system: System, hub: int, joint: type) -> int:

@@ -13,7 +13,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """Microseconds of CPU and on the clock, and iterations, a step; the tip at times (n,) [s], (n, 3) [m]."""
+    """Microseconds of CPU and on the clock, and iterations, a step; the tip at times (n,) [s], (n,
+    3) [m].
+    """
 
     cpu: float
     wall: float

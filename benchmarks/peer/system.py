@@ -14,10 +14,11 @@ TIGHT = 1e-13
 
 
 class System:
-    """A system of Exudyn to be filled, assembled and marched; what a run stores is the position of its tip.
+    """A system of Exudyn to be filled, assembled and marched; what a run stores is the position of
+    its tip.
 
-    tolerance of Newton's increments; the iteration matrix is kept while it contracts. Factors are dense, which is
-    faster for one body of few unknowns, or sparse.
+    tolerance of Newton's increments; the iteration matrix is kept while it contracts. Factors are
+    dense, which is faster for one body of few unknowns, or sparse.
     """
 
     def __init__(self, step: float, tolerance: float, dense: bool = False) -> None:
@@ -49,7 +50,9 @@ class System:
         self._iterations += self.items.sys["dynamicSolver"].it.newtonStepsCount
         self._times.append(np.linspace(start, end, steps + 1)[1:])
         # Every march stores its initial state too, which is the end of the one before.
-        self._tips.append(np.asarray(self.items.GetSensorStoredData(self._tip))[1 if self._tips else 0 :, 1:])
+        self._tips.append(
+            np.asarray(self.items.GetSensorStoredData(self._tip))[1 if self._tips else 0 :, 1:]
+        )
 
     def run(self) -> Run:
         """What the marches found."""

@@ -1,8 +1,10 @@
-"""The paper's beam as a solid: half a metre of square bar in 20-node hexahedra, the end faces named root and tip.
+"""The paper's beam as a solid: half a metre of square bar in 20-node hexahedra, the end faces named
+root and tip.
 
     python meshes/beam/make_solid.py
 
-The side of the square is that of a bar of aluminium with the mass and the bending stiffness of beam.toml.
+The side of the square is that of a bar of aluminium with the mass and the bending stiffness of
+beam.toml.
 """
 
 from pathlib import Path
@@ -17,10 +19,15 @@ ELEMENTS = (50, 2)
 def bar() -> None:
     """The solid, its grid, and its groups."""
     geo, mesh = gmsh.model.geo, gmsh.model.mesh
-    corners = [geo.addPoint(0.0, y * SIDE, z * SIDE) for y, z in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))]
+    corners = [
+        geo.addPoint(0.0, y * SIDE, z * SIDE)
+        for y, z in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
+    ]
     edges = [geo.addLine(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]
     root = geo.addPlaneSurface([geo.addCurveLoop(edges)])
-    (_, tip), (_, solid), *_ = geo.extrude([(2, root)], LENGTH, 0.0, 0.0, numElements=[ELEMENTS[0]], recombine=True)
+    (_, tip), (_, solid), *_ = geo.extrude(
+        [(2, root)], LENGTH, 0.0, 0.0, numElements=[ELEMENTS[0]], recombine=True
+    )
     geo.synchronize()
     for edge in edges:
         mesh.setTransfiniteCurve(edge, ELEMENTS[1] + 1)

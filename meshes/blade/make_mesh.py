@@ -2,8 +2,9 @@
 
     python meshes/blade/make_mesh.py [--size METRES] [-o FILE.msh]
 
-The blade lies along x from its root, the chord along y and the thickness along z where it is not twisted. Its sections
-are symmetric aerofoils of four digits of NACA, lofted and meshed with tetrahedra of 10 nodes.
+The blade lies along x from its root, the chord along y and the thickness along z where it is not
+twisted. Its sections are symmetric aerofoils of four digits of NACA, lofted and meshed with
+tetrahedra of 10 nodes.
 """
 
 from argparse import ArgumentParser
@@ -51,12 +52,14 @@ def aerofoil(share: float, side: float) -> NDArray[np.float64]:
 
         z(s) = 5 t (0.2969 sqrt(s) - 0.1260 s - 0.3516 s^2 + 0.2843 s^3 - 0.1015 s^4)
 
-    with s along the chord and t the thickness, both over the chord. Source: Abbott, von Doenhoff, Theory of Wing
-    Sections, 1959.
+    with s along the chord and t the thickness, both over the chord. Source: Abbott, von Doenhoff,
+    Theory of Wing Sections, 1959.
     """
     chord, t, twist = (a + (b - a) * share for a, b in (CHORD, THICKNESS, TWIST))
     s = TRAILING * 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, POINTS)))
-    z = 5.0 * t * np.polynomial.Polynomial([0.0, -0.1260, -0.3516, 0.2843, -0.1015])(s) + 5.0 * t * 0.2969 * np.sqrt(s)
+    z = 5.0 * t * np.polynomial.Polynomial([0.0, -0.1260, -0.3516, 0.2843, -0.1015])(
+        s
+    ) + 5.0 * t * 0.2969 * np.sqrt(s)
     y, z = chord * (s - AXIS), side * chord * z
     return np.stack(
         [

@@ -1,9 +1,10 @@
-"""A bracket with six holes, in millimetres: groups bolt_1 to bolt_4, lug_1 and lug_2, the holes, and bracket.
+"""A bracket with six holes, in millimetres: groups bolt_1 to bolt_4, lug_1 and lug_2, the holes,
+and bracket.
 
     python meshes/bracket/make_mesh.py [--size MILLIMETRES] [-o FILE.msh]
 
-A plate in the plane of x and y with a hole for a bolt near each corner; across its middle stand two walls, each with a
-hole along x, for a pin through both. Tetrahedra of 10 nodes follow the holes.
+A plate in the plane of x and y with a hole for a bolt near each corner; across its middle stand two
+walls, each with a hole along x, for a pin through both. Tetrahedra of 10 nodes follow the holes.
 """
 
 from argparse import ArgumentParser
@@ -18,7 +19,9 @@ BOLTS, BOLT = (48.0, 28.0), 5.5
 WALLS, WALL = 20.0, 10.0
 """place on x of the middle of a wall, on both sides of the middle, and thickness"""
 HEIGHT, WIDTH, PIN = 50.0, 17.0, 9.0
-"""of the walls: height of the pin, half the width, which is the radius at the top too; radius of the pin"""
+"""of the walls: height of the pin, half the width, which is the radius at the top too; radius of
+the pin
+"""
 BLEND = 6.0
 """radius where walls meet the plate"""
 SIZE = 10.0
@@ -37,7 +40,9 @@ def bracket() -> None:
         parts.append((3, occ.addBox(face, -WIDTH, 0.0, WALL, 2.0 * WIDTH, HEIGHT)))
         parts.append((3, occ.addCylinder(face, 0.0, HEIGHT, WALL, 0.0, 0.0, WIDTH)))
     whole, _ = occ.fuse(parts[:1], parts[1:])
-    bolts = [(side_x * BOLTS[0], side_y * BOLTS[1]) for side_x in (-1.0, 1.0) for side_y in (-1.0, 1.0)]
+    bolts = [
+        (side_x * BOLTS[0], side_y * BOLTS[1]) for side_x in (-1.0, 1.0) for side_y in (-1.0, 1.0)
+    ]
     holes = [(3, occ.addCylinder(x, y, 0.0, 0.0, 0.0, z, BOLT)) for x, y in bolts]
     pin = [(3, occ.addCylinder(-PLATE[0], 0.0, HEIGHT, 2.0 * PLATE[0], 0.0, 0.0, PIN))]
     solid, _ = occ.cut(blended(whole), holes + pin)
@@ -62,7 +67,9 @@ def blended(whole: Shape) -> Shape:
 
 def name_hole(name: str, middle: tuple[float, ...], half: tuple[float, ...]) -> None:
     """Group the surfaces in a box."""
-    low, high = ([m + side * (h + 1e-3) for m, h in zip(middle, half, strict=True)] for side in (-1.0, 1.0))
+    low, high = (
+        [m + side * (h + 1e-3) for m, h in zip(middle, half, strict=True)] for side in (-1.0, 1.0)
+    )
     surfaces = gmsh.model.getEntitiesInBoundingBox(*low, *high, dim=2)
     gmsh.model.addPhysicalGroup(2, [tag for _, tag in surfaces], name=name)
 
@@ -91,6 +98,8 @@ def write(size: float, target: Path) -> None:
 if __name__ == "__main__":
     parser = ArgumentParser(description=__doc__)
     parser.add_argument("--size", type=float, default=SIZE, help="of the elements [mm]")
-    parser.add_argument("-o", "--output", type=Path, default=Path(__file__).with_name("bracket.msh"))
+    parser.add_argument(
+        "-o", "--output", type=Path, default=Path(__file__).with_name("bracket.msh")
+    )
     given = parser.parse_args()
     write(given.size, given.output)

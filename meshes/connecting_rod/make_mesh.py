@@ -1,9 +1,11 @@
-"""A connecting rod with two bores, in millimetres: groups big_end and small_end, its bores, and rod.
+"""A connecting rod with two bores, in millimetres: groups big_end and small_end, its bores, and
+rod.
 
     python meshes/connecting_rod/make_mesh.py [--size MILLIMETRES] [-o FILE.msh]
 
-The rod lies along x, with the axis of the big end on z; its shank is an I. Tetrahedra of 10 nodes follow the bores. The
-elements of rod.msh are of 7.5 mm, 21 thousand unknowns; --size 3 makes 96 thousand (fine.toml).
+The rod lies along x, with the axis of the big end on z; its shank is an I. Tetrahedra of 10 nodes
+follow the bores. The elements of rod.msh are of 7.5 mm, 21 thousand unknowns; --size 3 makes 96
+thousand (fine.toml).
 """
 
 from argparse import ArgumentParser
@@ -33,7 +35,9 @@ def connecting_rod() -> None:
     """The solid, and its groups."""
     occ = gmsh.model.occ
     blank, _ = occ.fuse(shank(0.0, LENGTH, 0.0, SHANK), eyes(BIG[1], SMALL[1], SHANK))
-    eye_to_eye, _ = occ.fuse(rounded(blank, 0.5 * BIG[1], LENGTH, BLEND), eyes(BIG[1], SMALL[1], EYE))
+    eye_to_eye, _ = occ.fuse(
+        rounded(blank, 0.5 * BIG[1], LENGTH, BLEND), eyes(BIG[1], SMALL[1], EYE)
+    )
     depth = 0.5 * (SHANK - WEB)
     pockets = [shank(*POCKET, FLANGE, depth, side * 0.5 * (WEB + depth)) for side in (-1.0, 1.0)]
     milled = [volume for pocket in pockets for volume in rounded(pocket, *POCKET, CORNER)]
@@ -60,7 +64,10 @@ def shank(start: float, end: float, inset: float, thickness: float, z: float = 0
 def eyes(big: float, small: float, thickness: float) -> Shape:
     """Cylinders of two radii about the axes of both ends."""
     add, z = gmsh.model.occ.addCylinder, -0.5 * thickness
-    return [(3, add(x, 0.0, z, 0.0, 0.0, thickness, radius)) for x, radius in ((0.0, big), (LENGTH, small))]
+    return [
+        (3, add(x, 0.0, z, 0.0, 0.0, thickness, radius))
+        for x, radius in ((0.0, big), (LENGTH, small))
+    ]
 
 
 def rounded(volumes: Shape, start: float, end: float, radius: float) -> Shape:

@@ -32,7 +32,10 @@ def element() -> Superelement:
         mass=0.0429,
         J_rot=[[3.0, 1.0, 0.0], [1.0, 3.0, 0.0], [0.0, 0.0, 7.5]],
         center=[0.25, 0.0, 0.0],
-        interfaces=(Interface("root", [-0.25, 0, 0]), Interface("tip", [0.25, 0, 0], rotations=False)),
+        interfaces=(
+            Interface("root", [-0.25, 0, 0]),
+            Interface("tip", [0.25, 0, 0], rotations=False),
+        ),
         kernel=sample_kernel(modes, 5e-4, GeneralizedAlpha(0.8), 40, error=3e-9),
         modes=modes,
         compliance=modes.phi / modes.omega**2 @ modes.phi.T,

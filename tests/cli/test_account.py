@@ -23,7 +23,9 @@ signal = {amplitude = 1.0, frequency = 640.0}
 
 @pytest.fixture
 def told(runner, element_file):
-    """The lines of a run under a load at a frequency at which the tip answers like a mass, against the load."""
+    """The lines of a run under a load at a frequency at which the tip answers like a mass, against
+    the load.
+    """
 
     def run(rule):
         path = element_file.with_name(f"{rule}.toml")
@@ -38,7 +40,8 @@ def told(runner, element_file):
 def test_energy_that_the_convolution_created_is_told(told):
     """Eq. (55) gives energy to a load on a mass; no other rule does."""
     found = re.search(
-        r"elastic energy fell to (\S+) J: the convolution has created energy \(rule 'paper'\)", told("paper")
+        r"elastic energy fell to (\S+) J: the convolution has created energy \(rule 'paper'\)",
+        told("paper"),
     )
     assert float(found[1]) < -1e-6
     assert "created energy" not in told("consistent")
@@ -100,7 +103,8 @@ def test_the_balance_is_told_beside_the_largest_energy(told):
 
 
 @pytest.mark.parametrize(
-    ("quantities", "told_of"), [("", ["energy", "momentum"]), ('"momentum"', ["momentum"]), ('"bodies"', [])]
+    ("quantities", "told_of"),
+    [("", ["energy", "momentum"]), ('"momentum"', ["momentum"]), ('"bodies"', [])],
 )
 def test_what_was_not_recorded_is_not_told(quantities, told_of, runner, tmp_path):
     path = tmp_path / "pendulum.toml"

@@ -46,7 +46,9 @@ def test_the_number_of_modes_and_the_first_ten_frequencies(shown):
 
 
 def test_the_kernel(shown):
-    found = [shown[f"kernel {label}"] for label in ("step [s]", "length [s]", "rho_inf", "error", "n_c")]
+    found = [
+        shown[f"kernel {label}"] for label in ("step [s]", "length [s]", "rho_inf", "error", "n_c")
+    ]
     assert found == ["0.0005", "0.02, 40 steps", "0.8", "3e-09", "9"]
 
 

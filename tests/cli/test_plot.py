@@ -11,7 +11,10 @@ from duhamel.view import panels
 def results_file(element, tmp_path):
     """A free body made by hand, in steady motion."""
     target = tmp_path / "flight-results.h5"
-    simulate(Model({"beam": FlexibleBody(element, Start(velocity=[2.0, 0.0, 0.0]))}, t_end=0.01), output=target)
+    simulate(
+        Model({"beam": FlexibleBody(element, Start(velocity=[2.0, 0.0, 0.0]))}, t_end=0.01),
+        output=target,
+    )
     return target
 
 
@@ -30,7 +33,15 @@ def test_the_picture_stands_beside_the_results(runner, results_file):
 def test_an_argument_is_a_panel_and_a_comma_joins_curves(runner, results_file):
     target = results_file.with_name("picture.png")
     result = runner.invoke(
-        app, ["plot", str(results_file), "velocity:beam:x,velocity:beam:y", "energy:kinetic", "-o", str(target)]
+        app,
+        [
+            "plot",
+            str(results_file),
+            "velocity:beam:x,velocity:beam:y",
+            "energy:kinetic",
+            "-o",
+            str(target),
+        ],
     )
     assert result.exit_code == 0, result.output
     figure, _ = panels(2)
@@ -45,7 +56,9 @@ def test_an_argument_is_a_panel_and_a_comma_joins_curves(runner, results_file):
         (["-o", "picture.xyz"], "picture.xyz: expected a suffix of"),
     ],
 )
-def test_an_error_is_one_line_on_stderr_and_nothing_is_written(runner, results_file, arguments, message):
+def test_an_error_is_one_line_on_stderr_and_nothing_is_written(
+    runner, results_file, arguments, message
+):
     result = runner.invoke(app, ["plot", str(results_file), *arguments])
     assert result.exit_code == 1
     assert result.stderr.startswith("error: ")
@@ -57,7 +70,9 @@ def test_an_error_is_one_line_on_stderr_and_nothing_is_written(runner, results_f
 def test_a_file_without_results_is_one_line_on_stderr(runner, element_file):
     result = runner.invoke(app, ["plot", str(element_file)])
     assert result.exit_code == 1
-    assert "attribute 'format': expected duhamel-results, found duhamel-superelement" in result.stderr
+    assert (
+        "attribute 'format': expected duhamel-results, found duhamel-superelement" in result.stderr
+    )
     assert result.stderr.count("\n") == 1
 
 
@@ -65,7 +80,9 @@ def test_a_title_in_words_takes_the_place_of_the_name_of_the_file(runner, result
     pictures = {}
     for name, title in {"named": [], "titled": ["--title", "A body in flight"]}.items():
         target = results_file.with_name(f"{name}.svg")
-        result = runner.invoke(app, ["plot", str(results_file), "velocity:beam:x", *title, "-o", str(target)])
+        result = runner.invoke(
+            app, ["plot", str(results_file), "velocity:beam:x", *title, "-o", str(target)]
+        )
         assert result.exit_code == 0, result.output
         pictures[name] = target.read_text()
     assert "<!-- flight-results -->" in pictures["named"]

@@ -121,7 +121,9 @@ def test_the_picture_of_a_dry_run_goes_where_it_is_sent(runner, body_file):
         ("node = [0, 0, 0]", "nood = [0, 0, 0]", "body.toml: interfaces.root: unknown key 'nood'"),
     ],
 )
-def test_a_dry_run_fails_in_one_line_that_names_file_and_key(runner, body_file, right, wrong, message):
+def test_a_dry_run_fails_in_one_line_that_names_file_and_key(
+    runner, body_file, right, wrong, message
+):
     body_file.write_text(BODY.replace(right, wrong))
     result = runner.invoke(app, ["preprocess", str(body_file), "--dry-run"])
     assert result.exit_code == 1

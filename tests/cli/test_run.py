@@ -35,7 +35,9 @@ def test_the_results_stand_beside_the_model_file(runner, model_file):
     last = result.stdout.splitlines()[-1]
     assert re.fullmatch(rf"{target}: 20 steps, [\d.]+ s in all, [\d.]+ us per step", last)
     with h5py.File(target) as file:
-        np.testing.assert_allclose(file["bodies/beam/x"][:, 0], 2.0 * file["time"][:], rtol=0, atol=1e-13)
+        np.testing.assert_allclose(
+            file["bodies/beam/x"][:, 0], 2.0 * file["time"][:], rtol=0, atol=1e-13
+        )
 
 
 def test_the_momentum_at_the_end_is_told(runner, model_file, element_file):
@@ -49,7 +51,10 @@ def test_the_results_go_where_they_are_sent(runner, model_file):
     target = model_file.with_name("elsewhere.h5")
     result = runner.invoke(app, ["run", str(model_file), "-o", str(target)])
     assert result.exit_code == 0, result.output
-    assert sorted(path.name for path in model_file.parent.glob("*.h5")) == ["beam.h5", "elsewhere.h5"]
+    assert sorted(path.name for path in model_file.parent.glob("*.h5")) == [
+        "beam.h5",
+        "elsewhere.h5",
+    ]
 
 
 def test_a_run_loads_nothing_that_only_meshes_and_plots_need(model_file):
@@ -59,7 +64,9 @@ def test_a_run_loads_nothing_that_only_meshes_and_plots_need(model_file):
         "app(['run', sys.argv[1]], standalone_mode=False)\n"
         "print(sorted({'skfem', 'meshio', 'matplotlib', 'duhamel.preprocess'} & set(sys.modules)))\n"
     )
-    done = subprocess.run([sys.executable, "-c", program, model_file], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", program, model_file], capture_output=True, text=True, check=True
+    )
     assert done.stdout.splitlines()[-1] == "[]"
 
 
@@ -75,8 +82,12 @@ def test_a_missing_file_is_one_line_on_stderr_and_nothing_is_written(name, runne
     assert list(model_file.parent.glob("*-results.h5")) == []
 
 
-def test_another_step_for_a_body_without_modes_is_one_line_on_stderr(runner, model_file, measured_file):
-    model_file.write_text(MODEL.replace("beam.h5", measured_file.name).replace("t_end", "step = 1e-4\nt_end"))
+def test_another_step_for_a_body_without_modes_is_one_line_on_stderr(
+    runner, model_file, measured_file
+):
+    model_file.write_text(
+        MODEL.replace("beam.h5", measured_file.name).replace("t_end", "step = 1e-4\nt_end")
+    )
     result = runner.invoke(app, ["run", str(model_file)])
     assert result.exit_code == 1
     assert "no modes, so the kernel is fixed: h = 0.0005 s" in result.stderr
@@ -120,9 +131,18 @@ signal = 1e9
     ("text", "message"),
     [
         (RIGID.replace("STEP", ""), "simulation: step: a model without superelements needs one"),
-        (RIGID.replace("STEP", "step = 1e-3") + COILED, "spring 'coil': its ends ['ground.hook', 'stone'] coincide"),
-        (RIGID.replace("STEP", "step = 1e-2\nmax_iterations = 1") + FAST, "no convergence in step 1 (t = 0.01 s): "),
-        (RIGID.replace("STEP", "stop = 1e-3"), "simulation: unknown key 'stop'; did you mean 'step'?"),
+        (
+            RIGID.replace("STEP", "step = 1e-3") + COILED,
+            "spring 'coil': its ends ['ground.hook', 'stone'] coincide",
+        ),
+        (
+            RIGID.replace("STEP", "step = 1e-2\nmax_iterations = 1") + FAST,
+            "no convergence in step 1 (t = 0.01 s): ",
+        ),
+        (
+            RIGID.replace("STEP", "stop = 1e-3"),
+            "simulation: unknown key 'stop'; did you mean 'step'?",
+        ),
     ],
 )
 def test_every_error_of_a_model_names_its_file_once(runner, tmp_path, text, message):

@@ -24,11 +24,15 @@ def folder(tmp_path_factory):
 
 def test_rotating_beam(example, folder):
     script = example("rotating_beam")
-    motions = script.main(folder, with_reference=False)  # which checks peaks, residuals and the rigid system
+    motions = script.main(
+        folder, with_reference=False
+    )  # which checks peaks, residuals and the rigid system
     for case in ("case1", "case2"):
-        assert {f"{case}.png", f"{case}-rules.png", f"{case}-rigid.png"} <= {path.name for path in folder.iterdir()}
-    # Eq. (55) damps the first mode of Case 2 with a ratio of 2.69e-3. From 0.25 to 0.3 s that has acted
-    # on vibrations that began between 0 and 0.2 s: for 0.05 s at least, for 0.3 s at most.
+        assert {f"{case}.png", f"{case}-rules.png", f"{case}-rigid.png"} <= {
+            path.name for path in folder.iterdir()
+        }
+    # Eq. (55) damps the first mode of Case 2 with a ratio of 2.69e-3. From 0.25 to 0.3 s that has
+    # acted on vibrations that began between 0 and 0.2 s: for 0.05 s at least, for 0.3 s at most.
     rate = 2.69e-3 * 2 * np.pi * 29.4008
     late = motions["case2-consistent"].time > 0.25
     swing = [np.ptp(motions[f"case2-{rule}"].deflection[late]) for rule in ("consistent", "paper")]
@@ -52,21 +56,29 @@ def test_helicoidal_beam(example, folder):
     script = example("helicoidal_beam")
     runs = script.main(folder)  # which checks balances, turns, heights and the tip mass both ways
     for case in ("case3", "case4", "case5"):
-        assert {f"{case}.png", f"{case}-tip.png", f"{case}-trajectory.png"} <= {path.name for path in folder.iterdir()}
-    # What the blow leaves above 70 Hz, after 0.1 s over what it was: the model has no damping, and with the consistent
-    # rule the vibration stays. Eq. (55) damps the second mode, near 108 Hz, with a ratio of 1.4e-2: by
-    # exp(-0.0142 2 pi 108 0.1) = 0.38, and higher modes faster.
+        assert {f"{case}.png", f"{case}-tip.png", f"{case}-trajectory.png"} <= {
+            path.name for path in folder.iterdir()
+        }
+    # What the blow leaves above 70 Hz, after 0.1 s over what it was: the model has no damping, and
+    # with the consistent rule the vibration stays. Eq. (55) damps the second mode, near 108 Hz,
+    # with a ratio of 1.4e-2: by exp(-0.0142 2 pi 108 0.1) = 0.38, and higher modes faster.
     kept = []
     for name in ("case5-beam", "case5-beam-paper"):
         fast = np.abs(script.fast(runs[name].deflection[:, 1], 2e-4))
-        kept.append(fast[1500:1750].max() / fast[1025:1250].max())  # 0.3 to 0.35 s over 0.205 to 0.25 s
+        kept.append(
+            fast[1500:1750].max() / fast[1025:1250].max()
+        )  # 0.3 to 0.35 s over 0.205 to 0.25 s
     assert kept[0] > 0.9
     assert 0.2 < kept[1] < 0.4
 
 
 def test_one_step_of_the_blow_is_its_area(example):
     """The impulse of Case 5 is i_0 / h over one step, eq. (98), with i_0 in its three directions."""
-    (blow,) = [load for load in solver.read_model(EXAMPLES / "case5.toml").loads if load.on == "ball.center"]
+    (blow,) = [
+        load
+        for load in solver.read_model(EXAMPLES / "case5.toml").loads
+        if load.on == "ball.center"
+    ]
     samples = blow.signal.samples(2e-4 * np.arange(5001), 2e-4)
     assert samples.sum() * 2e-4 == pytest.approx(0.02, rel=1e-12)
     assert np.flatnonzero(samples).tolist() == [1000]
@@ -74,7 +86,9 @@ def test_one_step_of_the_blow_is_its_area(example):
 
 
 def test_swap(example, folder):
-    found = example("swap").main(folder)  # which checks that the meshes explain the difference of the motions
+    found = example("swap").main(
+        folder
+    )  # which checks that the meshes explain the difference of the motions
     assert (folder / "swap.png").exists()
     assert np.abs(found.frequency_shift).max() < 3e-4
     assert np.abs(found.compliance_shift).max() < 3e-4
@@ -87,20 +101,30 @@ def test_clamped_compliance_of_the_swap(example):
     L, width, height = 0.5, 0.02, 0.01
     EA, GA, GJ = 1.4e7, 4.385964912280702e6, 120.35877796168799
     EI_y, EI_z = EA * height**2 / 12, EA * width**2 / 12
-    expected = [L / EA, L**3 / (3 * EI_z) + L / GA, L**3 / (3 * EI_y) + L / GA, L / GJ, L / EI_y, L / EI_z]
+    expected = [
+        L / EA,
+        L**3 / (3 * EI_z) + L / GA,
+        L**3 / (3 * EI_y) + L / GA,
+        L / GJ,
+        L / EI_y,
+        L / EI_z,
+    ]
     np.testing.assert_allclose(np.diag(C), expected, rtol=1e-8)
 
 
 def test_rotor_frequencies_of_the_swap(example):
-    """On the rotor of Case 2: the beam clamped, out of the plane of its motion, and in the plane with the hub."""
+    """On the rotor of Case 2: the beam clamped, out of the plane of its motion, and in the plane
+    with the hub.
+    """
     model = solver.read_model(EXAMPLES / "case2.toml")
     found = example("swap").rotor_frequencies(model, model.bodies["beam"].superelement)
     np.testing.assert_allclose(found, [17.9213, 29.4008], rtol=1e-5)
 
 
 def test_frequencies_of_the_cases(example):
-    """Roots of a clamped beam and of a beam on a hub, 17.9213 and 29.4008 Hz; and Case 2 with the rule of the paper,
-    where the first mode decays by exp(-2 pi zeta f t) after the torque."""
+    """Roots of a clamped beam and of a beam on a hub, 17.9213 and 29.4008 Hz; and Case 2 with the
+    rule of the paper, where the first mode decays by exp(-2 pi zeta f t) after the torque.
+    """
     script = example("frequencies")
     model = solver.read_model(EXAMPLES / "case2.toml")
     beam = model.bodies["beam"].superelement
@@ -110,5 +134,7 @@ def test_frequencies_of_the_cases(example):
     results = solver.simulate(replace(model, rule="paper", t_end=0.8))
     turned = np.abs(results.frame("beam.root").u[:, 5])
     period = round(1.0 / (frequency[1] * beam.kernel.h))
-    early, late = (turned[-n * period :][:period].max() for n in (16, 1))  # the first of them from 0.256 s on
+    early, late = (
+        turned[-n * period :][:period].max() for n in (16, 1)
+    )  # the first of them from 0.256 s on
     assert np.log(early / late) / (2.0 * np.pi * 15) == pytest.approx(zeta, rel=0.01)

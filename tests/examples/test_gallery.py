@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 from duhamel import preprocess
-from duhamel.preprocess.facets import facets_of
-from duhamel.preprocess.interfaces import attachments
-from duhamel.preprocess.nodes import Nodes
-from duhamel.preprocess.reading import read_mesh
-from duhamel.preprocess.structure import assemble_mesh
+from duhamel.preprocess.assembly.interfaces import attachments
+from duhamel.preprocess.assembly.structure import assemble_mesh
+from duhamel.preprocess.mesh.facets import facets_of
+from duhamel.preprocess.mesh.nodes import Nodes
+from duhamel.preprocess.mesh.reading import read_mesh
 
 MESHES = Path(__file__).parents[2] / "meshes"
 PARTS = {"connecting_rod": "rod", "bracket": "bracket", "blade": "blade"}
@@ -39,7 +39,10 @@ class Part:
 
 @pytest.fixture(scope="module")
 def parts():
-    return {part: made(preprocess.read_body(MESHES / part / f"{name}.toml")) for part, name in PARTS.items()}
+    return {
+        part: made(preprocess.read_body(MESHES / part / f"{name}.toml"))
+        for part, name in PARTS.items()
+    }
 
 
 def made(body):
@@ -50,10 +53,17 @@ def made(body):
 
 
 def test_bores_are_round(parts):
-    """Areas 2 pi r b and places of the holes: flat facets, eight around, would lose 2.6 % of the area."""
+    """Areas 2 pi r b and places of the holes: flat facets, eight around, would lose 2.6 % of the
+    area.
+    """
     rod, bracket = parts["connecting_rod"].interfaces, parts["bracket"].interfaces
-    bores = [(rod["big_end"], 22e-3, 22e-3, (0, 0, 0)), (rod["small_end"], 10e-3, 22e-3, (0.15, 0, 0))]
-    for n, (x, y) in enumerate([(-48e-3, -28e-3), (-48e-3, 28e-3), (48e-3, -28e-3), (48e-3, 28e-3)], start=1):
+    bores = [
+        (rod["big_end"], 22e-3, 22e-3, (0, 0, 0)),
+        (rod["small_end"], 10e-3, 22e-3, (0.15, 0, 0)),
+    ]
+    for n, (x, y) in enumerate(
+        [(-48e-3, -28e-3), (-48e-3, 28e-3), (48e-3, -28e-3), (48e-3, 28e-3)], start=1
+    ):
         bores.append((bracket[f"bolt_{n}"], 5.5e-3, 10e-3, (x, y, 5e-3)))
     for n, x in ((1, -20e-3), (2, 20e-3)):
         bores.append((bracket[f"lug_{n}"], 9e-3, 10e-3, (x, 0, 50e-3)))
@@ -65,7 +75,9 @@ def test_bores_are_round(parts):
 def test_sections_of_the_blade(parts):
     """The area of NACA's aerofoils: chord^2 t times 10 int_0^0.96 (0.2969 sqrt(s) - ... ) ds."""
     s = 0.96
-    powers = np.array([0.2969 * s**1.5 / 1.5, -0.1260 * s**2 / 2, -0.3516 * s**3 / 3, 0.2843 * s**4 / 4])
+    powers = np.array(
+        [0.2969 * s**1.5 / 1.5, -0.1260 * s**2 / 2, -0.3516 * s**3 / 3, 0.2843 * s**4 / 4]
+    )
     area = 10 * (powers.sum() - 0.1015 * s**5 / 5)
     for end, chord, t in (("root", 0.06, 0.15), ("tip", 0.035, 0.10)):
         assert parts["blade"].interfaces[end].area == pytest.approx(area * chord**2 * t, rel=5e-3)
@@ -95,7 +107,9 @@ def test_mass_and_inertia_are_those_of_the_solid(part, parts):
 
 @pytest.mark.parametrize("part", PARTS)
 def test_scripts_make_the_meshes_that_are_shipped(part, parts, tmp_path):
-    """With another release of Gmsh the elements are others, but about as many, and with the same groups."""
+    """With another release of Gmsh the elements are others, but about as many, and with the same
+    groups.
+    """
     pytest.importorskip("gmsh")
     module = script(part)
     module.write(module.SIZE, tmp_path / "part.msh")
@@ -115,7 +129,9 @@ def test_the_twin_of_the_beam():
 @pytest.mark.validation
 def test_case1_in_solids(example, tmp_path):
     script = example("swap")
-    found = script.main(tmp_path, script.SWAPS[1])  # which checks that the meshes explain the difference
+    found = script.main(
+        tmp_path, script.SWAPS[1]
+    )  # which checks that the meshes explain the difference
     assert found.deflection < 1e-3
     assert np.abs(found.frequency_shift).max() < 1e-4
 
@@ -123,10 +139,14 @@ def test_case1_in_solids(example, tmp_path):
 @pytest.mark.validation
 def test_slider_crank(example, tmp_path):
     example("slider_crank").main(tmp_path)  # which checks forces and stresses
-    assert {"slider-crank.png", "slider-crank-rod.png"} <= {path.name for path in tmp_path.iterdir()}
+    assert {"slider-crank.png", "slider-crank-rod.png"} <= {
+        path.name for path in tmp_path.iterdir()
+    }
 
 
 @pytest.mark.validation
 def test_bladed_rotor(example, tmp_path):
     example("bladed_rotor").main(tmp_path)  # which checks symmetry, momentum and the blow
-    assert {"bladed-rotor.png", "bladed-rotor-stress.png"} <= {path.name for path in tmp_path.iterdir()}
+    assert {"bladed-rotor.png", "bladed-rotor-stress.png"} <= {
+        path.name for path in tmp_path.iterdir()
+    }

@@ -1,22 +1,43 @@
-"""Boxes of every type of solid, and of several: structured, with named groups, at any size and without a mesher."""
+"""Boxes of every type of solid, and of several: structured, with named groups, at any size and
+without a mesher.
+"""
 
 from typing import Any
 
 import meshio
 import numpy as np
-from duhamel.preprocess.facets import LOCAL
+from duhamel.preprocess.mesh.facets import LOCAL
 
-CUBE = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)])
-SIX_TETRAHEDRA = np.array([(0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6)])
+CUBE = np.array(
+    [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+)
+SIX_TETRAHEDRA = np.array(
+    [(0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6)]
+)
 TWO_WEDGES = np.array([(0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7)])
 TETRA_EDGES = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)]
-CUBE_EDGES = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+CUBE_EDGES = [
+    (0, 1),
+    (1, 2),
+    (2, 3),
+    (3, 0),
+    (4, 5),
+    (5, 6),
+    (6, 7),
+    (7, 4),
+    (0, 4),
+    (1, 5),
+    (2, 6),
+    (3, 7),
+]
 CUBE_FACES = [(0, 4, 7, 3), (1, 2, 6, 5), (0, 1, 5, 4), (3, 7, 6, 2), (0, 3, 2, 1), (4, 5, 6, 7)]
 
 
 def solid_cells(kind: str, divisions: tuple[int, int, int]) -> tuple[np.ndarray, np.ndarray]:
     """Points on a grid of half elements (integers), and cells in meshio's order."""
-    origins = 2 * np.stack(np.meshgrid(*map(np.arange, divisions), indexing="ij"), axis=-1).reshape(-1, 1, 3)
+    origins = 2 * np.stack(np.meshgrid(*map(np.arange, divisions), indexing="ij"), axis=-1).reshape(
+        -1, 1, 3
+    )
     corners = origins + 2 * CUBE  # (n, 8, 3)
     edges, faces = CUBE_EDGES, CUBE_FACES
     if kind.startswith("tetra"):
@@ -40,7 +61,9 @@ def box_mesh(
     size: tuple[float, float, float] = (1.0, 1.0, 1.0),
     divisions: tuple[int, int, int] = (2, 2, 2),
 ) -> meshio.Mesh:
-    """A box from the origin; groups root and tip are its faces across x, and all its elements are in `box`."""
+    """A box from the origin; groups root and tip are its faces across x, and all its elements are
+    in `box`.
+    """
     grid, cells = solid_cells(kind, divisions)
     points = grid / (2.0 * np.array(divisions)) * size
     parts = []
@@ -52,15 +75,23 @@ def box_mesh(
 
 
 def mixed_mesh(divisions: int = 1) -> meshio.Mesh:
-    """Three unit cubes as an L: tetrahedra, on them wedges, beside those hexahedra; groups named as the types."""
+    """Three unit cubes as an L: tetrahedra, on them wedges, beside those hexahedra; groups named as
+    the types.
+    """
     places = {"tetra": (0, 0, 0), "wedge": (0, 0, 1), "hexahedron": (1, 0, 1)}
     apart = {kind: solid_cells(kind, (divisions,) * 3) for kind in places}
-    corners = {kind: grid[cells] + 2 * divisions * np.array(places[kind]) for kind, (grid, cells) in apart.items()}
+    corners = {
+        kind: grid[cells] + 2 * divisions * np.array(places[kind])
+        for kind, (grid, cells) in apart.items()
+    }
     flat = np.concatenate([points.reshape(-1, 3) for points in corners.values()])
     grid, numbers = np.unique(flat, axis=0, return_inverse=True)
     ends = np.cumsum([len(points.reshape(-1, 3)) for points in corners.values()])[:-1]
     parts = np.split(numbers.ravel(), ends)
-    cells = [(kind, kind, part.reshape(corners[kind].shape[:2])) for kind, part in zip(places, parts, strict=True)]
+    cells = [
+        (kind, kind, part.reshape(corners[kind].shape[:2]))
+        for kind, part in zip(places, parts, strict=True)
+    ]
     return named(grid / (2.0 * divisions), cells)
 
 

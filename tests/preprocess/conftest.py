@@ -25,7 +25,9 @@ SECTION = {
 
 
 def line_mesh(points: Any, lines: Any = None) -> meshio.Mesh:
-    """Lines through points in their order, unless given; groups root and tip are the first and last point."""
+    """Lines through points in their order, unless given; groups root and tip are the first and last
+    point.
+    """
     points = np.asarray(points, dtype=float)
     if lines is None:
         lines = np.stack([np.arange(len(points) - 1), np.arange(1, len(points))], axis=1)
@@ -67,10 +69,14 @@ def section() -> dict[str, float]:
 def save(tmp_path: Path) -> Callable[..., Path]:
     """Write a mesh, by default as Gmsh 2.2 text; gives the path."""
 
-    def write(mesh: meshio.Mesh, name: str = "mesh.msh", file_format: str = "gmsh22", **options: Any) -> Path:
+    def write(
+        mesh: meshio.Mesh, name: str = "mesh.msh", file_format: str = "gmsh22", **options: Any
+    ) -> Path:
         path = tmp_path / name
         if file_format == "gmsh22":
-            mesh = meshio.Mesh(mesh.points, mesh.cells, cell_data=mesh.cell_data, field_data=mesh.field_data)
+            mesh = meshio.Mesh(
+                mesh.points, mesh.cells, cell_data=mesh.cell_data, field_data=mesh.field_data
+            )
         options = options or {"binary": False}
         mesh.write(path, file_format=file_format, **options)
         return path
@@ -91,7 +97,9 @@ def beam_body(save: Callable[..., Path]) -> Callable[..., Body]:
             "impulse": IMPULSE,
             **changes,
         }
-        return Body.model_validate({key: value for key, value in values.items() if value is not None})
+        return Body.model_validate(
+            {key: value for key, value in values.items() if value is not None}
+        )
 
     return make
 
@@ -109,6 +117,8 @@ def solid_body(save: Callable[..., Path]) -> Callable[..., Body]:
             "impulse": IMPULSE,
             **changes,
         }
-        return Body.model_validate({key: value for key, value in values.items() if value is not None})
+        return Body.model_validate(
+            {key: value for key, value in values.items() if value is not None}
+        )
 
     return make

@@ -1,4 +1,6 @@
-"""Matrices and nodes as other programs write them. Each writer takes a path, a symmetric matrix and its dofs."""
+"""Matrices and nodes as other programs write them. Each writer takes a path, a symmetric matrix and
+its dofs.
+"""
 
 from collections.abc import Callable
 from itertools import groupby
@@ -37,7 +39,9 @@ def abaqus_input(path: Path, matrix: Any, dofs: Any) -> Path:
     lower = sp.tril(matrix).tocoo()
     rows = zip(dofs[lower.row].tolist(), dofs[lower.col].tolist(), lower.data.tolist(), strict=True)
     path = path.with_suffix(".mtx")
-    path.write_text("** a job\n" + "".join(f"{i},{a}, {j},{b}, {v:.17e}\n" for (i, a), (j, b), v in rows))
+    path.write_text(
+        "** a job\n" + "".join(f"{i},{a}, {j},{b}, {v:.17e}\n" for (i, a), (j, b), v in rows)
+    )
     return path
 
 
@@ -104,7 +108,9 @@ def op4_text(path: Path, matrix: Any, dofs: Any) -> Path:
         lines.append(f"{column:8}{0:8}{sum(2 * len(part) + 1 for part in values):8}")
         for row, part in zip(first, values, strict=True):
             lines.append(f"{row + 65536 * (2 * len(part) + 1):8}")
-            lines += ["".join(f"{v:23.16E}" for v in part[i : i + 3]) for i in range(0, len(part), 3)]
+            lines += [
+                "".join(f"{v:23.16E}" for v in part[i : i + 3]) for i in range(0, len(part), 3)
+            ]
     lines += [f"{n + 1:8}{1:8}{1:8}", f"{1.0:23.16E}"]
     path = path.with_suffix(".op4")
     path.write_text("\n".join(lines) + "\n")
@@ -112,12 +118,17 @@ def op4_text(path: Path, matrix: Any, dofs: Any) -> Path:
 
 
 def _columns(matrix: Any) -> Any:
-    """Every column that has entries, from 1: rows where runs of entries below each other begin, and their values."""
+    """Every column that has entries, from 1: rows where runs of entries below each other begin, and
+    their values.
+    """
     matrix = matrix.tocsc()
     matrix.sort_indices()
     for j, (start, end) in enumerate(zip(matrix.indptr[:-1], matrix.indptr[1:], strict=True), 1):
         rows = matrix.indices[start:end].tolist()
-        runs = [[i for _, i in group] for _, group in groupby(enumerate(rows), lambda pair: pair[1] - pair[0])]
+        runs = [
+            [i for _, i in group]
+            for _, group in groupby(enumerate(rows), lambda pair: pair[1] - pair[0])
+        ]
         if runs:
             ends = np.cumsum([len(run) for run in runs])[:-1]
             yield j, [run[0] + 1 for run in runs], np.split(matrix.data[start:end], ends)

@@ -1,4 +1,6 @@
-"""Matrices of solids against scikit-fem's own forms, on curved elements too; symmetry; several types in one body."""
+"""Matrices of solids against scikit-fem's own forms, on curved elements too; symmetry; several
+types in one body.
+"""
 
 from dataclasses import dataclass, field
 
@@ -7,10 +9,10 @@ import pytest
 import scipy.sparse as sp
 import skfem
 from duhamel.preprocess import MeshError, assemble
-from duhamel.preprocess.element import ELEMENTS
-from duhamel.preprocess.material import Material
-from duhamel.preprocess.mesh import Mesh
-from duhamel.preprocess.solid import BATCH, solid_matrices
+from duhamel.preprocess.body.material import Material
+from duhamel.preprocess.elements.element import ELEMENTS
+from duhamel.preprocess.elements.solid import BATCH, solid_matrices
+from duhamel.preprocess.mesh.mesh import Mesh
 from skfem.helpers import ddot, dot, sym_grad
 
 from .blocks import mixed_mesh, named, solid_cells
@@ -38,7 +40,9 @@ GRIDS = {
 
 
 def curved(kind, divisions=(2, 2, 1)):
-    """A box bent, twisted and tapered: quadratic elements follow, the others have faces that are not plane."""
+    """A box bent, twisted and tapered: quadratic elements follow, the others have faces that are
+    not plane.
+    """
     grid, cells = solid_cells(kind, divisions)
     x, y, z = (grid / (2.0 * np.array(divisions))).T
     points = np.stack([x + 0.2 * y**2, y + 0.1 * x * z, z * (1.0 + 0.3 * x) + 0.1 * x**2], axis=1)
@@ -46,11 +50,15 @@ def curved(kind, divisions=(2, 2, 1)):
 
 
 def matrices(mesh, *materials, owners=None):
-    return solid_matrices(mesh, materials, np.zeros(mesh.n_elements, dtype=np.int64) if owners is None else owners)
+    return solid_matrices(
+        mesh, materials, np.zeros(mesh.n_elements, dtype=np.int64) if owners is None else owners
+    )
 
 
 def forms(mesh, stress):
-    """K and M of scikit-fem's forms, for a density of 1, on elements that share no nodes, brought together after."""
+    """K and M of scikit-fem's forms, for a density of 1, on elements that share no nodes, brought
+    together after.
+    """
     ((kind, cells),) = mesh.elements.items()
     element = ELEMENTS[kind]
     order = np.argsort(element.place)
@@ -62,11 +70,14 @@ def forms(mesh, stress):
     quadrature = (element.xi, element.weights)
     vector = skfem.ElementVector(element.shapes)
     basis = skfem.CellBasis(grid, vector, mapping, quadrature=quadrature, disable_doflocs=True)
-    stiffness = skfem.BilinearForm(lambda u, v, _: ddot(stress(sym_grad(u)), sym_grad(v))).assemble(basis)
+    stiffness = skfem.BilinearForm(lambda u, v, _: ddot(stress(sym_grad(u)), sym_grad(v))).assemble(
+        basis
+    )
     mass = skfem.BilinearForm(lambda u, v, _: dot(u, v)).assemble(basis)
     together = (3 * nodes[:, :, None] + np.arange(3)).reshape(n, 3 * k).T
     gather = sp.csr_array(
-        (np.ones(basis.N), (basis.element_dofs.ravel(), together.ravel())), shape=(basis.N, 3 * len(mesh.points))
+        (np.ones(basis.N), (basis.element_dofs.ravel(), together.ravel())),
+        shape=(basis.N, 3 * len(mesh.points)),
     )
     return gather.T @ stiffness @ gather, gather.T @ mass @ gather
 
@@ -112,7 +123,9 @@ def test_tied_faces_and_masses_leave_them_symmetric(solid_body, box, kind):
 
 
 def test_batches_and_materials_add_up():
-    """More elements than a batch holds, in two materials by turns: the sum of both parts by themselves."""
+    """More elements than a batch holds, in two materials by turns: the sum of both parts by
+    themselves.
+    """
     mesh = curved("tetra", (12, 12, 4))
     assert mesh.n_elements > BATCH / (3 * 4 * 4)
     owners = np.arange(mesh.n_elements) % 2
@@ -132,7 +145,9 @@ def l_shape(solid_body, divisions=1, **changes):
 
 
 def test_a_patch_of_several_types(solid_body):
-    """Tetrahedra, wedges and hexahedra: a linear displacement has its exact energy, and leaves inner nodes unloaded."""
+    """Tetrahedra, wedges and hexahedra: a linear displacement has its exact energy, and leaves
+    inner nodes unloaded.
+    """
     structure = assemble(l_shape(solid_body, 2))
     gradient = np.random.default_rng(0).normal(size=(3, 3))
     points = structure.nodes.points
@@ -151,15 +166,24 @@ def test_a_patch_of_several_types(solid_body):
 
 def test_materials_of_several_types(solid_body):
     """Elements are counted through the types, whichever order the materials come in."""
-    materials = {kind: {"E": E, "nu": NU, "rho": rho} for kind, rho in (("hexahedron", 1), ("tetra", 2), ("wedge", 4))}
+    materials = {
+        kind: {"E": E, "nu": NU, "rho": rho}
+        for kind, rho in (("hexahedron", 1), ("tetra", 2), ("wedge", 4))
+    }
     structure = assemble(l_shape(solid_body, 2, material=None, materials=materials))
     assert structure.rigid.mass == pytest.approx(7, rel=1e-13)
-    expected = (1 * np.array([1.5, 0.5, 1.5]) + 2 * np.array([0.5, 0.5, 0.5]) + 4 * np.array([0.5, 0.5, 1.5])) / 7
+    expected = (
+        1 * np.array([1.5, 0.5, 1.5])
+        + 2 * np.array([0.5, 0.5, 0.5])
+        + 4 * np.array([0.5, 0.5, 1.5])
+    ) / 7
     np.testing.assert_allclose(structure.rigid.center, expected, rtol=1e-13)
 
 
 def test_frames_on_faces_of_two_types(solid_body):
-    """The top of the L has triangles of wedges and quadrilaterals of hexahedra; its frame stands at its middle."""
+    """The top of the L has triangles of wedges and quadrilaterals of hexahedra; its frame stands at
+    its middle.
+    """
     interfaces = {"top": {"plane": {"point": [0, 0, 2], "normal": [0, 0, 1]}}}
     structure = assemble(l_shape(solid_body, 2, interfaces=interfaces))
     (top,) = structure.interfaces
@@ -172,7 +196,9 @@ def test_a_bad_element_of_a_second_type_is_named(solid_body):
     mesh = mixed_mesh(2)
     wedges = mesh.cells[1].data
     wedges[3] = wedges[3][[1, 0, 2, 4, 3, 5]]
-    with pytest.raises(MeshError, match=r"mesh.msh: wedge element 3 of group wedge is inverted.* 1 of 72 elements"):
+    with pytest.raises(
+        MeshError, match=r"mesh.msh: wedge element 3 of group wedge is inverted.* 1 of 72 elements"
+    ):
         assemble(solid_body(mesh, interfaces={"tip": {"node": [2, 1, 2]}}))
 
 
@@ -190,7 +216,9 @@ def stacked(lower, upper):
 def test_a_quadrilateral_bounded_by_triangles(solid_body):
     message = r"mesh.msh: 1 quadrilateral faces are bounded by triangles .* at \[0.5, 0.5, 1.0\].*; put wedges between"
     with pytest.raises(MeshError, match=message):
-        assemble(solid_body(stacked("tetra", "hexahedron"), interfaces={"tip": {"node": [0, 0, 0]}}))
+        assemble(
+            solid_body(stacked("tetra", "hexahedron"), interfaces={"tip": {"node": [0, 0, 0]}})
+        )
 
 
 @pytest.mark.parametrize(

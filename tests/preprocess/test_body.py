@@ -1,4 +1,6 @@
-"""The body file: every mistake is one message that names file, key, what was found and what was expected."""
+"""The body file: every mistake is one message that names file, key, what was found and what was
+expected.
+"""
 
 from pathlib import Path
 
@@ -28,7 +30,11 @@ group = "tip"
 step = 6e-5
 steps = 5000
 """
-SOLID = BEAM[: BEAM.index("[section]")] + "[material]\nE = 1\nnu = 0.3\nrho = 1\n" + BEAM[BEAM.index("[interfaces") :]
+SOLID = (
+    BEAM[: BEAM.index("[section]")]
+    + "[material]\nE = 1\nnu = 0.3\nrho = 1\n"
+    + BEAM[BEAM.index("[interfaces") :]
+)
 
 
 @pytest.fixture
@@ -48,7 +54,11 @@ def test_a_file_and_its_defaults(written):
     assert body.text == BEAM
     assert body.interfaces["root"].node == (0.0, 0.0, 0.0)
     assert (body.interfaces["tip"].kind, body.interfaces["tip"].tolerance) == ("average", 1e-3)
-    assert (body.impulse.rho_inf, body.impulse.method, body.impulse.tolerance) == (0.9, "auto", 1e-6)
+    assert (body.impulse.rho_inf, body.impulse.method, body.impulse.tolerance) == (
+        0.9,
+        "auto",
+        1e-6,
+    )
     assert body.damping.modal is None
     assert body.damping.rayleigh is None
 
@@ -88,15 +98,27 @@ MISTAKES = [
     ("EI_y = 5.5", "EI_y = 5.5\nqqq = 1", r"section: unknown key 'qqq'; known are EA, EI_y"),
     ("EI_y = 5.5", "EI_y = 0.0", r"section\.EI_y: input should be greater than 0, found 0\.0"),
     ("EI_y = 5.5", "EI_y = inf", r"section\.EI_y: input should be a finite number, found inf"),
-    ("EI_y = 5.5", 'EI_y = "stiff"', r"section\.EI_y: input should be a valid number.*, found 'stiff'"),
+    (
+        "EI_y = 5.5",
+        'EI_y = "stiff"',
+        r"section\.EI_y: input should be a valid number.*, found 'stiff'",
+    ),
     (
         "polar_inertia_per_length = 4.4e-8",
         "polar_inertia_per_length = 0",
         r"section\.polar_inertia_per_length: .* greater than 0",
     ),
     ("GJ = 4.0", "", r"section\.GJ: missing"),
-    ("node = [0, 0, 0]", "node = [0, 0]", r"interfaces\.root\.node: expected three numbers, found \[0, 0\]"),
-    ("node = [0, 0, 0]", "noode = [0, 0, 0]", r"interfaces\.root: unknown key 'noode'; did you mean 'node'\?"),
+    (
+        "node = [0, 0, 0]",
+        "node = [0, 0]",
+        r"interfaces\.root\.node: expected three numbers, found \[0, 0\]",
+    ),
+    (
+        "node = [0, 0, 0]",
+        "noode = [0, 0, 0]",
+        r"interfaces\.root: unknown key 'noode'; did you mean 'node'\?",
+    ),
     (
         "node = [0, 0, 0]",
         'node = [0, 0, 0]\ngroup = "a"',
@@ -122,10 +144,18 @@ MISTAKES = [
         "plane = {point = [0, 0, 0], normal = [0, 0, 0]}",
         r"interfaces\.tip\.plane: normal: expected a vector that is",
     ),
-    ("[interfaces.tip]", '[interfaces."a.b"]', r"interfaces: expected a name without '/' and '\.', found 'a\.b'"),
+    (
+        "[interfaces.tip]",
+        '[interfaces."a.b"]',
+        r"interfaces: expected a name without '/' and '\.', found 'a\.b'",
+    ),
     ("step = 6e-5", "step = -1", r"impulse\.step: input should be greater than 0, found -1"),
     ("steps = 5000", "steps = 0.5", r"impulse\.steps: .*integer.*, found 0\.5"),
-    ("steps = 5000", "steps = 9\nrho_inf = 1.5", r"impulse\.rho_inf: .*less than or equal to 1, found 1\.5"),
+    (
+        "steps = 5000",
+        "steps = 9\nrho_inf = 1.5",
+        r"impulse\.rho_inf: .*less than or equal to 1, found 1\.5",
+    ),
     (
         "steps = 5000",
         'steps = 9\nmethod = "newmark"',
@@ -160,7 +190,9 @@ MISTAKES = [
 ]
 
 
-@pytest.mark.parametrize(("right", "wrong", "message"), MISTAKES, ids=[wrong or right for right, wrong, _ in MISTAKES])
+@pytest.mark.parametrize(
+    ("right", "wrong", "message"), MISTAKES, ids=[wrong or right for right, wrong, _ in MISTAKES]
+)
 def test_mistakes(written, right, wrong, message):
     assert right in BEAM
     path = written(BEAM.replace(right, wrong, 1))

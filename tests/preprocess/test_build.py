@@ -1,4 +1,6 @@
-"""From a body file to a superelement file, with its provenance; and the two bars that stand for each other."""
+"""From a body file to a superelement file, with its provenance; and the two bars that stand for
+each other.
+"""
 
 import subprocess
 import sys
@@ -23,7 +25,9 @@ def bars():
     made = []
     for name in ("beam", "solid"):
         body = read_body(MESHES / "bar" / f"{name}.toml")
-        made.append(build(body.model_copy(update={"impulse": body.impulse.model_copy(update={"steps": 2})})))
+        made.append(
+            build(body.model_copy(update={"impulse": body.impulse.model_copy(update={"steps": 2})}))
+        )
     return made
 
 
@@ -34,7 +38,9 @@ def test_the_papers_beam(paper):
     np.testing.assert_allclose(paper.interface("tip").X, [0.25, 0, 0], rtol=0, atol=1e-15)
     np.testing.assert_allclose(paper.center, [0.25, 0, 0], rtol=0, atol=1e-15)
     assert (paper.kernel.h, paper.kernel.steps, paper.kernel.error) == (6e-5, 5000, 0.0)
-    np.testing.assert_allclose(paper.modes.frequencies[:6:2], [114.041, 314.427, 616.815], rtol=1e-5)
+    np.testing.assert_allclose(
+        paper.modes.frequencies[:6:2], [114.041, 314.427, 616.815], rtol=1e-5
+    )
 
 
 def test_provenance(paper):
@@ -43,7 +49,14 @@ def test_provenance(paper):
     assert provenance.mesh == "beam.msh"
     assert provenance.mesh_sha256 == sha256(MESHES / "beam" / "beam.msh")
     assert (provenance.method, provenance.tolerance) == ("modal", 0.0)
-    assert set(provenance.versions) == {"duhamel", "numpy", "scipy", "scikit-fem", "meshio", "rslab"}
+    assert set(provenance.versions) == {
+        "duhamel",
+        "numpy",
+        "scipy",
+        "scikit-fem",
+        "meshio",
+        "rslab",
+    }
     assert provenance.versions["numpy"] == np.__version__
     assert list(provenance.timings) == ["mesh", "assembly", "impulse", "static"]
 
@@ -64,7 +77,9 @@ def test_progress_goes_to_the_error_stream_and_changes_nothing(beam_body, beam, 
     assert np.array_equal(shown.kernel.g, quiet.kernel.g)
 
 
-@pytest.mark.parametrize(("folder", "names"), [("beam", ["beam.msh"]), ("bar", ["beam.msh", "solid.msh"])])
+@pytest.mark.parametrize(
+    ("folder", "names"), [("beam", ["beam.msh"]), ("bar", ["beam.msh", "solid.msh"])]
+)
 def test_the_scripts_make_the_meshes_that_are_kept(folder, names, tmp_path):
     script = tmp_path / "make_mesh.py"
     script.write_text((MESHES / folder / "make_mesh.py").read_text())
@@ -102,7 +117,9 @@ def test_two_meshes_of_one_bar_meet_others_at_the_same_frames(bars):
 
 
 def test_two_meshes_of_one_bar_vibrate_alike(bars):
-    """Flat and upright bending in turn: the first within 1e-3, the fifth within 1 %, the first torsion within 0.5 %."""
+    """Flat and upright bending in turn: the first within 1e-3, the fifth within 1 %, the first
+    torsion within 0.5 %.
+    """
     beam, solid = (bar.modes.frequencies[:9] for bar in bars)
     difference = solid / beam - 1
     assert np.abs(difference[:2]).max() < 1e-3
@@ -113,7 +130,9 @@ def test_two_meshes_of_one_bar_vibrate_alike(bars):
 
 
 def test_two_meshes_of_one_bar_deform_alike(bars):
-    """Static compliance: bending and stretch within 0.15 %, torsion within 1 %, for the ends of a solid warp freely."""
+    """Static compliance: bending and stretch within 0.15 %, torsion within 1 %, for the ends of a
+    solid warp freely.
+    """
     beam, solid = (bar.compliance for bar in bars)
     scale = np.sqrt(np.outer(np.diag(beam), np.diag(beam)))
     difference = np.abs(solid - beam) / scale

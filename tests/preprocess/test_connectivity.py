@@ -5,7 +5,10 @@ import numpy as np
 import pytest
 from duhamel.preprocess import MeshError, assemble
 
-CUBE = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)], dtype=float)
+CUBE = np.array(
+    [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)],
+    dtype=float,
+)
 
 
 def blocks(corners):
@@ -29,29 +32,41 @@ def body_of(solid_body, mesh):
     ],
 )
 def test_mechanisms(solid_body, corners, motions, joint):
-    with pytest.raises(MeshError, match=f"mesh.msh: the body is a mechanism: it has {motions} motions .*, expected 6"):
+    with pytest.raises(
+        MeshError,
+        match=f"mesh.msh: the body is a mechanism: it has {motions} motions .*, expected 6",
+    ):
         assemble(body_of(solid_body, blocks(corners)))
 
 
 def test_the_count_of_motions_is_that_of_zero_eigenvalues(solid_body, monkeypatch):
     """The same bodies with the check out of the way: K has as many zero eigenvalues."""
-    monkeypatch.setattr("duhamel.preprocess.structure.check_no_mechanism", lambda mesh, facets: None)
+    monkeypatch.setattr(
+        "duhamel.preprocess.structure.check_no_mechanism", lambda mesh, facets: None
+    )
     for corners, motions in (([(0, 0, 0), (1, 1, 0)], 7), ([(0, 0, 0), (1, 1, 1)], 9)):
         K = assemble(body_of(solid_body, blocks(corners))).K.toarray()
         assert np.linalg.matrix_rank(K, tol=1e-10 * K.max()) == len(K) - motions
 
 
 def test_a_ring_of_hinges_is_stiff(solid_body):
-    """Blocks that touch at edges and corners alone, yet cannot move: three edges along different axes."""
+    """Blocks that touch at edges and corners alone, yet cannot move: three edges along different
+    axes.
+    """
     corners = [(0, 0, 0), (1, 1, 0), (1, 0, 1), (0, 1, 1)]
     K = assemble(body_of(solid_body, blocks(corners))).K.toarray()
     assert np.linalg.matrix_rank(K, tol=1e-10 * K.max()) == len(K) - 6
 
 
 def test_several_pieces(solid_body, beam_body, lines):
-    with pytest.raises(MeshError, match=r"mesh.msh: expected one connected body, found 2 pieces of 2, 1 elements"):
+    with pytest.raises(
+        MeshError, match=r"mesh.msh: expected one connected body, found 2 pieces of 2, 1 elements"
+    ):
         assemble(body_of(solid_body, blocks([(0, 0, 0), (1, 0, 0), (5, 0, 0)])))
     # Two beams that end at the same place, but at a node each.
     points = [[0, 0, 0], [1, 0, 0], [1, 0, 0], [2, 0, 0]]
-    with pytest.raises(MeshError, match=r"found 2 pieces of 1, 1 elements, which hold the points .*\[1.0, 0.0, 0.0\]"):
+    with pytest.raises(
+        MeshError,
+        match=r"found 2 pieces of 1, 1 elements, which hold the points .*\[1.0, 0.0, 0.0\]",
+    ):
         assemble(beam_body(lines(points, [[0, 1], [2, 3]])))

@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 import rslab
 from duhamel.preprocess import assemble
-from duhamel.preprocess.cost import factorization_cost, krylov_cost
+from duhamel.preprocess.responses.cost import factorization_cost, krylov_cost
 
 
-@pytest.mark.parametrize(("kind", "n"), [("tetra", 14), ("tetra10", 7), ("hexahedron20", 8), ("hexahedron27", 7)])
+@pytest.mark.parametrize(
+    ("kind", "n"), [("tetra", 14), ("tetra10", 7), ("hexahedron20", 8), ("hexahedron27", 7)]
+)
 def test_bytes_of_cubes(solid_body, box, kind, n):
     K = assemble(solid_body(box(kind, divisions=(n, n, n)))).K
     planned = rslab.analyze(K, path="ldlt", threads=1).memory_plan(nrhs=12)["peak_bytes"]
@@ -21,7 +23,9 @@ def test_slender_bodies_take_less(solid_body, box):
 
 
 def test_growth():
-    """Time with the square of the unknowns, memory with their power 4/3, of meshes with as many entries in a row."""
+    """Time with the square of the unknowns, memory with their power 4/3, of meshes with as many
+    entries in a row.
+    """
     sizes = np.array([1e7, 1e8])
     costs = [factorization_cost(int(n), int(80 * n)) for n in sizes]
     assert np.log10(costs[1].seconds / costs[0].seconds) == pytest.approx(2.0, abs=0.01)

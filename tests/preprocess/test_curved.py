@@ -1,28 +1,41 @@
-"""Curved bodies: volume and inertia of a ring converge to their closed forms with the order of the geometry."""
+"""Curved bodies: volume and inertia of a ring converge to their closed forms with the order of the
+geometry.
+"""
 
 import numpy as np
 import pytest
-from duhamel.preprocess.material import Material
-from duhamel.preprocess.mesh import Mesh
-from duhamel.preprocess.nodes import Nodes
-from duhamel.preprocess.rigid import rigid_modes
-from duhamel.preprocess.solid import solid_matrices
+from duhamel.preprocess.assembly.rigid import rigid_modes
+from duhamel.preprocess.body.material import Material
+from duhamel.preprocess.elements.solid import solid_matrices
+from duhamel.preprocess.mesh.mesh import Mesh
+from duhamel.preprocess.mesh.nodes import Nodes
 
 from .blocks import solid_cells
 
 INNER, OUTER, HEIGHT, RHO = 0.6, 1.0, 0.5, 3.0
-ORDERS = {"tetra": 2, "tetra10": 4, "hexahedron": 2, "hexahedron20": 4, "hexahedron27": 4, "wedge": 2}
+ORDERS = {
+    "tetra": 2,
+    "tetra10": 4,
+    "hexahedron": 2,
+    "hexahedron20": 4,
+    "hexahedron27": 4,
+    "wedge": 2,
+}
 
 
 def ring(kind, n):
-    """A box rolled up into a ring of n elements round and n/8 through, whose ends are the same nodes."""
+    """A box rolled up into a ring of n elements round and n/8 through, whose ends are the same
+    nodes.
+    """
     divisions = (n // 8, n, 1)
     grid, cells = solid_cells(kind, divisions)
     grid[:, 1] %= 2 * n
     grid, merged = np.unique(grid, axis=0, return_inverse=True)
     radius = INNER + (OUTER - INNER) * grid[:, 0] / (2.0 * divisions[0])
     angle = np.pi * grid[:, 1] / n
-    points = np.stack([radius * np.cos(angle), radius * np.sin(angle), HEIGHT * grid[:, 2] / 2.0], axis=1)
+    points = np.stack(
+        [radius * np.cos(angle), radius * np.sin(angle), HEIGHT * grid[:, 2] / 2.0], axis=1
+    )
     return Mesh("ring", points, {kind: merged.ravel()[cells]}, {}, (kind,))
 
 
@@ -47,5 +60,7 @@ def test_mass_and_inertia_of_a_ring(kind):
 
 @pytest.mark.parametrize("kind", ["tetra10", "hexahedron20", "hexahedron27"])
 def test_curved_elements_are_far_closer_than_straight_ones(kind):
-    """24 elements round: the error of chords is (2 pi / 24)^2 / 6, that of parabolas below a hundredth of it."""
+    """24 elements round: the error of chords is (2 pi / 24)^2 / 6, that of parabolas below a
+    hundredth of it.
+    """
     assert errors(ring(kind, 24))[0] < 0.01 * (2 * np.pi / 24) ** 2 / 6

@@ -4,12 +4,20 @@ from math import factorial
 
 import numpy as np
 import pytest
-from duhamel.preprocess.element import ELEMENTS
+from duhamel.preprocess.elements.element import ELEMENTS
 
 from .blocks import solid_cells
 
-# The degree of the mass of elements that are affine images: in every coordinate for hexahedra, in all for the others.
-DEGREES = {"tetra": 2, "tetra10": 4, "hexahedron": 4, "hexahedron20": 4, "hexahedron27": 4, "wedge": 2}
+# The degree of the mass of elements that are affine images: in every coordinate for hexahedra, in
+# all for the others.
+DEGREES = {
+    "tetra": 2,
+    "tetra10": 4,
+    "hexahedron": 4,
+    "hexahedron20": 4,
+    "hexahedron27": 4,
+    "wedge": 2,
+}
 
 
 def moment(kind, powers):
@@ -17,17 +25,25 @@ def moment(kind, powers):
     a, b, c = powers
     if kind.startswith("tetra"):
         return factorial(a) * factorial(b) * factorial(c) / factorial(a + b + c + 3)
-    base = factorial(a) * factorial(b) / factorial(a + b + 2) if kind == "wedge" else 1 / ((a + 1) * (b + 1))
+    base = (
+        factorial(a) * factorial(b) / factorial(a + b + 2)
+        if kind == "wedge"
+        else 1 / ((a + 1) * (b + 1))
+    )
     return base / (c + 1)
 
 
 def test_a_shape_is_one_at_its_node_alone(kind):
     element = ELEMENTS[kind]
-    np.testing.assert_allclose(element.N(element.nodes), np.eye(len(element.place)), rtol=0, atol=1e-14)
+    np.testing.assert_allclose(
+        element.N(element.nodes), np.eye(len(element.place)), rtol=0, atol=1e-14
+    )
 
 
 def test_the_nodes_are_in_the_order_of_meshio(kind):
-    """Cells of a grid are images of the reference domain under affine maps, node by node, and not mirrored."""
+    """Cells of a grid are images of the reference domain under affine maps, node by node, and not
+    mirrored.
+    """
     grid, cells = solid_cells(kind, (1, 1, 1))
     element = ELEMENTS[kind]
     for cell in cells:

@@ -1,26 +1,34 @@
-"""Factorizations: every library against the matrix, what happens when one fails, and what does not fit."""
+"""Factorizations: every library against the matrix, what happens when one fails, and what does not
+fit.
+"""
 
 import numpy as np
 import pytest
 import scipy.sparse as sp
 from duhamel.preprocess import assemble, build
 from duhamel.preprocess.errors import MemoryShortageError, MeshError, MethodError
-from duhamel.preprocess.factor import _cholmod, _rslab, _superlu, factorize
+from duhamel.preprocess.responses.factor import _cholmod, _rslab, _superlu, factorize
 from duhamel.superelement import GeneralizedAlpha
 
 
 @pytest.fixture(params=["beam", "askew beam", "solid in metres", "solid in millimetres"])
 def structure(request, beam_body, beam, lines, solid_body, box):
-    """Rotations beside displacements, on and off the axes, and solids whose numbers are small or large."""
+    """Rotations beside displacements, on and off the axes, and solids whose numbers are small or
+    large.
+    """
     match request.param:
         case "beam":
             return assemble(beam_body(beam(100)))
         case "askew beam":
-            return assemble(beam_body(lines(np.cumsum(np.random.default_rng(1).normal(size=(40, 3)), axis=0))))
+            return assemble(
+                beam_body(lines(np.cumsum(np.random.default_rng(1).normal(size=(40, 3)), axis=0)))
+            )
         case "solid in metres":
             return assemble(solid_body(box("tetra10", size=(0.4, 0.1, 0.1), divisions=(8, 2, 2))))
         case _:
-            return assemble(solid_body(box("tetra10", size=(400.0, 100.0, 100.0), divisions=(8, 2, 2))))
+            return assemble(
+                solid_body(box("tetra10", size=(400.0, 100.0, 100.0), divisions=(8, 2, 2)))
+            )
 
 
 @pytest.fixture(params=["M", "K + M / h^2, fine", "K + M / h^2, coarse"])
@@ -33,7 +41,9 @@ def matrix(request, structure):
 
 
 def backward_error(A, x, b):
-    """The largest over all equations, relative to the size of the terms of each (Oettli and Prager)."""
+    """The largest over all equations, relative to the size of the terms of each (Oettli and
+    Prager).
+    """
     return (np.abs(A @ x - b) / (np.abs(A) @ np.abs(x) + np.abs(b))).max()
 
 
@@ -108,7 +118,10 @@ def test_a_matrix_that_is_not_definite_is_refused_by_its_pivots():
     """Two negative eigenvalues; a solution would be accurate nonetheless."""
     A = laplacian(50).tolil()
     A[10, 10] = A[30, 30] = -1.0
-    with pytest.raises(MeshError, match=r"the mass \(50 unknowns\): expected a positive definite matrix, found 2 neg"):
+    with pytest.raises(
+        MeshError,
+        match=r"the mass \(50 unknowns\): expected a positive definite matrix, found 2 neg",
+    ):
         factorize(A, "the mass")
 
 
@@ -126,15 +139,16 @@ def test_what_does_not_fit_is_refused_before_it_starts(attempt, monkeypatch):
 
 @pytest.mark.parametrize(
     ("method", "needs"),
-    [("march", "GB of memory, 1e-05"), ("krylov", r"GB of memory and the Krylov basis 0.000345 GB, 1e-05")],
+    [
+        ("march", "GB of memory, 1e-05"),
+        ("krylov", r"GB of memory and the Krylov basis 0.000345 GB, 1e-05"),
+    ],
 )
 def test_a_body_that_does_not_fit_is_refused(beam_body, beam, monkeypatch, method, needs):
     """The basis of 6 + 12 (20 + 8) vectors of 126 unknowns along with the factor."""
     monkeypatch.setattr("duhamel.preprocess.memory.available", lambda: 10_000)
     body = beam_body(beam(20), impulse={"step": 6e-5, "steps": 10, "method": method})
-    message = (
-        rf"factorization of the matrix of the time step \(126 unknowns\) needs \S+ {needs} GB are available: use a"
-    )
+    message = rf"factorization of the matrix of the time step \(126 unknowns\) needs \S+ {needs} GB are available: use a"
     with pytest.raises(MemoryShortageError, match=message):
         build(body)
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from duhamel.preprocess import MethodError, assemble, build
-from duhamel.preprocess.body import Damping
-from duhamel.preprocess.damping import damping_ratios
-from duhamel.preprocess.march import march_kernel
-from duhamel.preprocess.modal import elastic_modes
-from duhamel.preprocess.static import compliance, mobility
+from duhamel.preprocess.body.body import Damping
+from duhamel.preprocess.responses.damping import damping_ratios
+from duhamel.preprocess.responses.march import march_kernel
+from duhamel.preprocess.responses.modal import elastic_modes
+from duhamel.preprocess.responses.static import compliance, mobility
 from duhamel.superelement import GeneralizedAlpha, sample_kernel
 
 PAPER = {"step": 6e-5, "steps": 5000, "rho_inf": 0.9}
@@ -38,7 +38,11 @@ def test_march_and_modes_agree_with_rayleigh_damping(beam_body, beam, rho_inf):
 
 
 def test_march_and_modes_agree_on_solids(solid_body, box, kind):
-    interfaces = {"root": {"group": "root", "kind": "rigid"}, "tip": {"group": "tip"}, "edge": {"node": [0.5, 0.2, 0]}}
+    interfaces = {
+        "root": {"group": "root", "kind": "rigid"},
+        "tip": {"group": "tip"},
+        "edge": {"node": [0.5, 0.2, 0]},
+    }
     body = solid_body(box(kind, size=(0.5, 0.2, 0.1), divisions=(2, 1, 1)), interfaces=interfaces)
     assert_methods_agree(body, 2e-5, GeneralizedAlpha(0.8), 300)
 
@@ -56,7 +60,9 @@ def test_the_first_lag_is_the_compliance_of_one_step(beam_body, beam):
     assert np.abs(kernel.g_initial[0]).max() == 0.0
     # half the acceleration of the initial triangle remains after one step of a vanishing length
     tiny = march_kernel(structure, Damping(), 1e-10, scheme, 1)
-    share = 0.5 - scheme.beta + scheme.beta * (scheme.alpha_f - scheme.alpha_m) / (1 - scheme.alpha_m)
+    share = (
+        0.5 - scheme.beta + scheme.beta * (scheme.alpha_f - scheme.alpha_m) / (1 - scheme.alpha_m)
+    )
     assert difference(tiny.g_initial[1:], (share * 1e-20 * mobility(structure))[None]) < 1e-8
 
 
@@ -68,22 +74,33 @@ def test_a_damped_kernel_adds_up_to_the_static_compliance(beam_body, beam):
 
 
 def test_ratios_over_frequency_are_linear_between_and_constant_outside():
-    damping = Damping.model_validate({"modal": {"frequencies": [100.0, 200.0], "ratios": [0.01, 0.03]}})
+    damping = Damping.model_validate(
+        {"modal": {"frequencies": [100.0, 200.0], "ratios": [0.01, 0.03]}}
+    )
     omega = 2 * np.pi * np.array([10.0, 100.0, 150.0, 200.0, 1e5])
-    np.testing.assert_allclose(damping_ratios(damping, omega), [0.01, 0.01, 0.02, 0.03, 0.03], rtol=1e-14)
+    np.testing.assert_allclose(
+        damping_ratios(damping, omega), [0.01, 0.01, 0.02, 0.03, 0.03], rtol=1e-14
+    )
     assert (damping_ratios(Damping.model_validate({"modal": 0.02}), omega) == 0.02).all()
     assert (damping_ratios(Damping(), omega) == 0.0).all()
     rayleigh = Damping.model_validate({"rayleigh": {"mass": 3.0, "stiffness": 1e-5}})
-    np.testing.assert_allclose(damping_ratios(rayleigh, omega), 1.5 / omega + 5e-6 * omega, rtol=1e-14)
+    np.testing.assert_allclose(
+        damping_ratios(rayleigh, omega), 1.5 / omega + 5e-6 * omega, rtol=1e-14
+    )
 
 
 def test_modes_are_complete(solid_body, box, kind):
-    """As many as unknowns less six, mass-normalised: phi phi^T is the mobility, phi omega^-2 phi^T the compliance."""
+    """As many as unknowns less six, mass-normalised: phi phi^T is the mobility, phi omega^-2 phi^T
+    the compliance.
+    """
     structure = assemble(solid_body(box(kind, divisions=(2, 1, 1))))
     modes = elastic_modes(structure, Damping())
     assert modes.phi.shape == (12, structure.n_u - 6)
     assert difference((modes.phi @ modes.phi.T)[None], mobility(structure)[None]) < 1e-10
-    assert difference(((modes.phi / modes.omega**2) @ modes.phi.T)[None], compliance(structure)[None]) < 1e-9
+    assert (
+        difference(((modes.phi / modes.omega**2) @ modes.phi.T)[None], compliance(structure)[None])
+        < 1e-9
+    )
 
 
 def test_auto_takes_all_modes_of_small_bodies_and_krylov_for_others(beam_body, beam, monkeypatch):
@@ -101,5 +118,7 @@ def test_methods_say_what_they_cannot_do(beam_body, beam, monkeypatch):
     with pytest.raises(MethodError, match=r"march takes no modal damping.*damping.rayleigh"):
         build(beam_body(beam(3), impulse=PAPER | {"method": "march"}, damping={"modal": 0.01}))
     monkeypatch.setattr("duhamel.preprocess.modal.LIMIT", 23)
-    with pytest.raises(MethodError, match="modal takes up to 23 unknowns, found 24: use method krylov"):
+    with pytest.raises(
+        MethodError, match="modal takes up to 23 unknowns, found 24: use method krylov"
+    ):
         build(beam_body(beam(3), impulse=PAPER | {"method": "modal"}))

@@ -1,17 +1,19 @@
-"""Krylov impulse responses against marches and all modes: what k blocks hold, and whether the stated error is true."""
+"""Krylov impulse responses against marches and all modes: what k blocks hold, and whether the
+stated error is true.
+"""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from duhamel.preprocess import MeshError, MethodError, assemble, build
-from duhamel.preprocess.band import Band
-from duhamel.preprocess.basis import Basis
-from duhamel.preprocess.body import Damping
-from duhamel.preprocess.damping import damping_ratios
-from duhamel.preprocess.krylov import KrylovSpace, krylov_modes
-from duhamel.preprocess.march import march_kernel
-from duhamel.preprocess.modal import elastic_modes, elastic_shapes
+from duhamel.preprocess.body.body import Damping
+from duhamel.preprocess.responses.band import Band
+from duhamel.preprocess.responses.basis import Basis
+from duhamel.preprocess.responses.damping import damping_ratios
+from duhamel.preprocess.responses.krylov import KrylovSpace, krylov_modes
+from duhamel.preprocess.responses.march import march_kernel
+from duhamel.preprocess.responses.modal import elastic_modes, elastic_shapes
 from duhamel.superelement import GeneralizedAlpha, Modes, sample_kernel
 
 NONE = Damping()
@@ -20,7 +22,9 @@ RATIO = Damping.model_validate({"modal": 0.01})
 
 
 def structure_of(case, solid_body, beam_body, box, beam):
-    """The finite element model of a case, and a step that has some tens of its modes below a quarter of 1/h."""
+    """The finite element model of a case, and a step that has some tens of its modes below a
+    quarter of 1/h.
+    """
     nodes = {f"n{i}": {"node": [0.05 * i, 0.1 * (i % 2), 0.0]} for i in range(1, 5)}
     plate = box("hexahedron20", (0.2, 0.1, 0.005), (4, 3, 1))
     match case:
@@ -30,13 +34,17 @@ def structure_of(case, solid_body, beam_body, box, beam):
             return assemble(solid_body(box("hexahedron27", (0.5, 0.02, 0.02), (8, 1, 1)))), 2e-5
         case "block of tetrahedra, n_c = 3":
             mesh = box("tetra10", (0.2, 0.05, 0.05), (4, 2, 2))
-            return assemble(solid_body(mesh, interfaces={"corner": {"node": [0.2, 0.0, 0.0]}})), 1e-5
+            return assemble(
+                solid_body(mesh, interfaces={"corner": {"node": [0.2, 0.0, 0.0]}})
+            ), 1e-5
         case "block of tetrahedra, n_c = 12":
             return assemble(solid_body(box("tetra10", (0.2, 0.05, 0.05), (4, 2, 1)))), 1e-5
         case "plate, n_c = 6":
             return assemble(solid_body(plate, interfaces={"root": {"group": "root"}})), 3e-5
         case "plate, n_c = 24":
-            return assemble(solid_body(plate, interfaces=nodes | {e: {"group": e} for e in ("root", "tip")})), 2e-5
+            return assemble(
+                solid_body(plate, interfaces=nodes | {e: {"group": e} for e in ("root", "tip")})
+            ), 2e-5
 
 
 CASES = [
@@ -108,7 +116,9 @@ def test_a_basis_is_orthonormal_whatever_is_added(block):
     assert np.abs(W).max() < 1e-7 * np.abs(span).max()
     assert basis.extend(V @ rng.normal(size=(40, 3))) == 0
     rows = structure.P_C
-    np.testing.assert_allclose(basis.at(rows), rows @ V, rtol=1e-13, atol=1e-13 * np.abs(rows @ V).max())
+    np.testing.assert_allclose(
+        basis.at(rows), rows @ V, rtol=1e-13, atol=1e-13 * np.abs(rows @ V).max()
+    )
 
 
 def test_a_space_is_orthonormal_free_of_rigid_motion_and_its_stiffness_is_that_of_the_mesh(case):
@@ -130,8 +140,8 @@ def test_a_space_is_orthonormal_free_of_rigid_motion_and_its_stiffness_is_that_o
 def test_the_first_lags_are_exact(case, rho_inf, damping):
     """k blocks give k lags of what marching gives, and by far not all the others.
 
-    Of g_initial too, except with damping in proportion to K and rho_inf < 1: the scheme then keeps a trace of the
-    accelerations at t_0, M^-1 P^T P_C^T, that no block holds.
+    Of g_initial too, except with damping in proportion to K and rho_inf < 1: the scheme then keeps
+    a trace of the accelerations at t_0, M^-1 P^T P_C^T, that no block holds.
     """
     structure, h = case
     scheme, blocks = GeneralizedAlpha(rho_inf), 3
@@ -158,7 +168,9 @@ def test_the_first_lags_are_exact(case, rho_inf, damping):
 @pytest.mark.parametrize("steps", [100, 5000])
 @pytest.mark.parametrize("rho_inf", [0.5, 0.9, 1.0])
 def test_what_a_block_changes_bounds_what_is_left(case, rho_inf, steps):
-    """Twice the change: never below a third of the true error, and no more than what is left and was left before."""
+    """Twice the change: never below a third of the true error, and no more than what is left and
+    was left before.
+    """
     structure, h = case
     band = half_nyquist(h, GeneralizedAlpha(rho_inf), steps)
     truth = all_modes(structure, NONE)
@@ -203,13 +215,17 @@ def test_no_frequency_between_those_that_are_looked_at_is_worse(block):
         z = np.exp(1 / 2000 + 2j * np.pi * np.linspace(0.0, 0.25, 20000))
         sigma = (2.0 / h * (z - 1) / (z + 1)) ** 2  # rho_inf = 1: the trapezoidal rule
         G, exact = (
-            np.einsum("am,fm,bm->fab", m.phi, 1 / (sigma[:, None] + m.omega**2), m.phi, optimize=True)
+            np.einsum(
+                "am,fm,bm->fab", m.phi, 1 / (sigma[:, None] + m.omega**2), m.phi, optimize=True
+            )
             for m in (modes, truth)
         )
         largest = 0.0
         for part in np.array_split(np.arange(20000), 8):
             scale = np.sqrt(np.abs(np.einsum("faa->fa", exact[part])).max(axis=0))
-            largest = max(largest, (np.abs(G - exact)[part].max(axis=0) / np.outer(scale, scale)).max())
+            largest = max(
+                largest, (np.abs(G - exact)[part].max(axis=0) / np.outer(scale, scale)).max()
+            )
         assert 0.5 * largest < band.error(modes, truth) < 2.0 * largest
 
 
@@ -225,9 +241,12 @@ def test_modes_left_out_cost_what_they_contribute(block):
         assert contributions[~kept].max() / 2 < error <= contributions[~kept].sum() * (1 + 1e-12)
 
 
-@pytest.mark.parametrize(("rho_inf", "damping"), [(0.5, NONE), (0.9, RAYLEIGH), (0.9, RATIO), (1.0, NONE)])
+@pytest.mark.parametrize(
+    ("rho_inf", "damping"), [(0.5, NONE), (0.9, RAYLEIGH), (0.9, RATIO), (1.0, NONE)]
+)
 def test_the_response_to_a_load_within_the_band_is_that_of_the_march(case, rho_inf, damping):
-    """Bursts of sines under Gauss's bell, whose spectrum has fallen to rounding at the edge of the band.
+    """Bursts of sines under Gauss's bell, whose spectrum has fallen to rounding at the edge of the
+    band.
 
     Ratios of modes, which no march knows, against all modes.
     """
@@ -251,8 +270,11 @@ def response_error(modes, g, band):
     n_c, errors = g.shape[1], []
     for fraction in (0.1, 0.4, 0.7):
         burst = bell * np.sin(2 * np.pi * fraction * band.limit * t)
-        # Displacements and rotations by their own scales: what the same burst makes of each where it acts.
-        scale = np.array([np.abs(convolve(g[:, i : i + 1, i : i + 1], burst[:, None])).max() for i in range(n_c)])
+        # Displacements and rotations by their own scales: what the same burst makes of each where
+        # it acts.
+        scale = np.array(
+            [np.abs(convolve(g[:, i : i + 1, i : i + 1], burst[:, None])).max() for i in range(n_c)]
+        )
         for j in range(n_c):
             p = burst[:, None] * np.eye(n_c)[j]
             missed = np.abs(convolve(found, p) - convolve(g, p)).max(axis=0)
@@ -262,7 +284,9 @@ def response_error(modes, g, band):
 
 @pytest.mark.parametrize("damping", [NONE, RAYLEIGH, RATIO])
 def test_a_step_much_finer_than_the_band_takes_few_blocks_more(case, damping):
-    """Those of a step that fits the band, and a few blocks for g[0]; and what they give holds for steps between too."""
+    """Those of a step that fits the band, and a few blocks for g[0]; and what they give holds for
+    steps between too.
+    """
     structure, h = case
     tolerance, fine, scheme = 1e-6, h / 50, GeneralizedAlpha(0.9)
     truth, blocks = all_modes(structure, damping), []
@@ -280,13 +304,20 @@ def test_a_step_much_finer_than_the_band_takes_few_blocks_more(case, damping):
 
 
 def test_low_frequencies_do_not_drown_in_the_rounding_of_high_ones(beam_body, beam, section):
-    """400 elements at 1 us: eigenvalues over eleven orders, and still the first frequency of a free beam.
+    """400 elements at 1 us: eigenvalues over eleven orders, and still the first frequency of a free
+    beam.
 
     f = (beta L)^2 / (2 pi L^2) sqrt(EI / m) in both planes. Rounding of K itself leaves some 1e-8.
     """
     structure = assemble(beam_body(beam(400)))
-    modes, _, stated = krylov_modes(structure, NONE, half_nyquist(1e-6, GeneralizedAlpha(0.9)), 1e-6, lambda text: None)
-    first = 4.730040744862704**2 / (2 * np.pi * 0.5**2) * np.sqrt(section["EI_y"] / section["mass_per_length"])
+    modes, _, stated = krylov_modes(
+        structure, NONE, half_nyquist(1e-6, GeneralizedAlpha(0.9)), 1e-6, lambda text: None
+    )
+    first = (
+        4.730040744862704**2
+        / (2 * np.pi * 0.5**2)
+        * np.sqrt(section["EI_y"] / section["mass_per_length"])
+    )
     np.testing.assert_allclose(modes.frequencies[:2], first, rtol=1e-7)
     assert modes.omega[-1] > 1e5 * modes.omega[0]
     assert stated <= 1e-6
@@ -296,7 +327,9 @@ def test_low_frequencies_do_not_drown_in_the_rounding_of_high_ones(beam_body, be
 
 
 def test_an_exhausted_space_gives_the_exact_kernel(beam_body, beam):
-    """Three elements have 18 elastic modes, all of which the ends excite: after two blocks there is nothing to add."""
+    """Three elements have 18 elastic modes, all of which the ends excite: after two blocks there is
+    nothing to add.
+    """
     structure = assemble(beam_body(beam(3)))
     band = half_nyquist(1e-4, GeneralizedAlpha(0.9))
     modes, _, error = krylov_modes(structure, NONE, band, 1e-12, lambda text: None)
@@ -308,18 +341,28 @@ def test_an_exhausted_space_gives_the_exact_kernel(beam_body, beam):
 
 
 def test_shapes_are_the_modes_of_the_whole_mesh(block):
-    """At the interfaces phi; everywhere mass-normalised, elastic, and with stiffness omega^2; by both methods."""
+    """At the interfaces phi; everywhere mass-normalised, elastic, and with stiffness omega^2; by
+    both methods.
+    """
     structure, h = block
-    krylov = krylov_modes(structure, NONE, half_nyquist(h, GeneralizedAlpha(0.9)), 1e-6, lambda text: None)[:2]
+    krylov = krylov_modes(
+        structure, NONE, half_nyquist(h, GeneralizedAlpha(0.9)), 1e-6, lambda text: None
+    )[:2]
     identity = structure.M.tocsr() * 0
     identity.setdiag(1.0)
     for modes, shapes in (krylov, elastic_shapes(structure, NONE)):
-        np.testing.assert_allclose(shapes(structure.P_C), modes.phi, rtol=0, atol=1e-12 * np.abs(modes.phi).max())
+        np.testing.assert_allclose(
+            shapes(structure.P_C), modes.phi, rtol=0, atol=1e-12 * np.abs(modes.phi).max()
+        )
         phi = shapes(identity)
-        np.testing.assert_allclose(phi.T @ structure.M @ phi, np.eye(len(modes.omega)), rtol=0, atol=1e-11)
+        np.testing.assert_allclose(
+            phi.T @ structure.M @ phi, np.eye(len(modes.omega)), rtol=0, atol=1e-11
+        )
         np.testing.assert_allclose(phi.T @ structure.M @ structure.U, 0.0, rtol=0, atol=1e-11)
         K = phi.T @ structure.K @ phi
-        np.testing.assert_allclose(K, np.diag(modes.omega**2), rtol=0, atol=1e-9 * modes.omega[-1] ** 2)
+        np.testing.assert_allclose(
+            K, np.diag(modes.omega**2), rtol=0, atol=1e-9 * modes.omega[-1] ** 2
+        )
 
 
 def test_a_superelement_states_its_error_and_what_it_is_good_for(solid_body, box):
@@ -330,9 +373,13 @@ def test_a_superelement_states_its_error_and_what_it_is_good_for(solid_body, box
     assert 0.0 < element.kernel.error <= 1e-4
     assert element.kernel.band == pytest.approx(12500.0)
     assert element.modes.h_min == pytest.approx(2e-5)
-    wide = build(solid_body(box("hexahedron20", (0.5, 0.1, 0.1), (4, 1, 1)), impulse=impulse | {"band": 2e4}))
+    wide = build(
+        solid_body(box("hexahedron20", (0.5, 0.1, 0.1), (4, 1, 1)), impulse=impulse | {"band": 2e4})
+    )
     assert wide.modes.h_min == pytest.approx(1.25e-5)
-    narrow = build(solid_body(box("hexahedron20", (0.5, 0.1, 0.1), (4, 1, 1)), impulse=impulse | {"band": 2e3}))
+    narrow = build(
+        solid_body(box("hexahedron20", (0.5, 0.1, 0.1), (4, 1, 1)), impulse=impulse | {"band": 2e3})
+    )
     assert narrow.modes.h_min == pytest.approx(2e-5)
     assert len(narrow.modes.omega) < len(element.modes.omega) < len(wide.modes.omega)
 
@@ -349,11 +396,17 @@ def test_a_tolerance_out_of_reach_says_how_far_it_came(block, monkeypatch, short
         r"found \d\.\de[+-]\d\d with \d+: raise impulse.tolerance, lower impulse.band, or use method march"
     )
     with pytest.raises(MethodError, match=message):
-        krylov_modes(structure, NONE, half_nyquist(h, GeneralizedAlpha(0.9)), 1e-6, lambda text: None)
+        krylov_modes(
+            structure, NONE, half_nyquist(h, GeneralizedAlpha(0.9)), 1e-6, lambda text: None
+        )
 
 
 def test_a_mechanism_is_told(beam_body, beam, section):
     """A beam that may be twisted for nothing."""
     structure = assemble(beam_body(beam(4), section | {"GJ": 1e-30}))
-    with pytest.raises(MeshError, match=r"expected six zero modes, found .*: the body is a mechanism"):
-        krylov_modes(structure, NONE, half_nyquist(1e-4, GeneralizedAlpha(0.9)), 1e-6, lambda text: None)
+    with pytest.raises(
+        MeshError, match=r"expected six zero modes, found .*: the body is a mechanism"
+    ):
+        krylov_modes(
+            structure, NONE, half_nyquist(1e-4, GeneralizedAlpha(0.9)), 1e-6, lambda text: None
+        )

@@ -1,4 +1,6 @@
-"""Lumped masses: mass properties by Steiner's theorem, frequencies of a beam with a tip mass, and where masses go."""
+"""Lumped masses: mass properties by Steiner's theorem, frequencies of a beam with a tip mass, and
+where masses go.
+"""
 
 import numpy as np
 import pytest
@@ -22,7 +24,9 @@ def check_mass_properties(bare, heavy, mass, inertia, place):
     """`heavy` is `bare` and a rigid piece: mass, centre of mass, and inertia about it."""
     total = bare.mass + mass
     center = (bare.mass * bare.center + mass * np.asarray(place)) / total
-    expected = steiner(bare.mass, bare.J_rot, bare.center - center) + steiner(mass, inertia, place - center)
+    expected = steiner(bare.mass, bare.J_rot, bare.center - center) + steiner(
+        mass, inertia, place - center
+    )
     assert heavy.mass == pytest.approx(total, rel=1e-12)
     np.testing.assert_allclose(heavy.center, center, rtol=0, atol=1e-12)
     np.testing.assert_allclose(heavy.J_rot, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
@@ -32,17 +36,23 @@ PLACES = {"interface": {"interface": "tip"}, "node": {"node": [L, 0, 0]}, "group
 
 
 @pytest.mark.parametrize("place", PLACES)
-@pytest.mark.parametrize("inertia", [[0, 0, 0], [1e-5, 2e-5, 3e-5], J], ids=["point", "principal", "full"])
+@pytest.mark.parametrize(
+    "inertia", [[0, 0, 0], [1e-5, 2e-5, 3e-5], J], ids=["point", "principal", "full"]
+)
 def test_mass_properties_of_a_beam_with_a_tip_mass(beam_body, beam, place, inertia):
     bare = assemble(beam_body(beam(4))).rigid
     masses = {"tip": {**PLACES[place], "mass": TIP_MASS, "inertia": inertia}}
     heavy = assemble(beam_body(beam(4), masses=masses))
     inertia = np.diag(inertia) if np.ndim(inertia) == 1 else np.array(inertia)
     check_mass_properties(bare, heavy.rigid, TIP_MASS, inertia, [L, 0, 0])
-    np.testing.assert_allclose(heavy.interfaces[1].X, [L, 0, 0] - heavy.rigid.center, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(
+        heavy.interfaces[1].X, [L, 0, 0] - heavy.rigid.center, rtol=0, atol=1e-14
+    )
 
 
-@pytest.mark.parametrize("interface", [{}, {"kind": "rigid"}, {"at": [1.2, 0.1, 0]}], ids=["average", "rigid", "at"])
+@pytest.mark.parametrize(
+    "interface", [{}, {"kind": "rigid"}, {"at": [1.2, 0.1, 0]}], ids=["average", "rigid", "at"]
+)
 def test_mass_properties_of_a_solid_with_a_mass_on_an_interface(solid_body, box, kind, interface):
     """The frame of an interface follows rigid motion exactly, so the mass acts where the frame is."""
     mesh = box(kind, size=(1.0, 0.2, 0.1), divisions=(3, 2, 2))
@@ -59,7 +69,9 @@ def test_a_mass_on_a_node_and_on_a_face_of_a_solid(solid_body, box, kind):
     bare = assemble(solid_body(mesh)).rigid
     corner = assemble(solid_body(mesh, masses={"bolt": {"node": [1, 0.2, 0.1], "mass": 2.0}})).rigid
     check_mass_properties(bare, corner, 2.0, np.zeros((3, 3)), [1.0, 0.2, 0.1])
-    face = assemble(solid_body(mesh, masses={"plate": {"group": "root", "mass": 2.0, "inertia": J}})).rigid
+    face = assemble(
+        solid_body(mesh, masses={"plate": {"group": "root", "mass": 2.0, "inertia": J}})
+    ).rigid
     check_mass_properties(bare, face, 2.0, np.array(J), [0.0, 0.1, 0.05])
 
 
@@ -73,9 +85,14 @@ def test_a_node_that_follows_a_rigid_interface_takes_its_mass_along(solid_body, 
 
 
 def test_several_masses_add_up(beam_body, beam):
-    masses = {"one": {"interface": "tip", "mass": 0.001}, "two": {"node": [L, 0, 0], "mass": 0.002, "inertia": J}}
+    masses = {
+        "one": {"interface": "tip", "mass": 0.001},
+        "two": {"node": [L, 0, 0], "mass": 0.002, "inertia": J},
+    }
     two = assemble(beam_body(beam(4), masses=masses)).M
-    one = assemble(beam_body(beam(4), masses={"both": {"group": "tip", "mass": 0.003, "inertia": J}})).M
+    one = assemble(
+        beam_body(beam(4), masses={"both": {"group": "tip", "mass": 0.003, "inertia": J}})
+    ).M
     assert abs(two - one).max() < 1e-18
 
 
@@ -83,11 +100,15 @@ def test_the_mean_motion_of_a_face_meets_the_mass_alone(solid_body, box, kind):
     """x^T (M - M_bare) x = m |D x|^2 + ...: motion of the face with no mean moves no mass."""
     mesh = box(kind, divisions=(2, 2, 2))
     bare = assemble(solid_body(mesh))
-    heavy = assemble(solid_body(mesh, masses={"plate": {"group": "tip", "mass": 5.0, "inertia": [1, 2, 3]}}))
+    heavy = assemble(
+        solid_body(mesh, masses={"plate": {"group": "tip", "mass": 5.0, "inertia": [1, 2, 3]}})
+    )
     added = (heavy.M - bare.M).toarray()
     x = np.random.default_rng(2).normal(size=bare.n_u)
     mean = (bare.P_C @ x)[6:]
-    assert x @ added @ x == pytest.approx(5.0 * mean[:3] @ mean[:3] + [1, 2, 3] @ mean[3:] ** 2, rel=1e-10)
+    assert x @ added @ x == pytest.approx(
+        5.0 * mean[:3] @ mean[:3] + [1, 2, 3] @ mean[3:] ** 2, rel=1e-10
+    )
     assert np.linalg.matrix_rank(added, tol=1e-9) == 6
 
 
@@ -96,12 +117,15 @@ def shapes(beta, x, derivative):
     c, s = np.cos(beta * x), np.sin(beta * x)
     trigonometric = [(c, s), (-s, c), (-c, -s), (s, -c)][derivative]
     hyperbolic = (np.cosh(beta * x), np.sinh(beta * x))
-    return beta**derivative * np.array([*hyperbolic[:: -1 if derivative % 2 else 1], *trigonometric])
+    return beta**derivative * np.array(
+        [*hyperbolic[:: -1 if derivative % 2 else 1], *trigonometric]
+    )
 
 
 def hinged_determinant(beta, tip_mass):
-    """Of y'''' = beta^4 y on a hub that turns: y(0) = a y'(0), EI (y'' - a y''')(0) + omega^2 I_R y'(0) = 0;
-    y''(L) = 0, EI y'''(L) + omega^2 M_p y(L) = 0."""
+    """Of y'''' = beta^4 y on a hub that turns: y(0) = a y'(0), EI (y'' - a y''')(0) + omega^2 I_R
+    y'(0) = 0; y''(L) = 0, EI y'''(L) + omega^2 M_p y(L) = 0.
+    """
     squared = beta**4 * EI / m
     start = [shapes(beta, 0.0, k) for k in range(4)]
     end = [shapes(beta, L, k) for k in range(4)]
@@ -134,7 +158,10 @@ def closed_form(determinant, tip_mass, near):
     def beta(frequency):
         return ((2 * np.pi * frequency) ** 2 * m / EI) ** 0.25
 
-    roots = [brentq(determinant, beta(0.99 * f), beta(1.01 * f), args=(tip_mass,), xtol=1e-12) for f in near]
+    roots = [
+        brentq(determinant, beta(0.99 * f), beta(1.01 * f), args=(tip_mass,), xtol=1e-12)
+        for f in near
+    ]
     return np.array(roots) ** 2 * np.sqrt(EI / m) / (2 * np.pi)
 
 
@@ -170,7 +197,9 @@ def test_the_march_knows_the_masses_too(beam_body, beam):
     """Modes and time stepping of the full model give one kernel."""
     masses = {"tip": {"interface": "tip", "mass": TIP_MASS, "inertia": [1e-7, 2e-7, 3e-7]}}
     modal, march = (
-        build(beam_body(beam(3), masses=masses, impulse={"step": 1e-4, "steps": 30, "method": method}))
+        build(
+            beam_body(beam(3), masses=masses, impulse={"step": 1e-4, "steps": 30, "method": method})
+        )
         for method in ("modal", "march")
     )
     scale = np.sqrt(np.abs(modal.kernel.g).max(axis=0).diagonal())
@@ -181,9 +210,21 @@ def test_the_march_knows_the_masses_too(beam_body, beam):
 @pytest.mark.parametrize(
     ("mass", "error", "message"),
     [
-        ({"node": [0.3, 0, 0], "mass": 1}, InterfaceError, r"mesh.msh: masses.lump: no node at \[0.3, 0.0, 0.0\]"),
-        ({"group": "beam", "mass": 1}, InterfaceError, "masses.lump: expected one node of the lines"),
-        ({"group": "end", "mass": 1}, MeshError, "no group 'end'; the groups of the mesh are: beam, root, tip"),
+        (
+            {"node": [0.3, 0, 0], "mass": 1},
+            InterfaceError,
+            r"mesh.msh: masses.lump: no node at \[0.3, 0.0, 0.0\]",
+        ),
+        (
+            {"group": "beam", "mass": 1},
+            InterfaceError,
+            "masses.lump: expected one node of the lines",
+        ),
+        (
+            {"group": "end", "mass": 1},
+            MeshError,
+            "no group 'end'; the groups of the mesh are: beam, root, tip",
+        ),
     ],
 )
 def test_masses_that_find_no_place(beam_body, beam, mass, error, message):
@@ -203,12 +244,18 @@ def test_a_node_of_a_solid_carries_no_inertia(solid_body, box):
     [
         ({"interface": "tpi", "mass": 1}, "masses.lump: no interface 'tpi'; there are: root, tip"),
         ({"mass": 1}, "expected interface, or what it selects on the mesh"),
-        ({"interface": "tip", "group": "tip", "mass": 1}, "interface stands alone, found it with group"),
+        (
+            {"interface": "tip", "group": "tip", "mass": 1},
+            "interface stands alone, found it with group",
+        ),
         ({"interface": "tip"}, "Field required"),
         ({"interface": "tip", "mass": -1}, "greater than or equal to 0"),
         ({"interface": "tip", "mass": 0}, "expected a mass or an inertia, found neither"),
         ({"interface": "tip", "mass": 1, "inertia": [1, -1, 1]}, "none of them negative, found"),
-        ({"interface": "tip", "mass": 1, "inertia": [[1, 2, 0], [0, 1, 0], [0, 0, 1]]}, "a symmetric matrix"),
+        (
+            {"interface": "tip", "mass": 1, "inertia": [[1, 2, 0], [0, 1, 0], [0, 0, 1]]},
+            "a symmetric matrix",
+        ),
         ({"interface": "tip", "weight": 1}, "unknown key 'weight'"),
     ],
 )
@@ -218,5 +265,7 @@ def test_mistakes(beam_body, beam, mass, message):
 
 
 def test_the_text_of_a_body_with_masses_gives_it_back(beam_body, beam):
-    body = beam_body(beam(4), masses={"tip": {"interface": "tip", "mass": 1.0, "inertia": [1, 2, 3]}})
+    body = beam_body(
+        beam(4), masses={"tip": {"interface": "tip", "mass": 1.0, "inertia": [1, 2, 3]}}
+    )
     assert Body.model_validate_json(body.text) == body

@@ -1,9 +1,11 @@
-"""Orthotropic materials: closed forms of the elasticity matrix, stresses of turned bars, and what no material is."""
+"""Orthotropic materials: closed forms of the elasticity matrix, stresses of turned bars, and what
+no material is.
+"""
 
 import numpy as np
 import pytest
 from duhamel.preprocess import assemble
-from duhamel.preprocess.material import STRESSES, Material
+from duhamel.preprocess.body.material import STRESSES, Material
 from pydantic import ValidationError
 
 STEEL = {"E": 2.1e11, "nu": 0.3, "rho": 7800.0}
@@ -12,7 +14,9 @@ TURNED = {"axes": [[1.0, 2.0, 0.5], [-1.0, 1.0, 0.0]]}
 
 
 def along(angle):
-    """E in the plane of directions 1 and 2, at an angle from 1: 1/E = c^4/E1 + s^4/E2 + (1/G12 - 2 nu12/E1) c^2 s^2."""
+    """E in the plane of directions 1 and 2, at an angle from 1: 1/E = c^4/E1 + s^4/E2 + (1/G12 - 2
+    nu12/E1) c^2 s^2.
+    """
     E, nu, G = WOOD["E"], WOOD["nu"], WOOD["G"]
     c, s = np.cos(angle), np.sin(angle)
     return 1.0 / (c**4 / E[0] + s**4 / E[1] + (1.0 / G[0] - 2.0 * nu[0] / E[0]) * (c * s) ** 2)
@@ -20,7 +24,9 @@ def along(angle):
 
 def turned(angle):
     """Direction 1 below the x axis by an angle, so that x lies at that angle from it."""
-    return WOOD | {"axes": [[np.cos(angle), -np.sin(angle), 0.0], [np.sin(angle), np.cos(angle), 0.0]]}
+    return WOOD | {
+        "axes": [[np.cos(angle), -np.sin(angle), 0.0], [np.sin(angle), np.cos(angle), 0.0]]
+    }
 
 
 def test_isotropic_values_give_the_isotropic_material():
@@ -29,8 +35,15 @@ def test_isotropic_values_give_the_isotropic_material():
     hooke = np.zeros((6, 6))
     hooke[:3, :3] = lam
     hooke += np.diag([2 * mu] * 3 + [mu] * 3)
-    for values in (STEEL, STEEL | TURNED, STEEL | {"E": [E] * 3, "nu": [nu] * 3, "G": mu}, STEEL | {"G": [mu] * 3}):
-        np.testing.assert_allclose(Material.model_validate(values).elasticity, hooke, rtol=0, atol=1e-14 * E)
+    for values in (
+        STEEL,
+        STEEL | TURNED,
+        STEEL | {"E": [E] * 3, "nu": [nu] * 3, "G": mu},
+        STEEL | {"G": [mu] * 3},
+    ):
+        np.testing.assert_allclose(
+            Material.model_validate(values).elasticity, hooke, rtol=0, atol=1e-14 * E
+        )
 
 
 def test_strains_under_single_stresses():
@@ -38,7 +51,9 @@ def test_strains_under_single_stresses():
     S = np.linalg.inv(Material.model_validate(WOOD).elasticity)
     E, nu, G = WOOD["E"], WOOD["nu"], WOOD["G"]
     np.testing.assert_allclose(1.0 / np.diag(S), [*E, *G[::-1]], rtol=1e-13)
-    np.testing.assert_allclose([S[1, 0], S[2, 0], S[2, 1]], [-nu[0] / E[0], -nu[1] / E[0], -nu[2] / E[1]], rtol=1e-13)
+    np.testing.assert_allclose(
+        [S[1, 0], S[2, 0], S[2, 1]], [-nu[0] / E[0], -nu[1] / E[0], -nu[2] / E[1]], rtol=1e-13
+    )
 
 
 def test_a_quarter_turn_changes_places():
@@ -62,7 +77,9 @@ def test_the_matrix_and_the_tensor_give_the_same_stress():
     strain += strain.T
     stress = np.einsum("ijkl,kl->ij", material.elasticity_tensor, strain)
     engineering = [strain[i, j] * (1 if i == j else 2) for i, j in STRESSES]
-    np.testing.assert_allclose(material.elasticity @ engineering, [stress[i, j] for i, j in STRESSES], rtol=1e-12)
+    np.testing.assert_allclose(
+        material.elasticity @ engineering, [stress[i, j] for i, j in STRESSES], rtol=1e-12
+    )
 
 
 def test_a_patch_of_orthotropic_elements(solid_body, box, kind):
@@ -82,7 +99,9 @@ def test_a_patch_of_orthotropic_elements(solid_body, box, kind):
 
 @pytest.mark.parametrize("angle", np.radians([0, 20, 45, 90]))
 def test_a_turned_bar_in_tension(solid_body, box, kind, angle):
-    """A uniform traction on both ends stretches the bar by F L / (E(angle) A), however its sections warp and shear."""
+    """A uniform traction on both ends stretches the bar by F L / (E(angle) A), however its sections
+    warp and shear.
+    """
     L, A, F = 2.0, 0.02, 1000.0
     structure = assemble(solid_body(box(kind, size=(L, 0.2, 0.1)), material=turned(angle)))
     load = structure.P_C.T @ np.array([-F, 0, 0, 0, 0, 0, F, 0, 0, 0, 0, 0])

@@ -1,4 +1,6 @@
-"""Bodies from matrices of other programs: the same superelement as from the mesh, and an error for each mistake."""
+"""Bodies from matrices of other programs: the same superelement as from the mesh, and an error for
+each mistake.
+"""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,7 +9,15 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from duhamel.preprocess import Body, BodyError, InterfaceError, MatrixError, assemble, build, read_body
+from duhamel.preprocess import (
+    Body,
+    BodyError,
+    InterfaceError,
+    MatrixError,
+    assemble,
+    build,
+    read_body,
+)
 from duhamel.preprocess.survey import survey
 from pydantic import ValidationError
 
@@ -28,7 +38,9 @@ from .matrix_writers import (
 
 @dataclass(frozen=True, eq=False)
 class Export:
-    """A model as another program has it: labels (n,) with gaps, points (n, 3), and dofs (n_u, 2) of K and M."""
+    """A model as another program has it: labels (n,) with gaps, points (n, 3), and dofs (n_u, 2) of
+    K and M.
+    """
 
     labels: Any
     points: Any
@@ -61,7 +73,13 @@ def export(structure: Any) -> Export:
 def given(files: Any, **changes: Any) -> Body:
     interfaces = {"root": {"node": [0, 0, 0]}, "tip": {"nodes": [10]}}
     return Body.model_validate(
-        {"name": "given", "matrices": files, "interfaces": interfaces, "impulse": IMPULSE, **changes}
+        {
+            "name": "given",
+            "matrices": files,
+            "interfaces": interfaces,
+            "impulse": IMPULSE,
+            **changes,
+        }
     )
 
 
@@ -69,19 +87,25 @@ def assert_equal(found: Any, expected: Any) -> None:
     """Two superelements, to rounding: each pair of rows of the kernel on its own scale."""
     assert found.mass == pytest.approx(expected.mass, rel=1e-12)
     np.testing.assert_allclose(found.center, expected.center, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(found.J_rot, expected.J_rot, rtol=0, atol=1e-12 * np.abs(expected.J_rot).max())
+    np.testing.assert_allclose(
+        found.J_rot, expected.J_rot, rtol=0, atol=1e-12 * np.abs(expected.J_rot).max()
+    )
     for one, other in zip(found.interfaces, expected.interfaces, strict=True):
         np.testing.assert_allclose(one.X, other.X, rtol=0, atol=1e-12)
         assert one.rotations == other.rotations
     scale = np.sqrt(np.abs(expected.kernel.g).max(axis=0).diagonal())
-    assert (np.abs(found.kernel.g - expected.kernel.g).max(axis=0) / np.outer(scale, scale)).max() < 1e-9
+    assert (
+        np.abs(found.kernel.g - expected.kernel.g).max(axis=0) / np.outer(scale, scale)
+    ).max() < 1e-9
 
 
 @pytest.fixture
 def solid(solid_body):
     """A body of a mesh whose interfaces are points."""
     mesh = box_mesh("hexahedron", size=(1.0, 0.2, 0.1), divisions=(3, 2, 1))
-    return solid_body(mesh, interfaces={"root": {"node": [0, 0, 0]}, "tip": {"node": [1, 0.2, 0.1]}})
+    return solid_body(
+        mesh, interfaces={"root": {"node": [0, 0, 0]}, "tip": {"node": [1, 0.2, 0.1]}}
+    )
 
 
 @pytest.fixture
@@ -119,7 +143,9 @@ def ends(model: Export) -> dict[str, Any]:
 @pytest.mark.parametrize("writer", [*BY_ORDER, *BY_LABEL])
 def test_the_same_superelement_from_every_format(original, tmp_path, writer):
     model = export(assemble(original))
-    assert_equal(build(given(model.write(tmp_path, writer), interfaces=ends(model))), build(original))
+    assert_equal(
+        build(given(model.write(tmp_path, writer), interfaces=ends(model))), build(original)
+    )
 
 
 @pytest.mark.parametrize("writer", [*BY_ORDER, *BY_LABEL])
@@ -139,25 +165,35 @@ def test_rotations_of_solids_and_nodes_without_elements_are_no_unknowns(solid, t
     kept = (6 * np.arange(n)[:, None] + np.arange(3)).ravel()
     blow_up = sp.csc_array((np.ones(3 * n), (kept, np.arange(3 * n))), shape=(6 * n + 6, 3 * n))
     K, M = (blow_up @ matrix @ blow_up.T for matrix in (model.K, model.M))
-    wide = Export(np.append(model.labels, 9999), np.vstack([model.points, [[5.0, 5.0, 5.0]]]), None, K, M)
+    wide = Export(
+        np.append(model.labels, 9999), np.vstack([model.points, [[5.0, 5.0, 5.0]]]), None, K, M
+    )
     body = given(wide.write(tmp_path, op4_binary), interfaces={"tip": {"nodes": [last(model)]}})
     structure = assemble(body)
     assert structure.n_u == 3 * n
     assert abs(structure.K - model.K).max() == 0.0
-    with pytest.raises(InterfaceError, match=r"nodes.csv: interfaces.tip: nodes: no node 9999 with stiffness or mass"):
+    with pytest.raises(
+        InterfaceError,
+        match=r"nodes.csv: interfaces.tip: nodes: no node 9999 with stiffness or mass",
+    ):
         assemble(given(body.matrices, interfaces={"tip": {"nodes": [9999]}}))
 
 
 def test_nodes_of_three_and_of_six_dofs_in_one_model(solid_body, tmp_path):
     """A frame of a solid, which ties make a node with rotations, among nodes that have none."""
     interfaces = {"root": {"group": "root", "kind": "rigid"}, "tip": {"node": [1, 0.2, 0.1]}}
-    tied = solid_body(box_mesh("hexahedron", size=(1.0, 0.2, 0.1), divisions=(3, 2, 1)), interfaces=interfaces)
+    tied = solid_body(
+        box_mesh("hexahedron", size=(1.0, 0.2, 0.1), divisions=(3, 2, 1)), interfaces=interfaces
+    )
     model = export(assemble(tied))
     frame = int(model.labels[-1])
     tip = int(model.labels[:-1][model.points[:-1].sum(axis=1).argmax()])
     rng = np.random.default_rng(2)
     model = model.reordered(rng.permutation(len(model.labels)), rng.permutation(len(model.dofs)))
-    body = given(model.write(tmp_path, abaqus_input), interfaces={"root": {"nodes": [frame]}, "tip": {"nodes": [tip]}})
+    body = given(
+        model.write(tmp_path, abaqus_input),
+        interfaces={"root": {"nodes": [frame]}, "tip": {"nodes": [tip]}},
+    )
     assert_equal(build(body), build(tied))
 
 
@@ -165,7 +201,9 @@ def test_nodes_of_three_and_of_six_dofs_in_one_model(solid_body, tmp_path):
 def test_several_nodes_carry_a_frame(solid_body, tmp_path, kind):
     """A rigid face is the same from a mesh; the mean motion of nodes is exact for rigid motion."""
     mesh = box_mesh("hexahedron", size=(1.0, 0.2, 0.1), divisions=(3, 2, 1))
-    original = solid_body(mesh, interfaces={"root": {"group": "root", "kind": kind}, "tip": {"node": [1, 0.2, 0.1]}})
+    original = solid_body(
+        mesh, interfaces={"root": {"group": "root", "kind": kind}, "tip": {"node": [1, 0.2, 0.1]}}
+    )
     free = assemble(solid_body(mesh, interfaces={"tip": {"node": [1, 0.2, 0.1]}}))
     model = export(free)
     labels = model.labels[model.points[:, 0] == 0.0].tolist()
@@ -181,11 +219,15 @@ def test_several_nodes_carry_a_frame(solid_body, tmp_path, kind):
         np.testing.assert_allclose(X, [[-0.5, 0.0, 0.0]], atol=1e-12)
         np.testing.assert_allclose(motion[:3, :3], np.eye(3), atol=1e-12)
         np.testing.assert_allclose(motion[3:], np.hstack([np.zeros((3, 3)), np.eye(3)]), atol=1e-12)
-        np.testing.assert_allclose(motion[:3, 3:], [[0, 0, 0], [0, 0, -0.5], [0, 0.5, 0]], atol=1e-12)
+        np.testing.assert_allclose(
+            motion[:3, 3:], [[0, 0, 0], [0, 0, -0.5], [0, 0.5, 0]], atol=1e-12
+        )
 
 
 def test_rotations_of_nodes_follow_a_rigid_frame(beam_body, tmp_path):
-    """A frame on three nodes of a bent beam makes a rigid piece of the elements between: it stores no energy."""
+    """A frame on three nodes of a bent beam makes a rigid piece of the elements between: it stores
+    no energy.
+    """
     from .conftest import line_mesh
 
     points = [[0, 0, 0], [0.1, 0, 0], [0.1, 0.1, 0], [0.3, 0.1, 0.1]]
@@ -198,7 +240,8 @@ def test_rotations_of_nodes_follow_a_rigid_frame(beam_body, tmp_path):
     whole = assemble(original).rigid
     assert structure.rigid.mass == pytest.approx(whole.mass, rel=1e-12)
     np.testing.assert_allclose(structure.rigid.J_rot, whole.J_rot, atol=1e-12 * whole.J_rot.max())
-    # The frame moves as a clamp of the last element: its stiffness at the tip is that of the element alone.
+    # The frame moves as a clamp of the last element: its stiffness at the tip is that of the
+    # element alone.
     tip = model.K.toarray()[18:, 18:]
     np.testing.assert_allclose(structure.K.toarray()[:6, :6], tip, atol=1e-9 * tip.max())
 
@@ -206,7 +249,9 @@ def test_rotations_of_nodes_follow_a_rigid_frame(beam_body, tmp_path):
 def test_masses(beam, beam_body, tmp_path):
     model = export(assemble(beam))
     mass = {"mass": 0.3, "inertia": [1e-5, 2e-5, 3e-5]}
-    heavy = beam_body(straight(5, along=(0.6, 0.0, 0.8)), section=askew(), masses={"a": {**mass, "group": "tip"}})
+    heavy = beam_body(
+        straight(5, along=(0.6, 0.0, 0.8)), section=askew(), masses={"a": {**mass, "group": "tip"}}
+    )
     for place in ({"interface": "tip"}, {"nodes": [last(model)]}, {"node": [0.3, 0, 0.4]}):
         body = given(model.write(tmp_path), interfaces=ends(model), masses={"a": {**mass, **place}})
         assert_equal(build(body), build(heavy))
@@ -225,7 +270,10 @@ def abaqus_nodes(path: Path, model: Export) -> Path:
 
 def nastran_nodes(path: Path, model: Export) -> Path:
     rows = zip(model.labels.tolist(), model.points.tolist(), strict=True)
-    grids = [f"GRID*   {label:16}{0:16}{x:16.13f}{y:16.13f}\n*       {z:16.13f}\n" for label, (x, y, z) in rows]
+    grids = [
+        f"GRID*   {label:16}{0:16}{x:16.13f}{y:16.13f}\n*       {z:16.13f}\n"
+        for label, (x, y, z) in rows
+    ]
     ends = model.labels[model.points[:, 0] == 0.0]
     path = path.with_suffix(".bdf")
     path.write_text("".join(grids) + "".join(f"SET1,1,{label}\n" for label in ends))
@@ -246,7 +294,9 @@ def test_lumped_mass(solid, tmp_path):
     """A diagonal matrix of masses is sound: Nastran's default."""
     model = export(assemble(solid))
     lumped = sp.diags_array(model.M.sum(axis=1), format="csc")
-    structure = assemble(given(Export(model.labels, model.points, model.dofs, model.K, lumped).write(tmp_path)))
+    structure = assemble(
+        given(Export(model.labels, model.points, model.dofs, model.K, lumped).write(tmp_path))
+    )
     assert structure.rigid.mass == pytest.approx(156.0, rel=1e-12)
     np.testing.assert_allclose(structure.rigid.center, [0.5, 0.1, 0.05], atol=1e-12)
     assert abs(structure.M - lumped).max() == 0.0
@@ -258,7 +308,9 @@ def test_points_of_an_npz(solid, tmp_path):
     files = {**model.write(tmp_path), "nodes": tmp_path / "nodes.npz"}
     assert assemble(given(files)).rigid.mass == pytest.approx(156.0)
     np.savez(tmp_path / "nodes.npz", points=model.points)
-    assert assemble(given(files, interfaces={"tip": {"nodes": [1]}})).rigid.mass == pytest.approx(156.0)
+    assert assemble(given(files, interfaces={"tip": {"nodes": [1]}})).rigid.mass == pytest.approx(
+        156.0
+    )
 
 
 def test_a_body_file(solid, tmp_path):
@@ -302,14 +354,20 @@ def lopsided(model: Export) -> Export:
 
 def massless(model: Export) -> Export:
     keep = sp.diags_array(np.where(np.arange(model.M.shape[0]) == 7, 0.0, 1.0))
-    return Export(model.labels, model.points, model.dofs, model.K, sp.csc_array(keep @ model.M @ keep))
+    return Export(
+        model.labels, model.points, model.dofs, model.K, sp.csc_array(keep @ model.M @ keep)
+    )
 
 
 def indefinite(model: Export) -> Export:
-    """Positive on the diagonal, negative for a motion of two dofs against each other, and with the mass as it was."""
+    """Positive on the diagonal, negative for a motion of two dofs against each other, and with the
+    mass as it was.
+    """
     i, j, a = 0, 3, model.M[0, 0]
     extra = sp.csc_array(([a, a, -a, -a], ([i, j, i, j], [j, i, i, j])), shape=model.M.shape)
-    return Export(model.labels, model.points, model.dofs, model.K, sp.csc_array(model.M - 0.99 * -extra))
+    return Export(
+        model.labels, model.points, model.dofs, model.K, sp.csc_array(model.M - 0.99 * -extra)
+    )
 
 
 def uneven(model: Export) -> Export:
@@ -329,7 +387,9 @@ def torn(model: Export) -> Export:
 
 def loose(model: Export) -> Export:
     keep = sp.diags_array(np.where(np.arange(model.K.shape[0]) == 7, 0.0, 1.0))
-    return Export(model.labels, model.points, model.dofs, sp.csc_array(keep @ model.K @ keep), model.M)
+    return Export(
+        model.labels, model.points, model.dofs, sp.csc_array(keep @ model.K @ keep), model.M
+    )
 
 
 @pytest.mark.parametrize(
@@ -339,16 +399,31 @@ def loose(model: Export) -> Export:
             grounded,
             r"found under translation along y forces .* dof 2 of node 17: the body is held there",
         ),
-        (clamped, r"under translation along . forces .* on dof \d of node \d+: the body is held there"),
-        (moved, r"found under rotation about . forces .* of node \d+: it may translate but not rotate"),
+        (
+            clamped,
+            r"under translation along . forces .* on dof \d of node \d+: the body is held there",
+        ),
+        (
+            moved,
+            r"found under rotation about . forces .* of node \d+: it may translate but not rotate",
+        ),
         (
             lopsided,
             r"K.npz: expected a symmetric matrix, .* most between dof 1 of node 1[07] and dof 1 of node 1[07]",
         ),
         (massless, r"expected mass on every dof, found none or less on 1, first dof 2 of node 24"),
-        (indefinite, r"expected a positive definite mass, found one with the eigenvalue -.* of its diagonal"),
-        (uneven, r"expected one mass in all directions, found \d+[.\d]*, 156, 156 kg along x, y, z"),
-        (torn, r"expected one connected body, found 2 pieces of \d+, \d+ nodes; node \d+ is in the smallest"),
+        (
+            indefinite,
+            r"expected a positive definite mass, found one with the eigenvalue -.* of its diagonal",
+        ),
+        (
+            uneven,
+            r"expected one mass in all directions, found \d+[.\d]*, 156, 156 kg along x, y, z",
+        ),
+        (
+            torn,
+            r"expected one connected body, found 2 pieces of \d+, \d+ nodes; node \d+ is in the smallest",
+        ),
         (loose, r"expected stiffness on every dof, found none on 1, first dof 2 of node 24"),
     ],
     ids=lambda value: getattr(value, "__name__", ""),
@@ -363,14 +438,18 @@ def test_a_beam_in_another_unit_of_length(beam, tmp_path):
     """Rotations tell: their arms do not fit."""
     model = export(assemble(beam))
     wrong = Export(model.labels, 1000.0 * model.points, model.dofs, model.K, model.M)
-    with pytest.raises(MatrixError, match=r"under rotation about . forces .*the unit of length is another one"):
+    with pytest.raises(
+        MatrixError, match=r"under rotation about . forces .*the unit of length is another one"
+    ):
         assemble(given(wrong.write(tmp_path)))
 
 
 def test_nodes_that_do_not_have_all_displacements_or_rotations(beam, tmp_path):
     model = export(assemble(beam))
     part = model.reordered(np.arange(6), np.flatnonzero((model.dofs != [24, 5]).any(axis=1)))
-    with pytest.raises(MatrixError, match=r"on dofs 1 to 3 of a node, or on 1 to 6, found 1, 2, 3, 4, 6 at node 24"):
+    with pytest.raises(
+        MatrixError, match=r"on dofs 1 to 3 of a node, or on 1 to 6, found 1, 2, 3, 4, 6 at node 24"
+    ):
         assemble(given(part.write(tmp_path, abaqus_input)))
 
 
@@ -380,7 +459,12 @@ def test_nodes_that_do_not_have_all_displacements_or_rotations(beam, tmp_path):
         ("stiffness", "K.csv", "", r"K.csv: expected a file of type .npz, .mtx, .op4, found .csv"),
         ("stiffness", "none.mtx", None, r"none.mtx: no such file of a matrix"),
         ("stiffness", "K.npz", "text", r"K.npz: not a sparse matrix of scipy"),
-        ("stiffness", "K.mtx", "%%MatrixMarket matrix coordinate real general\n1 1\n", r"K.mtx: not a Matrix Market"),
+        (
+            "stiffness",
+            "K.mtx",
+            "%%MatrixMarket matrix coordinate real general\n1 1\n",
+            r"K.mtx: not a Matrix Market",
+        ),
         (
             "stiffness",
             "K.mtx",
@@ -399,25 +483,70 @@ def test_nodes_that_do_not_have_all_displacements_or_rotations(beam, tmp_path):
             "%%MatrixMarket matrix array real general\n1 1\nnan\n",
             r"finite numbers, found 1",
         ),
-        ("stiffness", "K.mtx", "1,1, 1,1, one\n", r"K.mtx: not a matrix of Abaqus: could not convert string ' one'"),
-        ("stiffness", "K.mtx", "1,1,1,1\n", r"K.mtx: expected rows .* or Matrix Market, found 4 columns"),
-        ("stiffness", "K.mtx", "-5,1,1,1,2.0\n", r"K.mtx: .*from 1 on, found \[-5.0, .*: internal nodes are not read"),
+        (
+            "stiffness",
+            "K.mtx",
+            "1,1, 1,1, one\n",
+            r"K.mtx: not a matrix of Abaqus: could not convert string ' one'",
+        ),
+        (
+            "stiffness",
+            "K.mtx",
+            "1,1,1,1\n",
+            r"K.mtx: expected rows .* or Matrix Market, found 4 columns",
+        ),
+        (
+            "stiffness",
+            "K.mtx",
+            "-5,1,1,1,2.0\n",
+            r"K.mtx: .*from 1 on, found \[-5.0, .*: internal nodes are not read",
+        ),
         ("stiffness", "K.mtx", "5,1,5,1,2.0\n", r"K.mtx: no node 5 in nodes.csv, nor 0 others"),
-        ("stiffness", "K.mtx", "10,11,10,11,2.0\n", r"K.mtx: expected dofs 1 to 6, .*found dof 11 of node 10"),
-        ("stiffness", "K.mtx", "1,1,2.0\n", r"K.mtx: expected 72 or 144 rows, three or six for each of the 24 nodes"),
+        (
+            "stiffness",
+            "K.mtx",
+            "10,11,10,11,2.0\n",
+            r"K.mtx: expected dofs 1 to 6, .*found dof 11 of node 10",
+        ),
+        (
+            "stiffness",
+            "K.mtx",
+            "1,1,2.0\n",
+            r"K.mtx: expected 72 or 144 rows, three or six for each of the 24 nodes",
+        ),
         ("stiffness", "K.op4", "text", r"K.op4: not an OUTPUT4 file of Nastran"),
         ("nodes", "none.csv", None, r"none.csv: no such file of nodes"),
-        ("nodes", "nodes.csv", "1, 0, 0\n", r"nodes.csv: expected a table of label, x, y, z, found 3 columns, 1 rows"),
+        (
+            "nodes",
+            "nodes.csv",
+            "1, 0, 0\n",
+            r"nodes.csv: expected a table of label, x, y, z, found 3 columns, 1 rows",
+        ),
         (
             "nodes",
             "nodes.csv",
             "1, 0, 0, 0\n1, 1, 0, 0\n",
             r"every label once, found node 1 2 times",
         ),
-        ("nodes", "nodes.csv", "1.5, 0, 0, 0\n", r"nodes.csv: expected integers for labels, found 1.5"),
+        (
+            "nodes",
+            "nodes.csv",
+            "1.5, 0, 0, 0\n",
+            r"nodes.csv: expected integers for labels, found 1.5",
+        ),
         ("nodes", "nodes.csv", "1, 0, nan, 0\n", r"nodes.csv: expected three finite coordinates"),
-        ("nodes", "nodes.npz", "text", r"nodes.npz: expected arrays points \(n, 3\) and perhaps labels"),
-        ("dofs", "dofs.csv", "10, 1\n", r"dofs.csv: expected a row for each of the 72 of K.npz, found 1"),
+        (
+            "nodes",
+            "nodes.npz",
+            "text",
+            r"nodes.npz: expected arrays points \(n, 3\) and perhaps labels",
+        ),
+        (
+            "dofs",
+            "dofs.csv",
+            "10, 1\n",
+            r"dofs.csv: expected a row for each of the 72 of K.npz, found 1",
+        ),
         (
             "dofs",
             "dofs.csv",
@@ -443,16 +572,21 @@ def test_files_of_nastran(solid, tmp_path):
         assemble(given(swapped))
     files["mass"].write_bytes(files["mass"].read_bytes()[:-40])
     with pytest.raises(
-        MatrixError, match=r"M.op4: not an OUTPUT4 file of Nastran, or one that breaks off: a record of"
+        MatrixError,
+        match=r"M.op4: not an OUTPUT4 file of Nastran, or one that breaks off: a record of",
     ):
         assemble(given(files))
     text = op4_text(tmp_path / "K", model.K, None)
     whole = text.read_text()
     text.write_text(whole.replace(f"{6:8}{2:8}STIFF", f"{6:8}{4:8}STIFF"))
-    with pytest.raises(MatrixError, match=r"K.op4: matrix STIFF: expected real numbers, found complex ones"):
+    with pytest.raises(
+        MatrixError, match=r"K.op4: matrix STIFF: expected real numbers, found complex ones"
+    ):
         assemble(given({**files, "stiffness": text}))
     text.write_text(whole[:2000])
-    with pytest.raises(MatrixError, match=r"K.op4: not an OUTPUT4 file of Nastran, or one that breaks off"):
+    with pytest.raises(
+        MatrixError, match=r"K.op4: not an OUTPUT4 file of Nastran, or one that breaks off"
+    ):
         assemble(given({**files, "stiffness": text}))
 
 
@@ -460,8 +594,14 @@ def test_files_of_nastran(solid, tmp_path):
     ("interface", "message"),
     [
         ({"node": [0.5, 5, 0]}, r"nodes.csv: interfaces.a: no node at \[0.5, 5.0, 0.0\]"),
-        ({"nodes": [11]}, r"nodes.csv: interfaces.a: nodes: no node 11 with stiffness or mass in nodes.csv"),
-        ({"nodes": [10, 17]}, r"interfaces.a: a frame needs three nodes that are not on a line, found 2 nodes"),
+        (
+            {"nodes": [11]},
+            r"nodes.csv: interfaces.a: nodes: no node 11 with stiffness or mass in nodes.csv",
+        ),
+        (
+            {"nodes": [10, 17]},
+            r"interfaces.a: a frame needs three nodes that are not on a line, found 2 nodes",
+        ),
         ({"group": "root"}, r"interfaces.a: no group 'root' in nodes.csv; its groups are: none"),
         ({"sphere": {"center": [9, 9, 9], "radius": 1}}, r"interfaces.a: no node lies in sphere"),
     ],
@@ -479,8 +619,14 @@ def test_interfaces_that_find_no_nodes(solid, tmp_path, interface, message):
         ({"scale": 1e-3}, "matrices: expected no mesh and nothing made of it, found scale"),
         ({"recovery": {}}, "matrices: expected no mesh and nothing made of it, found recovery"),
         ({"matrices": None}, r"expected mesh or \[matrices\], found neither"),
-        ({"matrices": None, "mesh": "a.msh", "material": {"E": 1, "nu": 0, "rho": 1}}, "nodes are labels of"),
-        ({"interfaces": {"tip": {"nodes": [1], "group": "a"}}}, "nodes stands alone, found it with group"),
+        (
+            {"matrices": None, "mesh": "a.msh", "material": {"E": 1, "nu": 0, "rho": 1}},
+            "nodes are labels of",
+        ),
+        (
+            {"interfaces": {"tip": {"nodes": [1], "group": "a"}}},
+            "nodes stands alone, found it with group",
+        ),
     ],
 )
 def test_mistakes(changes, message):
@@ -494,5 +640,7 @@ def test_the_text_of_a_body_gives_it_back():
 
 
 def test_a_dry_run_needs_a_mesh(solid, tmp_path):
-    with pytest.raises(BodyError, match=r"a dry run draws what was selected on a mesh, found \[matrices\]"):
+    with pytest.raises(
+        BodyError, match=r"a dry run draws what was selected on a mesh, found \[matrices\]"
+    ):
         survey(given(export(assemble(solid)).write(tmp_path)))

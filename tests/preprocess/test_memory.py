@@ -10,7 +10,11 @@ from duhamel.preprocess.memory import available, require
 @pytest.fixture
 def root(tmp_path):
     """A machine with 8 MB left."""
-    put(tmp_path, "proc/meminfo", "MemTotal:       16000 kB\nMemFree:   2000 kB\nMemAvailable:   8000 kB\n")
+    put(
+        tmp_path,
+        "proc/meminfo",
+        "MemTotal:       16000 kB\nMemFree:   2000 kB\nMemAvailable:   8000 kB\n",
+    )
     return tmp_path
 
 
@@ -25,7 +29,9 @@ def test_of_the_machine(root):
 
 
 def test_of_groups_within_groups(root):
-    """The outer group binds: 3 000 000 less 1 000 000 in use, of which 200 000 are files that give way."""
+    """The outer group binds: 3 000 000 less 1 000 000 in use, of which 200 000 are files that give
+    way.
+    """
     put(root, "proc/self/cgroup", "0::/job/step\n")
     for group, most, used in (("job", "3000000", 1_000_000), ("job/step", "max", 900_000)):
         put(root, f"sys/fs/cgroup/{group}/memory.max", f"{most}\n")
@@ -39,7 +45,11 @@ def test_of_groups_of_the_first_version(root):
     for group, most in (("", 9223372036854771712), ("job", 500_000)):
         put(root, f"sys/fs/cgroup/memory/{group}/memory.limit_in_bytes", str(most))
         put(root, f"sys/fs/cgroup/memory/{group}/memory.usage_in_bytes", "100000")
-        put(root, f"sys/fs/cgroup/memory/{group}/memory.stat", "cache 7\ntotal_inactive_file 20000\n")
+        put(
+            root,
+            f"sys/fs/cgroup/memory/{group}/memory.stat",
+            "cache 7\ntotal_inactive_file 20000\n",
+        )
     assert available(root) == 420_000
 
 

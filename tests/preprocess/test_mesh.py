@@ -1,11 +1,13 @@
-"""Reading meshes: groups of every element type through Gmsh's formats and others, and the errors of bad files."""
+"""Reading meshes: groups of every element type through Gmsh's formats and others, and the errors of
+bad files.
+"""
 
 import meshio
 import numpy as np
 import pytest
 from duhamel.preprocess import BodyError, MeshError, assemble
-from duhamel.preprocess.reading import read_mesh
-from duhamel.preprocess.static import compliance
+from duhamel.preprocess.mesh.reading import read_mesh
+from duhamel.preprocess.responses.static import compliance
 from pydantic import ValidationError
 
 GMSH = {
@@ -17,13 +19,17 @@ GMSH = {
 
 
 def places(mesh, kind, rows):
-    """The points of cells: meshio's 4.1 writer sorts the points, so their numbers differ from the original's."""
+    """The points of cells: meshio's 4.1 writer sorts the points, so their numbers differ from the
+    original's.
+    """
     return mesh.points[mesh.cells[kind][rows]]
 
 
 @pytest.mark.parametrize("version", GMSH)
 def test_groups_of_solids_come_through_gmsh(save, box, kind, version):
-    """Root, tip and all elements, with every node in its place; meshio's order of nodes differs from Gmsh's."""
+    """Root, tip and all elements, with every node in its place; meshio's order of nodes differs
+    from Gmsh's.
+    """
     file_format, options = GMSH[version]
     original = box(kind, divisions=(2, 1, 1))
     mesh = read_mesh(save(original, file_format=file_format, **options))
@@ -32,7 +38,9 @@ def test_groups_of_solids_come_through_gmsh(save, box, kind, version):
     for name, block in zip(("root", "tip", "box"), original.cells, strict=True):
         ((found, rows),) = mesh.group(name).cells.items()
         assert found == block.type
-        np.testing.assert_allclose(places(mesh, found, rows), original.points[block.data], rtol=0, atol=1e-15)
+        np.testing.assert_allclose(
+            places(mesh, found, rows), original.points[block.data], rtol=0, atol=1e-15
+        )
 
 
 @pytest.mark.parametrize("version", GMSH)
@@ -43,7 +51,9 @@ def test_groups_of_lines_come_through_gmsh(save, beam, version):
     for name, block in zip(("root", "tip", "beam"), original.cells, strict=True):
         ((found, rows),) = mesh.group(name).cells.items()
         assert found == block.type
-        np.testing.assert_allclose(places(mesh, found, rows), original.points[block.data], rtol=0, atol=1e-15)
+        np.testing.assert_allclose(
+            places(mesh, found, rows), original.points[block.data], rtol=0, atol=1e-15
+        )
 
 
 def test_every_version_gives_the_same_body(solid_body, save, box, kind):
@@ -60,10 +70,17 @@ def test_sets_of_other_formats(solid_body, save, box):
     """Abaqus: cell sets for elements, point sets for nodes."""
     mesh = box("hexahedron")
     points = {"tip": np.flatnonzero(mesh.points[:, 0] == 1.0), "corner": np.array([0])}
-    plain = meshio.Mesh(mesh.points, [mesh.cells[2]], point_sets=points, cell_sets={"all": [np.arange(8)]})
+    plain = meshio.Mesh(
+        mesh.points, [mesh.cells[2]], point_sets=points, cell_sets={"all": [np.arange(8)]}
+    )
     path = save(plain, "mesh.inp", "abaqus", float_fmt=".16e")
     interfaces = {"tip": {"group": "tip"}, "corner": {"group": "corner"}}
-    body = solid_body(mesh, interfaces=interfaces, material=None, materials={"all": {"E": 1.0, "nu": 0.0, "rho": 2.0}})
+    body = solid_body(
+        mesh,
+        interfaces=interfaces,
+        material=None,
+        materials={"all": {"E": 1.0, "nu": 0.0, "rho": 2.0}},
+    )
     structure = assemble(body.model_copy(update={"mesh": path}))
     assert structure.rigid.mass == pytest.approx(2.0, rel=1e-14)
     X = structure.rigid.center + np.array([interface.X for interface in structure.interfaces])
@@ -82,14 +99,17 @@ def test_files_that_are_no_meshes(tmp_path):
         read_mesh(tmp_path / "nowhere.msh")
     (tmp_path / "mesh.txt").write_text("points")
     with pytest.raises(
-        MeshError, match=r"mesh\.txt: expected a mesh format that meshio reads, found the suffix '\.txt'"
+        MeshError,
+        match=r"mesh\.txt: expected a mesh format that meshio reads, found the suffix '\.txt'",
     ):
         read_mesh(tmp_path / "mesh.txt")
 
 
 @pytest.mark.parametrize("version", GMSH)
 def test_files_that_break_off(save, beam, version):
-    """Wherever the bytes end, before the last section is closed, it is one error that names the file."""
+    """Wherever the bytes end, before the last section is closed, it is one error that names the
+    file.
+    """
     file_format, options = GMSH[version]
     path = save(beam(10), file_format=file_format, **options)
     whole = path.read_bytes()
@@ -103,11 +123,14 @@ def test_cells_that_make_no_body(save):
     points = [[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1]]
     pyramid = meshio.Mesh(points, [("pyramid", [[0, 1, 2, 3, 4]])])
     with pytest.raises(
-        MeshError, match=r"mesh\.vtk: unsupported cells pyramid; bodies are made of line, tetra, tetra10"
+        MeshError,
+        match=r"mesh\.vtk: unsupported cells pyramid; bodies are made of line, tetra, tetra10",
     ):
         read_mesh(save(pyramid, "mesh.vtk", "vtk", binary=False))
     shell = meshio.Mesh(points, [("triangle", [[0, 1, 2]])])
-    with pytest.raises(MeshError, match="no body in cells of type triangle; bodies are made of line"):
+    with pytest.raises(
+        MeshError, match="no body in cells of type triangle; bodies are made of line"
+    ):
         read_mesh(save(shell, "mesh.vtk", "vtk", binary=False))
     curved = meshio.Mesh(points, [("line3", [[0, 1, 2]])])
     with pytest.raises(MeshError, match="no body in cells of type line3"):
@@ -115,15 +138,23 @@ def test_cells_that_make_no_body(save):
 
 
 def test_sections_for_solids_and_materials_for_lines(solid_body, beam_body, box, beam, section):
-    with pytest.raises(BodyError, match=r"a mesh of solids: expected \[material\] or \[materials.GROUP\], found a sec"):
+    with pytest.raises(
+        BodyError,
+        match=r"a mesh of solids: expected \[material\] or \[materials.GROUP\], found a sec",
+    ):
         assemble(solid_body(box("tetra"), material=None, section=section))
-    with pytest.raises(BodyError, match=r"a mesh of lines: expected \[section\] or \[sections.GROUP\], found a mat"):
+    with pytest.raises(
+        BodyError, match=r"a mesh of lines: expected \[section\] or \[sections.GROUP\], found a mat"
+    ):
         assemble(beam_body(beam(2), None, material={"E": 1.0, "nu": 0.0, "rho": 1.0}))
 
 
 def test_elements_without_a_material_of_their_own(solid_body, box):
     steel = {"E": 1.0, "nu": 0.0, "rho": 1.0}
-    with pytest.raises(BodyError, match=r"one of the groups of \[materials\] \(root\): 8 are in none and 0 in several"):
+    with pytest.raises(
+        BodyError,
+        match=r"one of the groups of \[materials\] \(root\): 8 are in none and 0 in several",
+    ):
         assemble(solid_body(box("hexahedron"), material=None, materials={"root": steel}))
     with pytest.raises(MeshError, match="no group 'bx'"):
         assemble(solid_body(box("hexahedron"), material=None, materials={"bx": steel}))
@@ -135,7 +166,9 @@ def test_a_mesh_in_another_unit_of_length(solid_body, box, scale):
     body = solid_body(box("hexahedron", (0.3, 0.2, 0.1)))
     one, other = assemble(body), assemble(body.model_copy(update={"scale": scale}))
     assert other.rigid.mass == pytest.approx(scale**3 * one.rigid.mass, rel=1e-12)
-    np.testing.assert_allclose(other.rigid.J_rot, scale**5 * one.rigid.J_rot, rtol=1e-10, atol=1e-12 * scale**5)
+    np.testing.assert_allclose(
+        other.rigid.J_rot, scale**5 * one.rigid.J_rot, rtol=1e-10, atol=1e-12 * scale**5
+    )
     np.testing.assert_allclose(other.rigid.center, scale * one.rigid.center, rtol=1e-12)
     H, scaled = compliance(one)[:3, :3], compliance(other)[:3, :3]
     np.testing.assert_allclose(scaled, H / scale, rtol=0, atol=1e-9 * np.abs(H).max() / scale)

@@ -1,16 +1,18 @@
-"""Recovered surfaces: which points and facets, and strains that are exact or converge as they should."""
+"""Recovered surfaces: which points and facets, and strains that are exact or converge as they
+should.
+"""
 
 import meshio
 import numpy as np
 import pytest
 from duhamel.preprocess import BodyError, MethodError, assemble, build
-from duhamel.preprocess.band import Band
-from duhamel.preprocess.body import Damping
-from duhamel.preprocess.factor import factorize
-from duhamel.preprocess.krylov import krylov_modes
-from duhamel.preprocess.modal import elastic_shapes
-from duhamel.preprocess.reading import read_mesh
+from duhamel.preprocess.body.body import Damping
+from duhamel.preprocess.mesh.reading import read_mesh
 from duhamel.preprocess.recovery import recover
+from duhamel.preprocess.responses.band import Band
+from duhamel.preprocess.responses.factor import factorize
+from duhamel.preprocess.responses.krylov import krylov_modes
+from duhamel.preprocess.responses.modal import elastic_shapes
 from duhamel.superelement import GeneralizedAlpha, read, write
 from scipy.sparse import eye_array
 
@@ -37,7 +39,9 @@ def mesh_of(points, parts):
 
 
 def field(body, displacement):
-    """The recovery of a body and its structure, for which the one mode shape is a field of displacements."""
+    """The recovery of a body and its structure, for which the one mode shape is a field of
+    displacements.
+    """
     structure, mesh = assemble(body), read_mesh(body.mesh)
     u = displacement(structure.nodes.points).ravel()[:, None]
     return recover(body, mesh, structure, lambda rows: rows @ u), structure
@@ -57,12 +61,16 @@ def test_a_constant_strain_is_exact_at_every_node(solid_body, box, kind):
     e = 0.5 * (gradient + gradient.T)
     strain = [e[0, 0], e[1, 1], e[2, 2], 2 * e[1, 2], 2 * e[0, 2], 2 * e[0, 1]]
     expected = body.material.elasticity @ strain
-    np.testing.assert_allclose(recovery.stress[:, :, 0], expected + 0 * recovery.stress[:, :, 0], atol=1e-2, rtol=1e-11)
+    np.testing.assert_allclose(
+        recovery.stress[:, :, 0], expected + 0 * recovery.stress[:, :, 0], atol=1e-2, rtol=1e-11
+    )
 
 
 @pytest.mark.parametrize("kind", QUADRATIC)
 def test_pure_bending_is_exact(solid_body, box, kind):
-    """u = (xy, -x^2/2 - nu (y^2 - z^2)/2, -nu yz) has stress E y along x and none other: sigma = M y / I."""
+    """u = (xy, -x^2/2 - nu (y^2 - z^2)/2, -nu yz) has stress E y along x and none other: sigma = M
+    y / I.
+    """
 
     def bent(points):
         x, y, z = (points - [0.0, 0.5, 0.5]).T
@@ -75,7 +83,9 @@ def test_pure_bending_is_exact(solid_body, box, kind):
 
 
 def flexure(points):
-    """A cantilever under an end force, nu = 0, E = 1 and a depth of 1: sigma_xx = -x y, tau_xy = (y^2 - 1/4) / 2."""
+    """A cantilever under an end force, nu = 0, E = 1 and a depth of 1: sigma_xx = -x y, tau_xy =
+    (y^2 - 1/4) / 2.
+    """
     x, y, z = (points - [0.0, 0.5, 0.0]).T
     u = np.stack([y**3 / 3 - x**2 * y / 2, x**3 / 6 - x / 4, 0 * z], axis=1)
     stress = np.stack([-x * y, 0 * x, 0 * x, 0 * x, 0 * x, (y**2 - 0.25) / 2], axis=1)
@@ -83,7 +93,9 @@ def flexure(points):
 
 
 def error_of_flexure(body):
-    """The largest error of a stress at a node: the mesh is held at both ends as the exact solution is there."""
+    """The largest error of a stress at a node: the mesh is held at both ends as the exact solution
+    is there.
+    """
     structure, mesh = assemble(body), read_mesh(body.mesh)
     x = structure.nodes.points[:, 0]
     held = np.repeat((x < 1e-9) | (x > 2 - 1e-9), 3)
@@ -96,11 +108,15 @@ def error_of_flexure(body):
 
 
 def test_the_order_of_stresses_at_the_surface(solid_body, box, kind):
-    """h^2 for quadratic elements, h for linear ones, in the largest error of all nodes, corners of the bar included."""
+    """h^2 for quadratic elements, h for linear ones, in the largest error of all nodes, corners of
+    the bar included.
+    """
     material = {"E": 1.0, "nu": 0.0, "rho": 1.0}
     divisions = [(4, 2, 2), (8, 4, 4)]
     meshes = [box(kind, (2.0, 1.0, 1.0), n) for n in divisions]
-    coarse, fine = (error_of_flexure(solid_body(mesh, material=material, recovery=STRESS)) for mesh in meshes)
+    coarse, fine = (
+        error_of_flexure(solid_body(mesh, material=material, recovery=STRESS)) for mesh in meshes
+    )
     assert np.log2(coarse / fine) > (1.95 if kind in QUADRATIC else 0.85)
 
 
@@ -120,7 +136,9 @@ def test_the_surface_closes_and_turns_outwards(solid_body, box, kind):
 
 def test_wedges_and_tetrahedra_side_by_side(solid_body, box):
     """A wedge on a tetrahedron: facets of three and four nodes in one surface, and one strain."""
-    points = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (0, 1, 1), (0.2, 0.2, 1.7)])
+    points = np.array(
+        [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (0, 1, 1), (0.2, 0.2, 1.7)]
+    )
     parts = [
         ("root", "triangle", [[0, 2, 1]]),
         ("tip", "triangle", [[3, 4, 6]]),
@@ -131,7 +149,9 @@ def test_wedges_and_tetrahedra_side_by_side(solid_body, box):
     body = solid_body(mesh_of(points, parts), recovery=STRESS)
     recovery, _ = field(body, lambda X: X @ gradient.T)
     assert sorted(np.sum(recovery.cells >= 0, axis=1).tolist()) == [3, 3, 3, 3, 4, 4, 4]
-    np.testing.assert_allclose(recovery.stress, np.broadcast_to(recovery.stress[0], (7, 6, 1)), rtol=0, atol=1e-3)
+    np.testing.assert_allclose(
+        recovery.stress, np.broadcast_to(recovery.stress[0], (7, 6, 1)), rtol=0, atol=1e-3
+    )
     trace = recovery.stress[0, :3, 0].sum()
     assert trace == pytest.approx(E / (1 - 2 * NU) * np.trace(gradient), rel=1e-12)
 
@@ -142,8 +162,13 @@ def test_a_node_between_materials_has_the_stresses_of_both(solid_body, box):
     block = mesh.cells[2].data
     parts = [(name, c.type, c.data) for name, c in zip(("root", "tip"), mesh.cells, strict=False)]
     parts += [("soft", "hexahedron20", block[:1]), ("stiff", "hexahedron20", block[1:])]
-    materials = {name: {"E": E * factor, "nu": 0.0, "rho": 1.0} for name, factor in (("soft", 1.0), ("stiff", 10.0))}
-    body = solid_body(mesh_of(mesh.points, parts), material=None, materials=materials, recovery=STRESS)
+    materials = {
+        name: {"E": E * factor, "nu": 0.0, "rho": 1.0}
+        for name, factor in (("soft", 1.0), ("stiff", 10.0))
+    }
+    body = solid_body(
+        mesh_of(mesh.points, parts), material=None, materials=materials, recovery=STRESS
+    )
     recovery, structure = field(body, lambda X: X * [1.0, 0.0, 0.0])
     x = (recovery.points + structure.rigid.center)[:, 0]
     assert len(recovery.points) == len(mesh.points) + 8
@@ -163,7 +188,9 @@ def test_tied_nodes_follow_their_frame(solid_body, box, kind):
     structure, mesh = assemble(body), read_mesh(body.mesh)
     recovery = recover(body, mesh, structure, lambda rows: rows @ structure.rigid.A)
     for i, axis in enumerate(np.eye(3)):
-        np.testing.assert_allclose(recovery.phi[:, :, i], axis + 0 * recovery.points, rtol=0, atol=1e-14)
+        np.testing.assert_allclose(
+            recovery.phi[:, :, i], axis + 0 * recovery.points, rtol=0, atol=1e-14
+        )
         turned = np.cross(axis, recovery.points)
         np.testing.assert_allclose(recovery.phi[:, :, 3 + i], turned, rtol=0, atol=1e-14)
     assert np.abs(recovery.stress).max() < 1e-11 * E
@@ -175,7 +202,9 @@ def test_a_built_solid_keeps_its_recovery_in_the_file(solid_body, box, tmp_path)
     element = build(solid_body(box("hexahedron"), interfaces=interfaces, recovery=STRESS))
     recovery, root = element.recovery, element.interface("root")
     face = np.abs(recovery.points[:, 0] - root.X[0]) < 1e-9
-    np.testing.assert_allclose(recovery.phi[face].mean(axis=0), element.modes.phi[:3], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(
+        recovery.phi[face].mean(axis=0), element.modes.phi[:3], rtol=0, atol=1e-12
+    )
     write(tmp_path / "box.h5", element)
     again = read(tmp_path / "box.h5").recovery
     for name in ("points", "cells"):
@@ -188,23 +217,31 @@ def test_lines_have_points_and_displacements(beam_body, beam):
     element = build(beam_body(beam(4), recovery={}))
     recovery = element.recovery
     np.testing.assert_array_equal(recovery.cells, [[0, 1], [1, 2], [2, 3], [3, 4]])
-    np.testing.assert_allclose(recovery.points[:, 0], np.linspace(-0.25, 0.25, 5), rtol=0, atol=1e-15)
+    np.testing.assert_allclose(
+        recovery.points[:, 0], np.linspace(-0.25, 0.25, 5), rtol=0, atol=1e-15
+    )
     np.testing.assert_array_equal(recovery.phi[0], element.modes.phi[:3])
     np.testing.assert_array_equal(recovery.phi[-1], element.modes.phi[6:9])
     assert recovery.stress is None
 
 
 def test_what_cannot_be_recovered(beam_body, beam, solid_body, box):
-    with pytest.raises(BodyError, match=r"recovery.stress: expected a mesh of solids, found mesh.msh, one of lines"):
+    with pytest.raises(
+        BodyError, match=r"recovery.stress: expected a mesh of solids, found mesh.msh, one of lines"
+    ):
         build(beam_body(beam(2), recovery=STRESS))
     impulse = {"step": 1e-4, "steps": 20, "method": "march"}
-    with pytest.raises(MethodError, match=r"\[recovery\] needs modes, which impulse.method march does not find"):
+    with pytest.raises(
+        MethodError, match=r"\[recovery\] needs modes, which impulse.method march does not find"
+    ):
         build(solid_body(box("tetra"), impulse=impulse, recovery={}))
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6])
 def test_fields_of_krylov_modes_err_by_no_more_than_the_tolerance(solid_body, box, tolerance):
-    """Beside all modes, in the norm of strain energy over the band; a kernel to the same tolerance leaves more."""
+    """Beside all modes, in the norm of strain energy over the band; a kernel to the same tolerance
+    leaves more.
+    """
     h = 5e-6
     structure = assemble(solid_body(box("hexahedron20", (0.2, 0.05, 0.05), (6, 2, 2))))
     band = Band(h, GeneralizedAlpha(0.9), 1000, 0.25 / h)
@@ -212,7 +249,9 @@ def test_fields_of_krylov_modes_err_by_no_more_than_the_tolerance(solid_body, bo
     everywhere = eye_array(structure.n_u, format="csr")
 
     def errors(fields):
-        modes, shapes, stated = krylov_modes(structure, Damping(), band, tolerance, lambda text: None, fields)
+        modes, shapes, stated = krylov_modes(
+            structure, Damping(), band, tolerance, lambda text: None, fields
+        )
         turn = every_shapes(everywhere).T @ (structure.M @ shapes(everywhere))
         return band.field_error(modes, every, turn), stated
 

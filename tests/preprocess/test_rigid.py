@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from duhamel.preprocess import assemble
-from duhamel.preprocess.rigid import project, relieve
+from duhamel.preprocess.assembly.rigid import project, relieve
 from scipy.spatial.transform import Rotation
 
 SIZE = np.array([0.3, 0.2, 0.1])
@@ -26,7 +26,9 @@ def check_rigid(structure):
     relieved = relieve(w, U, M)
     assert np.abs(U.T @ relieved).max() < 1e-12 * np.abs(U.T @ w).max()
     # w^T P^T f = (P w)^T f
-    np.testing.assert_allclose(w.T @ relieved, once.T @ w, rtol=0, atol=1e-10 * np.abs(w.T @ w).max())
+    np.testing.assert_allclose(
+        w.T @ relieved, once.T @ w, rtol=0, atol=1e-10 * np.abs(w.T @ w).max()
+    )
 
 
 def test_a_box_of_every_solid_element(solid_body, box, kind):
@@ -38,9 +40,14 @@ def test_a_box_of_every_solid_element(solid_body, box, kind):
     assert structure.rigid.mass == pytest.approx(mass, rel=1e-13)
     np.testing.assert_allclose(structure.rigid.center, SIZE / 2, rtol=1e-13)
     if kind in ("tetra", "hexahedron"):
-        # linear elements integrate N^T N of rigid rotations exactly too: their shapes hold every linear field
-        np.testing.assert_allclose(structure.rigid.J_rot, np.diag(inertia), rtol=0, atol=1e-12 * inertia.max())
-    np.testing.assert_allclose(structure.rigid.J_rot, np.diag(inertia), rtol=0, atol=1e-12 * inertia.max())
+        # linear elements integrate N^T N of rigid rotations exactly too: their shapes hold every
+        # linear field
+        np.testing.assert_allclose(
+            structure.rigid.J_rot, np.diag(inertia), rtol=0, atol=1e-12 * inertia.max()
+        )
+    np.testing.assert_allclose(
+        structure.rigid.J_rot, np.diag(inertia), rtol=0, atol=1e-12 * inertia.max()
+    )
 
 
 def test_a_turned_and_moved_box(solid_body, box, kind):
@@ -51,7 +58,9 @@ def test_a_turned_and_moved_box(solid_body, box, kind):
     check_rigid(structure)
     mass = 7800.0 * SIZE.prod()
     inertia = R @ np.diag(mass / 12 * (SIZE @ SIZE - SIZE**2)) @ R.T
-    np.testing.assert_allclose(structure.rigid.J_rot, inertia, rtol=0, atol=1e-12 * np.abs(inertia).max())
+    np.testing.assert_allclose(
+        structure.rigid.J_rot, inertia, rtol=0, atol=1e-12 * np.abs(inertia).max()
+    )
     np.testing.assert_allclose(structure.rigid.center, R @ SIZE / 2 + move, rtol=1e-13)
 
 
@@ -65,7 +74,10 @@ def test_a_curved_quadratic_body_stays_free_of_strain(solid_body, box, kind):
 
 def test_a_rigid_interface_changes_no_mass(solid_body, box, kind):
     mesh = box(kind, size=tuple(SIZE))
-    rigid = {"root": {"group": "root", "kind": "rigid"}, "tip": {"group": "tip", "kind": "rigid", "at": [0.5, 0, 0]}}
+    rigid = {
+        "root": {"group": "root", "kind": "rigid"},
+        "tip": {"group": "tip", "kind": "rigid", "at": [0.5, 0, 0]},
+    }
     structure = assemble(solid_body(mesh, interfaces=rigid))
     check_rigid(structure)
     free = assemble(solid_body(mesh))

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from duhamel.preprocess import MeshError, assemble
-from duhamel.preprocess.facets import CORNERS, facets_of
-from duhamel.preprocess.reading import read_mesh
+from duhamel.preprocess.mesh.facets import CORNERS, facets_of
+from duhamel.preprocess.mesh.reading import read_mesh
 
 E, NU = 2.1e11, 0.3
 
@@ -58,7 +58,9 @@ def test_energy_of_every_constant_strain(solid_body, box, kind):
 
 @pytest.mark.parametrize("kind", ["tetra10", "hexahedron20", "hexahedron27"])
 def test_quadratic_elements_hold_pure_bending(solid_body, box, kind):
-    """u = (xy, -x^2/2 - nu (y^2 - z^2)/2, -nu yz) has stress E y along x alone: energy E int y^2 / 2."""
+    """u = (xy, -x^2/2 - nu (y^2 - z^2)/2, -nu yz) has stress E y along x alone: energy E int y^2 /
+    2.
+    """
     structure = assemble(solid_body(box(kind)))
     x, y, z = (structure.nodes.points - [0.0, 0.5, 0.5]).T
     u = np.stack([x * y, -(x**2) / 2 - NU * (y**2 - z**2) / 2, -NU * y * z], axis=1).ravel()
@@ -97,7 +99,9 @@ def test_materials_by_group(solid_body, box):
     mesh = box("hexahedron", size=(2.0, 1.0, 1.0), divisions=(2, 1, 1))
     block = mesh.cells[2]
     mesh.cells[2:] = [type(block)("hexahedron", block.data[[i]]) for i in (0, 1)]
-    mesh.cell_data = {key: [*data[:2], np.array([3]), np.array([4])] for key, data in mesh.cell_data.items()}
+    mesh.cell_data = {
+        key: [*data[:2], np.array([3]), np.array([4])] for key, data in mesh.cell_data.items()
+    }
     del mesh.field_data["box"]
     mesh.field_data |= {"left": np.array([3, 3]), "right": np.array([4, 3])}
     light, heavy = {"E": E, "nu": NU, "rho": 1.0}, {"E": E / 2, "nu": NU, "rho": 3.0}
@@ -116,7 +120,10 @@ def test_an_inverted_element_is_named(solid_body, box, kind):
     mesh = box(kind)
     cells = mesh.cells[-1].data
     cells[3, [0, 1]] = cells[3, [1, 0]]
-    with pytest.raises(MeshError, match=rf"mesh.msh: {kind} element 3 of group box is inverted.* 1 of {len(cells)} el"):
+    with pytest.raises(
+        MeshError,
+        match=rf"mesh.msh: {kind} element 3 of group box is inverted.* 1 of {len(cells)} el",
+    ):
         assemble(solid_body(mesh))
 
 
@@ -124,7 +131,10 @@ def test_a_mirrored_mesh_is_inverted_throughout(solid_body, box, kind):
     mesh = box(kind)
     mesh.points = mesh.points * [1, 1, -1]
     n = len(mesh.cells[-1].data)
-    with pytest.raises(MeshError, match=rf"mesh.msh: {kind} element 0 of group box is inverted.* {n} of {n} elements"):
+    with pytest.raises(
+        MeshError,
+        match=rf"mesh.msh: {kind} element 0 of group box is inverted.* {n} of {n} elements",
+    ):
         assemble(solid_body(mesh))
 
 
@@ -142,5 +152,7 @@ def test_neighbours_must_share_their_middle_nodes(solid_body, box):
     mesh.points = np.vstack([mesh.points, mesh.points[cells[0, 6]]])
     mesh.point_data = {}
     cells[0, 6] = twin
-    with pytest.raises(MeshError, match=r"share their corners but not their middle nodes.*element \d+, at"):
+    with pytest.raises(
+        MeshError, match=r"share their corners but not their middle nodes.*element \d+, at"
+    ):
         assemble(solid_body(mesh))

@@ -6,9 +6,14 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 from duhamel.preprocess import MeshError, assemble, build
-from duhamel.preprocess.body import Damping
-from duhamel.preprocess.modal import elastic_modes
-from duhamel.preprocess.static import _conjugate_gradients, compliance, initial_accelerations, mobility
+from duhamel.preprocess.body.body import Damping
+from duhamel.preprocess.responses.modal import elastic_modes
+from duhamel.preprocess.responses.static import (
+    _conjugate_gradients,
+    compliance,
+    initial_accelerations,
+    mobility,
+)
 from scipy.sparse.linalg import eigsh
 
 L, EI, EA, GJ = 0.5, 5.5, 2.16e7, 4.0
@@ -21,7 +26,9 @@ def relative(found, expected):
 
 @pytest.mark.parametrize("n", [10, 40])
 def test_closed_forms_of_a_free_beam(beam_body, beam, n):
-    """Inertia-relieved bending of a uniform beam; the defect of the consistent mass falls with N^2 and faster."""
+    """Inertia-relieved bending of a uniform beam; the defect of the consistent mass falls with N^2
+    and faster.
+    """
     H = compliance(assemble(beam_body(beam(n))))
     near = 1e-3 / n**2
     for end, sign in ((0, 1.0), (6, -1.0)):
@@ -53,7 +60,11 @@ def test_the_compliance_is_the_sum_over_elastic_modes(beam_body, lines):
 
 
 def test_the_same_of_solids_with_both_kinds_of_interface(solid_body, box, kind):
-    interfaces = {"root": {"group": "root", "kind": "rigid"}, "tip": {"group": "tip"}, "corner": {"node": [0, 1, 1]}}
+    interfaces = {
+        "root": {"group": "root", "kind": "rigid"},
+        "tip": {"group": "tip"},
+        "corner": {"node": [0, 1, 1]},
+    }
     mesh = box(kind, divisions=(2, 1, 1))
     mesh.points = mesh.points * [3.0, 1.0, 1.0]
     interfaces["corner"] = {"node": [3, 1, 1]}
@@ -85,8 +96,12 @@ def test_ritz_modes_know_the_compliance(solid_body, box):
 
 
 def test_initial_accelerations_of_every_mass_matrix(beam_body, lines, solid_body, box):
-    """By conjugate gradients on solids; on beams askew, whose little polar inertia stops these, by factorization."""
-    askew = assemble(beam_body(lines(np.cumsum(np.random.default_rng(1).normal(size=(60, 3)), axis=0))))
+    """By conjugate gradients on solids; on beams askew, whose little polar inertia stops these, by
+    factorization.
+    """
+    askew = assemble(
+        beam_body(lines(np.cumsum(np.random.default_rng(1).normal(size=(60, 3)), axis=0)))
+    )
     assert _conjugate_gradients(askew.M.tocsr(), askew.loads) is None
     solid = assemble(solid_body(box("tetra10", divisions=(3, 3, 3))))
     assert _conjugate_gradients(solid.M.tocsr(), solid.loads) is not None
@@ -97,12 +112,15 @@ def test_initial_accelerations_of_every_mass_matrix(beam_body, lines, solid_body
 
 
 def test_iterations_do_not_grow_with_the_mesh(solid_body, box):
-    """Wathen's bound is that of one element; so the limit on iterations holds for meshes of any size."""
+    """Wathen's bound is that of one element; so the limit on iterations holds for meshes of any
+    size.
+    """
     for n in (2, 4, 8):
         M = assemble(solid_body(box("tetra10", size=(1.0, 0.2, 0.1), divisions=(n, n, n)))).M
         scale = sp.diags_array(1.0 / np.sqrt(M.diagonal()))
         least, most = (
-            eigsh(scale @ M @ scale, 1, which=which, return_eigenvectors=False, tol=1e-3)[0] for which in ("SA", "LA")
+            eigsh(scale @ M @ scale, 1, which=which, return_eigenvectors=False, tol=1e-3)[0]
+            for which in ("SA", "LA")
         )
         assert most / least < 40.0
 

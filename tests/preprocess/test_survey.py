@@ -1,11 +1,13 @@
-"""What is found before impulse responses are computed: frequencies against the mesh's own, shares, wavelengths."""
+"""What is found before impulse responses are computed: frequencies against the mesh's own, shares,
+wavelengths.
+"""
 
 import numpy as np
 import pytest
 from duhamel.preprocess import assemble
-from duhamel.preprocess.damping import Damping
 from duhamel.preprocess.estimate import SPLINES, first_frequencies, ritz_frequencies
-from duhamel.preprocess.modal import elastic_shapes
+from duhamel.preprocess.responses.damping import Damping
+from duhamel.preprocess.responses.modal import elastic_shapes
 from duhamel.preprocess.survey import survey
 
 
@@ -28,7 +30,9 @@ def test_ritz_frequencies_are_close_upper_bounds(solid_body, box, name):
     """Of the mesh's; the first six within the fraction given."""
     (size, divisions), change, within = BODIES[name]
     interfaces = {end: {"group": end, **change} for end in ("root", "tip")}
-    structure = assemble(solid_body(box("hexahedron20", size=size, divisions=divisions), interfaces=interfaces))
+    structure = assemble(
+        solid_body(box("hexahedron20", size=size, divisions=divisions), interfaces=interfaces)
+    )
     true = frequencies(structure)
     error = ritz_frequencies(structure, SPLINES)[:6] / true[:6] - 1.0
     assert error.min() > -1e-6  # the mesh's own frequencies carry rounding
@@ -37,13 +41,20 @@ def test_ritz_frequencies_are_close_upper_bounds(solid_body, box, name):
 
 def test_more_splines_lower_the_bounds(solid_body, box):
     """Along the bar the grids are nested: 2, 4 and 8 cells by one by one, nine splines across."""
-    structure = assemble(solid_body(box("hexahedron", size=(1.0, 0.05, 0.04), divisions=(32, 2, 2))))
+    structure = assemble(
+        solid_body(box("hexahedron", size=(1.0, 0.05, 0.04), divisions=(32, 2, 2)))
+    )
     bounds = np.array([ritz_frequencies(structure, 9 * (cells + 2))[:6] for cells in (2, 4, 8)])
     assert (np.diff(bounds, axis=0) < 0.0).all()
 
 
-def test_frequencies_of_beams_and_of_small_solids_are_those_of_the_mesh(beam_body, solid_body, beam, box):
-    for structure in (assemble(beam_body(beam(12))), assemble(solid_body(box("hexahedron20", divisions=(3, 2, 2))))):
+def test_frequencies_of_beams_and_of_small_solids_are_those_of_the_mesh(
+    beam_body, solid_body, beam, box
+):
+    for structure in (
+        assemble(beam_body(beam(12))),
+        assemble(solid_body(box("hexahedron20", divisions=(3, 2, 2)))),
+    ):
         found = first_frequencies(structure, 8)
         assert found.exact
         np.testing.assert_allclose(found.values, frequencies(structure)[:8], rtol=1e-6)
@@ -51,11 +62,17 @@ def test_frequencies_of_beams_and_of_small_solids_are_those_of_the_mesh(beam_bod
 
 def test_two_nodes_have_as_many_frequencies_as_there_are(beam_body, beam):
     structure = assemble(beam_body(beam(1)))
-    np.testing.assert_allclose(first_frequencies(structure, 10).values, frequencies(structure)[:5], rtol=1e-6)
+    np.testing.assert_allclose(
+        first_frequencies(structure, 10).values, frequencies(structure)[:5], rtol=1e-6
+    )
 
 
 def test_shares_add_up_to_the_mass(solid_body, box, kind):
-    found = survey(solid_body(box(kind, size=(2.0, 1.0, 0.5)), masses={"lump": {"interface": "tip", "mass": 5.0}}))
+    found = survey(
+        solid_body(
+            box(kind, size=(2.0, 1.0, 0.5)), masses={"lump": {"interface": "tip", "mass": 5.0}}
+        )
+    )
     (share,) = found.shares
     assert share.elements == found.mesh.n_elements
     assert share.extent == pytest.approx(1.0, rel=1e-12)
@@ -67,11 +84,15 @@ def test_shares_add_up_to_the_mass(solid_body, box, kind):
 def test_shares_by_group(beam_body, lines, section):
     mesh = lines([[0, 0, 0], [1, 0, 0], [3, 0, 0]])
     found = survey(beam_body(mesh, section=None, sections={"beam": section}))
-    assert [(share.group, share.elements, share.extent) for share in found.shares] == [("beam", 2, 3.0)]
+    assert [(share.group, share.elements, share.extent) for share in found.shares] == [
+        ("beam", 2, 3.0)
+    ]
     assert found.shares[0].mass == pytest.approx(3.0 * 0.0858, rel=1e-12)
 
 
-@pytest.mark.parametrize(("kind", "between", "needed"), [("hexahedron", 0.5, 6), ("hexahedron20", 0.25, 4)])
+@pytest.mark.parametrize(
+    ("kind", "between", "needed"), [("hexahedron", 0.5, 6), ("hexahedron20", 0.25, 4)]
+)
 def test_resolution_of_shear_waves(solid_body, box, kind, between, needed):
     """c = sqrt(E / 2 (1 + nu) rho) at 1 / (4 h); the longest edge of the box is 0.5 m."""
     found = survey(solid_body(box(kind, size=(1.0, 0.5, 0.5))))
@@ -91,7 +112,9 @@ def test_resolution_of_bending_waves(beam_body, beam):
 
 
 def test_the_boundary_is_closed_and_turned_outwards(solid_body, box, kind):
-    """Its area vectors add up to nothing, and 1/3 of the sum of x . n dA is the volume; the ends are marked."""
+    """Its area vectors add up to nothing, and 1/3 of the sum of x . n dA is the volume; the ends
+    are marked.
+    """
     found = survey(solid_body(box(kind, size=(2.0, 1.0, 0.5))))
     total, volume, ends = np.zeros(3), 0.0, np.zeros(2)
     for polygons, owners in found.boundary():

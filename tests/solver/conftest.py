@@ -9,8 +9,9 @@ import meshio
 import numpy as np
 import pytest
 from duhamel.preprocess import Structure, assemble, build, read_body
-from duhamel.preprocess.body import Damping
-from duhamel.solver import FlexibleBody, Frame, Joint, Model, Place, RigidBody, Start, rotations
+from duhamel.preprocess.body.body import Damping
+from duhamel.solver import FlexibleBody, Frame, Joint, Model, Place, RigidBody, Start
+from duhamel.solver.step import rotations
 from duhamel.superelement import GeneralizedAlpha, Interface, Modes, Superelement, sample_kernel
 
 BEAM = Path(__file__).parents[2] / "meshes" / "beam" / "beam.toml"
@@ -67,15 +68,27 @@ def coarse(tmp_path_factory: pytest.TempPathFactory) -> Superelement:
 
 @pytest.fixture(scope="session")
 def hub_and_beam() -> Callable[..., Model]:
-    """The paper's rotating beam: a hub of phi times the inertia of the beam, on a pivot, carries it on its rim."""
+    """The paper's rotating beam: a hub of phi times the inertia of the beam, on a pivot, carries it
+    on its rim.
+    """
 
-    def make(beam: Beam, phi: float, pivot: str = "revolute", spin: Any = (0.0, 0.0, 0.0), **settings: Any) -> Model:
+    def make(
+        beam: Beam,
+        phi: float,
+        pivot: str = "revolute",
+        spin: Any = (0.0, 0.0, 0.0),
+        **settings: Any,
+    ) -> Model:
         axis = [0, 0, 1] if pivot == "revolute" else None
         omega = np.asarray(spin, dtype=float)
         J = phi * BEAM_INERTIA
-        hub = RigidBody(0.01, [0.6 * J, 0.7 * J, J], {"rim": Frame([0.05, 0, 0])}, Start(angular_velocity=omega))
+        hub = RigidBody(
+            0.01, [0.6 * J, 0.7 * J, J], {"rim": Frame([0.05, 0, 0])}, Start(angular_velocity=omega)
+        )
         center = np.array([0.05, 0, 0]) - beam.element.interface("root").X
-        start = Start(place=Place("root", "hub.rim"), velocity=np.cross(omega, center), angular_velocity=omega)
+        start = Start(
+            place=Place("root", "hub.rim"), velocity=np.cross(omega, center), angular_velocity=omega
+        )
         return Model(
             bodies={"hub": hub, "beam": FlexibleBody(beam.element, start)},
             joints=(
@@ -100,9 +113,15 @@ def random_element() -> Callable[..., Superelement]:
         omega: tuple[float, float] = (50.0, 5000.0),
     ) -> Superelement:
         rng = np.random.default_rng(seed)
-        interfaces = tuple(Interface(f"i{k}", rng.normal(size=3), given) for k, given in enumerate(rotations))
+        interfaces = tuple(
+            Interface(f"i{k}", rng.normal(size=3), given) for k, given in enumerate(rotations)
+        )
         n_c = sum(interface.n_dofs for interface in interfaces)
-        form = Modes(np.sort(rng.uniform(*omega, modes)), rng.uniform(0, 0.05, modes), rng.normal(size=(n_c, modes)))
+        form = Modes(
+            np.sort(rng.uniform(*omega, modes)),
+            rng.uniform(0, 0.05, modes),
+            rng.normal(size=(n_c, modes)),
+        )
         half = rng.normal(size=(3, 3))
         return Superelement(
             name=f"random {seed}",

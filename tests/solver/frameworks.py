@@ -20,16 +20,17 @@ ELASTIC = ("EA", "EI_y", "EI_z", "GJ")
 
 
 def framework(folder, ends, interfaces, elements=4, stiffness=1.0, step=2e-4, steps=10):
-    """Straight bars, each given by its two ends and cut into `elements`; bars that share an end are joined there.
+    """Straight bars, each given by its two ends and cut into `elements`; bars that share an end are
+    joined there.
 
     interfaces: points by name; stiffness: a factor on all of them.
     """
     points, lines = _mesh(np.asarray(ends, dtype=float), elements)
     path = Path(folder) / "framework.msh"
     tags = [np.ones(len(lines), dtype=int)]
-    meshio.Mesh(points, [("line", lines)], cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags}).write(
-        path, file_format="gmsh22", binary=False
-    )
+    meshio.Mesh(
+        points, [("line", lines)], cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags}
+    ).write(path, file_format="gmsh22", binary=False)
     body = {
         "name": "framework",
         "mesh": path,

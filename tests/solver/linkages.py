@@ -12,7 +12,9 @@ X, Z = np.eye(3)[[0, 2]]
 
 
 def pins(angle):
-    """B and C of the rigid four-bar A B C D, A at the origin, D at (BASE, 0): two circles meet in C."""
+    """B and C of the rigid four-bar A B C D, A at the origin, D at (BASE, 0): two circles meet in
+    C.
+    """
     B, D = CRANK * np.array([np.cos(angle), np.sin(angle), 0.0]), BASE * X
     distance = np.linalg.norm(D - B)
     along = (D - B) / distance
@@ -40,7 +42,9 @@ def four_bar(folder, stiffness=0.05, drive=None, **settings):
         bodies={
             "crank": crank(ANGLE),
             "rod": FlexibleBody(bar(folder, COUPLER, stiffness=stiffness), Start(**between(B, C))),
-            "rocker": FlexibleBody(bar(folder, ROCKER, stiffness=stiffness), Start(**between(C, BASE * X))),
+            "rocker": FlexibleBody(
+                bar(folder, ROCKER, stiffness=stiffness), Start(**between(C, BASE * X))
+            ),
         },
         joints=(
             Joint("A", "revolute", ("ground.A", "crank.pin"), Z, angle=drive),
@@ -73,9 +77,13 @@ def slider_crank(folder, **settings):
 
 
 def spatial_four_bar(folder, **settings):
-    """Crank and rocker about skew axes, a flexible rod on a spherical and a universal joint, bent and twisted."""
+    """Crank and rocker about skew axes, a flexible rod on a spherical and a universal joint, bent
+    and twisted.
+    """
     B, C, D = CRANK * X, np.array([0.25, 0.2, 0.15]), np.array([0.25, 0.2, -0.1])
-    rod = FlexibleBody(bar(folder, float(np.linalg.norm(C - B)), stiffness=0.05), Start(**between(B, C)))
+    rod = FlexibleBody(
+        bar(folder, float(np.linalg.norm(C - B)), stiffness=0.05), Start(**between(B, C))
+    )
     frames = {"pin": Frame([0, 0, -0.125]), "end": Frame([0, 0, 0.125])}
     return Model(
         bodies={

@@ -1,7 +1,7 @@
 """The blocks of the iteration matrix as a dense matrix."""
 
 import numpy as np
-from duhamel.solver.system import Pattern, State, System
+from duhamel.solver.step.system import Pattern, State, System
 
 
 def dense(pattern: Pattern, S: np.ndarray) -> np.ndarray:
@@ -18,7 +18,9 @@ def dense(pattern: Pattern, S: np.ndarray) -> np.ndarray:
 
 
 def in_space(system: System, state: State, S: np.ndarray) -> np.ndarray:
-    """The same for delta x, in space, and delta Theta of every body, all active dofs, all rows; forces in space too."""
+    """The same for delta x, in space, and delta Theta of every body, all active dofs, all rows;
+    forces in space too.
+    """
     pattern, first = system.pattern, system.pattern.first
     bodies = [np.arange(6) + first[k] for k in pattern.body]
     flexible = system.elastic.body

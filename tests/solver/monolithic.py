@@ -1,16 +1,17 @@
-"""Time stepping of the unreduced floating-frame model: every elastic displacement of the beam is an unknown.
+"""Time stepping of the unreduced floating-frame model: every elastic displacement of the beam is an
+unknown.
 
-A hub turns about a pivot at its centre and carries a beam that is clamped to its rim. Plain numpy, written for clarity,
-and apart from the finite element matrices nothing is shared with the solver:
+A hub turns about a pivot at its centre and carries a beam that is clamped to its rim. Plain numpy,
+written for clarity, and apart from the finite element matrices nothing is shared with the solver:
 
     hub, beam:  m x'' = f + m g,   J omega' + omega x J omega = t          (rigid motion of the floating frames)
     beam:       M u'' + C u' + K u = P^T P_C^T p,   P^T = I - M U U^T      (all nodes)
     pivot:      x_hub = 0, and for a revolute joint (R_hub e_3) . e_1 = (R_hub e_3) . e_2 = 0
     clamp:      x_hub + R_hub X = x + R (X_root + u_root),   log(R_hub^T R exp(w_root)) = 0
 
-by generalized-alpha (Arnold, Bruls 2007) in the accelerations v_dot of the end of the step, with multipliers. The
-iteration matrix leaves out terms of the order of h^2 and is kept within a step: a fixed number of iterations, ample,
-brings all residuals down to rounding.
+by generalized-alpha (Arnold, Bruls 2007) in the accelerations v_dot of the end of the step, with
+multipliers. The iteration matrix leaves out terms of the order of h^2 and is kept within a step: a
+fixed number of iterations, ample, brings all residuals down to rounding.
 """
 
 from dataclasses import dataclass, field
@@ -45,7 +46,9 @@ def tangent(w):
 
 @dataclass
 class Reference:
-    """structure: the beam; J_hub (3, 3) and m_hub; rim (3,) on the hub; revolute about e_3, or spherical."""
+    """structure: the beam; J_hub (3, 3) and m_hub; rim (3,) on the hub; revolute about e_3, or
+    spherical.
+    """
 
     structure: object
     J_hub: np.ndarray
@@ -88,8 +91,9 @@ class Reference:
     def run(self, torque, tip_force=None, spin=(0.0, 0.0, 0.0)):
         """Hub torque about e_3 (n + 1,) and a dead force on the tip (n + 1, 3), both from t = 0 on.
 
-        Gives the rotation of the hub as matrices (n + 1, 3, 3), the interface displacements (n + 1, 12), the rigid
-        velocities (n + 1, 12), and force and moment of the clamp on the beam, in space (n + 1, 6).
+        Gives the rotation of the hub as matrices (n + 1, 3, 3), the interface displacements (n + 1,
+        12), the rigid velocities (n + 1, 12), and force and moment of the clamp on the beam, in
+        space (n + 1, 6).
         """
         tip_force = np.zeros((len(torque), 3)) if tip_force is None else tip_force
         spin = np.asarray(spin, dtype=float)
@@ -117,7 +121,9 @@ class Reference:
             x_new = x + np.array([dq[0:3], dq[6:9]])
             R_new = np.array([R[0] @ exp(dq[3:6]), R[1] @ exp(dq[9:12])])
             u_new = u + dq[12:]
-            residual, phi, B = self._equations(x_new, R_new, u_new, v_new, v_dot, lam, torque, tip_force)
+            residual, phi, B = self._equations(
+                x_new, R_new, u_new, v_new, v_dot, lam, torque, tip_force
+            )
             if factors is None:
                 factors = lu_factor(self._iteration_matrix(B, v_new))
             change = lu_solve(factors, -np.concatenate([residual, phi / self.d_q]))
@@ -134,7 +140,9 @@ class Reference:
         A[0:3, 0:3], A[6:9, 6:9] = self.m_hub * np.eye(3), self.m * np.eye(3)
         for first, J in ((3, self.J_hub), (9, self.J)):
             omega = v[first : first + 3]
-            A[first : first + 3, first : first + 3] = J + self.d_v * (skew(omega) @ J - skew(J @ omega))
+            A[first : first + 3, first : first + 3] = J + self.d_v * (
+                skew(omega) @ J - skew(J @ omega)
+            )
         A[12:n, 12:n] = self.M + self.d_v * self.C + self.d_q * self.K
         A[:n, n:] = -self._filtered(B.T)
         A[n:, :n] = B
@@ -184,21 +192,27 @@ class Reference:
         B_q[i : i + 3, 6:9] = np.eye(3)
         B_q[i : i + 3, 9:12] = -R[1] @ skew(lever)
         B_C[i : i + 3, 0:3] = R[1]
-        # where the constraint holds, both frames have the same axes and d log is the difference of the rotations
+        # where the constraint holds, both frames have the same axes and d log is the difference of
+        # the rotations
         B_q[i + 3 :, 3:6] = -np.eye(3)
         B_q[i + 3 :, 9:12] = W.T
         B_C[i + 3 :, 3:6] = tangent(w)
         return np.concatenate(phi), np.hstack([B_q, B_C @ self.P_C])
 
     def _start(self, x, R, u, v, torque, tip_force):
-        """Accelerations and multipliers that satisfy equilibrium and the constraints' second derivative."""
+        """Accelerations and multipliers that satisfy equilibrium and the constraints' second
+        derivative.
+        """
         n = 12 + self.n_u
         v_dot, lam = np.zeros(n), np.zeros(self.n_rows)
         residual, _, B = self._equations(x, R, u, v, v_dot, lam, torque, tip_force)
-        # centripetal terms; the axes of hub and beam turn together, so that the other rows have none
+        # centripetal terms; the axes of hub and beam turn together, so that the other rows have
+        # none
         convective = np.zeros(self.n_rows)
         spin = v[3:6]
-        lever = np.cross(spin, np.cross(spin, self.X_root)) - np.cross(spin, np.cross(spin, self.rim))
+        lever = np.cross(spin, np.cross(spin, self.X_root)) - np.cross(
+            spin, np.cross(spin, self.rim)
+        )
         convective[self.n_rows - 6 : self.n_rows - 3] = lever
         A = self._iteration_matrix(B, np.zeros(n))
         A[12:n, 12:n] = self.M

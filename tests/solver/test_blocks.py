@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from duhamel.solver.blocks import factorise, substitute
-from duhamel.solver.pattern import Edge, Node, elimination_order, lay_out_pattern
+from duhamel.solver.lower.elimination_order import Edge, Node, elimination_order, lay_out_pattern
+from duhamel.solver.step.elimination import factorise, substitute
 
 from .matrices import dense
 
@@ -25,12 +25,16 @@ def pattern_of(n_bodies, edges, flexible=()):
             compliant=np.array([int(edges[j][3]) for j in owner], dtype=int),
             rows=SimpleNamespace(frame_a=2 * owner, frame_b=2 * owner + 1),
         ),
-        SimpleNamespace(body=np.array(flexible, dtype=int), active_range=6 * np.arange(len(flexible) + 1)),
+        SimpleNamespace(
+            body=np.array(flexible, dtype=int), active_range=6 * np.arange(len(flexible) + 1)
+        ),
     )
 
 
 def random_matrix(pattern, n_bodies, edges, rng):
-    """Inertia and stiffness of bodies and between them, gradients of joints, springs: what a mechanism has."""
+    """Inertia and stiffness of bodies and between them, gradients of joints, springs: what a
+    mechanism has.
+    """
     n = pattern.first[-1]
     matrix = np.zeros((n, n))
 
@@ -70,17 +74,40 @@ def blocks_of(pattern, matrix):
 TOPOLOGIES = {
     "one body": (1, []),
     "free chain": (4, [(0, 1, 5, False), (1, 2, 5, False), (2, 3, 3, False)]),
-    "chain from the ground": (4, [(GROUND, 0, 5, False), (0, 1, 5, False), (2, 1, 5, False), (2, 3, 6, False)]),
+    "chain from the ground": (
+        4,
+        [(GROUND, 0, 5, False), (0, 1, 5, False), (2, 1, 5, False), (2, 3, 6, False)],
+    ),
     "star": (6, [(GROUND, 3, 5, False), *((3, b, 5, False) for b in (0, 1, 2, 4, 5))]),
-    "ground at both ends": (3, [(GROUND, 0, 5, False), (0, 1, 3, False), (1, 2, 3, False), (2, GROUND, 5, False)]),
-    "loop off the ground": (4, [(GROUND, 0, 3, False), *((b, (b + 1) % 4, 4, False) for b in range(4))]),
+    "ground at both ends": (
+        3,
+        [(GROUND, 0, 5, False), (0, 1, 3, False), (1, 2, 3, False), (2, GROUND, 5, False)],
+    ),
+    "loop off the ground": (
+        4,
+        [(GROUND, 0, 3, False), *((b, (b + 1) % 4, 4, False) for b in range(4))],
+    ),
     "loops in loops": (
         6,
-        [(GROUND, 0, 5, False), *((b, b + 1, 3, False) for b in range(5)), (0, 5, 2, False), (1, 4, 2, False)],
+        [
+            (GROUND, 0, 5, False),
+            *((b, b + 1, 3, False) for b in range(5)),
+            (0, 5, 2, False),
+            (1, 4, 2, False),
+        ],
     ),
-    "springs": (4, [(0, 1, 6, True), (1, 2, 1, True), (2, 2, 1, True), (GROUND, 0, 3, True), (2, 3, 5, False)]),
-    "joint and spring side by side": (2, [(GROUND, 0, 5, False), (0, 1, 5, False), (1, 0, 1, True)]),
-    "two joints on the same bodies": (2, [(GROUND, 0, 5, False), (0, 1, 2, False), (0, 1, 2, False), (0, 1, 0, False)]),
+    "springs": (
+        4,
+        [(0, 1, 6, True), (1, 2, 1, True), (2, 2, 1, True), (GROUND, 0, 3, True), (2, 3, 5, False)],
+    ),
+    "joint and spring side by side": (
+        2,
+        [(GROUND, 0, 5, False), (0, 1, 5, False), (1, 0, 1, True)],
+    ),
+    "two joints on the same bodies": (
+        2,
+        [(GROUND, 0, 5, False), (0, 1, 2, False), (0, 1, 2, False), (0, 1, 0, False)],
+    ),
 }
 
 
@@ -98,7 +125,10 @@ def test_random_mechanisms(seed):
     n = int(rng.integers(2, 15))
     numbers = rng.permutation(n)
     parents = [GROUND, *(numbers[rng.integers(0, b)] for b in range(1, n))]
-    tree = [(int(p), int(b), int(rng.choice([3, 5])), False) for p, b in zip(parents, numbers, strict=True)]
+    tree = [
+        (int(p), int(b), int(rng.choice([3, 5])), False)
+        for p, b in zip(parents, numbers, strict=True)
+    ]
     pairs = rng.integers(-1, n, size=(4, 2)).tolist()
     more = [(a, b, 1, bool(rng.integers(2))) for a, b in pairs if a != b]
     edges = [tree[i] for i in rng.permutation(n)] + more
@@ -114,7 +144,9 @@ def assert_solved(n_bodies, edges, flexible, rng):
     x = right.copy()
     substitute(pattern, S, pivots, x)
     expected = np.linalg.solve(matrix, right)
-    np.testing.assert_allclose(x, expected, rtol=0, atol=1e-11 * np.linalg.cond(matrix) * np.abs(expected).max())
+    np.testing.assert_allclose(
+        x, expected, rtol=0, atol=1e-11 * np.linalg.cond(matrix) * np.abs(expected).max()
+    )
 
 
 def test_a_joint_without_effect_is_singular():
@@ -140,7 +172,12 @@ def test_the_numbers_of_a_matrix_grow_with_its_bodies_alone(kind):
 
 
 def test_joints_follow_the_bodies_that_hang_on_them_and_close_loops_where_branches_meet():
-    edges = [Edge(0, GROUND, 0, False), Edge(1, 0, 1, False), Edge(2, 0, 2, False), Edge(3, 1, 2, False)]
+    edges = [
+        Edge(0, GROUND, 0, False),
+        Edge(1, 0, 1, False),
+        Edge(2, 0, 2, False),
+        Edge(3, 1, 2, False),
+    ]
     order = elimination_order(3, [*edges, Edge(4, GROUND, 2, True)])
     assert order == [
         Node(False, 4),

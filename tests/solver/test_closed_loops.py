@@ -1,4 +1,6 @@
-"""Closed loops with flexible members: they stay closed, keep their energy, and tend to their rigid selves."""
+"""Closed loops with flexible members: they stay closed, keep their energy, and tend to their rigid
+selves.
+"""
 
 from dataclasses import replace
 
@@ -16,12 +18,16 @@ TOLERANCE = 1e-10
 def speed(results):
     """The largest velocity of translation, and of rotation at the far end of the mechanism."""
     motions = [results.body(name).v for name in ("crank", "rod")]
-    return max(np.abs(v[:, :3]).max() for v in motions) + BASE * max(np.abs(v[:, 3:]).max() for v in motions)
+    return max(np.abs(v[:, :3]).max() for v in motions) + BASE * max(
+        np.abs(v[:, 3:]).max() for v in motions
+    )
 
 
 @pytest.mark.parametrize("make", [four_bar, slider_crank, spatial_four_bar])
 def test_a_flexible_loop_stays_closed_and_converges_with_order_two(make, tmp_path):
-    """Ends of the rod and energy balance err with the square of the step; joints open by Newton's tolerance at most."""
+    """Ends of the rod and energy balance err with the square of the step; joints open by Newton's
+    tolerance at most.
+    """
     torque = Load("torque", "crank", Z, Function(lambda t: 0.05 * np.sin(np.pi * t / 0.1) ** 2))
     model = make(tmp_path, loads=(torque,), t_end=0.1)
     finest = simulate(replace(model, step=2.5e-5))
@@ -32,16 +38,26 @@ def test_a_flexible_loop_stays_closed_and_converges_with_order_two(make, tmp_pat
         for joint in model.joints[1:3]:
             A, B = (results.frame(name).position for name in joint.between)
             np.testing.assert_allclose(A, B, rtol=0, atol=TOLERANCE * h * speed(results))
-        exact = [finest.frame(f"rod.{end}").position[:: round(STEPS[0] / 2.5e-5)] for end in ("left", "right")]
-        found = [results.frame(f"rod.{end}").position[:: round(STEPS[0] / h)] for end in ("left", "right")]
+        exact = [
+            finest.frame(f"rod.{end}").position[:: round(STEPS[0] / 2.5e-5)]
+            for end in ("left", "right")
+        ]
+        found = [
+            results.frame(f"rod.{end}").position[:: round(STEPS[0] / h)]
+            for end in ("left", "right")
+        ]
         errors.append(np.abs(np.array(found) - exact).max())
         balances.append(np.abs(results.energy.balance).max() / results.energy.kinetic.max())
     for values in (errors, balances):
-        np.testing.assert_allclose(np.log2(np.array(values[:-1]) / values[1:]), 2.0, atol=0.1, err_msg=str(values))
+        np.testing.assert_allclose(
+            np.log2(np.array(values[:-1]) / values[1:]), 2.0, atol=0.1, err_msg=str(values)
+        )
 
 
 def test_a_stiff_four_bar_moves_like_a_rigid_one(tmp_path):
-    """The joint between coupler and rocker off its closed form: by a tenth when the bars are ten times as stiff."""
+    """The joint between coupler and rocker off its closed form: by a tenth when the bars are ten
+    times as stiff.
+    """
     drive = Polynomial((0.0, 0.0, 0.0, 2 * np.pi / 0.2**3))
     errors = []
     for stiffness in (10.0, 100.0, 1000.0):
@@ -56,7 +72,12 @@ def test_a_flexible_four_bar_is_assembled_at_the_angle_asked_for(tmp_path):
     """Bodies thrown about, and the pins and their velocities where the closed form has them."""
     model, rng = four_bar(tmp_path, t_end=1e-3), np.random.default_rng(0)
     thrown = {
-        name: replace(body, start=Start(body.start.position + 0.02 * rng.normal(size=3), body.start.rotation + 0.1 * Z))
+        name: replace(
+            body,
+            start=Start(
+                body.start.position + 0.02 * rng.normal(size=3), body.start.rotation + 0.1 * Z
+            ),
+        )
         for name, body in model.bodies.items()
     }
     with pytest.raises(ModelError, match="assemble = true would close it"):

@@ -18,7 +18,7 @@ from duhamel.solver import (
     Start,
     simulate,
 )
-from duhamel.solver.initial import begin
+from duhamel.solver.start.initial import begin
 from scipy.spatial.transform import Rotation
 
 from .frameworks import bar
@@ -34,12 +34,20 @@ def freedoms(model):
 def link(p, q):
     """A rigid link with its frames at p and q."""
     middle, half = 0.5 * (np.add(p, q)), 0.5 * np.subtract(q, p)
-    return RigidBody(1.0, [0.1, 0.2, 0.3], {"near": Frame(-half), "far": Frame(half)}, Start(middle))
+    return RigidBody(
+        1.0, [0.1, 0.2, 0.3], {"near": Frame(-half), "far": Frame(half)}, Start(middle)
+    )
 
 
 def chain(*types, length=0.2):
     """Links along x, each on a joint of the given type to the one before, the first to the ground."""
-    axes = {"universal": (Y, Z), "revolute": (Y,), "prismatic": (X,), "cylindrical": (X,), "planar": (Z,)}
+    axes = {
+        "universal": (Y, Z),
+        "revolute": (Y,),
+        "prismatic": (X,),
+        "cylindrical": (X,),
+        "planar": (Z,),
+    }
     names = [f"link{k}" for k in range(len(types))]
     ends = length * np.outer(np.arange(len(types) + 1), X)
     parents = ["ground", *(f"{name}.far" for name in names)]
@@ -69,7 +77,12 @@ def test_open_chains_move_as_their_joints_add_up(types, count):
 
 def test_bodies_without_joints_have_six_each(tmp_path):
     beam = bar(tmp_path, 0.3)
-    assert freedoms(Model({"free": FlexibleBody(beam), "other": FlexibleBody(beam), "rigid": link(X, Y)})) == 18
+    assert (
+        freedoms(
+            Model({"free": FlexibleBody(beam), "other": FlexibleBody(beam), "rigid": link(X, Y)})
+        )
+        == 18
+    )
 
 
 @pytest.mark.parametrize("make", [four_bar, slider_crank, spatial_four_bar])
@@ -79,7 +92,10 @@ def test_linkages_with_flexible_members_have_one(make, tmp_path):
     beginning = begin(model)
     assert beginning.degrees_of_freedom == 1
     assert not beginning.removed
-    joints = [replace(joint, angle=Polynomial((0.0, 1.0))) if joint.name == "A" else joint for joint in model.joints]
+    joints = [
+        replace(joint, angle=Polynomial((0.0, 1.0))) if joint.name == "A" else joint
+        for joint in model.joints
+    ]
     assert freedoms(replace(model, joints=joints)) == 0
 
 
@@ -89,26 +105,36 @@ def test_drives_and_motions_take_one_each_and_rotations_three():
     still = Harmonic(0.01, 1.0)
     first, second = model.joints
     assert freedoms(replace(model, joints=(first, replace(second, angle=still)))) == 4
-    assert freedoms(replace(model, joints=(first, replace(second, angle=still, distance=still)))) == 3
+    assert (
+        freedoms(replace(model, joints=(first, replace(second, angle=still, distance=still)))) == 3
+    )
     lift = PrescribedDisplacement("lift", "link0.far", Z, still)
     assert freedoms(replace(model, motions=(lift,))) == 4
     assert freedoms(replace(model, motions=(lift, replace(lift, name="push", direction=Y)))) == 3
-    assert freedoms(replace(model, motions=(PrescribedRotation("turn", "link0.far", Z, still),))) == 2
+    assert (
+        freedoms(replace(model, motions=(PrescribedRotation("turn", "link0.far", Z, still),))) == 2
+    )
 
 
 LENGTH, TWIST, TURN = (1.0, 0.6), 0.7, 0.6
-"""of Bennett's linkage: lengths a, b, a, b and twists alpha, beta, alpha, beta with a sin beta = b sin alpha"""
+"""of Bennett's linkage: lengths a, b, a, b and twists alpha, beta, alpha, beta with a sin beta = b
+sin alpha
+"""
 TWISTS = (TWIST, float(np.arcsin(LENGTH[1] / LENGTH[0] * np.sin(TWIST))))
 
 
 def second_angle(first):
     """tan(first / 2) tan(second / 2) = sin((beta + alpha) / 2) / sin((beta - alpha) / 2)"""
     alpha, beta = TWISTS
-    return 2 * np.arctan(np.sin(0.5 * (beta + alpha)) / np.sin(0.5 * (beta - alpha)) / np.tan(0.5 * first))
+    return 2 * np.arctan(
+        np.sin(0.5 * (beta + alpha)) / np.sin(0.5 * (beta - alpha)) / np.tan(0.5 * first)
+    )
 
 
 def bennett(drive=None, **settings):
-    """Four links on four hinges whose axes meet nowhere; the last link is the ground. It should be rigid, and moves."""
+    """Four links on four hinges whose axes meet nowhere; the last link is the ground. It should be
+    rigid, and moves.
+    """
     angles = [TURN, second_angle(TURN), -TURN, -second_angle(TURN)]
     corners, axes = [np.zeros(3)], [Z]
     turn = Rotation.identity()
@@ -120,14 +146,28 @@ def bennett(drive=None, **settings):
     np.testing.assert_allclose(corners[4], 0.0, atol=1e-14)
     np.testing.assert_allclose(axes[4], Z, atol=1e-14)
     links = {f"link{k}": link(corners[k], corners[k + 1]) for k in range(3)}
-    sides = ["ground", "link0.near", "link0.far", "link1.near", "link1.far", "link2.near", "link2.far", "ground"]
-    joints = [Joint(f"J{k}", "revolute", tuple(sides[2 * k : 2 * k + 2]), axes[k]) for k in range(4)]
+    sides = [
+        "ground",
+        "link0.near",
+        "link0.far",
+        "link1.near",
+        "link1.far",
+        "link2.near",
+        "link2.far",
+        "ground",
+    ]
+    joints = [
+        Joint(f"J{k}", "revolute", tuple(sides[2 * k : 2 * k + 2]), axes[k]) for k in range(4)
+    ]
     joints[0] = replace(joints[0], angle=drive)
     return Model(links, joints, t_end=1.0, step=1e-2, rho_inf=0.9, **settings)
 
 
 def test_the_constraints_of_bennetts_linkage_are_told():
-    with pytest.raises(ModelError, match=r"joints: 20 constraints of which 3 are redundant; on one another depend J0"):
+    with pytest.raises(
+        ModelError,
+        match=r"joints: 20 constraints of which 3 are redundant; on one another depend J0",
+    ):
         simulate(bennett())
     beginning = begin(bennett(redundant="remove"))
     assert beginning.degrees_of_freedom == 1
@@ -151,13 +191,18 @@ def test_bennetts_linkage_moves_as_its_closed_form():
 def test_constraints_that_contradict_each_other_are_named():
     """A drive against a joint that blocks it, a linkage that cannot close."""
     model = chain("fixed", "revolute")
-    doubled = Joint("again", "revolute", ("link0.far", "link1.near"), Y, angle=Polynomial((0.0, 1.0)))
+    doubled = Joint(
+        "again", "revolute", ("link0.far", "link1.near"), Y, angle=Polynomial((0.0, 1.0))
+    )
     blocked = replace(model.joints[1], type="fixed", axis=None)
     with pytest.raises(ModelError, match="driven against other constraints"):
         simulate(replace(model, joints=(model.joints[0], blocked, doubled), redundant="remove"))
     far = Joint("far", "spherical", ("link1.far", "ground.nail"))
     out_of_reach = replace(
-        model, joints=(*model.joints, far), ground_frames={"nail": Frame(0.5 * X + 0.3 * Z)}, assemble=True
+        model,
+        joints=(*model.joints, far),
+        ground_frames={"nail": Frame(0.5 * X + 0.3 * Z)},
+        assemble=True,
     )
     with pytest.raises(ModelError, match=r"stays open by 0\.\d+ however the bodies are placed"):
         simulate(out_of_reach)

@@ -7,13 +7,17 @@ from duhamel.solver import Harmonic, Load, Steps, simulate
 
 def energies(beam, hub_and_beam, signal, **settings):
     """Of the paper's Case 2, its hub under a torque: from the work, and from the modes (n,) [J]."""
-    model = hub_and_beam(beam, 0.5, loads=(Load("torque", "hub", [0, 0, 1], signal),), t_end=0.3, **settings)
+    model = hub_and_beam(
+        beam, 0.5, loads=(Load("torque", "hub", [0, 0, 1], signal),), t_end=0.3, **settings
+    )
     energy = simulate(model).energy
     return energy.elastic, energy.modal
 
 
 def test_without_numerical_dissipation_both_are_one(beam, hub_and_beam):
-    """At rho_inf = 1 the mean of the loads over a step times the displacement is what the modes take up."""
+    """At rho_inf = 1 the mean of the loads over a step times the displacement is what the modes
+    take up.
+    """
     torque = Steps((0.0, 0.05, 0.15, 0.2), (1.0, 0.0, -1.0, 0.0))
     elastic, modal = energies(beam, hub_and_beam, torque, rho_inf=1.0)
     np.testing.assert_allclose(modal, elastic, rtol=0, atol=1e-14 * elastic.max())

@@ -2,8 +2,18 @@
 
 import numpy as np
 import pytest
-from duhamel.preprocess.body import Damping
-from duhamel.solver import Constant, FlexibleBody, Harmonic, Impulse, Joint, Load, Model, Start, simulate
+from duhamel.preprocess.body.body import Damping
+from duhamel.solver import (
+    Constant,
+    FlexibleBody,
+    Harmonic,
+    Impulse,
+    Joint,
+    Load,
+    Model,
+    Start,
+    simulate,
+)
 from duhamel.superelement import GeneralizedAlpha
 from scipy.optimize import minimize_scalar
 from scipy.spatial.transform import Rotation
@@ -28,9 +38,15 @@ def frequency(signal, h, rho_inf, near):
     def power(f):
         return -abs(windowed @ np.exp(-2j * np.pi * f * h * n))
 
-    found = minimize_scalar(power, bounds=(0.98 * near, 1.02 * near), method="bounded", options={"xatol": 1e-9}).x
+    found = minimize_scalar(
+        power, bounds=(0.98 * near, 1.02 * near), method="bounded", options={"xatol": 1e-9}
+    ).x
     s, z = GeneralizedAlpha(rho_inf), np.exp(2j * np.pi * found * h)
-    Q = h**2 * (s.beta * z**2 + (0.5 + s.gamma - 2 * s.beta) * z + 0.5 + s.beta - s.gamma) / (z - 1) ** 2
+    Q = (
+        h**2
+        * (s.beta * z**2 + (0.5 + s.gamma - 2 * s.beta) * z + 0.5 + s.beta - s.gamma)
+        / (z - 1) ** 2
+    )
     F = ((1 - s.alpha_f) * z + s.alpha_f) / ((1 - s.alpha_m) * z + s.alpha_m)
     return np.sqrt(-(1.0 / (Q * F)).real) / (2 * np.pi)
 
@@ -39,7 +55,9 @@ def frequency(signal, h, rho_inf, near):
     ("phi", "frequencies"), [(4.0, (19.8986, 112.880, 314.770)), (0.5, (29.4008, 116.840, 316.841))]
 )
 def test_the_frequencies_of_a_beam_on_a_hub(beam, hub_and_beam, phi, frequencies):
-    """docs/theory.md, Energy, within the error of ten elements in bending (4e-5 at 114 Hz, 3e-4 at 314 Hz)."""
+    """docs/theory.md, Energy, within the error of ten elements in bending (4e-5 at 114 Hz, 3e-4 at
+    314 Hz).
+    """
     h, rho_inf = 1e-4, 0.99
     blow = Load("torque", "hub", [0, 0, 1], Impulse(1e-6, 0.0))
     model = hub_and_beam(beam, phi, loads=(blow,), t_end=2.0, step=h, rho_inf=rho_inf)
@@ -51,14 +69,20 @@ def test_the_frequencies_of_a_beam_on_a_hub(beam, hub_and_beam, phi, frequencies
 
 def cantilever(element, **settings):
     return Model(
-        {"beam": FlexibleBody(element, Start(position=[0.3, -0.1, 0.2], rotation=[0.2, -0.4, 0.7]))},
+        {
+            "beam": FlexibleBody(
+                element, Start(position=[0.3, -0.1, 0.2], rotation=[0.2, -0.4, 0.7])
+            )
+        },
         (Joint("wall", "fixed", ("ground", "beam.root")),),
         **settings,
     )
 
 
 def test_a_cantilever_settles_at_its_static_deflection():
-    """F L^3 / (3 EI) and F L^2 / (2 EI) at the tip, F and F L at the wall; the rest is of the order of u^2 / L^2."""
+    """F L^3 / (3 EI) and F L^2 / (2 EI) at the tip, F and F L at the wall; the rest is of the order
+    of u^2 / L^2.
+    """
     element = make_beam(damping=Damping.model_validate({"modal": 3.0})).element
     F, R = 0.01, Rotation.from_rotvec([0.2, -0.4, 0.7])
     load = Load("force", "beam.tip", R.apply([0, 0, 1]), Constant(F))
@@ -68,17 +92,23 @@ def test_a_cantilever_settles_at_its_static_deflection():
     turned = (R.inv() * rotations(tip.rotation[-1])).as_rotvec()
     assert moved[2] == pytest.approx(F * L**3 / (3 * EI), rel=1e-7)
     assert turned[1] == pytest.approx(-F * L**2 / (2 * EI), rel=1e-7)
-    # rounding of positions (1e-16 m) times the axial stiffness of an element (4e8 N/m) is a force of 4e-8 N
+    # rounding of positions (1e-16 m) times the axial stiffness of an element (4e8 N/m) is a force
+    # of 4e-8 N
     np.testing.assert_allclose(R.inv().apply(wall.force[-1]), [0, 0, -F], atol=1e-7)
     np.testing.assert_allclose(R.inv().apply(wall.moment[-1]), [0, F * L, 0], atol=1e-7 * F * L)
 
 
 def double_pendulum(element, **settings):
-    """Two beams on spherical joints that swing in space from a horizontal line, the second tilted out of it."""
+    """Two beams on spherical joints that swing in space from a horizontal line, the second tilted
+    out of it.
+    """
     a = Start(position=-element.interface("root").X, angular_velocity=[0.0, 1.0, 2.0])
     tilt = np.array([0.0, 0.4, 0.5])
     elbow = element.interface("tip").X - element.interface("root").X
-    b = Start(position=elbow - Rotation.from_rotvec(tilt).as_matrix() @ element.interface("root").X, rotation=tilt)
+    b = Start(
+        position=elbow - Rotation.from_rotvec(tilt).as_matrix() @ element.interface("root").X,
+        rotation=tilt,
+    )
     return Model(
         {"a": FlexibleBody(element, a), "b": FlexibleBody(element, b)},
         (
@@ -108,7 +138,11 @@ def momenta(results, elements):
         motion = results.body(name)
         p = element.mass * motion.v[:, :3]
         linear = linear + p
-        angular = angular + np.cross(motion.x, p) + rotations(motion.R).apply(motion.v[:, 3:] @ element.J_rot)
+        angular = (
+            angular
+            + np.cross(motion.x, p)
+            + rotations(motion.R).apply(motion.v[:, 3:] @ element.J_rot)
+        )
     return linear, angular
 
 
@@ -116,14 +150,22 @@ def test_two_flexible_bodies_in_free_flight_keep_their_momenta(random_element):
     """Linear momentum to rounding; angular momentum to order two."""
     elements = {"a": random_element(5, (True, False)), "b": random_element(6, (True,))}
     starts = {
-        "a": Start(position=-elements["a"].interface("i0").X, velocity=[1.0, 0, 0], angular_velocity=[1, 2, -1]),
+        "a": Start(
+            position=-elements["a"].interface("i0").X,
+            velocity=[1.0, 0, 0],
+            angular_velocity=[1, 2, -1],
+        ),
         "b": Start(position=-elements["b"].interface("i0").X, angular_velocity=[0.5, -1, 2]),
     }
     drifts = []
     for h in (1e-3, 5e-4, 2.5e-4):
         bodies = {name: FlexibleBody(elements[name], starts[name]) for name in "ab"}
         model = Model(
-            bodies, (Joint("hinge", "revolute", ("a.i0", "b.i0"), [1, 1, 1]),), t_end=0.5, step=h, rho_inf=0.9
+            bodies,
+            (Joint("hinge", "revolute", ("a.i0", "b.i0"), [1, 1, 1]),),
+            t_end=0.5,
+            step=h,
+            rho_inf=0.9,
         )
         linear, angular = momenta(simulate(model), elements)
         assert np.abs(linear - linear[0]).max() < 1e-11 * np.abs(linear).max()
@@ -144,7 +186,9 @@ def test_a_body_without_joints_or_loads_spins_undeformed(beam):
 
 @pytest.mark.parametrize("rho_inf", [1.0, 0.9, 0.5])
 def test_the_consistent_rule_is_passive_and_the_papers_is_not(beam, rho_inf):
-    """A load just above the first resonance, where the beam answers like a mass: eq. (55) gives energy away."""
+    """A load just above the first resonance, where the beam answers like a mass: eq. (55) gives
+    energy away.
+    """
     load = Load("force", "beam.tip", [0, 0.01, 0.02], Harmonic(1.0, 140.0))
     body = {"beam": FlexibleBody(beam.element)}
     least = {}

@@ -25,22 +25,36 @@ Q, SHIFT = Rotation.from_rotvec([1.1, -2.0, 0.7]), np.array([0.3, -0.4, 0.2])
 
 
 def crane(beam):
-    """A hub on a driven pivot carries a beam with a slider at its tip, which a load drags across the plane."""
+    """A hub on a driven pivot carries a beam with a slider at its tip, which a load drags across
+    the plane.
+    """
     rim, eye = Frame([0.05, 0, 0], [0.2, 0, 0.4]), Frame([0.01, 0.02, 0.0])
     on_rim = Start(place=Place("root", "hub.rim"), angular_velocity=[0.0, 0.0, 1.0])
     afloat = Start([0.9, 0.3, -0.3], [0.4, 0, 0], velocity=[0.1, 0, 0.2])
     slide = Polynomial((0.0, 0.02, 0.1))
     return Model(
         bodies={
-            "hub": RigidBody(0.5, [2e-3, 3e-3, 4e-3], {"rim": rim}, Start([0.1, 0.0, 0.2], [0.3, 0.1, -0.2])),
+            "hub": RigidBody(
+                0.5, [2e-3, 3e-3, 4e-3], {"rim": rim}, Start([0.1, 0.0, 0.2], [0.3, 0.1, -0.2])
+            ),
             "beam": FlexibleBody(beam.element, on_rim),
-            "weight": RigidBody(0.05, [1e-5, 2e-5, 3e-5], {"eye": eye}, Start(place=Place("eye", "beam.tip"))),
+            "weight": RigidBody(
+                0.05, [1e-5, 2e-5, 3e-5], {"eye": eye}, Start(place=Place("eye", "beam.tip"))
+            ),
             "bob": RigidBody(0.02, [1e-6, 1e-6, 1e-6], {}, afloat),
         },
         joints=(
-            Joint("pivot", "revolute", ("ground.post", "hub"), [0.1, 0.2, 1.0], angle=Harmonic(0.4, 3.0)),
+            Joint(
+                "pivot",
+                "revolute",
+                ("ground.post", "hub"),
+                [0.1, 0.2, 1.0],
+                angle=Harmonic(0.4, 3.0),
+            ),
             Joint("clamp", "fixed", ("hub.rim", "beam.root")),
-            Joint("slider", "prismatic", ("beam.tip", "weight.eye"), [0.0, 1.0, 0.3], distance=slide),
+            Joint(
+                "slider", "prismatic", ("beam.tip", "weight.eye"), [0.0, 1.0, 0.3], distance=slide
+            ),
             Joint("rest", "planar", ("ground", "bob"), [0.0, 0.3, 1.0]),
         ),
         loads=(
@@ -73,10 +87,17 @@ def turned(model):
 
     return replace(
         model,
-        bodies={name: replace(body, start=start(body.start)) for name, body in model.bodies.items()},
+        bodies={
+            name: replace(body, start=start(body.start)) for name, body in model.bodies.items()
+        },
         joints=[replace(joint, axis=direction(joint.axis)) for joint in model.joints],
-        loads=[load if load.follower else replace(load, direction=direction(load.direction)) for load in model.loads],
-        ground_frames={name: Frame(*pose(f.position, f.rotation)) for name, f in model.ground_frames.items()},
+        loads=[
+            load if load.follower else replace(load, direction=direction(load.direction))
+            for load in model.loads
+        ],
+        ground_frames={
+            name: Frame(*pose(f.position, f.rotation)) for name, f in model.ground_frames.items()
+        },
         gravity=Q.apply(model.gravity),
     )
 

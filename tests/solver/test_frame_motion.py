@@ -4,7 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from duhamel.solver import FlexibleBody, Frame, Harmonic, Joint, Load, Model, RigidBody, Start, simulate
+from duhamel.solver import (
+    FlexibleBody,
+    Frame,
+    Harmonic,
+    Joint,
+    Load,
+    Model,
+    RigidBody,
+    Start,
+    simulate,
+)
 from duhamel.superelement import GeneralizedAlpha
 from scipy.spatial.transform import Rotation
 
@@ -13,9 +23,13 @@ FRAMES = ("rigid.f", "flexible.i0", "flexible.i1", "flexible.free")
 
 
 def swinging(element, **settings):
-    """A rigid body on a pivot carries a flexible one on a universal joint; all motions are smooth from rest on."""
+    """A rigid body on a pivot carries a flexible one on a universal joint; all motions are smooth
+    from rest on.
+    """
     carrier = RigidBody(
-        1.5, [0.1, 0.2, 0.15], {"pivot": Frame([-0.2, 0, 0]), "f": Frame([0.2, 0.1, 0.0], [0.4, 0.2, -0.5])}
+        1.5,
+        [0.1, 0.2, 0.15],
+        {"pivot": Frame([-0.2, 0, 0]), "f": Frame([0.2, 0.1, 0.0], [0.4, 0.2, -0.5])},
     )
     flexible = FlexibleBody(element, Start(np.array([0.2, 0.1, 0.0]) - element.interface("i0").X))
     return Model(
@@ -27,7 +41,13 @@ def swinging(element, **settings):
         (
             # starts with s = s' = 0, so that no derivative jumps at t = 0
             Load("force", "flexible.i1", [2.0, 3.0, -1.0], Harmonic(-6.0, 1.5, 0.5 * np.pi, 6.0)),
-            Load("torque", "rigid.f", [1.0, -1.0, 2.0], Harmonic(-3.0, 2.0, 0.5 * np.pi, 3.0), follower=True),
+            Load(
+                "torque",
+                "rigid.f",
+                [1.0, -1.0, 2.0],
+                Harmonic(-3.0, 2.0, 0.5 * np.pi, 3.0),
+                follower=True,
+            ),
         ),
         t_end=0.5,
         rho_inf=0.6,
@@ -37,20 +57,35 @@ def swinging(element, **settings):
 
 @pytest.fixture(scope="module")
 def element(random_element):
-    """Slow modes, so that elastic rates are of the order of the others; its third interface is only watched."""
+    """Slow modes, so that elastic rates are of the order of the others; its third interface is only
+    watched.
+    """
     made = random_element(7, (True, False, True), omega=(10.0, 40.0))
     interfaces = (*made.interfaces[:2], replace(made.interfaces[2], name="free"))
-    return replace(made, interfaces=interfaces, modes=replace(made.modes, phi=0.2 * made.modes.phi), **scaled(made))
+    return replace(
+        made,
+        interfaces=interfaces,
+        modes=replace(made.modes, phi=0.2 * made.modes.phi),
+        **scaled(made),
+    )
 
 
 def scaled(element):
     """Statics and kernel of modes that are a fifth as large."""
-    kernel = replace(element.kernel, g=0.04 * element.kernel.g, g_initial=0.04 * element.kernel.g_initial)
-    return {"compliance": 0.04 * element.compliance, "mobility": 0.04 * element.mobility, "kernel": kernel}
+    kernel = replace(
+        element.kernel, g=0.04 * element.kernel.g, g_initial=0.04 * element.kernel.g_initial
+    )
+    return {
+        "compliance": 0.04 * element.compliance,
+        "mobility": 0.04 * element.mobility,
+        "kernel": kernel,
+    }
 
 
 def misses(results, h):
-    """Central differences in time less velocities and accelerations, of all frames (4 kinds, frames)."""
+    """Central differences in time less velocities and accelerations, of all frames (4 kinds,
+    frames).
+    """
     found = []
     for name in FRAMES:
         frame = results.frame(name)
@@ -73,7 +108,9 @@ def misses(results, h):
 
 @pytest.mark.parametrize("memory", ["recursive", "direct", "measured"])
 def test_velocities_and_accelerations_of_frames(element, measured, memory):
-    """Order two, on rigid offsets, on interfaces with and without rotations, and on one that nothing acts on."""
+    """Order two, on rigid offsets, on interfaces with and without rotations, and on one that
+    nothing acts on.
+    """
     errors = []
     for h in STEPS:
         if memory == "measured":

@@ -1,9 +1,22 @@
-"""Chains in free flight: reactions of every joint of the table between flexible frames, momenta and energy."""
+"""Chains in free flight: reactions of every joint of the table between flexible frames, momenta and
+energy.
+"""
 
 import numpy as np
 import pytest
-from duhamel.solver import Constant, FlexibleBody, Frame, Harmonic, Joint, Load, Model, RigidBody, Start, simulate
-from duhamel.solver.joints import JOINT_TYPES
+from duhamel.solver import (
+    Constant,
+    FlexibleBody,
+    Frame,
+    Harmonic,
+    Joint,
+    Load,
+    Model,
+    RigidBody,
+    Start,
+    simulate,
+)
+from duhamel.solver.model.joints import JOINT_TYPES
 from scipy.spatial.transform import Rotation
 
 from .frameworks import bar, framework
@@ -18,13 +31,19 @@ def rotations(motion):
 
 def pair(kind, left, right, **settings):
     """Two flexible bodies that fly, tumbling, with one joint between them."""
-    axes = {0: {}, 1: {"axis": AXIS}, 2: {"axis": AXIS, "second_axis": SECOND}}[JOINT_TYPES[kind].axes]
+    axes = {0: {}, 1: {"axis": AXIS}, 2: {"axis": AXIS, "second_axis": SECOND}}[
+        JOINT_TYPES[kind].axes
+    ]
     turn = Rotation.from_rotvec([0.3, -0.2, 0.5])
     place = left.interface("right").X - turn.as_matrix() @ right.interface("left").X
     return Model(
         bodies={
-            "a": FlexibleBody(left, Start(velocity=[1.0, 0.5, 2.0], angular_velocity=[2.0, -1.0, 3.0])),
-            "b": FlexibleBody(right, Start(place, turn.as_rotvec(), angular_velocity=[-1.0, 2.0, 1.0])),
+            "a": FlexibleBody(
+                left, Start(velocity=[1.0, 0.5, 2.0], angular_velocity=[2.0, -1.0, 3.0])
+            ),
+            "b": FlexibleBody(
+                right, Start(place, turn.as_rotvec(), angular_velocity=[-1.0, 2.0, 1.0])
+            ),
         },
         joints=(Joint("joint", kind, ("a.right", "b.left"), **axes),),
         **settings,
@@ -35,11 +54,15 @@ def pair(kind, left, right, **settings):
 def test_reactions_between_flexible_frames_are_in_equilibrium(kind, tmp_path):
     """At every step: m x'' = F and J omega' + omega x J omega = M of what acts on a body's frames.
 
-    Both sides of the joint feel opposite wrenches; the momentum of the whole is that of the loads on it.
+    Both sides of the joint feel opposite wrenches; the momentum of the whole is that of the loads
+    on it.
     """
     points = {"left": (0, 0, 0), "right": (0.2, 0.1, 0.0), "wing": (0.1, 0.0, 0.2)}
     bars = [((0, 0, 0), (0.1, 0, 0)), ((0.1, 0, 0), points["right"]), ((0.1, 0, 0), points["wing"])]
-    elements = {"a": bar(tmp_path, 0.2, stiffness=0.1), "b": framework(tmp_path, bars, points, stiffness=0.1)}
+    elements = {
+        "a": bar(tmp_path, 0.2, stiffness=0.1),
+        "b": framework(tmp_path, bars, points, stiffness=0.1),
+    }
     loads = (
         Load("force", "b.wing", FORCE, Constant(1.0)),
         Load("torque", "a.left", [0.0, 0.01, 0.02], Harmonic(1.0, 30.0), follower=True),
@@ -60,7 +83,9 @@ def test_reactions_between_flexible_frames_are_in_equilibrium(kind, tmp_path):
         spin = omega_dot @ element.J_rot + np.cross(omega, omega @ element.J_rot)
         rates = np.hstack([element.mass * motion.v_dot[:, :3], rotations(motion).apply(spin)])
         # accelerations are positions over h^2, and so is their rounding
-        np.testing.assert_allclose(rates, wrench, rtol=0, atol=1e-14 * element.mass / results.solver["h"] ** 2)
+        np.testing.assert_allclose(
+            rates, wrench, rtol=0, atol=1e-14 * element.mass / results.solver["h"] ** 2
+        )
 
     joint, A, B = results.joint("joint"), results.frame("a.right"), results.frame("b.left")
     assert np.abs(joint.force).max() > 0.05
@@ -76,7 +101,9 @@ def test_reactions_between_flexible_frames_are_in_equilibrium(kind, tmp_path):
 
 
 def flying_chain(folder, **settings):
-    """Rigid on flexible, flexible on flexible, rigid on rigid, flexible on rigid, each on a joint of its own."""
+    """Rigid on flexible, flexible on flexible, rigid on rigid, flexible on rigid, each on a joint
+    of its own.
+    """
     link = bar(folder, 0.2, stiffness=0.002)
     ends = {"near": Frame([-0.1, 0, 0]), "far": Frame([0.1, 0, 0])}
     inertia = [4e-5, 1e-4, 8e-5]
@@ -115,4 +142,6 @@ def test_a_chain_in_free_flight_keeps_its_momenta_and_energy(history, tmp_path):
         balance.append(np.abs(results.energy.balance).max() / results.energy.kinetic[0])
     assert np.abs(results.frame("b.right").u[:, 3:]).max() > 1e-3
     for drift in (angular, balance):
-        np.testing.assert_allclose(np.log2(np.array(drift[:-1]) / drift[1:]), 2.0, atol=0.1, err_msg=str(drift))
+        np.testing.assert_allclose(
+            np.log2(np.array(drift[:-1]) / drift[1:]), 2.0, atol=0.1, err_msg=str(drift)
+        )

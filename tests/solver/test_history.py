@@ -1,4 +1,6 @@
-"""Three evaluators of one convolution: modes that carry the history, the sum over all past loads, blocks by FFT."""
+"""Three evaluators of one convolution: modes that carry the history, the sum over all past loads,
+blocks by FFT.
+"""
 
 from dataclasses import replace
 
@@ -14,21 +16,25 @@ from duhamel.solver import (
     ModelError,
     RigidBody,
     Start,
-    lookahead,
     simulate,
 )
+from duhamel.solver.history import dyadic as lookahead
 from duhamel.superelement import StepWarning, sample_kernel
 
 STEPS = 200
 
 
 def tangle(first, second, third, **settings):
-    """Three flexible bodies with different interfaces and a rigid one, joined, loaded from t = 0 on."""
+    """Three flexible bodies with different interfaces and a rigid one, joined, loaded from t = 0
+    on.
+    """
     place = Start(position=[0.0, 0.0, 0.0])
     bodies = {
         "a": FlexibleBody(first, Start(angular_velocity=[0.5, -1.0, 2.0])),
         "block": RigidBody(1.5, [1.0, 2.0, 1.5], {}, place),
-        "b": FlexibleBody(second, Start(position=first.interface("i0").X - second.interface("i1").X)),
+        "b": FlexibleBody(
+            second, Start(position=first.interface("i0").X - second.interface("i1").X)
+        ),
         "c": FlexibleBody(third, Start(position=first.interface("i1").X - third.interface("i0").X)),
     }
     return Model(
@@ -36,7 +42,12 @@ def tangle(first, second, third, **settings):
         joints=(
             Joint("ab", "revolute", ("a.i0", "b.i1"), [0.3, 0.5, 1.0]),
             Joint("ac", "spherical", ("a.i1", "c.i0")),
-            Joint("weld", "cylindrical", ("block", "c.i2"), third.interface("i2").X + bodies["c"].start.position),
+            Joint(
+                "weld",
+                "cylindrical",
+                ("block", "c.i2"),
+                third.interface("i2").X + bodies["c"].start.position,
+            ),
         ),
         loads=(
             Load("force", "b.i0", [1.0, -2.0, 0.5], Constant(3.0)),
@@ -54,7 +65,11 @@ def tangle(first, second, third, **settings):
 
 def damped(element):
     """The same modes, faster and with a fifth of critical damping."""
-    modes = replace(element.modes, omega=element.modes.omega + 500.0, zeta=np.full(len(element.modes.omega), 0.2))
+    modes = replace(
+        element.modes,
+        omega=element.modes.omega + 500.0,
+        zeta=np.full(len(element.modes.omega), 0.2),
+    )
     kernel = sample_kernel(modes, element.kernel.h, element.kernel.scheme, STEPS)
     return replace(element, modes=modes, kernel=kernel, compliance=modes.compliance)
 
@@ -94,13 +109,17 @@ def test_blocks_and_direct_sum_agree(elements, monkeypatch, rule, block):
     """Fast path against slow path: over 25, 3 and 1 blocks."""
     direct = state(simulate(tangle(*elements, rule=rule, history="direct")))
     monkeypatch.setattr(lookahead, "BLOCK", block)
-    for found, expected in zip(state(simulate(tangle(*elements, rule=rule, history="fft"))), direct, strict=True):
+    for found, expected in zip(
+        state(simulate(tangle(*elements, rule=rule, history="fft"))), direct, strict=True
+    ):
         assert np.abs(found - expected).max() < 1e-10 * np.abs(expected).max()
 
 
 @pytest.mark.parametrize("history", ["direct", "fft"])
 def test_memory_let_go_changes_nothing(elements, monkeypatch, history):
-    """Kernels of 60 lags in windows of 128 steps, which 200 steps outrun, against a window that holds them all."""
+    """Kernels of 60 lags in windows of 128 steps, which 200 steps outrun, against a window that
+    holds them all.
+    """
     monkeypatch.setattr(lookahead, "BLOCK", 8)
     model = tangle(*(damped(element) for element in elements), history=history, memory=0.06)
     short = state(simulate(model))
@@ -110,7 +129,9 @@ def test_memory_let_go_changes_nothing(elements, monkeypatch, history):
 
 
 def test_a_memory_that_is_long_enough_gives_the_motion(elements):
-    """Against modes, which forget nothing: the error falls with the decay of the slowest mode, and is stated."""
+    """Against modes, which forget nothing: the error falls with the decay of the slowest mode, and
+    is stated.
+    """
     given = [damped(element) for element in elements]
     expected = state(simulate(tangle(*given, history="recursive")))
     for memory in (0.06, 0.12):
@@ -122,7 +143,9 @@ def test_a_memory_that_is_long_enough_gives_the_motion(elements):
 
 
 def test_a_memory_too_short_is_refused(elements):
-    with pytest.raises(ModelError, match=r"superelement 'random 1': memory: .* not decayed in 0\.02 s"):
+    with pytest.raises(
+        ModelError, match=r"superelement 'random 1': memory: .* not decayed in 0\.02 s"
+    ):
         simulate(tangle(*elements, history="direct", memory=0.02))
 
 
@@ -146,13 +169,17 @@ def test_loads_at_rest_are_felt_beyond_any_memory(elements, monkeypatch):
 
 
 def test_the_rules_differ(elements):
-    (_, consistent), (_, paper) = (state(simulate(tangle(*elements, rule=rule))) for rule in ("consistent", "paper"))
+    (_, consistent), (_, paper) = (
+        state(simulate(tangle(*elements, rule=rule))) for rule in ("consistent", "paper")
+    )
     assert np.abs(consistent - paper).max() > 1e-3 * np.abs(consistent).max()
 
 
 def test_a_body_without_modes_cannot_be_recursive(elements, measured):
     model = tangle(*(measured(element) for element in elements), history="recursive")
-    with pytest.raises(ModelError, match=r"body 'a': history 'recursive' needs modes, and .*'random 1' has none"):
+    with pytest.raises(
+        ModelError, match=r"body 'a': history 'recursive' needs modes, and .*'random 1' has none"
+    ):
         simulate(model)
 
 
@@ -163,6 +190,8 @@ def test_a_step_finer_than_the_modes_hold_for_is_told_once(history, random_eleme
     element = replace(element, modes=replace(element.modes, h_min=1e-3))
     bodies = {name: FlexibleBody(element, Start(position=[0.0, 0.0, 0.0])) for name in ("a", "b")}
     model = Model(bodies=bodies, t_end=1e-3, step=5e-4, rho_inf=0.9, history=history)
-    with pytest.warns(StepWarning, match=r"modes for steps down to 0\.001 s.* asked for steps of 0\.0005 s") as told:
+    with pytest.warns(
+        StepWarning, match=r"modes for steps down to 0\.001 s.* asked for steps of 0\.0005 s"
+    ) as told:
         simulate(model)
     assert len(told) == 1

@@ -1,7 +1,7 @@
 """The choice of the history: by what it costs, wherever that leads."""
 
 import pytest
-from duhamel.solver.history_cost import cheapest_history, history_costs
+from duhamel.solver.history.cost import cheapest_history, history_costs
 
 
 @pytest.mark.parametrize("n_c", [6, 24])

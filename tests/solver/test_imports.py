@@ -8,7 +8,9 @@ def test_the_solver_leaves_meshes_elements_and_plots_alone():
     code = "import sys, duhamel.solver; print(*{name.partition('.')[0] for name in sys.modules})"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert not {"skfem", "meshio", "matplotlib", "rslab"} & set(run.stdout.split())
-    code = "import sys, duhamel.solver; print(*(n for n in sys.modules if n.startswith('duhamel.')))"
+    code = (
+        "import sys, duhamel.solver; print(*(n for n in sys.modules if n.startswith('duhamel.')))"
+    )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     folders = {name.split(".")[1] for name in run.stdout.split()}
-    assert folders == {"inputs", "solver", "superelement"}
+    assert folders == {"inputs", "results", "solver", "superelement"}

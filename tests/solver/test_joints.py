@@ -2,7 +2,17 @@
 
 import numpy as np
 import pytest
-from duhamel.solver import Constant, Frame, Joint, Load, Model, Polynomial, RigidBody, Start, simulate
+from duhamel.solver import (
+    Constant,
+    Frame,
+    Joint,
+    Load,
+    Model,
+    Polynomial,
+    RigidBody,
+    Start,
+    simulate,
+)
 from scipy.spatial.transform import Rotation
 
 AXIS, SECOND = np.array([1.0, 2.0, 2.0]) / 3.0, np.array([2.0, -2.0, 1.0]) / 3.0
@@ -23,16 +33,25 @@ def rotations(quaternions):
 
 
 def relative_motion(type_, axes):
-    """Of frame B in the joint axes of frame A, from rest under arbitrary loads: translation (n, 3), rotation."""
+    """Of frame B in the joint axes of frame A, from rest under arbitrary loads: translation (n, 3),
+    rotation.
+    """
     a = RigidBody(1.0, [1.0, 2.0, 1.5], {"f": Frame([0.3, 0.2, -0.1], [0.5, 0.1, -0.3])})
-    b = RigidBody(2.0, [2.0, 1.0, 1.5], {"g": Frame([-0.2, 0.4, 0.1])}, Start([0.5, -0.2, -0.2], [0.0, 0.0, 0.0]))
+    b = RigidBody(
+        2.0,
+        [2.0, 1.0, 1.5],
+        {"g": Frame([-0.2, 0.4, 0.1])},
+        Start([0.5, -0.2, -0.2], [0.0, 0.0, 0.0]),
+    )
     joint = Joint("joint", type_, ("a.f", "b.g"), **axes)
     loads = (
         Load("force", "b", [3.0, -2.0, 5.0], Constant(1.0)),
         Load("torque", "b", [1.0, 2.0, -1.5], Constant(1.0)),
         Load("torque", "a", [-1.0, 0.5, 1.0], Constant(1.0)),
     )
-    model = Model({"a": a, "b": b}, (joint,), loads, t_end=0.5, step=1e-3, rho_inf=0.9, gravity=[0, 0, -9.81])
+    model = Model(
+        {"a": a, "b": b}, (joint,), loads, t_end=0.5, step=1e-3, rho_inf=0.9, gravity=[0, 0, -9.81]
+    )
     results = simulate(model)
     A, B = results.frame("a.f"), results.frame("b.g")
     turn_a = rotations(A.rotation) * rotations(A.rotation[0]).inv()

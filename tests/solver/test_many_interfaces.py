@@ -1,10 +1,24 @@
-"""Bodies with three and more interfaces: what the order of interfaces, and those that carry nothing, do not change."""
+"""Bodies with three and more interfaces: what the order of interfaces, and those that carry
+nothing, do not change.
+"""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from duhamel.solver import FlexibleBody, Frame, Harmonic, Joint, Load, Model, Place, RigidBody, Spring, Start, simulate
+from duhamel.solver import (
+    FlexibleBody,
+    Frame,
+    Harmonic,
+    Joint,
+    Load,
+    Model,
+    Place,
+    RigidBody,
+    Spring,
+    Start,
+    simulate,
+)
 
 from .frameworks import framework
 
@@ -24,7 +38,9 @@ SHAPES = pytest.mark.parametrize("shape", ["jack", "grid"])
 
 
 def rig(shape, folder, names):
-    """A framework with the interfaces `names`: held at a, spring at b, a mass at c, and pulled at d."""
+    """A framework with the interfaces `names`: held at a, spring at b, a mass at c, and pulled at
+    d.
+    """
     points = {name: POINTS[shape][name] for name in names}
     element = framework(folder, BARS[shape], points, stiffness=0.3, step=1e-3)
     eye = Frame([0.0, 0.0, 0.05])
@@ -32,7 +48,9 @@ def rig(shape, folder, names):
     return Model(
         bodies={
             "body": FlexibleBody(element),
-            "mass": RigidBody(0.05, [1e-4, 2e-4, 2e-4], {"eye": eye}, Start(place=Place("eye", "body.c"))),
+            "mass": RigidBody(
+                0.05, [1e-4, 2e-4, 2e-4], {"eye": eye}, Start(place=Place("eye", "body.c"))
+            ),
         },
         joints=(
             Joint("pivot", "revolute", ("ground", "body.a"), [0.2, 1.0, 0.3]),

@@ -35,7 +35,10 @@ def body(**settings):
 
 def model(joints=(), loads=(), **settings):
     bodies = {"a": body(), "b": body(start=Start(position=[1.0, 0, 0], rotation=[0, 0, np.pi]))}
-    return Model(**{"bodies": bodies, "joints": joints, "loads": loads, "t_end": 0.1, "step": 0.01} | settings)
+    return Model(
+        **{"bodies": bodies, "joints": joints, "loads": loads, "t_end": 0.1, "step": 0.01}
+        | settings
+    )
 
 
 def weld(*between):
@@ -84,8 +87,14 @@ MADE = {
         "joints, springs, motions: expected different names, got 'weld' more than once",
     ),
     "no bodies": (lambda: model(bodies={}), "bodies: expected at least one body, got none"),
-    "a body called ground": (lambda: model(bodies={"ground": body()}), "bodies: a body cannot be named 'ground'"),
-    "a body with a dot": (lambda: model(bodies={"a.b": body()}), "bodies: a body cannot be named 'a.b'"),
+    "a body called ground": (
+        lambda: model(bodies={"ground": body()}),
+        "bodies: a body cannot be named 'ground'",
+    ),
+    "a body with a dot": (
+        lambda: model(bodies={"a.b": body()}),
+        "bodies: a body cannot be named 'a.b'",
+    ),
     "a joint with a slash": (
         lambda: model((Joint("a/b", "fixed", ("a", "ground")),)),
         "joints: a joint cannot be named 'a/b'",
@@ -99,12 +108,18 @@ MADE = {
         "joint 'j': type: expected one of fixed, spherical, revolute, universal, cylindrical, prismatic, planar, "
         "got 'hinge'",
     ),
-    "a joint of three": (lambda: Joint("j", "fixed", ("a", "b", "c")), "joint 'j': between: expected two frames, got"),
+    "a joint of three": (
+        lambda: Joint("j", "fixed", ("a", "b", "c")),
+        "joint 'j': between: expected two frames, got",
+    ),
     "an axis too many": (
         lambda: Joint("j", "fixed", ("a", "b"), [0, 0, 1]),
         "joint 'j': a fixed joint takes neither axis nor second_axis",
     ),
-    "an axis too few": (lambda: Joint("j", "revolute", ("a", "b")), "joint 'j': a revolute joint takes axis alone"),
+    "an axis too few": (
+        lambda: Joint("j", "revolute", ("a", "b")),
+        "joint 'j': a revolute joint takes axis alone",
+    ),
     "one axis for two": (
         lambda: Joint("j", "universal", ("a", "b"), [0, 0, 1]),
         "joint 'j': a universal joint takes axis and second_axis",
@@ -142,7 +157,10 @@ MADE = {
         "load on a: signal: expected a signal such as Constant, got 2.0",
     ),
     "no mass": (lambda: RigidBody(0.0, [1, 1, 1]), "mass: expected a positive number, got 0.0"),
-    "no inertia": (lambda: RigidBody(1.0, [1, 1, 0]), "inertia: expected positive principal values, got"),
+    "no inertia": (
+        lambda: RigidBody(1.0, [1, 1, 0]),
+        "inertia: expected positive principal values, got",
+    ),
     "a skew inertia": (
         lambda: RigidBody(1.0, [[1, 0.1, 0], [0, 1, 0], [0, 0, 1]]),
         "inertia: expected three principal values or a symmetric 3x3 matrix",
@@ -178,14 +196,26 @@ MADE = {
     "no time": (lambda: model(t_end=0.0), "t_end: expected a positive time, got 0.0"),
     "no end": (lambda: model(t_end=np.inf), "t_end: expected a positive time, got inf"),
     "a step backwards": (lambda: model(step=-1e-3), "step: expected a positive time, got -0.001"),
-    "a radius above one": (lambda: model(rho_inf=1.5), "rho_inf: expected a number from 0 to 1, got 1.5"),
-    "an unknown rule": (lambda: model(rule="exact"), "rule: expected 'consistent' or 'paper', got 'exact'"),
+    "a radius above one": (
+        lambda: model(rho_inf=1.5),
+        "rho_inf: expected a number from 0 to 1, got 1.5",
+    ),
+    "an unknown rule": (
+        lambda: model(rule="exact"),
+        "rule: expected 'consistent' or 'paper', got 'exact'",
+    ),
     "an unknown history": (
         lambda: model(history="modal"),
         "history: expected 'auto', 'recursive', 'direct' or 'fft', got 'modal'",
     ),
-    "a memory of no length": (lambda: model(memory=0.0), "memory: expected a positive time, got 0.0"),
-    "a tolerance of one": (lambda: model(tolerance=1.0), "tolerance: expected a number between 0 and 1, got 1.0"),
+    "a memory of no length": (
+        lambda: model(memory=0.0),
+        "memory: expected a positive time, got 0.0",
+    ),
+    "a tolerance of one": (
+        lambda: model(tolerance=1.0),
+        "tolerance: expected a number between 0 and 1, got 1.0",
+    ),
     "no iterations": (lambda: model(max_iterations=0), "max_iterations: expected 1 or more, got 0"),
 }
 
@@ -199,7 +229,10 @@ def test_a_model_that_cannot_be_made(name):
 
 def circle():
     return model(
-        bodies={"a": body(start=Start(place=Place("f", "b.f"))), "b": body(start=Start(place=Place("f", "a.f")))}
+        bodies={
+            "a": body(start=Start(place=Place("f", "b.f"))),
+            "b": body(start=Start(place=Place("f", "a.f"))),
+        }
     )
 
 
@@ -224,7 +257,9 @@ STARTED = {
         "joint 'weld': open by 1 m at the start: a is at [0.0, 0.0, 0.0], b at [1.0, 0.0, 0.0]",
     ),
     "a distance that starts elsewhere": (
-        lambda: model((Joint("j", "prismatic", ("a", "b"), [1, 0, 0], distance=Polynomial((0.75, 1.0))),)),
+        lambda: model(
+            (Joint("j", "prismatic", ("a", "b"), [1, 0, 0], distance=Polynomial((0.75, 1.0))),)
+        ),
         "joint 'j': open by 0.25 m at the start: a is at [0.0, 0.0, 0.0], b at [1.0, 0.0, 0.0], "
         "the distance starts at 0.75",
     ),
@@ -250,10 +285,16 @@ STARTED = {
         "high (translation 2); free a joint, or let redundant = 'remove' drop high (translation 2)",
     ),
     "pins that are driven apart": (
-        lambda: two_pins(PrescribedDisplacement("push", "b", [0, 1, 0], Polynomial((0.0, 1.0))), weld("ground", "a")),
+        lambda: two_pins(
+            PrescribedDisplacement("push", "b", [0, 1, 0], Polynomial((0.0, 1.0))),
+            weld("ground", "a"),
+        ),
         "joints: push (translation 1) is driven against other constraints: on one another depend low (translation 1, ",
     ),
-    "no step": (lambda: model(step=None), "simulation: step: a model without superelements needs one"),
+    "no step": (
+        lambda: model(step=None),
+        "simulation: step: a model without superelements needs one",
+    ),
 }
 
 
@@ -277,17 +318,26 @@ def flexible(**bodies):
 
 def test_a_flexible_body_is_joined_by_an_interface(element):
     with pytest.raises(
-        ModelError, match=re.escape("joint 'j': 'e' is flexible: name one of its interfaces (i0, i1) as e.INTERFACE")
+        ModelError,
+        match=re.escape(
+            "joint 'j': 'e' is flexible: name one of its interfaces (i0, i1) as e.INTERFACE"
+        ),
     ):
         Model(flexible(e=element), (Joint("j", "spherical", ("ground", "e")),))
 
 
 def test_an_interface_without_rotations_carries_no_moments(element):
     start = {"e": FlexibleBody(element)}
-    with pytest.raises(ModelError, match=re.escape("joint 'j' (fixed): interface 'e.i1' has no rotations and carries")):
+    with pytest.raises(
+        ModelError,
+        match=re.escape("joint 'j' (fixed): interface 'e.i1' has no rotations and carries"),
+    ):
         simulate(Model(start, (Joint("j", "fixed", ("ground", "e.i1")),)))
     load = Load("torque", "e.i1", [1, 0, 0], Constant(1.0))
-    with pytest.raises(ModelError, match=re.escape("torque on 'e.i1': interface 'e.i1' has no rotations and carries")):
+    with pytest.raises(
+        ModelError,
+        match=re.escape("torque on 'e.i1': interface 'e.i1' has no rotations and carries"),
+    ):
         simulate(Model(start, (), (load,)))
 
 
@@ -296,10 +346,15 @@ def test_superelements_of_different_steps_ask_for_one(element):
     model = Model(flexible(e=element, f=other), t_end=0.01, rho_inf=0.9)
     with pytest.raises(
         ModelError,
-        match=re.escape("simulation: step: the superelements differ (e: 0.001, f: 0.002), so the model must"),
+        match=re.escape(
+            "simulation: step: the superelements differ (e: 0.001, f: 0.002), so the model must"
+        ),
     ):
         simulate(model)
-    with pytest.raises(ModelError, match=re.escape("simulation: rho_inf: the superelements differ (e: 0.9, f: 0.7)")):
+    with pytest.raises(
+        ModelError,
+        match=re.escape("simulation: rho_inf: the superelements differ (e: 0.9, f: 0.7)"),
+    ):
         simulate(replace(model, step=1e-3, rho_inf=None))
     assert simulate(replace(model, step=1e-3)).solver["h"] == 1e-3
 
@@ -316,7 +371,9 @@ def test_a_kernel_alone_has_one_step_and_one_length(element, measured):
 
 def test_a_load_that_is_no_number_stops_the_run():
     signal = Function(lambda t: float("nan") if t > 0.0551 else 1.0)
-    with pytest.raises(ConvergenceError, match=r"no convergence in step 6 \(t = 0.06 s\): relative residual inf"):
+    with pytest.raises(
+        ConvergenceError, match=r"no convergence in step 6 \(t = 0.06 s\): relative residual inf"
+    ):
         simulate(model((), (Load("force", "a", [1, 0, 0], signal),)))
 
 
@@ -335,9 +392,15 @@ inertia = [1, 1, 1]
 """
 
 FILES = {
-    "simulation.t_ned": ({"simulation": "t_ned = 1"}, "simulation: unknown key 't_ned'; did you mean 't_end'?"),
+    "simulation.t_ned": (
+        {"simulation": "t_ned = 1"},
+        "simulation: unknown key 't_ned'; did you mean 't_end'?",
+    ),
     "unknown": ({"rest": "[[joint]]\nname = 'a'"}, "unknown key 'joint'; did you mean 'joints'?"),
-    "gravity": ({"simulation": "gravity = [0, 1]"}, "simulation.gravity: expected three numbers, found [0, 1]"),
+    "gravity": (
+        {"simulation": "gravity = [0, 1]"},
+        "simulation.gravity: expected three numbers, found [0, 1]",
+    ),
     "rule": (
         {"simulation": "rule = 'exact'"},
         "simulation.rule: input should be 'consistent' or 'paper', found 'exact'",
@@ -366,11 +429,15 @@ FILES = {
         "impulse, pulse, input, found {'polynomal': [1]}; did you mean 'polynomial'?",
     ),
     "a key of a signal": (
-        {"rest": "[[loads]]\ntype='force'\non='a'\ndirection=[1,0,0]\nsignal={amplitude = 1, frequenzy = 2}"},
+        {
+            "rest": "[[loads]]\ntype='force'\non='a'\ndirection=[1,0,0]\nsignal={amplitude = 1, frequenzy = 2}"
+        },
         "load (force) on 'a': signal: unknown key 'frequenzy'; did you mean 'frequency'?",
     ),
     "a value of a signal": (
-        {"rest": "[[loads]]\ntype='force'\non='a'\ndirection=[1,0,0]\nsignal={times = [0], values = ['1']}"},
+        {
+            "rest": "[[loads]]\ntype='force'\non='a'\ndirection=[1,0,0]\nsignal={times = [0], values = ['1']}"
+        },
         "load (force) on 'a': signal: values.0: input should be a valid number, found '1'",
     ),
     "a signal of two kinds": (
@@ -413,7 +480,9 @@ def test_a_model_file_that_says_what_cannot_be(name, tmp_path):
 
 
 def test_a_model_file_that_is_not_there(tmp_path):
-    with pytest.raises(ModelError, match=re.escape(f"{tmp_path / 'none.toml'}: not a readable file")):
+    with pytest.raises(
+        ModelError, match=re.escape(f"{tmp_path / 'none.toml'}: not a readable file")
+    ):
         read_model(tmp_path / "none.toml")
 
 
@@ -456,6 +525,10 @@ def test_a_model_file_becomes_the_model_it_describes(element, tmp_path):
     assert model.bodies["a"].start.angular_velocity == pytest.approx([0, 0, 3])
     assert model.ground_frames["wall"].position == pytest.approx([0, 1, 0])
     (joint,) = model.joints
-    assert (joint.type, joint.between, joint.angle) == ("cylindrical", ("ground.wall", "a"), Harmonic(1.0, 2.0))
+    assert (joint.type, joint.between, joint.angle) == (
+        "cylindrical",
+        ("ground.wall", "a"),
+        Harmonic(1.0, 2.0),
+    )
     assert [load.signal for load in model.loads] == list(SIGNALS.values())
     assert all(load.follower and load.direction[2] == 2.0 for load in model.loads)

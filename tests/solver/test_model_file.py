@@ -6,7 +6,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from duhamel.solver import Joint, Model, OutputRequest, RigidBody, Spline, SteadyRotation, read_model, simulate
+from duhamel.solver import (
+    Joint,
+    Model,
+    OutputRequest,
+    RigidBody,
+    Spline,
+    SteadyRotation,
+    read_model,
+    simulate,
+)
 from duhamel.superelement import write
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "file-formats.md"
@@ -36,7 +45,9 @@ frames.pin = {{position = [{gap}, 0, 0]}}
 
 
 def documented():
-    """The model file of the documentation with all that is commented out: key = value   # what it means."""
+    """The model file of the documentation with all that is commented out: key = value   # what it
+    means.
+    """
     section = DOCUMENT.read_text().split("## Model file")[1].split("\n| joint |")[0]
     lines = [line[4:] for line in section.splitlines() if line.startswith("    ")]
     return "\n".join(re.sub(r"^# (?=[a-z_.]+ = )", "", line) for line in lines)
@@ -55,9 +66,21 @@ def test_the_documented_file_is_read_whole(beam, tmp_path):
 
 
 def test_the_documented_file_leaves_nothing_out(tmp_path):
-    """What a `Model` takes, a file can say: the names of the dataclasses' fields are keys of the document."""
+    """What a `Model` takes, a file can say: the names of the dataclasses' fields are keys of the
+    document.
+    """
     text = tomllib.loads(documented())
-    own = {"bodies", "joints", "loads", "springs", "motions", "ground_frames", "output", "source", "path"}
+    own = {
+        "bodies",
+        "joints",
+        "loads",
+        "springs",
+        "motions",
+        "ground_frames",
+        "output",
+        "source",
+        "path",
+    }
     assert set(text["simulation"]) == set(Model.__dataclass_fields__) - own
     assert set(text["output"]) == set(OutputRequest.__dataclass_fields__)
     keys = set().union(*text["joints"])
@@ -87,13 +110,17 @@ def test_a_file_starts_in_steady_rotation(rotor):
 def test_a_file_starts_at_rest_in_equilibrium(rotor):
     results = simulate(rotor("start = 'equilibrium'"))
     assert np.abs(results.body("disk").v).max() < 1e-12
-    np.testing.assert_allclose(results.joint("pin").force, np.tile([0, 0, 2.0 * 9.81], (21, 1)), rtol=0, atol=1e-9)
+    np.testing.assert_allclose(
+        results.joint("pin").force, np.tile([0, 0, 2.0 * 9.81], (21, 1)), rtol=0, atol=1e-9
+    )
 
 
 def test_a_file_closes_joints_however_far_they_are_open(rotor):
     results = simulate(rotor("assemble = true", gap="0.2"))
     assert results.solver["opening"] == pytest.approx(0.2)
-    np.testing.assert_allclose(results.frame("disk.pin").position[0], [0.2, 0, 0], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(
+        results.frame("disk.pin").position[0], [0.2, 0, 0], rtol=0, atol=1e-12
+    )
 
 
 def test_a_file_lets_redundant_constraints_go(rotor):
@@ -104,6 +131,8 @@ def test_a_file_lets_redundant_constraints_go(rotor):
 
 
 def test_a_file_starts_from_a_joint_angle_and_its_rate(rotor):
-    coordinates = simulate(rotor(joint="start = {angle = 0.4, angle_rate = 2}")).joint("pin").coordinates
+    coordinates = (
+        simulate(rotor(joint="start = {angle = 0.4, angle_rate = 2}")).joint("pin").coordinates
+    )
     assert coordinates["angle"][0] == pytest.approx(0.4, abs=1e-12)
     assert coordinates["angle_rate"][0] == pytest.approx(2.0, rel=1e-12)

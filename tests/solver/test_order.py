@@ -1,4 +1,6 @@
-"""The order of the two convolution rules, and the size of their errors (docs/theory.md, Impulse responses)."""
+"""The order of the two convolution rules, and the size of their errors (docs/theory.md, Impulse
+responses).
+"""
 
 import numpy as np
 import pytest

@@ -21,9 +21,9 @@ from duhamel.solver import (
     Spring,
     Start,
     read_model,
-    recorder,
     simulate,
 )
+from duhamel.solver.output import recorder
 from duhamel.superelement import Recovery
 
 STEPS, H = 100, 5e-4
@@ -32,7 +32,12 @@ STEPS, H = 100, 5e-4
 @pytest.fixture(scope="module")
 def model(coarse):
     """A hub that turns three times while its beam pulls at a damped tether."""
-    hub = RigidBody(0.01, [0.006, 0.007, 0.01], {"rim": Frame([0.05, 0, 0])}, Start(angular_velocity=[0, 0, 400.0]))
+    hub = RigidBody(
+        0.01,
+        [0.006, 0.007, 0.01],
+        {"rim": Frame([0.05, 0, 0])},
+        Start(angular_velocity=[0, 0, 400.0]),
+    )
     beam = FlexibleBody(coarse, Start(place=Place("root", "hub.rim")))
     return Model(
         bodies={"hub": hub, "beam": beam},
@@ -40,7 +45,9 @@ def model(coarse):
             Joint("pivot", "revolute", ("ground", "hub"), [0, 0, 1]),
             Joint("clamp", "fixed", ("hub.rim", "beam.root")),
         ),
-        springs=(Spring("tether", "point", ("ground.hook", "beam.tip"), stiffness=2.0, damping=0.01),),
+        springs=(
+            Spring("tether", "point", ("ground.hook", "beam.tip"), stiffness=2.0, damping=0.01),
+        ),
         loads=(Load("force", "beam.tip", [0, 0, 1], Harmonic(1.0, 300.0), follower=True),),
         ground_frames={"hook": Frame([0.6, 0.2, 0])},
         step=H,
@@ -51,7 +58,11 @@ def model(coarse):
 def datasets(path):
     found = {}
     with h5py.File(path, "r") as file:
-        file.visititems(lambda name, item: found.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None)
+        file.visititems(
+            lambda name, item: (
+                found.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None
+            )
+        )
     return found
 
 
@@ -63,8 +74,12 @@ def whole(model, tmp_path_factory):
 
 
 @pytest.mark.parametrize(("every", "numbers"), [(7, recorder.NUMBERS), (7, 1), (1, 1), (1000, 1)])
-def test_what_is_recorded_is_what_a_whole_record_holds_there(every, numbers, model, whole, tmp_path, monkeypatch):
-    """To the last bit, energies, balances and angles over full turns included, however many rows wait to be written."""
+def test_what_is_recorded_is_what_a_whole_record_holds_there(
+    every, numbers, model, whole, tmp_path, monkeypatch
+):
+    """To the last bit, energies, balances and angles over full turns included, however many rows
+    wait to be written.
+    """
     monkeypatch.setattr(recorder, "NUMBERS", numbers)
     path = tmp_path / "thinned.h5"
     simulate(replace(model, output=OutputRequest(every)), path)
@@ -100,9 +115,13 @@ def test_what_was_not_recorded_is_told(model):
     assert results.recorded == ("bodies/hub", "joints/clamp", "joints/pivot")
     with pytest.raises(KeyError, match="no bodies/beam; there are: hub"):
         results.body("beam")
-    with pytest.raises(KeyError, match="no energy; there are: bodies/hub, joints/clamp, joints/pivot"):
+    with pytest.raises(
+        KeyError, match="no energy; there are: bodies/hub, joints/clamp, joints/pivot"
+    ):
         _ = results.energy
-    with pytest.raises(KeyError, match=r"no frames/beam.tip; there are: bodies/hub, joints/clamp, joints/pivot"):
+    with pytest.raises(
+        KeyError, match=r"no frames/beam.tip; there are: bodies/hub, joints/clamp, joints/pivot"
+    ):
         results.frame("beam.tip")
 
 
@@ -121,13 +140,22 @@ def test_a_quantity_that_there_is_not_is_refused_before_the_file_is_touched(mode
 def test_fields_need_every_step_and_the_loads_of_all_interfaces(model, coarse):
     X = [interface.X for interface in coarse.interfaces]
     phi = coarse.modes.phi.reshape(len(X), -1, len(coarse.modes.omega))
-    beam = FlexibleBody(replace(coarse, recovery=Recovery(X, [[0, 1]], phi[:, :3])), model.bodies["beam"].start)
+    beam = FlexibleBody(
+        replace(coarse, recovery=Recovery(X, [[0, 1]], phi[:, :3])), model.bodies["beam"].start
+    )
     recoverable = replace(model, bodies={**model.bodies, "beam": beam})
     results = simulate(replace(recoverable, output=OutputRequest(10)))
-    with pytest.raises(RecoveryError, match="body 'beam': fields need every step, and the run recorded one in 10"):
+    with pytest.raises(
+        RecoveryError, match="body 'beam': fields need every step, and the run recorded one in 10"
+    ):
         results.displacement("beam", 0.01)
-    results = simulate(replace(recoverable, output=OutputRequest(quantities=("bodies", "frames/beam.tip"))))
-    with pytest.raises(RecoveryError, match=r"body 'beam': fields need frames/beam.root, which the run did not record"):
+    results = simulate(
+        replace(recoverable, output=OutputRequest(quantities=("bodies", "frames/beam.tip")))
+    )
+    with pytest.raises(
+        RecoveryError,
+        match=r"body 'beam': fields need frames/beam.root, which the run did not record",
+    ):
         results.displacement("beam", 0.01)
 
 

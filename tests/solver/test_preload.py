@@ -4,7 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from duhamel.solver import Constant, FlexibleBody, Frame, Joint, Load, Model, Spring, Start, simulate
+from duhamel.solver import (
+    Constant,
+    FlexibleBody,
+    Frame,
+    Joint,
+    Load,
+    Model,
+    Spring,
+    Start,
+    simulate,
+)
 
 from .frameworks import bar
 from .linkages import ANGLE, X, Z, four_bar, pins
@@ -20,8 +30,17 @@ def on_springs(folder):
     return Model(
         bodies={"beam": FlexibleBody(beam, Start(-beam.interface("left").X))},
         springs=(
-            Spring("bush", "bushing", ("ground", "beam.left"), X, stiffness=stiffness, rest=pressed),
-            Spring("coil", "point", ("ground.hook", "beam.right"), stiffness=40.0, damping=0.1, rest=0.1),
+            Spring(
+                "bush", "bushing", ("ground", "beam.left"), X, stiffness=stiffness, rest=pressed
+            ),
+            Spring(
+                "coil",
+                "point",
+                ("ground.hook", "beam.right"),
+                stiffness=40.0,
+                damping=0.1,
+                rest=0.1,
+            ),
         ),
         ground_frames={"hook": Frame([0.6, 0.1, 0.3])},
     )
@@ -32,7 +51,10 @@ def between_walls(folder):
     beam = bar(folder, 0.3, stiffness=0.05, steps=STEPS)
     y = [0.0, 1.0, 0.0]
     return Model(
-        bodies={"a": FlexibleBody(beam, Start([0.15, 0, 0])), "b": FlexibleBody(beam, Start([0.45, 0, 0]))},
+        bodies={
+            "a": FlexibleBody(beam, Start([0.15, 0, 0])),
+            "b": FlexibleBody(beam, Start([0.45, 0, 0])),
+        },
         joints=(
             Joint("A", "revolute", ("ground", "a.left"), y),
             Joint("B", "revolute", ("a.right", "b.left"), y),
@@ -42,17 +64,22 @@ def between_walls(folder):
 
 
 def wound_four_bar(folder):
-    """A torsion spring on the crank and a constant force on the rocker bend a four-bar against each other."""
+    """A torsion spring on the crank and a constant force on the rocker bend a four-bar against each
+    other.
+    """
     C = pins(ANGLE)[1]
     return four_bar(
         folder,
-        springs=(Spring("coil", "torsion", ("ground.A", "crank.pin"), Z, stiffness=0.3, rest=[0.2]),),
+        springs=(
+            Spring("coil", "torsion", ("ground.A", "crank.pin"), Z, stiffness=0.3, rest=[0.2]),
+        ),
         loads=(Load("force", "rocker.left", np.cross(Z, C), Constant(1.0)),),
     )
 
 
 @pytest.mark.parametrize(
-    ("history", "rule"), [("recursive", "consistent"), ("direct", "consistent"), ("recursive", "paper")]
+    ("history", "rule"),
+    [("recursive", "consistent"), ("direct", "consistent"), ("recursive", "paper")],
 )
 @pytest.mark.parametrize("make", [on_springs, between_walls, wound_four_bar])
 def test_a_preload_stays_still(make, history, rule, tmp_path):
@@ -63,9 +90,19 @@ def test_a_preload_stays_still(make, history, rule, tmp_path):
     steps = 300 if rule == "paper" else STEPS
     model = make(tmp_path)
     gravity = [0.0, 0.0, -9.81]
-    settings = {"start": "equilibrium", "history": history, "rule": rule, "gravity": gravity, "rho_inf": 0.9}
+    settings = {
+        "start": "equilibrium",
+        "history": history,
+        "rule": rule,
+        "gravity": gravity,
+        "rho_inf": 0.9,
+    }
     results = simulate(replace(model, **settings, step=2e-4, t_end=steps * 2e-4))
-    frames = [results.frame(f"{name}.{end}") for name in model.flexible_bodies for end in ("left", "right")]
+    frames = [
+        results.frame(f"{name}.{end}")
+        for name in model.flexible_bodies
+        for end in ("left", "right")
+    ]
     assert len(results.time) == steps + 1
     assert min(np.abs(frame.u).max() for frame in frames) > 1e-3
     size = max(float(np.abs(frame.position).max()) for frame in frames)

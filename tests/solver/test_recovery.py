@@ -9,11 +9,11 @@ import meshio
 import numpy as np
 import pytest
 from duhamel.preprocess import Body, assemble, build, read_body
-from duhamel.preprocess.body import RecoveredFields
-from duhamel.preprocess.material import Material
-from duhamel.preprocess.reading import read_mesh
+from duhamel.preprocess.assembly.rigid import project
+from duhamel.preprocess.body.body import RecoveredFields
+from duhamel.preprocess.body.material import Material
+from duhamel.preprocess.mesh.reading import read_mesh
 from duhamel.preprocess.recovery import recover
-from duhamel.preprocess.rigid import project
 from duhamel.solver import (
     Constant,
     FlexibleBody,
@@ -59,8 +59,12 @@ def assert_recorded(results, body="beam"):
 
 
 def spun(beam, hub_and_beam, **settings):
-    """A hub that turns under a torque; the tip of its beam is pushed in space and twisted, from the start on."""
-    model = hub_and_beam(beam, 0.5, pivot="spherical", spin=(0.0, 3.0, 20.0), t_end=0.05, step=2e-4, **settings)
+    """A hub that turns under a torque; the tip of its beam is pushed in space and twisted, from the
+    start on.
+    """
+    model = hub_and_beam(
+        beam, 0.5, pivot="spherical", spin=(0.0, 3.0, 20.0), t_end=0.05, step=2e-4, **settings
+    )
     loads = (
         Load("torque", "hub", [0.3, 0.0, 1.0], Constant(1.0)),
         Load("force", "beam.tip", [0.0, 0.5, 1.0], Constant(1.0)),
@@ -73,14 +77,18 @@ def spun(beam, hub_and_beam, **settings):
 
 @RULES
 @HISTORIES
-def test_the_field_at_the_interfaces_is_what_the_run_recorded(coarse_beam, hub_and_beam, rule, history):
+def test_the_field_at_the_interfaces_is_what_the_run_recorded(
+    coarse_beam, hub_and_beam, rule, history
+):
     assert_recorded(simulate(spun(coarse_beam, hub_and_beam, rule=rule, history=history)))
 
 
 @RULES
 @HISTORIES
 def test_the_same_from_equilibrium(coarse_beam, rule, history):
-    """A cantilever under gravity and a tip force that begins to oscillate about what it was in equilibrium."""
+    """A cantilever under gravity and a tip force that begins to oscillate about what it was in
+    equilibrium.
+    """
     model = Model(
         bodies={"beam": FlexibleBody(watched(coarse_beam.element), Start(position=[0.25, 0, 0]))},
         joints=[Joint("clamp", "fixed", ("ground", "beam.root"))],
@@ -101,7 +109,9 @@ def test_the_same_from_a_steady_rotation(coarse_beam):
     model = Model(
         bodies={"beam": FlexibleBody(watched(coarse_beam.element), Start(position=[0.25, 0, 0]))},
         joints=[Joint("pivot", "revolute", ("ground", "beam.root"), axis=[0, 0, 1])],
-        loads=[Load("force", "beam.tip", [0, 0, 1], Harmonic(0.5, 30.0, offset=0.5), follower=True)],
+        loads=[
+            Load("force", "beam.tip", [0, 0, 1], Harmonic(0.5, 30.0, offset=0.5), follower=True)
+        ],
         t_end=0.05,
         step=2e-4,
         start="equilibrium",
@@ -117,14 +127,18 @@ def spinning(coarse_beam, hub_and_beam):
 
 def test_positions_in_space_are_those_of_the_frames(spinning):
     expected = np.stack([spinning.frame(f"beam.{name}").position for name in INTERFACES], axis=1)
-    np.testing.assert_allclose(spinning.position("beam", spinning.time), expected, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(
+        spinning.position("beam", spinning.time), expected, rtol=0, atol=1e-13
+    )
 
 
 def test_fields_are_linear_between_steps(spinning):
     t = spinning.time[[100, 101]]
     before, after = spinning.displacement("beam", t)
     between = spinning.displacement("beam", 0.25 * t[0] + 0.75 * t[1])
-    np.testing.assert_allclose(between, 0.25 * before + 0.75 * after, rtol=0, atol=1e-12 * np.abs(after).max())
+    np.testing.assert_allclose(
+        between, 0.25 * before + 0.75 * after, rtol=0, atol=1e-12 * np.abs(after).max()
+    )
 
 
 def test_the_shapes_of_fields(spinning):
@@ -143,13 +157,17 @@ def test_a_time_outside_the_run(spinning, t):
 def test_a_body_without_recovery(coarse, hub_and_beam, coarse_beam):
     model = hub_and_beam(coarse_beam, 0.5, t_end=1e-3)
     results = simulate(model)
-    with pytest.raises(RecoveryError, match=r"body 'beam': superelement .* holds no recovery.* table \[recovery\]"):
+    with pytest.raises(
+        RecoveryError, match=r"body 'beam': superelement .* holds no recovery.* table \[recovery\]"
+    ):
         results.displacement("beam", 0.0)
     with pytest.raises(RecoveryError, match="the run has no flexible body 'hub'"):
         results.displacement("hub", 0.0)
     bare = watched(coarse_beam.element)
     bare = replace(bare, recovery=replace(bare.recovery, stress=None))
-    with_shape = replace(model, bodies={**model.bodies, "beam": replace(model.bodies["beam"], superelement=bare)})
+    with_shape = replace(
+        model, bodies={**model.bodies, "beam": replace(model.bodies["beam"], superelement=bare)}
+    )
     with pytest.raises(RecoveryError, match="body 'beam': recovery: no stress modes"):
         simulate(with_shape).stress("beam", 0.0)
 
@@ -158,7 +176,8 @@ def test_results_that_are_read_find_their_superelement(coarse_beam, hub_and_beam
     model, path = spun(coarse_beam, hub_and_beam), tmp_path / "beam.h5"
     element = model.bodies["beam"].superelement
     write(path, element)
-    # As models are read from files: without the recovery, which is read when fields are asked for, in single precision.
+    # As models are read from files: without the recovery, which is read when fields are asked for,
+    # in single precision.
     body = replace(model.bodies["beam"], superelement=read(path, recovery=False), source=str(path))
     of_file = replace(model, bodies={**model.bodies, "beam": body}, t_end=0.002)
     expected = simulate(of_file, tmp_path / "out.h5").displacement("beam", 0.002)
@@ -172,21 +191,29 @@ def test_results_that_are_read_find_their_superelement(coarse_beam, hub_and_beam
     np.testing.assert_array_equal(again(), expected)
     write(path, replace(element, name="another"))
     with pytest.raises(
-        RecoveryError, match=r"body 'beam': .*beam.h5 has changed since the run: expected SHA-256 \w{64}"
+        RecoveryError,
+        match=r"body 'beam': .*beam.h5 has changed since the run: expected SHA-256 \w{64}",
     ):
         again()
     path.unlink()
-    with pytest.raises(RecoveryError, match=r"beam.h5, the file of its superelement, is gone: give it to Results.read"):
+    with pytest.raises(
+        RecoveryError,
+        match=r"beam.h5, the file of its superelement, is gone: give it to Results.read",
+    ):
         again()
     np.testing.assert_array_equal(again(superelements={"beam": whole}), expected)
 
     with h5py.File(tmp_path / "out.h5", "a") as file:
         del file["solver"].attrs["start"]
-    with pytest.raises(RecoveryError, match=r"out\.h5: group solver has no attribute start, which fields need"):
+    with pytest.raises(
+        RecoveryError, match=r"out\.h5: group solver has no attribute start, which fields need"
+    ):
         again(superelements={"beam": whole})
 
     simulate(replace(model, t_end=0.002), tmp_path / "out.h5")
-    with pytest.raises(RecoveryError, match="body 'beam': the run read no file for its superelement"):
+    with pytest.raises(
+        RecoveryError, match="body 'beam': the run read no file for its superelement"
+    ):
         again()
 
 
@@ -194,9 +221,14 @@ STEEL = Material(E=2.1e11, nu=0.3, rho=7800.0)
 
 
 def solid(path, divisions, size, material=STEEL, method="modal", tolerance=1e-6, **changes):
-    """A bar of 8-node hexahedra along x with frames on its end faces; it stores its surface and the stresses there."""
+    """A bar of 8-node hexahedra along x with frames on its end faces; it stores its surface and the
+    stresses there.
+    """
     n = np.array(divisions) + 1
-    points = np.stack(np.meshgrid(*(np.linspace(0, s, k) for s, k in zip(size, n, strict=True)), indexing="ij"), -1)
+    points = np.stack(
+        np.meshgrid(*(np.linspace(0, s, k) for s, k in zip(size, n, strict=True)), indexing="ij"),
+        -1,
+    )
     number = np.arange(n.prod()).reshape(n)
     lower, upper = slice(None, -1), slice(1, None)
     corners = [(lower, lower), (upper, lower), (upper, upper), (lower, upper)]
@@ -207,7 +239,9 @@ def solid(path, divisions, size, material=STEEL, method="modal", tolerance=1e-6,
         name="bar",
         mesh=path,
         material=material,
-        interfaces={name: {"plane": {"point": point, "normal": [1, 0, 0]}} for name, point in ends.items()},
+        interfaces={
+            name: {"plane": {"point": point, "normal": [1, 0, 0]}} for name, point in ends.items()
+        },
         impulse={"step": 2e-5, "steps": 100, "method": method, "tolerance": tolerance},
         recovery={"stress": True},
         **changes,
@@ -216,7 +250,9 @@ def solid(path, divisions, size, material=STEEL, method="modal", tolerance=1e-6,
 
 
 def unreduced(structure, p, h, rho_inf):
-    """u (n, n_u) of M u'' + K u = P^T P_C^T p in all unknowns: generalized-alpha as Chung and Hulbert wrote it."""
+    """u (n, n_u) of M u'' + K u = P^T P_C^T p in all unknowns: generalized-alpha as Chung and
+    Hulbert wrote it.
+    """
     M, K, F = structure.M.toarray(), structure.K.toarray(), structure.loads
     alpha_m, alpha_f = (2 * rho_inf - 1) / (rho_inf + 1), rho_inf / (rho_inf + 1)
     gamma, beta = 0.5 - alpha_m + alpha_f, 0.25 * (1 - alpha_m + alpha_f) ** 2
@@ -225,7 +261,9 @@ def unreduced(structure, p, h, rho_inf):
     path = [u]
     for before, after in pairwise(p):
         u_star, v_star = u + h * v + h**2 * (0.5 - beta) * a, v + h * (1 - gamma) * a
-        load = F @ ((1 - alpha_f) * after + alpha_f * before) - K @ ((1 - alpha_f) * u_star + alpha_f * u)
+        load = F @ ((1 - alpha_f) * after + alpha_f * before) - K @ (
+            (1 - alpha_f) * u_star + alpha_f * u
+        )
         a = lu_solve(S, load - alpha_m * M @ a)
         u, v = u_star + beta * h**2 * a, v_star + gamma * h * a
         path.append(u)
@@ -255,14 +293,23 @@ def largest_errors(results, body, structure, steps):
         (results.displacement("bar", results.time[steps]), full.phi),
         (results.stress("bar", results.time[steps]), full.stress),
     )
-    return [np.abs(found - np.moveaxis(expected, -1, 0)).max() / np.abs(expected).max() for found, expected in fields]
+    return [
+        np.abs(found - np.moveaxis(expected, -1, 0)).max() / np.abs(expected).max()
+        for found, expected in fields
+    ]
 
 
 def test_fields_are_those_of_the_unreduced_model(tmp_path):
-    """A solid on a spherical joint turns, and its tip is pushed from the start on: every point at several times."""
+    """A solid on a spherical joint turns, and its tip is pushed from the start on: every point at
+    several times.
+    """
     body, structure, element = solid(tmp_path / "bar.vtu", (6, 2, 2), (0.3, 0.03, 0.02))
     model = Model(
-        bodies={"bar": FlexibleBody(element, Start(position=[0.15, 0, 0], angular_velocity=[5.0, 0, 30.0]))},
+        bodies={
+            "bar": FlexibleBody(
+                element, Start(position=[0.15, 0, 0], angular_velocity=[5.0, 0, 30.0])
+            )
+        },
         joints=[Joint("pivot", "spherical", ("ground", "bar.root"))],
         loads=[
             Load("force", "bar.tip", [100.0, 200.0, 300.0], Constant(1.0)),
@@ -295,10 +342,14 @@ def test_fields_of_krylov_modes_are_right_to_the_tolerance(tmp_path, tolerance):
 
 
 def test_a_bar_under_way_carries_the_inertia_of_what_is_beyond(tmp_path):
-    """Pushed at its root a free bar accelerates, and once it rests in itself sigma_xx A = -F (1 - x / L)."""
+    """Pushed at its root a free bar accelerates, and once it rests in itself sigma_xx A = -F (1 - x
+    / L).
+    """
     push, size = 1000.0, (0.3, 0.03, 0.02)
     material = Material(E=2.1e11, nu=0.0, rho=7800.0)
-    _, structure, element = solid(tmp_path / "bar.vtu", (6, 1, 1), size, material, damping={"modal": 0.3})
+    _, structure, element = solid(
+        tmp_path / "bar.vtu", (6, 1, 1), size, material, damping={"modal": 0.3}
+    )
     model = Model(
         bodies={"bar": FlexibleBody(element)},
         loads=[Load("force", "bar.root", [push, 0, 0], Constant(1.0))],
@@ -310,11 +361,15 @@ def test_a_bar_under_way_carries_the_inertia_of_what_is_beyond(tmp_path):
     expected[:, 0] = -push * (1.0 - x / 0.3) / (0.03 * 0.02)
     # at the ends stands the mean of the element there
     inner = (x > 1e-9) & (x < 0.3 - 1e-9)
-    np.testing.assert_allclose(stress[inner], expected[inner], rtol=0, atol=1e-11 * np.abs(expected).max())
+    np.testing.assert_allclose(
+        stress[inner], expected[inner], rtol=0, atol=1e-11 * np.abs(expected).max()
+    )
 
 
 def test_a_cantilever_in_bending():
-    """sigma_xx = -F (L - x) z / I, and nothing across but shear, in a solid that starts in equilibrium."""
+    """sigma_xx = -F (L - x) z / I, and nothing across but shear, in a solid that starts in
+    equilibrium.
+    """
     element = build(read_body(BAR).model_copy(update={"recovery": RecoveredFields(stress=True)}))
     L, width, depth = np.ptp(element.recovery.points, axis=0)
     model = Model(

@@ -1,4 +1,6 @@
-"""Results: the file, what a run that breaks off leaves in it, and plain Python against compiled code."""
+"""Results: the file, what a run that breaks off leaves in it, and plain Python against compiled
+code.
+"""
 
 import hashlib
 import os
@@ -73,7 +75,12 @@ def results_file(model_file):
     return path
 
 
-BODY = {"x": ((N, 3), "m"), "R": ((N, 4), "1"), "v": ((N, 6), "m/s, rad/s"), "v_dot": ((N, 6), "m/s^2, rad/s^2")}
+BODY = {
+    "x": ((N, 3), "m"),
+    "R": ((N, 4), "1"),
+    "v": ((N, 6), "m/s, rad/s"),
+    "v_dot": ((N, 6), "m/s^2, rad/s^2"),
+}
 FRAME = {
     "position": ((N, 3), "m"),
     "rotation": ((N, 4), "1"),
@@ -98,7 +105,11 @@ DATASETS = {
     "momentum/linear": ((N, 3), "kg m/s"),
     "momentum/angular": ((N, 3), "kg m^2/s"),
     **{f"bodies/{body}/{name}": entry for body in ("hub", "beam") for name, entry in BODY.items()},
-    **{f"frames/{f}/{name}": entry for f in ("hub.rim", "beam.root", "beam.tip") for name, entry in FRAME.items()},
+    **{
+        f"frames/{f}/{name}": entry
+        for f in ("hub.rim", "beam.root", "beam.tip")
+        for name, entry in FRAME.items()
+    },
     **{f"joints/pivot/{name}": entry for name, entry in joint(5).items()},
     "joints/pivot/angle": ((N,), "rad"),
     "joints/pivot/angle_rate": ((N,), "rad/s"),
@@ -110,7 +121,11 @@ DATASETS = {
 def datasets(path):
     found = {}
     with h5py.File(path, "r") as file:
-        file.visititems(lambda name, item: found.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None)
+        file.visititems(
+            lambda name, item: (
+                found.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None
+            )
+        )
     return found
 
 
@@ -119,7 +134,9 @@ def test_every_dataset_of_the_file_and_its_units(results_file):
         found = {}
         file.visititems(
             lambda name, item: (
-                found.update({name: (item.shape, item.attrs["units"])}) if isinstance(item, h5py.Dataset) else None
+                found.update({name: (item.shape, item.attrs["units"])})
+                if isinstance(item, h5py.Dataset)
+                else None
             )
         )
     assert found == DATASETS
@@ -136,7 +153,12 @@ def test_the_attributes_of_the_file(results_file, model_file):
         assert dict(file["superelements"].attrs) == {"beam": digest}
         solver = dict(file["solver"].attrs)
     assert solver["finished"]
-    assert (solver["h"], solver["rho_inf"], solver["steps"], solver["rule"]) == (2e-4, 0.9, N - 1, "consistent")
+    assert (solver["h"], solver["rho_inf"], solver["steps"], solver["rule"]) == (
+        2e-4,
+        0.9,
+        N - 1,
+        "consistent",
+    )
 
 
 def test_time_starts_at_zero_and_ends_at_t_end(results_file):
@@ -150,7 +172,11 @@ def test_results_in_memory_are_those_of_the_file(results_file, model_file):
         lambda results: vars(results.frame("beam.tip")),
         lambda results: vars(results.joint("clamp")),
         lambda results: vars(results.energy),
-        lambda results: {"time": results.time, "iterations": results.iterations, "residual": results.residual},
+        lambda results: {
+            "time": results.time,
+            "iterations": results.iterations,
+            "residual": results.residual,
+        },
     ):
         a, b = read(memory), read(file)
         assert a.keys() == b.keys()
@@ -193,7 +219,11 @@ def test_a_run_that_fails_leaves_the_steps_before_the_failure(model_file, tmp_pa
     whole = Results.read(model_file.with_name("rotor-results.h5"))
     before = 24  # the torque changes half a step before 5 ms
     np.testing.assert_array_equal(left.body("hub").x[:before], whole.body("hub").x[:before])
-    assert {len(array) for array in datasets(path).values()} == {error.step} == {left.solver["written"]}
+    assert (
+        {len(array) for array in datasets(path).values()}
+        == {error.step}
+        == {left.solver["written"]}
+    )
     assert f"step {error.step} (t = {error.time:.9g} s)" in str(error)
     assert f"relative residual {error.residual:.3e}, tolerance 1.0e-10" in str(error)
     assert f"the most open joint is {error.joint!r}, by {error.opening:.3e}" in str(error)
@@ -229,7 +259,13 @@ def test_a_run_that_is_killed_leaves_whole_steps(results_file, model_file, tmp_p
     n = left.solver["written"]
     assert not left.solver["finished"]
     assert n > N
-    for array in (left.time, left.residual, left.energy.balance, left.joint("clamp").force, left.frame("beam.tip").u):
+    for array in (
+        left.time,
+        left.residual,
+        left.energy.balance,
+        left.joint("clamp").force,
+        left.frame("beam.tip").u,
+    ):
         assert len(array) == n
     np.testing.assert_allclose(np.diff(left.time), 2e-4, rtol=1e-9)
     for array in (left.energy.kinetic, left.iterations, left.body("hub").v[:, 5]):
@@ -242,10 +278,16 @@ POSITION_ROUNDING = 1e-13
 
 
 def order_of_rounding(name):
-    """Rates are positions over h, accelerations and forces positions over h^2; so is their rounding."""
+    """Rates are positions over h, accelerations and forces positions over h^2; so is their
+    rounding.
+    """
     if name.endswith(("force", "moment", "multipliers", "v_dot", "acceleration")):
         return 2
-    return 1 if name.endswith(("velocity", "_rate", "/v")) or name.startswith(("momentum", "energy")) else 0
+    return (
+        1
+        if name.endswith(("velocity", "_rate", "/v")) or name.startswith(("momentum", "energy"))
+        else 0
+    )
 
 
 PLAIN = """
@@ -258,7 +300,9 @@ simulate(read_model(sys.argv[1]), sys.argv[2])
 def test_plain_python_gives_what_the_compiled_code_gives(results_file, model_file, tmp_path):
     path = tmp_path / "plain.h5"
     environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
-    subprocess.run([sys.executable, "-c", PLAIN, str(model_file), str(path)], env=environment, check=True)
+    subprocess.run(
+        [sys.executable, "-c", PLAIN, str(model_file), str(path)], env=environment, check=True
+    )
     plain, compiled = datasets(path), datasets(results_file)
     assert plain.keys() == compiled.keys()
     for name, array in compiled.items():
@@ -275,7 +319,9 @@ def test_a_folder_that_is_missing_is_named(model_file, tmp_path):
 
 
 def under_a_load_that(model_file, acts):
-    """The model with a load of nothing; `acts` is called once, as soon as the loop asks for its value at 5 ms."""
+    """The model with a load of nothing; `acts` is called once, as soon as the loop asks for its
+    value at 5 ms.
+    """
     done = []
 
     def value(t):
@@ -315,13 +361,18 @@ def test_an_interrupt_leaves_the_steps_before_it(results_file, model_file, tmp_p
     assert not left.solver["finished"]
     assert 1 < n <= 26
     assert {len(array) for array in datasets(path).values()} == {n}
-    np.testing.assert_array_equal(left.frame("beam.tip").position, whole.frame("beam.tip").position[:n])
+    np.testing.assert_array_equal(
+        left.frame("beam.tip").position, whole.frame("beam.tip").position[:n]
+    )
 
 
 def test_the_later_of_two_runs_to_one_file_keeps_it(results_file, model_file, tmp_path):
     path = tmp_path / "contended.h5"
     model = read_model(model_file)
-    with pytest.raises(ResultsError, match=f"{path}: another run writes to this file now; this one stops, 0 rows long"):
+    with pytest.raises(
+        ResultsError,
+        match=f"{path}: another run writes to this file now; this one stops, 0 rows long",
+    ):
         simulate(under_a_load_that(model_file, lambda: simulate(model, path)), path)
     found, whole = datasets(path), datasets(results_file)
     assert found.keys() == whole.keys()
@@ -349,7 +400,11 @@ def test_a_run_waits_for_those_that_read_its_file(model_file, tmp_path):
     readers = []
 
     def read():
-        readers.append(subprocess.Popen([sys.executable, "-c", READER, str(path)], stdout=subprocess.PIPE, text=True))
+        readers.append(
+            subprocess.Popen(
+                [sys.executable, "-c", READER, str(path)], stdout=subprocess.PIPE, text=True
+            )
+        )
         assert readers[0].stdout.readline() == "open\n"
 
     results = simulate(under_a_load_that(model_file, read), path)

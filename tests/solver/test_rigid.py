@@ -2,14 +2,27 @@
 
 import numpy as np
 import pytest
-from duhamel.solver import Constant, Frame, Harmonic, Joint, Load, Model, Polynomial, RigidBody, Start, simulate
+from duhamel.solver import (
+    Constant,
+    Frame,
+    Harmonic,
+    Joint,
+    Load,
+    Model,
+    Polynomial,
+    RigidBody,
+    Start,
+    simulate,
+)
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 from scipy.special import ellipk
 
 G = 9.81
 SETTLING = 300
-"""steps after which multipliers have forgotten the error, of the order of h, that a_0 = v_dot_0 gives their start"""
+"""steps after which multipliers have forgotten the error, of the order of h, that a_0 = v_dot_0
+gives their start
+"""
 
 
 def rotations(quaternions):
@@ -26,20 +39,27 @@ def crossings(t, y):
 
 
 def bar(arm, angle):
-    """The paper's beam as a rigid bar: its root `arm` from the pivot at the origin, turned about z from -y."""
+    """The paper's beam as a rigid bar: its root `arm` from the pivot at the origin, turned about z
+    from -y.
+    """
     center = arm + 0.25
     inertia = 0.0858 * 0.5**3 / 12
     return RigidBody(
         0.0429,
         [1e-6, inertia, inertia],
         {"pivot": Frame([-center, 0, 0])},
-        Start(position=center * np.array([np.sin(angle), -np.cos(angle), 0.0]), rotation=[0, 0, angle - 0.5 * np.pi]),
+        Start(
+            position=center * np.array([np.sin(angle), -np.cos(angle), 0.0]),
+            rotation=[0, 0, angle - 0.5 * np.pi],
+        ),
     )
 
 
 @pytest.mark.parametrize(("arm", "small"), [(0.05, 5.153), (0.0, 5.425)])
 def test_the_period_of_a_pendulum(arm, small):
-    """T = 4 K(sin^2(angle/2)) / omega with omega of docs/theory.md, Energy, at an amplitude of 60 degrees."""
+    """T = 4 K(sin^2(angle/2)) / omega with omega of docs/theory.md, Energy, at an amplitude of 60
+    degrees.
+    """
     amplitude, h = np.pi / 3, 5e-4
     omega = np.sqrt(0.0429 * G * (arm + 0.25) / (0.0858 * 0.5**3 / 12 + 0.0429 * (arm + 0.25) ** 2))
     assert omega == pytest.approx(small, abs=5e-4)
@@ -71,7 +91,10 @@ def test_a_symmetric_top_without_torque_precesses():
     assert np.abs(axis - about.apply([0, 0, 1])).max() < (rate * h) ** 2 * rate * 4.0 / 6.0
     body_rate = (J3 - J1) / J1 * omega[2]
     spun = results.body("top").v[:, 3:5] @ [1, 1j]
-    assert np.abs(spun - 0.5 * np.exp(1j * body_rate * results.time)).max() < (body_rate * h) ** 2 * body_rate * 4.0
+    assert (
+        np.abs(spun - 0.5 * np.exp(1j * body_rate * results.time)).max()
+        < (body_rate * h) ** 2 * body_rate * 4.0
+    )
 
 
 def conserved(h, rho_inf=0.9):
@@ -95,7 +118,8 @@ def test_energy_and_momentum_of_a_tumbling_body_drift_by_order_two():
 
 
 def heavy_top(h, gyration=(0.234375, 0.46875, 0.234375), t_end=1.0):
-    """The benchmark of Bruls, Cardona and Arnold: 15 kg, one metre from a spherical joint, spinning about its axis.
+    """The benchmark of Bruls, Cardona and Arnold: 15 kg, one metre from a spherical joint, spinning
+    about its axis.
 
     `gyration`: about the centre of mass; the velocity of this is omega x X.
     """
@@ -118,7 +142,9 @@ def heavy_top(h, gyration=(0.234375, 0.46875, 0.234375), t_end=1.0):
 
 
 def heavy_top_by_euler(t):
-    """Positions of the centre from Euler's equations about the fixed point, with quaternions, to 1e-12."""
+    """Positions of the centre from Euler's equations about the fixed point, with quaternions, to
+    1e-12.
+    """
     X = np.array([0.0, 1.0, 0.0])
     J = np.diag([0.234375, 0.46875, 0.234375]) + 15.0 * (X @ X * np.eye(3) - np.outer(X, X))
 
@@ -130,7 +156,9 @@ def heavy_top_by_euler(t):
         return np.concatenate([turn, np.linalg.solve(J, torque - np.cross(omega, J @ omega))])
 
     start = [0, 0, 0, 1, 0, 150.0, -4.61538]
-    solution = solve_ivp(rate, (0.0, t[-1]), start, method="DOP853", t_eval=t, rtol=1e-12, atol=1e-12)
+    solution = solve_ivp(
+        rate, (0.0, t[-1]), start, method="DOP853", t_eval=t, rtol=1e-12, atol=1e-12
+    )
     return Rotation.from_quat(solution.y[:4].T).apply(X)
 
 
@@ -179,7 +207,9 @@ def test_the_distance_of_a_prismatic_joint_is_driven():
     axis, drive, h = np.array([1.0, 2.0, 2.0]) / 3.0, Polynomial((0.0, 0.5, -1.5, 0.7)), 1e-3
     body = RigidBody(2.0, [1.0, 1.5, 0.8], {"grip": Frame([0.2, 0.1, -0.3])})
     joint = Joint("slide", "prismatic", ("ground", "body.grip"), axis, distance=drive)
-    results = simulate(Model({"body": body}, (joint,), t_end=1.0, step=h, rho_inf=0.9, gravity=[0, 0, -G]))
+    results = simulate(
+        Model({"body": body}, (joint,), t_end=1.0, step=h, rho_inf=0.9, gravity=[0, 0, -G])
+    )
     expected = np.array([drive(t) for t in results.time])
     assert np.abs(results.body("body").x - np.outer(expected, axis)).max() < 1e-12
     assert results.body("body").v[0, :3] == pytest.approx(0.5 * axis, rel=1e-12)
@@ -191,23 +221,34 @@ def test_the_distance_of_a_prismatic_joint_is_driven():
 
 
 def test_a_body_falls_freely():
-    """x = x_0 + v t + g t^2 / 2 exactly: the scheme integrates constant accelerations without error."""
+    """x = x_0 + v t + g t^2 / 2 exactly: the scheme integrates constant accelerations without
+    error.
+    """
     start = Start(position=[1, 2, 3], velocity=[0.5, -0.2, 2.0], angular_velocity=[0, 0, 3.0])
     model = Model(
-        {"stone": RigidBody(2.0, [1, 1, 2], {}, start)}, gravity=[0, 1.0, -G], t_end=0.5, step=1e-3, rho_inf=0.8
+        {"stone": RigidBody(2.0, [1, 1, 2], {}, start)},
+        gravity=[0, 1.0, -G],
+        t_end=0.5,
+        step=1e-3,
+        rho_inf=0.8,
     )
     results = simulate(model)
     t = results.time[:, None]
     expected = start.position + start.velocity * t + 0.5 * np.array([0, 1.0, -G]) * t**2
     assert np.abs(results.body("stone").x - expected).max() < 1e-13
-    assert rotations(results.body("stone").R).as_rotvec()[:, 2] == pytest.approx(3.0 * results.time, abs=1e-12)
+    assert rotations(results.body("stone").R).as_rotvec()[:, 2] == pytest.approx(
+        3.0 * results.time, abs=1e-12
+    )
     assert np.abs(results.energy.balance).max() < 1e-12
 
 
 def test_a_follower_torque_spins_a_body_and_its_work_is_counted():
     """omega = torque t / J about the axis that turns with the body, and the energy is the work."""
     body = RigidBody(
-        1.0, [3.0, 2.0, 4.0], {"knob": Frame([0.3, 0, 0], [0, 0.5 * np.pi, 0])}, Start(rotation=[0.4, -0.2, 0.9])
+        1.0,
+        [3.0, 2.0, 4.0],
+        {"knob": Frame([0.3, 0, 0], [0, 0.5 * np.pi, 0])},
+        Start(rotation=[0.4, -0.2, 0.9]),
     )
     load = Load("torque", "body.knob", [1, 0, 0], Constant(2.0), follower=True)
     results = simulate(Model({"body": body}, loads=(load,), t_end=1.0, step=1e-3, rho_inf=0.9))
@@ -223,6 +264,8 @@ def test_the_work_of_a_drive_is_counted():
         body = RigidBody(2.0, [1.0, 1.5, 0.8], {"pivot": Frame([0.3, 0, 0])})
         swing = Harmonic(0.7, 2.0, 0.5 * np.pi, 0.3)
         joint = Joint("motor", "revolute", ("ground", "body.pivot"), [0, 0, 1], angle=swing)
-        energy = simulate(Model({"body": body}, (joint,), gravity=[0, -G, 0], t_end=1.0, step=h, rho_inf=0.9)).energy
+        energy = simulate(
+            Model({"body": body}, (joint,), gravity=[0, -G, 0], t_end=1.0, step=h, rho_inf=0.9)
+        ).energy
         drift.append(np.abs(energy.balance).max() / energy.kinetic.max())
     assert (np.log2(np.array(drift[:-1]) / drift[1:]) > 1.95).all(), drift

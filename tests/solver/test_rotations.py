@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from duhamel.solver import rotations
+from duhamel.solver.step import rotations
 from scipy.spatial.transform import Rotation
 
 ANGLES = [0.0, 1e-12, 1e-8, 1e-4, 1e-2, 0.5, 0.999999, 1.000001, 2.0, 3.1, 4.0, 6.0]
@@ -25,7 +25,9 @@ def test_exponential(angle):
     expected = Rotation.from_rotvec(psi)
     np.testing.assert_allclose(result(rotations.exponential, psi), expected.as_matrix(), atol=4e-16)
     q = result(rotations.quaternion_exponential, psi, shape=4)
-    np.testing.assert_allclose(result(rotations.quaternion_matrix, q), expected.as_matrix(), atol=1e-15)
+    np.testing.assert_allclose(
+        result(rotations.quaternion_matrix, q), expected.as_matrix(), atol=1e-15
+    )
 
 
 @pytest.mark.parametrize("angle", ANGLES)
@@ -36,7 +38,8 @@ def test_tangent(angle):
     R = result(rotations.exponential, psi)
     for j, e in enumerate(np.eye(3)):
         near, far = (
-            result(rotations.exponential, psi + k * h * e) - result(rotations.exponential, psi - k * h * e)
+            result(rotations.exponential, psi + k * h * e)
+            - result(rotations.exponential, psi - k * h * e)
             for k in (1, 2)
         )
         turn = R.T @ (8 * near - far) / (12 * h)
@@ -50,7 +53,8 @@ def test_the_derivative_of_the_tangent(angle):
     columns = []
     for e in np.eye(3):
         near, far = (
-            (result(rotations.tangent, w + k * h * e) - result(rotations.tangent, w - k * h * e)) @ moment
+            (result(rotations.tangent, w + k * h * e) - result(rotations.tangent, w - k * h * e))
+            @ moment
             for k in (1, 2)
         )
         columns.append((8 * near - far) / (12 * h))
@@ -69,12 +73,25 @@ def test_the_rotation_from_one_frame_to_another(angle):
 def test_quaternions_of_all_turns():
     """Unit, of positive first component, and back to the matrix; products are compositions."""
     rng = np.random.default_rng(3)
-    turns = [Rotation.from_rotvec(a * np.pi * e) for a in (0.5, 0.9999, 1.0, 1.5) for e in (*np.eye(3), AXIS)]
+    turns = [
+        Rotation.from_rotvec(a * np.pi * e)
+        for a in (0.5, 0.9999, 1.0, 1.5)
+        for e in (*np.eye(3), AXIS)
+    ]
     for turn in [*turns, *Rotation.random(20, rng)]:
         q = rotations.quaternion_of(turn.as_matrix())
         assert np.linalg.norm(q) == pytest.approx(1.0, rel=1e-14)
         assert q[0] >= 0.0
-        np.testing.assert_allclose(result(rotations.quaternion_matrix, q), turn.as_matrix(), atol=1e-14)
+        np.testing.assert_allclose(
+            result(rotations.quaternion_matrix, q), turn.as_matrix(), atol=1e-14
+        )
     p, q = Rotation.random(2, rng)
-    product = result(rotations.quaternion_product, p.as_quat(scalar_first=True), q.as_quat(scalar_first=True), shape=4)
-    np.testing.assert_allclose(result(rotations.quaternion_matrix, product), (p * q).as_matrix(), atol=1e-15)
+    product = result(
+        rotations.quaternion_product,
+        p.as_quat(scalar_first=True),
+        q.as_quat(scalar_first=True),
+        shape=4,
+    )
+    np.testing.assert_allclose(
+        result(rotations.quaternion_matrix, product), (p * q).as_matrix(), atol=1e-15
+    )

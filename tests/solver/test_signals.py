@@ -1,4 +1,6 @@
-"""Signals: their values, the areas of their samples, their derivatives, and what they do to momentum."""
+"""Signals: their values, the areas of their samples, their derivatives, and what they do to
+momentum.
+"""
 
 import numpy as np
 import pytest
@@ -39,7 +41,9 @@ def test_the_area_under_a_step_is_exact_wherever_it_jumps(at):
     assert (samples[far] == 2.0 * (T[far] > at)).all()
 
 
-@pytest.mark.parametrize(("start", "end"), [(0.0, 0.05), (0.1, 0.1001), (0.023, 0.791), (0.0037, 0.004)])
+@pytest.mark.parametrize(
+    ("start", "end"), [(0.0, 0.05), (0.1, 0.1001), (0.023, 0.791), (0.0037, 0.004)]
+)
 def test_the_area_under_a_pulse_is_exact(start, end):
     samples = Pulse(-3.0, start, end).samples(T, H)
     assert area(samples) == pytest.approx(-3.0 * (end - start), rel=1e-12)
@@ -47,7 +51,14 @@ def test_the_area_under_a_pulse_is_exact(start, end):
 
 def test_steps_follow_one_another():
     signal = Steps((0.1, 0.5, 0.9), (1.0, -2.0, 0.5))
-    assert [signal(t) for t in (0.0, 0.0999, 0.1, 0.4999, 0.5, 0.95)] == [0.0, 0.0, 1.0, 1.0, -2.0, 0.5]
+    assert [signal(t) for t in (0.0, 0.0999, 0.1, 0.4999, 0.5, 0.95)] == [
+        0.0,
+        0.0,
+        1.0,
+        1.0,
+        -2.0,
+        0.5,
+    ]
     assert area(signal.samples(T, H)) == pytest.approx(0.4 - 0.8 + 0.5 * 1.1, rel=1e-13)
     # on the grid a jump is met half way, but at the start the load is there in full
     assert signal.samples(np.array([0.1]), H) == pytest.approx([0.5])
@@ -63,7 +74,12 @@ def test_the_area_under_an_impulse_is_exact(at):
 
 @pytest.mark.parametrize("chunk", [1, 7, 50])
 def test_samples_do_not_depend_on_how_they_are_asked_for(chunk):
-    for signal in (Steps((0.0, 0.123), (1.0, -1.0)), Pulse(2.0, 0.07, 0.0811), Impulse(1.0, 0.25), Harmonic(1.0, 3.0)):
+    for signal in (
+        Steps((0.0, 0.123), (1.0, -1.0)),
+        Pulse(2.0, 0.07, 0.0811),
+        Impulse(1.0, 0.25),
+        Harmonic(1.0, 3.0),
+    ):
         parts = [signal.samples(T[i : i + chunk], H) for i in range(0, len(T), chunk)]
         np.testing.assert_array_equal(np.concatenate(parts), signal.samples(T, H))
 
@@ -103,7 +119,10 @@ def test_values_of_signals():
     [
         (lambda: Steps((0.0, 1.0), (1.0,)), "as many values as times, got 2 times and 1 values"),
         (lambda: Steps((), ()), "got 0 times and 0 values"),
-        (lambda: Table((0.0, 0.0), (1.0, 2.0)), r"times of a signal must increase, got \[0.0, 0.0\]"),
+        (
+            lambda: Table((0.0, 0.0), (1.0, 2.0)),
+            r"times of a signal must increase, got \[0.0, 0.0\]",
+        ),
         (lambda: Pulse(1.0, 0.2, 0.1), "must end after it starts, got start = 0.2, end = 0.1"),
         (lambda: Spline((0.0,), (1.0,)), "a spline needs two or more points, got 1"),
         (lambda: Spline((0.0, 1.0), (1.0,)), "as many values as times, got 2 times and 1 values"),
@@ -127,9 +146,13 @@ def test_errors_say_what_they_found(make, message):
     ],
 )
 def test_a_body_gains_the_momentum_of_its_loads(signal, impulse, rho_inf):
-    """m v = the area under the load, to rounding, once the scheme has forgotten the jumps; and likewise J omega."""
+    """m v = the area under the load, to rounding, once the scheme has forgotten the jumps; and
+    likewise J omega.
+    """
     loads = (Load("force", "body", [0, 0, 1], signal), Load("torque", "body", [2, 0, 0], signal))
-    model = Model({"body": RigidBody(2.0, [0.5, 1.0, 1.5])}, (), loads, t_end=2.0, step=H, rho_inf=rho_inf)
+    model = Model(
+        {"body": RigidBody(2.0, [0.5, 1.0, 1.5])}, (), loads, t_end=2.0, step=H, rho_inf=rho_inf
+    )
     v = simulate(model).body("body").v[-1]
     assert 2.0 * v[2] == pytest.approx(impulse, rel=1e-10)
     assert 0.5 * v[3] == pytest.approx(2.0 * impulse, rel=1e-10)
@@ -138,7 +161,9 @@ def test_a_body_gains_the_momentum_of_its_loads(signal, impulse, rho_inf):
 def test_a_smooth_function_drives_a_joint():
     """Its derivatives are those of the motion from the first step on."""
     swing = SmoothFunction(
-        lambda t: 0.3 * np.sin(5.0 * t), lambda t: 1.5 * np.cos(5.0 * t), lambda t: -7.5 * np.sin(5.0 * t)
+        lambda t: 0.3 * np.sin(5.0 * t),
+        lambda t: 1.5 * np.cos(5.0 * t),
+        lambda t: -7.5 * np.sin(5.0 * t),
     )
     model = Model(
         bodies={"arm": RigidBody(1.0, [1.0, 1.0, 1.0])},
@@ -149,7 +174,9 @@ def test_a_smooth_function_drives_a_joint():
     results = simulate(model)
     coordinates = results.joint("drive").coordinates
     np.testing.assert_allclose(coordinates["angle"], 0.3 * np.sin(5.0 * results.time), atol=1e-12)
-    np.testing.assert_allclose(coordinates["angle_rate"], 1.5 * np.cos(5.0 * results.time), atol=2e-5)
+    np.testing.assert_allclose(
+        coordinates["angle_rate"], 1.5 * np.cos(5.0 * results.time), atol=2e-5
+    )
 
 
 def swing(t):
@@ -157,7 +184,9 @@ def swing(t):
 
 
 def test_a_spline_through_points_of_a_motion_is_near_it():
-    """Of order four away from the ends; through the points, straight beyond them, and smooth everywhere."""
+    """Of order four away from the ends; through the points, straight beyond them, and smooth
+    everywhere.
+    """
     t = np.linspace(0.7, 1.3, 201)
     errors = []
     for n in (21, 41):
@@ -188,7 +217,12 @@ def test_a_spline_drives_and_loads_as_the_motion_that_it_passes_through():
     t = 1e-3 * np.arange(1001)
     np.testing.assert_allclose(coordinates["angle"], swing(t), rtol=0, atol=1e-7)
     np.testing.assert_allclose(coordinates["angle_rate"], 1.5 * np.cos(5.0 * t), rtol=0, atol=1e-4)
-    pushed = Model({"arm": body}, loads=(Load("force", "arm", [1, 0, 0], measured),), t_end=1.0, step=1e-3)
+    pushed = Model(
+        {"arm": body}, loads=(Load("force", "arm", [1, 0, 0], measured),), t_end=1.0, step=1e-3
+    )
     np.testing.assert_allclose(
-        simulate(pushed).body("arm").v[:, 0], 0.3 / 5.0 * (1.0 - np.cos(5.0 * t)) / 2.0, rtol=0, atol=1e-6
+        simulate(pushed).body("arm").v[:, 0],
+        0.3 / 5.0 * (1.0 - np.cos(5.0 * t)) / 2.0,
+        rtol=0,
+        atol=1e-6,
     )

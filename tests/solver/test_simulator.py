@@ -1,4 +1,6 @@
-"""One step at a time: to the last bit what `simulate` gives; steps of bounded cost, and how far they are off."""
+"""One step at a time: to the last bit what `simulate` gives; steps of bounded cost, and how far
+they are off.
+"""
 
 from dataclasses import replace
 
@@ -22,17 +24,24 @@ from duhamel.solver import (
     Start,
     Steps,
     Table,
-    lookahead,
     read_model,
     simulate,
 )
+from duhamel.solver.history import dyadic as lookahead
 
 STEPS, H = 60, 5e-4
-OUTPUTS = ("joints/pivot/angle", "frames/beam.tip/position", "joints/clamp/multipliers", "energy/work")
+OUTPUTS = (
+    "joints/pivot/angle",
+    "frames/beam.tip/position",
+    "joints/clamp/multipliers",
+    "energy/work",
+)
 
 
 def rotor(coarse, load, angle=None, **settings):
-    """A hub with a beam; a torque, the same load as a force on the tip, and a force that no one gives step by step."""
+    """A hub with a beam; a torque, the same load as a force on the tip, and a force that no one
+    gives step by step.
+    """
     hub = RigidBody(0.01, [0.006, 0.007, 0.01], {"rim": Frame([0.05, 0, 0])})
     loads = (
         Load("torque", "hub", [0, 0, 1], load),
@@ -71,7 +80,9 @@ def values_at(steps):
 
 @pytest.mark.parametrize("block", [4, 8, 16])
 def test_partitions_of_the_past_give_the_direct_sum(block, coarse, monkeypatch):
-    """Blocks of 4, 8 and 16 of 60 steps; with kernels that end after 27 steps, loads are let go of besides."""
+    """Blocks of 4, 8 and 16 of 60 steps; with kernels that end after 27 steps, loads are let go of
+    besides.
+    """
     monkeypatch.setattr(lookahead, "BLOCK", block)
     damped = replace(coarse.modes, zeta=np.full(len(coarse.modes.omega), 0.5))
     soft = replace(coarse, modes=damped, compliance=damped.compliance)
@@ -79,7 +90,9 @@ def test_partitions_of_the_past_give_the_direct_sum(block, coarse, monkeypatch):
     told = Table(tuple(H * np.arange(STEPS + 1)), tuple(values))
     for element, memory in ((coarse, None), (soft, 27 * H)):
         expected = recorded(rotor(element, told, history="direct", memory=memory))
-        simulator = Simulator(rotor(element, Input("motor", values[0]), history="fft", memory=memory), OUTPUTS)
+        simulator = Simulator(
+            rotor(element, Input("motor", values[0]), history="fft", memory=memory), OUTPUTS
+        )
         found = np.array([simulator.outputs, *(simulator.step([value]) for value in values[1:])])
         error, scale = np.abs(found - expected).max(axis=0), np.abs(expected).max(axis=0)
         motion = [0, 1, 2, 3]  # multipliers follow from it over h^2
@@ -112,11 +125,16 @@ def test_a_joint_driven_by_an_input_is_one_driven_by_the_same_values(coarse):
 
 
 def test_a_simulator_closes_a_loop(coarse):
-    """A torque -k angle, told a step late, and a spring of stiffness k: apart by what a step of delay does, order 1."""
+    """A torque -k angle, told a step late, and a spring of stiffness k: apart by what a step of
+    delay does, order 1.
+    """
     k = 30.0
 
     def apart(step):
-        loads = tuple(Load("torque", "hub", [0, 0, 1], signal) for signal in (Input("motor"), Pulse(5.0, 0.0, 5e-3)))
+        loads = tuple(
+            Load("torque", "hub", [0, 0, 1], signal)
+            for signal in (Input("motor"), Pulse(5.0, 0.0, 5e-3))
+        )
         model = rotor(coarse, Input("motor"), step=step, loads=loads)
         simulator, angle = Simulator(model, ["joints/pivot/angle"]), 0.0
         while simulator.time < model.t_end - 0.5 * step:
@@ -132,7 +150,9 @@ def test_a_simulator_closes_a_loop(coarse):
 
 
 def test_corrections_with_the_factors_of_the_step_before_converge_fast(coarse):
-    """Each brings a run a hundred times closer, or more, to that of Newton's method; no step takes more of them."""
+    """Each brings a run a hundred times closer, or more, to that of Newton's method; no step takes
+    more of them.
+    """
     load = Steps((0.0, 0.01), (5.0, -5.0))
 
     def run(corrections):
@@ -150,11 +170,14 @@ def test_corrections_with_the_factors_of_the_step_before_converge_fast(coarse):
 def test_what_a_simulator_cannot_do_is_told(coarse):
     model = rotor(coarse, Input("motor"))
     with pytest.raises(
-        ModelError, match=r"rotor.toml: outputs: no 'joints/pivot/angel'; did you mean 'joints/pivot/angle'"
+        ModelError,
+        match=r"rotor.toml: outputs: no 'joints/pivot/angel'; did you mean 'joints/pivot/angle'",
     ):
         Simulator(replace(model, path="rotor.toml"), ["joints/pivot/angel"])
     simulator = Simulator(replace(model, t_end=2 * H), OUTPUTS)
-    with pytest.raises(ModelError, match=r"inputs: expected values of \['motor'\], got \[1.0, 2.0\]"):
+    with pytest.raises(
+        ModelError, match=r"inputs: expected values of \['motor'\], got \[1.0, 2.0\]"
+    ):
         simulator.step([1, 2])
     simulator.step([0.0])
     simulator.step([0.0])
@@ -169,7 +192,9 @@ def test_an_input_in_a_model_file_is_its_value_when_simulated(tmp_path):
     path = tmp_path / "stone.toml"
     path.write_text(FILE)
     model = read_model(path)
-    np.testing.assert_allclose(simulate(model).body("stone").v[:, 0], 3.0 * 1e-3 * np.arange(11), rtol=0, atol=1e-13)
+    np.testing.assert_allclose(
+        simulate(model).body("stone").v[:, 0], 3.0 * 1e-3 * np.arange(11), rtol=0, atol=1e-13
+    )
     simulator = Simulator(model, ["bodies/stone/v"])
     assert simulator.inputs == ("thrust",)
     assert simulator.step([3.0])[0] == pytest.approx(3e-3, rel=1e-12)

@@ -1,4 +1,5 @@
-"""One superelement, or several of the same mesh welded together: the same to first order in the displacements.
+"""One superelement, or several of the same mesh welded together: the same to first order in the
+displacements.
 
 Terms of second order differ: each piece has a floating frame of its own, which turns with it.
 """
@@ -56,7 +57,9 @@ def swing(assembly, force):
 
 @pytest.mark.parametrize("shape", BARS)
 def test_a_body_in_pieces_moves_as_a_whole_in_small_motion(shape, tmp_path):
-    """Their difference falls with the square of the force, so to nothing in the linear limit, in loops too."""
+    """Their difference falls with the square of the force, so to nothing in the linear limit, in
+    loops too.
+    """
     one, several = whole(BARS[shape], tmp_path), pieces(BARS[shape], tmp_path)
     moved, apart = [], []
     for force in (0.4, 0.04, 0.004):

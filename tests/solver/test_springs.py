@@ -39,7 +39,9 @@ def hanging_mass(h, k=100.0, c=0.5, m=2.0, **spring):
     return simulate(
         Model(
             {"mass": RigidBody(m, [1, 1, 1], start=Start(position=[0, 0, -1]))},
-            springs=(Spring("coil", "point", ("ground.hook", "mass"), stiffness=k, damping=c, **spring),),
+            springs=(
+                Spring("coil", "point", ("ground.hook", "mass"), stiffness=k, damping=c, **spring),
+            ),
             ground_frames={"hook": Frame()},
             gravity=[0, 0, -G],
             t_end=2.0,
@@ -50,7 +52,9 @@ def hanging_mass(h, k=100.0, c=0.5, m=2.0, **spring):
 
 
 def test_a_damped_oscillator():
-    """x = -m g / k (1 - exp(-zeta omega t) (cos + zeta / sqrt(1 - zeta^2) sin)) to order two; so is the balance."""
+    """x = -m g / k (1 - exp(-zeta omega t) (cos + zeta / sqrt(1 - zeta^2) sin)) to order two; so is
+    the balance.
+    """
     k, c, m = 100.0, 0.5, 2.0
     omega, zeta = np.sqrt(k / m), c / (2 * np.sqrt(k * m))
     errors, balances = [], []
@@ -76,7 +80,9 @@ def test_what_a_spring_reports():
     force = k * (-x - 1.0) - c * v
     np.testing.assert_allclose(coil.force[:, 2], force, rtol=0, atol=1e-9)
     assert not coil.force[:, :2].any()
-    np.testing.assert_allclose(results.energy.springs, 0.5 * k * (-x - 1.0) ** 2, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(
+        results.energy.springs, 0.5 * k * (-x - 1.0) ** 2, rtol=0, atol=1e-12
+    )
     lost = cumulative_trapezoid(c * v**2, dx=h, initial=0.0)
     assert np.abs(results.energy.dissipated - lost).max() < k / 2.0 * h**2 * lost[-1]
 
@@ -94,7 +100,11 @@ def test_a_tabulated_law_of_an_oscillator():
     law, J = Law((-0.5, 0.0, 0.2, 0.4), (-2.0, 0.0, 3.0, 3.5)), 0.3
 
     def moment(angle):
-        return np.interp(angle, law.deformation, law.force) + 2.5 * max(angle - 0.4, 0) + 4.0 * min(angle + 0.5, 0)
+        return (
+            np.interp(angle, law.deformation, law.force)
+            + 2.5 * max(angle - 0.4, 0)
+            + 4.0 * min(angle + 0.5, 0)
+        )
 
     t = np.linspace(0, 2, 501)
     options = {"t_eval": t, "rtol": 1e-11, "atol": 1e-12, "max_step": 1e-3}
@@ -122,7 +132,9 @@ def test_a_tabulated_law_of_an_oscillator():
     inside = (angle > -0.5) & (angle < 0.4)
     k = np.searchsorted(law.deformation, angle[inside]) - 1
     start, end = np.take(law.deformation, k), angle[inside]
-    stored = areas[k] + 0.5 * (np.take(law.force, k) + np.interp(end, law.deformation, law.force)) * (end - start)
+    stored = areas[k] + 0.5 * (
+        np.take(law.force, k) + np.interp(end, law.deformation, law.force)
+    ) * (end - start)
     np.testing.assert_allclose(results.energy.springs[inside], stored, rtol=0, atol=1e-13)
 
 
@@ -142,8 +154,12 @@ def test_a_torsion_spring_counts_full_turns():
     omega, t = np.sqrt(k / J), results.time
     angle = results.spring("coil").coordinates["coordinates"][:, 0]
     assert angle.max() / (2 * np.pi) > 7
-    np.testing.assert_allclose(angle, speed / omega * np.sin(omega * t), rtol=0, atol=50 * (omega * 2e-3) ** 2)
-    np.testing.assert_allclose(results.joint("axle").coordinates["angle"], angle, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(
+        angle, speed / omega * np.sin(omega * t), rtol=0, atol=50 * (omega * 2e-3) ** 2
+    )
+    np.testing.assert_allclose(
+        results.joint("axle").coordinates["angle"], angle, rtol=0, atol=1e-12
+    )
 
 
 def tumbling_pair(**settings):
@@ -165,9 +181,22 @@ def tumbling_pair(**settings):
             ),
         },
         springs=(
-            Spring("bush", "bushing", ("a.f", "b.g"), [1, 1, 0], stiffness=stiffness, damping=1e-3 * stiffness),
             Spring(
-                "coil", "torsion", ("a", "b"), [0, 0, 1], stiffness=5.0, damping=0.01, law=Law((-1, 0, 1), (-3, 0, 8))
+                "bush",
+                "bushing",
+                ("a.f", "b.g"),
+                [1, 1, 0],
+                stiffness=stiffness,
+                damping=1e-3 * stiffness,
+            ),
+            Spring(
+                "coil",
+                "torsion",
+                ("a", "b"),
+                [0, 0, 1],
+                stiffness=5.0,
+                damping=0.01,
+                law=Law((-1, 0, 1), (-3, 0, 8)),
             ),
         ),
         t_end=0.5,
@@ -177,7 +206,9 @@ def tumbling_pair(**settings):
 
 
 def test_springs_between_tumbling_bodies_keep_momenta_and_energy():
-    """Linear momentum to rounding; angular momentum and the balance, dissipation counted, to order two."""
+    """Linear momentum to rounding; angular momentum and the balance, dissipation counted, to order
+    two.
+    """
     angular, balance = [], []
     for h in (2e-3, 1e-3, 5e-4):
         results = simulate(tumbling_pair(step=h))
@@ -201,10 +232,12 @@ def test_the_coordinates_of_a_bushing():
     bush, A, B = results.spring("bush"), results.frame("a.f"), results.frame("b.g")
     axes = tumbling_pair(step=1e-3).springs[0].basis()
     turn_a = (
-        Rotation.from_quat(A.rotation, scalar_first=True) * Rotation.from_quat(A.rotation[0], scalar_first=True).inv()
+        Rotation.from_quat(A.rotation, scalar_first=True)
+        * Rotation.from_quat(A.rotation[0], scalar_first=True).inv()
     )
     turn_b = (
-        Rotation.from_quat(B.rotation, scalar_first=True) * Rotation.from_quat(B.rotation[0], scalar_first=True).inv()
+        Rotation.from_quat(B.rotation, scalar_first=True)
+        * Rotation.from_quat(B.rotation[0], scalar_first=True).inv()
     )
     e_a, e_b = turn_a.as_matrix() @ axes, turn_b.as_matrix() @ axes
     coordinates = bush.coordinates["coordinates"]
@@ -215,32 +248,57 @@ def test_the_coordinates_of_a_bushing():
 
 
 def test_a_stiff_bushing_is_nearly_a_weld(random_element):
-    """Motions differ by what the bushing gives way under the loads: a tenth if it is ten times as stiff."""
+    """Motions differ by what the bushing gives way under the loads: a tenth if it is ten times as
+    stiff.
+    """
     element = random_element(3, (True, False))
     R = Rotation.from_rotvec([0.3, -0.2, 0.5])
     beam = FlexibleBody(element, Start(-R.as_matrix() @ element.interface("i0").X, R.as_rotvec()))
     load = Load("force", "beam.i1", [1.0, 2.0, -1.0], Harmonic(1.0, 1.0))
     common = {"loads": (load,), "t_end": 0.5, "step": 1e-3, "rho_inf": 0.8}
-    weld = simulate(Model({"beam": beam}, (Joint("weld", "fixed", ("ground", "beam.i0")),), **common))
+    weld = simulate(
+        Model({"beam": beam}, (Joint("weld", "fixed", ("ground", "beam.i0")),), **common)
+    )
     apart = []
     for stiffness in (1e4, 1e5, 1e6):
-        bush = Spring("bush", "bushing", ("ground", "beam.i0"), stiffness=stiffness * np.eye(6), damping=np.eye(6))
+        bush = Spring(
+            "bush",
+            "bushing",
+            ("ground", "beam.i0"),
+            stiffness=stiffness * np.eye(6),
+            damping=np.eye(6),
+        )
         results = simulate(Model({"beam": beam}, springs=(bush,), **common))
         apart.append(np.abs(results.body("beam").x - weld.body("beam").x).max())
     np.testing.assert_allclose(np.array(apart[:-1]) / apart[1:], 10.0, rtol=0.1)
 
 
 def test_a_spring_between_interfaces_of_flexible_bodies(random_element):
-    """Linear momentum to rounding; angular momentum and energy, the spring's included, to order two."""
+    """Linear momentum to rounding; angular momentum and energy, the spring's included, to order
+    two.
+    """
     elements = {"a": random_element(5, (True, False)), "b": random_element(6, (True, False))}
     starts = {
-        "a": Start(position=-elements["a"].interface("i0").X, velocity=[1.0, 0, 0], angular_velocity=[1, 2, -1]),
-        "b": Start(position=[0.5, 0.2, 0.1] - elements["b"].interface("i0").X, angular_velocity=[0.5, -1, 2]),
+        "a": Start(
+            position=-elements["a"].interface("i0").X,
+            velocity=[1.0, 0, 0],
+            angular_velocity=[1, 2, -1],
+        ),
+        "b": Start(
+            position=[0.5, 0.2, 0.1] - elements["b"].interface("i0").X,
+            angular_velocity=[0.5, -1, 2],
+        ),
     }
     model = Model(
         {name: FlexibleBody(elements[name], starts[name]) for name in "ab"},
         springs=(
-            Spring("bush", "bushing", ("a.i0", "b.i0"), stiffness=symmetric(4, 20.0), damping=symmetric(5, 0.02)),
+            Spring(
+                "bush",
+                "bushing",
+                ("a.i0", "b.i0"),
+                stiffness=symmetric(4, 20.0),
+                damping=symmetric(5, 0.02),
+            ),
             Spring("tie", "point", ("a.i1", "b.i1"), stiffness=40.0, damping=0.3),
         ),
         t_end=0.3,
@@ -277,14 +335,18 @@ def test_what_pulls_a_cantilever_by_a_spring_finds_its_stiffness(coarse):
 
 
 def test_ends_of_a_spring_that_coincide_are_refused():
-    ball = RigidBody(1.0, [1, 1, 1], {"f": Frame([0.1, 0.2, 0.3])}, Start(position=[-0.1, -0.2, -0.3]))
+    ball = RigidBody(
+        1.0, [1, 1, 1], {"f": Frame([0.1, 0.2, 0.3])}, Start(position=[-0.1, -0.2, -0.3])
+    )
     model = Model(
         {"ball": ball},
         springs=(Spring("coil", "point", ("ground.o", "ball.f"), stiffness=1.0),),
         ground_frames={"o": Frame()},
         step=0.1,
     )
-    with pytest.raises(ModelError, match=r"spring 'coil': its ends \['ground.o', 'ball.f'\] coincide at the start"):
+    with pytest.raises(
+        ModelError, match=r"spring 'coil': its ends \['ground.o', 'ball.f'\] coincide at the start"
+    ):
         simulate(model)
 
 
@@ -293,7 +355,9 @@ def test_a_preloaded_spring_without_motion_stays_still():
     results = simulate(
         Model(
             {"mass": RigidBody(2.0, [1, 1, 1], start=Start(position=[0, 0, -1]))},
-            springs=(Spring("coil", "point", ("ground.hook", "mass"), stiffness=1e8, damping=10.0),),
+            springs=(
+                Spring("coil", "point", ("ground.hook", "mass"), stiffness=1e8, damping=10.0),
+            ),
             loads=(Load("force", "mass", [0, 0, -1], Constant(3.0)),),
             ground_frames={"hook": Frame()},
             gravity=[0, 0, -G],

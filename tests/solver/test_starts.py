@@ -1,4 +1,6 @@
-"""Starts: equilibrium that stays still, joint coordinates asked for, what is off as given, redundant constraints."""
+"""Starts: equilibrium that stays still, joint coordinates asked for, what is off as given,
+redundant constraints.
+"""
 
 from dataclasses import replace
 
@@ -69,17 +71,27 @@ def test_hanging_beams_find_their_place_and_stay_there(beam, history):
 def four_bar(**settings):
     def bar(mass, **start):
         return RigidBody(
-            mass, [0.01, 0.1, 0.1], {"l": Frame([-mass / 2, 0, 0]), "r": Frame([mass / 2, 0, 0])}, Start(**start)
+            mass,
+            [0.01, 0.1, 0.1],
+            {"l": Frame([-mass / 2, 0, 0]), "r": Frame([mass / 2, 0, 0])},
+            Start(**start),
         )
 
-    between = {"A": ("ground", "a.l"), "B": ("a.r", "b.l"), "C": ("b.r", "c.l"), "D": ("c.r", "ground")}
+    between = {
+        "A": ("ground", "a.l"),
+        "B": ("a.r", "b.l"),
+        "C": ("b.r", "c.l"),
+        "D": ("c.r", "ground"),
+    }
     return Model(
         bodies={
             "a": bar(1, position=[0, 0, 0.5], rotation=[0, -np.pi / 2, 0]),
             "b": bar(2, position=[1, 0, 1]),
             "c": bar(1, position=[2, 0, 0.5], rotation=[0, np.pi / 2, 0]),
         },
-        joints=[Joint(name, "revolute", frames, axis=[0, 1, 0]) for name, frames in between.items()],
+        joints=[
+            Joint(name, "revolute", frames, axis=[0, 1, 0]) for name, frames in between.items()
+        ],
         gravity=[0, 0, -G],
         t_end=0.2,
         step=1e-3,
@@ -90,7 +102,11 @@ def four_bar(**settings):
 def test_redundant_constraints_are_named():
     with pytest.raises(ModelError) as error:
         simulate(four_bar())
-    for text in ("20 constraints of which 3 are redundant", "A (translation 3, rotation 1, rotation 2)", "remove"):
+    for text in (
+        "20 constraints of which 3 are redundant",
+        "A (translation 3, rotation 1, rotation 2)",
+        "remove",
+    ):
         assert text in str(error.value)
 
 
@@ -101,7 +117,9 @@ def test_without_redundant_constraints_the_motion_is_that_of_freed_joints():
     model = four_bar()
     freed = {"B": Joint("B", "spherical", ("a.r", "b.l"))}
     freed["C"] = Joint("C", "universal", ("b.r", "c.l"), axis=[0, 1, 0], second_axis=[0, 0, 1])
-    by_hand = simulate(replace(model, joints=[freed.get(joint.name, joint) for joint in model.joints]))
+    by_hand = simulate(
+        replace(model, joints=[freed.get(joint.name, joint) for joint in model.joints])
+    )
     for body in ("a", "b", "c"):
         np.testing.assert_allclose(removed.body(body).x, by_hand.body(body).x, atol=1e-9)
 
@@ -109,7 +127,9 @@ def test_without_redundant_constraints_the_motion_is_that_of_freed_joints():
 def test_a_closed_loop_starts_from_a_joint_angle_and_its_rate():
     model = four_bar(redundant="remove")
     first = model.joints[0]
-    asked = Joint(first.name, first.type, first.between, first.axis, start={"angle": 0.5, "angle_rate": 2.0})
+    asked = Joint(
+        first.name, first.type, first.between, first.axis, start={"angle": 0.5, "angle_rate": 2.0}
+    )
     results = simulate(replace(model, joints=(asked, *model.joints[1:])))
     coordinates = results.joint("A").coordinates
     assert coordinates["angle"][0] == pytest.approx(0.5, abs=1e-12)
@@ -135,13 +155,21 @@ def test_a_joint_that_is_open_by_little_is_closed_and_told():
     with pytest.raises(ModelError, match=r"open by 0\.1 m"):
         simulate(pendulum([0.6, 0, 0]))
     assembled = simulate(pendulum([0.6, 0, 0], assemble=True)).solver
-    assert (assembled["opening"], assembled["moved"]) == (pytest.approx(0.1), pytest.approx(0.1, rel=1e-6))
+    assert (assembled["opening"], assembled["moved"]) == (
+        pytest.approx(0.1),
+        pytest.approx(0.1, rel=1e-6),
+    )
 
 
 def test_velocities_that_open_a_joint_are_told_as_given():
-    """By how much they do, not by how much they are changed: a bob thrown along its arm, and one thrown across it."""
+    """By how much they do, not by how much they are changed: a bob thrown along its arm, and one
+    thrown across it.
+    """
     along = simulate(pendulum(velocity=[0.3, 0, 0])).solver
-    assert (along["velocity_misfit"], along["velocity_misfit_at"]) == (pytest.approx(0.3, rel=1e-12), "joint 'pin'")
+    assert (along["velocity_misfit"], along["velocity_misfit_at"]) == (
+        pytest.approx(0.3, rel=1e-12),
+        "joint 'pin'",
+    )
     assert along["velocity_correction"] == pytest.approx(0.3, rel=1e-12)
     across = simulate(pendulum(velocity=[0, 0.3, 0])).solver
     assert across["velocity_misfit"] == pytest.approx(0.3, rel=1e-12)
@@ -162,8 +190,12 @@ def test_what_is_asked_of_joints_is_no_misfit():
 
 def test_equilibrium_is_sought_from_the_places_given():
     """What was moved counts from there; the angle asked for is where the search begins."""
-    results = simulate(pendulum(joint={"start": {"angle": 0.3}}, gravity=[0, -G, 0], start="equilibrium"))
-    np.testing.assert_allclose(results.body("bob").x, np.tile([0, -0.5, 0], (11, 1)), rtol=0, atol=1e-12)
+    results = simulate(
+        pendulum(joint={"start": {"angle": 0.3}}, gravity=[0, -G, 0], start="equilibrium")
+    )
+    np.testing.assert_allclose(
+        results.body("bob").x, np.tile([0, -0.5, 0], (11, 1)), rtol=0, atol=1e-12
+    )
     assert results.solver["moved"] == pytest.approx(np.pi / 2, abs=1e-11)
     assert (results.solver["opening"], results.solver["velocity_correction"]) == (0.0, 0.0)
 
@@ -171,13 +203,18 @@ def test_equilibrium_is_sought_from_the_places_given():
 def contradictory(**rates):
     """A four-bar whose crank is asked for one rate, and its rocker for another or the like."""
     model = four_bar(redundant="remove")
-    return replace(model, joints=[replace(j, start=rates[j.name]) if j.name in rates else j for j in model.joints])
+    return replace(
+        model,
+        joints=[replace(j, start=rates[j.name]) if j.name in rates else j for j in model.joints],
+    )
 
 
 def falling(**settings):
     """A bob on a pin, and a stone that nothing holds."""
     model = pendulum(gravity=[0, -G, 0], start="equilibrium")
-    return replace(model, bodies={**model.bodies, "stone": RigidBody(1.0, [1, 1, 1], {}, Start([0, 0, 1]))})
+    return replace(
+        model, bodies={**model.bodies, "stone": RigidBody(1.0, [1, 1, 1], {}, Start([0, 0, 1]))}
+    )
 
 
 IMPOSSIBLE = {

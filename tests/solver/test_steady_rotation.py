@@ -27,11 +27,16 @@ L, MASS, RIM = 0.5, 0.0429, 0.05
 
 
 def rotor(beam, drive=None, spin=SPIN, **settings):
-    """A beam on the rim of a hub, on a bearing about z; it stretches under its rotation and sags under gravity."""
+    """A beam on the rim of a hub, on a bearing about z; it stretches under its rotation and sags
+    under gravity.
+    """
     hub = RigidBody(0.01, [0.0095, 0.0095, 0.019], {"rim": Frame([RIM, 0, 0])})
     common = {"t_end": 0.06, "gravity": [0, 0, -9.81], "start": "equilibrium", "rho_inf": 0.9}
     return Model(
-        bodies={"hub": hub, "beam": FlexibleBody(beam.element, Start(place=Place("root", "hub.rim")))},
+        bodies={
+            "hub": hub,
+            "beam": FlexibleBody(beam.element, Start(place=Place("root", "hub.rim"))),
+        },
         joints=[
             Joint("pivot", "revolute", ("ground", "hub"), axis=Z, angle=drive),
             Joint("clamp", "fixed", ("hub.rim", "beam.root")),
@@ -49,8 +54,10 @@ def unsteadiness(results):
 @pytest.mark.parametrize("history", ["recursive", "direct"])
 @pytest.mark.parametrize("rule", ["consistent", "paper"])
 def test_a_steady_rotation_goes_on(beam, history, rule):
-    """Over 1000 steps, with gravity along the axis. That the scheme starts from what it steps itself is what does it:
-    the velocities and accelerations of a continuous rotation differ by (spin h)^2, and leave 3e-7 of ringing."""
+    """Over 1000 steps, with gravity along the axis. That the scheme starts from what it steps
+    itself is what does it: the velocities and accelerations of a continuous rotation differ by
+    (spin h)^2, and leave 3e-7 of ringing.
+    """
     results = simulate(rotor(beam, history=history, rule=rule))
     pull = MASS * (RIM + L / 2) * SPIN**2  # and a millionth more, as the beam stretches
     assert results.joint("clamp").force[0, 0] == pytest.approx(-pull, rel=4e-6)
@@ -73,7 +80,9 @@ def test_a_rotor_driven_at_constant_speed_starts_still(beam):
     results = simulate(rotor(beam, drive=Polynomial((0.0, SPIN))))
     _, displacement = unsteadiness(results)
     assert displacement < 2e-12
-    np.testing.assert_allclose(results.joint("pivot").coordinates["angle"], SPIN * results.time, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(
+        results.joint("pivot").coordinates["angle"], SPIN * results.time, rtol=0, atol=1e-12
+    )
 
 
 def test_a_hub_turned_at_constant_speed_starts_still(beam):
@@ -81,18 +90,24 @@ def test_a_hub_turned_at_constant_speed_starts_still(beam):
     model = rotor(beam)
     pivot = Joint("pivot", "spherical", ("ground", "hub"))
     turn = PrescribedRotation("turn", "hub", Z, Polynomial((0.0, SPIN)))
-    _, displacement = unsteadiness(simulate(replace(model, joints=(pivot, model.joints[1]), motions=(turn,))))
+    _, displacement = unsteadiness(
+        simulate(replace(model, joints=(pivot, model.joints[1]), motions=(turn,)))
+    )
     assert displacement < 2e-12
 
 
 def test_springs_that_turn_along_stay_still():
-    """An arm that springs hold to the axis and that turns along with them; a bob on springs at its end."""
+    """An arm that springs hold to the axis and that turns along with them; a bob on springs at its
+    end.
+    """
     arm = RigidBody(2.0, [0.1, 0.2, 0.25], {"end": Frame([0.4, 0.1, 0])})
     bob = RigidBody(0.5, [1e-3, 1e-3, 1e-3], {}, Start([0.6, 0.1, 0.0]))
     model = Model(
         {"arm": arm, "bob": bob},
         springs=[
-            Spring("mount", "bushing", ("arm", "ground"), Z, stiffness=[1e4, 1e4, 1e4, 10.0, 10.0, 0.0]),
+            Spring(
+                "mount", "bushing", ("arm", "ground"), Z, stiffness=[1e4, 1e4, 1e4, 10.0, 10.0, 0.0]
+            ),
             Spring("leaf", "bushing", ("arm.end", "bob"), stiffness=[5e3] * 3 + [20.0] * 3),
         ],
         start="equilibrium",
@@ -114,7 +129,14 @@ def disk(*springs, pivot="revolute", drive=None, motions=(), **settings):
     joint = Joint("pivot", pivot, ("ground", "disk"), axis, angle=drive)
     start = {"start": "equilibrium", "t_end": 0.01, "step": 1e-3}
     hook = {"hook": Frame([0.0, 0.4, 0.0])}
-    return Model({"disk": body}, (joint,), springs=springs, motions=motions, ground_frames=hook, **(start | settings))
+    return Model(
+        {"disk": body},
+        (joint,),
+        springs=springs,
+        motions=motions,
+        ground_frames=hook,
+        **(start | settings),
+    )
 
 
 def coil(**law):
@@ -144,7 +166,9 @@ REFUSED = {
         "spring 'coil': start = 'equilibrium'",
     ),
     "a spring that turns about another axis": (
-        lambda: disk(Spring("strap", "point", ("ground.hook", "disk.rim"), stiffness=10.0), **TURNING),
+        lambda: disk(
+            Spring("strap", "point", ("ground.hook", "disk.rim"), stiffness=10.0), **TURNING
+        ),
         "spring 'strap': start = 'equilibrium': a steady rotation of [0.0, 0.0, 20.0] rad/s deforms it by ",
     ),
     "a drive at another speed": (
@@ -156,7 +180,9 @@ REFUSED = {
         "joint 'pivot': start = 'equilibrium': rest misses its drive by 25 rad/s",
     ),
     "a motion from rest": (
-        lambda: disk(pivot="spherical", motions=[PrescribedRotation("turn", "disk", Z, Harmonic(0.5, 1.0))]),
+        lambda: disk(
+            pivot="spherical", motions=[PrescribedRotation("turn", "disk", Z, Harmonic(0.5, 1.0))]
+        ),
         "motion 'turn': start = 'equilibrium': rest misses its drive by 3.14159 rad/s",
     ),
     "a drive that accelerates": (

@@ -4,8 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from duhamel.solver import FlexibleBody, Joint, Load, Model, ModelError, Start, Steps, read_model, simulate
-from duhamel.solver.compilation import compile_system
+from duhamel.solver import (
+    FlexibleBody,
+    Joint,
+    Load,
+    Model,
+    ModelError,
+    Start,
+    Steps,
+    read_model,
+    simulate,
+)
+from duhamel.solver.lower.lower import compile_system
 from duhamel.superelement import write
 
 from .frameworks import bar, framework
@@ -82,13 +92,23 @@ def positions(results):
 
 
 def test_superelements_of_different_size_step_and_scheme_in_one_model(tmp_path):
-    """Each with its own interfaces, modes, step and rho_inf; as if all had been made for the step of the model."""
+    """Each with its own interfaces, modes, step and rho_inf; as if all had been made for the step
+    of the model.
+    """
     left, middle, right = (0.0, 0.0, 0.0), (0.15, 0.0, 0.0), (0.3, 0.0, 0.0)
 
     def elements(*steps):
-        two, three = {"left": left, "right": right}, {"middle": middle, "left": left, "right": right}
+        two, three = (
+            {"left": left, "right": right},
+            {"middle": middle, "left": left, "right": right},
+        )
         bars = [(left, middle), (middle, right)]
-        wing = framework(tmp_path, [*bars, (middle, (0.15, 0.1, 0))], three | {"wing": (0.15, 0.1, 0)}, step=steps[2])
+        wing = framework(
+            tmp_path,
+            [*bars, (middle, (0.15, 0.1, 0))],
+            three | {"wing": (0.15, 0.1, 0)},
+            step=steps[2],
+        )
         return (
             framework(tmp_path, bars, two, elements=2, step=steps[0], stiffness=0.1),
             framework(tmp_path, bars, three, elements=3, step=steps[1], stiffness=0.2, steps=300),

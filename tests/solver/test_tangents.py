@@ -1,4 +1,6 @@
-"""Jacobians, tangents and the Newton matrix against central differences on the manifold, far from the start."""
+"""Jacobians, tangents and the Newton matrix against central differences on the manifold, far from
+the start.
+"""
 
 from dataclasses import dataclass
 
@@ -20,12 +22,12 @@ from duhamel.solver import (
     Start,
     simulate,
 )
-from duhamel.solver.compilation import CompiledModel
-from duhamel.solver.equations import evaluate
-from duhamel.solver.initial import begin
-from duhamel.solver.jacobian import coupling_jacobian
-from duhamel.solver.newton import assemble, correct, linearise, renew, set_rotation
-from duhamel.solver.system import State, System, Workspace
+from duhamel.solver.lower.lower import CompiledModel
+from duhamel.solver.start.initial import begin
+from duhamel.solver.start.jacobian import coupling_jacobian
+from duhamel.solver.step.equations import evaluate
+from duhamel.solver.step.newton import assemble, correct, linearise, renew, set_rotation
+from duhamel.solver.step.system import State, System, Workspace
 from scipy.spatial.transform import Rotation
 
 from .matrices import in_space
@@ -41,7 +43,11 @@ JOINTS = {
     "planar": {"axis": AXIS},
     "driven revolute": {"axis": AXIS, "angle": Harmonic(0.8, 1.0, 0.5)},
     "driven prismatic": {"axis": AXIS, "distance": Polynomial((0.0, 0.4))},
-    "driven cylindrical": {"axis": AXIS, "angle": Constant(0.4), "distance": Polynomial((0.0, 0.4))},
+    "driven cylindrical": {
+        "axis": AXIS,
+        "angle": Constant(0.4),
+        "distance": Polynomial((0.0, 0.4)),
+    },
 }
 
 
@@ -78,7 +84,9 @@ class Point:
 
     @classmethod
     def of(cls, model, seed=0):
-        """Rotations of any size, elastic displacements of centimetres, elastic rotations up to 0.3 rad."""
+        """Rotations of any size, elastic displacements of centimetres, elastic rotations up to 0.3
+        rad.
+        """
         rng = np.random.default_rng(seed)
         beginning = begin(model)
         compiled, state, work = beginning.compiled, beginning.state, beginning.work
@@ -91,7 +99,11 @@ class Point:
         state.u[:] = rng.uniform(-0.17, 0.17, len(state.u))
         work.history[:] = rng.uniform(-0.1, 0.1, len(work.history))
         point = cls(
-            compiled, state, work, rng.uniform(1, 2, len(model.loads)), rng.uniform(-1, 1, len(compiled.drives))
+            compiled,
+            state,
+            work,
+            rng.uniform(1, 2, len(model.loads)),
+            rng.uniform(-1, 1, len(compiled.drives)),
         )
         for b in range(len(state.x)):
             set_rotation(b, state, work)
@@ -106,7 +118,9 @@ class Point:
         return np.concatenate([self.work.force.ravel(), self.state.p[self.active]])
 
     def moved(self, z):
-        """Forces and coordinates of rows after delta x, delta Theta of every body and delta u; the point stays."""
+        """Forces and coordinates of rows after delta x, delta Theta of every body and delta u; the
+        point stays.
+        """
         x, R, u = self.state.x.copy(), self.state.R.copy(), self.state.u.copy()
         rigid = z[: self.n_q].reshape(-1, 6)
         self.state.x[:] += rigid[:, :3]
@@ -119,7 +133,9 @@ class Point:
 
 
 def difference(f, n, h=1e-3):
-    """The derivative of f: R^n -> (R^m, R^k) at 0 as matrices, by central differences of order four."""
+    """The derivative of f: R^n -> (R^m, R^k) at 0 as matrices, by central differences of order
+    four.
+    """
     columns = []
     for e in np.eye(n):
         near = [a - b for a, b in zip(f(h * e), f(-h * e), strict=True)]
@@ -161,7 +177,10 @@ def make_body(random_element):
         frame = Frame(X, rng.uniform(-1, 1, 3))
         position = -(Rotation.from_rotvec(rotation).as_matrix() @ X)
         return RigidBody(
-            1.5, [1.0, 2.0, 1.5], {"i0": frame, "i1": Frame(rng.normal(size=3))}, Start(position, rotation, **start)
+            1.5,
+            [1.0, 2.0, 1.5],
+            {"i0": frame, "i1": Frame(rng.normal(size=3))},
+            Start(position, rotation, **start),
         )
 
     return make
@@ -170,7 +189,10 @@ def make_body(random_element):
 @pytest.fixture(scope="module")
 def make_pair(make_body):
     def make(kinds, joints=(), **settings):
-        bodies = {name: make_body(kind, seed) for seed, (name, kind) in enumerate(zip("ab", kinds, strict=True), 5)}
+        bodies = {
+            name: make_body(kind, seed)
+            for seed, (name, kind) in enumerate(zip("ab", kinds, strict=True), 5)
+        }
         return Model(bodies, joints, t_end=1.0, **{"step": 1e-2, "rho_inf": 0.8} | settings)
 
     return make
@@ -217,7 +239,12 @@ def test_the_tangent_of_many_joints_and_loads_on_shared_frames(make_pair):
 
 SPRINGS = {
     "point": {"stiffness": 30.0, "damping": 2.0, "rest": 0.3},
-    "torsion": {"axis": AXIS, "stiffness": 5.0, "damping": 0.4, "law": Law((-1.0, 0.0, 1.0), (-3.0, 0.0, 8.0))},
+    "torsion": {
+        "axis": AXIS,
+        "stiffness": 5.0,
+        "damping": 0.4,
+        "law": Law((-1.0, 0.0, 1.0), (-3.0, 0.0, 8.0)),
+    },
     "bushing": {"axis": AXIS, "stiffness": symmetric(1, 50.0), "damping": symmetric(2, 3.0)},
 }
 
@@ -225,8 +252,12 @@ SPRINGS = {
 @pytest.mark.parametrize("kinds", PAIRS, ids="-".join)
 @pytest.mark.parametrize("name", SPRINGS)
 def test_rows_of_a_spring(make_pair, name, kinds):
-    """Wrenches and their derivatives at constant multipliers, of distances, angles and displacements."""
-    spring = Spring("spring", name, ("a.i0", "b.i1" if name == "point" else "b.i0"), **SPRINGS[name])
+    """Wrenches and their derivatives at constant multipliers, of distances, angles and
+    displacements.
+    """
+    spring = Spring(
+        "spring", name, ("a.i0", "b.i1" if name == "point" else "b.i0"), **SPRINGS[name]
+    )
     assert_tangents(make_pair(kinds, springs=(spring,)))
 
 
@@ -243,7 +274,9 @@ def test_the_rows_of_an_angle_go_on_over_full_turns(make_pair, turns):
 
 
 def whole_matrix(point):
-    """The derivative of the residuals by (dr, du, dlambda), in space, from the blocks of the iteration matrix."""
+    """The derivative of the residuals by (dr, du, dlambda), in space, from the blocks of the
+    iteration matrix.
+    """
     system, state, work = point.system, point.state, point.work
     linearise(system, point.loads, point.drive, state, work)
     assemble(system, state, work)
@@ -261,7 +294,9 @@ def whole_matrix(point):
 
 
 def step_residuals(point, z):
-    """Of equilibrium, displacements and rows, with accelerations and rates that follow the increments; it stays."""
+    """Of equilibrium, displacements and rows, with accelerations and rates that follow the
+    increments; it stays.
+    """
     state, work, scheme = point.state, point.work, point.system.scheme
     kept = [array.copy() for array in (state.x, state.v, state.v_dot, state.u, state.lam, work.psi)]
     n_q, n_a = point.n_q, len(point.active)
@@ -279,7 +314,9 @@ def step_residuals(point, z):
     state.lam[:] += z[n_q + n_a :]
     point.evaluated()
     parts = (work.residual.ravel().copy(), work.u_residual.copy(), work.phi.copy())
-    for array, old in zip((state.x, state.v, state.v_dot, state.u, state.lam, work.psi), kept, strict=True):
+    for array, old in zip(
+        (state.x, state.v, state.v_dot, state.u, state.lam, work.psi), kept, strict=True
+    ):
         array[:] = old
     for b in range(len(state.x)):
         set_rotation(b, state, work)
@@ -289,9 +326,19 @@ def step_residuals(point, z):
 @pytest.mark.parametrize("rule", ["consistent", "paper"])
 def test_the_newton_matrix_entry_by_entry(make_body, rule):
     """With springs and dampers of all kinds, a driven joint, followers, and elastic rates."""
-    bodies = {"a": make_body("flexible", 5), "b": make_body("flexible", 6), "c": make_body("rigid", 7)}
+    bodies = {
+        "a": make_body("flexible", 5),
+        "b": make_body("flexible", 6),
+        "c": make_body("rigid", 7),
+    }
     springs = (
-        Spring("bush", "bushing", ("a.i0", "b.i0"), stiffness=symmetric(1, 50.0), damping=symmetric(2, 0.5)),
+        Spring(
+            "bush",
+            "bushing",
+            ("a.i0", "b.i0"),
+            stiffness=symmetric(1, 50.0),
+            damping=symmetric(2, 0.5),
+        ),
         Spring("turn", "torsion", ("b.i0", "c.i0"), **SPRINGS["torsion"]),
         Spring("tie", "point", ("c.i1", "a.i1"), **SPRINGS["point"]),
     )
@@ -301,7 +348,9 @@ def test_the_newton_matrix_entry_by_entry(make_body, rule):
         Load("torque", "a.i0", [0.0, 1.0, 2.0], Constant(1.0)),
     )
     joints = (Joint("motor", "revolute", ("c.i0", "a.i0"), AXIS, angle=Harmonic(0.8, 1.0, 0.5)),)
-    point = Point.of(Model(bodies, joints, loads, springs, t_end=1.0, step=1e-2, rho_inf=0.8, rule=rule), seed=11)
+    point = Point.of(
+        Model(bodies, joints, loads, springs, t_end=1.0, step=1e-2, rho_inf=0.8, rule=rule), seed=11
+    )
     rng = np.random.default_rng(12)
     point.work.u_predicted[:] = point.state.u
     point.work.u_rate_predicted[:] = rng.uniform(-1.0, 1.0, len(point.state.u))
@@ -312,8 +361,12 @@ def test_the_newton_matrix_entry_by_entry(make_body, rule):
     matrix = np.split(whole_matrix(point), np.cumsum([len(part) for part in differences])[:-1])
     columns = np.cumsum([point.n_q, len(point.active)])
     for rows, expected in zip(matrix, differences, strict=True):
-        for block, wanted in zip(np.split(rows, columns, 1), np.split(expected, columns, 1), strict=True):
-            np.testing.assert_allclose(block, wanted, rtol=0, atol=1e-9 * max(1.0, np.abs(wanted).max()))
+        for block, wanted in zip(
+            np.split(rows, columns, 1), np.split(expected, columns, 1), strict=True
+        ):
+            np.testing.assert_allclose(
+                block, wanted, rtol=0, atol=1e-9 * max(1.0, np.abs(wanted).max())
+            )
 
 
 def chain(make_body, omega=(50.0, 5000.0), **settings):
@@ -342,11 +395,21 @@ def test_newtons_correction_removes_the_residuals_to_first_order(make_body, rule
     state, work = point.state, point.work
 
     def unknowns():
-        return [state.x.copy(), work.psi.copy(), state.v.copy(), state.v_dot.copy(), state.u.copy(), state.lam.copy()]
+        return [
+            state.x.copy(),
+            work.psi.copy(),
+            state.v.copy(),
+            state.v_dot.copy(),
+            state.u.copy(),
+            state.lam.copy(),
+        ]
 
     def residuals(start, change, share):
         for array, value, part in zip(
-            (state.x, work.psi, state.v, state.v_dot, state.u, state.lam), start, change, strict=True
+            (state.x, work.psi, state.v, state.v_dot, state.u, state.lam),
+            start,
+            change,
+            strict=True,
         ):
             array[:] = value + share * part
         for b in range(len(state.x)):
@@ -360,7 +423,9 @@ def test_newtons_correction_removes_the_residuals_to_first_order(make_body, rule
     correct(point.system, 1.0, state, work)
     change = [after - before for after, before in zip(unknowns(), start, strict=True)]
     step = 1e-3 / max(1.0, np.abs(change[1]).max(), np.abs(change[0]).max())
-    plus, minus, far, farther = (residuals(start, change, share) for share in (step, -step, 2 * step, -2 * step))
+    plus, minus, far, farther = (
+        residuals(start, change, share) for share in (step, -step, 2 * step, -2 * step)
+    )
     for r, a, b, c, d in zip(here, plus, minus, far, farther, strict=True):
         slope = (8 * (a - b) - (c - d)) / (12 * step)
         np.testing.assert_allclose(slope, -r, rtol=0, atol=1e-7 * np.abs(r).max())
@@ -381,7 +446,9 @@ def newton_residuals(model):
 
 @pytest.mark.parametrize("rule", ["consistent", "paper"])
 def test_newtons_method_converges_quadratically_with_flexible_bodies(make_body, rule):
-    """In a step of a tenth of a second at 5 rad/s, at the end of which an elastic rotation is 0.04 rad or more."""
+    """In a step of a tenth of a second at 5 rad/s, at the end of which an elastic rotation is 0.04
+    rad or more.
+    """
     settings = {"step": 0.1, "t_end": 0.1, "rule": rule, "omega": (10.0, 100.0)}
     residuals = newton_residuals(chain(make_body, tolerance=1e-14, **settings))
     end = simulate(chain(make_body, **settings)).frame("a.i0").u[-1]

@@ -1,13 +1,26 @@
-"""A mass at the tip of a beam, in its superelement and as a body on a fixed joint: one motion where it is small.
+"""A mass at the tip of a beam, in its superelement and as a body on a fixed joint: one motion where
+it is small.
 
-The two differ in what the method neglects, terms of second order in the displacements: in the superelement the mass is
-seen at its place in the undeformed body, on the joint where it is.
+The two differ in what the method neglects, terms of second order in the displacements: in the
+superelement the mass is seen at its place in the undeformed body, on the joint where it is.
 """
 
 import numpy as np
 import pytest
-from duhamel.preprocess.body import PointMass
-from duhamel.solver import FlexibleBody, Frame, Impulse, Joint, Load, Model, Place, Pulse, RigidBody, Start, simulate
+from duhamel.preprocess.body.body import PointMass
+from duhamel.solver import (
+    FlexibleBody,
+    Frame,
+    Impulse,
+    Joint,
+    Load,
+    Model,
+    Place,
+    Pulse,
+    RigidBody,
+    Start,
+    simulate,
+)
 
 from .conftest import make_beam
 
@@ -20,7 +33,9 @@ def heavy_beam():
 
 
 def tip_path(element, lumped, size):
-    """Displacement of the tip over 0.25 s (n, 3) [m] under `size` times the loads of Case 5 of the paper."""
+    """Displacement of the tip over 0.25 s (n, 3) [m] under `size` times the loads of Case 5 of the
+    paper.
+    """
     bodies = {
         "hub": RigidBody(0.01, [0.00119, 0.00119, 0.00238], {"rim": Frame([0.05, 0, 0])}),
         "beam": FlexibleBody(element, Start(place=Place("root", "hub.rim"))),
@@ -47,9 +62,13 @@ def tip_path(element, lumped, size):
 def test_lumped_and_on_a_joint(beam, heavy_beam):
     difference = []
     for size in (1e-1, 1e-2, 1e-3, 1e-4):
-        lumped, jointed = tip_path(heavy_beam.element, True, size), tip_path(beam.element, False, size)
+        lumped, jointed = (
+            tip_path(heavy_beam.element, True, size),
+            tip_path(beam.element, False, size),
+        )
         difference.append(np.abs(lumped - jointed)[:, 1:].max(axis=0))
-    # Across the beam the difference is quadratic in the motion, down to the rounding of positions of 0.55 m.
+    # Across the beam the difference is quadratic in the motion, down to the rounding of positions
+    # of 0.55 m.
     orders = np.log10(np.array(difference[:-1]) / difference[1:])
     assert (orders > 1.9).all()
     assert np.max(difference[-1]) < 3e-14

@@ -1,4 +1,6 @@
-"""A hub on a pivot that a torque C turns: its angle is C t^2 / (2 J); and a superelement that flies beside it."""
+"""A hub on a pivot that a torque C turns: its angle is C t^2 / (2 J); and a superelement that flies
+beside it.
+"""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -7,7 +9,14 @@ import h5py
 import meshio
 import numpy as np
 import pytest
-from duhamel.superelement import GeneralizedAlpha, Interface, Modes, Superelement, sample_kernel, write
+from duhamel.superelement import (
+    GeneralizedAlpha,
+    Interface,
+    Modes,
+    Superelement,
+    sample_kernel,
+    write,
+)
 
 MODEL = """
 [simulation]
@@ -48,7 +57,11 @@ angle = "final angle:hub:z"
 
 
 def make_element(mass: float) -> Superelement:
-    modes = Modes(2 * np.pi * np.array([100.0, 250.0]), np.full(2, 0.01), np.random.default_rng(0).normal(size=(6, 2)))
+    modes = Modes(
+        2 * np.pi * np.array([100.0, 250.0]),
+        np.full(2, 0.01),
+        np.random.default_rng(0).normal(size=(6, 2)),
+    )
     return Superelement(
         name="beam",
         mass=mass,
@@ -77,7 +90,9 @@ def datasets(results_file: Path) -> dict[str, bytes]:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """hub.toml and the superelement it names in a folder of their own, as a study elsewhere finds them."""
+    """hub.toml and the superelement it names in a folder of their own, as a study elsewhere finds
+    them.
+    """
     parts = tmp_path / "model" / "parts"
     parts.mkdir(parents=True)
     write(parts / "beam.h5", make_element(mass=2.0))
@@ -103,7 +118,12 @@ def line_mesh() -> Callable[[Path, int], None]:
         points = np.zeros((elements + 1, 3))
         points[:, 0] = np.linspace(0.0, 0.5, elements + 1)
         lines = np.stack([np.arange(elements), np.arange(1, elements + 1)], axis=1)
-        tags = {"gmsh:physical": [np.ones(elements, int)], "gmsh:geometrical": [np.ones(elements, int)]}
-        meshio.Mesh(points, [("line", lines)], cell_data=tags).write(path, file_format="gmsh22", binary=False)
+        tags = {
+            "gmsh:physical": [np.ones(elements, int)],
+            "gmsh:geometrical": [np.ones(elements, int)],
+        }
+        meshio.Mesh(points, [("line", lines)], cell_data=tags).write(
+            path, file_format="gmsh22", binary=False
+        )
 
     return make

@@ -19,7 +19,10 @@ from typer.testing import CliRunner
 
 from .conftest import MODEL, datasets
 
-LONG = MODEL.replace("t_end = 0.05", "t_end = 3.0").replace("step = 5e-4", "step = 4e-6") + "[output]\nevery = 1000\n"
+LONG = (
+    MODEL.replace("t_end = 0.05", "t_end = 3.0").replace("step = 5e-4", "step = 4e-6")
+    + "[output]\nevery = 1000\n"
+)
 """three quarters of a million steps: seconds of a run, which shows its file after one of them"""
 LONG_STUDY = """
 model = "model/hub.toml"
@@ -57,7 +60,9 @@ def wait_for(condition, seconds=PATIENCE):
 
 
 def unfinished(folder: Path) -> dict[str, str]:
-    """The runs that are on their way, by case; a file that is being written shows when it is looked at again."""
+    """The runs that are on their way, by case; a file that is being written shows when it is looked
+    at again.
+    """
     runs = {}
     for path in folder.glob("*.h5"):
         with suppress(OSError), h5py.File(path) as file:
@@ -68,16 +73,33 @@ def unfinished(folder: Path) -> dict[str, str]:
 
 def test_a_worker_killed_in_mid_run_loses_nothing_but_its_case(study_file, folder, processes):
     (folder / "model" / "hub.toml").write_text(LONG)
-    path, address, bin = study_file(LONG_STUDY), folder / "scheduler.json", Path(sys.executable).parent
+    path, address, bin = (
+        study_file(LONG_STUDY),
+        folder / "scheduler.json",
+        Path(sys.executable).parent,
+    )
     on_loopback = ["--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
     processes(bin / "dask", "scheduler", *on_loopback, "--scheduler-file", address)
-    tcp = wait_for(lambda: address.exists() and json.loads(address.read_text() or "{}").get("address"))
-    worker = [bin / "dask", "worker", "--scheduler-file", address, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
+    tcp = wait_for(
+        lambda: address.exists() and json.loads(address.read_text() or "{}").get("address")
+    )
+    worker = [
+        bin / "dask",
+        "worker",
+        "--scheduler-file",
+        address,
+        "--nthreads",
+        "1",
+        "--no-nanny",
+        "--no-dashboard",
+    ]
     doomed, survivor = processes(*worker), processes(*worker)
     study = processes(bin / "duhamel", "sweep", path, "--scheduler", tcp)
 
     def both_in_mid_run() -> dict[str, str]:
-        """Two runs on their way while a worker is stopped: one of them is the one that it will not finish."""
+        """Two runs on their way while a worker is stopped: one of them is the one that it will not
+        finish.
+        """
         if study.poll() is None and len(unfinished(path.with_suffix(""))) == 2:
             doomed.send_signal(signal.SIGSTOP)
             if len(runs := unfinished(path.with_suffix(""))) == 2:
@@ -96,7 +118,9 @@ def test_a_worker_killed_in_mid_run_loses_nothing_but_its_case(study_file, folde
         assert datasets(folder / "alone.h5") == datasets(case.target)
         with h5py.File(case.target) as file:
             ended[case.name] = file["solver"].attrs["run"]
-    assert [ended[name] == run for name, run in begun.items()].count(False) == 1  # that case alone was begun again
+    assert [ended[name] == run for name, run in begun.items()].count(
+        False
+    ) == 1  # that case alone was begun again
 
 
 def test_processes_of_this_machine(study_file):
@@ -113,7 +137,9 @@ def test_a_case_that_kills_its_workers_is_reported_and_the_others_run(study_file
     cases = read_study(study_file()).cases[:3]
     cases[0].folder.mkdir()
     with dask.config.set({"distributed.scheduler.allowed-failures": 1}):
-        reports = {case.name: report for case, report in on_cluster(Deadly("case-0002"), cases, workers=1)}
+        reports = {
+            case.name: report for case, report in on_cluster(Deadly("case-0002"), cases, workers=1)
+        }
     assert reports["case-0002"].failure.startswith("KilledWorker: ")
     assert [reports[name].failure for name in ("case-0001", "case-0003")] == ["", ""]
     lives = [(case.folder / f"{case.name}.lives").read_text() for case in cases]
@@ -146,6 +172,10 @@ def test_the_command_tells_failures_and_exits_with_one(study_file):
 
 
 def test_a_scheduler_brings_its_own_workers(study_file):
-    result = CliRunner().invoke(app, ["sweep", str(study_file()), "--workers", "0", "--scheduler", "tcp://127.0.0.1:1"])
+    result = CliRunner().invoke(
+        app, ["sweep", str(study_file()), "--workers", "0", "--scheduler", "tcp://127.0.0.1:1"]
+    )
     assert result.exit_code == 2
-    assert "expected one of --workers and --scheduler" in " ".join(result.stderr.replace("│", " ").split())
+    assert "expected one of --workers and --scheduler" in " ".join(
+        result.stderr.replace("│", " ").split()
+    )

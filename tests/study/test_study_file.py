@@ -27,7 +27,8 @@ def test_a_table_has_a_case_a_row(study_file, folder):
     assert slow.document["bodies"]["hub"]["inertia"] == [2, 2, 4]
     assert fast.document["bodies"]["hub"]["inertia"] == [1, 1, 2]
     assert slow.document["joints"][0]["type"] == "spherical"
-    # Paths are relative to the file that says them: the study file here, the model file in the base.
+    # Paths are relative to the file that says them: the study file here, the model file in the
+    # base.
     assert slow.document["bodies"]["beam"]["superelement"] == "../parts/a.h5"
     assert fast.document["bodies"]["beam"]["superelement"] == "../parts/b.h5"
 
@@ -52,20 +53,35 @@ MODEL_LINE = 'model = "model/hub.toml"\n'
         ("[parameters]", "expected one of model and body, found none"),
         (MODEL_LINE + 'body = "b.toml"', "expected one of model and body, found model and body"),
         (MODEL_LINE, "expected one of parameters and table, found none"),
-        (MODEL_LINE + "[parameters]", "parameters: expected lists of values by dotted key, found none"),
+        (
+            MODEL_LINE + "[parameters]",
+            "parameters: expected lists of values by dotted key, found none",
+        ),
         (MODEL_LINE + "parameter.x = [1]", "unknown key 'parameter'; did you mean 'parameters'?"),
         (
             MODEL_LINE + "parameters.bodies.hub.mass = 2",
             "parameters.bodies.hub.mass: expected a list of values, found 2",
         ),
-        (MODEL_LINE + "parameters.bodies.hbu.mass = [2]", "no 'hbu' in bodies; there are: hub, beam"),
-        (MODEL_LINE + "parameters.bodies.hub.mas = [2]", "no 'mas' in bodies.hub; there are: mass, inertia"),
+        (
+            MODEL_LINE + "parameters.bodies.hbu.mass = [2]",
+            "no 'hbu' in bodies; there are: hub, beam",
+        ),
+        (
+            MODEL_LINE + "parameters.bodies.hub.mas = [2]",
+            "no 'mas' in bodies.hub; there are: mass, inertia",
+        ),
         (
             MODEL_LINE + "parameters.body.hub = [2]",
             "no 'body' in the file; there are: simulation, bodies, joints, loads",
         ),
-        (MODEL_LINE + 'parameters."joints.1.type" = ["x"]', "no '1' in joints; there are: 0, pivot"),
-        (MODEL_LINE + "parameters.bodies.hub.mass.x = [2]", "no 'x' in bodies.hub.mass; there are: no keys"),
+        (
+            MODEL_LINE + 'parameters."joints.1.type" = ["x"]',
+            "no '1' in joints; there are: 0, pivot",
+        ),
+        (
+            MODEL_LINE + "parameters.bodies.hub.mass.x = [2]",
+            "no 'x' in bodies.hub.mass; there are: no keys",
+        ),
         (MODEL_LINE + 'table = "none.csv"', "none.csv: not a readable table"),
         ('model = "hub.toml"\nparameters.x = [1]', "hub.toml: not a readable file"),
     ],
@@ -83,10 +99,19 @@ def test_what_makes_no_sense_is_refused(study_file, text, message):
     [
         ("", "expected a line of different keys and a line a case"),
         ("simulation.step\n", "expected a line of different keys and a line a case"),
-        ("simulation.step,simulation.step\n1,2\n", "expected a line of different keys and a line a case"),
+        (
+            "simulation.step,simulation.step\n1,2\n",
+            "expected a line of different keys and a line a case",
+        ),
         ("simulation.step,simulation.t_end\n1e-3\n", "case 1: expected 2 values, found 1"),
-        ("case,simulation.step\na,1e-3\na,1e-4\n", "case 2: expected a new name for files, found 'a'"),
-        ("case,simulation.step\n../a,1e-3\n", "case 1: expected a new name for files, found '../a'"),
+        (
+            "case,simulation.step\na,1e-3\na,1e-4\n",
+            "case 2: expected a new name for files, found 'a'",
+        ),
+        (
+            "case,simulation.step\n../a,1e-3\n",
+            "case 1: expected a new name for files, found '../a'",
+        ),
     ],
 )
 def test_a_table_that_makes_no_sense_is_refused(study_file, folder, table, message):

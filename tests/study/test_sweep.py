@@ -1,4 +1,6 @@
-"""Studies in one process: numbers against closed forms, what runs again and what does not, what is told of failures."""
+"""Studies in one process: numbers against closed forms, what runs again and what does not, what is
+told of failures.
+"""
 
 import csv
 
@@ -14,10 +16,14 @@ from .conftest import MODEL, STUDY, datasets, make_element
 def run(path, **settings) -> tuple[list[str], tuple[Row, ...]]:
     """The cases whose files changed, and what is said of all cases."""
     study = read_study(path)
-    before = {case.name: case.target.stat().st_mtime_ns for case in study.cases if case.target.exists()}
+    before = {
+        case.name: case.target.stat().st_mtime_ns for case in study.cases if case.target.exists()
+    }
     rows = sweep(study, workers=0, **settings)
     targets = [case for case in study.cases if case.target.exists()]
-    return [case.name for case in targets if case.target.stat().st_mtime_ns != before.get(case.name)], rows
+    return [
+        case.name for case in targets if case.target.stat().st_mtime_ns != before.get(case.name)
+    ], rows
 
 
 def summary(path) -> list[dict[str, str]]:
@@ -31,7 +37,10 @@ def test_a_study_gives_the_closed_form_and_what_single_runs_give(study_file):
     rows = summary(path)
     assert ran == [row["case"] for row in rows] == [f"case-{n:04d}" for n in range(1, 7)]
     for row in rows:
-        J, C = float(row["bodies.hub.inertia"].strip("[]").split(",")[2]), float(row["loads.0.signal"])
+        J, C = (
+            float(row["bodies.hub.inertia"].strip("[]").split(",")[2]),
+            float(row["loads.0.signal"]),
+        )
         assert float(row["angle"]) == pytest.approx(C * 0.05**2 / (2 * J), rel=1e-12)
         assert (row["status"], row["steps"], row["message"]) == ("done", "100", "")
         source = path.with_suffix("") / f"{row['case']}.toml"
@@ -74,7 +83,9 @@ def test_changed_inputs_run_again(study_file, folder):
     run(path)
     ran, _ = run(study_file(STUDY.replace("[8, 4, 2]", "[8, 5, 2]")))
     assert ran == ["case-0002", "case-0005"]
-    (folder / "model" / "hub.toml").write_text(MODEL.replace("velocity = [1, 0, 0]", "velocity = [2, 0, 0]"))
+    (folder / "model" / "hub.toml").write_text(
+        MODEL.replace("velocity = [1, 0, 0]", "velocity = [2, 0, 0]")
+    )
     assert len(run(path)[0]) == 6
     write(folder / "model" / "parts" / "beam.h5", make_element(mass=3.0))
     assert len(run(path)[0]) == 6
@@ -83,10 +94,13 @@ def test_changed_inputs_run_again(study_file, folder):
 
 def test_other_outputs_are_read_from_the_results_that_are_there(study_file):
     run(study_file())
-    ran, rows = run(study_file(STUDY + 'speed = "max |angular_velocity:hub|"\nmean = "mean angle:hub:z"\n'))
+    ran, rows = run(
+        study_file(STUDY + 'speed = "max |angular_velocity:hub|"\nmean = "mean angle:hub:z"\n')
+    )
     assert ran == []
     assert rows[0].numbers["speed"] == pytest.approx(8 * 0.05 / 4, rel=1e-12)
-    # The trapezoids over the steps of a parabola exceed its mean by h^2 / 12 times its second derivative.
+    # The trapezoids over the steps of a parabola exceed its mean by h^2 / 12 times its second
+    # derivative.
     assert rows[0].numbers["mean"] == pytest.approx(2 * (0.05**2 / 6 + 5e-4**2 / 12), rel=1e-12)
 
 
@@ -102,20 +116,30 @@ def test_reductions(study_file):
     _, (row, _) = run(study_file(text))
     end = 8 * 0.05**2 / (2 * 4)
     expected = {"max": 0.0, "min": -end, "final": end, "peak-to-peak": end}
-    assert {name: row.numbers[name] for name in outputs} == pytest.approx(expected, rel=1e-12, abs=1e-15)
+    assert {name: row.numbers[name] for name in outputs} == pytest.approx(
+        expected, rel=1e-12, abs=1e-15
+    )
 
 
 @pytest.mark.parametrize(
     ("output", "message"),
     [
-        ("top angle:hub:z", "expected REDUCTION QUANTITY or REDUCTION |QUANTITY| with one of max, min, final"),
+        (
+            "top angle:hub:z",
+            "expected REDUCTION QUANTITY or REDUCTION |QUANTITY| with one of max, min, final",
+        ),
         ("max |angle:hub:z", "expected REDUCTION QUANTITY"),
-        ("max angle:hub", "is of a vector: expected an axis, angle:hub:x, or its length, |angle:hub|"),
+        (
+            "max angle:hub",
+            "is of a vector: expected an axis, angle:hub:x, or its length, |angle:hub|",
+        ),
         ("max angle:hbu:z", "no body or frame 'hbu'; there are: beam, hub, beam.tip"),
         ("max angel:hub:z", "no quantity 'angel'"),
     ],
 )
-def test_an_output_that_the_results_cannot_have_is_refused_before_anything_runs(study_file, folder, output, message):
+def test_an_output_that_the_results_cannot_have_is_refused_before_anything_runs(
+    study_file, folder, output, message
+):
     path = study_file(STUDY.replace("final angle:hub:z", output))
     with pytest.raises(StudyError) as error:
         run(path)
@@ -126,9 +150,14 @@ def test_an_output_that_the_results_cannot_have_is_refused_before_anything_runs(
 
 @pytest.mark.parametrize(
     ("change", "key"),
-    [(("mass = 1.0", "mass = -1.0"), "bodies.hub.mass"), (('"parts/beam.h5"', "3"), "bodies.beam.superelement")],
+    [
+        (("mass = 1.0", "mass = -1.0"), "bodies.hub.mass"),
+        (('"parts/beam.h5"', "3"), "bodies.beam.superelement"),
+    ],
 )
-def test_a_base_file_that_does_not_run_is_refused_before_anything_runs(study_file, folder, change, key):
+def test_a_base_file_that_does_not_run_is_refused_before_anything_runs(
+    study_file, folder, change, key
+):
     (folder / "model" / "hub.toml").write_text(MODEL.replace(*change))
     path = study_file()
     with pytest.raises(StudyError, match=rf"the base file does not run by itself: .*{key}"):
@@ -164,7 +193,9 @@ def test_a_run_that_stops_on_its_way_leaves_its_steps_and_runs_again(study_file,
     model = spun.replace("step = 5e-4", "step = 5e-4\nmax_iterations = 2").replace(
         'type = "revolute"', 'type = "spherical"'
     )
-    model = model.replace('["ground", "hub"]', '["ground", "hub.rim"]').replace("axis = [0, 0, 1]\n", "")
+    model = model.replace('["ground", "hub"]', '["ground", "hub.rim"]').replace(
+        "axis = [0, 0, 1]\n", ""
+    )
     (folder / "model" / "hub.toml").write_text(
         model.replace("[bodies.beam]", "frames.rim = {position = [1, 0, 0]}\n\n[bodies.beam]")
     )
@@ -224,4 +255,8 @@ def test_bodies_are_preprocessed(study_file, folder, line_mesh):
     line_mesh(folder / "model" / "bar.msh", 5)
     assert run(path)[0] == ["case-0001", "case-0002"]
     with pytest.raises(StudyError, match="outputs: expected with a model"):
-        run(study_file('body = "model/bar.toml"\nparameters.name = ["a"]\noutputs.x = "max energy:work"'))
+        run(
+            study_file(
+                'body = "model/bar.toml"\nparameters.name = ["a"]\noutputs.x = "max energy:work"'
+            )
+        )

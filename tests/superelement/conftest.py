@@ -21,16 +21,24 @@ MakeElement = Callable[..., Superelement]
 def make_modes() -> Callable[..., Modes]:
     def make(seed: int, n_c: int, m: int) -> Modes:
         rng = np.random.default_rng(seed)
-        return Modes(np.sort(rng.uniform(50.0, 5000.0, m)), rng.uniform(0.0, 0.1, m), rng.normal(size=(n_c, m)))
+        return Modes(
+            np.sort(rng.uniform(50.0, 5000.0, m)),
+            rng.uniform(0.0, 0.1, m),
+            rng.normal(size=(n_c, m)),
+        )
 
     return make
 
 
 @pytest.fixture
 def make_element(make_modes: Callable[..., Modes]) -> MakeElement:
-    def make(seed: int = 0, *, rotations: tuple[bool, ...] = (True, False), m: int = 4) -> Superelement:
+    def make(
+        seed: int = 0, *, rotations: tuple[bool, ...] = (True, False), m: int = 4
+    ) -> Superelement:
         rng = np.random.default_rng(seed)
-        interfaces = tuple(Interface(f"face {k}", rng.normal(size=3), r) for k, r in enumerate(rotations))
+        interfaces = tuple(
+            Interface(f"face {k}", rng.normal(size=3), r) for k, r in enumerate(rotations)
+        )
         modes = make_modes(seed, sum(interface.n_dofs for interface in interfaces), m)
         half = rng.normal(size=(3, 3))
         points = rng.normal(size=(5, 3))

@@ -36,7 +36,11 @@ def assert_identical(found: Any, expected: Any) -> None:
         for one, other in zip(found, expected, strict=True):
             assert_identical(one, other)
     elif isinstance(expected, np.ndarray):
-        assert (found.dtype, found.shape, found.tobytes()) == (expected.dtype, expected.shape, expected.tobytes())
+        assert (found.dtype, found.shape, found.tobytes()) == (
+            expected.dtype,
+            expected.shape,
+            expected.tobytes(),
+        )
     else:
         assert found == expected
 
@@ -96,7 +100,9 @@ def any_element(seed: int) -> Superelement:
         modes=modes if seed % 3 else None,
         compliance=any_symmetric(rng, n_c, n_c),
         mobility=any_symmetric(rng, n_c, n_c),
-        recovery=Recovery(any_floats(rng, p, 3), cells, any_singles(rng, p, 3, m), stress) if seed % 3 == 1 else None,
+        recovery=Recovery(any_floats(rng, p, 3), cells, any_singles(rng, p, 3, m), stress)
+        if seed % 3 == 1
+        else None,
         provenance=Provenance(
             body="# größer als ein Attribut\n" * int(rng.integers(0, 9999)),
             mesh="",
@@ -125,10 +131,14 @@ def test_a_recovery_is_kept_to_single_precision_and_read_only_if_wanted(path):
     element = any_element(4)
     rng = np.random.default_rng(0)
     p, _, m = element.recovery.phi.shape
-    fine = replace(element.recovery, phi=rng.normal(size=(p, 3, m)), stress=1e12 * rng.normal(size=(p, 6, m)))
+    fine = replace(
+        element.recovery, phi=rng.normal(size=(p, 3, m)), stress=1e12 * rng.normal(size=(p, 6, m))
+    )
     write(path, replace(element, recovery=fine))
     for name in ("phi", "stress"):
-        np.testing.assert_allclose(getattr(read(path).recovery, name), getattr(fine, name), rtol=2.0**-24)
+        np.testing.assert_allclose(
+            getattr(read(path).recovery, name), getattr(fine, name), rtol=2.0**-24
+        )
     assert_identical(read(path, recovery=False), replace(element, recovery=None))
 
 
@@ -160,15 +170,23 @@ def test_files_that_know_no_band_and_no_finest_step_are_exact(make_element, path
 
 
 def test_text_of_fixed_length_and_other_number_types_are_read(make_element, path):
-    """What other tools write: fixed-length text, the version as a float, big-endian and 32-bit integer data."""
+    """What other tools write: fixed-length text, the version as a float, big-endian and 32-bit
+    integer data.
+    """
     element = make_element()
     write(path, element)
     with h5py.File(path, "r+") as file:
         for name in ("format", "units", "name"):
             file.attrs[name] = np.bytes_(file.attrs[name])
         file.attrs["version"] = 1.0
-        for name, dtype in (("interfaces/name", "S9"), ("interfaces/row", "i4"), ("kernel/g", ">f8")):
-            data = np.array(file[name].asstr()[()] if name.endswith("name") else file[name][()], dtype=dtype)
+        for name, dtype in (
+            ("interfaces/name", "S9"),
+            ("interfaces/row", "i4"),
+            ("kernel/g", ">f8"),
+        ):
+            data = np.array(
+                file[name].asstr()[()] if name.endswith("name") else file[name][()], dtype=dtype
+            )
             del file[name]
             file[name] = data
     assert_identical(read(path), element)
@@ -180,17 +198,26 @@ def test_units_stand_at_every_dimensional_dataset(make_element, path):
     with h5py.File(path) as file:
         file.visititems(
             lambda name, item: (
-                without.append(name) if isinstance(item, h5py.Dataset) and "units" not in item.attrs else None
+                without.append(name)
+                if isinstance(item, h5py.Dataset) and "units" not in item.attrs
+                else None
             )
         )
-    assert without == ["interfaces/name", "interfaces/rotations", "interfaces/row", "recovery/cells"]
+    assert without == [
+        "interfaces/name",
+        "interfaces/rotations",
+        "interfaces/row",
+        "recovery/cells",
+    ]
 
 
 # What write leaves behind
 
 
 def unwritable(element: Superelement) -> Superelement:
-    """HDF5 text holds no NUL, and the provenance comes last: the write fails when all else is in the file."""
+    """HDF5 text holds no NUL, and the provenance comes last: the write fails when all else is in
+    the file.
+    """
     return replace(element, provenance=Provenance(mesh_sha256="\0"))
 
 
@@ -210,7 +237,9 @@ def test_a_failed_write_leaves_the_older_file_as_it_was(make_element, path):
 
 
 def test_a_full_disk_leaves_no_file_and_one_error(make_element, path):
-    """A file size limit stands for the full disk; it holds for a whole process, hence one of its own."""
+    """A file size limit stands for the full disk; it holds for a whole process, hence one of its
+    own.
+    """
     source = path.with_name("source.h5")
     write(source, make_element(m=40))
     program = (
@@ -224,7 +253,9 @@ def test_a_full_disk_leaves_no_file_and_one_error(make_element, path):
         "except SuperelementError as error:\n"
         "    print(error)\n"
     )
-    done = subprocess.run([sys.executable, "-c", program, source, path], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", program, source, path], capture_output=True, text=True, check=True
+    )
     assert done.stdout == f"{path}: cannot be written: [Errno 27] File too large\n"
     assert os.listdir(path.parent) == [source.name]
 
@@ -307,22 +338,43 @@ FAULTS = {
         with_attribute("/", "version", [1, 2]),
         r"attribute 'version': expected 1, found array\(\[1, 2\]\)",
     ),
-    "other units": (with_attribute("/", "units", "mm"), "attribute 'units': expected 'SI', found 'mm'"),
+    "other units": (
+        with_attribute("/", "units", "mm"),
+        "attribute 'units': expected 'SI', found 'mm'",
+    ),
     "name number": (with_attribute("/", "name", 3), r"attribute 'name': expected text, found .*3"),
     "no name": (with_attribute("/", "name", ""), "name: expected one line of text, found ''"),
     "no mass": (without("rigid/mass"), "dataset 'rigid/mass' is missing"),
-    "mass list": (with_dataset("rigid/mass", [1.0, 2.0]), r"rigid/mass: expected shape \(\), found \(2,\)"),
+    "mass list": (
+        with_dataset("rigid/mass", [1.0, 2.0]),
+        r"rigid/mass: expected shape \(\), found \(2,\)",
+    ),
     "mass text": (
         with_dataset("rigid/mass", "heavy"),
         r"rigid/mass: expected numbers of shape \(\), found others.*heavy",
     ),
-    "mass NaN": (with_dataset("rigid/mass", np.nan), "rigid/mass: expected finite numbers, found nan"),
-    "mass negative": (with_dataset("rigid/mass", -1.0), "mass: expected a positive number, found -1.0"),
+    "mass NaN": (
+        with_dataset("rigid/mass", np.nan),
+        "rigid/mass: expected finite numbers, found nan",
+    ),
+    "mass negative": (
+        with_dataset("rigid/mass", -1.0),
+        "mass: expected a positive number, found -1.0",
+    ),
     "no rigid group": (without("rigid"), "dataset 'rigid/mass' is missing"),
-    "J_rot": (with_entry("rigid/J_rot", (0, 0), -1.0), "J_rot: expected positive principal inertias, found"),
+    "J_rot": (
+        with_entry("rigid/J_rot", (0, 0), -1.0),
+        "J_rot: expected positive principal inertias, found",
+    ),
     "J_rot skew": (with_entry("rigid/J_rot", (0, 1), 9.0), "J_rot: expected a symmetric matrix"),
-    "center": (with_dataset("rigid/center", [0.0, 0.0]), r"center: expected shape \(3,\), found \(2,\)"),
-    "interface numbers": (with_dataset("interfaces/name", [1, 2]), "interfaces/name: expected text of shape"),
+    "center": (
+        with_dataset("rigid/center", [0.0, 0.0]),
+        r"center: expected shape \(3,\), found \(2,\)",
+    ),
+    "interface numbers": (
+        with_dataset("interfaces/name", [1, 2]),
+        "interfaces/name: expected text of shape",
+    ),
     "interface twice": (
         with_dataset("interfaces/name", ["a", "a"]),
         r"interfaces: expected different names, found \['a', 'a'\]",
@@ -331,13 +383,22 @@ FAULTS = {
         with_dataset("interfaces/X", np.zeros((3, 3))),
         r"interfaces/X: expected shape \(2, 3\), found \(3, 3\)",
     ),
-    "interface X NaN": (with_entry("interfaces/X", (1, 2), np.nan), r"interfaces/X: .* found nan at index \(1, 2\)"),
+    "interface X NaN": (
+        with_entry("interfaces/X", (1, 2), np.nan),
+        r"interfaces/X: .* found nan at index \(1, 2\)",
+    ),
     "rotations": (
         with_dataset("interfaces/rotations", [1, 2]),
         r"interfaces/rotations: expected true or false, found \[1.0, 2.0\]",
     ),
-    "row": (with_dataset("interfaces/row", [0, 3]), r"interfaces/row: expected \[0, 6\], found \[0.0, 3.0\]"),
-    "row shape": (with_dataset("interfaces/row", [0, 6, 9]), r"interfaces/row: expected shape \(2,\), found \(3,\)"),
+    "row": (
+        with_dataset("interfaces/row", [0, 3]),
+        r"interfaces/row: expected \[0, 6\], found \[0.0, 3.0\]",
+    ),
+    "row shape": (
+        with_dataset("interfaces/row", [0, 6, 9]),
+        r"interfaces/row: expected shape \(2,\), found \(3,\)",
+    ),
     "no kernel": (without("kernel"), "group 'kernel' is missing"),
     "no g": (without("kernel/g"), "dataset 'kernel/g' is missing"),
     "g is a group": (with_group("kernel/g"), "dataset 'kernel/g' is missing"),
@@ -353,29 +414,53 @@ FAULTS = {
         with_entry("kernel/g", (3, 2, 1), 1.0),
         r"kernel: g: expected a symmetric matrix, found entries \(1, 2\) and \(2, 1\)",
     ),
-    "g complex": (with_dataset("kernel/g", np.zeros((8, 9, 9), complex)), "kernel: g: expected real numbers"),
+    "g complex": (
+        with_dataset("kernel/g", np.zeros((8, 9, 9), complex)),
+        "kernel: g: expected real numbers",
+    ),
     "g_initial": (
         with_entry("kernel/g_initial", (0, 0, 8), np.inf),
         r"kernel: g_initial: .* found inf at index \(0, 0, 8\)",
     ),
     "no step": (without_attribute("kernel", "h"), "attribute 'h' of group 'kernel' is missing"),
-    "step text": (with_attribute("kernel", "h", "fast"), "attribute 'h' of group 'kernel': expected numbers"),
-    "step zero": (with_attribute("kernel", "h", 0.0), "kernel: h: expected a positive number, found 0.0"),
-    "rho_inf": (with_attribute("kernel", "rho_inf", 1.5), r"kernel: rho_inf must lie in \[0, 1\], got 1.5"),
-    "error NaN": (with_attribute("kernel", "error", np.nan), "attribute 'error' of group 'kernel': expected finite"),
+    "step text": (
+        with_attribute("kernel", "h", "fast"),
+        "attribute 'h' of group 'kernel': expected numbers",
+    ),
+    "step zero": (
+        with_attribute("kernel", "h", 0.0),
+        "kernel: h: expected a positive number, found 0.0",
+    ),
+    "rho_inf": (
+        with_attribute("kernel", "rho_inf", 1.5),
+        r"kernel: rho_inf must lie in \[0, 1\], got 1.5",
+    ),
+    "error NaN": (
+        with_attribute("kernel", "error", np.nan),
+        "attribute 'error' of group 'kernel': expected finite",
+    ),
     "no omega": (without("modes/omega"), "dataset 'modes/omega' is missing"),
-    "omega": (with_entry("modes/omega", 0, -2.0), "modes: omega: expected positive frequencies, found -2.0 rad/s"),
+    "omega": (
+        with_entry("modes/omega", 0, -2.0),
+        "modes: omega: expected positive frequencies, found -2.0 rad/s",
+    ),
     "zeta": (with_entry("modes/zeta", 0, -2.0), "modes: zeta: expected ratios >= 0, found -2.0"),
     "phi columns": (
         with_dataset("modes/phi", np.zeros((9, 5))),
         r"modes: phi: expected shape \(n_c, 4\), found \(9, 5\)",
     ),
-    "phi rows": (with_dataset("modes/phi", np.zeros((8, 4))), "modes: phi: expected 9 rows, .* found 8"),
+    "phi rows": (
+        with_dataset("modes/phi", np.zeros((8, 4))),
+        "modes: phi: expected 9 rows, .* found 8",
+    ),
     "compliance": (
         with_dataset("static/compliance", np.eye(6)),
         r"compliance: expected shape \(9, 9\), found \(6, 6\)",
     ),
-    "compliance skew": (with_entry("static/compliance", (0, 1), 9.0), "compliance: expected a symmetric matrix"),
+    "compliance skew": (
+        with_entry("static/compliance", (0, 1), 9.0),
+        "compliance: expected a symmetric matrix",
+    ),
     "no mobility": (without("static/mobility"), "dataset 'static/mobility' is missing"),
     "recovery phi": (
         with_dataset("recovery/phi", np.zeros((5, 3, 2))),
@@ -387,7 +472,10 @@ FAULTS = {
     ),
     "no provenance": (without("provenance"), "group 'provenance' is missing"),
     "no versions": (without("provenance/versions"), "group 'versions' is missing"),
-    "no method": (without_attribute("provenance", "method"), "attribute 'method' of group 'provenance' is missing"),
+    "no method": (
+        without_attribute("provenance", "method"),
+        "attribute 'method' of group 'provenance' is missing",
+    ),
     "timing": (
         with_attribute("provenance/timings", "modes", "long"),
         "attribute 'modes' of group 'provenance/timings': expected numbers",
@@ -428,7 +516,9 @@ def test_a_file_cut_short_is_refused(part, make_element, path):
 
 @pytest.mark.parametrize("mark", [b"TREE", b"SNOD", b"HEAP", b"GCOL"])
 def test_a_file_with_wrong_bytes_inside_is_refused(mark, make_element, path):
-    """Each kind of structure that a file is made of has a mark, which is overwritten where it stands first."""
+    """Each kind of structure that a file is made of has a mark, which is overwritten where it
+    stands first.
+    """
     write(path, make_element())
     path.write_bytes(path.read_bytes().replace(mark, b"\0\0\0\0"))
     with pytest.raises(SuperelementError, match=rf"{path}: "):

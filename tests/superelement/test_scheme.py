@@ -18,7 +18,9 @@ def spectral_radius(scheme: GeneralizedAlpha, inertia: float, stiffness: float) 
             [0, 0, 1 - alpha_f, alpha_m - 1],
         ]
     )
-    old = np.array([[1, 1, 0, 0.5 - beta], [0, 1, 0, 1 - gamma], [0, 0, 0, 0], [0, 0, -alpha_f, alpha_m]])
+    old = np.array(
+        [[1, 1, 0, 0.5 - beta], [0, 1, 0, 1 - gamma], [0, 0, 0, 0], [0, 0, -alpha_f, alpha_m]]
+    )
     return float(np.abs(np.linalg.eigvals(np.linalg.solve(new, old))).max())
 
 
@@ -37,7 +39,10 @@ def test_high_frequencies_shrink_by_rho_inf_a_step(rho_inf):
 
 @pytest.mark.parametrize("rho_inf", RHO_INF)
 def test_no_frequency_grows(rho_inf):
-    radii = [spectral_radius(GeneralizedAlpha(rho_inf), 1.0, omega**2) for omega in np.geomspace(1e-2, 1e3, 200)]
+    radii = [
+        spectral_radius(GeneralizedAlpha(rho_inf), 1.0, omega**2)
+        for omega in np.geomspace(1e-2, 1e3, 200)
+    ]
     assert max(radii) <= 1.0 + 1e-12
 
 

@@ -39,10 +39,20 @@ def test_an_interface_stands_at_one_finite_point():
 @pytest.mark.parametrize(
     ("omega", "zeta", "phi", "message"),
     [
-        ([1.0, 0.0], [0, 0], np.ones((3, 2)), "modes: omega: expected positive frequencies, found 0.0 rad/s"),
+        (
+            [1.0, 0.0],
+            [0, 0],
+            np.ones((3, 2)),
+            "modes: omega: expected positive frequencies, found 0.0 rad/s",
+        ),
         ([1.0, 2.0], [0, -1], np.ones((3, 2)), "modes: zeta: expected ratios >= 0, found -1.0"),
         ([1.0, 2.0], [0], np.ones((3, 2)), r"modes: zeta: expected shape \(2,\), found \(1,\)"),
-        ([1.0, 2.0], [0, 0], np.ones((3, 1)), r"modes: phi: expected shape \(n_c, 2\), found \(3, 1\)"),
+        (
+            [1.0, 2.0],
+            [0, 0],
+            np.ones((3, 1)),
+            r"modes: phi: expected shape \(n_c, 2\), found \(3, 1\)",
+        ),
         ([[1.0]], [0], np.ones((3, 1)), r"modes: omega: expected shape \(m,\), found \(1, 1\)"),
     ],
 )
@@ -59,17 +69,40 @@ def test_frequencies_are_in_hertz():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"points": np.zeros((4, 2))}, r"recovery: points: expected shape \(p, 3\), found \(4, 2\)"),
-        ({"phi": np.zeros((3, 3, 2))}, r"recovery: phi: expected shape \(4, 3, m\), found \(3, 3, 2\)"),
-        ({"stress": np.zeros((4, 5, 2))}, r"recovery: stress: expected shape \(4, 6, 2\), found \(4, 5, 2\)"),
+        (
+            {"points": np.zeros((4, 2))},
+            r"recovery: points: expected shape \(p, 3\), found \(4, 2\)",
+        ),
+        (
+            {"phi": np.zeros((3, 3, 2))},
+            r"recovery: phi: expected shape \(4, 3, m\), found \(3, 3, 2\)",
+        ),
+        (
+            {"stress": np.zeros((4, 5, 2))},
+            r"recovery: stress: expected shape \(4, 6, 2\), found \(4, 5, 2\)",
+        ),
         ({"cells": [[0, 4]]}, "recovery: cells: expected point indices from -1 to 3, found 0 to 4"),
-        ({"cells": [[0, -2]]}, "recovery: cells: expected point indices from -1 to 3, found -2 to 0"),
-        ({"cells": [[0.0, 1.0]]}, r"recovery: cells: expected integers of shape \(n, k\), found float64 \(1, 2\)"),
-        ({"cells": [0, 1]}, r"recovery: cells: expected integers of shape \(n, k\), found int64 \(2,\)"),
+        (
+            {"cells": [[0, -2]]},
+            "recovery: cells: expected point indices from -1 to 3, found -2 to 0",
+        ),
+        (
+            {"cells": [[0.0, 1.0]]},
+            r"recovery: cells: expected integers of shape \(n, k\), found float64 \(1, 2\)",
+        ),
+        (
+            {"cells": [0, 1]},
+            r"recovery: cells: expected integers of shape \(n, k\), found int64 \(2,\)",
+        ),
     ],
 )
 def test_a_surface_that_contradicts_itself_is_refused(change, message):
-    fields = {"points": np.zeros((4, 3)), "cells": [[0, 1, 2, -1]], "phi": np.zeros((4, 3, 2)), "stress": None}
+    fields = {
+        "points": np.zeros((4, 3)),
+        "cells": [[0, 1, 2, -1]],
+        "phi": np.zeros((4, 3, 2)),
+        "stress": None,
+    }
     with refused(message):
         Recovery(**fields | change)
 
@@ -87,11 +120,20 @@ def test_a_surface_that_contradicts_itself_is_refused(change, message):
         ),
         ({"J_rot": [[1, 1, 0], [0, 1, 0], [0, 0, 1]]}, "J_rot: expected a symmetric matrix"),
         ({"center": [0.0]}, r"center: expected shape \(3,\), found \(1,\)"),
-        ({"interfaces": (Interface("a", [0, 0, 0]),)}, r"kernel: g: expected 6 rows, .*\['a'\], found 9"),
-        ({"modes": Modes([1.0], [0.0], np.ones((8, 1)))}, r"modes: phi: expected 9 rows, .* found 8"),
+        (
+            {"interfaces": (Interface("a", [0, 0, 0]),)},
+            r"kernel: g: expected 6 rows, .*\['a'\], found 9",
+        ),
+        (
+            {"modes": Modes([1.0], [0.0], np.ones((8, 1)))},
+            r"modes: phi: expected 9 rows, .* found 8",
+        ),
         ({"modes": None}, "recovery: phi: expected 0 columns, one per mode, found 4"),
         ({"compliance": np.eye(8)}, r"compliance: expected shape \(9, 9\), found \(8, 8\)"),
-        ({"mobility": np.triu(np.ones((9, 9)))}, r"mobility: expected a symmetric matrix, found entries \(0, 1\)"),
+        (
+            {"mobility": np.triu(np.ones((9, 9)))},
+            r"mobility: expected a symmetric matrix, found entries \(0, 1\)",
+        ),
     ],
 )
 def test_a_body_that_contradicts_itself_is_refused(change, message, make_element):
@@ -136,7 +178,9 @@ def test_the_stored_kernel_is_handed_out_where_it_fits(steps, make_element):
     assert element.kernel_for(1e-4 * (1 + 1e-15), GeneralizedAlpha(0.8), steps) is element.kernel
 
 
-@pytest.mark.parametrize(("h", "rho_inf", "steps"), [(5e-5, 0.8, 7), (1e-4, 0.9, 7), (1e-4, 0.8, 8)])
+@pytest.mark.parametrize(
+    ("h", "rho_inf", "steps"), [(5e-5, 0.8, 7), (1e-4, 0.9, 7), (1e-4, 0.8, 8)]
+)
 def test_another_kernel_comes_from_the_modes_and_keeps_their_error(h, rho_inf, steps, make_element):
     element = make_element()
     kernel = element.kernel_for(h, GeneralizedAlpha(rho_inf), steps)
@@ -150,10 +194,14 @@ def test_another_kernel_comes_from_the_modes_and_keeps_their_error(h, rho_inf, s
 def test_a_longer_kernel_continues_the_stored_one(make_element):
     element = make_element()
     longer = element.kernel_for(1e-4, GeneralizedAlpha(0.8), 20)
-    np.testing.assert_allclose(longer.g[:8], element.kernel.g, rtol=0, atol=1e-15 * np.abs(element.kernel.g).max())
+    np.testing.assert_allclose(
+        longer.g[:8], element.kernel.g, rtol=0, atol=1e-15 * np.abs(element.kernel.g).max()
+    )
 
 
-@pytest.mark.parametrize(("h", "rho_inf", "steps"), [(5e-5, 0.8, 7), (1e-4, 0.9, 7), (1e-4, 0.8, 8)])
+@pytest.mark.parametrize(
+    ("h", "rho_inf", "steps"), [(5e-5, 0.8, 7), (1e-4, 0.9, 7), (1e-4, 0.8, 8)]
+)
 def test_without_modes_another_kernel_is_refused(h, rho_inf, steps, make_element):
     element = replace(make_element(), modes=None, recovery=None)
     message = (
@@ -169,7 +217,9 @@ def test_von_mises_stress_of_tension_shear_and_pressure():
     """|sigma|, sqrt(3) |tau| in any plane, none under pressure, and that of turned axes."""
     tension, pressure = [-3.0, 0, 0, 0, 0, 0], [2.0, 2.0, 2.0, 0, 0, 0]
     shears = np.eye(6)[3:] * 2.0
-    np.testing.assert_allclose(von_mises(np.array([tension, pressure, *shears])), [3, 0, *[2 * 3**0.5] * 3], atol=1e-15)
+    np.testing.assert_allclose(
+        von_mises(np.array([tension, pressure, *shears])), [3, 0, *[2 * 3**0.5] * 3], atol=1e-15
+    )
     # shear is tension and compression across each other, at 45 degrees
     assert von_mises(np.array([2.0, -2.0, 0, 0, 0, 0])) == pytest.approx(2 * 3**0.5, rel=1e-15)
 
@@ -179,6 +229,8 @@ def test_fields_are_sums_over_modes(make_element):
     eta = np.random.default_rng(0).normal(size=(2, 3, recovery.phi.shape[2]))
     u, sigma = recovery.displacement(eta), recovery.stresses(eta)
     np.testing.assert_allclose(u, np.einsum("pim,abm->abpi", recovery.phi, eta), rtol=0, atol=1e-14)
-    np.testing.assert_allclose(sigma, np.einsum("pim,abm->abpi", recovery.stress, eta), rtol=0, atol=1e-14)
+    np.testing.assert_allclose(
+        sigma, np.einsum("pim,abm->abpi", recovery.stress, eta), rtol=0, atol=1e-14
+    )
     with pytest.raises(SuperelementError, match="recovery: no stress modes"):
         replace(recovery, stress=None).stresses(eta)

@@ -1,11 +1,21 @@
-"""Transfer functions in closed form against the sums over lags that define them; the finest step of modes."""
+"""Transfer functions in closed form against the sums over lags that define them; the finest step of
+modes.
+"""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from duhamel.superelement import GeneralizedAlpha, Modes, StepWarning, SuperelementError, read, sample_kernel, write
-from duhamel.superelement.transfer import dynamic_stiffness, transfer
+from duhamel.preprocess.responses.transfer import dynamic_stiffness, transfer
+from duhamel.superelement import (
+    GeneralizedAlpha,
+    Modes,
+    StepWarning,
+    SuperelementError,
+    read,
+    sample_kernel,
+    write,
+)
 
 DELAYS = np.exp(-0.1 - 1j * np.array([0.0, 0.05, 0.7, 2.0, np.pi]))
 
@@ -16,7 +26,9 @@ def test_the_transfer_function_is_the_sum_of_the_kernel(rho_inf, make_modes):
     modes, h, scheme = make_modes(3, 4, 9), 1e-3, GeneralizedAlpha(rho_inf)
     g = sample_kernel(modes, h, scheme, 400).g
     expected = np.tensordot(DELAYS[:, None] ** np.arange(401), g, axes=1)
-    np.testing.assert_allclose(transfer(modes, h, scheme, DELAYS), expected, rtol=0, atol=1e-12 * np.abs(g).max())
+    np.testing.assert_allclose(
+        transfer(modes, h, scheme, DELAYS), expected, rtol=0, atol=1e-12 * np.abs(g).max()
+    )
 
 
 @pytest.mark.parametrize("rho_inf", [0.0, 0.5, 0.9, 1.0])
@@ -26,12 +38,16 @@ def test_without_delay_it_is_the_first_lag(rho_inf, make_modes):
     found = transfer(modes, h, scheme, np.zeros(1, dtype=complex))[0]
     np.testing.assert_allclose(found, first, rtol=0, atol=1e-14 * np.abs(first).max())
     sigma, chi = scheme.symbols(h, np.zeros(1))
-    np.testing.assert_allclose([sigma[0], chi[0]], [scheme.beta_prime(h), scheme.gamma_prime(h)], rtol=1e-14)
+    np.testing.assert_allclose(
+        [sigma[0], chi[0]], [scheme.beta_prime(h), scheme.gamma_prime(h)], rtol=1e-14
+    )
 
 
 @pytest.mark.parametrize("rho_inf", [0.0, 0.5, 0.9, 1.0])
 def test_symbols_are_those_of_the_continuum_to_second_order(rho_inf):
-    """sigma -> s^2 and chi -> s at d = e^{-s h}; displacement, velocity and acceleration of one scheme agree."""
+    """sigma -> s^2 and chi -> s at d = e^{-s h}; displacement, velocity and acceleration of one
+    scheme agree.
+    """
     scheme, s = GeneralizedAlpha(rho_inf), np.array([3.0 + 40.0j])
     errors = []
     for h in (2e-3, 1e-3, 5e-4):
@@ -91,18 +107,26 @@ def test_the_file_keeps_band_and_finest_step(fine, tmp_path):
 
 
 def test_band_and_finest_step_must_make_sense(fine):
-    with pytest.raises(SuperelementError, match=r"kernel: band: expected a positive number, found 0\.0"):
+    with pytest.raises(
+        SuperelementError, match=r"kernel: band: expected a positive number, found 0\.0"
+    ):
         replace(fine.kernel, band=0.0)
-    with pytest.raises(SuperelementError, match=r"modes: h_min: expected a step >= 0 s, found -1\.0"):
+    with pytest.raises(
+        SuperelementError, match=r"modes: h_min: expected a step >= 0 s, found -1\.0"
+    ):
         replace(fine.modes, h_min=-1.0)
 
 
 def test_what_rests_and_what_starts_is_what_the_modes_add_up_to(make_modes):
-    """The compliance is G for a load that lasts, the mobility the acceleration that a small step sees."""
+    """The compliance is G for a load that lasts, the mobility the acceleration that a small step
+    sees.
+    """
     modes, scheme = make_modes(2, 3, 6), GeneralizedAlpha(1.0)
     damped = Modes(modes.omega, np.full(6, 0.3), modes.phi)
     g = sample_kernel(damped, 1e-3, scheme, 5000).g
-    np.testing.assert_allclose(modes.compliance, g.sum(axis=0), rtol=0, atol=1e-10 * np.abs(modes.compliance).max())
+    np.testing.assert_allclose(
+        modes.compliance, g.sum(axis=0), rtol=0, atol=1e-10 * np.abs(modes.compliance).max()
+    )
     h = 1e-9
     first = sample_kernel(replace(modes, zeta=np.zeros(6)), h, scheme, 1).g[0] * 4.0 / h**2
     np.testing.assert_allclose(modes.mobility, first, rtol=0, atol=1e-9 * np.abs(first).max())

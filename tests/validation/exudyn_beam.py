@@ -1,17 +1,20 @@
 """The rotating beam of Cases 1 and 2 in Exudyn: a planar, geometrically exact reference.
 
-The problem (paper, section 11.1): a hub of inertia I_R = phi I_T turns about a fixed vertical axis under the torque
-C_0 F(t). At distance a from the axis it carries a beam, clamped, radial when undeformed, undamped, without gravity.
+The problem (paper, section 11.1): a hub of inertia I_R = phi I_T turns about a fixed vertical axis
+under the torque C_0 F(t). At distance a from the axis it carries a beam, clamped, radial when
+undeformed, undamped, without gravity.
 
     I_T = m L (L^2/12 + (a + L/2)^2)
 
-The model shares nothing with Duhamel: absolute nodal coordinates in the plane of the motion, no floating frame, no
-linearised strain. The beam is a row of `ObjectANCFCable2D`, Euler-Bernoulli without rotary inertia, with
+The model shares nothing with Duhamel: absolute nodal coordinates in the plane of the motion, no
+floating frame, no linearised strain. The beam is a row of `ObjectANCFCable2D`, Euler-Bernoulli
+without rotary inertia, with
 
     axial strain |r'| - 1,    curvature (r' x r'') / |r'|^2,
 
-so foreshortening and centrifugal stiffening are in it. The hub is a planar rigid body on a revolute joint. The clamp
-holds the position and the direction of r' at the root and leaves |r'|, the axial strain, free.
+so foreshortening and centrifugal stiffening are in it. The hub is a planar rigid body on a revolute
+joint. The clamp holds the position and the direction of r' at the root and leaves |r'|, the axial
+strain, free.
 """
 
 from dataclasses import dataclass
@@ -42,7 +45,9 @@ a = 0.05  # eccentricity of the clamp [m]
 EA = 2.16e7  # axial stiffness [N]
 EI = 5.5  # bending stiffness [N m^2]
 m = 0.0858  # mass per length [kg/m]
-I_T = m * L * (L**2 / 12 + (a + L / 2) ** 2)  # inertia of the rigid beam about the hub axis [kg m^2]
+I_T = (
+    m * L * (L**2 / 12 + (a + L / 2) ** 2)
+)  # inertia of the rigid beam about the hub axis [kg m^2]
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +68,9 @@ class RotatingBeam:
 
 @dataclass(frozen=True, eq=False)
 class _Model:
-    """The assembled system with the items a run needs; the container owns the system and has to outlive it."""
+    """The assembled system with the items a run needs; the container owns the system and has to
+    outlive it.
+    """
 
     container: Any
     system: Any
@@ -83,22 +90,28 @@ def rotating_beam(
     step: float = 1e-5,
     n_elements: int = 40,
 ) -> RotatingBeam:
-    """Motion under the torque C0 F(t) [N m], F = torque_values[i] from torque_times[i] on and 0 before the first.
+    """Motion under the torque C0 F(t) [N m], F = torque_values[i] from torque_times[i] on and 0
+    before the first.
 
-    Every jump of the torque ends one run of the integrator and starts another one from the state reached, with
-    accelerations computed afresh, so that the area of the torque is exact and no step straddles a jump. Each run takes
-    equal steps of at most `step` [s]. With the default step and mesh the histories of hub speed and tip deflection in
-    Cases 1 and 2 lie within 5e-5 of their peaks from those of 80 elements and a step four times smaller.
+    Every jump of the torque ends one run of the integrator and starts another one from the state
+    reached, with accelerations computed afresh, so that the area of the torque is exact and no step
+    straddles a jump. Each run takes equal steps of at most `step` [s]. With the default step and
+    mesh the histories of hub speed and tip deflection in Cases 1 and 2 lie within 5e-5 of their
+    peaks from those of 80 elements and a step four times smaller.
 
-    The integrator is Exudyn's generalized-alpha for index-3 constraints, spectral radius 0.9: second order, with a
-    damping ratio of O((omega h)^3). Its multipliers need a radius below one. Newton stops on the increment (1e-12):
-    the axial forces EA (|r'| - 1) carry rounding errors near 1e-6 N, so that a residual norm would depend on the mesh.
+    The integrator is Exudyn's generalized-alpha for index-3 constraints, spectral radius 0.9:
+    second order, with a damping ratio of O((omega h)^3). Its multipliers need a radius below one.
+    Newton stops on the increment (1e-12): the axial forces EA (|r'| - 1) carry rounding errors near
+    1e-6 N, so that a residual norm would depend on the mesh.
 
-    Raises ValueError for a torque that is not a step law, exudyn.SolverError when Newton does not converge.
+    Raises ValueError for a torque that is not a step law, exudyn.SolverError when Newton does not
+    converge.
     """
     times, values = np.asarray(torque_times, dtype=float), np.asarray(torque_values, dtype=float)
     if times.ndim != 1 or times.shape != values.shape:
-        raise ValueError(f"torque: expected one value per time, found shapes {times.shape} and {values.shape}")
+        raise ValueError(
+            f"torque: expected one value per time, found shapes {times.shape} and {values.shape}"
+        )
     if np.any(np.diff(times) <= 0.0):
         raise ValueError(f"torque: expected increasing times, found {times}")
 
@@ -121,7 +134,9 @@ def rotating_beam(
 
 
 def hinged_frequencies(phi: float, n_elements: int = 40, count: int = 3) -> Array:
-    """The lowest `count` elastic frequencies (count,) [Hz] of the undeformed model, its hub free to turn."""
+    """The lowest `count` elastic frequencies (count,) [Hz] of the undeformed model, its hub free to
+    turn.
+    """
     system = _assemble(phi, n_elements).system
     frequencies, _ = system.ComputeODE2Eigenvalues(convert2Frequencies=True)
     return frequencies[1 : count + 1]  # the first is the rotation of the whole
@@ -158,12 +173,17 @@ def _assemble(phi: float, n_elements: int) -> _Model:
 
     rim = system.AddMarker(MarkerBodyRigid(bodyNumber=hub, localPosition=[a, 0.0, 0.0]))
     root = system.AddMarker(MarkerBodyRigid(bodyNumber=cables[0], localPosition=[0.0, 0.0, 0.0]))
-    # Two translations and the turn about z; Exudyn states the turn as orthogonal axes, exact at any angle.
-    system.AddObject(ObjectJointGeneric(markerNumbers=[rim, root], constrainedAxes=[1, 1, 0, 0, 0, 1]))
+    # Two translations and the turn about z; Exudyn states the turn as orthogonal axes, exact at any
+    # angle.
+    system.AddObject(
+        ObjectJointGeneric(markerNumbers=[rim, root], constrainedAxes=[1, 1, 0, 0, 0, 1])
+    )
 
     def sensor(node: int, quantity: Any) -> int:
         return system.AddSensor(
-            SensorNode(nodeNumber=node, outputVariableType=quantity, storeInternal=True, writeToFile=False)
+            SensorNode(
+                nodeNumber=node, outputVariableType=quantity, storeInternal=True, writeToFile=False
+            )
         )
 
     quantity = exudyn.OutputVariableType
@@ -199,8 +219,11 @@ def settings() -> Any:
 
 
 def _history(model: _Model, time: Array) -> Array:
-    """One run as columns (n, 11): time, hub angle, hub speed, then four nodal displacements of root and of tip."""
-    # Column 0 of each sensor is Exudyn's time, a running sum of steps: replaced by the grid it stands for.
+    """One run as columns (n, 11): time, hub angle, hub speed, then four nodal displacements of root
+    and of tip.
+    """
+    # Column 0 of each sensor is Exudyn's time, a running sum of steps: replaced by the grid it
+    # stands for.
     hub_position, hub_velocity, root, tip = (
         np.asarray(model.system.GetSensorStoredData(sensor))[:, 1:]
         for sensor in (model.hub_position, model.hub_velocity, model.root, model.tip)

@@ -1,12 +1,14 @@
-"""Cases 3 to 5 of the paper in Exudyn: a beam on a hub that slides along, and turns about, a vertical axis.
+"""Cases 3 to 5 of the paper in Exudyn: a beam on a hub that slides along, and turns about, a
+vertical axis.
 
-Geometrically exact beams in space (`ObjectBeamGeometricallyExact`: Simo and Vu-Quoc's, with two nodes and one point of
-integration), whose nodes are rigid frames: the clamp joins the first one to the hub, all six coordinates. The
-absolute nodal cables of the other models have no rotation about their axis in space and cannot be clamped so.
+Geometrically exact beams in space (`ObjectBeamGeometricallyExact`: Simo and Vu-Quoc's, with two
+nodes and one point of integration), whose nodes are rigid frames: the clamp joins the first one to
+the hub, all six coordinates. The absolute nodal cables of the other models have no rotation about
+their axis in space and cannot be clamped so.
 
-The strain of a linear element errs with the square of its length: 1/(4 n^2) of the deflection of a cantilever under
-a force at its tip. Shear: GA = EA / 2.6, which for this section adds 1e-5 to deflections. Gravity acts on hub, beam and
-tip mass, a rigid body on the last node.
+The strain of a linear element errs with the square of its length: 1/(4 n^2) of the deflection of a
+cantilever under a force at its tip. Shear: GA = EA / 2.6, which for this section adds 1e-5 to
+deflections. Gravity acts on hub, beam and tip mass, a rigid body on the last node.
 """
 
 from dataclasses import dataclass
@@ -45,7 +47,9 @@ IDENTITY = [1.0, 0.0, 0.0, 0.0]  # Euler parameters
 
 @dataclass(frozen=True, eq=False)
 class Helicoid:
-    """time (n,) [s]; height [m] and rotation matrix (n, 3, 3) of the hub; position of the tip (n, 3) [m]."""
+    """time (n,) [s]; height [m] and rotation matrix (n, 3, 3) of the hub; position of the tip (n,
+    3) [m].
+    """
 
     time: Array
     height: Array
@@ -84,7 +88,8 @@ def helicoid(
     tip_mass: float = 0.0,
     blow: Blow | None = None,
 ) -> Helicoid:
-    """The motion under a torque [N m] and a vertical force [N] that act on the hub from t = 0 until `pulse` [s].
+    """The motion under a torque [N m] and a vertical force [N] that act on the hub from t = 0 until
+    `pulse` [s].
 
     Runs of the integrator meet where loads begin and end, so that no step straddles a jump.
     Raises exudyn.SolverError when Newton does not converge.
@@ -93,20 +98,28 @@ def helicoid(
     system = container.AddSystem()
     hub_node = system.AddNode(NodeRigidBodyEP(referenceCoordinates=[0.0, 0.0, 0.0, *IDENTITY]))
     hub = system.AddObject(
-        ObjectRigidBody(mass=HUB_MASS, inertia=[1e-6, 1e-6, HUB_INERTIA, 0.0, 0.0, 0.0], nodeNumber=hub_node)
+        ObjectRigidBody(
+            mass=HUB_MASS, inertia=[1e-6, 1e-6, HUB_INERTIA, 0.0, 0.0, 0.0], nodeNumber=hub_node
+        )
     )
     ground = system.AddObject(ObjectGround())
     center = system.AddMarker(MarkerBodyRigid(bodyNumber=hub))
     support = system.AddMarker(MarkerBodyRigid(bodyNumber=ground))
-    system.AddObject(ObjectJointGeneric(markerNumbers=[support, center], constrainedAxes=[1, 1, 0, 1, 1, 0]))
+    system.AddObject(
+        ObjectJointGeneric(markerNumbers=[support, center], constrainedAxes=[1, 1, 0, 1, 1, 0])
+    )
     nodes = _add_beam(system, n_elements, gravity)
     rim = system.AddMarker(MarkerBodyRigid(bodyNumber=hub, localPosition=[a, 0.0, 0.0]))
     root = system.AddMarker(MarkerNodeRigid(nodeNumber=nodes[0]))
-    system.AddObject(ObjectJointGeneric(markerNumbers=[rim, root], constrainedAxes=[1, 1, 1, 1, 1, 1]))
+    system.AddObject(
+        ObjectJointGeneric(markerNumbers=[rim, root], constrainedAxes=[1, 1, 1, 1, 1, 1])
+    )
     _add_weight(system, hub, gravity)
     if tip_mass:
         ball = ObjectRigidBody(
-            mass=tip_mass, inertia=[TIP_INERTIA, TIP_INERTIA, TIP_INERTIA, 0.0, 0.0, 0.0], nodeNumber=nodes[-1]
+            mass=tip_mass,
+            inertia=[TIP_INERTIA, TIP_INERTIA, TIP_INERTIA, 0.0, 0.0, 0.0],
+            nodeNumber=nodes[-1],
         )
         _add_weight(system, system.AddObject(ball), gravity)
     tip = system.AddMarker(MarkerNodeRigid(nodeNumber=nodes[-1]))
@@ -116,9 +129,15 @@ def helicoid(
     quantity = exudyn.OutputVariableType
     stored = {"storeInternal": True, "writeToFile": False}
     sensors = [
-        system.AddSensor(SensorBody(bodyNumber=hub, outputVariableType=quantity.Position, **stored)),
-        system.AddSensor(SensorBody(bodyNumber=hub, outputVariableType=quantity.RotationMatrix, **stored)),
-        system.AddSensor(SensorNode(nodeNumber=nodes[-1], outputVariableType=quantity.Position, **stored)),
+        system.AddSensor(
+            SensorBody(bodyNumber=hub, outputVariableType=quantity.Position, **stored)
+        ),
+        system.AddSensor(
+            SensorBody(bodyNumber=hub, outputVariableType=quantity.RotationMatrix, **stored)
+        ),
+        system.AddSensor(
+            SensorNode(nodeNumber=nodes[-1], outputVariableType=quantity.Position, **stored)
+        ),
     ]
     system.Assemble()
 
@@ -133,13 +152,17 @@ def helicoid(
             for load in (turning, lifting):
                 system.SetLoadParameter(load, "loadVector", [0.0, 0.0, 0.0])
         if blow:
-            system.SetLoadParameter(striking, "loadVector", list(blow.force) if start == blow.start else [0.0] * 3)
+            system.SetLoadParameter(
+                striking, "loadVector", list(blow.force) if start == blow.start else [0.0] * 3
+            )
         system.SolveDynamic(choices, updateInitialValues=True)
         columns = [np.asarray(system.GetSensorStoredData(sensor))[:, 1:] for sensor in sensors]
         run = np.column_stack([np.linspace(start, end, steps + 1), *columns])
         runs.append(run if not runs else run[1:])
     history = np.vstack(runs)
-    return Helicoid(history[:, 0], history[:, 3], history[:, 4:13].reshape(-1, 3, 3), history[:, 13:16])
+    return Helicoid(
+        history[:, 0], history[:, 3], history[:, 4:13].reshape(-1, 3, 3), history[:, 13:16]
+    )
 
 
 def _add_beam(system: Any, n_elements: int, gravity: float) -> list[int]:
@@ -153,7 +176,9 @@ def _add_beam(system: Any, n_elements: int, gravity: float) -> list[int]:
     ]
     for pair in pairwise(nodes):
         element = system.AddObject(
-            ObjectBeamGeometricallyExact(nodeNumbers=list(pair), length=L / n_elements, sectionData=section)
+            ObjectBeamGeometricallyExact(
+                nodeNumbers=list(pair), length=L / n_elements, sectionData=section
+            )
         )
         _add_weight(system, element, gravity)
     return nodes

@@ -1,7 +1,7 @@
 """Pendulums of flexible beams in Exudyn: planar and geometrically exact, without a floating frame.
 
-One beam or two hang, one on the other, from a fixed pivot; they start at rest along the x axis and fall under gravity
-along -y. The cables are those of `exudyn_beam`, of the same length and section.
+One beam or two hang, one on the other, from a fixed pivot; they start at rest along the x axis and
+fall under gravity along -y. The cables are those of `exudyn_beam`, of the same length and section.
 """
 
 from dataclasses import dataclass
@@ -30,16 +30,24 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Pendulum:
-    """time (n,) [s]; ends (n, beams, 2, 2) [m]: position of the first and the last point of every beam."""
+    """time (n,) [s]; ends (n, beams, 2, 2) [m]: position of the first and the last point of every
+    beam.
+    """
 
     time: Array
     ends: Array
 
 
 def pendulum(
-    beams: int, t_end: float, step: float, gravity: float = 9.81, n_elements: int = 16, stiffness: float = EI
+    beams: int,
+    t_end: float,
+    step: float,
+    gravity: float = 9.81,
+    n_elements: int = 16,
+    stiffness: float = EI,
 ) -> Pendulum:
-    """The motion of `beams` cables of `n_elements` each and this bending stiffness [N m^2], joined by revolute joints.
+    """The motion of `beams` cables of `n_elements` each and this bending stiffness [N m^2], joined
+    by revolute joints.
 
     Raises exudyn.SolverError when Newton does not converge.
     """
@@ -62,10 +70,14 @@ def pendulum(
     choices.timeIntegration.numberOfSteps = steps
     system.SolveDynamic(choices)
     ends = [np.asarray(system.GetSensorStoredData(sensor))[:, 1:3] for sensor in sensors]
-    return Pendulum(np.linspace(0.0, t_end, steps + 1), np.stack(ends, axis=1).reshape(-1, beams, 2, 2))
+    return Pendulum(
+        np.linspace(0.0, t_end, steps + 1), np.stack(ends, axis=1).reshape(-1, beams, 2, 2)
+    )
 
 
-def _add_cable(system: Any, x: float, n_elements: int, gravity: float, stiffness: float) -> list[int]:
+def _add_cable(
+    system: Any, x: float, n_elements: int, gravity: float, stiffness: float
+) -> list[int]:
     nodes = [
         system.AddNode(NodePoint2DSlope1(referenceCoordinates=[place, 0.0, 1.0, 0.0]))
         for place in x + np.linspace(0.0, L, n_elements + 1)
@@ -88,5 +100,7 @@ def _add_cable(system: Any, x: float, n_elements: int, gravity: float, stiffness
 def _position_of(system: Any, node: int) -> int:
     quantity = exudyn.OutputVariableType.Position
     return system.AddSensor(
-        SensorNode(nodeNumber=node, outputVariableType=quantity, storeInternal=True, writeToFile=False)
+        SensorNode(
+            nodeNumber=node, outputVariableType=quantity, storeInternal=True, writeToFile=False
+        )
     )

@@ -26,7 +26,9 @@ def solid_superelement(
 ) -> Superelement:
     """A box along x with frames root and tip on its ends, of the kind that `root` says and average."""
     mesh, path = box_mesh(kind, size, divisions), folder / f"{kind}-{divisions[0]}.msh"
-    mesh = meshio.Mesh(mesh.points, mesh.cells, cell_data=mesh.cell_data, field_data=mesh.field_data)
+    mesh = meshio.Mesh(
+        mesh.points, mesh.cells, cell_data=mesh.cell_data, field_data=mesh.field_data
+    )
     mesh.write(path, file_format="gmsh22", binary=False)
     body = {
         "name": "bar",
@@ -39,7 +41,8 @@ def solid_superelement(
 
 
 def clamped_modes(bar: Superelement) -> tuple[Array, Array]:
-    """With the root on ground: frequencies (m,) [Hz], and what the tip does in modes of unit mass (6, m).
+    """With the root on ground: frequencies (m,) [Hz], and what the tip does in modes of unit mass
+    (6, m).
 
     The rigid and the elastic modes that add up to nothing at the root:
 

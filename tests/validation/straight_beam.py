@@ -21,16 +21,23 @@ def along(length: float, elements: int) -> Array:
 
 
 def beam_superelement(
-    folder: Path, points: Array, section: Mapping[str, Any], interfaces: Mapping[str, int], **settings: Any
+    folder: Path,
+    points: Array,
+    section: Mapping[str, Any],
+    interfaces: Mapping[str, int],
+    **settings: Any,
 ) -> Superelement:
     """A beam through points (n, 3), one element between each two; interfaces name points by number.
 
-    Any step can be used with it: its kernel of one step is a matter of form, its modes are all there.
+    Any step can be used with it: its kernel of one step is a matter of form, its modes are all
+    there.
     """
     path = folder / "beam.msh"
     lines = np.column_stack([np.arange(len(points) - 1), np.arange(1, len(points))])
     tags = {tag: [np.ones(len(lines), dtype=int)] for tag in ("gmsh:physical", "gmsh:geometrical")}
-    meshio.Mesh(points, [("line", lines)], cell_data=tags).write(path, file_format="gmsh22", binary=False)
+    meshio.Mesh(points, [("line", lines)], cell_data=tags).write(
+        path, file_format="gmsh22", binary=False
+    )
     body = {
         "name": "beam",
         "mesh": str(path),

@@ -1,14 +1,17 @@
-"""The 45 degree bend of Bathe and Bolourchi: a cantilever along an arc, loaded out of its plane, at rest.
+"""The 45 degree bend of Bathe and Bolourchi: a cantilever along an arc, loaded out of its plane, at
+rest.
 
-R = 100 in, section 1 x 1 in, E = 1e7 psi, nu = 0 (so G = E/2), force 600 lb along z at the tip. The arc starts at the
-origin along x and bends towards -y, so that the tip is at (70.71, -29.29, 0) without the force.
+R = 100 in, section 1 x 1 in, E = 1e7 psi, nu = 0 (so G = E/2), force 600 lb along z at the tip. The
+arc starts at the origin along x and bends towards -y, so that the tip is at (70.71, -29.29, 0)
+without the force.
 
-Reference: displacement of the tip (-23.821, 13.732, 53.610) in; published values differ by about one per cent.
-Source of the problem: K. J. Bathe and S. Bolourchi, Large displacement analysis of three-dimensional beam structures,
-International Journal for Numerical Methods in Engineering 14 (1979) 961-986.
+Reference: displacement of the tip (-23.821, 13.732, 53.610) in; published values differ by about
+one per cent. Source of the problem: K. J. Bathe and S. Bolourchi, Large displacement analysis of
+three-dimensional beam structures, International Journal for Numerical Methods in Engineering 14
+(1979) 961-986.
 
-Five superelements of 8 straight elements each; each turns by about ten degrees within itself, where it is linear.
-Tolerance 5 %; ten superelements are nearer to the reference.
+Five superelements of 8 straight elements each; each turns by about ten degrees within itself, where
+it is linear. Tolerance 5 %; ten superelements are nearer to the reference.
 """
 
 import numpy as np
@@ -35,7 +38,9 @@ SECTION = {
 
 
 def arc(angle, elements):
-    """Nodes on an arc of radius R about (0, -R, 0) that starts at the origin along x (elements + 1, 3)."""
+    """Nodes on an arc of radius R about (0, -R, 0) that starts at the origin along x (elements + 1,
+    3).
+    """
     phi = np.linspace(0.0, angle, elements + 1)
     return R * np.column_stack([np.sin(phi), np.cos(phi) - 1.0, np.zeros_like(phi)])
 
@@ -49,9 +54,13 @@ def turned(points, angle):
 
 def bend(folder, n):
     """n superelements along the arc, in equilibrium at t = 0."""
-    part = beam_superelement(folder, arc(ANGLE / n, ELEMENTS), SECTION, {"root": 0, "tip": ELEMENTS})
+    part = beam_superelement(
+        folder, arc(ANGLE / n, ELEMENTS), SECTION, {"root": 0, "tip": ELEMENTS}
+    )
     bodies = {
-        f"b{i}": FlexibleBody(part, Start(turned(part.center, i * ANGLE / n), [0.0, 0.0, -i * ANGLE / n]))
+        f"b{i}": FlexibleBody(
+            part, Start(turned(part.center, i * ANGLE / n), [0.0, 0.0, -i * ANGLE / n])
+        )
         for i in range(n)
     }
     return Model(
@@ -72,7 +81,9 @@ def displacement(folder, n):
     results = simulate(bend(folder, n))
     tip = results.frame(f"b{n - 1}.tip").position
     moved = tip[0] - arc(ANGLE, 1)[-1]
-    print(f"{n} superelements: tip moved by {moved} in, reference {REFERENCE}, {results.solver['seconds']:.2f} s")
+    print(
+        f"{n} superelements: tip moved by {moved} in, reference {REFERENCE}, {results.solver['seconds']:.2f} s"
+    )
     return moved, np.abs(tip - tip[0]).max()
 
 

@@ -1,26 +1,41 @@
-"""The deep simply supported beam of NAFEMS: natural frequencies (FV5) and the response to a suddenly applied load (5T).
+"""The deep simply supported beam of NAFEMS: natural frequencies (FV5) and the response to a
+suddenly applied load (5T).
 
-Length 10 m, section 2 x 2 m, E = 200 GPa, nu = 0.3, rho = 8000 kg/m^3. One end is held along x, y, z and about x, the
-other along y and z. 5T: a load of 1e6 N/m along y acts from t = 0 on; damping 2 % in the first mode.
+Length 10 m, section 2 x 2 m, E = 200 GPa, nu = 0.3, rho = 8000 kg/m^3. One end is held along x, y,
+z and about x, the other along y and z. 5T: a load of 1e6 N/m along y acts from t = 0 on; damping 2
+% in the first mode.
 
-Sources: NAFEMS, The standard NAFEMS benchmarks (TNSB Rev. 3, 1990), test FV5; NAFEMS, Selected benchmarks for forced
-vibration (R0016), test 5T. Frequencies of FV5: 42.649 (two of bending), 77.542 (torsion), 125.00 (axial), 148.31 (two
-of bending), 233.10 (torsion), 284.55 (bending). 5T: peak deflection at mid-span 1.043 mm at 0.0117 s, static 0.538 mm.
-The closed form of Timoshenko's beam is beside them:
+Sources: NAFEMS, The standard NAFEMS benchmarks (TNSB Rev. 3, 1990), test FV5; NAFEMS, Selected
+benchmarks for forced vibration (R0016), test 5T. Frequencies of FV5: 42.649 (two of bending),
+77.542 (torsion), 125.00 (axial), 148.31 (two of bending), 233.10 (torsion), 284.55 (bending). 5T:
+peak deflection at mid-span 1.043 mm at 0.0117 s, static 0.538 mm. The closed form of Timoshenko's
+beam is beside them:
 
     omega^4 - (k^2 (kappa G + E) / rho + kappa G A / (rho I_A)) omega^2 + k^4 kappa G E / rho^2 = 0
 
-with k = n pi / L and kappa = 5/6. The polar moment of area serves as torsion constant, as 77.542 Hz implies.
+with k = n pi / L and kappa = 5/6. The polar moment of area serves as torsion constant, as 77.542 Hz
+implies.
 
-One superelement of 20 elements with an interface at every node: the uniform load is made of forces on nodes. The
-frequencies are those of the spectrum of a free vibration, so that they come from the solver's own steps. Damping is
-proportional to stiffness, for which the supported beam is damped as the free one: 2 % in the first mode.
-Tolerances: 0.5 % for frequencies (of a mesh of 20 elements), 1 % for the deflections, 2 % for the time of the peak.
+One superelement of 20 elements with an interface at every node: the uniform load is made of forces
+on nodes. The frequencies are those of the spectrum of a free vibration, so that they come from the
+solver's own steps. Damping is proportional to stiffness, for which the supported beam is damped as
+the free one: 2 % in the first mode. Tolerances: 0.5 % for frequencies (of a mesh of 20 elements), 1
+% for the deflections, 2 % for the time of the peak.
 """
 
 import numpy as np
 import pytest
-from duhamel.solver import Constant, FlexibleBody, Impulse, Joint, Load, Model, PrescribedDisplacement, Start, simulate
+from duhamel.solver import (
+    Constant,
+    FlexibleBody,
+    Impulse,
+    Joint,
+    Load,
+    Model,
+    PrescribedDisplacement,
+    Start,
+    simulate,
+)
 
 from .straight_beam import along, beam_superelement
 
@@ -66,7 +81,9 @@ def supported(beam, loads, **settings):
     first, last = "beam.n0", f"beam.n{ELEMENTS}"
     return Model(
         bodies={"beam": FlexibleBody(beam, Start(position=[0.5 * L, 0, 0]))},
-        joints=(Joint("support", "universal", ("ground", first), axis=[0, 1, 0], second_axis=[0, 0, 1]),),
+        joints=(
+            Joint("support", "universal", ("ground", first), axis=[0, 1, 0], second_axis=[0, 0, 1]),
+        ),
         motions=(
             PrescribedDisplacement("across", last, [0, 1, 0], Constant(0.0)),
             PrescribedDisplacement("up", last, [0, 0, 1], Constant(0.0)),
@@ -131,7 +148,9 @@ def test_the_response_to_a_sudden_load_is_that_of_5t(tmp_path):
     closed = 5 * FORCE * L**4 / (384 * E * I_A) + FORCE * L**2 / (8 * kappa * G * A)
     # Between the nodes the moment runs straight, below the parabola by q dx^2 / 12 in the mean.
     lumped = closed - FORCE * (L / ELEMENTS) ** 2 * L**2 / (96 * E * I_A)
-    print(f"peak {1e3 * peak:.4f} mm at {peak_time:.5f} s, reference {1e3 * PEAK:.3f} mm at {PEAK_TIME} s")
+    print(
+        f"peak {1e3 * peak:.4f} mm at {peak_time:.5f} s, reference {1e3 * PEAK:.3f} mm at {PEAK_TIME} s"
+    )
     print(
         f"static {1e3 * static:.5f} mm, reference {1e3 * STATIC:.3f} mm, closed form {1e3 * closed:.5f} mm, "
         f"with forces on nodes {1e3 * lumped:.5f} mm"

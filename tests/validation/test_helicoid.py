@@ -1,17 +1,20 @@
 """Cases 3 to 5 of the paper against geometrically exact beams in space (Exudyn).
 
-A hub of 0.01 kg and 0.00238 kg m^2 slides along and turns about a vertical axis and carries the beam of Case 1. A
-torque of 1.8 N m turns it and a force lifts it, 2.08 N for 0.05 s in Case 3, 2.5 N for 0.1 s in Case 4, which has
-gravity. Torque and forces are reconstructions: the text of the paper has lost them. EI = 5.5 N m^2 in both planes.
+A hub of 0.01 kg and 0.00238 kg m^2 slides along and turns about a vertical axis and carries the
+beam of Case 1. A torque of 1.8 N m turns it and a force lifts it, 2.08 N for 0.05 s in Case 3, 2.5
+N for 0.1 s in Case 4, which has gravity. Torque and forces are reconstructions: the text of the
+paper has lost them. EI = 5.5 N m^2 in both planes.
 
-Tolerances: with one superelement the hub rises and turns within 3e-3 and 1e-3 of its travel, and the peaks of the
-deflection, reached under the pulse, are within 3e-3. Afterwards the beam vibrates freely on a hub that turns at up to
-25 rad/s. Centrifugal forces stiffen it, which a superelement, linear in its own frame, does not know: its vibrations
-drift out of phase, in Case 4 by almost half the peak after 0.4 s. The drift falls by more than 2.5 with every doubling
-of the number of superelements in the beam, to less than 5 % of the peak with four.
+Tolerances: with one superelement the hub rises and turns within 3e-3 and 1e-3 of its travel, and
+the peaks of the deflection, reached under the pulse, are within 3e-3. Afterwards the beam vibrates
+freely on a hub that turns at up to 25 rad/s. Centrifugal forces stiffen it, which a superelement,
+linear in its own frame, does not know: its vibrations drift out of phase, in Case 4 by almost half
+the peak after 0.4 s. The drift falls by more than 2.5 with every doubling of the number of
+superelements in the beam, to less than 5 % of the peak with four.
 
-Case 5 is Case 4 with 2.1 g at the tip, hit at 0.2 s by 0.02 N s along, across and upwards: for 1 ms here, so that both
-codes resolve the blow. Largest differences relative to the peaks in the same time, y and z, with 1, 2, 4 superelements:
+Case 5 is Case 4 with 2.1 g at the tip, hit at 0.2 s by 0.02 N s along, across and upwards: for 1 ms
+here, so that both codes resolve the blow. Largest differences relative to the peaks in the same
+time, y and z, with 1, 2, 4 superelements:
 
     until the blow      10 %, 12 %     3.6 %, 4.1 %     1.0 %, 1.2 %
     20 ms after it      15 %, 10 %     5.4 %, 3.3 %     1.6 %, 1.0 %
@@ -23,7 +26,18 @@ import pytest
 
 pytest.importorskip("exudyn")
 
-from duhamel.solver import FlexibleBody, Frame, Joint, Load, Model, Place, Pulse, RigidBody, Start, simulate
+from duhamel.solver import (
+    FlexibleBody,
+    Frame,
+    Joint,
+    Load,
+    Model,
+    Place,
+    Pulse,
+    RigidBody,
+    Start,
+    simulate,
+)
 
 from .exudyn_beam import EA, EI, L, a, m
 from .exudyn_helicoid import GJ, HUB_INERTIA, HUB_MASS, POLAR, TIP_INERTIA, Blow, helicoid
@@ -61,20 +75,31 @@ def beams(tmp_path_factory):
 
 def ball_on(tip):
     """What Case 5 adds: a body, the joint that holds it to the tip, and the blow."""
-    ball = RigidBody(TIP_MASS, TIP_INERTIA * np.ones(3), {"center": Frame([0, 0, 0])}, Start([a + L, 0, 0]))
+    ball = RigidBody(
+        TIP_MASS, TIP_INERTIA * np.ones(3), {"center": Frame([0, 0, 0])}, Start([a + L, 0, 0])
+    )
     weld = Joint("weld", "fixed", (tip, "ball.center"))
-    return {"ball": ball}, (weld,), (Load("force", "ball.center", BLOW.force, Pulse(1.0, BLOW.start, BLOW.end)),)
+    return (
+        {"ball": ball},
+        (weld,),
+        (Load("force", "ball.center", BLOW.force, Pulse(1.0, BLOW.start, BLOW.end)),),
+    )
 
 
 def motion(part, n, force, pulse, gravity, ball=False):
-    """Results of a beam of n superelements; height and angle of the hub (n_t,), deflection of the tip in its axes."""
+    """Results of a beam of n superelements; height and angle of the hub (n_t,), deflection of the
+    tip in its axes.
+    """
     more_bodies, more_joints, more_loads = ball_on(f"b{n - 1}.tip") if ball else ({}, (), ())
     hub = RigidBody(HUB_MASS, HUB_INERTIA * np.array([0.5, 0.5, 1.0]), {"rim": Frame([a, 0, 0])})
     supports = ["hub.rim", *(f"b{i}.tip" for i in range(n - 1))]
     model = Model(
         bodies={
             "hub": hub,
-            **{f"b{i}": FlexibleBody(part, Start(place=Place("root", on))) for i, on in enumerate(supports)},
+            **{
+                f"b{i}": FlexibleBody(part, Start(place=Place("root", on)))
+                for i, on in enumerate(supports)
+            },
             **more_bodies,
         },
         joints=(
@@ -97,14 +122,24 @@ def motion(part, n, force, pulse, gravity, ball=False):
     height, angle = axis["distance"], axis["angle"]
     x, y, z = results.frame(f"b{n - 1}.tip").position.T
     cos, sin = np.cos(angle), np.sin(angle)
-    return results, height, angle, np.column_stack([cos * x + sin * y - a - L, cos * y - sin * x, z - height])
+    return (
+        results,
+        height,
+        angle,
+        np.column_stack([cos * x + sin * y - a - L, cos * y - sin * x, z - height]),
+    )
 
 
 def exudyn(force, pulse, gravity, **tip):
     """Height, angle and deflection, from 20 and 40 elements what they say of infinitely many."""
-    coarse, fine = (helicoid(TORQUE, force, pulse, gravity, T_END, STEP, n, **tip) for n in (20, 40))
+    coarse, fine = (
+        helicoid(TORQUE, force, pulse, gravity, T_END, STEP, n, **tip) for n in (20, 40)
+    )
     names = ("height", "angle", "deflection")
-    return {name: getattr(fine, name) + (getattr(fine, name) - getattr(coarse, name)) / 3.0 for name in names}
+    return {
+        name: getattr(fine, name) + (getattr(fine, name) - getattr(coarse, name)) / 3.0
+        for name in names
+    }
 
 
 @pytest.fixture(scope="module", params=CASES, ids=list(CASES))
@@ -116,7 +151,9 @@ def case(request):
 def test_the_helicoid_is_that_of_geometrically_exact_beams(beams, case):
     name, loads, reference = case
     peaks = np.abs(reference["deflection"]).max(axis=0)[1:]
-    print(f"{name}: height {reference['height'][-1]:.4f} m and angle {reference['angle'][-1]:.4f} rad after {T_END} s,")
+    print(
+        f"{name}: height {reference['height'][-1]:.4f} m and angle {reference['angle'][-1]:.4f} rad after {T_END} s,"
+    )
     print(f"peaks of the deflection along y and z {1e3 * peaks} mm; differences relative to these:")
     drifts = []
     for n, part in beams.items():
@@ -147,9 +184,14 @@ def test_the_blow_of_case_5_is_that_on_geometrically_exact_beams(beams):
         assert np.abs(angle - reference["angle"]).max() < 2e-3 * np.ptp(reference["angle"])
         t = results.time
         periods = (t <= BLOW.start, (t > BLOW.start) & (t < BLOW.start + 0.02), t > BLOW.start)
-        apart, sizes = np.abs(deflection - reference["deflection"])[:, 1:], np.abs(reference["deflection"])[:, 1:]
+        apart, sizes = (
+            np.abs(deflection - reference["deflection"])[:, 1:],
+            np.abs(reference["deflection"])[:, 1:],
+        )
         drift = np.array([apart[shown].max(axis=0) / sizes[shown].max(axis=0) for shown in periods])
-        print(f"case 5, {n} superelement(s): until the blow {drift[0]}, 20 ms after {drift[1]}, until 0.4 s {drift[2]}")
+        print(
+            f"case 5, {n} superelement(s): until the blow {drift[0]}, 20 ms after {drift[1]}, until 0.4 s {drift[2]}"
+        )
         drifts.append(drift)
     found = np.array(drifts)
     assert (found[:-1, :2] > 2.5 * found[1:, :2]).all()

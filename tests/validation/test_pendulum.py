@@ -1,14 +1,16 @@
 """Flexible pendulums against a geometrically exact beam code (Exudyn, ANCF cable elements).
 
-One beam, and two, of the paper (L = 0.5 m, EI = 5.5 N m^2, EA = 2.16e7 N, 0.0858 kg/m) hang from a pivot, start
-straight, unloaded and at rest along x, and fall under gravity along -y for a second; the beams ring as they fall.
+One beam, and two, of the paper (L = 0.5 m, EI = 5.5 N m^2, EA = 2.16e7 N, 0.0858 kg/m) hang from a
+pivot, start straight, unloaded and at rest along x, and fall under gravity along -y for a second;
+the beams ring as they fall.
 
-The tips of the paper's beams stay within 5e-5 L of the reference; beams that do not bend miss it by 1.2e-4 L (one) and
-9e-4 L (two). What is left has two parts: a superelement is linear in its own frame, without geometric stiffening, so
-that beams of two superelements each come more than twice as near; and steps of 1e-4 s leave 1e-5 L, as in Exudyn.
+The tips of the paper's beams stay within 5e-5 L of the reference; beams that do not bend miss it by
+1.2e-4 L (one) and 9e-4 L (two). What is left has two parts: a superelement is linear in its own
+frame, without geometric stiffening, so that beams of two superelements each come more than twice as
+near; and steps of 1e-4 s leave 1e-5 L, as in Exudyn.
 
-Beams that are 16 times softer swing up to 1.4 % of L away from rigid ones. There the first part is all, and falls with
-the square of the length of the superelements. Over tips and time, in L:
+Beams that are 16 times softer swing up to 1.4 % of L away from rigid ones. There the first part is
+all, and falls with the square of the length of the superelements. Over tips and time, in L:
 
     superelements in a beam              rigid      1          2          4
     one beam     root mean square        1.0e-3     4.7e-4     1.1e-4     3.0e-5
@@ -66,7 +68,9 @@ def rigid(part, start):
 
 
 def motion(body, part, beams, parts):
-    """Results, and positions of the tips of the beams (n_t, beams, 2); each beam has `parts` bodies in a row."""
+    """Results, and positions of the tips of the beams (n_t, beams, 2); each beam has `parts` bodies
+    in a row.
+    """
     n = beams * parts
     places = [Start(position=[0.5 * L / parts, 0, 0])]
     places += [Start(place=Place("root", f"b{i}.tip")) for i in range(n - 1)]
@@ -109,17 +113,27 @@ def test_the_tips_move_as_those_of_a_geometrically_exact_beam(parts, reference):
     _, finer_tips = motion(elastic, parts[2], beams, 2)
     (largest, mean), (stiff, _) = distances(tips, reference), distances(stiff_tips, reference)
     finer, finer_mean = distances(finer_tips, reference)
-    print(f"{beams} beam(s): distance of tips from the reference {largest} L; of rigid beams {stiff} L")
-    print(f"with two superelements each {finer} L; root mean squares {mean:.1e} and {finer_mean:.1e} L")
+    print(
+        f"{beams} beam(s): distance of tips from the reference {largest} L; of rigid beams {stiff} L"
+    )
+    print(
+        f"with two superelements each {finer} L; root mean squares {mean:.1e} and {finer_mean:.1e} L"
+    )
     print(f"{results.iterations.mean():.2f} iterations per step, {results.solver['seconds']:.2f} s")
     assert (largest < 5e-5).all()
     assert (stiff > 1e-4).all()
     assert finer_mean < 0.5 * mean
 
 
-@pytest.mark.parametrize(("beams", "numbers", "nearer"), [(1, (1, 2, 4), 30), (2, (1, 2), 25)], ids=["one", "two"])
-def test_soft_pendulums_converge_with_the_number_of_superelements(beams, numbers, nearer, tmp_path_factory):
-    """Four times nearer with each doubling, until they are `nearer` times as near as beams that do not bend."""
+@pytest.mark.parametrize(
+    ("beams", "numbers", "nearer"), [(1, (1, 2, 4), 30), (2, (1, 2), 25)], ids=["one", "two"]
+)
+def test_soft_pendulums_converge_with_the_number_of_superelements(
+    beams, numbers, nearer, tmp_path_factory
+):
+    """Four times nearer with each doubling, until they are `nearer` times as near as beams that do
+    not bend.
+    """
     reference = pendulum(beams, T_END, 0.5 * STEP, stiffness=SOFT).ends[::2, :, 1]
     means = []
     for n in numbers:
@@ -127,7 +141,9 @@ def test_soft_pendulums_converge_with_the_number_of_superelements(beams, numbers
         if n == 1:
             _, stiff_mean = distances(motion(rigid, part, beams, 1)[1], reference)
         largest, mean = distances(motion(elastic, part, beams, n)[1], reference)
-        print(f"{beams} soft beam(s), {n} superelement(s) each: largest {largest} L, root mean square {mean:.1e} L")
+        print(
+            f"{beams} soft beam(s), {n} superelement(s) each: largest {largest} L, root mean square {mean:.1e} L"
+        )
         means.append(mean)
     assert (np.array(means[:-1]) > 3.5 * np.array(means[1:])).all()
     assert stiff_mean > nearer * means[-1]

@@ -1,7 +1,7 @@
 """Cases 1 and 2 of the paper against a geometrically exact beam code (Exudyn, ANCF cable elements).
 
-Torque law: +1 to 0.05 s, -1 to 0.1 s, then 0. Tolerances: a little above what was measured, the largest difference over
-time relative to the peak of Exudyn, which takes steps of 1e-5 s:
+Torque law: +1 to 0.05 s, -1 to 0.1 s, then 0. Tolerances: a little above what was measured, the
+largest difference over time relative to the peak of Exudyn, which takes steps of 1e-5 s:
 
     rule, step [s]        Case 1: hub speed, tip     Case 2: hub speed, tip
     consistent, 6e-5      3.5e-4     7.9e-4          1.6e-3     2.1e-3
@@ -11,8 +11,8 @@ time relative to the peak of Exudyn, which takes steps of 1e-5 s:
                 3e-5      3.7e-4     3.4e-3          3.9e-2     5.6e-2
                 1.5e-5    2.1e-4     2.0e-3          2.0e-2     2.8e-2
 
-With the consistent rule the step matters little: what is left is the model, which knows no centrifugal stiffening. The
-errors of (55) are those of the rule and halve with the step.
+With the consistent rule the step matters little: what is left is the model, which knows no
+centrifugal stiffening. The errors of (55) are those of the rule and halve with the step.
 """
 
 from pathlib import Path
@@ -23,7 +23,18 @@ import pytest
 pytest.importorskip("exudyn")
 
 from duhamel.preprocess import build, read_body
-from duhamel.solver import FlexibleBody, Frame, Joint, Load, Model, Place, RigidBody, Start, Steps, simulate
+from duhamel.solver import (
+    FlexibleBody,
+    Frame,
+    Joint,
+    Load,
+    Model,
+    Place,
+    RigidBody,
+    Start,
+    Steps,
+    simulate,
+)
 
 from .exudyn_beam import I_T, L, a, rotating_beam
 
@@ -77,14 +88,18 @@ def difference(time, ours, reference_time, reference):
         ("paper", {4.0: 7e-4, 0.5: 8e-2}, {4.0: 7e-3, 0.5: 0.12}),
     ],
 )
-def test_the_motion_is_that_of_a_geometrically_exact_beam(beam, case, rule, hub_speed, tip, record_property):
+def test_the_motion_is_that_of_a_geometrically_exact_beam(
+    beam, case, rule, hub_speed, tip, record_property
+):
     phi, C_0, reference = case
     time, speed, deflection = motion(beam, phi, C_0, rule)
     speed_difference = difference(time, speed, reference.time, reference.hub_speed)
     tip_difference = difference(time, deflection, reference.time, reference.tip[:, 1])
     record_property("hub speed", speed_difference)
     record_property("tip deflection", tip_difference)
-    print(f"phi = {phi}, {rule}: hub speed {speed_difference:.2e}, tip deflection {tip_difference:.2e} of the peak")
+    print(
+        f"phi = {phi}, {rule}: hub speed {speed_difference:.2e}, tip deflection {tip_difference:.2e} of the peak"
+    )
     assert speed_difference < hub_speed[phi]
     assert tip_difference < tip[phi]
 
@@ -93,6 +108,8 @@ def test_the_paper_rule_is_worse_where_the_beam_matters(beam, case):
     phi, C_0, reference = case
     errors = [
         difference(time, deflection, reference.time, reference.tip[:, 1])
-        for time, _, deflection in (motion(beam, phi, C_0, rule) for rule in ("consistent", "paper"))
+        for time, _, deflection in (
+            motion(beam, phi, C_0, rule) for rule in ("consistent", "paper")
+        )
     ]
     assert errors[1] > 5.0 * errors[0]

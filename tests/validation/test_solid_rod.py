@@ -1,14 +1,17 @@
-"""A wave in a free rod of solids (d'Alembert), as `test_rod_wave` has it with bars: a force on one end from t = 0 on.
+"""A wave in a free rod of solids (d'Alembert), as `test_rod_wave` has it with bars: a force on one
+end from t = 0 on.
 
-The loaded end moves at v = F / (A sqrt(E rho)) until the wave has been to the far end and back, 2 L / c with
-c = sqrt(E / rho); the far end rests until L / c, then moves at 2 v. With nu = 0 a solid rod is one of these: the force
-on a frame that follows the mean motion of its face is a uniform traction, and what it makes stays uniform across.
+The loaded end moves at v = F / (A sqrt(E rho)) until the wave has been to the far end and back, 2 L
+/ c with c = sqrt(E / rho); the far end rests until L / c, then moves at 2 v. With nu = 0 a solid
+rod is one of these: the force on a frame that follows the mean motion of its face is a uniform
+traction, and what it makes stays uniform across.
 
-Steel, L = 1 m, 10 x 10 mm, one element across; krylov. Steps are fine and rho_inf is low, so that the frequencies which
-belong to the mesh die out soon. Elements with nodes at their middles have a gap between two branches of frequencies; at
-its edge waves stand where they are made, and the loaded end rings longer than with elements of eight nodes.
-Tolerances, from what was measured: the velocities are looked at 10 % of L / c before and after the front, and may
-ripple by 5 % of v; their means are those of the closed form to 1e-3.
+Steel, L = 1 m, 10 x 10 mm, one element across; krylov. Steps are fine and rho_inf is low, so that
+the frequencies which belong to the mesh die out soon. Elements with nodes at their middles have a
+gap between two branches of frequencies; at its edge waves stand where they are made, and the loaded
+end rings longer than with elements of eight nodes. Tolerances, from what was measured: the
+velocities are looked at 10 % of L / c before and after the front, and may ripple by 5 % of v; their
+means are those of the closed form to 1e-3.
 """
 
 import numpy as np
@@ -26,7 +29,9 @@ STEP, RHO_INF = 5e-7, 0.2
 RIPPLE, MEAN = 0.05, 1e-3
 
 
-@pytest.fixture(scope="module", params=[("hexahedron", 200), ("hexahedron27", 80)], ids=["8 nodes", "27 nodes"])
+@pytest.fixture(
+    scope="module", params=[("hexahedron", 200), ("hexahedron27", 80)], ids=["8 nodes", "27 nodes"]
+)
 def motion(request, tmp_path_factory):
     kind, elements = request.param
     rod = solid_superelement(
@@ -59,6 +64,8 @@ def test_the_ends_move_as_dalembert_says(motion, end, begin, until, reference):
     velocity = motion.frame(f"rod.{end}").velocity[(arrived > begin) & (arrived < until)] / v
     ripple, mean = np.abs(velocity[:, 0] - reference).max(), velocity[:, 0].mean()
     aside = np.abs(velocity[:, 1:3]).max()
-    print(f"{end}: mean velocity {mean:.6f} v, reference {reference:g} v, ripple {ripple:.1e} v, aside {aside:.1e} v")
+    print(
+        f"{end}: mean velocity {mean:.6f} v, reference {reference:g} v, ripple {ripple:.1e} v, aside {aside:.1e} v"
+    )
     assert abs(mean - reference) < MEAN
     assert ripple < RIPPLE

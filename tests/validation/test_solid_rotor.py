@@ -1,17 +1,30 @@
-"""Case 1 of the paper with a blade of 10-node tetrahedra, by Krylov, beside that of beams: nothing else changes.
+"""Case 1 of the paper with a blade of 10-node tetrahedra, by Krylov, beside that of beams: nothing
+else changes.
 
-Both are a square bar of aluminium with the paper's EI and mass per length, of 5.48 mm on 500 mm: 100 x 1 x 1 boxes of
-six tetrahedra, and 20 of Timoshenko's beams. EA, of which the paper has ten times as much, plays no part. The torque is
-that of `examples/case1.toml`.
+Both are a square bar of aluminium with the paper's EI and mass per length, of 5.48 mm on 500 mm:
+100 x 1 x 1 boxes of six tetrahedra, and 20 of Timoshenko's beams. EA, of which the paper has ten
+times as much, plays no part. The torque is that of `examples/case1.toml`.
 
-The two motions may differ by what the meshes explain: the clamped bars' first frequencies differ by a share s, so that
-the rotor's drifts apart by a phase of up to 2 pi f s t_end, and static deflections by 2 s. Measured: s = 2.3e-5, and
-2.0e-4 of the peak for the tip where 9.2e-4 are explained.
+The two motions may differ by what the meshes explain: the clamped bars' first frequencies differ by
+a share s, so that the rotor's drifts apart by a phase of up to 2 pi f s t_end, and static
+deflections by 2 s. Measured: s = 2.3e-5, and 2.0e-4 of the peak for the tip where 9.2e-4 are
+explained.
 """
 
 import numpy as np
 import pytest
-from duhamel.solver import FlexibleBody, Frame, Joint, Load, Model, Place, RigidBody, Start, Steps, simulate
+from duhamel.solver import (
+    FlexibleBody,
+    Frame,
+    Joint,
+    Load,
+    Model,
+    Place,
+    RigidBody,
+    Start,
+    Steps,
+    simulate,
+)
 
 from .solid_bar import clamped_modes, solid_superelement
 from .straight_beam import along, beam_superelement
@@ -46,7 +59,9 @@ def blades(tmp_path_factory):
     material, impulse = {"E": E, "nu": nu, "rho": rho}, {"step": 6e-5, "steps": 5000}
     return {
         "beam": beam_superelement(folder, along(L, 20), SECTION, {"root": 0, "tip": 20}),
-        "solid": solid_superelement(folder, "tetra10", (L, side, side), (100, 1, 1), material, impulse),
+        "solid": solid_superelement(
+            folder, "tetra10", (L, side, side), (100, 1, 1), material, impulse
+        ),
     }
 
 
@@ -59,7 +74,11 @@ def motion(blade):
             Joint("pivot", "revolute", ("ground", "hub"), axis=[0, 0, 1]),
             Joint("clamp", "fixed", ("hub.rim", "blade.root")),
         ),
-        loads=(Load("torque", "hub", [0, 0, 2.0], Steps((0.0, 0.05, 0.15, 0.2), (1.0, 0.0, -1.0, 0.0))),),
+        loads=(
+            Load(
+                "torque", "hub", [0, 0, 2.0], Steps((0.0, 0.05, 0.15, 0.2), (1.0, 0.0, -1.0, 0.0))
+            ),
+        ),
         t_end=T_END,
         step=6e-5,
         rho_inf=0.9,
@@ -79,7 +98,11 @@ def test_a_solid_blade_turns_as_one_of_beams(blades):
         np.abs(of_solid - of_beam).max() / np.abs(of_beam).max()
         for of_beam, of_solid in zip(found["beam"], found["solid"], strict=True)
     )
-    print(f"clamped: {frequency:.4f} Hz, solid less beam {shift:+.2e}; largest differences over the peaks:")
-    print(f"angle of the hub {angle:.2e}, deflection of the tip {tip:.2e}; explained {explained:.2e}")
+    print(
+        f"clamped: {frequency:.4f} Hz, solid less beam {shift:+.2e}; largest differences over the peaks:"
+    )
+    print(
+        f"angle of the hub {angle:.2e}, deflection of the tip {tip:.2e}; explained {explained:.2e}"
+    )
     assert tip < explained
     assert angle < explained

@@ -1,18 +1,23 @@
-"""Bars of solids against Timoshenko's beam: frequencies, clamped and free, and the response to a force on the tip.
+"""Bars of solids against Timoshenko's beam: frequencies, clamped and free, and the response to a
+force on the tip.
 
-Steel-like bars of 27-node hexahedra and of 10-node tetrahedra with nu = 0, section 80 x 100 mm: a section that does not
-contract makes no singularity at the clamp, so that the elements show their full order. The closed form is that of
+Steel-like bars of 27-node hexahedra and of 10-node tetrahedra with nu = 0, section 80 x 100 mm: a
+section that does not contract makes no singularity at the clamp, so that the elements show their
+full order. The closed form is that of
 
-    w' = psi + Q / (kappa G A),  psi' = M / (E I),  M' = -Q - rho I omega^2 psi,  Q' = -rho A omega^2 w
+    w' = psi + Q / (kappa G A),  psi' = M / (E I),  M' = -Q - rho I omega^2 psi,  Q' = -rho A
+    omega^2 w
 
-with kappa = 5/6, which is Cowper's value for nu = 0 (Journal of Applied Mechanics 33 (1966) 335-340): a free bar agrees
-with it to the fourth order of depth over length. A clamp keeps the end section plane, which shear would warp: that
-stiffens a piece of about the depth, in a part of the compliance that goes with the square, so the third order.
+with kappa = 5/6, which is Cowper's value for nu = 0 (Journal of Applied Mechanics 33 (1966)
+335-340): a free bar agrees with it to the fourth order of depth over length. A clamp keeps the end
+section plane, which shear would warp: that stiffens a piece of about the depth, in a part of the
+compliance that goes with the square, so the third order.
 
-Tolerances. Quadratic elements bring order 4 in frequencies; measured 3.86 to 3.94 for hexahedra, 3.2 to 3.4 for
-tetrahedra, whose coarsest mesh is not yet there. Orders in depth over length, of extrapolated meshes: 2.8 and 2.9.
-The tip is compared with that of 40 beam elements over five periods. Modes of static share s_j whose frequencies differ
-drift apart, and the responses with them, by no more than sum s_j 2 pi |f_j - f_j'| t_end and the static difference.
+Tolerances. Quadratic elements bring order 4 in frequencies; measured 3.86 to 3.94 for hexahedra,
+3.2 to 3.4 for tetrahedra, whose coarsest mesh is not yet there. Orders in depth over length, of
+extrapolated meshes: 2.8 and 2.9. The tip is compared with that of 40 beam elements over five
+periods. Modes of static share s_j whose frequencies differ drift apart, and the responses with
+them, by no more than sum s_j 2 pi |f_j - f_j'| t_end and the static difference.
 """
 
 import numpy as np
@@ -37,7 +42,9 @@ STEP = 2.5e-5
 
 @pytest.fixture(scope="module")
 def bar(tmp_path_factory):
-    """A bar of a length and a kind of elements with n of them across each side, clamped by a rigid root; made once."""
+    """A bar of a length and a kind of elements with n of them across each side, clamped by a rigid
+    root; made once.
+    """
     made = {}
 
     def make(kind, length, n):
@@ -78,15 +85,23 @@ def closed_form(length, I_A, support, near):
 
 @pytest.mark.parametrize("support", ["free", "clamped"])
 def test_frequencies_converge_with_the_mesh_and_to_each_other(bar, support):
-    found = {kind: np.array([first_two(bar(kind, 1.0, n), support) for n in REFINEMENTS]) for kind in KINDS}
+    found = {
+        kind: np.array([first_two(bar(kind, 1.0, n), support) for n in REFINEMENTS])
+        for kind in KINDS
+    }
     limit = np.array(
-        [closed_form(1.0, I_A, support, f) for I_A, f in zip((I_Z, I_Y), found[KINDS[0]][-1], strict=True)]
+        [
+            closed_form(1.0, I_A, support, f)
+            for I_A, f in zip((I_Z, I_Y), found[KINDS[0]][-1], strict=True)
+        ]
     )
     apart = np.abs(found["tetra10"] / found["hexahedron27"] - 1.0).max(axis=1)
     for kind, frequencies in found.items():
         coarse, fine = -np.diff(frequencies, axis=0)
         order = np.log2(coarse / fine)
-        print(f"{support}, {kind}: {frequencies.tolist()} Hz, order {order}; off Timoshenko {frequencies / limit - 1}")
+        print(
+            f"{support}, {kind}: {frequencies.tolist()} Hz, order {order}; off Timoshenko {frequencies / limit - 1}"
+        )
         assert (order > ORDER[kind]).all()
     print(f"{support}: apart from each other {apart}")
     assert (np.log2(apart[:-1] / apart[1:]) > 2.0).all()
@@ -100,7 +115,10 @@ def test_slender_bars_tend_to_the_beam(bar):
         for support, differences in off.items():
             coarse, fine = (first_two(bar("hexahedron27", length, n), support) for n in (2, 4))
             frequencies = fine - (coarse - fine) / 15.0
-            theory = [closed_form(length, I_A, support, f) for I_A, f in zip((I_Z, I_Y), frequencies, strict=True)]
+            theory = [
+                closed_form(length, I_A, support, f)
+                for I_A, f in zip((I_Z, I_Y), frequencies, strict=True)
+            ]
             differences.append(frequencies / theory - 1.0)
     free, clamped = np.array(off["free"]), np.array(off["clamped"])
     order = np.log2(clamped[:-1] / clamped[1:])
@@ -113,7 +131,9 @@ def test_slender_bars_tend_to_the_beam(bar):
 
 
 def bending(part):
-    """The first four clamped modes that a force along z on the tip excites: frequencies [Hz], and compliances [m/N]."""
+    """The first four clamped modes that a force along z on the tip excites: frequencies [Hz], and
+    compliances [m/N].
+    """
     frequency, tip = clamped_modes(part)
     compliance = (tip[2] / (2.0 * np.pi * frequency)) ** 2
     largest = np.sort(np.argsort(compliance)[-4:])
@@ -148,7 +168,9 @@ def test_the_tip_follows_that_of_the_beam(bar, tmp_path):
         "rotary_inertia_z": rho * I_Z,
         "polar_inertia_per_length": rho * (I_Y + I_Z),
     }
-    beam = beam_superelement(tmp_path, along(length, elements), section, {"root": 0, "tip": elements})
+    beam = beam_superelement(
+        tmp_path, along(length, elements), section, {"root": 0, "tip": elements}
+    )
     frequency, compliance = bending(beam)
     t_end = 5.0 / frequency[0]
     reference = tip_response(beam, length, t_end)

@@ -1,16 +1,18 @@
-"""The spin-up of Simo and Vu-Quoc: a beam turned about its end, as a chain of 1, 2, 4, 8, 16 superelements.
+"""The spin-up of Simo and Vu-Quoc: a beam turned about its end, as a chain of 1, 2, 4, 8, 16
+superelements.
 
     psi(t) = 6/15 (t^2/2 + (15/(2 pi))^2 (cos(2 pi t/15) - 1)) until t = 15, then 6 t - 45
 
-L = 10, EA = 2.8e7, GA = 1e7, EI = 1.4e4, mass per length 1.2, rotary inertia per length 6e-4. The tip, seen from the
-driven root section, lags behind by up to 0.574 and comes back as centrifugal forces stiffen the beam; at 6 rad/s it
-turns faster than its first frequency at rest, 3.8 rad/s. Source: J. C. Simo and L. Vu-Quoc, On the dynamics of flexible
-beams under large overall motions: the plane case, Part II, Journal of Applied Mechanics 53 (1986) 855-863.
+L = 10, EA = 2.8e7, GA = 1e7, EI = 1.4e4, mass per length 1.2, rotary inertia per length 6e-4. The
+tip, seen from the driven root section, lags behind by up to 0.574 and comes back as centrifugal
+forces stiffen the beam; at 6 rad/s it turns faster than its first frequency at rest, 3.8 rad/s.
+Source: J. C. Simo and L. Vu-Quoc, On the dynamics of flexible beams under large overall motions:
+the plane case, Part II, Journal of Applied Mechanics 53 (1986) 855-863.
 
-A superelement is linear in its own frame: foreshortening and stiffening come from the relative rotations of the bodies
-in a chain, so the error falls with the square of their number: one body is 17 % off, two 4 %, four 1 %. All bodies of a
-chain share one superelement.
-Tolerance: 0.574 is given to three digits; 16 bodies reach it to 1 %, and the order is measured.
+A superelement is linear in its own frame: foreshortening and stiffening come from the relative
+rotations of the bodies in a chain, so the error falls with the square of their number: one body is
+17 % off, two 4 %, four 1 %. All bodies of a chain share one superelement. Tolerance: 0.574 is given
+to three digits; 16 bodies reach it to 1 %, and the order is measured.
 """
 
 import numpy as np
@@ -45,10 +47,15 @@ SPIN_UP = SmoothFunction(
 
 
 def chain(folder, n):
-    """n bodies of equal length, the first driven at its root, each of the others fixed to the one before."""
+    """n bodies of equal length, the first driven at its root, each of the others fixed to the one
+    before.
+    """
     elements = ELEMENTS // n
     link = beam_superelement(folder, along(L / n, elements), SECTION, {"root": 0, "tip": elements})
-    places = [Start(position=[0.5 * L / n, 0, 0]), *(Start(place=Place("root", f"b{i}.tip")) for i in range(n - 1))]
+    places = [
+        Start(position=[0.5 * L / n, 0, 0]),
+        *(Start(place=Place("root", f"b{i}.tip")) for i in range(n - 1)),
+    ]
     return Model(
         bodies={f"b{i}": FlexibleBody(link, place) for i, place in enumerate(places)},
         joints=(
@@ -97,6 +104,8 @@ def test_the_error_falls_with_the_square_of_the_number_of_bodies(found):
 
 
 def test_one_superelement_is_not_enough(found):
-    """It misses the stiffening: where deflections shorten a body noticeably, it takes several superelements."""
+    """It misses the stiffening: where deflections shorten a body noticeably, it takes several
+    superelements.
+    """
     assert abs(found[1] / REFERENCE - 1.0) > 0.1
     assert abs(found[4] / REFERENCE - 1.0) < 0.02

@@ -1,7 +1,8 @@
 """A results file made by hand, of a motion known in closed form.
 
-A disc turns about z by angle(t) = 2 pi (3 t^2 + t), more than three turns in 0.9 s, its body axes tilted by 0.7 rad
-about x. A beam hangs on the frame `rim` of the disc; seen from there its tip moves by `travel`.
+A disc turns about z by angle(t) = 2 pi (3 t^2 + t), more than three turns in 0.9 s, its body axes
+tilted by 0.7 rad about x. A beam hangs on the frame `rim` of the disc; seen from there its tip
+moves by `travel`.
 """
 
 from collections.abc import Callable

@@ -46,7 +46,10 @@ def test_an_energy_has_no_axis(recording):
         ("speed:disc", "speed:disc: no quantity 'speed'; there are: position:BODY|FRAME"),
         ("angle", r"angle: expected angle:BODY|FRAME\[:x|y|z\]"),
         ("angle:disc:w", r"angle:disc:w: expected angle"),
-        ("displacement:beam.tip:y", "displacement:beam.tip:y: no body or frame 'y'; there are: beam, disc"),
+        (
+            "displacement:beam.tip:y",
+            "displacement:beam.tip:y: no body or frame 'y'; there are: beam, disc",
+        ),
         ("angle:wheel:z", "angle:wheel:z: no body or frame 'wheel'; there are: beam, disc"),
     ],
 )
@@ -104,7 +107,9 @@ def test_the_overview_leaves_out_what_was_not_recorded(edit):
     ):
         with pytest.raises(view.QuantityError, match=message):
             view.curves(recording, quantity)
-    with pytest.raises(view.QuantityError, match="there is nothing that is shown unasked: name quantities"):
+    with pytest.raises(
+        view.QuantityError, match="there is nothing that is shown unasked: name quantities"
+    ):
         view.overview(view.read(edit(lambda file: file["energy"].clear())))
 
 
@@ -146,7 +151,9 @@ def test_prefixes_make_numbers_easy_to_read(recording, quantity, unit, factor):
 
 def test_a_panel_has_one_unit(recording):
     panel = [*view.curves(recording, "angle:disc:z"), *view.curves(recording, "energy:work")]
-    with pytest.raises(view.PictureError, match=r"found angle, disc, z \[rad\] and energy, work \[J\]"):
+    with pytest.raises(
+        view.PictureError, match=r"found angle, disc, z \[rad\] and energy, work \[J\]"
+    ):
         view.draw(recording.time, [panel])
 
 
@@ -154,12 +161,16 @@ def test_a_panel_has_one_unit(recording):
 def test_pictures_are_written_in_the_format_of_their_name(recording, tmp_path, suffix):
     target = tmp_path / f"picture.{suffix}"
     view.save(view.draw(recording.time, view.overview(recording)), target)
-    assert target.read_bytes().startswith({"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[suffix])
+    assert target.read_bytes().startswith(
+        {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[suffix]
+    )
 
 
 def test_a_picture_that_cannot_be_written(recording, tmp_path):
     figure = view.draw(recording.time, view.overview(recording))
-    with pytest.raises(view.PictureError, match=r"picture.h5: expected a suffix of .*png.*, found '.h5'"):
+    with pytest.raises(
+        view.PictureError, match=r"picture.h5: expected a suffix of .*png.*, found '.h5'"
+    ):
         view.save(figure, tmp_path / "picture.h5")
     with pytest.raises(view.PictureError, match="no folder"):
         view.save(figure, tmp_path / "absent/picture.png")

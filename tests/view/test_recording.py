@@ -53,18 +53,26 @@ def test_the_twist_of_a_turn_and_a_tilt_is_the_turn():
 
 
 def test_angular_velocity_and_acceleration_are_turned_to_space(recording):
-    np.testing.assert_allclose(recording.angular_velocity("disc"), SPEED[:, None] * E_Z, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(recording.angular_acceleration("disc"), ACCELERATION[:, None] * E_Z, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(
+        recording.angular_velocity("disc"), SPEED[:, None] * E_Z, rtol=0, atol=1e-12
+    )
+    np.testing.assert_allclose(
+        recording.angular_acceleration("disc"), ACCELERATION[:, None] * E_Z, rtol=0, atol=1e-12
+    )
 
 
 def test_displacement_is_seen_in_the_axes_of_the_other_frame(recording):
     found = recording.displacement("beam.tip", seen_from="disc.rim")
     np.testing.assert_allclose(found, TRAVEL - TRAVEL[0], rtol=0, atol=1e-15)
-    np.testing.assert_allclose(recording.displacement("disc.rim", seen_from="disc"), 0.0, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(
+        recording.displacement("disc.rim", seen_from="disc"), 0.0, rtol=0, atol=1e-15
+    )
 
 
 def test_what_stands_in_the_file_is_given_as_it_is(recording):
-    np.testing.assert_allclose(np.linalg.norm(recording.position("disc.rim"), axis=1), np.linalg.norm(RIM))
+    np.testing.assert_allclose(
+        np.linalg.norm(recording.position("disc.rim"), axis=1), np.linalg.norm(RIM)
+    )
     np.testing.assert_array_equal(recording.elastic_displacement("beam.tip"), TRAVEL)
     np.testing.assert_array_equal(recording.elastic_rotation("beam.tip"), 10 * TRAVEL)
     np.testing.assert_array_equal(recording.force("clamp"), TRAVEL + 1.0)
@@ -84,16 +92,28 @@ def test_what_stands_in_the_file_is_given_as_it_is(recording):
 @pytest.mark.parametrize(
     ("ask", "message"),
     [
-        (lambda found: found.angle("wheel"), "no body or frame 'wheel'; there are: beam, disc, beam.tip, disc.rim"),
-        (lambda found: found.velocity("wheel"), "no body or frame 'wheel'; there are: beam, disc, beam.tip, disc.rim"),
-        (lambda found: found.elastic_rotation("disc.rim"), "no interface 'disc.rim'; there are: beam.tip"),
+        (
+            lambda found: found.angle("wheel"),
+            "no body or frame 'wheel'; there are: beam, disc, beam.tip, disc.rim",
+        ),
+        (
+            lambda found: found.velocity("wheel"),
+            "no body or frame 'wheel'; there are: beam, disc, beam.tip, disc.rim",
+        ),
+        (
+            lambda found: found.elastic_rotation("disc.rim"),
+            "no interface 'disc.rim'; there are: beam.tip",
+        ),
         (lambda found: found.force("pivot"), "no joint or spring 'pivot'; there are: clamp, mount"),
         (lambda found: found.coordinate("mount", "angle"), "no joint 'mount'; there are: clamp"),
         (
             lambda found: found.coordinate("clamp", "distance"),
             "no coordinate of clamp 'distance'; there are: angle, angle_rate",
         ),
-        (lambda found: found.energy("heat"), "no energy 'heat'; there are: balance, elastic, kinetic"),
+        (
+            lambda found: found.energy("heat"),
+            "no energy 'heat'; there are: balance, elastic, kinetic",
+        ),
     ],
 )
 def test_an_unknown_name_lists_the_known_ones(recording, ask, message):
@@ -117,7 +137,10 @@ def cut(file, name, data):
         (lambda file: file.pop("time"), "dataset 'time' is missing or empty"),
         (lambda file: file.pop("joints"), "not a readable results file"),
         (lambda file: file.pop("bodies/disc/R"), "dataset 'bodies/disc/R' is missing"),
-        (lambda file: cut(file, "bodies/disc/R", TRAVEL), r"dataset 'bodies/disc/R': expected shape \(181, 4\), found"),
+        (
+            lambda file: cut(file, "bodies/disc/R", TRAVEL),
+            r"dataset 'bodies/disc/R': expected shape \(181, 4\), found",
+        ),
     ],
 )
 def test_a_file_that_is_not_whole_is_an_error_that_names_it(edit, change, message):
@@ -147,5 +170,7 @@ def test_it_loads_neither_solver_nor_preprocess():
         "absent = {'duhamel.solver', 'duhamel.preprocess', 'numba', 'skfem', 'matplotlib.pyplot'}\n"
         "print(sorted(absent & {*sys.modules}))"
     )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
     assert done.stdout.strip() == "[]"

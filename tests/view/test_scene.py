@@ -7,12 +7,16 @@ from duhamel import view
 from duhamel.view.labels import apart
 from duhamel.view.scene import colour
 
-CORNERS = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)], float)
+CORNERS = np.array(
+    [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)], float
+)
 FACES = [[0, 4, 7, 3], [1, 2, 6, 5], [0, 1, 5, 4], [3, 7, 6, 2], [0, 3, 2, 1], [4, 5, 6, 7]]
 
 
 def pixels(scene, path):
-    """Hue (rows, columns, 3) and brightness (rows, columns): the colour over its largest part, and that part."""
+    """Hue (rows, columns, 3) and brightness (rows, columns): the colour over its largest part, and
+    that part.
+    """
     view.save(view.draw_scene(scene), path)
     image = matplotlib.image.imread(path)[:, :, :3]
     assert path.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
@@ -26,13 +30,18 @@ def count(hue, number):
 
 
 def cube(owners, **more):
-    names = [view.Place(f"face {n}", CORNERS[FACES[face]].mean(axis=0)) for n, face in enumerate(np.argsort(owners))]
+    names = [
+        view.Place(f"face {n}", CORNERS[FACES[face]].mean(axis=0))
+        for n, face in enumerate(np.argsort(owners))
+    ]
     places = names[-(max(owners) + 1) :] if max(owners) >= 0 else []
     return view.Scene([view.Patch(CORNERS[FACES], np.array(owners))], places=places, **more)
 
 
 def test_faces_show_in_the_colours_of_their_places(tmp_path):
-    """The top of a cube and its right side, as wide as their projections: the ratio of their pixels is known."""
+    """The top of a cube and its right side, as wide as their projections: the ratio of their pixels
+    is known.
+    """
     hue, _ = pixels(cube([-1, 0, -1, -1, -1, 1]), tmp_path / "cube.png")
     eye = np.array([1.0, -1.35, 0.8])
     right, top = count(hue, 0), count(hue, 1)
@@ -49,10 +58,15 @@ def test_what_faces_away_is_hidden_and_seen_from_the_other_side(tmp_path):
 
 
 def test_what_is_nearer_covers_what_is_behind(tmp_path):
-    """Two cubes in line with the eye, the nearer one larger: only dot and line of the other show first."""
+    """Two cubes in line with the eye, the nearer one larger: only dot and line of the other show
+    first.
+    """
     eye = np.array([1.0, -1.35, 0.8])
     near, far = 2.0 * (CORNERS - 0.5) + 3.0 * eye, CORNERS - 0.5
-    places = [view.Place("near", 3.0 * eye, turns=False), view.Place("far", np.zeros(3), turns=False)]
+    places = [
+        view.Place("near", 3.0 * eye, turns=False),
+        view.Place("far", np.zeros(3), turns=False),
+    ]
     facets = np.concatenate([near[FACES], far[FACES]])
     scene = view.Scene([view.Patch(facets, np.repeat([0, 1], 6))], places=places)
     hue, _ = pixels(scene, tmp_path / "cubes.png")

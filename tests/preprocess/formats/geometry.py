@@ -1,7 +1,9 @@
-"""What must hold of any mesh of straight elements, whoever wrote it: volumes, and nodes in the middle of others."""
+"""What must hold of any mesh of straight elements, whoever wrote it: volumes, and nodes in the
+middle of others.
+"""
 
 import numpy as np
-from duhamel.preprocess.mesh import Mesh
+from duhamel.preprocess.mesh.mesh import Mesh
 
 from ..blocks import CUBE_EDGES, CUBE_FACES, TETRA_EDGES
 
@@ -16,7 +18,11 @@ BETWEEN = {  # the corners that every node after the corners lies in the middle 
     "hexahedron20": CUBE_EDGES,
     "hexahedron27": [*CUBE_EDGES, *CUBE_FACES, range(8)],
 }
-PARALLELEPIPED = {"tetra": ([1, 2, 3], 6.0), "wedge": ([1, 2, 3], 2.0), "hexahedron": ([1, 3, 4], 1.0)}
+PARALLELEPIPED = {
+    "tetra": ([1, 2, 3], 6.0),
+    "wedge": ([1, 2, 3], 2.0),
+    "hexahedron": ([1, 3, 4], 1.0),
+}
 
 
 def volume(mesh: Mesh, group: str | None = None) -> float:
@@ -28,17 +34,23 @@ def volume(mesh: Mesh, group: str | None = None) -> float:
         edges = corners[:, neighbours] - corners[:, :1]
         volumes = np.linalg.det(edges) / parts
         assert (volumes > 0.0).all(), kind
-        total += float(volumes.sum() if group is None else volumes[mesh.group(group).cells.get(kind, [])].sum())
+        total += float(
+            volumes.sum() if group is None else volumes[mesh.group(group).cells.get(kind, [])].sum()
+        )
     return total
 
 
 def eccentricity(mesh: Mesh) -> float:
-    """The largest distance of a node that is no corner from the middle of the corners that it stands between."""
+    """The largest distance of a node that is no corner from the middle of the corners that it
+    stands between.
+    """
     worst = 0.0
     for kind, places in BETWEEN.items():
         if kind in mesh.cells:
             points = mesh.points[mesh.cells[kind]]
-            middles = np.stack([points[:, list(corners)].mean(axis=1) for corners in places], axis=1)
+            middles = np.stack(
+                [points[:, list(corners)].mean(axis=1) for corners in places], axis=1
+            )
             worst = max(worst, float(np.abs(points[:, -len(places) :] - middles).max()))
     return worst
 

@@ -1,10 +1,12 @@
-"""Abaqus: sets of every kind, surfaces, parts and their instances, included files, and what is told as left out."""
+"""Abaqus: sets of every kind, surfaces, parts and their instances, included files, and what is told
+as left out.
+"""
 
 import numpy as np
 import pytest
 from duhamel.preprocess import MeshError, MeshWarning, assemble
-from duhamel.preprocess.facets import facets_of
-from duhamel.preprocess.reading import read_mesh
+from duhamel.preprocess.mesh.facets import facets_of
+from duhamel.preprocess.mesh.reading import read_mesh
 
 from .geometry import places, volume
 
@@ -30,7 +32,8 @@ TETRAHEDRON = """*NODE
 1, 1, 2, 3, 4
 """
 WEDGE = TETRAHEDRON.replace(
-    "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4", "5, 1, 0, 1\n6, 0, 1, 1\n*ELEMENT, TYPE=C3D6\n1, 1, 2, 3, 4, 5, 6"
+    "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4",
+    "5, 1, 0, 1\n6, 0, 1, 1\n*ELEMENT, TYPE=C3D6\n1, 1, 2, 3, 4, 5, 6",
 )
 
 
@@ -45,7 +48,9 @@ def written(tmp_path):
 
 
 def test_sets(written):
-    """Numbers, ranges of which some are not there, sets of sets, case of names, and one name for nodes and elements."""
+    """Numbers, ranges of which some are not there, sets of sets, case of names, and one name for
+    nodes and elements.
+    """
     mesh = read_mesh(
         written(
             CUBE
@@ -107,15 +112,31 @@ def test_a_part_and_its_instance(written):
     """One instance: sets of the part keep their names; internal sets are no groups."""
     mesh = read_mesh(written(ASSEMBLY.format(second="")))
     assert set(mesh.groups) == {"Cube", "bottom", "feet", "end"}
-    assert mesh.group("feet").points.tolist() == mesh.group("bottom").points.tolist() == [0, 1, 2, 3]
+    assert (
+        mesh.group("feet").points.tolist() == mesh.group("bottom").points.tolist() == [0, 1, 2, 3]
+    )
     assert places(mesh, "end") == [[1, 0, 0], [1, 0, 1], [1, 1, 0], [1, 1, 1]]
 
 
 def test_instances_in_their_places(written):
     """The second one is moved by 1 along x, and turned by 90 degrees about the line x = 1 along z."""
-    second = "*Instance, name=Bar-2, part=Bar\n1., 0., 0.\n1., 0., 0., 1., 0., 1., 90.\n*End Instance\n"
-    mesh = read_mesh(written(ASSEMBLY.format(second=second) + "*Nset, nset=all feet\nfeet, Bar-2.bottom, Bar-2.7\n"))
-    assert set(mesh.groups) == {"Bar-1.Cube", "Bar-1.bottom", "Bar-2.Cube", "Bar-2.bottom", "feet", "end", "all feet"}
+    second = (
+        "*Instance, name=Bar-2, part=Bar\n1., 0., 0.\n1., 0., 0., 1., 0., 1., 90.\n*End Instance\n"
+    )
+    mesh = read_mesh(
+        written(
+            ASSEMBLY.format(second=second) + "*Nset, nset=all feet\nfeet, Bar-2.bottom, Bar-2.7\n"
+        )
+    )
+    assert set(mesh.groups) == {
+        "Bar-1.Cube",
+        "Bar-1.bottom",
+        "Bar-2.Cube",
+        "Bar-2.bottom",
+        "feet",
+        "end",
+        "all feet",
+    }
     square = [[0, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 0]]
     assert places(mesh, "Bar-1.bottom") == square
     np.testing.assert_allclose(places(mesh, "Bar-2.bottom"), square, atol=1e-12)
@@ -151,7 +172,12 @@ def test_what_is_left_out_is_told_in_one_warning(written):
     with pytest.warns(MeshWarning) as told:
         mesh = read_mesh(written(CUBE + more))
     assert len(told) == 1
-    for part in ("elements of type MASS", "*TIE", "surface skin", "numbers of set a that are no nodes (1)"):
+    for part in (
+        "elements of type MASS",
+        "*TIE",
+        "surface skin",
+        "numbers of set a that are no nodes (1)",
+    ):
         assert part in str(told[0].message)
     assert set(mesh.groups) == {"Cube", "a"}
 
@@ -160,19 +186,37 @@ def test_what_is_left_out_is_told_in_one_warning(written):
     ("text", "found"),
     [
         ("", "expected keywords of Abaqus, found none"),
-        ("1, 2, 3\n", r"line 1: expected a keyword of Abaqus \(\*HEADING, \*NODE, ...\), found '1, 2, 3'"),
-        (CUBE.replace("6, 7, 8", "6, 7"), "expected a number and 8 nodes for each C3D8R, found 8 numbers in all"),
+        (
+            "1, 2, 3\n",
+            r"line 1: expected a keyword of Abaqus \(\*HEADING, \*NODE, ...\), found '1, 2, 3'",
+        ),
+        (
+            CUBE.replace("6, 7, 8", "6, 7"),
+            "expected a number and 8 nodes for each C3D8R, found 8 numbers in all",
+        ),
         (CUBE.replace("6, 7, 8", "6, 7, 9"), r"\*ELEMENT, hexahedron: no node 9 in the file"),
-        (CUBE.replace("2, 1., 0.", "2, 1.x, 0."), r"line 1: \*NODE: expected numbers, found \['1\.x', '0\.', ''\]"),
+        (
+            CUBE.replace("2, 1., 0.", "2, 1.x, 0."),
+            r"line 1: \*NODE: expected numbers, found \['1\.x', '0\.', ''\]",
+        ),
         (CUBE.replace("2, 1., 0.", "1, 1., 0."), "node 1 is there more than once"),
         (CUBE + "*Nset, nset=a\nb\n", "no node set 'b' in the file"),
         (CUBE + "*Nset, nset=a\nb\n*Nset, nset=b\na\n", "node set 'a' contains itself"),
-        (CUBE + "*Nset, nset=a, generate\n1, 5, 0\n", "GENERATE: expected first, last and a positive step"),
+        (
+            CUBE + "*Nset, nset=a, generate\n1, 5, 0\n",
+            "GENERATE: expected first, last and a positive step",
+        ),
         (CUBE + "*Nset\n1\n", r"\*NSET: expected a value of NSET"),
         (CUBE + "*Instance, name=a, part=b\n*End Instance\n", "no part 'b' before this instance"),
-        (CUBE + "*Ngen\n1, 5, 1\n", r"\*NGEN is not supported; expected a mesh that is written out"),
+        (
+            CUBE + "*Ngen\n1, 5, 1\n",
+            r"\*NGEN is not supported; expected a mesh that is written out",
+        ),
         (CUBE.replace("*Node", "*Node, system=C"), "expected nodes in rectangular coordinates"),
-        (CUBE.replace("C3D8R", "C3D15").replace("8\n", "8, 1, 2, 3, 4, 5, 6, 7\n", 2), "unsupported cells wedge15"),
+        (
+            CUBE.replace("C3D8R", "C3D15").replace("8\n", "8, 1, 2, 3, 4, 5, 6, 7\n", 2),
+            "unsupported cells wedge15",
+        ),
     ],
 )
 def test_errors_say_where_and_what(written, text, found):

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from duhamel.preprocess import MeshError
-from duhamel.preprocess.reading import read_mesh
+from duhamel.preprocess.mesh.reading import read_mesh
 
 from .test_vtk import FORMATS
 from .test_xdmf import tagged
@@ -13,7 +13,10 @@ from .test_xdmf import tagged
 DATA = Path(__file__).parent / "data"
 PLACES = 60
 BY_GMSH = (
-    *(f"hexahedron20-{version}.msh" for version in ("2.2-text", "2.2-binary", "4.1-text", "4.1-binary")),
+    *(
+        f"hexahedron20-{version}.msh"
+        for version in ("2.2-text", "2.2-binary", "4.1-text", "4.1-binary")
+    ),
     "wedge.inp",
     "wedge.bdf",
     "wedge.med",
@@ -27,7 +30,9 @@ def sample(request, tmp_path, box, save):
         path = tmp_path / f"mesh{Path(request.param).suffix}"
         path.write_bytes((DATA / request.param).read_bytes())
         return path
-    name, file_format, options = FORMATS.get(request.param, ("mesh.xdmf", "xdmf", {"data_format": "XML"}))
+    name, file_format, options = FORMATS.get(
+        request.param, ("mesh.xdmf", "xdmf", {"data_format": "XML"})
+    )
     return save(tagged(box("hexahedron20", divisions=(2, 1, 1))), name, file_format, **options)
 
 

@@ -1,11 +1,13 @@
-"""Gmsh: what its files may hold beyond those that it writes by default, and the errors of those that are not read."""
+"""Gmsh: what its files may hold beyond those that it writes by default, and the errors of those
+that are not read.
+"""
 
 import struct
 from pathlib import Path
 
 import pytest
 from duhamel.preprocess import MeshError
-from duhamel.preprocess.reading import read_mesh
+from duhamel.preprocess.mesh.reading import read_mesh
 
 from .geometry import volume
 
@@ -27,7 +29,8 @@ def written(tmp_path):
 def test_numbers_of_the_other_order_of_bytes(written):
     """A tetrahedron of version 2.2 with the most significant byte first."""
     nodes = b"".join(
-        struct.pack(">i3d", i, *X) for i, X in ((7, (0, 0, 0)), (3, (1, 0, 0)), (9, (0, 1, 0)), (4, (0, 0, 1)))
+        struct.pack(">i3d", i, *X)
+        for i, X in ((7, (0, 0, 0)), (3, (1, 0, 0)), (9, (0, 1, 0)), (4, (0, 0, 1)))
     )
     element = struct.pack(">3i", 4, 1, 2) + struct.pack(">7i", 1, 6, 1, 7, 3, 9, 4)
     mesh = read_mesh(
@@ -49,10 +52,23 @@ def test_nodes_with_parameters(written):
 
 @pytest.mark.parametrize("text", [TEXT, OLD])
 def test_groups_without_names_and_other_sections(written, text):
-    start, end = text.index("$PhysicalNames"), text.index("$EndPhysicalNames\n") + len("$EndPhysicalNames\n")
-    mesh = read_mesh(written("$Comments\nby hand\n$EndComments\n" + text[:start].replace("\n", "\r\n") + text[end:]))
+    start, end = (
+        text.index("$PhysicalNames"),
+        text.index("$EndPhysicalNames\n") + len("$EndPhysicalNames\n"),
+    )
+    mesh = read_mesh(
+        written(
+            "$Comments\nby hand\n$EndComments\n" + text[:start].replace("\n", "\r\n") + text[end:]
+        )
+    )
     assert set(mesh.groups) == {
-        *("physical point 1", "physical point 2", "physical surface 1", "physical surface 2", "physical surface 7"),
+        *(
+            "physical point 1",
+            "physical point 2",
+            "physical surface 1",
+            "physical surface 2",
+            "physical surface 7",
+        ),
         *("physical volume 1", "physical volume 2", "physical volume 3"),
     }
 
@@ -80,9 +96,14 @@ def test_elements_of_changing_types(written):
     [
         ("solid", r"expected a section of Gmsh, found b'solid'"),
         ("", r"\$MeshFormat: expected version, type and size of numbers, found b''"),
-        (TEXT.replace("4.1 0 8", "4 0 8"), "the file has version 4 of Gmsh's format; expected 2.2 or 4.1"),
         (
-            TEXT.replace("$Entities", "$PartitionedEntities").replace("$EndEnt", "$EndPartitionedEnt"),
+            TEXT.replace("4.1 0 8", "4 0 8"),
+            "the file has version 4 of Gmsh's format; expected 2.2 or 4.1",
+        ),
+        (
+            TEXT.replace("$Entities", "$PartitionedEntities").replace(
+                "$EndEnt", "$EndPartitionedEnt"
+            ),
             "the mesh is part",
         ),
         (
@@ -90,10 +111,22 @@ def test_elements_of_changing_types(written):
             r"the file has no section \$Elements",
         ),
         (TEXT.replace("$EndElements", ""), r"the file breaks off: \$Elements has no \$EndElements"),
-        (OLD.replace("$Nodes\n12", "$Nodes\n11"), r"\$Nodes: 4 numbers or bytes more than it announces"),
-        (OLD.replace("$Nodes\n12", "$Nodes\n13"), "expected 13 rows of 4 numbers, found 48 numbers"),
-        (OLD.replace('2 1 "root"', "2 1 root"), r"\$PhysicalNames: expected dimension, tag and name, found '2 1 root'"),
-        (OLD.replace(" 4 2 1 1 ", " 93 2 1 1 "), r"\$Elements: unsupported elements of Gmsh's type 93"),
+        (
+            OLD.replace("$Nodes\n12", "$Nodes\n11"),
+            r"\$Nodes: 4 numbers or bytes more than it announces",
+        ),
+        (
+            OLD.replace("$Nodes\n12", "$Nodes\n13"),
+            "expected 13 rows of 4 numbers, found 48 numbers",
+        ),
+        (
+            OLD.replace('2 1 "root"', "2 1 root"),
+            r"\$PhysicalNames: expected dimension, tag and name, found '2 1 root'",
+        ),
+        (
+            OLD.replace(" 4 2 1 1 ", " 93 2 1 1 "),
+            r"\$Elements: unsupported elements of Gmsh's type 93",
+        ),
         (OLD.replace("\n2 0 1 0", "\n2 0 one 0"), "expected numbers: could not convert"),
     ],
 )

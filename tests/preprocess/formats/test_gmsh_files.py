@@ -1,24 +1,43 @@
-"""Files that Gmsh wrote: two unit cubes along x of every element, with groups of all dimensions (data/make_data.py)."""
+"""Files that Gmsh wrote: two unit cubes along x of every element, with groups of all dimensions
+(data/make_data.py).
+"""
 
 from pathlib import Path
 
 import numpy as np
 import pytest
-from duhamel.preprocess.reading import read_mesh
+from duhamel.preprocess.mesh.reading import read_mesh
 
 from .geometry import eccentricity, places, volume
 
 DATA = Path(__file__).parent / "data"
-FACETS = {"tetra": 2, "tetra10": 2, "wedge": 2, "hexahedron": 1, "hexahedron20": 1, "hexahedron27": 1}
+FACETS = {
+    "tetra": 2,
+    "tetra10": 2,
+    "wedge": 2,
+    "hexahedron": 1,
+    "hexahedron20": 1,
+    "hexahedron27": 1,
+}
 # Gmsh writes its coordinates with 16 digits, or the 7 that fit into a short field of Nastran.
 PRECISE = 1e-11
 
 
 @pytest.mark.parametrize("version", ["2.2-text", "2.2-binary", "4.1-text", "4.1-binary"])
 def test_msh(kind, version):
-    """A group without a name, elements in two groups, one name in two dimensions: all of it is kept."""
+    """A group without a name, elements in two groups, one name in two dimensions: all of it is
+    kept.
+    """
     mesh = read_mesh(DATA / f"{kind}-{version}.msh")
-    assert set(mesh.groups) == {"left", "right", "all of it", "root", "tip", "physical surface 7", "corner"}
+    assert set(mesh.groups) == {
+        "left",
+        "right",
+        "all of it",
+        "root",
+        "tip",
+        "physical surface 7",
+        "corner",
+    }
     assert mesh.body_types == (kind,)
     assert eccentricity(mesh) < PRECISE
     assert volume(mesh) == pytest.approx(2.0, rel=1e-10)
@@ -32,7 +51,15 @@ def test_msh(kind, version):
 def test_abaqus(kind):
     mesh = read_mesh(DATA / f"{kind}.inp")
     own = {"Surface1", "Surface48", "Volume1", "Volume2"}  # Gmsh's entities
-    assert set(mesh.groups) == own | {"left", "right", "all_of_it", "root", "tip", "PhysicalSurface7", "corner"}
+    assert set(mesh.groups) == own | {
+        "left",
+        "right",
+        "all_of_it",
+        "root",
+        "tip",
+        "PhysicalSurface7",
+        "corner",
+    }
     assert mesh.body_types == (kind,)
     assert eccentricity(mesh) < PRECISE
     for group, expected in (("left", 1.0), ("right", 1.0), ("all_of_it", 2.0)):

@@ -1,11 +1,13 @@
-"""Nodes that belong to no element, in every format: they are left out and told, and the body is what it was."""
+"""Nodes that belong to no element, in every format: they are left out and told, and the body is
+what it was.
+"""
 
 import meshio
 import numpy as np
 import pytest
 from duhamel.preprocess import InterfaceError, MeshWarning, assemble
-from duhamel.preprocess.reading import read_mesh
-from duhamel.preprocess.static import compliance
+from duhamel.preprocess.mesh.reading import read_mesh
+from duhamel.preprocess.responses.static import compliance
 
 LOOSE = [[0.5, 0.5, 9.0], [7.0, 0.25, 0.5]]
 TOLD = r"left out: .*2 nodes that belong to no element, at \[0.5, 0.5, 9.0\], \[7.0, 0.25, 0.5\]$"
@@ -32,7 +34,9 @@ def with_loose(mesh, cells=slice(None), **data):
 def test_they_are_left_out_and_told(solid_body, tmp_path, box, file_format):
     name, meshio_format, options = FORMATS[file_format]
     mesh = box("hexahedron", divisions=(3, 1, 1))
-    body = solid_body(mesh, interfaces={"root": {"plane": {"point": [0, 0, 0], "normal": [1, 0, 0]}}})
+    body = solid_body(
+        mesh, interfaces={"root": {"plane": {"point": [0, 0, 0], "normal": [1, 0, 0]}}}
+    )
     expected = assemble(body)
     path = tmp_path / f"loose{name}"
     with_loose(mesh, slice(2, 3)).write(path, file_format=meshio_format, **options)
@@ -41,13 +45,17 @@ def test_they_are_left_out_and_told(solid_body, tmp_path, box, file_format):
     assert found.n_u == expected.n_u
     H = compliance(expected)
     scale = np.sqrt(np.diag(H))
-    np.testing.assert_allclose(compliance(found) / np.outer(scale, scale), H / np.outer(scale, scale), atol=1e-9)
+    np.testing.assert_allclose(
+        compliance(found) / np.outer(scale, scale), H / np.outer(scale, scale), atol=1e-9
+    )
 
 
 def test_places_are_told_in_the_unit_of_the_file_and_only_a_few(save, beam):
     mesh = beam(2)
     points = np.vstack([mesh.points, np.arange(15.0).reshape(5, 3)])
-    path = save(meshio.Mesh(points, mesh.cells, cell_data=mesh.cell_data, field_data=mesh.field_data))
+    path = save(
+        meshio.Mesh(points, mesh.cells, cell_data=mesh.cell_data, field_data=mesh.field_data)
+    )
     told = r"5 nodes that belong to no element, at \[0.0, 1.0, 2.0\], \[3.0, .*\], \[6.0, 7.0, 8.0\], \.\.\.$"
     with pytest.warns(MeshWarning, match=told):
         found = read_mesh(path, scale=1e-3)
@@ -59,7 +67,9 @@ def test_places_are_told_in_the_unit_of_the_file_and_only_a_few(save, beam):
 
 
 def physical_point(save, mesh):
-    """The origin of a frame that Gmsh has saved as a physical point, and points of the mesh in a group of their own."""
+    """The origin of a frame that Gmsh has saved as a physical point, and points of the mesh in a
+    group of their own.
+    """
     groups = [*mesh.cells, meshio.CellBlock("vertex", np.array([[-1], [len(mesh.points)]]))]
     tags = [*mesh.cell_data["gmsh:physical"], np.array([9, 9])]
     more = with_loose(
@@ -79,26 +89,35 @@ def node_set(save, mesh):
 
 def support(save, mesh):
     path = save(with_loose(mesh, slice(2, 3)), "mesh.bdf", "nastran", point_format="fixed-large")
-    path.write_text(path.read_text().replace("ENDDATA", f"SPC1,7,123,1,{len(mesh.points) + 2}\nENDDATA"))
+    path.write_text(
+        path.read_text().replace("ENDDATA", f"SPC1,7,123,1,{len(mesh.points) + 2}\nENDDATA")
+    )
     return path
 
 
 def array_of_points(save, mesh):
     values = np.zeros(len(mesh.points) + 2, dtype=int)
     values[[0, -1]] = 1
-    return save(with_loose(mesh, slice(2, 3), point_data={"ref": values}), "mesh.vtu", "vtu", binary=False)
+    return save(
+        with_loose(mesh, slice(2, 3), point_data={"ref": values}), "mesh.vtu", "vtu", binary=False
+    )
 
 
 @pytest.mark.parametrize(
-    ("write", "group"), [(physical_point, "ref"), (node_set, "ref"), (support, "spc 7"), (array_of_points, "ref")]
+    ("write", "group"),
+    [(physical_point, "ref"), (node_set, "ref"), (support, "spc 7"), (array_of_points, "ref")],
 )
-def test_a_group_that_names_them_is_an_error_once_it_is_selected(solid_body, save, box, write, group):
+def test_a_group_that_names_them_is_an_error_once_it_is_selected(
+    solid_body, save, box, write, group
+):
     mesh = box("hexahedron", divisions=(3, 1, 1))
     body = solid_body(mesh, interfaces={"corner": {"node": [0, 0, 0]}})
     body = body.model_copy(update={"mesh": write(save, mesh)})
     with pytest.warns(MeshWarning, match=TOLD):
         assemble(body)
-    refused = solid_body(mesh, interfaces={"hub": {"group": group}}).model_copy(update={"mesh": body.mesh})
+    refused = solid_body(mesh, interfaces={"hub": {"group": group}}).model_copy(
+        update={"mesh": body.mesh}
+    )
     message = (
         rf"interfaces.hub: group '{group}' names 2 nodes that belong to no element and have no mass, "
         r"first at \[0.5, 0.5, 9.0\]"
@@ -122,7 +141,9 @@ def test_cells_that_need_them_go_too_and_groups_keep_the_rest(save, box):
     with pytest.warns(MeshWarning, match=TOLD):
         found = read_mesh(save(more))
     np.testing.assert_array_equal(found.points, mesh.points)
-    np.testing.assert_array_equal(found.cells["quad"], np.concatenate([block.data for block in mesh.cells[:2]]))
+    np.testing.assert_array_equal(
+        found.cells["quad"], np.concatenate([block.data for block in mesh.cells[:2]])
+    )
     assert found.group("root").cells["quad"].tolist() == [0]
     assert found.group("tip").cells["quad"].tolist() == [1]
     assert found.group("root").loose.tolist() == LOOSE

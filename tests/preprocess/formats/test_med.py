@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 import pytest
 from duhamel.preprocess import MeshError
-from duhamel.preprocess.reading import read_mesh
+from duhamel.preprocess.mesh.reading import read_mesh
 
 from .geometry import eccentricity, places, volume
 
@@ -24,7 +24,9 @@ STEP = "ENS_MAA/mesh/-0000000000000000001-0000000000000000001"
 
 @pytest.fixture
 def written(tmp_path):
-    """Writes a box as MED stores it: column by column, with families for its parts and for two overlapping groups."""
+    """Writes a box as MED stores it: column by column, with families for its parts and for two
+    overlapping groups.
+    """
 
     def write(mesh):
         path = tmp_path / "mesh.med"
@@ -41,7 +43,9 @@ def written(tmp_path):
                 cells = np.concatenate([block.data for _, block in blocks])
                 step[f"MAI/{CODES[kind]}/NOD"] = cells.T.ravel() + 1
                 step[f"MAI/{CODES[kind]}/NOD"].attrs["NBR"] = len(cells)
-                step[f"MAI/{CODES[kind]}/FAM"] = np.concatenate([np.full(len(block.data), -i) for i, block in blocks])
+                step[f"MAI/{CODES[kind]}/FAM"] = np.concatenate(
+                    [np.full(len(block.data), -i) for i, block in blocks]
+                )
             for name, (number, _) in mesh.field_data.items():
                 _family(file, f"ELEME/{name}", -number, [name])
         return path
@@ -52,7 +56,9 @@ def written(tmp_path):
 def _family(file, place, number, names):
     family = file.create_group(f"FAS/mesh/{place}")
     family.attrs["NUM"] = number
-    family["GRO/NOM"] = np.array([list(name.ljust(80, "\0").encode()) for name in names], dtype=np.int8)
+    family["GRO/NOM"] = np.array(
+        [list(name.ljust(80, "\0").encode()) for name in names], dtype=np.int8
+    )
 
 
 @pytest.mark.parametrize("kind", ["tetra", "tetra10", "wedge", "hexahedron", "hexahedron20"])
@@ -75,7 +81,9 @@ def test_errors_say_what(box, written):
     path = written(box("hexahedron"))
     with h5py.File(path, "a") as file:
         file[f"{STEP}/MAI/HE8/NOD"][0] = 99
-    with pytest.raises(MeshError, match=r"mesh\.med: cells of MED's type HE8: expected 8 numbers of nodes, 1 to 27"):
+    with pytest.raises(
+        MeshError, match=r"mesh\.med: cells of MED's type HE8: expected 8 numbers of nodes, 1 to 27"
+    ):
         read_mesh(path)
     with h5py.File(path, "a") as file:
         file.move(f"{STEP}/MAI/HE8", f"{STEP}/MAI/OCT")
@@ -87,5 +95,7 @@ def test_errors_say_what(box, written):
         read_mesh(path)
     with h5py.File(path, "a") as file:
         file.create_group("ENS_MAA/other")
-    with pytest.raises(MeshError, match=r"mesh\.med: expected one mesh in the file, found mesh, other"):
+    with pytest.raises(
+        MeshError, match=r"mesh\.med: expected one mesh in the file, found mesh, other"
+    ):
         read_mesh(path)

@@ -4,8 +4,8 @@ import meshio
 import numpy as np
 import pytest
 from duhamel.preprocess import MeshWarning
-from duhamel.preprocess.formats.arrays import MOST
-from duhamel.preprocess.reading import read_mesh
+from duhamel.preprocess.mesh.formats.arrays import MOST
+from duhamel.preprocess.mesh.reading import read_mesh
 
 from .geometry import eccentricity, places, volume
 from .test_xdmf import tagged
@@ -33,15 +33,29 @@ def test_arrays_that_tell_no_groups(beam, save):
     """Numbers of the cells, and reals; too many values are told."""
     cells = 2 * MOST + 4
     mesh = meshio.Mesh(beam(cells).points, [beam(cells).cells[2]])
-    mesh.cell_data = {"number": [np.arange(cells)], "size": [np.ones(cells)], "pair": [np.arange(cells) // 2]}
-    with pytest.warns(MeshWarning, match=f"left out: groups of the array 'pair', which has {MOST + 2} values"):
+    mesh.cell_data = {
+        "number": [np.arange(cells)],
+        "size": [np.ones(cells)],
+        "pair": [np.arange(cells) // 2],
+    }
+    with pytest.warns(
+        MeshWarning, match=f"left out: groups of the array 'pair', which has {MOST + 2} values"
+    ):
         assert not read_mesh(save(mesh, "mesh.vtu", "vtu", compression=None, binary=True)).groups
 
 
 def test_another_format_says_that_groups_may_be_lost(box, save):
     """Medit keeps numbers of cells, and no names."""
     path = save(tagged(box("tetra")), "mesh.mesh", "medit", float_fmt=".16e")
-    with pytest.warns(MeshWarning, match=r"left out: groups that meshio does not keep of \.mesh files"):
+    with pytest.warns(
+        MeshWarning, match=r"left out: groups that meshio does not keep of \.mesh files"
+    ):
         mesh = read_mesh(path)
     assert volume(mesh) == pytest.approx(1.0)
-    assert set(mesh.groups) == {"medit:ref 0", "medit:ref 1", "medit:ref 2", "medit:ref 3", "medit:ref"}
+    assert set(mesh.groups) == {
+        "medit:ref 0",
+        "medit:ref 1",
+        "medit:ref 2",
+        "medit:ref 3",
+        "medit:ref",
+    }

@@ -5,7 +5,7 @@ import meshio
 import numpy as np
 import pytest
 from duhamel.preprocess import MeshError, MeshWarning
-from duhamel.preprocess.reading import read_mesh
+from duhamel.preprocess.mesh.reading import read_mesh
 
 from .geometry import eccentricity, places, volume
 
@@ -17,13 +17,17 @@ def tagged(mesh):
         for block, (number, _) in zip(mesh.cells, mesh.field_data.values(), strict=True)
     ]
     at_root = (mesh.points[:, 0] == 0.0).astype(np.int32)
-    return meshio.Mesh(mesh.points, mesh.cells, cell_data={"part": tags}, point_data={"end": at_root})
+    return meshio.Mesh(
+        mesh.points, mesh.cells, cell_data={"part": tags}, point_data={"end": at_root}
+    )
 
 
 @pytest.mark.parametrize("data_format", ["XML", "HDF", "Binary"])
 def test_boxes(box, save, kind, data_format, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)  # meshio writes binary files into the working directory
-    path = save(tagged(box(kind, divisions=(2, 1, 1))), "mesh.xdmf", "xdmf", data_format=data_format)
+    path = save(
+        tagged(box(kind, divisions=(2, 1, 1))), "mesh.xdmf", "xdmf", data_format=data_format
+    )
     mesh = read_mesh(path)
     assert set(mesh.groups) == {"part 1", "part 2", "part 3", "end 0", "end 1", "end"}
     assert eccentricity(mesh) == 0.0
@@ -84,7 +88,11 @@ def test_tags_on_the_points_of_a_mesh(grids):
         ("0 2 1 0 1 3", "0 2 1 0 1", r"Topology: expected \[2, 3\] numbers, found 5"),
         ("0 2 1 0 1 3", "0 2 1 0 1 x", "Topology: the numbers of its DataItem cannot be read"),
         ("h5:/cells", "h5:/elements", "Topology: the numbers of its DataItem cannot be read"),
-        ("mesh.h5:/points", "other.h5:/points", "Geometry: the numbers of its DataItem cannot be read"),
+        (
+            "mesh.h5:/points",
+            "other.h5:/points",
+            "Geometry: the numbers of its DataItem cannot be read",
+        ),
         ('"XYZ"', '"VXVYVZ"', "expected a Geometry of type XYZ or XY, found VXVYVZ"),
         ("<Domain>", "", "the file is no XML, or breaks off"),
         ("0 2</DataItem>", "0 4</DataItem>", "Set foot: expected numbers 0 to 3"),

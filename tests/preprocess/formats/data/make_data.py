@@ -5,7 +5,12 @@ from pathlib import Path
 import gmsh
 
 HERE = Path(__file__).parent
-FORMATS = {"2.2-text.msh": (2.2, 0), "2.2-binary.msh": (2.2, 1), "4.1-text.msh": (4.1, 0), "4.1-binary.msh": (4.1, 1)}
+FORMATS = {
+    "2.2-text.msh": (2.2, 0),
+    "2.2-binary.msh": (2.2, 1),
+    "4.1-text.msh": (4.1, 0),
+    "4.1-binary.msh": (4.1, 1),
+}
 KINDS = {  # order, recombined across and along, incomplete
     "tetra": (1, False, False, 0),
     "tetra10": (2, False, False, 0),
@@ -17,7 +22,9 @@ KINDS = {  # order, recombined across and along, incomplete
 
 
 def mesh_box(order: int, across: bool, along: bool, incomplete: int) -> None:
-    """Two unit cubes along x; a volume, a surface and a point in two groups each, and a group without a name."""
+    """Two unit cubes along x; a volume, a surface and a point in two groups each, and a group
+    without a name.
+    """
     gmsh.clear()
     gmsh.model.add("box")
     gmsh.option.setNumber("Mesh.SecondOrderIncomplete", incomplete)
@@ -60,6 +67,10 @@ for kind, options in KINDS.items():
     gmsh.write(str(HERE / f"{kind}.inp"))
     if kind != "hexahedron27":  # Nastran has none
         gmsh.write(str(HERE / f"{kind}.bdf"))
-    if kind in ("tetra10", "wedge", "hexahedron27"):  # the nodes of the others are among those of these
+    if kind in (
+        "tetra10",
+        "wedge",
+        "hexahedron27",
+    ):  # the nodes of the others are among those of these
         gmsh.write(str(HERE / f"{kind}.med"))
 gmsh.finalize()

@@ -1,0 +1,1 @@
+"""From elements, masses and interfaces to a structure with rigid-body modes."""

@@ -1,0 +1,81 @@
+"""Rigid modes: mass properties, and the projector that removes them."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from ...superelement.validation import Array
+from ..errors import MeshError
+from ..mesh.nodes import Nodes
+
+
+@dataclass(frozen=True, eq=False)
+class RigidModes:
+    """The six rigid modes of a finite element model about its own centre of mass.
+
+    A (n_u, 6): dofs under unit translations along, and unit small rotations about, the mesh axes
+    through `center`; U (n_u, 6): a basis of the same space with U^T M U = I. mass [kg], center (3,)
+    [m] and J_rot (3, 3) [kg m^2] are those of the finite element mass matrix, A^T M A = diag(mass
+    I, J_rot), so that they, the projector and the kernels agree to rounding.
+    """
+
+    A: Array
+    U: Array
+    mass: float
+    center: Array
+    J_rot: Array
+
+
+def rigid_modes(nodes: Nodes, M: Any) -> RigidModes:
+    """Centre of mass, mass properties and rigid modes from the mass matrix M (n_u, n_u), sparse.
+
+    `MeshError` if the inertia is not positive definite, as that of beams in a line without polar
+    inertia.
+    """
+    middle = nodes.points.mean(axis=0)
+    A = nodes.rigid_motion(middle)
+    moments = A.T @ (M @ A)
+    mass = float(np.trace(moments[:3, :3])) / 3.0
+    # A point moves by -(X - middle)~ theta: the translation-rotation block is -mass (center -
+    # middle)~.
+    block = moments[:3, 3:]
+    offset = (
+        0.5
+        / mass
+        * np.array(
+            [block[1, 2] - block[2, 1], block[2, 0] - block[0, 2], block[0, 1] - block[1, 0]]
+        )
+    )
+    center = middle + offset
+
+    A = nodes.rigid_motion(center)
+    moments = A.T @ (M @ A)
+    J_rot = 0.5 * (moments[3:, 3:] + moments[3:, 3:].T)
+    principal = np.linalg.eigvalsh(J_rot)
+    if not (mass > 0.0 and principal[0] > 1e-14 * principal[-1]):
+        raise MeshError(
+            f"expected a positive mass and inertia, found {mass} kg and principal inertias {principal}"
+        )
+    U = solve_triangular(np.linalg.cholesky(moments), A.T, lower=True).T
+    return RigidModes(A, U, mass, center, J_rot)
+
+
+def project(w: Array, U: Array, M: Any) -> Array:
+    """Remove the rigid part of displacements, P w = w - U U^T M w, eq. (49).
+
+    w (n_u, k); U (n_u, 6) with U^T M U = I; M (n_u, n_u) -> (n_u, k)
+    """
+    elastic: Array = w - U @ (U.T @ (M @ w))
+    return elastic
+
+
+def relieve(f: Array, U: Array, M: Any) -> Array:
+    """Remove from loads their inertia relief, P^T f = f - M U U^T f: what is left deforms without
+    accelerating.
+
+    f (n_u, k); U (n_u, 6) with U^T M U = I; M (n_u, n_u) -> (n_u, k)
+    """
+    balanced: Array = f - M @ (U @ (U.T @ f))
+    return balanced

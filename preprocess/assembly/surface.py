@@ -1,0 +1,114 @@
+"""Integrals over facets in space: area, centroid, and the mean rigid motion of a surface."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from skfem import Element, ElementQuad1, ElementQuad2, ElementQuadS2, ElementTriP1, ElementTriP2
+from skfem.quadrature import get_quadrature
+
+from ...superelement.validation import Array
+from ..mesh.facets import Patch
+from ..mesh.mesh import IntArray
+from ..mesh.nodes import Nodes, spider
+
+ELEMENTS = {
+    "triangle": ElementTriP1,
+    "triangle6": ElementTriP2,
+    "quad": ElementQuad1,
+    "quad8": ElementQuadS2,
+    "quad9": ElementQuad2,
+}
+"""The shape functions of facets; meshio orders their nodes as scikit-fem does."""
+ORDER = 5
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Facets ready to integrate, as points x (m, 3) with areas dA (m,) [m^2] each.
+
+    nodes (n,): those of the facets, each once; N (m, n), sparse: values at the points x from values
+    at these nodes.
+    """
+
+    nodes: IntArray
+    x: Array
+    dA: Array
+    N: Any
+
+    @property
+    def area(self) -> float:
+        return float(self.dA.sum())
+
+    @property
+    def centroid(self) -> Array:
+        """The centroid of the area (3,)."""
+        moment: Array = self.dA @ self.x
+        return moment / self.area
+
+
+def surface(points: Array, patch: Patch) -> Surface:
+    """The isoparametric surface of facets over the points (n_points, 3) of a mesh."""
+    nodes = np.unique(np.concatenate([facets.ravel() for facets in patch.values()]))
+    pieces = [
+        _piece(points[nodes], kind, np.searchsorted(nodes, facets))
+        for kind, facets in patch.items()
+    ]
+    x, dA, N = zip(*pieces, strict=True)
+    return Surface(nodes, np.concatenate(x), np.concatenate(dA), sp.vstack(N, format="csr"))
+
+
+def _piece(points: Array, kind: str, facets: IntArray) -> tuple[Array, Array, Any]:
+    """x, dA and N of facets (n, k) of one type."""
+    element: Element = ELEMENTS[kind]()
+    xi, weights = get_quadrature(element.refdom, ORDER)
+    n, k = facets.shape
+    values = [element.lbasis(xi, i) for i in range(k)]
+    N = np.array([np.broadcast_to(value, weights.shape) for value, _ in values])
+    dN = np.array([np.broadcast_to(gradient, xi.shape) for _, gradient in values])
+    corners = points[facets]
+    tangents = np.einsum("kdq,fki->dfqi", dN, corners)
+    dA = np.linalg.norm(np.cross(tangents[0], tangents[1]), axis=-1) * weights
+    columns = np.broadcast_to(facets[:, None, :], (n, len(weights), k)).ravel()
+    table = sp.csr_array(
+        (np.tile(N.T.ravel(), n), columns, np.arange(0, len(columns) + 1, k)),
+        (dA.size, len(points)),
+    )
+    return np.einsum("kq,fki->fqi", N, corners).reshape(-1, 3), dA.ravel(), table
+
+
+def mean_motion(patch: Surface, X: Array, nodes: Nodes) -> Any:
+    """D (6, n_dofs) sparse: the rigid motion about X nearest to that of the surface, q = D u.
+
+        int |u - A q|^2 dA least:   D = (int A^T A dA)^-1 int A^T N dA,   A = [I, -(x - X)~]
+
+    so D A = I, and a load p on the frame becomes the traction A (int A^T A dA)^-1 p, linear over
+    the surface as the stress in a beam. With nodal areas int N_i dA as weights the corners of
+    quadratic facets would weigh nothing, or less; the integral needs no such weights, and differs
+    only in how a facet shares load among its nodes.
+    """
+    A = spider(patch.x - patch.centroid)
+    blocks = patch.N.T @ (patch.dA[:, None] * A.reshape(-1, 18))
+    return _fitted(blocks.reshape(-1, 3, 6), patch.nodes, patch.centroid, X, nodes)
+
+
+def mean_motion_of_points(members: IntArray, X: Array, nodes: Nodes) -> Any:
+    """D (6, n_dofs) sparse as `mean_motion`, of single nodes that all weigh the same."""
+    middle = nodes.points[members].mean(axis=0)
+    return _fitted(spider(nodes.points[members] - middle), members, middle, X, nodes)
+
+
+def _fitted(blocks: Array, members: IntArray, middle: Array, X: Array, nodes: Nodes) -> Any:
+    """(sum B_i^T A_i)^-1 [B_i^T] for weighted arms B_i (n, 3, 6) of nodes `members`, on which D A =
+    I to rounding.
+
+    Both arms reach from `middle`, where the fit is best conditioned; the frame at X moves with the
+    fitted motion.
+    """
+    G = np.einsum("nij,nik->jk", blocks, spider(nodes.points[members] - middle))
+    D = np.linalg.solve(G, blocks.transpose(2, 0, 1).reshape(6, -1))
+    D[:3] = spider((X - middle)[None])[0] @ D
+    columns = nodes.displacements[members].ravel()
+    rows = np.repeat(np.arange(6), len(columns))
+    return sp.coo_array((D.ravel(), (rows, np.tile(columns, 6))), shape=(6, nodes.n_dofs)).tocsr()

@@ -1,0 +1,75 @@
+"""Rigid interfaces: nodes that follow a frame, and the model on the dofs that are left."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from ..errors import InterfaceError
+from ..mesh.mesh import IntArray
+from ..mesh.nodes import Nodes, spider
+from .interfaces import Attachment
+
+
+def tie(nodes: Nodes, attachments: Mapping[str, Attachment]) -> tuple[Nodes, Any, dict[str, Any]]:
+    """The nodes that are left once tied ones follow their frames, T, and the rows of every
+    attachment on what is left.
+
+        u = T u_left,   K_left = T^T K T,   M_left = T^T M T,   u_i = [I, -(X_i - X_C)~; 0, I] q_C for a tied node i
+
+    u_left holds the free nodes in their order, then the frames with six dofs each. T (n_u, n_left)
+    and the rows (3 or 6, n_left) are sparse; those of a rigid frame pick its dofs. Nodes have three
+    dofs, or six whose rotations follow the frame as well. Source: docs/theory.md, Interfaces.
+    """
+    rigid = {name: attachment for name, attachment in attachments.items() if attachment.rigid}
+    free = np.flatnonzero(_owners(rigid, len(nodes.points)) < 0)
+    left = Nodes(
+        np.vstack([nodes.points[free], *(a.X for a in rigid.values())]),
+        np.concatenate([nodes.rotations[free], np.ones(len(rigid), dtype=bool)]),
+    )
+    kept = np.flatnonzero(np.isin(nodes.owner, free))
+    old, new, values = [kept], [np.arange(len(kept))], [np.ones(len(kept))]
+    for place, attachment in enumerate(rigid.values(), start=len(free)):
+        arms = spider(nodes.points[attachment.nodes] - attachment.X)  # (n, 3, 6)
+        frame = left.first[place] + np.arange(6)
+        old.append(np.repeat(nodes.displacements[attachment.nodes].ravel(), 6))
+        new.append(np.tile(frame, 3 * len(attachment.nodes)))
+        values.append(arms.ravel())
+        turning = nodes.first[attachment.nodes[nodes.rotations[attachment.nodes]]]
+        old.append((turning[:, None] + np.arange(3, 6)).ravel())
+        new.append(np.tile(frame[3:], len(turning)))
+        values.append(np.ones(3 * len(turning)))
+    T = sp.coo_array(
+        (np.concatenate(values), (np.concatenate(old), np.concatenate(new))),
+        shape=(nodes.n_dofs, left.n_dofs),
+    ).tocsr()
+
+    frames = iter(range(len(free), len(left.points)))
+    rows = {
+        name: _pick(left, next(frames)) if a.rigid else a.rows @ T
+        for name, a in attachments.items()
+    }
+    return left, T, rows
+
+
+def _pick(nodes: Nodes, node: int) -> Any:
+    columns = nodes.first[node] + np.arange(6)
+    return sp.coo_array((np.ones(6), (np.arange(6), columns)), shape=(6, nodes.n_dofs)).tocsr()
+
+
+def _owners(rigid: Mapping[str, Attachment], n_points: int) -> IntArray:
+    """For every point (n_points,) the rigid frame that it follows, -1 for none; a point can follow
+    one only.
+    """
+    owner = np.full(n_points, -1, dtype=np.int64)
+    names = list(rigid)
+    for number, (name, attachment) in enumerate(rigid.items()):
+        taken = attachment.nodes[owner[attachment.nodes] >= 0]
+        if len(taken):
+            raise InterfaceError(
+                f"interfaces.{name}: rigid interfaces must not share nodes, found point {taken[0]} "
+                f"also in {names[owner[taken[0]]]}"
+            )
+        owner[attachment.nodes] = number
+    return owner

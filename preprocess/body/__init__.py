@@ -1,0 +1,1 @@
+"""The body file: what a user says of a part."""

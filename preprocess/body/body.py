@@ -1,0 +1,293 @@
+"""The body file: what a user writes to turn a mesh into a superelement."""
+
+import os
+import tomllib
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self, cast
+
+import numpy as np
+from pydantic import (
+    BeforeValidator,
+    Field,
+    NonNegativeFloat,
+    PositiveFloat,
+    PositiveInt,
+    PrivateAttr,
+    model_validator,
+)
+
+from ...inputs import InputError, Table, Vector, read_table
+from ..errors import BodyError
+from .material import Material, Section
+from .selection import InterfaceSelection, Selection
+
+Method = Literal["auto", "modal", "march", "krylov"]
+FilePath = Annotated[Path, Field(strict=False)]
+
+
+def _as_matrix(value: Any) -> Any:
+    """Three principal values are a diagonal matrix."""
+    if (
+        isinstance(value, list | tuple)
+        and len(value) == 3
+        and all(isinstance(entry, int | float) for entry in value)
+    ):
+        return (value[0], 0.0, 0.0), (0.0, value[1], 0.0), (0.0, 0.0, value[2])
+    return value
+
+
+class PointMass(Selection):
+    """A rigid piece that moves with the body: with an interface, or with what it selects on the
+    mesh, as interfaces do.
+
+    mass [kg]; inertia about its place in mesh axes [kg m^2], principal values or a 3x3 matrix, none
+    unless given. On facets or points of a solid it follows their mean motion.
+    """
+
+    mass: NonNegativeFloat
+    inertia: Annotated[tuple[Vector, Vector, Vector], BeforeValidator(_as_matrix)] = (
+        (0.0,) * 3,
+    ) * 3
+    interface: str | None = None
+
+    @model_validator(mode="after")
+    def _one_place(self) -> Self:
+        others = self.places | self.model_fields_set & {"at"}
+        if self.interface is not None and others:
+            raise ValueError(
+                f"interface stands alone, found it with {' and '.join(sorted(others))}"
+            )
+        if self.interface is None and not self.places:
+            raise ValueError(
+                "expected interface, or what it selects on the mesh: node, group, plane, ..., found none"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _a_mass(self) -> Self:
+        J = np.array(self.inertia)
+        if not np.array_equal(J, J.T) or np.linalg.eigvalsh(J)[0] < -1e-12 * np.abs(J).max():
+            raise ValueError(
+                f"inertia: expected principal values or a symmetric matrix, none of them negative, found {J.tolist()}"
+            )
+        if not (self.mass or J.any()):
+            raise ValueError("expected a mass or an inertia, found neither")
+        return self
+
+    @property
+    def selection(self) -> InterfaceSelection | None:
+        """The place on the mesh; None for that of an interface."""
+        if self.interface is not None:
+            return None
+        own = set(Selection.model_fields)
+        return InterfaceSelection.model_validate(self.model_dump(include=own, exclude_unset=True))
+
+
+class Impulse(Table):
+    """The impulse responses to compute: `steps` steps of `step` seconds, with the damping rho_inf
+    of the scheme.
+
+    method: "modal" from all elastic modes, "krylov" from as many as it takes, "march" by stepping
+    the full model, "auto" the one of the first two that fits the size. tolerance: the relative
+    error of the transfer function up to `band` [Hz], half the Nyquist frequency unless given, that
+    "krylov" may make; the others make none.
+    """
+
+    step: PositiveFloat
+    steps: PositiveInt
+    rho_inf: Annotated[float, Field(ge=0.0, le=1.0)] = 0.9
+    method: Method = "auto"
+    tolerance: PositiveFloat = 1e-6
+    band: PositiveFloat | None = None
+
+    @model_validator(mode="after")
+    def _below_nyquist(self) -> Self:
+        if self.band is not None and self.band > 0.5 / self.step:
+            raise ValueError(
+                f"band: expected at most the Nyquist frequency of the step, {0.5 / self.step:g} Hz, found {self.band:g}"
+            )
+        return self
+
+
+class Ratios(Table):
+    """Modal damping ratios over frequency [Hz]: linear between the points, constant outside."""
+
+    frequencies: tuple[NonNegativeFloat, ...]
+    ratios: tuple[NonNegativeFloat, ...]
+
+    @model_validator(mode="after")
+    def _a_table(self) -> Self:
+        if len(self.frequencies) != len(self.ratios) or not self.frequencies:
+            raise ValueError(
+                f"expected a ratio for every frequency, found {len(self.frequencies)} frequencies "
+                f"and {len(self.ratios)} ratios"
+            )
+        if any(b <= a for a, b in pairwise(self.frequencies)):
+            raise ValueError(
+                f"frequencies: expected increasing values, found {list(self.frequencies)}"
+            )
+        return self
+
+
+class Rayleigh(Table):
+    """C = mass M + stiffness K, with `mass` [1/s] and `stiffness` [s]."""
+
+    mass: NonNegativeFloat = 0.0
+    stiffness: NonNegativeFloat = 0.0
+
+
+def _as_table(value: Any) -> Any:
+    """One ratio is a table of one point."""
+    return {"frequencies": [0.0], "ratios": [value]} if isinstance(value, int | float) else value
+
+
+class Damping(Table):
+    """None, a ratio for every mode, or Rayleigh's."""
+
+    modal: Annotated[Ratios | None, BeforeValidator(_as_table)] = None
+    rayleigh: Rayleigh | None = None
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Self:
+        if self.modal is not None and self.rayleigh is not None:
+            raise ValueError("expected one of modal and rayleigh, found both")
+        return self
+
+
+class RecoveredFields(Table):
+    """What the superelement can give back of the mesh: displacements of its surface or lines, and
+    stresses there.
+
+    stress: at the nodes of the surface of solids, for which the file grows by 24 bytes a node and
+    mode.
+    """
+
+    stress: bool = False
+
+
+class Matrices(Table):
+    """A finite element model of another program, free in space: files of K [N/m ...], M [kg ...]
+    and of nodes [m].
+
+    nodes: labels and coordinates; dofs: node and direction of every row of the matrices, where
+    neither they say so nor the rows are three or six for each node in its order.
+    """
+
+    stiffness: FilePath
+    mass: FilePath
+    nodes: FilePath
+    dofs: FilePath | None = None
+
+    @property
+    def files(self) -> dict[str, Path]:
+        """By their keys."""
+        given = {
+            "stiffness": self.stiffness,
+            "mass": self.mass,
+            "nodes": self.nodes,
+            "dofs": self.dofs,
+        }
+        return {key: path for key, path in given.items() if path is not None}
+
+    def relative_to(self, folder: Path) -> "Matrices":
+        return Matrices.model_validate({key: folder / path for key, path in self.files.items()})
+
+
+class Body(Table):
+    """A mesh, what it is made of, where it meets others, and the impulse responses wanted; or
+    matrices for a mesh.
+
+    One of section and sections (by mesh group) for meshes of lines; one of material and materials
+    for solids. scale: the unit of the mesh's coordinates in metres, 1e-3 for millimetres. All else
+    is in SI units.
+    """
+
+    name: str = Field(min_length=1)
+    mesh: FilePath | None = None
+    matrices: Matrices | None = None
+    scale: PositiveFloat = 1.0
+    section: Section | None = None
+    sections: dict[str, Section] = Field(default_factory=dict)
+    material: Material | None = None
+    materials: dict[str, Material] = Field(default_factory=dict)
+    interfaces: dict[str, InterfaceSelection] = Field(min_length=1)
+    masses: dict[str, PointMass] = Field(default_factory=dict)
+    impulse: Impulse
+    damping: Damping = Damping()
+    recovery: RecoveredFields | None = None
+    _text: str = PrivateAttr(default="")
+
+    @model_validator(mode="after")
+    def _one_make(self) -> Self:
+        makes = ("section", "sections", "material", "materials")
+        given = [key for key in makes if getattr(self, key)]
+        if self.mesh is None and self.matrices is None:
+            raise ValueError("expected mesh or [matrices], found neither")
+        if self.matrices is not None:
+            others = self.model_fields_set & {"mesh", "scale", "recovery", *makes}
+            if others:
+                raise ValueError(
+                    f"matrices: expected no mesh and nothing made of it, found {', '.join(sorted(others))}"
+                )
+        elif len(given) != 1:
+            raise ValueError(
+                f"expected one of {', '.join(makes)}, found {' and '.join(given) or 'none'}"
+            )
+        for name in self.interfaces:
+            if not name or "/" in name or "." in name:
+                raise ValueError(f"interfaces: expected a name without '/' and '.', found {name!r}")
+        for table, places in (("interfaces", self.interfaces), ("masses", self.masses)):
+            for name, place in places.items():
+                if place.nodes is not None and self.matrices is None:
+                    raise ValueError(
+                        f"{table}.{name}: nodes are labels of [matrices]; of a mesh use node or group"
+                    )
+        for name, mass in self.masses.items():
+            if mass.interface is not None and mass.interface not in self.interfaces:
+                known = ", ".join(self.interfaces)
+                raise ValueError(
+                    f"masses.{name}: no interface {mass.interface!r}; there are: {known}"
+                )
+        return self
+
+    @property
+    def source(self) -> Path | Matrices:
+        """What the model comes from: the mesh file, or matrices."""
+        return cast(Path | Matrices, self.mesh or self.matrices)
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The files of the source."""
+        return (
+            tuple(self.source.files.values())
+            if isinstance(self.source, Matrices)
+            else (self.source,)
+        )
+
+    @property
+    def text(self) -> str:
+        """The body file as it was read; for a body made or changed in Python its values in JSON."""
+        if self._text:
+            as_read = Body.model_validate(tomllib.loads(self._text))
+            paths = {"mesh", "matrices"}
+            if as_read.model_dump(exclude=paths) == self.model_dump(exclude=paths):
+                return self._text
+        return self.model_dump_json(exclude_unset=True)
+
+
+def read_body(path: str | os.PathLike[str]) -> Body:
+    """Read a body file; `BodyError` names the file, the key, what was found and what was expected."""
+    try:
+        body, text = read_table(path, Body)
+    except InputError as error:
+        raise BodyError(str(error)) from error
+    folder, source = Path(path).parent, body.source
+    found = (
+        {"matrices": source.relative_to(folder)}
+        if isinstance(source, Matrices)
+        else {"mesh": folder / source}
+    )
+    body = body.model_copy(update=found)
+    body._text = text
+    return body

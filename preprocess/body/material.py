@@ -1,0 +1,144 @@
+"""What a body is made of: sections of beams, materials of solids."""
+
+from typing import Annotated, Any, Self
+
+import numpy as np
+from pydantic import Discriminator, Field, NonNegativeFloat, PositiveFloat, Tag, model_validator
+
+from ...inputs import Table, Vector
+from ...superelement.validation import Array
+
+
+class Section(Table):
+    """The cross-section of a beam, in its own axes: x along the beam, y and z across.
+
+    EA [N], EI_y and EI_z (bending about y and z) and GJ [N m^2]; mass_per_length [kg/m];
+    polar_inertia_per_length rho I_p [kg m], the inertia about the beam's axis. GA_y and GA_z [N]:
+    shear stiffnesses along y and z, shape factor included; with either, bending in that direction
+    is Timoshenko's. rotary_inertia_y and _z: rho I_y and rho I_z [kg m]; 0 unless given for
+    Euler-Bernoulli bending, and mass_per_length EI / EA (the value of a homogeneous section) for
+    Timoshenko bending. orientation: a vector that with the beam's axis spans the plane of local x
+    and y, in mesh axes; unless given, local y is horizontal (e_z cross x), or e_y where the beam is
+    vertical.
+    """
+
+    EA: PositiveFloat
+    EI_y: PositiveFloat
+    EI_z: PositiveFloat
+    GJ: PositiveFloat
+    mass_per_length: PositiveFloat
+    polar_inertia_per_length: PositiveFloat
+    GA_y: PositiveFloat | None = None
+    GA_z: PositiveFloat | None = None
+    rotary_inertia_y: NonNegativeFloat | None = None
+    rotary_inertia_z: NonNegativeFloat | None = None
+    orientation: Vector | None = None
+
+
+Three = tuple[PositiveFloat, PositiveFloat, PositiveFloat]
+
+
+def _tag(value: Any) -> str:
+    return "(number)" if isinstance(value, int | float | str) else "(three)"
+
+
+Moduli = Annotated[
+    Annotated[PositiveFloat, Tag("(number)")] | Annotated[Three, Tag("(three)")],
+    Discriminator(_tag),
+]
+Ratio = Annotated[float, Field(gt=-1.0, lt=0.5)]
+Ratios = Annotated[
+    Annotated[Ratio, Tag("(number)")] | Annotated[Vector, Tag("(three)")], Discriminator(_tag)
+]
+
+STRESSES = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+"""The order of stresses and of strains, xx, yy, zz, yz, xz, xy; shear strains are engineering's,
+twice the tensor's.
+"""
+_PLACE = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
+
+
+class Material(Table):
+    """A linear elastic material: isotropic, or orthotropic with three values where one would do.
+
+    E: Young's modulus [Pa], or E1, E2, E3; nu: Poisson's ratio, or nu12, nu13, nu23, of which nu_ij
+    is the contraction along j over the stretch along i under stress along i; G [Pa]: the shear
+    modulus, or G12, G13, G23, that of an isotropic material unless given; rho: density [kg/m^3].
+    axes: two vectors in mesh axes, direction 1 and one that with it spans the plane of directions 1
+    and 2; directions 1, 2, 3 are the mesh axes unless given.
+    """
+
+    E: Moduli
+    nu: Ratios
+    G: Moduli | None = None
+    rho: PositiveFloat
+    axes: tuple[Vector, Vector] | None = None
+
+    @model_validator(mode="after")
+    def _shear_given(self) -> Self:
+        if self.G is None and (isinstance(self.E, tuple) or isinstance(self.nu, tuple)):
+            raise ValueError(
+                "G: missing; only a material with one E and one nu is isotropic and does without"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _axes_span_a_plane(self) -> Self:
+        if self.axes is not None:
+            one, two = (
+                np.array(axis) / max(np.linalg.norm(axis), np.finfo(float).tiny)
+                for axis in self.axes
+            )
+            if np.linalg.norm(np.cross(one, two)) < 1e-6:
+                raise ValueError(
+                    f"axes: expected two vectors that span a plane, found {list(self.axes)}"
+                )
+        return self
+
+    @model_validator(mode="after")
+    def _stores_energy(self) -> Self:
+        with np.errstate(divide="ignore"):
+            stiffness = np.sort(1.0 / np.linalg.eigvalsh(self._compliance))
+        if not (stiffness[0] > 0.0 and stiffness[-1] < 1e12 * stiffness[0]):
+            raise ValueError(
+                f"expected E, nu and G of a positive definite elasticity matrix, found eigenvalues of "
+                f"{', '.join(f'{value:.4g}' for value in stiffness)} Pa; nu_ij^2 must be less than E_i / E_j"
+            )
+        return self
+
+    @property
+    def elasticity(self) -> Array:
+        """C (6, 6) [Pa] in mesh axes: stresses xx, yy, zz, yz, xz, xy are C times the strains in
+        the same order.
+        """
+        i, j = np.array(STRESSES).T
+        C: Array = self.elasticity_tensor[i[:, None], j[:, None], i, j]
+        return C
+
+    @property
+    def elasticity_tensor(self) -> Array:
+        """C (3, 3, 3, 3) [Pa] in mesh axes: sigma_ij = C_ijkl epsilon_kl."""
+        C = np.linalg.inv(self._compliance)[_PLACE[:, :, None, None], _PLACE]
+        R = self._directions
+        turned: Array = np.einsum("ia,jb,kc,ld,ijkl->abcd", R, R, R, R, C, optimize=True)
+        return turned
+
+    @property
+    def _compliance(self) -> Array:
+        """S (6, 6) [1/Pa] in the material's own axes: strains from stresses."""
+        E, nu = np.broadcast_to(self.E, 3), np.broadcast_to(self.nu, 3)
+        G = np.broadcast_to(self.E / (2.0 * (1.0 + self.nu)) if self.G is None else self.G, 3)  # type: ignore[operator]
+        S = np.diag(1.0 / np.concatenate([E, G[::-1]]))
+        for value, i, j in zip(nu, (0, 0, 1), (1, 2, 2), strict=True):
+            S[i, j] = S[j, i] = -value / E[i]
+        return S
+
+    @property
+    def _directions(self) -> Array:
+        """Directions 1, 2, 3 as rows (3, 3)."""
+        if self.axes is None:
+            return np.eye(3)
+        one, third = np.array(self.axes[0]), np.cross(*self.axes)
+        rows = np.array([one, np.cross(third, one), third])
+        unit: Array = rows / np.linalg.norm(rows, axis=1)[:, None]
+        return unit

@@ -1,0 +1,190 @@
+"""What a body file selects on a mesh."""
+
+from typing import Annotated, Literal, Protocol, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, NonNegativeFloat, PositiveFloat, model_validator
+
+from ...inputs import Table, Vector
+from ...superelement.validation import Array
+
+Chosen = NDArray[np.bool_]
+
+
+class Shape(Protocol):
+    """A part of space."""
+
+    def holds(self, points: Array, size: float) -> Chosen:
+        """Which of the points (n, 3) lie in it, within its tolerance times `size` [m]."""
+        ...
+
+
+class Plane(Table):
+    """The points of a plane."""
+
+    point: Vector
+    normal: Vector
+    tolerance: PositiveFloat = 1e-6
+
+    @model_validator(mode="after")
+    def _has_direction(self) -> Self:
+        if not any(self.normal):
+            raise ValueError("normal: expected a vector that is not zero")
+        return self
+
+    def holds(self, points: Array, size: float) -> Chosen:
+        """|(X - point) . n| <= tolerance size"""
+        height = (points - self.point) @ (np.array(self.normal) / np.linalg.norm(self.normal))
+        near: Chosen = np.abs(height) <= self.tolerance * size
+        return near
+
+
+class Box(Table):
+    """The points between two opposite corners; a box may be flat."""
+
+    corners: tuple[Vector, Vector]
+    tolerance: PositiveFloat = 1e-6
+
+    def holds(self, points: Array, size: float) -> Chosen:
+        """lower <= X <= upper, component by component"""
+        margin = self.tolerance * size
+        lower, upper = np.sort(self.corners, axis=0)
+        inside: Chosen = ((points >= lower - margin) & (points <= upper + margin)).all(axis=1)
+        return inside
+
+
+class Sphere(Table):
+    """The points up to `radius` from a center."""
+
+    center: Vector
+    radius: PositiveFloat
+    tolerance: PositiveFloat = 1e-6
+
+    def holds(self, points: Array, size: float) -> Chosen:
+        """|X - center| <= radius"""
+        inside: Chosen = (
+            np.linalg.norm(points - self.center, axis=1) <= self.radius + self.tolerance * size
+        )
+        return inside
+
+
+class Cylinder(Table):
+    """The points between the two ends of an axis, and between `inner` and `radius` from it.
+
+    With inner = radius these are the points of the surface, as of a bore or a journal.
+    """
+
+    axis: tuple[Vector, Vector]
+    radius: PositiveFloat
+    inner: NonNegativeFloat = 0.0
+    tolerance: PositiveFloat = 1e-6
+
+    @model_validator(mode="after")
+    def _is_a_cylinder(self) -> Self:
+        if self.axis[0] == self.axis[1]:
+            raise ValueError(f"axis: expected two points, found {list(self.axis[0])} twice")
+        if self.inner > self.radius:
+            raise ValueError(
+                f"inner: expected at most the radius, {self.radius}, found {self.inner}"
+            )
+        return self
+
+    def holds(self, points: Array, size: float) -> Chosen:
+        """0 <= z <= length and inner <= r <= radius, with z along the axis and r across"""
+        margin = self.tolerance * size
+        start, end = np.array(self.axis)
+        length = np.linalg.norm(end - start)
+        along = (end - start) / length
+        z = (points - start) @ along
+        r = np.linalg.norm(points - start - z[:, None] * along, axis=1)
+        inside: Chosen = (
+            (z >= -margin)
+            & (z <= length + margin)
+            & (r >= self.inner - margin)
+            & (r <= self.radius + margin)
+        )
+        return inside
+
+
+class Selection(Table):
+    """A place on a mesh: the node nearest to a point, or what a named group and shapes in space
+    have in common.
+
+    Of a solid, shapes select the facets of the boundary that lie in them as a whole, and a group
+    those that it names; a group of points selects its points. Of a beam, both select nodes. Given
+    several, all must hold: the facets of a plane that lie in a box. Of matrices, all select nodes:
+    one gives its dofs, several carry a frame of six; nodes names them by their labels. at: the
+    place of the frame; the centroid of the facets, or the mean of the points, unless given.
+    tolerance: the distance allowed between `node` and the nearest node, as a fraction of the size
+    of the mesh.
+    """
+
+    node: Vector | None = None
+    nodes: Annotated[tuple[int, ...], Field(min_length=1)] | None = None
+    group: str | None = None
+    plane: Plane | None = None
+    box: Box | None = None
+    sphere: Sphere | None = None
+    cylinder: Cylinder | None = None
+    at: Vector | None = None
+    tolerance: PositiveFloat = 1e-3
+
+    @model_validator(mode="after")
+    def _node_stands_alone(self) -> Self:
+        others = self.places - {"node"} | self.model_fields_set & {"kind", "at"}
+        if self.node is not None and others:
+            raise ValueError(f"node stands alone, found it with {' and '.join(sorted(others))}")
+        if self.nodes is not None and self.places != {"nodes"}:
+            raise ValueError(
+                f"nodes stands alone, found it with {' and '.join(sorted(self.places - {'nodes'}))}"
+            )
+        return self
+
+    @property
+    def places(self) -> set[str]:
+        """The keys that select something."""
+        given = {"node": self.node, "nodes": self.nodes, "group": self.group, **self.shapes}
+        return {key for key, value in given.items() if value is not None}
+
+    @property
+    def shapes(self) -> dict[str, Shape]:
+        """The shapes in space, by their keys."""
+        shapes = {
+            "plane": self.plane,
+            "box": self.box,
+            "sphere": self.sphere,
+            "cylinder": self.cylinder,
+        }
+        return {key: shape for key, shape in shapes.items() if shape is not None}
+
+    def holds(self, points: Array, size: float) -> Chosen:
+        """Which of the points (n, 3) lie in all of the shapes; all points without shapes."""
+        inside = np.ones(len(points), dtype=np.bool_)
+        for shape in self.shapes.values():
+            inside &= shape.holds(points, size)
+        return inside
+
+    def __str__(self) -> str:
+        """The group and the shapes, for messages."""
+        group = [] if self.group is None else [f"group {self.group!r}"]
+        return " and ".join([*group, *(f"{key} ({shape})" for key, shape in self.shapes.items())])
+
+
+class InterfaceSelection(Selection):
+    """Where a body meets others.
+
+    A node of a solid gives three dofs; a node of a beam, and any set of facets or points, gives a
+    frame of six. kind: "average", the frame follows the facets as their mean motion does, without
+    stiffening them; "rigid", the facets follow the frame.
+    """
+
+    kind: Literal["average", "rigid"] = "average"
+
+    @model_validator(mode="after")
+    def _selects(self) -> Self:
+        if not self.places:
+            raise ValueError(
+                "expected node, or one or more of group, plane, box, sphere and cylinder, found none"
+            )
+        return self

@@ -1,0 +1,1 @@
+"""Element matrices: beams and solids."""

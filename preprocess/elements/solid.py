@@ -1,0 +1,89 @@
+"""Stiffness and mass of solids, summed over batches of elements."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from ..body.material import Material
+from ..errors import MeshError
+from ..mesh.mesh import IntArray, Mesh
+from .assembly_map import pattern
+from .element import ELEMENTS, cofactors, physical
+
+FLAT = 1e-10
+"""The Jacobian of an element, relative to the cube of its diameter, below which it counts as
+degenerate.
+"""
+BATCH = 2**17
+"""Numbers in the gradients of a batch of elements, so that they stay in the cache."""
+
+
+def solid_matrices(mesh: Mesh, materials: Sequence[Material], owners: IntArray) -> tuple[Any, Any]:
+    """Stiffness and consistent mass (3 n, 3 n), sparse, symmetric to the last bit; three
+    displacements to each point.
+
+        K_(ia)(jb) = C_acbd int N_i,c N_j,d dV        M_(ia)(jb) = rho delta_ab int N_i N_j dV
+
+    `owners` (n_elements,) is the place of each element's material in `materials`. Elements are
+    isoparametric, so that curved ones keep their geometry. `MeshError` for an inverted or
+    degenerate element.
+    """
+    _check_jacobians(mesh)
+    blocks = pattern(mesh.elements, len(mesh.points))
+    K, M = np.zeros((len(blocks.rows), 3, 3)), np.zeros((len(blocks.rows), 1, 1))
+    for kind, cells in mesh.elements.items():
+        element = ELEMENTS[kind]
+        k, q = len(element.place), len(element.weights)
+        N, dN = element.N(element.xi), element.dN(element.xi)
+        i, j = np.triu_indices(k)
+        NN = N[i] * N[j] * element.weights  # (pairs, q)
+        own = owners[mesh.first[kind] :][: len(cells)]
+        for material, rows in _batches(own, max(1, BATCH // (3 * k * q))):
+            C = materials[material].elasticity_tensor.transpose(1, 3, 0, 2).reshape(9, 9)
+            cof, det = cofactors(dN, mesh.points[cells[rows]])
+            B = physical(dN, cof, det).reshape(len(rows), 3 * k, q)
+            # The integrals of gradients know no material: each pair of nodes has nine, which C
+            # contracts.
+            G = ((B * (det * element.weights)[:, None]) @ B.transpose(0, 2, 1)).reshape(
+                -1, k, 3, k, 3
+            )
+            stiffness = G[:, i, :, j].reshape(-1, 9) @ C
+            mass = materials[material].rho * (NN @ det.T)
+            blocks.add(K, kind, rows, stiffness.reshape(len(i), -1, 3, 3))
+            blocks.add(M, kind, rows, mass[:, :, None, None])
+    return blocks.matrix(K), sp.kron(blocks.matrix(M), sp.eye_array(3), format="csc")
+
+
+def _batches(owners: IntArray, size: int) -> Iterator[tuple[int, IntArray]]:
+    """Elements of one owner at a time, at most `size` of them: the owner, and which elements."""
+    for owner in np.unique(owners).tolist():
+        rows = np.flatnonzero(owners == owner)
+        for start in range(0, len(rows), size):
+            yield owner, rows[start : start + size]
+
+
+def _check_jacobians(mesh: Mesh) -> None:
+    """Every element must keep its orientation and volume at all points of integration."""
+    lowest, relative = [], []
+    for kind, cells in mesh.elements.items():
+        element = ELEMENTS[kind]
+        dN = element.dN(element.xi)
+        for _, rows in _batches(np.zeros(len(cells), dtype=np.int64), BATCH // dN.size):
+            X = mesh.points[cells[rows]]
+            lowest.append(cofactors(dN, X)[1].min(axis=1))
+            relative.append(lowest[-1] / np.linalg.norm(np.ptp(X, axis=1), axis=1) ** 3)
+    worst = np.concatenate(relative)
+    bad = np.flatnonzero(worst <= FLAT)
+    if bad.size:
+        number = int(bad[0])
+        kind, row = mesh.element(number)
+        state = "inverted" if worst[number] < -FLAT else "degenerate"
+        groups = [name for name, group in mesh.groups.items() if row in group.cells.get(kind, ())]
+        place = mesh.points[mesh.cells[kind][row]].mean(axis=0).tolist()
+        raise MeshError(
+            f"{mesh.name}: {kind} element {row} of group {', '.join(groups) or '(none)'} is {state}: "
+            f"its Jacobian falls to {np.concatenate(lowest)[number]:.3e} m^3 near {place}; "
+            f"{bad.size} of {len(worst)} elements are inverted or degenerate"
+        )

@@ -1,0 +1,1 @@
+"""Bodies given by matrices instead of a mesh."""

@@ -1,0 +1,158 @@
+"""Whether given matrices are those of a free elastic body: what elements make by themselves."""
+
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.linalg import eigh
+from scipy.sparse.csgraph import connected_components
+
+from ...superelement.validation import Array
+from ..errors import MatrixError
+from .matrices import GivenModel
+
+FREE = 1e-8
+"""Force under a rigid motion, relative to what the same displacements make with all stiffnesses
+counted positive.
+"""
+EQUAL = 1e-8
+"""Difference of the masses in the three directions, relative to their mean."""
+STEPS = 30
+"""Of Lanczos on M over its diagonal, whose negative eigenvalues, if any, lie apart from the others.
+"""
+EXHAUSTED = 1e-12
+"""Length of a step of Lanczos that is rounding, for a matrix with ones on its diagonal."""
+MOTIONS = tuple(
+    f"{kind} {axis}" for kind in ("translation along", "rotation about") for axis in "xyz"
+)
+
+
+def check_free_body(model: GivenModel) -> None:
+    """M positive definite, K in one piece and without resistance to rigid motion, one mass in all
+    directions.
+
+    `MatrixError` names the dof and the motion, and what may be the cause.
+    """
+    A, reach = _rigid_motions(model)
+    _check_stiffness(model)
+    _check_no_resistance(model, A, reach)
+    _check_definite(model)
+    _check_mass(model, A)
+
+
+def _rigid_motions(model: GivenModel) -> tuple[Array, Array]:
+    """A (n_u, 6) about the middle, with rotations by 1 / size; and the size (n_u,) that its entries
+    can have, 1 for displacements and 1 / size for rotations: with exact zeros in A, rounding would
+    be all there is in some rows of K A.
+    """
+    points, size = model.nodes.points, model.table.size
+    if not size:
+        raise MatrixError(
+            f"{model.table.name}: expected nodes at several places, found all at {points[0].tolist()}"
+        )
+    A = model.nodes.rigid_motion(points.mean(axis=0)) / np.repeat([1.0, size], 3)
+    reach = np.full(model.nodes.n_dofs, 1.0 / size)
+    reach[model.nodes.displacements] = 1.0
+    return A, reach
+
+
+def _check_stiffness(model: GivenModel) -> None:
+    """Every dof has stiffness, and no part of the body hangs together with the rest by mass alone."""
+    loose = np.flatnonzero(model.K.diagonal() <= 0.0)
+    if len(loose):
+        raise MatrixError(
+            f"{model.name}: expected stiffness on every dof, found none on {len(loose)}, first {model.dof(loose[0])}"
+        )
+    entries = model.K.tocoo()
+    owner, n_nodes = model.nodes.owner, len(model.nodes.points)
+    graph = sp.coo_array(
+        (np.ones(entries.nnz), (owner[entries.row], owner[entries.col])), shape=(n_nodes, n_nodes)
+    )
+    pieces, label = connected_components(graph, directed=False)
+    if pieces > 1:
+        sizes = np.bincount(label)
+        least = model.table.labels[np.argmax(label == sizes.argmin())]
+        raise MatrixError(
+            f"{model.name}: expected one connected body, found {pieces} pieces of "
+            f"{', '.join(map(str, sizes[:4]))}{', ...' if pieces > 4 else ''} nodes; node {least} is in the smallest"
+        )
+
+
+def _check_no_resistance(model: GivenModel, A: Array, reach: Array) -> None:
+    """|K A| <= FREE |K| reach, row by row."""
+    share = np.abs(model.K @ A) / (abs(model.K) @ reach)[:, None]
+    worst = share.max(axis=0)
+    if worst.max() <= FREE:
+        return
+    held = worst[:3].max() > FREE
+    motion = int((worst[:3] if held else worst).argmax())
+    cause = (
+        "the body is held there, or its rows belong to other nodes and dofs than is said"
+        if held
+        else "it may translate but not rotate, so its nodes are not where they were when the matrices were made, the "
+        "unit of length is another one, dofs are in local axes, or springs join nodes that lie apart"
+    )
+    raise MatrixError(
+        f"{model.name}: expected no resistance to rigid motion, found under {MOTIONS[motion]} forces of "
+        f"{worst[motion]:.1e} of the stiffness, expected {FREE:g} at most, the largest on "
+        f"{model.dof(int(share[:, motion].argmax()))}: {cause}"
+    )
+
+
+def _check_definite(model: GivenModel) -> None:
+    """Masses on every dof, and v^T M v > 0 for the v that Lanczos finds: a proof where it fails
+    only.
+    """
+    diagonal = model.M.diagonal()
+    massless = np.flatnonzero(diagonal <= 0.0)
+    if len(massless):
+        raise MatrixError(
+            f"{model.name}: expected mass on every dof, found none or less on {len(massless)}, first "
+            f"{model.dof(massless[0])}: rotations get theirs from consistent (coupled) mass, or from [masses]"
+        )
+    scale = sp.diags_array(1.0 / np.sqrt(diagonal))
+    lowest, v = _lowest((scale @ model.M @ scale).tocsc())
+    if lowest <= 0.0:
+        raise MatrixError(
+            f"{model.name}: expected a positive definite mass, found one with the eigenvalue {lowest:.1e} of its "
+            f"diagonal, which moves {model.dof(int(np.abs(v).argmax()))} most"
+        )
+
+
+def _lowest(S: Any) -> tuple[float, Array]:
+    """The least of v^T S v for |v| = 1, and its v, in the space of `STEPS` steps of Lanczos."""
+    V = np.zeros((min(STEPS, S.shape[0]), S.shape[0]))
+    SV = np.zeros_like(V)
+    v = np.random.default_rng(0).standard_normal(S.shape[0])
+    for k in range(len(V)):
+        for _ in range(2):  # twice is enough to be orthogonal
+            v -= V[:k].T @ (V[:k] @ v)
+        length = np.linalg.norm(v)
+        if length <= EXHAUSTED:
+            V, SV = V[:k], SV[:k]
+            break
+        V[k] = v / length
+        SV[k] = S @ V[k]
+        v = SV[k].copy()
+    values, vectors = eigh(V @ SV.T)
+    return float(values[0]), V.T @ vectors[:, 0]
+
+
+def _check_mass(model: GivenModel, A: Array) -> None:
+    """A^T M A of a rigid body: one mass in all directions, and a skew coupling with rotations."""
+    moments = A.T @ (model.M @ A)
+    masses = np.diag(moments)[:3]
+    mass = masses.mean()
+    wrong = np.abs(moments[:3, :3] - mass * np.eye(3)).max()
+    if wrong > EQUAL * mass:
+        raise MatrixError(
+            f"{model.name}: expected one mass in all directions, found {', '.join(f'{m:.9g}' for m in masses)} kg "
+            f"along x, y, z, and up to {wrong:.1e} between them: mass is missing on dofs, or dofs are in local axes"
+        )
+    coupling = moments[:3, 3:]
+    uneven = np.abs(coupling + coupling.T).max()
+    if uneven > EQUAL * mass:
+        raise MatrixError(
+            f"{model.name}: expected one centre of mass for all directions, found several, {uneven / mass:.1e} of the "
+            f"size apart: mass is missing on dofs, or nodes are not where they are said to be"
+        )

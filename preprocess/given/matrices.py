@@ -1,0 +1,162 @@
+"""Models of other programs: K and M from files, in the order of our dofs."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from ..body.body import Matrices
+from ..errors import MatrixError
+from ..mesh.mesh import IntArray
+from ..mesh.nodes import Nodes
+from .matrix_files import MatrixFile, read_matrix
+from .node_table import NodeTable, as_integers, read_columns, read_nodes
+
+SYMMETRIC = 1e-10
+"""Difference of K and K^T, relative to the largest entry, that is taken for rounding."""
+DIRECTIONS = 6
+
+
+@dataclass(frozen=True, eq=False)
+class GivenModel:
+    """K [N/m ...] and M [kg ...] (n_u, n_u), sparse and symmetric, on the dofs of `nodes`; `table`
+    has their labels.
+    """
+
+    name: str
+    table: NodeTable
+    nodes: Nodes
+    K: Any
+    M: Any
+
+    def dof(self, number: int) -> str:
+        """A dof by its node and direction, for messages."""
+        node = self.nodes.owner[number]
+        return f"dof {number - self.nodes.first[node] + 1} of node {self.table.labels[node]}"
+
+
+def read_matrices(files: Matrices) -> GivenModel:
+    """Read K, M and nodes, and bring them into one order: that of the nodes, each with three or six
+    dofs.
+
+    Nodes without dofs, and dofs that have neither stiffness nor mass, are left out, as the
+    rotations are that Nastran gives to solids. A file that has each pair of dofs once holds half of
+    a symmetric matrix. `MatrixError` if the matrices do not fit each other or their nodes, or are
+    not symmetric.
+    """
+    table = read_nodes(files.nodes)
+    stiffness, mass = read_matrix(files.stiffness, "KGG"), read_matrix(files.mass, "MGG")
+    rows = [_slots(file, files, table) for file in (stiffness, mass)]
+    used = np.zeros(DIRECTIONS * len(table.labels), dtype=bool)
+    for file, slots in zip((stiffness, mass), rows, strict=True):
+        used[slots[_touched(file.entries)]] = True
+    part, rotations = _used_nodes(table, used.reshape(-1, DIRECTIONS))
+    nodes = Nodes(part.points, rotations)
+    place = np.cumsum(used) - 1
+    K, M = (
+        _ordered(file.entries, place[slots], used[slots], nodes.n_dofs)
+        for file, slots in zip((stiffness, mass), rows, strict=True)
+    )
+    model = GivenModel(f"{stiffness.name}, {mass.name}", part, nodes, K, M)
+    return replace(model, K=_symmetric(model, stiffness.name, K), M=_symmetric(model, mass.name, M))
+
+
+def _slots(file: MatrixFile, files: Matrices, table: NodeTable) -> IntArray:
+    """6 node + direction - 1 (n,) of the rows of a matrix: by its own labels, by `files.dofs`, or
+    in order.
+    """
+    n, n_nodes = file.entries.shape[0], len(table.labels)
+    dofs = file.dofs
+    if dofs is None and files.dofs is not None:
+        dofs = as_integers(files.dofs, read_columns(files.dofs, "label, dof"), "labels and dofs")
+        if len(dofs) != n:
+            raise MatrixError(
+                f"{files.dofs}: expected a row for each of the {n} of {file.name}, found {len(dofs)}"
+            )
+    if dofs is None:
+        if n not in (3 * n_nodes, DIRECTIONS * n_nodes):
+            raise MatrixError(
+                f"{file.name}: expected {3 * n_nodes} or {6 * n_nodes} rows, three or six for each of the {n_nodes} "
+                f"nodes of {table.name}, found {n}: tell node and direction of every row in matrices.dofs"
+            )
+        per_node = n // n_nodes
+        return (DIRECTIONS * np.arange(n_nodes)[:, None] + np.arange(per_node)).ravel()
+    source = file.name if files.dofs is None or file.dofs is not None else files.dofs.name
+    labels, directions = dofs.T
+    if len(unknown := table.unknown(labels)):
+        raise MatrixError(
+            f"{source}: no node {unknown[0]} in {table.name}, nor {len(np.unique(unknown)) - 1} others"
+        )
+    if (wrong := (directions < 1) | (directions > DIRECTIONS)).any():
+        raise MatrixError(
+            f"{source}: expected dofs 1 to 6, displacements and rotations, found dof {directions[wrong][0]} of node "
+            f"{labels[wrong][0]}"
+        )
+    slots: IntArray = DIRECTIONS * table.rows(labels) + directions - 1
+    if len(twice := np.flatnonzero(np.bincount(slots) > 1)):
+        raise MatrixError(
+            f"{source}: expected every dof once, found dof {twice[0] % DIRECTIONS + 1} of node "
+            f"{table.labels[twice[0] // DIRECTIONS]} in several rows"
+        )
+    return slots
+
+
+def _touched(entries: Any) -> Any:
+    """Which rows (n,) of a matrix, or columns, for it may be half of one, have an entry that is not
+    zero.
+    """
+    own = entries.data != 0.0
+    touched = np.zeros(entries.shape[0], dtype=bool)
+    touched[entries.row[own]] = True
+    touched[entries.col[own]] = True
+    return touched
+
+
+def _used_nodes(table: NodeTable, used: Any) -> tuple[NodeTable, Any]:
+    """The nodes that have dofs, and which of them rotate, from which directions are used (n, 6)."""
+    there = used.any(axis=1)
+    wrong = there & ~(
+        used[:, :3].all(axis=1) & (used[:, 3:].all(axis=1) | ~used[:, 3:].any(axis=1))
+    )
+    if wrong.any():
+        node = int(np.argmax(wrong))
+        found = ", ".join(str(i + 1) for i in np.flatnonzero(used[node]))
+        raise MatrixError(
+            f"expected stiffness or mass on dofs 1 to 3 of a node, or on 1 to 6, found {found} at node "
+            f"{table.labels[node]}, and such at {wrong.sum() - 1} others: export the model without constraints"
+        )
+    return table.part(np.flatnonzero(there)), used[there, 3]
+
+
+def _ordered(entries: Any, place: IntArray, kept: Any, n_dofs: int) -> Any:
+    """The entries whose row is kept, at their places."""
+    own = kept[entries.row] & kept[entries.col]
+    rows, columns = place[entries.row[own]], place[entries.col[own]]
+    matrix = sp.coo_array(
+        (entries.data[own].astype(float), (rows, columns)), shape=(n_dofs, n_dofs)
+    ).tocsc()
+    matrix.eliminate_zeros()
+    return matrix
+
+
+def _symmetric(model: GivenModel, name: str, matrix: Any) -> Any:
+    """(K + K^T) / 2; or K + K^T - diag K where each pair of dofs has one entry, for that is half of
+    a matrix.
+    """
+    transposed = matrix.T.tocsc()
+    difference = matrix - transposed
+    largest = abs(matrix).max()
+    if abs(difference).max() <= SYMMETRIC * largest:
+        return (0.5 * (matrix + transposed)).tocsc()
+    diagonal = sp.diags_array(matrix.diagonal(), format="csc")
+    one_side = (matrix - diagonal).astype(bool)
+    if not one_side.multiply(one_side.T.tocsc()).nnz:
+        return (matrix + transposed - diagonal).tocsc()
+    entries = abs(difference).tocoo()
+    worst = int(np.argmax(entries.data))
+    row, column = (model.dof(int(numbers[worst])) for numbers in (entries.row, entries.col))
+    raise MatrixError(
+        f"{name}: expected a symmetric matrix, found entries that differ from their mirror images by up to "
+        f"{entries.data[worst] / largest:.1e} of the largest, most between {row} and {column}"
+    )

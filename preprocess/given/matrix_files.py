@@ -1,0 +1,129 @@
+"""Files of sparse matrices: Matrix Market, scipy's .npz, Abaqus and Nastran."""
+
+import zipfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy.io
+import scipy.sparse as sp
+
+from ..errors import MatrixError
+from ..mesh.mesh import IntArray
+
+MARKET = b"%%MatrixMarket"
+
+
+@dataclass(frozen=True, eq=False)
+class MatrixFile:
+    """A square matrix as its file has it, entries (n, n) sparse; perhaps half of a symmetric one.
+
+    dofs (n, 2): label of the node and direction, 1 to 6, of every row where the file says them,
+    else None.
+    """
+
+    name: str
+    entries: Any
+    dofs: IntArray | None = None
+
+
+def read_matrix(path: Path, name: str) -> MatrixFile:
+    """Read a matrix; of a file with several (Nastran) that of this name. `MatrixError` says why it
+    cannot be read.
+    """
+    if not path.is_file():
+        raise MatrixError(f"{path}: no such file of a matrix")
+    read = _READERS.get(path.suffix.lower())
+    if read is None:
+        raise MatrixError(
+            f"{path}: expected a file of type {', '.join(_READERS)}, found {path.suffix or 'no suffix'}"
+        )
+    try:
+        found = read(path, name)
+    except MatrixError as error:
+        raise MatrixError(f"{path}: {error}") from error
+    rows, columns = found.entries.shape
+    if rows != columns:
+        raise MatrixError(
+            f"{path}: expected a square matrix, found {rows} rows and {columns} columns"
+        )
+    if found.entries.dtype.kind == "c":
+        raise MatrixError(f"{path}: expected real numbers, found complex ones")
+    if not np.isfinite(found.entries.data).all():
+        raise MatrixError(
+            f"{path}: expected finite numbers, found {(~np.isfinite(found.entries.data)).sum()} others"
+        )
+    return found
+
+
+def _npz(path: Path, _: str) -> MatrixFile:
+    """What scipy.sparse.save_npz writes."""
+    try:
+        return MatrixFile(path.name, sp.coo_array(sp.load_npz(path)))
+    except (ValueError, KeyError, OSError, zipfile.BadZipFile) as error:
+        raise MatrixError(f"not a sparse matrix of scipy: {error}") from error
+
+
+def _mtx(path: Path, _: str) -> MatrixFile:
+    """Matrix Market, which its first line says, or else Abaqus."""
+    with path.open("rb") as file:
+        market = file.read(len(MARKET)) == MARKET
+    return _market(path) if market else _abaqus(path)
+
+
+def _market(path: Path) -> MatrixFile:
+    try:
+        return MatrixFile(path.name, sp.coo_array(scipy.io.mmread(path, spmatrix=False)))
+    except (ValueError, OverflowError, OSError) as error:
+        raise MatrixError(f"not a Matrix Market file: {error}") from error
+
+
+def _abaqus(path: Path) -> MatrixFile:
+    """Rows "node, dof, node, dof, value" (MATRIX INPUT, LABELS), or "row, column, value" from 1 on
+    (COORDINATE).
+
+    Source: Abaqus Analysis Guide, "Generating structural matrices".
+    """
+    with path.open() as file:
+        first = next((line for line in file if line.strip() and not line.startswith("*")), "")
+    try:
+        table = np.loadtxt(path, delimiter="," if "," in first else None, comments="*", ndmin=2)
+    except ValueError as error:
+        raise MatrixError(f"not a matrix of Abaqus: {error}") from error
+    if table.shape[1] not in (3, 5):
+        raise MatrixError(
+            "expected rows 'node, dof, node, dof, value' or 'row, column, value' of Abaqus, or Matrix Market, "
+            f"found {table.shape[1]} columns"
+        )
+    place = table[:, :-1].astype(np.int64)
+    if (place < 1).any() or (place != table[:, :-1]).any():
+        row = table[((place < 1) | (place != table[:, :-1])).any(axis=1)][0]
+        raise MatrixError(
+            f"expected labels, dofs and rows from 1 on, found {row.tolist()}: internal nodes are not read"
+        )
+    if table.shape[1] == 3:
+        rows, columns = place.T - 1
+        return MatrixFile(path.name, _coo(table[:, -1], rows, columns, int(place.max())))
+    pairs = np.concatenate([place[:, :2], place[:, 2:]])
+    # One number for node and dof: rows of a table sort much slower.
+    width = int(pairs[:, 1].max()) + 1
+    keys, number = np.unique(pairs[:, 0] * width + pairs[:, 1], return_inverse=True)
+    rows, columns = np.split(number, 2)
+    dofs = np.stack([keys // width, keys % width], axis=1)
+    return MatrixFile(path.name, _coo(table[:, -1], rows, columns, len(keys)), dofs)
+
+
+def _coo(values: Any, rows: IntArray, columns: IntArray, n: int) -> Any:
+    return sp.coo_array((values, (rows, columns)), shape=(n, n))
+
+
+def _op4(path: Path, name: str) -> MatrixFile:
+    from .op4 import read_op4
+
+    return MatrixFile(path.name, read_op4(path, name))
+
+
+_READERS: dict[str, Callable[[Path, str], MatrixFile]] = {".npz": _npz, ".mtx": _mtx, ".op4": _op4}
+"""By suffix."""

@@ -1,0 +1,142 @@
+"""Nodes by their labels: where they are, and which groups they are in."""
+
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from ...superelement.validation import Array
+from ..errors import MatrixError
+from ..mesh.formats.draft import Numbering
+from ..mesh.mesh import NONE, IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class NodeTable:
+    """labels (n,) and points (n, 3) [m] of nodes, and groups of them as rows (k,) of the table."""
+
+    name: str
+    labels: IntArray
+    points: Array
+    groups: Mapping[str, IntArray] = field(default_factory=dict)
+
+    @cached_property
+    def _numbering(self) -> Numbering:
+        return Numbering(self.labels, "node")
+
+    @property
+    def size(self) -> float:
+        """The diagonal of the bounding box [m]."""
+        return float(np.linalg.norm(np.ptp(self.points, axis=0)))
+
+    def unknown(self, labels: IntArray) -> IntArray:
+        """Those of the labels that no node has."""
+        return labels[~self._numbering.known(labels)]
+
+    def rows(self, labels: IntArray) -> IntArray:
+        """The rows of labels, all of which must be known."""
+        return self._numbering.rows(labels, self.name)
+
+    def part(self, rows: IntArray) -> "NodeTable":
+        """Some of the nodes."""
+        place = np.full(len(self.labels), -1, dtype=np.int64)
+        place[rows] = np.arange(len(rows))
+        groups = {
+            name: place[members][place[members] >= 0] for name, members in self.groups.items()
+        }
+        return NodeTable(self.name, self.labels[rows], self.points[rows], groups)
+
+
+def read_nodes(path: Path) -> NodeTable:
+    """The nodes of a table "label, x, y, z" (.csv, .txt), of `points` and perhaps `labels` (.npz),
+    or of a mesh file.
+
+    `MatrixError` if the file cannot be read, `MeshError` if it is a mesh that cannot.
+    """
+    if not path.is_file():
+        raise MatrixError(f"{path}: no such file of nodes")
+    table = _READERS.get(path.suffix.lower(), _of_mesh)(path)
+    if table.points.shape != (len(table.labels), 3) or not np.isfinite(table.points).all():
+        raise MatrixError(
+            f"{path}: expected three finite coordinates for each of {len(table.labels)} nodes, "
+            f"found an array {table.points.shape}{'' if np.isfinite(table.points).all() else ' with others'}"
+        )
+    labels, count = np.unique(table.labels, return_counts=True)
+    if (count > 1).any():
+        raise MatrixError(
+            f"{path}: expected every label once, found node {labels[count > 1][0]} {count.max()} times"
+        )
+    return table
+
+
+def read_columns(path: Path, columns: str) -> Array:
+    """A table of numbers (n, k) with commas or blanks between them, perhaps below a line of words.
+
+    columns: the names of the k columns, for messages.
+    """
+    try:
+        text = path.read_text()
+        first, _, rest = text.partition("\n")
+        try:
+            np.array(first.replace(",", " ").split(), dtype=float)
+        except ValueError:
+            text = rest
+        table = np.loadtxt(text.replace(",", " ").splitlines(), comments=("#", "*"), ndmin=2)
+    except (OSError, UnicodeDecodeError, ValueError) as error:
+        raise MatrixError(f"{path}: expected a table of {columns}: {error}") from error
+    if not len(table) or table.shape[1] != len(columns.split(",")):
+        raise MatrixError(
+            f"{path}: expected a table of {columns}, found {table.shape[1]} columns, {len(table)} rows"
+        )
+    return table
+
+
+def as_integers(path: Path, values: Array, what: str) -> IntArray:
+    """Numbers of a table that must be whole."""
+    integers = values.astype(np.int64)
+    if (integers != values).any():
+        raise MatrixError(
+            f"{path}: expected integers for {what}, found {values[integers != values].flat[0]}"
+        )
+    return integers
+
+
+def _of_table(path: Path) -> NodeTable:
+    table = read_columns(path, "label, x, y, z")
+    return NodeTable(path.name, as_integers(path, table[:, 0], "labels"), table[:, 1:])
+
+
+def _of_npz(path: Path) -> NodeTable:
+    try:
+        with np.load(path) as file:
+            points = np.asarray(file["points"], dtype=float)
+            labels = file["labels"] if "labels" in file else np.arange(1, len(points) + 1)
+    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
+        raise MatrixError(
+            f"{path}: expected arrays points (n, 3) and perhaps labels (n,): {error}"
+        ) from error
+    return NodeTable(
+        path.name, as_integers(path, np.asarray(labels, dtype=float).ravel(), "labels"), points
+    )
+
+
+def _of_mesh(path: Path) -> NodeTable:
+    """All nodes of a mesh, whatever its elements; a group holds its points and the nodes of its
+    cells.
+    """
+    from ..mesh.reading import read_draft
+
+    draft = read_draft(path)
+    cells, groups = draft.cells, {}
+    for name, group in draft.groups.items():
+        nodes = [cells[kind][rows].ravel() for kind, rows in group.cells.items()]
+        groups[name] = np.unique(np.concatenate([NONE, group.points, *nodes]))
+    labels = np.arange(1, len(draft.points) + 1) if draft.labels is None else draft.labels
+    return NodeTable(path.name, labels, draft.points, groups)
+
+
+_READERS = {".csv": _of_table, ".txt": _of_table, ".npz": _of_npz}
+"""By suffix; what is not here is a mesh."""

@@ -1,0 +1,142 @@
+"""Nastran's OUTPUT4 files (.op4), binary and text, with columns that are dense, sparse, or sparse
+and long (BIGMAT).
+
+Each column is a record ICOL, IROW, NW and NW words: the values from IROW on, or for IROW = 0
+strings of them with a header each, IS = IROW + 65536 (L + 1) or for BIGMAT the pair L + 1, IROW,
+for L words. A last column NCOL + 1 ends it. Source: MSC Nastran DMAP Programmer's Guide, OUTPUT4.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from ..errors import MatrixError
+
+LONG = 65536
+"""Rows from which on a matrix is BIGMAT, whether it says so or not."""
+_HEADERS = {24: ("i4", 8), 48: ("i8", 16)}
+"""By the length of the first record: the type of integers, and the letters of the name."""
+_REAL = {1: "f4", 2: "f8"}
+
+Run = tuple[int, int, Any]
+"""Column and first row, from 1, and values below each other."""
+
+
+def read_op4(path: Path, name: str) -> Any:
+    """The real matrix (n, n) sparse of this name, or the only one in the file; `MatrixError` if
+    there is none.
+    """
+    data = path.read_bytes()
+    try:
+        matrices = dict(
+            _text(data.decode()) if data[:16].strip(b" 0123456789-") == b"" else _binary(data)
+        )
+    except (ValueError, IndexError, UnicodeDecodeError) as error:
+        raise MatrixError(
+            f"not an OUTPUT4 file of Nastran, or one that breaks off: {error}"
+        ) from error
+    chosen = name if name in matrices or len(matrices) != 1 else next(iter(matrices))
+    if chosen not in matrices:
+        raise MatrixError(f"expected a matrix {name}, found {', '.join(matrices) or 'none'}")
+    if matrices[chosen] is None:
+        raise MatrixError(f"matrix {chosen}: expected real numbers, found complex ones")
+    return matrices[chosen]
+
+
+def _matrix(columns: int, rows: int, kind: int, runs: list[Run]) -> Any:
+    """The sparse matrix (rows, columns); None for a complex one."""
+    if kind not in _REAL:
+        return None
+    lengths = np.array([len(values) for _, _, values in runs], dtype=np.int64)
+    column = np.repeat(np.array([run[0] for run in runs], dtype=np.int64), lengths) - 1
+    first = np.repeat(np.array([run[1] for run in runs], dtype=np.int64), lengths) - 1
+    within = np.arange(lengths.sum()) - np.repeat(np.cumsum(lengths) - lengths, lengths)
+    values = np.concatenate([np.zeros(0), *(values for _, _, values in runs)])
+    return sp.coo_array((values, (first + within, column)), shape=(abs(rows), columns))
+
+
+def _binary(data: bytes) -> Iterator[tuple[str, Any]]:
+    """Records of Fortran, with their lengths in bytes before and after."""
+    order = "<" if int.from_bytes(data[:4], "little") in _HEADERS else ">"
+    place = 0
+
+    def record() -> bytes:
+        nonlocal place
+        length = int(np.frombuffer(data, f"{order}i4", 1, place)[0])
+        found = data[place + 4 : place + 4 + length]
+        if len(found) < length:
+            raise ValueError(f"a record of {length} bytes, of which {len(found)} are there")
+        place += length + 8
+        return found
+
+    while place < len(data):
+        head = record()
+        if len(head) not in _HEADERS:
+            raise ValueError(f"a first record of {len(head)} bytes")
+        integer, letters = _HEADERS[len(head)]
+        word = np.dtype(order + integer)
+        columns, rows, _, kind = np.frombuffer(head, word, 4).tolist()
+        name = head[-letters:].decode().strip()
+        value = np.dtype(order + _REAL.get(kind, "f8"))
+        runs: list[Run] = []
+        while True:
+            body = record()
+            column, first, _ = np.frombuffer(body, word, 3).tolist()
+            if column > columns:
+                break
+            runs += _runs(
+                body[3 * word.itemsize :], column, first, rows < 0 or rows >= LONG, word, value
+            )
+        yield name, _matrix(columns, rows, kind, runs)
+
+
+def _runs(body: bytes, column: int, first: int, long: bool, word: Any, value: Any) -> Iterator[Run]:
+    """What a column holds."""
+    if first:
+        yield column, first, np.frombuffer(body, value)
+        return
+    place = 0
+    while place < len(body):
+        head = np.frombuffer(body, word, 1 + long, place).tolist()
+        words, row = (head[0] - 1, head[1]) if long else (head[0] // LONG - 1, head[0] % LONG)
+        place += (1 + long) * word.itemsize
+        count = words * word.itemsize // value.itemsize
+        yield column, row, np.frombuffer(body, value, count, place)
+        place += words * word.itemsize
+
+
+def _text(text: str) -> Iterator[tuple[str, Any]]:
+    """Lines of integers, which head columns (three) and strings (one or two), and of values, which
+    have a point.
+    """
+    lines = iter(text.splitlines())
+    for head in lines:
+        # Four integers of equal width, the name, and the format of the values: 1P,3E23.16.
+        width = 8 if head[32:33].isalpha() else 16
+        columns, rows, _, kind = (int(head[i * width : (i + 1) * width]) for i in range(4))
+        name, _, form = head[4 * width :].partition("1P,")
+        size = int(form.split("E")[1].split(".")[0])
+        runs: list[Run] = []
+        column = row = 0
+        while column <= columns:
+            line = next(lines, "")
+            if "." in line:
+                line = line.replace("D", "E").rstrip()
+                values = np.array([float(line[i : i + size]) for i in range(0, len(line), size)])
+                runs.append((column, row, values))
+                row += len(values)
+                continue
+            match [int(part) for part in line.split()]:
+                case [column, row, _]:
+                    pass
+                case [_, row]:
+                    pass
+                case [string]:
+                    row = string % LONG
+                case _:
+                    raise ValueError(f"matrix {name.strip()}, after column {column}: {line!r}")
+        next(lines, "")  # a value that stands for the last column
+        yield name.strip(), _matrix(columns, rows, kind, runs)

@@ -1,0 +1,37 @@
+"""Groups of formats that know no groups, from integers on cells or points.
+
+Where the array NAME has the value 7 is the group "NAME 7"; of an array of 0 and 1 alone, 1 is the
+group NAME too. An array that numbers cells or points, all its values being different, makes no
+groups.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ..mesh import IntArray
+from .draft import Draft
+
+MOST = 1000
+"""Values of an array beyond which it is not taken to tell groups."""
+
+
+def mark_values(
+    draft: Draft, name: str, values: Any, mark: Callable[[str, IntArray], None]
+) -> None:
+    """The groups of an array with one integer for each cell or point."""
+    if values.dtype.kind not in "iub" or values.size != len(values):
+        return
+    distinct, which = np.unique(values.ravel().astype(np.int64), return_inverse=True)
+    if len(distinct) == len(values) > 2:
+        return
+    if len(distinct) > MOST:
+        draft.lost.append(
+            f"groups of the array {name!r}, which has {len(distinct)} values, more than {MOST}"
+        )
+        return
+    for place, value in enumerate(distinct.tolist()):
+        mark(f"{name} {value}", np.flatnonzero(which == place))
+    if set(distinct.tolist()) <= {0, 1}:
+        mark(name, np.flatnonzero(values.ravel()))

@@ -1,0 +1,135 @@
+"""A mesh while its file is being read."""
+
+from collections import Counter
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ....superelement.validation import Array
+from ...errors import MeshError
+from ..mesh import NONE, Group, IntArray
+
+
+class Draft:
+    """Points (n, 3) and cells in the order of their file, and what the file says is in which group.
+
+    A name that is given to several things, as to nodes and to elements, is one group of them all.
+    `lost` tells in words what the file holds and the draft does not; labels (n,) are the numbers
+    that it gives to points, None if none.
+    """
+
+    def __init__(
+        self, points: Array, lost: list[str] | None = None, labels: IntArray | None = None
+    ) -> None:
+        self.points = points
+        self.labels = labels
+        self.lost = [] if lost is None else lost
+        self._blocks: dict[str, list[IntArray]] = {}
+        self._counts: Counter[str] = Counter()
+        self._cells: dict[str, dict[str, list[IntArray]]] = {}
+        self._points: dict[str, list[IntArray]] = {}
+
+    def add(self, kind: str, nodes: IntArray) -> IntArray:
+        """Cells (n, k) of one type, as rows of `points`; their rows (n,) among all cells of that
+        type.
+        """
+        first = self._counts[kind]
+        self._counts[kind] += len(nodes)
+        self._blocks.setdefault(kind, []).append(nodes)
+        return np.arange(first, first + len(nodes))
+
+    def mark(self, name: str, kind: str, rows: ArrayLike) -> None:
+        """Put cells into a group."""
+        self._cells.setdefault(name, {}).setdefault(kind, []).append(
+            np.asarray(rows, dtype=np.int64)
+        )
+
+    def mark_points(self, name: str, rows: ArrayLike) -> None:
+        """Put points into a group."""
+        self._points.setdefault(name, []).append(np.asarray(rows, dtype=np.int64))
+
+    @property
+    def cells(self) -> dict[str, IntArray]:
+        return {kind: np.concatenate(blocks) for kind, blocks in self._blocks.items()}
+
+    @property
+    def groups(self) -> dict[str, Group]:
+        """Every group that holds something."""
+        found = {}
+        for name in {**self._cells, **self._points}:
+            cells = {
+                kind: np.unique(np.concatenate(rows))
+                for kind, rows in self._cells.get(name, {}).items()
+            }
+            points = np.unique(np.concatenate([NONE, *self._points.get(name, [])]))
+            found[name] = Group({kind: rows for kind, rows in cells.items() if len(rows)}, points)
+        return {name: group for name, group in found.items() if group.kinds}
+
+
+class Sequence:
+    """The elements of a file in its order, whatever their types, and the cell of each."""
+
+    def __init__(self, draft: Draft) -> None:
+        self._draft = draft
+        self._kinds: list[str] = []
+        self._blocks: list[tuple[IntArray, IntArray]] = [(NONE, NONE)]
+
+    def add(self, kind: str, nodes: IntArray) -> None:
+        """The next elements, all of one type."""
+        if kind not in self._kinds:
+            self._kinds.append(kind)
+        self._blocks.append(
+            (np.full(len(nodes), self._kinds.index(kind)), self._draft.add(kind, nodes))
+        )
+
+    def __len__(self) -> int:
+        return sum(len(rows) for _, rows in self._blocks)
+
+    def by_kind(self, elements: IntArray) -> Iterator[tuple[str, IntArray]]:
+        """The cells of elements, given by their places in the order of the file: rows of each type."""
+        kinds, rows = (np.concatenate(parts) for parts in zip(*self._blocks, strict=True))
+        for i, kind in enumerate(self._kinds):
+            if len(found := rows[elements[kinds[elements] == i]]):
+                yield kind, found
+
+    def mark(self, group: str, elements: IntArray) -> None:
+        """Put the cells of elements into a group."""
+        for kind, rows in self.by_kind(elements):
+            self._draft.mark(group, kind, rows)
+
+
+class Numbering:
+    """The numbers (n,) that a file gives to its nodes or elements, and their places in its order."""
+
+    def __init__(self, numbers: ArrayLike, what: str) -> None:
+        self._what = what
+        given = np.asarray(numbers, dtype=np.int64)
+        self._order = np.argsort(given, kind="stable")
+        self._sorted = given[self._order]
+        twice = self._sorted[1:][self._sorted[1:] == self._sorted[:-1]]
+        if len(twice):
+            raise MeshError(f"{what} {twice[0]} is there more than once")
+
+    def __len__(self) -> int:
+        return len(self._sorted)
+
+    def known(self, numbers: ArrayLike) -> NDArray[np.bool_]:
+        """Whether the numbers are there, in their shape."""
+        return np.isin(np.asarray(numbers, dtype=np.int64), self._sorted)
+
+    def within(self, numbers: range) -> IntArray:
+        """The places of those numbers of a range that are there."""
+        inside = (self._sorted >= numbers.start) & (self._sorted < numbers.stop)
+        inside &= (self._sorted - numbers.start) % numbers.step == 0
+        return self._order[inside]
+
+    def rows(self, numbers: ArrayLike, user: str) -> IntArray:
+        """The places of numbers, in their shape; `MeshError` if `user` asks for one that is not
+        there.
+        """
+        wanted = np.asarray(numbers, dtype=np.int64)
+        known = self.known(wanted)
+        if not known.all():
+            raise MeshError(f"{user}: no {self._what} {wanted[~known][0]} in the file")
+        return self._order[np.searchsorted(self._sorted, wanted)]

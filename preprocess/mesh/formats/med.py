@@ -1,0 +1,159 @@
+"""MED files of Salome and Code_Aster (.med): HDF5 with families of nodes and elements, and the
+groups they belong to.
+
+Source: MED data model, as the files of Gmsh and Salome show it: /ENS_MAA/MESH/STEP/{NOE,MAI},
+/FAS/MESH/{NOEUD,ELEME}.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from ....superelement.validation import Array
+from ...errors import MeshError
+from ..mesh import IntArray
+from .draft import Draft
+
+# Types of cells and numbers of nodes.
+_KINDS = {
+    "PO1": ("vertex", 1),
+    "SE2": ("line", 2),
+    "SE3": ("line3", 3),
+    "TR3": ("triangle", 3),
+    "TR6": ("triangle6", 6),
+    "QU4": ("quad", 4),
+    "QU8": ("quad8", 8),
+    "QU9": ("quad9", 9),
+    "TE4": ("tetra", 4),
+    "T10": ("tetra10", 10),
+    "HE8": ("hexahedron", 8),
+    "H20": ("hexahedron20", 20),
+    "H27": ("hexahedron27", 27),
+    "PE6": ("wedge", 6),
+    "P15": ("wedge15", 15),
+    "PY5": ("pyramid", 5),
+    "P13": ("pyramid13", 13),
+}
+_EDGES = [11, 10, 9, 8, 15, 14, 13, 12, 16, 19, 18, 17]
+# MED numbers solids as seen in a mirror. The corners in meshio's order, and the middles of edges
+# and faces after them.
+_MIRRORED = {
+    "tetra": [0, 2, 1, 3],
+    "tetra10": [0, 2, 1, 3, 6, 5, 4, 7, 9, 8],
+    "wedge": [0, 2, 1, 3, 5, 4],
+    "hexahedron": [0, 3, 2, 1, 4, 7, 6, 5],
+    "hexahedron20": [0, 3, 2, 1, 4, 7, 6, 5, *_EDGES],
+    "hexahedron27": [0, 3, 2, 1, 4, 7, 6, 5, *_EDGES, 21, 23, 24, 22, 20, 25, 26],
+}
+# Next to the first corner: its neighbours, counted to the right about the direction inwards.
+_NEIGHBOURS = {"tetra": [1, 2, 3], "wedge": [1, 2, 3], "hexahedron": [1, 3, 4]}
+
+
+@dataclass(frozen=True)
+class _Support:
+    """Nodes or cells of one type: what the file has of them, and the family (n,) of each; family 0
+    is none.
+    """
+
+    values: Any
+    families: IntArray
+
+
+def read(path: Path) -> Draft:
+    """A mesh of MED; `MeshError` if the file is damaged or holds more than one mesh."""
+    try:
+        with h5py.File(path) as file:
+            nodes, cells, groups = _contents(file)
+    except (
+        OSError,
+        KeyError,
+        RuntimeError,
+        TypeError,
+        UnicodeDecodeError,
+    ) as error:  # as h5py tells of damage
+        raise MeshError(f"the file is no MED file, or damaged: {error}") from error
+    draft = Draft(nodes.values)
+    for family, names in groups["NOEUD"].items():
+        for name in names:
+            draft.mark_points(name, np.flatnonzero(nodes.families == family))
+    for code, support in cells.items():
+        if code not in _KINDS:
+            raise MeshError(f"unsupported cells of MED's type {code}")
+        kind, k = _KINDS[code]
+        if (
+            support.values.shape[1] != k
+            or not ((support.values >= 0) & (support.values < len(nodes.values))).all()
+        ):
+            raise MeshError(
+                f"cells of MED's type {code}: expected {k} numbers of nodes, 1 to {len(nodes.values)}"
+            )
+        rows = draft.add(kind, _turned(kind, support.values, nodes.values))
+        for family, names in groups["ELEME"].items():
+            for name in names:
+                draft.mark(name, kind, rows[support.families == family])
+    return draft
+
+
+def _contents(file: Any) -> tuple[_Support, dict[str, _Support], dict[str, dict[int, list[str]]]]:
+    """Nodes, cells by type with their nodes from 0, and the names of the groups of every family."""
+    name = _only(file["ENS_MAA"], "mesh")
+    mesh = file["ENS_MAA"][name]
+    step = mesh if "NOE" in mesh else mesh[_only(mesh, "time step")]
+    nodes = _support(step["NOE"], "COO")
+    points = np.zeros((len(nodes.values), 3))
+    points[:, : nodes.values.shape[1]] = nodes.values
+    cells = {code: _support(group, "NOD") for code, group in step["MAI"].items()}
+    families = file["FAS"][name] if name in file.get("FAS", {}) else {}
+    groups = {what: _groups(families.get(what, {})) for what in ("NOEUD", "ELEME")}
+    numbered = {
+        code: _Support(cell.values.astype(np.int64) - 1, cell.families)
+        for code, cell in cells.items()
+    }
+    return _Support(points, nodes.families), numbered, groups
+
+
+def _only(group: Any, what: str) -> str:
+    names = list(group)
+    if len(names) != 1:
+        raise MeshError(f"expected one {what} in the file, found {', '.join(names) or 'none'}")
+    return str(names[0])
+
+
+def _support(group: Any, dataset: str) -> _Support:
+    """The columns of a dataset stand one after the other; without families all belong to none."""
+    count, values = int(group[dataset].attrs["NBR"]), group[dataset][()]
+    if count < 1 or values.size % count:
+        raise MeshError(
+            f"{group.name}/{dataset}: expected values for {count} entries, found {values.size}"
+        )
+    families = group["FAM"][()] if "FAM" in group else np.zeros(count, dtype=np.int64)
+    if families.shape != (count,):
+        raise MeshError(
+            f"{group.name}/FAM: expected {count} families, found shape {families.shape}"
+        )
+    return _Support(values.reshape(-1, count).T, families.astype(np.int64))
+
+
+def _groups(families: Any) -> dict[int, list[str]]:
+    return {
+        int(family.attrs["NUM"]): [
+            bytes(name).rstrip(b"\0 ").decode() for name in family["GRO"]["NOM"][()].view("u1")
+        ]
+        for family in families.values()
+        if "GRO" in family
+    }
+
+
+def _turned(kind: str, cells: IntArray, points: Array) -> IntArray:
+    """Cells in meshio's order. Some programs, meshio among them, do not mirror: theirs have a
+    volume as they are.
+    """
+    if kind not in _MIRRORED:
+        return cells
+    corners = points[cells]
+    a, b, c = (corners[:, i] - corners[:, 0] for i in _NEIGHBOURS[kind.rstrip("0123456789")])
+    mirrored = np.einsum("ni,ni->n", np.cross(a, b), c) < 0.0
+    return np.where(mirrored[:, None], cells[:, _MIRRORED[kind]], cells)

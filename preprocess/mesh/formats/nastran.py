@@ -1,0 +1,139 @@
+"""Nastran bulk data (.bdf, .nas, .dat, .fem): grid points, elements, properties and sets of points.
+
+Groups are the elements of a property, as "property 3" and by the name that a comment of HyperMesh,
+ANSA or Femap gives it, and the points of SET1 as "set 5", of SPC and SPC1 as "spc 2". Source: MSC
+Nastran Quick Reference Guide.
+"""
+
+import re
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+
+from ...errors import MeshError
+from ..mesh import NONE
+from .draft import Draft, Numbering
+from .nastran_deck import Card, read_cards
+from .nastran_frames import frame_of
+
+# Types of cells by the names of elements, and by the number of nodes where both orders have one
+# name.
+_SOLIDS = {
+    "CTETRA": {4: "tetra", 10: "tetra10"},
+    "CPYRAM": {5: "pyramid", 13: "pyramid13"},
+    "CPYRA": {5: "pyramid", 13: "pyramid13"},
+    "CPENTA": {6: "wedge", 15: "wedge15"},
+    "CHEXA": {8: "hexahedron", 20: "hexahedron20"},
+}
+_PARTS = {
+    "CTRIA3": ("triangle", 3),
+    "CTRIAR": ("triangle", 3),
+    "CTRIA6": ("triangle6", 6),
+    "CQUAD4": ("quad", 4),
+    "CQUADR": ("quad", 4),
+    "CSHEAR": ("quad", 4),
+    "CQUAD8": ("quad8", 8),
+    "CBAR": ("line", 2),
+    "CBEAM": ("line", 2),
+    "CROD": ("line", 2),
+    "CTUBE": ("line", 2),
+}
+# Nastran has the middles of the upright edges before those of the top.
+_ORDER = {
+    "hexahedron20": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15],
+    "wedge15": [*range(9), 12, 13, 14, 9, 10, 11],
+}
+# Other elements, rigid ones and constraints between points.
+_LEFT_OUT = re.compile(r"(?!CORD)C\w+|R(BAR|BE|JOINT|ROD|SPLINE|SSCON|TRPLT)\w*|MPC\w*")
+
+
+def read(path: Path) -> Draft:
+    """A mesh of Nastran; `MeshError` if the file is damaged."""
+    grids: list[Card] = []
+    elements: list[Card] = []
+    sets: list[Card] = []
+    systems: dict[int, Card] = {}
+    left_out: Counter[str] = Counter()
+    default_system, names = 0, dict[int, str]()
+    for card in read_cards(path, names):
+        match card.name:
+            case "GRID":
+                grids.append(card)
+            case "GRDSET":
+                default_system = card.integer(3, 0)
+            case "CORD2R" | "CORD2C" | "CORD2S":
+                systems[card.integer(2)] = card
+            case "SET1" | "SPC" | "SPC1":
+                sets.append(card)
+            case name if name in _SOLIDS or name in _PARTS:
+                elements.append(card)
+            case name if _LEFT_OUT.fullmatch(name):
+                left_out[name] += 1
+
+    labels = np.array([card.integer(2) for card in grids], dtype=np.int64)
+    numbering = Numbering(labels, "grid point")
+    points = np.array([[card.number(field) for field in (4, 5, 6)] for card in grids]).reshape(
+        -1, 3
+    )
+    system = np.array([card.integer(3, default_system) for card in grids], dtype=np.int64)
+    for number in np.unique(system):
+        points[system == number] = frame_of(int(number), systems).to_basic(points[system == number])
+    draft = Draft(points, [f"{name} ({count})" for name, count in left_out.items()], labels)
+    _add_elements(draft, elements, numbering, names)
+    for card in sets:
+        _add_points(draft, card, numbering)
+    return draft
+
+
+def _add_elements(
+    draft: Draft, cards: list[Card], numbering: Numbering, names: dict[int, str]
+) -> None:
+    by_kind: dict[str, list[tuple[int, list[int]]]] = {}
+    for card in cards:
+        kind, given = _nodes(card)
+        by_kind.setdefault(kind, []).append((card.integer(3, card.integer(2)), given))
+    for kind, members in by_kind.items():
+        nodes = numbering.rows([given for _, given in members], f"{kind} elements")
+        rows = draft.add(kind, nodes[:, _ORDER[kind]] if kind in _ORDER else nodes)
+        properties = np.array([number for number, _ in members])
+        for number in np.unique(properties).tolist():
+            for name in dict.fromkeys(
+                (f"property {number}", names.get(number, f"property {number}"))
+            ):
+                draft.mark(name, kind, rows[properties == number])
+
+
+def _nodes(card: Card) -> tuple[str, list[int]]:
+    """The type of cell of an element, and its nodes; the property is its number unless given."""
+    if card.name in _PARTS:
+        kind, count = _PARTS[card.name]
+    else:
+        given = [place for place, text in enumerate(card.fields[2:], 1) if text]
+        count, kinds = given[-1] if given else 0, _SOLIDS[card.name]
+        if count not in kinds:
+            raise MeshError(
+                f"{card.place}: {card.name}: expected {' or '.join(map(str, kinds))} grid points, found {count}"
+            )
+        kind = kinds[count]
+    return kind, [card.integer(field) for field in range(4, 4 + count)]
+
+
+def _add_points(draft: Draft, card: Card, numbering: Numbering) -> None:
+    """The grid points of a set; ranges may name some that are not there, and SET1 may hold elements
+    instead.
+    """
+    match card.name:
+        case "SPC":
+            numbers = [card.integer(field) for field in (3, 6) if card.text(field)]
+            ranges = [range(number, number + 1) for number in numbers]
+        case "SPC1":
+            ranges = card.ranges(4)
+        case _:
+            ranges = card.ranges(3)
+    rows = np.concatenate([NONE, *map(numbering.within, ranges)])
+    if not len(rows):
+        draft.lost.append(
+            f"{card.name} {card.integer(2)} ({card.place}), which names no grid points"
+        )
+    draft.mark_points(f"{card.name[:3].lower()} {card.integer(2)}", rows)

@@ -1,0 +1,69 @@
+"""Coordinate systems in which Nastran's grid points are given."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ....superelement.validation import Array
+from ...errors import MeshError
+from .nastran_deck import Card
+
+
+@dataclass(frozen=True)
+class Frame:
+    """origin (3,) and axes (3, 3), whose rows are its own axes, in basic coordinates; kind: the
+    card's last letter.
+    """
+
+    kind: str
+    origin: Array
+    axes: Array
+
+    def to_basic(self, given: Array) -> Array:
+        """Basic coordinates (n, 3) of points given in rectangular (R), cylindrical (C) or spherical
+        (S) ones.
+
+        Angles are in degrees: r, theta, z of a cylinder; r, theta from the third axis, phi of a
+        sphere.
+        """
+        a, b, c = given.T
+        b_angle, c_angle = np.deg2rad(b), np.deg2rad(c)
+        if self.kind == "C":
+            local = np.stack([a * np.cos(b_angle), a * np.sin(b_angle), c], axis=1)
+        elif self.kind == "S":
+            across = a * np.sin(b_angle)
+            local = np.stack(
+                [across * np.cos(c_angle), across * np.sin(c_angle), a * np.cos(b_angle)], axis=1
+            )
+        else:
+            local = given
+        basic: Array = self.origin + local @ self.axes
+        return basic
+
+
+def frame_of(number: int, cards: Mapping[int, Card], inside: tuple[int, ...] = ()) -> Frame:
+    """The coordinate system of a number from the cards CORD2R, CORD2C and CORD2S; 0 is the basic
+    one.
+
+    Three points in the system that the card refers to: the origin, one on the third axis, one in
+    the plane of the first and third.
+    """
+    if number == 0:
+        return Frame("R", np.zeros(3), np.eye(3))
+    if number not in cards:
+        raise MeshError(
+            f"coordinate system {number}: expected a card CORD2R, CORD2C or CORD2S, found none"
+        )
+    card = cards[number]
+    if number in inside:
+        raise MeshError(f"{card.place}: coordinate system {number} refers to itself")
+    points = np.array([card.number(field) for field in range(4, 13)]).reshape(3, 3)
+    origin, on_third, in_plane = frame_of(card.integer(3, 0), cards, (*inside, number)).to_basic(
+        points
+    )
+    third, across = on_third - origin, np.cross(on_third - origin, in_plane - origin)
+    if not across.any():
+        raise MeshError(f"{card.place}: {card.name}: expected three points that are not on a line")
+    third, second = third / np.linalg.norm(third), across / np.linalg.norm(across)
+    return Frame(card.name[-1], origin, np.array([np.cross(second, third), second, third]))

@@ -1,0 +1,100 @@
+"""Numbers of a file from front to back, written as text or as bytes."""
+
+from typing import Any
+
+import numpy as np
+
+from ...errors import MeshError
+from ..mesh import IntArray
+
+Column = tuple[str, int]
+"""A type, "i" (int), "u" (size) or "d" (double), and how many of it stand in a row."""
+
+
+class TextNumbers:
+    """Numbers between blanks."""
+
+    def __init__(self, text: bytes) -> None:
+        try:
+            self._values = np.array(text.split(), dtype=float)
+        except ValueError as error:
+            raise MeshError(f"expected numbers: {error}") from error
+
+    def table(self, rows: int, *columns: Column) -> list[Any]:
+        """The next rows, split into arrays (rows, n) for each column; `MeshError` if there are not
+        as many.
+        """
+        width = sum(count for _, count in columns)
+        if min(rows, *(count for _, count in columns)) < 0 or rows * width > self.left:
+            raise MeshError(f"expected {rows} rows of {width} numbers, found {self.left} numbers")
+        values, self._values = np.split(self._values, [rows * width])
+        ends = np.cumsum([count for _, count in columns])[:-1]
+        parts = np.split(values.reshape(rows, width), ends, axis=1)
+        return [
+            part if code == "d" else _integers(part)
+            for part, (code, _) in zip(parts, columns, strict=True)
+        ]
+
+    def ahead(self, count: int) -> list[int]:
+        """The next integers, without taking them."""
+        if self.left < count:
+            raise MeshError(f"expected {count} more numbers, found {self.left}")
+        numbers: list[int] = _integers(self._values[:count]).tolist()
+        return numbers
+
+    def alike(self, width: int, columns: slice, limit: int) -> int:
+        """How many of the next rows, `limit` at most, have what the first has in some columns."""
+        asked = 1
+        while True:
+            found = min(asked, limit, self.left // width)
+            rows = self._values[: found * width].reshape(found, width)[:, columns]
+            differs = (rows != rows[:1]).any(axis=1)
+            if differs.any():
+                return int(differs.argmax())
+            if found < asked:
+                return found
+            asked *= 2
+
+    @property
+    def left(self) -> int:
+        return len(self._values)
+
+
+class BinaryNumbers:
+    """Numbers as the machine that wrote them had them; order: "<" or ">", size: bytes of a size."""
+
+    def __init__(self, data: bytes, order: str, size: int) -> None:
+        self._data = memoryview(data)
+        self._types = {"i": f"{order}i4", "u": f"{order}u{size}", "d": f"{order}f8"}
+
+    def table(self, rows: int, *columns: Column) -> list[Any]:
+        """As for text."""
+        rows = int(rows)  # numpy's integers overflow
+        width = sum(int(count) * np.dtype(self._types[code]).itemsize for code, count in columns)
+        if min(rows, *(count for _, count in columns)) < 0 or rows * width > self.left:
+            raise MeshError(f"expected {rows} rows of {width} bytes, found {self.left} bytes")
+        row = np.dtype(
+            [(str(i), self._types[code], (count,)) for i, (code, count) in enumerate(columns)]
+        )
+        table = np.frombuffer(self._data, row, rows)
+        self._data = self._data[rows * row.itemsize :]
+        return [
+            table[str(i)].astype(float if code == "d" else np.int64)
+            for i, (code, _) in enumerate(columns)
+        ]
+
+    @property
+    def left(self) -> int:
+        return len(self._data)
+
+
+Numbers = TextNumbers | BinaryNumbers
+
+
+def _integers(values: Any) -> IntArray:
+    whole = np.abs(values) < 2.0**53
+    whole[whole] = values[whole] % 1.0 == 0.0
+    if not whole.all():
+        raise MeshError(f"expected an integer, found {values[~whole][0]}")
+    integers: IntArray = values.astype(np.int64)
+    return integers

@@ -1,0 +1,148 @@
+"""Meshes and their named groups."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from itertools import accumulate
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...superelement.validation import Array
+from ..errors import MeshError
+
+IntArray = NDArray[np.int64]
+NONE: IntArray = np.zeros(0, dtype=np.int64)
+
+LINES = ("line",)
+SOLIDS = ("tetra", "tetra10", "hexahedron", "hexahedron20", "hexahedron27", "wedge")
+PARTS = ("vertex", "line", "line3", "triangle", "triangle6", "quad", "quad8", "quad9")
+"""Cells that may bound or mark a body without being one."""
+
+DIMENSIONS = {
+    "vertex": 0,
+    "line": 1,
+    "line3": 1,
+    "triangle": 2,
+    "triangle6": 2,
+    "quad": 2,
+    "quad8": 2,
+    "quad9": 2,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """A named part of a mesh: cells by type, as rows of `Mesh.cells[type]`, and points that belong
+    to no cell.
+
+    loose (k, 3): where the nodes are [m] that it names and the mesh leaves out, for no element has
+    them.
+    """
+
+    cells: Mapping[str, IntArray]
+    points: IntArray
+    loose: Array = field(default_factory=lambda: np.zeros((0, 3)))
+
+    @property
+    def kinds(self) -> list[str]:
+        """The types of what it holds, for messages."""
+        return [*self.cells, *(["points"] if len(self.points) else [])]
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Points (n, 3) [m]; cells by meshio's type names, (n_cells, n_nodes) in meshio's node order;
+    named groups.
+
+    `body_types` are the types of the cells that make the body: lines alone, or solid cells of one
+    or more types. Elements are counted through these types in their order: number n is a row of the
+    first type with rows to spare.
+    """
+
+    name: str
+    points: Array
+    cells: Mapping[str, IntArray]
+    groups: Mapping[str, Group]
+    body_types: tuple[str, ...]
+
+    @property
+    def used(self) -> NDArray[np.bool_]:
+        """Which points (n,) are nodes of an element."""
+        used = np.zeros(len(self.points), dtype=np.bool_)
+        for cells in self.elements.values():
+            used[cells] = True
+        return used
+
+    @property
+    def size(self) -> float:
+        """The diagonal of the bounding box [m]."""
+        return float(np.linalg.norm(np.ptp(self.points, axis=0)))
+
+    @property
+    def elements(self) -> dict[str, IntArray]:
+        """The cells that make the body, by type, in the order of their numbers."""
+        return {kind: self.cells[kind] for kind in self.body_types}
+
+    @property
+    def first(self) -> dict[str, int]:
+        """The number of the first element of each type."""
+        counts = [len(cells) for cells in self.elements.values()]
+        return dict(zip(self.body_types, accumulate(counts, initial=0), strict=False))
+
+    @property
+    def n_elements(self) -> int:
+        return sum(len(cells) for cells in self.elements.values())
+
+    def members(self, group: str) -> IntArray:
+        """The numbers of the elements in a group."""
+        cells = self.group(group).cells
+        return np.concatenate(
+            [cells[kind] + first for kind, first in self.first.items() if kind in cells] or [NONE]
+        )
+
+    def element(self, number: int) -> tuple[str, int]:
+        """The type of an element, and its row in the cells of that type."""
+        kind = [kind for kind, first in self.first.items() if first <= number][-1]
+        return kind, number - self.first[kind]
+
+    def group(self, name: str) -> Group:
+        if name not in self.groups:
+            known = ", ".join(sorted(self.groups)) or "none"
+            raise MeshError(f"{self.name}: no group {name!r}; the groups of the mesh are: {known}")
+        return self.groups[name]
+
+    def without_loose_nodes(self) -> "Mesh":
+        """The mesh on the nodes of its elements: other points go, which have no mass, and other
+        cells that need them.
+
+        Such are the reference points of Abaqus, the points of Gmsh's geometry, and grids that rigid
+        elements hold.
+        """
+        used = self.used
+        place = np.cumsum(used) - 1
+        whole = {
+            kind: np.flatnonzero(used[cells].all(axis=1)) for kind, cells in self.cells.items()
+        }
+
+        def remaining(group: Group) -> Group:
+            nodes = [
+                group.points,
+                *(self.cells[kind][rows].ravel() for kind, rows in group.cells.items()),
+            ]
+            named = np.unique(np.concatenate(nodes))
+            cells = {
+                kind: np.flatnonzero(np.isin(whole[kind], rows))
+                for kind, rows in group.cells.items()
+            }
+            return Group(
+                {kind: rows for kind, rows in cells.items() if len(rows)},
+                place[group.points[used[group.points]]],
+                self.points[named[~used[named]]],
+            )
+
+        return replace(
+            self,
+            points=self.points[used],
+            cells={kind: place[cells[whole[kind]]] for kind, cells in self.cells.items()},
+            groups={name: remaining(group) for name, group in self.groups.items()},
+        )

@@ -1,0 +1,97 @@
+"""Mesh files and their named groups."""
+
+import os
+import warnings
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+
+from ...superelement.validation import Array
+from ..errors import MeshError, MeshWarning
+from .formats import abaqus, gmsh, med, nastran, through_meshio, xdmf
+from .formats.draft import Draft
+from .mesh import LINES, PARTS, SOLIDS, Mesh
+
+_READERS = {
+    ".msh": gmsh.read,
+    ".inp": abaqus.read,
+    ".bdf": nastran.read,
+    ".nas": nastran.read,
+    ".dat": nastran.read,
+    ".fem": nastran.read,
+    ".med": med.read,
+    ".xdmf": xdmf.read,
+    ".xmf": xdmf.read,
+}
+"""By suffix; meshio reads what is not here."""
+LISTED = 3
+"""Nodes that a warning lists."""
+
+
+def read_mesh(path: str | os.PathLike[str], scale: float = 1.0) -> Mesh:
+    """Read a mesh and its groups; coordinates are multiplied by `scale`, the length of the unit of
+    the file in metres.
+
+    How each format says its groups is told in its own file in `formats`. `MeshError` if the file
+    cannot be read, or holds cells that are neither lines nor solids. `MeshWarning` if it holds more
+    than is read of it: nodes that belong to no element are left out.
+    """
+    path = Path(path)
+    draft = read_draft(path)
+    cells = {kind: rows for kind, rows in draft.cells.items() if len(rows)}
+    mesh = Mesh(path.name, scale * draft.points, cells, draft.groups, _body_types(path.name, cells))
+    loose = draft.points[~mesh.used]
+    lost = [*draft.lost, *([_told(loose)] if len(loose) else [])]
+    if lost:
+        warnings.warn(
+            f"{path}: left out: {'; '.join(dict.fromkeys(lost))}", MeshWarning, stacklevel=2
+        )
+    return mesh.without_loose_nodes() if len(loose) else mesh
+
+
+def read_draft(path: Path) -> Draft:
+    """What a mesh file holds, whatever its cells; `MeshError` if it cannot be read."""
+    if not path.is_file():
+        raise MeshError(f"{path}: no such mesh file")
+    try:
+        draft = _READERS.get(path.suffix.lower(), through_meshio.read)(path)
+    except MeshError as error:
+        raise MeshError(f"{path}: {error}") from error
+    if not len(draft.points):
+        raise MeshError(f"{path}: the mesh has no points")
+    if not np.isfinite(draft.points).all():
+        point = int(np.flatnonzero(~np.isfinite(draft.points).all(axis=1))[0])
+        raise MeshError(f"{path}: point {point} is at {draft.points[point].tolist()}")
+    return draft
+
+
+def _told(loose: Array) -> str:
+    """Nodes (k, 3), in the unit of the file."""
+    places = [
+        *(str(place) for place in loose[:LISTED].tolist()),
+        *(["..."] if len(loose) > LISTED else []),
+    ]
+    return f"{len(loose)} nodes that belong to no element, at {', '.join(places)}"
+
+
+def _body_types(name: str, kinds: Iterable[str]) -> tuple[str, ...]:
+    """The types of the cells that make the body: the solid ones, else lines."""
+    unsupported = [kind for kind in kinds if kind not in (*SOLIDS, *PARTS)]
+    if unsupported:
+        raise MeshError(
+            f"{name}: unsupported cells {', '.join(unsupported)}; bodies are made of {_supported()}: mesh the part in "
+            f"these alone, or split the cells into tetrahedra"
+        )
+    solids = tuple(kind for kind in kinds if kind in SOLIDS)
+    if solids:
+        return solids
+    if "line" in kinds and all(kind in ("vertex", "line") for kind in kinds):
+        return LINES
+    raise MeshError(
+        f"{name}: no body in cells of type {', '.join(kinds) or 'none'}; bodies are made of {_supported()}"
+    )
+
+
+def _supported() -> str:
+    return ", ".join((*LINES, *SOLIDS))

@@ -1,0 +1,1 @@
+"""Impulse responses of the interfaces, by modes, Krylov vectors or time steps."""

@@ -1,0 +1,81 @@
+"""A basis of displacements that grows, orthonormal in the mass matrix."""
+
+from typing import Any
+
+import numpy as np
+from scipy.linalg import eigh
+
+from ...superelement.validation import Array
+
+NEW = 1e-13
+"""Share of a vector that must be new; below, rounding has made it."""
+OUTSIDE = 0.5
+"""Length that a unit vector, once orthogonal to the basis, must keep: "twice is enough" (Kahan and
+Parlett).
+"""
+RESOLVED = 1e-5
+"""Size of directions, relative to the largest, that one Gram matrix (which squares it) resolves
+with room to spare.
+"""
+
+
+class Basis:
+    """V (n_u, r) with V^T M V = I, the first columns of one array that is set aside for `capacity`
+    of them.
+
+    So it grows without being copied; the system gives an array its memory where it is first written
+    to, hence columns that never come cost nothing.
+    """
+
+    def __init__(self, M: Any, capacity: int) -> None:
+        self.columns = 0
+        self._M = M
+        self._array = np.empty((M.shape[0], capacity), order="F")
+
+    @property
+    def V(self) -> Array:
+        """The columns that there are (n_u, r), not a copy of them."""
+        return self._array[:, : self.columns]
+
+    def extend(self, W: Array, near: int = 0) -> int:
+        """Add what is new in W (n_u, k); the number of columns that this makes, k or fewer, 0 if
+        nothing is new.
+
+        W, made orthogonal to the columns from `near` on (all, unless it is known to be nearly
+        orthogonal to those before), is normalised and then made orthogonal to all: the second time
+        leaves rounding of the size of V.
+        """
+        squares = np.einsum("ik,ik->k", W, self._M @ W)
+        W = W / np.sqrt(np.maximum(squares, np.finfo(float).tiny))
+        W = self._normalised(self._remainder(W, near), NEW)
+        W = self._normalised(self._remainder(W), OUTSIDE)
+        self._array[:, self.columns : self.columns + W.shape[1]] = W
+        self.columns += W.shape[1]
+        return int(W.shape[1])
+
+    def at(self, rows: Any) -> Array:
+        """rows @ V (k, r) for sparse rows (k, n_u), of which V is read only where they touch it."""
+        rows = rows.tocsc()
+        touched = np.flatnonzero(np.diff(rows.indptr))
+        product: Array = rows[:, touched] @ self.V[touched]
+        return product
+
+    def _remainder(self, W: Array, start: int = 0) -> Array:
+        """W - V V^T M W, with the columns of V from `start` on."""
+        V = self.V[:, start:]
+        rest: Array = W - V @ (V.T @ (self._M @ W))
+        return rest
+
+    def _normalised(self, W: Array, shortest: float) -> Array:
+        """An orthonormal basis of the columns of W, without directions of this length or shorter."""
+        found = []
+        while W.shape[1]:
+            squares, Q = eigh(W.T @ (self._M @ W))
+            sizes = np.sqrt(np.maximum(squares, 0.0))
+            if sizes[-1] <= shortest:
+                break
+            long = sizes > max(RESOLVED * sizes[-1], shortest)
+            found.append(W @ (Q[:, long] / sizes[long]))
+            W = W @ Q[:, ~long]
+            W = W - found[-1] @ (found[-1].T @ (self._M @ W))
+        return np.hstack([W[:, :0], *found])

@@ -1,0 +1,64 @@
+"""The choice of the method that computes impulse responses. The one place that knows the methods."""
+
+from dataclasses import dataclass
+
+from ...superelement import GeneralizedAlpha, Kernel, Modes, sample_kernel
+from ..assembly.structure import Structure
+from ..body.body import Body
+from ..progress import Stages
+from .band import Band
+from .krylov import krylov_modes
+from .march import march_kernel
+from .modal import Shapes, elastic_shapes
+
+SMALL = 1000
+"""Unknowns up to which all modes are as quick as some."""
+
+
+@dataclass(frozen=True, eq=False)
+class ImpulseResponses:
+    """The method that was used and what it found: a kernel, and modes with their shapes if the
+    method has them.
+
+    shapes(rows) with sparse rows (k, n_u) is rows @ phi (k, m), the mode shapes of any dofs or of
+    what is linear in them; only what is asked for is formed.
+    """
+
+    method: str
+    kernel: Kernel
+    modes: Modes | None = None
+    shapes: Shapes | None = None
+    tolerance: float = 0.0
+    """the error asked of the method; 0 where it is exact"""
+
+
+def impulse_responses(
+    structure: Structure, body: Body, stages: Stages | None = None
+) -> ImpulseResponses:
+    """The impulse responses that a body asks for, by the method it names or, with "auto", the one
+    that fits its size.
+
+    `stages` shows how far it is. `MethodError` where the method does not allow what is asked.
+    """
+    stages = stages or Stages()
+    impulse, damping = body.impulse, body.damping
+    h, scheme, steps = impulse.step, GeneralizedAlpha(impulse.rho_inf), impulse.steps
+    method = impulse.method
+    if method == "auto":
+        method = "modal" if structure.n_u <= SMALL else "krylov"
+    match method:
+        case "modal":
+            modes, shapes = elastic_shapes(structure, damping)
+            return ImpulseResponses(method, sample_kernel(modes, h, scheme, steps), modes, shapes)
+        case "krylov":
+            band = Band(h, scheme, steps, impulse.band or 0.25 / h)
+            fields = body.recovery is not None
+            modes, shapes, error = krylov_modes(
+                structure, damping, band, impulse.tolerance, stages.tell, fields
+            )
+            kernel = sample_kernel(modes, h, scheme, steps, error, band.limit)
+            return ImpulseResponses(method, kernel, modes, shapes, impulse.tolerance)
+        case "march":
+            return ImpulseResponses(
+                method, march_kernel(structure, damping, h, scheme, steps, stages.track)
+            )

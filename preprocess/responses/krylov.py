@@ -1,0 +1,235 @@
+"""Impulse responses from the block Krylov space of the time step's own matrix."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+from scipy.linalg import eigh
+
+from ...superelement import GeneralizedAlpha, Modes
+from ...superelement.validation import Array
+from ..assembly.structure import Structure
+from ..body.body import Damping, Rayleigh
+from ..errors import MeshError, MethodError
+from ..memory import available
+from ..mesh.mesh import IntArray
+from .band import Band
+from .basis import Basis
+from .cost import REAL, WORK, basis_bytes
+from .damping import damping_ratios
+from .factor import factorize
+from .modal import Shapes
+
+LIMIT = 4000
+"""Vectors at most: beyond, the dense eigenproblems of the space take minutes and its basis
+gigabytes.
+"""
+GROWTH = 0.1
+"""The error is estimated each time that the space has grown by this share of itself."""
+SAFETY = 2.0
+"""What the last block has changed counts so many times: alone, it is down to 0.6 of the error at
+times.
+"""
+NARROW = 4.0
+"""Of a band by so much narrower than that of the step, a second factorization saves more blocks
+than it costs.
+"""
+PRUNED = 0.1
+"""Share of the tolerance that may be spent on leaving out modes."""
+LOW = 1e-6
+"""Eigenvalues, relative to the largest, that drown in its rounding: they are found anew from
+displacements.
+"""
+NOTHING = 1e-14
+"""Eigenvalues, relative to the largest, that only rounding keeps from zero."""
+RIGID = 6
+
+Watch = Callable[[str], None]
+
+
+class KrylovSpace:
+    """V = span{P S^-1 F, P S^-1 M P S^-1 F, ...} with S = K + s M and F = P^T P_C^T, orthonormal in
+    M.
+
+    k blocks hold what k steps of the march with S visit, if s is the shift of a time step, so that
+    the first k lags of the kernel that its modes make are exact (of g_initial too, unless damping
+    in proportion to K meets rho_inf < 1: the scheme then keeps a trace of the accelerations at t_0,
+    which no block holds). The rigid modes head the basis, so that nothing else in it contains them.
+    Source: docs/theory.md, Large meshes.
+
+    Every block sees waves travel for one step, so low frequencies take many where steps are far
+    finer than they need. With a second, `lower` shift the first block is as before, which makes
+    g[0] exact, and all others are made with the matrix of that shift: a rational Krylov space.
+    Source: A. Ruhe, Linear Algebra Appl. 58 (1984) 391-405.
+
+    `MemoryShortageError` if a factor does not fit into the memory together with the basis that is
+    to be expected.
+    """
+
+    def __init__(self, structure: Structure, shift: float, lower: float | None = None) -> None:
+        n_u, n_c = structure.n_u, structure.P_C.shape[0]
+        beside = {"the Krylov basis": basis_bytes(n_u, n_c)}
+        self._solve = factorize(
+            structure.K + shift * structure.M, "the matrix of the time step", beside
+        )
+        self._first = self._solve(structure.loads)
+        if lower is not None:
+            del self._solve  # two factors might not fit
+            self._solve = factorize(
+                structure.K + lower * structure.M, "the matrix of a step for the band", beside
+            )
+        self._structure = structure
+        self._most = min(LIMIT, available() // (REAL * n_u))
+        self.basis = Basis(structure.M, min(n_u, self._most))
+        self.basis.extend(structure.U)
+        self._ends = [RIGID]
+        self._stiffness = np.zeros((0, 0))
+
+    @property
+    def blocks(self) -> int:
+        return len(self._ends) - 1
+
+    @property
+    def dimension(self) -> int:
+        return self.basis.columns - RIGID
+
+    @property
+    def room(self) -> int:
+        """Vectors that there is time and memory for, those of the basis included; work on a block
+        needs memory too.
+        """
+        n_u, n_c = self._structure.n_u, self._structure.P_C.shape[0]
+        return int(min(self._most, self.basis.columns + available() // (REAL * n_u) - WORK * n_c))
+
+    def grow(self) -> bool:
+        """Add a block; False if nothing is left to add, for the space holds all that interface
+        loads excite.
+        """
+        W = (
+            self._solve(self._structure.M @ self.basis.V[:, self._ends[-2] :])
+            if self.blocks
+            else self._first
+        )
+        # S^-1 M is symmetric in M: what it makes of a block has parts along that block and its two
+        # neighbours alone.
+        if not self.basis.extend(W, near=self._ends[max(0, self.blocks - 2)]):
+            return False
+        self._ends.append(self.basis.columns)
+        return True
+
+    def ritz(self, blocks: int) -> tuple[Array, Array]:
+        """omega (m,) [rad/s] and Q (r, m) of the first blocks: V^T K V Q = Q diag(omega^2), Q^T Q =
+        I.
+
+        `MeshError` if more than six modes have no frequency.
+        """
+        self._reduce_stiffness()
+        size = self._ends[blocks] - RIGID
+        squares, Q = eigh(self._stiffness[:size, :size], lower=False)
+        low = squares < LOW * squares[-1]
+        if low.any():
+            shapes = self.basis.V[:, RIGID : RIGID + size] @ Q[:, low]
+            squares[low], turn = eigh(shapes.T @ (self._structure.K @ shapes))
+            Q[:, low] = Q[:, low] @ turn
+        if squares[0] <= NOTHING * squares[-1]:
+            raise MeshError(
+                f"expected six zero modes, found {RIGID + int((squares <= NOTHING * squares[-1]).sum())}: "
+                f"the body is a mechanism, eigenvalues {squares[:8].tolist()}"
+            )
+        return np.sqrt(squares), Q
+
+    def _reduce_stiffness(self) -> None:
+        """V^T K V, the upper half, with what has come since the last time: many columns are as
+        quick as a few.
+        """
+        done = len(self._stiffness)
+        if done < self.dimension:
+            V = self.basis.V[:, RIGID:]
+            new = V.T @ (self._structure.K @ V[:, done:])
+            left = np.pad(self._stiffness, ((0, self.dimension - done), (0, 0)))
+            self._stiffness = np.hstack([left, new])
+
+
+def krylov_modes(
+    structure: Structure,
+    damping: Damping,
+    band: Band,
+    tolerance: float,
+    watch: Watch,
+    fields: bool = False,
+) -> tuple[Modes, Shapes, float]:
+    """Modes whose transfer function is right to `tolerance` in the band, their shapes, and the
+    error as estimated.
+
+    The estimate is what the last block has changed, times `SAFETY`, and what the modes contribute
+    that are left out, the least of which add up to a tenth of the tolerance; only the latter where
+    the space is exhausted, for then it holds every mode that the interfaces can excite. With
+    `fields` it is that of the displacements and strains of the whole body, if larger. `watch` is
+    told how it goes. `MethodError` if the tolerance asks for a larger space than `LIMIT`, or than
+    there is memory for.
+    """
+    shift, lower = (_shift(damping, band.scheme, h) for h in (band.h, band.coarsest_step))
+    space = KrylovSpace(structure, shift, lower if shift > NARROW**2 * lower else None)
+
+    def found(blocks: int) -> tuple[Modes, Array]:
+        omega, Q = space.ritz(blocks)
+        phi = _rows(space.basis, Q, structure.P_C)
+        return Modes(omega, damping_ratios(damping, omega), phi, band.finest_step), Q
+
+    check = 2
+    while space.grow():
+        if space.blocks < check:
+            continue
+        modes, Q = found(space.blocks)
+        before, Q_before = found(space.blocks - 1)
+        error = SAFETY * band.error(before, modes, enough=tolerance)
+        if fields:
+            error = max(
+                error, SAFETY * band.field_error(before, modes, Q[: len(Q_before)].T @ Q_before)
+            )
+        watch(f"{space.blocks} blocks, error {error:.1e}")
+        if error <= (1.0 - PRUNED) * tolerance:
+            break
+        check = space.blocks + 1 + int(GROWTH * space.blocks)
+        room = space.room
+        if space.basis.columns + (check - space.blocks) * structure.P_C.shape[0] > room:
+            raise MethodError(
+                f"impulse.method krylov: an error of {tolerance:g} up to {band.limit:g} Hz takes more than the {room} "
+                f"vectors that there is time and memory for, found {error:.1e} with {space.dimension}: "
+                "raise impulse.tolerance, lower impulse.band, or use method march"
+            )
+    else:
+        (modes, Q), error = found(space.blocks), 0.0
+
+    contributions = band.contributions(modes)
+    if fields:
+        contributions = np.maximum(contributions, band.field_contributions(modes))
+    kept, lost = _prune(contributions, PRUNED * tolerance)
+    modes = Modes(modes.omega[kept], modes.zeta[kept], modes.phi[:, kept], modes.h_min)
+    return modes, partial(_rows, space.basis, Q[:, kept]), error + lost
+
+
+def _shift(damping: Damping, scheme: GeneralizedAlpha, h: float) -> float:
+    """s for which K + s M is the matrix of the time step, up to a factor; modal ratios add no
+    matrix to it.
+    """
+    rayleigh = damping.rayleigh or Rayleigh()
+    velocity = scheme.gamma_prime(h)
+    return (scheme.beta_prime(h) + velocity * rayleigh.mass) / (1.0 + velocity * rayleigh.stiffness)
+
+
+def _rows(basis: Basis, Q: Array, rows: Any) -> Array:
+    """rows @ V Q, of the elastic part of the basis that Q has coordinates for."""
+    shapes: Array = basis.at(rows)[:, RIGID : RIGID + len(Q)] @ Q
+    return shapes
+
+
+def _prune(contributions: Array, budget: float) -> tuple[IntArray, float]:
+    """Which modes to keep, in their order, and the sum of what the others contribute: as many as
+    the budget allows.
+    """
+    order = np.argsort(contributions)
+    sums = np.cumsum(contributions[order])
+    left_out = int(np.searchsorted(sums, budget, side="right"))
+    return np.sort(order[left_out:]), float(sums[left_out - 1]) if left_out else 0.0

@@ -1,0 +1,74 @@
+"""Impulse responses by stepping the full model through time."""
+
+from collections.abc import Callable, Iterable
+
+import numpy as np
+
+from ...superelement import GeneralizedAlpha, Kernel
+from ...superelement.validation import Array
+from ..assembly.rigid import project
+from ..assembly.structure import Structure
+from ..body.body import Damping
+from .damping import damping_matrix
+from .factor import factorize
+from .static import initial_accelerations
+
+Track = Callable[[range], Iterable[int]]
+DRIFT_STEPS = 100
+"""Steps after which rounding that has leaked into the rigid modes, where nothing holds it back, is
+taken out.
+"""
+
+
+def march_kernel(
+    structure: Structure,
+    damping: Damping,
+    h: float,
+    scheme: GeneralizedAlpha,
+    steps: int,
+    track: Track = iter,
+) -> Kernel:
+    """The kernel by generalized-alpha on M u'' + C u' + K u = P^T P_C^T p, all interface loads at
+    once.
+
+        S a_{n+1} = f_{n+1} - K u* - C v* - M (alpha_m a_n - alpha_f v_dot_n) / (1 - alpha_f)
+        S = (1 - alpha_m) / (1 - alpha_f) M + gamma h C + beta h^2 K
+
+    g: f acts at the first step alone; g_initial: f acts at t_0 alone, so v_dot_0 = a_0 = M^-1 P^T
+    P_C^T. h [s]; the kernel has steps + 1 lags. `track` sees the loop over steps. Source:
+    docs/theory.md, Impulse responses.
+    """
+    K, M, P_C, U, loads = structure.K, structure.M, structure.P_C, structure.U, structure.loads
+    C = damping_matrix(damping, structure)
+    n_c = loads.shape[1]
+    inertia = (1 - scheme.alpha_m) / (1 - scheme.alpha_f)
+    S = inertia * M + scheme.beta * h * h * K
+    solve = factorize(S if C is None else S + scheme.gamma * h * C, "the matrix of the time step")
+
+    # Columns: first those loaded at the first step, then those loaded at t_0.
+    acc = np.hstack([np.zeros_like(loads), initial_accelerations(structure)])
+    u, v, a = np.zeros_like(acc), np.zeros_like(acc), acc
+    f = np.hstack([loads, np.zeros_like(loads)])
+    response = np.zeros((steps + 2, n_c, 2 * n_c))
+    for n in track(range(1, steps + 2)):
+        u = u + h * v + h * h * (0.5 - scheme.beta) * a
+        v = v + h * (1 - scheme.gamma) * a
+        carried = (scheme.alpha_m * a - scheme.alpha_f * acc) / (1 - scheme.alpha_f)
+        residual = -(K @ u) - M @ carried
+        if C is not None:
+            residual -= C @ v
+        if n == 1:
+            residual += f
+        a = solve(residual)
+        acc = inertia * a + carried
+        u = u + scheme.beta * h * h * a
+        v = v + scheme.gamma * h * a
+        if n % DRIFT_STEPS == 0:
+            u, v, a, acc = (project(w, U, M) for w in (u, v, a, acc))
+        response[n] = P_C @ u
+    return Kernel(h, scheme, _symmetric(response[1:, :, :n_c]), _symmetric(response[:-1, :, n_c:]))
+
+
+def _symmetric(g: Array) -> Array:
+    """Reciprocity, which rounding alone breaks."""
+    return 0.5 * (g + g.transpose(0, 2, 1))

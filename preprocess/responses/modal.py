@@ -1,0 +1,61 @@
+"""Impulse responses from all elastic modes."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from scipy.linalg import eigh
+
+from ...superelement import Modes
+from ...superelement.validation import Array
+from ..assembly.rigid import project
+from ..assembly.structure import Structure
+from ..body.body import Damping
+from ..errors import MeshError, MethodError
+from .damping import damping_ratios
+
+LIMIT = 4000
+"""Unknowns up to which all modes are computed; beyond, the dense eigenproblem takes minutes and
+gigabytes.
+"""
+
+Shapes = Callable[[Any], Array]
+"""rows (k, n_u) sparse -> rows @ phi (k, m): mode shapes of chosen dofs, or of what is linear in
+them.
+"""
+
+
+def elastic_modes(structure: Structure, damping: Damping) -> Modes:
+    """All modes but the six rigid ones, seen at the interfaces."""
+    modes, _ = elastic_shapes(structure, damping)
+    return modes
+
+
+def elastic_shapes(structure: Structure, damping: Damping) -> tuple[Modes, Shapes]:
+    """All modes but the six rigid ones, K phi = omega^2 M phi: at the interfaces, and wherever
+    asked.
+
+    `MethodError` above `LIMIT` unknowns.
+    """
+    if structure.n_u > LIMIT:
+        raise MethodError(
+            f"impulse.method modal takes up to {LIMIT} unknowns, found {structure.n_u}: use method krylov"
+        )
+    values, vectors = eigh(
+        structure.K.toarray(), structure.M.toarray(), overwrite_a=True, overwrite_b=True
+    )
+    if values[6] <= 1e-13 * values[-1]:
+        raise MeshError(
+            f"expected six zero modes, found {int((values <= 1e-13 * values[-1]).sum())}: the body is a mechanism, "
+            f"eigenvalues {values[:8].tolist()}"
+        )
+    shapes = project(vectors[:, 6:], structure.U, structure.M)
+    # The solver's eigenvalues carry rounding of the size of the largest; Rayleigh's quotient, of
+    # their own size.
+    squares = np.einsum("im,im->m", shapes, structure.K @ shapes) / np.einsum(
+        "im,im->m", shapes, structure.M @ shapes
+    )
+    omega = np.sqrt(squares)
+    return Modes(
+        omega, damping_ratios(damping, omega), structure.P_C @ shapes
+    ), lambda rows: rows @ shapes

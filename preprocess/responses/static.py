@@ -1,0 +1,116 @@
+"""Responses at rest: static compliance and initial accelerations of the interfaces."""
+
+from typing import Any
+
+import numpy as np
+from scipy.linalg import qr
+
+from ...superelement.validation import Array
+from ..assembly.rigid import project
+from ..assembly.structure import Structure
+from ..errors import MeshError
+from .factor import factorize
+
+UNDETERMINED = 1e-3
+"""Change of the compliance by one step of refinement, relative to its largest entries, that says it
+is rounding.
+"""
+ITERATIONS = 200
+"""Steps of conjugate gradients; meshes of solids take 60 or so, whatever their size."""
+CONVERGED = 1e-14
+
+
+def compliance(structure: Structure) -> Array:
+    """P_C P K^+ P^T P_C^T (n_c, n_c): displacements under unit loads with inertia relief [m/N,
+    rad/N, rad/(N m)].
+
+        u = P K_c^-1 P^T P_C^T,    K_c: K with six statically determinate dofs held
+
+    The loads balance themselves, so nothing reacts where dofs are held, and any six will do. One
+    step of refinement takes out most of the rounding, which a slender body has much of. Source:
+    docs/theory.md, Interfaces. `MeshError` if that step changes the result: K has more zero modes
+    than the six rigid ones.
+    """
+    K, U, M, f = structure.K.tocsr(), structure.U, structure.M, structure.loads
+    free = np.setdiff1d(np.arange(structure.n_u), _determinate_dofs(structure))
+    solve = factorize(K[free][:, free], "the stiffness with six dofs held")
+
+    def response(loads: Array) -> Array:
+        u = np.zeros_like(loads)
+        u[free] = solve(loads[free])
+        return project(u, U, M)
+
+    u = response(f)
+    correction = response(f - K @ u)
+    H, change = structure.P_C @ (u + correction), structure.P_C @ correction
+    scale = np.sqrt(np.abs(np.diag(H)))
+    if (found := np.max(np.abs(change) / np.outer(scale, scale))) > UNDETERMINED:
+        raise MeshError(
+            f"the static compliance of the body is not determined: one step of refinement changes it by {found:.1e}, "
+            f"expected {UNDETERMINED:g} at most: the body is a mechanism, or far too slender for its mesh"
+        )
+    return _symmetric(H)
+
+
+def mobility(structure: Structure) -> Array:
+    """P_C M^-1 P^T P_C^T (n_c, n_c): elastic accelerations under unit loads at rest [1/kg, 1/(kg
+    m), 1/(kg m^2)].
+    """
+    return _symmetric(structure.P_C @ initial_accelerations(structure))
+
+
+def initial_accelerations(structure: Structure) -> Array:
+    """M^-1 P^T P_C^T (n_u, n_c), elastic accelerations of all dofs under unit loads at rest.
+
+    By conjugate gradients, for a mass matrix divided by its diagonal is well conditioned on any
+    mesh of solids; by factorization where it is not, as with beams of little polar inertia that run
+    askew to the axes of the mesh. Source: A. J. Wathen, IMA Journal of Numerical Analysis 7 (1987)
+    449-457.
+    """
+    found = _conjugate_gradients(structure.M.tocsr(), structure.loads)
+    return (
+        found if found is not None else factorize(structure.M, "the mass matrix")(structure.loads)
+    )
+
+
+def _conjugate_gradients(A: Any, B: Array) -> Array | None:
+    """A^-1 B for B (n, k), all columns at once, with Jacobi's preconditioner; None if `ITERATIONS`
+    are not enough.
+    """
+    inverse = 1.0 / A.diagonal()[:, None]
+    small = CONVERGED * np.linalg.norm(B, axis=0)
+    X, R = np.zeros_like(B), B.copy()
+    Z = inverse * R
+    P, rz = Z, _dots(R, Z)
+    for _ in range(ITERATIONS):
+        AP = A @ P
+        step = rz / _dots(P, AP)
+        X += step * P
+        R -= step * AP
+        if (np.linalg.norm(R, axis=0) <= small).all():
+            return X
+        Z = inverse * R
+        rz, before = _dots(R, Z), rz
+        P = Z + (rz / before) * P
+    return None
+
+
+def _dots(A: Array, B: Array) -> Array:
+    """The inner products of columns."""
+    products: Array = np.einsum("ik,ik->k", A, B)
+    return products
+
+
+def _determinate_dofs(structure: Structure) -> Array:
+    """Six dofs whose rigid motions are as independent as can be: the pivots of a QR of A^T."""
+    scale = np.sqrt(np.trace(structure.rigid.J_rot) / structure.rigid.mass)
+    A = structure.rigid.A / np.array([1.0, 1.0, 1.0, scale, scale, scale])
+    # A rotation [rad] counts as the displacement that it makes at the radius of gyration.
+    turning = structure.nodes.first[structure.nodes.rotations][:, None] + np.arange(3, 6)
+    A[turning] *= scale
+    _, pivots = qr(A.T, mode="r", pivoting=True)
+    return np.asarray(pivots[:6])
+
+
+def _symmetric(matrix: Array) -> Array:
+    return 0.5 * (matrix + matrix.T)

@@ -1,0 +1,156 @@
+"""The field of a flexible body from what a run recorded: the loads on its interfaces drive its
+modes once more.
+
+    u(X, t) = phi(X) eta(t),   eta'' + 2 zeta omega eta' + omega^2 eta = phi_C^T p
+
+stepped as the run was, whichever way it kept its history, so that phi_C eta are the displacements
+it recorded. The time loop pays nothing for it.
+"""
+
+from collections.abc import Mapping
+from itertools import islice
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..solver.arrays import Array, Index
+from ..solver.errors import RecoveryError
+from ..solver.step.rotations import tangent
+from ..superelement import GeneralizedAlpha, Modes, Superelement, read, respond, sha256
+
+
+class Stepping(NamedTuple):
+    """How a run went: step [s], scheme, rule "consistent" or "paper", start "given" or
+    "equilibrium".
+    """
+
+    h: float
+    scheme: GeneralizedAlpha
+    rule: str
+    start: str
+
+
+def stepping(file: str, run: Mapping[str, Any]) -> Stepping:
+    """What the attributes of /solver in a results file say of it; `RecoveryError` if one of them is
+    missing.
+    """
+    missing = [name for name in ("h", "rho_inf", "rule", "start") if name not in run]
+    if missing:
+        raise RecoveryError(
+            f"{file}: group solver has no attribute {', '.join(missing)}, which fields need"
+        )
+    return Stepping(
+        float(run["h"]),
+        GeneralizedAlpha(float(run["rho_inf"])),
+        str(run["rule"]),
+        str(run["start"]),
+    )
+
+
+class Instants(NamedTuple):
+    """Times as steps of a run: the steps before and after each, and how far it is from one to the
+    other.
+    """
+
+    before: Index
+    after: Index
+    share: Array
+
+    def of(self, before: Array, after: Array) -> Array:
+        """Linear between values (k, ...) at the steps before and after."""
+        share = self.share.reshape(-1, *[1] * (before.ndim - 1))
+        value: Array = (1.0 - share) * before + share * after
+        return value
+
+
+def read_again(body: str, path: str | None, digest: str | None) -> Superelement:
+    """The superelement that a run read for a body from `path`, a file with the SHA-256 `digest`.
+
+    `RecoveryError` if the run has no such flexible body or read no file for it, or if the file is
+    gone or another.
+    """
+    if digest is None:
+        raise RecoveryError(f"the run has no flexible body {body!r}")
+    if path is None or not Path(path).is_file():
+        why = (
+            f"{path}, the file of its superelement, is gone"
+            if path
+            else "the run read no file for its superelement"
+        )
+        raise RecoveryError(
+            f"body {body!r}: {why}: give it to Results.read, superelements = {{{body!r}: ...}}"
+        )
+    if (found := sha256(path)) != digest:
+        raise RecoveryError(
+            f"body {body!r}: {path} has changed since the run: expected SHA-256 {digest}, found {found}"
+        )
+    return read(path)
+
+
+def instants(times: Array, t: Array) -> Instants:
+    """Where t (k,) lies among the times (n,) of the steps; `RecoveryError` outside of them."""
+    outside = t[(t < times[0]) | (t > times[-1] * (1.0 + 1e-12))]
+    if outside.size:
+        raise RecoveryError(
+            f"time {outside[0]:.9g} s is outside the run, {times[0]:.9g} to {times[-1]:.9g} s"
+        )
+    after = np.searchsorted(times, t).clip(0, len(times) - 1)
+    before = (after - 1).clip(0)
+    length = np.where(after > before, times[after] - times[before], 1.0)
+    return Instants(before, after, ((t - times[before]) / length).clip(0.0, 1.0))
+
+
+def interface_loads(R: Array, u: Array, force: Array, rotations: bool) -> Array:
+    """p = [F; T(w) M] (n, 6), or F (n, 3) without rotations, in body axes: what acts on the dofs of
+    an interface.
+
+    R (n, 4): body axes to space; u (n, 6): displacement and rotation w; force (n, 6): force R F and
+    moment R M, in space. Source: frames.py.
+    """
+    F = _into_body(R, force[:, :3])
+    if not rotations:
+        return F
+    T = np.empty((len(u), 3, 3))
+    for w, out in zip(u[:, 3:].copy(), T, strict=True):
+        tangent(w, out)
+    return np.hstack([F, np.einsum("nij,nj->ni", T, _into_body(R, force[:, 3:]))])
+
+
+def modal_coordinates(modes: Modes, p: Array, stepping: Stepping, steps: Index) -> Array:
+    """eta (k, m) at some steps (k,), from the interface loads p (n, n_c) of all steps up to the
+    last of them.
+
+    A start in equilibrium is at eta = phi_C^T p_0 / omega^2, any other at eta = 0 with the
+    acceleration phi_C^T p_0, of which eq. (55), the paper's rule, knows nothing. Source:
+    initial.py, docs/theory.md, Impulse responses.
+    """
+    at_once = p[0] @ modes.phi
+    start: dict[str, Array] = {}
+    if stepping.start == "equilibrium":
+        start = {"eta": at_once / modes.omega**2}
+    elif stepping.rule == "consistent":
+        start = {"acceleration": at_once}
+    loads = p[1:] if stepping.rule == "consistent" else 0.5 * (p[1:] + p[:-1])
+    etas = respond(
+        modes, stepping.h, stepping.scheme, (load @ modes.phi for load in loads), **start
+    )
+    wanted = set(steps.tolist())
+    found = {n: eta for n, eta in enumerate(islice(etas, max(wanted) + 1)) if n in wanted}
+    return np.array([found[n] for n in steps.tolist()])
+
+
+def place(x: Array, R: Array, points: Array) -> Array:
+    """x + R X (k, p, 3) for positions x (k, 3), quaternions R (k, 4) of any length, and points X
+    (k, p, 3).
+    """
+    w, axis = np.split(R[:, None] / np.linalg.norm(R, axis=1)[:, None, None], [1], axis=2)
+    turn = 2.0 * np.cross(axis, points)
+    placed: Array = x[:, None] + points + w * turn + np.cross(axis, turn)
+    return placed
+
+
+def _into_body(R: Array, vectors: Array) -> Array:
+    """R^T a (n, 3) for unit quaternions R (n, 4) and vectors a (n, 3) in space."""
+    back = R * [1.0, -1.0, -1.0, -1.0]
+    return place(np.zeros((len(R), 3)), back, vectors[:, None])[:, 0]

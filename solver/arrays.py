@@ -1,0 +1,19 @@
+"""Arrays of numbers as the compiled time step expects them."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+def as_index(values: Any) -> Index:
+    """Integers (n,) of 64 bits."""
+    return np.array(values, dtype=np.int64).reshape(-1)
+
+
+def as_rows(vectors: Any) -> Array:
+    """Three-vectors (n, 3), n = 0 included."""
+    return np.array(vectors, dtype=np.float64).reshape(-1, 3)

@@ -1,0 +1,1 @@
+"""How past interface loads are remembered: layout, cost and convolution in blocks."""

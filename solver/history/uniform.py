@@ -1,0 +1,109 @@
+"""Past loads convolved in equal blocks, by FFT, with the same work in every step: for real time.
+
+    ahead[k B + a] = sum_{q >= 2} sum_c g[q B + a - c] p[(k - q) B + c],    a, c = 1 .. B
+
+The time loop takes the last B to 2 B loads itself, so that what block k needs of older ones,
+uniformly partitioned products of spectra, is known B steps before, and is done in B parts, one
+after each step. A step costs n_c n_a times (1.5 B in the loop + lags / B in spectra); all steps the
+same. Source: T. G. Stockham, AFIPS 28 (1966), in partitions; docs/theory.md, History.
+"""
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from ..arrays import Array
+from ..step.system import Elastic, State
+from . import dyadic as lookahead
+
+Complex: TypeAlias = NDArray[np.complex128]
+
+
+class Partitions:
+    """Keeps `state.ahead` for a run whose steps begin the next at their end."""
+
+    def __init__(self, elastic: Elastic) -> None:
+        self._block = lookahead.BLOCK
+        self._window = lookahead.Window(elastic)
+        self._parts = [
+            _Part(elastic, e, self._block) for e in np.flatnonzero(elastic.looks_ahead).tolist()
+        ]
+
+    def work(self, state: State) -> None:
+        """After step n, which has begun step n + 1: a part of what the next block needs."""
+        n, block = int(state.step[0]), self._block
+        self._window.make_room(n + 1, state)
+        for part in self._parts:
+            if n % block == 0:
+                part.plan(n // block + 1)
+            part.work(n % block, state)
+            if (n + 1) % block == 0:
+                state.since[part.body] = n + 2 - block
+
+
+class _Part:
+    """The same for one body."""
+
+    def __init__(self, elastic: Elastic, e: int, block: int) -> None:
+        self.body = e
+        self._block = block
+        self._dofs = slice(int(elastic.dof[e]), int(elastic.dof[e + 1]))
+        self._active = elastic.active[elastic.active_range[e] : elastic.active_range[e + 1]]
+        self._spectra = _spectra(elastic, e, self._active - self._dofs.start, block)
+        self._loads: dict[int, Complex] = {}
+        self._tasks: list[Callable[[State], None]] = []
+        self._sum: Complex = np.empty((len(self._active), 0), dtype=np.complex128)
+
+    def plan(self, k: int) -> None:
+        """Block k: transform the loads of block k - 2, add the products of spectra, transform back."""
+        n_c, _, n_f = self._spectra.shape[1:]
+        self._sum = np.zeros((n_c, n_f), dtype=np.complex128)
+        self._tasks = []
+        if k >= 2 and len(self._spectra):
+            self._tasks.append(lambda state: self._transform(k - 2, state))
+            self._tasks += [
+                self._adding(k - 2 - i, i) for i in range(min(k - 1, len(self._spectra)))
+            ]
+            self._tasks.append(lambda state: self._transform_back(k, state))
+
+    def work(self, slot: int, state: State) -> None:
+        """The tasks of one of the steps of a block."""
+        n = len(self._tasks)
+        for task in self._tasks[slot * n // self._block : (slot + 1) * n // self._block]:
+            task(state)
+
+    def _transform(self, j: int, state: State) -> None:
+        first = j * self._block + 1 - int(state.window[0])
+        self._loads[j] = fft.rfft(
+            state.p_history[self._active, first : first + self._block], 2 * self._block
+        )
+        self._loads.pop(j - len(self._spectra), None)
+
+    def _adding(self, j: int, i: int) -> Callable[[State], None]:
+        def add(_: State) -> None:
+            self._sum += np.einsum("ikf,kf->if", self._spectra[i], self._loads[j])
+
+        return add
+
+    def _transform_back(self, k: int, state: State) -> None:
+        first = k * self._block + 1 - int(state.window[0])
+        ahead = state.ahead[self._dofs, first : first + self._block]
+        ahead += fft.irfft(self._sum, 2 * self._block)[:, self._block :][:, : ahead.shape[1]]
+
+
+def _spectra(elastic: Elastic, e: int, columns: NDArray[np.int64], block: int) -> Complex:
+    """Of the lags (q - 1) B to (q + 1) B - 1, q = 2, 3, ...: (n_q, n_c, n_a, B + 1)."""
+    lags, n_c, start = (
+        int(elastic.lags[e]),
+        int(elastic.dof[e + 1] - elastic.dof[e]),
+        int(elastic.g_start[e]),
+    )
+    g: Array = elastic.g[start : start + n_c * n_c * lags].reshape(n_c, n_c, lags)[:, columns, ::-1]
+    parts = [
+        fft.rfft(g[:, :, first : first + 2 * block], 2 * block)
+        for first in range(block, lags - 1, block)
+    ]
+    return np.array(parts, dtype=np.complex128).reshape(len(parts), n_c, len(columns), block + 1)

@@ -1,0 +1,126 @@
+"""Names to numbers: the frames of a model, those that carry couplings or loads first, and their
+interface dofs.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..model.joints import Joint
+from ..model.model import GROUND, FlexibleBody, Model
+from ..model.motions import PrescribedMotion
+from ..model.springs import Spring
+from ..step.system import Frames
+from .placement import Pose, frame_pose
+from .rows import Sides
+
+Coupling = Joint | Spring | PrescribedMotion
+
+
+@dataclass(frozen=True, eq=False)
+class NumberedFrames:
+    """All frames by name in the order of their numbers, with their poses at the start, and their
+    arrays.
+    """
+
+    poses: dict[str, Pose]
+    numbers: dict[str, int]
+    arrays: Frames
+
+    def number(self, name: str) -> int:
+        return self.numbers[name]
+
+    def sides(self, coupling: Coupling) -> Sides:
+        first, second = side_names(coupling)
+        fixed = self.arrays.body[self.number(first)] < 0
+        return Sides(
+            self.number(first),
+            self.number(second),
+            self.poses[first],
+            self.poses[second],
+            bool(fixed),
+        )
+
+
+def number_frames(model: Model, poses: dict[str, Pose]) -> NumberedFrames:
+    """Number the frames of a model whose bodies start in the given poses."""
+    named: dict[str, Pose] = {}
+    couplings: list[Coupling] = [*model.joints, *model.motions, *model.springs]
+    for coupling in couplings:
+        first, second = between(coupling)
+        for name, side, other in zip(
+            side_names(coupling), (first, second), (second, first), strict=True
+        ):
+            named[name] = frame_pose(model, poses, other if side == GROUND else side)
+    for load in model.loads:
+        named[load.on] = frame_pose(model, poses, load.on)
+    n_acting = len(named)
+    for body in model.bodies:
+        for frame in model.frames_of(body):
+            named.setdefault(f"{body}.{frame}", frame_pose(model, poses, f"{body}.{frame}"))
+    numbers = {name: f for f, name in enumerate(named)}
+    return NumberedFrames(named, numbers, _arrays(model, list(named), n_acting))
+
+
+def between(coupling: Coupling) -> tuple[str, str]:
+    """The frames that a coupling names; a motion acts against the ground."""
+    return (GROUND, coupling.on) if isinstance(coupling, PrescribedMotion) else coupling.between
+
+
+def side_names(coupling: Coupling) -> tuple[str, str]:
+    """The same, with a frame of the coupling's own in place of the bare ground: fixed where the
+    other side starts.
+    """
+    first, second = (
+        f"{GROUND}.({coupling.name})" if side == GROUND else side for side in between(coupling)
+    )
+    return first, second
+
+
+def _arrays(model: Model, frame_names: list[str], n_acting: int) -> Frames:
+    body_numbers = {name: b for b, name in enumerate(model.bodies)}
+    first_dof = _first_dofs(model)
+    n = len(frame_names)
+    frames = Frames(
+        n_acting=n_acting,
+        body=np.full(n, -1, dtype=np.int64),
+        X=np.zeros((n, 3)),
+        D_0=np.tile(np.eye(3), (n, 1, 1)),
+        dof=np.full(n, -1, dtype=np.int64),
+        active=np.full(n, -1, dtype=np.int64),
+        column=np.full(n, -1, dtype=np.int64),
+        rotations=np.zeros(n, dtype=np.int64),
+    )
+    n_active = 0
+    n_columns = np.full(len(body_numbers), 6)
+    # Active dofs are numbered body by body, so that the bodies' ranges are contiguous.
+    by_dof = sorted(range(n), key=lambda f: first_dof.get(frame_names[f], -1))
+    for f in by_dof:
+        owner, _, name = frame_names[f].partition(".")
+        if owner == GROUND:
+            continue
+        frames.body[f] = body_numbers[owner]
+        body = model.bodies[owner]
+        if name:
+            frames.X[f] = body.frames[name].position
+            frames.D_0[f] = Pose(np.zeros(3), np.eye(3)).carry(body.frames[name]).R
+        if isinstance(body, FlexibleBody):
+            interface = body.superelement.interface(name)
+            frames.dof[f] = first_dof[frame_names[f]]
+            frames.rotations[f] = interface.rotations
+            if f < frames.n_acting:
+                frames.active[f] = n_active
+                n_active += interface.n_dofs
+                frames.column[f] = n_columns[frames.body[f]]
+                n_columns[frames.body[f]] += interface.n_dofs
+    return frames
+
+
+def _first_dofs(model: Model) -> dict[str, int]:
+    first: dict[str, int] = {}
+    n = 0
+    for name, body in model.flexible_bodies.items():
+        for interface in body.superelement.interfaces:
+            first[f"{name}.{interface.name}"] = n
+            n += interface.n_dofs
+    return first

@@ -1,0 +1,60 @@
+"""Where the bodies of a model start: by position and rotation, or by one frame on another."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array
+from ..errors import ModelError
+from ..model.model import GROUND, Frame, Model
+from ..step.rotations import rotation_matrix
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """Position x (3,) in space and rotation R (3, 3) to space."""
+
+    x: Array
+    R: Array
+
+    def carry(self, frame: Frame) -> "Pose":
+        """The pose in space of a frame of the body that has this pose."""
+        return Pose(self.x + self.R @ frame.position, self.R @ rotation_matrix(frame.rotation))
+
+
+def place_bodies(model: Model) -> dict[str, Pose]:
+    """The starting pose of every body, and of the ground."""
+    poses = {GROUND: Pose(np.zeros(3), np.eye(3))}
+    waiting = dict(model.bodies)
+    while waiting:
+        ready = [name for name in waiting if _support(model, name) in (None, *poses)]
+        if not ready:
+            raise ModelError(
+                f"bodies {', '.join(waiting)}: they are placed on one another in a circle"
+            )
+        for name in ready:
+            poses[name] = _pose(model, name, poses)
+            del waiting[name]
+    return poses
+
+
+def frame_pose(model: Model, poses: Mapping[str, Pose], reference: str) -> Pose:
+    """The starting pose of "BODY.FRAME", or of the origin frame "BODY"."""
+    body, _, frame = reference.partition(".")
+    return poses[body].carry(model.frames_of(body)[frame]) if frame else poses[body]
+
+
+def _support(model: Model, name: str) -> str | None:
+    place = model.bodies[name].start.place
+    return None if place is None else place.on.partition(".")[0]
+
+
+def _pose(model: Model, name: str, poses: Mapping[str, Pose]) -> Pose:
+    start = model.bodies[name].start
+    if start.place is None:
+        return Pose(start.position, rotation_matrix(start.rotation))
+    frame = model.bodies[name].frames[start.place.frame]
+    target = frame_pose(model, poses, start.place.on)
+    R = target.R @ rotation_matrix(frame.rotation).T
+    return Pose(target.x - R @ frame.position, R)

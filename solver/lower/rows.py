@@ -1,0 +1,199 @@
+"""The rows of joints, motions and springs as arrays, seen from the frames at the start."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..arrays import Array, as_index, as_rows
+from ..errors import ModelError
+from ..model.joints import ABOUT_E3, Joint, basis_about
+from ..model.motions import PrescribedDisplacement, PrescribedMotion
+from ..model.signals import Motion
+from ..model.springs import Spring
+from ..step.rows import ANGLE, DISTANCE, ROTATION, TRANSLATION
+from ..step.system import Couplings, Rows
+from .placement import Pose
+
+BUSHING_ROTATIONS = ((2, 1), (0, 2), (1, 0))
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """One row between frames A and B (numbers), with what couples it."""
+
+    kind: int
+    A: int
+    B: int
+    a: Array = field(default_factory=lambda: np.zeros(3))
+    a_turned: Array = field(default_factory=lambda: np.zeros(3))
+    b: Array = field(default_factory=lambda: np.zeros(3))
+    drive: Motion | None = None
+    start: float = 0.0
+    rest: float = 0.0
+    stiffness: Array | None = None
+    damping: Array | None = None
+    law: tuple[Array, Array] | None = None
+    swapped: bool = False
+    """frame A is the second that the coupling names"""
+
+
+@dataclass(frozen=True, eq=False)
+class Sides:
+    """The two frames of a coupling: numbers and poses at the start."""
+
+    A: int
+    B: int
+    pose_a: Pose
+    pose_b: Pose
+    fixed_a: bool = False
+    """frame A is fixed in space"""
+
+    def swapped(self) -> "Sides":
+        return Sides(self.B, self.A, self.pose_b, self.pose_a)
+
+    def carried(self, basis: Array) -> tuple[Array, Array]:
+        """Axes in space at the start, as frames A and B carry them."""
+        return self.pose_a.R.T @ basis, self.pose_b.R.T @ basis
+
+    def gap(self, basis: Array) -> Array:
+        """r_B - r_A at the start along axes in space."""
+        gap: Array = basis.T @ (self.pose_b.x - self.pose_a.x)
+        return gap
+
+
+def joint_rows(joint: Joint, sides: Sides) -> list[Row]:
+    """Constraints of a joint: its table, then its drives.
+
+    Of a joint with the ground the axes turn with the body, as all else that it feels: any lower
+    pair reads the same from both sides.
+    """
+    if sides.fixed_a and joint.distance is None and joint.angle is None:
+        return [replace(row, swapped=True) for row in joint_rows(joint, sides.swapped())]
+    in_a, in_b = sides.carried(joint.basis())
+    A, B = sides.A, sides.B
+    rows = [Row(TRANSLATION, A, B, in_a[:, k]) for k in joint.kind.translations]
+    rows += [Row(ROTATION, A, B, in_a[:, i], b=in_b[:, j]) for i, j in joint.kind.rotations]
+    if joint.distance is not None:
+        rows.append(Row(TRANSLATION, A, B, in_a[:, 2], drive=joint.distance))
+    if joint.angle is not None:
+        rows.append(_driven_angle(A, B, in_a, in_b, joint.angle))
+    return rows
+
+
+def _driven_angle(A: int, B: int, in_a: Array, in_b: Array, angle: Motion) -> Row:
+    """e1(A), turned about e3 by the signal, stays perpendicular to the axis of B that is e2 turned
+    by -angle(0).
+    """
+    start = angle(0.0)
+    e2 = np.cos(start) * in_b[:, 1] - np.sin(start) * in_b[:, 0]
+    return Row(ROTATION, A, B, in_a[:, 0], in_a[:, 1], e2, drive=angle)
+
+
+def joint_observers(joint: Joint, sides: Sides) -> dict[str, Row]:
+    """The coordinates that a joint leaves free or drives, by name."""
+    in_a, in_b = sides.carried(joint.basis())
+    rows = {
+        name: Row(TRANSLATION, sides.A, sides.B, in_a[:, k])
+        for name, k in joint.kind.distances.items()
+    }
+    for name, angle in joint.kind.angles.items():
+        start = joint.angle(0.0) if joint.angle is not None and name == "angle" else 0.0
+        ours, other, A, B = (
+            (in_b, in_a, sides.B, sides.A) if angle.by_b else (in_a, in_b, sides.A, sides.B)
+        )
+        # at the start e_j is e_i turned towards e_k by the starting angle
+        along, across = other[:, angle.i], other[:, angle.k]
+        b = np.cos(start) * along + np.sin(start) * across
+        rows[name] = Row(ANGLE, A, B, ours[:, angle.i], ours[:, angle.k], b, start=start)
+    return rows
+
+
+def motion_rows(motion: PrescribedMotion, sides: Sides) -> list[Row]:
+    """Driven rows against the frame fixed in space where the moving frame starts.
+
+    A displacement is one translation; a rotation keeps its axis, as a revolute joint does, and
+    drives the angle.
+    """
+    A, B = sides.A, sides.B
+    if isinstance(motion, PrescribedDisplacement):
+        return [
+            Row(TRANSLATION, A, B, sides.pose_a.R.T @ motion.direction, drive=motion.displacement)
+        ]
+    in_a, in_b = sides.carried(basis_about(motion.axis))
+    rows = [Row(ROTATION, A, B, in_a[:, i], b=in_b[:, j]) for i, j in ABOUT_E3]
+    return [*rows, _driven_angle(A, B, in_a, in_b, motion.angle)]
+
+
+def spring_rows(spring: Spring, sides: Sides) -> list[Row]:
+    """The coordinates of a spring with their law."""
+    in_a, in_b = sides.carried(spring.basis())
+    A, B = sides.A, sides.B
+    gap = sides.gap(spring.basis())
+    if spring.type == "point":
+        length = float(np.linalg.norm(gap))
+        if length <= 1e-12 * max(1.0, float(np.abs(sides.pose_a.x).max())):
+            raise ModelError(
+                f"spring {spring.name!r}: its ends {list(spring.between)} coincide at the start"
+            )
+        rows = [Row(DISTANCE, A, B, start=length)]
+    elif spring.type == "torsion":
+        rows = [Row(ANGLE, A, B, in_a[:, 0], in_a[:, 1], in_b[:, 0])]
+    else:
+        rows = [Row(TRANSLATION, A, B, in_a[:, k], start=float(gap[k])) for k in range(3)]
+        rows += [Row(ROTATION, A, B, in_a[:, i], b=in_b[:, j]) for i, j in BUSHING_ROTATIONS]
+    rest = np.array([row.start for row in rows]) if spring.rest is None else spring.rest
+    return [
+        replace(
+            row,
+            rest=float(rest[i]),
+            stiffness=spring.stiffness[i],
+            damping=spring.damping[i],
+            law=None
+            if spring.law is None
+            else (rest[i] + spring.law.deformation, np.array(spring.law.force)),
+        )
+        for i, row in enumerate(rows)
+    ]
+
+
+def lay_out_rows(rows: Sequence[Row]) -> Rows:
+    return Rows(
+        kind=as_index([row.kind for row in rows]),
+        frame_a=as_index([row.A for row in rows]),
+        frame_b=as_index([row.B for row in rows]),
+        a=as_rows([row.a for row in rows]),
+        a_turned=as_rows([row.a_turned for row in rows]),
+        b=as_rows([row.b for row in rows]),
+    )
+
+
+def lay_out_couplings(couplings: Sequence[list[Row]]) -> tuple[Couplings, list[Motion]]:
+    """The rows of all couplings one after the other, and the signals that drive some of them."""
+    rows = [row for coupling in couplings for row in coupling]
+    drives = [row.drive for row in rows if row.drive is not None]
+    numbers = iter(range(len(drives)))
+    tables = [row.law or (np.empty(0), np.empty(0)) for row in rows]
+    laid_out = Couplings(
+        rows=lay_out_rows(rows),
+        n_compliant=sum(row.stiffness is not None for row in rows),
+        range=as_index(np.cumsum([0, *(len(coupling) for coupling in couplings)])),
+        second=as_index([0 if row.swapped else 6 for row in rows]),
+        drive=as_index([-1 if row.drive is None else next(numbers) for row in rows]),
+        compliant=as_index([row.stiffness is not None for row in rows]),
+        rest=np.array([row.rest for row in rows], dtype=np.float64),
+        stiffness=_six_wide([row.stiffness for row in rows]),
+        damping=_six_wide([row.damping for row in rows]),
+        table=as_index(np.cumsum([0, *(len(force) for _, force in tables)])),
+        table_coordinate=np.concatenate([np.empty(0), *(coordinate for coordinate, _ in tables)]),
+        table_force=np.concatenate([np.empty(0), *(force for _, force in tables)]),
+    )
+    return laid_out, drives
+
+
+def _six_wide(vectors: Sequence[Array | None]) -> Array:
+    out = np.zeros((len(vectors), 6))
+    for i, vector in enumerate(vectors):
+        if vector is not None:
+            out[i, : len(vector)] = vector
+    return out

@@ -1,0 +1,1 @@
+"""What a user says of a mechanism and how to integrate it."""

@@ -1,0 +1,1 @@
+"""From the time loop to the results file."""

@@ -1,0 +1,1 @@
+"""The state at t = 0: joints assembled, velocities consistent, accelerations or equilibrium."""

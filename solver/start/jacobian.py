@@ -1,0 +1,58 @@
+"""Derivatives of rows by the coordinates of all bodies, as sparse matrices."""
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array
+
+from ..arrays import Array, Index
+from ..step.system import State, System, Workspace
+
+
+def constraint_rows(system: System) -> Index:
+    """The rows that are constraints, not force laws."""
+    return np.flatnonzero(system.couplings.compliant == 0)
+
+
+def constraint_jacobian(
+    system: System, state: State, work: Workspace
+) -> tuple[csr_array, csr_array]:
+    """B_r (n, 6 n_b) and B_a (n, n_a) of the constraints as `linearise` left them: by bodies, and
+    by active dofs.
+    """
+    B, n_q = (
+        coupling_jacobian(system, state, work)[constraint_rows(system)],
+        6 * len(system.bodies.mass),
+    )
+    return B[:, :n_q], B[:, n_q:]
+
+
+def coupling_jacobian(system: System, state: State, work: Workspace) -> csr_array:
+    """Of the rows of all couplings as `linearise` left them (n_rows, 6 n_b + n_a)."""
+    rows = system.couplings.rows
+    return jacobian(system, rows.frame_a, rows.frame_b, work.B, state)
+
+
+def jacobian(system: System, frame_a: Index, frame_b: Index, B: Array, state: State) -> csr_array:
+    """The derivatives B (n, 24) of rows by the coordinates of their frames A and B as a matrix (n,
+    6 n_b + n_a).
+
+    Columns: delta x, in space, and delta Theta of every body; then the displacements of all active
+    dofs.
+    """
+    frames, n_q = system.frames, 6 * len(system.bodies.mass)
+    entries, numbers, columns = [], [], []
+    for first, f in ((0, frame_a), (12, frame_b)):
+        body, active = frames.body[f], frames.active[f]
+        part = B[:, first : first + 12].copy()
+        part[:, :3] = np.einsum("ij,ikj->ik", part[:, :3], state.R[body])
+        place = np.hstack([6 * body[:, None] + np.arange(6), n_q + active[:, None] + np.arange(6)])
+        there = np.repeat(
+            np.stack([body >= 0, active >= 0, (active >= 0) & (frames.rotations[f] == 1)], 1),
+            (6, 3, 3),
+            1,
+        )
+        entries.append(part[there])
+        numbers.append(np.nonzero(there)[0])
+        columns.append(place[there])
+    positions = np.concatenate(numbers), np.concatenate(columns)
+    shape = len(B), n_q + len(system.elastic.active)
+    return coo_array((np.concatenate(entries), positions), shape=shape).tocsr()

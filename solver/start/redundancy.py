@@ -1,0 +1,122 @@
+"""Constraints that depend on one another, found by factorization and named; and how many ways a
+mechanism can move.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import qr, svd
+from scipy.sparse import csr_array, hstack
+
+from ..arrays import Array
+from ..errors import ModelError
+from ..lower.lower import CompiledModel
+from ..step.system import State, Workspace
+from .independence import factorise_square, unit_rows
+from .inertia import inverse_root, mobility_root
+from .jacobian import constraint_jacobian, constraint_rows
+
+RANK_TOLERANCE = 1e-9
+"""singular values of the constraint Jacobian, rows scaled to unit length, below which rows count as
+dependent
+"""
+
+
+def degrees_of_freedom(compiled: CompiledModel, state: State, work: Workspace) -> int:
+    """Of the mechanism, its bodies taken as rigid: six for each less the rank of the constraints."""
+    J = _rigid_jacobian(compiled, state, work)
+    n, n_q = J.shape
+    return int(n_q - (n if _clearly_independent(J) else rank(J.toarray())))
+
+
+def redundant_rows(compiled: CompiledModel, state: State, work: Workspace) -> frozenset[int]:
+    """Rows to leave out so that the others are independent, elastic interfaces included.
+
+    ModelError names them unless the model says that redundant constraints may be removed. A drive
+    is never redundant: it moves what the constraints that it depends on hold still.
+    """
+    hard = constraint_rows(compiled.system)
+    _, B_a = constraint_jacobian(compiled.system, state, work)
+    J = csr_array(hstack([_rigid_jacobian(compiled, state, work), B_a @ mobility_root(compiled)]))
+    found = None if _clearly_independent(J) else find_redundancy(J.toarray())
+    if found is None:
+        return frozenset()
+    involved, removable = (hard[rows].tolist() for rows in (found.involved, found.removable))
+    if driven := [i for i in involved if compiled.system.couplings.drive[i] >= 0]:
+        raise ModelError(
+            f"joints: {describe_rows(compiled, driven)} is driven against other constraints: on one another depend "
+            f"{describe_rows(compiled, involved)}; take away the drive or free a joint"
+        )
+    if compiled.model.redundant == "error":
+        are = "is" if len(removable) == 1 else "are"
+        raise ModelError(
+            f"joints: {len(hard)} constraints of which {len(removable)} {are} redundant; on one another depend "
+            f"{describe_rows(compiled, involved)}; free a joint, or let redundant = 'remove' drop "
+            f"{describe_rows(compiled, removable)}"
+        )
+    return frozenset(removable)
+
+
+def describe_rows(compiled: CompiledModel, rows: list[int]) -> str:
+    """Rows by joint: "hinge (translation 3, rotation 1)"."""
+    lengths, first = compiled.measures_lengths, compiled.system.couplings.range
+    by_joint: dict[str, list[str]] = {}
+    for i in rows:
+        j = compiled.coupling_of(i)
+        before = lengths[first[j] : i]
+        kind = "translation" if lengths[i] else "rotation"
+        by_joint.setdefault(compiled.coupling_names[j], []).append(
+            f"{kind} {1 + int((before == lengths[i]).sum())}"
+        )
+    return ", ".join(f"{joint} ({', '.join(names)})" for joint, names in by_joint.items())
+
+
+@dataclass(frozen=True)
+class Redundancy:
+    """Rows (numbers) that take part in a dependence, and those whose removal leaves the others
+    independent.
+    """
+
+    involved: list[int]
+    removable: list[int]
+
+
+def find_redundancy(J: Array) -> Redundancy | None:
+    """The dependent rows of a Jacobian (n, m), by its left null space; of equal choices, later rows
+    are removable.
+    """
+    if not len(J):
+        return None
+    null = _left_null_space(J)
+    if not null.shape[1]:
+        return None
+    involved = np.flatnonzero(np.abs(null).max(axis=1) > 1e-6)
+    later = 1.0 + 1e-3 * np.arange(len(J)) / len(J)
+    _, _, pivots = qr(null.T * later, pivoting=True, mode="economic")
+    return Redundancy(involved.tolist(), sorted(pivots[: null.shape[1]].tolist()))
+
+
+def rank(J: Array) -> int:
+    return len(J) - _left_null_space(J).shape[1] if len(J) else 0
+
+
+def _left_null_space(J: Array) -> Array:
+    """Vectors y (n, k) with y^T J = 0, J's rows scaled to unit length."""
+    length = np.linalg.norm(J, axis=1)
+    scaled = J / np.where(length > 0.0, length, 1.0)[:, None]
+    left, values, _ = svd(scaled, full_matrices=True)
+    small = np.concatenate([values, np.zeros(len(J) - len(values))]) < RANK_TOLERANCE * max(
+        1.0, values.max(initial=0.0)
+    )
+    return np.asarray(left[:, small])
+
+
+def _rigid_jacobian(compiled: CompiledModel, state: State, work: Workspace) -> csr_array:
+    """Rows of the constraints against bodies, columns scaled by their inertia."""
+    B_r, _ = constraint_jacobian(compiled.system, state, work)
+    return csr_array(B_r @ inverse_root(compiled.system))
+
+
+def _clearly_independent(J: csr_array) -> bool:
+    scaled, _ = unit_rows(J)
+    return not J.shape[0] or factorise_square(scaled) is not None

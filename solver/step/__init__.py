@@ -1,0 +1,1 @@
+"""One time step: equations, their tangent and their solution, all of it compiled to machine code."""

@@ -1,0 +1,331 @@
+"""Frames: where they are, what a wrench on them means for their body, and the chain rule between
+the two.
+
+    r = x + R (X + u),   D = R exp(skew(w)) D_0
+    delta r     = R (delta X - skew(X + u) delta Theta + delta u)           (in space)
+    delta theta = R (delta Theta + T(w)^T delta w)                          (in space)
+
+with delta X = R^T delta x, so that nothing but R changes when a body turns. A force f and a moment
+m on the frame, in space, F = R^T f and M = R^T m in body axes, load the body with
+
+    F on X,   (X + u) x F + M on Theta,   F on u,   T(w) M on w.
+
+Source: docs/theory.md, Frames, joints, loads, with the rotation of the frame turned to space: D
+D_0^T W^T = R.
+"""
+
+from ..arrays import Array
+from .jit import compiled
+from .rotations import exponential, tangent, tangent_derivative, tangent_inverse
+from .system import Frames, Pattern, State, Workspace
+from .vectors import (
+    UNITS,
+    Vector,
+    add,
+    add_to_row,
+    cross,
+    multiply,
+    rotate,
+    rotate_back,
+    row,
+    scale,
+    subtract,
+    triple,
+)
+
+
+@compiled
+def move_frames(frames: Frames, n: int, state: State, work: Workspace) -> None:
+    """Positions and axes of the first n frames."""
+    for f in range(n):
+        b = frames.body[f]
+        if b < 0:
+            continue
+        lever = row(frames.X, f)
+        k = frames.dof[f]
+        if k >= 0:
+            lever = add(lever, (state.u[k], state.u[k + 1], state.u[k + 2]))
+        r = add(row(state.x, b), rotate(state.R, b, lever))
+        for i in range(3):
+            work.lever[f, i] = lever[i]
+            work.r[f, i] = r[i]
+        if k >= 0 and frames.rotations[f]:
+            w = state.u[k + 3 : k + 6]
+            tangent(w, work.T[f])
+            exponential(w, work.scratch_33)
+            _multiply(work.scratch_33, frames.D_0[f], work.D[f])
+            _rotate_columns(state.R[b], work.D[f])
+        else:
+            _multiply(state.R[b], frames.D_0[f], work.D[f])
+
+
+@compiled
+def move_frame_velocities(frames: Frames, n: int, state: State, work: Workspace) -> None:
+    """V = [R (omega x lever + du/dt) + dx/dt;  R (omega + T(w)^T dw/dt)] of the first n frames."""
+    for f in range(n):
+        b = frames.body[f]
+        if b < 0:
+            continue
+        local, spin = local_velocity(frames, f, state, work)
+        velocity = add(row(state.v, b), rotate(state.R, b, local))
+        spin = rotate(state.R, b, spin)
+        for i in range(3):
+            work.V[f, i] = velocity[i]
+            work.V[f, 3 + i] = spin[i]
+
+
+@compiled
+def local_velocity(frames: Frames, f: int, state: State, work: Workspace) -> tuple[Vector, Vector]:
+    """In body axes: omega x lever + du/dt, and omega + T(w)^T dw/dt."""
+    omega = spin_of(state, frames.body[f])
+    velocity, spin = cross(omega, row(work.lever, f)), omega
+    k = frames.dof[f]
+    if k >= 0:
+        velocity = add(velocity, triple(state.u_rate, k))
+        if frames.rotations[f]:
+            spin = add(spin, rotate_back(work.T, f, triple(state.u_rate, k + 3)))
+    return velocity, spin
+
+
+@compiled
+def frame_acceleration(
+    frames: Frames, f: int, state: State, work: Workspace
+) -> tuple[Vector, Vector]:
+    """The time derivative of V of a moving frame, in space.
+
+    x'' + R (omega' x l + omega x (omega x l + 2 u') + u''),   R (omega' + T^T w'' + (T^T)' w' + omega x T^T w')
+    """
+    b = frames.body[f]
+    omega, alpha = spin_of(state, b), (state.v_dot[b, 3], state.v_dot[b, 4], state.v_dot[b, 5])
+    lever = row(work.lever, f)
+    k = frames.dof[f]
+    rate = triple(state.u_rate, k) if k >= 0 else (0.0, 0.0, 0.0)
+    local = add(cross(alpha, lever), cross(omega, add(cross(omega, lever), scale(2.0, rate))))
+    turning = alpha
+    if k >= 0:
+        local = add(local, triple(state.u_acceleration, k))
+        if frames.rotations[f]:
+            w_rate = triple(state.u_rate, k + 3)
+            _tangent_slope(state, k + 3, w_rate, work)
+            slope = scale(-1.0, multiply(work.scratch_33, w_rate))
+            turning = add(turning, rotate_back(work.T, f, triple(state.u_acceleration, k + 3)))
+            turning = add(turning, add(slope, cross(omega, rotate_back(work.T, f, w_rate))))
+    return add(row(state.v_dot, b), rotate(state.R, b, local)), rotate(state.R, b, turning)
+
+
+@compiled
+def _tangent_slope(state: State, k: int, m: Vector, work: Workspace) -> None:
+    """`work.scratch_33` = d(T(v) m)/dv at v = -w, for T(w)^T = T(-w)."""
+    for i in range(3):
+        work.scratch_3[i] = -state.u[k + i]
+        work.scratch_3b[i] = m[i]
+    tangent_derivative(work.scratch_3, work.scratch_3b, work.scratch_33)
+
+
+@compiled
+def map_frame_velocities(
+    frames: Frames, gamma_prime: float, psi: Array, state: State, work: Workspace
+) -> None:
+    """The derivatives (6, 12) of V by the coordinates of the frames, with rates gamma' times
+    increments.
+
+    delta (dx/dt) = gamma' R delta X,   delta omega = gamma' T^-1(psi) delta Theta,   delta (du/dt) = gamma' delta u
+    """
+    for f in range(frames.n_acting):
+        b = frames.body[f]
+        if b < 0:
+            continue
+        A = work.rate_map[f]
+        A[:] = 0.0
+        local, spin = local_velocity(frames, f, state, work)
+        lever, omega = row(work.lever, f), spin_of(state, b)
+        tangent_inverse(psi[b], work.scratch_33)
+        for j in range(3):
+            e = UNITS[j]
+            d_omega = scale(gamma_prime, multiply(work.scratch_33, e))
+            by_turn = rotate(state.R, b, add(cross(e, local), cross(d_omega, lever)))
+            spin_by_turn = rotate(state.R, b, add(cross(e, spin), d_omega))
+            by_u = rotate(state.R, b, add(cross(omega, e), scale(gamma_prime, e)))
+            for i in range(3):
+                A[i, j] = gamma_prime * state.R[b, i, j]
+                A[i, 3 + j] = by_turn[i]
+                A[3 + i, 3 + j] = spin_by_turn[i]
+                A[i, 6 + j] = by_u[i]
+        k = frames.dof[f]
+        if k >= 0 and frames.rotations[f]:
+            _tangent_slope(state, k + 3, triple(state.u_rate, k + 3), work)
+            for j in range(3):
+                e = UNITS[j]
+                change = subtract(
+                    scale(gamma_prime, rotate_back(work.T, f, e)), multiply(work.scratch_33, e)
+                )
+                by_w = rotate(state.R, b, change)
+                for i in range(3):
+                    A[3 + i, 9 + j] = by_w[i]
+
+
+@compiled
+def spin_of(state: State, b: int) -> Vector:
+    return state.v[b, 3], state.v[b, 4], state.v[b, 5]
+
+
+@compiled
+def load_bodies(frames: Frames, state: State, work: Workspace) -> None:
+    """Generalized forces of the wrenches on the acting frames: `work.force` on the bodies and
+    `state.p`.
+    """
+    work.force[:] = 0.0
+    work.force_scale[:] = 0.0
+    for f in range(frames.n_acting):
+        k = frames.dof[f]
+        if k >= 0:
+            state.p[k : k + 3 + 3 * frames.rotations[f]] = 0.0
+    for f in range(frames.n_acting):
+        b = frames.body[f]
+        if b < 0:
+            continue
+        force, moment = wrench(work, f)
+        F, M = rotate_back(state.R, b, force), rotate_back(state.R, b, moment)
+        about_center = cross(row(work.lever, f), F)
+        add_to_row(work.force, b, 0, force)
+        add_to_row(work.force, b, 3, add(about_center, M))
+        work.force_scale[b, 0] += abs(F[0]) + abs(F[1]) + abs(F[2])
+        work.force_scale[b, 1] += abs(M[0]) + abs(M[1]) + abs(M[2])
+        work.force_scale[b, 1] += abs(about_center[0]) + abs(about_center[1]) + abs(about_center[2])
+        k = frames.dof[f]
+        if k >= 0:
+            _add(state.p, k, F)
+            if frames.rotations[f]:
+                _add(state.p, k + 3, rotate(work.T, f, M))
+
+
+@compiled
+def width(frames: Frames, f: int) -> int:
+    """The number of coordinates of a frame: 0 in space, 6 rigid, 9 or 12 on an active interface."""
+    if frames.body[f] < 0:
+        return 0
+    if frames.active[f] < 0:
+        return 6
+    return 9 + 3 * int(frames.rotations[f])
+
+
+@compiled
+def pull_back(
+    frames: Frames, f: int, force: Vector, moment: Vector, state: State, work: Workspace, out: Array
+) -> None:
+    """What a wrench on frame f, in space, means for X, Theta, u and w (12,): the transpose of the
+    map of the frame.
+    """
+    b = frames.body[f]
+    if b < 0:
+        return
+    F, M = rotate_back(state.R, b, force), rotate_back(state.R, b, moment)
+    about_center = add(cross(row(work.lever, f), F), M)
+    small = rotate(work.T, f, M)
+    for i in range(3):
+        out[i] = F[i]
+        out[3 + i] = about_center[i]
+        out[6 + i] = F[i]
+        out[9 + i] = small[i]
+
+
+@compiled
+def add_frame_tangents(frames: Frames, pattern: Pattern, state: State, work: Workspace) -> None:
+    """K += derivative of the map of the frames under their present wrenches, held constant in
+    space.
+
+    d(f_Theta) = -F x du + ((X + u) x (F x .) + M x .) dTheta,   d(p_u) = F x dTheta
+    d(p_w) = d(T(w) M)/dw dw + T(w) (M x dTheta)
+    """
+    for f in range(frames.n_acting):
+        b = frames.body[f]
+        if b < 0:
+            continue
+        start, stride = pattern.body_block[b, 0], pattern.body_block[b, 1]
+        turn = start + 3 * stride + 3
+        force, moment = wrench(work, f)
+        F, M = rotate_back(state.R, b, force), rotate_back(state.R, b, moment)
+        lever = row(work.lever, f)
+        z = frames.column[f]
+        small = z >= 0 and frames.rotations[f] == 1
+        for j in range(3):
+            e = UNITS[j]
+            dF, dM = cross(F, e), cross(M, e)
+            _add_to_column(work.S, turn + j, stride, add(cross(lever, dF), dM))
+            if z >= 0:
+                _add_to_column(work.S, start + 3 * stride + z + j, stride, scale(-1.0, dF))
+                _add_to_column(work.S, start + z * stride + 3 + j, stride, dF)
+            if small:
+                _add_to_column(
+                    work.S, start + (z + 3) * stride + 3 + j, stride, rotate(work.T, f, dM)
+                )
+        if small:
+            k = frames.dof[f] + 3
+            for i in range(3):
+                work.scratch_3[i] = M[i]
+            tangent_derivative(state.u[k : k + 3], work.scratch_3, work.scratch_33)
+            for i in range(3):
+                for j in range(3):
+                    work.S[start + (z + 3 + i) * stride + z + 3 + j] += work.scratch_33[i, j]
+
+
+@compiled
+def add_pair_tangent(
+    frames: Frames,
+    f: int,
+    g: int,
+    first_f: int,
+    first_g: int,
+    start: int,
+    stride: int,
+    work: Workspace,
+) -> None:
+    """Add the part of `work.pair_tangent` that begins at first_f, first_g to a block between the
+    bodies of f and g.
+    """
+    for i in range(width(frames, f)):
+        target = start + stride * coordinate(frames, f, i)
+        for j in range(width(frames, g)):
+            work.S[target + coordinate(frames, g, j)] += work.pair_tangent[first_f + i, first_g + j]
+
+
+@compiled
+def coordinate(frames: Frames, f: int, i: int) -> int:
+    """The number of coordinate i of frame f among those of its body."""
+    return int(i if i < 6 else frames.column[f] + i - 6)
+
+
+@compiled
+def wrench(work: Workspace, f: int) -> tuple[Vector, Vector]:
+    w = work.wrench
+    return (w[f, 0], w[f, 1], w[f, 2]), (w[f, 3], w[f, 4], w[f, 5])
+
+
+@compiled
+def _add(a: Array, first: int, b: Vector) -> None:
+    a[first] += b[0]
+    a[first + 1] += b[1]
+    a[first + 2] += b[2]
+
+
+@compiled
+def _add_to_column(S: Array, start: int, stride: int, a: Vector) -> None:
+    S[start] += a[0]
+    S[start + stride] += a[1]
+    S[start + 2 * stride] += a[2]
+
+
+@compiled
+def _multiply(A: Array, B: Array, out: Array) -> None:
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = A[i, 0] * B[0, j] + A[i, 1] * B[1, j] + A[i, 2] * B[2, j]
+
+
+@compiled
+def _rotate_columns(R: Array, D: Array) -> None:
+    """D <- R D"""
+    for j in range(3):
+        a, b, c = D[0, j], D[1, j], D[2, j]
+        for i in range(3):
+            D[i, j] = R[i, 0] * a + R[i, 1] * b + R[i, 2] * c
