@@ -29,10 +29,10 @@ LONGEST_KERNEL = 3e8
 def advance(elastic: Any, scheme: Any, state: Any, work: Any, loads: Any) -> None:
     """One step of the history for every row of loads."""
     for k in range(len(loads)):
-        recall(elastic, scheme, state, work.history, work.modal)
-        work.p_n[:] = state.p
-        state.p[:] = loads[k]
-        remember(elastic, scheme, state, work.p_n, work.modal)
+        recall(elastic, scheme, state, work.interfaces.history, work.modes.MODAL)
+        work.interfaces.p_n[:] = state.interfaces.p
+        state.interfaces.p[:] = loads[k]
+        remember(elastic, scheme, state, work.interfaces.p_n, work.modes.MODAL)
         state.step[0] += 1
 
 
@@ -71,7 +71,7 @@ def measure(body: Superelement, history: str, n_steps: int) -> float:
     beginning = begin(model)
     system, state, work = beginning.compiled.system, beginning.state, beginning.work
     lookahead = Lookahead(system.elastic)
-    p = np.random.default_rng(0).normal(size=(1024, len(state.p)))
+    p = np.random.default_rng(0).normal(size=(1024, len(state.interfaces.p)))
     advance(system.elastic, system.scheme, state, work, p[:0])
     started, done = time.process_time(), 0
     while done < n_steps:

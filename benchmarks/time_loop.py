@@ -66,7 +66,7 @@ def measure(model: Model, recorded: bool = True, repeats: int = REPEATS) -> Cost
         output = make_output(compiled, n if recorded else 1)
         inputs = signals(compiled, 1, np.arange(n) if recorded else np.full(n, -1))
         record(compiled.system, quaternions, 0, state, work, output)
-        work.renewed[1] = 0
+        work.matrix.RENEWED[1] = 0
         started = time.process_time()
         taken, _ = advance(compiled.system, quaternions, inputs, state, work, output)
         seconds.append(time.process_time() - started)
@@ -76,7 +76,7 @@ def measure(model: Model, recorded: bool = True, repeats: int = REPEATS) -> Cost
     return Cost(
         1e6 * statistics.median(seconds) / n,
         corrections,
-        work.renewed[1] / n,
+        work.matrix.RENEWED[1] / n,
         statistics.median(starts),
     )
 

@@ -1,4 +1,4 @@
-"""Run a model: the compiled loop in stints, with results written and progress shown between them."""
+"""Run a model: the time loop in stints, with results written and progress shown between them."""
 
 import os
 import time
@@ -10,16 +10,15 @@ from ..results.results import Results
 from .arrays import Array, Index
 from .errors import ConvergenceError, about
 from .history.dyadic import Lookahead
-from .lower.lower import CompiledModel
+from .lower.lower import LoweredModel
 from .model.model import Model
-from .output.columns import make_output
 from .output.file import ResultsFile, check_folder
 from .output.recorder import Recorder
 from .progress import Progress
-from .start.initial import begin
-from .step.jit import is_cached
-from .step.loop import advance, record
-from .step.system import Inputs, State, Workspace
+from .start.initial import initialize
+from .step.loop import advance
+from .step.record import record
+from .step.system import Inputs, Run, State, Workspace
 
 STINT = 0.1
 """seconds that the loop runs before it returns, for progress and interrupts"""
@@ -37,72 +36,57 @@ def simulate(
     """
     if output is not None:
         check_folder(Path(output))
-    with (
-        about(model.path),
-        Progress("compiling (first run only)", shown=progress and not is_cached()),
-    ):
-        beginning = begin(model)
-        compiled, state, work = beginning.compiled, beginning.state, beginning.work
-        compile_loop(compiled, state, work)
-        file = ResultsFile(Path(output) if output is not None else None, compiled)
+    with about(model.path):
+        initial = initialize(model)
+    lowered, state, work = initial.lowered, initial.state, initial.work
+    file = ResultsFile(Path(output) if output is not None else None, lowered)
     file.note(
-        degrees_of_freedom=beginning.degrees_of_freedom,
-        opening=beginning.misfit.opening,
-        opening_at=beginning.misfit.opening_at,
-        velocity_misfit=beginning.misfit.velocity,
-        velocity_misfit_at=beginning.misfit.velocity_at,
-        moved=beginning.moved,
-        velocity_correction=beginning.velocity_correction,
-        removed=beginning.removed,
-        truncation=compiled.truncation,
+        degrees_of_freedom=initial.degrees_of_freedom,
+        opening=initial.assembly_error.opening,
+        opening_at=initial.assembly_error.opening_at,
+        velocity_misfit=initial.assembly_error.velocity,
+        velocity_misfit_at=initial.assembly_error.velocity_at,
+        moved=initial.moved,
+        velocity_correction=initial.velocity_correction,
+        removed=initial.removed,
+        truncation=lowered.truncation,
     )
     started = time.perf_counter()
-    _march(compiled, state, work, file, progress)
+    _march(lowered, state, work, file, progress)
     file.note(finished=True, seconds=time.perf_counter() - started)
     return file.results()
 
 
 def _march(
-    compiled: CompiledModel, state: State, work: Workspace, file: ResultsFile, progress: bool
+    lowered: LoweredModel, state: State, work: Workspace, file: ResultsFile, progress: bool
 ) -> None:
-    system, quaternions = compiled.system, compiled.frame_quaternions
-    done, total, stint = 0, compiled.n_steps, 16
-    lookahead = Lookahead(system.elastic)
-    with Recorder(file, compiled) as recorder, Progress("simulating", total, shown=progress) as bar:
-        output = recorder.output
-        record(system, quaternions, 0, state, work, output)
+    done, total, stint = 0, lowered.n_steps, 16
+    lookahead = Lookahead(lowered.system.elastic)
+    with Recorder(file, lowered) as recorder, Progress("simulating", total, shown=progress) as bar:
+        run = Run(system=lowered.system, state=state, work=work, output=recorder.output)
+        record(run, 0)
         recorder.keep(0, recorder.rows(0, 1))
         while done < total:
             started = time.perf_counter()
             rows = recorder.rows(done + 1, lookahead.room(done, min(stint, total - done)))
-            taken, residual = advance(
-                system, quaternions, signals(compiled, done + 1, rows), state, work, output
-            )
+            taken, residual = advance(run, signals(lowered, done + 1, rows))
             recorder.keep(done + 1, rows[:taken])
             done += taken
             bar.advance(taken)
             if taken < len(rows):
-                raise failure(compiled, done + 1, residual, work)
+                raise failure(lowered, done + 1, residual, work)
             lookahead.look(state)
             if time.perf_counter() - started < 0.5 * STINT:
                 stint *= 2
 
 
-def compile_loop(compiled: CompiledModel, state: State, work: Workspace) -> None:
-    """Call the loop for no steps at all, so that it is compiled or loaded."""
-    none = signals(compiled, 1, np.empty(0, dtype=np.int64))
-    advance(
-        compiled.system, compiled.frame_quaternions, none, state, work, make_output(compiled, 0)
-    )
-
-
-def signals(compiled: CompiledModel, first: int, rows: Index) -> Inputs:
+def signals(lowered: LoweredModel, first: int, rows: Index) -> Inputs:
     """Loads and drives at the steps first, first + 1, ..., which the loop records in the rows."""
     n = len(rows)
-    t = compiled.h * np.arange(first, first + n, dtype=np.float64)
-    load = [signal.samples(t, compiled.h) for signal in compiled.load_signals]
-    drive = [np.array([signal(time) for time in t.tolist()]) for signal in compiled.drives]
-    return Inputs(_columns(load, n), _columns(drive, n), rows, ahead=0)
+    t = lowered.h * np.arange(first, first + n, dtype=np.float64)
+    load = [signal.samples(t, lowered.h) for signal in lowered.load_signals]
+    drive = [np.array([signal(time) for time in t.tolist()]) for signal in lowered.drives]
+    return Inputs(load=_columns(load, n), drive=_columns(drive, n), row=rows, ahead=0)
 
 
 def _columns(signals: list[Array], n: int) -> Array:
@@ -110,24 +94,24 @@ def _columns(signals: list[Array], n: int) -> Array:
 
 
 def failure(
-    compiled: CompiledModel, step: int, residual: float, work: Workspace
+    lowered: LoweredModel, step: int, residual: float, work: Workspace
 ) -> ConvergenceError:
-    name, opening = _worst_joint(compiled, work)
+    name, opening = _worst_joint(lowered, work)
     return ConvergenceError(
         step,
-        step * compiled.h,
+        step * lowered.h,
         residual,
-        compiled.model.tolerance,
+        lowered.model.tolerance,
         name,
         opening,
-        compiled.model.path,
+        lowered.model.path,
     )
 
 
-def _worst_joint(compiled: CompiledModel, work: Workspace) -> tuple[str, float]:
-    couplings = compiled.system.couplings
-    opening = np.abs(work.phi) * (couplings.compliant == 0)
+def _worst_joint(lowered: LoweredModel, work: Workspace) -> tuple[str, float]:
+    couplings = lowered.system.couplings
+    opening = np.abs(work.couplings.phi) * (couplings.compliant == 0)
     if not opening.any():
         return "", 0.0
     row = int(np.argmax(opening))
-    return compiled.coupling_names[compiled.coupling_of(row)], float(opening[row])
+    return lowered.coupling_names[lowered.coupling_of(row)], float(opening[row])

@@ -11,14 +11,16 @@ import numpy as np
 from .arrays import Array, Index, as_index
 from .errors import ModelError, about
 from .history.uniform import Partitions
-from .lower.lower import CompiledModel
+from .lower.lower import LoweredModel
 from .model.model import Model
 from .model.signals import Input, Signal
-from .output.columns import lay_out_columns, make_output
+from .lower.allocation import make_output
+from .output.columns import lay_out_columns
 from .simulation import failure
-from .start.initial import begin
-from .step.loop import advance, record
-from .step.system import Inputs, Output
+from .start.initial import initialize
+from .step.loop import advance
+from .step.record import record
+from .step.system import Inputs, Output, Run
 
 
 class Simulator:
@@ -43,30 +45,35 @@ class Simulator:
 
     def __init__(self, model: Model, outputs: Sequence[str]) -> None:
         with about(model.path):
-            beginning = begin(model)
-            compiled, self._state, self._work = beginning.compiled, beginning.state, beginning.work
-            self._output = make_output(compiled, 1)
-            self._parts = _parts(compiled, outputs, self._output)
-        self._compiled, self._quaternions = compiled, compiled.frame_quaternions
-        signals: list[Signal] = [*compiled.load_signals, *compiled.drives]
+            initial = initialize(model)
+            lowered = initial.lowered
+            output = make_output(lowered, 1)
+            self._parts = _parts(lowered, outputs, output)
+        self._lowered, self._state, self._work = lowered, initial.state, initial.work
+        self._run = Run(
+            system=lowered.system, state=initial.state, work=initial.work, output=output
+        )
+        signals: list[Signal] = [*lowered.load_signals, *lowered.drives]
         self.inputs = tuple(
             dict.fromkeys(signal.name for signal in signals if isinstance(signal, Input))
         )
         """the names of the inputs"""
-        load, drive = np.zeros((1, len(compiled.load_signals))), np.zeros((1, len(compiled.drives)))
+        load, drive = np.zeros((1, len(lowered.load_signals))), np.zeros((1, len(lowered.drives)))
         self._load, self._drive = load[0], drive[0]
-        self._load_inputs = _places(compiled.load_signals, self.inputs)
-        self._drive_inputs = _places(compiled.drives, self.inputs)
-        self._signals = Inputs(load, drive, np.zeros(1, dtype=np.int64), ahead=1)
-        self._partitions = Partitions(compiled.system.elastic)
-        record(compiled.system, self._quaternions, 0, self._state, self._work, self._output)
-        self._advance(Inputs(load[:0], drive[:0], as_index([]), ahead=1))
+        self._load_inputs = _places(lowered.load_signals, self.inputs)
+        self._drive_inputs = _places(lowered.drives, self.inputs)
+        row = np.zeros(1, dtype=np.int64)
+        self._inputs = Inputs(load=load, drive=drive, row=row, ahead=1)
+        self._last_inputs = self._inputs.replace(ahead=0)
+        self._partitions = Partitions(lowered.system.elastic)
+        record(self._run, 0)
+        advance(self._run, Inputs(load=load[:0], drive=drive[:0], row=row[:0], ahead=1))
         self._foresee(1)
 
     @property
     def time(self) -> float:
         """[s]"""
-        return self._compiled.h * float(self._state.step[0])
+        return self._lowered.h * float(self._state.step[0])
 
     @property
     def outputs(self) -> Array:
@@ -83,34 +90,29 @@ class Simulator:
                 f"inputs: expected values of {list(self.inputs)}, got {values.tolist()}"
             )
         number = int(self._state.step[0]) + 1
-        if number > self._compiled.n_steps:
-            raise ModelError(f"t_end = {self._compiled.model.t_end:.9g} s has been reached")
+        if number > self._lowered.n_steps:
+            raise ModelError(f"t_end = {self._lowered.model.t_end:.9g} s has been reached")
         for array, (places, given) in (
             (self._load, self._load_inputs),
             (self._drive, self._drive_inputs),
         ):
             array[places] = values[given]
         # a kernel ends with the run
-        last = number == self._compiled.n_steps
-        taken, residual = self._advance(self._signals._replace(ahead=0) if last else self._signals)
+        last = number == self._lowered.n_steps
+        taken, residual = advance(self._run, self._last_inputs if last else self._inputs)
         if not taken:
-            raise failure(self._compiled, number, residual, self._work)
+            raise failure(self._lowered, number, residual, self._work)
         self._partitions.work(self._state)
         self._foresee(number + 1)
         return self.outputs
 
-    def _advance(self, inputs: Inputs) -> tuple[int, float]:
-        return advance(
-            self._compiled.system, self._quaternions, inputs, self._state, self._work, self._output
-        )
-
     def _foresee(self, number: int) -> None:
         """The signals of step `number` that are no inputs."""
-        h = self._compiled.h
-        for i, load in enumerate(self._compiled.load_signals):
+        h = self._lowered.h
+        for i, load in enumerate(self._lowered.load_signals):
             if not isinstance(load, Input):
                 self._load[i] = load.samples(np.array([h * number]), h)[0]
-        for i, drive in enumerate(self._compiled.drives):
+        for i, drive in enumerate(self._lowered.drives):
             if not isinstance(drive, Input):
                 self._drive[i] = drive(h * number)
 
@@ -125,9 +127,9 @@ def _places(signals: Sequence[Signal], inputs: tuple[str, ...]) -> tuple[Index, 
     return as_index([i for i, _ in found]), as_index([k for _, k in found])
 
 
-def _parts(compiled: CompiledModel, names: Sequence[str], output: Output) -> list[Array]:
+def _parts(lowered: LoweredModel, names: Sequence[str], output: Output) -> list[Array]:
     """Views of the chosen datasets in the output of one step, each (n,)."""
-    columns, parts = lay_out_columns(compiled), []
+    columns, parts = lay_out_columns(lowered), []
     for name in names:
         if name not in columns:
             near = get_close_matches(name, columns, n=3)

@@ -40,6 +40,11 @@ class GeneralizedAlpha:
     def beta(self) -> float:
         return 0.25 * (1.0 - self.alpha_m + self.alpha_f) ** 2
 
+    @property
+    def inertia_ratio(self) -> float:
+        """(1 - alpha_m) / (1 - alpha_f): from the pseudo-acceleration to the acceleration."""
+        return (1.0 - self.alpha_m) / (1.0 - self.alpha_f)
+
     def beta_prime(self, h: float) -> float:
         """d v_dot / d q of one step, eq. (76) [1/s^2]."""
         return (1.0 - self.alpha_m) / (self.beta * h * h * (1.0 - self.alpha_f))

@@ -30,7 +30,7 @@ class Window:
     """
 
     def __init__(self, elastic: Elastic) -> None:
-        self.span = _power_above(int(elastic.lags.max(initial=0)))
+        self.span = _power_above(int(elastic.kernels.lags.max(initial=0)))
 
     def kept(self, n_steps: int) -> int:
         """How many steps a run of n_steps keeps the loads of, at a time, t = 0 included."""
@@ -38,19 +38,19 @@ class Window:
 
     def make_room(self, n: int, state: State) -> None:
         """For what comes after step n."""
-        if n - state.window[0] == 2 * self.span:
-            for rows in (state.p_history, state.ahead):
+        if n - state.past.first[0] == 2 * self.span:
+            for rows in (state.past.p, state.past.u_ahead):
                 rows[:, : self.span + 1] = rows[:, self.span : 2 * self.span + 1]
                 rows[:, self.span + 1 :] = 0.0
-            state.window[0] += self.span
+            state.past.first[0] += self.span
 
 
 class Lookahead:
-    """Keeps `state.ahead` for a run."""
+    """Keeps `state.past.u_ahead` for a run."""
 
     def __init__(self, elastic: Elastic) -> None:
         self._elastic = elastic
-        self._looking = np.flatnonzero(elastic.looks_ahead).tolist()
+        self._looking = np.flatnonzero(elastic.kernels.by_fft).tolist()
         self._window = Window(elastic)
         self._spectra: dict[tuple[int, int], Complex] = {}
 
@@ -58,7 +58,7 @@ class Lookahead:
         """How many steps, up to n, may follow `step` before `look` is called."""
         if self._looking:
             n = min(n, BLOCK - step % BLOCK)
-        elif self._elastic.lags.any():
+        elif self._elastic.kernels.lags.any():
             n = min(n, self._window.span - step % self._window.span)
         return n
 
@@ -68,28 +68,28 @@ class Lookahead:
         self._window.make_room(n, state)
         if n > 0 and n % BLOCK == 0:
             for e in self._looking:
-                block = min(n & -n, _power_above(int(self._elastic.lags[e])))
+                block = min(n & -n, _power_above(int(self._elastic.kernels.lags[e])))
                 self._convolve(e, n, block, state)
-                state.since[e] = n + 1
+                state.past.since[e] = n + 1
 
     def _convolve(self, e: int, n: int, block: int, state: State) -> None:
         elastic = self._elastic
         active = elastic.active[elastic.active_range[e] : elastic.active_range[e + 1]]
         own = slice(elastic.dof[e], elastic.dof[e + 1])
-        now = n - int(state.window[0])
-        loads = fft.rfft(state.p_history[active, now - block + 1 : now + 1], 2 * block)
+        now = n - int(state.past.first[0])
+        loads = fft.rfft(state.past.p[active, now - block + 1 : now + 1], 2 * block)
         columns = self._spectrum(e, block)[:, active - own.start]
         response = fft.irfft(np.einsum("ikf,kf->if", columns, loads), 2 * block)[:, block:]
-        ahead = state.ahead[own, now + 1 : now + 1 + block]
+        ahead = state.past.u_ahead[own, now + 1 : now + 1 + block]
         ahead += response[:, : ahead.shape[1]]
 
     def _spectrum(self, e: int, block: int) -> Complex:
         """The transform of the first 2 block lags of body e, (n_c, n_c, block + 1)."""
-        key = int(self._elastic.g_start[e]), block
+        key = int(self._elastic.kernels.g_start[e]), block
         if key not in self._spectra:
             n_c = int(self._elastic.dof[e + 1] - self._elastic.dof[e])
-            lags = int(self._elastic.lags[e])
-            g = self._elastic.g[key[0] : key[0] + n_c * n_c * lags].reshape(n_c, n_c, lags)
+            lags = int(self._elastic.kernels.lags[e])
+            g = self._elastic.kernels.g[key[0] : key[0] + n_c * n_c * lags].reshape(n_c, n_c, lags)
             self._spectra[key] = fft.rfft(g[:, :, ::-1][:, :, : 2 * block], 2 * block)
         return self._spectra[key]
 

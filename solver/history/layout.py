@@ -11,7 +11,7 @@ from ...superelement import GeneralizedAlpha, Superelement, SuperelementError
 from ..arrays import Array, Index, as_index
 from ..errors import ModelError
 from ..model.model import Model
-from ..step.system import Elastic, Frames
+from ..step.system import Elastic, Frames, Kernels, Modes
 from .cost import cheapest_history
 from .truncation import truncate, truncation_error
 
@@ -24,12 +24,12 @@ step
 class _Memory(NamedTuple):
     """How one body remembers: by modes (then g is empty) or by its kernel (then phi is)."""
 
-    recursion: Array  # (3, m) stiffness, damping and pivot of the scalar recursions
+    recursion: Array  # (3, m) stiffness, damping and step stiffness of the scalar recursions
     phi: Array  # (n_c, m)
     g: Array  # (n_c, n_c, lags), reversed
     g_initial: Array  # (lags, n_c, n_c)
     lags: int
-    looks_ahead: bool
+    by_fft: bool
     error: float  # of a kernel that was cut off
     G_0: Array  # (n_c, n_c)
     compliance: Array  # (n_c, n_c) static, as this memory sums to
@@ -58,7 +58,7 @@ def lay_out_elastic(
                 name, body.superelement, most_active[owner], model, h, scheme, n_steps
             )
     memories = [made[owner] for owner in owners]
-    stiffness, damping, pivot = np.hstack(
+    stiffness, damping, step_stiffness = np.hstack(
         [np.empty((3, 0)), *(memory.recursion for memory in memories)]
     )
     G_0, G_0_start = _packed([memory.G_0 for memory in memories], owners)
@@ -82,17 +82,21 @@ def lay_out_elastic(
         G_0_start=G_0_start,
         G_active=G_active,
         G_active_start=G_active_start,
-        mode_range=as_index(np.cumsum([0, *(memory.recursion.shape[1] for memory in memories)])),
-        stiffness=stiffness.copy(),
-        damping=damping.copy(),
-        pivot=pivot.copy(),
-        phi=phi,
-        phi_start=phi_start,
-        g=g,
-        g_initial=g_initial,
-        g_start=g_start,
-        lags=as_index([memory.lags for memory in memories]),
-        looks_ahead=as_index([memory.looks_ahead for memory in memories]),
+        modes=Modes(
+            range=as_index(np.cumsum([0, *(memory.recursion.shape[1] for memory in memories)])),
+            stiffness=stiffness.copy(),
+            damping=damping.copy(),
+            step_stiffness=step_stiffness.copy(),
+            phi=phi,
+            phi_start=phi_start,
+        ),
+        kernels=Kernels(
+            g=g,
+            g_initial=g_initial,
+            g_start=g_start,
+            lags=as_index([memory.lags for memory in memories]),
+            by_fft=as_index([memory.by_fft for memory in memories]),
+        ),
     )
     return (
         elastic,
@@ -150,10 +154,10 @@ def _by_modes(element: Superelement, h: float, scheme: GeneralizedAlpha) -> _Mem
     modes = element.modes_for(h)
     stiffness = modes.omega**2
     damping = 2.0 * modes.zeta * modes.omega
-    ratio = (1.0 - scheme.alpha_m) / (1.0 - scheme.alpha_f)
-    pivot = ratio + scheme.gamma * h * damping + scheme.beta * h * h * stiffness
-    G_0 = (modes.phi * (scheme.beta * h * h / pivot)) @ modes.phi.T
-    recursion, empty = np.array([stiffness, damping, pivot]), np.empty(0)
+    step_stiffness = scheme.inertia_ratio + scheme.gamma * h * damping
+    step_stiffness += scheme.beta * h * h * stiffness
+    G_0 = (modes.phi * (scheme.beta * h * h / step_stiffness)) @ modes.phi.T
+    recursion, empty = np.array([stiffness, damping, step_stiffness]), np.empty(0)
     return _Memory(recursion, modes.phi, empty, empty, 0, False, 0.0, G_0, modes.compliance)
 
 
@@ -163,7 +167,7 @@ def _by_kernel(
     scheme: GeneralizedAlpha,
     lags: int,
     cut: bool,
-    looks_ahead: bool,
+    by_fft: bool,
 ) -> _Memory:
     try:
         kernel = element.kernel_for(h, scheme, lags - 1)
@@ -186,7 +190,7 @@ def _by_kernel(
         _reversed_lags(g),
         g_initial,
         lags,
-        looks_ahead,
+        by_fft,
         error,
         g[0],
         element.compliance,

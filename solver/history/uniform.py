@@ -23,13 +23,13 @@ Complex: TypeAlias = NDArray[np.complex128]
 
 
 class Partitions:
-    """Keeps `state.ahead` for a run whose steps begin the next at their end."""
+    """Keeps `state.past.u_ahead` for a run whose steps begin the next at their end."""
 
     def __init__(self, elastic: Elastic) -> None:
         self._block = lookahead.BLOCK
         self._window = lookahead.Window(elastic)
         self._parts = [
-            _Part(elastic, e, self._block) for e in np.flatnonzero(elastic.looks_ahead).tolist()
+            _Part(elastic, e, self._block) for e in np.flatnonzero(elastic.kernels.by_fft).tolist()
         ]
 
     def work(self, state: State) -> None:
@@ -41,7 +41,7 @@ class Partitions:
                 part.plan(n // block + 1)
             part.work(n % block, state)
             if (n + 1) % block == 0:
-                state.since[part.body] = n + 2 - block
+                state.past.since[part.body] = n + 2 - block
 
 
 class _Part:
@@ -76,9 +76,9 @@ class _Part:
             task(state)
 
     def _transform(self, j: int, state: State) -> None:
-        first = j * self._block + 1 - int(state.window[0])
+        first = j * self._block + 1 - int(state.past.first[0])
         self._loads[j] = fft.rfft(
-            state.p_history[self._active, first : first + self._block], 2 * self._block
+            state.past.p[self._active, first : first + self._block], 2 * self._block
         )
         self._loads.pop(j - len(self._spectra), None)
 
@@ -89,19 +89,19 @@ class _Part:
         return add
 
     def _transform_back(self, k: int, state: State) -> None:
-        first = k * self._block + 1 - int(state.window[0])
-        ahead = state.ahead[self._dofs, first : first + self._block]
+        first = k * self._block + 1 - int(state.past.first[0])
+        ahead = state.past.u_ahead[self._dofs, first : first + self._block]
         ahead += fft.irfft(self._sum, 2 * self._block)[:, self._block :][:, : ahead.shape[1]]
 
 
 def _spectra(elastic: Elastic, e: int, columns: NDArray[np.int64], block: int) -> Complex:
     """Of the lags (q - 1) B to (q + 1) B - 1, q = 2, 3, ...: (n_q, n_c, n_a, B + 1)."""
     lags, n_c, start = (
-        int(elastic.lags[e]),
+        int(elastic.kernels.lags[e]),
         int(elastic.dof[e + 1] - elastic.dof[e]),
-        int(elastic.g_start[e]),
+        int(elastic.kernels.g_start[e]),
     )
-    g: Array = elastic.g[start : start + n_c * n_c * lags].reshape(n_c, n_c, lags)[:, columns, ::-1]
+    g: Array = elastic.kernels.g[start : start + n_c * n_c * lags].reshape(n_c, n_c, lags)[:, columns, ::-1]
     parts = [
         fft.rfft(g[:, :, first : first + 2 * block], 2 * block)
         for first in range(block, lags - 1, block)

@@ -11,12 +11,12 @@ from ..errors import ModelError
 from ..history.layout import lay_out_elastic
 from ..model.model import Model
 from ..model.signals import Motion, Signal
-from ..step.rotations import quaternion_of
 from ..step.rows import measures_length
-from ..step.system import Bodies, Loads, Scheme, System
+from ..step.system import Bodies, Loads, Newton, Scheme, System
 from .elimination_order import lay_out_pattern
 from .numbering import Coupling, NumberedFrames, number_frames, side_names
 from .placement import Pose, place_bodies
+from .size import model_size
 from .rows import (
     Row,
     joint_observers,
@@ -38,7 +38,7 @@ trials
 
 
 @dataclass(frozen=True, eq=False)
-class CompiledModel:
+class LoweredModel:
     """A system with the names and signals that belong to its arrays, and where it starts."""
 
     model: Model
@@ -64,7 +64,7 @@ class CompiledModel:
     @property
     def all_modal(self) -> bool:
         """Whether there are flexible bodies, and modes carry the history of all of them."""
-        modes = np.diff(self.system.elastic.mode_range)
+        modes = np.diff(self.system.elastic.modes.range)
         return len(modes) > 0 and bool(modes.all())
 
     @property
@@ -93,13 +93,8 @@ class CompiledModel:
         )
         return f"{kinds[j]} {self.coupling_names[j]!r}"
 
-    @property
-    def frame_quaternions(self) -> Array:
-        """D_0 of every frame (n_f, 4)."""
-        return np.array([quaternion_of(D) for D in self.system.frames.D_0]).reshape(-1, 4)
 
-
-def compile_system(model: Model, without: frozenset[int] = frozenset()) -> CompiledModel:
+def lower(model: Model, without: frozenset[int] = frozenset()) -> LoweredModel:
     """Number bodies, frames, rows and dofs, and lay them out for the time loop; rows `without` are
     left out.
     """
@@ -123,8 +118,9 @@ def compile_system(model: Model, without: frozenset[int] = frozenset()) -> Compi
         for joint in model.joints
         for coordinate, row in joint_observers(joint, frames.sides(joint)).items()
     }
+    size = model_size(model, poses, frames)
     if not model.assemble:
-        _check_assembled(model, poses, frames)
+        _check_assembled(model, size, frames)
     _check_moments(model, frames, rows)
     weight = 1.0 if model.rule == "consistent" else 0.5
     elastic, compliances, truncation = lay_out_elastic(
@@ -140,16 +136,20 @@ def compile_system(model: Model, without: frozenset[int] = frozenset()) -> Compi
             gamma=scheme.gamma,
             beta_prime=scheme.beta_prime(h),
             gamma_prime=scheme.gamma_prime(h),
+            inertia_ratio=scheme.inertia_ratio,
             weight=weight,
+        ),
+        newton=Newton(
             tolerance=model.tolerance,
             max_iterations=model.max_iterations,
-            corrections=model.corrections or 0,
+            fixed_iterations=model.corrections or 0,
             reuse=np.inf if model.corrections else REUSE,
         ),
         bodies=Bodies(
             mass=np.array([body.mass for body in model.bodies.values()], dtype=float),
             J_rot=np.array([body.inertia for body in model.bodies.values()], dtype=float),
             gravity=model.gravity.copy(),
+            size=size,
         ),
         frames=frames.arrays,
         couplings=couplings,
@@ -163,7 +163,7 @@ def compile_system(model: Model, without: frozenset[int] = frozenset()) -> Compi
         elastic=elastic,
         pattern=pattern,
     )
-    return CompiledModel(
+    return LoweredModel(
         model=model,
         system=system,
         scheme=scheme,
@@ -211,12 +211,8 @@ def _given_or_common(
     )
 
 
-def _check_assembled(model: Model, bodies: dict[str, Pose], frames: NumberedFrames) -> None:
+def _check_assembled(model: Model, size: float, frames: NumberedFrames) -> None:
     """The frames of a joint must meet at the start, but for the directions in which it slides."""
-    size = max(
-        1e-3,
-        max(float(np.abs(pose.x).max()) for pose in (*bodies.values(), *frames.poses.values())),
-    )
     for joint in model.joints:
         sides = frames.sides(joint)
         gap = sides.gap(joint.basis())

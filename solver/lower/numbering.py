@@ -10,6 +10,7 @@ from ..model.joints import Joint
 from ..model.model import GROUND, FlexibleBody, Model
 from ..model.motions import PrescribedMotion
 from ..model.springs import Spring
+from ..step.rotations import quaternion_of
 from ..step.system import Frames
 from .placement import Pose, frame_pose
 from .rows import Sides
@@ -86,6 +87,7 @@ def _arrays(model: Model, frame_names: list[str], n_acting: int) -> Frames:
         body=np.full(n, -1, dtype=np.int64),
         X=np.zeros((n, 3)),
         D_0=np.tile(np.eye(3), (n, 1, 1)),
+        quaternion_0=np.zeros((n, 4)),
         dof=np.full(n, -1, dtype=np.int64),
         active=np.full(n, -1, dtype=np.int64),
         column=np.full(n, -1, dtype=np.int64),
@@ -113,6 +115,7 @@ def _arrays(model: Model, frame_names: list[str], n_acting: int) -> Frames:
                 n_active += interface.n_dofs
                 frames.column[f] = n_columns[frames.body[f]]
                 n_columns[frames.body[f]] += interface.n_dofs
+    frames.quaternion_0[:] = np.reshape([quaternion_of(D) for D in frames.D_0], (n, 4))
     return frames
 
 

@@ -12,7 +12,8 @@ from ..model.motions import PrescribedDisplacement, PrescribedMotion
 from ..model.signals import Motion
 from ..model.springs import Spring
 from ..step.rows import ANGLE, DISTANCE, ROTATION, TRANSLATION
-from ..step.system import Couplings, Rows
+from ..step.laws import NO_LAW, ForceLaw, TabulatedLaw
+from ..step.system import Couplings, Laws, Rows
 from .placement import Pose
 
 BUSHING_ROTATIONS = ((2, 1), (0, 2), (1, 0))
@@ -33,7 +34,7 @@ class Row:
     rest: float = 0.0
     stiffness: Array | None = None
     damping: Array | None = None
-    law: tuple[Array, Array] | None = None
+    law: ForceLaw | None = None
     swapped: bool = False
     """frame A is the second that the coupling names"""
 
@@ -151,7 +152,7 @@ def spring_rows(spring: Spring, sides: Sides) -> list[Row]:
             damping=spring.damping[i],
             law=None
             if spring.law is None
-            else (rest[i] + spring.law.deformation, np.array(spring.law.force)),
+            else TabulatedLaw(rest[i] + spring.law.deformation, spring.law.force),
         )
         for i, row in enumerate(rows)
     ]
@@ -173,22 +174,28 @@ def lay_out_couplings(couplings: Sequence[list[Row]]) -> tuple[Couplings, list[M
     rows = [row for coupling in couplings for row in coupling]
     drives = [row.drive for row in rows if row.drive is not None]
     numbers = iter(range(len(drives)))
-    tables = [row.law or (np.empty(0), np.empty(0)) for row in rows]
     laid_out = Couplings(
         rows=lay_out_rows(rows),
+        laws=_lay_out_laws(rows),
         n_compliant=sum(row.stiffness is not None for row in rows),
         range=as_index(np.cumsum([0, *(len(coupling) for coupling in couplings)])),
         second=as_index([0 if row.swapped else 6 for row in rows]),
         drive=as_index([-1 if row.drive is None else next(numbers) for row in rows]),
         compliant=as_index([row.stiffness is not None for row in rows]),
+    )
+    return laid_out, drives
+
+
+def _lay_out_laws(rows: Sequence[Row]) -> Laws:
+    parameters = [[] if row.law is None else row.law.parameters() for row in rows]
+    return Laws(
         rest=np.array([row.rest for row in rows], dtype=np.float64),
         stiffness=_six_wide([row.stiffness for row in rows]),
         damping=_six_wide([row.damping for row in rows]),
-        table=as_index(np.cumsum([0, *(len(force) for _, force in tables)])),
-        table_coordinate=np.concatenate([np.empty(0), *(coordinate for coordinate, _ in tables)]),
-        table_force=np.concatenate([np.empty(0), *(force for _, force in tables)]),
+        kind=as_index([NO_LAW if row.law is None else row.law.kind for row in rows]),
+        first=as_index(np.cumsum([0, *map(len, parameters)])),
+        parameters=np.array([number for numbers in parameters for number in numbers], dtype=float),
     )
-    return laid_out, drives
 
 
 def _six_wide(vectors: Sequence[Array | None]) -> Array:

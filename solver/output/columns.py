@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..lower.lower import CompiledModel
+from ..lower.lower import LoweredModel
 from ..model.model import GROUND
 from ..step.system import Output
 
@@ -24,41 +24,9 @@ class Column(NamedTuple):
         return getattr(output, self.field)[(slice(n), *self.part)]
 
 
-def make_output(compiled: CompiledModel, n: int) -> Output:
-    """Room for n steps."""
-    system = compiled.system
-    n_b, n_f = len(system.bodies.mass), len(system.frames.body)
-    n_rows, n_j, n_o = (
-        len(system.couplings.rows.kind),
-        len(compiled.coupling_names),
-        len(compiled.observers),
-    )
-    return Output(
-        x=np.zeros((n, n_b, 3)),
-        R=np.zeros((n, n_b, 4)),
-        v=np.zeros((n, n_b, 6)),
-        v_dot=np.zeros((n, n_b, 6)),
-        frame_position=np.zeros((n, n_f, 3)),
-        frame_rotation=np.zeros((n, n_f, 4)),
-        frame_u=np.zeros((n, n_f, 6)),
-        frame_force=np.zeros((n, n_f, 6)),
-        frame_velocity=np.zeros((n, n_f, 6)),
-        frame_acceleration=np.zeros((n, n_f, 6)),
-        multipliers=np.zeros((n, n_rows)),
-        coordinates=np.zeros((n, n_rows)),
-        observed=np.zeros((n, n_o)),
-        observed_rates=np.zeros((n, n_o)),
-        coupling_wrench=np.zeros((n, n_j, 6)),
-        energy=np.zeros((n, 7)),
-        momentum=np.zeros((n, 6)),
-        iterations=np.zeros(n, dtype=np.int64),
-        residual=np.zeros(n),
-    )
-
-
-def requested_columns(compiled: CompiledModel) -> dict[str, Column]:
+def requested_columns(lowered: LoweredModel) -> dict[str, Column]:
     """The datasets that the model asks for; `ModelError` for a quantity that there is not."""
-    request, columns = compiled.model.output, lay_out_columns(compiled)
+    request, columns = lowered.model.output, lay_out_columns(lowered)
     request.check([group_of(name) for name in columns])
     return {name: column for name, column in columns.items() if request.selects(group_of(name))}
 
@@ -68,19 +36,19 @@ def group_of(name: str) -> str:
     return name.rpartition("/")[0]
 
 
-def lay_out_columns(compiled: CompiledModel) -> dict[str, Column]:
+def lay_out_columns(lowered: LoweredModel) -> dict[str, Column]:
     """All datasets by name, in the order of the file, but for those that are derived of others:
     time and balances.
     """
     columns: dict[str, Column] = {}
-    for b, name in enumerate(compiled.body_names):
+    for b, name in enumerate(lowered.body_names):
         columns |= {
             f"bodies/{name}/x": Column("m", "x", (b,)),
             f"bodies/{name}/R": Column("1", "R", (b,)),
             f"bodies/{name}/v": Column("m/s, rad/s", "v", (b,)),
             f"bodies/{name}/v_dot": Column("m/s^2, rad/s^2", "v_dot", (b,)),
         }
-    for f, name in enumerate(compiled.frame_names):
+    for f, name in enumerate(lowered.frame_names):
         if "." not in name or name.startswith(f"{GROUND}."):
             continue
         columns |= {
@@ -91,10 +59,10 @@ def lay_out_columns(compiled: CompiledModel) -> dict[str, Column]:
             f"frames/{name}/u": Column("m, rad", "frame_u", (f,)),
             f"frames/{name}/force": Column("N, N m", "frame_force", (f,)),
         }
-    columns |= _coupling_columns(compiled)
+    columns |= _coupling_columns(lowered)
     for i, name in enumerate(("kinetic", "elastic", "springs", "potential", "work")):
         columns[f"energy/{name}"] = Column("J", "energy", (i,))
-    if compiled.all_modal:
+    if lowered.all_modal:
         columns["energy/modal"] = Column("J", "energy", (6,))
     columns["momentum/linear"] = Column("kg m/s", "momentum", (slice(0, 3),))
     columns["momentum/angular"] = Column("kg m^2/s", "momentum", (slice(3, 6),))
@@ -103,11 +71,11 @@ def lay_out_columns(compiled: CompiledModel) -> dict[str, Column]:
     return columns
 
 
-def _coupling_columns(compiled: CompiledModel) -> dict[str, Column]:
+def _coupling_columns(lowered: LoweredModel) -> dict[str, Column]:
     columns: dict[str, Column] = {}
-    first = compiled.system.couplings.range.tolist()
-    groups = {spring.name: "springs" for spring in compiled.model.springs}
-    for j, name in enumerate(compiled.coupling_names):
+    first = lowered.system.couplings.range.tolist()
+    groups = {spring.name: "springs" for spring in lowered.model.springs}
+    for j, name in enumerate(lowered.coupling_names):
         rows = slice(first[j], first[j + 1])
         group = groups.get(name, "joints")
         columns |= {
@@ -117,7 +85,7 @@ def _coupling_columns(compiled: CompiledModel) -> dict[str, Column]:
         }
         if group == "springs":
             columns[f"{group}/{name}/coordinates"] = Column("m, rad", "coordinates", (rows,))
-    for i, (joint, coordinate) in enumerate(compiled.observers):
+    for i, (joint, coordinate) in enumerate(lowered.observers):
         units = "rad" if "angle" in coordinate else "m"
         columns[f"joints/{joint}/{coordinate}"] = Column(units, "observed", (i,))
         columns[f"joints/{joint}/{coordinate}_rate"] = Column(f"{units}/s", "observed_rates", (i,))

@@ -20,7 +20,7 @@ from ...results.results import FORMAT, VERSION, Results
 from ...superelement import sha256
 from ..arrays import Array, Index
 from ..errors import ResultsError
-from ..lower.lower import CompiledModel
+from ..lower.lower import LoweredModel
 from ..step.system import Output
 from .columns import requested_columns
 
@@ -36,24 +36,24 @@ class ResultsFile:
     `ResultsError` where the file cannot be written, or is no longer the one that this run began.
     """
 
-    def __init__(self, path: Path | None, compiled: CompiledModel) -> None:
+    def __init__(self, path: Path | None, lowered: LoweredModel) -> None:
         self._path = path
         self._memory = None if path else h5py.File(io.BytesIO(), "w")
-        self._columns = requested_columns(compiled)
-        self._balanced = compiled.model.output.selects("energy")
-        self._h = compiled.h
+        self._columns = requested_columns(lowered)
+        self._balanced = lowered.model.output.selects("energy")
+        self._h = lowered.h
         # Those of a file are left there until a field is asked for, unless all of them is here
         # already.
         self._superelements = {
             name: body.superelement
-            for name, body in compiled.model.flexible_bodies.items()
+            for name, body in lowered.model.flexible_bodies.items()
             if body.superelement.recovery is not None or not body.source
         }
         self._energy_start: tuple[float, float] | None = None
         self._written = 0
         self._run = uuid.uuid4().hex
         with self._open("w") as file:
-            _describe(file, compiled, self._run)
+            _describe(file, lowered, self._run)
 
     def append(self, steps: Index, output: Output) -> None:
         """Write the first rows of the output: those of the steps (n,)."""
@@ -127,8 +127,8 @@ def _opened(path: Path | None, mode: str) -> h5py.File:
             time.sleep(0.02)
 
 
-def _describe(file: h5py.File, compiled: CompiledModel, run: str) -> None:
-    model = compiled.model
+def _describe(file: h5py.File, lowered: LoweredModel, run: str) -> None:
+    model = lowered.model
     file.attrs.update(
         format=FORMAT,
         version=VERSION,
@@ -150,9 +150,9 @@ def _describe(file: h5py.File, compiled: CompiledModel, run: str) -> None:
         }
     )
     file.create_group("solver").attrs.update(
-        h=compiled.h,
-        rho_inf=compiled.scheme.rho_inf,
-        steps=compiled.n_steps,
+        h=lowered.h,
+        rho_inf=lowered.scheme.rho_inf,
+        steps=lowered.n_steps,
         rule=model.rule,
         start=model.start,
         every=model.output.every,

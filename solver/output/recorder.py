@@ -6,8 +6,8 @@ from types import TracebackType
 import numpy as np
 
 from ..arrays import Index
-from ..lower.lower import CompiledModel
-from .columns import make_output
+from ..lower.lower import LoweredModel
+from ..lower.allocation import make_output
 from .file import ResultsFile
 
 NUMBERS = 1 << 20
@@ -22,11 +22,11 @@ class Recorder:
     Leaving it, in whatever way, writes what waits.
     """
 
-    def __init__(self, file: ResultsFile, compiled: CompiledModel) -> None:
-        width = sum(array[0].size for array in make_output(compiled, 1))
-        self._every, self._last = compiled.model.output.every, compiled.n_steps
+    def __init__(self, file: ResultsFile, lowered: LoweredModel) -> None:
+        width = sum(array.size for array in make_output(lowered, 1).arrays())
+        self._every, self._last = lowered.model.output.every, lowered.n_steps
         n = min(NUMBERS // width, self._last // self._every + 2)
-        self.output = make_output(compiled, max(n, 16))
+        self.output = make_output(lowered, max(n, 16))
         self._file = file
         self._steps = np.empty(len(self.output.residual), dtype=np.int64)
         self._waiting = 0

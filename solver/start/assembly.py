@@ -1,5 +1,4 @@
-"""Positions and velocities made to fit the constraints, and the joint coordinates that the user
-asks for at the start.
+"""Joints assembled and velocities made consistent, with the coordinates that the user asks for.
 
 Both are least changes in the metric of the mass: with B the Jacobian of the constraints and of the
 coordinates asked for, c what they miss,
@@ -13,180 +12,170 @@ Bodies are rigid here: elastic displacements and rates start at zero, or in equi
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array, vstack
 
 from ..arrays import Array, as_index
 from ..errors import ModelError
-from ..lower.lower import CompiledModel
-from ..step.couplings import pull_back_pair
-from ..step.equations import evaluate
-from ..step.newton import linearise, set_rotation
+from ..lower.lower import LoweredModel
+from ..step.bodies import set_rotations
+from ..step.equations import evaluate, linearize
+from ..step.observers import linearize_observers
 from ..step.rotations import tangent_inverse
-from ..step.rows import evaluate_row
 from ..step.system import State, System, Workspace
-from .independence import factorise_square, unit_rows
 from .inertia import inverse_root
 from .jacobian import constraint_jacobian, constraint_rows, jacobian
+from .matrices import Matrix, above, dense_of, factorize_square, unit_rows
 
 LARGEST_TURN = 0.2
-"""rad; a joint that starts farther from its given place gets there in several steps"""
+"""rad; a joint that starts farther from its target gets there in several steps"""
+MAX_ITERATIONS = 30
+EXACT = 1e-14
+"""residual, relative to positions or in rad, of assembled joints"""
+ASSEMBLED = 1e-10
+"""the same that is accepted where no iteration improves it"""
 
 
-class Wish(NamedTuple):
-    """A joint coordinate (the number of its observer) and what it shall be, or its rate."""
+class Target(NamedTuple):
+    """A joint coordinate (the number of its observer) and the value of it, or of its rate."""
 
     observer: int
     value: float
 
 
-def close_joints(
-    compiled: CompiledModel,
-    loads: Array,
-    drive: Array,
-    state: State,
-    work: Workspace,
-    wishes: list[Wish],
+def assemble_joints(
+    lowered: LoweredModel, state: State, work: Workspace, targets: list[Target]
 ) -> None:
-    """Move the bodies until all constraints hold."""
-    starts, _ = _observe(compiled, wishes, state, work)
-    wanted = np.array([wish.value for wish in wishes])
-    stages = max(1, int(np.ceil(np.abs(wanted - starts).max(initial=0.0) / LARGEST_TURN)))
-    every = [Wish(i, 0.0) for i in range(len(state.observed))]
+    """Move the bodies until all constraints hold; ModelError for a joint that cannot be closed."""
+    which, goal = _split(targets)
+    start = _coordinates(lowered, state, work)[which]
+    stages = max(1, int(np.ceil(np.abs(goal - start).max(initial=0.0) / LARGEST_TURN)))
     for stage in range(1, stages + 1):
-        targets = starts + stage / stages * (wanted - starts)
-        _close(compiled, loads, drive, state, work, wishes, targets)
-        state.observed[:], _ = _observe(compiled, every, state, work)
+        _close(lowered, state, work, targets, start + stage / stages * (goal - start))
+        state.observers.value[:] = _coordinates(lowered, state, work)
 
 
 def fit_velocities(
-    compiled: CompiledModel, state: State, work: Workspace, wishes: list[Wish]
+    lowered: LoweredModel, state: State, work: Workspace, targets: list[Target]
 ) -> float:
-    """Change the velocities least until constraints and wishes hold; the largest change [m/s,
-    rad/s].
-    """
-    system = compiled.system
-    phi_t = drive_rates(compiled, work)[constraint_rows(system)]
-    B = _jacobian(compiled, wishes, state, work)
-    missed = B @ state.v.ravel() + np.concatenate([phi_t, [-wish.value for wish in wishes]])
+    """Change velocities least until constraints and targets hold; the largest [m/s, rad/s]."""
+    system = lowered.system
+    phi_t = drive_rates(lowered, work)[constraint_rows(system)]
+    B = _jacobian(lowered, state, work, targets)
+    _, goal = _split(targets)
+    missed = B @ state.bodies.v.ravel() + np.concatenate([phi_t, -goal])
     change = -_least_change(system, B, missed)
     left = missed + B @ change
     if len(left) and np.abs(left).max() > 1e-8 * max(1.0, float(np.abs(missed).max())):
-        owner = _owner(compiled, int(np.argmax(np.abs(left))), wishes)
+        owner = _owner(lowered, int(np.argmax(np.abs(left))), targets)
         raise ModelError(f"{owner}: no velocities of rigid motion satisfy it at the start")
-    state.v[:] += change.reshape(-1, 6)
+    state.bodies.v[:] += change.reshape(-1, 6)
     return float(np.abs(change).max(initial=0.0))
 
 
-def drive_rates(compiled: CompiledModel, work: Workspace) -> Array:
-    """What the drives add to the rates of the constraints at t = 0, d phi / d s ds/dt (n_rows,)."""
-    rates = np.array([*(drive.derivatives(0.0)[0] for drive in compiled.drives), 0.0])
-    added: Array = work.drive_slope * rates[compiled.system.couplings.drive]
+def drive_rates(lowered: LoweredModel, work: Workspace) -> Array:
+    """The part of the drives in the rates at t = 0, d phi / d s ds/dt (n_rows,)."""
+    rates = np.array([*(drive.derivatives(0.0)[0] for drive in lowered.drives), 0.0])
+    added: Array = work.couplings.drive_slope * rates[lowered.system.couplings.drive]
     return added
 
 
 def _close(
-    compiled: CompiledModel,
-    loads: Array,
-    drive: Array,
-    state: State,
-    work: Workspace,
-    wishes: list[Wish],
-    targets: Array,
+    lowered: LoweredModel, state: State, work: Workspace, targets: list[Target], goal: Array
 ) -> None:
-    system = compiled.system
-    for _ in range(30):
-        missed = _missed(compiled, loads, drive, state, work, wishes, targets)
-        if np.abs(missed).max(initial=0.0) < 1e-14 * _size(state, work):
+    system = lowered.system
+    scale = _scale(lowered, state, targets)
+    for _ in range(MAX_ITERATIONS):
+        missed = _missed(lowered, state, work, targets, goal)
+        if (np.abs(missed) <= EXACT * scale).all():
             return
-        change = -_least_change(system, _jacobian(compiled, wishes, state, work), missed).reshape(
-            -1, 6
-        )
+        B = _jacobian(lowered, state, work, targets)
+        change = -_least_change(system, B, missed).reshape(-1, 6)
         _move(change, state, work)
-        if np.abs(change).max() < 1e-15 * _size(state, work):
+        reach = max(system.bodies.size, float(np.abs(state.bodies.x).max()))
+        if np.abs(change).max() < 0.1 * EXACT * reach:
             break
-    left = np.abs(_missed(compiled, loads, drive, state, work, wishes, targets))
-    if left.max(initial=0.0) > 1e-10 * _size(state, work):
-        owner = _owner(compiled, int(np.argmax(left)), wishes)
-        raise ModelError(f"{owner}: stays open by {left.max():.6g} however the bodies are placed")
+    left = np.abs(_missed(lowered, state, work, targets, goal))
+    if (left > ASSEMBLED * scale).any():
+        worst = int(np.argmax(left / scale))
+        owner = _owner(lowered, worst, targets)
+        raise ModelError(f"{owner}: stays open by {left[worst]:.6g} however the bodies are placed")
+
+
+def _scale(lowered: LoweredModel, state: State, targets: list[Target]) -> Array:
+    """Positions against which lengths among constraints and targets are rounded; 1 for angles."""
+    system = lowered.system
+    reach = max(system.bodies.size, float(np.abs(state.bodies.x).max()))
+    lengths = lowered.measures_lengths[constraint_rows(system)]
+    return np.concatenate([np.where(lengths, reach, 1.0), np.full(len(targets), max(reach, 1.0))])
 
 
 def _missed(
-    compiled: CompiledModel,
-    loads: Array,
-    drive: Array,
-    state: State,
-    work: Workspace,
-    wishes: list[Wish],
-    targets: Array,
+    lowered: LoweredModel, state: State, work: Workspace, targets: list[Target], goal: Array
 ) -> Array:
-    """How far constraints and wishes are from their values; their derivatives are left in `work`."""
-    evaluate(compiled.system, loads, drive, state, work)
-    linearise(compiled.system, loads, drive, state, work)
-    values, _ = _observe(compiled, wishes, state, work)
-    return np.concatenate([work.phi[constraint_rows(compiled.system)], values - targets])
+    """Residuals of constraints and targets; their derivatives are left in `work`."""
+    evaluate(lowered.system, state, work)
+    linearize(lowered.system, state, work)
+    which, _ = _split(targets)
+    gap = _coordinates(lowered, state, work)[which] - goal
+    return np.concatenate([work.couplings.phi[constraint_rows(lowered.system)], gap])
 
 
 def _move(change: Array, state: State, work: Workspace) -> None:
     T = np.empty((3, 3))
     for b, step in enumerate(change):
-        state.x[b] += step[:3]
-        tangent_inverse(work.psi[b], T)
-        work.psi[b] += T @ step[3:]
-        set_rotation(b, state, work)
+        state.bodies.x[b] += step[:3]
+        tangent_inverse(work.bodies.psi[b], T)
+        work.bodies.psi[b] += T @ step[3:]
+    set_rotations(state, work)
 
 
 def _jacobian(
-    compiled: CompiledModel, wishes: list[Wish], state: State, work: Workspace
-) -> csr_array:
-    """Derivatives of the constraints and of the wishes by (delta x, delta Theta) of all bodies."""
-    system, observers = compiled.system, compiled.system.observers
-    B_r, _ = constraint_jacobian(system, state, work)
-    which = as_index([wish.observer for wish in wishes])
-    _, gradients = _observe(compiled, wishes, state, work)
-    wished = jacobian(system, observers.frame_a[which], observers.frame_b[which], gradients, state)
-    return csr_array(vstack([B_r, wished[:, : B_r.shape[1]]]))
+    lowered: LoweredModel, state: State, work: Workspace, targets: list[Target]
+) -> Matrix:
+    """Derivatives of constraints and targets by (delta x, delta Theta) of all bodies."""
+    system, observers = lowered.system, lowered.system.observers
+    B, _ = constraint_jacobian(system, state, work)
+    if not targets:
+        return B
+    which, _ = _split(targets)
+    linearize_observers(system, state, work)
+    frames = observers.frame_a[which], observers.frame_b[which]
+    by_targets = jacobian(system, *frames, work.observers.B[which], state)
+    return above(B, by_targets[:, : B.shape[1]])
 
 
-def _observe(
-    compiled: CompiledModel, wishes: list[Wish], state: State, work: Workspace
-) -> tuple[Array, Array]:
-    """The joint coordinates that are wished for (n,) and their derivatives by those of their frames
-    (n, 24).
-    """
-    observers, frames = compiled.system.observers, compiled.system.frames
-    values, gradients, gradient = np.empty(len(wishes)), np.zeros((len(wishes), 24)), np.empty(12)
-    for k, (i, _) in enumerate(wishes):
-        A, B = int(observers.frame_a[i]), int(observers.frame_b[i])
-        values[k] = evaluate_row(observers, i, 0.0, float(state.observed[i]), work, gradient)
-        pull_back_pair(frames, A, B, gradient, state, work, gradients[k])
-    return values, gradients
+def _coordinates(lowered: LoweredModel, state: State, work: Workspace) -> Array:
+    """The present coordinates of all joints (n_o,)."""
+    linearize_observers(lowered.system, state, work)
+    return work.observers.value.copy()
 
 
-def _least_change(system: System, B: csr_array, missed: Array) -> Array:
-    """L A^T (A A^T)^-1 c with A = B L, L L^T = M^-1, rows scaled to unit length: light bodies cost
-    no digits.
+def _least_change(system: System, B: Matrix, missed: Array) -> Array:
+    """L A^T (A A^T)^-1 c with A = B L, L L^T = M^-1.
 
-    Rows that may depend on one another take the pseudo-inverse of a dense A.
+    Its rows are scaled to unit length, so that light bodies cost no digits. Rows that may depend on
+    one another take the pseudo-inverse of a dense A.
     """
     if not B.shape[0]:
         return np.zeros(B.shape[1])
     L = inverse_root(system)
-    A, scale = unit_rows(csr_array(B @ L))
-    factors = factorise_square(A)
-    if factors is None:
-        y = np.linalg.lstsq(A.toarray(), scale * missed, rcond=1e-11)[0]
+    A, scale = unit_rows(B @ L)
+    solve = factorize_square(A)
+    if solve is None:
+        y = np.linalg.lstsq(dense_of(A), scale * missed, rcond=1e-11)[0]
     else:
-        y = A.T @ factors.solve(scale * missed)
+        y = A.T @ solve(scale * missed)
     change: Array = L @ y
     return change
 
 
-def _size(state: State, work: Workspace) -> float:
-    return max(1.0, float(np.abs(state.x).max()), float(np.abs(work.lever).max(initial=0.0)))
+def _split(targets: list[Target]) -> tuple[Array, Array]:
+    """Observers and values."""
+    values = np.array([target.value for target in targets])
+    return as_index([target.observer for target in targets]), values
 
 
-def _owner(compiled: CompiledModel, row: int, wishes: list[Wish]) -> str:
-    hard = constraint_rows(compiled.system)
+def _owner(lowered: LoweredModel, row: int, targets: list[Target]) -> str:
+    hard = constraint_rows(lowered.system)
     if row >= len(hard):
-        return f"joint {compiled.observers[wishes[row - len(hard)].observer][0]!r}"
-    return compiled.owner_of(int(hard[row]))
+        return f"joint {lowered.observers[targets[row - len(hard)].observer][0]!r}"
+    return lowered.owner_of(int(hard[row]))

@@ -1,5 +1,4 @@
-"""Static equilibrium, and equilibrium in steady rotation, of bodies, interfaces and multipliers
-together.
+"""Equilibrium, static or in steady rotation, of bodies, interfaces and multipliers together.
 
     f_r(x, R, u, lambda) = J v_dot + v~ J v,     phi = 0,     u = compliance p
 
@@ -17,10 +16,10 @@ from numpy.typing import NDArray
 from ..arrays import Array
 from ..errors import ModelError
 from ..history.layout import active_flexibility
-from ..lower.lower import CompiledModel
-from ..step.elimination import factorise
-from ..step.equations import evaluate
-from ..step.newton import assemble, correct, linearise
+from ..lower.lower import LoweredModel
+from ..step.elimination import factorize
+from ..step.equations import assemble, evaluate, linearize
+from ..step.newton import correct
 from ..step.system import State, System, Workspace
 from .assembly import drive_rates
 from .steady import SteadyMotion
@@ -36,18 +35,18 @@ FIRST_STEP = 0.05
 """how far the first step moves bodies, relative to the size of the model"""
 
 
-def check_drives(compiled: CompiledModel) -> None:
+def check_drives(lowered: LoweredModel) -> None:
     """ModelError for a drive that accelerates at t = 0."""
-    for i, d in enumerate(compiled.system.couplings.drive.tolist()):
-        if d >= 0 and (acceleration := compiled.drives[d].derivatives(0.0)[1]) != 0.0:
+    for i, d in enumerate(lowered.system.couplings.drive.tolist()):
+        if d >= 0 and (acceleration := lowered.drives[d].derivatives(0.0)[1]) != 0.0:
             raise ModelError(
-                f"{compiled.owner_of(i)}: start = 'equilibrium' takes drives without acceleration at t = 0, "
+                f"{lowered.owner_of(i)}: start = 'equilibrium' takes drives without acceleration at t = 0, "
                 f"got {acceleration:.6g}"
             )
 
 
 def check_steady(
-    compiled: CompiledModel, motion: SteadyMotion | None, state: State, work: Workspace
+    lowered: LoweredModel, motion: SteadyMotion | None, state: State, work: Workspace
 ) -> None:
     """ModelError unless constraints, springs and dampers keep their coordinates in the steady
     rotation, or at rest.
@@ -55,22 +54,22 @@ def check_steady(
     The rates B v + phi_t must vanish, so that a drive may run at the speed of the rotation and at
     no other.
     """
-    couplings, lengths = compiled.system.couplings, compiled.measures_lengths
+    couplings, lengths = lowered.system.couplings, lowered.measures_lengths
     Omega = np.zeros(3) if motion is None else motion.angular_velocity
-    V = np.zeros_like(work.V)
+    V = np.zeros_like(work.frames.V)
     if motion is not None:
-        moving = compiled.system.frames.body >= 0
-        V[moving, :3] = np.cross(Omega, work.r[moving] - motion.center)
+        moving = lowered.system.frames.body >= 0
+        V[moving, :3] = np.cross(Omega, work.frames.r[moving] - motion.center)
         V[moving, 3:] = Omega
     V_ab = np.hstack([V[couplings.rows.frame_a], V[couplings.rows.frame_b]])
-    driven = drive_rates(compiled, work)
+    driven = drive_rates(lowered, work)
     tabulated = np.diff(couplings.table) > 0
     inert = (couplings.compliant == 1) & ~(
         couplings.stiffness.any(1) | couplings.damping.any(1) | tabulated
     )
-    rates = np.where(inert, 0.0, np.abs(np.einsum("ij,ij->i", work.gradient, V_ab) + driven))
+    rates = np.where(inert, 0.0, np.abs(np.einsum("ij,ij->i", work.couplings.gradient, V_ab) + driven))
     speed = float(np.linalg.norm(Omega))
-    allowed = STEADY * np.where(lengths, speed * _size(state, work), speed)
+    allowed = STEADY * np.where(lengths, speed * lowered.system.bodies.size, speed)
     if not (rates > allowed).any():
         return
     i = int(np.argmax(rates - allowed))
@@ -79,15 +78,13 @@ def check_steady(
     )
     what = "rest" if motion is None else f"a steady rotation of {Omega.tolist()} rad/s"
     raise ModelError(
-        f"{compiled.owner_of(i)}: start = 'equilibrium': {what} {effect} by {rates[i]:.6g} "
+        f"{lowered.owner_of(i)}: start = 'equilibrium': {what} {effect} by {rates[i]:.6g} "
         f"{'m/s' if lengths[i] else 'rad/s'}"
     )
 
 
-def settle(
-    compiled: CompiledModel,
-    loads: Array,
-    drive: Array,
+def solve_equilibrium(
+    lowered: LoweredModel,
     motion: SteadyMotion | None,
     state: State,
     work: Workspace,
@@ -95,83 +92,81 @@ def settle(
     """Bring a state into equilibrium: positions, displacements, multipliers, and the motion of a
     steady rotation.
     """
-    system, lengths = _at_rest(compiled), compiled.measures_lengths
-    work.history[:] = 0.0
-    work.u_rate_predicted[:] = 0.0
+    system, lengths = _at_rest(lowered), lowered.measures_lengths
+    work.interfaces.history[:] = 0.0
+    work.interfaces.rate_predicted[:] = 0.0
     _move(motion, state)
-    evaluate(system, loads, drive, state, work)
+    evaluate(system, state, work)
     pull = _accelerations(system, work)
-    beta = pull / (FIRST_STEP * _size(state, work)) if pull > 0.0 else 1.0
+    beta = pull / (FIRST_STEP * system.bodies.size) if pull > 0.0 else 1.0
     residual, best, idle = _residual(_parts(system, lengths, state, work)), np.inf, 0
     for _ in range(MAX_ITERATIONS):
         if residual <= TOLERANCE or (idle > 5 and best <= GOOD_ENOUGH):
             return
-        saved = [array.copy() for array in state]
-        if not _step(_stiffened(system, beta), loads, drive, motion, state, work):
-            raise _failure(compiled, "the equations are singular", lengths, state, work)
+        saved = [array.copy() for array in state.arrays()]
+        if not _step(_stiffened(system, beta), motion, state, work):
+            raise _failure(lowered, "the equations are singular", lengths, state, work)
         _move(motion, state)
-        evaluate(system, loads, drive, state, work)
+        evaluate(system, state, work)
         previous, residual = residual, _residual(_parts(system, lengths, state, work))
         if not residual < 4.0 * max(previous, 1e-3):
-            for array, old in zip(state, saved, strict=True):
+            for array, old in zip(state.arrays(), saved, strict=True):
                 array[:] = old
-            evaluate(system, loads, drive, state, work)
+            evaluate(system, state, work)
             residual, beta = previous, 10.0 * beta
             continue
         beta *= np.clip(residual / previous, 0.1, 2.0)
         idle = 0 if residual < 0.5 * best else idle + 1
         best = min(best, residual)
-    check_steady(compiled, motion, state, work)  # it knows better why a damper cannot turn, say
+    check_steady(lowered, motion, state, work)  # it knows better why a damper cannot turn, say
     found = f"relative residual {best:.3e} after {MAX_ITERATIONS} steps"
-    raise _failure(compiled, found, lengths, state, work)
+    raise _failure(lowered, found, lengths, state, work)
 
 
 def _step(
     system: System,
-    loads: Array,
-    drive: Array,
     motion: SteadyMotion | None,
     state: State,
     work: Workspace,
 ) -> bool:
     """One implicit step of the flow; False where its equations are singular."""
-    linearise(system, loads, drive, state, work)
+    linearize(system, state, work)
     assemble(system, state, work)
     if motion is not None:
         _add_centrifugal(system, motion, state, work)
-    if not factorise(system.pattern, work.S, work.pivots):
+    if not factorize(system.pattern, work.matrix.S, work.matrix.pivots):
         return False
-    correct(system, _size(state, work), state, work)
-    work.quaternion[:] = state.quaternion
-    work.psi[:] = 0.0
+    correct(system, state, work)
+    work.bodies.quaternion_n[:] = state.bodies.quaternion
+    work.bodies.psi[:] = 0.0
     return True
 
 
-def _at_rest(compiled: CompiledModel) -> System:
+def _at_rest(lowered: LoweredModel) -> System:
     """The system with static compliances in place of instantaneous ones."""
-    elastic = compiled.system.elastic
+    elastic = lowered.system.elastic
     G_0 = elastic.G_0.copy()
-    for e, compliance in enumerate(compiled.compliances):
+    for e, compliance in enumerate(lowered.compliances):
         start = elastic.G_0_start[e]
         G_0[start : start + compliance.size] = compliance.ravel()
     G_active, _ = active_flexibility(
-        compiled.compliances, elastic.active, elastic.active_range, elastic.dof, 1.0
+        lowered.compliances, elastic.active, elastic.active_range, elastic.dof, 1.0
     )
-    scheme = compiled.system.scheme._replace(weight=1.0, gamma_prime=0.0)
-    return compiled.system._replace(
-        scheme=scheme, elastic=elastic._replace(G_0=G_0, G_active=G_active)
+    scheme = lowered.system.scheme.replace(weight=1.0, gamma_prime=0.0)
+    return lowered.system.replace(
+        scheme=scheme, elastic=elastic.replace(G_0=G_0, G_active=G_active)
     )
 
 
 def _stiffened(system: System, beta: float) -> System:
     """With the inertia of an implicit step of the gradient flow: beta J on dq."""
-    return system._replace(scheme=system.scheme._replace(beta_prime=beta, h=0.01))
+    return system.replace(scheme=system.scheme.replace(beta_prime=beta, h=0.01))
 
 
 def _move(motion: SteadyMotion | None, state: State) -> None:
-    state.v[:] = 0.0
-    state.v_dot[:] = 0.0
-    state.a[:] = 0.0
+    state.bodies.v[:] = 0.0
+    state.bodies.v_dot[:] = 0.0
+    state.bodies.a[:] = 0.0
     if motion is not None:
         motion.impose(state)
 
@@ -180,9 +175,9 @@ def _add_centrifugal(system: System, motion: SteadyMotion, state: State, work: W
     """S += h^2 d(J v_dot + v~ J v) where v_dot follows x, and omega = R^T Omega follows R."""
     h2 = system.scheme.h**2
     for b, (mass, J) in enumerate(zip(system.bodies.mass, system.bodies.J_rot, strict=True)):
-        omega, R = state.v[b, 3:], state.R[b]
+        omega, R = state.bodies.v[b, 3:], state.bodies.R[b]
         start, stride = system.pattern.body_block[b]
-        block = as_strided(work.S[start:], (6, 6), (stride * work.S.itemsize, work.S.itemsize))
+        block = as_strided(work.matrix.S[start:], (6, 6), (stride * work.matrix.S.itemsize, work.matrix.S.itemsize))
         block[:3, :3] += h2 * mass * R.T @ motion.acceleration @ R
         block[3:, 3:] += h2 * (_skew(omega) @ J - _skew(J @ omega)) @ _skew(omega)
 
@@ -194,16 +189,16 @@ def _parts(
     bodies' forces (n_b,) and moments (n_b,), of the rows (n_rows,) and of the active interface dofs
     (n_a,).
     """
-    forces, size = max(float(work.force_scale[:, 0].max()), 1e-300), _size(state, work)
-    moments = max(float(work.force_scale[:, 1].max()), forces * 1e-3 * size)
+    forces, size = max(float(work.bodies.force_scale[:, 0].max()), 1e-300), system.bodies.size
+    moments = max(float(work.bodies.force_scale[:, 1].max()), forces * 1e-3 * size)
     # a spring that carries nothing knows its length to rounding alone: laws count against all
     # forces
-    laws = np.maximum(work.law_scale, np.where(lengths, forces, moments))
+    laws = np.maximum(work.couplings.scale, np.where(lengths, forces, moments))
     return (
-        np.abs(work.residual[:, :3]).max(axis=1) / forces,
-        np.abs(work.residual[:, 3:]).max(axis=1) / moments,
-        np.abs(work.phi) / np.where(system.couplings.compliant == 1, laws, size),
-        np.abs(work.u_residual) / size,
+        np.abs(work.bodies.residual[:, :3]).max(axis=1) / forces,
+        np.abs(work.bodies.residual[:, 3:]).max(axis=1) / moments,
+        np.abs(work.couplings.phi) / np.where(system.couplings.compliant == 1, laws, size),
+        np.abs(work.interfaces.residual) / size,
     )
 
 
@@ -212,19 +207,19 @@ def _residual(parts: tuple[Array, ...]) -> float:
 
 
 def _failure(
-    compiled: CompiledModel, found: str, lengths: NDArray[np.bool_], state: State, work: Workspace
+    lowered: LoweredModel, found: str, lengths: NDArray[np.bool_], state: State, work: Workspace
 ) -> ModelError:
     """What to say where no equilibrium was found, and what is farthest from it."""
-    forces, moments, rows, dofs = _parts(compiled.system, lengths, state, work)
+    forces, moments, rows, dofs = _parts(lowered.system, lengths, state, work)
     bodies = np.maximum(forces, moments)
-    elastic = compiled.system.elastic
+    elastic = lowered.system.elastic
     for e, b in enumerate(elastic.body.tolist()):
         bodies[b] = max(
             bodies[b], dofs[elastic.active_range[e] : elastic.active_range[e + 1]].max(initial=0.0)
         )
-    worst = f"body {compiled.body_names[int(np.argmax(bodies))]!r}"
+    worst = f"body {lowered.body_names[int(np.argmax(bodies))]!r}"
     if rows.max(initial=0.0) > bodies.max():
-        worst = compiled.owner_of(int(np.argmax(rows)))
+        worst = lowered.owner_of(int(np.argmax(rows)))
     return ModelError(
         f"start = 'equilibrium': none found, {found}; farthest from it is {worst}. Usual causes: a body that falls "
         f"freely, a mechanism that turns freely about an axis across gravity, loads that nothing balances"
@@ -233,14 +228,10 @@ def _failure(
 
 def _accelerations(system: System, work: Workspace) -> float:
     inertia = np.trace(system.bodies.J_rot, axis1=1, axis2=2)
-    linear = np.abs(work.residual[:, :3]).max(axis=1) / system.bodies.mass
+    linear = np.abs(work.bodies.residual[:, :3]).max(axis=1) / system.bodies.mass
     return float(
-        max(linear.max(), (np.abs(work.residual[:, 3:]).max(axis=1) / inertia).max() * 1e-3)
+        max(linear.max(), (np.abs(work.bodies.residual[:, 3:]).max(axis=1) / inertia).max() * 1e-3)
     )
-
-
-def _size(state: State, work: Workspace) -> float:
-    return float(max(np.ptp(state.x, axis=0).max(), np.abs(work.lever).max(initial=0.0), 1e-3))
 
 
 def _skew(a: Array) -> Array:

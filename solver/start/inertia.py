@@ -1,60 +1,55 @@
-"""What constraints see of bodies: their inverse inertia and the mobility of their interfaces, as
-sparse matrices.
-"""
-
-from typing import Any
+"""Inverse inertia of bodies and accelerance of interfaces, as constraints see them: matrices."""
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.sparse import block_diag, bsr_array, csr_array
 
 from ..arrays import Array
-from ..lower.lower import CompiledModel
+from ..lower.lower import LoweredModel
 from ..step.system import System
+from .matrices import Matrix, block_diagonal, is_small
 
 
-def inverse_inertia(system: System) -> csr_array:
+def inverse_inertia(system: System) -> Matrix:
     """M^-1 of (x, Theta) of all bodies (6 n_b, 6 n_b)."""
-    return _of_bodies(1.0 / system.bodies.mass, np.linalg.inv(system.bodies.J_rot))
+    return _of_bodies(system, 1.0 / system.bodies.mass, np.linalg.inv(system.bodies.J_rot))
 
 
-def inverse_root(system: System) -> csr_array:
+def inverse_root(system: System) -> Matrix:
     """L with L L^T = M^-1 (6 n_b, 6 n_b)."""
-    return _of_bodies(
-        1.0 / np.sqrt(system.bodies.mass), np.linalg.cholesky(np.linalg.inv(system.bodies.J_rot))
-    )
+    root = np.linalg.cholesky(np.linalg.inv(system.bodies.J_rot))
+    return _of_bodies(system, 1.0 / np.sqrt(system.bodies.mass), root)
 
 
-def interface_mobility(compiled: CompiledModel) -> csr_array:
+def interface_accelerance(lowered: LoweredModel) -> Matrix:
     """A_el: accelerations of all active dofs under unit loads on them, at rest (n_a, n_a)."""
-    return _diagonal(_mobilities(compiled))
+    return block_diagonal(_accelerances(lowered), is_small(lowered.system))
 
 
-def mobility_root(compiled: CompiledModel) -> csr_array:
+def accelerance_root(lowered: LoweredModel) -> Matrix:
     """A with A A^T = A_el (n_a, n_a)."""
     roots = []
-    for mobility in _mobilities(compiled):
-        values, vectors = np.linalg.eigh(mobility)
+    for accelerance in _accelerances(lowered):
+        values, vectors = np.linalg.eigh(accelerance)
         roots.append(vectors * np.sqrt(np.maximum(values, 0.0)))
-    return _diagonal(roots)
+    return block_diagonal(roots, is_small(lowered.system))
 
 
-def _mobilities(compiled: CompiledModel) -> list[Array]:
-    elastic = compiled.system.elastic
-    mobilities = []
-    for e, element in enumerate(compiled.superelements):
-        own = elastic.active[elastic.active_range[e] : elastic.active_range[e + 1]] - elastic.dof[e]
-        mobilities.append(element.mobility[np.ix_(own, own)])
-    return mobilities
+def _accelerances(lowered: LoweredModel) -> list[Array]:
+    elastic = lowered.system.elastic
+    accelerances = []
+    for e, element in enumerate(lowered.superelements):
+        begin, end = elastic.active_range[e], elastic.active_range[e + 1]
+        dofs = elastic.active[begin:end] - elastic.dof[e]
+        accelerances.append(element.mobility[np.ix_(dofs, dofs)])
+    return accelerances
 
 
-def _of_bodies(linear: Array, angular: NDArray[np.floating[Any]]) -> csr_array:
+def _of_bodies(system: System, linear: Array, angular: Array) -> Matrix:
     n = len(linear)
     blocks = np.zeros((n, 6, 6))
     blocks[:, :3, :3] = linear[:, None, None] * np.eye(3)
     blocks[:, 3:, 3:] = angular
+    if is_small(system):
+        return block_diagonal(list(blocks), small=True)
+    from scipy.sparse import bsr_array, csr_array
+
     return csr_array(bsr_array((blocks, np.arange(n), np.arange(n + 1))))
-
-
-def _diagonal(blocks: list[Array]) -> csr_array:
-    return csr_array(block_diag([np.zeros((0, 0)), *blocks]))

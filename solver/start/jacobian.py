@@ -1,10 +1,10 @@
-"""Derivatives of rows by the coordinates of all bodies, as sparse matrices."""
+"""Derivatives of rows by the coordinates of all bodies, as matrices."""
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
 
 from ..arrays import Array, Index
 from ..step.system import State, System, Workspace
+from .matrices import Matrix, from_entries, is_small
 
 
 def constraint_rows(system: System) -> Index:
@@ -14,8 +14,8 @@ def constraint_rows(system: System) -> Index:
 
 def constraint_jacobian(
     system: System, state: State, work: Workspace
-) -> tuple[csr_array, csr_array]:
-    """B_r (n, 6 n_b) and B_a (n, n_a) of the constraints as `linearise` left them: by bodies, and
+) -> tuple[Matrix, Matrix]:
+    """B_r (n, 6 n_b) and B_a (n, n_a) of the constraints as `linearize` left them: by bodies, and
     by active dofs.
     """
     B, n_q = (
@@ -25,13 +25,13 @@ def constraint_jacobian(
     return B[:, :n_q], B[:, n_q:]
 
 
-def coupling_jacobian(system: System, state: State, work: Workspace) -> csr_array:
-    """Of the rows of all couplings as `linearise` left them (n_rows, 6 n_b + n_a)."""
+def coupling_jacobian(system: System, state: State, work: Workspace) -> Matrix:
+    """Of the rows of all couplings as `linearize` left them (n_rows, 6 n_b + n_a)."""
     rows = system.couplings.rows
-    return jacobian(system, rows.frame_a, rows.frame_b, work.B, state)
+    return jacobian(system, rows.frame_a, rows.frame_b, work.couplings.B, state)
 
 
-def jacobian(system: System, frame_a: Index, frame_b: Index, B: Array, state: State) -> csr_array:
+def jacobian(system: System, frame_a: Index, frame_b: Index, B: Array, state: State) -> Matrix:
     """The derivatives B (n, 24) of rows by the coordinates of their frames A and B as a matrix (n,
     6 n_b + n_a).
 
@@ -43,7 +43,7 @@ def jacobian(system: System, frame_a: Index, frame_b: Index, B: Array, state: St
     for first, f in ((0, frame_a), (12, frame_b)):
         body, active = frames.body[f], frames.active[f]
         part = B[:, first : first + 12].copy()
-        part[:, :3] = np.einsum("ij,ikj->ik", part[:, :3], state.R[body])
+        part[:, :3] = np.einsum("ij,ikj->ik", part[:, :3], state.bodies.R[body])
         place = np.hstack([6 * body[:, None] + np.arange(6), n_q + active[:, None] + np.arange(6)])
         there = np.repeat(
             np.stack([body >= 0, active >= 0, (active >= 0) & (frames.rotations[f] == 1)], 1),
@@ -53,6 +53,11 @@ def jacobian(system: System, frame_a: Index, frame_b: Index, B: Array, state: St
         entries.append(part[there])
         numbers.append(np.nonzero(there)[0])
         columns.append(place[there])
-    positions = np.concatenate(numbers), np.concatenate(columns)
     shape = len(B), n_q + len(system.elastic.active)
-    return coo_array((np.concatenate(entries), positions), shape=shape).tocsr()
+    return from_entries(
+        np.concatenate(entries),
+        np.concatenate(numbers),
+        np.concatenate(columns),
+        shape,
+        is_small(system),
+    )

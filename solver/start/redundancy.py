@@ -5,16 +5,14 @@ mechanism can move.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import qr, svd
-from scipy.sparse import csr_array, hstack
 
 from ..arrays import Array
 from ..errors import ModelError
-from ..lower.lower import CompiledModel
+from ..lower.lower import LoweredModel
 from ..step.system import State, Workspace
-from .independence import factorise_square, unit_rows
-from .inertia import inverse_root, mobility_root
+from .inertia import accelerance_root, inverse_root
 from .jacobian import constraint_jacobian, constraint_rows
+from .matrices import Matrix, beside, dense_of, factorize_square, unit_rows
 
 RANK_TOLERANCE = 1e-9
 """singular values of the constraint Jacobian, rows scaled to unit length, below which rows count as
@@ -22,50 +20,50 @@ dependent
 """
 
 
-def degrees_of_freedom(compiled: CompiledModel, state: State, work: Workspace) -> int:
+def degrees_of_freedom(lowered: LoweredModel, state: State, work: Workspace) -> int:
     """Of the mechanism, its bodies taken as rigid: six for each less the rank of the constraints."""
-    J = _rigid_jacobian(compiled, state, work)
+    J = _rigid_jacobian(lowered, state, work)
     n, n_q = J.shape
-    return int(n_q - (n if _clearly_independent(J) else rank(J.toarray())))
+    return int(n_q - (n if _clearly_independent(J) else rank(dense_of(J))))
 
 
-def redundant_rows(compiled: CompiledModel, state: State, work: Workspace) -> frozenset[int]:
+def redundant_rows(lowered: LoweredModel, state: State, work: Workspace) -> frozenset[int]:
     """Rows to leave out so that the others are independent, elastic interfaces included.
 
     ModelError names them unless the model says that redundant constraints may be removed. A drive
     is never redundant: it moves what the constraints that it depends on hold still.
     """
-    hard = constraint_rows(compiled.system)
-    _, B_a = constraint_jacobian(compiled.system, state, work)
-    J = csr_array(hstack([_rigid_jacobian(compiled, state, work), B_a @ mobility_root(compiled)]))
-    found = None if _clearly_independent(J) else find_redundancy(J.toarray())
+    hard = constraint_rows(lowered.system)
+    _, B_a = constraint_jacobian(lowered.system, state, work)
+    J = beside(_rigid_jacobian(lowered, state, work), B_a @ accelerance_root(lowered))
+    found = None if _clearly_independent(J) else find_redundancy(dense_of(J))
     if found is None:
         return frozenset()
     involved, removable = (hard[rows].tolist() for rows in (found.involved, found.removable))
-    if driven := [i for i in involved if compiled.system.couplings.drive[i] >= 0]:
+    if driven := [i for i in involved if lowered.system.couplings.drive[i] >= 0]:
         raise ModelError(
-            f"joints: {describe_rows(compiled, driven)} is driven against other constraints: on one another depend "
-            f"{describe_rows(compiled, involved)}; take away the drive or free a joint"
+            f"joints: {describe_rows(lowered, driven)} is driven against other constraints: on one another depend "
+            f"{describe_rows(lowered, involved)}; take away the drive or free a joint"
         )
-    if compiled.model.redundant == "error":
+    if lowered.model.redundant == "error":
         are = "is" if len(removable) == 1 else "are"
         raise ModelError(
             f"joints: {len(hard)} constraints of which {len(removable)} {are} redundant; on one another depend "
-            f"{describe_rows(compiled, involved)}; free a joint, or let redundant = 'remove' drop "
-            f"{describe_rows(compiled, removable)}"
+            f"{describe_rows(lowered, involved)}; free a joint, or let redundant = 'remove' drop "
+            f"{describe_rows(lowered, removable)}"
         )
     return frozenset(removable)
 
 
-def describe_rows(compiled: CompiledModel, rows: list[int]) -> str:
+def describe_rows(lowered: LoweredModel, rows: list[int]) -> str:
     """Rows by joint: "hinge (translation 3, rotation 1)"."""
-    lengths, first = compiled.measures_lengths, compiled.system.couplings.range
+    lengths, first = lowered.measures_lengths, lowered.system.couplings.range
     by_joint: dict[str, list[str]] = {}
     for i in rows:
-        j = compiled.coupling_of(i)
+        j = lowered.coupling_of(i)
         before = lengths[first[j] : i]
         kind = "translation" if lengths[i] else "rotation"
-        by_joint.setdefault(compiled.coupling_names[j], []).append(
+        by_joint.setdefault(lowered.coupling_names[j], []).append(
             f"{kind} {1 + int((before == lengths[i]).sum())}"
         )
     return ", ".join(f"{joint} ({', '.join(names)})" for joint, names in by_joint.items())
@@ -92,6 +90,8 @@ def find_redundancy(J: Array) -> Redundancy | None:
         return None
     involved = np.flatnonzero(np.abs(null).max(axis=1) > 1e-6)
     later = 1.0 + 1e-3 * np.arange(len(J)) / len(J)
+    from scipy.linalg import qr
+
     _, _, pivots = qr(null.T * later, pivoting=True, mode="economic")
     return Redundancy(involved.tolist(), sorted(pivots[: null.shape[1]].tolist()))
 
@@ -104,19 +104,19 @@ def _left_null_space(J: Array) -> Array:
     """Vectors y (n, k) with y^T J = 0, J's rows scaled to unit length."""
     length = np.linalg.norm(J, axis=1)
     scaled = J / np.where(length > 0.0, length, 1.0)[:, None]
-    left, values, _ = svd(scaled, full_matrices=True)
+    left, values, _ = np.linalg.svd(scaled, full_matrices=True)
     small = np.concatenate([values, np.zeros(len(J) - len(values))]) < RANK_TOLERANCE * max(
         1.0, values.max(initial=0.0)
     )
     return np.asarray(left[:, small])
 
 
-def _rigid_jacobian(compiled: CompiledModel, state: State, work: Workspace) -> csr_array:
+def _rigid_jacobian(lowered: LoweredModel, state: State, work: Workspace) -> Matrix:
     """Rows of the constraints against bodies, columns scaled by their inertia."""
-    B_r, _ = constraint_jacobian(compiled.system, state, work)
-    return csr_array(B_r @ inverse_root(compiled.system))
+    B_r, _ = constraint_jacobian(lowered.system, state, work)
+    return B_r @ inverse_root(lowered.system)
 
 
-def _clearly_independent(J: csr_array) -> bool:
+def _clearly_independent(J: Matrix) -> bool:
     scaled, _ = unit_rows(J)
-    return not J.shape[0] or factorise_square(scaled) is not None
+    return not J.shape[0] or factorize_square(scaled) is not None

@@ -34,11 +34,11 @@ class SteadyMotion:
 
     def impose(self, state: State) -> None:
         """Velocities and accelerations of all bodies where they are."""
-        arm = state.x - self.center
-        state.v[:, :3] = arm @ self.velocity.T
-        state.v[:, 3:] = np.einsum("bji,j->bi", state.R, self.angular_velocity)
-        state.v_dot[:, :3] = arm @ self.acceleration.T
-        state.a[:, :3] = arm @ self.pseudo_acceleration.T
+        arm = state.bodies.x - self.center
+        state.bodies.v[:, :3] = arm @ self.velocity.T
+        state.bodies.v[:, 3:] = np.einsum("bji,j->bi", state.bodies.R, self.angular_velocity)
+        state.bodies.v_dot[:, :3] = arm @ self.acceleration.T
+        state.bodies.a[:, :3] = arm @ self.pseudo_acceleration.T
 
 
 def steady_motion(rotation: SteadyRotation, scheme: Scheme) -> SteadyMotion:

@@ -1,212 +1,224 @@
-"""Joints and springs: wrenches on frames, residuals of constraints and of force laws, and their
-derivatives.
+"""Joints, motions and springs: their wrenches, residuals, derivatives, convective terms, energies.
 
-The wrench of a row on its frames is lambda times its gradient, for L + lambda^T phi. A joint's row
-must vanish, phi = c (less the driven distance; a driven rotation row turns its axis instead). A
-spring's row has
+The wrench of a row on its frames is lambda times its gradient, for L + lambda^T phi. The row of a
+joint must vanish, phi = c (less the driven distance; a driven rotation row turns its axis instead).
+The row of a spring obeys
 
-    phi_i = lambda_i + sum_j (stiffness_ij (c_j - rest_j) + damping_ij dc_j/dt) + table_i(c_i) = 0
+    phi_i = lambda_i + sum_j (stiffness_ij (c_j - rest_j) + damping_ij dc_j/dt)
+            + law_i(c_i, dc_i/dt) = 0
 
-so that springs enter Newton like joints, and couple no two bodies but through their multiplier.
+so that springs enter Newton's matrix like joints, and couple no two bodies but by their multiplier.
 """
 
 import math
 
-from ..arrays import Array
-from .frames import add_pair_tangent, coordinate, pull_back, width
-from .jit import compiled
+from ..compiler.marks import compiled
+from .frames import (
+    add_pair_tangent,
+    coordinate,
+    pull_back_pair,
+    pull_back_tangent,
+    width,
+)
+from .laws import evaluate_law
+from .measure import ROUNDING, relative
 from .rows import ROTATION, add_row_tangent, carried_axis, evaluate_row, measures_length
-from .system import Couplings, Frames, State, System, Workspace
-from .vectors import dot, rotate, row, triple
+from .system import Couplings, Frames, Laws, State, System, Workspace
+from .vectors import dot, rotate, row
 
 
 @compiled
-def turn_of(couplings: Couplings, i: int, drive: Array) -> float:
+def turn_of(couplings: Couplings, i: int, work: Workspace) -> float:
     """The angle by which the drive of row i turns its axis."""
     d = couplings.drive[i]
-    return float(drive[d]) if d >= 0 and couplings.rows.kind[i] == ROTATION else 0.0
+    return float(work.drives.value[d]) if d >= 0 and couplings.rows.kind[i] == ROTATION else 0.0
 
 
 @compiled
-def evaluate_couplings(
-    couplings: Couplings, lam: Array, near: Array, drive: Array, work: Workspace
-) -> None:
-    """Coordinates, rates, residuals and gradients of all rows; the wrenches are added to those of
-    the frames.
-    """
-    rows = couplings.rows
+def add_coupling_wrenches(couplings: Couplings, state: State, work: Workspace) -> None:
+    """Coordinates, rates, gradients and residuals of all rows; their wrenches act on the frames."""
+    rows, out, frames, lam = couplings.rows, work.couplings, work.frames, state.couplings.lam
     for i in range(len(rows.kind)):
-        gradient = work.gradient[i]
+        gradient = out.gradient[i]
         A, B = rows.frame_a[i], rows.frame_b[i]
-        work.coordinate[i] = evaluate_row(
-            rows, i, turn_of(couplings, i, drive), near[i], work, gradient
-        )
+        near = state.couplings.coordinate[i]
+        turn = turn_of(couplings, i, work)
+        out.coordinate[i] = evaluate_row(rows, i, turn, near, work, gradient)
         rate = 0.0
         for k in range(6):
-            rate += gradient[k] * work.V[A, k] + gradient[6 + k] * work.V[B, k]
-            work.wrench[A, k] += lam[i] * gradient[k]
-            work.wrench[B, k] += lam[i] * gradient[6 + k]
-        work.rate[i] = rate
-        _constrain(couplings, i, drive, work)
+            rate += gradient[k] * frames.V[A, k] + gradient[6 + k] * frames.V[B, k]
+            frames.wrench[A, k] += lam[i] * gradient[k]
+            frames.wrench[B, k] += lam[i] * gradient[6 + k]
+        out.rate[i] = rate
+        _constrain(couplings, i, work)
     for j in range(len(couplings.range) - 1):
-        wrench = work.coupling_wrench[j]
+        first, last = couplings.range[j], couplings.range[j + 1]
+        wrench = out.wrench[j]
         wrench[:] = 0.0
-        for i in range(couplings.range[j], couplings.range[j + 1]):
+        for i in range(first, last):
             for k in range(6):
-                wrench[k] += lam[i] * work.gradient[i, couplings.second[i] + k]
+                wrench[k] += lam[i] * out.gradient[i, couplings.second[i] + k]
             if couplings.compliant[i]:
-                _follow_law(couplings, i, couplings.range[j], couplings.range[j + 1], lam, work)
+                _obey_law(couplings.laws, i, first, last, lam[i], work)
 
 
 @compiled
-def _constrain(couplings: Couplings, i: int, drive: Array, work: Workspace) -> None:
+def _constrain(couplings: Couplings, i: int, work: Workspace) -> None:
     """phi = c - s on a driven length, c elsewhere; d phi / d s of the drive."""
-    work.phi[i] = work.coordinate[i]
+    out = work.couplings
+    out.phi[i] = out.coordinate[i]
     d = couplings.drive[i]
     if d < 0:
         return
+    s = work.drives.value[d]
     if measures_length(couplings.rows.kind[i]):
-        work.phi[i] -= drive[d]
-        work.drive_slope[i] = -1.0
+        out.phi[i] -= s
+        out.drive_slope[i] = -1.0
     else:
-        ahead = carried_axis(couplings.rows, i, drive[d] + 0.5 * math.pi)
+        ahead = carried_axis(couplings.rows, i, s + 0.5 * math.pi)
         A, B = couplings.rows.frame_a[i], couplings.rows.frame_b[i]
-        work.drive_slope[i] = dot(
-            rotate(work.D, A, ahead), rotate(work.D, B, row(couplings.rows.b, i))
-        )
+        b = rotate(work.frames.D, B, row(couplings.rows.b, i))
+        out.drive_slope[i] = dot(rotate(work.frames.D, A, ahead), b)
 
 
 @compiled
-def _follow_law(
-    couplings: Couplings, i: int, first: int, last: int, lam: Array, work: Workspace
-) -> None:
-    total, size = lam[i], abs(lam[i])
+def _obey_law(laws: Laws, i: int, first: int, last: int, lam: float, work: Workspace) -> None:
+    """phi, and the sum of the magnitudes of its terms."""
+    out = work.couplings
+    total, size = lam, abs(lam)
     for j in range(first, last):
-        elastic = couplings.stiffness[i, j - first] * (work.coordinate[j] - couplings.rest[j])
-        viscous = couplings.damping[i, j - first] * work.rate[j]
+        elastic = laws.stiffness[i, j - first] * (out.coordinate[j] - laws.rest[j])
+        viscous = laws.damping[i, j - first] * out.rate[j]
         total += elastic + viscous
         size += abs(elastic) + abs(viscous)
-    force, _, _ = table(couplings, i, work.coordinate[i])
-    work.phi[i] = total + force
-    work.law_scale[i] = size + abs(force)
+    force, _, _, _ = law_of_row(laws, i, work)
+    out.phi[i] = total + force
+    out.scale[i] = size + abs(force)
 
 
 @compiled
-def table(couplings: Couplings, i: int, coordinate: float) -> tuple[float, float, float]:
-    """Force, slope and energy (from the first point) of the tabulated law of row i: linear, and so
-    beyond its ends.
-    """
-    first, last = couplings.table[i], couplings.table[i + 1]
-    if first == last:
-        return 0.0, 0.0, 0.0
-    x, force = couplings.table_coordinate, couplings.table_force
-    energy = 0.0
-    k = first
-    while k + 2 < last and coordinate > x[k + 1]:
-        energy += 0.5 * (force[k] + force[k + 1]) * (x[k + 1] - x[k])
-        k += 1
-    slope = (force[k + 1] - force[k]) / (x[k + 1] - x[k])
-    value = force[k] + slope * (coordinate - x[k])
-    return value, slope, energy + 0.5 * (force[k] + value) * (coordinate - x[k])
+def law_of_row(laws: Laws, i: int, work: Workspace) -> tuple[float, float, float, float]:
+    """Force, slopes by coordinate and rate, and energy of the law of row i alone."""
+    parameters = laws.parameters[laws.first[i] : laws.first[i + 1]]
+    out = work.couplings
+    return evaluate_law(laws.kind[i], parameters, out.coordinate[i], out.rate[i])
 
 
 @compiled
 def spring_energy(couplings: Couplings, work: Workspace) -> float:
-    """1/2 (c - rest)^T stiffness (c - rest) and the areas under the tables."""
+    """1/2 (c - rest)^T stiffness (c - rest) and what the laws of the rows store."""
+    laws, c = couplings.laws, work.couplings.coordinate
     total = 0.0
     for j in range(len(couplings.range) - 1):
         first = couplings.range[j]
         for i in range(first, couplings.range[j + 1]):
             if couplings.compliant[i]:
-                stretch = work.coordinate[i] - couplings.rest[i]
+                stretch = c[i] - laws.rest[i]
                 for k in range(first, couplings.range[j + 1]):
-                    other = work.coordinate[k] - couplings.rest[k]
-                    total += 0.5 * stretch * couplings.stiffness[i, k - first] * other
-                _, _, energy = table(couplings, i, work.coordinate[i])
+                    other = c[k] - laws.rest[k]
+                    total += 0.5 * stretch * laws.stiffness[i, k - first] * other
+                _, _, _, energy = law_of_row(laws, i, work)
                 total += energy
     return total
 
 
 @compiled
-def add_couplings(system: System, drive: Array, state: State, work: Workspace) -> None:
+def linearize_couplings(system: System, state: State, work: Workspace) -> None:
     """B, B_rate and A of all rows, and K += the tangents of the wrenches at constant multipliers."""
     couplings, frames, h = system.couplings, system.frames, system.scheme.h
-    rows, H = couplings.rows, work.frame_tangent
+    rows, out = couplings.rows, work.couplings
     for j in range(len(couplings.range) - 1):
         first, last = couplings.range[j], couplings.range[j + 1]
         if first == last:  # all its rows were redundant
             continue
         A, B = rows.frame_a[first], rows.frame_b[first]
+        out.tangent[:] = 0.0
         for i in range(first, last):
-            pull_back_pair(frames, A, B, work.gradient[i], state, work, work.B[i])
+            pull_back_pair(frames, A, B, out.gradient[i], state, work, out.B[i])
             if couplings.compliant[i]:
-                _add_rate(couplings, frames, i, drive, state, work)
+                _set_rate_derivative(couplings, frames, i, state, work)
+            turn = turn_of(couplings, i, work)
+            add_row_tangent(rows, i, turn, state.couplings.lam[i], work, out.tangent)
         for i in range(first, last):
-            _add_residual(couplings, i, first, last, h, work)
-        H[:] = 0.0
-        for i in range(first, last):
-            add_row_tangent(rows, i, turn_of(couplings, i, drive), state.lam[i], work, H)
-        _pull_back_tangent(frames, A, B, state, work)
+            _set_residual_derivative(couplings, i, first, last, h, work)
+        pull_back_tangent(frames, A, B, out.tangent, state, work)
         _place_tangent(system, j, A, B, work)
 
 
 @compiled
-def pull_back_pair(
-    frames: Frames, A: int, B: int, gradient: Array, state: State, work: Workspace, out: Array
-) -> None:
-    """A derivative by (r, theta) of two frames (12,) as one by the coordinates of both (24,)."""
-    pull_back(frames, A, triple(gradient, 0), triple(gradient, 3), state, work, out[:12])
-    pull_back(frames, B, triple(gradient, 6), triple(gradient, 9), state, work, out[12:])
-
-
-@compiled
-def _pull_back_tangent(frames: Frames, A: int, B: int, state: State, work: Workspace) -> None:
-    """`work.pair_tangent` = map^T `work.frame_tangent` map, columns first."""
-    H, half = work.frame_tangent, work.half_tangent
-    for k in range(12):
-        for f, first in ((A, 0), (B, 6)):
-            force = (H[first, k], H[first + 1, k], H[first + 2, k])
-            moment = (H[first + 3, k], H[first + 4, k], H[first + 5, k])
-            pull_back(frames, f, force, moment, state, work, half[k, 2 * first : 2 * first + 12])
-    for z in range(24):
-        for f, first in ((A, 0), (B, 6)):
-            force = (half[first, z], half[first + 1, z], half[first + 2, z])
-            moment = (half[first + 3, z], half[first + 4, z], half[first + 5, z])
-            pull_back(
-                frames,
-                f,
-                force,
-                moment,
-                state,
-                work,
-                work.pair_tangent[z, 2 * first : 2 * first + 12],
-            )
-
-
-@compiled
 def _place_tangent(system: System, j: int, A: int, B: int, work: Workspace) -> None:
+    """K += `pair_tangent` in the blocks of coupling j between its bodies."""
     frames, pattern = system.frames, system.pattern
     a, b = frames.body[A], frames.body[B]
     if a >= 0:
-        add_pair_tangent(
-            frames, A, A, 0, 0, pattern.body_block[a, 0], pattern.body_block[a, 1], work
-        )
+        place = pattern.body_block[a]
+        add_pair_tangent(frames, A, A, 0, 0, place[0], place[1], work)
     if b >= 0:
-        add_pair_tangent(
-            frames, B, B, 12, 12, pattern.body_block[b, 0], pattern.body_block[b, 1], work
-        )
+        place = pattern.body_block[b]
+        add_pair_tangent(frames, B, B, 12, 12, place[0], place[1], work)
     if a >= 0 and b >= 0:
-        place = pattern.coupling_block[j]
-        add_pair_tangent(frames, A, B, 0, 12, place[0, 0], place[0, 1], work)
-        add_pair_tangent(frames, B, A, 12, 0, place[1, 0], place[1, 1], work)
+        blocks = pattern.coupling_block[j]
+        add_pair_tangent(frames, A, B, 0, 12, blocks[0, 0], blocks[0, 1], work)
+        add_pair_tangent(frames, B, A, 12, 0, blocks[1, 0], blocks[1, 1], work)
+
+
+@compiled
+def _set_rate_derivative(
+    couplings: Couplings, frames: Frames, i: int, state: State, work: Workspace
+) -> None:
+    """B_rate[i]: of dc/dt = gradient . V, by the gradient (V^T H) and by V."""
+    out, V = work.couplings, work.frames.V
+    A, B = couplings.rows.frame_a[i], couplings.rows.frame_b[i]
+    _set_row_tangent(couplings, i, work)
+    for k in range(12):
+        total = 0.0
+        for m in range(6):
+            total += V[A, m] * out.rate_tangent[m, k] + V[B, m] * out.rate_tangent[6 + m, k]
+        out.rate_gradient[k] = total
+    pull_back_pair(frames, A, B, out.rate_gradient, state, work, out.B_rate[i])
+    for k in range(12):
+        for m in range(6):
+            out.B_rate[i, k] += out.gradient[i, m] * work.frames.rate_map[A, m, k]
+            out.B_rate[i, 12 + k] += out.gradient[i, 6 + m] * work.frames.rate_map[B, m, k]
+
+
+@compiled
+def _set_row_tangent(couplings: Couplings, i: int, work: Workspace) -> None:
+    """`rate_tangent` = H of row i at a unit multiplier."""
+    out = work.couplings
+    out.rate_tangent[:] = 0.0
+    add_row_tangent(couplings.rows, i, turn_of(couplings, i, work), 1.0, work, out.rate_tangent)
+
+
+@compiled
+def _set_residual_derivative(
+    couplings: Couplings, i: int, first: int, last: int, h: float, work: Workspace
+) -> None:
+    """A[i] = B[i] of a constraint; h^2 (stiffness B + damping B_rate)[i] of a force law.
+
+    The slopes of the law of the row alone join the diagonal of stiffness and damping.
+    """
+    derivatives, laws = work.couplings, couplings.laws
+    out = derivatives.A[i]
+    if not couplings.compliant[i]:
+        for z in range(24):
+            out[z] = derivatives.B[i, z]
+        return
+    out[:] = 0.0
+    _, slope, rate_slope, _ = law_of_row(laws, i, work)
+    for j in range(first, last):
+        stiffness = h * h * (laws.stiffness[i, j - first] + (slope if i == j else 0.0))
+        damping = h * h * (laws.damping[i, j - first] + (rate_slope if i == j else 0.0))
+        for z in range(24):
+            out[z] += stiffness * derivatives.B[j, z] + damping * derivatives.B_rate[j, z]
 
 
 @compiled
 def place_rows(system: System, work: Workspace) -> None:
-    """B^T / h^2 into the rows of bodies, A and Z into those of couplings."""
+    """B^T / h^2 into the rows of bodies, A and 1 for compliant rows into those of couplings."""
     couplings, frames, pattern = system.couplings, system.frames, system.pattern
     h2 = system.scheme.h * system.scheme.h
-    S = work.S
+    S, derivatives = work.matrix.S, work.couplings
     for j in range(len(couplings.range) - 1):
         first, last = couplings.range[j], couplings.range[j + 1]
         place = pattern.coupling_block[j]
@@ -217,47 +229,120 @@ def place_rows(system: System, work: Workspace) -> None:
                 beside = place[3 + 2 * side, 0] + (i - first) * place[3 + 2 * side, 1]
                 for k in range(width(frames, f)):
                     z = coordinate(frames, f, k)
-                    S[above + z * stride + i - first] += work.B[i, 12 * side + k] / h2
-                    S[beside + z] += work.A[i, 12 * side + k]
+                    S[above + z * stride + i - first] += derivatives.B[i, 12 * side + k] / h2
+                    S[beside + z] += derivatives.A[i, 12 * side + k]
             if couplings.compliant[i]:
                 S[place[6, 0] + (i - first) * (place[6, 1] + 1)] = 1.0
 
 
 @compiled
-def _add_rate(
-    couplings: Couplings, frames: Frames, i: int, drive: Array, state: State, work: Workspace
-) -> None:
-    """B_rate[i]: of dc/dt = gradient . V, by the gradient (V^T H) and by V."""
-    rows, H, turned = couplings.rows, work.frame_tangent, work.scratch_12
-    A, B = rows.frame_a[i], rows.frame_b[i]
-    H[:] = 0.0
-    add_row_tangent(rows, i, turn_of(couplings, i, drive), 1.0, work, H)
-    for k in range(12):
-        total = 0.0
-        for m in range(6):
-            total += work.V[A, m] * H[m, k] + work.V[B, m] * H[6 + m, k]
-        turned[k] = total
-    pull_back_pair(frames, A, B, turned, state, work, work.B_rate[i])
-    for k in range(12):
-        for m in range(6):
-            work.B_rate[i, k] += work.gradient[i, m] * work.rate_map[A, m, k]
-            work.B_rate[i, 12 + k] += work.gradient[i, 6 + m] * work.rate_map[B, m, k]
+def set_coupling_rhs(system: System, h2: float, work: Workspace) -> None:
+    """-phi of constraints, -h^2 phi of force laws."""
+    couplings, pattern = system.couplings, system.pattern
+    for j in range(len(pattern.coupling)):
+        first = couplings.range[j]
+        for i in range(first, couplings.range[j + 1]):
+            factor = h2 if couplings.compliant[i] else 1.0
+            z = pattern.first[pattern.coupling[j]] + i - first
+            work.matrix.rhs[z] = -factor * work.couplings.phi[i]
 
 
 @compiled
-def _add_residual(
-    couplings: Couplings, i: int, first: int, last: int, h: float, work: Workspace
-) -> None:
-    """A[i] = B[i] of a constraint; h^2 (stiffness B + damping B_rate + table' B)[i] of a force law."""
-    out = work.A[i]
-    if not couplings.compliant[i]:
-        for z in range(24):
-            out[z] = work.B[i, z]
-        return
-    out[:] = 0.0
-    _, slope, _ = table(couplings, i, work.coordinate[i])
-    for j in range(first, last):
-        stiffness = h * h * (couplings.stiffness[i, j - first] + (slope if i == j else 0.0))
-        damping = h * h * couplings.damping[i, j - first]
-        for z in range(24):
-            out[z] += stiffness * work.B[j, z] + damping * work.B_rate[j, z]
+def move_multipliers(system: System, h2: float, state: State, work: Workspace) -> None:
+    """Apply the corrections of the multipliers."""
+    couplings, pattern = system.couplings, system.pattern
+    for j in range(len(pattern.coupling)):
+        first = couplings.range[j]
+        for i in range(first, couplings.range[j + 1]):
+            z = pattern.first[pattern.coupling[j]] + i - first
+            state.couplings.lam[i] += work.matrix.rhs[z] / h2
+
+
+@compiled
+def relative_coupling_residual(
+    system: System, length: float, angle: float, reach: float, at_rest: bool, work: Workspace
+) -> float:
+    """The largest residual: constraints over the motion of the step, force laws over their terms."""
+    couplings, out, tolerance = system.couplings, work.couplings, system.newton.tolerance
+    worst = 0.0
+    for j in range(len(couplings.range) - 1):
+        for i in range(couplings.range[j], couplings.range[j + 1]):
+            if couplings.compliant[i]:
+                floor = ROUNDING * out.scale[i]
+                if at_rest:
+                    floor += _law_rounding(system, i, couplings.range[j], reach, work)
+                worst = max(worst, relative(out.phi[i], out.scale[i], floor, tolerance))
+            elif measures_length(couplings.rows.kind[i]):
+                worst = max(worst, relative(out.phi[i], length, ROUNDING * reach, tolerance))
+            else:
+                worst = max(worst, relative(out.phi[i], angle, ROUNDING, tolerance))
+    return worst
+
+
+@compiled
+def _law_rounding(system: System, i: int, first: int, reach: float, work: Workspace) -> float:
+    """Change of the force law of row i by the rounding of positions; its rows begin at `first`."""
+    couplings, laws, gamma_prime = system.couplings, system.couplings.laws, system.scheme.gamma_prime
+    kind = couplings.rows.kind
+    _, slope, rate_slope, _ = law_of_row(laws, i, work)
+    steep = abs(slope) + gamma_prime * abs(rate_slope)
+    total = steep * (reach if measures_length(kind[i]) else 1.0)
+    for j in range(first, min(first + 6, len(kind))):
+        steep = abs(laws.stiffness[i, j - first]) + gamma_prime * abs(laws.damping[i, j - first])
+        total += steep * (reach if measures_length(kind[j]) else 1.0)
+    return ROUNDING * total
+
+
+@compiled
+def set_convective(system: System, state: State, work: Workspace) -> None:
+    """The second time derivative of phi of all rows where no body accelerates, drives included.
+
+    With the accelerations A of frames that are left then (centripetal ones) and the tangent H,
+    c'' = gradient . A + V . H V; a drive s(t) adds -s'' to a length, and to the cosine of a turned
+    axis s'' c_s + s'^2 c_ss + 2 s' d(c_s)/dt, where c_ss = -c.
+    """
+    couplings, out, frames = system.couplings, work.couplings, work.frames
+    rows = couplings.rows
+    for i in range(len(rows.kind)):
+        A, B = rows.frame_a[i], rows.frame_b[i]
+        _set_row_tangent(couplings, i, work)
+        total = 0.0
+        for k in range(12):
+            V_k = frames.V[A, k] if k < 6 else frames.V[B, k - 6]
+            A_k = frames.A[A, k] if k < 6 else frames.A[B, k - 6]
+            total += out.gradient[i, k] * A_k
+            for m in range(6):
+                by_A, by_B = out.rate_tangent[k, m], out.rate_tangent[k, 6 + m]
+                total += V_k * (by_A * frames.V[A, m] + by_B * frames.V[B, m])
+        d = couplings.drive[i]
+        if d >= 0:
+            rate, acceleration = work.drives.rate[d], work.drives.acceleration[d]
+            total += acceleration * out.drive_slope[i]
+            if not measures_length(rows.kind[i]):
+                ahead = turn_of(couplings, i, work) + 0.5 * math.pi
+                evaluate_row(rows, i, ahead, 0.0, work, out.slope_gradient)
+                slope_rate = 0.0
+                for k in range(6):
+                    slope_rate += out.slope_gradient[k] * frames.V[A, k]
+                    slope_rate += out.slope_gradient[6 + k] * frames.V[B, k]
+                total += 2.0 * rate * slope_rate - rate * rate * out.coordinate[i]
+        out.convective[i] = total
+
+
+@compiled
+def add_coupling_work(couplings: Couplings, state: State, work: Workspace) -> None:
+    """Work of springs and dampers on the bodies, lambda dc, and of drives, -lambda dphi/ds ds."""
+    out, old, drives = work.couplings, state.couplings, state.drives
+    for i in range(len(old.lam)):
+        if couplings.compliant[i]:
+            change = out.coordinate[i] - old.coordinate[i]
+            mean = 0.5 * (old.lam[i] + out.lam_n[i])
+            state.energies.compliance[0] += mean * change
+        old.coordinate[i] = out.coordinate[i]
+        d = couplings.drive[i]
+        if d >= 0:
+            force, s = -old.lam[i] * out.drive_slope[i], work.drives.value[d]
+            mean = 0.5 * (force + drives.force[d])
+            state.energies.work[0] += mean * (s - drives.value[d])
+            drives.force[d] = force
+            drives.value[d] = s

@@ -1,7 +1,7 @@
-"""Gaussian elimination of a matrix of blocks with a fixed pattern (pattern.py), in place and
-without allocation.
+"""Gaussian elimination of a matrix of blocks with a fixed pattern, in place.
 
-    P_k D_k = L_k U_k,   then for all later nodes i, j beside k:   A_ij <- A_ij - (A_ik U_k^-1) (L_k^-1 P_k A_kj)
+    P_k D_k = L_k U_k,   then for all later nodes i, j beside k:
+    A_ij <- A_ij - (A_ik U_k^-1) (L_k^-1 P_k A_kj)
 
 with row exchanges P_k inside diagonal blocks alone. The factors replace the matrix: of D_k its L_k
 below and U_k above the diagonal (which holds reciprocals), right of it L_k^-1 P_k A_kj, below it
@@ -9,24 +9,25 @@ A_ik U_k^-1.
 """
 
 from ..arrays import Array, Index
-from .jit import compiled
+from ..compiler.marks import compiled, entry
 from .system import Pattern
 from .vectors import inner
 
 
-@compiled
-def factorise(pattern: Pattern, S: Array, pivots: Index) -> bool:
-    """Replace S by its factors; `pivots`: with which row of its block each row was exchanged. False
-    if singular.
+@entry
+def factorize(pattern: Pattern, S: Array, pivots: Index) -> bool:
+    """Replace S by its factors; False if it is singular.
+
+    pivots (n,): the row of its block that each row was exchanged with.
     """
     for k in range(len(pattern.size)):
-        if not _factorise_rows(pattern, k, S, pivots):
+        if not _factorize_rows(pattern, k, S, pivots):
             return False
         _eliminate_below(pattern, k, S)
     return True
 
 
-@compiled
+@entry
 def substitute(pattern: Pattern, S: Array, pivots: Index, x: Array) -> None:
     """x <- S^-1 x from the factors in S."""
     for k in range(len(pattern.size)):
@@ -36,7 +37,7 @@ def substitute(pattern: Pattern, S: Array, pivots: Index, x: Array) -> None:
 
 
 @compiled
-def _factorise_rows(pattern: Pattern, k: int, S: Array, pivots: Index) -> bool:
+def _factorize_rows(pattern: Pattern, k: int, S: Array, pivots: Index) -> bool:
     """Of the diagonal block and those to its right."""
     n, width, start, first = pattern.size[k], pattern.width[k], pattern.row[k], pattern.first[k]
     for p in range(n):

@@ -1,176 +1,98 @@
 """The equations of a time step and how far a state is from satisfying them.
 
-    r_eq = J v_dot + v~ J v - f_r = 0       equilibrium of every body; f_r: loads, joints, gravity
-    phi(x, R, u, lambda, t) = 0             constraints and force laws
-    r_u  = history + w G_0 p - u = 0        displacements of the active interface dofs; w: 1, or 1/2 in eq. (55)
+    r_eq = J v_dot + v~ J v - f_r = 0       equilibrium of every body (bodies.py)
+    phi(x, R, u, lambda, t) = 0             constraints and force laws (couplings.py)
+    r_u  = history + w G_0 p - u = 0        displacements of active dofs (interfaces.py)
 
-Source: docs/theory.md, Impulse responses and The time step.
+Each contributor has a file of its own, with its residual, tangent, convective term and energies;
+here they are called in turn. Source: docs/theory.md, Impulse responses and The time step.
 """
 
-import math
+from ..compiler.marks import compiled, entry
+from .bodies import (
+    add_inertia,
+    add_inertia_forces,
+    relative_body_residual,
+    step_motion,
+)
+from .couplings import (
+    add_coupling_wrenches,
+    linearize_couplings,
+    place_rows,
+    relative_coupling_residual,
+    set_convective,
+)
+from .frames import (
+    add_frame_tangents,
+    load_bodies,
+    map_frame_velocities,
+    move_frame_accelerations,
+    move_frame_velocities,
+    move_frames,
+)
+from .interfaces import relative_interface_residual, set_compatibility, set_rates, weigh_forces
+from .loads import add_load_wrenches, linearize_loads
+from .system import State, System, Workspace
 
-from ..arrays import Array
-from .couplings import evaluate_couplings, table
-from .frames import load_bodies, move_frame_velocities, move_frames
-from .jit import compiled
-from .loads import evaluate_loads
-from .rows import measures_length
-from .system import Bodies, Couplings, Elastic, Scheme, State, System, Workspace
-from .vectors import cross, rotate
 
-ROUNDING = 64 * 2.2e-16
-
-
-@compiled
-def evaluate(system: System, loads: Array, drive: Array, state: State, work: Workspace) -> None:
+@entry
+def evaluate(system: System, state: State, work: Workspace) -> None:
     """Wrenches, generalized forces and residuals of the present state."""
     frames = system.frames
-    _follow_displacements(system.elastic, system.scheme, state, work)
+    set_rates(system.elastic, system.scheme, state, work)
     move_frames(frames, frames.n_acting, state, work)
     move_frame_velocities(frames, frames.n_acting, state, work)
-    work.wrench[:] = 0.0
-    evaluate_loads(system.loads, loads, work)
-    evaluate_couplings(system.couplings, state.lam, state.coordinate, drive, work)
+    work.frames.wrench[:] = 0.0
+    add_load_wrenches(system.loads, work)
+    add_coupling_wrenches(system.couplings, state, work)
     load_bodies(frames, state, work)
-    _equilibrium(system.bodies, state, work)
-    _compatibility(system.elastic, state, work)
+    add_inertia_forces(system.bodies, state, work)
+    set_compatibility(system.elastic, state, work)
 
 
-@compiled
-def model_size(system: System, state: State, work: Workspace) -> float:
-    """The largest coordinate of a body or lever of a frame: what positions are rounded against."""
-    size = 0.0
-    for b in range(len(state.x)):
-        for i in range(3):
-            size = max(size, abs(state.x[b, i]))
-    for f in range(system.frames.n_acting):
-        for i in range(3):
-            size = max(size, abs(work.lever[f, i]))
-    return size
+@entry
+def linearize(system: System, state: State, work: Workspace) -> None:
+    """B and A of all rows at the state that `evaluate` has seen last, and K, alone in the matrix."""
+    frames, pattern = system.frames, system.pattern
+    if system.couplings.n_compliant:
+        map_frame_velocities(frames, system.scheme.gamma_prime, state, work)
+    work.matrix.S[:] = 0.0
+    add_frame_tangents(frames, pattern, state, work)
+    linearize_couplings(system, state, work)
+    linearize_loads(system, state, work)
+
+
+@entry
+def assemble(system: System, state: State, work: Workspace) -> None:
+    """The iteration matrix from K, B and A."""
+    place_rows(system, work)
+    weigh_forces(system, work)
+    add_inertia(system, state, work)
+
+
+@entry
+def convective_terms(system: System, state: State, work: Workspace) -> None:
+    """The second derivatives of all constraints that are left where no body accelerates.
+
+    For a state with v_dot = 0 that `evaluate` has seen last.
+    """
+    move_frame_accelerations(system.frames, system.frames.n_acting, state, work)
+    set_convective(system, state, work)
 
 
 @compiled
 def relative_residual(
-    system: System, size: float, converged: bool, state: State, work: Workspace
+    system: System, reach: float, at_rest: bool, state: State, work: Workspace
 ) -> float:
-    """The largest residual over what the tolerance is measured against; 0 at the rounding of its
-    terms.
+    """The largest residual over what the tolerance is measured against; 0 at rounding.
 
-    Equilibrium against the sum of the magnitudes of its terms; constraints and interface
-    displacements against the largest motion of the step (translations in m, rotations in rad). The
-    rounding of positions, seen through beta', becomes one of forces; it counts only once Newton has
-    `converged` as far as it can, lest it hide a true residual.
+    Equilibrium and force laws against the sum of the magnitudes of their terms; constraints and
+    interface displacements against the largest motion of the step. Positions are rounded against
+    `reach`; `at_rest`: Newton's method has come as far as it can.
     """
-    bodies, scheme = system.bodies, system.scheme
-    tolerance = scheme.tolerance
-    n_b = len(bodies.mass)
-    length, angle, worst = 0.0, 0.0, 0.0
-    for b in range(n_b):
-        for i in range(3):
-            length = max(
-                length, abs(scheme.h * state.v[b, i]) + abs(scheme.h * scheme.h * state.v_dot[b, i])
-            )
-            angle = max(
-                angle, abs(work.psi[b, i]) + abs(scheme.h * scheme.h * state.v_dot[b, 3 + i])
-            )
-    length += angle * size
-    for b in range(n_b):
-        rounding = ROUNDING * scheme.beta_prime if converged else 0.0
-        force_floor = ROUNDING * work.force_scale[b, 0] + rounding * bodies.mass[b] * size
-        moment_floor = ROUNDING * (work.force_scale[b, 1] + size * work.force_scale[b, 0])
-        for i in range(3):
-            moment_floor += rounding * bodies.J_rot[b, i, i]
-        for i in range(3):
-            worst = max(
-                worst,
-                _relative(work.residual[b, i], work.force_scale[b, 0], force_floor, tolerance),
-            )
-            worst = max(
-                worst,
-                _relative(work.residual[b, 3 + i], work.force_scale[b, 1], moment_floor, tolerance),
-            )
-    couplings = system.couplings
-    for j in range(len(couplings.range) - 1):
-        for i in range(couplings.range[j], couplings.range[j + 1]):
-            if couplings.compliant[i]:
-                floor = ROUNDING * work.law_scale[i]
-                if converged:
-                    floor += law_rounding(
-                        couplings, i, couplings.range[j], scheme.gamma_prime, size, work
-                    )
-                worst = max(worst, _relative(work.phi[i], work.law_scale[i], floor, tolerance))
-            elif measures_length(couplings.rows.kind[i]):
-                worst = max(worst, _relative(work.phi[i], length, ROUNDING * size, tolerance))
-            else:
-                worst = max(worst, _relative(work.phi[i], angle, ROUNDING, tolerance))
-    for i in range(len(work.u_residual)):
-        worst = max(
-            worst, _relative(work.u_residual[i], length + angle, ROUNDING * size, tolerance)
-        )
-    return worst
-
-
-@compiled
-def law_rounding(
-    couplings: Couplings, i: int, first: int, gamma_prime: float, size: float, work: Workspace
-) -> float:
-    """What the rounding of positions does to the force law of row i of a spring whose rows begin at
-    `first`.
-    """
-    _, slope, _ = table(couplings, i, work.coordinate[i])
-    total = abs(slope) * (size if measures_length(couplings.rows.kind[i]) else 1.0)
-    for j in range(first, min(first + 6, len(couplings.rows.kind))):
-        steep = abs(couplings.stiffness[i, j - first]) + gamma_prime * abs(
-            couplings.damping[i, j - first]
-        )
-        total += steep * (size if measures_length(couplings.rows.kind[j]) else 1.0)
-    return ROUNDING * total
-
-
-@compiled
-def _relative(residual: float, scale: float, floor: float, tolerance: float) -> float:
-    """|residual| / scale, 0 up to the floor that rounding sets, infinite for what is no number."""
-    if not abs(residual) < math.inf:
-        return math.inf
-    return abs(residual) / max(scale, floor / tolerance) if abs(residual) > floor else 0.0
-
-
-@compiled
-def _follow_displacements(elastic: Elastic, scheme: Scheme, state: State, work: Workspace) -> None:
-    """Interface rates follow displacements by Newmark's formulas, as those of the bodies do."""
-    for i in range(len(elastic.active)):
-        k = elastic.active[i]
-        state.u_rate[k] = work.u_rate_predicted[k] + scheme.gamma_prime * (
-            state.u[k] - work.u_predicted[k]
-        )
-
-
-@compiled
-def _equilibrium(bodies: Bodies, state: State, work: Workspace) -> None:
-    """residual = J v_dot + v~ J v - f_r, with gravity in f_r."""
-    for b in range(len(bodies.mass)):
-        mass = bodies.mass[b]
-        omega = (state.v[b, 3], state.v[b, 4], state.v[b, 5])
-        momentum = rotate(bodies.J_rot, b, omega)
-        gyroscopic = cross(omega, momentum)
-        inertia = rotate(bodies.J_rot, b, (state.v_dot[b, 3], state.v_dot[b, 4], state.v_dot[b, 5]))
-        for i in range(3):
-            weight = mass * bodies.gravity[i]
-            work.residual[b, i] = mass * state.v_dot[b, i] - weight - work.force[b, i]
-            work.residual[b, 3 + i] = inertia[i] + gyroscopic[i] - work.force[b, 3 + i]
-            work.force_scale[b, 0] += abs(mass * state.v_dot[b, i]) + abs(weight)
-            work.force_scale[b, 1] += abs(inertia[i]) + abs(gyroscopic[i])
-
-
-@compiled
-def _compatibility(elastic: Elastic, state: State, work: Workspace) -> None:
-    """u_residual = history + w G_0 p - u at the active dofs."""
-    for e in range(len(elastic.body)):
-        begin, end = elastic.active_range[e], elastic.active_range[e + 1]
-        entry = elastic.G_active_start[e]
-        for i in range(begin, end):
-            total = work.history[elastic.active[i]] - state.u[elastic.active[i]]
-            for j in range(begin, end):
-                total += elastic.G_active[entry] * state.p[elastic.active[j]]
-                entry += 1
-            work.u_residual[i] = total
+    length, angle = step_motion(system.scheme, state, work)
+    length += angle * system.bodies.size
+    by_bodies = relative_body_residual(system, reach, at_rest, state, work)
+    by_rows = relative_coupling_residual(system, length, angle, reach, at_rest, work)
+    by_dofs = relative_interface_residual(system, length + angle, reach, work)
+    return max(by_bodies, by_rows, by_dofs)

@@ -1,5 +1,4 @@
-"""Frames: where they are, what a wrench on them means for their body, and the chain rule between
-the two.
+"""Frames: motion, wrenches on their bodies, and the chain rule between the two.
 
     r = x + R (X + u),   D = R exp(skew(w)) D_0
     delta r     = R (delta X - skew(X + u) delta Theta + delta u)           (in space)
@@ -15,7 +14,8 @@ D_0^T W^T = R.
 """
 
 from ..arrays import Array
-from .jit import compiled
+from ..compiler.marks import compiled
+from .bodies import spin_of
 from .rotations import exponential, tangent, tangent_derivative, tangent_inverse
 from .system import Frames, Pattern, State, Workspace
 from .vectors import (
@@ -44,19 +44,19 @@ def move_frames(frames: Frames, n: int, state: State, work: Workspace) -> None:
         lever = row(frames.X, f)
         k = frames.dof[f]
         if k >= 0:
-            lever = add(lever, (state.u[k], state.u[k + 1], state.u[k + 2]))
-        r = add(row(state.x, b), rotate(state.R, b, lever))
+            lever = add(lever, (state.interfaces.u[k], state.interfaces.u[k + 1], state.interfaces.u[k + 2]))
+        r = add(row(state.bodies.x, b), rotate(state.bodies.R, b, lever))
         for i in range(3):
-            work.lever[f, i] = lever[i]
-            work.r[f, i] = r[i]
+            work.frames.lever[f, i] = lever[i]
+            work.frames.r[f, i] = r[i]
         if k >= 0 and frames.rotations[f]:
-            w = state.u[k + 3 : k + 6]
-            tangent(w, work.T[f])
-            exponential(w, work.scratch_33)
-            _multiply(work.scratch_33, frames.D_0[f], work.D[f])
-            _rotate_columns(state.R[b], work.D[f])
+            w = state.interfaces.u[k + 3 : k + 6]
+            tangent(w, work.frames.T[f])
+            exponential(w, work.frames.small_rotation)
+            _multiply(work.frames.small_rotation, frames.D_0[f], work.frames.D[f])
+            _rotate_columns(state.bodies.R[b], work.frames.D[f])
         else:
-            _multiply(state.R[b], frames.D_0[f], work.D[f])
+            _multiply(state.bodies.R[b], frames.D_0[f], work.frames.D[f])
 
 
 @compiled
@@ -67,24 +67,35 @@ def move_frame_velocities(frames: Frames, n: int, state: State, work: Workspace)
         if b < 0:
             continue
         local, spin = local_velocity(frames, f, state, work)
-        velocity = add(row(state.v, b), rotate(state.R, b, local))
-        spin = rotate(state.R, b, spin)
+        velocity = add(row(state.bodies.v, b), rotate(state.bodies.R, b, local))
+        spin = rotate(state.bodies.R, b, spin)
         for i in range(3):
-            work.V[f, i] = velocity[i]
-            work.V[f, 3 + i] = spin[i]
+            work.frames.V[f, i] = velocity[i]
+            work.frames.V[f, 3 + i] = spin[i]
 
 
 @compiled
 def local_velocity(frames: Frames, f: int, state: State, work: Workspace) -> tuple[Vector, Vector]:
     """In body axes: omega x lever + du/dt, and omega + T(w)^T dw/dt."""
     omega = spin_of(state, frames.body[f])
-    velocity, spin = cross(omega, row(work.lever, f)), omega
+    velocity, spin = cross(omega, row(work.frames.lever, f)), omega
     k = frames.dof[f]
     if k >= 0:
-        velocity = add(velocity, triple(state.u_rate, k))
+        velocity = add(velocity, triple(state.interfaces.rate, k))
         if frames.rotations[f]:
-            spin = add(spin, rotate_back(work.T, f, triple(state.u_rate, k + 3)))
+            spin = add(spin, rotate_back(work.frames.T, f, triple(state.interfaces.rate, k + 3)))
     return velocity, spin
+
+
+@compiled
+def move_frame_accelerations(frames: Frames, n: int, state: State, work: Workspace) -> None:
+    """A, the time derivative of V, of the first n frames."""
+    for f in range(n):
+        if frames.body[f] >= 0:
+            linear, angular = frame_acceleration(frames, f, state, work)
+            for i in range(3):
+                work.frames.A[f, i] = linear[i]
+                work.frames.A[f, 3 + i] = angular[i]
 
 
 @compiled
@@ -96,107 +107,100 @@ def frame_acceleration(
     x'' + R (omega' x l + omega x (omega x l + 2 u') + u''),   R (omega' + T^T w'' + (T^T)' w' + omega x T^T w')
     """
     b = frames.body[f]
-    omega, alpha = spin_of(state, b), (state.v_dot[b, 3], state.v_dot[b, 4], state.v_dot[b, 5])
-    lever = row(work.lever, f)
+    omega, alpha = spin_of(state, b), (state.bodies.v_dot[b, 3], state.bodies.v_dot[b, 4], state.bodies.v_dot[b, 5])
+    lever = row(work.frames.lever, f)
     k = frames.dof[f]
-    rate = triple(state.u_rate, k) if k >= 0 else (0.0, 0.0, 0.0)
+    rate = triple(state.interfaces.rate, k) if k >= 0 else (0.0, 0.0, 0.0)
     local = add(cross(alpha, lever), cross(omega, add(cross(omega, lever), scale(2.0, rate))))
     turning = alpha
     if k >= 0:
-        local = add(local, triple(state.u_acceleration, k))
+        local = add(local, triple(state.interfaces.acceleration, k))
         if frames.rotations[f]:
-            w_rate = triple(state.u_rate, k + 3)
+            w_rate = triple(state.interfaces.rate, k + 3)
             _tangent_slope(state, k + 3, w_rate, work)
-            slope = scale(-1.0, multiply(work.scratch_33, w_rate))
-            turning = add(turning, rotate_back(work.T, f, triple(state.u_acceleration, k + 3)))
-            turning = add(turning, add(slope, cross(omega, rotate_back(work.T, f, w_rate))))
-    return add(row(state.v_dot, b), rotate(state.R, b, local)), rotate(state.R, b, turning)
+            slope = scale(-1.0, multiply(work.frames.T_slope, w_rate))
+            turning = add(turning, rotate_back(work.frames.T, f, triple(state.interfaces.acceleration, k + 3)))
+            turning = add(turning, add(slope, cross(omega, rotate_back(work.frames.T, f, w_rate))))
+    return add(row(state.bodies.v_dot, b), rotate(state.bodies.R, b, local)), rotate(state.bodies.R, b, turning)
 
 
 @compiled
 def _tangent_slope(state: State, k: int, m: Vector, work: Workspace) -> None:
-    """`work.scratch_33` = d(T(v) m)/dv at v = -w, for T(w)^T = T(-w)."""
+    """`work.frames.T_slope` = d(T(v) m)/dv at v = -w, for T(w)^T = T(-w)."""
     for i in range(3):
-        work.scratch_3[i] = -state.u[k + i]
-        work.scratch_3b[i] = m[i]
-    tangent_derivative(work.scratch_3, work.scratch_3b, work.scratch_33)
+        work.frames.minus_w[i] = -state.interfaces.u[k + i]
+        work.frames.moment[i] = m[i]
+    tangent_derivative(work.frames.minus_w, work.frames.moment, work.frames.T_slope)
 
 
 @compiled
 def map_frame_velocities(
-    frames: Frames, gamma_prime: float, psi: Array, state: State, work: Workspace
+    frames: Frames, gamma_prime: float, state: State, work: Workspace
 ) -> None:
-    """The derivatives (6, 12) of V by the coordinates of the frames, with rates gamma' times
-    increments.
+    """Derivatives (6, 12) of V by the coordinates of frames; rates follow gamma' times increments.
 
-    delta (dx/dt) = gamma' R delta X,   delta omega = gamma' T^-1(psi) delta Theta,   delta (du/dt) = gamma' delta u
+    delta (dx/dt) = gamma' R delta X,   delta omega = gamma' T^-1(psi) delta Theta,
+    delta (du/dt) = gamma' delta u
     """
     for f in range(frames.n_acting):
         b = frames.body[f]
         if b < 0:
             continue
-        A = work.rate_map[f]
+        A = work.frames.rate_map[f]
         A[:] = 0.0
         local, spin = local_velocity(frames, f, state, work)
-        lever, omega = row(work.lever, f), spin_of(state, b)
-        tangent_inverse(psi[b], work.scratch_33)
+        lever, omega = row(work.frames.lever, f), spin_of(state, b)
+        tangent_inverse(work.bodies.psi[b], work.frames.T_inverse)
         for j in range(3):
             e = UNITS[j]
-            d_omega = scale(gamma_prime, multiply(work.scratch_33, e))
-            by_turn = rotate(state.R, b, add(cross(e, local), cross(d_omega, lever)))
-            spin_by_turn = rotate(state.R, b, add(cross(e, spin), d_omega))
-            by_u = rotate(state.R, b, add(cross(omega, e), scale(gamma_prime, e)))
+            d_omega = scale(gamma_prime, multiply(work.frames.T_inverse, e))
+            by_turn = rotate(state.bodies.R, b, add(cross(e, local), cross(d_omega, lever)))
+            spin_by_turn = rotate(state.bodies.R, b, add(cross(e, spin), d_omega))
+            by_u = rotate(state.bodies.R, b, add(cross(omega, e), scale(gamma_prime, e)))
             for i in range(3):
-                A[i, j] = gamma_prime * state.R[b, i, j]
+                A[i, j] = gamma_prime * state.bodies.R[b, i, j]
                 A[i, 3 + j] = by_turn[i]
                 A[3 + i, 3 + j] = spin_by_turn[i]
                 A[i, 6 + j] = by_u[i]
         k = frames.dof[f]
         if k >= 0 and frames.rotations[f]:
-            _tangent_slope(state, k + 3, triple(state.u_rate, k + 3), work)
+            _tangent_slope(state, k + 3, triple(state.interfaces.rate, k + 3), work)
             for j in range(3):
                 e = UNITS[j]
                 change = subtract(
-                    scale(gamma_prime, rotate_back(work.T, f, e)), multiply(work.scratch_33, e)
+                    scale(gamma_prime, rotate_back(work.frames.T, f, e)), multiply(work.frames.T_slope, e)
                 )
-                by_w = rotate(state.R, b, change)
+                by_w = rotate(state.bodies.R, b, change)
                 for i in range(3):
                     A[3 + i, 9 + j] = by_w[i]
 
 
 @compiled
-def spin_of(state: State, b: int) -> Vector:
-    return state.v[b, 3], state.v[b, 4], state.v[b, 5]
-
-
-@compiled
 def load_bodies(frames: Frames, state: State, work: Workspace) -> None:
-    """Generalized forces of the wrenches on the acting frames: `work.force` on the bodies and
-    `state.p`.
-    """
-    work.force[:] = 0.0
-    work.force_scale[:] = 0.0
+    """Generalized forces of the wrenches on the acting frames, on bodies and interfaces."""
+    work.bodies.force[:] = 0.0
+    work.bodies.force_scale[:] = 0.0
     for f in range(frames.n_acting):
         k = frames.dof[f]
         if k >= 0:
-            state.p[k : k + 3 + 3 * frames.rotations[f]] = 0.0
+            state.interfaces.p[k : k + 3 + 3 * frames.rotations[f]] = 0.0
     for f in range(frames.n_acting):
         b = frames.body[f]
         if b < 0:
             continue
         force, moment = wrench(work, f)
-        F, M = rotate_back(state.R, b, force), rotate_back(state.R, b, moment)
-        about_center = cross(row(work.lever, f), F)
-        add_to_row(work.force, b, 0, force)
-        add_to_row(work.force, b, 3, add(about_center, M))
-        work.force_scale[b, 0] += abs(F[0]) + abs(F[1]) + abs(F[2])
-        work.force_scale[b, 1] += abs(M[0]) + abs(M[1]) + abs(M[2])
-        work.force_scale[b, 1] += abs(about_center[0]) + abs(about_center[1]) + abs(about_center[2])
+        F, M = rotate_back(state.bodies.R, b, force), rotate_back(state.bodies.R, b, moment)
+        about_center = cross(row(work.frames.lever, f), F)
+        add_to_row(work.bodies.force, b, 0, force)
+        add_to_row(work.bodies.force, b, 3, add(about_center, M))
+        work.bodies.force_scale[b, 0] += abs(F[0]) + abs(F[1]) + abs(F[2])
+        work.bodies.force_scale[b, 1] += abs(M[0]) + abs(M[1]) + abs(M[2])
+        work.bodies.force_scale[b, 1] += abs(about_center[0]) + abs(about_center[1]) + abs(about_center[2])
         k = frames.dof[f]
         if k >= 0:
-            _add(state.p, k, F)
+            _add(state.interfaces.p, k, F)
             if frames.rotations[f]:
-                _add(state.p, k + 3, rotate(work.T, f, M))
+                _add(state.interfaces.p, k + 3, rotate(work.frames.T, f, M))
 
 
 @compiled
@@ -219,14 +223,41 @@ def pull_back(
     b = frames.body[f]
     if b < 0:
         return
-    F, M = rotate_back(state.R, b, force), rotate_back(state.R, b, moment)
-    about_center = add(cross(row(work.lever, f), F), M)
-    small = rotate(work.T, f, M)
+    F, M = rotate_back(state.bodies.R, b, force), rotate_back(state.bodies.R, b, moment)
+    about_center = add(cross(row(work.frames.lever, f), F), M)
+    small = rotate(work.frames.T, f, M)
     for i in range(3):
         out[i] = F[i]
         out[3 + i] = about_center[i]
         out[6 + i] = F[i]
         out[9 + i] = small[i]
+
+
+@compiled
+def pull_back_pair(
+    frames: Frames, A: int, B: int, gradient: Array, state: State, work: Workspace, out: Array
+) -> None:
+    """A derivative by (r, theta) of two frames (12,) as one by the coordinates of both (24,)."""
+    pull_back(frames, A, triple(gradient, 0), triple(gradient, 3), state, work, out[:12])
+    pull_back(frames, B, triple(gradient, 6), triple(gradient, 9), state, work, out[12:])
+
+
+@compiled
+def pull_back_tangent(
+    frames: Frames, A: int, B: int, H: Array, state: State, work: Workspace
+) -> None:
+    """`pair_tangent` = map^T H map for H (12, 12) by (delta r, delta theta) of two frames."""
+    half, pair = work.frames.half_tangent, work.frames.pair_tangent
+    for k in range(12):
+        for f, first in ((A, 0), (B, 6)):
+            force = (H[first, k], H[first + 1, k], H[first + 2, k])
+            moment = (H[first + 3, k], H[first + 4, k], H[first + 5, k])
+            pull_back(frames, f, force, moment, state, work, half[k, 2 * first : 2 * first + 12])
+    for z in range(24):
+        for f, first in ((A, 0), (B, 6)):
+            force = (half[first, z], half[first + 1, z], half[first + 2, z])
+            moment = (half[first + 3, z], half[first + 4, z], half[first + 5, z])
+            pull_back(frames, f, force, moment, state, work, pair[z, 2 * first : 2 * first + 12])
 
 
 @compiled
@@ -244,29 +275,29 @@ def add_frame_tangents(frames: Frames, pattern: Pattern, state: State, work: Wor
         start, stride = pattern.body_block[b, 0], pattern.body_block[b, 1]
         turn = start + 3 * stride + 3
         force, moment = wrench(work, f)
-        F, M = rotate_back(state.R, b, force), rotate_back(state.R, b, moment)
-        lever = row(work.lever, f)
+        F, M = rotate_back(state.bodies.R, b, force), rotate_back(state.bodies.R, b, moment)
+        lever = row(work.frames.lever, f)
         z = frames.column[f]
         small = z >= 0 and frames.rotations[f] == 1
         for j in range(3):
             e = UNITS[j]
             dF, dM = cross(F, e), cross(M, e)
-            _add_to_column(work.S, turn + j, stride, add(cross(lever, dF), dM))
+            _add_to_column(work.matrix.S, turn + j, stride, add(cross(lever, dF), dM))
             if z >= 0:
-                _add_to_column(work.S, start + 3 * stride + z + j, stride, scale(-1.0, dF))
-                _add_to_column(work.S, start + z * stride + 3 + j, stride, dF)
+                _add_to_column(work.matrix.S, start + 3 * stride + z + j, stride, scale(-1.0, dF))
+                _add_to_column(work.matrix.S, start + z * stride + 3 + j, stride, dF)
             if small:
                 _add_to_column(
-                    work.S, start + (z + 3) * stride + 3 + j, stride, rotate(work.T, f, dM)
+                    work.matrix.S, start + (z + 3) * stride + 3 + j, stride, rotate(work.frames.T, f, dM)
                 )
         if small:
             k = frames.dof[f] + 3
             for i in range(3):
-                work.scratch_3[i] = M[i]
-            tangent_derivative(state.u[k : k + 3], work.scratch_3, work.scratch_33)
+                work.frames.moment[i] = M[i]
+            tangent_derivative(state.interfaces.u[k : k + 3], work.frames.moment, work.frames.T_slope)
             for i in range(3):
                 for j in range(3):
-                    work.S[start + (z + 3 + i) * stride + z + 3 + j] += work.scratch_33[i, j]
+                    work.matrix.S[start + (z + 3 + i) * stride + z + 3 + j] += work.frames.T_slope[i, j]
 
 
 @compiled
@@ -280,13 +311,13 @@ def add_pair_tangent(
     stride: int,
     work: Workspace,
 ) -> None:
-    """Add the part of `work.pair_tangent` that begins at first_f, first_g to a block between the
+    """Add the part of `work.frames.pair_tangent` that begins at first_f, first_g to a block between the
     bodies of f and g.
     """
     for i in range(width(frames, f)):
         target = start + stride * coordinate(frames, f, i)
         for j in range(width(frames, g)):
-            work.S[target + coordinate(frames, g, j)] += work.pair_tangent[first_f + i, first_g + j]
+            work.matrix.S[target + coordinate(frames, g, j)] += work.frames.pair_tangent[first_f + i, first_g + j]
 
 
 @compiled
@@ -297,7 +328,7 @@ def coordinate(frames: Frames, f: int, i: int) -> int:
 
 @compiled
 def wrench(work: Workspace, f: int) -> tuple[Vector, Vector]:
-    w = work.wrench
+    w = work.frames.wrench
     return (w[f, 0], w[f, 1], w[f, 2]), (w[f, 3], w[f, 4], w[f, 5])
 
 

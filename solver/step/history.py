@@ -1,178 +1,150 @@
-"""The convolution of interface loads with impulse responses, one step at a time, in three exact
-forms.
+"""The convolution of interface loads with impulse responses, step by step, in three exact forms.
 
     recursive: the modes carry the history; a step costs the number of modes
     direct:    the sum over all past loads; a step costs its own number
-    fft:       that sum over the present block of steps; `ahead` holds what earlier ones do (lookahead.py)
+    fft:       that sum over the present block of steps; `u_ahead` holds the effect of earlier ones
+               (solver/history/dyadic.py)
 
-Both give u_{n+1} = history + weight G_0 p_{n+1}, with history complete before p_{n+1} is known.
+All give u_{n+1} = history + weight G_0 p_{n+1}, with history complete before p_{n+1} is known.
 `weight` is 1 for the consistent rule and 1/2 for eq. (55) of the paper, which convolves the mean of
 p_n and p_{n+1}.
 """
 
 from ..arrays import Array
-from .jit import compiled
-from .system import Elastic, Scheme, State
-from .vectors import copy, inner
+from ..compiler.marks import compiled
+from ..compiler.memory import copy
+from .system import Elastic, Scheme, State, Workspace
+from .vectors import inner
 
 
 @compiled
-def recall(elastic: Elastic, scheme: Scheme, state: State, history: Array, modal: Array) -> None:
-    """Start step n + 1: `history` (n_u,), the displacements that past loads alone would give."""
-    _coast(elastic, scheme, state, modal)
+def start_history(elastic: Elastic, scheme: Scheme, state: State, work: Workspace) -> None:
+    """Start step n + 1: `history` (n_u,), the displacements by past loads alone."""
+    _free_response(elastic, scheme, state, work)
+    history = work.interfaces.history
     n = state.step[0] + 1
     for e in range(len(elastic.body)):
-        first, last = elastic.dof[e], elastic.dof[e + 1]
-        if elastic.mode_range[e] < elastic.mode_range[e + 1]:
-            _sum_modes(elastic, e, state.eta, history)
+        if elastic.modes.range[e] < elastic.modes.range[e + 1]:
+            _sum_modes(elastic, e, state.modes.eta, history)
         else:
             _convolve(elastic, e, n, state, history)
         if scheme.weight != 1.0:
-            for i in range(first, last):
-                for c in range(elastic.active_range[e], elastic.active_range[e + 1]):
-                    k = elastic.active[c]
-                    history[i] += (
-                        (1.0 - scheme.weight)
-                        * instantaneous(elastic, e, i - first, k - first)
-                        * state.p[k]
-                    )
+            _add_instantaneous(elastic, e, 1.0 - scheme.weight, state.interfaces.p, history)
 
 
 @compiled
-def remember(elastic: Elastic, scheme: Scheme, state: State, p_n: Array, modal: Array) -> None:
-    """End step n + 1: take in the loads p_{n+1} = state.p, given p_n before; `modal`: room for
-    (n_modes,).
-    """
-    weight = scheme.weight
-    modal[:] = 0.0
+def finish_history(elastic: Elastic, scheme: Scheme, state: State, work: Workspace) -> None:
+    """End step n + 1: displacements at all dofs, and the loads p_{n+1} taken in."""
+    weight, p, p_n = scheme.weight, state.interfaces.p, work.interfaces.p_n
+    modes, past = elastic.modes, state.past
+    copy(work.interfaces.history, state.interfaces.u)
+    work.modes.load[:] = 0.0
     for e in range(len(elastic.body)):
+        _add_instantaneous(elastic, e, weight, p, state.interfaces.u)
         first = elastic.dof[e]
-        begin, end = elastic.mode_range[e], elastic.mode_range[e + 1]
+        begin, end = modes.range[e], modes.range[e + 1]
         for c in range(elastic.active_range[e], elastic.active_range[e + 1]):
             k = elastic.active[c]
-            load = weight * state.p[k] + (1.0 - weight) * p_n[k]
+            load = weight * p[k] + (1.0 - weight) * p_n[k]
             if begin == end:
-                state.p_history[k, state.step[0] + 1 - state.window[0]] = load - state.p_rest[k]
-            start = elastic.phi_start[e] + (k - first) * (end - begin)
-            phi, forces = elastic.phi[start : start + end - begin], modal[begin:end]
+                past.p[k, state.step[0] + 1 - past.first[0]] = load - past.p_rest[k]
+            start = modes.phi_start[e] + (k - first) * (end - begin)
+            phi, forces = modes.phi[start : start + end - begin], work.modes.load[begin:end]
             for i in range(len(forces)):
                 forces[i] += phi[i] * load
-    _push(elastic, scheme, state, modal)
-
-
-@compiled
-def instantaneous(elastic: Elastic, e: int, i: int, j: int) -> float:
-    """Entry (i, j) of G_0 of flexible body e."""
-    n_c = elastic.dof[e + 1] - elastic.dof[e]
-    return float(elastic.G_0[elastic.G_0_start[e] + i * n_c + j])
-
-
-@compiled
-def respond(elastic: Elastic, scheme: Scheme, history: Array, p: Array, u: Array) -> None:
-    """u = history + weight G_0 p at all interface dofs."""
-    for e in range(len(elastic.body)):
-        first = elastic.dof[e]
-        for i in range(first, elastic.dof[e + 1]):
-            u[i] = history[i]
-            for c in range(elastic.active_range[e], elastic.active_range[e + 1]):
-                k = elastic.active[c]
-                u[i] += scheme.weight * instantaneous(elastic, e, i - first, k - first) * p[k]
+    _forced_response(elastic, scheme, state, work)
 
 
 @compiled
 def modal_energy(elastic: Elastic, state: State) -> float:
     """Kinetic and strain energy of all modes, 1/2 (eta'^2 + omega^2 eta^2)."""
-    total = 0.0
-    for i in range(len(elastic.stiffness)):
-        total += state.eta_rate[i] ** 2 + elastic.stiffness[i] * state.eta[i] ** 2
+    modes, total = state.modes, 0.0
+    for i in range(len(modes.eta)):
+        total += modes.rate[i] ** 2 + elastic.modes.stiffness[i] * modes.eta[i] ** 2
     return 0.5 * total
 
 
 @compiled
-def _coast(elastic: Elastic, scheme: Scheme, state: State, change: Array) -> None:
-    """Advance all modes by one step without load; `change`: room for their new a."""
-    h, alpha_m, alpha_f, beta, gamma = (
-        scheme.h,
-        scheme.alpha_m,
-        scheme.alpha_f,
-        scheme.beta,
-        scheme.gamma,
-    )
-    kept, lost = alpha_m / (1.0 - alpha_f), alpha_f / (1.0 - alpha_f)
-    ratio = (1.0 - alpha_m) / (1.0 - alpha_f)
-    # one array written in each loop, and few read, lets the compiler use vector instructions
-    for i in range(len(change)):
-        a = state.eta_a[i]
-        eta = state.eta[i] + h * state.eta_rate[i] + h * h * (0.5 - beta) * a
-        rate = state.eta_rate[i] + h * (1.0 - gamma) * a
-        carried = kept * a - lost * state.eta_acceleration[i]
-        change[i] = (
-            -(elastic.stiffness[i] * eta + elastic.damping[i] * rate + carried) / elastic.pivot[i]
-        )
-    for i in range(len(change)):
-        state.eta[i] += h * state.eta_rate[i] + h * h * (
-            (0.5 - beta) * state.eta_a[i] + beta * change[i]
-        )
-    for i in range(len(change)):
-        state.eta_rate[i] += h * ((1.0 - gamma) * state.eta_a[i] + gamma * change[i])
-    for i in range(len(change)):
-        state.eta_acceleration[i] = (
-            ratio * change[i] + kept * state.eta_a[i] - lost * state.eta_acceleration[i]
-        )
-    copy(change, state.eta_a)
+def _add_instantaneous(elastic: Elastic, e: int, weight: float, p: Array, u: Array) -> None:
+    """u += weight G_0 p on the dofs of body e."""
+    first, last = elastic.dof[e], elastic.dof[e + 1]
+    n_c = last - first
+    for i in range(first, last):
+        start = elastic.G_0_start[e] + (i - first) * n_c - first
+        for c in range(elastic.active_range[e], elastic.active_range[e + 1]):
+            k = elastic.active[c]
+            u[i] += weight * elastic.G_0[start + k] * p[k]
 
 
 @compiled
-def _push(elastic: Elastic, scheme: Scheme, state: State, change: Array) -> None:
-    """Add the effect of modal loads `change`, acting at the end of the step, to the modes that have
-    coasted.
-    """
-    h = scheme.h
-    ratio = (1.0 - scheme.alpha_m) / (1.0 - scheme.alpha_f)
-    displacement, velocity = scheme.beta * h * h, scheme.gamma * h
+def _free_response(elastic: Elastic, scheme: Scheme, state: State, work: Workspace) -> None:
+    """Advance all modes by one step without load."""
+    h, beta, gamma, ratio = scheme.h, scheme.beta, scheme.gamma, scheme.inertia_ratio
+    kept, lost = scheme.alpha_m / (1.0 - scheme.alpha_f), scheme.alpha_f / (1.0 - scheme.alpha_f)
+    data, modes, a = elastic.modes, state.modes, work.modes.a
+    # one array written in each loop, and few read, lets the compiler use vector instructions
+    for i in range(len(a)):
+        eta = modes.eta[i] + h * modes.rate[i] + h * h * (0.5 - beta) * modes.a[i]
+        rate = modes.rate[i] + h * (1.0 - gamma) * modes.a[i]
+        carried = kept * modes.a[i] - lost * modes.acceleration[i]
+        force = data.stiffness[i] * eta + data.damping[i] * rate + carried
+        a[i] = -force / data.step_stiffness[i]
+    for i in range(len(a)):
+        mean = (0.5 - beta) * modes.a[i] + beta * a[i]
+        modes.eta[i] += h * modes.rate[i] + h * h * mean
+    for i in range(len(a)):
+        modes.rate[i] += h * ((1.0 - gamma) * modes.a[i] + gamma * a[i])
+    for i in range(len(a)):
+        before = kept * modes.a[i] - lost * modes.acceleration[i]
+        modes.acceleration[i] = ratio * a[i] + before
+    copy(a, modes.a)
+
+
+@compiled
+def _forced_response(elastic: Elastic, scheme: Scheme, state: State, work: Workspace) -> None:
+    """Add to the free response of all modes that to the loads at the end of the step."""
+    modes, change, ratio = state.modes, work.modes.load, scheme.inertia_ratio
+    displacement, velocity = scheme.beta * scheme.h * scheme.h, scheme.gamma * scheme.h
     for i in range(len(change)):
-        change[i] /= elastic.pivot[i]
+        change[i] /= elastic.modes.step_stiffness[i]
     for i in range(len(change)):
-        state.eta[i] += displacement * change[i]
+        modes.eta[i] += displacement * change[i]
     for i in range(len(change)):
-        state.eta_rate[i] += velocity * change[i]
+        modes.rate[i] += velocity * change[i]
     for i in range(len(change)):
-        state.eta_acceleration[i] += ratio * change[i]
+        modes.acceleration[i] += ratio * change[i]
     for i in range(len(change)):
-        state.eta_a[i] += change[i]
+        modes.a[i] += change[i]
 
 
 @compiled
 def _sum_modes(elastic: Elastic, e: int, eta: Array, out: Array) -> None:
     """out = phi eta on the dofs of body e"""
+    modes = elastic.modes
     first, last = elastic.dof[e], elastic.dof[e + 1]
-    begin, end = elastic.mode_range[e], elastic.mode_range[e + 1]
+    begin, end = modes.range[e], modes.range[e + 1]
     m = end - begin
     for c in range(last - first):
-        start = elastic.phi_start[e] + c * m
-        phi, own = elastic.phi[start : start + m], eta[begin:end]
-        out[first + c] = inner(phi, own)
+        start = modes.phi_start[e] + c * m
+        out[first + c] = inner(modes.phi[start : start + m], eta[begin:end])
 
 
 @compiled
 def _convolve(elastic: Elastic, e: int, n: int, state: State, out: Array) -> None:
-    """out = g_initial[n] p_0 + sum_{j=1..n-1} g[n-j] p_j + what loads at rest do, on the dofs of
-    body e
-    """
+    """out = g_initial[n] p_0 + sum_{j=1..n-1} g[n-j] p_j + u_rest, on the dofs of body e."""
+    past, kernels = state.past, elastic.kernels
     first, last = elastic.dof[e], elastic.dof[e + 1]
-    n_c, lags, start = last - first, elastic.lags[e], elastic.g_start[e]
-    n_0 = state.window[0]
-    since = max(state.since[e], n - lags + 1)
+    n_c, lags, start = last - first, kernels.lags[e], kernels.g_start[e]
+    n_0 = past.first[0]
+    since = max(past.since[e], n - lags + 1)
     for i in range(n_c):
-        total = state.history_rest[first + i] + state.ahead[first + i, n - n_0]
+        total = past.u_rest[first + i] + past.u_ahead[first + i, n - n_0]
         for c in range(elastic.active_range[e], elastic.active_range[e + 1]):
             k = elastic.active[c]
             if n < lags:
-                total += (
-                    elastic.g_initial[start + (n * n_c + i) * n_c + k - first] * state.p_start[k]
-                )
+                initial = start + (n * n_c + i) * n_c + k - first
+                total += kernels.g_initial[initial] * past.p_start[k]
             end = start + (i * n_c + k - first + 1) * lags
-            total += inner(
-                elastic.g[end - 1 - n + since : end - 1], state.p_history[k, since - n_0 : n - n_0]
-            )
+            g = kernels.g[end - 1 - n + since : end - 1]
+            total += inner(g, past.p[k, since - n_0 : n - n_0])
         out[first + i] = total

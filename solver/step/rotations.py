@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from ..arrays import Array
-from .jit import compiled
+from ..compiler.marks import compiled
 
 C4 = np.array([(-1.0) ** i / math.factorial(4 + 2 * i) for i in range(9)])
 C5 = np.array([(-1.0) ** i / math.factorial(5 + 2 * i) for i in range(9)])
@@ -129,7 +129,7 @@ def quaternion_product(p: Array, q: Array, out: Array) -> None:
 
 
 @compiled
-def normalise(q: Array) -> None:
+def normalize(q: Array) -> None:
     length = math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
     for i in range(4):
         q[i] /= length

@@ -17,7 +17,7 @@ dtheta_B. Source: docs/theory.md, Frames, joints, loads.
 import math
 
 from ..arrays import Array
-from .jit import compiled
+from ..compiler.marks import compiled
 from .system import Rows, Workspace
 from .vectors import UNITS, Vector, add, cross, dot, rotate, row, scale, subtract
 
@@ -50,8 +50,8 @@ def evaluate_row(
     A, B, kind = rows.frame_a[i], rows.frame_b[i], rows.kind[i]
     gradient[:] = 0.0
     if kind == TRANSLATION:
-        delta = subtract(row(work.r, B), row(work.r, A))
-        a = rotate(work.D, A, carried_axis(rows, i, 0.0))
+        delta = subtract(row(work.frames.r, B), row(work.frames.r, A))
+        a = rotate(work.frames.D, A, carried_axis(rows, i, 0.0))
         lever = cross(a, delta)
         for k in range(3):
             gradient[k] = -a[k]
@@ -59,16 +59,16 @@ def evaluate_row(
             gradient[6 + k] = a[k]
         return dot(a, delta)
     if kind == DISTANCE:
-        delta = subtract(row(work.r, B), row(work.r, A))
+        delta = subtract(row(work.frames.r, B), row(work.frames.r, A))
         length = math.sqrt(dot(delta, delta))
         for k in range(3):
             gradient[k] = -delta[k] / length
             gradient[6 + k] = delta[k] / length
         return length
-    a, b = rotate(work.D, A, carried_axis(rows, i, turn)), rotate(work.D, B, row(rows.b, i))
+    a, b = rotate(work.frames.D, A, carried_axis(rows, i, turn)), rotate(work.frames.D, B, row(rows.b, i))
     normal, value = cross(a, b), dot(a, b)
     if kind == ANGLE:
-        turned = rotate(work.D, A, row(rows.a_turned, i))
+        turned = rotate(work.frames.D, A, row(rows.a_turned, i))
         sine, cosine = dot(turned, b), value
         square = sine * sine + cosine * cosine
         normal = scale(1.0 / square, subtract(scale(cosine, cross(turned, b)), scale(sine, normal)))
@@ -87,8 +87,8 @@ def add_row_tangent(
     """H += factor times the tangent of row i."""
     A, B, kind = rows.frame_a[i], rows.frame_b[i], rows.kind[i]
     if kind == TRANSLATION:
-        delta = subtract(row(work.r, B), row(work.r, A))
-        f = scale(factor, rotate(work.D, A, carried_axis(rows, i, 0.0)))
+        delta = subtract(row(work.frames.r, B), row(work.frames.r, A))
+        f = scale(factor, rotate(work.frames.D, A, carried_axis(rows, i, 0.0)))
         for j in range(3):
             f_e = cross(f, UNITS[j])
             turned = cross(delta, f_e)
@@ -99,7 +99,7 @@ def add_row_tangent(
                 H[3 + k, 6 + j] += f_e[k]
                 H[3 + k, 3 + j] += turned[k]
     elif kind == DISTANCE:
-        delta = subtract(row(work.r, B), row(work.r, A))
+        delta = subtract(row(work.frames.r, B), row(work.frames.r, A))
         length = math.sqrt(dot(delta, delta))
         n = scale(1.0 / length, delta)
         for j in range(3):
@@ -110,12 +110,12 @@ def add_row_tangent(
                 H[k, 6 + j] -= value
                 H[6 + k, j] -= value
     else:
-        b = rotate(work.D, B, row(rows.b, i))
-        a = rotate(work.D, A, carried_axis(rows, i, turn))
+        b = rotate(work.frames.D, B, row(rows.b, i))
+        a = rotate(work.frames.D, A, carried_axis(rows, i, turn))
         if kind == ROTATION:
             _add_rotation(a, b, factor, H)
         else:
-            _add_angle(a, rotate(work.D, A, row(rows.a_turned, i)), b, factor, H)
+            _add_angle(a, rotate(work.frames.D, A, row(rows.a_turned, i)), b, factor, H)
 
 
 @compiled

@@ -1,22 +1,23 @@
-"""A model as flat arrays: what the compiled loop reads (`System`), what it moves (`State`), where
-it scribbles.
+"""The arrays of a time step: what it reads (`System`), what it moves (`State`), scratch (`Workspace`).
 
-Numbering: bodies b, six coordinates each (delta x in space, delta Theta in body axes); frames f;
-couplings (joints, motions, springs) with their rows i, one multiplier each; loads l; flexible
-bodies e with their interface dofs, numbered through in `u`. Frames that carry couplings or loads
-come before those that are only observed; the interface dofs of the former are `active`: no others
-are ever loaded.
+Each is nested by contributor: bodies, frames, interfaces and modes of flexible bodies, couplings,
+loads. These declarations are the one place where arrays are listed; `Struct.allocate` makes room.
+
+Dimensions: n_b bodies of six coordinates (delta x in space, delta Theta in body axes); n_f frames;
+n_j couplings (joints, motions, springs) of n_i rows in all, one multiplier each; n_o observers;
+n_l loads; n_d drives; n_e flexible bodies with n_u interface dofs in all, of which n_a are active,
+and n_m modes; n_p steps whose loads are kept. Frames that carry couplings or loads come before
+those that are only observed; interface dofs of the former are `active`: no others are ever loaded.
 """
 
-from typing import NamedTuple
-
 from ..arrays import Array, Index
+from ..compiler.struct import Struct, array
+
+# What a step reads
 
 
-class Scheme(NamedTuple):
-    """Generalized-alpha with its step; `weight` of p_{n+1} against p_n in the convolution: 1, or
-    1/2 in eq. (55).
-    """
+class Scheme(Struct):
+    """Generalized-alpha with its step."""
 
     h: float
     alpha_m: float
@@ -25,260 +26,518 @@ class Scheme(NamedTuple):
     gamma: float
     beta_prime: float
     gamma_prime: float
+    inertia_ratio: float
+    """(1 - alpha_m) / (1 - alpha_f): pseudo-acceleration to acceleration"""
     weight: float
+    """of p_{n+1} against p_n in the convolution: 1, or 1/2 in eq. (55)"""
+
+
+class Newton(Struct):
+    """How Newton's method goes on and ends."""
+
     tolerance: float
     max_iterations: int
-    corrections: (
-        int  # the most that a step may take before it goes on as it is, 0: converge or fail
-    )
-    reuse: float  # ratio of successive corrections above which the matrix is made anew; 0: always, inf: each step
+    fixed_iterations: int
+    """the most that a step may take before it goes on as it is; 0: converge or fail"""
+    reuse: float
+    """ratio of successive corrections above which the matrix is made anew; 0: always"""
 
 
-class Bodies(NamedTuple):
-    mass: Array  # (n_b,)
-    J_rot: Array  # (n_b, 3, 3)
-    gravity: Array  # (3,)
+class Bodies(Struct):
+    mass: Array = array("n_b")
+    J_rot: Array = array("n_b", 3, 3)
+    gravity: Array = array(3)
+    size: float
+    """of the model: what turns an angle into a length (`model_size` in lower/size.py)"""
 
 
-class Frames(NamedTuple):
+class Frames(Struct):
     n_acting: int
-    body: Index  # (n_f,) -1: fixed in space
-    X: Array  # (n_f, 3) position from the centre of mass, in body axes
-    D_0: Array  # (n_f, 3, 3) axes in the undeformed body
-    dof: Index  # (n_f,) the first of its dofs in u, -1: a rigid offset
-    active: Index  # (n_f,) the first of its active dofs, -1: none
-    column: Index  # (n_f,) the first of them among the coordinates of its body, -1: none
-    rotations: Index  # (n_f,) 1: the interface has rotations
+    body: Index = array("n_f")
+    """-1: fixed in space"""
+    X: Array = array("n_f", 3)
+    """position from the center of mass, in body axes"""
+    D_0: Array = array("n_f", 3, 3)
+    """axes in the undeformed body"""
+    quaternion_0: Array = array("n_f", 4)
+    """the same"""
+    dof: Index = array("n_f")
+    """the first of its dofs in u, -1: a rigid offset"""
+    active: Index = array("n_f")
+    """the first of its active dofs, -1: none"""
+    column: Index = array("n_f")
+    """the first of them among the coordinates of its body, -1: none"""
+    rotations: Index = array("n_f")
+    """1: the interface has rotations"""
 
 
-class Rows(NamedTuple):
+class Rows(Struct):
     """Scalar coordinates of pairs of frames; rows.py says what the kinds are."""
 
-    kind: Index  # (n,)
-    frame_a: Index  # (n,)
-    frame_b: Index  # (n,)
-    a: Array  # (n, 3) the axis carried by frame A, in its axes
-    a_turned: Array  # (n, 3) the axis that `a` turns to after a quarter turn
-    b: Array  # (n, 3) the axis carried by frame B, in its axes
+    kind: Index = array("n")
+    frame_a: Index = array("n")
+    frame_b: Index = array("n")
+    a: Array = array("n", 3)
+    """the axis carried by frame A, in its axes"""
+    a_turned: Array = array("n", 3)
+    """the axis that `a` turns to after a quarter turn"""
+    b: Array = array("n", 3)
+    """the axis carried by frame B, in its axes"""
 
 
-class Couplings(NamedTuple):
-    """Joints and springs: rows with a multiplier each, which keeps the row at 0 or follows from a
-    force law.
+class Laws(Struct):
+    """Force laws of compliant rows: a linear one of all rows of a coupling, and one of each row.
 
-    The law of row i: lambda_i = -sum_j (stiffness_ij (c_j - rest_j) + damping_ij dc_j/dt) -
-    table_i(c_i), j over the rows of the same coupling.
+    The law of row i, j over the rows of the same coupling:
+    lambda_i = -sum_j (stiffness_ij (c_j - rest_j) + damping_ij dc_j/dt) - law_i(c_i, dc_i/dt)
     """
+
+    rest: Array = array("n_i")
+    stiffness: Array = array("n_i", 6)
+    damping: Array = array("n_i", 6)
+    kind: Index = array("n_i")
+    """of the law of each row alone; laws.py has them"""
+    first: Index = array("n_i_1")
+    """(n_i + 1,) where the parameters of each row begin"""
+    parameters: Array = array("n")
+
+
+class Couplings(Struct):
+    """Joints, motions and springs: rows with a multiplier that keeps them at 0 or obeys a law."""
 
     rows: Rows
+    laws: Laws
     n_compliant: int
-    range: Index  # (n_couplings + 1,) the rows of each coupling
-    second: Index  # (n_rows,) where the second frame that the coupling names stands in the gradient: 6, or 0 if A
-    drive: Index  # (n_rows,) the drive of the row, -1: none
-    compliant: Index  # (n_rows,) 1: follows a law
-    rest: Array  # (n_rows,)
-    stiffness: Array  # (n_rows, 6)
-    damping: Array  # (n_rows, 6)
-    table: Index  # (n_rows + 1,) the points of each row's table
-    table_coordinate: Array
-    table_force: Array
+    range: Index = array("n_j_1")
+    """(n_j + 1,) the rows of each coupling"""
+    second: Index = array("n_i")
+    """where the second frame that the coupling names stands in the gradient: 6, or 0 if A"""
+    drive: Index = array("n_i")
+    """the drive of the row, -1: none"""
+    compliant: Index = array("n_i")
+    """1: obeys a law"""
 
 
-class Loads(NamedTuple):
-    frame: Index  # (n_l,)
-    torque: Index  # (n_l,) 0: force, 1: torque
-    follower: Index  # (n_l,)
-    direction: Array  # (n_l, 3)
+class Loads(Struct):
+    frame: Index = array("n_l")
+    torque: Index = array("n_l")
+    """0: force, 1: torque"""
+    follower: Index = array("n_l")
+    direction: Array = array("n_l", 3)
 
 
-class Elastic(NamedTuple):
-    body: Index  # (n_e,)
-    dof: Index  # (n_e + 1,) the range of each body in u
-    active: Index  # (n_a,) the dofs that can be loaded
-    active_range: Index  # (n_e + 1,) the range of each body in `active`
-    of_body: Index  # (n_b,) the flexible body that a body is, -1: rigid
-    G_0: Array  # instantaneous compliances (n_c, n_c) one after the other
-    G_0_start: Index  # (n_e,)
-    G_active: Array  # weight G_0 of the active dofs of every body, one after the other
-    G_active_start: Index  # (n_e,)
-    mode_range: (
-        Index  # (n_e + 1,) the range of each body in the modal state; empty: direct convolution
-    )
-    stiffness: Array  # (n_modes,) omega^2
-    damping: Array  # (n_modes,) 2 zeta omega
-    pivot: Array  # (n_modes,)
-    phi: Array  # (n_c, m) one after the other; bodies may share one
-    phi_start: Index  # (n_e,)
-    g: Array  # kernels (n_c, n_c, lags), from the last lag to the first, one after the other; bodies may share one
-    g_initial: Array  # the same as (lags, n_c, n_c), from the first lag on
-    g_start: Index  # (n_e,)
-    lags: Index  # (n_e,) how many of them there are
-    looks_ahead: Index  # (n_e,) 1: blocks of past loads are convolved by FFT
+class Modes(Struct):
+    """Scalar recursions that carry the history of bodies with modes."""
+
+    range: Index = array("n_e_1")
+    """(n_e + 1,) the modes of each flexible body; none: its kernel is convolved"""
+    stiffness: Array = array("n_m")
+    """omega^2"""
+    damping: Array = array("n_m")
+    """2 zeta omega"""
+    step_stiffness: Array = array("n_m")
+    """inertia_ratio + gamma h damping + beta h^2 stiffness"""
+    phi: Array = array("n")
+    """(n_c, m) one after the other; bodies may share one"""
+    phi_start: Index = array("n_e")
 
 
-class Pattern(NamedTuple):
-    """The iteration matrix as blocks, its nodes in the order of elimination; pattern.py says what
-    they are.
+class Kernels(Struct):
+    """Impulse responses of bodies whose loads are convolved."""
+
+    g: Array = array("n")
+    """(n_c, n_c, lags) from the last lag to the first, one after the other; bodies may share one"""
+    g_initial: Array = array("n")
+    """the same as (lags, n_c, n_c), from the first lag on"""
+    g_start: Index = array("n_e")
+    lags: Index = array("n_e")
+    by_fft: Index = array("n_e")
+    """1: blocks of past loads are convolved by FFT"""
+
+
+class Elastic(Struct):
+    """Flexible bodies and their interface dofs."""
+
+    body: Index = array("n_e")
+    of_body: Index = array("n_b")
+    """the flexible body that a body is, -1: rigid"""
+    dof: Index = array("n_e_1")
+    """(n_e + 1,) the dofs of each flexible body in u"""
+    active: Index = array("n_a")
+    """the dofs that can be loaded"""
+    active_range: Index = array("n_e_1")
+    """(n_e + 1,) those of each flexible body in `active`"""
+    G_0: Array = array("n")
+    """instantaneous compliances (n_c, n_c) one after the other"""
+    G_0_start: Index = array("n_e")
+    G_active: Array = array("n")
+    """weight G_0 of the active dofs of every body, one after the other"""
+    G_active_start: Index = array("n_e")
+    modes: Modes
+    kernels: Kernels
+
+
+class Pattern(Struct):
+    """The iteration matrix as blocks, its nodes in the order of elimination.
 
     The rows of node k hold its diagonal block and those of `later` nodes to its right, side by
-    side; below stand the blocks of the same nodes in its columns.
+    side; below stand the blocks of the same nodes in its columns. lower/elimination_order.py says
+    what nodes are.
     """
 
-    size: Index  # (n_nodes,) unknowns
-    first: Index  # (n_nodes + 1,) the first of them
-    width: Index  # (n_nodes,) of the rows: unknowns of the node and of the later ones
-    row: Index  # (n_nodes,) where the rows begin
-    lower: Index  # (n_nodes,) where the blocks below begin, as wide as the node
-    later_range: Index  # (n_nodes + 1,)
-    later: Index  # (n_later,) later nodes coupled with each
-    segment_range: Index  # (n_later + 1,)
-    segment: Index  # (n_segments, 4) of the update of a later node: first number, row distance, column, width
-    n_numbers: int  # of all blocks
-    body: Index  # (n_b,) node of every body
-    coupling: Index  # (n_couplings,) node of every coupling, -1: no rows
-    body_block: Index  # (n_b, 2) first number and row distance of the diagonal block
-    coupling_block: Index  # (n_couplings, 7, 2) of the blocks (A, B), (B, A), (A, j), (j, A), (B, j), (j, B), (j, j)
-    force_block: (
-        Index  # (n, 4) blocks in the rows of bodies: body, first number, row distance, width
-    )
+    size: Index = array("n")
+    """unknowns of each node"""
+    first: Index = array("n_1")
+    """(n + 1,) the first of them"""
+    width: Index = array("n")
+    """of the rows: unknowns of the node and of the later ones"""
+    row: Index = array("n")
+    """where the rows begin"""
+    lower: Index = array("n")
+    """where the blocks below begin, as wide as the node"""
+    later_range: Index = array("n_1")
+    later: Index = array("n_later")
+    """later nodes coupled with each"""
+    segment_range: Index = array("n_later_1")
+    segment: Index = array("n_segments", 4)
+    """of the update of a later node: first number, row distance, column, width"""
+    n_numbers: int
+    """of all blocks"""
+    body: Index = array("n_b")
+    """node of every body"""
+    coupling: Index = array("n_j")
+    """node of every coupling, -1: no rows"""
+    body_block: Index = array("n_b", 2)
+    """first number and row distance of the diagonal block"""
+    coupling_block: Index = array("n_j", 7, 2)
+    """of the blocks (A, B), (B, A), (A, j), (j, A), (B, j), (j, B), (j, j)"""
+    force_block: Index = array("n_blocks", 4)
+    """blocks in the rows of bodies: body, first number, row distance, width"""
 
 
-class System(NamedTuple):
+class System(Struct):
     scheme: Scheme
+    newton: Newton
     bodies: Bodies
     frames: Frames
     couplings: Couplings
-    observers: Rows  # joint coordinates that are only watched
+    observers: Rows
+    """joint coordinates that are only watched"""
     loads: Loads
     elastic: Elastic
     pattern: Pattern
 
 
-class State(NamedTuple):
-    step: Index  # (1,)
-    prepared: Index  # (1,) 1: the next step has been begun, as far as it goes without its inputs
-    x: Array  # (n_b, 3)
-    quaternion: Array  # (n_b, 4)
-    R: Array  # (n_b, 3, 3)
-    v: Array  # (n_b, 6) velocity in space, angular velocity in body axes
-    v_dot: Array  # (n_b, 6)
-    a: Array  # (n_b, 6) pseudo-acceleration
-    lam: Array  # (n_rows,)
-    u: Array  # (n_u,)
-    u_rate: Array  # (n_u,)
-    u_acceleration: Array  # (n_u,)
-    u_a: Array  # (n_u,)
-    p: Array  # (n_u,) interface loads, body axes
-    eta: Array  # (n_modes,)
-    eta_rate: Array  # (n_modes,)
-    eta_acceleration: Array  # (n_modes,)
-    eta_a: Array  # (n_modes,)
-    p_rest: Array  # (n_u,) loads that have always acted: direct convolution leaves them out ...
-    history_rest: Array  # (n_u,) ... and adds what they do, (compliance - G_0) p_rest
-    p_start: Array  # (n_u,) loads that begin at t = 0, which kernels answer with g_initial
-    p_history: Array  # (n_u, n) loads at the steps from window[0] on, without p_rest; n = 0 where all bodies have modes
-    ahead: Array  # (n_u, n) displacements at the same steps by the loads before `since`
-    window: Index  # (1,)
-    since: Index  # (n_e,) the first step whose loads the time loop convolves itself
-    load: Array  # (n_l,) values of the signals at the last step
-    load_vector: Array  # (n_l, 3) force or torque at the last step, in space
-    drive: Array  # (n_d,) at the last step
-    drive_force: Array  # (n_d,) work per unit of the drive, at the last step
-    coordinate: Array  # (n_rows,) of the couplings, at the last step
-    observed: Array  # (n_observers,) at the last step
-    elastic_energy: Array  # (1,) from the work of the interface loads
-    work: Array  # (1,) of loads and drives
-    compliance_work: Array  # (1,) of springs and dampers on the bodies
+# What a step moves
 
 
-class Workspace(NamedTuple):
-    """Scratch memory of one step, made once."""
-
-    # the start of the step
-    quaternion: Array  # (n_b, 4)
-    psi: Array  # (n_b, 3) rotation increment
-    u_n: Array  # (n_u,)
-    p_n: Array  # (n_u,)
-    u_predicted: Array  # (n_u,) for u_acceleration = 0
-    u_rate_predicted: Array  # (n_u,)
-    lam_n: Array  # (n_rows,)
-    load_position: Array  # (n_l, 3)
-    load_axes: Array  # (n_l, 3, 3)
-    # kinematics of frames
-    r: Array  # (n_f, 3)
-    D: Array  # (n_f, 3, 3)
-    lever: Array  # (n_f, 3) X + u, body axes
-    T: Array  # (n_f, 3, 3) tangent of the small rotation
-    wrench: Array  # (n_f, 6) force and moment on the body at the frame, in space
-    V: Array  # (n_f, 6) velocity and angular velocity of frames, in space
-    # couplings
-    coordinate: Array  # (n_rows,)
-    rate: Array  # (n_rows,)
-    phi: Array  # (n_rows,) residual: of the constraint, or of the force law
-    law_scale: Array  # (n_rows,) sum of the magnitudes in a force law
-    gradient: Array  # (n_rows, 12) with respect to (r, theta) of frames A and B, in space
-    coupling_wrench: Array  # (n_couplings, 6) on B, in space
-    drive_slope: Array  # (n_rows,) d phi / d drive
-    # equations
-    force: Array  # (n_b, 6) generalized forces of loads and joints
-    force_scale: Array  # (n_b, 2) sums of the magnitudes of forces and of moments
-    residual: Array  # (n_b, 6) of equilibrium
-    history: Array  # (n_u,)
-    modal: Array  # (n_modes,)
-    u_residual: Array  # (n_a,)
-    # Newton's matrix; coordinates of a frame: delta X, delta Theta, delta u, delta w, all in body
-    # axes
-    rate_map: Array  # (n_f, 6, 12) derivative of V by the coordinates
-    frame_tangent: Array  # (12, 12) derivative of the wrenches on two frames by their (delta r, delta theta), in space
-    half_tangent: Array  # (12, 24)
-    pair_tangent: Array  # (24, 24) the same for generalized forces and coordinates of both frames
-    B: Array  # (n_rows, 24) derivative of the rows' coordinates by the coordinates of frames A and B
-    B_rate: Array  # (n_rows, 24) derivative of their rates
-    A: Array  # (n_rows, 24) derivative of the residuals phi; h^2 times that of a force law
-    S: Array  # (n_numbers,) the blocks of the iteration matrix, or their factors
-    pivots: Index  # (n,) row exchanges
-    rhs: Array  # (n,) right-hand side, then corrections, in the order of the nodes
-    forces: Array  # the rows of a block that belong to active dofs
-    renewed: Index  # (2,) 1 when S holds factors that the time loop may use again; how often it was made anew
-    x_predicted: Array  # (n_b, 3) for v_dot = 0
-    v_predicted: Array  # (n_b, 6)
-    psi_predicted: Array  # (n_b, 3)
-    scratch_3: Array
-    scratch_3b: Array
-    scratch_12: Array
-    scratch_4: Array
-    scratch_4b: Array
-    scratch_33: Array
+class BodyState(Struct):
+    x: Array = array("n_b", 3)
+    quaternion: Array = array("n_b", 4)
+    R: Array = array("n_b", 3, 3)
+    v: Array = array("n_b", 6)
+    """velocity in space, angular velocity in body axes"""
+    v_dot: Array = array("n_b", 6)
+    a: Array = array("n_b", 6)
+    """pseudo-acceleration"""
 
 
-class Inputs(NamedTuple):
+class InterfaceState(Struct):
+    u: Array = array("n_u")
+    """elastic displacements and rotation vectors, body axes"""
+    rate: Array = array("n_u")
+    acceleration: Array = array("n_u")
+    a: Array = array("n_u")
+    """pseudo-acceleration"""
+    p: Array = array("n_u")
+    """interface loads, body axes"""
+
+
+class ModalState(Struct):
+    eta: Array = array("n_m")
+    rate: Array = array("n_m")
+    acceleration: Array = array("n_m")
+    a: Array = array("n_m")
+    """pseudo-acceleration"""
+
+
+class PastState(Struct):
+    """Past loads of bodies whose kernels are convolved."""
+
+    p_rest: Array = array("n_u")
+    """loads that have always acted: the convolution leaves them out ..."""
+    u_rest: Array = array("n_u")
+    """... and adds what they do, (compliance - G_0) p_rest"""
+    p_start: Array = array("n_u")
+    """loads that begin at t = 0, which kernels answer with g_initial"""
+    p: Array = array("n_u", "n_p")
+    """loads at the steps from first[0] on, without p_rest"""
+    u_ahead: Array = array("n_u", "n_p")
+    """displacements at the same steps by the loads before `since`"""
+    first: Index = array(1)
+    since: Index = array("n_e")
+    """the first step whose loads the time loop convolves itself"""
+
+
+class CouplingState(Struct):
+    lam: Array = array("n_i")
+    """multipliers"""
+    coordinate: Array = array("n_i")
+    """at the last step, by which angles go on over full turns"""
+
+
+class ObserverState(Struct):
+    value: Array = array("n_o")
+
+
+class LoadState(Struct):
+    """Loads at the last step, for their work."""
+
+    value: Array = array("n_l")
+    vector: Array = array("n_l", 3)
+    """force or torque, in space"""
+    position: Array = array("n_l", 3)
+    """of the frame that is loaded"""
+    axes: Array = array("n_l", 3, 3)
+
+
+class DriveState(Struct):
+    """Drives at the last step, for their work."""
+
+    value: Array = array("n_d")
+    force: Array = array("n_d")
+    """work per unit of the drive"""
+
+
+class EnergyState(Struct):
+    """Sums over all steps."""
+
+    elastic: Array = array(1)
+    """from the work of the interface loads"""
+    work: Array = array(1)
+    """of loads and drives"""
+    compliance: Array = array(1)
+    """work of springs and dampers on the bodies"""
+
+
+class State(Struct):
+    step: Index = array(1)
+    prepared: Index = array(1)
+    """1: the next step has been begun, as far as it goes without its inputs"""
+    bodies: BodyState
+    interfaces: InterfaceState
+    modes: ModalState
+    past: PastState
+    couplings: CouplingState
+    observers: ObserverState
+    loads: LoadState
+    drives: DriveState
+    energies: EnergyState
+
+
+# Scratch of one step
+
+
+class BodyWork(Struct):
+    quaternion_n: Array = array("n_b", 4)
+    """at the start of the step"""
+    psi: Array = array("n_b", 3)
+    """rotation increment"""
+    x_predicted: Array = array("n_b", 3)
+    """for v_dot = 0, as the next two"""
+    v_predicted: Array = array("n_b", 6)
+    psi_predicted: Array = array("n_b", 3)
+    force: Array = array("n_b", 6)
+    """generalized forces of loads and couplings"""
+    force_scale: Array = array("n_b", 2)
+    """sums of the magnitudes of forces and of moments"""
+    residual: Array = array("n_b", 6)
+    """of equilibrium"""
+    increment: Array = array(4)
+    """quaternion of psi"""
+    T_inverse: Array = array(3, 3)
+    """of psi"""
+    inertia: Array = array(3, 3)
+    """derivative of the moments of inertia by delta psi"""
+
+
+class FrameWork(Struct):
+    r: Array = array("n_f", 3)
+    D: Array = array("n_f", 3, 3)
+    lever: Array = array("n_f", 3)
+    """X + u, body axes"""
+    T: Array = array("n_f", 3, 3)
+    """tangent of the small rotation"""
+    wrench: Array = array("n_f", 6)
+    """force and moment on the body at the frame, in space"""
+    V: Array = array("n_f", 6)
+    """velocity and angular velocity, in space"""
+    A: Array = array("n_f", 6)
+    """their derivatives"""
+    rate_map: Array = array("n_f", 6, 12)
+    """derivative of V by the coordinates delta X, delta Theta, delta u, delta w, in body axes"""
+    half_tangent: Array = array(12, 24)
+    """derivative of the wrenches on two frames, pulled back from one side"""
+    pair_tangent: Array = array(24, 24)
+    """the same for generalized forces and coordinates of both frames"""
+    small_rotation: Array = array(3, 3)
+    """exp(w~)"""
+    small_quaternion: Array = array(4)
+    """the same"""
+    body_quaternion: Array = array(4)
+    """of R exp(w~)"""
+    T_inverse: Array = array(3, 3)
+    """of the rotation increment of a body"""
+    minus_w: Array = array(3)
+    moment: Array = array(3)
+    T_slope: Array = array(3, 3)
+    """derivative of T(w) m"""
+
+
+class InterfaceWork(Struct):
+    u_n: Array = array("n_u")
+    p_n: Array = array("n_u")
+    u_predicted: Array = array("n_u")
+    """for acceleration = 0"""
+    rate_predicted: Array = array("n_u")
+    history: Array = array("n_u")
+    """displacements by past loads alone"""
+    residual: Array = array("n_a")
+
+
+class ModalWork(Struct):
+    a: Array = array("n_m")
+    """new pseudo-acceleration"""
+    load: Array = array("n_m")
+
+
+class CouplingWork(Struct):
+    lam_n: Array = array("n_i")
+    coordinate: Array = array("n_i")
+    rate: Array = array("n_i")
+    phi: Array = array("n_i")
+    """residual: of the constraint, or of the force law"""
+    scale: Array = array("n_i")
+    """sum of the magnitudes in a force law"""
+    gradient: Array = array("n_i", 12)
+    """with respect to (r, theta) of frames A and B, in space"""
+    convective: Array = array("n_i")
+    """second derivative of the coordinate, less the drive, where no body accelerates"""
+    wrench: Array = array("n_j", 6)
+    """on the second frame, in space"""
+    drive_slope: Array = array("n_i")
+    """d phi / d drive"""
+    B: Array = array("n_i", 24)
+    """derivative of the coordinates by those of frames A and B"""
+    B_rate: Array = array("n_i", 24)
+    """derivative of their rates"""
+    A: Array = array("n_i", 24)
+    """derivative of the residuals phi; h^2 times that of a force law"""
+    tangent: Array = array(12, 12)
+    """derivative of the wrenches on two frames by their (delta r, delta theta), in space"""
+    rate_tangent: Array = array(12, 12)
+    """the same of one row, at a unit multiplier"""
+    rate_gradient: Array = array(12)
+    """derivative of a rate by (r, theta) of two frames"""
+    slope_gradient: Array = array(12)
+    """gradient of a driven row whose axis is a quarter turn ahead"""
+
+
+class ObserverWork(Struct):
+    value: Array = array("n_o")
+    gradient: Array = array(12)
+    B: Array = array("n_o", 24)
+    """derivative of the coordinates by those of frames A and B"""
+
+
+class LoadWork(Struct):
+    value: Array = array("n_l")
+    """of the signals at the end of the step"""
+    motion: Array = array(3)
+    """displacement or rotation of a loaded frame in a step"""
+
+
+class DriveWork(Struct):
+    value: Array = array("n_d")
+    """at the end of the step"""
+    rate: Array = array("n_d")
+    """at the start of a run"""
+    acceleration: Array = array("n_d")
+
+
+class MatrixWork(Struct):
+    """Newton's matrix."""
+
+    S: Array = array("n_numbers")
+    """its blocks, or their factors"""
+    pivots: Index = array("n_unknowns")
+    """row exchanges"""
+    rhs: Array = array("n_unknowns")
+    """right-hand side, then corrections, in the order of the nodes"""
+    force_rows: Array = array("n_force_rows")
+    """the rows of a block that belong to active dofs"""
+    current: Index = array(1)
+    """1: S holds factors that may be used again"""
+    count: Index = array(1)
+    """how often S was made"""
+
+
+class Workspace(Struct):
+    bodies: BodyWork
+    frames: FrameWork
+    interfaces: InterfaceWork
+    modes: ModalWork
+    couplings: CouplingWork
+    observers: ObserverWork
+    loads: LoadWork
+    drives: DriveWork
+    matrix: MatrixWork
+
+
+# What comes in and goes out
+
+
+class Inputs(Struct):
     """Signals at the next steps, and what to do besides."""
 
-    load: Array  # (n, n_l)
-    drive: Array  # (n, n_d)
-    row: Index  # (n,) of the output for the step, -1: it is not recorded
-    ahead: int  # 1: prepare the step after them
+    load: Array = array("n", "n_l")
+    drive: Array = array("n", "n_d")
+    row: Index = array("n")
+    """of the output for the step, -1: it is not recorded"""
+    ahead: int
+    """1: prepare the step after them"""
 
 
-class Output(NamedTuple):
+class Output(Struct):
     """What a step leaves behind; one row per step."""
 
-    x: Array  # (n, n_b, 3)
-    R: Array  # (n, n_b, 4)
-    v: Array  # (n, n_b, 6)
-    v_dot: Array  # (n, n_b, 6)
-    frame_position: Array  # (n, n_f, 3)
-    frame_rotation: Array  # (n, n_f, 4)
-    frame_u: Array  # (n, n_f, 6)
-    frame_force: Array  # (n, n_f, 6)
-    frame_velocity: Array  # (n, n_f, 6)
-    frame_acceleration: Array  # (n, n_f, 6)
-    multipliers: Array  # (n, n_rows)
-    coordinates: Array  # (n, n_rows)
-    observed: Array  # (n, n_observers)
-    observed_rates: Array  # (n, n_observers)
-    coupling_wrench: Array  # (n, n_couplings, 6)
-    energy: Array  # (n, 7) kinetic, elastic, springs, potential, work, compliance work, modal
-    momentum: Array  # (n, 6) linear, and angular about the origin, in space
-    iterations: Index  # (n,)
-    residual: Array  # (n,)
+    x: Array = array("n", "n_b", 3)
+    R: Array = array("n", "n_b", 4)
+    v: Array = array("n", "n_b", 6)
+    v_dot: Array = array("n", "n_b", 6)
+    frame_position: Array = array("n", "n_f", 3)
+    frame_rotation: Array = array("n", "n_f", 4)
+    frame_u: Array = array("n", "n_f", 6)
+    frame_force: Array = array("n", "n_f", 6)
+    frame_velocity: Array = array("n", "n_f", 6)
+    frame_acceleration: Array = array("n", "n_f", 6)
+    multipliers: Array = array("n", "n_i")
+    coordinates: Array = array("n", "n_i")
+    observed: Array = array("n", "n_o")
+    observed_rates: Array = array("n", "n_o")
+    coupling_wrench: Array = array("n", "n_j", 6)
+    energy: Array = array("n", 7)
+    """kinetic, elastic, springs, potential, work, compliance work, modal"""
+    momentum: Array = array("n", 6)
+    """linear, and angular about the origin, in space"""
+    iterations: Index = array("n")
+    residual: Array = array("n")
+
+
+class Run(Struct):
+    """All that the time loop reads and writes."""
+
+    system: System
+    state: State
+    work: Workspace
+    output: Output

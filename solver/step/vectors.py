@@ -1,9 +1,7 @@
-"""Three-vectors as tuples, which the compiler keeps in registers, and arrays copied without
-allocation.
-"""
+"""Three-vectors as tuples, which the compiler keeps in registers."""
 
 from ..arrays import Array
-from .jit import compiled
+from ..compiler.marks import compiled
 
 Vector = tuple[float, float, float]
 
@@ -80,14 +78,6 @@ def rotate_back(R: Array, i: int, a: Vector) -> Vector:
         R[i, 0, 1] * a[0] + R[i, 1, 1] * a[1] + R[i, 2, 1] * a[2],
         R[i, 0, 2] * a[0] + R[i, 1, 2] * a[1] + R[i, 2, 2] * a[2],
     )
-
-
-@compiled
-def copy(source: Array, out: Array) -> None:
-    """out[:] = source for contiguous arrays of one shape (numba's own slice assignment allocates)."""
-    a, b = source.reshape(source.size), out.reshape(out.size)
-    for i in range(len(a)):
-        b[i] = a[i]
 
 
 @compiled

@@ -28,6 +28,6 @@ def in_space(system: System, state: State, S: np.ndarray) -> np.ndarray:
     rows = [np.arange(first[k], first[k + 1]) for k in pattern.coupling if k >= 0]
     order = np.concatenate([*bodies, *active, *rows]).astype(int)
     turn = np.eye(len(order))
-    for b, R in enumerate(state.R):
+    for b, R in enumerate(state.bodies.R):
         turn[6 * b : 6 * b + 3, 6 * b : 6 * b + 3] = R
     return turn @ dense(pattern, S)[np.ix_(order, order)] @ turn.T

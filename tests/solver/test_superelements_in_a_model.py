@@ -62,7 +62,7 @@ def test_links_from_one_file_move_as_links_from_two(history, tmp_path):
 
     # the data of the body, be it modes or kernel, stands in memory once
     sizes = [
-        sum(array.size for array in (elastic.phi, elastic.g, elastic.g_initial, elastic.G_0))
+        sum(array.size for array in (elastic.modes.phi, elastic.kernels.g, elastic.kernels.g_initial, elastic.G_0))
         for elastic in (compile_system(model).system.elastic for model in (shared, copied))
     ]
     assert 2 * sizes[0] == sizes[1]

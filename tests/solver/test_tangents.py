@@ -76,7 +76,7 @@ class Point:
 
     @property
     def n_q(self) -> int:
-        return 6 * len(self.state.x)
+        return 6 * len(self.state.bodies.x)
 
     @property
     def active(self) -> np.ndarray:
@@ -90,14 +90,14 @@ class Point:
         rng = np.random.default_rng(seed)
         beginning = begin(model)
         compiled, state, work = beginning.compiled, beginning.state, beginning.work
-        state.x[:] += rng.uniform(-0.5, 0.5, state.x.shape)
-        work.quaternion[:] = Rotation.random(len(state.x), rng).as_quat(scalar_first=True)
-        work.psi[:] = rng.uniform(-0.6, 0.6, work.psi.shape)
-        state.v[:] = rng.uniform(-3.0, 3.0, state.v.shape)
-        state.v_dot[:] = rng.uniform(-3.0, 3.0, state.v_dot.shape)
-        state.lam[:] = rng.uniform(-2.0, 2.0, len(state.lam))
-        state.u[:] = rng.uniform(-0.17, 0.17, len(state.u))
-        work.history[:] = rng.uniform(-0.1, 0.1, len(work.history))
+        state.bodies.x[:] += rng.uniform(-0.5, 0.5, state.bodies.x.shape)
+        work.bodies.quaternion_n[:] = Rotation.random(len(state.bodies.x), rng).as_quat(scalar_first=True)
+        work.bodies.psi[:] = rng.uniform(-0.6, 0.6, work.bodies.psi.shape)
+        state.bodies.v[:] = rng.uniform(-3.0, 3.0, state.bodies.v.shape)
+        state.bodies.v_dot[:] = rng.uniform(-3.0, 3.0, state.bodies.v_dot.shape)
+        state.couplings.lam[:] = rng.uniform(-2.0, 2.0, len(state.couplings.lam))
+        state.interfaces.u[:] = rng.uniform(-0.17, 0.17, len(state.interfaces.u))
+        work.interfaces.history[:] = rng.uniform(-0.1, 0.1, len(work.interfaces.history))
         point = cls(
             compiled,
             state,
@@ -105,7 +105,7 @@ class Point:
             rng.uniform(1, 2, len(model.loads)),
             rng.uniform(-1, 1, len(compiled.drives)),
         )
-        for b in range(len(state.x)):
+        for b in range(len(state.bodies.x)):
             set_rotation(b, state, work)
         return point.evaluated()
 
@@ -115,20 +115,20 @@ class Point:
 
     def forces(self):
         """Generalized forces on the bodies and on the active interface dofs."""
-        return np.concatenate([self.work.force.ravel(), self.state.p[self.active]])
+        return np.concatenate([self.work.bodies.force.ravel(), self.state.interfaces.p[self.active]])
 
     def moved(self, z):
         """Forces and coordinates of rows after delta x, delta Theta of every body and delta u; the
         point stays.
         """
-        x, R, u = self.state.x.copy(), self.state.R.copy(), self.state.u.copy()
+        x, R, u = self.state.bodies.x.copy(), self.state.bodies.R.copy(), self.state.interfaces.u.copy()
         rigid = z[: self.n_q].reshape(-1, 6)
-        self.state.x[:] += rigid[:, :3]
-        self.state.R[:] = R @ Rotation.from_rotvec(rigid[:, 3:]).as_matrix()
-        self.state.u[self.active] += z[self.n_q :]
+        self.state.bodies.x[:] += rigid[:, :3]
+        self.state.bodies.R[:] = R @ Rotation.from_rotvec(rigid[:, 3:]).as_matrix()
+        self.state.interfaces.u[self.active] += z[self.n_q :]
         self.evaluated()
-        forces, coordinates = self.forces(), self.work.coordinate.copy()
-        self.state.x[:], self.state.R[:], self.state.u[:] = x, R, u
+        forces, coordinates = self.forces(), self.work.couplings.coordinate.copy()
+        self.state.bodies.x[:], self.state.bodies.R[:], self.state.interfaces.u[:] = x, R, u
         return forces, coordinates
 
 
@@ -151,14 +151,14 @@ def assert_tangents(model, seed=0):
     K, B = difference(point.moved, n)
     point.evaluated()
     linearise(point.system, point.loads, point.drive, point.state, point.work)
-    tangent = in_space(point.system, point.state, point.work.S)[:n, :n]
+    tangent = in_space(point.system, point.state, point.work.matrix.S)[:n, :n]
     np.testing.assert_allclose(tangent, K, rtol=0, atol=1e-9 * max(1.0, np.abs(K).max()))
     if len(B):
         gradients = coupling_jacobian(point.system, point.state, point.work).toarray()
         np.testing.assert_allclose(gradients, B, rtol=0, atol=1e-9 * np.abs(B).max())
         # and the forces are B^T lambda
         if not model.loads:
-            np.testing.assert_allclose(point.forces(), B.T @ point.state.lam, rtol=0, atol=1e-9)
+            np.testing.assert_allclose(point.forces(), B.T @ point.state.couplings.lam, rtol=0, atol=1e-9)
 
 
 @pytest.fixture(scope="module")
@@ -266,11 +266,11 @@ def test_the_rows_of_an_angle_go_on_over_full_turns(make_pair, turns):
     """The value of the branch nearest to the last one, with the same gradient."""
     spring = Spring("spring", "torsion", ("a.i0", "b.i0"), AXIS, stiffness=1.0)
     point = Point.of(make_pair(("flexible", "rigid"), springs=(spring,)))
-    value, gradient = point.work.coordinate[0], point.work.gradient[0].copy()
-    point.state.coordinate[0] = value + 2 * np.pi * turns + 3.0
+    value, gradient = point.work.couplings.coordinate[0], point.work.couplings.gradient[0].copy()
+    point.state.couplings.coordinate[0] = value + 2 * np.pi * turns + 3.0
     point.evaluated()
-    assert point.work.coordinate[0] == pytest.approx(value + 2 * np.pi * turns, abs=1e-13)
-    np.testing.assert_array_equal(point.work.gradient[0], gradient)
+    assert point.work.couplings.coordinate[0] == pytest.approx(value + 2 * np.pi * turns, abs=1e-13)
+    np.testing.assert_array_equal(point.work.couplings.gradient[0], gradient)
 
 
 def whole_matrix(point):
@@ -290,7 +290,7 @@ def whole_matrix(point):
     )
     columns = np.ones(len(rows))
     columns[point.n_q + n_a :] = h2
-    return rows[:, None] * in_space(system, state, work.S) * columns
+    return rows[:, None] * in_space(system, state, work.matrix.S) * columns
 
 
 def step_residuals(point, z):
@@ -298,27 +298,27 @@ def step_residuals(point, z):
     increments; it stays.
     """
     state, work, scheme = point.state, point.work, point.system.scheme
-    kept = [array.copy() for array in (state.x, state.v, state.v_dot, state.u, state.lam, work.psi)]
+    kept = [array.copy() for array in (state.bodies.x, state.bodies.v, state.bodies.v_dot, state.interfaces.u, state.couplings.lam, work.bodies.psi)]
     n_q, n_a = point.n_q, len(point.active)
     rigid = z[:n_q].reshape(-1, 6)
     for b, step in enumerate(rigid):
         # psi after exp(psi) exp(delta Theta), not to first order alone
-        turned = Rotation.from_rotvec(work.psi[b]) * Rotation.from_rotvec(step[3:])
-        change = np.concatenate([step[:3], turned.as_rotvec() - work.psi[b]])
-        state.x[b] += change[:3]
-        work.psi[b] += change[3:]
-        state.v[b] += scheme.gamma_prime * change
-        state.v_dot[b] += scheme.beta_prime * change
+        turned = Rotation.from_rotvec(work.bodies.psi[b]) * Rotation.from_rotvec(step[3:])
+        change = np.concatenate([step[:3], turned.as_rotvec() - work.bodies.psi[b]])
+        state.bodies.x[b] += change[:3]
+        work.bodies.psi[b] += change[3:]
+        state.bodies.v[b] += scheme.gamma_prime * change
+        state.bodies.v_dot[b] += scheme.beta_prime * change
         set_rotation(b, state, work)
-    state.u[point.active] += z[n_q : n_q + n_a]
-    state.lam[:] += z[n_q + n_a :]
+    state.interfaces.u[point.active] += z[n_q : n_q + n_a]
+    state.couplings.lam[:] += z[n_q + n_a :]
     point.evaluated()
-    parts = (work.residual.ravel().copy(), work.u_residual.copy(), work.phi.copy())
+    parts = (work.bodies.residual.ravel().copy(), work.interfaces.residual.copy(), work.couplings.phi.copy())
     for array, old in zip(
-        (state.x, state.v, state.v_dot, state.u, state.lam, work.psi), kept, strict=True
+        (state.bodies.x, state.bodies.v, state.bodies.v_dot, state.interfaces.u, state.couplings.lam, work.bodies.psi), kept, strict=True
     ):
         array[:] = old
-    for b in range(len(state.x)):
+    for b in range(len(state.bodies.x)):
         set_rotation(b, state, work)
     return parts
 
@@ -352,10 +352,10 @@ def test_the_newton_matrix_entry_by_entry(make_body, rule):
         Model(bodies, joints, loads, springs, t_end=1.0, step=1e-2, rho_inf=0.8, rule=rule), seed=11
     )
     rng = np.random.default_rng(12)
-    point.work.u_predicted[:] = point.state.u
-    point.work.u_rate_predicted[:] = rng.uniform(-1.0, 1.0, len(point.state.u))
+    point.work.interfaces.u_predicted[:] = point.state.interfaces.u
+    point.work.interfaces.rate_predicted[:] = rng.uniform(-1.0, 1.0, len(point.state.interfaces.u))
     point.evaluated()
-    n = point.n_q + len(point.active) + len(point.state.lam)
+    n = point.n_q + len(point.active) + len(point.state.couplings.lam)
     differences = difference(lambda z: step_residuals(point, z), n)
     point.evaluated()
     matrix = np.split(whole_matrix(point), np.cumsum([len(part) for part in differences])[:-1])
@@ -396,26 +396,26 @@ def test_newtons_correction_removes_the_residuals_to_first_order(make_body, rule
 
     def unknowns():
         return [
-            state.x.copy(),
-            work.psi.copy(),
-            state.v.copy(),
-            state.v_dot.copy(),
-            state.u.copy(),
-            state.lam.copy(),
+            state.bodies.x.copy(),
+            work.bodies.psi.copy(),
+            state.bodies.v.copy(),
+            state.bodies.v_dot.copy(),
+            state.interfaces.u.copy(),
+            state.couplings.lam.copy(),
         ]
 
     def residuals(start, change, share):
         for array, value, part in zip(
-            (state.x, work.psi, state.v, state.v_dot, state.u, state.lam),
+            (state.bodies.x, work.bodies.psi, state.bodies.v, state.bodies.v_dot, state.interfaces.u, state.couplings.lam),
             start,
             change,
             strict=True,
         ):
             array[:] = value + share * part
-        for b in range(len(state.x)):
+        for b in range(len(state.bodies.x)):
             set_rotation(b, state, work)
         point.evaluated()
-        return [part.copy().ravel() for part in (work.residual, work.phi, work.u_residual)]
+        return [part.copy().ravel() for part in (work.bodies.residual, work.couplings.phi, work.interfaces.residual)]
 
     start = unknowns()
     here = residuals(start, start, 0.0)

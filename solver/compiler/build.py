@@ -1,0 +1,423 @@
+"""Machine code of all compiled functions in seconds: the one file that uses numba's internals.
+
+numba types and lowers each function, and no more: here records are opaque pointers and arrays their
+address and dimensions, so that nothing is passed by value but a few numbers; all functions then
+become one module, which LLVM optimizes and emits once. If anything of numba used here has changed,
+`object_file` takes the stock compiler instead.
+
+Used of numba (0.61 to 0.68): the typing and target contexts of the CPU, type models, attribute and
+operator templates, `CPUDispatcher`, the default pipeline, `JITCodeLibrary`.
+"""
+
+import gc
+import operator
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from llvmlite import binding as llvm
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils, sigutils
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.imputils import lower_builtin, lower_getattr_generic
+from numba.core.registry import CPUDispatcher, cpu_target
+from numba.core.typing import signature
+from numba.core.typing.templates import (
+    AbstractTemplate,
+    AttributeTemplate,
+    infer_getattr,
+    infer_global,
+)
+from numba.extending import intrinsic, models, register_model
+
+from .marks import COMPILED, ENTRIES, Entry
+from .memory import copy
+from .struct import ArrayField, Struct
+
+OPTIONS = {
+    "nopython": True,
+    "error_model": "numpy",
+    "fastmath": {"reassoc", "contract"},
+    "boundscheck": False,
+    "_nrt": False,
+}
+"""sums may be reordered, for vector instructions; nothing else is relaxed"""
+OPTIMIZATION = 3
+KNOWN = frozenset({"atan2", "cos", "sin", "sincos", "sqrt", "memcpy", "memset"})
+"""functions of the C library that compiled code may call"""
+
+WORD, DOUBLE, BYTES = ir.IntType(64), ir.DoubleType(), ir.IntType(8).as_pointer()
+INDEX = ir.IntType(32)
+
+
+class StructType(types.Type):  # type: ignore[misc]
+    """A pointer to the words of a `Struct`."""
+
+    def __init__(self, cls: type[Struct]) -> None:
+        self.cls = cls
+        super().__init__(name=f"{cls.__module__}.{cls.__name__}")
+
+
+class View(types.Type):  # type: ignore[misc]
+    """A C-contiguous array: address and dimensions; indices are neither checked nor negative."""
+
+    def __init__(self, dtype: Any, ndim: int) -> None:
+        self.dtype, self.ndim = dtype, ndim
+        super().__init__(name=f"View({dtype}, {ndim})")
+
+
+def main(path: str) -> None:
+    """Write the object file of all entries to a path."""
+    from .. import step as step  # all compiled functions are registered now
+
+    Path(path).write_bytes(build())
+
+
+def build() -> bytes:
+    """The object file of all entries; any exception where numba is not as expected."""
+    with _fewer_collections():
+        libraries: list[Any] = []
+        dispatchers = _dispatchers(libraries)
+        module = _entry_module(dispatchers)
+        return _emitted(module, libraries)
+
+
+@contextmanager
+def _fewer_collections() -> Iterator[None]:
+    """Typing makes millions of objects that live to the end: looking through them takes half the time."""
+    threshold = gc.get_threshold()
+    gc.freeze()
+    gc.set_threshold(100_000, 20, 100)
+    try:
+        yield
+    finally:
+        gc.set_threshold(*threshold)
+        gc.unfreeze()
+
+
+def _dispatchers(libraries: list[Any]) -> dict[Callable[..., Any], "_Inner"]:
+    """A dispatcher for every compiled function, by which the others and entries know it."""
+    typing, target = cpu_target.typing_context, cpu_target.target_context
+    typing.refresh()
+    target.refresh()
+    pipeline = type("Pipeline", (_Pipeline,), {"libraries": libraries})
+    dispatchers = {}
+    for function in COMPILED:
+        if function is copy:
+            typing.insert_global(function, typing.resolve_value_type(_copy))
+            continue
+        dispatchers[function] = _Inner(function, {}, dict(OPTIONS), pipeline_class=pipeline)
+        typing.insert_global(function, types.Dispatcher(dispatchers[function]))
+    for entry in ENTRIES.values():
+        typing.insert_global(entry, types.Dispatcher(dispatchers[entry.function]))
+    return dispatchers
+
+
+def _entry_module(dispatchers: dict[Callable[..., Any], "_Inner"]) -> Any:
+    """Compile all entries, and with them what they call; a module of functions of words."""
+    target = cpu_target.target_context
+    module = ir.Module("entries")
+    module.triple = llvm.get_process_triple()
+    module.data_layout = target.codegen()._data_layout
+    for entry in ENTRIES.values():
+        dispatcher = dispatchers[entry.function]
+        arguments = tuple(_numba_type(kind) for kind in entry.kinds)
+        dispatcher.compile(arguments)
+        _write_entry(target, module, entry, dispatcher.overloads[arguments])
+    return module
+
+
+def _emitted(module: Any, libraries: list[Any]) -> bytes:
+    """One module out of all, optimized; nothing but the entries can be seen from outside."""
+    final = llvm.parse_assembly(cgutils.normalize_ir_text(str(module)))
+    final.name = "duhamel"
+    for library in _with_linked(libraries):
+        final.link_in(library._get_module_for_linking(), preserve=True)
+    for function in final.functions:
+        if not function.is_declaration and function.name not in ENTRIES:
+            function.linkage = "internal"
+    for variable in final.global_variables:
+        if not variable.is_declaration:
+            variable.linkage = "internal"
+    missing = {f.name for f in final.functions if f.is_declaration} - KNOWN
+    if strange := [name for name in missing if not name.startswith("llvm.")]:
+        raise LookupError(f"undefined functions: {sorted(strange)}")
+    machine = _target_machine()
+    tuning = llvm.create_pipeline_tuning_options(speed_level=OPTIMIZATION)
+    tuning.loop_vectorization = True
+    tuning.slp_vectorization = False  # it makes the step a tenth slower
+    builder = llvm.create_pass_builder(machine, tuning)
+    builder.getModulePassManager().run(final, builder)
+    return bytes(machine.emit_object(final))
+
+
+def _with_linked(libraries: list[Any]) -> list[Any]:
+    """Those of the compiled functions, and those of numba's own that they use, such as max."""
+    waiting, found = list(libraries), {}
+    while waiting:
+        library = waiting.pop(0)
+        if id(library) not in found:
+            found[id(library)] = library
+            waiting += library._linking_libraries
+    return list(found.values())
+
+
+def _target_machine() -> Any:
+    features = llvm.get_host_cpu_features().flatten()
+    target = llvm.Target.from_triple(llvm.get_process_triple())
+    return target.create_target_machine(
+        cpu=llvm.get_host_cpu_name(), features=features, opt=OPTIMIZATION, reloc="static", codemodel="jitdefault", jit=True
+    )
+
+
+class _Library(JITCodeLibrary):  # type: ignore[misc]
+    """Keeps the module of a function, with the cheap passes done: it is emitted with all others."""
+
+    def add_ir_module(self, ir_module: Any) -> None:
+        module = llvm.parse_assembly(cgutils.normalize_ir_text(str(ir_module)))
+        module.name = ir_module.name
+        self._optimize_functions(module)
+        self._final_module.link_in(module)
+
+    def finalize(self) -> None:
+        self._finalized = True
+
+    def _get_module_for_linking(self) -> Any:
+        return self._final_module
+
+
+class _Pipeline(CompilerBase):  # type: ignore[misc]
+    """numba's own passes as far as LLVM code; nothing for callers from Python or C."""
+
+    libraries: list[Any]
+
+    def define_pipelines(self) -> list[Any]:
+        flags = self.state.flags
+        flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
+        name = self.state.func_id.func_qualname
+        self.state.library = _Library(self.state.targetctx.codegen(), name)
+        self.state.library.enable_object_caching()
+        self.libraries.append(self.state.library)
+        return [DefaultPassBuilder.define_nopython_pipeline(self.state)]
+
+
+class _Inner(CPUDispatcher):  # type: ignore[misc]
+    """A function that others call: known to them by its symbol, not by an address."""
+
+    def add_overload(self, result: Any) -> None:
+        arguments = tuple(result.signature.args)
+        self.overloads[arguments] = result
+        key = self.py_func, arguments
+        result.target_context.insert_user_function(key, result.fndesc, [result.library])
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Integers in the source are numbers like others, not a type each."""
+        return super().get_call_template(tuple(map(types.unliteral, args)), kws)
+
+    def get_overload(self, sig: Any) -> Any:
+        arguments, _ = sigutils.normalize_signature(sig)
+        return self.py_func, tuple(arguments)
+
+
+# Records: a field is loaded from its word where it is read.
+
+register_model(StructType)(models.OpaqueModel)
+
+
+def _numba_type(kind: Any) -> Any:
+    if kind in (float, int, bool):
+        return {float: types.float64, int: types.int64, bool: types.int64}[kind]
+    if isinstance(kind, ArrayField):
+        return View(types.float64 if kind.dtype == np.float64 else types.int64, len(kind.dims))
+    return StructType(kind)
+
+
+@infer_getattr
+class _FieldTypes(AttributeTemplate):  # type: ignore[misc]
+    key = StructType
+
+    def generic_resolve(self, typ: Any, attr: str) -> Any:
+        field = typ.cls.layout.get(attr)
+        return None if field is None else _numba_type(field[1])
+
+
+@lower_getattr_generic(StructType)  # type: ignore[untyped-decorator]
+def _field(context: Any, builder: Any, typ: Any, pointer: Any, attr: str) -> Any:
+    first, kind = typ.cls.layout[attr]
+
+    def word(k: int, type_: Any) -> Any:
+        place = builder.gep(pointer, [INDEX(8 * k)], inbounds=True)
+        value = builder.load(builder.bitcast(place, type_.as_pointer()), align=8)
+        # words never change while compiled code runs: LLVM may move and merge these loads
+        value.set_metadata("invariant.load", builder.module.add_metadata([]))
+        return value
+
+    if kind in (float, int, bool):
+        return word(first, DOUBLE if kind is float else WORD)
+    if not isinstance(kind, ArrayField):
+        return builder.gep(pointer, [INDEX(8 * first)], inbounds=True)
+    data = word(first, (DOUBLE if kind.dtype == np.float64 else WORD).as_pointer())
+    numbers = iter(range(first + 1, first + kind.n_words))
+    shape = [WORD(dim) if isinstance(dim, int) else word(next(numbers), WORD) for dim in kind.dims]
+    return _packed(context, builder, _numba_type(kind), data, shape)
+
+
+# Arrays: elements, rows, one slice at the end of an index, one number for a whole view, len.
+
+
+@register_model(View)
+class _ViewModel(models.StructModel):  # type: ignore[misc]
+    def __init__(self, manager: Any, type_: Any) -> None:
+        dims = [(f"n{i}", types.int64) for i in range(type_.ndim)]
+        super().__init__(manager, type_, [("data", types.CPointer(type_.dtype)), *dims])
+
+
+def _packed(context: Any, builder: Any, type_: Any, data: Any, shape: list[Any]) -> Any:
+    value = ir.Constant(context.get_value_type(type_), ir.Undefined)
+    for i, part in enumerate((data, *shape)):
+        value = builder.insert_value(value, part, i)
+    return value
+
+
+def _indices(index: Any) -> tuple[Any, ...]:
+    return tuple(index) if isinstance(index, types.BaseTuple) else (index,)
+
+
+def _taken(array: Any, index: Any) -> Any:
+    """The type of array[index]; None if there is no such thing."""
+    if not isinstance(array, View):
+        return None
+    indices = _indices(index)
+    rest = array.ndim - len(indices)
+    if rest < 0 or any(isinstance(i, types.SliceType) for i in indices[:-1]):
+        return None
+    if isinstance(indices[-1], types.SliceType):
+        return View(array.dtype, rest + 1)
+    return View(array.dtype, rest) if rest else array.dtype
+
+
+@infer_global(operator.getitem)
+class _GetItem(AbstractTemplate):  # type: ignore[misc]
+    def generic(self, args: Any, kws: Any) -> Any:
+        taken = _taken(*args)
+        return taken and signature(taken, *args)
+
+
+@infer_global(operator.setitem)
+class _SetItem(AbstractTemplate):  # type: ignore[misc]
+    def generic(self, args: Any, kws: Any) -> Any:
+        taken = _taken(*args[:2])
+        return taken and signature(types.none, args[0], args[1], args[0].dtype)
+
+
+@infer_global(len)
+class _Len(AbstractTemplate):  # type: ignore[misc]
+    def generic(self, args: Any, kws: Any) -> Any:
+        return signature(types.intp, *args) if isinstance(args[0], View) else None
+
+
+@lower_builtin(len, View)  # type: ignore[untyped-decorator]
+def _len(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return builder.extract_value(args[0], 1)
+
+
+@lower_builtin(operator.getitem, View, types.Any)  # type: ignore[untyped-decorator]
+def _getitem(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    place, shape = _place(context, builder, sig, args)
+    if not shape:
+        return builder.load(place, align=8)
+    return _packed(context, builder, sig.return_type, place, shape)
+
+
+@lower_builtin(operator.setitem, View, types.Any, types.Any)  # type: ignore[untyped-decorator]
+def _setitem(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    place, shape = _place(context, builder, sig, args)
+    value = context.cast(builder, args[2], sig.args[2], sig.args[0].dtype)
+    if not shape:
+        builder.store(value, place, align=8)
+        return
+    with cgutils.for_range(builder, _product(builder, shape)) as loop:
+        builder.store(value, builder.gep(place, [loop.index], inbounds=True), align=8)
+
+
+def _place(context: Any, builder: Any, sig: Any, args: Any) -> tuple[Any, list[Any]]:
+    """The address of array[index], and the dimensions of what is there: none of an element."""
+    type_, index_type, array, index = sig.args[0], sig.args[1], args[0], args[1]
+    kinds, values = _indices(index_type), [index]
+    if isinstance(index_type, types.BaseTuple):
+        values = [builder.extract_value(index, i) for i in range(len(kinds))]
+    shape = [builder.extract_value(array, 1 + i) for i in range(type_.ndim)]
+    rest = shape[len(values) :]
+    if isinstance(kinds[-1], types.SliceType):
+        part = context.make_helper(builder, kinds[-1], values[-1])
+        n = shape[len(values) - 1]
+        stop = builder.select(builder.icmp_signed("<", part.stop, n), part.stop, n)
+        values[-1] = part.start
+        kinds = (*kinds[:-1], types.int64)
+        rest = [builder.sub(stop, part.start, flags=["nsw"]), *rest]
+    offset = WORD(0)
+    for i, n in enumerate(shape):
+        offset = builder.mul(offset, n, flags=["nsw"])
+        if i < len(values):
+            value = context.cast(builder, values[i], kinds[i], types.int64)
+            offset = builder.add(offset, value, flags=["nsw"])
+    return builder.gep(builder.extract_value(array, 0), [offset], inbounds=True), rest
+
+
+def _product(builder: Any, numbers: list[Any]) -> Any:
+    product = numbers[0]
+    for n in numbers[1:]:
+        product = builder.mul(product, n, flags=["nsw"])
+    return product
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def _copy(typing: Any, source: Any, out: Any) -> Any:
+    """out[...] = source"""
+
+    def generate(context: Any, builder: Any, _: Any, args: Any) -> Any:
+        shape = [builder.extract_value(args[0], 1 + i) for i in range(source.ndim)]
+        to, from_ = (builder.extract_value(arg, 0) for arg in (args[1], args[0]))
+        cgutils.raw_memcpy(builder, to, from_, _product(builder, shape), WORD(8))
+        return context.get_dummy_value()
+
+    return types.none(source, out), generate
+
+
+def _write_entry(context: Any, module: Any, entry: Entry, result: Any) -> None:
+    """void symbol(double *results, words...), which calls a compiled function."""
+    words: list[Any] = []
+    for kind in entry.kinds:
+        is_array = isinstance(kind, ArrayField)
+        words += [WORD] * kind.n_words if is_array else [DOUBLE if kind is float else WORD]
+    function_type = ir.FunctionType(ir.VoidType(), [DOUBLE.as_pointer(), *words])
+    function = ir.Function(module, function_type, entry.symbol)
+    builder = ir.IRBuilder(function.append_basic_block("entry"))
+    given, arguments = iter(function.args[1:]), []
+    for kind, type_ in zip(entry.kinds, result.signature.args, strict=True):
+        if kind in (float, int, bool):
+            arguments.append(next(given))
+        elif isinstance(kind, ArrayField):
+            element = DOUBLE if kind.dtype == np.float64 else WORD
+            data = builder.inttoptr(next(given), element.as_pointer())
+            shape = [WORD(dim) if isinstance(dim, int) else next(given) for dim in kind.dims]
+            arguments.append(_packed(context, builder, type_, data, shape))
+        else:
+            arguments.append(builder.inttoptr(next(given), BYTES))
+    callee = context.declare_function(module, result.fndesc)
+    returned = result.signature.return_type
+    _, out = context.call_conv.call_function(
+        builder, callee, returned, result.signature.args, arguments
+    )
+    parts = [(out, returned)]
+    if isinstance(returned, types.BaseTuple):
+        parts = [(builder.extract_value(out, i), kind) for i, kind in enumerate(returned)]
+    for i, (value, kind) in enumerate(parts):
+        if kind != types.none:
+            number = context.cast(builder, value, kind, types.float64)
+            builder.store(number, builder.gep(function.args[0], [WORD(i)]))
+    builder.ret_void()

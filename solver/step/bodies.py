@@ -1,0 +1,247 @@
+"""Rigid motion of bodies: its generalized-alpha steps, inertia, energy and momentum.
+
+    residual = J v_dot + v~ J v - f_r        f_r: loads, couplings, gravity
+    h^2 S_rr = h^2 beta' m I on X,   h^2 (beta' J + gamma' (omega~ J - (J omega)~)) T^-1(psi) on Theta
+
+with delta X = R^T delta x and delta Theta = T(psi) delta psi. Source: docs/theory.md, The time step.
+"""
+
+from ..arrays import Array
+from ..compiler.marks import compiled, entry
+from ..compiler.memory import copy
+from .measure import ROUNDING, relative
+from .rotations import (
+    normalize,
+    quaternion_exponential,
+    quaternion_matrix,
+    quaternion_product,
+    tangent_inverse,
+)
+from .system import Bodies, Pattern, Scheme, State, System, Workspace
+from .vectors import UNITS, Vector, add, cross, dot, multiply, rotate, rotate_back, row, scale, triple
+
+
+@compiled
+def spin_of(state: State, b: int) -> Vector:
+    """omega of body b, in body axes."""
+    v = state.bodies.v
+    return v[b, 3], v[b, 4], v[b, 5]
+
+
+@compiled
+def predict_bodies(scheme: Scheme, state: State, work: Workspace) -> None:
+    """Eqs (66)-(70), where a becomes a* for v_dot = 0; then what v_dot = v_dot_n adds."""
+    h, beta, gamma = scheme.h, scheme.beta, scheme.gamma
+    motion, predicted = state.bodies, work.bodies
+    copy(motion.quaternion, predicted.quaternion_n)
+    for b in range(len(motion.x)):
+        for i in range(6):
+            a_n = motion.a[b, i]
+            a = (scheme.alpha_f * motion.v_dot[b, i] - scheme.alpha_m * a_n) / (1.0 - scheme.alpha_m)
+            change = h * motion.v[b, i] + h * h * ((0.5 - beta) * a_n + beta * a)
+            if i < 3:
+                predicted.x_predicted[b, i] = motion.x[b, i] + change
+            else:
+                predicted.psi_predicted[b, i - 3] = change
+            predicted.v_predicted[b, i] = motion.v[b, i] + h * ((1.0 - gamma) * a_n + gamma * a)
+            motion.a[b, i] = a
+    accelerate(scheme, state, work)
+
+
+@compiled
+def accelerate(scheme: Scheme, state: State, work: Workspace) -> None:
+    """Positions and velocities that belong to v_dot, from those predicted for v_dot = 0."""
+    motion, predicted = state.bodies, work.bodies
+    slope = scheme.gamma_prime / scheme.beta_prime
+    for b in range(len(motion.x)):
+        for i in range(6):
+            motion.v[b, i] = predicted.v_predicted[b, i] + slope * motion.v_dot[b, i]
+        for i in range(3):
+            change, turn = motion.v_dot[b, i], motion.v_dot[b, 3 + i]
+            motion.x[b, i] = predicted.x_predicted[b, i] + change / scheme.beta_prime
+            predicted.psi[b, i] = predicted.psi_predicted[b, i] + turn / scheme.beta_prime
+        set_rotation(b, state, work)
+
+
+@compiled
+def finish_bodies(scheme: Scheme, state: State) -> None:
+    """a_{n+1} = a* + v_dot_{n+1} / inertia_ratio"""
+    ratio = (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
+    motion = state.bodies
+    for b in range(len(motion.a)):
+        for i in range(6):
+            motion.a[b, i] += ratio * motion.v_dot[b, i]
+
+
+@compiled
+def move_body(b: int, first: int, scheme: Scheme, state: State, work: Workspace) -> None:
+    """Apply the corrections of body b, from `first` on in the right-hand side, eqs (72)-(74)."""
+    motion, T, rhs = state.bodies, work.bodies.T_inverse, work.matrix.rhs
+    tangent_inverse(work.bodies.psi[b], T)
+    dx = rotate(motion.R, b, triple(rhs, first))
+    dpsi = multiply(T, triple(rhs, first + 3))
+    for i in range(3):
+        motion.x[b, i] += dx[i]
+        motion.v[b, i] += scheme.gamma_prime * dx[i]
+        motion.v_dot[b, i] += scheme.beta_prime * dx[i]
+        work.bodies.psi[b, i] += dpsi[i]
+        motion.v[b, 3 + i] += scheme.gamma_prime * dpsi[i]
+        motion.v_dot[b, 3 + i] += scheme.beta_prime * dpsi[i]
+    set_rotation(b, state, work)
+
+
+@entry
+def set_rotations(state: State, work: Workspace) -> None:
+    """Of all bodies from psi."""
+    for b in range(len(state.bodies.x)):
+        set_rotation(b, state, work)
+
+
+@compiled
+def set_rotation(b: int, state: State, work: Workspace) -> None:
+    """R = R_n exp(skew(psi)), from the quaternion at the start of the step."""
+    increment, product = work.bodies.increment, state.bodies.quaternion[b]
+    quaternion_exponential(work.bodies.psi[b], increment)
+    quaternion_product(work.bodies.quaternion_n[b], increment, product)
+    normalize(product)
+    quaternion_matrix(product, state.bodies.R[b])
+
+
+@compiled
+def add_inertia_forces(bodies: Bodies, state: State, work: Workspace) -> None:
+    """residual = J v_dot + v~ J v - f_r, with gravity in f_r; its terms join the force scales."""
+    motion, terms = state.bodies, work.bodies
+    for b in range(len(bodies.mass)):
+        mass = bodies.mass[b]
+        omega = spin_of(state, b)
+        gyroscopic = cross(omega, rotate(bodies.J_rot, b, omega))
+        v_dot = motion.v_dot
+        inertia = rotate(bodies.J_rot, b, (v_dot[b, 3], v_dot[b, 4], v_dot[b, 5]))
+        for i in range(3):
+            weight = mass * bodies.gravity[i]
+            terms.residual[b, i] = mass * v_dot[b, i] - weight - terms.force[b, i]
+            terms.residual[b, 3 + i] = inertia[i] + gyroscopic[i] - terms.force[b, 3 + i]
+            terms.force_scale[b, 0] += abs(mass * v_dot[b, i]) + abs(weight)
+            terms.force_scale[b, 1] += abs(inertia[i]) + abs(gyroscopic[i])
+
+
+@compiled
+def add_inertia(system: System, state: State, work: Workspace) -> None:
+    """S += h^2 S_rr."""
+    bodies, scheme, pattern = system.bodies, system.scheme, system.pattern
+    h2 = scheme.h * scheme.h
+    S, D, T = work.matrix.S, work.bodies.inertia, work.bodies.T_inverse
+    for b in range(len(bodies.mass)):
+        start, stride = pattern.body_block[b, 0], pattern.body_block[b, 1]
+        J = bodies.J_rot[b]
+        omega = spin_of(state, b)
+        momentum = rotate(bodies.J_rot, b, omega)
+        for j in range(3):
+            S[start + j * (stride + 1)] += h2 * scheme.beta_prime * bodies.mass[b]
+            spin = cross(omega, (J[0, j], J[1, j], J[2, j]))
+            turned = cross(momentum, UNITS[j])
+            for i in range(3):
+                gyroscopic = scheme.gamma_prime * (spin[i] - turned[i])
+                D[i, j] = scheme.beta_prime * J[i, j] + gyroscopic
+        tangent_inverse(work.bodies.psi[b], T)
+        for i in range(3):
+            for j in range(3):
+                total = D[i, 0] * T[0, j] + D[i, 1] * T[1, j] + D[i, 2] * T[2, j]
+                S[start + (3 + i) * stride + 3 + j] += h2 * total
+
+
+@compiled
+def set_body_rhs(pattern: Pattern, h2: float, state: State, work: Workspace) -> None:
+    """-h^2 times the residual of equilibrium, forces in body axes."""
+    residual, rhs = work.bodies.residual, work.matrix.rhs
+    for b in range(len(pattern.body)):
+        first = pattern.first[pattern.body[b]]
+        force = rotate_back(state.bodies.R, b, row(residual, b))
+        for i in range(3):
+            rhs[first + i] = -h2 * force[i]
+            rhs[first + 3 + i] = -h2 * residual[b, 3 + i]
+
+
+@compiled
+def largest_correction(pattern: Pattern, size: float, work: Workspace) -> float:
+    """How far the corrections move a body, rotations taken at the size of the model."""
+    largest = 0.0
+    for b in range(len(pattern.body)):
+        first = pattern.first[pattern.body[b]]
+        for i in range(3):
+            turn = size * abs(work.matrix.rhs[first + 3 + i])
+            largest = max(largest, abs(work.matrix.rhs[first + i]), turn)
+    return largest
+
+
+@compiled
+def largest_coordinate(bodies: Bodies, state: State) -> float:
+    """What positions are rounded against: the distance from the origin, or the size of the model."""
+    largest = bodies.size
+    for b in range(len(state.bodies.x)):
+        for i in range(3):
+            largest = max(largest, abs(state.bodies.x[b, i]))
+    return largest
+
+
+@compiled
+def step_motion(scheme: Scheme, state: State, work: Workspace) -> tuple[float, float]:
+    """The largest translation and rotation of a body in the step."""
+    motion, h = state.bodies, scheme.h
+    length, angle = 0.0, 0.0
+    for b in range(len(motion.x)):
+        for i in range(3):
+            length = max(length, abs(h * motion.v[b, i]) + abs(h * h * motion.v_dot[b, i]))
+            turn = abs(work.bodies.psi[b, i]) + abs(h * h * motion.v_dot[b, 3 + i])
+            angle = max(angle, turn)
+    return length, angle
+
+
+@compiled
+def relative_body_residual(
+    system: System, reach: float, at_rest: bool, state: State, work: Workspace
+) -> float:
+    """The largest residual of equilibrium over the sum of the magnitudes of its terms.
+
+    0 at their rounding. That of positions up to `reach`, seen through beta', counts only once
+    Newton's method is `at_rest`, lest it hide a true residual.
+    """
+    bodies, terms, tolerance = system.bodies, work.bodies, system.newton.tolerance
+    by_position = ROUNDING * system.scheme.beta_prime if at_rest else 0.0
+    worst = 0.0
+    for b in range(len(bodies.mass)):
+        forces, moments = terms.force_scale[b, 0], terms.force_scale[b, 1]
+        force_floor = ROUNDING * forces + by_position * bodies.mass[b] * reach
+        moment_floor = ROUNDING * (moments + reach * forces)
+        for i in range(3):
+            moment_floor += by_position * bodies.J_rot[b, i, i]
+        for i in range(3):
+            force = relative(terms.residual[b, i], forces, force_floor, tolerance)
+            moment = relative(terms.residual[b, 3 + i], moments, moment_floor, tolerance)
+            worst = max(worst, force, moment)
+    return worst
+
+
+@compiled
+def rigid_energies(bodies: Bodies, state: State) -> tuple[float, float]:
+    """Kinetic energy of the rigid motion, and potential energy in gravity."""
+    kinetic, potential = 0.0, 0.0
+    for b in range(len(bodies.mass)):
+        velocity, omega = row(state.bodies.v, b), spin_of(state, b)
+        kinetic += 0.5 * bodies.mass[b] * dot(velocity, velocity)
+        kinetic += 0.5 * dot(omega, rotate(bodies.J_rot, b, omega))
+        potential -= bodies.mass[b] * dot(row(state.bodies.x, b), triple(bodies.gravity, 0))
+    return kinetic, potential
+
+
+@compiled
+def momentum(bodies: Bodies, state: State, out: Array) -> None:
+    """Linear, and angular about the origin, in space: sums of m v and of x x m v + R J omega."""
+    out[:] = 0.0
+    for b in range(len(bodies.mass)):
+        linear = scale(bodies.mass[b], row(state.bodies.v, b))
+        spin = rotate(state.bodies.R, b, rotate(bodies.J_rot, b, spin_of(state, b)))
+        angular = add(cross(row(state.bodies.x, b), linear), spin)
+        for i in range(3):
+            out[i] += linear[i]
+            out[3 + i] += angular[i]

@@ -1,0 +1,144 @@
+"""Elastic displacements of interfaces: their steps, compatibility, tangent and energy.
+
+    r_u = history + w G_0 p - u = 0 at the active dofs;   w: 1, or 1/2 in eq. (55)
+
+In Newton's matrix the rows of u are those of the forces p that load it, times -w G_0, and I.
+Source: docs/theory.md, Impulse responses and The time step.
+"""
+
+from ..compiler.marks import compiled
+from ..compiler.memory import copy
+from .measure import ROUNDING, relative
+from .system import Elastic, Pattern, Scheme, State, System, Workspace
+
+
+@compiled
+def predict_interfaces(scheme: Scheme, state: State, work: Workspace) -> None:
+    """Eqs (66)-(70) for displacements and rates, as for bodies."""
+    h, beta, gamma = scheme.h, scheme.beta, scheme.gamma
+    motion, predicted = state.interfaces, work.interfaces
+    copy(motion.u, predicted.u_n)
+    copy(motion.p, predicted.p_n)
+    for k in range(len(motion.u)):
+        a_n = motion.a[k]
+        a = (scheme.alpha_f * motion.acceleration[k] - scheme.alpha_m * a_n) / (1.0 - scheme.alpha_m)
+        change = h * motion.rate[k] + h * h * ((0.5 - beta) * a_n + beta * a)
+        predicted.u_predicted[k] = motion.u[k] + change
+        predicted.rate_predicted[k] = motion.rate[k] + h * ((1.0 - gamma) * a_n + gamma * a)
+        motion.a[k] = a
+        motion.u[k] = predicted.u_predicted[k] + motion.acceleration[k] / scheme.beta_prime
+
+
+@compiled
+def set_rates(elastic: Elastic, scheme: Scheme, state: State, work: Workspace) -> None:
+    """Rates of active dofs by Newmark's formulas, as those of the bodies."""
+    motion, predicted = state.interfaces, work.interfaces
+    for i in range(len(elastic.active)):
+        k = elastic.active[i]
+        change = motion.u[k] - predicted.u_predicted[k]
+        motion.rate[k] = predicted.rate_predicted[k] + scheme.gamma_prime * change
+
+
+@compiled
+def finish_interfaces(scheme: Scheme, state: State, work: Workspace) -> None:
+    """Rates and accelerations of all dofs that belong to their displacements."""
+    ratio = (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
+    motion, predicted = state.interfaces, work.interfaces
+    for k in range(len(motion.u)):
+        change = motion.u[k] - predicted.u_predicted[k]
+        motion.rate[k] = predicted.rate_predicted[k] + scheme.gamma_prime * change
+        motion.acceleration[k] = scheme.beta_prime * change
+        motion.a[k] += ratio * motion.acceleration[k]
+
+
+@compiled
+def set_compatibility(elastic: Elastic, state: State, work: Workspace) -> None:
+    """residual = history + w G_0 p - u at the active dofs."""
+    u, p = state.interfaces.u, state.interfaces.p
+    for e in range(len(elastic.body)):
+        begin, end = elastic.active_range[e], elastic.active_range[e + 1]
+        entry = elastic.G_active_start[e]
+        for i in range(begin, end):
+            total = work.interfaces.history[elastic.active[i]] - u[elastic.active[i]]
+            for j in range(begin, end):
+                total += elastic.G_active[entry] * p[elastic.active[j]]
+                entry += 1
+            work.interfaces.residual[i] = total
+
+
+@compiled
+def weigh_forces(system: System, work: Workspace) -> None:
+    """[K, B^T / h^2] times -h^2 in the rows of rigid coordinates, -w G_0 in those of active dofs.
+
+    I on u besides.
+    """
+    elastic, pattern = system.elastic, system.pattern
+    S, forces = work.matrix.S, work.matrix.force_rows
+    h2 = system.scheme.h * system.scheme.h
+    for m in range(len(pattern.force_block)):
+        b, start = pattern.force_block[m, 0], pattern.force_block[m, 1]
+        stride, width = pattern.force_block[m, 2], pattern.force_block[m, 3]
+        for i in range(6):
+            for j in range(width):
+                S[start + i * stride + j] *= -h2
+        e = elastic.of_body[b]
+        if e < 0:
+            continue
+        n = elastic.active_range[e + 1] - elastic.active_range[e]
+        for i in range(n):
+            target = start + (6 + i) * stride
+            for j in range(width):
+                forces[i * width + j] = S[target + j]
+                S[target + j] = 0.0
+        for i in range(n):
+            target = start + (6 + i) * stride
+            for k in range(n):
+                G = elastic.G_active[elastic.G_active_start[e] + i * n + k]
+                if G != 0.0:
+                    for j in range(width):
+                        S[target + j] -= G * forces[k * width + j]
+    for b in range(len(pattern.body)):
+        start, stride = pattern.body_block[b, 0], pattern.body_block[b, 1]
+        for i in range(6, pattern.size[pattern.body[b]]):
+            S[start + i * (stride + 1)] += 1.0
+
+
+@compiled
+def set_interface_rhs(elastic: Elastic, pattern: Pattern, work: Workspace) -> None:
+    for e in range(len(elastic.body)):
+        begin = elastic.active_range[e]
+        first = pattern.first[pattern.body[elastic.body[e]]] + 6 - begin
+        for i in range(begin, elastic.active_range[e + 1]):
+            work.matrix.rhs[first + i] = work.interfaces.residual[i]
+
+
+@compiled
+def move_interfaces(elastic: Elastic, pattern: Pattern, state: State, work: Workspace) -> None:
+    """Apply the corrections of the displacements."""
+    for e in range(len(elastic.body)):
+        begin = elastic.active_range[e]
+        first = pattern.first[pattern.body[elastic.body[e]]] + 6 - begin
+        for i in range(begin, elastic.active_range[e + 1]):
+            state.interfaces.u[elastic.active[i]] += work.matrix.rhs[first + i]
+
+
+@compiled
+def relative_interface_residual(
+    system: System, motion: float, reach: float, work: Workspace
+) -> float:
+    """The largest residual over the largest motion of the step."""
+    residual, tolerance = work.interfaces.residual, system.newton.tolerance
+    worst = 0.0
+    for i in range(len(residual)):
+        worst = max(worst, relative(residual[i], motion, ROUNDING * reach, tolerance))
+    return worst
+
+
+@compiled
+def add_elastic_work(elastic: Elastic, state: State, work: Workspace) -> None:
+    """The elastic energy, vibration included, grows by the work of the interface loads, p . du."""
+    u, p = state.interfaces.u, state.interfaces.p
+    u_n, p_n = work.interfaces.u_n, work.interfaces.p_n
+    for i in range(len(elastic.active)):
+        k = elastic.active[i]
+        state.energies.elastic[0] += 0.5 * (p[k] + p_n[k]) * (u[k] - u_n[k])

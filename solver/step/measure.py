@@ -1,0 +1,16 @@
+"""How large a residual is beside what it is measured against, and beside rounding."""
+
+import math
+
+from ..compiler.marks import compiled
+
+ROUNDING = 64 * 2.2e-16
+"""relative, of a sum of many terms"""
+
+
+@compiled
+def relative(residual: float, scale: float, floor: float, tolerance: float) -> float:
+    """|residual| / scale, 0 up to the floor that rounding sets, infinite for what is no number."""
+    if not abs(residual) < math.inf:
+        return math.inf
+    return abs(residual) / max(scale, floor / tolerance) if abs(residual) > floor else 0.0
