@@ -15,7 +15,7 @@ import numpy as np
 from duhamel.solver import Constant, FlexibleBody, Load, Model
 from duhamel.solver.history.cost import cheapest_history, history_costs
 from duhamel.solver.history.dyadic import Lookahead
-from duhamel.solver.start.initial import begin
+from duhamel.solver.start.initial import initialize
 from duhamel.solver.step.history import recall, remember
 from duhamel.superelement import GeneralizedAlpha, Interface, Modes, Superelement, sample_kernel
 
@@ -68,8 +68,8 @@ def measure(body: Superelement, history: str, n_steps: int) -> float:
         rho_inf=0.9,
         history=history,
     )
-    beginning = begin(model)
-    system, state, work = beginning.compiled.system, beginning.state, beginning.work
+    beginning = initialize(model)
+    system, state, work = beginning.lowered.system, beginning.state, beginning.work
     lookahead = Lookahead(system.elastic)
     p = np.random.default_rng(0).normal(size=(1024, len(state.interfaces.p)))
     advance(system.elastic, system.scheme, state, work, p[:0])

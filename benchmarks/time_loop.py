@@ -25,7 +25,7 @@ from duhamel.preprocess import build, read_body
 from duhamel.solver import FlexibleBody, Joint, Model, Start, read_model
 from duhamel.solver.output.columns import make_output
 from duhamel.solver.simulation import compile_loop, signals
-from duhamel.solver.start.initial import begin
+from duhamel.solver.start.initial import initialize
 from duhamel.solver.step.loop import advance, record
 from duhamel.superelement import (
     GeneralizedAlpha,
@@ -58,9 +58,9 @@ def measure(model: Model, recorded: bool = True, repeats: int = REPEATS) -> Cost
     seconds, starts = [], []
     for _ in range(repeats):
         started = time.process_time()
-        beginning = begin(model)
+        beginning = initialize(model)
         starts.append(time.process_time() - started)
-        compiled, state, work = beginning.compiled, beginning.state, beginning.work
+        compiled, state, work = beginning.lowered, beginning.state, beginning.work
         compile_loop(compiled, state, work)
         n, quaternions = compiled.n_steps, compiled.frame_quaternions
         output = make_output(compiled, n if recorded else 1)

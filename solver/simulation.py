@@ -93,9 +93,7 @@ def _columns(signals: list[Array], n: int) -> Array:
     return np.array(signals).reshape(len(signals), n).T.copy()
 
 
-def failure(
-    lowered: LoweredModel, step: int, residual: float, work: Workspace
-) -> ConvergenceError:
+def failure(lowered: LoweredModel, step: int, residual: float, work: Workspace) -> ConvergenceError:
     name, opening = _worst_joint(lowered, work)
     return ConvergenceError(
         step,

@@ -11,10 +11,10 @@ import numpy as np
 from .arrays import Array, Index, as_index
 from .errors import ModelError, about
 from .history.uniform import Partitions
+from .lower.allocation import make_output
 from .lower.lower import LoweredModel
 from .model.model import Model
 from .model.signals import Input, Signal
-from .lower.allocation import make_output
 from .output.columns import lay_out_columns
 from .simulation import failure
 from .start.initial import initialize

@@ -170,7 +170,12 @@ def _target_machine() -> Any:
     features = llvm.get_host_cpu_features().flatten()
     target = llvm.Target.from_triple(llvm.get_process_triple())
     return target.create_target_machine(
-        cpu=llvm.get_host_cpu_name(), features=features, opt=OPTIMIZATION, reloc="static", codemodel="jitdefault", jit=True
+        cpu=llvm.get_host_cpu_name(),
+        features=features,
+        opt=OPTIMIZATION,
+        reloc="static",
+        codemodel="jitdefault",
+        jit=True,
     )
 
 

@@ -62,5 +62,3 @@ def as_tuple(record: Struct) -> Any:
 @cache
 def _tuple_type(cls: type[Struct]) -> Any:
     return namedtuple(cls.__name__, cls.layout)  # type: ignore[misc]
-
-

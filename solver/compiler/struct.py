@@ -140,4 +140,6 @@ class Struct:
         return found
 
     def __setattr__(self, name: str, value: Any) -> None:
-        raise AttributeError(f"{type(self).__name__}.{name} cannot be bound anew: {name}[...] = ...")
+        raise AttributeError(
+            f"{type(self).__name__}.{name} cannot be bound anew: {name}[...] = ..."
+        )

@@ -101,7 +101,9 @@ def _spectra(elastic: Elastic, e: int, columns: NDArray[np.int64], block: int) -
         int(elastic.dof[e + 1] - elastic.dof[e]),
         int(elastic.kernels.g_start[e]),
     )
-    g: Array = elastic.kernels.g[start : start + n_c * n_c * lags].reshape(n_c, n_c, lags)[:, columns, ::-1]
+    g: Array = elastic.kernels.g[start : start + n_c * n_c * lags].reshape(n_c, n_c, lags)[
+        :, columns, ::-1
+    ]
     parts = [
         fft.rfft(g[:, :, first : first + 2 * block], 2 * block)
         for first in range(block, lags - 1, block)

@@ -43,8 +43,8 @@ def allocate(lowered: LoweredModel) -> tuple[State, Workspace]:
     motion.quaternion[:] = [quaternion_of(pose.R) for pose in lowered.poses]
     motion.v[:] = [[*start.velocity, *start.angular_velocity] for start in starts]
     work.bodies.quaternion_n[:] = motion.quaternion
-    frames.r[:] = [pose.x for pose in lowered.frame_poses]
-    frames.D[:] = [pose.R for pose in lowered.frame_poses]
+    for f, pose in enumerate(lowered.frame_poses):
+        frames.r[f], frames.D[f] = pose.x, pose.R
     frames.T[:] = np.eye(3)
     state.past.since[:] = 1
     state.observers.value[:] = lowered.observer_starts

@@ -16,7 +16,6 @@ from ..step.system import Bodies, Loads, Newton, Scheme, System
 from .elimination_order import lay_out_pattern
 from .numbering import Coupling, NumberedFrames, number_frames, side_names
 from .placement import Pose, place_bodies
-from .size import model_size
 from .rows import (
     Row,
     joint_observers,
@@ -26,6 +25,7 @@ from .rows import (
     motion_rows,
     spring_rows,
 )
+from .size import model_size
 
 ASSEMBLY_TOLERANCE = 1e-3
 """largest opening of a joint, relative to the size of the model, that is closed without being asked

@@ -11,8 +11,8 @@ from ..model.joints import ABOUT_E3, Joint, basis_about
 from ..model.motions import PrescribedDisplacement, PrescribedMotion
 from ..model.signals import Motion
 from ..model.springs import Spring
-from ..step.rows import ANGLE, DISTANCE, ROTATION, TRANSLATION
 from ..step.laws import NO_LAW, ForceLaw, TabulatedLaw
+from ..step.rows import ANGLE, DISTANCE, ROTATION, TRANSLATION
 from ..step.system import Couplings, Laws, Rows
 from .placement import Pose
 

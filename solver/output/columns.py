@@ -4,8 +4,6 @@ from.
 
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from ..lower.lower import LoweredModel
 from ..model.model import GROUND
 from ..step.system import Output

@@ -6,8 +6,8 @@ from types import TracebackType
 import numpy as np
 
 from ..arrays import Index
-from ..lower.lower import LoweredModel
 from ..lower.allocation import make_output
+from ..lower.lower import LoweredModel
 from .file import ResultsFile
 
 NUMBERS = 1 << 20

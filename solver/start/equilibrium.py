@@ -19,6 +19,7 @@ from ..history.layout import active_flexibility
 from ..lower.lower import LoweredModel
 from ..step.elimination import factorize
 from ..step.equations import assemble, evaluate, linearize
+from ..step.laws import NO_LAW
 from ..step.newton import correct
 from ..step.system import State, System, Workspace
 from .assembly import drive_rates
@@ -63,11 +64,12 @@ def check_steady(
         V[moving, 3:] = Omega
     V_ab = np.hstack([V[couplings.rows.frame_a], V[couplings.rows.frame_b]])
     driven = drive_rates(lowered, work)
-    tabulated = np.diff(couplings.table) > 0
-    inert = (couplings.compliant == 1) & ~(
-        couplings.stiffness.any(1) | couplings.damping.any(1) | tabulated
+    laws = couplings.laws
+    resisting = laws.stiffness.any(1) | laws.damping.any(1) | (laws.kind != NO_LAW)
+    inert = (couplings.compliant == 1) & ~resisting
+    rates = np.where(
+        inert, 0.0, np.abs(np.einsum("ij,ij->i", work.couplings.gradient, V_ab) + driven)
     )
-    rates = np.where(inert, 0.0, np.abs(np.einsum("ij,ij->i", work.couplings.gradient, V_ab) + driven))
     speed = float(np.linalg.norm(Omega))
     allowed = STEADY * np.where(lengths, speed * lowered.system.bodies.size, speed)
     if not (rates > allowed).any():
@@ -177,7 +179,9 @@ def _add_centrifugal(system: System, motion: SteadyMotion, state: State, work: W
     for b, (mass, J) in enumerate(zip(system.bodies.mass, system.bodies.J_rot, strict=True)):
         omega, R = state.bodies.v[b, 3:], state.bodies.R[b]
         start, stride = system.pattern.body_block[b]
-        block = as_strided(work.matrix.S[start:], (6, 6), (stride * work.matrix.S.itemsize, work.matrix.S.itemsize))
+        block = as_strided(
+            work.matrix.S[start:], (6, 6), (stride * work.matrix.S.itemsize, work.matrix.S.itemsize)
+        )
         block[:3, :3] += h2 * mass * R.T @ motion.acceleration @ R
         block[3:, 3:] += h2 * (_skew(omega) @ J - _skew(J @ omega)) @ _skew(omega)
 

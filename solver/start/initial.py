@@ -89,9 +89,7 @@ def initialize(model: Model) -> InitialState:
         _start_unloaded(lowered, state, work)
     _start_work(lowered.system, state, work)
     moved = _moved(lowered, state)
-    return InitialState(
-        lowered, state, work, error, moved, correction, removed, degrees_of_freedom
-    )
+    return InitialState(lowered, state, work, error, moved, correction, removed, degrees_of_freedom)
 
 
 def _room(lowered: LoweredModel) -> tuple[State, Workspace]:
@@ -124,8 +122,7 @@ def _largest(lowered: LoweredModel, values: Array) -> tuple[float, str]:
 
 def _moved(lowered: LoweredModel, state: State) -> float:
     x, R = (
-        np.array(given)
-        for given in zip(*((pose.x, pose.R) for pose in lowered.poses), strict=True)
+        np.array(given) for given in zip(*((pose.x, pose.R) for pose in lowered.poses), strict=True)
     )
     chord = np.linalg.norm(state.bodies.R - R, axis=(1, 2)) / np.sqrt(8.0)  # sin(turn / 2)
     turn = 2.0 * np.arcsin(np.minimum(chord, 1.0))

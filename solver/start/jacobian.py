@@ -12,9 +12,7 @@ def constraint_rows(system: System) -> Index:
     return np.flatnonzero(system.couplings.compliant == 0)
 
 
-def constraint_jacobian(
-    system: System, state: State, work: Workspace
-) -> tuple[Matrix, Matrix]:
+def constraint_jacobian(system: System, state: State, work: Workspace) -> tuple[Matrix, Matrix]:
     """B_r (n, 6 n_b) and B_a (n, n_a) of the constraints as `linearize` left them: by bodies, and
     by active dofs.
     """

@@ -18,7 +18,19 @@ from .rotations import (
     tangent_inverse,
 )
 from .system import Bodies, Pattern, Scheme, State, System, Workspace
-from .vectors import UNITS, Vector, add, cross, dot, multiply, rotate, rotate_back, row, scale, triple
+from .vectors import (
+    UNITS,
+    Vector,
+    add,
+    cross,
+    dot,
+    multiply,
+    rotate,
+    rotate_back,
+    row,
+    scale,
+    triple,
+)
 
 
 @compiled
@@ -37,7 +49,9 @@ def predict_bodies(scheme: Scheme, state: State, work: Workspace) -> None:
     for b in range(len(motion.x)):
         for i in range(6):
             a_n = motion.a[b, i]
-            a = (scheme.alpha_f * motion.v_dot[b, i] - scheme.alpha_m * a_n) / (1.0 - scheme.alpha_m)
+            a = (scheme.alpha_f * motion.v_dot[b, i] - scheme.alpha_m * a_n) / (
+                1.0 - scheme.alpha_m
+            )
             change = h * motion.v[b, i] + h * h * ((0.5 - beta) * a_n + beta * a)
             if i < 3:
                 predicted.x_predicted[b, i] = motion.x[b, i] + change

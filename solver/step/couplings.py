@@ -282,7 +282,11 @@ def relative_coupling_residual(
 @compiled
 def _law_rounding(system: System, i: int, first: int, reach: float, work: Workspace) -> float:
     """Change of the force law of row i by the rounding of positions; its rows begin at `first`."""
-    couplings, laws, gamma_prime = system.couplings, system.couplings.laws, system.scheme.gamma_prime
+    couplings, laws, gamma_prime = (
+        system.couplings,
+        system.couplings.laws,
+        system.scheme.gamma_prime,
+    )
     kind = couplings.rows.kind
     _, slope, rate_slope, _ = law_of_row(laws, i, work)
     steep = abs(slope) + gamma_prime * abs(rate_slope)

@@ -44,7 +44,9 @@ def move_frames(frames: Frames, n: int, state: State, work: Workspace) -> None:
         lever = row(frames.X, f)
         k = frames.dof[f]
         if k >= 0:
-            lever = add(lever, (state.interfaces.u[k], state.interfaces.u[k + 1], state.interfaces.u[k + 2]))
+            lever = add(
+                lever, (state.interfaces.u[k], state.interfaces.u[k + 1], state.interfaces.u[k + 2])
+            )
         r = add(row(state.bodies.x, b), rotate(state.bodies.R, b, lever))
         for i in range(3):
             work.frames.lever[f, i] = lever[i]
@@ -107,7 +109,10 @@ def frame_acceleration(
     x'' + R (omega' x l + omega x (omega x l + 2 u') + u''),   R (omega' + T^T w'' + (T^T)' w' + omega x T^T w')
     """
     b = frames.body[f]
-    omega, alpha = spin_of(state, b), (state.bodies.v_dot[b, 3], state.bodies.v_dot[b, 4], state.bodies.v_dot[b, 5])
+    omega, alpha = (
+        spin_of(state, b),
+        (state.bodies.v_dot[b, 3], state.bodies.v_dot[b, 4], state.bodies.v_dot[b, 5]),
+    )
     lever = row(work.frames.lever, f)
     k = frames.dof[f]
     rate = triple(state.interfaces.rate, k) if k >= 0 else (0.0, 0.0, 0.0)
@@ -119,9 +124,13 @@ def frame_acceleration(
             w_rate = triple(state.interfaces.rate, k + 3)
             _tangent_slope(state, k + 3, w_rate, work)
             slope = scale(-1.0, multiply(work.frames.T_slope, w_rate))
-            turning = add(turning, rotate_back(work.frames.T, f, triple(state.interfaces.acceleration, k + 3)))
+            turning = add(
+                turning, rotate_back(work.frames.T, f, triple(state.interfaces.acceleration, k + 3))
+            )
             turning = add(turning, add(slope, cross(omega, rotate_back(work.frames.T, f, w_rate))))
-    return add(row(state.bodies.v_dot, b), rotate(state.bodies.R, b, local)), rotate(state.bodies.R, b, turning)
+    return add(row(state.bodies.v_dot, b), rotate(state.bodies.R, b, local)), rotate(
+        state.bodies.R, b, turning
+    )
 
 
 @compiled
@@ -134,9 +143,7 @@ def _tangent_slope(state: State, k: int, m: Vector, work: Workspace) -> None:
 
 
 @compiled
-def map_frame_velocities(
-    frames: Frames, gamma_prime: float, state: State, work: Workspace
-) -> None:
+def map_frame_velocities(frames: Frames, gamma_prime: float, state: State, work: Workspace) -> None:
     """Derivatives (6, 12) of V by the coordinates of frames; rates follow gamma' times increments.
 
     delta (dx/dt) = gamma' R delta X,   delta omega = gamma' T^-1(psi) delta Theta,
@@ -168,7 +175,8 @@ def map_frame_velocities(
             for j in range(3):
                 e = UNITS[j]
                 change = subtract(
-                    scale(gamma_prime, rotate_back(work.frames.T, f, e)), multiply(work.frames.T_slope, e)
+                    scale(gamma_prime, rotate_back(work.frames.T, f, e)),
+                    multiply(work.frames.T_slope, e),
                 )
                 by_w = rotate(state.bodies.R, b, change)
                 for i in range(3):
@@ -195,7 +203,9 @@ def load_bodies(frames: Frames, state: State, work: Workspace) -> None:
         add_to_row(work.bodies.force, b, 3, add(about_center, M))
         work.bodies.force_scale[b, 0] += abs(F[0]) + abs(F[1]) + abs(F[2])
         work.bodies.force_scale[b, 1] += abs(M[0]) + abs(M[1]) + abs(M[2])
-        work.bodies.force_scale[b, 1] += abs(about_center[0]) + abs(about_center[1]) + abs(about_center[2])
+        work.bodies.force_scale[b, 1] += (
+            abs(about_center[0]) + abs(about_center[1]) + abs(about_center[2])
+        )
         k = frames.dof[f]
         if k >= 0:
             _add(state.interfaces.p, k, F)
@@ -288,16 +298,23 @@ def add_frame_tangents(frames: Frames, pattern: Pattern, state: State, work: Wor
                 _add_to_column(work.matrix.S, start + z * stride + 3 + j, stride, dF)
             if small:
                 _add_to_column(
-                    work.matrix.S, start + (z + 3) * stride + 3 + j, stride, rotate(work.frames.T, f, dM)
+                    work.matrix.S,
+                    start + (z + 3) * stride + 3 + j,
+                    stride,
+                    rotate(work.frames.T, f, dM),
                 )
         if small:
             k = frames.dof[f] + 3
             for i in range(3):
                 work.frames.moment[i] = M[i]
-            tangent_derivative(state.interfaces.u[k : k + 3], work.frames.moment, work.frames.T_slope)
+            tangent_derivative(
+                state.interfaces.u[k : k + 3], work.frames.moment, work.frames.T_slope
+            )
             for i in range(3):
                 for j in range(3):
-                    work.matrix.S[start + (z + 3 + i) * stride + z + 3 + j] += work.frames.T_slope[i, j]
+                    work.matrix.S[start + (z + 3 + i) * stride + z + 3 + j] += work.frames.T_slope[
+                        i, j
+                    ]
 
 
 @compiled
@@ -317,7 +334,9 @@ def add_pair_tangent(
     for i in range(width(frames, f)):
         target = start + stride * coordinate(frames, f, i)
         for j in range(width(frames, g)):
-            work.matrix.S[target + coordinate(frames, g, j)] += work.frames.pair_tangent[first_f + i, first_g + j]
+            work.matrix.S[target + coordinate(frames, g, j)] += work.frames.pair_tangent[
+                first_f + i, first_g + j
+            ]
 
 
 @compiled

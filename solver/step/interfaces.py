@@ -21,7 +21,9 @@ def predict_interfaces(scheme: Scheme, state: State, work: Workspace) -> None:
     copy(motion.p, predicted.p_n)
     for k in range(len(motion.u)):
         a_n = motion.a[k]
-        a = (scheme.alpha_f * motion.acceleration[k] - scheme.alpha_m * a_n) / (1.0 - scheme.alpha_m)
+        a = (scheme.alpha_f * motion.acceleration[k] - scheme.alpha_m * a_n) / (
+            1.0 - scheme.alpha_m
+        )
         change = h * motion.rate[k] + h * h * ((0.5 - beta) * a_n + beta * a)
         predicted.u_predicted[k] = motion.u[k] + change
         predicted.rate_predicted[k] = motion.rate[k] + h * ((1.0 - gamma) * a_n + gamma * a)

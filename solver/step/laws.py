@@ -69,7 +69,10 @@ def _dispatcher() -> Callable[[int, Array, float, float], Evaluation]:
     """A compiled function that calls the law of a number: one branch for each."""
     lines = ["def evaluate_law(kind, parameters, c, rate):"]
     for law in LAWS:
-        lines += [f"    if kind == {law.kind}:", f"        return law_{law.kind}(parameters, c, rate)"]
+        lines += [
+            f"    if kind == {law.kind}:",
+            f"        return law_{law.kind}(parameters, c, rate)",
+        ]
     lines.append("    return 0.0, 0.0, 0.0, 0.0")
     names: dict[str, Any] = {f"law_{law.kind}": law.evaluate for law in LAWS}
     names["__name__"] = __name__

@@ -65,7 +65,10 @@ def evaluate_row(
             gradient[k] = -delta[k] / length
             gradient[6 + k] = delta[k] / length
         return length
-    a, b = rotate(work.frames.D, A, carried_axis(rows, i, turn)), rotate(work.frames.D, B, row(rows.b, i))
+    a, b = (
+        rotate(work.frames.D, A, carried_axis(rows, i, turn)),
+        rotate(work.frames.D, B, row(rows.b, i)),
+    )
     normal, value = cross(a, b), dot(a, b)
     if kind == ANGLE:
         turned = rotate(work.frames.D, A, row(rows.a_turned, i))

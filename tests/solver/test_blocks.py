@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from duhamel.solver.lower.elimination_order import Edge, Node, elimination_order, lay_out_pattern
-from duhamel.solver.step.elimination import factorise, substitute
+from duhamel.solver.step.elimination import factorize, substitute
 
 from .matrices import dense
 
@@ -139,7 +139,7 @@ def assert_solved(n_bodies, edges, flexible, rng):
     pattern = pattern_of(n_bodies, edges, flexible)
     matrix = random_matrix(pattern, n_bodies, edges, rng)
     S, pivots = blocks_of(pattern, matrix), np.zeros(len(matrix), dtype=np.int64)
-    assert factorise(pattern, S, pivots)
+    assert factorize(pattern, S, pivots)
     right = rng.normal(size=len(matrix))
     x = right.copy()
     substitute(pattern, S, pivots, x)
@@ -153,7 +153,7 @@ def test_a_joint_without_effect_is_singular():
     pattern = pattern_of(1, [(GROUND, 0, 3, False)])
     matrix = np.eye(9)
     matrix[6:, 6:] = 0.0
-    assert not factorise(pattern, blocks_of(pattern, matrix), np.zeros(9, dtype=np.int64))
+    assert not factorize(pattern, blocks_of(pattern, matrix), np.zeros(9, dtype=np.int64))
 
 
 @pytest.mark.parametrize("kind", ["chain", "comb of loops", "chain on springs"])

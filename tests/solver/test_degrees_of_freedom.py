@@ -18,7 +18,7 @@ from duhamel.solver import (
     Start,
     simulate,
 )
-from duhamel.solver.start.initial import begin
+from duhamel.solver.start.initial import initialize
 from scipy.spatial.transform import Rotation
 
 from .frameworks import bar
@@ -28,7 +28,7 @@ X, Y = np.eye(3)[:2]
 
 
 def freedoms(model):
-    return begin(model).degrees_of_freedom
+    return initialize(model).degrees_of_freedom
 
 
 def link(p, q):
@@ -89,7 +89,7 @@ def test_bodies_without_joints_have_six_each(tmp_path):
 def test_linkages_with_flexible_members_have_one(make, tmp_path):
     """No constraint is redundant: what would be among rigid members, a flexible one takes up."""
     model = make(tmp_path)
-    beginning = begin(model)
+    beginning = initialize(model)
     assert beginning.degrees_of_freedom == 1
     assert not beginning.removed
     joints = [
@@ -169,7 +169,7 @@ def test_the_constraints_of_bennetts_linkage_are_told():
         match=r"joints: 20 constraints of which 3 are redundant; on one another depend J0",
     ):
         simulate(bennett())
-    beginning = begin(bennett(redundant="remove"))
+    beginning = initialize(bennett(redundant="remove"))
     assert beginning.degrees_of_freedom == 1
     assert beginning.removed.count("rotation") + beginning.removed.count("translation") == 3
 

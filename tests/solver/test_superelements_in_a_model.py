@@ -15,7 +15,7 @@ from duhamel.solver import (
     read_model,
     simulate,
 )
-from duhamel.solver.lower.lower import compile_system
+from duhamel.solver.lower.lower import lower
 from duhamel.superelement import write
 
 from .frameworks import bar, framework
@@ -62,8 +62,16 @@ def test_links_from_one_file_move_as_links_from_two(history, tmp_path):
 
     # the data of the body, be it modes or kernel, stands in memory once
     sizes = [
-        sum(array.size for array in (elastic.modes.phi, elastic.kernels.g, elastic.kernels.g_initial, elastic.G_0))
-        for elastic in (compile_system(model).system.elastic for model in (shared, copied))
+        sum(
+            array.size
+            for array in (
+                elastic.modes.phi,
+                elastic.kernels.g,
+                elastic.kernels.g_initial,
+                elastic.G_0,
+            )
+        )
+        for elastic in (lower(model).system.elastic for model in (shared, copied))
     ]
     assert 2 * sizes[0] == sizes[1]
 

@@ -22,11 +22,13 @@ from duhamel.solver import (
     Start,
     simulate,
 )
-from duhamel.solver.lower.lower import CompiledModel
-from duhamel.solver.start.initial import begin
+from duhamel.solver.lower.lower import LoweredModel
+from duhamel.solver.start.initial import initialize
 from duhamel.solver.start.jacobian import coupling_jacobian
-from duhamel.solver.step.equations import evaluate
-from duhamel.solver.step.newton import assemble, correct, linearise, renew, set_rotation
+from duhamel.solver.start.matrices import dense_of
+from duhamel.solver.step.bodies import set_rotations
+from duhamel.solver.step.equations import assemble, evaluate, linearize
+from duhamel.solver.step.newton import correct, renew
 from duhamel.solver.step.system import State, System, Workspace
 from scipy.spatial.transform import Rotation
 
@@ -64,15 +66,13 @@ PAIRS = [("rigid", "rigid"), ("rigid", "flexible"), ("flexible", "flexible")]
 class Point:
     """A model far from its start: everything that can be random is."""
 
-    compiled: CompiledModel
+    lowered: LoweredModel
     state: State
     work: Workspace
-    loads: np.ndarray
-    drive: np.ndarray
 
     @property
     def system(self) -> System:
-        return self.compiled.system
+        return self.lowered.system
 
     @property
     def n_q(self) -> int:
@@ -88,40 +88,43 @@ class Point:
         rad.
         """
         rng = np.random.default_rng(seed)
-        beginning = begin(model)
-        compiled, state, work = beginning.compiled, beginning.state, beginning.work
+        initial = initialize(model)
+        lowered, state, work = initial.lowered, initial.state, initial.work
         state.bodies.x[:] += rng.uniform(-0.5, 0.5, state.bodies.x.shape)
-        work.bodies.quaternion_n[:] = Rotation.random(len(state.bodies.x), rng).as_quat(scalar_first=True)
+        work.bodies.quaternion_n[:] = Rotation.random(len(state.bodies.x), rng).as_quat(
+            scalar_first=True
+        )
         work.bodies.psi[:] = rng.uniform(-0.6, 0.6, work.bodies.psi.shape)
         state.bodies.v[:] = rng.uniform(-3.0, 3.0, state.bodies.v.shape)
         state.bodies.v_dot[:] = rng.uniform(-3.0, 3.0, state.bodies.v_dot.shape)
         state.couplings.lam[:] = rng.uniform(-2.0, 2.0, len(state.couplings.lam))
         state.interfaces.u[:] = rng.uniform(-0.17, 0.17, len(state.interfaces.u))
         work.interfaces.history[:] = rng.uniform(-0.1, 0.1, len(work.interfaces.history))
-        point = cls(
-            compiled,
-            state,
-            work,
-            rng.uniform(1, 2, len(model.loads)),
-            rng.uniform(-1, 1, len(compiled.drives)),
-        )
-        for b in range(len(state.bodies.x)):
-            set_rotation(b, state, work)
+        work.loads.value[:] = rng.uniform(1, 2, len(model.loads))
+        work.drives.value[:] = rng.uniform(-1, 1, len(lowered.drives))
+        point = cls(lowered, state, work)
+        set_rotations(state, work)
         return point.evaluated()
 
     def evaluated(self):
-        evaluate(self.system, self.loads, self.drive, self.state, self.work)
+        evaluate(self.system, self.state, self.work)
         return self
 
     def forces(self):
         """Generalized forces on the bodies and on the active interface dofs."""
-        return np.concatenate([self.work.bodies.force.ravel(), self.state.interfaces.p[self.active]])
+        return np.concatenate(
+            [self.work.bodies.force.ravel(), self.state.interfaces.p[self.active]]
+        )
 
     def moved(self, z):
         """Forces and coordinates of rows after delta x, delta Theta of every body and delta u; the
         point stays.
         """
-        x, R, u = self.state.bodies.x.copy(), self.state.bodies.R.copy(), self.state.interfaces.u.copy()
+        x, R, u = (
+            self.state.bodies.x.copy(),
+            self.state.bodies.R.copy(),
+            self.state.interfaces.u.copy(),
+        )
         rigid = z[: self.n_q].reshape(-1, 6)
         self.state.bodies.x[:] += rigid[:, :3]
         self.state.bodies.R[:] = R @ Rotation.from_rotvec(rigid[:, 3:]).as_matrix()
@@ -150,15 +153,17 @@ def assert_tangents(model, seed=0):
     n = point.n_q + len(point.active)
     K, B = difference(point.moved, n)
     point.evaluated()
-    linearise(point.system, point.loads, point.drive, point.state, point.work)
+    linearize(point.system, point.state, point.work)
     tangent = in_space(point.system, point.state, point.work.matrix.S)[:n, :n]
     np.testing.assert_allclose(tangent, K, rtol=0, atol=1e-9 * max(1.0, np.abs(K).max()))
     if len(B):
-        gradients = coupling_jacobian(point.system, point.state, point.work).toarray()
+        gradients = dense_of(coupling_jacobian(point.system, point.state, point.work))
         np.testing.assert_allclose(gradients, B, rtol=0, atol=1e-9 * np.abs(B).max())
         # and the forces are B^T lambda
         if not model.loads:
-            np.testing.assert_allclose(point.forces(), B.T @ point.state.couplings.lam, rtol=0, atol=1e-9)
+            np.testing.assert_allclose(
+                point.forces(), B.T @ point.state.couplings.lam, rtol=0, atol=1e-9
+            )
 
 
 @pytest.fixture(scope="module")
@@ -278,7 +283,7 @@ def whole_matrix(point):
     iteration matrix.
     """
     system, state, work = point.system, point.state, point.work
-    linearise(system, point.loads, point.drive, state, work)
+    linearize(system, state, work)
     assemble(system, state, work)
     h2, n_a = system.scheme.h**2, len(point.active)
     rows = np.concatenate(
@@ -298,7 +303,17 @@ def step_residuals(point, z):
     increments; it stays.
     """
     state, work, scheme = point.state, point.work, point.system.scheme
-    kept = [array.copy() for array in (state.bodies.x, state.bodies.v, state.bodies.v_dot, state.interfaces.u, state.couplings.lam, work.bodies.psi)]
+    kept = [
+        array.copy()
+        for array in (
+            state.bodies.x,
+            state.bodies.v,
+            state.bodies.v_dot,
+            state.interfaces.u,
+            state.couplings.lam,
+            work.bodies.psi,
+        )
+    ]
     n_q, n_a = point.n_q, len(point.active)
     rigid = z[:n_q].reshape(-1, 6)
     for b, step in enumerate(rigid):
@@ -309,17 +324,29 @@ def step_residuals(point, z):
         work.bodies.psi[b] += change[3:]
         state.bodies.v[b] += scheme.gamma_prime * change
         state.bodies.v_dot[b] += scheme.beta_prime * change
-        set_rotation(b, state, work)
+    set_rotations(state, work)
     state.interfaces.u[point.active] += z[n_q : n_q + n_a]
     state.couplings.lam[:] += z[n_q + n_a :]
     point.evaluated()
-    parts = (work.bodies.residual.ravel().copy(), work.interfaces.residual.copy(), work.couplings.phi.copy())
+    parts = (
+        work.bodies.residual.ravel().copy(),
+        work.interfaces.residual.copy(),
+        work.couplings.phi.copy(),
+    )
     for array, old in zip(
-        (state.bodies.x, state.bodies.v, state.bodies.v_dot, state.interfaces.u, state.couplings.lam, work.bodies.psi), kept, strict=True
+        (
+            state.bodies.x,
+            state.bodies.v,
+            state.bodies.v_dot,
+            state.interfaces.u,
+            state.couplings.lam,
+            work.bodies.psi,
+        ),
+        kept,
+        strict=True,
     ):
         array[:] = old
-    for b in range(len(state.bodies.x)):
-        set_rotation(b, state, work)
+    set_rotations(state, work)
     return parts
 
 
@@ -406,21 +433,30 @@ def test_newtons_correction_removes_the_residuals_to_first_order(make_body, rule
 
     def residuals(start, change, share):
         for array, value, part in zip(
-            (state.bodies.x, work.bodies.psi, state.bodies.v, state.bodies.v_dot, state.interfaces.u, state.couplings.lam),
+            (
+                state.bodies.x,
+                work.bodies.psi,
+                state.bodies.v,
+                state.bodies.v_dot,
+                state.interfaces.u,
+                state.couplings.lam,
+            ),
             start,
             change,
             strict=True,
         ):
             array[:] = value + share * part
-        for b in range(len(state.bodies.x)):
-            set_rotation(b, state, work)
+        set_rotations(state, work)
         point.evaluated()
-        return [part.copy().ravel() for part in (work.bodies.residual, work.couplings.phi, work.interfaces.residual)]
+        return [
+            part.copy().ravel()
+            for part in (work.bodies.residual, work.couplings.phi, work.interfaces.residual)
+        ]
 
     start = unknowns()
     here = residuals(start, start, 0.0)
-    assert renew(point.system, point.loads, point.drive, state, work)
-    correct(point.system, 1.0, state, work)
+    assert renew(point.system, state, work)
+    correct(point.system, state, work)
     change = [after - before for after, before in zip(unknowns(), start, strict=True)]
     step = 1e-3 / max(1.0, np.abs(change[1]).max(), np.abs(change[0]).max())
     plus, minus, far, farther = (

@@ -7,7 +7,7 @@ undeformed, undamped, without gravity.
     I_T = m L (L^2/12 + (a + L/2)^2)
 
 The model shares nothing with Duhamel: absolute nodal coordinates in the plane of the motion, no
-floating frame, no linearised strain. The beam is a row of `ObjectANCFCable2D`, Euler-Bernoulli
+floating frame, no linearized strain. The beam is a row of `ObjectANCFCable2D`, Euler-Bernoulli
 without rotary inertia, with
 
     axial strain |r'| - 1,    curvature (r' x r'') / |r'|^2,
