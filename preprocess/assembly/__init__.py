@@ -1,1 +1,5 @@
-"""From elements, masses and interfaces to a structure with rigid-body modes."""
+"""From elements, masses and interfaces to a finite element model with its rigid modes.
+
+interfaces, surface: frames on nodes and facets; ties: nodes that follow rigid frames; masses:
+lumped masses; rigid: rigid modes and mass properties; structure: the whole model.
+"""

@@ -10,8 +10,8 @@ import numpy as np
 
 from ...superelement.validation import Array
 from ..errors import MatrixError
-from ..mesh.formats.draft import Numbering
 from ..mesh.mesh import NONE, IntArray
+from ..mesh.numbering import Numbering
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,9 +16,10 @@ from numpy.typing import ArrayLike
 
 from ...errors import MeshError
 from ..mesh import DIMENSIONS, NONE, IntArray
+from ..numbering import Numbering
 from .abaqus_deck import Keyword
 from .abaqus_parts import Instance, Sets, read_instances
-from .draft import Draft, Numbering, Sequence
+from .draft import Draft, Sequence
 
 # Corners of the faces S1, S2, ... of each solid.
 _FACES = {

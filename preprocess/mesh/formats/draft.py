@@ -4,10 +4,9 @@ from collections import Counter
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ....superelement.validation import Array
-from ...errors import MeshError
 from ..mesh import NONE, Group, IntArray
 
 
@@ -97,39 +96,3 @@ class Sequence:
         """Put the cells of elements into a group."""
         for kind, rows in self.by_kind(elements):
             self._draft.mark(group, kind, rows)
-
-
-class Numbering:
-    """The numbers (n,) that a file gives to its nodes or elements, and their places in its order."""
-
-    def __init__(self, numbers: ArrayLike, what: str) -> None:
-        self._what = what
-        given = np.asarray(numbers, dtype=np.int64)
-        self._order = np.argsort(given, kind="stable")
-        self._sorted = given[self._order]
-        twice = self._sorted[1:][self._sorted[1:] == self._sorted[:-1]]
-        if len(twice):
-            raise MeshError(f"{what} {twice[0]} is there more than once")
-
-    def __len__(self) -> int:
-        return len(self._sorted)
-
-    def known(self, numbers: ArrayLike) -> NDArray[np.bool_]:
-        """Whether the numbers are there, in their shape."""
-        return np.isin(np.asarray(numbers, dtype=np.int64), self._sorted)
-
-    def within(self, numbers: range) -> IntArray:
-        """The places of those numbers of a range that are there."""
-        inside = (self._sorted >= numbers.start) & (self._sorted < numbers.stop)
-        inside &= (self._sorted - numbers.start) % numbers.step == 0
-        return self._order[inside]
-
-    def rows(self, numbers: ArrayLike, user: str) -> IntArray:
-        """The places of numbers, in their shape; `MeshError` if `user` asks for one that is not
-        there.
-        """
-        wanted = np.asarray(numbers, dtype=np.int64)
-        known = self.known(wanted)
-        if not known.all():
-            raise MeshError(f"{user}: no {self._what} {wanted[~known][0]} in the file")
-        return self._order[np.searchsorted(self._sorted, wanted)]

@@ -12,7 +12,8 @@ import numpy as np
 
 from ...errors import MeshError
 from ..mesh import DIMENSIONS, NONE, IntArray
-from .draft import Draft, Numbering
+from ..numbering import Numbering
+from .draft import Draft
 from .numbers import BinaryNumbers, Numbers, TextNumbers
 
 # Type of cell and number of nodes, by the number that Gmsh gives to the type.

@@ -13,7 +13,8 @@ import numpy as np
 
 from ...errors import MeshError
 from ..mesh import NONE
-from .draft import Draft, Numbering
+from ..numbering import Numbering
+from .draft import Draft
 from .nastran_deck import Card, read_cards
 from .nastran_frames import frame_of
 

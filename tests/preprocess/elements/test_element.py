@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from duhamel.preprocess.elements.element import ELEMENTS
 
-from .blocks import solid_cells
+from ..blocks import solid_cells
 
 # The degree of the mass of elements that are affine images: in every coordinate for hexahedra, in
 # all for the others.

@@ -388,9 +388,11 @@ def test_a_superelement_states_its_error_and_what_it_is_good_for(solid_body, box
 def test_a_tolerance_out_of_reach_says_how_far_it_came(block, monkeypatch, short_of):
     structure, h = block
     if short_of == "vectors":
-        monkeypatch.setattr("duhamel.preprocess.krylov.LIMIT", 30)
+        monkeypatch.setattr("duhamel.preprocess.responses.krylov.LIMIT", 30)
     else:
-        monkeypatch.setattr("duhamel.preprocess.krylov.available", lambda: 8 * structure.n_u * 30)
+        monkeypatch.setattr(
+            "duhamel.preprocess.responses.krylov.available", lambda: 8 * structure.n_u * 30
+        )
     message = (
         r"an error of 1e-06 up to 25000 Hz takes more than the \d\d vectors that there is time and memory for, "
         r"found \d\.\de[+-]\d\d with \d+: raise impulse.tolerance, lower impulse.band, or use method march"

@@ -5,7 +5,7 @@ middle of others.
 import numpy as np
 from duhamel.preprocess.mesh.mesh import Mesh
 
-from ..blocks import CUBE_EDGES, CUBE_FACES, TETRA_EDGES
+from ...blocks import CUBE_EDGES, CUBE_FACES, TETRA_EDGES
 
 TRIANGLE_EDGES = [(0, 1), (1, 2), (2, 0)]
 QUAD_EDGES = [(0, 1), (1, 2), (2, 3), (3, 0)]

@@ -15,7 +15,7 @@ from duhamel.preprocess.elements.solid import BATCH, solid_matrices
 from duhamel.preprocess.mesh.mesh import Mesh
 from skfem.helpers import ddot, dot, sym_grad
 
-from .blocks import mixed_mesh, named, solid_cells
+from ..blocks import mixed_mesh, named, solid_cells
 
 E, NU, RHO = 2.1e11, 0.3, 7800.0
 STEEL = Material(E=E, nu=NU, rho=RHO)

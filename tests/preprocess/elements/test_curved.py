@@ -10,7 +10,7 @@ from duhamel.preprocess.elements.solid import solid_matrices
 from duhamel.preprocess.mesh.mesh import Mesh
 from duhamel.preprocess.mesh.nodes import Nodes
 
-from .blocks import solid_cells
+from ..blocks import solid_cells
 
 INNER, OUTER, HEIGHT, RHO = 0.6, 1.0, 0.5, 3.0
 ORDERS = {

@@ -21,8 +21,8 @@ from duhamel.preprocess import (
 from duhamel.preprocess.survey import survey
 from pydantic import ValidationError
 
-from .blocks import box_mesh
-from .conftest import IMPULSE, straight
+from ..blocks import box_mesh
+from ..conftest import IMPULSE, straight
 from .matrix_writers import (
     BY_LABEL,
     BY_ORDER,
@@ -228,7 +228,7 @@ def test_rotations_of_nodes_follow_a_rigid_frame(beam_body, tmp_path):
     """A frame on three nodes of a bent beam makes a rigid piece of the elements between: it stores
     no energy.
     """
-    from .conftest import line_mesh
+    from ..conftest import line_mesh
 
     points = [[0, 0, 0], [0.1, 0, 0], [0.1, 0.1, 0], [0.3, 0.1, 0.1]]
     original = beam_body(line_mesh(points), section=askew())
