@@ -18,7 +18,7 @@ from pydantic import (
 
 
 def expected(what: str) -> WrapValidator:
-    """One message for a value of several parts or kinds: `what` was expected, and what was found."""
+    """One message for a value of several types: `what` is expected, and the value found."""
 
     def check(value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
         try:

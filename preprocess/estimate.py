@@ -53,7 +53,8 @@ def ritz_frequencies(structure: Structure, splines: int) -> Array:
     """Upper bounds (m,) [Hz] of the elastic frequencies, from displacements that are quadratic
     splines in space.
 
-        V^T K V y = omega^2 V^T M V y,   V (n_u, 3 n): n products of splines in x, y and z in each direction
+        V^T K V y = omega^2 V^T M V y
+        V (n_u, 3 n): n products of splines in x, y and z, in each direction
 
     on a grid of cubes, the finest that leaves at most `splines` products that do not vanish on the
     body. The fields hold the rigid motions, so by Courant's principle the values after the first

@@ -52,7 +52,7 @@ def _machine(root: Path) -> int:
 
 
 def _control_groups(root: Path) -> Iterator[int]:
-    """What each group that holds the process has left; a group inside others is bound by them too."""
+    """Bytes left in each control group of the process, and in the groups that contain it."""
     path = root / "proc/self/cgroup"
     for line in path.read_text().splitlines() if path.exists() else ():
         _, controllers, group = line.split(":", 2)

@@ -7,7 +7,7 @@ from typing import Any
 
 
 class Stages:
-    """The stages of a build, timed; `bar` is a progress display of rich, or None to show nothing."""
+    """The stages of a build, timed; `bar` is a progress display of rich, None for no display."""
 
     def __init__(self, bar: Any | None = None) -> None:
         self.seconds: dict[str, float] = {}

@@ -32,7 +32,8 @@ def check_recovery(body: Body, mesh: Mesh) -> None:
         )
     if body.impulse.method == "march":
         raise MethodError(
-            "[recovery] needs modes, which impulse.method march does not find: use auto, krylov or modal"
+            "[recovery] needs modes, which impulse.method march does not find: use auto, "
+            "krylov or modal"
         )
 
 

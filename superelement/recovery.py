@@ -36,7 +36,7 @@ class Recovery:
             object.__setattr__(self, "stress", stress)
 
     def displacement(self, eta: Array) -> Array:
-        """u = phi eta of every point (..., p, 3) [m], body axes, from modal coordinates (..., m)."""
+        """u = phi eta (..., p, 3) [m] in body axes, from modal coordinates (..., m)."""
         return _superpose(self.phi, eta)
 
     def stresses(self, eta: Array) -> Array:
@@ -80,7 +80,8 @@ def _checked_cells(value: Any, n_points: int) -> NDArray[np.int64]:
         )
     if cells.size and (cells.min() < -1 or cells.max() >= n_points):
         raise SuperelementError(
-            f"recovery: cells: expected point indices from -1 to {n_points - 1}, found {cells.min()} to {cells.max()}"
+            f"recovery: cells: expected point indices from -1 to {n_points - 1}, found "
+            f"{cells.min()} to {cells.max()}"
         )
     cells = cells.astype(np.int64)
     cells.flags.writeable = False

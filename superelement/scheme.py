@@ -55,7 +55,8 @@ class GeneralizedAlpha:
 
             sigma = 1 / (Q F),   chi = V / Q,   with d = 1/z, the delay by one step:
             Q = h^2 (beta + (1/2 + gamma - 2 beta) d + (1/2 + beta - gamma) d^2) / (1 - d)^2
-            F = ((1 - alpha_f) + alpha_f d) / ((1 - alpha_m) + alpha_m d),   V = h (gamma + (1 - gamma) d) / (1 - d)
+            F = ((1 - alpha_f) + alpha_f d) / ((1 - alpha_m) + alpha_m d)
+        V = h (gamma + (1 - gamma) d) / (1 - d)
 
         h [s]; delay (n,) complex, 0 for the first lag alone, where sigma and chi are beta' and
         gamma'. Source: docs/theory.md, Impulse responses.

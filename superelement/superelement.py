@@ -80,17 +80,20 @@ class Superelement:
         n_c = sum(interface.n_dofs for interface in interfaces)
         if self.kernel.n_c != n_c:
             raise SuperelementError(
-                f"kernel: g: expected {n_c} rows, the dofs of interfaces {names}, found {self.kernel.n_c}"
+                f"kernel: g: expected {n_c} rows, the dofs of interfaces {names}, "
+                f"found {self.kernel.n_c}"
             )
         if self.modes is not None and len(self.modes.phi) != n_c:
             raise SuperelementError(
-                f"modes: phi: expected {n_c} rows, the dofs of interfaces {names}, found {len(self.modes.phi)}"
+                f"modes: phi: expected {n_c} rows, the dofs of interfaces {names}, "
+                f"found {len(self.modes.phi)}"
             )
         if self.recovery is not None:
             n_modes = 0 if self.modes is None else len(self.modes.omega)
             if self.recovery.phi.shape[2] != n_modes:
                 raise SuperelementError(
-                    f"recovery: phi: expected {n_modes} columns, one per mode, found {self.recovery.phi.shape[2]}"
+                    f"recovery: phi: expected {n_modes} columns, one per mode, "
+                    f"found {self.recovery.phi.shape[2]}"
                 )
         object.__setattr__(self, "J_rot", J_rot)
         object.__setattr__(self, "center", checked("center", self.center, (3,)))
@@ -127,8 +130,9 @@ class Superelement:
             return stored
         if self.modes is None:
             raise SuperelementError(
-                f"{self.name}: no modes, so the kernel is fixed: h = {stored.h} s, rho_inf = {stored.scheme.rho_inf}, "
-                f"{stored.steps} steps; asked for h = {h} s, rho_inf = {scheme.rho_inf}, {steps} steps"
+                f"{self.name}: no modes, so the kernel is fixed: h = {stored.h} s, rho_inf = "
+                f"{stored.scheme.rho_inf}, {stored.steps} steps; asked for h = {h} s, rho_inf = "
+                f"{scheme.rho_inf}, {steps} steps"
             )
         return sample_kernel(self.modes_for(h), h, scheme, steps, stored.error, stored.band)
 
@@ -143,8 +147,9 @@ class Superelement:
             raise SuperelementError(f"{self.name}: no modes")
         if h < modes.h_min * (1.0 - 1e-9):
             warnings.warn(
-                f"{self.name}: modes for steps down to {modes.h_min:g} s, right up to {0.25 / modes.h_min:g} Hz; "
-                f"asked for steps of {h:g} s, which resolve {0.25 / h:g} Hz",
+                f"{self.name}: modes for steps down to {modes.h_min:g} s, right up to "
+                f"{0.25 / modes.h_min:g} Hz; asked for steps of {h:g} s, "
+                f"which resolve {0.25 / h:g} Hz",
                 StepWarning,
                 stacklevel=2,
             )

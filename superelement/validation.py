@@ -68,8 +68,8 @@ def check_symmetric(name: str, matrices: Array) -> None:
     if (defect > allowed).any():
         i, j = np.unravel_index(int(np.argmax(defect - allowed)), defect.shape)
         raise SuperelementError(
-            f"{name}: expected a symmetric matrix, found entries ({i}, {j}) and ({j}, {i}) that differ by "
-            f"{defect[i, j]:.3e}, where the diagonal allows {allowed[i, j]:.3e}"
+            f"{name}: expected a symmetric matrix, found entries ({i}, {j}) and ({j}, {i}) that "
+            f"differ by {defect[i, j]:.3e}, where the diagonal allows {allowed[i, j]:.3e}"
         )
 
 

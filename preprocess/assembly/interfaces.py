@@ -1,4 +1,4 @@
-"""Interfaces: what the body file selects on the mesh, as rows that pick or average displacements."""
+"""Interfaces: frames on selected nodes or facets, as rows that pick or average displacements."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -102,8 +102,9 @@ def _check_elements(selection: InterfaceSelection, mesh: Mesh) -> None:
     """The nodes that a group names must be of elements, or nothing is there to carry a frame."""
     if selection.group is not None and len(loose := mesh.group(selection.group).loose):
         raise InterfaceError(
-            f"group {selection.group!r} names {len(loose)} nodes that belong to no element and have no mass, first at "
-            f"{loose[0].tolist()}: name the nodes or facets of the body that are to carry the frame"
+            f"group {selection.group!r} names {len(loose)} nodes that belong to no element and "
+            f"have no mass, first at {loose[0].tolist()}: "
+            "name the nodes or facets of the body that are to carry the frame"
         )
 
 
@@ -126,7 +127,8 @@ def _on_beams(selection: InterfaceSelection, mesh: Mesh, nodes: Nodes) -> Attach
         listing = ", ".join(f"{node} at {mesh.points[node].tolist()}" for node in members[:LISTED])
         more = ", ..." if len(members) > LISTED else ""
         raise InterfaceError(
-            f"expected one node of the lines, found {len(members)} in {selection}: points {listing}{more}"
+            f"expected one node of the lines, found {len(members)} in {selection}: "
+            f"points {listing}{more}"
         )
     return _nodal(int(members[0]), nodes)
 
@@ -173,9 +175,9 @@ def _nearest_node(selection: InterfaceSelection, points: Array, size: float) -> 
     allowed = selection.tolerance * size
     if distance[node] > allowed:
         raise InterfaceError(
-            f"no node at {list(selection.node or ())}: the nearest is at "
-            f"{points[node].tolist()}, {distance[node]:.3g} m away; tolerance {selection.tolerance} "
-            f"of the mesh size allows {allowed:.3g} m"
+            f"no node at {list(selection.node or ())}: the nearest is at {points[node].tolist()}, "
+            f"{distance[node]:.3g} m away; "
+            f"tolerance {selection.tolerance} of the mesh size allows {allowed:.3g} m"
         )
     return node
 
@@ -195,7 +197,8 @@ def _names_points(selection: InterfaceSelection, mesh: Mesh) -> bool:
     if 0 in dimensions or len(group.points):
         return True
     raise InterfaceError(
-        f"expected a group of facets or of points, found {', '.join(group.kinds)} in {selection.group!r}"
+        "expected a group of facets or of points, "
+        f"found {', '.join(group.kinds)} in {selection.group!r}"
     )
 
 
@@ -287,6 +290,7 @@ def _check_spread(points: Array) -> None:
     radii = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
     if len(points) < 3 or radii[1] <= LINE * radii[0]:
         raise InterfaceError(
-            f"a frame needs three nodes that are not on a line, found {len(points)} nodes "
-            f"from {points.min(axis=0).tolist()} to {points.max(axis=0).tolist()}; use node for a single one"
+            f"a frame needs three nodes that are not on a line, found {len(points)} nodes from "
+            f"{points.min(axis=0).tolist()} to {points.max(axis=0).tolist()}; "
+            "use node for a single one"
         )

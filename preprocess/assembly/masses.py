@@ -43,7 +43,7 @@ def _block(name: str, mass: PointMass, n_rows: int) -> Any:
         return block_diag(mass.mass * np.eye(3), inertia)
     if inertia.any():
         raise InterfaceError(
-            f"masses.{name}: the node of a solid has three dofs and carries no inertia, found {inertia.tolist()}; "
-            f"use a group of facets"
+            f"masses.{name}: the node of a solid has three dofs and carries no inertia, found "
+            f"{inertia.tolist()}; use a group of facets"
         )
     return mass.mass * np.eye(3)

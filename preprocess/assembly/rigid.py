@@ -56,7 +56,8 @@ def rigid_modes(nodes: Nodes, M: Any) -> RigidModes:
     principal = np.linalg.eigvalsh(J_rot)
     if not (mass > 0.0 and principal[0] > 1e-14 * principal[-1]):
         raise MeshError(
-            f"expected a positive mass and inertia, found {mass} kg and principal inertias {principal}"
+            "expected a positive mass and inertia, "
+            f"found {mass} kg and principal inertias {principal}"
         )
     U = solve_triangular(np.linalg.cholesky(moments), A.T, lower=True).T
     return RigidModes(A, U, mass, center, J_rot)

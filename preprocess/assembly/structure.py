@@ -166,7 +166,8 @@ def _sections(body: Body, mesh: Mesh) -> list[Section]:
         return [body.section] * mesh.n_elements
     if not body.sections:
         raise BodyError(
-            f"{mesh.name} is a mesh of lines: expected [section] or [sections.GROUP], found a material"
+            f"{mesh.name} is a mesh of lines: expected [section] or [sections.GROUP], "
+            "found a material"
         )
     sections = list(body.sections.values())
     return [sections[i] for i in _owners(list(body.sections), mesh, "sections")]
@@ -180,13 +181,14 @@ def materials_of(body: Body, mesh: Mesh) -> tuple[list[Material], IntArray]:
         return [body.material], np.zeros(mesh.n_elements, dtype=np.int64)
     if not body.materials:
         raise BodyError(
-            f"{mesh.name} is a mesh of solids: expected [material] or [materials.GROUP], found a section"
+            f"{mesh.name} is a mesh of solids: expected [material] or [materials.GROUP], "
+            "found a section"
         )
     return list(body.materials.values()), _owners(list(body.materials), mesh, "materials")
 
 
 def _owners(groups: list[str], mesh: Mesh, key: str) -> IntArray:
-    """For every element (n,) which of `groups` it is in; `BodyError` unless it is in exactly one."""
+    """The number of the group of every element (n,); `BodyError` unless it is in exactly one."""
     members = np.zeros((len(groups), mesh.n_elements), dtype=bool)
     for i, name in enumerate(groups):
         members[i, mesh.members(name)] = True
@@ -194,8 +196,9 @@ def _owners(groups: list[str], mesh: Mesh, key: str) -> IntArray:
     if (count != 1).any():
         kind, row = mesh.element(int(np.flatnonzero(count != 1)[0]))
         raise BodyError(
-            f"{mesh.name}: every element must be in exactly one of the groups of [{key}] ({', '.join(groups)}): "
-            f"{(count == 0).sum()} are in none and {(count > 1).sum()} in several, first {kind} element {row}"
+            f"{mesh.name}: every element must be in exactly one of the groups of [{key}] "
+            f"({', '.join(groups)}): {(count == 0).sum()} are in none and {(count > 1).sum()} in "
+            f"several, first {kind} element {row}"
         )
     owner: IntArray = members.argmax(axis=0)
     return owner

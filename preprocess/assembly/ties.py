@@ -16,7 +16,8 @@ def tie(nodes: Nodes, attachments: Mapping[str, Attachment]) -> tuple[Nodes, Any
     """The nodes that are left once tied ones follow their frames, T, and the rows of every
     attachment on what is left.
 
-        u = T u_left,   K_left = T^T K T,   M_left = T^T M T,   u_i = [I, -(X_i - X_C)~; 0, I] q_C for a tied node i
+        u = T u_left,   K_left = T^T K T,   M_left = T^T M T
+        u_i = [I, -(X_i - X_C)~; 0, I] q_C   of a tied node i
 
     u_left holds the free nodes in their order, then the frames with six dofs each. T (n_u, n_left)
     and the rows (3 or 6, n_left) are sparse; those of a rigid frame pick its dofs. Nodes have three

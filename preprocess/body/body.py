@@ -60,7 +60,8 @@ class PointMass(Selection):
             )
         if self.interface is None and not self.places:
             raise ValueError(
-                "expected interface, or what it selects on the mesh: node, group, plane, ..., found none"
+                "expected interface, or what it selects on the mesh: node, group, plane, "
+                "..., found none"
             )
         return self
 
@@ -69,7 +70,8 @@ class PointMass(Selection):
         J = np.array(self.inertia)
         if not np.array_equal(J, J.T) or np.linalg.eigvalsh(J)[0] < -1e-12 * np.abs(J).max():
             raise ValueError(
-                f"inertia: expected principal values or a symmetric matrix, none of them negative, found {J.tolist()}"
+                "inertia: expected principal values or a symmetric matrix, "
+                f"none of them negative, found {J.tolist()}"
             )
         if not (self.mass or J.any()):
             raise ValueError("expected a mass or an inertia, found neither")
@@ -105,7 +107,8 @@ class Impulse(Table):
     def _below_nyquist(self) -> Self:
         if self.band is not None and self.band > 0.5 / self.step:
             raise ValueError(
-                f"band: expected at most the Nyquist frequency of the step, {0.5 / self.step:g} Hz, found {self.band:g}"
+                "band: expected at most the Nyquist frequency of the step, "
+                f"{0.5 / self.step:g} Hz, found {self.band:g}"
             )
         return self
 
@@ -120,8 +123,8 @@ class Ratios(Table):
     def _a_table(self) -> Self:
         if len(self.frequencies) != len(self.ratios) or not self.frequencies:
             raise ValueError(
-                f"expected a ratio for every frequency, found {len(self.frequencies)} frequencies "
-                f"and {len(self.ratios)} ratios"
+                "expected a ratio for every frequency, "
+                f"found {len(self.frequencies)} frequencies and {len(self.ratios)} ratios"
             )
         if any(b <= a for a, b in pairwise(self.frequencies)):
             raise ValueError(
@@ -228,7 +231,8 @@ class Body(Table):
             others = self.model_fields_set & {"mesh", "scale", "recovery", *makes}
             if others:
                 raise ValueError(
-                    f"matrices: expected no mesh and nothing made of it, found {', '.join(sorted(others))}"
+                    "matrices: expected no mesh and nothing made of it, "
+                    f"found {', '.join(sorted(others))}"
                 )
         elif len(given) != 1:
             raise ValueError(
@@ -241,7 +245,8 @@ class Body(Table):
             for name, place in places.items():
                 if place.nodes is not None and self.matrices is None:
                     raise ValueError(
-                        f"{table}.{name}: nodes are labels of [matrices]; of a mesh use node or group"
+                        f"{table}.{name}: nodes are labels of [matrices]; "
+                        "of a mesh use node or group"
                     )
         for name, mass in self.masses.items():
             if mass.interface is not None and mass.interface not in self.interfaces:
@@ -277,7 +282,10 @@ class Body(Table):
 
 
 def read_body(path: str | os.PathLike[str]) -> Body:
-    """Read a body file; `BodyError` names the file, the key, what was found and what was expected."""
+    """Read a body file.
+
+    `BodyError` names the file, the key, what was found and what was expected.
+    """
     try:
         body, text = read_table(path, Body)
     except InputError as error:

@@ -101,8 +101,9 @@ class Material(Table):
             stiffness = np.sort(1.0 / np.linalg.eigvalsh(self._compliance))
         if not (stiffness[0] > 0.0 and stiffness[-1] < 1e12 * stiffness[0]):
             raise ValueError(
-                f"expected E, nu and G of a positive definite elasticity matrix, found eigenvalues of "
-                f"{', '.join(f'{value:.4g}' for value in stiffness)} Pa; nu_ij^2 must be less than E_i / E_j"
+                "expected E, nu and G of a positive definite elasticity matrix, found "
+                f"eigenvalues of {', '.join(f'{value:.4g}' for value in stiffness)} Pa; "
+                "nu_ij^2 must be less than E_i / E_j"
             )
         return self
 

@@ -185,6 +185,7 @@ class InterfaceSelection(Selection):
     def _selects(self) -> Self:
         if not self.places:
             raise ValueError(
-                "expected node, or one or more of group, plane, box, sphere and cylinder, found none"
+                "expected node, or one or more of group, plane, box, sphere and cylinder, "
+                "found none"
             )
         return self

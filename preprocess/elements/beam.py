@@ -60,7 +60,8 @@ def _lengths_and_axes(mesh: Mesh, sections: list[Section]) -> tuple[Array, Array
     lengths = np.linalg.norm(along, axis=1)
     if (short := np.flatnonzero(lengths <= 1e-12 * mesh.size)).size:
         raise MeshError(
-            f"{mesh.name}: line {short[0]} has no length: both ends are at {ends[short[0], 0].tolist()}"
+            f"{mesh.name}: line {short[0]} has no length: "
+            f"both ends are at {ends[short[0], 0].tolist()}"
         )
     x = along / lengths[:, None]
 
@@ -77,8 +78,8 @@ def _lengths_and_axes(mesh: Mesh, sections: list[Section]) -> tuple[Array, Array
     if (parallel := np.flatnonzero(norm < 1e-6)).size:
         i = int(parallel[0])
         raise MeshError(
-            f"{mesh.name}: line {i} runs along {x[i].tolist()}: the orientation of its section must not be parallel "
-            f"to it, found {sections[i].orientation}"
+            f"{mesh.name}: line {i} runs along {x[i].tolist()}: the orientation of its section "
+            f"must not be parallel to it, found {sections[i].orientation}"
         )
     y /= norm[:, None]
     return lengths, np.stack([x, y, np.cross(x, y)], axis=1)

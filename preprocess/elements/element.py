@@ -71,7 +71,7 @@ def cofactors(dN: Array, X: Array) -> tuple[Array, Array]:
 
 
 def physical(dN: Array, cof: Array, det: Array) -> Array:
-    """dN/dx (n, k, 3, q) = J^-T dN/dxi from dN (k, 3, q), and the cofactors and determinants of J."""
+    """dN/dx (n, k, 3, q) = J^-T dN/dxi from dN (k, 3, q), cofactors and determinants of J."""
     inverse = cof / det[:, None, None]
     gradients: Array = inverse[:, None, :, 0] * dN[:, 0, None]
     for d in (1, 2):

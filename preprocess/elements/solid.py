@@ -83,7 +83,7 @@ def _check_jacobians(mesh: Mesh) -> None:
         groups = [name for name, group in mesh.groups.items() if row in group.cells.get(kind, ())]
         place = mesh.points[mesh.cells[kind][row]].mean(axis=0).tolist()
         raise MeshError(
-            f"{mesh.name}: {kind} element {row} of group {', '.join(groups) or '(none)'} is {state}: "
-            f"its Jacobian falls to {np.concatenate(lowest)[number]:.3e} m^3 near {place}; "
-            f"{bad.size} of {len(worst)} elements are inverted or degenerate"
+            f"{mesh.name}: {kind} element {row} of group {', '.join(groups) or '(none)'} is "
+            f"{state}: its Jacobian falls to {np.concatenate(lowest)[number]:.3e} m^3 near "
+            f"{place}; {bad.size} of {len(worst)} elements are inverted or degenerate"
         )

@@ -72,13 +72,15 @@ def _slots(file: MatrixFile, files: Matrices, table: NodeTable) -> IntArray:
         dofs = as_integers(files.dofs, read_columns(files.dofs, "label, dof"), "labels and dofs")
         if len(dofs) != n:
             raise MatrixError(
-                f"{files.dofs}: expected a row for each of the {n} of {file.name}, found {len(dofs)}"
+                f"{files.dofs}: expected a row for each of the {n} of {file.name}, "
+                f"found {len(dofs)}"
             )
     if dofs is None:
         if n not in (3 * n_nodes, DIRECTIONS * n_nodes):
             raise MatrixError(
-                f"{file.name}: expected {3 * n_nodes} or {6 * n_nodes} rows, three or six for each of the {n_nodes} "
-                f"nodes of {table.name}, found {n}: tell node and direction of every row in matrices.dofs"
+                f"{file.name}: expected {3 * n_nodes} or {6 * n_nodes} rows, three or six for "
+                f"each of the {n_nodes} nodes of {table.name}, found {n}: "
+                "tell node and direction of every row in matrices.dofs"
             )
         per_node = n // n_nodes
         return (DIRECTIONS * np.arange(n_nodes)[:, None] + np.arange(per_node)).ravel()
@@ -86,12 +88,13 @@ def _slots(file: MatrixFile, files: Matrices, table: NodeTable) -> IntArray:
     labels, directions = dofs.T
     if len(unknown := table.unknown(labels)):
         raise MatrixError(
-            f"{source}: no node {unknown[0]} in {table.name}, nor {len(np.unique(unknown)) - 1} others"
+            f"{source}: no node {unknown[0]} in {table.name}, "
+            f"nor {len(np.unique(unknown)) - 1} others"
         )
     if (wrong := (directions < 1) | (directions > DIRECTIONS)).any():
         raise MatrixError(
-            f"{source}: expected dofs 1 to 6, displacements and rotations, found dof {directions[wrong][0]} of node "
-            f"{labels[wrong][0]}"
+            f"{source}: expected dofs 1 to 6, displacements and rotations, found dof "
+            f"{directions[wrong][0]} of node {labels[wrong][0]}"
         )
     slots: IntArray = DIRECTIONS * table.rows(labels) + directions - 1
     if len(twice := np.flatnonzero(np.bincount(slots) > 1)):
@@ -123,8 +126,9 @@ def _used_nodes(table: NodeTable, used: Any) -> tuple[NodeTable, Any]:
         node = int(np.argmax(wrong))
         found = ", ".join(str(i + 1) for i in np.flatnonzero(used[node]))
         raise MatrixError(
-            f"expected stiffness or mass on dofs 1 to 3 of a node, or on 1 to 6, found {found} at node "
-            f"{table.labels[node]}, and such at {wrong.sum() - 1} others: export the model without constraints"
+            f"expected stiffness or mass on dofs 1 to 3 of a node, or on 1 to 6, found {found} at "
+            f"node {table.labels[node]}, and such at {wrong.sum() - 1} others: "
+            "export the model without constraints"
         )
     return table.part(np.flatnonzero(there)), used[there, 3]
 
@@ -157,6 +161,7 @@ def _symmetric(model: GivenModel, name: str, matrix: Any) -> Any:
     worst = int(np.argmax(entries.data))
     row, column = (model.dof(int(numbers[worst])) for numbers in (entries.row, entries.col))
     raise MatrixError(
-        f"{name}: expected a symmetric matrix, found entries that differ from their mirror images by up to "
-        f"{entries.data[worst] / largest:.1e} of the largest, most between {row} and {column}"
+        f"{name}: expected a symmetric matrix, found entries that differ from their mirror images "
+        f"by up to {entries.data[worst] / largest:.1e} of the largest, "
+        f"most between {row} and {column}"
     )

@@ -38,7 +38,8 @@ def read_matrix(path: Path, name: str) -> MatrixFile:
     read = _READERS.get(path.suffix.lower())
     if read is None:
         raise MatrixError(
-            f"{path}: expected a file of type {', '.join(_READERS)}, found {path.suffix or 'no suffix'}"
+            f"{path}: expected a file of type {', '.join(_READERS)}, "
+            f"found {path.suffix or 'no suffix'}"
         )
     try:
         found = read(path, name)
@@ -53,7 +54,8 @@ def read_matrix(path: Path, name: str) -> MatrixFile:
         raise MatrixError(f"{path}: expected real numbers, found complex ones")
     if not np.isfinite(found.entries.data).all():
         raise MatrixError(
-            f"{path}: expected finite numbers, found {(~np.isfinite(found.entries.data)).sum()} others"
+            f"{path}: expected finite numbers, "
+            f"found {(~np.isfinite(found.entries.data)).sum()} others"
         )
     return found
 
@@ -94,14 +96,15 @@ def _abaqus(path: Path) -> MatrixFile:
         raise MatrixError(f"not a matrix of Abaqus: {error}") from error
     if table.shape[1] not in (3, 5):
         raise MatrixError(
-            "expected rows 'node, dof, node, dof, value' or 'row, column, value' of Abaqus, or Matrix Market, "
-            f"found {table.shape[1]} columns"
+            "expected rows 'node, dof, node, dof, value' or 'row, column, value' of Abaqus, or "
+            f"Matrix Market, found {table.shape[1]} columns"
         )
     place = table[:, :-1].astype(np.int64)
     if (place < 1).any() or (place != table[:, :-1]).any():
         row = table[((place < 1) | (place != table[:, :-1])).any(axis=1)][0]
         raise MatrixError(
-            f"expected labels, dofs and rows from 1 on, found {row.tolist()}: internal nodes are not read"
+            f"expected labels, dofs and rows from 1 on, found {row.tolist()}: "
+            "internal nodes are not read"
         )
     if table.shape[1] == 3:
         rows, columns = place.T - 1

@@ -62,12 +62,14 @@ def read_nodes(path: Path) -> NodeTable:
     if table.points.shape != (len(table.labels), 3) or not np.isfinite(table.points).all():
         raise MatrixError(
             f"{path}: expected three finite coordinates for each of {len(table.labels)} nodes, "
-            f"found an array {table.points.shape}{'' if np.isfinite(table.points).all() else ' with others'}"
+            "found an array "
+            f"{table.points.shape}{'' if np.isfinite(table.points).all() else ' with others'}"
         )
     labels, count = np.unique(table.labels, return_counts=True)
     if (count > 1).any():
         raise MatrixError(
-            f"{path}: expected every label once, found node {labels[count > 1][0]} {count.max()} times"
+            f"{path}: expected every label once, "
+            f"found node {labels[count > 1][0]} {count.max()} times"
         )
     return table
 
@@ -89,7 +91,8 @@ def read_columns(path: Path, columns: str) -> Array:
         raise MatrixError(f"{path}: expected a table of {columns}: {error}") from error
     if not len(table) or table.shape[1] != len(columns.split(",")):
         raise MatrixError(
-            f"{path}: expected a table of {columns}, found {table.shape[1]} columns, {len(table)} rows"
+            f"{path}: expected a table of {columns}, found {table.shape[1]} columns, "
+            f"{len(table)} rows"
         )
     return table
 

@@ -21,8 +21,8 @@ def check_connected(mesh: Mesh) -> None:
         firsts = [mesh.element(int(np.argmax(label == piece))) for piece in range(pieces)]
         places = [mesh.points[mesh.elements[kind][row, 0]].tolist() for kind, row in firsts]
         raise MeshError(
-            f"{mesh.name}: expected one connected body, found {pieces} pieces of {_listing(sizes)} elements, "
-            f"which hold the points {_listing(places)}"
+            f"{mesh.name}: expected one connected body, found {pieces} pieces of "
+            f"{_listing(sizes)} elements, which hold the points {_listing(places)}"
         )
 
 
@@ -40,9 +40,9 @@ def check_no_mechanism(mesh: Mesh, facets: Facets) -> None:
     motions, joints = _motions(mesh, pieces, label)
     if motions > 6:
         raise MeshError(
-            f"{mesh.name}: the body is a mechanism: it has {motions} motions without strain, expected 6; {pieces} "
-            f"pieces of {_listing(np.bincount(label).tolist())} elements hang together at single nodes or edges only, "
-            f"at {_listing(joints.tolist())}"
+            f"{mesh.name}: the body is a mechanism: it has {motions} motions without strain, "
+            f"expected 6; {pieces} pieces of {_listing(np.bincount(label).tolist())} elements "
+            f"hang together at single nodes or edges only, at {_listing(joints.tolist())}"
         )
 
 

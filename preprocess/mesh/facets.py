@@ -101,8 +101,9 @@ def facets_of(mesh: Mesh) -> Facets:
     kinds = list(dict.fromkeys(kind for solid in mesh.body_types for kind in LOCAL[solid]))
     if not any(family.issuperset(kinds) for family in FAMILIES):
         raise MeshError(
-            f"{mesh.name}: expected elements that fit each other, found {', '.join(mesh.body_types)}, "
-            f"whose faces are {', '.join(kinds)}: mesh all of the body with one order of elements"
+            f"{mesh.name}: expected elements that fit each other, found "
+            f"{', '.join(mesh.body_types)}, whose faces are {', '.join(kinds)}: mesh all of the "
+            "body with one order of elements"
         )
     nodes, boundary = {}, []
     sides: dict[str, list[IntArray]] = {solid: [] for solid in mesh.body_types}
@@ -152,8 +153,9 @@ def _check_middles(mesh: Mesh, sides: IntArray, facets: IntArray, owners: IntArr
         side = int(np.argmax(torn))
         kind, row = mesh.element(int(owners[side]))
         raise MeshError(
-            f"{mesh.name}: {int(torn.sum())} faces of elements share their corners but not their middle nodes with a "
-            f"neighbour, first one of {kind} element {row}, at {mesh.points[sides[side, 0]].tolist()}"
+            f"{mesh.name}: {int(torn.sum())} faces of elements share their corners but not their "
+            f"middle nodes with a neighbour, first one of {kind} element {row}, at "
+            f"{mesh.points[sides[side, 0]].tolist()}"
         )
 
 
@@ -171,9 +173,10 @@ def _check_halves(mesh: Mesh, facets: Facets) -> None:
     if found.any():
         corners = mesh.points[quads[0][int(np.argmax(found))]]
         raise MeshError(
-            f"{mesh.name}: {found.sum()} quadrilateral faces are bounded by triangles of their neighbours, first one "
-            f"at {corners.mean(axis=0).tolist()}: what lies on both sides of it can slide and overlap; put wedges "
-            f"between, or mesh both sides with elements whose faces fit"
+            f"{mesh.name}: {found.sum()} quadrilateral faces are bounded by triangles of their "
+            f"neighbours, first one at {corners.mean(axis=0).tolist()}: what lies on both sides "
+            "of it can slide and overlap; put wedges between, "
+            "or mesh both sides with elements whose faces fit"
         )
 
 

@@ -8,7 +8,7 @@ from .mesh import IntArray
 
 
 class Numbering:
-    """The numbers (n,) that a file gives to its nodes or elements, and their places in its order."""
+    """Numbers (n,) of nodes or elements in a file, and the row of each in the order of the file."""
 
     def __init__(self, numbers: ArrayLike, what: str) -> None:
         self._what = what

@@ -80,8 +80,8 @@ def _body_types(name: str, kinds: Iterable[str]) -> tuple[str, ...]:
     unsupported = [kind for kind in kinds if kind not in (*SOLIDS, *PARTS)]
     if unsupported:
         raise MeshError(
-            f"{name}: unsupported cells {', '.join(unsupported)}; bodies are made of {_supported()}: mesh the part in "
-            f"these alone, or split the cells into tetrahedra"
+            f"{name}: unsupported cells {', '.join(unsupported)}; bodies are made of "
+            f"{_supported()}: mesh the part in these alone, or split the cells into tetrahedra"
         )
     solids = tuple(kind for kind in kinds if kind in SOLIDS)
     if solids:
@@ -89,7 +89,8 @@ def _body_types(name: str, kinds: Iterable[str]) -> tuple[str, ...]:
     if "line" in kinds and all(kind in ("vertex", "line") for kind in kinds):
         return LINES
     raise MeshError(
-        f"{name}: no body in cells of type {', '.join(kinds) or 'none'}; bodies are made of {_supported()}"
+        f"{name}: no body in cells of type {', '.join(kinds) or 'none'}; "
+        f"bodies are made of {_supported()}"
     )
 
 

@@ -67,7 +67,7 @@ class Basis:
         return rest
 
     def _normalised(self, W: Array, shortest: float) -> Array:
-        """An orthonormal basis of the columns of W, without directions of this length or shorter."""
+        """An orthonormal basis of the columns of W, without directions as short as `shortest`."""
         found = []
         while W.shape[1]:
             squares, Q = eigh(W.T @ (self._M @ W))

@@ -145,7 +145,7 @@ def _cholmod(A: Any, name: str, beside: Mapping[str, float] = NOTHING) -> Solve:
 
 
 def _superlu(A: Any, name: str, beside: Mapping[str, float] = NOTHING) -> Solve:
-    """L U after minimum degree: both factors are kept, with indices, and minimum degree fills more."""
+    """L U after minimum degree, which fills more; both factors are kept, with their indices."""
     from scipy.sparse.linalg import splu
 
     _require(3.0 * factorization_cost(A.shape[0], A.nnz).bytes, A, name, beside)

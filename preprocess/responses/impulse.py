@@ -1,4 +1,4 @@
-"""The choice of the method that computes impulse responses. The one place that knows the methods."""
+"""Impulse responses by the method that a body file names or its size suggests."""
 
 from dataclasses import dataclass
 

@@ -134,8 +134,9 @@ class KrylovSpace:
             Q[:, low] = Q[:, low] @ turn
         if squares[0] <= NOTHING * squares[-1]:
             raise MeshError(
-                f"expected six zero modes, found {RIGID + int((squares <= NOTHING * squares[-1]).sum())}: "
-                f"the body is a mechanism, eigenvalues {squares[:8].tolist()}"
+                "expected six zero modes, found "
+                f"{RIGID + int((squares <= NOTHING * squares[-1]).sum())}: the body is a "
+                f"mechanism, eigenvalues {squares[:8].tolist()}"
             )
         return np.sqrt(squares), Q
 
@@ -195,9 +196,10 @@ def krylov_modes(
         room = space.room
         if space.basis.columns + (check - space.blocks) * structure.P_C.shape[0] > room:
             raise MethodError(
-                f"impulse.method krylov: an error of {tolerance:g} up to {band.limit:g} Hz takes more than the {room} "
-                f"vectors that there is time and memory for, found {error:.1e} with {space.dimension}: "
-                "raise impulse.tolerance, lower impulse.band, or use method march"
+                f"impulse.method krylov: an error of {tolerance:g} up to {band.limit:g} Hz takes "
+                f"more than the {room} vectors that there is time and memory for, found "
+                f"{error:.1e} with {space.dimension}: raise impulse.tolerance, lower "
+                "impulse.band, or use method march"
             )
     else:
         (modes, Q), error = found(space.blocks), 0.0

@@ -46,8 +46,9 @@ def compliance(structure: Structure) -> Array:
     scale = np.sqrt(np.abs(np.diag(H)))
     if (found := np.max(np.abs(change) / np.outer(scale, scale))) > UNDETERMINED:
         raise MeshError(
-            f"the static compliance of the body is not determined: one step of refinement changes it by {found:.1e}, "
-            f"expected {UNDETERMINED:g} at most: the body is a mechanism, or far too slender for its mesh"
+            "the static compliance of the body is not determined: one step of refinement changes "
+            f"it by {found:.1e}, expected {UNDETERMINED:g} at most: the body is a mechanism, "
+            "or far too slender for its mesh"
         )
     return _symmetric(H)
 

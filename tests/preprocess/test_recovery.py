@@ -182,7 +182,7 @@ def test_a_node_between_materials_has_the_stresses_of_both(solid_body, box):
 
 
 def test_tied_nodes_follow_their_frame(solid_body, box, kind):
-    """Rigid motions of the structure move every point of the surface as one piece, without stress."""
+    """Rigid motions of the structure move the surface as one piece, without stress."""
     interfaces = {"root": {"group": "root", "kind": "rigid"}, "tip": {"group": "tip"}}
     body = solid_body(box(kind), interfaces=interfaces, recovery=STRESS)
     structure, mesh = assemble(body), read_mesh(body.mesh)

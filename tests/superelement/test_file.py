@@ -46,7 +46,7 @@ def assert_identical(found: Any, expected: Any) -> None:
 
 
 def any_floats(rng: np.random.Generator, *shape: int) -> np.ndarray:
-    """Finite numbers of any bit pattern: any exponent, subnormal numbers and both zeros among them."""
+    """Finite numbers of any bit pattern: any exponent, subnormal numbers, both zeros."""
     bits = rng.integers(0, 2**64, shape, dtype=np.uint64)
     numbers = bits.view(np.float64)
     numbers[~np.isfinite(numbers)] = -0.0

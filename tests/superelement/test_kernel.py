@@ -10,7 +10,7 @@ RHO_INF = (0.0, 0.5, 0.9, 1.0)
 
 
 def convolve(kernel: Kernel, p: np.ndarray) -> np.ndarray:
-    """u_n = g_initial[n] p_0 + sum_{j=1..n} g[n-j] p_j, as the definition has it.   p (n + 1, n_c)"""
+    """u_n = g_initial[n] p_0 + sum_{j=1..n} g[n-j] p_j, as defined; p (n + 1, n_c)."""
     u = np.zeros_like(p)
     for n in range(len(p)):
         u[n] = kernel.g_initial[n] @ p[0] + np.einsum(

@@ -152,7 +152,8 @@ def read_instances(path: Path, lost: list[str]) -> dict[str, Instance]:
                 part.surfaces.append(keyword)
             case name if name in _GENERATED:
                 raise MeshError(
-                    f"{keyword.place}: *{name} is not supported; expected a mesh that is written out"
+                    f"{keyword.place}: *{name} is not supported; "
+                    "expected a mesh that is written out"
                 )
             case name if name in _CONNECTIONS:
                 left_out[f"*{name}"] += 1
@@ -205,8 +206,8 @@ def _add_elements(part: Part, keyword: Keyword) -> bool:
         items = keyword.ints([item for line in keyword.data for item in line if item])
         if len(items) % (1 + k):
             raise MeshError(
-                f"{keyword.place}: *ELEMENT: expected a number and {k} nodes for each {keyword['TYPE']}, "
-                f"found {len(items)} numbers in all"
+                f"{keyword.place}: *ELEMENT: expected a number and {k} nodes for each "
+                f"{keyword['TYPE']}, found {len(items)} numbers in all"
             )
         table = np.array(items, dtype=np.int64).reshape(-1, 1 + k)
         numbers, nodes = table[:, 0], table[:, 1:]

@@ -86,7 +86,7 @@ class Sequence:
         return sum(len(rows) for _, rows in self._blocks)
 
     def by_kind(self, elements: IntArray) -> Iterator[tuple[str, IntArray]]:
-        """The cells of elements, given by their places in the order of the file: rows of each type."""
+        """The cells of elements, numbered in the order of the file: rows of each type."""
         kinds, rows = (np.concatenate(parts) for parts in zip(*self._blocks, strict=True))
         for i, kind in enumerate(self._kinds):
             if len(found := rows[elements[kinds[elements] == i]]):

@@ -148,7 +148,7 @@ def _finish(numbers: Numbers, section: str) -> None:
 
 
 def _read2(sections: dict[str, bytes], form: _Format, names: dict[tuple[int, int], str]) -> Draft:
-    """Version 2: every element has its own tags, and stands once for each of its physical groups."""
+    """Version 2: elements have tags of their own, and stand once for each physical group."""
     count, numbers = form.counted(sections["Nodes"])
     given, points = numbers.table(count, ("i", 1), ("d", 3))
     _finish(numbers, "Nodes")

@@ -88,7 +88,8 @@ def read(path: Path) -> Draft:
             or not ((support.values >= 0) & (support.values < len(nodes.values))).all()
         ):
             raise MeshError(
-                f"cells of MED's type {code}: expected {k} numbers of nodes, 1 to {len(nodes.values)}"
+                f"cells of MED's type {code}: expected {k} numbers of nodes, "
+                f"1 to {len(nodes.values)}"
             )
         rows = draft.add(kind, _turned(kind, support.values, nodes.values))
         for family, names in groups["ELEME"].items():

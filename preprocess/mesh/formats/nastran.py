@@ -114,7 +114,8 @@ def _nodes(card: Card) -> tuple[str, list[int]]:
         count, kinds = given[-1] if given else 0, _SOLIDS[card.name]
         if count not in kinds:
             raise MeshError(
-                f"{card.place}: {card.name}: expected {' or '.join(map(str, kinds))} grid points, found {count}"
+                f"{card.place}: {card.name}: "
+                f"expected {' or '.join(map(str, kinds))} grid points, found {count}"
             )
         kind = kinds[count]
     return kind, [card.integer(field) for field in range(4, 4 + count)]

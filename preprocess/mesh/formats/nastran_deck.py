@@ -32,7 +32,7 @@ class Card:
     place: str
 
     def text(self, field: int) -> str:
-        """A field, counted from 1, which is the name, without the fields that hold continuations."""
+        """A field by its number; field 1 is the name, and continuations do not count."""
         return self.fields[field - 2] if field - 2 < len(self.fields) else ""
 
     def integer(self, field: int, default: int | None = None) -> int:
@@ -52,7 +52,8 @@ class Card:
             return float(_BARE_EXPONENT.sub(r"E\1", text) or 0.0)
         except ValueError as error:
             raise MeshError(
-                f"{self.place}: {self.name}: expected a number in field {field}, found {self.text(field)!r}"
+                f"{self.place}: {self.name}: expected a number in field {field}, "
+                f"found {self.text(field)!r}"
             ) from error
 
     def ranges(self, first: int) -> list[range]:

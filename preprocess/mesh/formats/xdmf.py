@@ -129,7 +129,8 @@ def _add_cells(
     for kind, nodes in blocks:
         if not ((nodes >= 0) & (nodes < len(rows))).all():
             raise MeshError(
-                f"Topology: expected nodes 0 to {len(rows) - 1}, found {nodes.min()} to {nodes.max()}"
+                f"Topology: expected nodes 0 to {len(rows) - 1}, "
+                f"found {nodes.min()} to {nodes.max()}"
             )
         sequence.add(kind, rows[nodes])
     return np.arange(first, len(sequence))
@@ -150,7 +151,8 @@ def _mixed(values: list[int]) -> list[tuple[str, IntArray]]:
         if kind in ("vertex", "line"):
             if values[place : place + 1] != [k]:
                 raise MeshError(
-                    f"Topology: expected {k} nodes of each {kind}, found {values[place : place + 1]}"
+                    f"Topology: expected {k} nodes of each {kind}, "
+                    f"found {values[place : place + 1]}"
                 )
             place += 1
         if place + k > len(values):
@@ -170,7 +172,7 @@ def _add_groups(
     sequence: Sequence,
     elements: IntArray,
 ) -> None:
-    """The arrays and sets of a grid, whose points and elements are those of `rows` and `elements`."""
+    """Groups from the arrays and sets of a grid on the points `rows` and the elements."""
 
     def mark_points(name: str, places: IntArray) -> None:
         draft.mark_points(name, rows[places])

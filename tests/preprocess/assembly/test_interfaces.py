@@ -173,7 +173,8 @@ def test_a_group_of_one_point_is_a_node(solid_body, box):
     [
         (
             {"node": [1.01, 0, 0]},
-            r"mesh.msh: interfaces.tip: no node at \[1.01, 0.0, 0.0\]: the nearest is at \[1.0, 0.0, 0.0\], 0.01 m",
+            r"mesh.msh: interfaces.tip: no node at \[1.01, 0.0, 0.0\]: "
+            r"the nearest is at \[1.0, 0.0, 0.0\], 0.01 m",
         ),
         (
             {"group": "box"},
@@ -181,7 +182,8 @@ def test_a_group_of_one_point_is_a_node(solid_body, box):
         ),
         (
             {"plane": {"point": [0.77, 0, 0], "normal": [1, 0, 0]}},
-            r"interfaces.tip: no facet of the boundary lies as a whole in plane \(point=\(0.77, .*, nor does a node",
+            r"interfaces.tip: no facet of the boundary lies as a whole in plane "
+            r"\(point=\(0.77, .*, nor does a node",
         ),
     ],
 )

@@ -54,7 +54,7 @@ def test_mass_properties_of_a_beam_with_a_tip_mass(beam_body, beam, place, inert
     "interface", [{}, {"kind": "rigid"}, {"at": [1.2, 0.1, 0]}], ids=["average", "rigid", "at"]
 )
 def test_mass_properties_of_a_solid_with_a_mass_on_an_interface(solid_body, box, kind, interface):
-    """The frame of an interface follows rigid motion exactly, so the mass acts where the frame is."""
+    """An interface follows rigid motion exactly, so the mass acts where its frame is."""
     mesh = box(kind, size=(1.0, 0.2, 0.1), divisions=(3, 2, 2))
     interfaces = {"root": {"group": "root"}, "tip": {"group": "tip", **interface}}
     bare = assemble(solid_body(mesh, interfaces=interfaces))

@@ -83,7 +83,7 @@ def test_the_matrix_and_the_tensor_give_the_same_stress():
 
 
 def test_a_patch_of_orthotropic_elements(solid_body, box, kind):
-    """Any constant strain has its energy, epsilon C epsilon / 2, and leaves inner nodes unloaded."""
+    """A constant strain has the energy epsilon C epsilon / 2 and leaves inner nodes unloaded."""
     structure = assemble(solid_body(box(kind), material=WOOD | TURNED))
     C = Material.model_validate(WOOD | TURNED).elasticity_tensor
     gradient = np.random.default_rng(3).normal(size=(3, 3))

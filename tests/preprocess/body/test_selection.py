@@ -19,7 +19,7 @@ MANTLE = {"cylinder": {"axis": AXIS, "radius": OUTER, "inner": OUTER}}
 
 
 def half_tube(box, kind, divisions=(8, 1, 2)):
-    """A box bent around z: its first axis is the angle, from pi down to 0, its second the radius."""
+    """A box bent around z: the first axis is the angle, from pi to 0, the second the radius."""
     mesh = box(kind, divisions=divisions)
     angle, radius, z = (
         np.pi * (1.0 - mesh.points[:, 0]),
@@ -136,7 +136,8 @@ def test_a_box_on_a_beam_selects_the_node_in_it(beam_body, beam):
     [
         (
             {"box": {"corners": [[0, 0, 0], [1, 0.4, 0.4]]}},
-            r"interfaces.part: no facet of the boundary lies as a whole in box \(corners=.*, only nodes do: 3",
+            r"interfaces.part: no facet of the boundary lies as a whole in box "
+            r"\(corners=.*, only nodes do: 3",
         ),
         (
             {"sphere": {"center": [2, 2, 2], "radius": 0.1}},
@@ -180,7 +181,10 @@ def test_shapes_without_a_whole_facet(solid_body, box, selection, message):
     ],
 )
 def test_mistakes_in_a_file(tmp_path, line, message):
-    text = 'name = "b"\nmesh = "m.msh"\n[material]\nE = 1\nnu = 0\nrho = 1\n[impulse]\nstep = 1\nsteps = 1\n'
+    text = (
+        'name = "b"\nmesh = "m.msh"\n[material]\nE = 1\nnu = 0\nrho = 1\n'
+        "[impulse]\nstep = 1\nsteps = 1\n"
+    )
     (tmp_path / "body.toml").write_text(f"{text}[interfaces.face]\n{line}\n")
     with pytest.raises(BodyError, match=rf"body.toml: interfaces.face[.:] ?{message}"):
         read_body(tmp_path / "body.toml")

@@ -214,7 +214,10 @@ def stacked(lower, upper):
 
 
 def test_a_quadrilateral_bounded_by_triangles(solid_body):
-    message = r"mesh.msh: 1 quadrilateral faces are bounded by triangles .* at \[0.5, 0.5, 1.0\].*; put wedges between"
+    message = (
+        r"mesh.msh: 1 quadrilateral faces are bounded by triangles .* at \[0.5, 0.5, 1.0\].*; "
+        "put wedges between"
+    )
     with pytest.raises(MeshError, match=message):
         assemble(
             solid_body(stacked("tetra", "hexahedron"), interfaces={"tip": {"node": [0, 0, 0]}})
@@ -230,6 +233,9 @@ def test_a_quadrilateral_bounded_by_triangles(solid_body):
     ],
 )
 def test_elements_of_different_order_do_not_fit(solid_body, lower, upper, faces):
-    message = f"expected elements that fit each other, found {lower}, {upper}, whose faces are {faces}: mesh all"
+    message = (
+        f"expected elements that fit each other, found {lower}, {upper}, "
+        f"whose faces are {faces}: mesh all"
+    )
     with pytest.raises(MeshError, match=message):
         assemble(solid_body(stacked(lower, upper), interfaces={"tip": {"node": [0, 0, 0]}}))

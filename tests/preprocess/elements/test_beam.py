@@ -120,7 +120,7 @@ def test_timoshenko_frequencies_converge_to_the_closed_form(beam_body, beam, sec
 
 
 def test_shear_brings_the_rotary_inertia_of_a_homogeneous_section(beam_body, beam, section):
-    """mass EI / EA about y goes with GA_z: the inertia of the beam grows by that times its length."""
+    """mass EI / EA about y goes with GA_z: the inertia grows by that times the length."""
     thick = section | {"EA": 2.16e4}
     plain = assemble(beam_body(beam(4), thick)).rigid.J_rot
     sheared = assemble(beam_body(beam(4), thick | {"GA_z": 1e4})).rigid.J_rot

@@ -69,7 +69,7 @@ def test_quadratic_elements_hold_pure_bending(solid_body, box, kind):
 
 @pytest.mark.parametrize("kind", ["tetra10", "hexahedron20", "hexahedron27"])
 def test_the_volume_of_a_curved_body(solid_body, box, kind):
-    """Quadratic elements hold a quadratic change of place exactly; this one has a unit determinant."""
+    """Quadratic elements hold a quadratic map exactly; this one has a unit determinant."""
     mesh = box(kind)
     x, y, z = mesh.points.T
     mesh.points = np.stack([x + y**2 / 3, y, z + 0.2 * x**2], axis=1)

@@ -409,7 +409,8 @@ def loose(model: Export) -> Export:
         ),
         (
             lopsided,
-            r"K.npz: expected a symmetric matrix, .* most between dof 1 of node 1[07] and dof 1 of node 1[07]",
+            r"K.npz: expected a symmetric matrix, .* "
+            r"most between dof 1 of node 1[07] and dof 1 of node 1[07]",
         ),
         (massless, r"expected mass on every dof, found none or less on 1, first dof 2 of node 24"),
         (
@@ -422,7 +423,8 @@ def loose(model: Export) -> Export:
         ),
         (
             torn,
-            r"expected one connected body, found 2 pieces of \d+, \d+ nodes; node \d+ is in the smallest",
+            r"expected one connected body, found 2 pieces of \d+, \d+ nodes; "
+            r"node \d+ is in the smallest",
         ),
         (loose, r"expected stiffness on every dof, found none on 1, first dof 2 of node 24"),
     ],
@@ -564,7 +566,7 @@ def test_files_that_do_not_fit(solid, tmp_path, key, name, content, message):
 
 
 def test_files_of_nastran(solid, tmp_path):
-    """Of several matrices the one that is wanted; of one that breaks off, or is complex, nothing."""
+    """Of several matrices the named one; a file that breaks off, or is complex, is refused."""
     model = export(assemble(solid))
     files = model.write(tmp_path, op4_binary)
     swapped = {**files, "stiffness": files["mass"]}

@@ -162,7 +162,7 @@ def test_elements_without_a_material_of_their_own(solid_body, box):
 
 @pytest.mark.parametrize("scale", [1e-3, 0.0254])
 def test_a_mesh_in_another_unit_of_length(solid_body, box, scale):
-    """Mass grows with the cube of the unit, inertia with its fifth power, compliance falls with it."""
+    """Mass grows with the cube of the unit, inertia with its fifth power; compliance falls."""
     body = solid_body(box("hexahedron", (0.3, 0.2, 0.1)))
     one, other = assemble(body), assemble(body.model_copy(update={"scale": scale}))
     assert other.rigid.mass == pytest.approx(scale**3 * one.rigid.mass, rel=1e-12)

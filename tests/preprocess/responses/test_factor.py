@@ -109,7 +109,10 @@ def test_inaccurate_solutions_are_found_and_passed_over(monkeypatch):
     assert "rslab: relative residual" in factor.passed_over[0]
 
     monkeypatch.setattr("duhamel.preprocess.responses.factor._superlu", spoiled)
-    expected = r"the stiffness \(50 unknowns\) could not be factorized: rslab: relative residual .*; superlu: relative"
+    expected = (
+        r"the stiffness \(50 unknowns\) could not be factorized: "
+        r"rslab: relative residual .*; superlu: relative"
+    )
     with pytest.raises(MethodError, match=expected):
         factorize(laplacian(50), "the stiffness")
 
@@ -148,7 +151,10 @@ def test_a_body_that_does_not_fit_is_refused(beam_body, beam, monkeypatch, metho
     """The basis of 6 + 12 (20 + 8) vectors of 126 unknowns along with the factor."""
     monkeypatch.setattr("duhamel.preprocess.memory.available", lambda: 10_000)
     body = beam_body(beam(20), impulse={"step": 6e-5, "steps": 10, "method": method})
-    message = rf"factorization of the matrix of the time step \(126 unknowns\) needs \S+ {needs} GB are available: use a"
+    message = (
+        r"factorization of the matrix of the time step \(126 unknowns\) needs "
+        rf"\S+ {needs} GB are available: use a"
+    )
     with pytest.raises(MemoryShortageError, match=message):
         build(body)
 

@@ -1,4 +1,4 @@
-"""Impulse responses: two methods against each other, their limits, and what damping does to them."""
+"""Impulse responses: two methods against each other, their limits, and damping."""
 
 import numpy as np
 import pytest

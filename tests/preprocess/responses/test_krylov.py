@@ -99,7 +99,7 @@ def convolve(g, p):
 
 
 def test_a_basis_is_orthonormal_whatever_is_added(block):
-    """Nearly dependent columns, of lengths 1e-9 to 1e9; those that are there stay where they are."""
+    """Nearly dependent columns, of lengths 1e-9 to 1e9; earlier columns stay as they are."""
     structure, _ = block
     rng = np.random.default_rng(0)
     basis = Basis(structure.M, 40)
@@ -394,8 +394,10 @@ def test_a_tolerance_out_of_reach_says_how_far_it_came(block, monkeypatch, short
             "duhamel.preprocess.responses.krylov.available", lambda: 8 * structure.n_u * 30
         )
     message = (
-        r"an error of 1e-06 up to 25000 Hz takes more than the \d\d vectors that there is time and memory for, "
-        r"found \d\.\de[+-]\d\d with \d+: raise impulse.tolerance, lower impulse.band, or use method march"
+        r"an error of 1e-06 up to 25000 Hz takes more than the \d\d vectors that there is time "
+        r"and memory for, "
+        r"found \d\.\de[+-]\d\d with \d+: raise impulse.tolerance, lower impulse.band, "
+        r"or use method march"
     )
     with pytest.raises(MethodError, match=message):
         krylov_modes(

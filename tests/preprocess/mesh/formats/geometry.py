@@ -26,7 +26,7 @@ PARALLELEPIPED = {
 
 
 def volume(mesh: Mesh, group: str | None = None) -> float:
-    """Of all elements, or those of a group, each a part of a parallelepiped; none may be inverted."""
+    """Of all elements, or of a group, each cut from a parallelepiped; none may be inverted."""
     total = 0.0
     for kind, cells in mesh.elements.items():
         corners = mesh.points[cells]

@@ -101,9 +101,11 @@ def test_the_slanted_faces(written):
 ASSEMBLY = (
     "*Heading\n** a comment\n*Part, name=Bar\n"
     + CUBE
-    + "*Nset, nset=Corner, internal\n1\n*Nset, nset=bottom\nCorner, 2, 3, 4\n*End Part\n*Assembly, name=Assembly\n"
+    + "*Nset, nset=Corner, internal\n1\n*Nset, nset=bottom\nCorner, 2, 3, 4\n"
+    + "*End Part\n*Assembly, name=Assembly\n"
     + "*Instance, name=Bar-1, part=bar\n*End Instance\n{second}"
-    + "*Elset, elset=_end_S4, internal, instance=Bar-1\n11\n*Surface, type=ELEMENT, name=end\n_end_S4, S4\n"
+    + "*Elset, elset=_end_S4, internal, instance=Bar-1\n11\n"
+    + "*Surface, type=ELEMENT, name=end\n_end_S4, S4\n"
     + "*Nset, nset=feet,\ninstance=Bar-1\nbottom\n*End Assembly\n"
 )
 
@@ -119,7 +121,7 @@ def test_a_part_and_its_instance(written):
 
 
 def test_instances_in_their_places(written):
-    """The second one is moved by 1 along x, and turned by 90 degrees about the line x = 1 along z."""
+    """The second is moved by 1 along x and turned by 90 degrees about the line x = 1 along z."""
     second = (
         "*Instance, name=Bar-2, part=Bar\n1., 0., 0.\n1., 0., 0., 1., 0., 1., 90.\n*End Instance\n"
     )
@@ -146,7 +148,10 @@ def test_instances_in_their_places(written):
 
 def test_the_sets_of_a_face_make_an_interface(written, solid_body, box):
     """As Abaqus/CAE writes a set: the nodes of a face, and the solids beside it, under one name."""
-    sets = "*Nset, nset=root\n1, 4, 5, 8\n*Elset, elset=root\n11\n*Nset, nset=tip\n2, 3, 6, 7\n*Elset, elset=tip\n11\n"
+    sets = (
+        "*Nset, nset=root\n1, 4, 5, 8\n*Elset, elset=root\n11\n"
+        "*Nset, nset=tip\n2, 3, 6, 7\n*Elset, elset=tip\n11\n"
+    )
     structure = assemble(solid_body(box("tetra")).model_copy(update={"mesh": written(CUBE + sets)}))
     X = structure.rigid.center + np.array([interface.X for interface in structure.interfaces])
     np.testing.assert_allclose(X, [[0, 0.5, 0.5], [1, 0.5, 0.5]], atol=1e-14)

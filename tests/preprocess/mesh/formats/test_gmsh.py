@@ -44,7 +44,10 @@ def test_numbers_of_the_other_order_of_bytes(written):
 
 def test_nodes_with_parameters(written):
     """On a surface two numbers follow the coordinates of each node."""
-    nodes = "$Nodes\n2 4 1 4\n2 1 1 3\n1\n2\n3\n0 0 0 .1 .2\n1 0 0 .3 .4\n0 1 0 .5 .6\n3 1 0 1\n4\n0 0 1\n$EndNodes\n"
+    nodes = (
+        "$Nodes\n2 4 1 4\n2 1 1 3\n1\n2\n3\n0 0 0 .1 .2\n1 0 0 .3 .4\n0 1 0 .5 .6\n"
+        "3 1 0 1\n4\n0 0 1\n$EndNodes\n"
+    )
     elements = "$Elements\n1 1 1 1\n3 1 4 1\n1 1 2 3 4\n$EndElements\n"
     mesh = read_mesh(written("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n" + nodes + elements))
     assert mesh.points.tolist() == [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]

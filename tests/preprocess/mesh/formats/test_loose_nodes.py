@@ -56,7 +56,10 @@ def test_places_are_told_in_the_unit_of_the_file_and_only_a_few(save, beam):
     path = save(
         meshio.Mesh(points, mesh.cells, cell_data=mesh.cell_data, field_data=mesh.field_data)
     )
-    told = r"5 nodes that belong to no element, at \[0.0, 1.0, 2.0\], \[3.0, .*\], \[6.0, 7.0, 8.0\], \.\.\.$"
+    told = (
+        r"5 nodes that belong to no element, at "
+        r"\[0.0, 1.0, 2.0\], \[3.0, .*\], \[6.0, 7.0, 8.0\], \.\.\.$"
+    )
     with pytest.warns(MeshWarning, match=told):
         found = read_mesh(path, scale=1e-3)
     np.testing.assert_allclose(found.points, 1e-3 * mesh.points, rtol=1e-15)
@@ -119,8 +122,8 @@ def test_a_group_that_names_them_is_an_error_once_it_is_selected(
         update={"mesh": body.mesh}
     )
     message = (
-        rf"interfaces.hub: group '{group}' names 2 nodes that belong to no element and have no mass, "
-        r"first at \[0.5, 0.5, 9.0\]"
+        rf"interfaces.hub: group '{group}' names 2 nodes that belong to no element "
+        r"and have no mass, first at \[0.5, 0.5, 9.0\]"
     )
     with pytest.warns(MeshWarning, match=TOLD), pytest.raises(InterfaceError, match=message):
         assemble(refused)

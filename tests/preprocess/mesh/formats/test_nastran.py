@@ -61,7 +61,8 @@ def test_numbers(written, text, value):
 def test_a_whole_deck(written):
     """What stands before BEGIN BULK, behind ENDDATA and in comments is no bulk data."""
     path = written(
-        f"SOL 101\nCEND\nSET 1 = ALL\nBEGIN BULK\n$ GRID,9\n{SHORT}{CHEXA}ENDDATA\nGRID,9,,5.,5.,5.\n"
+        "SOL 101\nCEND\nSET 1 = ALL\nBEGIN BULK\n$ "
+        f"GRID,9\n{SHORT}{CHEXA}ENDDATA\nGRID,9,,5.,5.,5.\n"
     )
     assert len(read_mesh(path).points) == 8
     path.write_text(path.read_text().replace("ENDDATA", "$"))

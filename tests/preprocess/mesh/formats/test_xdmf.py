@@ -1,4 +1,4 @@
-"""XDMF: arrays of tags, sets, and several grids on the points of one, with numbers in every place."""
+"""XDMF: arrays of tags, sets, several grids on the points of one; numbers in every storage."""
 
 import h5py
 import meshio
@@ -47,12 +47,18 @@ def test_lines(beam, save):
 GRIDS = """<Xdmf Version="3.0" xmlns:xi="http://www.w3.org/2001/XInclude"><Domain>
 <Grid Name="solid" GridType="Uniform">
 <Topology TopologyType="Tetrahedron" NumberOfElements="1" NodesPerElement="4">
-<DataItem Dimensions="1 4" NumberType="Int" Precision="8" Format="HDF">mesh.h5:/cells</DataItem></Topology>
-<Geometry GeometryType="XYZ"><DataItem Dimensions="4 3" Precision="8" Format="HDF">mesh.h5:/points</DataItem></Geometry>
-<Set Name="foot" SetType="Node"><DataItem Dimensions="2" NumberType="Int" Format="XML">0 2</DataItem></Set>
-<Set Name="edges" SetType="Edge"><DataItem Dimensions="2" NumberType="Int" Format="XML">0 2</DataItem></Set>
+<DataItem Dimensions="1 4" NumberType="Int" Precision="8" Format="HDF">mesh.h5:/cells</DataItem>
+</Topology>
+<Geometry GeometryType="XYZ">
+<DataItem Dimensions="4 3" Precision="8" Format="HDF">mesh.h5:/points</DataItem>
+</Geometry>
+<Set Name="foot" SetType="Node">
+<DataItem Dimensions="2" NumberType="Int" Format="XML">0 2</DataItem></Set>
+<Set Name="edges" SetType="Edge">
+<DataItem Dimensions="2" NumberType="Int" Format="XML">0 2</DataItem></Set>
 </Grid>
-<Grid Name="facet_tags" GridType="Uniform"><xi:include xpointer="xpointer(/Xdmf/Domain/Grid/Geometry)" />
+<Grid Name="facet_tags" GridType="Uniform">
+<xi:include xpointer="xpointer(/Xdmf/Domain/Grid/Geometry)" />
 <Topology TopologyType="Triangle" NumberOfElements="2" NodesPerElement="3">
 <DataItem Dimensions="2 3" NumberType="Int" Format="XML">0 2 1 0 1 3</DataItem></Topology>
 <Attribute Name="facet" AttributeType="Scalar" Center="Cell">
