@@ -10,8 +10,9 @@ from .assembly.structure import Structure, materials_of
 from .body.body import Body
 from .body.material import Material
 from .errors import BodyError, MethodError
+from .mesh.cells import LINES
 from .mesh.facets import facets_of
-from .mesh.mesh import LINES, IntArray, Mesh
+from .mesh.mesh import IntArray, Mesh
 from .responses.modal import Shapes
 
 BATCH = 2**10

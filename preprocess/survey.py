@@ -14,8 +14,9 @@ from .body.material import Material, Section
 from .elements.element import ELEMENTS, cofactors
 from .errors import BodyError
 from .estimate import Frequencies, first_frequencies
-from .mesh.facets import CORNERS, Facets, facets_of
-from .mesh.mesh import LINES, IntArray, Mesh
+from .mesh.cells import FACETS, LINES
+from .mesh.facets import Facets, facets_of
+from .mesh.mesh import IntArray, Mesh
 from .mesh.nodes import Nodes
 from .progress import shown_stages
 from .responses.cost import Cost, krylov_cost
@@ -110,7 +111,7 @@ def _around(kind: str, n_nodes: int) -> list[int]:
     """The nodes on the rim of a facet, one after the other: corners, with the middles between them
     if there are any.
     """
-    corners = CORNERS[kind]
+    corners = FACETS[kind].corners
     middles = [] if n_nodes == corners else [range(corners, 2 * corners)]
     return [node for group in zip(range(corners), *middles, strict=True) for node in group]
 
@@ -197,9 +198,9 @@ def _resolution(body: Body, mesh: Mesh, facets: Facets | None, band: float) -> R
         return Resolution(wavelength, float(_extents(mesh, "line").max()), QUADRATIC)
     spacing, quadratic = 0.0, False
     for kind, nodes in facets.nodes.items():
-        corners = mesh.points[nodes[:, : CORNERS[kind]]]
+        corners = mesh.points[nodes[:, : FACETS[kind].corners]]
         edge = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max())
-        quadratic = nodes.shape[1] > CORNERS[kind]
+        quadratic = nodes.shape[1] > FACETS[kind].corners
         spacing = max(spacing, edge / 2 if quadratic else edge)
     return Resolution(wavelength, spacing, QUADRATIC if quadratic else LINEAR)
 

@@ -11,8 +11,9 @@ from ...superelement.validation import Array
 from ..body.selection import InterfaceSelection
 from ..errors import InterfaceError
 from ..given.node_table import NodeTable
+from ..mesh.cells import DIMENSIONS
 from ..mesh.facets import Facets
-from ..mesh.mesh import DIMENSIONS, NONE, IntArray, Mesh
+from ..mesh.mesh import NONE, IntArray, Mesh
 from ..mesh.nodes import Nodes
 
 LINE = 1e-6

@@ -18,9 +18,10 @@ from ..elements.beam import beam_matrices
 from ..errors import BodyError, InterfaceError
 from ..given.free_body import check_free_body
 from ..given.matrices import GivenModel, read_matrices
+from ..mesh.cells import LINES
 from ..mesh.connectivity import check_connected, check_no_mechanism
 from ..mesh.facets import facets_of
-from ..mesh.mesh import LINES, IntArray, Mesh
+from ..mesh.mesh import IntArray, Mesh
 from ..mesh.nodes import Nodes, node_dofs
 from ..mesh.reading import read_mesh
 from .interfaces import Attachment, attachments, node_attachments

@@ -35,7 +35,7 @@ def solid_matrices(mesh: Mesh, materials: Sequence[Material], owners: IntArray) 
     K, M = np.zeros((len(blocks.rows), 3, 3)), np.zeros((len(blocks.rows), 1, 1))
     for kind, cells in mesh.elements.items():
         element = ELEMENTS[kind]
-        k, q = len(element.place), len(element.weights)
+        k, q = len(element.order), len(element.weights)
         N, dN = element.N(element.xi), element.dN(element.xi)
         i, j = np.triu_indices(k)
         NN = N[i] * N[j] * element.weights  # (pairs, q)

@@ -7,32 +7,16 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from skfem.quadrature import get_quadrature
-from skfem.refdom import RefHex, RefTet, RefTri
 
 from ...superelement.validation import Array
 from ..body.material import STRESSES
 from ..mesh.mesh import IntArray, Mesh
 from .element import ELEMENTS
 
-_CUBE, _ = get_quadrature(RefHex, 3)
-_PRISM = np.vstack([np.tile(get_quadrature(RefTri, 2)[0], 2), np.repeat(_CUBE[2, [0, -1]], 3)])
-SAMPLES = {
-    "tetra": get_quadrature(RefTet, 1)[0],
-    "tetra10": get_quadrature(RefTet, 2)[0],
-    "hexahedron": _CUBE,
-    "hexahedron20": _CUBE,
-    "hexahedron27": _CUBE,
-    "wedge": _PRISM,
-}
-"""Points (3, q) in reference coordinates, one for each term of the polynomial that carries strains
-to the nodes.
-"""
-
-# strain_i = sum_(c,a) PARTS_(c,i,a) du_a/dx_c, shear strains being engineering's
-PARTS = np.zeros((3, 6, 3))
+# strain_i = sum_(c,a) STRAINS_(c,i,a) du_a/dx_c, shear strains being engineering's
+STRAINS = np.zeros((3, 6, 3))
 for _i, (_a, _c) in enumerate(STRESSES):
-    PARTS[_c, _i, _a] = PARTS[_a, _i, _c] = 1.0
+    STRAINS[_c, _i, _a] = STRAINS[_a, _i, _c] = 1.0
 
 
 def strain_rows(mesh: Mesh, points: Mapping[str, IntArray]) -> Any:
@@ -41,7 +25,7 @@ def strain_rows(mesh: Mesh, points: Mapping[str, IntArray]) -> Any:
 
     points: by type of element (n_elements, k), the point to which each node belongs, -1 for none:
     at a point stands the mean of the elements that touch it. In an element the polynomial through
-    the strains at `SAMPLES` is evaluated at its nodes: at the Gauss points of one order less
+    the strains at its samples is evaluated at its nodes: at the Gauss points of one order less
     strains are more accurate than at the nodes themselves. Errors fall with h^2 for quadratic
     elements, with h for linear ones.
     """
@@ -50,7 +34,7 @@ def strain_rows(mesh: Mesh, points: Mapping[str, IntArray]) -> Any:
     touching = np.zeros(n_p, dtype=np.int64)
     for kind, places in points.items():
         rows = np.flatnonzero((places >= 0).any(axis=1))
-        place, cells, xi = places[rows], mesh.cells[kind][rows], SAMPLES[kind]
+        place, cells, xi = places[rows], mesh.cells[kind][rows], ELEMENTS[kind].samples
         element, node = np.nonzero(place >= 0)
         point = place[element, node]
         touching += np.bincount(point, minlength=n_p)
@@ -64,14 +48,13 @@ def strain_rows(mesh: Mesh, points: Mapping[str, IntArray]) -> Any:
             columns, shape = cells[:, :, None], (samples.size, len(mesh.points))
             slopes[c] += carry @ _sparse(gradients[:, :, c], samples[:, None], columns, shape)
     mean = sp.dia_array((1.0 / touching[None], [0]), shape=(n_p, n_p))
-    return sum(
-        sp.kron(mean @ slope, part, format="csr") for slope, part in zip(slopes, PARTS, strict=True)
-    )
+    terms = zip(slopes, STRAINS, strict=True)
+    return sum(sp.kron(mean @ slope, strain, format="csr") for slope, strain in terms)
 
 
 def _extrapolation(kind: str) -> Array:
-    """(k, q): values at the nodes of the polynomial through the values at `SAMPLES`."""
-    samples = SAMPLES[kind]
+    """(k, q): values at the nodes of the polynomial through the values at the samples."""
+    samples = ELEMENTS[kind].samples
     n = samples.shape[1]
     return np.asarray(
         np.linalg.solve(_terms(samples, n), _terms(ELEMENTS[kind].nodes, n)).T, dtype=float

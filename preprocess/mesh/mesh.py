@@ -13,22 +13,6 @@ from ..errors import MeshError
 IntArray = NDArray[np.int64]
 NONE: IntArray = np.zeros(0, dtype=np.int64)
 
-LINES = ("line",)
-SOLIDS = ("tetra", "tetra10", "hexahedron", "hexahedron20", "hexahedron27", "wedge")
-PARTS = ("vertex", "line", "line3", "triangle", "triangle6", "quad", "quad8", "quad9")
-"""Cells that may bound or mark a body without being one."""
-
-DIMENSIONS = {
-    "vertex": 0,
-    "line": 1,
-    "line3": 1,
-    "triangle": 2,
-    "triangle6": 2,
-    "quad": 2,
-    "quad8": 2,
-    "quad9": 2,
-}
-
 
 @dataclass(frozen=True, eq=False)
 class Group:

@@ -9,9 +9,10 @@ import numpy as np
 
 from ...superelement.validation import Array
 from ..errors import MeshError, MeshWarning
+from .cells import DIMENSIONS, LINES, SOLIDS
 from .formats import abaqus, gmsh, med, nastran, through_meshio, xdmf
 from .formats.draft import Draft
-from .mesh import LINES, PARTS, SOLIDS, Mesh
+from .mesh import Mesh
 
 _READERS = {
     ".msh": gmsh.read,
@@ -77,7 +78,7 @@ def _told(loose: Array) -> str:
 
 def _body_types(name: str, kinds: Iterable[str]) -> tuple[str, ...]:
     """The types of the cells that make the body: the solid ones, else lines."""
-    unsupported = [kind for kind in kinds if kind not in (*SOLIDS, *PARTS)]
+    unsupported = [kind for kind in kinds if kind not in (*SOLIDS, *DIMENSIONS)]
     if unsupported:
         raise MeshError(
             f"{name}: unsupported cells {', '.join(unsupported)}; bodies are made of "

@@ -28,7 +28,17 @@ ROOMS = (
 )
 """Files and folders of preprocess: each imports from those before it, and from itself."""
 
-MESH = ("__init__", "mesh", "numbering", "nodes", "facets", "connectivity", "formats", "reading")
+MESH = (
+    "__init__",
+    "cells",
+    "mesh",
+    "numbering",
+    "nodes",
+    "facets",
+    "connectivity",
+    "formats",
+    "reading",
+)
 """The same within preprocess/mesh."""
 
 PACKAGES = {

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...errors import MeshError
-from ..mesh import DIMENSIONS, NONE, IntArray
+from ..cells import DIMENSIONS
+from ..mesh import NONE, IntArray
 from ..numbering import Numbering
 from .abaqus_deck import Keyword
 from .abaqus_parts import Instance, Sets, read_instances

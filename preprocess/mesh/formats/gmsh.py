@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import MeshError
-from ..mesh import DIMENSIONS, NONE, IntArray
+from ..cells import DIMENSIONS
+from ..mesh import NONE, IntArray
 from ..numbering import Numbering
 from .draft import Draft
 from .numbers import BinaryNumbers, Numbers, TextNumbers

@@ -61,7 +61,7 @@ def forms(mesh, stress):
     """
     ((kind, cells),) = mesh.elements.items()
     element = ELEMENTS[kind]
-    order = np.argsort(element.place)
+    order = np.argsort(element.order)
     nodes = cells[:, order]
     n, k = nodes.shape
     per_cell = np.arange(n * k).reshape(n, k).T

@@ -36,7 +36,7 @@ def moment(kind, powers):
 def test_a_shape_is_one_at_its_node_alone(kind):
     element = ELEMENTS[kind]
     np.testing.assert_allclose(
-        element.N(element.nodes), np.eye(len(element.place)), rtol=0, atol=1e-14
+        element.N(element.nodes), np.eye(len(element.order)), rtol=0, atol=1e-14
     )
 
 
@@ -47,7 +47,7 @@ def test_the_nodes_are_in_the_order_of_meshio(kind):
     grid, cells = solid_cells(kind, (1, 1, 1))
     element = ELEMENTS[kind]
     for cell in cells:
-        affine = np.vstack([element.nodes, np.ones(len(element.place))]).T
+        affine = np.vstack([element.nodes, np.ones(len(element.order))]).T
         image, *_ = np.linalg.lstsq(affine, grid[cell].astype(float))
         np.testing.assert_allclose(affine @ image, grid[cell], rtol=0, atol=1e-13)
         assert np.linalg.det(image[:3]) > 0
@@ -66,7 +66,7 @@ def test_gradients_of_a_linear_field(kind):
     """On elements bent out of shape: sum_k f(X_k) dN_k/dx is the gradient of a linear f."""
     element = ELEMENTS[kind]
     rng = np.random.default_rng(1)
-    X = element.nodes.T + rng.uniform(-0.03, 0.03, (5, len(element.place), 3))
+    X = element.nodes.T + rng.uniform(-0.03, 0.03, (5, len(element.order), 3))
     gradient = rng.normal(size=3)
     found = np.einsum("nk,nkiq->niq", X @ gradient, element.gradients(element.xi, X))
     np.testing.assert_allclose(found, np.broadcast_to(gradient[:, None], found.shape), rtol=1e-11)
