@@ -3,16 +3,24 @@
 from importlib import metadata
 
 from ..superelement import Provenance, Superelement, sha256
-from .assembly.structure import assemble_on, read_source
+from .assembly.structure import Structure, assemble_on
 from .body.body import Body
-from .mesh.mesh import Mesh
 from .progress import Stages, shown_stages
 from .recovery import check_recovery, recover
 from .responses.factor import accounts
 from .responses.impulse import impulse_responses
 from .responses.static import compliance, mobility
+from .sources.reading import read_source
 
 PACKAGES = ("duhamel", "numpy", "scipy", "scikit-fem", "meshio", "rslab")
+
+
+def assemble(body: Body) -> Structure:
+    """The finite element model of a body, from its mesh or matrix files.
+
+    `PreprocessError` if the body or its files do not allow it.
+    """
+    return assemble_on(body, read_source(body))
 
 
 def build(body: Body, progress: bool = False) -> Superelement:
@@ -28,8 +36,7 @@ def build(body: Body, progress: bool = False) -> Superelement:
 def _build(body: Body, stages: Stages, factorizations: list[str]) -> Superelement:
     with stages.stage("mesh"):
         source = read_source(body)
-        if isinstance(source, Mesh):
-            check_recovery(body, source)
+        check_recovery(body, source)
     with stages.stage("assembly"):
         structure = assemble_on(body, source)
     with stages.stage("impulse"):
@@ -44,7 +51,7 @@ def _build(body: Body, stages: Stages, factorizations: list[str]) -> Superelemen
             else (modes.compliance, modes.mobility)
         )
     recovery = None
-    if body.recovery is not None and responses.shapes is not None and isinstance(source, Mesh):
+    if body.recovery is not None and responses.shapes is not None:
         with stages.stage("recovery"):
             recovery = recover(body, source, structure, responses.shapes)
     return Superelement(

@@ -5,8 +5,6 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-import skfem
-from skfem.quadrature import get_quadrature
 
 from ...superelement.validation import Array
 from ..mesh.cells import FACETS
@@ -55,6 +53,9 @@ def surface(points: Array, patch: Patch) -> Surface:
 
 def _piece(points: Array, kind: str, facets: IntArray) -> tuple[Array, Array, Any]:
     """x, dA and N of facets (n, k) of one type."""
+    import skfem
+    from skfem.quadrature import get_quadrature
+
     element: skfem.Element = getattr(skfem, FACETS[kind].shapes)()
     xi, weights = get_quadrature(element.refdom, DEGREE)
     n, k = facets.shape

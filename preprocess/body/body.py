@@ -4,7 +4,7 @@ import os
 import tomllib
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, cast
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import (
@@ -257,18 +257,20 @@ class Body(Table):
         return self
 
     @property
-    def source(self) -> Path | Matrices:
-        """What the model comes from: the mesh file, or matrices."""
-        return cast(Path | Matrices, self.mesh or self.matrices)
-
-    @property
     def files(self) -> tuple[Path, ...]:
-        """The files of the source."""
-        return (
-            tuple(self.source.files.values())
-            if isinstance(self.source, Matrices)
-            else (self.source,)
-        )
+        """The file of the mesh, or those of the matrices."""
+        mesh = () if self.mesh is None else (self.mesh,)
+        matrices = () if self.matrices is None else self.matrices.files.values()
+        return (*mesh, *matrices)
+
+    def relative_to(self, folder: Path) -> "Body":
+        """The same body with its files in a folder, unless their paths are absolute."""
+        found: dict[str, Path | Matrices] = {}
+        if self.mesh is not None:
+            found["mesh"] = folder / self.mesh
+        if self.matrices is not None:
+            found["matrices"] = self.matrices.relative_to(folder)
+        return self.model_copy(update=found)
 
     @property
     def text(self) -> str:
@@ -290,12 +292,6 @@ def read_body(path: str | os.PathLike[str]) -> Body:
         body, text = read_table(path, Body)
     except InputError as error:
         raise BodyError(str(error)) from error
-    folder, source = Path(path).parent, body.source
-    found = (
-        {"matrices": source.relative_to(folder)}
-        if isinstance(source, Matrices)
-        else {"mesh": folder / source}
-    )
-    body = body.model_copy(update=found)
+    body = body.relative_to(Path(path).parent)
     body._text = text
     return body

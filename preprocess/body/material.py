@@ -34,6 +34,16 @@ class Section(Table):
     rotary_inertia_z: NonNegativeFloat | None = None
     orientation: Vector | None = None
 
+    @property
+    def density(self) -> float:
+        """Mass per length [kg/m]."""
+        return self.mass_per_length
+
+    def shortest_wave(self, frequency: float) -> float:
+        """The length [m] of a bending wave at a frequency [Hz], 2 pi (EI / (m omega^2))^(1/4)."""
+        EI, omega = min(self.EI_y, self.EI_z), 2.0 * np.pi * frequency
+        return float(2.0 * np.pi * (EI / (self.mass_per_length * omega**2)) ** 0.25)
+
 
 Three = tuple[PositiveFloat, PositiveFloat, PositiveFloat]
 
@@ -123,6 +133,16 @@ class Material(Table):
         R = self._directions
         turned: Array = np.einsum("ia,jb,kc,ld,ijkl->abcd", R, R, R, R, C, optimize=True)
         return turned
+
+    @property
+    def density(self) -> float:
+        """Mass per volume [kg/m^3]."""
+        return self.rho
+
+    def shortest_wave(self, frequency: float) -> float:
+        """The length [m] of a shear wave at a frequency [Hz], sqrt(G / rho) / f."""
+        shear = self.elasticity.diagonal()[3:].min()
+        return float(np.sqrt(shear / self.rho) / frequency)
 
     @property
     def _compliance(self) -> Array:

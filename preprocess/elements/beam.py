@@ -53,6 +53,12 @@ def beam_matrices(mesh: Mesh, sections: list[Section]) -> tuple[Array, Array]:
     return back @ K @ turn, back @ M @ turn
 
 
+def lengths(mesh: Mesh) -> Array:
+    """The length (n,) [m] of every line."""
+    ends = mesh.points[mesh.cells["line"]]
+    return np.asarray(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
+
+
 def _lengths_and_axes(mesh: Mesh, sections: list[Section]) -> tuple[Array, Array]:
     """Lengths (n,) and local axes (n, 3, 3), whose rows are x, y and z."""
     ends = mesh.points[mesh.cells["line"]]

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
+from ...superelement.validation import Array
 from ..body.material import Material
 from ..errors import MeshError
 from ..mesh.mesh import IntArray, Mesh
@@ -54,6 +55,17 @@ def solid_matrices(mesh: Mesh, materials: Sequence[Material], owners: IntArray) 
             blocks.add(K, kind, rows, stiffness.reshape(len(i), -1, 3, 3))
             blocks.add(M, kind, rows, mass[:, :, None, None])
     return blocks.matrix(K), sp.kron(blocks.matrix(M), sp.eye_array(3), format="csc")
+
+
+def volumes(mesh: Mesh) -> Array:
+    """The volume (n_elements,) [m^3] of every element."""
+    found = []
+    for kind, cells in mesh.elements.items():
+        element = ELEMENTS[kind]
+        dN = element.dN(element.xi)
+        for _, rows in _batches(np.zeros(len(cells), dtype=np.int64), max(1, BATCH // dN.size)):
+            found.append(cofactors(dN, mesh.points[cells[rows]])[1] @ element.weights)
+    return np.concatenate(found)
 
 
 def _batches(owners: IntArray, size: int) -> Iterator[tuple[int, IntArray]]:

@@ -19,6 +19,7 @@ ROOMS = (
     "elements",
     "given",
     "assembly",
+    "sources",
     "responses",
     "estimate",
     "recovery",

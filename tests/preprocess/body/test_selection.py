@@ -8,9 +8,7 @@ from duhamel.preprocess import BodyError, InterfaceError, assemble
 from duhamel.preprocess.assembly.interfaces import attachments
 from duhamel.preprocess.body.body import Body, read_body
 from duhamel.preprocess.body.selection import Box, Cylinder, Plane, Sphere
-from duhamel.preprocess.mesh.facets import facets_of
-from duhamel.preprocess.mesh.nodes import Nodes
-from duhamel.preprocess.mesh.reading import read_mesh
+from duhamel.preprocess.sources.reading import read_source
 
 INNER, OUTER, LENGTH = 0.02, 0.03, 0.05
 AXIS = [[0, 0, 0], [0, 0, LENGTH]]
@@ -31,9 +29,7 @@ def half_tube(box, kind, divisions=(8, 1, 2)):
 
 
 def attached(body: Body):
-    mesh = read_mesh(body.mesh, body.scale)
-    nodes = Nodes(mesh.points, np.zeros(len(mesh.points), dtype=bool))
-    return attachments("interfaces", body.interfaces, mesh, nodes, facets_of(mesh))
+    return attachments("interfaces", body.interfaces, read_source(body))
 
 
 @pytest.mark.parametrize(

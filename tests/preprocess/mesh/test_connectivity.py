@@ -42,7 +42,7 @@ def test_mechanisms(solid_body, corners, motions, joint):
 def test_the_count_of_motions_is_that_of_zero_eigenvalues(solid_body, monkeypatch):
     """The same bodies with the check out of the way: K has as many zero eigenvalues."""
     monkeypatch.setattr(
-        "duhamel.preprocess.assembly.structure.check_no_mechanism", lambda mesh, facets: None
+        "duhamel.preprocess.sources.solids.check_no_mechanism", lambda mesh, facets: None
     )
     for corners, motions in (([(0, 0, 0), (1, 1, 0)], 7), ([(0, 0, 0), (1, 1, 1)], 9)):
         K = assemble(body_of(solid_body, blocks(corners))).K.toarray()
