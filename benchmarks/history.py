@@ -49,7 +49,7 @@ def element(n_c: int, m: int) -> Superelement:
         kernel=sample_kernel(modes, H, SCHEME, 8),
         modes=modes,
         compliance=modes.compliance,
-        mobility=modes.mobility,
+        accelerance=modes.accelerance,
     )
 
 

@@ -140,7 +140,7 @@ def element(m: int) -> Superelement:
         kernel=sample_kernel(modes, H, GeneralizedAlpha(0.9), 8),
         modes=modes,
         compliance=modes.compliance,
-        mobility=modes.mobility,
+        accelerance=modes.accelerance,
     )
 
 

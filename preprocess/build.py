@@ -9,7 +9,7 @@ from .progress import Stages, shown_stages
 from .recovery import check_recovery, recover
 from .responses.factor import accounts
 from .responses.impulse import impulse_responses
-from .responses.static import compliance, mobility
+from .responses.static import accelerance, compliance
 from .sources.reading import read_source
 
 PACKAGES = ("duhamel", "numpy", "scipy", "scikit-fem", "meshio", "rslab")
@@ -46,9 +46,9 @@ def _build(body: Body, stages: Stages, factorizations: list[str]) -> Superelemen
         # whole mesh would.
         modes = responses.modes
         H, B = (
-            (compliance(structure), mobility(structure))
+            (compliance(structure), accelerance(structure))
             if modes is None
-            else (modes.compliance, modes.mobility)
+            else (modes.compliance, modes.accelerance)
         )
     recovery = None
     if body.recovery is not None and responses.shapes is not None:
@@ -63,7 +63,7 @@ def _build(body: Body, stages: Stages, factorizations: list[str]) -> Superelemen
         kernel=responses.kernel,
         modes=responses.modes,
         compliance=H,
-        mobility=B,
+        accelerance=B,
         recovery=recovery,
         provenance=Provenance(
             body=body.text,

@@ -62,12 +62,11 @@ class Survey:
         """By type of facet: polygons (m, k, 3) that turn outwards, and the interface (m,) of each,
         -1 for none.
         """
-        facets = self.source.facets
-        owner = np.full(0 if facets is None else facets.count, -1, dtype=np.int64)
-        for number, frame in enumerate(self.interfaces.values()):
-            owner[frame.facets] = number
-        for polygons, numbers in self.source.boundary():
-            yield polygons, owner[numbers]
+        for polygons, facets in self.source.boundary():
+            owner = np.full(len(facets), -1, dtype=np.int64)
+            for number, frame in enumerate(self.interfaces.values()):
+                owner[np.isin(facets, frame.facets)] = number
+            yield polygons, owner
 
 
 def survey(body: Body, progress: bool = False) -> Survey:

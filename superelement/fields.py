@@ -2,12 +2,14 @@
 units.
 """
 
-from typing import Any
+from typing import Any, TypeVar
 
 import h5py
 import numpy as np
 
 from .validation import Array, SuperelementError, checked
+
+Value = TypeVar("Value", str, int)
 
 
 def put(group: h5py.Group, name: str, data: Any, units: str) -> None:
@@ -60,11 +62,15 @@ def text(file: h5py.Group, name: str) -> str:
     return found
 
 
-def expect(file: h5py.Group, name: str, value: str | int) -> None:
-    """An attribute that must have this value and no other."""
-    found = text(file, name) if isinstance(value, str) else _attribute(file, name)
-    if not np.array_equal(found, value):
-        raise SuperelementError(f"{_label(file, name)}: expected {value!r}, found {found!r}")
+def expect(file: h5py.Group, name: str, *allowed: Value) -> Value:
+    """An attribute that must have one of the allowed values; that value."""
+    found = text(file, name) if isinstance(allowed[0], str) else _attribute(file, name)
+    for value in allowed:
+        if np.array_equal(found, value):
+            return value
+    raise SuperelementError(
+        f"{_label(file, name)}: expected {' or '.join(map(repr, allowed))}, found {found!r}"
+    )
 
 
 def _dataset(file: h5py.Group, name: str) -> h5py.Dataset:

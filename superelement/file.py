@@ -1,5 +1,6 @@
-"""The HDF5 file of a superelement, schema version 1. Written under a temporary name and renamed
-when whole.
+"""The HDF5 file of a superelement, schema version 2; files of version 1 are read too.
+
+Written under a temporary name and renamed when whole.
 """
 
 import hashlib
@@ -24,7 +25,9 @@ from .superelement import Provenance, Superelement
 from .validation import SuperelementError, checked
 
 FORMAT = "duhamel-superelement"
-VERSION = 1
+VERSION = 2
+ACCELERANCE = {1: "static/mobility", VERSION: "static/accelerance"}
+"""The dataset of the accelerance, by version: version 1 has it under another name."""
 
 DAMAGE = (OSError, RuntimeError, KeyError)
 """What h5py raises on a file with wrong bytes inside, each for other parts of its structure."""
@@ -51,7 +54,7 @@ def write(path: str | os.PathLike[str], superelement: Superelement) -> None:
 
 
 def read(path: str | os.PathLike[str], recovery: bool = True) -> Superelement:
-    """Read and validate a superelement; groups that this version does not know are passed over.
+    """Read and validate a superelement of version 1 or 2; unknown groups are passed over.
 
     recovery: whether to read that too, which for a large body is nearly all of the file and no
     concern of a simulation.
@@ -120,7 +123,7 @@ def _fill(file: h5py.File, body: Superelement) -> None:
 
     static = file.create_group("static")
     put(static, "compliance", body.compliance, "m/N, rad/N, rad/(N m)")
-    put(static, "mobility", body.mobility, "1/kg, 1/(kg m), 1/(kg m^2)")
+    put(static, "accelerance", body.accelerance, "1/kg, 1/(kg m), 1/(kg m^2)")
 
     if body.recovery is not None:
         recovery = file.create_group("recovery")
@@ -147,7 +150,7 @@ def _fill(file: h5py.File, body: Superelement) -> None:
 
 def _superelement(file: h5py.File, recovery: bool) -> Superelement:
     expect(file, "format", FORMAT)
-    expect(file, "version", VERSION)
+    version = expect(file, "version", *ACCELERANCE)
     expect(file, "units", "SI")
     body = Superelement(
         name=text(file, "name"),
@@ -158,7 +161,7 @@ def _superelement(file: h5py.File, recovery: bool) -> Superelement:
         kernel=_kernel(file),
         modes=_modes(file),
         compliance=dataset(file, "static/compliance"),
-        mobility=dataset(file, "static/mobility"),
+        accelerance=dataset(file, ACCELERANCE[version]),
         recovery=_recovery(file) if recovery else None,
         provenance=_provenance(file),
     )

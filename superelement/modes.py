@@ -52,7 +52,7 @@ class Modes:
         return (self.phi / self.omega**2) @ self.phi.T
 
     @property
-    def mobility(self) -> Array:
+    def accelerance(self) -> Array:
         """Accelerations of the interfaces under unit loads at rest (n_c, n_c), phi phi^T: with what
         the modes start.
         """

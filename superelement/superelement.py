@@ -47,7 +47,7 @@ class Superelement:
     from U^T M U; interfaces, whose dofs in their order are the rows (and columns) of everything of
     size n_c; kernel: the sampled impulse responses; modes: the same body without a step size, or
     None; compliance (n_c, n_c): P_C P K^+ P^T P_C^T, the inertia-relieved static one [m/N ...];
-    mobility (n_c, n_c): P_C M^-1 P^T P_C^T, accelerations under unit loads at rest [1/kg ...].
+    accelerance (n_c, n_c): P_C M^-1 P^T P_C^T, accelerations under unit loads at rest [1/kg ...].
     """
 
     name: str
@@ -58,7 +58,7 @@ class Superelement:
     kernel: Kernel
     modes: Modes | None
     compliance: Array
-    mobility: Array
+    accelerance: Array
     recovery: Recovery | None = None
     provenance: Provenance = field(default_factory=Provenance)
 
@@ -98,7 +98,7 @@ class Superelement:
         object.__setattr__(self, "J_rot", J_rot)
         object.__setattr__(self, "center", checked("center", self.center, (3,)))
         object.__setattr__(self, "interfaces", interfaces)
-        for field_name in ("compliance", "mobility"):
+        for field_name in ("compliance", "accelerance"):
             matrix = checked(field_name, getattr(self, field_name), (n_c, n_c))
             check_symmetric(field_name, matrix)
             object.__setattr__(self, field_name, matrix)
@@ -112,7 +112,7 @@ class Superelement:
         return self.interfaces[self._index(name)]
 
     def rows(self, name: str) -> slice:
-        """The rows of an interface in kernel, modes, compliance and mobility."""
+        """The rows of an interface in kernel, modes, compliance and accelerance."""
         index = self._index(name)
         start = sum(interface.n_dofs for interface in self.interfaces[:index])
         return slice(start, start + self.interfaces[index].n_dofs)

@@ -53,7 +53,7 @@ def compliance(structure: Structure) -> Array:
     return _symmetric(H)
 
 
-def mobility(structure: Structure) -> Array:
+def accelerance(structure: Structure) -> Array:
     """P_C M^-1 P^T P_C^T (n_c, n_c): elastic accelerations under unit loads at rest [1/kg, 1/(kg
     m), 1/(kg m^2)].
     """

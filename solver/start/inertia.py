@@ -1,4 +1,4 @@
-"""What constraints see of bodies: their inverse inertia and the mobility of their interfaces, as
+"""What constraints see of bodies: their inverse inertia and the accelerance of their interfaces, as
 sparse matrices.
 """
 
@@ -25,27 +25,27 @@ def inverse_root(system: System) -> csr_array:
     )
 
 
-def interface_mobility(compiled: CompiledModel) -> csr_array:
+def interface_accelerance(compiled: CompiledModel) -> csr_array:
     """A_el: accelerations of all active dofs under unit loads on them, at rest (n_a, n_a)."""
-    return _diagonal(_mobilities(compiled))
+    return _diagonal(_accelerances(compiled))
 
 
-def mobility_root(compiled: CompiledModel) -> csr_array:
+def accelerance_root(compiled: CompiledModel) -> csr_array:
     """A with A A^T = A_el (n_a, n_a)."""
     roots = []
-    for mobility in _mobilities(compiled):
-        values, vectors = np.linalg.eigh(mobility)
+    for accelerance in _accelerances(compiled):
+        values, vectors = np.linalg.eigh(accelerance)
         roots.append(vectors * np.sqrt(np.maximum(values, 0.0)))
     return _diagonal(roots)
 
 
-def _mobilities(compiled: CompiledModel) -> list[Array]:
+def _accelerances(compiled: CompiledModel) -> list[Array]:
     elastic = compiled.system.elastic
-    mobilities = []
+    accelerances = []
     for e, element in enumerate(compiled.superelements):
         own = elastic.active[elastic.active_range[e] : elastic.active_range[e + 1]] - elastic.dof[e]
-        mobilities.append(element.mobility[np.ix_(own, own)])
-    return mobilities
+        accelerances.append(element.accelerance[np.ix_(own, own)])
+    return accelerances
 
 
 def _of_bodies(linear: Array, angular: NDArray[np.floating[Any]]) -> csr_array:

@@ -4,7 +4,7 @@
     [ J   -B_r^T               ] [ v_dot ]   [ f_r - v~ J v                       ]
     [ B_r  B_a A_el B_a^T      ] [ lam   ] = [ -(phi_ddot at v_dot = 0) - B_a A_el p ]
 
-A_el: the interface mobilities, p: the loads on interfaces. Source: docs/theory.md, The start.
+A_el: the interface accelerances, p: the loads on interfaces. Source: docs/theory.md, The start.
 """
 
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ from ..step.rows import ROTATION
 from ..step.system import State, System, Workspace
 from .assembly import Wish, close_joints, fit_velocities
 from .equilibrium import check_drives, check_steady, settle
-from .inertia import interface_mobility, inverse_inertia
+from .inertia import interface_accelerance, inverse_inertia
 from .jacobian import constraint_jacobian, constraint_rows
 from .redundancy import degrees_of_freedom as count_freedoms
 from .redundancy import describe_rows, redundant_rows
@@ -180,7 +180,7 @@ def _accelerations(
     system = compiled.system
     hard = constraint_rows(system)
     B_r, B_a = constraint_jacobian(system, state, work)
-    A_el = interface_mobility(compiled)
+    A_el = interface_accelerance(compiled)
     p = state.p[system.elastic.active]
     inverse = inverse_inertia(system)
     # with v_dot = 0 the residual of equilibrium is v~ J v - f_r
@@ -247,7 +247,7 @@ def _start_history(compiled: CompiledModel, state: State) -> None:
     for e in range(len(elastic.body)):
         own = slice(elastic.dof[e], elastic.dof[e + 1])
         p = state.p[own]
-        state.u_acceleration[own] = compiled.superelements[e].mobility @ p
+        state.u_acceleration[own] = compiled.superelements[e].accelerance @ p
         state.u_a[own] = state.u_acceleration[own]
         modes = slice(elastic.mode_range[e], elastic.mode_range[e + 1])
         if modes.start < modes.stop:

@@ -13,7 +13,7 @@ from ..errors import ModelError
 from ..lower.lower import CompiledModel
 from ..step.system import State, Workspace
 from .independence import factorise_square, unit_rows
-from .inertia import inverse_root, mobility_root
+from .inertia import accelerance_root, inverse_root
 from .jacobian import constraint_jacobian, constraint_rows
 
 RANK_TOLERANCE = 1e-9
@@ -37,7 +37,9 @@ def redundant_rows(compiled: CompiledModel, state: State, work: Workspace) -> fr
     """
     hard = constraint_rows(compiled.system)
     _, B_a = constraint_jacobian(compiled.system, state, work)
-    J = csr_array(hstack([_rigid_jacobian(compiled, state, work), B_a @ mobility_root(compiled)]))
+    J = csr_array(
+        hstack([_rigid_jacobian(compiled, state, work), B_a @ accelerance_root(compiled)])
+    )
     found = None if _clearly_independent(J) else find_redundancy(J.toarray())
     if found is None:
         return frozenset()

@@ -80,7 +80,7 @@ def test_band_and_finest_step_must_make_sense(fine):
 
 
 def test_what_rests_and_what_starts_is_what_the_modes_add_up_to(make_modes):
-    """The compliance is G for a load that lasts, the mobility the acceleration that a small step
+    """The compliance is G for a load that lasts, the accelerance the acceleration that a small step
     sees.
     """
     modes, scheme = make_modes(2, 3, 6), GeneralizedAlpha(1.0)
@@ -91,4 +91,4 @@ def test_what_rests_and_what_starts_is_what_the_modes_add_up_to(make_modes):
     )
     h = 1e-9
     first = sample_kernel(replace(modes, zeta=np.zeros(6)), h, scheme, 1).g[0] * 4.0 / h**2
-    np.testing.assert_allclose(modes.mobility, first, rtol=0, atol=1e-9 * np.abs(first).max())
+    np.testing.assert_allclose(modes.accelerance, first, rtol=0, atol=1e-9 * np.abs(first).max())

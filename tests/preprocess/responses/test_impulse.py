@@ -7,7 +7,7 @@ from duhamel.preprocess.body.body import Damping
 from duhamel.preprocess.responses.damping import damping_ratios
 from duhamel.preprocess.responses.march import march_kernel
 from duhamel.preprocess.responses.modal import elastic_modes
-from duhamel.preprocess.responses.static import compliance, mobility
+from duhamel.preprocess.responses.static import accelerance, compliance
 from duhamel.superelement import GeneralizedAlpha, sample_kernel
 
 PAPER = {"step": 6e-5, "steps": 5000, "rho_inf": 0.9}
@@ -63,7 +63,7 @@ def test_the_first_lag_is_the_compliance_of_one_step(beam_body, beam):
     share = (
         0.5 - scheme.beta + scheme.beta * (scheme.alpha_f - scheme.alpha_m) / (1 - scheme.alpha_m)
     )
-    assert difference(tiny.g_initial[1:], (share * 1e-20 * mobility(structure))[None]) < 1e-8
+    assert difference(tiny.g_initial[1:], (share * 1e-20 * accelerance(structure))[None]) < 1e-8
 
 
 def test_a_damped_kernel_adds_up_to_the_static_compliance(beam_body, beam):
@@ -90,13 +90,13 @@ def test_ratios_over_frequency_are_linear_between_and_constant_outside():
 
 
 def test_modes_are_complete(solid_body, box, kind):
-    """As many as unknowns less six, mass-normalised: phi phi^T is the mobility, phi omega^-2 phi^T
-    the compliance.
+    """As many as unknowns less six, mass-normalised: phi phi^T is the accelerance, phi omega^-2
+    phi^T the compliance.
     """
     structure = assemble(solid_body(box(kind, divisions=(2, 1, 1))))
     modes = elastic_modes(structure, Damping())
     assert modes.phi.shape == (12, structure.n_u - 6)
-    assert difference((modes.phi @ modes.phi.T)[None], mobility(structure)[None]) < 1e-10
+    assert difference((modes.phi @ modes.phi.T)[None], accelerance(structure)[None]) < 1e-10
     assert (
         difference(((modes.phi / modes.omega**2) @ modes.phi.T)[None], compliance(structure)[None])
         < 1e-9

@@ -1,4 +1,4 @@
-"""Static compliance and mobility against closed forms and the sums over all modes."""
+"""Static compliance and accelerance against closed forms and the sums over all modes."""
 
 from dataclasses import replace
 
@@ -10,9 +10,9 @@ from duhamel.preprocess.body.body import Damping
 from duhamel.preprocess.responses.modal import elastic_modes
 from duhamel.preprocess.responses.static import (
     _conjugate_gradients,
+    accelerance,
     compliance,
     initial_accelerations,
-    mobility,
 )
 from scipy.sparse.linalg import eigsh
 
@@ -52,11 +52,11 @@ def test_stretch_and_twist_of_linear_bars(beam_body, beam, n):
 
 
 def test_the_compliance_is_the_sum_over_elastic_modes(beam_body, lines):
-    """phi omega^-2 phi^T, which knows nothing of held dofs; the mobility is phi phi^T."""
+    """phi omega^-2 phi^T, which knows nothing of held dofs; the accelerance is phi phi^T."""
     structure = assemble(beam_body(lines(np.random.default_rng(1).normal(size=(6, 3)))))
     modes = elastic_modes(structure, Damping())
     assert relative(compliance(structure), (modes.phi / modes.omega**2) @ modes.phi.T) < 1e-8
-    assert relative(mobility(structure), modes.phi @ modes.phi.T) < 1e-10
+    assert relative(accelerance(structure), modes.phi @ modes.phi.T) < 1e-10
 
 
 def test_the_same_of_solids_with_both_kinds_of_interface(solid_body, box, kind):
@@ -71,7 +71,7 @@ def test_the_same_of_solids_with_both_kinds_of_interface(solid_body, box, kind):
     structure = assemble(solid_body(mesh, interfaces=interfaces))
     modes = elastic_modes(structure, Damping())
     assert relative(compliance(structure), (modes.phi / modes.omega**2) @ modes.phi.T) < 1e-9
-    assert relative(mobility(structure), modes.phi @ modes.phi.T) < 1e-10
+    assert relative(accelerance(structure), modes.phi @ modes.phi.T) < 1e-10
 
 
 def test_loads_that_balance_themselves_see_plain_elasticity(beam_body, beam):
