@@ -7,7 +7,7 @@ from .assembly.structure import Structure, assemble_on
 from .body.body import Body
 from .progress import Stages, shown_stages
 from .recovery import check_recovery, recover
-from .responses.factor import accounts
+from .responses.factor import factorizations
 from .responses.impulse import impulse_responses
 from .responses.static import accelerance, compliance
 from .sources.reading import read_source
@@ -29,11 +29,11 @@ def build(body: Body, progress: bool = False) -> Superelement:
     `progress` shows on the terminal what is being done and how far it is.
     `PreprocessError` if the body, its mesh or its method do not allow it.
     """
-    with shown_stages(progress) as stages, accounts() as factorizations:
-        return _build(body, stages, factorizations)
+    with shown_stages(progress) as stages, factorizations() as summaries:
+        return _build(body, stages, summaries)
 
 
-def _build(body: Body, stages: Stages, factorizations: list[str]) -> Superelement:
+def _build(body: Body, stages: Stages, summaries: list[str]) -> Superelement:
     with stages.stage("mesh"):
         source = read_source(body)
         check_recovery(body, source)
@@ -71,14 +71,14 @@ def _build(body: Body, stages: Stages, factorizations: list[str]) -> Superelemen
             mesh_sha256=", ".join(sha256(path) for path in body.files),
             method=responses.method,
             tolerance=responses.tolerance,
-            versions=_versions(factorizations),
+            versions=_versions(summaries),
             timings=stages.seconds,
         ),
     )
 
 
-def _versions(factorizations: list[str]) -> dict[str, str]:
+def _versions(summaries: list[str]) -> dict[str, str]:
     versions = {name: metadata.version(name) for name in PACKAGES}
-    if factorizations:
-        versions["factorization"] = ", ".join(dict.fromkeys(factorizations))
+    if summaries:
+        versions["factorization"] = ", ".join(dict.fromkeys(summaries))
     return versions

@@ -1,4 +1,4 @@
-"""How much memory there is, and the refusal of what does not fit into it."""
+"""Available memory, and the refusal of work that does not fit into it."""
 
 import os
 import sys
@@ -11,18 +11,19 @@ ROOT = Path("/")
 
 
 def require(needs: Mapping[str, float], remedy: str) -> None:
-    """`MemoryShortageError` if all `needs`, bytes by what they are for, exceed what there is.
-    `remedy`: what to do.
+    """`MemoryShortageError` if the sum of `needs`, bytes by purpose, exceeds the available memory.
+
+    `remedy`: advice that ends the message.
     """
     size, free = sum(needs.values()), available()
     if size > free:
-        (what, part), *others = needs.items()
-        told = [
-            f"{what} needs {gigabytes(part)} of memory",
-            *(f"{what} {gigabytes(part)}" for what, part in others),
+        (what, first), *others = needs.items()
+        parts = [
+            f"{what} needs {gigabytes(first)} of memory",
+            *(f"{what} {gigabytes(need)}" for what, need in others),
         ]
         raise MemoryShortageError(
-            f"{' and '.join(told)}, {gigabytes(free)} are available: {remedy}", size, free
+            f"{' and '.join(parts)}, {gigabytes(free)} are available: {remedy}", size, free
         )
 
 

@@ -32,8 +32,7 @@ def check_recovery(body: Body, source: Source) -> None:
 
 
 def recover(body: Body, source: Source, structure: Structure, shapes: Shapes) -> Recovery:
-    """Modes at the points of lines or at the nodes of the surface of solids, and stresses there if
-    asked for.
+    """Modes at the points of lines or on the surface of solids, and stresses there if asked for.
 
         phi = T shapes,   stress = C strain(T shapes)
 
@@ -49,8 +48,9 @@ def recover(body: Body, source: Source, structure: Structure, shapes: Shapes) ->
 
 
 def _stresses(points: FieldPoints, structure: Structure, shapes: Shapes) -> Array | None:
-    """sigma = C strain of every mode at every point (p, 6, m), in the order of `STRESSES`; None
-    without strains.
+    """sigma = C strain (p, 6, m) of every mode at every point; None without strains.
+
+    Order: `STRESSES`.
     """
     if points.strains is None or points.C is None or points.owners is None:
         return None

@@ -50,17 +50,18 @@ class Survey:
 
     @property
     def interfaces(self) -> Mapping[str, Attachment]:
-        """Where interfaces are attached, by name."""
+        """The frames of the interfaces on the mesh, by name."""
         return self.structure.frames
 
     @property
     def masses(self) -> Mapping[str, Attachment]:
-        """Where masses are attached, by name; a mass on an interface has its frame."""
+        """The frames of the masses on the mesh, by name."""
         return self.structure.masses
 
     def boundary(self) -> Iterator[tuple[Array, IntArray]]:
-        """By type of facet: polygons (m, k, 3) that turn outwards, and the interface (m,) of each,
-        -1 for none.
+        """Polygons (m, k, 3) and the interface (m,) of each, -1 for none, by type of facet.
+
+        Polygons turn outwards.
         """
         for polygons, facets in self.source.boundary():
             owner = np.full(len(facets), -1, dtype=np.int64)

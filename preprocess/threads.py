@@ -1,4 +1,4 @@
-"""How many threads numerical libraries may use."""
+"""The number of threads for numerical libraries."""
 
 import os
 

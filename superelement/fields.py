@@ -1,6 +1,4 @@
-"""Attributes and datasets of an HDF5 file, read with errors that name them and written with their
-units.
-"""
+"""Attributes and datasets of HDF5 files, with errors that name them, and with units."""
 
 from typing import Any, TypeVar
 
@@ -36,9 +34,7 @@ def vector(file: h5py.Group, name: str, length: int) -> Array:
 
 
 def texts(file: h5py.Group, name: str) -> list[str]:
-    """A dataset of text, one entry per row; UTF-8 of any length, or the fixed-length kind that
-    other tools write.
-    """
+    """A dataset of text (n,), UTF-8 of any length or of the fixed length that some tools write."""
     found = _dataset(file, name)
     if h5py.check_string_dtype(found.dtype) is None or found.ndim != 1:
         raise SuperelementError(
@@ -48,12 +44,12 @@ def texts(file: h5py.Group, name: str) -> list[str]:
 
 
 def number(file: h5py.Group, name: str) -> float:
-    """A finite number that stands as an attribute."""
+    """A finite number in an attribute."""
     return float(checked(_label(file, name), _attribute(file, name), ()))
 
 
 def text(file: h5py.Group, name: str) -> str:
-    """A text that stands as an attribute."""
+    """A text in an attribute."""
     found = _attribute(file, name)
     if isinstance(found, bytes):
         return found.decode()

@@ -100,8 +100,7 @@ def _scalar_responses(
 
 
 def spread(phi: Array, coefficients: Array) -> Array:
-    """phi diag(c_k) phi^T for every row c_k of real coefficients: (n_k, n_c, n_c), symmetric to the
-    last bit.
+    """phi diag(c_k) phi^T (n_k, n_c, n_c) for rows c_k of real coefficients, exactly symmetric.
 
     One matrix product over the pairs i <= j: no array of n_k n_c m numbers for the many modes of a
     large mesh.

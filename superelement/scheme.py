@@ -51,7 +51,7 @@ class GeneralizedAlpha:
     def symbols(
         self, h: float, delay: NDArray[np.complex128]
     ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-        """What one step makes of s^2 and s, the accelerations and velocities per unit displacement.
+        """The discrete symbols of s^2 and s: accelerations and velocities per unit displacement.
 
             sigma = 1 / (Q F),   chi = V / Q,   with d = 1/z, the delay by one step:
             Q = h^2 (beta + (1/2 + gamma - 2 beta) d + (1/2 + beta - gamma) d^2) / (1 - d)^2

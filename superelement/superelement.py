@@ -20,7 +20,7 @@ class StepWarning(UserWarning):
 
 @dataclass(frozen=True)
 class Provenance:
-    """Where a superelement comes from: enough to make it again and to recognise it."""
+    """The origin of a superelement: enough to make it again and to recognize it."""
 
     body: str = ""
     """the text of the body file"""
@@ -40,10 +40,10 @@ class Provenance:
 class Superelement:
     """An elastic body as its interfaces feel it.
 
-    Body axes are the mesh axes with the origin at the centre of mass of the finite element mass
+    Body axes are the mesh axes with the origin at the center of mass of the finite element mass
     matrix.
 
-    mass [kg], J_rot (3, 3) [kg m^2] and center (3,), the centre of mass in mesh coordinates [m],
+    mass [kg], J_rot (3, 3) [kg m^2] and center (3,), the center of mass in mesh coordinates [m],
     from U^T M U; interfaces, whose dofs in their order are the rows (and columns) of everything of
     size n_c; kernel: the sampled impulse responses; modes: the same body without a step size, or
     None; compliance (n_c, n_c): P_C P K^+ P^T P_C^T, the inertia-relieved static one [m/N ...];

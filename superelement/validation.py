@@ -1,4 +1,4 @@
-"""Checks that the parts of a superelement share. Each failure quotes what was found."""
+"""Checks of the arrays of a superelement; each failure quotes the value found."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -13,13 +13,11 @@ SYMMETRY_TOLERANCE = 1e-8
 
 
 class SuperelementError(ValueError):
-    """A superelement, or its file, that contradicts its own definition."""
+    """A superelement, or its file, with missing, contradictory or invalid entries."""
 
 
 def checked(name: str, value: Any, shape: Sequence[int | str]) -> Array:
-    """A read-only contiguous float array of the given shape; a letter in `shape` stands for any
-    length.
-    """
+    """A read-only contiguous float array of a shape, in which a letter allows any length."""
     try:
         found = np.asarray(value)
         array = found.real.astype(np.float64, order="C")
@@ -55,7 +53,7 @@ def check_symmetric(name: str, matrices: Array) -> None:
     """`matrices` (..., n, n) must be symmetric relative to the largest diagonal entries, row by
     row.
 
-    Rows of a kernel mix metres and radians, so each entry is measured against
+    Rows of a kernel mix meters and radians, so each entry is measured against
     sqrt(max |a_ii| max |a_jj|), the scale that its own two rows give it.
     """
     if matrices.size == 0:

@@ -22,12 +22,11 @@ a moment.
 
 @dataclass(frozen=True, eq=False)
 class Attachment:
-    """A frame on the dofs of the mesh: u_C = rows @ u, with rows (3 or 6, n_u) sparse and the frame
-    at X (3,).
+    """A frame on the dofs of the mesh, u_C = rows @ u, with rows (3 or 6, n_u) sparse.
 
-    nodes: those that carry the frame; facets: the numbers of the facets that do, of `area` [m^2],
-    none where nodes do. rigid: whether the nodes follow the frame as one piece, or the frame the
-    nodes.
+    X (3,): the position of the frame [m]; nodes: those that carry it; facets: the numbers of the
+    facets that do, of `area` [m^2], none where nodes do. rigid: true where the nodes follow the
+    frame as one piece, false where the frame follows the mean motion of the nodes.
     """
 
     X: Array
@@ -39,7 +38,7 @@ class Attachment:
 
     @property
     def rotates(self) -> bool:
-        """Whether the frame has rotations beside its displacements."""
+        """True for a frame with rotations beside its displacements."""
         return bool(self.rows.shape[0] == 6)
 
 
@@ -98,7 +97,7 @@ def facet_frame(
 
 
 def _check_spread(points: Array) -> None:
-    """Three points that are not on a line, or there is no rotation to speak of."""
+    """`InterfaceError` unless there are three points that are not on a line."""
     radii = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
     if len(points) < 3 or radii[1] <= LINE * radii[0]:
         raise InterfaceError(

@@ -20,12 +20,11 @@ def placed_masses(body: Body) -> dict[str, InterfaceSelection]:
 
 
 def lumped_mass(body: Body, interfaces: Mapping[str, Any], placed: Mapping[str, Any]) -> Any:
-    """sum rows^T diag(m I, J) rows (n_u, n_u), sparse: the kinetic energy of rigid pieces that move
-    with their frames.
+    """The mass matrix (n_u, n_u), sparse, of rigid pieces: sum rows^T diag(m I, J) rows.
 
     `interfaces` and `placed` have rows (3 or 6, n_u) by the names of interfaces, and of the other
     masses. With the averaged motion of facets, rows = D, a mass m D^T D resists the mean motion of
-    the facets alone. As D is exact for rigid motion, so are mass, centre of mass and inertia.
+    the facets alone. As D is exact for rigid motion, so are mass, center of mass and inertia.
     `InterfaceError` for an inertia where nothing rotates.
     """
     n_u = next(iter(interfaces.values())).shape[1]

@@ -22,9 +22,7 @@ def check_elements(selection: Selection, mesh: Mesh) -> None:
 
 
 def nearest_node(selection: Selection, points: Array, size: float) -> int:
-    """The node nearest to the point of the selection; `InterfaceError` if it is farther than the
-    tolerance allows.
-    """
+    """The node nearest to a point; `InterfaceError` if it is farther than the tolerance."""
     distance = np.linalg.norm(points - np.array(selection.node), axis=1)
     node = int(distance.argmin())
     allowed = selection.tolerance * size
@@ -38,10 +36,10 @@ def nearest_node(selection: Selection, points: Array, size: float) -> int:
 
 
 def names_points(selection: Selection, mesh: Mesh) -> bool:
-    """Whether the group of a selection is one of points; if not, it must be one of facets.
+    """True for a group of points, false for one of facets; `InterfaceError` for other groups.
 
-    Of a name that a file gives to several things, facets come first, then points, and solid
-    elements do not count.
+    A name may stand for several kinds of things: facets come first, then points; solid elements do
+    not count.
     """
     if selection.group is None:
         return False
@@ -64,39 +62,37 @@ def mesh_nodes(selection: Selection, mesh: Mesh) -> IntArray:
         if selection.group is None
         else _nodes_of_group(mesh, selection.group)
     )
-    found = members[selection.holds(mesh.points[members], mesh.size)]
-    if not len(found):
+    inside = members[selection.holds(mesh.points[members], mesh.size)]
+    if not len(inside):
         raise InterfaceError(f"no node lies in {selection}")
-    return found
+    return inside
 
 
-def table_nodes(selection: Selection, given: NodeTable) -> IntArray:
+def table_nodes(selection: Selection, table: NodeTable) -> IntArray:
     """The rows (n,) of the nodes that labels name, or that a group and shapes have in common."""
     if selection.nodes is not None:
         labels = np.unique(selection.nodes)
-        if len(unknown := given.unknown(labels)):
+        if len(unknown := table.unknown(labels)):
             raise InterfaceError(
-                f"nodes: no node {unknown[0]} with stiffness or mass in {given.name}"
+                f"nodes: no node {unknown[0]} with stiffness or mass in {table.name}"
             )
-        return given.rows(labels)
-    members = np.arange(len(given.labels))
+        return table.rows(labels)
+    members = np.arange(len(table.labels))
     if selection.group is not None:
-        if selection.group not in given.groups:
-            known = ", ".join(sorted(given.groups)) or "none"
+        if selection.group not in table.groups:
+            known = ", ".join(sorted(table.groups)) or "none"
             raise InterfaceError(
-                f"no group {selection.group!r} in {given.name}; its groups are: {known}"
+                f"no group {selection.group!r} in {table.name}; its groups are: {known}"
             )
-        members = given.groups[selection.group]
-    found = members[selection.holds(given.points[members], given.size)]
-    if not len(found):
+        members = table.groups[selection.group]
+    inside = members[selection.holds(table.points[members], table.size)]
+    if not len(inside):
         raise InterfaceError(f"no node lies in {selection}")
-    return found
+    return inside
 
 
 def mesh_facets(selection: Selection, mesh: Mesh, facets: Facets) -> IntArray:
-    """The numbers (m,) of the facets of a group, or of the boundary, that lie in the shapes of a
-    selection.
-    """
+    """The facets (m,) of a group, or of the boundary, that lie in the shapes of a selection."""
     if selection.group is None:
         candidates = np.flatnonzero(facets.boundary)
     else:
@@ -109,8 +105,8 @@ def mesh_facets(selection: Selection, mesh: Mesh, facets: Facets) -> IntArray:
             [_faces(mesh.cells[kind][rows], kind, facets) for kind, rows in cells.items()]
         )
     chosen = selection.holds(mesh.points, mesh.size)
-    found = candidates[facets.within(chosen)[candidates]]
-    if not len(found):
+    numbers = candidates[facets.within(chosen)[candidates]]
+    if not len(numbers):
         nodes = np.unique(
             np.concatenate([part.ravel() for part in facets.patch(candidates).values()])
         )
@@ -118,18 +114,18 @@ def mesh_facets(selection: Selection, mesh: Mesh, facets: Facets) -> IntArray:
         what = "facet of the boundary" if selection.group is None else "facet"
         near = f"only nodes do: {len(inside)}" if len(inside) else "nor does a node"
         raise InterfaceError(f"no {what} lies as a whole in {selection}, {near}")
-    return found
+    return numbers
 
 
 def _faces(cells: IntArray, kind: str, facets: Facets) -> IntArray:
     """The numbers (m,) of the facets that the cells of a group name."""
-    found = facets.matching(kind, cells)
-    if (found < 0).any():
+    numbers = facets.matching(kind, cells)
+    if (numbers < 0).any():
         raise InterfaceError(
-            f"{(found < 0).sum()} of {len(cells)} {kind} cells are no face of an element, "
-            f"first that of points {cells[int(np.argmin(found))].tolist()}"
+            f"{(numbers < 0).sum()} of {len(cells)} {kind} cells are no face of an element, "
+            f"first that of points {cells[int(np.argmin(numbers))].tolist()}"
         )
-    return found
+    return numbers
 
 
 def _nodes_of_group(mesh: Mesh, name: str) -> IntArray:

@@ -31,8 +31,7 @@ class FieldPoints:
 
 @dataclass(frozen=True)
 class Share:
-    """The elements of one material or section: their number, their volume [m^3] or length [m] in
-    all, and their mass [kg].
+    """The elements of one material or section: number, total volume [m^3] or length [m], mass [kg].
 
     group: that of the mesh; empty for the one of a whole body.
     """
@@ -45,8 +44,7 @@ class Share:
 
 @dataclass(frozen=True)
 class Resolution:
-    """The shortest wave [m] that the material carries at the end of the band, and the longest way
-    between nodes [m].
+    """The shortest wave [m] at the end of the band, and the largest spacing of the nodes [m].
 
     Of solids the wave is one of shear, c = sqrt(G / rho); of beams one of bending, c^2 = omega
     sqrt(EI / mass). needed: the nodes in a wavelength that carry it within about five per cent of
@@ -116,5 +114,5 @@ class MeshSource(Source, Protocol):
         ...
 
     def boundary(self) -> Iterator[tuple[Array, IntArray]]:
-        """By type of facet: polygons (m, k, 3) that turn outwards, and the facet (m,) of each."""
+        """Polygons (m, k, 3) that turn outwards and their facets (m,), for each type of facet."""
         ...

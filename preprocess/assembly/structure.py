@@ -24,7 +24,7 @@ class Structure:
     """M u'' + K u = P_C^T p, free in space.
 
     nodes: the points of the dofs; K [N/m ...] and M [kg ...] (n_u, n_u) sparse and symmetric;
-    rigid: the rigid modes about the centre of mass; interfaces, and P_C (n_c, n_u) sparse: u_C =
+    rigid: the rigid modes about the center of mass; interfaces, and P_C (n_c, n_u) sparse: u_C =
     P_C u, so that P_C^T p is the load of interface forces p; T (3 n, n_u) sparse: the displacements
     of the n points of the source are T u, tied ones included. frames, masses: where interfaces and
     masses are attached to the source, by name; a mass on an interface has its frame. All in mesh
@@ -96,5 +96,5 @@ def assemble_on(body: Body, source: Source) -> Structure:
 
 
 def _symmetric(matrix: Any) -> Any:
-    """The same matrix, symmetric to the last bit."""
+    """The mean of a matrix and its transpose: symmetric to the last bit."""
     return (0.5 * (matrix + matrix.T)).tocsc()

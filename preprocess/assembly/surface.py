@@ -95,8 +95,7 @@ def mean_motion_of_points(members: IntArray, X: Array, nodes: Nodes) -> Any:
 
 
 def _fitted(blocks: Array, members: IntArray, middle: Array, X: Array, nodes: Nodes) -> Any:
-    """(sum B_i^T A_i)^-1 [B_i^T] for weighted arms B_i (n, 3, 6) of nodes `members`, on which D A =
-    I to rounding.
+    """D = (sum B_i^T A_i)^-1 [B_i^T] for weighted arms B_i (n, 3, 6) of nodes `members`; D A = I.
 
     Both arms reach from `middle`, where the fit is best conditioned; the frame at X moves with the
     fitted motion.

@@ -13,8 +13,7 @@ from .interfaces import Attachment
 
 
 def tie(nodes: Nodes, attachments: Mapping[str, Attachment]) -> tuple[Nodes, Any, dict[str, Any]]:
-    """The nodes that are left once tied ones follow their frames, T, and the rows of every
-    attachment on what is left.
+    """Eliminate the nodes that follow rigid frames: the nodes left, T, and the rows of every frame.
 
         u = T u_left,   K_left = T^T K T,   M_left = T^T M T
         u_i = [I, -(X_i - X_C)~; 0, I] q_C   of a tied node i
@@ -60,9 +59,7 @@ def _pick(nodes: Nodes, node: int) -> Any:
 
 
 def _owners(rigid: Mapping[str, Attachment], n_points: int) -> IntArray:
-    """For every point (n_points,) the rigid frame that it follows, -1 for none; a point can follow
-    one only.
-    """
+    """The number of the rigid frame of every point (n_points,), -1 for none; one at most."""
     owner = np.full(n_points, -1, dtype=np.int64)
     names = list(rigid)
     for number, (name, attachment) in enumerate(rigid.items()):

@@ -38,8 +38,7 @@ def _as_matrix(value: Any) -> Any:
 
 
 class PointMass(Selection):
-    """A rigid piece that moves with the body: with an interface, or with what it selects on the
-    mesh, as interfaces do.
+    """A rigid piece that moves with an interface, or with a selection on the mesh.
 
     mass [kg]; inertia about its place in mesh axes [kg m^2], principal values or a 3x3 matrix, none
     unless given. On facets or points of a solid it follows their mean motion.
@@ -79,16 +78,15 @@ class PointMass(Selection):
 
     @property
     def selection(self) -> InterfaceSelection | None:
-        """The place on the mesh; None for that of an interface."""
+        """The selection on the mesh; None for a mass on an interface."""
         if self.interface is not None:
             return None
-        own = set(Selection.model_fields)
-        return InterfaceSelection.model_validate(self.model_dump(include=own, exclude_unset=True))
+        keys = set(Selection.model_fields)
+        return InterfaceSelection.model_validate(self.model_dump(include=keys, exclude_unset=True))
 
 
 class Impulse(Table):
-    """The impulse responses to compute: `steps` steps of `step` seconds, with the damping rho_inf
-    of the scheme.
+    """The impulse responses to compute: `steps` steps of `step` seconds with the scheme of rho_inf.
 
     method: "modal" from all elastic modes, "krylov" from as many as it takes, "march" by stepping
     the full model, "auto" the one of the first two that fits the size. tolerance: the relative
@@ -159,8 +157,7 @@ class Damping(Table):
 
 
 class RecoveredFields(Table):
-    """What the superelement can give back of the mesh: displacements of its surface or lines, and
-    stresses there.
+    """Fields that the superelement keeps: displacements of the surface or lines, perhaps stresses.
 
     stress: at the nodes of the surface of solids, for which the file grows by 24 bytes a node and
     mode.
@@ -170,8 +167,9 @@ class RecoveredFields(Table):
 
 
 class Matrices(Table):
-    """A finite element model of another program, free in space: files of K [N/m ...], M [kg ...]
-    and of nodes [m].
+    """Files of a finite element model of another program: K [N/m ...], M [kg ...], nodes [m].
+
+    The body must be free in space.
 
     nodes: labels and coordinates; dofs: node and direction of every row of the matrices, where
     neither they say so nor the rows are three or six for each node in its order.
@@ -184,7 +182,7 @@ class Matrices(Table):
 
     @property
     def files(self) -> dict[str, Path]:
-        """By their keys."""
+        """The paths of the files by their keys."""
         given = {
             "stiffness": self.stiffness,
             "mass": self.mass,
@@ -198,11 +196,10 @@ class Matrices(Table):
 
 
 class Body(Table):
-    """A mesh, what it is made of, where it meets others, and the impulse responses wanted; or
-    matrices for a mesh.
+    """A body file: a mesh with materials or sections, or matrices; interfaces; impulse responses.
 
     One of section and sections (by mesh group) for meshes of lines; one of material and materials
-    for solids. scale: the unit of the mesh's coordinates in metres, 1e-3 for millimetres. All else
+    for solids. scale: the unit of the mesh's coordinates in meters, 1e-3 for millimeters. All else
     is in SI units.
     """
 
@@ -224,7 +221,7 @@ class Body(Table):
     @model_validator(mode="after")
     def _one_make(self) -> Self:
         makes = ("section", "sections", "material", "materials")
-        given = [key for key in makes if getattr(self, key)]
+        keys = [key for key in makes if getattr(self, key)]
         if self.mesh is None and self.matrices is None:
             raise ValueError("expected mesh or [matrices], found neither")
         if self.matrices is not None:
@@ -234,9 +231,9 @@ class Body(Table):
                     "matrices: expected no mesh and nothing made of it, "
                     f"found {', '.join(sorted(others))}"
                 )
-        elif len(given) != 1:
+        elif len(keys) != 1:
             raise ValueError(
-                f"expected one of {', '.join(makes)}, found {' and '.join(given) or 'none'}"
+                f"expected one of {', '.join(makes)}, found {' and '.join(keys) or 'none'}"
             )
         for name in self.interfaces:
             if not name or "/" in name or "." in name:
@@ -264,17 +261,17 @@ class Body(Table):
         return (*mesh, *matrices)
 
     def relative_to(self, folder: Path) -> "Body":
-        """The same body with its files in a folder, unless their paths are absolute."""
-        found: dict[str, Path | Matrices] = {}
+        """A copy whose relative paths start from a folder."""
+        paths: dict[str, Path | Matrices] = {}
         if self.mesh is not None:
-            found["mesh"] = folder / self.mesh
+            paths["mesh"] = folder / self.mesh
         if self.matrices is not None:
-            found["matrices"] = self.matrices.relative_to(folder)
-        return self.model_copy(update=found)
+            paths["matrices"] = self.matrices.relative_to(folder)
+        return self.model_copy(update=paths)
 
     @property
     def text(self) -> str:
-        """The body file as it was read; for a body made or changed in Python its values in JSON."""
+        """The body file as read; of a body made or changed in Python, its values in JSON."""
         if self._text:
             as_read = Body.model_validate(tomllib.loads(self._text))
             paths = {"mesh", "matrices"}

@@ -1,4 +1,4 @@
-"""What a body is made of: sections of beams, materials of solids."""
+"""Sections of beams and materials of solids."""
 
 from typing import Annotated, Any, Self
 
@@ -10,7 +10,7 @@ from ...superelement.validation import Array
 
 
 class Section(Table):
-    """The cross-section of a beam, in its own axes: x along the beam, y and z across.
+    """The cross-section of a beam in local axes: x along the beam, y and z across.
 
     EA [N], EI_y and EI_z (bending about y and z) and GJ [N m^2]; mass_per_length [kg/m];
     polar_inertia_per_length rho I_p [kg m], the inertia about the beam's axis. GA_y and GA_z [N]:
@@ -119,9 +119,7 @@ class Material(Table):
 
     @property
     def elasticity(self) -> Array:
-        """C (6, 6) [Pa] in mesh axes: stresses xx, yy, zz, yz, xz, xy are C times the strains in
-        the same order.
-        """
+        """C (6, 6) [Pa] in mesh axes, in the order of `STRESSES`: stresses = C strains."""
         i, j = np.array(STRESSES).T
         C: Array = self.elasticity_tensor[i[:, None], j[:, None], i, j]
         return C
@@ -146,7 +144,7 @@ class Material(Table):
 
     @property
     def _compliance(self) -> Array:
-        """S (6, 6) [1/Pa] in the material's own axes: strains from stresses."""
+        """S (6, 6) [1/Pa] in the axes of the material: strains from stresses."""
         E, nu = np.broadcast_to(self.E, 3), np.broadcast_to(self.nu, 3)
         G = np.broadcast_to(self.E / (2.0 * (1.0 + self.nu)) if self.G is None else self.G, 3)  # type: ignore[operator]
         S = np.diag(1.0 / np.concatenate([E, G[::-1]]))

@@ -15,9 +15,7 @@ VERTICAL = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class BeamProperties:
-    """Section values of every element, each (n,): those of `Section`, with Phi = 12 EI / (GA L^2),
-    0 without shear.
-    """
+    """Section values of every element, each (n,), with Phi = 12 EI / (GA L^2), 0 without shear."""
 
     EA: Array
     EI_y: Array
@@ -34,8 +32,9 @@ class BeamProperties:
 
 
 def beam_matrices(mesh: Mesh, sections: list[Section]) -> tuple[Array, Array]:
-    """Stiffness and mass (n, 12, 12) of every line, in mesh axes; dofs of a node: 3 displacements,
-    3 rotations.
+    """Stiffness and mass (n, 12, 12) of every line, in mesh axes.
+
+    Dofs of a node: 3 displacements [m], 3 rotations [rad].
 
     Euler-Bernoulli (cubic Hermite) or Timoshenko bending with the shapes that solve the static
     problem between the nodes exactly, linear shapes for stretch and twist; consistent mass.
@@ -171,9 +170,7 @@ def _local_mass(L: Array, p: BeamProperties) -> Array:
 
 
 def _bending_mass(L: Array, mass: Array, rotary: Array, Phi: Array) -> Array:
-    """(n, 4, 4): the integral of mass N^T N + rotary T^T T over the element, exact with four Gauss
-    points.
-    """
+    """(n, 4, 4): integral of mass N^T N + rotary T^T T, exact with four Gauss points."""
     nodes, weights = np.polynomial.legendre.leggauss(4)
     M = np.zeros((len(L), 4, 4))
     for xi, weight in zip(0.5 * (nodes + 1.0), 0.5 * weights, strict=True):

@@ -45,19 +45,17 @@ class SolidElement:
         )
 
     def gradients(self, xi: Array, X: Array) -> Array:
-        """dN/dx (n, k, 3, q) [1/m] at points xi (3, q) of elements with nodes X (n, k, 3): what
-        strains are made of.
-        """
+        """dN/dx (n, k, 3, q) [1/m] at points xi (3, q) of elements with nodes X (n, k, 3)."""
         dN = self.dN(xi)
         return physical(dN, *cofactors(dN, X))
 
 
 def cofactors(dN: Array, X: Array) -> tuple[Array, Array]:
-    """Of J = dx/dxi at the points of dN (k, 3, q), for nodes X (n, k, 3): cofactors (n, 3, 3, q)
-    and det J (n, q).
+    """Cofactors (n, 3, 3, q) [m^2] and determinants (n, q) [m^3] of J = dx/dxi.
 
-    J_(id) = dx_i / dxi_d = sum_k X_ki N_k,d; its inverse is cofactors_(id) / det J as (d, i). [m^2]
-    and [m^3].
+    dN (k, 3, q), nodes X (n, k, 3).
+
+    J_(id) = dx_i / dxi_d = sum_k X_ki N_k,d; its inverse is cofactors_(id) / det J as (d, i).
     """
     k, _, q = dN.shape
     J = (X.transpose(0, 2, 1) @ dN.reshape(k, 3 * q)).reshape(-1, 3, 3, q)

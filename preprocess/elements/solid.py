@@ -22,8 +22,9 @@ BATCH = 2**17
 
 
 def solid_matrices(mesh: Mesh, materials: Sequence[Material], owners: IntArray) -> tuple[Any, Any]:
-    """Stiffness and consistent mass (3 n, 3 n), sparse, symmetric to the last bit; three
-    displacements to each point.
+    """Stiffness and consistent mass (3 n, 3 n), sparse, symmetric to the last bit.
+
+    Every point has three displacements [m].
 
         K_(ia)(jb) = C_acbd int N_i,c N_j,d dV        M_(ia)(jb) = rho delta_ab int N_i N_j dV
 
@@ -40,8 +41,8 @@ def solid_matrices(mesh: Mesh, materials: Sequence[Material], owners: IntArray) 
         N, dN = element.N(element.xi), element.dN(element.xi)
         i, j = np.triu_indices(k)
         NN = N[i] * N[j] * element.weights  # (pairs, q)
-        own = owners[mesh.first[kind] :][: len(cells)]
-        for material, rows in _batches(own, max(1, BATCH // (3 * k * q))):
+        owners_of_kind = owners[mesh.first[kind] :][: len(cells)]
+        for material, rows in _batches(owners_of_kind, max(1, BATCH // (3 * k * q))):
             C = materials[material].elasticity_tensor.transpose(1, 3, 0, 2).reshape(9, 9)
             cof, det = cofactors(dN, mesh.points[cells[rows]])
             B = physical(dN, cof, det).reshape(len(rows), 3 * k, q)
@@ -59,13 +60,13 @@ def solid_matrices(mesh: Mesh, materials: Sequence[Material], owners: IntArray) 
 
 def volumes(mesh: Mesh) -> Array:
     """The volume (n_elements,) [m^3] of every element."""
-    found = []
+    batches = []
     for kind, cells in mesh.elements.items():
         element = ELEMENTS[kind]
         dN = element.dN(element.xi)
         for _, rows in _batches(np.zeros(len(cells), dtype=np.int64), max(1, BATCH // dN.size)):
-            found.append(cofactors(dN, mesh.points[cells[rows]])[1] @ element.weights)
-    return np.concatenate(found)
+            batches.append(cofactors(dN, mesh.points[cells[rows]])[1] @ element.weights)
+    return np.concatenate(batches)
 
 
 def _batches(owners: IntArray, size: int) -> Iterator[tuple[int, IntArray]]:
@@ -93,9 +94,9 @@ def _check_jacobians(mesh: Mesh) -> None:
         kind, row = mesh.element(number)
         state = "inverted" if worst[number] < -FLAT else "degenerate"
         groups = [name for name, group in mesh.groups.items() if row in group.cells.get(kind, ())]
-        place = mesh.points[mesh.cells[kind][row]].mean(axis=0).tolist()
+        middle = mesh.points[mesh.cells[kind][row]].mean(axis=0).tolist()
         raise MeshError(
             f"{mesh.name}: {kind} element {row} of group {', '.join(groups) or '(none)'} is "
             f"{state}: its Jacobian falls to {np.concatenate(lowest)[number]:.3e} m^3 near "
-            f"{place}; {bad.size} of {len(worst)} elements are inverted or degenerate"
+            f"{middle}; {bad.size} of {len(worst)} elements are inverted or degenerate"
         )

@@ -1,6 +1,4 @@
-"""Strains at points of a solid mesh: sampled where elements know them best, carried to nodes,
-averaged there.
-"""
+"""Strains at points of a solid mesh: sampled within elements, extrapolated to nodes, averaged."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -20,23 +18,22 @@ for _i, (_a, _c) in enumerate(STRESSES):
 
 
 def strain_rows(mesh: Mesh, points: Mapping[str, IntArray]) -> Any:
-    """Rows (6 p, 3 n) sparse: strains xx, yy, zz, 2 yz, 2 xz, 2 xy at p points, from displacements
-    of n nodes.
+    """Rows (6 p, 3 n), sparse: strains at p points from displacements of n nodes.
 
-    points: by type of element (n_elements, k), the point to which each node belongs, -1 for none:
-    at a point stands the mean of the elements that touch it. In an element the polynomial through
-    the strains at its samples is evaluated at its nodes: at the Gauss points of one order less
-    strains are more accurate than at the nodes themselves. Errors fall with h^2 for quadratic
-    elements, with h for linear ones.
+    points: by type of element (n_elements, k), the point to which each node belongs, -1 for none.
+    The strain at a point is the mean over the elements that touch it. In an element the polynomial
+    through the strains at its samples is evaluated at its nodes: at the Gauss points of one order
+    less strains are more accurate than at the nodes themselves. Order: xx, yy, zz, 2 yz, 2 xz,
+    2 xy. Errors fall with h^2 for quadratic elements, with h for linear ones.
     """
-    n_p = 1 + max(int(places.max()) for places in points.values())
+    n_p = 1 + max(int(numbers.max()) for numbers in points.values())
     slopes = [sp.csr_array((n_p, len(mesh.points))) for _ in range(3)]
     touching = np.zeros(n_p, dtype=np.int64)
-    for kind, places in points.items():
-        rows = np.flatnonzero((places >= 0).any(axis=1))
-        place, cells, xi = places[rows], mesh.cells[kind][rows], ELEMENTS[kind].samples
-        element, node = np.nonzero(place >= 0)
-        point = place[element, node]
+    for kind, numbers in points.items():
+        rows = np.flatnonzero((numbers >= 0).any(axis=1))
+        cells, xi = mesh.cells[kind][rows], ELEMENTS[kind].samples
+        element, node = np.nonzero(numbers[rows] >= 0)
+        point = numbers[rows[element], node]
         touching += np.bincount(point, minlength=n_p)
 
         samples = np.arange(len(cells) * xi.shape[1]).reshape(len(cells), -1)  # (elements, q)
@@ -62,9 +59,7 @@ def _extrapolation(kind: str) -> Array:
 
 
 def _terms(xi: Array, n: int) -> Array:
-    """The first n terms (n, q) at points xi (3, q): those of a tetrahedron are 1 or 4, of a prism
-    6, of a cube 8.
-    """
+    """The first n terms (n, q) at points xi (3, q): tetrahedra have 1 or 4, prisms 6, cubes 8."""
     x, y, z = xi
     return np.array([np.ones_like(x), x, y, z, x * z, y * z, x * y, x * y * z])[:n]
 

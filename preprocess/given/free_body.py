@@ -1,4 +1,4 @@
-"""Whether given matrices are those of a free elastic body: what elements make by themselves."""
+"""Checks that given matrices are those of a free elastic body."""
 
 from typing import Any
 
@@ -35,8 +35,10 @@ MISPLACED = (
 
 
 def check_free_body(model: GivenModel) -> None:
-    """M positive definite, K in one piece and without resistance to rigid motion, one mass in all
-    directions.
+    """Check that K and M are those of one free elastic body with mass on every dof.
+
+    M must be positive definite with one mass in all directions; K must be connected and leave rigid
+    motions free.
 
     `MatrixError` names the dof and the motion, and what may be the cause.
     """
@@ -48,9 +50,10 @@ def check_free_body(model: GivenModel) -> None:
 
 
 def _rigid_motions(model: GivenModel) -> tuple[Array, Array]:
-    """A (n_u, 6) about the middle, with rotations by 1 / size; and the size (n_u,) that its entries
-    can have, 1 for displacements and 1 / size for rotations: with exact zeros in A, rounding would
-    be all there is in some rows of K A.
+    """Rigid motions A (n_u, 6) about the middle, and the scale (n_u,) of their entries.
+
+    The scale is 1 for displacements and 1 / size for rotations: where entries of A are zero, it
+    keeps a row of K A from being compared with rounding alone.
     """
     points, size = model.nodes.points, model.table.size
     if not size:
@@ -160,7 +163,7 @@ def _check_mass(model: GivenModel, A: Array) -> None:
     uneven = np.abs(coupling + coupling.T).max()
     if uneven > EQUAL * mass:
         raise MatrixError(
-            f"{model.name}: expected one centre of mass for all directions, found several, "
+            f"{model.name}: expected one center of mass for all directions, found several, "
             f"{uneven / mass:.1e} of the size apart: mass is missing on dofs, "
             "or nodes are not where they are said to be"
         )

@@ -1,7 +1,7 @@
 """The types of cells that meshes have, by meshio's names: one record for each solid and facet.
 
 A new solid needs one record in `SOLIDS`, and one in `FACETS` if its faces are of a new type; all
-else follows: what meshes may hold, faces and neighbours, stiffness and mass, strains. Formats that
+else follows: what meshes may hold, faces and neighbors, stiffness and mass, strains. Formats that
 do not know the name yet need it in their own table.
 """
 

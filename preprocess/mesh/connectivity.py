@@ -1,4 +1,4 @@
-"""Whether the elements of a mesh hang together as one body."""
+"""Checks that the elements of a mesh are one body, without mechanisms."""
 
 from collections.abc import Mapping, Sequence
 
@@ -27,8 +27,7 @@ def check_connected(mesh: Mesh) -> None:
 
 
 def check_no_mechanism(mesh: Mesh, facets: Facets) -> None:
-    """Solids that share a facet move as one; those that share an edge or a node alone may swing
-    against each other.
+    """`MeshError` for solids joined at edges or single nodes alone that can swing.
 
     Without strain every element moves rigidly, so the rigid motions q_a of pieces held together by
     facets must agree, [I, -X~] (q_a - q_b) = 0, at every node X that they share: six motions in all
@@ -62,8 +61,11 @@ def _motions(mesh: Mesh, pieces: int, label: IntArray) -> tuple[int, Array]:
 
 
 def _clusters(members: Mapping[str, IntArray], n_members: int) -> tuple[int, IntArray]:
-    """Elements that share members, all of them used, in one cluster: how many, and which of each
-    (n_elements,).
+    """The number of clusters of elements that share members, and that of every element.
+
+    members (n, k) by type of element, all of them used; clusters (n_elements,).
+
+    All members must be used.
     """
     n = sum(len(rows) for rows in members.values())
     element, member = _incidence(members)

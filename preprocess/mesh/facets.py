@@ -1,4 +1,4 @@
-"""The faces of solid elements: which there are, which lie on the boundary, which a group names."""
+"""The faces of solid elements, each once, with the elements beside it, and the boundary."""
 
 from dataclasses import dataclass
 
@@ -33,38 +33,36 @@ class Facets:
 
     def patch(self, numbers: IntArray) -> Patch:
         """The nodes of some facets; types without any are left out."""
-        found, first = {}, 0
+        patch, first = {}, 0
         for kind, nodes in self.nodes.items():
             rows = numbers[(numbers >= first) & (numbers < first + len(nodes))] - first
             if len(rows):
-                found[kind] = nodes[rows]
+                patch[kind] = nodes[rows]
             first += len(nodes)
-        return found
+        return patch
 
     def within(self, chosen: Chosen) -> Chosen:
-        """Which facets (count,) have all their nodes among the chosen (n_points,)."""
+        """True (count,) for facets with all nodes among the chosen (n_points,)."""
         inside: Chosen = np.concatenate(
             [chosen[nodes].all(axis=1) for nodes in self.nodes.values()]
         )
         return inside
 
     def matching(self, kind: str, cells: IntArray) -> IntArray:
-        """The number (m,) of the facet with the corners of each of the cells (m, k) of a type, or
-        -1 where none has.
-        """
-        first = 0
-        for own, nodes in self.nodes.items():
-            if FACETS[own].corners == FACETS[kind].corners:
-                rows = _rows(nodes[:, : FACETS[own].corners], cells[:, : FACETS[own].corners])
+        """The facet (m,) with the corners of each of the cells (m, k) of a type, -1 for none."""
+        first, corners = 0, FACETS[kind].corners
+        for facet_kind, nodes in self.nodes.items():
+            if FACETS[facet_kind].corners == corners:
+                rows = _rows(nodes[:, :corners], cells[:, :corners])
                 return np.where(rows < 0, -1, rows + first)
             first += len(nodes)
         return np.full(len(cells), -1)
 
 
 def facets_of(mesh: Mesh) -> Facets:
-    """The facets of a mesh of solids; `MeshError` where neighbours do not fit each other.
+    """The facets of a mesh of solids; `MeshError` where neighbors do not fit each other.
 
-    Neighbours must share the middle nodes of the face between them, and no triangle may cover half
+    Neighbors must share the middle nodes of the face between them, and no triangle may cover half
     a quadrilateral.
     """
     kinds = list(dict.fromkeys(kind for solid in mesh.body_types for kind in SOLIDS[solid].facets))
@@ -122,16 +120,14 @@ def _each_once(
 
 
 def _check_middles(mesh: Mesh, sides: IntArray, facets: IntArray, owners: IntArray) -> None:
-    """The sides (m, k) of elements `owners` (m,) must have all the nodes of their facets, not only
-    the corners.
-    """
+    """The sides (m, k) of elements `owners` (m,) must have all nodes of their facets."""
     torn = (np.sort(sides, axis=1) != np.sort(facets, axis=1)).any(axis=1)
     if torn.any():
         side = int(np.argmax(torn))
         kind, row = mesh.element(int(owners[side]))
         raise MeshError(
             f"{mesh.name}: {int(torn.sum())} faces of elements share their corners but not their "
-            f"middle nodes with a neighbour, first one of {kind} element {row}, at "
+            f"middle nodes with a neighbor, first one of {kind} element {row}, at "
             f"{mesh.points[sides[side, 0]].tolist()}"
         )
 
@@ -146,20 +142,21 @@ def _check_halves(mesh: Mesh, facets: Facets) -> None:
     if not (triangles and quads):
         return
     halves = quads[0][:, [[0, 1, 2], [0, 2, 3], [0, 1, 3], [1, 2, 3]]]
-    found = (_rows(triangles[0], halves.reshape(-1, 3)) >= 0).reshape(-1, 4).any(axis=1)
-    if found.any():
-        corners = mesh.points[quads[0][int(np.argmax(found))]]
+    halved = (_rows(triangles[0], halves.reshape(-1, 3)) >= 0).reshape(-1, 4).any(axis=1)
+    if halved.any():
+        corners = mesh.points[quads[0][int(np.argmax(halved))]]
         raise MeshError(
-            f"{mesh.name}: {found.sum()} quadrilateral faces are bounded by triangles of their "
-            f"neighbours, first one at {corners.mean(axis=0).tolist()}: what lies on both sides "
+            f"{mesh.name}: {halved.sum()} quadrilateral faces are bounded by triangles of their "
+            f"neighbors, first one at {corners.mean(axis=0).tolist()}: what lies on both sides "
             "of it can slide and overlap; put wedges between, "
             "or mesh both sides with elements whose faces fit"
         )
 
 
 def _rows(table: IntArray, wanted: IntArray) -> IntArray:
-    """The row (m,) of the table (n, k) with the numbers of each wanted one (m, k) in any order; -1
-    where none has.
+    """The row (m,) of the table (n, k) with the numbers of each wanted one (m, k), -1 for none.
+
+    Numbers count in any order.
     """
     _, label = np.unique(np.sort(np.vstack([table, wanted]), axis=1), axis=0, return_inverse=True)
     label = label.ravel()

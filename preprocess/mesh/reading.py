@@ -31,10 +31,9 @@ LISTED = 3
 
 
 def read_mesh(path: str | os.PathLike[str], scale: float = 1.0) -> Mesh:
-    """Read a mesh and its groups; coordinates are multiplied by `scale`, the length of the unit of
-    the file in metres.
+    """Read a mesh and its groups; coordinates are multiplied by `scale`, the unit of the file [m].
 
-    How each format says its groups is told in its own file in `formats`. `MeshError` if the file
+    The file of each format in `formats` says how it names groups. `MeshError` if the file
     cannot be read, or holds cells that are neither lines nor solids. `MeshWarning` if it holds more
     than is read of it: nodes that belong to no element are left out.
     """
@@ -43,7 +42,7 @@ def read_mesh(path: str | os.PathLike[str], scale: float = 1.0) -> Mesh:
     cells = {kind: rows for kind, rows in draft.cells.items() if len(rows)}
     mesh = Mesh(path.name, scale * draft.points, cells, draft.groups, _body_types(path.name, cells))
     loose = draft.points[~mesh.used]
-    lost = [*draft.lost, *([_told(loose)] if len(loose) else [])]
+    lost = [*draft.lost, *([_described(loose)] if len(loose) else [])]
     if lost:
         warnings.warn(
             f"{path}: left out: {'; '.join(dict.fromkeys(lost))}", MeshWarning, stacklevel=2
@@ -52,7 +51,7 @@ def read_mesh(path: str | os.PathLike[str], scale: float = 1.0) -> Mesh:
 
 
 def read_draft(path: Path) -> Draft:
-    """What a mesh file holds, whatever its cells; `MeshError` if it cannot be read."""
+    """Read a mesh file, of any cells; `MeshError` if it cannot be read."""
     if not path.is_file():
         raise MeshError(f"{path}: no such mesh file")
     try:
@@ -67,10 +66,10 @@ def read_draft(path: Path) -> Draft:
     return draft
 
 
-def _told(loose: Array) -> str:
+def _described(loose: Array) -> str:
     """Nodes (k, 3), in the unit of the file."""
     places = [
-        *(str(place) for place in loose[:LISTED].tolist()),
+        *(str(point) for point in loose[:LISTED].tolist()),
         *(["..."] if len(loose) > LISTED else []),
     ]
     return f"{len(loose)} nodes that belong to no element, at {', '.join(places)}"

@@ -83,8 +83,7 @@ class Band:
         return largest
 
     def field_error(self, modes: Modes, better: Modes, turn: Array) -> float:
-        """The same of what unit loads on the interfaces do to the body as a whole, in the norm of
-        its strain energy.
+        """The largest error of displacements under unit loads on the interfaces, in strain energy.
 
         |u_j - u'_j| / max |u_j| for the load on each interface dof j, |u|^2 = u^T K u = sum omega^2
         eta^2. Kernels, which see loads where they act, err with the square of this. turn (m', m):
@@ -124,7 +123,7 @@ class Band:
         return transfer(modes, self.h, self.scheme, delay)
 
     def _delays(self, modes: Modes) -> list[Complex]:
-        """The delays of every part: a grid, and where the modes resonate, Re sigma = -omega^2."""
+        """The delays of every part of the band: a grid, and the resonances, Re sigma = -omega^2."""
         edges = np.linspace(0.0, 2.0 * np.pi * self.limit * self.h, PARTS + 1)
         parts = [AT_ONCE]
         for low, high in pairwise(edges):
@@ -144,8 +143,9 @@ class Band:
 
 
 def transfer(modes: Modes, h: float, scheme: GeneralizedAlpha, delay: Complex) -> Complex:
-    """G = sum_k g[k] d^k = phi diag(1 / (sigma + 2 zeta omega chi + omega^2)) phi^T, the
-    z-transform with d = 1/z.
+    """G = sum_k g[k] d^k (n, n_c, n_c) [m/N ...]: the z-transform of the kernel, with d = 1/z.
+
+    G = phi diag(1 / (sigma + 2 zeta omega chi + omega^2)) phi^T
 
     delay (n,): |d| < 1, and 0 gives g[0] -> (n, n_c, n_c) [m/N ...]. sigma and chi:
     `GeneralizedAlpha.symbols`. Source: docs/theory.md, Impulse responses.
@@ -166,9 +166,7 @@ def _scale(G: Complex) -> Array:
 
 
 def _largest(sizes: Array) -> Array:
-    """The largest (n_c,) over the first axis; the smallest number there is for a dof that does not
-    move.
-    """
+    """The largest (n_c,) over the first axis; at least the smallest positive number."""
     largest: Array = sizes.max(axis=0)
     return np.maximum(largest, np.finfo(float).tiny)
 

@@ -17,8 +17,11 @@ Property = TypeVar("Property", Section, Material)
 
 @dataclass(frozen=True, eq=False)
 class Assignment(Generic[Property]):
-    """Properties by the groups of the mesh, "" for all of it, and owners (n_elements,): the number
-    of the property of each element.
+    """Sections or materials by group of the mesh, and their number (n_elements,) for every element.
+
+    The group "" is the whole mesh.
+
+    The group "" is the whole mesh.
     """
 
     properties: Mapping[str, Property]

@@ -39,7 +39,7 @@ class GivenSource:
         return point_frame(selection, table_nodes(selection, table), self.nodes)
 
     def check_fields(self, stress: bool) -> NoReturn:
-        """Without elements there are neither cells nor strains."""
+        """`BodyError`: without elements there are neither cells nor strains."""
         raise BodyError(f"[recovery]: expected a mesh, found the matrices {self.model.name}")
 
     def field_points(self, stress: bool) -> FieldPoints:

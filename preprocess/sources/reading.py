@@ -1,4 +1,4 @@
-"""The source that a body file names: the one place that knows which there are."""
+"""The choice of the source that a body file names."""
 
 from ..assembly.source import MeshSource, Source
 from ..body.body import Body
@@ -18,7 +18,7 @@ def read_source(body: Body) -> Source:
 
 
 def read_mesh_source(body: Body) -> MeshSource:
-    """The same of a body that must have a mesh."""
+    """Read the mesh of a body; `BodyError` for a body of matrices."""
     if body.mesh is None:
         raise BodyError("a dry run draws what was selected on a mesh, found [matrices]")
     mesh = read_mesh(body.mesh, body.scale)

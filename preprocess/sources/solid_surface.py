@@ -53,5 +53,5 @@ def surface_points(mesh: Mesh, facets: Facets, owners: IntArray) -> SurfacePoint
 
 
 def _of(per_element: IntArray, mesh: Mesh, kind: str) -> IntArray:
-    """The part of (n_elements,) that belongs to a type of element."""
+    """The entries of a type of element, of numbers (n_elements,) for all."""
     return per_element[mesh.first[kind] :][: len(mesh.cells[kind])]

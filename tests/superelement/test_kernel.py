@@ -118,7 +118,7 @@ def test_no_load_draws_energy_from_a_kernel(rho_inf, decaying):
     G = np.fft.rfft(kernel.g, axis=0)
     absorbed = np.linalg.eigvalsh(-G.imag).min(axis=1)
     assert absorbed.min() >= -1e-13 * np.abs(G).max()
-    # The check has teeth: the mean of two neighbouring loads delays by half a step and creates
+    # The check has teeth: the mean of two neighboring loads delays by half a step and creates
     # energy.
     z = np.exp(2j * np.pi * np.arange(len(G)) / len(kernel.g))
     delayed = G * ((1 + 1 / z) / 2)[:, None, None]

@@ -51,7 +51,7 @@ class Keyword:
 
 def keywords(path: Path) -> Iterator[Keyword]:
     """The keywords of a file and of those it includes, in their order."""
-    found: Keyword | None = None
+    keyword: Keyword | None = None
     head = ""
     for place, text in lines(path, _included):
         if not text.strip() or text.startswith("**"):
@@ -60,18 +60,20 @@ def keywords(path: Path) -> Iterator[Keyword]:
             # A line of a keyword that ends in a comma goes on in the next one.
             head += text.strip()
             if not head.endswith(","):
-                if found is not None:
-                    yield found
-                found, head = _keyword(head, place), ""
-        elif found is None:
+                if keyword is not None:
+                    yield keyword
+                keyword, head = _keyword(head, place), ""
+        elif keyword is None:
             raise MeshError(
                 f"{place}: expected a keyword of Abaqus (*HEADING, *NODE, ...), found {text[:40]!r}"
             )
         else:
-            found.data.append([item.strip() for item in text.strip().removesuffix(",").split(",")])
-    if found is None:
+            keyword.data.append(
+                [item.strip() for item in text.strip().removesuffix(",").split(",")]
+            )
+    if keyword is None:
         raise MeshError("expected keywords of Abaqus, found none")
-    yield found
+    yield keyword
 
 
 def _keyword(text: str, place: str) -> Keyword:

@@ -1,4 +1,4 @@
-"""What an Abaqus input file defines: parts, their instances, and the sets of each."""
+"""Parts, instances and sets of an Abaqus input file."""
 
 import re
 from collections import Counter
@@ -32,7 +32,7 @@ _KINDS = (
     (r"T[23]D2|B[23][13]", "line", 2),
     (r"T[23]D3|B[23]2", "line3", 3),
 )
-# The centre of a C3D27 stands before the middles of its faces 1 to 6.
+# The center of a C3D27 stands before the middles of its faces 1 to 6.
 _ORDER = {"hexahedron27": [*range(20), 26, 24, 23, 25, 21, 22, 20]}
 _GENERATED = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM")
 _CONNECTIONS = (
@@ -48,7 +48,7 @@ _CONNECTIONS = (
 
 @dataclass(frozen=True)
 class Entry:
-    """Of a set: numbers, a range of which it has those that are there, or the name of another set.
+    """An entry of a set: numbers, a range of numbers, or the name of another set.
 
     They are of an instance, where it is said.
     """
@@ -59,9 +59,7 @@ class Entry:
 
 @dataclass
 class Sets:
-    """Sets of nodes or of elements by their names in upper case, for names differ by their letters
-    alone.
-    """
+    """Sets of nodes or of elements by name in upper case, as names are not case-sensitive."""
 
     entries: dict[str, list[Entry]] = field(default_factory=dict)
     written: dict[str, str] = field(default_factory=dict)
@@ -79,7 +77,7 @@ class Sets:
 
 @dataclass
 class Part:
-    """What stands between *PART and *END PART, or outside of all parts.
+    """The contents of *PART, or of the file outside all parts.
 
     elements: type of cell, numbers (n,) and numbers of the nodes (n, k), in meshio's order.
     """
@@ -92,14 +90,14 @@ class Part:
     surfaces: list[Keyword] = field(default_factory=list)
 
     def copy(self) -> "Part":
-        """A part to which more may be added."""
+        """A copy that can be extended."""
         lists = [*self.numbers], [*self.points], [*self.elements]
         return Part(*lists, self.nsets.copy(), self.elsets.copy(), [*self.surfaces])
 
 
 @dataclass(frozen=True)
 class Instance:
-    """A part in its place: x = a + R (X + t - a)."""
+    """A part, moved and turned: x = a + R (X + t - a)."""
 
     name: str
     part: Part
@@ -115,8 +113,7 @@ class Instance:
 
 
 def read_instances(path: Path, lost: list[str]) -> dict[str, Instance]:
-    """The instances by name in upper case; the one without name is what stands outside of parts and
-    instances.
+    """The instances by name in upper case; the nameless one has the contents outside parts.
 
     What the file has and a mesh does not is put into words and added to `lost`.
     """
@@ -162,17 +159,18 @@ def read_instances(path: Path, lost: list[str]) -> dict[str, Instance]:
 
 
 def _instance(part: Part, keyword: Keyword) -> Instance:
-    """The first data line is a translation, the second one an axis by two points, and an angle in
-    degrees.
+    """An instance from a translation, and from two points of an axis with an angle [deg].
+
+    Each stands in a data line.
     """
     translation, axis = np.zeros(3), np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0])
     for values, items in zip((translation, axis), keyword.data, strict=False):
-        given = keyword.floats(items)
-        if len(given) > len(values):
+        numbers = keyword.floats(items)
+        if len(numbers) > len(values):
             raise MeshError(
-                f"{keyword.place}: *INSTANCE: expected {len(values)} numbers, found {len(given)}"
+                f"{keyword.place}: *INSTANCE: expected {len(values)} numbers, found {len(numbers)}"
             )
-        values[: len(given)] = given
+        values[: len(numbers)] = numbers
     along = axis[3:6] - axis[:3]
     if not along.any():
         raise MeshError(f"{keyword.place}: *INSTANCE: the two points of its axis are the same")
@@ -193,7 +191,7 @@ def _add_nodes(part: Part, keyword: Keyword) -> None:
 
 
 def _add_elements(part: Part, keyword: Keyword) -> bool:
-    """Whether the type is one of those that make cells."""
+    """Add the elements of a keyword; false if their type makes no cells."""
     if keyword.get("INPUT"):
         raise MeshError(f"{keyword.place}: *ELEMENT: expected elements below it")
     numbers = NONE
@@ -218,11 +216,11 @@ def _add_elements(part: Part, keyword: Keyword) -> bool:
 
 
 def _entries(keyword: Keyword) -> list[Entry]:
-    """Of *NSET and *ELSET: numbers and names, or first, last and step with GENERATE."""
+    """The entries of *NSET and *ELSET: numbers and names, or first, last and step with GENERATE."""
     instance = keyword.get("INSTANCE").upper()
     if "GENERATE" in keyword.parameters:
         ranges = [(*keyword.ints(line), 1)[:3] for line in keyword.data]
-        if any(len(given) != 3 or given[2] < 1 for given in ranges):
+        if any(len(limits) != 3 or limits[2] < 1 for limits in ranges):
             raise MeshError(
                 f"{keyword.place}: GENERATE: expected first, last and a positive step in each line"
             )

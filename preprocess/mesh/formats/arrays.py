@@ -14,7 +14,7 @@ from ..mesh import IntArray
 from .draft import Draft
 
 MOST = 1000
-"""Values of an array beyond which it is not taken to tell groups."""
+"""Distinct values of an array beyond which it makes no groups."""
 
 
 def mark_values(

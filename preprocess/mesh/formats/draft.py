@@ -11,7 +11,7 @@ from ..mesh import NONE, Group, IntArray
 
 
 class Draft:
-    """Points (n, 3) and cells in the order of their file, and what the file says is in which group.
+    """Points (n, 3), cells and groups of a file, in its order.
 
     A name that is given to several things, as to nodes and to elements, is one group of them all.
     `lost` tells in words what the file holds and the draft does not; labels (n,) are the numbers
@@ -55,19 +55,19 @@ class Draft:
     @property
     def groups(self) -> dict[str, Group]:
         """Every group that holds something."""
-        found = {}
+        groups = {}
         for name in {**self._cells, **self._points}:
             cells = {
                 kind: np.unique(np.concatenate(rows))
                 for kind, rows in self._cells.get(name, {}).items()
             }
             points = np.unique(np.concatenate([NONE, *self._points.get(name, [])]))
-            found[name] = Group({kind: rows for kind, rows in cells.items() if len(rows)}, points)
-        return {name: group for name, group in found.items() if group.kinds}
+            groups[name] = Group({kind: rows for kind, rows in cells.items() if len(rows)}, points)
+        return {name: group for name, group in groups.items() if group.kinds}
 
 
 class Sequence:
-    """The elements of a file in its order, whatever their types, and the cell of each."""
+    """The elements of a file in its order, across types, and the cell of each."""
 
     def __init__(self, draft: Draft) -> None:
         self._draft = draft

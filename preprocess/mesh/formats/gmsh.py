@@ -65,17 +65,17 @@ def read(path: Path) -> Draft:
 
 
 def _sections(data: bytes) -> dict[str, bytes]:
-    """What stands between $NAME and $EndNAME."""
+    """The contents between $NAME and $EndNAME, by name."""
     sections = {}
-    place = 0
-    while match := _SECTION.match(data, place):
+    position = 0
+    while match := _SECTION.match(data, position):
         name = match[1]
         end = data.find(b"$End" + name, match.end())
         if end < 0:
             raise MeshError(f"the file breaks off: ${name.decode()} has no $End{name.decode()}")
         sections[name.decode()] = data[match.end() : end]
-        place = end + len(b"$End" + name)
-    if rest := data[place:].strip():
+        position = end + len(b"$End" + name)
+    if rest := data[position:].strip():
         raise MeshError(f"expected a section of Gmsh, found {rest[:20]!r}")
     return sections
 
@@ -181,8 +181,9 @@ def _read2(sections: dict[str, bytes], form: _Format, names: dict[tuple[int, int
 
 
 def _binary_tables(numbers: BinaryNumbers, count: int) -> Iterator[tuple[int, IntArray]]:
-    """Types, and tables of number, tags and nodes; each table has a header: type, length and number
-    of tags.
+    """Types and tables of number, tags and nodes; each table has a header.
+
+    The header: type, length and number of tags.
     """
     while count > 0:
         ((number, length, tags),) = numbers.table(1, ("i", 3))[0].tolist()
@@ -193,8 +194,8 @@ def _binary_tables(numbers: BinaryNumbers, count: int) -> Iterator[tuple[int, In
 
 
 def _text_tables(numbers: TextNumbers, count: int) -> Iterator[tuple[int, IntArray]]:
-    """The same from rows of number, type, number of tags, tags and nodes; runs of equal rows are
-    taken at once.
+    """Elements from rows of number, type, number of tags, tags and nodes; runs of equal rows at
+    once.
     """
     while count > 0:
         _, number, tags = numbers.ahead(3)

@@ -110,8 +110,8 @@ def _nodes(card: Card) -> tuple[str, list[int]]:
     if card.name in _PARTS:
         kind, count = _PARTS[card.name]
     else:
-        given = [place for place, text in enumerate(card.fields[2:], 1) if text]
-        count, kinds = given[-1] if given else 0, _SOLIDS[card.name]
+        filled = [place for place, text in enumerate(card.fields[2:], 1) if text]
+        count, kinds = filled[-1] if filled else 0, _SOLIDS[card.name]
         if count not in kinds:
             raise MeshError(
                 f"{card.place}: {card.name}: "
@@ -122,9 +122,7 @@ def _nodes(card: Card) -> tuple[str, list[int]]:
 
 
 def _add_points(draft: Draft, card: Card, numbering: Numbering) -> None:
-    """The grid points of a set; ranges may name some that are not there, and SET1 may hold elements
-    instead.
-    """
+    """Put the grid points of a set into a group; ranges may name missing ones, SET1 elements."""
     match card.name:
         case "SPC":
             numbers = [card.integer(field) for field in (3, 6) if card.text(field)]

@@ -1,6 +1,4 @@
-"""The cards of Nastran bulk data: short, long and free fields, continuations, includes, and what
-comments name.
-"""
+"""The cards of Nastran bulk data: short, long and free fields, continuations, includes."""
 
 import re
 from collections.abc import Iterator
@@ -25,7 +23,7 @@ _NAMES = (
 
 @dataclass(frozen=True)
 class Card:
-    """A card: its name, its fields without those that hold continuations, and where it stands."""
+    """A card: its name, its fields without continuations, and its line in the file."""
 
     name: str
     fields: list[str]
@@ -107,9 +105,7 @@ def read_cards(path: Path, names: dict[int, str]) -> Iterator[Card]:
 
 
 def _fields(text: str) -> tuple[str, list[str]]:
-    """The first field and the 8 or, where a star asks for long fields, the 4 others that a line has
-    room for.
-    """
+    """The first field, and the 8 others of a line, or 4 where a star asks for long fields."""
     text = text.partition("$")[0].expandtabs()
     first, *items = (
         [item.strip() for item in text.split(",")] if "," in text else [text[:8].strip()]

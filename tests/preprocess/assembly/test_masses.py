@@ -15,13 +15,13 @@ J = [[3e-5, 1e-6, 2e-6], [1e-6, 4e-5, -1e-6], [2e-6, -1e-6, 5e-5]]
 
 
 def steiner(mass, inertia, offset):
-    """The inertia about a point `offset` away from the centre of mass."""
+    """The inertia about a point `offset` away from the center of mass."""
     offset = np.asarray(offset)
     return inertia + mass * (offset @ offset * np.eye(3) - np.outer(offset, offset))
 
 
 def check_mass_properties(bare, heavy, mass, inertia, place):
-    """`heavy` is `bare` and a rigid piece: mass, centre of mass, and inertia about it."""
+    """`heavy` is `bare` and a rigid piece: mass, center of mass, and inertia about it."""
     total = bare.mass + mass
     center = (bare.mass * bare.center + mass * np.asarray(place)) / total
     expected = steiner(bare.mass, bare.J_rot, bare.center - center) + steiner(

@@ -146,7 +146,7 @@ def test_flat_elements_are_degenerate(solid_body, box, kind):
         assemble(solid_body(mesh))
 
 
-def test_neighbours_must_share_their_middle_nodes(solid_body, box):
+def test_neighbors_must_share_their_middle_nodes(solid_body, box):
     mesh = box("tetra10", divisions=(1, 1, 1))
     cells = mesh.cells[-1].data
     twin = len(mesh.points)

@@ -11,7 +11,7 @@ from duhamel.preprocess.responses.factor import _cholmod, _rslab, _superlu, fact
 from duhamel.superelement import GeneralizedAlpha
 
 
-@pytest.fixture(params=["beam", "askew beam", "solid in metres", "solid in millimetres"])
+@pytest.fixture(params=["beam", "askew beam", "solid in meters", "solid in millimeters"])
 def structure(request, beam_body, beam, lines, solid_body, box):
     """Rotations beside displacements, on and off the axes, and solids whose numbers are small or
     large.
@@ -23,7 +23,7 @@ def structure(request, beam_body, beam, lines, solid_body, box):
             return assemble(
                 beam_body(lines(np.cumsum(np.random.default_rng(1).normal(size=(40, 3)), axis=0)))
             )
-        case "solid in metres":
+        case "solid in meters":
             return assemble(solid_body(box("tetra10", size=(0.4, 0.1, 0.1), divisions=(8, 2, 2))))
         case _:
             return assemble(
@@ -50,7 +50,7 @@ def backward_error(A, x, b):
 def test_every_equation_is_solved_to_rounding(matrix):
     """In any units, for one right-hand side and for many, stored in either order."""
     factor = factorize(matrix, "A")
-    assert (factor.backend, factor.passed_over, factor.account) == ("rslab", (), "rslab")
+    assert (factor.backend, factor.passed_over, factor.summary) == ("rslab", (), "rslab")
     assert factor.residual < 1e-12
     B = np.random.default_rng(2).normal(size=(matrix.shape[0], 12))
     for b in (B[:, 0], B, np.asfortranarray(B), B[:, ::2]):
@@ -91,7 +91,7 @@ def test_superlu_steps_in_where_rslab_gives_up(monkeypatch):
     factor = factorize(laplacian(50), "A")
     assert factor.backend == "superlu"
     assert factor.passed_over == ("rslab: zero pivot in column 3",)
-    assert factor.account == "superlu; not rslab: zero pivot in column 3"
+    assert factor.summary == "superlu; not rslab: zero pivot in column 3"
     assert factor.residual < 1e-12
 
 
@@ -165,8 +165,8 @@ def test_a_superelement_says_what_factorized_it(beam_body, beam, monkeypatch):
 
     without_cholmod(monkeypatch)
     monkeypatch.setattr("rslab.analyze", lambda A, path, threads: Singular())
-    account = build(beam_body(beam(5), impulse=march)).provenance.versions["factorization"]
-    assert account == "superlu; not rslab: zero pivot in column 3"
+    summary = build(beam_body(beam(5), impulse=march)).provenance.versions["factorization"]
+    assert summary == "superlu; not rslab: zero pivot in column 3"
 
 
 def laplacian(n):

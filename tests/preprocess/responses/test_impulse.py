@@ -90,7 +90,7 @@ def test_ratios_over_frequency_are_linear_between_and_constant_outside():
 
 
 def test_modes_are_complete(solid_body, box, kind):
-    """As many as unknowns less six, mass-normalised: phi phi^T is the accelerance, phi omega^-2
+    """As many as unknowns less six, mass-normalized: phi phi^T is the accelerance, phi omega^-2
     phi^T the compliance.
     """
     structure = assemble(solid_body(box(kind, divisions=(2, 1, 1))))

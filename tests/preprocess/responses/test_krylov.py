@@ -341,7 +341,7 @@ def test_an_exhausted_space_gives_the_exact_kernel(beam_body, beam):
 
 
 def test_shapes_are_the_modes_of_the_whole_mesh(block):
-    """At the interfaces phi; everywhere mass-normalised, elastic, and with stiffness omega^2; by
+    """At the interfaces phi; everywhere mass-normalized, elastic, and with stiffness omega^2; by
     both methods.
     """
     structure, h = block

@@ -30,8 +30,8 @@ def volume(mesh: Mesh, group: str | None = None) -> float:
     total = 0.0
     for kind, cells in mesh.elements.items():
         corners = mesh.points[cells]
-        neighbours, parts = PARALLELEPIPED[kind.rstrip("0123456789")]
-        edges = corners[:, neighbours] - corners[:, :1]
+        neighbors, parts = PARALLELEPIPED[kind.rstrip("0123456789")]
+        edges = corners[:, neighbors] - corners[:, :1]
         volumes = np.linalg.det(edges) / parts
         assert (volumes > 0.0).all(), kind
         total += float(
