@@ -1,6 +1,7 @@
 """Solid elements on their reference domains: shapes, gradients, points of integration."""
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 import skfem
@@ -95,12 +96,14 @@ def _points(domain: type[Refdom], degree: int) -> tuple[Array, Array]:
     return _prism(degree) if domain is RefWedge else get_quadrature(domain, degree)
 
 
-def _element(solid: SolidType) -> SolidElement:
+def solid_element(kind: str) -> SolidElement:
+    """The reference element of a type of solid, by meshio's name."""
+    return _reference(SOLIDS[kind])
+
+
+@cache
+def _reference(solid: SolidType) -> SolidElement:
     shapes = getattr(skfem, solid.shapes)()
     xi, weights = _points(shapes.refdom, solid.integration)
     samples, _ = _points(shapes.refdom, solid.sampling)
     return SolidElement(shapes, np.array(solid.order), xi, weights, samples)
-
-
-ELEMENTS = {kind: _element(solid) for kind, solid in SOLIDS.items()}
-"""The solids by meshio's names."""

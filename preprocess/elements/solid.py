@@ -11,7 +11,7 @@ from ..body.material import Material
 from ..errors import MeshError
 from ..mesh.mesh import IntArray, Mesh
 from .assembly_map import pattern
-from .element import ELEMENTS, cofactors, physical
+from .element import cofactors, physical, solid_element
 
 FLAT = 1e-10
 """The Jacobian of an element, relative to the cube of its diameter, below which it counts as
@@ -36,7 +36,7 @@ def solid_matrices(mesh: Mesh, materials: Sequence[Material], owners: IntArray) 
     blocks = pattern(mesh.elements, len(mesh.points))
     K, M = np.zeros((len(blocks.rows), 3, 3)), np.zeros((len(blocks.rows), 1, 1))
     for kind, cells in mesh.elements.items():
-        element = ELEMENTS[kind]
+        element = solid_element(kind)
         k, q = len(element.order), len(element.weights)
         N, dN = element.N(element.xi), element.dN(element.xi)
         i, j = np.triu_indices(k)
@@ -62,7 +62,7 @@ def volumes(mesh: Mesh) -> Array:
     """The volume (n_elements,) [m^3] of every element."""
     batches = []
     for kind, cells in mesh.elements.items():
-        element = ELEMENTS[kind]
+        element = solid_element(kind)
         dN = element.dN(element.xi)
         for _, rows in _batches(np.zeros(len(cells), dtype=np.int64), max(1, BATCH // dN.size)):
             batches.append(cofactors(dN, mesh.points[cells[rows]])[1] @ element.weights)
@@ -81,7 +81,7 @@ def _check_jacobians(mesh: Mesh) -> None:
     """Every element must keep its orientation and volume at all points of integration."""
     lowest, relative = [], []
     for kind, cells in mesh.elements.items():
-        element = ELEMENTS[kind]
+        element = solid_element(kind)
         dN = element.dN(element.xi)
         for _, rows in _batches(np.zeros(len(cells), dtype=np.int64), BATCH // dN.size):
             X = mesh.points[cells[rows]]

@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from ...superelement.validation import Array
 from ..body.material import STRESSES
 from ..mesh.mesh import IntArray, Mesh
-from .element import ELEMENTS
+from .element import solid_element
 
 # strain_i = sum_(c,a) STRAINS_(c,i,a) du_a/dx_c, shear strains being engineering's
 STRAINS = np.zeros((3, 6, 3))
@@ -31,16 +31,17 @@ def strain_rows(mesh: Mesh, points: Mapping[str, IntArray]) -> Any:
     touching = np.zeros(n_p, dtype=np.int64)
     for kind, numbers in points.items():
         rows = np.flatnonzero((numbers >= 0).any(axis=1))
-        cells, xi = mesh.cells[kind][rows], ELEMENTS[kind].samples
+        solid, cells = solid_element(kind), mesh.cells[kind][rows]
         element, node = np.nonzero(numbers[rows] >= 0)
         point = numbers[rows[element], node]
         touching += np.bincount(point, minlength=n_p)
 
-        samples = np.arange(len(cells) * xi.shape[1]).reshape(len(cells), -1)  # (elements, q)
+        n_samples = len(cells) * solid.samples.shape[1]
+        samples = np.arange(n_samples).reshape(len(cells), -1)  # (elements, q)
         carry = _sparse(
             _extrapolation(kind)[node], point[:, None], samples[element], (n_p, samples.size)
         )
-        gradients = ELEMENTS[kind].gradients(xi, mesh.points[cells])  # (elements, k, 3, q)
+        gradients = solid.gradients(solid.samples, mesh.points[cells])  # (elements, k, 3, q)
         for c in range(3):
             columns, shape = cells[:, :, None], (samples.size, len(mesh.points))
             slopes[c] += carry @ _sparse(gradients[:, :, c], samples[:, None], columns, shape)
@@ -51,11 +52,10 @@ def strain_rows(mesh: Mesh, points: Mapping[str, IntArray]) -> Any:
 
 def _extrapolation(kind: str) -> Array:
     """(k, q): values at the nodes of the polynomial through the values at the samples."""
-    samples = ELEMENTS[kind].samples
-    n = samples.shape[1]
-    return np.asarray(
-        np.linalg.solve(_terms(samples, n), _terms(ELEMENTS[kind].nodes, n)).T, dtype=float
-    )
+    element = solid_element(kind)
+    n = element.samples.shape[1]
+    at_samples, at_nodes = _terms(element.samples, n), _terms(element.nodes, n)
+    return np.asarray(np.linalg.solve(at_samples, at_nodes).T, dtype=float)
 
 
 def _terms(xi: Array, n: int) -> Array:

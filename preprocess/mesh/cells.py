@@ -24,7 +24,7 @@ class FacetType:
     shapes: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SolidType:
     """An isoparametric solid, its nodes in meshio's order.
 

@@ -1,6 +1,7 @@
 """The order of imports between the rooms of preprocess, and what the three packages may import."""
 
 import ast
+import tomllib
 from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -141,6 +142,14 @@ def test_no_files_import_each_other():
     except CycleError as error:
         cycle = " <- ".join(".".join(module) for module in error.args[1])
         pytest.fail(f"files import each other: {cycle}")
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_every_folder_is_in_the_wheel(package):
+    """Setuptools takes the packages that are listed, and no others."""
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    folders = {".".join(("duhamel", *module[:-1])) for module in modules(package)}
+    assert folders <= set(settings["tool"]["setuptools"]["packages"])
 
 
 def test_the_test_finds_what_points_upwards():

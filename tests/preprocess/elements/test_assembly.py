@@ -10,7 +10,7 @@ import scipy.sparse as sp
 import skfem
 from duhamel.preprocess import MeshError, assemble
 from duhamel.preprocess.body.material import Material
-from duhamel.preprocess.elements.element import ELEMENTS
+from duhamel.preprocess.elements.element import solid_element
 from duhamel.preprocess.elements.solid import BATCH, solid_matrices
 from duhamel.preprocess.mesh.mesh import Mesh
 from skfem.helpers import ddot, dot, sym_grad
@@ -60,7 +60,7 @@ def forms(mesh, stress):
     together after.
     """
     ((kind, cells),) = mesh.elements.items()
-    element = ELEMENTS[kind]
+    element = solid_element(kind)
     order = np.argsort(element.order)
     nodes = cells[:, order]
     n, k = nodes.shape

@@ -4,7 +4,7 @@ from math import factorial
 
 import numpy as np
 import pytest
-from duhamel.preprocess.elements.element import ELEMENTS
+from duhamel.preprocess.elements.element import solid_element
 
 from ..blocks import solid_cells
 
@@ -34,7 +34,7 @@ def moment(kind, powers):
 
 
 def test_a_shape_is_one_at_its_node_alone(kind):
-    element = ELEMENTS[kind]
+    element = solid_element(kind)
     np.testing.assert_allclose(
         element.N(element.nodes), np.eye(len(element.order)), rtol=0, atol=1e-14
     )
@@ -45,7 +45,7 @@ def test_the_nodes_are_in_the_order_of_meshio(kind):
     mirrored.
     """
     grid, cells = solid_cells(kind, (1, 1, 1))
-    element = ELEMENTS[kind]
+    element = solid_element(kind)
     for cell in cells:
         affine = np.vstack([element.nodes, np.ones(len(element.order))]).T
         image, *_ = np.linalg.lstsq(affine, grid[cell].astype(float))
@@ -54,7 +54,7 @@ def test_the_nodes_are_in_the_order_of_meshio(kind):
 
 
 def test_rules_are_exact_and_positive(kind):
-    element, degree = ELEMENTS[kind], DEGREES[kind]
+    element, degree = solid_element(kind), DEGREES[kind]
     assert (element.weights > 0).all()
     for powers in np.ndindex(degree + 1, degree + 1, degree + 1):
         if sum(powers) <= degree or kind.startswith("hexahedron"):
@@ -64,7 +64,7 @@ def test_rules_are_exact_and_positive(kind):
 
 def test_gradients_of_a_linear_field(kind):
     """On elements bent out of shape: sum_k f(X_k) dN_k/dx is the gradient of a linear f."""
-    element = ELEMENTS[kind]
+    element = solid_element(kind)
     rng = np.random.default_rng(1)
     X = element.nodes.T + rng.uniform(-0.03, 0.03, (5, len(element.order), 3))
     gradient = rng.normal(size=3)
