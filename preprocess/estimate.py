@@ -89,12 +89,14 @@ def _fields(nodes: Nodes, splines: int) -> Any:
     margin = 0.5 * np.maximum(THIN * (upper - lower).max() - (upper - lower), 0.0)
     lower, upper = lower - margin, upper + margin
     scaled = (nodes.points - lower) / (upper - lower)
-    along = [
-        _along(x, n) for x, n in zip(scaled.T, _grid(scaled, upper - lower, splines), strict=True)
-    ]
-    (X, dX), (Y, dY), (Z, dZ) = (
-        (N, dN / length) for (N, dN), length in zip(along, upper - lower, strict=True)
-    )
+    cells = _grid(scaled, upper - lower, splines)
+    splines_along, slopes_along = [], []
+    for axis, length in enumerate(upper - lower):
+        N, dN = _along(scaled[:, axis], cells[axis])
+        splines_along.append(N)
+        slopes_along.append(dN / length)
+    X, Y, Z = splines_along
+    dX, dY, dZ = slopes_along
 
     values = _product(X, Y, Z)
     used = np.flatnonzero(np.diff(values.tocsc().indptr))
@@ -145,18 +147,18 @@ def _along(x: Array, cells: int) -> tuple[Any, Any]:
 
 
 def _product(X: Array, Y: Array, Z: Array) -> Any:
-    """X_ni Y_nj Z_nk (n, i j k), sparse."""
-    columns: list[NDArray[np.int64]] = [
-        np.argsort(N == 0.0, axis=1, kind="stable")[:, :3] for N in (X, Y, Z)
-    ]
-    parts = [np.take_along_axis(N, c, axis=1) for N, c in zip((X, Y, Z), columns, strict=True)]
-    values = np.einsum("ni,nj,nk->nijk", *parts)
-    i, j, k = columns
-    places = (i[:, :, None, None] * Y.shape[1] + j[:, None, :, None]) * Z.shape[1] + k[
-        :, None, None, :
-    ]
+    """X_ni Y_nj Z_nk (n, i j k), sparse: of quadratic splines three are not zero at any point."""
+    numbers, factors = [], []
+    for N in (X, Y, Z):
+        nonzero: NDArray[np.int64] = np.argsort(N == 0.0, axis=1, kind="stable")[:, :3]
+        numbers.append(nonzero)
+        factors.append(np.take_along_axis(N, nonzero, axis=1))
+    values = np.einsum("ni,nj,nk->nijk", *factors)
+    i, j, k = numbers
+    ij = i[:, :, None, None] * Y.shape[1] + j[:, None, :, None]
+    columns = ij * Z.shape[1] + k[:, None, None, :]
     rows = np.repeat(np.arange(len(X)), 27)
     shape = (len(X), X.shape[1] * Y.shape[1] * Z.shape[1])
-    product = sp.csr_array((values.ravel(), (rows, places.ravel())), shape=shape)
+    product = sp.csr_array((values.ravel(), (rows, columns.ravel())), shape=shape)
     product.eliminate_zeros()
     return product

@@ -4,6 +4,7 @@ import os
 import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 from .errors import MemoryShortageError
 
@@ -52,42 +53,52 @@ def _machine(root: Path) -> int:
     return sys.maxsize
 
 
+class _Controller(NamedTuple):
+    """A memory controller: its folder, and its files of the limit, the use, and the cached part."""
+
+    top: str
+    limit: str
+    used: str
+    cache: str
+
+
+V1 = _Controller(
+    "sys/fs/cgroup/memory",
+    "memory.limit_in_bytes",
+    "memory.usage_in_bytes",
+    "total_inactive_file",
+)
+V2 = _Controller("sys/fs/cgroup", "memory.max", "memory.current", "inactive_file")
+
+
 def _control_groups(root: Path) -> Iterator[int]:
     """Bytes left in each control group of the process, and in the groups that contain it."""
     path = root / "proc/self/cgroup"
     for line in path.read_text().splitlines() if path.exists() else ():
         _, controllers, group = line.split(":", 2)
         if not controllers:
-            top, limit, used, cache = (
-                root / "sys/fs/cgroup",
-                "memory.max",
-                "memory.current",
-                "inactive_file",
-            )
+            controller = V2
         elif "memory" in controllers.split(","):
-            top = root / "sys/fs/cgroup/memory"
-            limit, used, cache = (
-                "memory.limit_in_bytes",
-                "memory.usage_in_bytes",
-                "total_inactive_file",
-            )
+            controller = V1
         else:
             continue
+        top = root / controller.top
         inside = top / group.lstrip("/")
         for folder in (inside, *inside.parents):
-            if (
-                folder.is_relative_to(top)
-                and (folder / limit).exists()
-                and (folder / used).exists()
-            ):
-                most = (folder / limit).read_text().strip()
-                if most != "max":
-                    # Files that are cached but not in use give way to whoever asks for memory.
-                    yield (
-                        int(most)
-                        - int((folder / used).read_text())
-                        + _entry(folder / "memory.stat", cache)
-                    )
+            if folder.is_relative_to(top):
+                yield from _left(folder, controller)
+
+
+def _left(folder: Path, controller: _Controller) -> Iterator[int]:
+    """Bytes left in one group, if it has a limit."""
+    limit, used = folder / controller.limit, folder / controller.used
+    if not (limit.exists() and used.exists()):
+        return
+    most = limit.read_text().strip()
+    if most != "max":
+        # Files that are cached but not in use give way to whoever asks for memory.
+        cached = _entry(folder / "memory.stat", controller.cache)
+        yield int(most) - int(used.read_text()) + cached
 
 
 def _entry(path: Path, key: str) -> int:

@@ -38,8 +38,8 @@ def checked(name: str, value: Any, shape: Sequence[int | str]) -> Array:
         )
     if not np.isfinite(array).all():
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
-        place = f" at index {where}" if where else ""
-        raise SuperelementError(f"{name}: expected finite numbers, found {array[where]}{place}")
+        position = f" at index {where}" if where else ""
+        raise SuperelementError(f"{name}: expected finite numbers, found {array[where]}{position}")
     array.flags.writeable = False
     return array
 

@@ -12,17 +12,17 @@ from ..body.selection import InterfaceSelection
 from ..errors import InterfaceError
 
 
-def placed_masses(body: Body) -> dict[str, InterfaceSelection]:
+def mass_selections(body: Body) -> dict[str, InterfaceSelection]:
     """The selections of the masses that are not on an interface, by name."""
     return {
         name: mass.selection for name, mass in body.masses.items() if mass.selection is not None
     }
 
 
-def lumped_mass(body: Body, interfaces: Mapping[str, Any], placed: Mapping[str, Any]) -> Any:
+def lumped_mass(body: Body, interfaces: Mapping[str, Any], selected: Mapping[str, Any]) -> Any:
     """The mass matrix (n_u, n_u), sparse, of rigid pieces: sum rows^T diag(m I, J) rows.
 
-    `interfaces` and `placed` have rows (3 or 6, n_u) by the names of interfaces, and of the other
+    `interfaces` and `selected` have rows (3 or 6, n_u) by the names of interfaces, and of the other
     masses. With the averaged motion of facets, rows = D, a mass m D^T D resists the mean motion of
     the facets alone. As D is exact for rigid motion, so are mass, center of mass and inertia.
     `InterfaceError` for an inertia where nothing rotates.
@@ -30,7 +30,7 @@ def lumped_mass(body: Body, interfaces: Mapping[str, Any], placed: Mapping[str, 
     n_u = next(iter(interfaces.values())).shape[1]
     total = sp.csc_array((n_u, n_u))
     for name, mass in body.masses.items():
-        rows = placed[name] if mass.interface is None else interfaces[mass.interface]
+        rows = selected[name] if mass.interface is None else interfaces[mass.interface]
         total = total + rows.T @ sp.csr_array(_block(name, mass, rows.shape[0])) @ rows
     return total
 

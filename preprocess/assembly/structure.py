@@ -13,7 +13,7 @@ from ..body.body import Body
 from ..errors import InterfaceError
 from ..mesh.nodes import Nodes
 from .interfaces import Attachment, attachments
-from .masses import lumped_mass, placed_masses
+from .masses import lumped_mass, mass_selections
 from .rigid import RigidModes, relieve, rigid_modes
 from .source import Source
 from .ties import tie
@@ -66,14 +66,14 @@ def assemble_on(body: Body, source: Source) -> Structure:
     K, M = source.matrices()
     try:
         frames = attachments("interfaces", body.interfaces, source)
-        placed = attachments("masses", placed_masses(body), source)
+        selected = attachments("masses", mass_selections(body), source)
         masses = {
-            name: placed[name] if mass.interface is None else frames[mass.interface]
+            name: selected[name] if mass.interface is None else frames[mass.interface]
             for name, mass in body.masses.items()
         }
         nodes, T, rows = tie(source.nodes, frames)
-        placed_rows = {name: frame.rows @ T for name, frame in placed.items()}
-        lumped = _symmetric(lumped_mass(body, rows, placed_rows))
+        selected_rows = {name: frame.rows @ T for name, frame in selected.items()}
+        lumped = _symmetric(lumped_mass(body, rows, selected_rows))
     except InterfaceError as error:
         raise InterfaceError(f"{source.name}: {error}") from error
     if nodes.n_dofs < source.nodes.n_dofs:

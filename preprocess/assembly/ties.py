@@ -30,9 +30,9 @@ def tie(nodes: Nodes, attachments: Mapping[str, Attachment]) -> tuple[Nodes, Any
     )
     kept = np.flatnonzero(np.isin(nodes.owner, free))
     old, new, values = [kept], [np.arange(len(kept))], [np.ones(len(kept))]
-    for place, attachment in enumerate(rigid.values(), start=len(free)):
+    for node, attachment in enumerate(rigid.values(), start=len(free)):
         arms = spider(nodes.points[attachment.nodes] - attachment.X)  # (n, 3, 6)
-        frame = left.first[place] + np.arange(6)
+        frame = left.first[node] + np.arange(6)
         old.append(np.repeat(nodes.displacements[attachment.nodes].ravel(), 6))
         new.append(np.tile(frame, 3 * len(attachment.nodes)))
         values.append(arms.ravel())

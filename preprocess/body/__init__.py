@@ -1,4 +1,5 @@
 """The body file: tables that a user writes, validated, without any reference to a mesh.
 
-selection: places on a mesh; material: materials and sections; body: the whole file.
+selection: nodes and facets by name and by shape; material: materials and sections; body: the
+whole file.
 """

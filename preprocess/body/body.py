@@ -40,7 +40,7 @@ def _as_matrix(value: Any) -> Any:
 class PointMass(Selection):
     """A rigid piece that moves with an interface, or with a selection on the mesh.
 
-    mass [kg]; inertia about its place in mesh axes [kg m^2], principal values or a 3x3 matrix, none
+    mass [kg]; inertia about its frame in mesh axes [kg m^2], principal values or a 3x3 matrix, none
     unless given. On facets or points of a solid it follows their mean motion.
     """
 
@@ -52,12 +52,12 @@ class PointMass(Selection):
 
     @model_validator(mode="after")
     def _one_place(self) -> Self:
-        others = self.places | self.model_fields_set & {"at"}
+        others = self.selectors | self.model_fields_set & {"at"}
         if self.interface is not None and others:
             raise ValueError(
                 f"interface stands alone, found it with {' and '.join(sorted(others))}"
             )
-        if self.interface is None and not self.places:
+        if self.interface is None and not self.selectors:
             raise ValueError(
                 "expected interface, or what it selects on the mesh: node, group, plane, "
                 "..., found none"
@@ -238,9 +238,9 @@ class Body(Table):
         for name in self.interfaces:
             if not name or "/" in name or "." in name:
                 raise ValueError(f"interfaces: expected a name without '/' and '.', found {name!r}")
-        for table, places in (("interfaces", self.interfaces), ("masses", self.masses)):
-            for name, place in places.items():
-                if place.nodes is not None and self.matrices is None:
+        for table, selections in (("interfaces", self.interfaces), ("masses", self.masses)):
+            for name, selection in selections.items():
+                if selection.nodes is not None and self.matrices is None:
                     raise ValueError(
                         f"{table}.{name}: nodes are labels of [matrices]; "
                         "of a mesh use node or group"

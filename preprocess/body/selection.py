@@ -116,7 +116,7 @@ class Selection(Table):
     those that it names; a group of points selects its points. Of a beam, both select nodes. Given
     several, all must hold: the facets of a plane that lie in a box. Of matrices, all select nodes:
     one gives its dofs, several carry a frame of six; nodes names them by their labels. at: the
-    place of the frame; the centroid of the facets, or the mean of the points, unless given.
+    position of the frame; the centroid of the facets, or the mean of the points, unless given.
     tolerance: the distance allowed between `node` and the nearest node, as a fraction of the size
     of the mesh.
     """
@@ -133,17 +133,16 @@ class Selection(Table):
 
     @model_validator(mode="after")
     def _node_stands_alone(self) -> Self:
-        others = self.places - {"node"} | self.model_fields_set & {"kind", "at"}
+        others = self.selectors - {"node"} | self.model_fields_set & {"kind", "at"}
         if self.node is not None and others:
             raise ValueError(f"node stands alone, found it with {' and '.join(sorted(others))}")
-        if self.nodes is not None and self.places != {"nodes"}:
-            raise ValueError(
-                f"nodes stands alone, found it with {' and '.join(sorted(self.places - {'nodes'}))}"
-            )
+        others = self.selectors - {"nodes"}
+        if self.nodes is not None and others:
+            raise ValueError(f"nodes stands alone, found it with {' and '.join(sorted(others))}")
         return self
 
     @property
-    def places(self) -> set[str]:
+    def selectors(self) -> set[str]:
         """The keys that select something."""
         values = {"node": self.node, "nodes": self.nodes, "group": self.group, **self.shapes}
         return {key for key, value in values.items() if value is not None}
@@ -184,7 +183,7 @@ class InterfaceSelection(Selection):
 
     @model_validator(mode="after")
     def _selects(self) -> Self:
-        if not self.places:
+        if not self.selectors:
             raise ValueError(
                 "expected node, or one or more of group, plane, box, sphere and cylinder, "
                 "found none"

@@ -28,7 +28,7 @@ def solid_matrices(mesh: Mesh, materials: Sequence[Material], owners: IntArray) 
 
         K_(ia)(jb) = C_acbd int N_i,c N_j,d dV        M_(ia)(jb) = rho delta_ab int N_i N_j dV
 
-    `owners` (n_elements,) is the place of each element's material in `materials`. Elements are
+    `owners` (n_elements,) is the number of each element's material in `materials`. Elements are
     isoparametric, so that curved ones keep their geometry. `MeshError` for an inverted or
     degenerate element.
     """

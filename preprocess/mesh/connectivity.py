@@ -19,10 +19,10 @@ def check_connected(mesh: Mesh) -> None:
     if pieces > 1:
         sizes = np.bincount(label).tolist()
         firsts = [mesh.element(int(np.argmax(label == piece))) for piece in range(pieces)]
-        places = [mesh.points[mesh.elements[kind][row, 0]].tolist() for kind, row in firsts]
+        points = [mesh.points[mesh.elements[kind][row, 0]].tolist() for kind, row in firsts]
         raise MeshError(
             f"{mesh.name}: expected one connected body, found {pieces} pieces of "
-            f"{_listing(sizes)} elements, which hold the points {_listing(places)}"
+            f"{_listing(sizes)} elements, which hold the points {_listing(points)}"
         )
 
 

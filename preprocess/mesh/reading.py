@@ -68,11 +68,11 @@ def read_draft(path: Path) -> Draft:
 
 def _described(loose: Array) -> str:
     """Nodes (k, 3), in the unit of the file."""
-    places = [
+    listed = [
         *(str(point) for point in loose[:LISTED].tolist()),
         *(["..."] if len(loose) > LISTED else []),
     ]
-    return f"{len(loose)} nodes that belong to no element, at {', '.join(places)}"
+    return f"{len(loose)} nodes that belong to no element, at {', '.join(listed)}"
 
 
 def _body_types(name: str, kinds: Iterable[str]) -> tuple[str, ...]:

@@ -160,7 +160,7 @@ class _Surfaces:
             for cells, rows in self._sequence.by_kind(self._elements.members(instance, item)):
                 whole &= self._mark_facets(group, cells, rows, label)
         if not whole:
-            self._draft.lost.append(f"surface {group} ({surface.place}), or parts of it")
+            self._draft.lost.append(f"surface {group} ({surface.location}), or parts of it")
 
     def _mark_facets(self, group: str, kind: str, rows: IntArray, label: str) -> bool:
         """Put faces of cells into the group; false if the cells have no such face."""

@@ -108,8 +108,8 @@ class Instance:
     @property
     def points(self) -> Array:
         points = np.array(self.part.points).reshape(-1, 3) + self.translation - self.axis_point
-        placed: Array = self.axis_point + points @ self.rotation.T
-        return placed
+        moved: Array = self.axis_point + points @ self.rotation.T
+        return moved
 
 
 def read_instances(path: Path, lost: list[str]) -> dict[str, Instance]:
@@ -128,7 +128,8 @@ def read_instances(path: Path, lost: list[str]) -> dict[str, Instance]:
             case "INSTANCE":
                 if keyword["PART"].upper() not in parts:
                     raise MeshError(
-                        f"{keyword.place}: no part {keyword['PART']!r} before this instance of it"
+                        f"{keyword.location}: no part {keyword['PART']!r} before this instance of "
+                        "it"
                     )
                 part = parts[keyword["PART"].upper()].copy()
                 instances[keyword["NAME"].upper()] = _instance(part, keyword)
@@ -149,7 +150,7 @@ def read_instances(path: Path, lost: list[str]) -> dict[str, Instance]:
                 part.surfaces.append(keyword)
             case name if name in _GENERATED:
                 raise MeshError(
-                    f"{keyword.place}: *{name} is not supported; "
+                    f"{keyword.location}: *{name} is not supported; "
                     "expected a mesh that is written out"
                 )
             case name if name in _CONNECTIONS:
@@ -168,12 +169,13 @@ def _instance(part: Part, keyword: Keyword) -> Instance:
         numbers = keyword.floats(items)
         if len(numbers) > len(values):
             raise MeshError(
-                f"{keyword.place}: *INSTANCE: expected {len(values)} numbers, found {len(numbers)}"
+                f"{keyword.location}: *INSTANCE: expected {len(values)} numbers, found "
+                f"{len(numbers)}"
             )
         values[: len(numbers)] = numbers
     along = axis[3:6] - axis[:3]
     if not along.any():
-        raise MeshError(f"{keyword.place}: *INSTANCE: the two points of its axis are the same")
+        raise MeshError(f"{keyword.location}: *INSTANCE: the two points of its axis are the same")
     turn = Rotation.from_rotvec(np.deg2rad(axis[6]) * along / np.linalg.norm(along))
     return Instance(keyword["NAME"], part, translation, axis[:3], turn.as_matrix())
 
@@ -181,7 +183,7 @@ def _instance(part: Part, keyword: Keyword) -> Instance:
 def _add_nodes(part: Part, keyword: Keyword) -> None:
     if keyword.get("SYSTEM").upper() not in ("", "R") or keyword.get("INPUT"):
         raise MeshError(
-            f"{keyword.place}: *NODE: expected nodes in rectangular coordinates below it"
+            f"{keyword.location}: *NODE: expected nodes in rectangular coordinates below it"
         )
     numbers = keyword.ints([line[0] for line in keyword.data])
     part.numbers += numbers
@@ -193,7 +195,7 @@ def _add_nodes(part: Part, keyword: Keyword) -> None:
 def _add_elements(part: Part, keyword: Keyword) -> bool:
     """Add the elements of a keyword; false if their type makes no cells."""
     if keyword.get("INPUT"):
-        raise MeshError(f"{keyword.place}: *ELEMENT: expected elements below it")
+        raise MeshError(f"{keyword.location}: *ELEMENT: expected elements below it")
     numbers = NONE
     kinds = [
         (kind, k)
@@ -204,7 +206,7 @@ def _add_elements(part: Part, keyword: Keyword) -> bool:
         items = keyword.ints([item for line in keyword.data for item in line if item])
         if len(items) % (1 + k):
             raise MeshError(
-                f"{keyword.place}: *ELEMENT: expected a number and {k} nodes for each "
+                f"{keyword.location}: *ELEMENT: expected a number and {k} nodes for each "
                 f"{keyword['TYPE']}, found {len(items)} numbers in all"
             )
         table = np.array(items, dtype=np.int64).reshape(-1, 1 + k)
@@ -222,7 +224,8 @@ def _entries(keyword: Keyword) -> list[Entry]:
         ranges = [(*keyword.ints(line), 1)[:3] for line in keyword.data]
         if any(len(limits) != 3 or limits[2] < 1 for limits in ranges):
             raise MeshError(
-                f"{keyword.place}: GENERATE: expected first, last and a positive step in each line"
+                f"{keyword.location}: GENERATE: expected first, last and a positive step in each "
+                "line"
             )
         return [Entry(range(first, last + 1, step), instance) for first, last, step in ranges]
     items = [item for line in keyword.data for item in line if item]

@@ -31,7 +31,7 @@ def mark_values(
             f"groups of the array {name!r}, which has {len(distinct)} values, more than {MOST}"
         )
         return
-    for place, value in enumerate(distinct.tolist()):
-        mark(f"{name} {value}", np.flatnonzero(which == place))
+    for number, value in enumerate(distinct.tolist()):
+        mark(f"{name} {value}", np.flatnonzero(which == number))
     if set(distinct.tolist()) <= {0, 1}:
         mark(name, np.flatnonzero(values.ravel()))

@@ -170,12 +170,12 @@ def _read2(sections: dict[str, bytes], form: _Format, names: dict[tuple[int, int
     for number, parts in blocks.items():
         kind, rows = _KINDS[number][0], np.concatenate(parts)
         _, first, same = np.unique(rows[:, 1:], axis=0, return_index=True, return_inverse=True)
-        place = np.argsort(np.argsort(first))[same.ravel()]
+        row = np.argsort(np.argsort(first))[same.ravel()]
         draft.add(kind, _cells(kind, rows[np.sort(first), 1:], numbering))
         for tag in np.unique(rows[:, 0]):
             if tag:
                 draft.mark(
-                    _name(names, DIMENSIONS.get(kind, 3), int(tag)), kind, place[rows[:, 0] == tag]
+                    _name(names, DIMENSIONS.get(kind, 3), int(tag)), kind, row[rows[:, 0] == tag]
                 )
     return draft
 

@@ -110,11 +110,11 @@ def _nodes(card: Card) -> tuple[str, list[int]]:
     if card.name in _PARTS:
         kind, count = _PARTS[card.name]
     else:
-        filled = [place for place, text in enumerate(card.fields[2:], 1) if text]
+        filled = [field for field, text in enumerate(card.fields[2:], 1) if text]
         count, kinds = filled[-1] if filled else 0, _SOLIDS[card.name]
         if count not in kinds:
             raise MeshError(
-                f"{card.place}: {card.name}: "
+                f"{card.location}: {card.name}: "
                 f"expected {' or '.join(map(str, kinds))} grid points, found {count}"
             )
         kind = kinds[count]
@@ -134,6 +134,6 @@ def _add_points(draft: Draft, card: Card, numbering: Numbering) -> None:
     rows = np.concatenate([NONE, *map(numbering.within, ranges)])
     if not len(rows):
         draft.lost.append(
-            f"{card.name} {card.integer(2)} ({card.place}), which names no grid points"
+            f"{card.name} {card.integer(2)} ({card.location}), which names no grid points"
         )
     draft.mark_points(f"{card.name[:3].lower()} {card.integer(2)}", rows)

@@ -27,7 +27,7 @@ class Card:
 
     name: str
     fields: list[str]
-    place: str
+    location: str
 
     def text(self, field: int) -> str:
         """A field by its number; field 1 is the name, and continuations do not count."""
@@ -39,7 +39,8 @@ class Card:
             return default
         if not _INTEGER.fullmatch(text):
             raise MeshError(
-                f"{self.place}: {self.name}: expected an integer in field {field}, found {text!r}"
+                f"{self.location}: {self.name}: expected an integer in field {field}, found "
+                f"{text!r}"
             )
         return int(text)
 
@@ -50,7 +51,7 @@ class Card:
             return float(_BARE_EXPONENT.sub(r"E\1", text) or 0.0)
         except ValueError as error:
             raise MeshError(
-                f"{self.place}: {self.name}: expected a number in field {field}, "
+                f"{self.location}: {self.name}: expected a number in field {field}, "
                 f"found {self.text(field)!r}"
             ) from error
 
@@ -61,7 +62,7 @@ class Card:
         for field in range(first, len(self.fields) + 2):
             if self.text(field).upper() == "THRU":
                 if not found or thru:
-                    raise MeshError(f"{self.place}: {self.name}: THRU without a first number")
+                    raise MeshError(f"{self.location}: {self.name}: THRU without a first number")
                 thru = True
             elif self.text(field):
                 number = self.integer(field)
@@ -82,7 +83,7 @@ def read_cards(path: Path, names: dict[int, str]) -> Iterator[Card]:
     if starts and not ends:
         raise MeshError("the file breaks off: BEGIN BULK without ENDDATA")
     card: Card | None = None
-    for place, text in deck[starts[0] + 1 if starts else 0 : ends[0] if ends else len(deck)]:
+    for location, text in deck[starts[0] + 1 if starts else 0 : ends[0] if ends else len(deck)]:
         for pattern in _NAMES if text.startswith("$") else ():
             if match := pattern.match(text):
                 names.setdefault(int(match[1]), match[2].strip())
@@ -92,13 +93,13 @@ def read_cards(path: Path, names: dict[int, str]) -> Iterator[Card]:
         if not name or name[0] in "+*":
             if card is None:
                 raise MeshError(
-                    f"{place}: expected a card of Nastran, found a continuation: {text[:40]!r}"
+                    f"{location}: expected a card of Nastran, found a continuation: {text[:40]!r}"
                 )
             card.fields.extend(fields)
             continue
         if card is not None:
             yield card
-        card = Card(name.upper().rstrip("*").rstrip(), fields, place)
+        card = Card(name.upper().rstrip("*").rstrip(), fields, location)
     if card is None:
         raise MeshError("expected cards of Nastran, found none")
     yield card

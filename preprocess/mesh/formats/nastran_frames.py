@@ -58,13 +58,15 @@ def frame_of(number: int, cards: Mapping[int, Card], inside: tuple[int, ...] = (
         )
     card = cards[number]
     if number in inside:
-        raise MeshError(f"{card.place}: coordinate system {number} refers to itself")
+        raise MeshError(f"{card.location}: coordinate system {number} refers to itself")
     points = np.array([card.number(field) for field in range(4, 13)]).reshape(3, 3)
     origin, on_third, in_plane = frame_of(card.integer(3, 0), cards, (*inside, number)).to_basic(
         points
     )
     third, across = on_third - origin, np.cross(on_third - origin, in_plane - origin)
     if not across.any():
-        raise MeshError(f"{card.place}: {card.name}: expected three points that are not on a line")
+        raise MeshError(
+            f"{card.location}: {card.name}: expected three points that are not on a line"
+        )
     third, second = third / np.linalg.norm(third), across / np.linalg.norm(across)
     return Frame(card.name[-1], origin, np.array([np.cross(second, third), second, third]))

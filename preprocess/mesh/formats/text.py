@@ -10,7 +10,7 @@ from ...errors import MeshError
 class Line(NamedTuple):
     """A line and its position, for messages."""
 
-    place: str
+    location: str
     text: str
 
 

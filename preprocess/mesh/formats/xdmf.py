@@ -173,11 +173,11 @@ def _add_groups(
 ) -> None:
     """Groups from the arrays and sets of a grid on the points `rows` and the elements."""
 
-    def mark_points(name: str, places: IntArray) -> None:
-        draft.mark_points(name, rows[places])
+    def mark_points(name: str, numbers: IntArray) -> None:
+        draft.mark_points(name, rows[numbers])
 
-    def mark_cells(name: str, places: IntArray) -> None:
-        sequence.mark(name, elements[places])
+    def mark_cells(name: str, numbers: IntArray) -> None:
+        sequence.mark(name, elements[numbers])
 
     supports = {"node": (rows, mark_points), "cell": (elements, mark_cells)}
     for array in grid.findall("Attribute"):
@@ -199,7 +199,7 @@ def _add_groups(
             draft.lost.append(f"set {name!r} of type {center!r}")
             continue
         support, mark = supports[center]
-        places = items.integers(group).reshape(-1)
-        if not ((places >= 0) & (places < len(support))).all():
+        numbers = items.integers(group).reshape(-1)
+        if not ((numbers >= 0) & (numbers < len(support))).all():
             raise MeshError(f"Set {name}: expected numbers 0 to {len(support) - 1}")
-        mark(name, places)
+        mark(name, numbers)
