@@ -41,8 +41,8 @@ def solid_matrices(mesh: Mesh, materials: Sequence[Material], owners: IntArray) 
         N, dN = element.N(element.xi), element.dN(element.xi)
         i, j = np.triu_indices(k)
         NN = N[i] * N[j] * element.weights  # (pairs, q)
-        owners_of_kind = owners[mesh.first[kind] :][: len(cells)]
-        for material, rows in _batches(owners_of_kind, max(1, BATCH // (3 * k * q))):
+        size = max(1, BATCH // (3 * k * q))
+        for material, rows in _batches(mesh.of_kind(owners, kind), size):
             C = materials[material].elasticity_tensor.transpose(1, 3, 0, 2).reshape(9, 9)
             cof, det = cofactors(dN, mesh.points[cells[rows]])
             B = physical(dN, cof, det).reshape(len(rows), 3 * k, q)

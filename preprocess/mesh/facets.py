@@ -1,6 +1,7 @@
 """The faces of solid elements, each once, with the elements beside it, and the boundary."""
 
 from dataclasses import dataclass
+from itertools import accumulate
 
 import numpy as np
 
@@ -31,14 +32,20 @@ class Facets:
     def count(self) -> int:
         return len(self.boundary)
 
+    @property
+    def first(self) -> dict[str, int]:
+        """The number of the first facet of each type."""
+        counts = [len(nodes) for nodes in self.nodes.values()]
+        return dict(zip(self.nodes, accumulate(counts, initial=0), strict=False))
+
     def patch(self, numbers: IntArray) -> Patch:
         """The nodes of some facets; types without any are left out."""
-        patch, first = {}, 0
-        for kind, nodes in self.nodes.items():
+        patch = {}
+        for kind, first in self.first.items():
+            nodes = self.nodes[kind]
             rows = numbers[(numbers >= first) & (numbers < first + len(nodes))] - first
             if len(rows):
                 patch[kind] = nodes[rows]
-            first += len(nodes)
         return patch
 
     def within(self, chosen: Chosen) -> Chosen:
@@ -50,12 +57,11 @@ class Facets:
 
     def matching(self, kind: str, cells: IntArray) -> IntArray:
         """The facet (m,) with the corners of each of the cells (m, k) of a type, -1 for none."""
-        first, corners = 0, FACETS[kind].corners
-        for facet_kind, nodes in self.nodes.items():
+        corners = FACETS[kind].corners
+        for facet_kind, first in self.first.items():
             if FACETS[facet_kind].corners == corners:
-                rows = _rows(nodes[:, :corners], cells[:, :corners])
+                rows = _rows(self.nodes[facet_kind][:, :corners], cells[:, :corners])
                 return np.where(rows < 0, -1, rows + first)
-            first += len(nodes)
         return np.full(len(cells), -1)
 
 

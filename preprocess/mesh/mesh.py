@@ -83,6 +83,10 @@ class Mesh:
             [cells[kind] + first for kind, first in self.first.items() if kind in cells] or [NONE]
         )
 
+    def of_kind(self, per_element: IntArray, kind: str) -> IntArray:
+        """The entries of the elements of one type, from those of all (n_elements,)."""
+        return per_element[self.first[kind] :][: len(self.cells[kind])]
+
     def element(self, number: int) -> tuple[str, int]:
         """The type of an element, and its row in the cells of that type."""
         kind = [kind for kind, first in self.first.items() if first <= number][-1]

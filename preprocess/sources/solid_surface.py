@@ -25,33 +25,32 @@ class SurfacePoints:
 
 def surface_points(mesh: Mesh, facets: Facets, owners: IntArray) -> SurfacePoints:
     """The surface of a mesh whose elements (n_elements,) are of the materials `owners`."""
-    owner = np.empty(facets.count, dtype=np.int64)
+    owner_of_facet = np.empty(facets.count, dtype=np.int64)
     for kind, sides in facets.sides.items():
-        owner[sides] = _of(owners, mesh, kind)[:, None]
+        owner_of_facet[sides] = mesh.of_kind(owners, kind)[:, None]
     outer = np.flatnonzero(facets.boundary)
-    patch = facets.patch(outer).values()
-    width = max(nodes.shape[1] for nodes in patch)
-    cells = np.vstack(
-        [
-            np.pad(nodes, ((0, 0), (0, width - nodes.shape[1])), constant_values=-1)
-            for nodes in patch
-        ]
-    )
+    cells = _padded(list(facets.patch(outer).values()))
+
     # A node of a material is one number, node + n_nodes * material, until points are counted.
     n_nodes = len(mesh.points)
-    cells = np.where(cells >= 0, cells + n_nodes * owner[outer][:, None], -1)
+    cells = np.where(cells >= 0, cells + n_nodes * owner_of_facet[outer][:, None], -1)
     keys = np.unique(cells[cells >= 0])
     point = np.full(n_nodes * (1 + int(owners.max())), -1)
     point[keys] = np.arange(len(keys))
     of_elements = {
-        kind: point[cells + n_nodes * _of(owners, mesh, kind)[:, None]]
-        for kind, cells in mesh.elements.items()
+        kind: point[elements + n_nodes * mesh.of_kind(owners, kind)[:, None]]
+        for kind, elements in mesh.elements.items()
     }
-    return SurfacePoints(
-        keys % n_nodes, keys // n_nodes, np.where(cells >= 0, point[cells], -1), of_elements
-    )
+    cells = np.where(cells >= 0, point[cells], -1)
+    return SurfacePoints(keys % n_nodes, keys // n_nodes, cells, of_elements)
 
 
-def _of(per_element: IntArray, mesh: Mesh, kind: str) -> IntArray:
-    """The entries of a type of element, of numbers (n_elements,) for all."""
-    return per_element[mesh.first[kind] :][: len(mesh.cells[kind])]
+def _padded(blocks: list[IntArray]) -> IntArray:
+    """Rows of different lengths below each other, -1 filling short ones."""
+    width = max(rows.shape[1] for rows in blocks)
+    rows = np.full((sum(map(len, blocks)), width), -1, dtype=np.int64)
+    first = 0
+    for block in blocks:
+        rows[first : first + len(block), : block.shape[1]] = block
+        first += len(block)
+    return rows

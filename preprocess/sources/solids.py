@@ -115,12 +115,11 @@ class SolidSource:
         return Resolution(shortest, spacing, QUADRATIC if quadratic else LINEAR)
 
     def boundary(self) -> Iterator[tuple[Array, IntArray]]:
-        first = 0
-        for kind, nodes in self.facets.nodes.items():
+        for kind, first in self.facets.first.items():
+            nodes = self.facets.nodes[kind]
             rows = np.flatnonzero(self.facets.boundary[first:][: len(nodes)])
             rim = _rim(FACETS[kind].corners, nodes.shape[1])
             yield self.mesh.points[nodes[rows][:, rim]], first + rows
-            first += len(nodes)
 
 
 def _rim(corners: int, n_nodes: int) -> list[int]:
