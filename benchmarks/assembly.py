@@ -88,7 +88,8 @@ def main() -> None:
         _, theirs, their_peak, *others = alone(scikit_fem, divisions, 1)
         np.testing.assert_allclose(traces, others, rtol=1e-10)
         print(
-            f"{unknowns:10.0f}{seconds:8.2f} s{theirs:10.2f} s{theirs / seconds:8.1f}{peak:7.2f} GB{their_peak:9.2f} GB"
+            f"{unknowns:10.0f}{seconds:8.2f} s{theirs:10.2f} s{theirs / seconds:8.1f}{peak:7.2f} "
+            f"GB{their_peak:9.2f} GB"
         )
 
 

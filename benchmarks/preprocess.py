@@ -120,7 +120,7 @@ def exudyn(folder: Path, eigensolver: str) -> Measurement:
 
 @contextlib.contextmanager
 def timed_factorization() -> Iterator[Measurement]:
-    """Seconds of the factorization and of the solves of the Krylov space, and its number of blocks."""
+    """Seconds of factorization and solves of the Krylov space, and its number of blocks."""
     from duhamel.preprocess.responses import krylov
 
     spent: Measurement = {"factorization": 0.0, "solves": 0.0, "blocks": 0}

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import scipy.sparse as sp
 from duhamel import preprocess, solver, superelement, view
-from duhamel.preprocess.assembly.structure import assemble
+from duhamel.preprocess import assemble
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.sparse.linalg import eigsh

@@ -1,6 +1,4 @@
-"""The TOML files that users write: tables that are validated, and errors that name file, key and
-value.
-"""
+"""The TOML files that users write: validated tables, and errors with file, key and value."""
 
 from .table import InputError, Table, Vector, expected, read_part, read_table
 

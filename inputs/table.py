@@ -18,7 +18,7 @@ from pydantic import (
 
 
 def expected(what: str) -> WrapValidator:
-    """One message for a value of several parts or kinds: `what` was expected, and what was found."""
+    """One message for a value of several types: `what` is expected, and the value found."""
 
     def check(value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
         try:
@@ -33,15 +33,11 @@ Vector = Annotated[tuple[float, float, float], expected("three numbers")]
 
 
 class InputError(ValueError):
-    """A file that cannot be read, or that says what nobody understands; a line for each thing
-    found.
-    """
+    """A file that is unreadable or has invalid entries; one line for each."""
 
 
 class Table(BaseModel):
-    """A table of a file: frozen, of finite numbers, and without keys that nobody reads; text is no
-    number.
-    """
+    """A table of a file: frozen, of finite numbers, without unknown keys; text is no number."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
 
@@ -67,8 +63,8 @@ AnyTable = TypeVar("AnyTable", bound=Table)
 
 
 def read_table(path: str | os.PathLike[str], kind: type[AnyTable]) -> tuple[AnyTable, str]:
-    """The table in a TOML file, and its text; `InputError` names the file, the key, what was found
-    and expected.
+    """The table in a TOML file, and its text; `InputError` names file, key, value found and
+    expected.
     """
     path = Path(path)
     try:
@@ -85,9 +81,7 @@ def read_table(path: str | os.PathLike[str], kind: type[AnyTable]) -> tuple[AnyT
 
 
 def read_part(value: Any, kind: type[AnyTable]) -> AnyTable:
-    """A table inside a file whose kind shows in its keys; `InputError` as `read_table`, without the
-    file.
-    """
+    """A table inside a file; `InputError` as of `read_table`, without the file."""
     try:
         return kind.model_validate(value)
     except ValidationError as error:
@@ -105,7 +99,7 @@ def _plain(value: Any) -> Any:
 
 
 def _message(failure: Mapping[str, Any]) -> str:
-    """One failure of pydantic in our words: KEY: what was expected, found VALUE."""
+    """One failure of pydantic as KEY: the expected value, found VALUE."""
     # A choice between types shows as a part of its own, in brackets, that is no key of the file.
     key = ".".join(str(part) for part in failure["loc"] if not str(part).startswith("("))
     text = str(failure["msg"]).removeprefix("Value error, ")

@@ -1,8 +1,8 @@
 """Meshes to superelements."""
 
-from .assembly.structure import Structure, assemble
+from .assembly.structure import Structure
 from .body.body import Body, read_body
-from .build import build
+from .build import assemble, build
 from .errors import (
     BodyError,
     InterfaceError,

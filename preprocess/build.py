@@ -3,16 +3,24 @@
 from importlib import metadata
 
 from ..superelement import Provenance, Superelement, sha256
-from .assembly.structure import assemble_on, read_source
+from .assembly.structure import Structure, assemble_on
 from .body.body import Body
-from .mesh.mesh import Mesh
 from .progress import Stages, shown_stages
 from .recovery import check_recovery, recover
-from .responses.factor import accounts
+from .responses.factor import factorizations
 from .responses.impulse import impulse_responses
-from .responses.static import compliance, mobility
+from .responses.static import accelerance, compliance
+from .sources.reading import read_source
 
 PACKAGES = ("duhamel", "numpy", "scipy", "scikit-fem", "meshio", "rslab")
+
+
+def assemble(body: Body) -> Structure:
+    """The finite element model of a body, from its mesh or matrix files.
+
+    `PreprocessError` if the body or its files do not allow it.
+    """
+    return assemble_on(body, read_source(body))
 
 
 def build(body: Body, progress: bool = False) -> Superelement:
@@ -21,15 +29,14 @@ def build(body: Body, progress: bool = False) -> Superelement:
     `progress` shows on the terminal what is being done and how far it is.
     `PreprocessError` if the body, its mesh or its method do not allow it.
     """
-    with shown_stages(progress) as stages, accounts() as factorizations:
-        return _build(body, stages, factorizations)
+    with shown_stages(progress) as stages, factorizations() as summaries:
+        return _build(body, stages, summaries)
 
 
-def _build(body: Body, stages: Stages, factorizations: list[str]) -> Superelement:
+def _build(body: Body, stages: Stages, summaries: list[str]) -> Superelement:
     with stages.stage("mesh"):
         source = read_source(body)
-        if isinstance(source, Mesh):
-            check_recovery(body, source)
+        check_recovery(body, source)
     with stages.stage("assembly"):
         structure = assemble_on(body, source)
     with stages.stage("impulse"):
@@ -39,12 +46,12 @@ def _build(body: Body, stages: Stages, factorizations: list[str]) -> Superelemen
         # whole mesh would.
         modes = responses.modes
         H, B = (
-            (compliance(structure), mobility(structure))
+            (compliance(structure), accelerance(structure))
             if modes is None
-            else (modes.compliance, modes.mobility)
+            else (modes.compliance, modes.accelerance)
         )
     recovery = None
-    if body.recovery is not None and responses.shapes is not None and isinstance(source, Mesh):
+    if body.recovery is not None and responses.shapes is not None:
         with stages.stage("recovery"):
             recovery = recover(body, source, structure, responses.shapes)
     return Superelement(
@@ -56,7 +63,7 @@ def _build(body: Body, stages: Stages, factorizations: list[str]) -> Superelemen
         kernel=responses.kernel,
         modes=responses.modes,
         compliance=H,
-        mobility=B,
+        accelerance=B,
         recovery=recovery,
         provenance=Provenance(
             body=body.text,
@@ -64,14 +71,14 @@ def _build(body: Body, stages: Stages, factorizations: list[str]) -> Superelemen
             mesh_sha256=", ".join(sha256(path) for path in body.files),
             method=responses.method,
             tolerance=responses.tolerance,
-            versions=_versions(factorizations),
+            versions=_versions(summaries),
             timings=stages.seconds,
         ),
     )
 
 
-def _versions(factorizations: list[str]) -> dict[str, str]:
+def _versions(summaries: list[str]) -> dict[str, str]:
     versions = {name: metadata.version(name) for name in PACKAGES}
-    if factorizations:
-        versions["factorization"] = ", ".join(dict.fromkeys(factorizations))
+    if summaries:
+        versions["factorization"] = ", ".join(dict.fromkeys(summaries))
     return versions

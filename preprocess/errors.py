@@ -1,8 +1,8 @@
-"""What can go wrong between a mesh and a superelement: one exception for each kind of failure."""
+"""The errors of the preprocessor: one exception for each kind of failure."""
 
 
 class PreprocessError(ValueError):
-    """Anything that keeps a body from becoming a superelement."""
+    """The base of all errors that keep a body from becoming a superelement."""
 
 
 class BodyError(PreprocessError):
@@ -14,9 +14,7 @@ class MeshError(PreprocessError):
 
 
 class MatrixError(PreprocessError):
-    """Matrices that cannot be read, that do not fit their nodes, or that are not those of a free
-    elastic body.
-    """
+    """Matrices that are unreadable, do not fit their nodes, or are not of a free elastic body."""
 
 
 class InterfaceError(PreprocessError):
@@ -32,7 +30,7 @@ class MeshWarning(UserWarning):
 
 
 class MemoryShortageError(PreprocessError, MemoryError):
-    """A build that needs more memory than there is; needed and available [bytes]."""
+    """A build that needs more memory than is available; both in bytes."""
 
     def __init__(self, message: str, needed: float, available: float) -> None:
         super().__init__(message)

@@ -31,18 +31,14 @@ others.
 
 @dataclass(frozen=True, eq=False)
 class Frequencies:
-    """The first elastic frequencies (m,) [Hz], ascending: those of the mesh if `exact`, upper
-    bounds if not.
-    """
+    """The first elastic frequencies (m,) [Hz], ascending: exact, or else upper bounds."""
 
     values: Array
     exact: bool
 
 
 def first_frequencies(structure: Structure, count: int) -> Frequencies:
-    """Up to `count` frequencies: exact for beams and small solids, by Ritz's method for what is
-    large.
-    """
+    """Up to `count` frequencies: exact for beams and small solids, upper bounds for larger ones."""
     count = min(count, structure.n_u - 7)
     if structure.nodes.rotations.all() or structure.n_u <= SOLVED:
         return Frequencies(_solved(structure, count), exact=True)
@@ -50,10 +46,10 @@ def first_frequencies(structure: Structure, count: int) -> Frequencies:
 
 
 def ritz_frequencies(structure: Structure, splines: int) -> Array:
-    """Upper bounds (m,) [Hz] of the elastic frequencies, from displacements that are quadratic
-    splines in space.
+    """Upper bounds (m,) [Hz] of the elastic frequencies, from quadratic splines in space.
 
-        V^T K V y = omega^2 V^T M V y,   V (n_u, 3 n): n products of splines in x, y and z in each direction
+        V^T K V y = omega^2 V^T M V y
+        V (n_u, 3 n): n products of splines in x, y and z, in each direction
 
     on a grid of cubes, the finest that leaves at most `splines` products that do not vanish on the
     body. The fields hold the rigid motions, so by Courant's principle the values after the first
@@ -71,8 +67,9 @@ def ritz_frequencies(structure: Structure, splines: int) -> Array:
 
 
 def _solved(structure: Structure, count: int) -> Array:
-    """The frequencies of the mesh, by Lanczos' method on (K + s M)^-1 with s of the size of the
-    first eigenvalue.
+    """The frequencies (m,) [Hz] of the mesh, by Lanczos' method on (K + s M)^-1.
+
+    s is of the size of the first elastic eigenvalue.
     """
     s = 0.1 * (2.0 * np.pi * ritz_frequencies(structure, 27)[0]) ** 2
     solve = factorize(structure.K + s * structure.M, "the shifted stiffness")
@@ -91,13 +88,15 @@ def _fields(nodes: Nodes, splines: int) -> Any:
     lower, upper = nodes.points.min(axis=0), nodes.points.max(axis=0)
     margin = 0.5 * np.maximum(THIN * (upper - lower).max() - (upper - lower), 0.0)
     lower, upper = lower - margin, upper + margin
-    place = (nodes.points - lower) / (upper - lower)
-    along = [
-        _along(x, n) for x, n in zip(place.T, _grid(place, upper - lower, splines), strict=True)
-    ]
-    (X, dX), (Y, dY), (Z, dZ) = (
-        (N, dN / length) for (N, dN), length in zip(along, upper - lower, strict=True)
-    )
+    scaled = (nodes.points - lower) / (upper - lower)
+    cells = _grid(scaled, upper - lower, splines)
+    splines_along, slopes_along = [], []
+    for axis, length in enumerate(upper - lower):
+        N, dN = _along(scaled[:, axis], cells[axis])
+        splines_along.append(N)
+        slopes_along.append(dN / length)
+    X, Y, Z = splines_along
+    dX, dY, dZ = slopes_along
 
     values = _product(X, Y, Z)
     used = np.flatnonzero(np.diff(values.tocsc().indptr))
@@ -114,27 +113,27 @@ def _fields(nodes: Nodes, splines: int) -> Any:
     return V[order]
 
 
-def _grid(place: Array, extent: Array, splines: int) -> IntArray:
-    """The cells (3,) of the finest grid of near cubes with at most `splines` products that reach a
-    point.
+def _grid(scaled: Array, extent: Array, splines: int) -> IntArray:
+    """The cells (3,) of the finest grid of near cubes with at most `splines` products.
 
-    place (n, 3): the points in the unit cube of the grid.
+    scaled (n, 3): the points in the unit cube of the grid.
     """
     finest = np.ones(3, dtype=np.int64)
     for n in range(2, splines):
         cells = np.maximum(1, np.round(n * extent / extent.max())).astype(np.int64)
-        if _reaching(place, cells) > splines:
+        if _reaching(scaled, cells) > splines:
             break
         finest = cells
     return finest
 
 
-def _reaching(place: Array, cells: IntArray) -> int:
-    """The number of products of quadratic splines that do not vanish at every point: three by three
-    by three a cell.
+def _reaching(scaled: Array, cells: IntArray) -> int:
+    """The number of products of quadratic splines that do not vanish at every point.
+
+    A cell has three by three by three.
     """
     reached = np.zeros(cells + 2, dtype=np.bool_)
-    occupied = np.unique(np.minimum((place * cells).astype(np.int64), cells - 1), axis=0)
+    occupied = np.unique(np.minimum((scaled * cells).astype(np.int64), cells - 1), axis=0)
     for offset in np.ndindex(3, 3, 3):
         reached[tuple((occupied + offset).T)] = True
     return int(reached.sum())
@@ -148,18 +147,18 @@ def _along(x: Array, cells: int) -> tuple[Any, Any]:
 
 
 def _product(X: Array, Y: Array, Z: Array) -> Any:
-    """X_ni Y_nj Z_nk (n, i j k), sparse."""
-    columns: list[NDArray[np.int64]] = [
-        np.argsort(N == 0.0, axis=1, kind="stable")[:, :3] for N in (X, Y, Z)
-    ]
-    parts = [np.take_along_axis(N, c, axis=1) for N, c in zip((X, Y, Z), columns, strict=True)]
-    values = np.einsum("ni,nj,nk->nijk", *parts)
-    i, j, k = columns
-    places = (i[:, :, None, None] * Y.shape[1] + j[:, None, :, None]) * Z.shape[1] + k[
-        :, None, None, :
-    ]
+    """X_ni Y_nj Z_nk (n, i j k), sparse: of quadratic splines three are not zero at any point."""
+    numbers, factors = [], []
+    for N in (X, Y, Z):
+        nonzero: NDArray[np.int64] = np.argsort(N == 0.0, axis=1, kind="stable")[:, :3]
+        numbers.append(nonzero)
+        factors.append(np.take_along_axis(N, nonzero, axis=1))
+    values = np.einsum("ni,nj,nk->nijk", *factors)
+    i, j, k = numbers
+    ij = i[:, :, None, None] * Y.shape[1] + j[:, None, :, None]
+    columns = ij * Z.shape[1] + k[:, None, None, :]
     rows = np.repeat(np.arange(len(X)), 27)
     shape = (len(X), X.shape[1] * Y.shape[1] * Z.shape[1])
-    product = sp.csr_array((values.ravel(), (rows, places.ravel())), shape=shape)
+    product = sp.csr_array((values.ravel(), (rows, columns.ravel())), shape=shape)
     product.eliminate_zeros()
     return product

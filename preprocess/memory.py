@@ -1,9 +1,10 @@
-"""How much memory there is, and the refusal of what does not fit into it."""
+"""Available memory, and the refusal of work that does not fit into it."""
 
 import os
 import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 from .errors import MemoryShortageError
 
@@ -11,18 +12,19 @@ ROOT = Path("/")
 
 
 def require(needs: Mapping[str, float], remedy: str) -> None:
-    """`MemoryShortageError` if all `needs`, bytes by what they are for, exceed what there is.
-    `remedy`: what to do.
+    """`MemoryShortageError` if the sum of `needs`, bytes by purpose, exceeds the available memory.
+
+    `remedy`: advice that ends the message.
     """
     size, free = sum(needs.values()), available()
     if size > free:
-        (what, part), *others = needs.items()
-        told = [
-            f"{what} needs {gigabytes(part)} of memory",
-            *(f"{what} {gigabytes(part)}" for what, part in others),
+        (what, first), *others = needs.items()
+        parts = [
+            f"{what} needs {gigabytes(first)} of memory",
+            *(f"{what} {gigabytes(need)}" for what, need in others),
         ]
         raise MemoryShortageError(
-            f"{' and '.join(told)}, {gigabytes(free)} are available: {remedy}", size, free
+            f"{' and '.join(parts)}, {gigabytes(free)} are available: {remedy}", size, free
         )
 
 
@@ -51,42 +53,52 @@ def _machine(root: Path) -> int:
     return sys.maxsize
 
 
+class _Controller(NamedTuple):
+    """A memory controller: its folder, and its files of the limit, the use, and the cached part."""
+
+    top: str
+    limit: str
+    used: str
+    cache: str
+
+
+V1 = _Controller(
+    "sys/fs/cgroup/memory",
+    "memory.limit_in_bytes",
+    "memory.usage_in_bytes",
+    "total_inactive_file",
+)
+V2 = _Controller("sys/fs/cgroup", "memory.max", "memory.current", "inactive_file")
+
+
 def _control_groups(root: Path) -> Iterator[int]:
-    """What each group that holds the process has left; a group inside others is bound by them too."""
+    """Bytes left in each control group of the process, and in the groups that contain it."""
     path = root / "proc/self/cgroup"
     for line in path.read_text().splitlines() if path.exists() else ():
         _, controllers, group = line.split(":", 2)
         if not controllers:
-            top, limit, used, cache = (
-                root / "sys/fs/cgroup",
-                "memory.max",
-                "memory.current",
-                "inactive_file",
-            )
+            controller = V2
         elif "memory" in controllers.split(","):
-            top = root / "sys/fs/cgroup/memory"
-            limit, used, cache = (
-                "memory.limit_in_bytes",
-                "memory.usage_in_bytes",
-                "total_inactive_file",
-            )
+            controller = V1
         else:
             continue
+        top = root / controller.top
         inside = top / group.lstrip("/")
         for folder in (inside, *inside.parents):
-            if (
-                folder.is_relative_to(top)
-                and (folder / limit).exists()
-                and (folder / used).exists()
-            ):
-                most = (folder / limit).read_text().strip()
-                if most != "max":
-                    # Files that are cached but not in use give way to whoever asks for memory.
-                    yield (
-                        int(most)
-                        - int((folder / used).read_text())
-                        + _entry(folder / "memory.stat", cache)
-                    )
+            if folder.is_relative_to(top):
+                yield from _left(folder, controller)
+
+
+def _left(folder: Path, controller: _Controller) -> Iterator[int]:
+    """Bytes left in one group, if it has a limit."""
+    limit, used = folder / controller.limit, folder / controller.used
+    if not (limit.exists() and used.exists()):
+        return
+    most = limit.read_text().strip()
+    if most != "max":
+        # Files that are cached but not in use give way to whoever asks for memory.
+        cached = _entry(folder / "memory.stat", controller.cache)
+        yield int(most) - int(used.read_text()) + cached
 
 
 def _entry(path: Path, key: str) -> int:

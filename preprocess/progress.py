@@ -1,4 +1,4 @@
-"""How far a build has come: seconds by stage, and a bar on the terminal for those who ask."""
+"""Stages of a build: their seconds, and a progress bar on the terminal."""
 
 import time
 from collections.abc import Iterator
@@ -7,7 +7,7 @@ from typing import Any
 
 
 class Stages:
-    """The stages of a build, timed; `bar` is a progress display of rich, or None to show nothing."""
+    """The stages of a build, timed; `bar` is a progress display of rich, None for no display."""
 
     def __init__(self, bar: Any | None = None) -> None:
         self.seconds: dict[str, float] = {}
@@ -25,8 +25,8 @@ class Stages:
         if self._bar is not None:
             self._bar.remove_task(self._task)
 
-    def tell(self, text: str) -> None:
-        """Say beside the name of the stage how it goes."""
+    def report(self, text: str) -> None:
+        """Show a text beside the name of the stage."""
         if self._bar is not None:
             self._bar.update(self._task, description=f"{self._name}: {text}")
 

@@ -1,10 +1,10 @@
-"""How many threads numerical libraries may use."""
+"""The number of threads for numerical libraries."""
 
 import os
 
 
 def threads() -> int:
-    """The processors that this process may run on, or fewer where OMP_NUM_THREADS asks for fewer."""
+    """The processors that this process may run on, or OMP_NUM_THREADS if that is fewer."""
     affinity = getattr(os, "sched_getaffinity", None)
     processors = len(affinity(0)) if affinity is not None else os.cpu_count() or 1
     # A list sets the threads of nested regions, outermost first.

@@ -1,13 +1,13 @@
-"""Attributes and datasets of an HDF5 file, read with errors that name them and written with their
-units.
-"""
+"""Attributes and datasets of HDF5 files, with errors that name them, and with units."""
 
-from typing import Any
+from typing import Any, TypeVar
 
 import h5py
 import numpy as np
 
 from .validation import Array, SuperelementError, checked
+
+Value = TypeVar("Value", str, int)
 
 
 def put(group: h5py.Group, name: str, data: Any, units: str) -> None:
@@ -34,9 +34,7 @@ def vector(file: h5py.Group, name: str, length: int) -> Array:
 
 
 def texts(file: h5py.Group, name: str) -> list[str]:
-    """A dataset of text, one entry per row; UTF-8 of any length, or the fixed-length kind that
-    other tools write.
-    """
+    """A dataset of text (n,), UTF-8 of any length or of the fixed length that some tools write."""
     found = _dataset(file, name)
     if h5py.check_string_dtype(found.dtype) is None or found.ndim != 1:
         raise SuperelementError(
@@ -46,12 +44,12 @@ def texts(file: h5py.Group, name: str) -> list[str]:
 
 
 def number(file: h5py.Group, name: str) -> float:
-    """A finite number that stands as an attribute."""
+    """A finite number in an attribute."""
     return float(checked(_label(file, name), _attribute(file, name), ()))
 
 
 def text(file: h5py.Group, name: str) -> str:
-    """A text that stands as an attribute."""
+    """A text in an attribute."""
     found = _attribute(file, name)
     if isinstance(found, bytes):
         return found.decode()
@@ -60,11 +58,15 @@ def text(file: h5py.Group, name: str) -> str:
     return found
 
 
-def expect(file: h5py.Group, name: str, value: str | int) -> None:
-    """An attribute that must have this value and no other."""
-    found = text(file, name) if isinstance(value, str) else _attribute(file, name)
-    if not np.array_equal(found, value):
-        raise SuperelementError(f"{_label(file, name)}: expected {value!r}, found {found!r}")
+def expect(file: h5py.Group, name: str, *allowed: Value) -> Value:
+    """An attribute that must have one of the allowed values; that value."""
+    found = text(file, name) if isinstance(allowed[0], str) else _attribute(file, name)
+    for value in allowed:
+        if np.array_equal(found, value):
+            return value
+    raise SuperelementError(
+        f"{_label(file, name)}: expected {' or '.join(map(repr, allowed))}, found {found!r}"
+    )
 
 
 def _dataset(file: h5py.Group, name: str) -> h5py.Dataset:

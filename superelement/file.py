@@ -1,5 +1,6 @@
-"""The HDF5 file of a superelement, schema version 1. Written under a temporary name and renamed
-when whole.
+"""The HDF5 file of a superelement, schema version 2; files of version 1 are read too.
+
+Written under a temporary name and renamed when whole.
 """
 
 import hashlib
@@ -24,7 +25,9 @@ from .superelement import Provenance, Superelement
 from .validation import SuperelementError, checked
 
 FORMAT = "duhamel-superelement"
-VERSION = 1
+VERSION = 2
+ACCELERANCE = {1: "static/mobility", VERSION: "static/accelerance"}
+"""The dataset of the accelerance, by version: version 1 has it under another name."""
 
 DAMAGE = (OSError, RuntimeError, KeyError)
 """What h5py raises on a file with wrong bytes inside, each for other parts of its structure."""
@@ -51,7 +54,7 @@ def write(path: str | os.PathLike[str], superelement: Superelement) -> None:
 
 
 def read(path: str | os.PathLike[str], recovery: bool = True) -> Superelement:
-    """Read and validate a superelement; groups that this version does not know are passed over.
+    """Read and validate a superelement of version 1 or 2; unknown groups are passed over.
 
     recovery: whether to read that too, which for a large body is nearly all of the file and no
     concern of a simulation.
@@ -84,70 +87,69 @@ def _fill(file: h5py.File, body: Superelement) -> None:
         units="SI",
         created_by=f"duhamel {metadata.version('duhamel')}",
     )
-
     rigid = file.create_group("rigid")
     put(rigid, "mass", body.mass, "kg")
     put(rigid, "J_rot", body.J_rot, "kg m^2")
     put(rigid, "center", body.center, "m")
-
-    interfaces = file.create_group("interfaces")
-    interfaces.create_dataset(
-        "name", data=[i.name for i in body.interfaces], dtype=h5py.string_dtype()
-    )
-    put(interfaces, "X", np.array([i.X for i in body.interfaces]).reshape(-1, 3), "m")
-    interfaces.create_dataset(
-        "rotations", data=np.array([i.rotations for i in body.interfaces], dtype=bool)
-    )
-    interfaces.create_dataset(
-        "row", data=np.array([body.rows(i.name).start for i in body.interfaces], dtype=np.int64)
-    )
-
-    kernel = file.create_group("kernel")
-    kernel.attrs.update(
-        h=body.kernel.h, rho_inf=body.kernel.scheme.rho_inf, error=body.kernel.error
-    )
-    if body.kernel.band is not None:
-        kernel.attrs["band"] = body.kernel.band
-    put(kernel, "g", body.kernel.g, "m/N, rad/N, rad/(N m)")
-    put(kernel, "g_initial", body.kernel.g_initial, "m/N, rad/N, rad/(N m)")
-
+    _put_interfaces(file.create_group("interfaces"), body)
+    _put_kernel(file.create_group("kernel"), body.kernel)
     if body.modes is not None:
         modes = file.create_group("modes")
         modes.attrs["h_min"] = body.modes.h_min
         put(modes, "omega", body.modes.omega, "rad/s")
         put(modes, "zeta", body.modes.zeta, "1")
         put(modes, "phi", body.modes.phi, "1/sqrt(kg), 1/(sqrt(kg) m)")
-
-    static = file.create_group("static")
-    put(static, "compliance", body.compliance, "m/N, rad/N, rad/(N m)")
-    put(static, "mobility", body.mobility, "1/kg, 1/(kg m), 1/(kg m^2)")
-
+    put(file, "static/compliance", body.compliance, "m/N, rad/N, rad/(N m)")
+    put(file, ACCELERANCE[VERSION], body.accelerance, "1/kg, 1/(kg m), 1/(kg m^2)")
     if body.recovery is not None:
-        recovery = file.create_group("recovery")
-        put(recovery, "points", body.recovery.points, "m")
-        recovery.create_dataset("cells", data=body.recovery.cells)
-        # Modes are right to 1e-6 or so: single precision, 6e-8, halves what takes nearly all of the
-        # file.
-        put(recovery, "phi", body.recovery.phi.astype(np.float32), "1/sqrt(kg)")
-        if body.recovery.stress is not None:
-            put(recovery, "stress", body.recovery.stress.astype(np.float32), "Pa/(m sqrt(kg))")
+        _put_recovery(file.create_group("recovery"), body.recovery)
+    _put_provenance(file.create_group("provenance"), body.provenance)
 
-    provenance = file.create_group("provenance")
-    source = body.provenance
-    provenance.attrs.update(
+
+def _put_interfaces(parent: h5py.Group, body: Superelement) -> None:
+    names = [interface.name for interface in body.interfaces]
+    X = np.array([interface.X for interface in body.interfaces]).reshape(-1, 3)
+    rotations = np.array([interface.rotations for interface in body.interfaces], dtype=bool)
+    rows = np.array([body.rows(name).start for name in names], dtype=np.int64)
+    parent.create_dataset("name", data=names, dtype=h5py.string_dtype())
+    put(parent, "X", X, "m")
+    parent.create_dataset("rotations", data=rotations)
+    parent.create_dataset("row", data=rows)
+
+
+def _put_kernel(parent: h5py.Group, kernel: Kernel) -> None:
+    parent.attrs.update(h=kernel.h, rho_inf=kernel.scheme.rho_inf, error=kernel.error)
+    if kernel.band is not None:
+        parent.attrs["band"] = kernel.band
+    put(parent, "g", kernel.g, "m/N, rad/N, rad/(N m)")
+    put(parent, "g_initial", kernel.g_initial, "m/N, rad/N, rad/(N m)")
+
+
+def _put_recovery(parent: h5py.Group, recovery: Recovery) -> None:
+    put(parent, "points", recovery.points, "m")
+    parent.create_dataset("cells", data=recovery.cells)
+    # Modes are right to 1e-6 or so: single precision, 6e-8, halves what takes nearly all of the
+    # file.
+    put(parent, "phi", recovery.phi.astype(np.float32), "1/sqrt(kg)")
+    if recovery.stress is not None:
+        put(parent, "stress", recovery.stress.astype(np.float32), "Pa/(m sqrt(kg))")
+
+
+def _put_provenance(parent: h5py.Group, source: Provenance) -> None:
+    parent.attrs.update(
         body=source.body,
         mesh=source.mesh,
         mesh_sha256=source.mesh_sha256,
         method=source.method,
         tolerance=source.tolerance,
     )
-    provenance.create_group("versions").attrs.update(source.versions)
-    provenance.create_group("timings").attrs.update(source.timings)
+    parent.create_group("versions").attrs.update(source.versions)
+    parent.create_group("timings").attrs.update(source.timings)
 
 
 def _superelement(file: h5py.File, recovery: bool) -> Superelement:
     expect(file, "format", FORMAT)
-    expect(file, "version", VERSION)
+    version = expect(file, "version", *ACCELERANCE)
     expect(file, "units", "SI")
     body = Superelement(
         name=text(file, "name"),
@@ -158,7 +160,7 @@ def _superelement(file: h5py.File, recovery: bool) -> Superelement:
         kernel=_kernel(file),
         modes=_modes(file),
         compliance=dataset(file, "static/compliance"),
-        mobility=dataset(file, "static/mobility"),
+        accelerance=dataset(file, ACCELERANCE[version]),
         recovery=_recovery(file) if recovery else None,
         provenance=_provenance(file),
     )

@@ -9,7 +9,7 @@ from .validation import Array, SuperelementError, checked
 class Interface:
     """A point of the body that carries loads and joints.
 
-    X (3,) is its position from the centre of mass in body axes [m]. With `rotations` it has six
+    X (3,) is its position from the center of mass in body axes [m]. With `rotations` it has six
     dofs, three displacements [m] and three small rotations [rad], all in body axes; without, the
     displacements alone.
     """

@@ -16,13 +16,14 @@ class Kernel:
     """Interface impulse responses free of rigid modes, in body axes, for one step size and one
     scheme.
 
-        u_n = g_initial[n] p_0 + sum_{j=1..n} g[n-j] p_j                       (docs/theory.md, Impulse responses)
+        u_n = g_initial[n] p_0 + sum_{j=1..n} g[n-j] p_j
 
     g[k] (n_k, n_c, n_c) is the displacement k steps after the step that ends in a unit load; g[0]
-    is the instantaneous compliance. In the numbering of the paper g[k] = h H_{k+2}. g_initial[k] is
-    the displacement k steps after t_0 under a unit load that acts at t_0 alone. [m/N, rad/N, m/(N
-    m), rad/(N m)] `error` is the relative error of the transfer function from 0 to `band` [Hz], or
-    at all frequencies if None; 0 if exact.
+    is the instantaneous compliance. In the numbering of the paper g[k] = h H_{k+2}. g_initial[k]
+    is the displacement k steps after t_0 under a unit load that acts at t_0 alone. Units: m/N,
+    rad/N, m/(N m), rad/(N m). `error` is the relative error of the transfer function from 0 to
+    `band` [Hz], or at all frequencies if None; 0 if exact. Source: docs/theory.md, Impulse
+    responses.
     """
 
     h: float
@@ -75,7 +76,8 @@ def sample_kernel(
 ) -> Kernel:
     """The kernel that generalized-alpha time stepping of the modes produces, exactly.
 
-        g[k] = phi diag(c_k) phi^T,   c_k: the scalar recursion of each omega, zeta under a unit load at one step
+        g[k] = phi diag(c_k) phi^T
+        c_k: the scalar recursion of each omega, zeta under a unit load at one step
 
     h [s], `steps` time steps, one or more; the result has steps + 1 lags. `error` and `band` are
     those of the modes. Raises `SuperelementError` for a step that is not positive or fewer steps
@@ -98,8 +100,7 @@ def _scalar_responses(
 
 
 def spread(phi: Array, coefficients: Array) -> Array:
-    """phi diag(c_k) phi^T for every row c_k of real coefficients: (n_k, n_c, n_c), symmetric to the
-    last bit.
+    """phi diag(c_k) phi^T (n_k, n_c, n_c) for rows c_k of real coefficients, exactly symmetric.
 
     One matrix product over the pairs i <= j: no array of n_k n_c m numbers for the many modes of a
     large mesh.

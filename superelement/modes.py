@@ -9,7 +9,7 @@ from .validation import Array, SuperelementError, checked
 
 @dataclass(frozen=True, eq=False)
 class Modes:
-    """Mass-normalised elastic modes restricted to the interface dofs.
+    """Mass-normalized elastic modes restricted to the interface dofs.
 
         u = phi eta,     eta_i'' + 2 zeta_i omega_i eta_i' + omega_i^2 eta_i = phi_i . p
 
@@ -46,14 +46,12 @@ class Modes:
 
     @property
     def compliance(self) -> Array:
-        """Static compliance (n_c, n_c), phi diag(1 / omega^2) phi^T: what a kernel made of the
-        modes adds up to.
+        """Static compliance phi diag(1 / omega^2) phi^T (n_c, n_c): the sum of a kernel of these
+        modes.
         """
         return (self.phi / self.omega**2) @ self.phi.T
 
     @property
-    def mobility(self) -> Array:
-        """Accelerations of the interfaces under unit loads at rest (n_c, n_c), phi phi^T: with what
-        the modes start.
-        """
+    def accelerance(self) -> Array:
+        """Accelerations of the interfaces under unit loads at rest, phi phi^T (n_c, n_c)."""
         return self.phi @ self.phi.T

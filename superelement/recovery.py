@@ -11,10 +11,9 @@ from .validation import Array, SuperelementError, checked
 
 @dataclass(frozen=True, eq=False)
 class Recovery:
-    """Displacements and stresses of the surface mesh from modal coordinates eta: u = phi eta, sigma
-    = stress eta.
+    """Fields of the surface mesh from modal coordinates eta: u = phi eta, sigma = stress eta.
 
-    points (p, 3) from the centre of mass in body axes [m]; cells (n, k) rows of point indices (-1
+    points (p, 3) from the center of mass in body axes [m]; cells (n, k) rows of point indices (-1
     fills short rows), each of the type that its number of points tells, in meshio's order: 2 line,
     3 triangle, 4 quad, 6 triangle6, 8 quad8, 9 quad9; phi (p, 3, m); stress (p, 6, m) in the order
     xx, yy, zz, yz, xz, xy, or None.
@@ -36,13 +35,11 @@ class Recovery:
             object.__setattr__(self, "stress", stress)
 
     def displacement(self, eta: Array) -> Array:
-        """u = phi eta of every point (..., p, 3) [m], body axes, from modal coordinates (..., m)."""
+        """u = phi eta (..., p, 3) [m] in body axes, from modal coordinates (..., m)."""
         return _superpose(self.phi, eta)
 
     def stresses(self, eta: Array) -> Array:
-        """sigma = stress eta of every point (..., p, 6) [Pa], body axes; `SuperelementError` where
-        none is stored.
-        """
+        """sigma = stress eta (..., p, 6) [Pa], body axes; `SuperelementError` without stresses."""
         if self.stress is None:
             raise SuperelementError(
                 "recovery: no stress modes, which only solids have and [recovery] stress asks for"
@@ -80,7 +77,8 @@ def _checked_cells(value: Any, n_points: int) -> NDArray[np.int64]:
         )
     if cells.size and (cells.min() < -1 or cells.max() >= n_points):
         raise SuperelementError(
-            f"recovery: cells: expected point indices from -1 to {n_points - 1}, found {cells.min()} to {cells.max()}"
+            f"recovery: cells: expected point indices from -1 to {n_points - 1}, found "
+            f"{cells.min()} to {cells.max()}"
         )
     cells = cells.astype(np.int64)
     cells.flags.writeable = False

@@ -1,6 +1,4 @@
-"""The time stepping of modes, one scalar equation each: what kernels are sampled from and fields
-recovered with.
-"""
+"""Time stepping of modes, one scalar equation each, for kernels and recovered fields."""
 
 from collections.abc import Iterable, Iterator
 

@@ -56,11 +56,12 @@ class GeneralizedAlpha:
     def symbols(
         self, h: float, delay: NDArray[np.complex128]
     ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-        """What one step makes of s^2 and s, the accelerations and velocities per unit displacement.
+        """The discrete symbols of s^2 and s: accelerations and velocities per unit displacement.
 
             sigma = 1 / (Q F),   chi = V / Q,   with d = 1/z, the delay by one step:
             Q = h^2 (beta + (1/2 + gamma - 2 beta) d + (1/2 + beta - gamma) d^2) / (1 - d)^2
-            F = ((1 - alpha_f) + alpha_f d) / ((1 - alpha_m) + alpha_m d),   V = h (gamma + (1 - gamma) d) / (1 - d)
+            F = ((1 - alpha_f) + alpha_f d) / ((1 - alpha_m) + alpha_m d)
+        V = h (gamma + (1 - gamma) d) / (1 - d)
 
         h [s]; delay (n,) complex, 0 for the first lag alone, where sigma and chi are beta' and
         gamma'. Source: docs/theory.md, Impulse responses.

@@ -20,7 +20,7 @@ class StepWarning(UserWarning):
 
 @dataclass(frozen=True)
 class Provenance:
-    """Where a superelement comes from: enough to make it again and to recognise it."""
+    """The origin of a superelement: enough to make it again and to recognize it."""
 
     body: str = ""
     """the text of the body file"""
@@ -40,14 +40,14 @@ class Provenance:
 class Superelement:
     """An elastic body as its interfaces feel it.
 
-    Body axes are the mesh axes with the origin at the centre of mass of the finite element mass
+    Body axes are the mesh axes with the origin at the center of mass of the finite element mass
     matrix.
 
-    mass [kg], J_rot (3, 3) [kg m^2] and center (3,), the centre of mass in mesh coordinates [m],
+    mass [kg], J_rot (3, 3) [kg m^2] and center (3,), the center of mass in mesh coordinates [m],
     from U^T M U; interfaces, whose dofs in their order are the rows (and columns) of everything of
     size n_c; kernel: the sampled impulse responses; modes: the same body without a step size, or
     None; compliance (n_c, n_c): P_C P K^+ P^T P_C^T, the inertia-relieved static one [m/N ...];
-    mobility (n_c, n_c): P_C M^-1 P^T P_C^T, accelerations under unit loads at rest [1/kg ...].
+    accelerance (n_c, n_c): P_C M^-1 P^T P_C^T, accelerations under unit loads at rest [1/kg ...].
     """
 
     name: str
@@ -58,7 +58,7 @@ class Superelement:
     kernel: Kernel
     modes: Modes | None
     compliance: Array
-    mobility: Array
+    accelerance: Array
     recovery: Recovery | None = None
     provenance: Provenance = field(default_factory=Provenance)
 
@@ -80,22 +80,25 @@ class Superelement:
         n_c = sum(interface.n_dofs for interface in interfaces)
         if self.kernel.n_c != n_c:
             raise SuperelementError(
-                f"kernel: g: expected {n_c} rows, the dofs of interfaces {names}, found {self.kernel.n_c}"
+                f"kernel: g: expected {n_c} rows, the dofs of interfaces {names}, "
+                f"found {self.kernel.n_c}"
             )
         if self.modes is not None and len(self.modes.phi) != n_c:
             raise SuperelementError(
-                f"modes: phi: expected {n_c} rows, the dofs of interfaces {names}, found {len(self.modes.phi)}"
+                f"modes: phi: expected {n_c} rows, the dofs of interfaces {names}, "
+                f"found {len(self.modes.phi)}"
             )
         if self.recovery is not None:
             n_modes = 0 if self.modes is None else len(self.modes.omega)
             if self.recovery.phi.shape[2] != n_modes:
                 raise SuperelementError(
-                    f"recovery: phi: expected {n_modes} columns, one per mode, found {self.recovery.phi.shape[2]}"
+                    f"recovery: phi: expected {n_modes} columns, one per mode, "
+                    f"found {self.recovery.phi.shape[2]}"
                 )
         object.__setattr__(self, "J_rot", J_rot)
         object.__setattr__(self, "center", checked("center", self.center, (3,)))
         object.__setattr__(self, "interfaces", interfaces)
-        for field_name in ("compliance", "mobility"):
+        for field_name in ("compliance", "accelerance"):
             matrix = checked(field_name, getattr(self, field_name), (n_c, n_c))
             check_symmetric(field_name, matrix)
             object.__setattr__(self, field_name, matrix)
@@ -109,7 +112,7 @@ class Superelement:
         return self.interfaces[self._index(name)]
 
     def rows(self, name: str) -> slice:
-        """The rows of an interface in kernel, modes, compliance and mobility."""
+        """The rows of an interface in kernel, modes, compliance and accelerance."""
         index = self._index(name)
         start = sum(interface.n_dofs for interface in self.interfaces[:index])
         return slice(start, start + self.interfaces[index].n_dofs)
@@ -127,8 +130,9 @@ class Superelement:
             return stored
         if self.modes is None:
             raise SuperelementError(
-                f"{self.name}: no modes, so the kernel is fixed: h = {stored.h} s, rho_inf = {stored.scheme.rho_inf}, "
-                f"{stored.steps} steps; asked for h = {h} s, rho_inf = {scheme.rho_inf}, {steps} steps"
+                f"{self.name}: no modes, so the kernel is fixed: h = {stored.h} s, rho_inf = "
+                f"{stored.scheme.rho_inf}, {stored.steps} steps; asked for h = {h} s, rho_inf = "
+                f"{scheme.rho_inf}, {steps} steps"
             )
         return sample_kernel(self.modes_for(h), h, scheme, steps, stored.error, stored.band)
 
@@ -143,8 +147,9 @@ class Superelement:
             raise SuperelementError(f"{self.name}: no modes")
         if h < modes.h_min * (1.0 - 1e-9):
             warnings.warn(
-                f"{self.name}: modes for steps down to {modes.h_min:g} s, right up to {0.25 / modes.h_min:g} Hz; "
-                f"asked for steps of {h:g} s, which resolve {0.25 / h:g} Hz",
+                f"{self.name}: modes for steps down to {modes.h_min:g} s, right up to "
+                f"{0.25 / modes.h_min:g} Hz; asked for steps of {h:g} s, "
+                f"which resolve {0.25 / h:g} Hz",
                 StepWarning,
                 stacklevel=2,
             )

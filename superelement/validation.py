@@ -1,4 +1,4 @@
-"""Checks that the parts of a superelement share. Each failure quotes what was found."""
+"""Checks of the arrays of a superelement; each failure quotes the value found."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -13,13 +13,11 @@ SYMMETRY_TOLERANCE = 1e-8
 
 
 class SuperelementError(ValueError):
-    """A superelement, or its file, that contradicts its own definition."""
+    """A superelement, or its file, with missing, contradictory or invalid entries."""
 
 
 def checked(name: str, value: Any, shape: Sequence[int | str]) -> Array:
-    """A read-only contiguous float array of the given shape; a letter in `shape` stands for any
-    length.
-    """
+    """A read-only contiguous float array of a shape, in which a letter allows any length."""
     try:
         found = np.asarray(value)
         array = found.real.astype(np.float64, order="C")
@@ -40,8 +38,8 @@ def checked(name: str, value: Any, shape: Sequence[int | str]) -> Array:
         )
     if not np.isfinite(array).all():
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
-        place = f" at index {where}" if where else ""
-        raise SuperelementError(f"{name}: expected finite numbers, found {array[where]}{place}")
+        position = f" at index {where}" if where else ""
+        raise SuperelementError(f"{name}: expected finite numbers, found {array[where]}{position}")
     array.flags.writeable = False
     return array
 
@@ -55,7 +53,7 @@ def check_symmetric(name: str, matrices: Array) -> None:
     """`matrices` (..., n, n) must be symmetric relative to the largest diagonal entries, row by
     row.
 
-    Rows of a kernel mix metres and radians, so each entry is measured against
+    Rows of a kernel mix meters and radians, so each entry is measured against
     sqrt(max |a_ii| max |a_jj|), the scale that its own two rows give it.
     """
     if matrices.size == 0:
@@ -68,8 +66,8 @@ def check_symmetric(name: str, matrices: Array) -> None:
     if (defect > allowed).any():
         i, j = np.unravel_index(int(np.argmax(defect - allowed)), defect.shape)
         raise SuperelementError(
-            f"{name}: expected a symmetric matrix, found entries ({i}, {j}) and ({j}, {i}) that differ by "
-            f"{defect[i, j]:.3e}, where the diagonal allows {allowed[i, j]:.3e}"
+            f"{name}: expected a symmetric matrix, found entries ({i}, {j}) and ({j}, {i}) that "
+            f"differ by {defect[i, j]:.3e}, where the diagonal allows {allowed[i, j]:.3e}"
         )
 
 

@@ -24,7 +24,7 @@ class Run:
     tip: Array
 
     def apart(self, other: "Run") -> float:
-        """The largest distance [m] of the tip from that of another run, at the times of this one."""
+        """The largest distance [m] between the tips of two runs, at the times of this one."""
         there = np.column_stack([np.interp(self.time, other.time, x) for x in other.tip.T])
         return float(np.linalg.norm(self.tip - there, axis=1).max())
 

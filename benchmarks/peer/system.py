@@ -41,7 +41,7 @@ class System:
         )
 
     def march(self, end: float) -> None:
-        """Equal steps, none longer than the step, from where the system is to the time `end` [s]."""
+        """Advance to the time `end` [s] by equal steps, none longer than the step."""
         integration, start = self._settings.timeIntegration, self._times[-1][-1]
         steps = int(np.ceil((end - start) / self._step - 1e-9))
         integration.startTime, integration.endTime, integration.numberOfSteps = start, end, steps

@@ -1,4 +1,4 @@
-"""The mesh of the paper's beam: ten line elements over half a metre, the ends named root and tip."""
+"""The mesh of the paper's beam: ten lines over half a meter, the ends named root and tip."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The paper's beam as a solid: half a metre of square bar in 20-node hexahedra, the end faces named
+"""The paper's beam as a solid: half a meter of square bar in 20-node hexahedra, the end faces named
 root and tip.
 
     python meshes/beam/make_solid.py

@@ -1,4 +1,4 @@
-"""A twisted, tapered rotor blade, in metres: groups root and tip, its end faces, and blade.
+"""A twisted, tapered rotor blade, in meters: groups root and tip, its end faces, and blade.
 
     python meshes/blade/make_mesh.py [--size METRES] [-o FILE.msh]
 

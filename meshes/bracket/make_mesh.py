@@ -1,4 +1,4 @@
-"""A bracket with six holes, in millimetres: groups bolt_1 to bolt_4, lug_1 and lug_2, the holes,
+"""A bracket with six holes, in millimeters: groups bolt_1 to bolt_4, lug_1 and lug_2, the holes,
 and bracket.
 
     python meshes/bracket/make_mesh.py [--size MILLIMETRES] [-o FILE.msh]

@@ -1,4 +1,4 @@
-"""A connecting rod with two bores, in millimetres: groups big_end and small_end, its bores, and
+"""A connecting rod with two bores, in millimeters: groups big_end and small_end, its bores, and
 rod.
 
     python meshes/connecting_rod/make_mesh.py [--size MILLIMETRES] [-o FILE.msh]

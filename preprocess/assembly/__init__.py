@@ -1,1 +1,6 @@
-"""From elements, masses and interfaces to a structure with rigid-body modes."""
+"""From elements, masses and interfaces to a finite element model with its rigid modes.
+
+source: the protocol of meshes and matrices; selected: nodes and facets of a selection; interfaces,
+surface: frames on them; ties: nodes that follow rigid frames; masses: lumped masses; rigid: rigid
+modes and mass properties; structure: the whole model.
+"""

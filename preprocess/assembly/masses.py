@@ -12,26 +12,25 @@ from ..body.selection import InterfaceSelection
 from ..errors import InterfaceError
 
 
-def placed_masses(body: Body) -> dict[str, InterfaceSelection]:
+def mass_selections(body: Body) -> dict[str, InterfaceSelection]:
     """The selections of the masses that are not on an interface, by name."""
     return {
         name: mass.selection for name, mass in body.masses.items() if mass.selection is not None
     }
 
 
-def lumped_mass(body: Body, interfaces: Mapping[str, Any], placed: Mapping[str, Any]) -> Any:
-    """sum rows^T diag(m I, J) rows (n_u, n_u), sparse: the kinetic energy of rigid pieces that move
-    with their frames.
+def lumped_mass(body: Body, interfaces: Mapping[str, Any], selected: Mapping[str, Any]) -> Any:
+    """The mass matrix (n_u, n_u), sparse, of rigid pieces: sum rows^T diag(m I, J) rows.
 
-    `interfaces` and `placed` have rows (3 or 6, n_u) by the names of interfaces, and of the other
+    `interfaces` and `selected` have rows (3 or 6, n_u) by the names of interfaces, and of the other
     masses. With the averaged motion of facets, rows = D, a mass m D^T D resists the mean motion of
-    the facets alone. As D is exact for rigid motion, so are mass, centre of mass and inertia.
+    the facets alone. As D is exact for rigid motion, so are mass, center of mass and inertia.
     `InterfaceError` for an inertia where nothing rotates.
     """
     n_u = next(iter(interfaces.values())).shape[1]
     total = sp.csc_array((n_u, n_u))
     for name, mass in body.masses.items():
-        rows = placed[name] if mass.interface is None else interfaces[mass.interface]
+        rows = selected[name] if mass.interface is None else interfaces[mass.interface]
         total = total + rows.T @ sp.csr_array(_block(name, mass, rows.shape[0])) @ rows
     return total
 
@@ -43,7 +42,7 @@ def _block(name: str, mass: PointMass, n_rows: int) -> Any:
         return block_diag(mass.mass * np.eye(3), inertia)
     if inertia.any():
         raise InterfaceError(
-            f"masses.{name}: the node of a solid has three dofs and carries no inertia, found {inertia.tolist()}; "
-            f"use a group of facets"
+            f"masses.{name}: the node of a solid has three dofs and carries no inertia, found "
+            f"{inertia.tolist()}; use a group of facets"
         )
     return mass.mass * np.eye(3)

@@ -13,7 +13,7 @@ from ..mesh.nodes import Nodes
 
 @dataclass(frozen=True, eq=False)
 class RigidModes:
-    """The six rigid modes of a finite element model about its own centre of mass.
+    """The six rigid modes of a finite element model about its own center of mass.
 
     A (n_u, 6): dofs under unit translations along, and unit small rotations about, the mesh axes
     through `center`; U (n_u, 6): a basis of the same space with U^T M U = I. mass [kg], center (3,)
@@ -29,7 +29,7 @@ class RigidModes:
 
 
 def rigid_modes(nodes: Nodes, M: Any) -> RigidModes:
-    """Centre of mass, mass properties and rigid modes from the mass matrix M (n_u, n_u), sparse.
+    """Center of mass, mass properties and rigid modes from the mass matrix M (n_u, n_u), sparse.
 
     `MeshError` if the inertia is not positive definite, as that of beams in a line without polar
     inertia.
@@ -56,7 +56,8 @@ def rigid_modes(nodes: Nodes, M: Any) -> RigidModes:
     principal = np.linalg.eigvalsh(J_rot)
     if not (mass > 0.0 and principal[0] > 1e-14 * principal[-1]):
         raise MeshError(
-            f"expected a positive mass and inertia, found {mass} kg and principal inertias {principal}"
+            "expected a positive mass and inertia, "
+            f"found {mass} kg and principal inertias {principal}"
         )
     U = solve_triangular(np.linalg.cholesky(moments), A.T, lower=True).T
     return RigidModes(A, U, mass, center, J_rot)
@@ -72,8 +73,9 @@ def project(w: Array, U: Array, M: Any) -> Array:
 
 
 def relieve(f: Array, U: Array, M: Any) -> Array:
-    """Remove from loads their inertia relief, P^T f = f - M U U^T f: what is left deforms without
-    accelerating.
+    """Remove the inertia relief from loads, P^T f = f - M U U^T f, eq. (49) transposed.
+
+    The loads that are left deform the body without accelerating it as a whole.
 
     f (n_u, k); U (n_u, 6) with U^T M U = I; M (n_u, n_u) -> (n_u, k)
     """

@@ -5,23 +5,15 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from skfem import Element, ElementQuad1, ElementQuad2, ElementQuadS2, ElementTriP1, ElementTriP2
-from skfem.quadrature import get_quadrature
 
 from ...superelement.validation import Array
+from ..mesh.cells import FACETS
 from ..mesh.facets import Patch
 from ..mesh.mesh import IntArray
 from ..mesh.nodes import Nodes, spider
 
-ELEMENTS = {
-    "triangle": ElementTriP1,
-    "triangle6": ElementTriP2,
-    "quad": ElementQuad1,
-    "quad8": ElementQuadS2,
-    "quad9": ElementQuad2,
-}
-"""The shape functions of facets; meshio orders their nodes as scikit-fem does."""
-ORDER = 5
+DEGREE = 5
+"""Polynomials up to this degree are integrated exactly on flat facets."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,8 +53,11 @@ def surface(points: Array, patch: Patch) -> Surface:
 
 def _piece(points: Array, kind: str, facets: IntArray) -> tuple[Array, Array, Any]:
     """x, dA and N of facets (n, k) of one type."""
-    element: Element = ELEMENTS[kind]()
-    xi, weights = get_quadrature(element.refdom, ORDER)
+    import skfem
+    from skfem.quadrature import get_quadrature
+
+    element: skfem.Element = getattr(skfem, FACETS[kind].shapes)()
+    xi, weights = get_quadrature(element.refdom, DEGREE)
     n, k = facets.shape
     values = [element.lbasis(xi, i) for i in range(k)]
     N = np.array([np.broadcast_to(value, weights.shape) for value, _ in values])
@@ -100,8 +95,7 @@ def mean_motion_of_points(members: IntArray, X: Array, nodes: Nodes) -> Any:
 
 
 def _fitted(blocks: Array, members: IntArray, middle: Array, X: Array, nodes: Nodes) -> Any:
-    """(sum B_i^T A_i)^-1 [B_i^T] for weighted arms B_i (n, 3, 6) of nodes `members`, on which D A =
-    I to rounding.
+    """D = (sum B_i^T A_i)^-1 [B_i^T] for weighted arms B_i (n, 3, 6) of nodes `members`; D A = I.
 
     Both arms reach from `middle`, where the fit is best conditioned; the frame at X moves with the
     fitted motion.

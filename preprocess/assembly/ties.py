@@ -13,10 +13,10 @@ from .interfaces import Attachment
 
 
 def tie(nodes: Nodes, attachments: Mapping[str, Attachment]) -> tuple[Nodes, Any, dict[str, Any]]:
-    """The nodes that are left once tied ones follow their frames, T, and the rows of every
-    attachment on what is left.
+    """Eliminate the nodes that follow rigid frames: the nodes left, T, and the rows of every frame.
 
-        u = T u_left,   K_left = T^T K T,   M_left = T^T M T,   u_i = [I, -(X_i - X_C)~; 0, I] q_C for a tied node i
+        u = T u_left,   K_left = T^T K T,   M_left = T^T M T
+        u_i = [I, -(X_i - X_C)~; 0, I] q_C   of a tied node i
 
     u_left holds the free nodes in their order, then the frames with six dofs each. T (n_u, n_left)
     and the rows (3 or 6, n_left) are sparse; those of a rigid frame pick its dofs. Nodes have three
@@ -30,9 +30,9 @@ def tie(nodes: Nodes, attachments: Mapping[str, Attachment]) -> tuple[Nodes, Any
     )
     kept = np.flatnonzero(np.isin(nodes.owner, free))
     old, new, values = [kept], [np.arange(len(kept))], [np.ones(len(kept))]
-    for place, attachment in enumerate(rigid.values(), start=len(free)):
+    for node, attachment in enumerate(rigid.values(), start=len(free)):
         arms = spider(nodes.points[attachment.nodes] - attachment.X)  # (n, 3, 6)
-        frame = left.first[place] + np.arange(6)
+        frame = left.first[node] + np.arange(6)
         old.append(np.repeat(nodes.displacements[attachment.nodes].ravel(), 6))
         new.append(np.tile(frame, 3 * len(attachment.nodes)))
         values.append(arms.ravel())
@@ -59,9 +59,7 @@ def _pick(nodes: Nodes, node: int) -> Any:
 
 
 def _owners(rigid: Mapping[str, Attachment], n_points: int) -> IntArray:
-    """For every point (n_points,) the rigid frame that it follows, -1 for none; a point can follow
-    one only.
-    """
+    """The number of the rigid frame of every point (n_points,), -1 for none; one at most."""
     owner = np.full(n_points, -1, dtype=np.int64)
     names = list(rigid)
     for number, (name, attachment) in enumerate(rigid.items()):

@@ -4,7 +4,7 @@ import os
 import tomllib
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, cast
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import (
@@ -38,10 +38,9 @@ def _as_matrix(value: Any) -> Any:
 
 
 class PointMass(Selection):
-    """A rigid piece that moves with the body: with an interface, or with what it selects on the
-    mesh, as interfaces do.
+    """A rigid piece that moves with an interface, or with a selection on the mesh.
 
-    mass [kg]; inertia about its place in mesh axes [kg m^2], principal values or a 3x3 matrix, none
+    mass [kg]; inertia about its frame in mesh axes [kg m^2], principal values or a 3x3 matrix, none
     unless given. On facets or points of a solid it follows their mean motion.
     """
 
@@ -53,14 +52,15 @@ class PointMass(Selection):
 
     @model_validator(mode="after")
     def _one_place(self) -> Self:
-        others = self.places | self.model_fields_set & {"at"}
+        others = self.selectors | self.model_fields_set & {"at"}
         if self.interface is not None and others:
             raise ValueError(
                 f"interface stands alone, found it with {' and '.join(sorted(others))}"
             )
-        if self.interface is None and not self.places:
+        if self.interface is None and not self.selectors:
             raise ValueError(
-                "expected interface, or what it selects on the mesh: node, group, plane, ..., found none"
+                "expected interface, or what it selects on the mesh: node, group, plane, "
+                "..., found none"
             )
         return self
 
@@ -69,7 +69,8 @@ class PointMass(Selection):
         J = np.array(self.inertia)
         if not np.array_equal(J, J.T) or np.linalg.eigvalsh(J)[0] < -1e-12 * np.abs(J).max():
             raise ValueError(
-                f"inertia: expected principal values or a symmetric matrix, none of them negative, found {J.tolist()}"
+                "inertia: expected principal values or a symmetric matrix, "
+                f"none of them negative, found {J.tolist()}"
             )
         if not (self.mass or J.any()):
             raise ValueError("expected a mass or an inertia, found neither")
@@ -77,16 +78,15 @@ class PointMass(Selection):
 
     @property
     def selection(self) -> InterfaceSelection | None:
-        """The place on the mesh; None for that of an interface."""
+        """The selection on the mesh; None for a mass on an interface."""
         if self.interface is not None:
             return None
-        own = set(Selection.model_fields)
-        return InterfaceSelection.model_validate(self.model_dump(include=own, exclude_unset=True))
+        keys = set(Selection.model_fields)
+        return InterfaceSelection.model_validate(self.model_dump(include=keys, exclude_unset=True))
 
 
 class Impulse(Table):
-    """The impulse responses to compute: `steps` steps of `step` seconds, with the damping rho_inf
-    of the scheme.
+    """The impulse responses to compute: `steps` steps of `step` seconds with the scheme of rho_inf.
 
     method: "modal" from all elastic modes, "krylov" from as many as it takes, "march" by stepping
     the full model, "auto" the one of the first two that fits the size. tolerance: the relative
@@ -105,7 +105,8 @@ class Impulse(Table):
     def _below_nyquist(self) -> Self:
         if self.band is not None and self.band > 0.5 / self.step:
             raise ValueError(
-                f"band: expected at most the Nyquist frequency of the step, {0.5 / self.step:g} Hz, found {self.band:g}"
+                "band: expected at most the Nyquist frequency of the step, "
+                f"{0.5 / self.step:g} Hz, found {self.band:g}"
             )
         return self
 
@@ -120,8 +121,8 @@ class Ratios(Table):
     def _a_table(self) -> Self:
         if len(self.frequencies) != len(self.ratios) or not self.frequencies:
             raise ValueError(
-                f"expected a ratio for every frequency, found {len(self.frequencies)} frequencies "
-                f"and {len(self.ratios)} ratios"
+                "expected a ratio for every frequency, "
+                f"found {len(self.frequencies)} frequencies and {len(self.ratios)} ratios"
             )
         if any(b <= a for a, b in pairwise(self.frequencies)):
             raise ValueError(
@@ -156,8 +157,7 @@ class Damping(Table):
 
 
 class RecoveredFields(Table):
-    """What the superelement can give back of the mesh: displacements of its surface or lines, and
-    stresses there.
+    """Fields that the superelement keeps: displacements of the surface or lines, perhaps stresses.
 
     stress: at the nodes of the surface of solids, for which the file grows by 24 bytes a node and
     mode.
@@ -167,8 +167,9 @@ class RecoveredFields(Table):
 
 
 class Matrices(Table):
-    """A finite element model of another program, free in space: files of K [N/m ...], M [kg ...]
-    and of nodes [m].
+    """Files of a finite element model of another program: K [N/m ...], M [kg ...], nodes [m].
+
+    The body must be free in space.
 
     nodes: labels and coordinates; dofs: node and direction of every row of the matrices, where
     neither they say so nor the rows are three or six for each node in its order.
@@ -181,7 +182,7 @@ class Matrices(Table):
 
     @property
     def files(self) -> dict[str, Path]:
-        """By their keys."""
+        """The paths of the files by their keys."""
         given = {
             "stiffness": self.stiffness,
             "mass": self.mass,
@@ -195,11 +196,10 @@ class Matrices(Table):
 
 
 class Body(Table):
-    """A mesh, what it is made of, where it meets others, and the impulse responses wanted; or
-    matrices for a mesh.
+    """A body file: a mesh with materials or sections, or matrices; interfaces; impulse responses.
 
     One of section and sections (by mesh group) for meshes of lines; one of material and materials
-    for solids. scale: the unit of the mesh's coordinates in metres, 1e-3 for millimetres. All else
+    for solids. scale: the unit of the mesh's coordinates in meters, 1e-3 for millimeters. All else
     is in SI units.
     """
 
@@ -221,27 +221,29 @@ class Body(Table):
     @model_validator(mode="after")
     def _one_make(self) -> Self:
         makes = ("section", "sections", "material", "materials")
-        given = [key for key in makes if getattr(self, key)]
+        keys = [key for key in makes if getattr(self, key)]
         if self.mesh is None and self.matrices is None:
             raise ValueError("expected mesh or [matrices], found neither")
         if self.matrices is not None:
             others = self.model_fields_set & {"mesh", "scale", "recovery", *makes}
             if others:
                 raise ValueError(
-                    f"matrices: expected no mesh and nothing made of it, found {', '.join(sorted(others))}"
+                    "matrices: expected no mesh and nothing made of it, "
+                    f"found {', '.join(sorted(others))}"
                 )
-        elif len(given) != 1:
+        elif len(keys) != 1:
             raise ValueError(
-                f"expected one of {', '.join(makes)}, found {' and '.join(given) or 'none'}"
+                f"expected one of {', '.join(makes)}, found {' and '.join(keys) or 'none'}"
             )
         for name in self.interfaces:
             if not name or "/" in name or "." in name:
                 raise ValueError(f"interfaces: expected a name without '/' and '.', found {name!r}")
-        for table, places in (("interfaces", self.interfaces), ("masses", self.masses)):
-            for name, place in places.items():
-                if place.nodes is not None and self.matrices is None:
+        for table, selections in (("interfaces", self.interfaces), ("masses", self.masses)):
+            for name, selection in selections.items():
+                if selection.nodes is not None and self.matrices is None:
                     raise ValueError(
-                        f"{table}.{name}: nodes are labels of [matrices]; of a mesh use node or group"
+                        f"{table}.{name}: nodes are labels of [matrices]; "
+                        "of a mesh use node or group"
                     )
         for name, mass in self.masses.items():
             if mass.interface is not None and mass.interface not in self.interfaces:
@@ -252,22 +254,24 @@ class Body(Table):
         return self
 
     @property
-    def source(self) -> Path | Matrices:
-        """What the model comes from: the mesh file, or matrices."""
-        return cast(Path | Matrices, self.mesh or self.matrices)
-
-    @property
     def files(self) -> tuple[Path, ...]:
-        """The files of the source."""
-        return (
-            tuple(self.source.files.values())
-            if isinstance(self.source, Matrices)
-            else (self.source,)
-        )
+        """The file of the mesh, or those of the matrices."""
+        mesh = () if self.mesh is None else (self.mesh,)
+        matrices = () if self.matrices is None else self.matrices.files.values()
+        return (*mesh, *matrices)
+
+    def relative_to(self, folder: Path) -> "Body":
+        """A copy whose relative paths start from a folder."""
+        paths: dict[str, Path | Matrices] = {}
+        if self.mesh is not None:
+            paths["mesh"] = folder / self.mesh
+        if self.matrices is not None:
+            paths["matrices"] = self.matrices.relative_to(folder)
+        return self.model_copy(update=paths)
 
     @property
     def text(self) -> str:
-        """The body file as it was read; for a body made or changed in Python its values in JSON."""
+        """The body file as read; of a body made or changed in Python, its values in JSON."""
         if self._text:
             as_read = Body.model_validate(tomllib.loads(self._text))
             paths = {"mesh", "matrices"}
@@ -277,17 +281,14 @@ class Body(Table):
 
 
 def read_body(path: str | os.PathLike[str]) -> Body:
-    """Read a body file; `BodyError` names the file, the key, what was found and what was expected."""
+    """Read a body file.
+
+    `BodyError` names the file, the key, what was found and what was expected.
+    """
     try:
         body, text = read_table(path, Body)
     except InputError as error:
         raise BodyError(str(error)) from error
-    folder, source = Path(path).parent, body.source
-    found = (
-        {"matrices": source.relative_to(folder)}
-        if isinstance(source, Matrices)
-        else {"mesh": folder / source}
-    )
-    body = body.model_copy(update=found)
+    body = body.relative_to(Path(path).parent)
     body._text = text
     return body

@@ -1,4 +1,4 @@
-"""What a body is made of: sections of beams, materials of solids."""
+"""Sections of beams and materials of solids."""
 
 from typing import Annotated, Any, Self
 
@@ -10,7 +10,7 @@ from ...superelement.validation import Array
 
 
 class Section(Table):
-    """The cross-section of a beam, in its own axes: x along the beam, y and z across.
+    """The cross-section of a beam in local axes: x along the beam, y and z across.
 
     EA [N], EI_y and EI_z (bending about y and z) and GJ [N m^2]; mass_per_length [kg/m];
     polar_inertia_per_length rho I_p [kg m], the inertia about the beam's axis. GA_y and GA_z [N]:
@@ -33,6 +33,16 @@ class Section(Table):
     rotary_inertia_y: NonNegativeFloat | None = None
     rotary_inertia_z: NonNegativeFloat | None = None
     orientation: Vector | None = None
+
+    @property
+    def density(self) -> float:
+        """Mass per length [kg/m]."""
+        return self.mass_per_length
+
+    def shortest_wave(self, frequency: float) -> float:
+        """The length [m] of a bending wave at a frequency [Hz], 2 pi (EI / (m omega^2))^(1/4)."""
+        EI, omega = min(self.EI_y, self.EI_z), 2.0 * np.pi * frequency
+        return float(2.0 * np.pi * (EI / (self.mass_per_length * omega**2)) ** 0.25)
 
 
 Three = tuple[PositiveFloat, PositiveFloat, PositiveFloat]
@@ -101,16 +111,15 @@ class Material(Table):
             stiffness = np.sort(1.0 / np.linalg.eigvalsh(self._compliance))
         if not (stiffness[0] > 0.0 and stiffness[-1] < 1e12 * stiffness[0]):
             raise ValueError(
-                f"expected E, nu and G of a positive definite elasticity matrix, found eigenvalues of "
-                f"{', '.join(f'{value:.4g}' for value in stiffness)} Pa; nu_ij^2 must be less than E_i / E_j"
+                "expected E, nu and G of a positive definite elasticity matrix, found "
+                f"eigenvalues of {', '.join(f'{value:.4g}' for value in stiffness)} Pa; "
+                "nu_ij^2 must be less than E_i / E_j"
             )
         return self
 
     @property
     def elasticity(self) -> Array:
-        """C (6, 6) [Pa] in mesh axes: stresses xx, yy, zz, yz, xz, xy are C times the strains in
-        the same order.
-        """
+        """C (6, 6) [Pa] in mesh axes, in the order of `STRESSES`: stresses = C strains."""
         i, j = np.array(STRESSES).T
         C: Array = self.elasticity_tensor[i[:, None], j[:, None], i, j]
         return C
@@ -124,8 +133,18 @@ class Material(Table):
         return turned
 
     @property
+    def density(self) -> float:
+        """Mass per volume [kg/m^3]."""
+        return self.rho
+
+    def shortest_wave(self, frequency: float) -> float:
+        """The length [m] of a shear wave at a frequency [Hz], sqrt(G / rho) / f."""
+        shear = self.elasticity.diagonal()[3:].min()
+        return float(np.sqrt(shear / self.rho) / frequency)
+
+    @property
     def _compliance(self) -> Array:
-        """S (6, 6) [1/Pa] in the material's own axes: strains from stresses."""
+        """S (6, 6) [1/Pa] in the axes of the material: strains from stresses."""
         E, nu = np.broadcast_to(self.E, 3), np.broadcast_to(self.nu, 3)
         G = np.broadcast_to(self.E / (2.0 * (1.0 + self.nu)) if self.G is None else self.G, 3)  # type: ignore[operator]
         S = np.diag(1.0 / np.concatenate([E, G[::-1]]))

@@ -1,4 +1,4 @@
-"""What a body file selects on a mesh."""
+"""Selections on a mesh: nodes, groups and shapes in space."""
 
 from typing import Annotated, Literal, Protocol, Self
 
@@ -13,10 +13,10 @@ Chosen = NDArray[np.bool_]
 
 
 class Shape(Protocol):
-    """A part of space."""
+    """A region of space."""
 
     def holds(self, points: Array, size: float) -> Chosen:
-        """Which of the points (n, 3) lie in it, within its tolerance times `size` [m]."""
+        """True (n,) for the points (n, 3) inside, within its tolerance times `size` [m]."""
         ...
 
 
@@ -108,14 +108,15 @@ class Cylinder(Table):
 
 
 class Selection(Table):
-    """A place on a mesh: the node nearest to a point, or what a named group and shapes in space
-    have in common.
+    """Nodes or facets of a mesh: the node nearest to a point, or a group, or shapes in space.
+
+    Of a group together with shapes, the intersection.
 
     Of a solid, shapes select the facets of the boundary that lie in them as a whole, and a group
     those that it names; a group of points selects its points. Of a beam, both select nodes. Given
     several, all must hold: the facets of a plane that lie in a box. Of matrices, all select nodes:
     one gives its dofs, several carry a frame of six; nodes names them by their labels. at: the
-    place of the frame; the centroid of the facets, or the mean of the points, unless given.
+    position of the frame; the centroid of the facets, or the mean of the points, unless given.
     tolerance: the distance allowed between `node` and the nearest node, as a fraction of the size
     of the mesh.
     """
@@ -132,20 +133,19 @@ class Selection(Table):
 
     @model_validator(mode="after")
     def _node_stands_alone(self) -> Self:
-        others = self.places - {"node"} | self.model_fields_set & {"kind", "at"}
+        others = self.selectors - {"node"} | self.model_fields_set & {"kind", "at"}
         if self.node is not None and others:
             raise ValueError(f"node stands alone, found it with {' and '.join(sorted(others))}")
-        if self.nodes is not None and self.places != {"nodes"}:
-            raise ValueError(
-                f"nodes stands alone, found it with {' and '.join(sorted(self.places - {'nodes'}))}"
-            )
+        others = self.selectors - {"nodes"}
+        if self.nodes is not None and others:
+            raise ValueError(f"nodes stands alone, found it with {' and '.join(sorted(others))}")
         return self
 
     @property
-    def places(self) -> set[str]:
+    def selectors(self) -> set[str]:
         """The keys that select something."""
-        given = {"node": self.node, "nodes": self.nodes, "group": self.group, **self.shapes}
-        return {key for key, value in given.items() if value is not None}
+        values = {"node": self.node, "nodes": self.nodes, "group": self.group, **self.shapes}
+        return {key for key, value in values.items() if value is not None}
 
     @property
     def shapes(self) -> dict[str, Shape]:
@@ -159,7 +159,7 @@ class Selection(Table):
         return {key: shape for key, shape in shapes.items() if shape is not None}
 
     def holds(self, points: Array, size: float) -> Chosen:
-        """Which of the points (n, 3) lie in all of the shapes; all points without shapes."""
+        """True (n,) for the points (n, 3) inside all of the shapes; all points without shapes."""
         inside = np.ones(len(points), dtype=np.bool_)
         for shape in self.shapes.values():
             inside &= shape.holds(points, size)
@@ -172,7 +172,7 @@ class Selection(Table):
 
 
 class InterfaceSelection(Selection):
-    """Where a body meets others.
+    """The selection that carries the frame of an interface.
 
     A node of a solid gives three dofs; a node of a beam, and any set of facets or points, gives a
     frame of six. kind: "average", the frame follows the facets as their mean motion does, without
@@ -183,8 +183,9 @@ class InterfaceSelection(Selection):
 
     @model_validator(mode="after")
     def _selects(self) -> Self:
-        if not self.places:
+        if not self.selectors:
             raise ValueError(
-                "expected node, or one or more of group, plane, box, sphere and cylinder, found none"
+                "expected node, or one or more of group, plane, box, sphere and cylinder, "
+                "found none"
             )
         return self

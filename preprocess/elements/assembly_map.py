@@ -1,6 +1,4 @@
-"""Symmetric matrices summed from element matrices, a block for every two nodes that share an
-element.
-"""
+"""Symmetric matrices summed from element matrices, a block for every pair of nodes."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -30,9 +28,7 @@ class Pattern:
     turned: Mapping[str, np.ndarray[tuple[int, int], np.dtype[np.bool_]]]
 
     def add(self, total: Array, kind: str, elements: slice | IntArray, blocks: Array) -> None:
-        """Add element blocks (pairs, n, b, b) of some elements of a type to the sums `total`
-        (n_blocks, b, b).
-        """
+        """Add blocks (pairs, n, b, b) of elements of a type to the sums (n_blocks, b, b)."""
         b = blocks.shape[-1]
         straight = np.arange(b * b)
         orders = np.stack([straight, straight.reshape(b, b).T.ravel()])

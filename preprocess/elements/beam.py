@@ -15,9 +15,7 @@ VERTICAL = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class BeamProperties:
-    """Section values of every element, each (n,): those of `Section`, with Phi = 12 EI / (GA L^2),
-    0 without shear.
-    """
+    """Section values of every element, each (n,), with Phi = 12 EI / (GA L^2), 0 without shear."""
 
     EA: Array
     EI_y: Array
@@ -34,8 +32,9 @@ class BeamProperties:
 
 
 def beam_matrices(mesh: Mesh, sections: list[Section]) -> tuple[Array, Array]:
-    """Stiffness and mass (n, 12, 12) of every line, in mesh axes; dofs of a node: 3 displacements,
-    3 rotations.
+    """Stiffness and mass (n, 12, 12) of every line, in mesh axes.
+
+    Dofs of a node: 3 displacements [m], 3 rotations [rad].
 
     Euler-Bernoulli (cubic Hermite) or Timoshenko bending with the shapes that solve the static
     problem between the nodes exactly, linear shapes for stretch and twist; consistent mass.
@@ -53,6 +52,12 @@ def beam_matrices(mesh: Mesh, sections: list[Section]) -> tuple[Array, Array]:
     return back @ K @ turn, back @ M @ turn
 
 
+def lengths(mesh: Mesh) -> Array:
+    """The length (n,) [m] of every line."""
+    ends = mesh.points[mesh.cells["line"]]
+    return np.asarray(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
+
+
 def _lengths_and_axes(mesh: Mesh, sections: list[Section]) -> tuple[Array, Array]:
     """Lengths (n,) and local axes (n, 3, 3), whose rows are x, y and z."""
     ends = mesh.points[mesh.cells["line"]]
@@ -60,7 +65,8 @@ def _lengths_and_axes(mesh: Mesh, sections: list[Section]) -> tuple[Array, Array
     lengths = np.linalg.norm(along, axis=1)
     if (short := np.flatnonzero(lengths <= 1e-12 * mesh.size)).size:
         raise MeshError(
-            f"{mesh.name}: line {short[0]} has no length: both ends are at {ends[short[0], 0].tolist()}"
+            f"{mesh.name}: line {short[0]} has no length: "
+            f"both ends are at {ends[short[0], 0].tolist()}"
         )
     x = along / lengths[:, None]
 
@@ -77,8 +83,8 @@ def _lengths_and_axes(mesh: Mesh, sections: list[Section]) -> tuple[Array, Array
     if (parallel := np.flatnonzero(norm < 1e-6)).size:
         i = int(parallel[0])
         raise MeshError(
-            f"{mesh.name}: line {i} runs along {x[i].tolist()}: the orientation of its section must not be parallel "
-            f"to it, found {sections[i].orientation}"
+            f"{mesh.name}: line {i} runs along {x[i].tolist()}: the orientation of its section "
+            f"must not be parallel to it, found {sections[i].orientation}"
         )
     y /= norm[:, None]
     return lengths, np.stack([x, y, np.cross(x, y)], axis=1)
@@ -164,9 +170,7 @@ def _local_mass(L: Array, p: BeamProperties) -> Array:
 
 
 def _bending_mass(L: Array, mass: Array, rotary: Array, Phi: Array) -> Array:
-    """(n, 4, 4): the integral of mass N^T N + rotary T^T T over the element, exact with four Gauss
-    points.
-    """
+    """(n, 4, 4): integral of mass N^T N + rotary T^T T, exact with four Gauss points."""
     nodes, weights = np.polynomial.legendre.leggauss(4)
     M = np.zeros((len(L), 4, 4))
     for xi, weight in zip(0.5 * (nodes + 1.0), 0.5 * weights, strict=True):

@@ -6,11 +6,12 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
+from ...superelement.validation import Array
 from ..body.material import Material
 from ..errors import MeshError
 from ..mesh.mesh import IntArray, Mesh
 from .assembly_map import pattern
-from .element import ELEMENTS, cofactors, physical
+from .element import cofactors, physical, solid_element
 
 FLAT = 1e-10
 """The Jacobian of an element, relative to the cube of its diameter, below which it counts as
@@ -21,12 +22,13 @@ BATCH = 2**17
 
 
 def solid_matrices(mesh: Mesh, materials: Sequence[Material], owners: IntArray) -> tuple[Any, Any]:
-    """Stiffness and consistent mass (3 n, 3 n), sparse, symmetric to the last bit; three
-    displacements to each point.
+    """Stiffness and consistent mass (3 n, 3 n), sparse, symmetric to the last bit.
+
+    Every point has three displacements [m].
 
         K_(ia)(jb) = C_acbd int N_i,c N_j,d dV        M_(ia)(jb) = rho delta_ab int N_i N_j dV
 
-    `owners` (n_elements,) is the place of each element's material in `materials`. Elements are
+    `owners` (n_elements,) is the number of each element's material in `materials`. Elements are
     isoparametric, so that curved ones keep their geometry. `MeshError` for an inverted or
     degenerate element.
     """
@@ -34,13 +36,13 @@ def solid_matrices(mesh: Mesh, materials: Sequence[Material], owners: IntArray) 
     blocks = pattern(mesh.elements, len(mesh.points))
     K, M = np.zeros((len(blocks.rows), 3, 3)), np.zeros((len(blocks.rows), 1, 1))
     for kind, cells in mesh.elements.items():
-        element = ELEMENTS[kind]
-        k, q = len(element.place), len(element.weights)
+        element = solid_element(kind)
+        k, q = len(element.order), len(element.weights)
         N, dN = element.N(element.xi), element.dN(element.xi)
         i, j = np.triu_indices(k)
         NN = N[i] * N[j] * element.weights  # (pairs, q)
-        own = owners[mesh.first[kind] :][: len(cells)]
-        for material, rows in _batches(own, max(1, BATCH // (3 * k * q))):
+        size = max(1, BATCH // (3 * k * q))
+        for material, rows in _batches(mesh.of_kind(owners, kind), size):
             C = materials[material].elasticity_tensor.transpose(1, 3, 0, 2).reshape(9, 9)
             cof, det = cofactors(dN, mesh.points[cells[rows]])
             B = physical(dN, cof, det).reshape(len(rows), 3 * k, q)
@@ -56,6 +58,17 @@ def solid_matrices(mesh: Mesh, materials: Sequence[Material], owners: IntArray) 
     return blocks.matrix(K), sp.kron(blocks.matrix(M), sp.eye_array(3), format="csc")
 
 
+def volumes(mesh: Mesh) -> Array:
+    """The volume (n_elements,) [m^3] of every element."""
+    batches = []
+    for kind, cells in mesh.elements.items():
+        element = solid_element(kind)
+        dN = element.dN(element.xi)
+        for _, rows in _batches(np.zeros(len(cells), dtype=np.int64), max(1, BATCH // dN.size)):
+            batches.append(cofactors(dN, mesh.points[cells[rows]])[1] @ element.weights)
+    return np.concatenate(batches)
+
+
 def _batches(owners: IntArray, size: int) -> Iterator[tuple[int, IntArray]]:
     """Elements of one owner at a time, at most `size` of them: the owner, and which elements."""
     for owner in np.unique(owners).tolist():
@@ -68,7 +81,7 @@ def _check_jacobians(mesh: Mesh) -> None:
     """Every element must keep its orientation and volume at all points of integration."""
     lowest, relative = [], []
     for kind, cells in mesh.elements.items():
-        element = ELEMENTS[kind]
+        element = solid_element(kind)
         dN = element.dN(element.xi)
         for _, rows in _batches(np.zeros(len(cells), dtype=np.int64), BATCH // dN.size):
             X = mesh.points[cells[rows]]
@@ -81,9 +94,9 @@ def _check_jacobians(mesh: Mesh) -> None:
         kind, row = mesh.element(number)
         state = "inverted" if worst[number] < -FLAT else "degenerate"
         groups = [name for name, group in mesh.groups.items() if row in group.cells.get(kind, ())]
-        place = mesh.points[mesh.cells[kind][row]].mean(axis=0).tolist()
+        middle = mesh.points[mesh.cells[kind][row]].mean(axis=0).tolist()
         raise MeshError(
-            f"{mesh.name}: {kind} element {row} of group {', '.join(groups) or '(none)'} is {state}: "
-            f"its Jacobian falls to {np.concatenate(lowest)[number]:.3e} m^3 near {place}; "
-            f"{bad.size} of {len(worst)} elements are inverted or degenerate"
+            f"{mesh.name}: {kind} element {row} of group {', '.join(groups) or '(none)'} is "
+            f"{state}: its Jacobian falls to {np.concatenate(lowest)[number]:.3e} m^3 near "
+            f"{middle}; {bad.size} of {len(worst)} elements are inverted or degenerate"
         )

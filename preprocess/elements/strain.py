@@ -1,87 +1,65 @@
-"""Strains at points of a solid mesh: sampled where elements know them best, carried to nodes,
-averaged there.
-"""
+"""Strains at points of a solid mesh: sampled within elements, extrapolated to nodes, averaged."""
 
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from skfem.quadrature import get_quadrature
-from skfem.refdom import RefHex, RefTet, RefTri
 
 from ...superelement.validation import Array
 from ..body.material import STRESSES
 from ..mesh.mesh import IntArray, Mesh
-from .element import ELEMENTS
+from .element import solid_element
 
-_CUBE, _ = get_quadrature(RefHex, 3)
-_PRISM = np.vstack([np.tile(get_quadrature(RefTri, 2)[0], 2), np.repeat(_CUBE[2, [0, -1]], 3)])
-SAMPLES = {
-    "tetra": get_quadrature(RefTet, 1)[0],
-    "tetra10": get_quadrature(RefTet, 2)[0],
-    "hexahedron": _CUBE,
-    "hexahedron20": _CUBE,
-    "hexahedron27": _CUBE,
-    "wedge": _PRISM,
-}
-"""Points (3, q) in reference coordinates, one for each term of the polynomial that carries strains
-to the nodes.
-"""
-
-# strain_i = sum_(c,a) PARTS_(c,i,a) du_a/dx_c, shear strains being engineering's
-PARTS = np.zeros((3, 6, 3))
+# strain_i = sum_(c,a) STRAINS_(c,i,a) du_a/dx_c, shear strains being engineering's
+STRAINS = np.zeros((3, 6, 3))
 for _i, (_a, _c) in enumerate(STRESSES):
-    PARTS[_c, _i, _a] = PARTS[_a, _i, _c] = 1.0
+    STRAINS[_c, _i, _a] = STRAINS[_a, _i, _c] = 1.0
 
 
 def strain_rows(mesh: Mesh, points: Mapping[str, IntArray]) -> Any:
-    """Rows (6 p, 3 n) sparse: strains xx, yy, zz, 2 yz, 2 xz, 2 xy at p points, from displacements
-    of n nodes.
+    """Rows (6 p, 3 n), sparse: strains at p points from displacements of n nodes.
 
-    points: by type of element (n_elements, k), the point to which each node belongs, -1 for none:
-    at a point stands the mean of the elements that touch it. In an element the polynomial through
-    the strains at `SAMPLES` is evaluated at its nodes: at the Gauss points of one order less
-    strains are more accurate than at the nodes themselves. Errors fall with h^2 for quadratic
-    elements, with h for linear ones.
+    points: by type of element (n_elements, k), the point to which each node belongs, -1 for none.
+    The strain at a point is the mean over the elements that touch it. In an element the polynomial
+    through the strains at its samples is evaluated at its nodes: at the Gauss points of one order
+    less strains are more accurate than at the nodes themselves. Order: xx, yy, zz, 2 yz, 2 xz,
+    2 xy. Errors fall with h^2 for quadratic elements, with h for linear ones.
     """
-    n_p = 1 + max(int(places.max()) for places in points.values())
+    n_p = 1 + max(int(numbers.max()) for numbers in points.values())
     slopes = [sp.csr_array((n_p, len(mesh.points))) for _ in range(3)]
     touching = np.zeros(n_p, dtype=np.int64)
-    for kind, places in points.items():
-        rows = np.flatnonzero((places >= 0).any(axis=1))
-        place, cells, xi = places[rows], mesh.cells[kind][rows], SAMPLES[kind]
-        element, node = np.nonzero(place >= 0)
-        point = place[element, node]
+    for kind, numbers in points.items():
+        rows = np.flatnonzero((numbers >= 0).any(axis=1))
+        solid, cells = solid_element(kind), mesh.cells[kind][rows]
+        element, node = np.nonzero(numbers[rows] >= 0)
+        point = numbers[rows[element], node]
         touching += np.bincount(point, minlength=n_p)
 
-        samples = np.arange(len(cells) * xi.shape[1]).reshape(len(cells), -1)  # (elements, q)
+        n_samples = len(cells) * solid.samples.shape[1]
+        samples = np.arange(n_samples).reshape(len(cells), -1)  # (elements, q)
         carry = _sparse(
             _extrapolation(kind)[node], point[:, None], samples[element], (n_p, samples.size)
         )
-        gradients = ELEMENTS[kind].gradients(xi, mesh.points[cells])  # (elements, k, 3, q)
+        gradients = solid.gradients(solid.samples, mesh.points[cells])  # (elements, k, 3, q)
         for c in range(3):
             columns, shape = cells[:, :, None], (samples.size, len(mesh.points))
             slopes[c] += carry @ _sparse(gradients[:, :, c], samples[:, None], columns, shape)
     mean = sp.dia_array((1.0 / touching[None], [0]), shape=(n_p, n_p))
-    return sum(
-        sp.kron(mean @ slope, part, format="csr") for slope, part in zip(slopes, PARTS, strict=True)
-    )
+    terms = zip(slopes, STRAINS, strict=True)
+    return sum(sp.kron(mean @ slope, strain, format="csr") for slope, strain in terms)
 
 
 def _extrapolation(kind: str) -> Array:
-    """(k, q): values at the nodes of the polynomial through the values at `SAMPLES`."""
-    samples = SAMPLES[kind]
-    n = samples.shape[1]
-    return np.asarray(
-        np.linalg.solve(_terms(samples, n), _terms(ELEMENTS[kind].nodes, n)).T, dtype=float
-    )
+    """(k, q): values at the nodes of the polynomial through the values at the samples."""
+    element = solid_element(kind)
+    n = element.samples.shape[1]
+    at_samples, at_nodes = _terms(element.samples, n), _terms(element.nodes, n)
+    return np.asarray(np.linalg.solve(at_samples, at_nodes).T, dtype=float)
 
 
 def _terms(xi: Array, n: int) -> Array:
-    """The first n terms (n, q) at points xi (3, q): those of a tetrahedron are 1 or 4, of a prism
-    6, of a cube 8.
-    """
+    """The first n terms (n, q) at points xi (3, q): tetrahedra have 1 or 4, prisms 6, cubes 8."""
     x, y, z = xi
     return np.array([np.ones_like(x), x, y, z, x * z, y * z, x * y, x * y * z])[:n]
 

@@ -1,4 +1,4 @@
-"""Whether given matrices are those of a free elastic body: what elements make by themselves."""
+"""Checks that given matrices are those of a free elastic body."""
 
 from typing import Any
 
@@ -26,10 +26,19 @@ MOTIONS = tuple(
     f"{kind} {axis}" for kind in ("translation along", "rotation about") for axis in "xyz"
 )
 
+HELD = "the body is held there, or its rows belong to other nodes and dofs than is said"
+MISPLACED = (
+    "it may translate but not rotate, so its nodes are not where they were when the matrices were "
+    "made, the unit of length is another one, dofs are in local axes, "
+    "or springs join nodes that lie apart"
+)
+
 
 def check_free_body(model: GivenModel) -> None:
-    """M positive definite, K in one piece and without resistance to rigid motion, one mass in all
-    directions.
+    """Check that K and M are those of one free elastic body with mass on every dof.
+
+    M must be positive definite with one mass in all directions; K must be connected and leave rigid
+    motions free.
 
     `MatrixError` names the dof and the motion, and what may be the cause.
     """
@@ -41,14 +50,16 @@ def check_free_body(model: GivenModel) -> None:
 
 
 def _rigid_motions(model: GivenModel) -> tuple[Array, Array]:
-    """A (n_u, 6) about the middle, with rotations by 1 / size; and the size (n_u,) that its entries
-    can have, 1 for displacements and 1 / size for rotations: with exact zeros in A, rounding would
-    be all there is in some rows of K A.
+    """Rigid motions A (n_u, 6) about the middle, and the scale (n_u,) of their entries.
+
+    The scale is 1 for displacements and 1 / size for rotations: where entries of A are zero, it
+    keeps a row of K A from being compared with rounding alone.
     """
     points, size = model.nodes.points, model.table.size
     if not size:
         raise MatrixError(
-            f"{model.table.name}: expected nodes at several places, found all at {points[0].tolist()}"
+            f"{model.table.name}: expected nodes at several places, "
+            f"found all at {points[0].tolist()}"
         )
     A = model.nodes.rigid_motion(points.mean(axis=0)) / np.repeat([1.0, size], 3)
     reach = np.full(model.nodes.n_dofs, 1.0 / size)
@@ -57,11 +68,12 @@ def _rigid_motions(model: GivenModel) -> tuple[Array, Array]:
 
 
 def _check_stiffness(model: GivenModel) -> None:
-    """Every dof has stiffness, and no part of the body hangs together with the rest by mass alone."""
+    """Every dof must have stiffness, and K alone must connect all of the body."""
     loose = np.flatnonzero(model.K.diagonal() <= 0.0)
     if len(loose):
         raise MatrixError(
-            f"{model.name}: expected stiffness on every dof, found none on {len(loose)}, first {model.dof(loose[0])}"
+            f"{model.name}: expected stiffness on every dof, found none on {len(loose)}, "
+            f"first {model.dof(loose[0])}"
         )
     entries = model.K.tocoo()
     owner, n_nodes = model.nodes.owner, len(model.nodes.points)
@@ -74,7 +86,8 @@ def _check_stiffness(model: GivenModel) -> None:
         least = model.table.labels[np.argmax(label == sizes.argmin())]
         raise MatrixError(
             f"{model.name}: expected one connected body, found {pieces} pieces of "
-            f"{', '.join(map(str, sizes[:4]))}{', ...' if pieces > 4 else ''} nodes; node {least} is in the smallest"
+            f"{', '.join(map(str, sizes[:4]))}{', ...' if pieces > 4 else ''} nodes; "
+            f"node {least} is in the smallest"
         )
 
 
@@ -86,16 +99,11 @@ def _check_no_resistance(model: GivenModel, A: Array, reach: Array) -> None:
         return
     held = worst[:3].max() > FREE
     motion = int((worst[:3] if held else worst).argmax())
-    cause = (
-        "the body is held there, or its rows belong to other nodes and dofs than is said"
-        if held
-        else "it may translate but not rotate, so its nodes are not where they were when the matrices were made, the "
-        "unit of length is another one, dofs are in local axes, or springs join nodes that lie apart"
-    )
+    cause = HELD if held else MISPLACED
     raise MatrixError(
-        f"{model.name}: expected no resistance to rigid motion, found under {MOTIONS[motion]} forces of "
-        f"{worst[motion]:.1e} of the stiffness, expected {FREE:g} at most, the largest on "
-        f"{model.dof(int(share[:, motion].argmax()))}: {cause}"
+        f"{model.name}: expected no resistance to rigid motion, found under {MOTIONS[motion]} "
+        f"forces of {worst[motion]:.1e} of the stiffness, expected {FREE:g} at most, the largest "
+        f"on {model.dof(int(share[:, motion].argmax()))}: {cause}"
     )
 
 
@@ -107,15 +115,16 @@ def _check_definite(model: GivenModel) -> None:
     massless = np.flatnonzero(diagonal <= 0.0)
     if len(massless):
         raise MatrixError(
-            f"{model.name}: expected mass on every dof, found none or less on {len(massless)}, first "
-            f"{model.dof(massless[0])}: rotations get theirs from consistent (coupled) mass, or from [masses]"
+            f"{model.name}: expected mass on every dof, found none or less on {len(massless)}, "
+            f"first {model.dof(massless[0])}: "
+            "rotations get theirs from consistent (coupled) mass, or from [masses]"
         )
     scale = sp.diags_array(1.0 / np.sqrt(diagonal))
     lowest, v = _lowest((scale @ model.M @ scale).tocsc())
     if lowest <= 0.0:
         raise MatrixError(
-            f"{model.name}: expected a positive definite mass, found one with the eigenvalue {lowest:.1e} of its "
-            f"diagonal, which moves {model.dof(int(np.abs(v).argmax()))} most"
+            f"{model.name}: expected a positive definite mass, found one with the eigenvalue "
+            f"{lowest:.1e} of its diagonal, which moves {model.dof(int(np.abs(v).argmax()))} most"
         )
 
 
@@ -146,13 +155,15 @@ def _check_mass(model: GivenModel, A: Array) -> None:
     wrong = np.abs(moments[:3, :3] - mass * np.eye(3)).max()
     if wrong > EQUAL * mass:
         raise MatrixError(
-            f"{model.name}: expected one mass in all directions, found {', '.join(f'{m:.9g}' for m in masses)} kg "
-            f"along x, y, z, and up to {wrong:.1e} between them: mass is missing on dofs, or dofs are in local axes"
+            f"{model.name}: expected one mass in all directions, found "
+            f"{', '.join(f'{m:.9g}' for m in masses)} kg along x, y, z, and up to {wrong:.1e} "
+            "between them: mass is missing on dofs, or dofs are in local axes"
         )
     coupling = moments[:3, 3:]
     uneven = np.abs(coupling + coupling.T).max()
     if uneven > EQUAL * mass:
         raise MatrixError(
-            f"{model.name}: expected one centre of mass for all directions, found several, {uneven / mass:.1e} of the "
-            f"size apart: mass is missing on dofs, or nodes are not where they are said to be"
+            f"{model.name}: expected one center of mass for all directions, found several, "
+            f"{uneven / mass:.1e} of the size apart: mass is missing on dofs, "
+            "or nodes are not where they are said to be"
         )

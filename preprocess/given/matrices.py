@@ -1,4 +1,4 @@
-"""Models of other programs: K and M from files, in the order of our dofs."""
+"""Stiffness and mass of other programs, read from files into the order of the dofs of nodes."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -20,8 +20,9 @@ DIRECTIONS = 6
 
 @dataclass(frozen=True, eq=False)
 class GivenModel:
-    """K [N/m ...] and M [kg ...] (n_u, n_u), sparse and symmetric, on the dofs of `nodes`; `table`
-    has their labels.
+    """K [N/m ...] and M [kg ...] (n_u, n_u), sparse and symmetric, on the dofs of `nodes`.
+
+    `table` has the labels of the nodes.
     """
 
     name: str
@@ -37,8 +38,7 @@ class GivenModel:
 
 
 def read_matrices(files: Matrices) -> GivenModel:
-    """Read K, M and nodes, and bring them into one order: that of the nodes, each with three or six
-    dofs.
+    """Read K, M and nodes into one order: that of the nodes, each with three or six dofs.
 
     Nodes without dofs, and dofs that have neither stiffness nor mass, are left out, as the
     rotations are that Nastran gives to solids. A file that has each pair of dofs once holds half of
@@ -51,20 +51,21 @@ def read_matrices(files: Matrices) -> GivenModel:
     used = np.zeros(DIRECTIONS * len(table.labels), dtype=bool)
     for file, slots in zip((stiffness, mass), rows, strict=True):
         used[slots[_touched(file.entries)]] = True
-    part, rotations = _used_nodes(table, used.reshape(-1, DIRECTIONS))
-    nodes = Nodes(part.points, rotations)
-    place = np.cumsum(used) - 1
+    with_dofs, rotations = _used_nodes(table, used.reshape(-1, DIRECTIONS))
+    nodes = Nodes(with_dofs.points, rotations)
+    new_row = np.cumsum(used) - 1
     K, M = (
-        _ordered(file.entries, place[slots], used[slots], nodes.n_dofs)
+        _ordered(file.entries, new_row[slots], used[slots], nodes.n_dofs)
         for file, slots in zip((stiffness, mass), rows, strict=True)
     )
-    model = GivenModel(f"{stiffness.name}, {mass.name}", part, nodes, K, M)
+    model = GivenModel(f"{stiffness.name}, {mass.name}", with_dofs, nodes, K, M)
     return replace(model, K=_symmetric(model, stiffness.name, K), M=_symmetric(model, mass.name, M))
 
 
 def _slots(file: MatrixFile, files: Matrices, table: NodeTable) -> IntArray:
-    """6 node + direction - 1 (n,) of the rows of a matrix: by its own labels, by `files.dofs`, or
-    in order.
+    """The slot 6 node + direction - 1 (n,) of every row of a matrix.
+
+    From its own labels, else from `files.dofs`, else in the order of the nodes.
     """
     n, n_nodes = file.entries.shape[0], len(table.labels)
     dofs = file.dofs
@@ -72,13 +73,15 @@ def _slots(file: MatrixFile, files: Matrices, table: NodeTable) -> IntArray:
         dofs = as_integers(files.dofs, read_columns(files.dofs, "label, dof"), "labels and dofs")
         if len(dofs) != n:
             raise MatrixError(
-                f"{files.dofs}: expected a row for each of the {n} of {file.name}, found {len(dofs)}"
+                f"{files.dofs}: expected a row for each of the {n} of {file.name}, "
+                f"found {len(dofs)}"
             )
     if dofs is None:
         if n not in (3 * n_nodes, DIRECTIONS * n_nodes):
             raise MatrixError(
-                f"{file.name}: expected {3 * n_nodes} or {6 * n_nodes} rows, three or six for each of the {n_nodes} "
-                f"nodes of {table.name}, found {n}: tell node and direction of every row in matrices.dofs"
+                f"{file.name}: expected {3 * n_nodes} or {6 * n_nodes} rows, three or six for "
+                f"each of the {n_nodes} nodes of {table.name}, found {n}: "
+                "tell node and direction of every row in matrices.dofs"
             )
         per_node = n // n_nodes
         return (DIRECTIONS * np.arange(n_nodes)[:, None] + np.arange(per_node)).ravel()
@@ -86,12 +89,13 @@ def _slots(file: MatrixFile, files: Matrices, table: NodeTable) -> IntArray:
     labels, directions = dofs.T
     if len(unknown := table.unknown(labels)):
         raise MatrixError(
-            f"{source}: no node {unknown[0]} in {table.name}, nor {len(np.unique(unknown)) - 1} others"
+            f"{source}: no node {unknown[0]} in {table.name}, "
+            f"nor {len(np.unique(unknown)) - 1} others"
         )
     if (wrong := (directions < 1) | (directions > DIRECTIONS)).any():
         raise MatrixError(
-            f"{source}: expected dofs 1 to 6, displacements and rotations, found dof {directions[wrong][0]} of node "
-            f"{labels[wrong][0]}"
+            f"{source}: expected dofs 1 to 6, displacements and rotations, found dof "
+            f"{directions[wrong][0]} of node {labels[wrong][0]}"
         )
     slots: IntArray = DIRECTIONS * table.rows(labels) + directions - 1
     if len(twice := np.flatnonzero(np.bincount(slots) > 1)):
@@ -103,13 +107,11 @@ def _slots(file: MatrixFile, files: Matrices, table: NodeTable) -> IntArray:
 
 
 def _touched(entries: Any) -> Any:
-    """Which rows (n,) of a matrix, or columns, for it may be half of one, have an entry that is not
-    zero.
-    """
-    own = entries.data != 0.0
+    """True (n,) for dofs with a nonzero entry in their row, or in their column of half a matrix."""
+    nonzero = entries.data != 0.0
     touched = np.zeros(entries.shape[0], dtype=bool)
-    touched[entries.row[own]] = True
-    touched[entries.col[own]] = True
+    touched[entries.row[nonzero]] = True
+    touched[entries.col[nonzero]] = True
     return touched
 
 
@@ -121,29 +123,28 @@ def _used_nodes(table: NodeTable, used: Any) -> tuple[NodeTable, Any]:
     )
     if wrong.any():
         node = int(np.argmax(wrong))
-        found = ", ".join(str(i + 1) for i in np.flatnonzero(used[node]))
+        directions = ", ".join(str(i + 1) for i in np.flatnonzero(used[node]))
         raise MatrixError(
-            f"expected stiffness or mass on dofs 1 to 3 of a node, or on 1 to 6, found {found} at node "
-            f"{table.labels[node]}, and such at {wrong.sum() - 1} others: export the model without constraints"
+            "expected stiffness or mass on dofs 1 to 3 of a node, or on 1 to 6, found "
+            f"{directions} at node {table.labels[node]}, and such at {wrong.sum() - 1} others: "
+            "export the model without constraints"
         )
     return table.part(np.flatnonzero(there)), used[there, 3]
 
 
-def _ordered(entries: Any, place: IntArray, kept: Any, n_dofs: int) -> Any:
-    """The entries whose row is kept, at their places."""
-    own = kept[entries.row] & kept[entries.col]
-    rows, columns = place[entries.row[own]], place[entries.col[own]]
+def _ordered(entries: Any, new_row: IntArray, kept: Any, n_dofs: int) -> Any:
+    """The entries of the rows that are kept, in their new rows and columns."""
+    inside = kept[entries.row] & kept[entries.col]
+    rows, columns = new_row[entries.row[inside]], new_row[entries.col[inside]]
     matrix = sp.coo_array(
-        (entries.data[own].astype(float), (rows, columns)), shape=(n_dofs, n_dofs)
+        (entries.data[inside].astype(float), (rows, columns)), shape=(n_dofs, n_dofs)
     ).tocsc()
     matrix.eliminate_zeros()
     return matrix
 
 
 def _symmetric(model: GivenModel, name: str, matrix: Any) -> Any:
-    """(K + K^T) / 2; or K + K^T - diag K where each pair of dofs has one entry, for that is half of
-    a matrix.
-    """
+    """(K + K^T) / 2; of half a matrix, with one entry for each pair of dofs, K + K^T - diag K."""
     transposed = matrix.T.tocsc()
     difference = matrix - transposed
     largest = abs(matrix).max()
@@ -157,6 +158,7 @@ def _symmetric(model: GivenModel, name: str, matrix: Any) -> Any:
     worst = int(np.argmax(entries.data))
     row, column = (model.dof(int(numbers[worst])) for numbers in (entries.row, entries.col))
     raise MatrixError(
-        f"{name}: expected a symmetric matrix, found entries that differ from their mirror images by up to "
-        f"{entries.data[worst] / largest:.1e} of the largest, most between {row} and {column}"
+        f"{name}: expected a symmetric matrix, found entries that differ from their mirror images "
+        f"by up to {entries.data[worst] / largest:.1e} of the largest, "
+        f"most between {row} and {column}"
     )

@@ -38,28 +38,30 @@ def read_matrix(path: Path, name: str) -> MatrixFile:
     read = _READERS.get(path.suffix.lower())
     if read is None:
         raise MatrixError(
-            f"{path}: expected a file of type {', '.join(_READERS)}, found {path.suffix or 'no suffix'}"
+            f"{path}: expected a file of type {', '.join(_READERS)}, "
+            f"found {path.suffix or 'no suffix'}"
         )
     try:
-        found = read(path, name)
+        matrix = read(path, name)
     except MatrixError as error:
         raise MatrixError(f"{path}: {error}") from error
-    rows, columns = found.entries.shape
+    rows, columns = matrix.entries.shape
     if rows != columns:
         raise MatrixError(
             f"{path}: expected a square matrix, found {rows} rows and {columns} columns"
         )
-    if found.entries.dtype.kind == "c":
+    if matrix.entries.dtype.kind == "c":
         raise MatrixError(f"{path}: expected real numbers, found complex ones")
-    if not np.isfinite(found.entries.data).all():
+    if not np.isfinite(matrix.entries.data).all():
         raise MatrixError(
-            f"{path}: expected finite numbers, found {(~np.isfinite(found.entries.data)).sum()} others"
+            f"{path}: expected finite numbers, "
+            f"found {(~np.isfinite(matrix.entries.data)).sum()} others"
         )
-    return found
+    return matrix
 
 
 def _npz(path: Path, _: str) -> MatrixFile:
-    """What scipy.sparse.save_npz writes."""
+    """A file of scipy.sparse.save_npz."""
     try:
         return MatrixFile(path.name, sp.coo_array(sp.load_npz(path)))
     except (ValueError, KeyError, OSError, zipfile.BadZipFile) as error:
@@ -67,7 +69,7 @@ def _npz(path: Path, _: str) -> MatrixFile:
 
 
 def _mtx(path: Path, _: str) -> MatrixFile:
-    """Matrix Market, which its first line says, or else Abaqus."""
+    """Matrix Market if the first line says so, else Abaqus."""
     with path.open("rb") as file:
         market = file.read(len(MARKET)) == MARKET
     return _market(path) if market else _abaqus(path)
@@ -81,7 +83,9 @@ def _market(path: Path) -> MatrixFile:
 
 
 def _abaqus(path: Path) -> MatrixFile:
-    """Rows "node, dof, node, dof, value" (MATRIX INPUT, LABELS), or "row, column, value" from 1 on
+    """A matrix of Abaqus with labels or with numbers of rows.
+
+    Rows "node, dof, node, dof, value" (MATRIX INPUT, LABELS), or "row, column, value" from 1 on
     (COORDINATE).
 
     Source: Abaqus Analysis Guide, "Generating structural matrices".
@@ -94,19 +98,20 @@ def _abaqus(path: Path) -> MatrixFile:
         raise MatrixError(f"not a matrix of Abaqus: {error}") from error
     if table.shape[1] not in (3, 5):
         raise MatrixError(
-            "expected rows 'node, dof, node, dof, value' or 'row, column, value' of Abaqus, or Matrix Market, "
-            f"found {table.shape[1]} columns"
+            "expected rows 'node, dof, node, dof, value' or 'row, column, value' of Abaqus, or "
+            f"Matrix Market, found {table.shape[1]} columns"
         )
-    place = table[:, :-1].astype(np.int64)
-    if (place < 1).any() or (place != table[:, :-1]).any():
-        row = table[((place < 1) | (place != table[:, :-1])).any(axis=1)][0]
+    labels = table[:, :-1].astype(np.int64)
+    if (labels < 1).any() or (labels != table[:, :-1]).any():
+        row = table[((labels < 1) | (labels != table[:, :-1])).any(axis=1)][0]
         raise MatrixError(
-            f"expected labels, dofs and rows from 1 on, found {row.tolist()}: internal nodes are not read"
+            f"expected labels, dofs and rows from 1 on, found {row.tolist()}: "
+            "internal nodes are not read"
         )
     if table.shape[1] == 3:
-        rows, columns = place.T - 1
-        return MatrixFile(path.name, _coo(table[:, -1], rows, columns, int(place.max())))
-    pairs = np.concatenate([place[:, :2], place[:, 2:]])
+        rows, columns = labels.T - 1
+        return MatrixFile(path.name, _coo(table[:, -1], rows, columns, int(labels.max())))
+    pairs = np.concatenate([labels[:, :2], labels[:, 2:]])
     # One number for node and dof: rows of a table sort much slower.
     width = int(pairs[:, 1].max()) + 1
     keys, number = np.unique(pairs[:, 0] * width + pairs[:, 1], return_inverse=True)

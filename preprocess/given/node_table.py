@@ -1,4 +1,4 @@
-"""Nodes by their labels: where they are, and which groups they are in."""
+"""Nodes by label: positions and groups."""
 
 import zipfile
 from collections.abc import Mapping
@@ -10,8 +10,8 @@ import numpy as np
 
 from ...superelement.validation import Array
 from ..errors import MatrixError
-from ..mesh.formats.draft import Numbering
 from ..mesh.mesh import NONE, IntArray
+from ..mesh.numbering import Numbering
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,17 +42,18 @@ class NodeTable:
 
     def part(self, rows: IntArray) -> "NodeTable":
         """Some of the nodes."""
-        place = np.full(len(self.labels), -1, dtype=np.int64)
-        place[rows] = np.arange(len(rows))
+        new_row = np.full(len(self.labels), -1, dtype=np.int64)
+        new_row[rows] = np.arange(len(rows))
         groups = {
-            name: place[members][place[members] >= 0] for name, members in self.groups.items()
+            name: new_row[members][new_row[members] >= 0] for name, members in self.groups.items()
         }
         return NodeTable(self.name, self.labels[rows], self.points[rows], groups)
 
 
 def read_nodes(path: Path) -> NodeTable:
-    """The nodes of a table "label, x, y, z" (.csv, .txt), of `points` and perhaps `labels` (.npz),
-    or of a mesh file.
+    """The nodes of a table (.csv, .txt), of arrays (.npz), or of a mesh file.
+
+    Columns "label, x, y, z"; arrays `points` and perhaps `labels`.
 
     `MatrixError` if the file cannot be read, `MeshError` if it is a mesh that cannot.
     """
@@ -62,12 +63,14 @@ def read_nodes(path: Path) -> NodeTable:
     if table.points.shape != (len(table.labels), 3) or not np.isfinite(table.points).all():
         raise MatrixError(
             f"{path}: expected three finite coordinates for each of {len(table.labels)} nodes, "
-            f"found an array {table.points.shape}{'' if np.isfinite(table.points).all() else ' with others'}"
+            "found an array "
+            f"{table.points.shape}{'' if np.isfinite(table.points).all() else ' with others'}"
         )
     labels, count = np.unique(table.labels, return_counts=True)
     if (count > 1).any():
         raise MatrixError(
-            f"{path}: expected every label once, found node {labels[count > 1][0]} {count.max()} times"
+            f"{path}: expected every label once, "
+            f"found node {labels[count > 1][0]} {count.max()} times"
         )
     return table
 
@@ -89,7 +92,8 @@ def read_columns(path: Path, columns: str) -> Array:
         raise MatrixError(f"{path}: expected a table of {columns}: {error}") from error
     if not len(table) or table.shape[1] != len(columns.split(",")):
         raise MatrixError(
-            f"{path}: expected a table of {columns}, found {table.shape[1]} columns, {len(table)} rows"
+            f"{path}: expected a table of {columns}, found {table.shape[1]} columns, "
+            f"{len(table)} rows"
         )
     return table
 
@@ -124,9 +128,7 @@ def _of_npz(path: Path) -> NodeTable:
 
 
 def _of_mesh(path: Path) -> NodeTable:
-    """All nodes of a mesh, whatever its elements; a group holds its points and the nodes of its
-    cells.
-    """
+    """All nodes of a mesh file; a group holds its points and the nodes of its cells."""
     from ..mesh.reading import read_draft
 
     draft = read_draft(path)

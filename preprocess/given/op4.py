@@ -1,5 +1,4 @@
-"""Nastran's OUTPUT4 files (.op4), binary and text, with columns that are dense, sparse, or sparse
-and long (BIGMAT).
+"""Nastran's OUTPUT4 files (.op4), binary and text; dense, sparse, or sparse and long (BIGMAT).
 
 Each column is a record ICOL, IROW, NW and NW words: the values from IROW on, or for IROW = 0
 strings of them with a header each, IS = IROW + 65536 (L + 1) or for BIGMAT the pair L + 1, IROW,
@@ -26,8 +25,9 @@ Run = tuple[int, int, Any]
 
 
 def read_op4(path: Path, name: str) -> Any:
-    """The real matrix (n, n) sparse of this name, or the only one in the file; `MatrixError` if
-    there is none.
+    """The real matrix (n, n), sparse, of a name, or the only one in the file.
+
+    `MatrixError` if there is none.
     """
     data = path.read_bytes()
     try:
@@ -61,18 +61,18 @@ def _matrix(columns: int, rows: int, kind: int, runs: list[Run]) -> Any:
 def _binary(data: bytes) -> Iterator[tuple[str, Any]]:
     """Records of Fortran, with their lengths in bytes before and after."""
     order = "<" if int.from_bytes(data[:4], "little") in _HEADERS else ">"
-    place = 0
+    position = 0
 
     def record() -> bytes:
-        nonlocal place
-        length = int(np.frombuffer(data, f"{order}i4", 1, place)[0])
-        found = data[place + 4 : place + 4 + length]
-        if len(found) < length:
-            raise ValueError(f"a record of {length} bytes, of which {len(found)} are there")
-        place += length + 8
-        return found
+        nonlocal position
+        length = int(np.frombuffer(data, f"{order}i4", 1, position)[0])
+        payload = data[position + 4 : position + 4 + length]
+        if len(payload) < length:
+            raise ValueError(f"a record of {length} bytes, of which {len(payload)} are there")
+        position += length + 8
+        return payload
 
-    while place < len(data):
+    while position < len(data):
         head = record()
         if len(head) not in _HEADERS:
             raise ValueError(f"a first record of {len(head)} bytes")
@@ -94,23 +94,23 @@ def _binary(data: bytes) -> Iterator[tuple[str, Any]]:
 
 
 def _runs(body: bytes, column: int, first: int, long: bool, word: Any, value: Any) -> Iterator[Run]:
-    """What a column holds."""
+    """The strings of values in the record of a column."""
     if first:
         yield column, first, np.frombuffer(body, value)
         return
-    place = 0
-    while place < len(body):
-        head = np.frombuffer(body, word, 1 + long, place).tolist()
+    position = 0
+    while position < len(body):
+        head = np.frombuffer(body, word, 1 + long, position).tolist()
         words, row = (head[0] - 1, head[1]) if long else (head[0] // LONG - 1, head[0] % LONG)
-        place += (1 + long) * word.itemsize
+        position += (1 + long) * word.itemsize
         count = words * word.itemsize // value.itemsize
-        yield column, row, np.frombuffer(body, value, count, place)
-        place += words * word.itemsize
+        yield column, row, np.frombuffer(body, value, count, position)
+        position += words * word.itemsize
 
 
 def _text(text: str) -> Iterator[tuple[str, Any]]:
-    """Lines of integers, which head columns (three) and strings (one or two), and of values, which
-    have a point.
+    """The matrices of a text file: integers head columns (3) and strings (1 or 2); values have
+    points.
     """
     lines = iter(text.splitlines())
     for head in lines:

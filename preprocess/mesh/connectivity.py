@@ -1,4 +1,4 @@
-"""Whether the elements of a mesh hang together as one body."""
+"""Checks that the elements of a mesh are one body, without mechanisms."""
 
 from collections.abc import Mapping, Sequence
 
@@ -19,16 +19,15 @@ def check_connected(mesh: Mesh) -> None:
     if pieces > 1:
         sizes = np.bincount(label).tolist()
         firsts = [mesh.element(int(np.argmax(label == piece))) for piece in range(pieces)]
-        places = [mesh.points[mesh.elements[kind][row, 0]].tolist() for kind, row in firsts]
+        points = [mesh.points[mesh.elements[kind][row, 0]].tolist() for kind, row in firsts]
         raise MeshError(
-            f"{mesh.name}: expected one connected body, found {pieces} pieces of {_listing(sizes)} elements, "
-            f"which hold the points {_listing(places)}"
+            f"{mesh.name}: expected one connected body, found {pieces} pieces of "
+            f"{_listing(sizes)} elements, which hold the points {_listing(points)}"
         )
 
 
 def check_no_mechanism(mesh: Mesh, facets: Facets) -> None:
-    """Solids that share a facet move as one; those that share an edge or a node alone may swing
-    against each other.
+    """`MeshError` for solids joined at edges or single nodes alone that can swing.
 
     Without strain every element moves rigidly, so the rigid motions q_a of pieces held together by
     facets must agree, [I, -X~] (q_a - q_b) = 0, at every node X that they share: six motions in all
@@ -40,9 +39,9 @@ def check_no_mechanism(mesh: Mesh, facets: Facets) -> None:
     motions, joints = _motions(mesh, pieces, label)
     if motions > 6:
         raise MeshError(
-            f"{mesh.name}: the body is a mechanism: it has {motions} motions without strain, expected 6; {pieces} "
-            f"pieces of {_listing(np.bincount(label).tolist())} elements hang together at single nodes or edges only, "
-            f"at {_listing(joints.tolist())}"
+            f"{mesh.name}: the body is a mechanism: it has {motions} motions without strain, "
+            f"expected 6; {pieces} pieces of {_listing(np.bincount(label).tolist())} elements "
+            f"hang together at single nodes or edges only, at {_listing(joints.tolist())}"
         )
 
 
@@ -62,8 +61,11 @@ def _motions(mesh: Mesh, pieces: int, label: IntArray) -> tuple[int, Array]:
 
 
 def _clusters(members: Mapping[str, IntArray], n_members: int) -> tuple[int, IntArray]:
-    """Elements that share members, all of them used, in one cluster: how many, and which of each
-    (n_elements,).
+    """The number of clusters of elements that share members, and that of every element.
+
+    members (n, k) by type of element, all of them used; clusters (n_elements,).
+
+    All members must be used.
     """
     n = sum(len(rows) for rows in members.values())
     element, member = _incidence(members)

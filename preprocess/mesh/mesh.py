@@ -13,27 +13,11 @@ from ..errors import MeshError
 IntArray = NDArray[np.int64]
 NONE: IntArray = np.zeros(0, dtype=np.int64)
 
-LINES = ("line",)
-SOLIDS = ("tetra", "tetra10", "hexahedron", "hexahedron20", "hexahedron27", "wedge")
-PARTS = ("vertex", "line", "line3", "triangle", "triangle6", "quad", "quad8", "quad9")
-"""Cells that may bound or mark a body without being one."""
-
-DIMENSIONS = {
-    "vertex": 0,
-    "line": 1,
-    "line3": 1,
-    "triangle": 2,
-    "triangle6": 2,
-    "quad": 2,
-    "quad8": 2,
-    "quad9": 2,
-}
-
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """A named part of a mesh: cells by type, as rows of `Mesh.cells[type]`, and points that belong
-    to no cell.
+    """A named group: cells by type, as rows of `Mesh.cells[type]`, and points that belong to no
+    cell.
 
     loose (k, 3): where the nodes are [m] that it names and the mesh leaves out, for no element has
     them.
@@ -51,8 +35,7 @@ class Group:
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Points (n, 3) [m]; cells by meshio's type names, (n_cells, n_nodes) in meshio's node order;
-    named groups.
+    """Points (n, 3) [m]; cells (n_cells, k) by type, both as meshio names and orders; groups.
 
     `body_types` are the types of the cells that make the body: lines alone, or solid cells of one
     or more types. Elements are counted through these types in their order: number n is a row of the
@@ -67,7 +50,7 @@ class Mesh:
 
     @property
     def used(self) -> NDArray[np.bool_]:
-        """Which points (n,) are nodes of an element."""
+        """True (n,) for points that are nodes of an element."""
         used = np.zeros(len(self.points), dtype=np.bool_)
         for cells in self.elements.values():
             used[cells] = True
@@ -100,6 +83,10 @@ class Mesh:
             [cells[kind] + first for kind, first in self.first.items() if kind in cells] or [NONE]
         )
 
+    def of_kind(self, per_element: IntArray, kind: str) -> IntArray:
+        """The entries of the elements of one type, from those of all (n_elements,)."""
+        return per_element[self.first[kind] :][: len(self.cells[kind])]
+
     def element(self, number: int) -> tuple[str, int]:
         """The type of an element, and its row in the cells of that type."""
         kind = [kind for kind, first in self.first.items() if first <= number][-1]
@@ -112,14 +99,13 @@ class Mesh:
         return self.groups[name]
 
     def without_loose_nodes(self) -> "Mesh":
-        """The mesh on the nodes of its elements: other points go, which have no mass, and other
-        cells that need them.
+        """The mesh without points that belong to no element, and without cells on such points.
 
         Such are the reference points of Abaqus, the points of Gmsh's geometry, and grids that rigid
         elements hold.
         """
         used = self.used
-        place = np.cumsum(used) - 1
+        new_row = np.cumsum(used) - 1
         whole = {
             kind: np.flatnonzero(used[cells].all(axis=1)) for kind, cells in self.cells.items()
         }
@@ -136,13 +122,13 @@ class Mesh:
             }
             return Group(
                 {kind: rows for kind, rows in cells.items() if len(rows)},
-                place[group.points[used[group.points]]],
+                new_row[group.points[used[group.points]]],
                 self.points[named[~used[named]]],
             )
 
         return replace(
             self,
             points=self.points[used],
-            cells={kind: place[cells[whole[kind]]] for kind, cells in self.cells.items()},
+            cells={kind: new_row[cells[whole[kind]]] for kind, cells in self.cells.items()},
             groups={name: remaining(group) for name, group in self.groups.items()},
         )

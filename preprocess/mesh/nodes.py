@@ -12,8 +12,8 @@ from .mesh import IntArray
 
 @dataclass(frozen=True, eq=False)
 class Nodes:
-    """points (n, 3) in mesh coordinates [m]; rotations (n,): whether a node has rotations after its
-    displacements.
+    """Nodes at points (n, 3) [m] in mesh coordinates, with six dofs where `rotations` (n,), else
+    three.
 
     The dofs of the nodes follow each other in the order of the nodes.
     """
@@ -58,8 +58,9 @@ class Nodes:
 
 
 def spider(arms: Array) -> Array:
-    """[I, -r~] (n, 3, 6): displacements at the ends of rigid arms r (n, 3) under displacement and
-    small rotation.
+    """[I, -r~] (n, 3, 6): displacements at the ends of rigid arms r (n, 3) [m].
+
+    Under displacement and small rotation of the point from which they reach.
     """
     x, y, z = arms.T
     o, one = np.zeros_like(x), np.ones_like(x)

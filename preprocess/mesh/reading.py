@@ -9,9 +9,10 @@ import numpy as np
 
 from ...superelement.validation import Array
 from ..errors import MeshError, MeshWarning
+from .cells import DIMENSIONS, LINES, SOLIDS
 from .formats import abaqus, gmsh, med, nastran, through_meshio, xdmf
 from .formats.draft import Draft
-from .mesh import LINES, PARTS, SOLIDS, Mesh
+from .mesh import Mesh
 
 _READERS = {
     ".msh": gmsh.read,
@@ -30,10 +31,9 @@ LISTED = 3
 
 
 def read_mesh(path: str | os.PathLike[str], scale: float = 1.0) -> Mesh:
-    """Read a mesh and its groups; coordinates are multiplied by `scale`, the length of the unit of
-    the file in metres.
+    """Read a mesh and its groups; coordinates are multiplied by `scale`, the unit of the file [m].
 
-    How each format says its groups is told in its own file in `formats`. `MeshError` if the file
+    The file of each format in `formats` says how it names groups. `MeshError` if the file
     cannot be read, or holds cells that are neither lines nor solids. `MeshWarning` if it holds more
     than is read of it: nodes that belong to no element are left out.
     """
@@ -42,7 +42,7 @@ def read_mesh(path: str | os.PathLike[str], scale: float = 1.0) -> Mesh:
     cells = {kind: rows for kind, rows in draft.cells.items() if len(rows)}
     mesh = Mesh(path.name, scale * draft.points, cells, draft.groups, _body_types(path.name, cells))
     loose = draft.points[~mesh.used]
-    lost = [*draft.lost, *([_told(loose)] if len(loose) else [])]
+    lost = [*draft.lost, *([_described(loose)] if len(loose) else [])]
     if lost:
         warnings.warn(
             f"{path}: left out: {'; '.join(dict.fromkeys(lost))}", MeshWarning, stacklevel=2
@@ -51,7 +51,7 @@ def read_mesh(path: str | os.PathLike[str], scale: float = 1.0) -> Mesh:
 
 
 def read_draft(path: Path) -> Draft:
-    """What a mesh file holds, whatever its cells; `MeshError` if it cannot be read."""
+    """Read a mesh file, of any cells; `MeshError` if it cannot be read."""
     if not path.is_file():
         raise MeshError(f"{path}: no such mesh file")
     try:
@@ -66,22 +66,22 @@ def read_draft(path: Path) -> Draft:
     return draft
 
 
-def _told(loose: Array) -> str:
+def _described(loose: Array) -> str:
     """Nodes (k, 3), in the unit of the file."""
-    places = [
-        *(str(place) for place in loose[:LISTED].tolist()),
+    listed = [
+        *(str(point) for point in loose[:LISTED].tolist()),
         *(["..."] if len(loose) > LISTED else []),
     ]
-    return f"{len(loose)} nodes that belong to no element, at {', '.join(places)}"
+    return f"{len(loose)} nodes that belong to no element, at {', '.join(listed)}"
 
 
 def _body_types(name: str, kinds: Iterable[str]) -> tuple[str, ...]:
     """The types of the cells that make the body: the solid ones, else lines."""
-    unsupported = [kind for kind in kinds if kind not in (*SOLIDS, *PARTS)]
+    unsupported = [kind for kind in kinds if kind not in (*SOLIDS, *DIMENSIONS)]
     if unsupported:
         raise MeshError(
-            f"{name}: unsupported cells {', '.join(unsupported)}; bodies are made of {_supported()}: mesh the part in "
-            f"these alone, or split the cells into tetrahedra"
+            f"{name}: unsupported cells {', '.join(unsupported)}; bodies are made of "
+            f"{_supported()}: mesh the part in these alone, or split the cells into tetrahedra"
         )
     solids = tuple(kind for kind in kinds if kind in SOLIDS)
     if solids:
@@ -89,7 +89,8 @@ def _body_types(name: str, kinds: Iterable[str]) -> tuple[str, ...]:
     if "line" in kinds and all(kind in ("vertex", "line") for kind in kinds):
         return LINES
     raise MeshError(
-        f"{name}: no body in cells of type {', '.join(kinds) or 'none'}; bodies are made of {_supported()}"
+        f"{name}: no body in cells of type {', '.join(kinds) or 'none'}; "
+        f"bodies are made of {_supported()}"
     )
 
 

@@ -1,1 +1,6 @@
-"""Impulse responses of the interfaces, by modes, Krylov vectors or time steps."""
+"""Impulse and static responses of the interfaces, from the matrices of a structure.
+
+impulse: the choice of the method, one of modal, krylov (on a basis, to the error of a band) and
+march; static: compliance and initial accelerations; damping; factor: sparse factorizations; cost:
+their memory and time.
+"""

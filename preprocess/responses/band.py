@@ -4,10 +4,13 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...superelement import GeneralizedAlpha, Modes
+from ...superelement.kernel import spread
 from ...superelement.validation import Array
-from .transfer import Complex, dynamic_stiffness, transfer
+
+Complex = NDArray[np.complex128]
 
 PARTS = 8
 """Equal parts of the band, each on a scale of its own: displacements fall with the square of the
@@ -80,8 +83,7 @@ class Band:
         return largest
 
     def field_error(self, modes: Modes, better: Modes, turn: Array) -> float:
-        """The same of what unit loads on the interfaces do to the body as a whole, in the norm of
-        its strain energy.
+        """The largest error of displacements under unit loads on the interfaces, in strain energy.
 
         |u_j - u'_j| / max |u_j| for the load on each interface dof j, |u|^2 = u^T K u = sum omega^2
         eta^2. Kernels, which see loads where they act, err with the square of this. turn (m', m):
@@ -121,7 +123,7 @@ class Band:
         return transfer(modes, self.h, self.scheme, delay)
 
     def _delays(self, modes: Modes) -> list[Complex]:
-        """The delays of every part: a grid, and where the modes resonate, Re sigma = -omega^2."""
+        """The delays of every part of the band: a grid, and the resonances, Re sigma = -omega^2."""
         edges = np.linspace(0.0, 2.0 * np.pi * self.limit * self.h, PARTS + 1)
         parts = [AT_ONCE]
         for low, high in pairwise(edges):
@@ -140,15 +142,31 @@ class Band:
         return delay
 
 
+def transfer(modes: Modes, h: float, scheme: GeneralizedAlpha, delay: Complex) -> Complex:
+    """G = sum_k g[k] d^k (n, n_c, n_c) [m/N ...]: the z-transform of the kernel, with d = 1/z.
+
+    G = phi diag(1 / (sigma + 2 zeta omega chi + omega^2)) phi^T
+
+    delay (n,): |d| < 1, and 0 gives g[0] -> (n, n_c, n_c) [m/N ...]. sigma and chi:
+    `GeneralizedAlpha.symbols`. Source: docs/theory.md, Impulse responses.
+    """
+    receptance = 1.0 / dynamic_stiffness(modes, h, scheme, delay)
+    return spread(modes.phi, receptance.real) + 1j * spread(modes.phi, receptance.imag)
+
+
+def dynamic_stiffness(modes: Modes, h: float, scheme: GeneralizedAlpha, delay: Complex) -> Complex:
+    """sigma + 2 zeta omega chi + omega^2 of every mode: delay (n,) -> (n, m) [1/s^2]"""
+    sigma, chi = scheme.symbols(h, delay)
+    return sigma[:, None] + chi[:, None] * (2.0 * modes.zeta * modes.omega) + modes.omega**2
+
+
 def _scale(G: Complex) -> Array:
     """max |G_ii| (n_c,) over the first axis."""
     return _largest(np.abs(np.diagonal(G, axis1=1, axis2=2)))
 
 
 def _largest(sizes: Array) -> Array:
-    """The largest (n_c,) over the first axis; the smallest number there is for a dof that does not
-    move.
-    """
+    """The largest (n_c,) over the first axis; at least the smallest positive number."""
     largest: Array = sizes.max(axis=0)
     return np.maximum(largest, np.finfo(float).tiny)
 

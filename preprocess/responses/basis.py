@@ -20,8 +20,7 @@ with room to spare.
 
 
 class Basis:
-    """V (n_u, r) with V^T M V = I, the first columns of one array that is set aside for `capacity`
-    of them.
+    """V (n_u, r) with V^T M V = I, in one array that is set aside for `capacity` columns.
 
     So it grows without being copied; the system gives an array its memory where it is first written
     to, hence columns that never come cost nothing.
@@ -34,21 +33,20 @@ class Basis:
 
     @property
     def V(self) -> Array:
-        """The columns that there are (n_u, r), not a copy of them."""
+        """The columns so far (n_u, r), not a copy."""
         return self._array[:, : self.columns]
 
     def extend(self, W: Array, near: int = 0) -> int:
-        """Add what is new in W (n_u, k); the number of columns that this makes, k or fewer, 0 if
-        nothing is new.
+        """Add the new directions of W (n_u, k); the number of columns added, 0 to k.
 
         W, made orthogonal to the columns from `near` on (all, unless it is known to be nearly
-        orthogonal to those before), is normalised and then made orthogonal to all: the second time
+        orthogonal to those before), is normalized and then made orthogonal to all: the second time
         leaves rounding of the size of V.
         """
         squares = np.einsum("ik,ik->k", W, self._M @ W)
         W = W / np.sqrt(np.maximum(squares, np.finfo(float).tiny))
-        W = self._normalised(self._remainder(W, near), NEW)
-        W = self._normalised(self._remainder(W), OUTSIDE)
+        W = self._normalized(self._remainder(W, near), NEW)
+        W = self._normalized(self._remainder(W), OUTSIDE)
         self._array[:, self.columns : self.columns + W.shape[1]] = W
         self.columns += W.shape[1]
         return int(W.shape[1])
@@ -66,16 +64,16 @@ class Basis:
         rest: Array = W - V @ (V.T @ (self._M @ W))
         return rest
 
-    def _normalised(self, W: Array, shortest: float) -> Array:
-        """An orthonormal basis of the columns of W, without directions of this length or shorter."""
-        found = []
+    def _normalized(self, W: Array, shortest: float) -> Array:
+        """An orthonormal basis of the columns of W, without directions as short as `shortest`."""
+        blocks = []
         while W.shape[1]:
             squares, Q = eigh(W.T @ (self._M @ W))
             sizes = np.sqrt(np.maximum(squares, 0.0))
             if sizes[-1] <= shortest:
                 break
             long = sizes > max(RESOLVED * sizes[-1], shortest)
-            found.append(W @ (Q[:, long] / sizes[long]))
+            blocks.append(W @ (Q[:, long] / sizes[long]))
             W = W @ Q[:, ~long]
-            W = W - found[-1] @ (found[-1].T @ (self._M @ W))
-        return np.hstack([W[:, :0], *found])
+            W = W - blocks[-1] @ (blocks[-1].T @ (self._M @ W))
+        return np.hstack([W[:, :0], *blocks])

@@ -1,4 +1,4 @@
-"""What a build will take, from sizes alone: formulas fitted to measurements."""
+"""Time and memory of a build from sizes alone: formulas fitted to measurements."""
 
 from dataclasses import dataclass
 
@@ -36,8 +36,9 @@ class Cost:
 
 
 def factorization_cost(n_u: int, nnz: int) -> Cost:
-    """Of a sparse L D L^T of n_u unknowns and nnz entries after nested dissection, when they fill a
-    cube.
+    """The cost of a sparse L D L^T of n_u unknowns in a cube, with nnz entries in the matrix.
+
+    After nested dissection:
 
         nnz(L) = 22 n_u^(4/3),   flops = 32 n_u^2,   bytes = 10 nnz(L) + 21 nnz + 1200 n_u
 
@@ -51,14 +52,12 @@ def factorization_cost(n_u: int, nnz: int) -> Cost:
 
 
 def basis_bytes(n_u: int, n_c: int, blocks: int = BLOCKS) -> float:
-    """Bytes of a basis of the six rigid modes and `blocks` blocks of n_c Krylov vectors (n_u,),
-    while it grows.
-    """
+    """Bytes of a growing basis: six rigid modes and `blocks` blocks of n_c vectors (n_u,)."""
     return float(REAL * n_u * (6 + n_c * (blocks + WORK)))
 
 
 def krylov_cost(n_u: int, nnz: int, n_c: int, steps: int, blocks: int = BLOCKS) -> Cost:
-    """Of a whole build with n_c interface dofs, `steps` steps and `blocks` blocks of Krylov
+    """The cost of a build with n_c interface dofs, `steps` steps and `blocks` blocks of Krylov
     vectors.
 
     Bytes are those of K, M and K + s M, the factor, the basis and the kernels; seconds those of

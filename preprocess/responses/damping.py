@@ -11,8 +11,9 @@ from ..errors import MethodError
 
 
 def damping_ratios(damping: Damping, omega: Array) -> Array:
-    """zeta (m,) of modes with omega (m,) [rad/s]: the table, or (mass / omega + stiffness omega) /
-    2 for Rayleigh's.
+    """Ratios zeta (m,) of modes with omega (m,) [rad/s], from the table or from Rayleigh's.
+
+    Rayleigh's: (mass / omega + stiffness omega) / 2.
     """
     if damping.modal is not None:
         return np.interp(omega / (2.0 * np.pi), damping.modal.frequencies, damping.modal.ratios)
@@ -22,9 +23,7 @@ def damping_ratios(damping: Damping, omega: Array) -> Array:
 
 
 def damping_matrix(damping: Damping, structure: Structure) -> Any | None:
-    """C (n_u, n_u) sparse, or None without damping; `MethodError` for modal ratios, which have no
-    sparse matrix.
-    """
+    """C (n_u, n_u), sparse, or None without damping; `MethodError` for modal ratios."""
     if damping.modal is not None:
         raise MethodError(
             "impulse.method march takes no modal damping, for that needs modes: "

@@ -1,4 +1,4 @@
-"""The one place where sparse matrices are factorized."""
+"""Sparse factorizations, by the first library that solves accurately."""
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -43,30 +43,27 @@ class Factor:
         return self.solve(b)
 
     @property
-    def account(self) -> str:
+    def summary(self) -> str:
         """The library and, where it was not the first choice, why."""
         return "; ".join([self.backend, *(f"not {reason}" for reason in self.passed_over)])
 
 
-_accounts: ContextVar[list[str]] = ContextVar("_accounts")
+_summaries: ContextVar[list[str]] = ContextVar("_summaries")
 
 
 @contextmanager
-def accounts() -> Iterator[list[str]]:
-    """The accounts of the factorizations that are made inside, in their order: where they are made
-    is deep below.
-    """
-    found: list[str] = []
-    token = _accounts.set(found)
+def factorizations() -> Iterator[list[str]]:
+    """The summaries of the factorizations made inside, in their order."""
+    summaries: list[str] = []
+    token = _summaries.set(summaries)
     try:
-        yield found
+        yield summaries
     finally:
-        _accounts.reset(token)
+        _summaries.reset(token)
 
 
 def factorize(matrix: Any, name: str, beside: Mapping[str, float] = NOTHING) -> Factor:
-    """Factorize a sparse symmetric positive definite matrix (n, n), with rslab or else with what
-    there is.
+    """Factorize a sparse symmetric positive definite matrix (n, n) with rslab, or the next library.
 
         max_i |A x - b|_i / (|A| |x| + |b|)_i <= 1e-10
 
@@ -90,7 +87,7 @@ def factorize(matrix: Any, name: str, beside: Mapping[str, float] = NOTHING) -> 
         residual = _residual(A, solve)
         if residual <= ACCURATE:
             factor = Factor(solve, backend, residual, tuple(failures))
-            _accounts.get([]).append(factor.account)
+            _summaries.get([]).append(factor.summary)
             return factor
         failures.append(
             f"{backend}: relative residual {residual:.1e}, expected {ACCURATE:g} at most"
@@ -145,7 +142,7 @@ def _cholmod(A: Any, name: str, beside: Mapping[str, float] = NOTHING) -> Solve:
 
 
 def _superlu(A: Any, name: str, beside: Mapping[str, float] = NOTHING) -> Solve:
-    """L U after minimum degree: both factors are kept, with indices, and minimum degree fills more."""
+    """L U after minimum degree, which fills more; both factors are kept, with their indices."""
     from scipy.sparse.linalg import splu
 
     _require(3.0 * factorization_cost(A.shape[0], A.nnz).bytes, A, name, beside)

@@ -1,4 +1,4 @@
-"""The choice of the method that computes impulse responses. The one place that knows the methods."""
+"""Impulse responses by the method that a body file names or its size suggests."""
 
 from dataclasses import dataclass
 
@@ -17,8 +17,7 @@ SMALL = 1000
 
 @dataclass(frozen=True, eq=False)
 class ImpulseResponses:
-    """The method that was used and what it found: a kernel, and modes with their shapes if the
-    method has them.
+    """The method used, its kernel, and modes with their shapes if the method has them.
 
     shapes(rows) with sparse rows (k, n_u) is rows @ phi (k, m), the mode shapes of any dofs or of
     what is linear in them; only what is asked for is formed.
@@ -35,8 +34,7 @@ class ImpulseResponses:
 def impulse_responses(
     structure: Structure, body: Body, stages: Stages | None = None
 ) -> ImpulseResponses:
-    """The impulse responses that a body asks for, by the method it names or, with "auto", the one
-    that fits its size.
+    """The impulse responses of a body, by the method that it names or the one for its size.
 
     `stages` shows how far it is. `MethodError` where the method does not allow what is asked.
     """
@@ -54,7 +52,7 @@ def impulse_responses(
             band = Band(h, scheme, steps, impulse.band or 0.25 / h)
             fields = body.recovery is not None
             modes, shapes, error = krylov_modes(
-                structure, damping, band, impulse.tolerance, stages.tell, fields
+                structure, damping, band, impulse.tolerance, stages.report, fields
             )
             kernel = sample_kernel(modes, h, scheme, steps, error, band.limit)
             return ImpulseResponses(method, kernel, modes, shapes, impulse.tolerance)

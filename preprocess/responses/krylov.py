@@ -96,9 +96,7 @@ class KrylovSpace:
 
     @property
     def room(self) -> int:
-        """Vectors that there is time and memory for, those of the basis included; work on a block
-        needs memory too.
-        """
+        """The number of vectors that time and memory allow, the basis included."""
         n_u, n_c = self._structure.n_u, self._structure.P_C.shape[0]
         return int(min(self._most, self.basis.columns + available() // (REAL * n_u) - WORK * n_c))
 
@@ -112,7 +110,7 @@ class KrylovSpace:
             else self._first
         )
         # S^-1 M is symmetric in M: what it makes of a block has parts along that block and its two
-        # neighbours alone.
+        # neighbors alone.
         if not self.basis.extend(W, near=self._ends[max(0, self.blocks - 2)]):
             return False
         self._ends.append(self.basis.columns)
@@ -134,15 +132,14 @@ class KrylovSpace:
             Q[:, low] = Q[:, low] @ turn
         if squares[0] <= NOTHING * squares[-1]:
             raise MeshError(
-                f"expected six zero modes, found {RIGID + int((squares <= NOTHING * squares[-1]).sum())}: "
-                f"the body is a mechanism, eigenvalues {squares[:8].tolist()}"
+                "expected six zero modes, found "
+                f"{RIGID + int((squares <= NOTHING * squares[-1]).sum())}: the body is a "
+                f"mechanism, eigenvalues {squares[:8].tolist()}"
             )
         return np.sqrt(squares), Q
 
     def _reduce_stiffness(self) -> None:
-        """V^T K V, the upper half, with what has come since the last time: many columns are as
-        quick as a few.
-        """
+        """Extend V^T K V, the upper half, by the new columns: many are as quick as a few."""
         done = len(self._stiffness)
         if done < self.dimension:
             V = self.basis.V[:, RIGID:]
@@ -159,20 +156,18 @@ def krylov_modes(
     watch: Watch,
     fields: bool = False,
 ) -> tuple[Modes, Shapes, float]:
-    """Modes whose transfer function is right to `tolerance` in the band, their shapes, and the
-    error as estimated.
+    """Modes right to `tolerance` in the band, their shapes, and the estimated error.
 
-    The estimate is what the last block has changed, times `SAFETY`, and what the modes contribute
-    that are left out, the least of which add up to a tenth of the tolerance; only the latter where
-    the space is exhausted, for then it holds every mode that the interfaces can excite. With
-    `fields` it is that of the displacements and strains of the whole body, if larger. `watch` is
-    told how it goes. `MethodError` if the tolerance asks for a larger space than `LIMIT`, or than
-    there is memory for.
+    The estimate is the change by the last block, times `SAFETY`, and the contributions of the modes
+    left out, a tenth of the tolerance at most. Where the space is exhausted it holds every mode
+    that the interfaces can excite, and only the latter remain. With `fields` it includes the
+    displacements and strains of the whole body. `watch` is called with the progress as text.
+    `MethodError` if the tolerance asks for a larger space than `LIMIT` or the memory allows.
     """
     shift, lower = (_shift(damping, band.scheme, h) for h in (band.h, band.coarsest_step))
     space = KrylovSpace(structure, shift, lower if shift > NARROW**2 * lower else None)
 
-    def found(blocks: int) -> tuple[Modes, Array]:
+    def modes_of(blocks: int) -> tuple[Modes, Array]:
         omega, Q = space.ritz(blocks)
         phi = _rows(space.basis, Q, structure.P_C)
         return Modes(omega, damping_ratios(damping, omega), phi, band.finest_step), Q
@@ -181,8 +176,8 @@ def krylov_modes(
     while space.grow():
         if space.blocks < check:
             continue
-        modes, Q = found(space.blocks)
-        before, Q_before = found(space.blocks - 1)
+        modes, Q = modes_of(space.blocks)
+        before, Q_before = modes_of(space.blocks - 1)
         error = SAFETY * band.error(before, modes, enough=tolerance)
         if fields:
             error = max(
@@ -195,12 +190,13 @@ def krylov_modes(
         room = space.room
         if space.basis.columns + (check - space.blocks) * structure.P_C.shape[0] > room:
             raise MethodError(
-                f"impulse.method krylov: an error of {tolerance:g} up to {band.limit:g} Hz takes more than the {room} "
-                f"vectors that there is time and memory for, found {error:.1e} with {space.dimension}: "
-                "raise impulse.tolerance, lower impulse.band, or use method march"
+                f"impulse.method krylov: an error of {tolerance:g} up to {band.limit:g} Hz takes "
+                f"more than the {room} vectors that there is time and memory for, found "
+                f"{error:.1e} with {space.dimension}: raise impulse.tolerance, lower "
+                "impulse.band, or use method march"
             )
     else:
-        (modes, Q), error = found(space.blocks), 0.0
+        (modes, Q), error = modes_of(space.blocks), 0.0
 
     contributions = band.contributions(modes)
     if fields:
@@ -211,8 +207,9 @@ def krylov_modes(
 
 
 def _shift(damping: Damping, scheme: GeneralizedAlpha, h: float) -> float:
-    """s for which K + s M is the matrix of the time step, up to a factor; modal ratios add no
-    matrix to it.
+    """s for which K + s M is the matrix of the time step, up to a factor.
+
+    Modal ratios add no matrix to it.
     """
     rayleigh = damping.rayleigh or Rayleigh()
     velocity = scheme.gamma_prime(h)
@@ -220,15 +217,13 @@ def _shift(damping: Damping, scheme: GeneralizedAlpha, h: float) -> float:
 
 
 def _rows(basis: Basis, Q: Array, rows: Any) -> Array:
-    """rows @ V Q, of the elastic part of the basis that Q has coordinates for."""
+    """rows @ V Q, for coordinates Q of the elastic part of the basis."""
     shapes: Array = basis.at(rows)[:, RIGID : RIGID + len(Q)] @ Q
     return shapes
 
 
 def _prune(contributions: Array, budget: float) -> tuple[IntArray, float]:
-    """Which modes to keep, in their order, and the sum of what the others contribute: as many as
-    the budget allows.
-    """
+    """The modes to keep, in their order, and the sum of the contributions of the others."""
     order = np.argsort(contributions)
     sums = np.cumsum(contributions[order])
     left_out = int(np.searchsorted(sums, budget, side="right"))

@@ -39,15 +39,16 @@ def elastic_shapes(structure: Structure, damping: Damping) -> tuple[Modes, Shape
     """
     if structure.n_u > LIMIT:
         raise MethodError(
-            f"impulse.method modal takes up to {LIMIT} unknowns, found {structure.n_u}: use method krylov"
+            f"impulse.method modal takes up to {LIMIT} unknowns, found {structure.n_u}: "
+            "use method krylov"
         )
     values, vectors = eigh(
         structure.K.toarray(), structure.M.toarray(), overwrite_a=True, overwrite_b=True
     )
     if values[6] <= 1e-13 * values[-1]:
         raise MeshError(
-            f"expected six zero modes, found {int((values <= 1e-13 * values[-1]).sum())}: the body is a mechanism, "
-            f"eigenvalues {values[:8].tolist()}"
+            f"expected six zero modes, found {int((values <= 1e-13 * values[-1]).sum())}: the "
+            f"body is a mechanism, eigenvalues {values[:8].tolist()}"
         )
     shapes = project(vectors[:, 6:], structure.U, structure.M)
     # The solver's eigenvalues carry rounding of the size of the largest; Rayleigh's quotient, of

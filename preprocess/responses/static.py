@@ -21,8 +21,9 @@ CONVERGED = 1e-14
 
 
 def compliance(structure: Structure) -> Array:
-    """P_C P K^+ P^T P_C^T (n_c, n_c): displacements under unit loads with inertia relief [m/N,
-    rad/N, rad/(N m)].
+    """P_C P K^+ P^T P_C^T (n_c, n_c) [m/N, rad/N, rad/(N m)]: displacements with inertia relief.
+
+    Under unit loads on the interfaces:
 
         u = P K_c^-1 P^T P_C^T,    K_c: K with six statically determinate dofs held
 
@@ -46,15 +47,17 @@ def compliance(structure: Structure) -> Array:
     scale = np.sqrt(np.abs(np.diag(H)))
     if (found := np.max(np.abs(change) / np.outer(scale, scale))) > UNDETERMINED:
         raise MeshError(
-            f"the static compliance of the body is not determined: one step of refinement changes it by {found:.1e}, "
-            f"expected {UNDETERMINED:g} at most: the body is a mechanism, or far too slender for its mesh"
+            "the static compliance of the body is not determined: one step of refinement changes "
+            f"it by {found:.1e}, expected {UNDETERMINED:g} at most: the body is a mechanism, "
+            "or far too slender for its mesh"
         )
     return _symmetric(H)
 
 
-def mobility(structure: Structure) -> Array:
-    """P_C M^-1 P^T P_C^T (n_c, n_c): elastic accelerations under unit loads at rest [1/kg, 1/(kg
-    m), 1/(kg m^2)].
+def accelerance(structure: Structure) -> Array:
+    """P_C M^-1 P^T P_C^T (n_c, n_c) [1/kg, 1/(kg m), 1/(kg m^2)]: initial accelerations.
+
+    Elastic ones, under unit loads on the interfaces at rest.
     """
     return _symmetric(structure.P_C @ initial_accelerations(structure))
 
@@ -67,16 +70,16 @@ def initial_accelerations(structure: Structure) -> Array:
     askew to the axes of the mesh. Source: A. J. Wathen, IMA Journal of Numerical Analysis 7 (1987)
     449-457.
     """
-    found = _conjugate_gradients(structure.M.tocsr(), structure.loads)
+    solution = _conjugate_gradients(structure.M.tocsr(), structure.loads)
     return (
-        found if found is not None else factorize(structure.M, "the mass matrix")(structure.loads)
+        solution
+        if solution is not None
+        else factorize(structure.M, "the mass matrix")(structure.loads)
     )
 
 
 def _conjugate_gradients(A: Any, B: Array) -> Array | None:
-    """A^-1 B for B (n, k), all columns at once, with Jacobi's preconditioner; None if `ITERATIONS`
-    are not enough.
-    """
+    """A^-1 B for B (n, k), with Jacobi's preconditioner; None after `ITERATIONS` steps."""
     inverse = 1.0 / A.diagonal()[:, None]
     small = CONVERGED * np.linalg.norm(B, axis=0)
     X, R = np.zeros_like(B), B.copy()

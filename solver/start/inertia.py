@@ -39,7 +39,7 @@ def _accelerances(lowered: LoweredModel) -> list[Array]:
     for e, element in enumerate(lowered.superelements):
         begin, end = elastic.active_range[e], elastic.active_range[e + 1]
         dofs = elastic.active[begin:end] - elastic.dof[e]
-        accelerances.append(element.mobility[np.ix_(dofs, dofs)])
+        accelerances.append(element.accelerance[np.ix_(dofs, dofs)])
     return accelerances
 
 

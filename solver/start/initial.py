@@ -186,7 +186,7 @@ def _start_history(lowered: LoweredModel, state: State) -> None:
     for e in range(len(elastic.body)):
         own = slice(elastic.dof[e], elastic.dof[e + 1])
         p = state.interfaces.p[own]
-        state.interfaces.acceleration[own] = lowered.superelements[e].mobility @ p
+        state.interfaces.acceleration[own] = lowered.superelements[e].accelerance @ p
         state.interfaces.a[own] = state.interfaces.acceleration[own]
         modes = slice(elastic.modes.range[e], elastic.modes.range[e + 1])
         if modes.start < modes.stop:

@@ -39,7 +39,7 @@ def element() -> Superelement:
         kernel=sample_kernel(modes, 5e-4, GeneralizedAlpha(0.8), 40, error=3e-9),
         modes=modes,
         compliance=modes.phi / modes.omega**2 @ modes.phi.T,
-        mobility=modes.phi @ modes.phi.T,
+        accelerance=modes.phi @ modes.phi.T,
         provenance=Provenance(
             body='name = "beam"\n',
             mesh="beam.msh",

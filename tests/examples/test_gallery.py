@@ -8,11 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 from duhamel import preprocess
-from duhamel.preprocess.assembly.interfaces import attachments
-from duhamel.preprocess.assembly.structure import assemble_mesh
-from duhamel.preprocess.mesh.facets import facets_of
-from duhamel.preprocess.mesh.nodes import Nodes
+from duhamel.preprocess.assembly.structure import assemble_on
 from duhamel.preprocess.mesh.reading import read_mesh
+from duhamel.preprocess.sources.reading import read_mesh_source
 
 MESHES = Path(__file__).parents[2] / "meshes"
 PARTS = {"connecting_rod": "rod", "bracket": "bracket", "blade": "blade"}
@@ -46,10 +44,9 @@ def parts():
 
 
 def made(body):
-    mesh = read_mesh(body.mesh, body.scale)
-    nodes = Nodes(mesh.points, np.zeros(len(mesh.points), dtype=bool))
-    interfaces = attachments("interfaces", body.interfaces, mesh, nodes, facets_of(mesh))
-    return Part(body, mesh, assemble_mesh(body, mesh).rigid, interfaces)
+    source = read_mesh_source(body)
+    structure = assemble_on(body, source)
+    return Part(body, source.mesh, structure.rigid, structure.frames)
 
 
 def test_bores_are_round(parts):

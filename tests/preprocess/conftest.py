@@ -8,10 +8,10 @@ import meshio
 import numpy as np
 import pytest
 from duhamel.preprocess import Body
+from duhamel.preprocess.mesh.cells import SOLIDS
 
 from .blocks import box_mesh, named
 
-SOLIDS = ["tetra", "tetra10", "hexahedron", "hexahedron20", "hexahedron27", "wedge"]
 IMPULSE = {"step": 1e-4, "steps": 20}
 STEEL = {"E": 2.1e11, "nu": 0.3, "rho": 7800.0}
 SECTION = {

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from duhamel.preprocess import BodyError, MethodError, assemble, build
 from duhamel.preprocess.body.body import Damping
-from duhamel.preprocess.mesh.reading import read_mesh
 from duhamel.preprocess.recovery import recover
 from duhamel.preprocess.responses.band import Band
 from duhamel.preprocess.responses.factor import factorize
 from duhamel.preprocess.responses.krylov import krylov_modes
 from duhamel.preprocess.responses.modal import elastic_shapes
+from duhamel.preprocess.sources.reading import read_source
 from duhamel.superelement import GeneralizedAlpha, read, write
 from scipy.sparse import eye_array
 
@@ -42,9 +42,9 @@ def field(body, displacement):
     """The recovery of a body and its structure, for which the one mode shape is a field of
     displacements.
     """
-    structure, mesh = assemble(body), read_mesh(body.mesh)
+    structure, source = assemble(body), read_source(body)
     u = displacement(structure.nodes.points).ravel()[:, None]
-    return recover(body, mesh, structure, lambda rows: rows @ u), structure
+    return recover(body, source, structure, lambda rows: rows @ u), structure
 
 
 def shaken(mesh, amount=0.05):
@@ -96,13 +96,13 @@ def error_of_flexure(body):
     """The largest error of a stress at a node: the mesh is held at both ends as the exact solution
     is there.
     """
-    structure, mesh = assemble(body), read_mesh(body.mesh)
+    structure, source = assemble(body), read_source(body)
     x = structure.nodes.points[:, 0]
     held = np.repeat((x < 1e-9) | (x > 2 - 1e-9), 3)
     u = np.where(held, flexure(structure.nodes.points)[0].ravel(), 0.0)
     free = np.flatnonzero(~held)
     u[free] = factorize(structure.K[free][:, free], "K")(-(structure.K @ u)[free, None])[:, 0]
-    recovery = recover(body, mesh, structure, lambda rows: rows @ u[:, None])
+    recovery = recover(body, source, structure, lambda rows: rows @ u[:, None])
     _, expected = flexure(recovery.points + structure.rigid.center)
     return np.abs(recovery.stress[:, :, 0] - expected).max()
 
@@ -182,11 +182,11 @@ def test_a_node_between_materials_has_the_stresses_of_both(solid_body, box):
 
 
 def test_tied_nodes_follow_their_frame(solid_body, box, kind):
-    """Rigid motions of the structure move every point of the surface as one piece, without stress."""
+    """Rigid motions of the structure move the surface as one piece, without stress."""
     interfaces = {"root": {"group": "root", "kind": "rigid"}, "tip": {"group": "tip"}}
     body = solid_body(box(kind), interfaces=interfaces, recovery=STRESS)
-    structure, mesh = assemble(body), read_mesh(body.mesh)
-    recovery = recover(body, mesh, structure, lambda rows: rows @ structure.rigid.A)
+    structure, source = assemble(body), read_source(body)
+    recovery = recover(body, source, structure, lambda rows: rows @ structure.rigid.A)
     for i, axis in enumerate(np.eye(3)):
         np.testing.assert_allclose(
             recovery.phi[:, :, i], axis + 0 * recovery.points, rtol=0, atol=1e-14

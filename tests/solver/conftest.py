@@ -132,7 +132,7 @@ def random_element() -> Callable[..., Superelement]:
             kernel=sample_kernel(form, 1e-3, GeneralizedAlpha(0.9), steps),
             modes=form,
             compliance=form.phi / form.omega**2 @ form.phi.T,
-            mobility=form.phi @ form.phi.T,
+            accelerance=form.phi @ form.phi.T,
         )
 
     return make

@@ -77,7 +77,7 @@ def scaled(element):
     )
     return {
         "compliance": 0.04 * element.compliance,
-        "mobility": 0.04 * element.mobility,
+        "accelerance": 0.04 * element.accelerance,
         "kernel": kernel,
     }
 

@@ -12,8 +12,8 @@ from duhamel.preprocess import Body, assemble, build, read_body
 from duhamel.preprocess.assembly.rigid import project
 from duhamel.preprocess.body.body import RecoveredFields
 from duhamel.preprocess.body.material import Material
-from duhamel.preprocess.mesh.reading import read_mesh
 from duhamel.preprocess.recovery import recover
+from duhamel.preprocess.sources.reading import read_source
 from duhamel.solver import (
     Constant,
     FlexibleBody,
@@ -288,7 +288,7 @@ def largest_errors(results, body, structure, steps):
     p = wrenches(results, "bar")
     u = unreduced(structure, p, 2e-5, 0.9)[steps].T
     u = project(u, structure.U, structure.M)  # where nothing holds rounding back
-    full = recover(body, read_mesh(body.mesh), structure, lambda rows: rows @ u)
+    full = recover(body, read_source(body), structure, lambda rows: rows @ u)
     fields = (
         (results.displacement("bar", results.time[steps]), full.phi),
         (results.stress("bar", results.time[steps]), full.stress),

@@ -71,7 +71,7 @@ def make_element(mass: float) -> Superelement:
         kernel=sample_kernel(modes, 5e-4, GeneralizedAlpha(0.9), 100),
         modes=modes,
         compliance=modes.phi / modes.omega**2 @ modes.phi.T,
-        mobility=modes.phi @ modes.phi.T,
+        accelerance=modes.phi @ modes.phi.T,
     )
 
 

@@ -53,7 +53,7 @@ def make_element(make_modes: Callable[..., Modes]) -> MakeElement:
             kernel=sample_kernel(modes, 1e-4, GeneralizedAlpha(0.8), 7, error=1e-9),
             modes=modes,
             compliance=modes.phi / modes.omega**2 @ modes.phi.T,
-            mobility=modes.phi @ modes.phi.T,
+            accelerance=modes.phi @ modes.phi.T,
             recovery=Recovery(points, [[0, 1, 2, -1], [1, 2, 3, 4]], phi, stress),
             provenance=Provenance(
                 body='name = "Träger"\n',

@@ -46,7 +46,7 @@ def assert_identical(found: Any, expected: Any) -> None:
 
 
 def any_floats(rng: np.random.Generator, *shape: int) -> np.ndarray:
-    """Finite numbers of any bit pattern: any exponent, subnormal numbers and both zeros among them."""
+    """Finite numbers of any bit pattern: any exponent, subnormal numbers, both zeros."""
     bits = rng.integers(0, 2**64, shape, dtype=np.uint64)
     numbers = bits.view(np.float64)
     numbers[~np.isfinite(numbers)] = -0.0
@@ -99,7 +99,7 @@ def any_element(seed: int) -> Superelement:
         ),
         modes=modes if seed % 3 else None,
         compliance=any_symmetric(rng, n_c, n_c),
-        mobility=any_symmetric(rng, n_c, n_c),
+        accelerance=any_symmetric(rng, n_c, n_c),
         recovery=Recovery(any_floats(rng, p, 3), cells, any_singles(rng, p, 3, m), stress)
         if seed % 3 == 1
         else None,
@@ -124,6 +124,17 @@ def path(tmp_path):
 def test_every_field_comes_back_to_the_last_bit(seed, path):
     element = any_element(seed)
     write(path, element)
+    assert_identical(read(path), element)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_files_of_version_1_are_read(seed, path):
+    """They have the accelerance as "mobility", and all else as version 2 has it."""
+    element = any_element(seed)
+    write(path, element)
+    with h5py.File(path, "r+") as file:
+        file.attrs["version"] = 1
+        file.move("static/accelerance", "static/mobility")
     assert_identical(read(path), element)
 
 
@@ -178,7 +189,7 @@ def test_text_of_fixed_length_and_other_number_types_are_read(make_element, path
     with h5py.File(path, "r+") as file:
         for name in ("format", "units", "name"):
             file.attrs[name] = np.bytes_(file.attrs[name])
-        file.attrs["version"] = 1.0
+        file.attrs["version"] = 2.0
         for name, dtype in (
             ("interfaces/name", "S9"),
             ("interfaces/row", "i4"),
@@ -333,10 +344,17 @@ FAULTS = {
         "attribute 'format': expected 'duhamel-superelement', found 'vtk'",
     ),
     "no format": (without_attribute("/", "format"), "attribute 'format' is missing"),
-    "version 2": (with_attribute("/", "version", 2), "attribute 'version': expected 1, found 2"),
+    "version 3": (
+        with_attribute("/", "version", 3),
+        "attribute 'version': expected 1 or 2, found 3$",
+    ),
+    "version 1 with the dataset of version 2": (
+        with_attribute("/", "version", 1),
+        "dataset 'static/mobility' is missing",
+    ),
     "version list": (
         with_attribute("/", "version", [1, 2]),
-        r"attribute 'version': expected 1, found array\(\[1, 2\]\)",
+        r"attribute 'version': expected 1 or 2, found array\(\[1, 2\]\)",
     ),
     "other units": (
         with_attribute("/", "units", "mm"),
@@ -461,7 +479,7 @@ FAULTS = {
         with_entry("static/compliance", (0, 1), 9.0),
         "compliance: expected a symmetric matrix",
     ),
-    "no mobility": (without("static/mobility"), "dataset 'static/mobility' is missing"),
+    "no accelerance": (without("static/accelerance"), "dataset 'static/accelerance' is missing"),
     "recovery phi": (
         with_dataset("recovery/phi", np.zeros((5, 3, 2))),
         r"recovery: stress: expected shape \(5, 6, 2\)",

@@ -10,7 +10,7 @@ RHO_INF = (0.0, 0.5, 0.9, 1.0)
 
 
 def convolve(kernel: Kernel, p: np.ndarray) -> np.ndarray:
-    """u_n = g_initial[n] p_0 + sum_{j=1..n} g[n-j] p_j, as the definition has it.   p (n + 1, n_c)"""
+    """u_n = g_initial[n] p_0 + sum_{j=1..n} g[n-j] p_j, as defined; p (n + 1, n_c)."""
     u = np.zeros_like(p)
     for n in range(len(p)):
         u[n] = kernel.g_initial[n] @ p[0] + np.einsum(
@@ -118,7 +118,7 @@ def test_no_load_draws_energy_from_a_kernel(rho_inf, decaying):
     G = np.fft.rfft(kernel.g, axis=0)
     absorbed = np.linalg.eigvalsh(-G.imag).min(axis=1)
     assert absorbed.min() >= -1e-13 * np.abs(G).max()
-    # The check has teeth: the mean of two neighbouring loads delays by half a step and creates
+    # The check has teeth: the mean of two neighboring loads delays by half a step and creates
     # energy.
     z = np.exp(2j * np.pi * np.arange(len(G)) / len(kernel.g))
     delayed = G * ((1 + 1 / z) / 2)[:, None, None]

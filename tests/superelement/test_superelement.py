@@ -131,8 +131,8 @@ def test_a_surface_that_contradicts_itself_is_refused(change, message):
         ({"modes": None}, "recovery: phi: expected 0 columns, one per mode, found 4"),
         ({"compliance": np.eye(8)}, r"compliance: expected shape \(9, 9\), found \(8, 8\)"),
         (
-            {"mobility": np.triu(np.ones((9, 9)))},
-            r"mobility: expected a symmetric matrix, found entries \(0, 1\)",
+            {"accelerance": np.triu(np.ones((9, 9)))},
+            r"accelerance: expected a symmetric matrix, found entries \(0, 1\)",
         ),
     ],
 )

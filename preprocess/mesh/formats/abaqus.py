@@ -1,5 +1,5 @@
-"""Abaqus input files (.inp), also those of CalculiX: nodes, elements, sets and surfaces, in parts
-or without.
+"""Abaqus and CalculiX input files (.inp): nodes, elements, sets and surfaces, with or without
+parts.
 
 Groups are node sets, element sets and surfaces, by their names as written; those of one name are
 one group. A set of a part goes by its own name if the file has one instance, else by INSTANCE.NAME.
@@ -15,10 +15,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...errors import MeshError
-from ..mesh import DIMENSIONS, NONE, IntArray
+from ..cells import DIMENSIONS
+from ..mesh import NONE, IntArray
+from ..numbering import Numbering
 from .abaqus_deck import Keyword
 from .abaqus_parts import Instance, Sets, read_instances
-from .draft import Draft, Numbering, Sequence
+from .draft import Draft, Sequence
 
 # Corners of the faces S1, S2, ... of each solid.
 _FACES = {
@@ -68,9 +70,7 @@ def read(path: Path) -> Draft:
 
 
 class _Family:
-    """The nodes, or the elements, of all instances: counted through, found by number or by the name
-    of a set.
-    """
+    """The nodes, or the elements, of all instances in one numbering, by number or by set."""
 
     def __init__(self, what: str, lost: list[str]) -> None:
         self._what = what
@@ -84,12 +84,12 @@ class _Family:
         self._count += len(numbering)
 
     def rows(self, instance: str, numbers: IntArray, user: str) -> IntArray:
-        """The places of numbers of an instance; `MeshError` if it has not all of them."""
+        """The rows of numbers of an instance; `MeshError` if one is missing."""
         numbering, first, _ = self._instances[instance]
         return first + numbering.rows(numbers, user)
 
     def members(self, instance: str, item: str, inside: tuple[str, ...] = ()) -> IntArray:
-        """What a set holds, or the one of a number; both may be of another instance, as
+        """The rows of a set, or of a single number; both may be of another instance, as
         INSTANCE.ITEM.
         """
         holder, _, rest = item.upper().partition(".")
@@ -103,7 +103,7 @@ class _Family:
         path = (*inside, f"{instance}.{item.upper()}")
         if path[-1] in inside:
             raise MeshError(f"the {self._what} set {item!r} contains itself")
-        found = [NONE]
+        rows = [NONE]
         for entry in sets.entries[item.upper()]:
             holder = entry.instance or instance
             if holder not in self._instances:
@@ -111,17 +111,17 @@ class _Family:
             numbering, first, _ = self._instances[holder]
             match entry.item:
                 case str(name):
-                    found.append(self.members(holder, name, path))
+                    rows.append(self.members(holder, name, path))
                 case range() as numbers:
-                    found.append(first + numbering.within(numbers))
+                    rows.append(first + numbering.within(numbers))
                 case numbers:
                     known = numbering.known(numbers)
                     if not known.all():
                         self._lost.append(
                             f"numbers of set {item} that are no {self._what}s ({(~known).sum()})"
                         )
-                    found.append(first + numbering.rows(numbers[known], item))
-        return np.concatenate(found)
+                    rows.append(first + numbering.rows(numbers[known], item))
+        return np.concatenate(rows)
 
 
 def _group_name(name: str, instance: Instance, instances: Mapping[str, Instance]) -> str:
@@ -160,10 +160,10 @@ class _Surfaces:
             for cells, rows in self._sequence.by_kind(self._elements.members(instance, item)):
                 whole &= self._mark_facets(group, cells, rows, label)
         if not whole:
-            self._draft.lost.append(f"surface {group} ({surface.place}), or parts of it")
+            self._draft.lost.append(f"surface {group} ({surface.location}), or parts of it")
 
     def _mark_facets(self, group: str, kind: str, rows: IntArray, label: str) -> bool:
-        """Whether the cells have such a face."""
+        """Put faces of cells into the group; false if the cells have no such face."""
         if DIMENSIONS.get(kind) == 2 and label in ("", "SPOS", "SNEG"):
             self._draft.mark(group, kind, rows)
             return True

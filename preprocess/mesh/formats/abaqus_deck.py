@@ -20,13 +20,13 @@ class Keyword:
 
     name: str
     parameters: dict[str, str]
-    place: str
+    location: str
     data: list[list[str]] = field(default_factory=list)
 
     def __getitem__(self, parameter: str) -> str:
         """The value of a parameter that must be there."""
         if not self.parameters.get(parameter):
-            raise MeshError(f"{self.place}: *{self.name}: expected a value of {parameter}")
+            raise MeshError(f"{self.location}: *{self.name}: expected a value of {parameter}")
         return self.parameters[parameter]
 
     def get(self, parameter: str) -> str:
@@ -36,7 +36,9 @@ class Keyword:
     def ints(self, items: list[str]) -> list[int]:
         for item in items:
             if not _INTEGER.fullmatch(item):
-                raise MeshError(f"{self.place}: *{self.name}: expected an integer, found {item!r}")
+                raise MeshError(
+                    f"{self.location}: *{self.name}: expected an integer, found {item!r}"
+                )
         return [int(item) for item in items]
 
     def floats(self, items: list[str]) -> list[float]:
@@ -45,40 +47,43 @@ class Keyword:
             return [float(item.upper().replace("D", "E") or 0.0) for item in items]
         except ValueError as error:
             raise MeshError(
-                f"{self.place}: *{self.name}: expected numbers, found {items}"
+                f"{self.location}: *{self.name}: expected numbers, found {items}"
             ) from error
 
 
 def keywords(path: Path) -> Iterator[Keyword]:
     """The keywords of a file and of those it includes, in their order."""
-    found: Keyword | None = None
+    keyword: Keyword | None = None
     head = ""
-    for place, text in lines(path, _included):
+    for location, text in lines(path, _included):
         if not text.strip() or text.startswith("**"):
             continue
         if head or text.startswith("*"):
             # A line of a keyword that ends in a comma goes on in the next one.
             head += text.strip()
             if not head.endswith(","):
-                if found is not None:
-                    yield found
-                found, head = _keyword(head, place), ""
-        elif found is None:
+                if keyword is not None:
+                    yield keyword
+                keyword, head = _keyword(head, location), ""
+        elif keyword is None:
             raise MeshError(
-                f"{place}: expected a keyword of Abaqus (*HEADING, *NODE, ...), found {text[:40]!r}"
+                f"{location}: expected a keyword of Abaqus (*HEADING, *NODE, ...), found "
+                f"{text[:40]!r}"
             )
         else:
-            found.data.append([item.strip() for item in text.strip().removesuffix(",").split(",")])
-    if found is None:
+            keyword.data.append(
+                [item.strip() for item in text.strip().removesuffix(",").split(",")]
+            )
+    if keyword is None:
         raise MeshError("expected keywords of Abaqus, found none")
-    yield found
+    yield keyword
 
 
-def _keyword(text: str, place: str) -> Keyword:
+def _keyword(text: str, location: str) -> Keyword:
     name, *parameters = [" ".join(item.split()) for item in text[1:].split(",")]
     pairs = [parameter.partition("=") for parameter in parameters if parameter]
     values = {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs}
-    return Keyword(name.upper(), values, place)
+    return Keyword(name.upper(), values, location)
 
 
 def _included(text: str) -> str | None:

@@ -1,4 +1,4 @@
-"""What an Abaqus input file defines: parts, their instances, and the sets of each."""
+"""Parts, instances and sets of an Abaqus input file."""
 
 import re
 from collections import Counter
@@ -32,7 +32,7 @@ _KINDS = (
     (r"T[23]D2|B[23][13]", "line", 2),
     (r"T[23]D3|B[23]2", "line3", 3),
 )
-# The centre of a C3D27 stands before the middles of its faces 1 to 6.
+# The center of a C3D27 stands before the middles of its faces 1 to 6.
 _ORDER = {"hexahedron27": [*range(20), 26, 24, 23, 25, 21, 22, 20]}
 _GENERATED = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM")
 _CONNECTIONS = (
@@ -48,7 +48,7 @@ _CONNECTIONS = (
 
 @dataclass(frozen=True)
 class Entry:
-    """Of a set: numbers, a range of which it has those that are there, or the name of another set.
+    """An entry of a set: numbers, a range of numbers, or the name of another set.
 
     They are of an instance, where it is said.
     """
@@ -59,9 +59,7 @@ class Entry:
 
 @dataclass
 class Sets:
-    """Sets of nodes or of elements by their names in upper case, for names differ by their letters
-    alone.
-    """
+    """Sets of nodes or of elements by name in upper case, as names are not case-sensitive."""
 
     entries: dict[str, list[Entry]] = field(default_factory=dict)
     written: dict[str, str] = field(default_factory=dict)
@@ -79,7 +77,7 @@ class Sets:
 
 @dataclass
 class Part:
-    """What stands between *PART and *END PART, or outside of all parts.
+    """The contents of *PART, or of the file outside all parts.
 
     elements: type of cell, numbers (n,) and numbers of the nodes (n, k), in meshio's order.
     """
@@ -92,14 +90,14 @@ class Part:
     surfaces: list[Keyword] = field(default_factory=list)
 
     def copy(self) -> "Part":
-        """A part to which more may be added."""
+        """A copy that can be extended."""
         lists = [*self.numbers], [*self.points], [*self.elements]
         return Part(*lists, self.nsets.copy(), self.elsets.copy(), [*self.surfaces])
 
 
 @dataclass(frozen=True)
 class Instance:
-    """A part in its place: x = a + R (X + t - a)."""
+    """A part, moved and turned: x = a + R (X + t - a)."""
 
     name: str
     part: Part
@@ -110,13 +108,12 @@ class Instance:
     @property
     def points(self) -> Array:
         points = np.array(self.part.points).reshape(-1, 3) + self.translation - self.axis_point
-        placed: Array = self.axis_point + points @ self.rotation.T
-        return placed
+        moved: Array = self.axis_point + points @ self.rotation.T
+        return moved
 
 
 def read_instances(path: Path, lost: list[str]) -> dict[str, Instance]:
-    """The instances by name in upper case; the one without name is what stands outside of parts and
-    instances.
+    """The instances by name in upper case; the nameless one has the contents outside parts.
 
     What the file has and a mesh does not is put into words and added to `lost`.
     """
@@ -131,7 +128,8 @@ def read_instances(path: Path, lost: list[str]) -> dict[str, Instance]:
             case "INSTANCE":
                 if keyword["PART"].upper() not in parts:
                     raise MeshError(
-                        f"{keyword.place}: no part {keyword['PART']!r} before this instance of it"
+                        f"{keyword.location}: no part {keyword['PART']!r} before this instance of "
+                        "it"
                     )
                 part = parts[keyword["PART"].upper()].copy()
                 instances[keyword["NAME"].upper()] = _instance(part, keyword)
@@ -152,7 +150,8 @@ def read_instances(path: Path, lost: list[str]) -> dict[str, Instance]:
                 part.surfaces.append(keyword)
             case name if name in _GENERATED:
                 raise MeshError(
-                    f"{keyword.place}: *{name} is not supported; expected a mesh that is written out"
+                    f"{keyword.location}: *{name} is not supported; "
+                    "expected a mesh that is written out"
                 )
             case name if name in _CONNECTIONS:
                 left_out[f"*{name}"] += 1
@@ -161,20 +160,22 @@ def read_instances(path: Path, lost: list[str]) -> dict[str, Instance]:
 
 
 def _instance(part: Part, keyword: Keyword) -> Instance:
-    """The first data line is a translation, the second one an axis by two points, and an angle in
-    degrees.
+    """An instance from a translation, and from two points of an axis with an angle [deg].
+
+    Each stands in a data line.
     """
     translation, axis = np.zeros(3), np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0])
     for values, items in zip((translation, axis), keyword.data, strict=False):
-        given = keyword.floats(items)
-        if len(given) > len(values):
+        numbers = keyword.floats(items)
+        if len(numbers) > len(values):
             raise MeshError(
-                f"{keyword.place}: *INSTANCE: expected {len(values)} numbers, found {len(given)}"
+                f"{keyword.location}: *INSTANCE: expected {len(values)} numbers, found "
+                f"{len(numbers)}"
             )
-        values[: len(given)] = given
+        values[: len(numbers)] = numbers
     along = axis[3:6] - axis[:3]
     if not along.any():
-        raise MeshError(f"{keyword.place}: *INSTANCE: the two points of its axis are the same")
+        raise MeshError(f"{keyword.location}: *INSTANCE: the two points of its axis are the same")
     turn = Rotation.from_rotvec(np.deg2rad(axis[6]) * along / np.linalg.norm(along))
     return Instance(keyword["NAME"], part, translation, axis[:3], turn.as_matrix())
 
@@ -182,7 +183,7 @@ def _instance(part: Part, keyword: Keyword) -> Instance:
 def _add_nodes(part: Part, keyword: Keyword) -> None:
     if keyword.get("SYSTEM").upper() not in ("", "R") or keyword.get("INPUT"):
         raise MeshError(
-            f"{keyword.place}: *NODE: expected nodes in rectangular coordinates below it"
+            f"{keyword.location}: *NODE: expected nodes in rectangular coordinates below it"
         )
     numbers = keyword.ints([line[0] for line in keyword.data])
     part.numbers += numbers
@@ -192,9 +193,9 @@ def _add_nodes(part: Part, keyword: Keyword) -> None:
 
 
 def _add_elements(part: Part, keyword: Keyword) -> bool:
-    """Whether the type is one of those that make cells."""
+    """Add the elements of a keyword; false if their type makes no cells."""
     if keyword.get("INPUT"):
-        raise MeshError(f"{keyword.place}: *ELEMENT: expected elements below it")
+        raise MeshError(f"{keyword.location}: *ELEMENT: expected elements below it")
     numbers = NONE
     kinds = [
         (kind, k)
@@ -205,8 +206,8 @@ def _add_elements(part: Part, keyword: Keyword) -> bool:
         items = keyword.ints([item for line in keyword.data for item in line if item])
         if len(items) % (1 + k):
             raise MeshError(
-                f"{keyword.place}: *ELEMENT: expected a number and {k} nodes for each {keyword['TYPE']}, "
-                f"found {len(items)} numbers in all"
+                f"{keyword.location}: *ELEMENT: expected a number and {k} nodes for each "
+                f"{keyword['TYPE']}, found {len(items)} numbers in all"
             )
         table = np.array(items, dtype=np.int64).reshape(-1, 1 + k)
         numbers, nodes = table[:, 0], table[:, 1:]
@@ -217,13 +218,14 @@ def _add_elements(part: Part, keyword: Keyword) -> bool:
 
 
 def _entries(keyword: Keyword) -> list[Entry]:
-    """Of *NSET and *ELSET: numbers and names, or first, last and step with GENERATE."""
+    """The entries of *NSET and *ELSET: numbers and names, or first, last and step with GENERATE."""
     instance = keyword.get("INSTANCE").upper()
     if "GENERATE" in keyword.parameters:
         ranges = [(*keyword.ints(line), 1)[:3] for line in keyword.data]
-        if any(len(given) != 3 or given[2] < 1 for given in ranges):
+        if any(len(limits) != 3 or limits[2] < 1 for limits in ranges):
             raise MeshError(
-                f"{keyword.place}: GENERATE: expected first, last and a positive step in each line"
+                f"{keyword.location}: GENERATE: expected first, last and a positive step in each "
+                "line"
             )
         return [Entry(range(first, last + 1, step), instance) for first, last, step in ranges]
     items = [item for line in keyword.data for item in line if item]

@@ -14,7 +14,7 @@ from ..mesh import IntArray
 from .draft import Draft
 
 MOST = 1000
-"""Values of an array beyond which it is not taken to tell groups."""
+"""Distinct values of an array beyond which it makes no groups."""
 
 
 def mark_values(
@@ -31,7 +31,7 @@ def mark_values(
             f"groups of the array {name!r}, which has {len(distinct)} values, more than {MOST}"
         )
         return
-    for place, value in enumerate(distinct.tolist()):
-        mark(f"{name} {value}", np.flatnonzero(which == place))
+    for number, value in enumerate(distinct.tolist()):
+        mark(f"{name} {value}", np.flatnonzero(which == number))
     if set(distinct.tolist()) <= {0, 1}:
         mark(name, np.flatnonzero(values.ravel()))

@@ -4,15 +4,14 @@ from collections import Counter
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ....superelement.validation import Array
-from ...errors import MeshError
 from ..mesh import NONE, Group, IntArray
 
 
 class Draft:
-    """Points (n, 3) and cells in the order of their file, and what the file says is in which group.
+    """Points (n, 3), cells and groups of a file, in its order.
 
     A name that is given to several things, as to nodes and to elements, is one group of them all.
     `lost` tells in words what the file holds and the draft does not; labels (n,) are the numbers
@@ -56,19 +55,19 @@ class Draft:
     @property
     def groups(self) -> dict[str, Group]:
         """Every group that holds something."""
-        found = {}
+        groups = {}
         for name in {**self._cells, **self._points}:
             cells = {
                 kind: np.unique(np.concatenate(rows))
                 for kind, rows in self._cells.get(name, {}).items()
             }
             points = np.unique(np.concatenate([NONE, *self._points.get(name, [])]))
-            found[name] = Group({kind: rows for kind, rows in cells.items() if len(rows)}, points)
-        return {name: group for name, group in found.items() if group.kinds}
+            groups[name] = Group({kind: rows for kind, rows in cells.items() if len(rows)}, points)
+        return {name: group for name, group in groups.items() if group.kinds}
 
 
 class Sequence:
-    """The elements of a file in its order, whatever their types, and the cell of each."""
+    """The elements of a file in its order, across types, and the cell of each."""
 
     def __init__(self, draft: Draft) -> None:
         self._draft = draft
@@ -87,7 +86,7 @@ class Sequence:
         return sum(len(rows) for _, rows in self._blocks)
 
     def by_kind(self, elements: IntArray) -> Iterator[tuple[str, IntArray]]:
-        """The cells of elements, given by their places in the order of the file: rows of each type."""
+        """The cells of elements, numbered in the order of the file: rows of each type."""
         kinds, rows = (np.concatenate(parts) for parts in zip(*self._blocks, strict=True))
         for i, kind in enumerate(self._kinds):
             if len(found := rows[elements[kinds[elements] == i]]):
@@ -97,39 +96,3 @@ class Sequence:
         """Put the cells of elements into a group."""
         for kind, rows in self.by_kind(elements):
             self._draft.mark(group, kind, rows)
-
-
-class Numbering:
-    """The numbers (n,) that a file gives to its nodes or elements, and their places in its order."""
-
-    def __init__(self, numbers: ArrayLike, what: str) -> None:
-        self._what = what
-        given = np.asarray(numbers, dtype=np.int64)
-        self._order = np.argsort(given, kind="stable")
-        self._sorted = given[self._order]
-        twice = self._sorted[1:][self._sorted[1:] == self._sorted[:-1]]
-        if len(twice):
-            raise MeshError(f"{what} {twice[0]} is there more than once")
-
-    def __len__(self) -> int:
-        return len(self._sorted)
-
-    def known(self, numbers: ArrayLike) -> NDArray[np.bool_]:
-        """Whether the numbers are there, in their shape."""
-        return np.isin(np.asarray(numbers, dtype=np.int64), self._sorted)
-
-    def within(self, numbers: range) -> IntArray:
-        """The places of those numbers of a range that are there."""
-        inside = (self._sorted >= numbers.start) & (self._sorted < numbers.stop)
-        inside &= (self._sorted - numbers.start) % numbers.step == 0
-        return self._order[inside]
-
-    def rows(self, numbers: ArrayLike, user: str) -> IntArray:
-        """The places of numbers, in their shape; `MeshError` if `user` asks for one that is not
-        there.
-        """
-        wanted = np.asarray(numbers, dtype=np.int64)
-        known = self.known(wanted)
-        if not known.all():
-            raise MeshError(f"{user}: no {self._what} {wanted[~known][0]} in the file")
-        return self._order[np.searchsorted(self._sorted, wanted)]

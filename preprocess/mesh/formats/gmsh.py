@@ -11,8 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import MeshError
-from ..mesh import DIMENSIONS, NONE, IntArray
-from .draft import Draft, Numbering
+from ..cells import DIMENSIONS
+from ..mesh import NONE, IntArray
+from ..numbering import Numbering
+from .draft import Draft
 from .numbers import BinaryNumbers, Numbers, TextNumbers
 
 # Type of cell and number of nodes, by the number that Gmsh gives to the type.
@@ -63,17 +65,17 @@ def read(path: Path) -> Draft:
 
 
 def _sections(data: bytes) -> dict[str, bytes]:
-    """What stands between $NAME and $EndNAME."""
+    """The contents between $NAME and $EndNAME, by name."""
     sections = {}
-    place = 0
-    while match := _SECTION.match(data, place):
+    position = 0
+    while match := _SECTION.match(data, position):
         name = match[1]
         end = data.find(b"$End" + name, match.end())
         if end < 0:
             raise MeshError(f"the file breaks off: ${name.decode()} has no $End{name.decode()}")
         sections[name.decode()] = data[match.end() : end]
-        place = end + len(b"$End" + name)
-    if rest := data[place:].strip():
+        position = end + len(b"$End" + name)
+    if rest := data[position:].strip():
         raise MeshError(f"expected a section of Gmsh, found {rest[:20]!r}")
     return sections
 
@@ -147,7 +149,7 @@ def _finish(numbers: Numbers, section: str) -> None:
 
 
 def _read2(sections: dict[str, bytes], form: _Format, names: dict[tuple[int, int], str]) -> Draft:
-    """Version 2: every element has its own tags, and stands once for each of its physical groups."""
+    """Version 2: elements have tags of their own, and stand once for each physical group."""
     count, numbers = form.counted(sections["Nodes"])
     given, points = numbers.table(count, ("i", 1), ("d", 3))
     _finish(numbers, "Nodes")
@@ -168,19 +170,20 @@ def _read2(sections: dict[str, bytes], form: _Format, names: dict[tuple[int, int
     for number, parts in blocks.items():
         kind, rows = _KINDS[number][0], np.concatenate(parts)
         _, first, same = np.unique(rows[:, 1:], axis=0, return_index=True, return_inverse=True)
-        place = np.argsort(np.argsort(first))[same.ravel()]
+        row = np.argsort(np.argsort(first))[same.ravel()]
         draft.add(kind, _cells(kind, rows[np.sort(first), 1:], numbering))
         for tag in np.unique(rows[:, 0]):
             if tag:
                 draft.mark(
-                    _name(names, DIMENSIONS.get(kind, 3), int(tag)), kind, place[rows[:, 0] == tag]
+                    _name(names, DIMENSIONS.get(kind, 3), int(tag)), kind, row[rows[:, 0] == tag]
                 )
     return draft
 
 
 def _binary_tables(numbers: BinaryNumbers, count: int) -> Iterator[tuple[int, IntArray]]:
-    """Types, and tables of number, tags and nodes; each table has a header: type, length and number
-    of tags.
+    """Types and tables of number, tags and nodes; each table has a header.
+
+    The header: type, length and number of tags.
     """
     while count > 0:
         ((number, length, tags),) = numbers.table(1, ("i", 3))[0].tolist()
@@ -191,8 +194,8 @@ def _binary_tables(numbers: BinaryNumbers, count: int) -> Iterator[tuple[int, In
 
 
 def _text_tables(numbers: TextNumbers, count: int) -> Iterator[tuple[int, IntArray]]:
-    """The same from rows of number, type, number of tags, tags and nodes; runs of equal rows are
-    taken at once.
+    """Elements from rows of number, type, number of tags, tags and nodes; runs of equal rows at
+    once.
     """
     while count > 0:
         _, number, tags = numbers.ahead(3)

@@ -1,5 +1,4 @@
-"""MED files of Salome and Code_Aster (.med): HDF5 with families of nodes and elements, and the
-groups they belong to.
+"""MED files of Salome and Code_Aster (.med): HDF5 with families of nodes and elements.
 
 Source: MED data model, as the files of Gmsh and Salome show it: /ENS_MAA/MESH/STEP/{NOE,MAI},
 /FAS/MESH/{NOEUD,ELEME}.
@@ -48,15 +47,13 @@ _MIRRORED = {
     "hexahedron20": [0, 3, 2, 1, 4, 7, 6, 5, *_EDGES],
     "hexahedron27": [0, 3, 2, 1, 4, 7, 6, 5, *_EDGES, 21, 23, 24, 22, 20, 25, 26],
 }
-# Next to the first corner: its neighbours, counted to the right about the direction inwards.
+# Next to the first corner: its neighbors, counted to the right about the direction inwards.
 _NEIGHBOURS = {"tetra": [1, 2, 3], "wedge": [1, 2, 3], "hexahedron": [1, 3, 4]}
 
 
 @dataclass(frozen=True)
 class _Support:
-    """Nodes or cells of one type: what the file has of them, and the family (n,) of each; family 0
-    is none.
-    """
+    """The nodes or the cells of one type, and the family (n,) of each; family 0 is none."""
 
     values: Any
     families: IntArray
@@ -88,7 +85,8 @@ def read(path: Path) -> Draft:
             or not ((support.values >= 0) & (support.values < len(nodes.values))).all()
         ):
             raise MeshError(
-                f"cells of MED's type {code}: expected {k} numbers of nodes, 1 to {len(nodes.values)}"
+                f"cells of MED's type {code}: expected {k} numbers of nodes, "
+                f"1 to {len(nodes.values)}"
             )
         rows = draft.add(kind, _turned(kind, support.values, nodes.values))
         for family, names in groups["ELEME"].items():
@@ -123,7 +121,9 @@ def _only(group: Any, what: str) -> str:
 
 
 def _support(group: Any, dataset: str) -> _Support:
-    """The columns of a dataset stand one after the other; without families all belong to none."""
+    """The nodes or cells of one type: a dataset column by column, and their families, 0 without
+    any.
+    """
     count, values = int(group[dataset].attrs["NBR"]), group[dataset][()]
     if count < 1 or values.size % count:
         raise MeshError(

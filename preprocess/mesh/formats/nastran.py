@@ -13,7 +13,8 @@ import numpy as np
 
 from ...errors import MeshError
 from ..mesh import NONE
-from .draft import Draft, Numbering
+from ..numbering import Numbering
+from .draft import Draft
 from .nastran_deck import Card, read_cards
 from .nastran_frames import frame_of
 
@@ -109,20 +110,19 @@ def _nodes(card: Card) -> tuple[str, list[int]]:
     if card.name in _PARTS:
         kind, count = _PARTS[card.name]
     else:
-        given = [place for place, text in enumerate(card.fields[2:], 1) if text]
-        count, kinds = given[-1] if given else 0, _SOLIDS[card.name]
+        filled = [field for field, text in enumerate(card.fields[2:], 1) if text]
+        count, kinds = filled[-1] if filled else 0, _SOLIDS[card.name]
         if count not in kinds:
             raise MeshError(
-                f"{card.place}: {card.name}: expected {' or '.join(map(str, kinds))} grid points, found {count}"
+                f"{card.location}: {card.name}: "
+                f"expected {' or '.join(map(str, kinds))} grid points, found {count}"
             )
         kind = kinds[count]
     return kind, [card.integer(field) for field in range(4, 4 + count)]
 
 
 def _add_points(draft: Draft, card: Card, numbering: Numbering) -> None:
-    """The grid points of a set; ranges may name some that are not there, and SET1 may hold elements
-    instead.
-    """
+    """Put the grid points of a set into a group; ranges may name missing ones, SET1 elements."""
     match card.name:
         case "SPC":
             numbers = [card.integer(field) for field in (3, 6) if card.text(field)]
@@ -134,6 +134,6 @@ def _add_points(draft: Draft, card: Card, numbering: Numbering) -> None:
     rows = np.concatenate([NONE, *map(numbering.within, ranges)])
     if not len(rows):
         draft.lost.append(
-            f"{card.name} {card.integer(2)} ({card.place}), which names no grid points"
+            f"{card.name} {card.integer(2)} ({card.location}), which names no grid points"
         )
     draft.mark_points(f"{card.name[:3].lower()} {card.integer(2)}", rows)

@@ -1,6 +1,4 @@
-"""The cards of Nastran bulk data: short, long and free fields, continuations, includes, and what
-comments name.
-"""
+"""The cards of Nastran bulk data: short, long and free fields, continuations, includes."""
 
 import re
 from collections.abc import Iterator
@@ -25,14 +23,14 @@ _NAMES = (
 
 @dataclass(frozen=True)
 class Card:
-    """A card: its name, its fields without those that hold continuations, and where it stands."""
+    """A card: its name, its fields without continuations, and its line in the file."""
 
     name: str
     fields: list[str]
-    place: str
+    location: str
 
     def text(self, field: int) -> str:
-        """A field, counted from 1, which is the name, without the fields that hold continuations."""
+        """A field by its number; field 1 is the name, and continuations do not count."""
         return self.fields[field - 2] if field - 2 < len(self.fields) else ""
 
     def integer(self, field: int, default: int | None = None) -> int:
@@ -41,7 +39,8 @@ class Card:
             return default
         if not _INTEGER.fullmatch(text):
             raise MeshError(
-                f"{self.place}: {self.name}: expected an integer in field {field}, found {text!r}"
+                f"{self.location}: {self.name}: expected an integer in field {field}, found "
+                f"{text!r}"
             )
         return int(text)
 
@@ -52,7 +51,8 @@ class Card:
             return float(_BARE_EXPONENT.sub(r"E\1", text) or 0.0)
         except ValueError as error:
             raise MeshError(
-                f"{self.place}: {self.name}: expected a number in field {field}, found {self.text(field)!r}"
+                f"{self.location}: {self.name}: expected a number in field {field}, "
+                f"found {self.text(field)!r}"
             ) from error
 
     def ranges(self, first: int) -> list[range]:
@@ -62,7 +62,7 @@ class Card:
         for field in range(first, len(self.fields) + 2):
             if self.text(field).upper() == "THRU":
                 if not found or thru:
-                    raise MeshError(f"{self.place}: {self.name}: THRU without a first number")
+                    raise MeshError(f"{self.location}: {self.name}: THRU without a first number")
                 thru = True
             elif self.text(field):
                 number = self.integer(field)
@@ -83,7 +83,7 @@ def read_cards(path: Path, names: dict[int, str]) -> Iterator[Card]:
     if starts and not ends:
         raise MeshError("the file breaks off: BEGIN BULK without ENDDATA")
     card: Card | None = None
-    for place, text in deck[starts[0] + 1 if starts else 0 : ends[0] if ends else len(deck)]:
+    for location, text in deck[starts[0] + 1 if starts else 0 : ends[0] if ends else len(deck)]:
         for pattern in _NAMES if text.startswith("$") else ():
             if match := pattern.match(text):
                 names.setdefault(int(match[1]), match[2].strip())
@@ -93,22 +93,20 @@ def read_cards(path: Path, names: dict[int, str]) -> Iterator[Card]:
         if not name or name[0] in "+*":
             if card is None:
                 raise MeshError(
-                    f"{place}: expected a card of Nastran, found a continuation: {text[:40]!r}"
+                    f"{location}: expected a card of Nastran, found a continuation: {text[:40]!r}"
                 )
             card.fields.extend(fields)
             continue
         if card is not None:
             yield card
-        card = Card(name.upper().rstrip("*").rstrip(), fields, place)
+        card = Card(name.upper().rstrip("*").rstrip(), fields, location)
     if card is None:
         raise MeshError("expected cards of Nastran, found none")
     yield card
 
 
 def _fields(text: str) -> tuple[str, list[str]]:
-    """The first field and the 8 or, where a star asks for long fields, the 4 others that a line has
-    room for.
-    """
+    """The first field, and the 8 others of a line, or 4 where a star asks for long fields."""
     text = text.partition("$")[0].expandtabs()
     first, *items = (
         [item.strip() for item in text.split(",")] if "," in text else [text[:8].strip()]

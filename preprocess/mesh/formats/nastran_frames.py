@@ -12,22 +12,23 @@ from .nastran_deck import Card
 
 @dataclass(frozen=True)
 class Frame:
-    """origin (3,) and axes (3, 3), whose rows are its own axes, in basic coordinates; kind: the
-    card's last letter.
+    """A coordinate system in basic coordinates: origin (3,), and axes (3, 3) as rows.
+
+    kind: the last letter of the card: R, C or S.
     """
 
     kind: str
     origin: Array
     axes: Array
 
-    def to_basic(self, given: Array) -> Array:
-        """Basic coordinates (n, 3) of points given in rectangular (R), cylindrical (C) or spherical
-        (S) ones.
+    def to_basic(self, points: Array) -> Array:
+        """Basic coordinates (n, 3) of points in rectangular (R), cylindrical (C) or spherical (S)
+        ones.
 
         Angles are in degrees: r, theta, z of a cylinder; r, theta from the third axis, phi of a
         sphere.
         """
-        a, b, c = given.T
+        a, b, c = points.T
         b_angle, c_angle = np.deg2rad(b), np.deg2rad(c)
         if self.kind == "C":
             local = np.stack([a * np.cos(b_angle), a * np.sin(b_angle), c], axis=1)
@@ -37,7 +38,7 @@ class Frame:
                 [across * np.cos(c_angle), across * np.sin(c_angle), a * np.cos(b_angle)], axis=1
             )
         else:
-            local = given
+            local = points
         basic: Array = self.origin + local @ self.axes
         return basic
 
@@ -57,13 +58,15 @@ def frame_of(number: int, cards: Mapping[int, Card], inside: tuple[int, ...] = (
         )
     card = cards[number]
     if number in inside:
-        raise MeshError(f"{card.place}: coordinate system {number} refers to itself")
+        raise MeshError(f"{card.location}: coordinate system {number} refers to itself")
     points = np.array([card.number(field) for field in range(4, 13)]).reshape(3, 3)
     origin, on_third, in_plane = frame_of(card.integer(3, 0), cards, (*inside, number)).to_basic(
         points
     )
     third, across = on_third - origin, np.cross(on_third - origin, in_plane - origin)
     if not across.any():
-        raise MeshError(f"{card.place}: {card.name}: expected three points that are not on a line")
+        raise MeshError(
+            f"{card.location}: {card.name}: expected three points that are not on a line"
+        )
     third, second = third / np.linalg.norm(third), across / np.linalg.norm(across)
     return Frame(card.name[-1], origin, np.array([np.cross(second, third), second, third]))

@@ -21,8 +21,8 @@ class TextNumbers:
             raise MeshError(f"expected numbers: {error}") from error
 
     def table(self, rows: int, *columns: Column) -> list[Any]:
-        """The next rows, split into arrays (rows, n) for each column; `MeshError` if there are not
-        as many.
+        """The next rows, split into arrays (rows, n) for each column; `MeshError` if there are
+        fewer.
         """
         width = sum(count for _, count in columns)
         if min(rows, *(count for _, count in columns)) < 0 or rows * width > self.left:
@@ -43,16 +43,16 @@ class TextNumbers:
         return numbers
 
     def alike(self, width: int, columns: slice, limit: int) -> int:
-        """How many of the next rows, `limit` at most, have what the first has in some columns."""
+        """The number of next rows, `limit` at most, that equal the first in some columns."""
         asked = 1
         while True:
-            found = min(asked, limit, self.left // width)
-            rows = self._values[: found * width].reshape(found, width)[:, columns]
+            n_rows = min(asked, limit, self.left // width)
+            rows = self._values[: n_rows * width].reshape(n_rows, width)[:, columns]
             differs = (rows != rows[:1]).any(axis=1)
             if differs.any():
                 return int(differs.argmax())
-            if found < asked:
-                return found
+            if n_rows < asked:
+                return n_rows
             asked *= 2
 
     @property
@@ -68,7 +68,7 @@ class BinaryNumbers:
         self._types = {"i": f"{order}i4", "u": f"{order}u{size}", "d": f"{order}f8"}
 
     def table(self, rows: int, *columns: Column) -> list[Any]:
-        """As for text."""
+        """The next rows, as `TextNumbers.table`."""
         rows = int(rows)  # numpy's integers overflow
         width = sum(int(count) * np.dtype(self._types[code]).itemsize for code, count in columns)
         if min(rows, *(count for _, count in columns)) < 0 or rows * width > self.left:

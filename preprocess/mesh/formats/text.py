@@ -8,17 +8,19 @@ from ...errors import MeshError
 
 
 class Line(NamedTuple):
-    """A line and where it stands, for messages."""
+    """A line and its position, for messages."""
 
-    place: str
+    location: str
     text: str
 
 
 def lines(
     path: Path, included: Callable[[str], str | None], inside: tuple[Path, ...] = ()
 ) -> Iterator[Line]:
-    """The lines of a file; `included` says which file a line stands for, or None. Paths are
-    relative to the file.
+    """The lines of a file and of the files that it includes.
+
+    `included` returns the path of the file that a line includes, or None; paths are relative to the
+    including file.
     """
     path = path.resolve()
     if path in inside:

@@ -1,6 +1,6 @@
 """VTK (.vtk, .vtu) and other formats, read by meshio.
 
-Groups are sets of cells and points, where a format has them, and what arrays of integers tell (see
+Groups are sets of cells and points, where a format has them, and those of arrays of integers (see
 `arrays`).
 """
 
@@ -45,9 +45,7 @@ _PARSER_FAILURES = (
 
 
 def read(path: Path) -> Draft:
-    """A mesh in a format that meshio knows by the suffix; `MeshError` if there is none, or the file
-    is damaged.
-    """
+    """A mesh in a format that meshio knows; `MeshError` for other suffixes and damaged files."""
     mesh, complaints = _parse(path)
     points = np.zeros((len(mesh.points), 3))
     points[:, : np.shape(mesh.points)[1]] = mesh.points
@@ -87,8 +85,8 @@ def _cells(nodes: Any, n_points: int) -> IntArray:
 
 
 def _parse(path: Path) -> tuple[meshio.Mesh, list[str]]:
-    """meshio's mesh and what it says of it. Each format of the suffix is tried by name: meshio
-    itself would exit.
+    """meshio's mesh and its warnings. Each format of the suffix is tried by name: meshio itself
+    would exit.
     """
     formats = meshio.extension_to_filetypes.get(path.suffix.lower(), [])
     if not formats:

@@ -1,7 +1,6 @@
-"""XDMF (.xdmf, .xmf), versions 2 and 3, with numbers in the file, in HDF5 or in binary files beside
-it.
+"""XDMF (.xdmf, .xmf), versions 2 and 3; numbers in the file, in HDF5 or in binary files.
 
-Groups are sets of nodes and cells, what arrays of integers tell (see `arrays`), and the grids by
+Groups are sets of nodes and cells, those of arrays of integers (see `arrays`), and the grids by
 their names if there are several, as of dolfinx: its mesh tags are a grid on the points of the mesh,
 with an array of the tags. Source: XDMF Model and Format, xdmf.org.
 """
@@ -78,17 +77,17 @@ def read(path: Path) -> Draft:
 
 def _grids(parent: ElementTree.Element, lost: list[str]) -> list[ElementTree.Element]:
     """The uniform grids below an element, of those in time only the first."""
-    found = []
+    grids = []
     for grid in [*parent.findall("Domain/Grid"), *parent.findall("Grid")]:
         if grid.get("GridType", "Uniform") == "Uniform":
-            found.append(grid)
+            grids.append(grid)
             continue
         inner = _grids(grid, lost)
         if grid.get("CollectionType") == "Temporal" and len(inner) > 1:
             lost.append(f"{len(inner) - 1} later times of the grid {grid.get('Name')!r}")
             inner = inner[:1]
-        found.extend(inner)
-    return found
+        grids.extend(inner)
+    return grids
 
 
 def _points(geometry: ElementTree.Element, items: DataItems) -> Array:
@@ -108,7 +107,7 @@ def _points(geometry: ElementTree.Element, items: DataItems) -> Array:
 def _add_cells(
     sequence: Sequence, topology: ElementTree.Element, items: DataItems, rows: IntArray
 ) -> IntArray:
-    """Cells of one type, or of mixed ones; their places in the sequence."""
+    """Add cells of one type or of mixed ones; their rows in the sequence."""
     first = len(sequence)
     name, _, order = (
         (topology.get("TopologyType") or topology.get("Type") or "").lower().partition("_")
@@ -129,36 +128,38 @@ def _add_cells(
     for kind, nodes in blocks:
         if not ((nodes >= 0) & (nodes < len(rows))).all():
             raise MeshError(
-                f"Topology: expected nodes 0 to {len(rows) - 1}, found {nodes.min()} to {nodes.max()}"
+                f"Topology: expected nodes 0 to {len(rows) - 1}, "
+                f"found {nodes.min()} to {nodes.max()}"
             )
         sequence.add(kind, rows[nodes])
     return np.arange(first, len(sequence))
 
 
 def _mixed(values: list[int]) -> list[tuple[str, IntArray]]:
-    """Runs of cells of one type; before the nodes of each stands its type, and their count for
-    points and lines.
+    """Runs of cells of one type, from type and nodes of each cell; points and lines also have a
+    count.
     """
     runs: list[tuple[str, list[list[int]]]] = []
-    place = 0
-    while place < len(values):
-        number = values[place]
+    position = 0
+    while position < len(values):
+        number = values[position]
         if number not in _BY_NUMBER:
             raise MeshError(f"Topology: unsupported cells of XDMF's type {number}")
         kind, k = _BY_NUMBER[number]
-        place += 1
+        position += 1
         if kind in ("vertex", "line"):
-            if values[place : place + 1] != [k]:
+            if values[position : position + 1] != [k]:
                 raise MeshError(
-                    f"Topology: expected {k} nodes of each {kind}, found {values[place : place + 1]}"
+                    f"Topology: expected {k} nodes of each {kind}, "
+                    f"found {values[position : position + 1]}"
                 )
-            place += 1
-        if place + k > len(values):
+            position += 1
+        if position + k > len(values):
             raise MeshError("Topology: the last cell breaks off")
         if not runs or runs[-1][0] != kind:
             runs.append((kind, []))
-        runs[-1][1].append(values[place : place + k])
-        place += k
+        runs[-1][1].append(values[position : position + k])
+        position += k
     return [(kind, np.array(cells, dtype=np.int64)) for kind, cells in runs]
 
 
@@ -170,13 +171,13 @@ def _add_groups(
     sequence: Sequence,
     elements: IntArray,
 ) -> None:
-    """The arrays and sets of a grid, whose points and elements are those of `rows` and `elements`."""
+    """Groups from the arrays and sets of a grid on the points `rows` and the elements."""
 
-    def mark_points(name: str, places: IntArray) -> None:
-        draft.mark_points(name, rows[places])
+    def mark_points(name: str, numbers: IntArray) -> None:
+        draft.mark_points(name, rows[numbers])
 
-    def mark_cells(name: str, places: IntArray) -> None:
-        sequence.mark(name, elements[places])
+    def mark_cells(name: str, numbers: IntArray) -> None:
+        sequence.mark(name, elements[numbers])
 
     supports = {"node": (rows, mark_points), "cell": (elements, mark_cells)}
     for array in grid.findall("Attribute"):
@@ -189,16 +190,16 @@ def _add_groups(
                     f"Attribute {name}: expected {len(support)} values, found {len(values)}"
                 )
             mark_values(draft, name, values, mark)
-    for part in grid.findall("Set"):
+    for group in grid.findall("Set"):
         name, center = (
-            part.get("Name", "set"),
-            (part.get("SetType") or part.get("Type") or "").lower(),
+            group.get("Name", "set"),
+            (group.get("SetType") or group.get("Type") or "").lower(),
         )
         if center not in supports:
             draft.lost.append(f"set {name!r} of type {center!r}")
             continue
         support, mark = supports[center]
-        places = items.integers(part).reshape(-1)
-        if not ((places >= 0) & (places < len(support))).all():
+        numbers = items.integers(group).reshape(-1)
+        if not ((numbers >= 0) & (numbers < len(support))).all():
             raise MeshError(f"Set {name}: expected numbers 0 to {len(support) - 1}")
-        mark(name, places)
+        mark(name, numbers)

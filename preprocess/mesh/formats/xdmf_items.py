@@ -30,9 +30,7 @@ class DataItems:
         return integers
 
     def values(self, owner: ElementTree.Element) -> Any:
-        """The array of an element, in the dimensions that it announces; `MeshError` if it is not
-        there as a whole.
-        """
+        """The array of an element in its dimensions; `MeshError` if it is not there as a whole."""
         items = owner.findall("DataItem")
         if len(items) != 1:
             raise MeshError(f"{owner.tag}: expected one DataItem, found {len(items)}")
@@ -57,14 +55,14 @@ class DataItems:
             return item
         path = (item.text or "") if reference == "XML" else reference
         try:
-            found = self._root.find("./" + path.strip().removeprefix("/Xdmf/"))
+            target = self._root.find("./" + path.strip().removeprefix("/Xdmf/"))
         except SyntaxError as error:
             raise MeshError(
                 f"DataItem: the reference {path.strip()!r} is no path: {error}"
             ) from error
-        if found is None or found.get("Reference") is not None:
+        if target is None or target.get("Reference") is not None:
             raise MeshError(f"DataItem: nothing at the reference {path.strip()!r}")
-        return found
+        return target
 
     def _stored(self, item: ElementTree.Element, text: str) -> Any:
         kind = (item.get("NumberType") or item.get("DataType") or "Float").lower()

@@ -1,0 +1,118 @@
+"""Sources of a body: a mesh of lines, a mesh of solids, or matrices of another program."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from ...superelement.validation import Array
+from ..body.selection import InterfaceSelection
+from ..mesh.facets import Facets
+from ..mesh.mesh import IntArray, Mesh
+from ..mesh.nodes import Nodes
+from .interfaces import Attachment
+
+
+@dataclass(frozen=True, eq=False)
+class FieldPoints:
+    """Points of a body at which displacements, and perhaps stresses, can be recovered.
+
+    nodes (p,): the node of each point; cells (n, k): lines or facets as rows of points, -1 filling
+    short ones. strains (6 p, 3 n) sparse: strains at the points from displacements of the n nodes
+    of the source; C (materials, 6, 6) [Pa] and owners (p,): the elasticity of the material of each
+    point. Without strains, displacements alone.
+    """
+
+    nodes: IntArray
+    cells: IntArray
+    strains: Any | None = None
+    C: Array | None = None
+    owners: IntArray | None = None
+
+
+@dataclass(frozen=True)
+class Share:
+    """The elements of one material or section: number, total volume [m^3] or length [m], mass [kg].
+
+    group: that of the mesh; empty for the one of a whole body.
+    """
+
+    group: str
+    elements: int
+    extent: float
+    mass: float
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """The shortest wave [m] at the end of the band, and the largest spacing of the nodes [m].
+
+    Of solids the wave is one of shear, c = sqrt(G / rho); of beams one of bending, c^2 = omega
+    sqrt(EI / mass). needed: the nodes in a wavelength that carry it within about five per cent of
+    its speed.
+    """
+
+    wavelength: float
+    spacing: float
+    needed: int
+
+    @property
+    def nodes(self) -> float:
+        """Nodes in a wavelength."""
+        return self.wavelength / self.spacing
+
+
+class Source(Protocol):
+    """A finite element model free in space, without interfaces and masses."""
+
+    @property
+    def name(self) -> str:
+        """The file of the nodes, for messages."""
+        ...
+
+    @property
+    def nodes(self) -> Nodes:
+        """The nodes and their dofs."""
+        ...
+
+    def matrices(self) -> tuple[Any, Any]:
+        """K [N/m ...] and M [kg ...] (n_u, n_u), sparse and symmetric to the last bit.
+
+        `PreprocessError` unless they are those of one free elastic body.
+        """
+        ...
+
+    def attachment(self, selection: InterfaceSelection) -> Attachment:
+        """The frame on the nodes or facets of a selection; `InterfaceError` if it picks none."""
+        ...
+
+    def check_fields(self, stress: bool) -> None:
+        """`BodyError` if fields, or stresses, cannot be recovered."""
+        ...
+
+    def field_points(self, stress: bool) -> FieldPoints:
+        """The points at which fields are recovered, with strains if `stress`."""
+        ...
+
+
+class MeshSource(Source, Protocol):
+    """A source with elements, which can be surveyed and drawn."""
+
+    @property
+    def mesh(self) -> Mesh: ...
+
+    @property
+    def facets(self) -> Facets | None:
+        """The facets of solids, None of lines."""
+        ...
+
+    def shares(self) -> tuple[Share, ...]:
+        """The elements of each material or section."""
+        ...
+
+    def resolution(self, frequency: float) -> Resolution:
+        """The shortest wave at a frequency [Hz] beside the spacing of the nodes."""
+        ...
+
+    def boundary(self) -> Iterator[tuple[Array, IntArray]]:
+        """Polygons (m, k, 3) that turn outwards and their facets (m,), for each type of facet."""
+        ...

@@ -1,0 +1,46 @@
+"""Bodies given by the matrices of another program."""
+
+from dataclasses import dataclass
+from typing import Any, NoReturn
+
+from ..assembly.interfaces import Attachment, nodal_frame, point_frame
+from ..assembly.selected import nearest_node, table_nodes
+from ..assembly.source import FieldPoints
+from ..body.selection import InterfaceSelection
+from ..errors import BodyError
+from ..given.free_body import check_free_body
+from ..given.matrices import GivenModel
+from ..mesh.nodes import Nodes
+
+
+@dataclass(frozen=True, eq=False)
+class GivenSource:
+    """Stiffness and mass without elements; nodes have three dofs or six."""
+
+    model: GivenModel
+
+    @property
+    def name(self) -> str:
+        return self.model.table.name
+
+    @property
+    def nodes(self) -> Nodes:
+        return self.model.nodes
+
+    def matrices(self) -> tuple[Any, Any]:
+        check_free_body(self.model)
+        return self.model.K, self.model.M
+
+    def attachment(self, selection: InterfaceSelection) -> Attachment:
+        """The dofs of one node, or a frame with six that several carry."""
+        table = self.model.table
+        if selection.node is not None:
+            return nodal_frame(nearest_node(selection, table.points, table.size), self.nodes)
+        return point_frame(selection, table_nodes(selection, table), self.nodes)
+
+    def check_fields(self, stress: bool) -> NoReturn:
+        """`BodyError`: without elements there are neither cells nor strains."""
+        raise BodyError(f"[recovery]: expected a mesh, found the matrices {self.model.name}")
+
+    def field_points(self, stress: bool) -> FieldPoints:
+        self.check_fields(stress)

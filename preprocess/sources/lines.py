@@ -1,0 +1,113 @@
+"""Bodies of beams: a mesh of lines with sections."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from ...superelement.validation import Array
+from ..assembly.interfaces import Attachment, nodal_frame
+from ..assembly.selected import check_elements, mesh_nodes, nearest_node
+from ..assembly.source import FieldPoints, Resolution, Share
+from ..body.body import Body
+from ..body.material import Section
+from ..body.selection import InterfaceSelection
+from ..elements.beam import beam_matrices, lengths
+from ..errors import BodyError, InterfaceError
+from ..mesh.connectivity import check_connected
+from ..mesh.mesh import IntArray, Mesh
+from ..mesh.nodes import Nodes, node_dofs
+from .assignment import Assignment, assign
+
+LISTED = 4
+"""Nodes that a message lists."""
+NEEDED = 4
+"""Nodes in a wavelength: waves run too fast by sqrt(10) / pi - 1, 1 per cent."""
+
+
+@dataclass(frozen=True, eq=False)
+class LineSource:
+    """A mesh of lines with sections; every node has six dofs."""
+
+    mesh: Mesh
+    body: Body
+    facets: None = None
+
+    @property
+    def name(self) -> str:
+        return self.mesh.name
+
+    @cached_property
+    def nodes(self) -> Nodes:
+        return Nodes(self.mesh.points, np.ones(len(self.mesh.points), dtype=bool))
+
+    @cached_property
+    def sections(self) -> Assignment[Section]:
+        """The section of every line; `BodyError` if the body file has none."""
+        if self.body.section is None and not self.body.sections:
+            raise BodyError(
+                f"{self.name} is a mesh of lines: expected [section] or [sections.GROUP], "
+                "found a material"
+            )
+        return assign(self.mesh, self.body.section, self.body.sections, "sections")
+
+    def matrices(self) -> tuple[Any, Any]:
+        check_connected(self.mesh)
+        sections = self.sections
+        each = [sections.values[owner] for owner in sections.owners]
+        stiffness, mass = beam_matrices(self.mesh, each)
+        dofs = node_dofs(self.mesh.cells["line"], 6)
+        n_dofs = self.nodes.n_dofs
+        return _scatter(stiffness, dofs, n_dofs), _scatter(mass, dofs, n_dofs)
+
+    def attachment(self, selection: InterfaceSelection) -> Attachment:
+        """The dofs of the node nearest to a point, or of the one that a group or shapes select."""
+        mesh = self.mesh
+        check_elements(selection, mesh)
+        if selection.node is not None:
+            return nodal_frame(nearest_node(selection, mesh.points, mesh.size), self.nodes)
+        if selection.model_fields_set & {"kind", "at"}:
+            raise InterfaceError("kind and at belong to facets, of which a mesh of lines has none")
+        members = mesh_nodes(selection, mesh)
+        if len(members) != 1:
+            listed = [f"{node} at {mesh.points[node].tolist()}" for node in members[:LISTED]]
+            more = ", ..." if len(members) > LISTED else ""
+            raise InterfaceError(
+                f"expected one node of the lines, found {len(members)} in {selection}: "
+                f"points {', '.join(listed)}{more}"
+            )
+        return nodal_frame(int(members[0]), self.nodes)
+
+    def check_fields(self, stress: bool) -> None:
+        if stress:
+            raise BodyError(
+                f"recovery.stress: expected a mesh of solids, found {self.name}, one of lines"
+            )
+
+    def field_points(self, stress: bool) -> FieldPoints:
+        """All nodes, joined by the lines."""
+        self.check_fields(stress)
+        return FieldPoints(np.arange(len(self.mesh.points)), self.mesh.cells["line"])
+
+    def shares(self) -> tuple[Share, ...]:
+        return self.sections.shares(lengths(self.mesh))
+
+    def resolution(self, frequency: float) -> Resolution:
+        shortest = min(section.shortest_wave(frequency) for section in self.sections.values)
+        return Resolution(shortest, float(lengths(self.mesh).max()), NEEDED)
+
+    def boundary(self) -> Iterator[tuple[Array, IntArray]]:
+        """Lines have no facets."""
+        return iter(())
+
+
+def _scatter(blocks: Array, dofs: IntArray, n_dofs: int) -> Any:
+    """The sum of element matrices (n, k, k) in rows and columns `dofs` (n, k)."""
+    rows = np.broadcast_to(dofs[:, :, None], blocks.shape)
+    columns = np.broadcast_to(dofs[:, None, :], blocks.shape)
+    shape = (n_dofs, n_dofs)
+    matrix = sp.coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=shape).tocsc()
+    return (0.5 * (matrix + matrix.T)).tocsc()

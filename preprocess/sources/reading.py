@@ -1,0 +1,29 @@
+"""The choice of the source that a body file names."""
+
+from ..assembly.source import MeshSource, Source
+from ..body.body import Body
+from ..errors import BodyError
+from ..given.matrices import read_matrices
+from ..mesh.cells import LINES
+from ..mesh.reading import read_mesh
+from .given import GivenSource
+from .lines import LineSource
+
+
+def read_source(body: Body) -> Source:
+    """Read the files of a body; `PreprocessError` names the file that cannot be read."""
+    if body.matrices is not None:
+        return GivenSource(read_matrices(body.matrices))
+    return read_mesh_source(body)
+
+
+def read_mesh_source(body: Body) -> MeshSource:
+    """Read the mesh of a body; `BodyError` for a body of matrices."""
+    if body.mesh is None:
+        raise BodyError("a dry run draws what was selected on a mesh, found [matrices]")
+    mesh = read_mesh(body.mesh, body.scale)
+    if mesh.body_types == LINES:
+        return LineSource(mesh, body)
+    from .solids import SolidSource
+
+    return SolidSource(mesh, body)

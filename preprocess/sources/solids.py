@@ -1,0 +1,129 @@
+"""Bodies of solids: a mesh of solid elements with materials."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ...superelement.validation import Array
+from ..assembly.interfaces import Attachment, facet_frame, nodal_frame, point_frame
+from ..assembly.selected import (
+    check_elements,
+    mesh_facets,
+    mesh_nodes,
+    names_points,
+    nearest_node,
+)
+from ..assembly.source import FieldPoints, Resolution, Share
+from ..assembly.surface import surface
+from ..body.body import Body
+from ..body.material import Material
+from ..body.selection import InterfaceSelection
+from ..elements.solid import solid_matrices, volumes
+from ..elements.strain import strain_rows
+from ..errors import BodyError
+from ..mesh.cells import FACETS
+from ..mesh.connectivity import check_connected, check_no_mechanism
+from ..mesh.facets import Facets, facets_of
+from ..mesh.mesh import IntArray, Mesh
+from ..mesh.nodes import Nodes
+from .assignment import Assignment, assign
+from .solid_surface import surface_points
+
+LINEAR, QUADRATIC = 6, 4
+"""Nodes in a wavelength: waves run too fast by (k h)^2 / 24, 5 per cent, and by sqrt(10) / pi - 1,
+1 per cent.
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class SolidSource:
+    """A mesh of solids with materials; every node has three dofs."""
+
+    mesh: Mesh
+    body: Body
+
+    @property
+    def name(self) -> str:
+        return self.mesh.name
+
+    @cached_property
+    def nodes(self) -> Nodes:
+        return Nodes(self.mesh.points, np.zeros(len(self.mesh.points), dtype=bool))
+
+    @cached_property
+    def facets(self) -> Facets:
+        return facets_of(self.mesh)
+
+    @cached_property
+    def materials(self) -> Assignment[Material]:
+        """The material of every element; `BodyError` if the body file has none."""
+        if self.body.material is None and not self.body.materials:
+            raise BodyError(
+                f"{self.name} is a mesh of solids: expected [material] or [materials.GROUP], "
+                "found a section"
+            )
+        return assign(self.mesh, self.body.material, self.body.materials, "materials")
+
+    def matrices(self) -> tuple[Any, Any]:
+        check_connected(self.mesh)
+        K, M = solid_matrices(self.mesh, self.materials.values, self.materials.owners)
+        check_no_mechanism(self.mesh, self.facets)
+        return K, M
+
+    def attachment(self, selection: InterfaceSelection) -> Attachment:
+        """A node with three dofs, or a frame with six that facets or points carry.
+
+        A group that names a single point has the three dofs of that.
+        """
+        mesh, nodes = self.mesh, self.nodes
+        check_elements(selection, mesh)
+        if selection.node is not None:
+            return nodal_frame(nearest_node(selection, mesh.points, mesh.size), nodes)
+        if names_points(selection, mesh):
+            return point_frame(selection, mesh_nodes(selection, mesh), nodes)
+        numbers = mesh_facets(selection, mesh, self.facets)
+        faces = surface(mesh.points, self.facets.patch(numbers))
+        return facet_frame(selection, numbers, faces, nodes)
+
+    def check_fields(self, stress: bool) -> None:
+        """Solids give displacements and stresses."""
+
+    def field_points(self, stress: bool) -> FieldPoints:
+        """The nodes of the surface, one for each material that bounds there."""
+        owners = self.materials.owners
+        points = surface_points(self.mesh, self.facets, owners)
+        if not stress:
+            return FieldPoints(points.nodes, points.cells)
+        C = np.array([material.elasticity for material in self.materials.values])
+        strains = strain_rows(self.mesh, points.of_elements)
+        return FieldPoints(points.nodes, points.cells, strains, C, points.owners)
+
+    def shares(self) -> tuple[Share, ...]:
+        return self.materials.shares(volumes(self.mesh))
+
+    def resolution(self, frequency: float) -> Resolution:
+        shortest = min(material.shortest_wave(frequency) for material in self.materials.values)
+        spacing, quadratic = 0.0, False
+        for kind, nodes in self.facets.nodes.items():
+            corners = self.mesh.points[nodes[:, : FACETS[kind].corners]]
+            edge = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
+            quadratic = nodes.shape[1] > FACETS[kind].corners
+            spacing = max(spacing, float(edge) / (2 if quadratic else 1))
+        return Resolution(shortest, spacing, QUADRATIC if quadratic else LINEAR)
+
+    def boundary(self) -> Iterator[tuple[Array, IntArray]]:
+        for kind, first in self.facets.first.items():
+            nodes = self.facets.nodes[kind]
+            rows = np.flatnonzero(self.facets.boundary[first:][: len(nodes)])
+            rim = _rim(FACETS[kind].corners, nodes.shape[1])
+            yield self.mesh.points[nodes[rows][:, rim]], first + rows
+
+
+def _rim(corners: int, n_nodes: int) -> list[int]:
+    """The nodes around a facet: its corners, with the middles between them if there are any."""
+    if n_nodes == corners:
+        return list(range(corners))
+    return [node for corner in range(corners) for node in (corner, corners + corner)]
