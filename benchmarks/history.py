@@ -12,7 +12,7 @@ from typing import Any
 
 import numba
 import numpy as np
-from duhamel.solver import Constant, FlexibleBody, Load, Model
+from duhamel.solver import Constant, FlexibleBody, Load, Model, Settings
 from duhamel.solver.history.cost import cheapest_history, history_costs
 from duhamel.solver.history.dyadic import Lookahead
 from duhamel.solver.start.initial import begin
@@ -63,10 +63,7 @@ def measure(body: Superelement, history: str, n_steps: int) -> float:
     model = Model(
         {"body": FlexibleBody(body)},
         loads=loads,
-        t_end=n_steps * H,
-        step=H,
-        rho_inf=0.9,
-        history=history,
+        settings=Settings(t_end=n_steps * H, step=H, rho_inf=0.9, history=history),
     )
     beginning = begin(model)
     system, state, work = beginning.compiled.system, beginning.state, beginning.work

@@ -16,13 +16,12 @@ import argparse
 import statistics
 import time
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from duhamel.preprocess import build, read_body
-from duhamel.solver import FlexibleBody, Joint, Model, Start, read_model
+from duhamel.solver import FlexibleBody, Joint, Model, Settings, Start, read_model
 from duhamel.solver.output.columns import make_output
 from duhamel.solver.simulation import compile_loop, signals
 from duhamel.solver.start.initial import begin
@@ -91,7 +90,7 @@ def beam() -> Superelement:
 def case_1() -> None:
     model = read_model(CASE_1)
     whole, bare = measure(model), measure(model, recorded=False)
-    fixed = [measure(replace(model, corrections=n), recorded=False).step for n in (1, 2)]
+    fixed = [measure(model.with_settings(fixed_iterations=n), recorded=False).step for n in (1, 2)]
     correction = fixed[1] - fixed[0]
     others = bare.step - whole.corrections * correction
     matrix = fixed[0] - correction - others
@@ -117,7 +116,7 @@ def many_modes() -> None:
             {"body": FlexibleBody(element(m))},
             [Joint("pivot", "revolute", ("ground", "body.i0"), [0, 0, 1])],
             gravity=[0, -9.81, 0],
-            t_end=2000 * H,
+            settings=Settings(t_end=2000 * H),
         )
         print(f"| {m} | {measure(model).step:.1f} |")
     print()
@@ -166,8 +165,7 @@ def chain(element: Superelement, n: int, steps: int) -> Model:
             Joint(f"joint{k}", "revolute", (ends[k], f"body{k}.root"), [0, 0, 1]) for k in range(n)
         ],
         gravity=[0, -9.81, 0],
-        t_end=steps * H,
-        step=H,
+        settings=Settings(t_end=steps * H, step=H),
     )
 
 

@@ -108,7 +108,7 @@ def variants(case: str) -> Iterator[tuple[str, solver.Model]]:
         element = superelement.read(ROOT / f"meshes/beam/{name}.h5")
         model = with_beam(printed, element)
         yield f"{case}-{name}", model
-        yield f"{case}-{name}-paper", replace(model, rule="paper")
+        yield f"{case}-{name}-paper", model.with_settings(rule="paper")
         if case == "case5":
             yield f"{case}-{name}-lumped", with_lumped_tip(model, name)
             yield f"{case}-{name}-printed", with_impulse(model, PRINTED_IMPULSE)
@@ -182,7 +182,7 @@ def check_momentum(found: Run) -> None:
     )
     mass = sum(body.mass for body in found.model.bodies.values())
     momentum = found.results.momentum
-    expected = impulse + mass * found.model.gravity[2] * found.model.t_end
+    expected = impulse + mass * found.model.gravity[2] * found.model.settings.t_end
     assert abs(momentum.linear[-1, 2] - expected) < 1e-10
     (torque,) = [load for load in found.model.loads if load.type == "torque"]
     before = int(np.searchsorted(found.time, 0.199))
@@ -421,9 +421,9 @@ def report_speeds(runs: dict[str, Run]) -> None:
             load.signal.end for load in found.model.loads if isinstance(load.signal, solver.Pulse)
         )
         instants = (
-            [pulse, BLOW, found.model.t_end]
+            [pulse, BLOW, found.model.settings.t_end]
             if name.startswith("case5")
-            else [pulse, found.model.t_end]
+            else [pulse, found.model.settings.t_end]
         )
         for start, end in pairwise(instants):
             print(f"{name:24}{start:5.2f} to {end:.2f} s", end="")
@@ -434,7 +434,7 @@ def report_speeds(runs: dict[str, Run]) -> None:
                 print(f"{rising.mean():7.2f} ± {np.ptp(rising) / 2:.2f}", end="")
             print(f"{out_of_phase(found):10.3f} rad")
         if len(instants) > 2:
-            y = fast(found.deflection[:, 1], found.model.step)
+            y = fast(found.deflection[:, 1], found.model.settings.step)
             after = [
                 peak(y[(found.time > t) & (found.time <= t + 0.05)]) for t in (0.205, 0.3, 0.6, 0.9)
             ]

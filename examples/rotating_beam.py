@@ -109,15 +109,12 @@ def variants(case: Case) -> dict[str, solver.Model]:
     beam = model.bodies["beam"]
     kernel = beam.superelement.kernel
     rigid_beam = solver.RigidBody(beam.mass, beam.inertia, beam.frames, beam.start)
-    rigid = replace(
-        model,
-        bodies={**model.bodies, "beam": rigid_beam},
-        step=kernel.h,
-        rho_inf=kernel.scheme.rho_inf,
+    rigid = replace(model, bodies={**model.bodies, "beam": rigid_beam}).with_settings(
+        step=kernel.h, rho_inf=kernel.scheme.rho_inf
     )
     return {
         f"{case.name}.h5": model,
-        f"{case.name}-paper-rule.h5": replace(model, rule="paper"),
+        f"{case.name}-paper-rule.h5": model.with_settings(rule="paper"),
         f"{case.name}-rigid.h5": rigid,
     }
 

@@ -107,8 +107,8 @@ def with_rigid_rod(model: solver.Model) -> solver.Model:
     rod = model.bodies["rod"]
     kernel = rod.superelement.kernel
     rigid = solver.RigidBody(rod.mass, rod.inertia, rod.frames, rod.start)
-    return replace(
-        model, bodies={**model.bodies, "rod": rigid}, step=kernel.h, rho_inf=kernel.scheme.rho_inf
+    return replace(model, bodies={**model.bodies, "rod": rigid}).with_settings(
+        step=kernel.h, rho_inf=kernel.scheme.rho_inf
     )
 
 

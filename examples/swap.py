@@ -128,7 +128,7 @@ def compare(
         of_solid / frequency - 1.0,
         compliance[1] / compliance[0] - 1.0,
     )
-    drift = 2.0 * np.pi * frequency * np.abs(frequency_shift) * model.t_end
+    drift = 2.0 * np.pi * frequency * np.abs(frequency_shift) * model.settings.t_end
     return Comparison(
         angle=largest(solid.angle - beam.angle) / largest(beam.angle),
         deflection=largest(solid.deflection - beam.deflection) / largest(beam.deflection),

@@ -4,9 +4,10 @@ from ..results.results import Results
 from .errors import ConvergenceError, ModelError, RecoveryError, ResultsError
 from .model.file import read_model
 from .model.joints import Joint
-from .model.model import FlexibleBody, Frame, Load, Model, Place, RigidBody, Start, SteadyRotation
+from .model.model import FlexibleBody, Frame, Load, Model, Place, RigidBody, Start
 from .model.motions import PrescribedDisplacement, PrescribedRotation
 from .model.output_request import OutputRequest
+from .model.settings import Settings, SteadyRotation
 from .model.signals import (
     Constant,
     Function,
@@ -48,6 +49,7 @@ __all__ = [
     "Results",
     "ResultsError",
     "RigidBody",
+    "Settings",
     "Simulator",
     "SmoothFunction",
     "Spline",

@@ -104,7 +104,7 @@ def compile_system(model: Model, without: frozenset[int] = frozenset()) -> Compi
     left out.
     """
     h, scheme = _step_and_scheme(model)
-    n_steps = int(np.ceil(model.t_end / h - 1e-6))
+    n_steps = int(np.ceil(model.settings.t_end / h - 1e-6))
     poses = place_bodies(model)
     body_names = list(model.bodies)
     frames = number_frames(model, poses)
@@ -123,10 +123,10 @@ def compile_system(model: Model, without: frozenset[int] = frozenset()) -> Compi
         for joint in model.joints
         for coordinate, row in joint_observers(joint, frames.sides(joint)).items()
     }
-    if not model.assemble:
+    if not model.settings.assemble:
         _check_assembled(model, poses, frames)
     _check_moments(model, frames, rows)
-    weight = 1.0 if model.rule == "consistent" else 0.5
+    weight = 1.0 if model.settings.rule == "consistent" else 0.5
     elastic, compliances, truncation = lay_out_elastic(
         model, frames.arrays, h, scheme, n_steps, weight
     )
@@ -141,10 +141,10 @@ def compile_system(model: Model, without: frozenset[int] = frozenset()) -> Compi
             beta_prime=scheme.beta_prime(h),
             gamma_prime=scheme.gamma_prime(h),
             weight=weight,
-            tolerance=model.tolerance,
-            max_iterations=model.max_iterations,
-            corrections=model.corrections or 0,
-            reuse=np.inf if model.corrections else REUSE,
+            tolerance=model.settings.tolerance,
+            max_iterations=model.settings.max_iterations,
+            corrections=model.settings.fixed_iterations or 0,
+            reuse=np.inf if model.settings.fixed_iterations else REUSE,
         ),
         bodies=Bodies(
             mass=np.array([body.mass for body in model.bodies.values()], dtype=float),
@@ -188,8 +188,8 @@ def _step_and_scheme(model: Model) -> tuple[float, GeneralizedAlpha]:
     steps = {name: kernel.h for name, kernel in kernels.items()}
     radii = {name: kernel.scheme.rho_inf for name, kernel in kernels.items()}
     return (
-        _given_or_common("step", model.step, steps),
-        GeneralizedAlpha(_given_or_common("rho_inf", model.rho_inf, radii, default=0.9)),
+        _given_or_common("step", model.settings.step, steps),
+        GeneralizedAlpha(_given_or_common("rho_inf", model.settings.rho_inf, radii, default=0.9)),
     )
 
 

@@ -14,9 +14,10 @@ from ...superelement import Superelement, read
 from ..arrays import Array
 from ..errors import ModelError, about
 from .joints import Joint
-from .model import Body, FlexibleBody, Frame, Load, Model, Place, RigidBody, Start, SteadyRotation
+from .model import Body, FlexibleBody, Frame, Load, Model, Place, RigidBody, Start
 from .motions import PrescribedDisplacement, PrescribedMotion, PrescribedRotation
 from .output_request import OutputRequest
+from .settings import Settings, SteadyRotation
 from .signals import Constant, Harmonic, Impulse, Input, Polynomial, Pulse, Signal, Spline, Steps
 from .signals import Table as Points
 from .springs import Law, Spring
@@ -228,19 +229,21 @@ class _Simulation(Table):
     rho_inf: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
     rule: Literal["consistent", "paper"] = "consistent"
     history: Literal["auto", "recursive", "direct", "fft"] = "auto"
-    memory: PositiveFloat | None = None
+    kernel_length: PositiveFloat | None = Field(None, alias="memory")
     tolerance: PositiveFloat = 1e-10
     max_iterations: PositiveInt = 20
-    corrections: PositiveInt | None = None
+    fixed_iterations: PositiveInt | None = Field(None, alias="corrections")
     start: Literal["given", "equilibrium"] = "given"
     steady_rotation: _SteadyRotation | None = None
     assemble: bool = False
     redundant: Literal["error", "remove"] = "error"
 
-    def settings(self) -> dict[str, Any]:
-        """What `Model` is told besides its parts."""
-        rotation = None if self.steady_rotation is None else self.steady_rotation.rotation()
-        return {**dict(self), "steady_rotation": rotation}
+    def settings(self, output: OutputRequest) -> Settings:
+        given = dict(self)
+        del given["gravity"]
+        if self.steady_rotation is not None:
+            given["steady_rotation"] = self.steady_rotation.rotation()
+        return Settings(**given, output=output)
 
 
 class _Ground(Table):
@@ -294,10 +297,10 @@ def _model(file: _ModelFile, text: str, path: Path) -> Model:
         springs=tuple(_spring(spring) for spring in file.springs),
         motions=tuple(motion.motion() for motion in file.motions),
         ground_frames={name: frame.frame() for name, frame in file.ground.frames.items()},
-        output=file.output.request(),
+        gravity=np.array(file.simulation.gravity),
+        settings=file.simulation.settings(file.output.request()),
         source=text,
         path=str(path),
-        **file.simulation.settings(),
     )
 
 

@@ -11,13 +11,13 @@ A drive adds a row of the same two kinds: `angle` turns e1(A) by the signal befo
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from ..arrays import Array
-from ..errors import ModelError, plain
+from ..errors import ModelError
 from .signals import Motion
+from .vectors import unit_vector
 
 
 @dataclass(frozen=True)
@@ -176,14 +176,3 @@ def basis_about(axis: Array) -> Array:
     e1 = e1 - axis * (axis @ e1)
     e1 = e1 / np.linalg.norm(e1)
     return np.column_stack([e1, np.cross(axis, e1), axis])
-
-
-def unit_vector(name: str, value: Any) -> Array:
-    array = np.asarray(value, dtype=np.float64)
-    length = float(np.linalg.norm(array))
-    if array.shape != (3,) or not (np.isfinite(length) and length > 0.0):
-        raise ModelError(
-            f"{name}: expected three numbers that are not all zero, got {plain(value)}"
-        )
-    unit: Array = array / length
-    return unit

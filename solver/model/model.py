@@ -3,7 +3,7 @@ checked when made.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -13,9 +13,10 @@ from ..arrays import Array
 from ..errors import ModelError, plain
 from .joints import Joint
 from .motions import PrescribedMotion
-from .output_request import OutputRequest
+from .settings import Settings
 from .signals import Signal
 from .springs import Spring
+from .vectors import vector
 
 GROUND = "ground"
 INERTIA_TOLERANCE = 1e-6
@@ -68,20 +69,6 @@ class Start:
             object.__setattr__(self, name, vector(name, getattr(self, name)))
         if self.place is not None and (self.position.any() or self.rotation.any()):
             raise ModelError("a body starts by `place` or by `position` and `rotation`, got both")
-
-
-@dataclass(frozen=True, eq=False)
-class SteadyRotation:
-    """All bodies turn as one: angular_velocity (3,) [rad/s] in space, about the point `center` (3,)
-    [m].
-    """
-
-    angular_velocity: Array
-    center: Array = field(default_factory=lambda: np.zeros(3))
-
-    def __post_init__(self) -> None:
-        for name in ("angular_velocity", "center"):
-            object.__setattr__(self, name, vector(f"steady_rotation: {name}", getattr(self, name)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,23 +163,11 @@ class Load:
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """Bodies by name, joints and loads, and how to integrate their motion.
+    """A mechanism: bodies by name, and what acts between them.
 
-    t_end [s]; gravity (3,) [m/s^2], the acceleration of a free body; step [s] and rho_inf, by
-    default those of the superelements; rule "consistent" or "paper" (eq. 55); history "auto" (the
-    cheapest), "recursive", "direct" or "fft"; memory [s], after which impulse responses are faded
-    out and cut off (those that modes carry are not); tolerance of Newton's method, relative to the
-    forces and displacements of a step. `ground_frames` are frames fixed in space. corrections: the
-    most that Newton's method makes in a step before it goes on as it is, for steps of bounded cost;
-    by default it converges or fails. output: what is recorded. `source` is the text of the model
-    file and `path` its name, if there is one.
-
-    start: "given", as the bodies say, or "equilibrium", at rest, or in a `steady_rotation`, under
-    gravity and the loads at t = 0, elastic displacements included; places and joint coordinates are
-    then where the search begins, and velocities are refused. A steady rotation goes on as it starts
-    if gravity and loads that do not follow act along its axis. assemble: close joints however far
-    they are open at the start (otherwise by no more than a thousandth of the size of the model);
-    redundant: what to do with constraints that depend on one another, "error" or "remove".
+    gravity (3,) [m/s^2]: the acceleration of a free body; ground_frames: frames fixed in space;
+    settings: how to integrate its motion, by default for one second; source, path: the text of the
+    model file and its name, if there is one.
     """
 
     bodies: Mapping[str, Body]
@@ -200,22 +175,10 @@ class Model:
     loads: tuple[Load, ...] = ()
     springs: tuple[Spring, ...] = ()
     motions: tuple[PrescribedMotion, ...] = ()
-    t_end: float = 1.0
+    _: KW_ONLY
     gravity: Array = field(default_factory=lambda: np.zeros(3))
-    step: float | None = None
-    rho_inf: float | None = None
-    rule: str = "consistent"
-    history: str = "auto"
-    memory: float | None = None
-    tolerance: float = 1e-10
-    max_iterations: int = 20
-    corrections: int | None = None
-    start: str = "given"
-    steady_rotation: SteadyRotation | None = None
-    assemble: bool = False
-    redundant: str = "error"
     ground_frames: Mapping[str, Frame] = field(default_factory=dict)
-    output: OutputRequest = field(default_factory=OutputRequest)
+    settings: Settings = field(default_factory=lambda: Settings(t_end=1.0))
     source: str = ""
     path: str = ""
 
@@ -223,7 +186,8 @@ class Model:
         object.__setattr__(self, "gravity", vector("gravity", self.gravity))
         for name in ("joints", "loads", "springs", "motions"):
             object.__setattr__(self, name, tuple(getattr(self, name)))
-        self._check_numbers()
+        if not isinstance(self.settings, Settings):
+            raise ModelError(f"settings: expected Settings, got {self.settings!r}")
         self._check_names()
         self._check_start()
 
@@ -231,34 +195,12 @@ class Model:
     def flexible_bodies(self) -> dict[str, FlexibleBody]:
         return {name: body for name, body in self.bodies.items() if isinstance(body, FlexibleBody)}
 
+    def with_settings(self, **changes: Any) -> "Model":
+        """The same mechanism with some of its settings changed."""
+        return replace(self, settings=replace(self.settings, **changes))
+
     def frames_of(self, body: str) -> Mapping[str, Frame]:
         return self.ground_frames if body == GROUND else self.bodies[body].frames
-
-    def _check_numbers(self) -> None:
-        if not 0.0 < self.t_end < np.inf:
-            raise ModelError(f"t_end: expected a positive time, got {self.t_end}")
-        if self.step is not None and not 0.0 < self.step < np.inf:
-            raise ModelError(f"step: expected a positive time, got {self.step}")
-        if self.rho_inf is not None and not 0.0 <= self.rho_inf <= 1.0:
-            raise ModelError(f"rho_inf: expected a number from 0 to 1, got {self.rho_inf}")
-        if self.rule not in ("consistent", "paper"):
-            raise ModelError(f"rule: expected 'consistent' or 'paper', got {self.rule!r}")
-        if self.history not in ("auto", "recursive", "direct", "fft"):
-            raise ModelError(
-                f"history: expected 'auto', 'recursive', 'direct' or 'fft', got {self.history!r}"
-            )
-        if self.memory is not None and not 0.0 < self.memory < np.inf:
-            raise ModelError(f"memory: expected a positive time, got {self.memory}")
-        if self.start not in ("given", "equilibrium"):
-            raise ModelError(f"start: expected 'given' or 'equilibrium', got {self.start!r}")
-        if self.redundant not in ("error", "remove"):
-            raise ModelError(f"redundant: expected 'error' or 'remove', got {self.redundant!r}")
-        if not 0.0 < self.tolerance < 1.0:
-            raise ModelError(f"tolerance: expected a number between 0 and 1, got {self.tolerance}")
-        if self.max_iterations < 1:
-            raise ModelError(f"max_iterations: expected 1 or more, got {self.max_iterations}")
-        if self.corrections is not None and self.corrections < 1:
-            raise ModelError(f"corrections: expected 1 or more, got {self.corrections}")
 
     def _check_names(self) -> None:
         if not self.bodies:
@@ -285,9 +227,7 @@ class Model:
 
     def _check_start(self) -> None:
         """Equilibrium has no velocities but those of a steady rotation."""
-        if self.start != "equilibrium":
-            if self.steady_rotation is not None:
-                raise ModelError("steady_rotation: needs start = 'equilibrium'")
+        if self.settings.start != "equilibrium":
             return
         for name, body in self.bodies.items():
             for key in ("velocity", "angular_velocity"):
@@ -351,10 +291,3 @@ class Model:
 def _is_name(name: str) -> bool:
     """Names make up paths of results and references to frames."""
     return bool(name) and "." not in name and "/" not in name
-
-
-def vector(name: str, value: Any) -> Array:
-    array = np.asarray(value, dtype=float)
-    if array.shape != (3,) or not np.isfinite(array).all():
-        raise ModelError(f"{name}: expected three numbers, got {plain(value)}")
-    return array

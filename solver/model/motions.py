@@ -7,8 +7,8 @@ from typing import Any
 
 from ..arrays import Array
 from ..errors import ModelError
-from .joints import unit_vector
 from .signals import Motion
+from .vectors import unit_vector
 
 
 @dataclass(frozen=True, eq=False)

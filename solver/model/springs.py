@@ -19,7 +19,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import ModelError, plain
-from .joints import basis_about, unit_vector
+from .joints import basis_about
+from .vectors import unit_vector
 
 SPRING_ROWS = {"point": 1, "torsion": 1, "bushing": 6}
 

@@ -58,7 +58,7 @@ def make_output(compiled: CompiledModel, n: int) -> Output:
 
 def requested_columns(compiled: CompiledModel) -> dict[str, Column]:
     """The datasets that the model asks for; `ModelError` for a quantity that there is not."""
-    request, columns = compiled.model.output, lay_out_columns(compiled)
+    request, columns = compiled.model.settings.output, lay_out_columns(compiled)
     request.check([group_of(name) for name in columns])
     return {name: column for name, column in columns.items() if request.selects(group_of(name))}
 

@@ -24,7 +24,7 @@ class Recorder:
 
     def __init__(self, file: ResultsFile, compiled: CompiledModel) -> None:
         width = sum(array[0].size for array in make_output(compiled, 1))
-        self._every, self._last = compiled.model.output.every, compiled.n_steps
+        self._every, self._last = compiled.model.settings.output.every, compiled.n_steps
         n = min(NUMBERS // width, self._last // self._every + 2)
         self.output = make_output(compiled, max(n, 16))
         self._file = file

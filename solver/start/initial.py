@@ -80,9 +80,9 @@ def begin(model: Model) -> Beginning:
         _close(compiled, state, work)
     loads, drive = _inputs(compiled)
     correction = 0.0
-    if model.start == "equilibrium":
+    if model.settings.start == "equilibrium":
         check_drives(compiled)
-        rotation = model.steady_rotation
+        rotation = model.settings.steady_rotation
         motion = None if rotation is None else steady_motion(rotation, compiled.system.scheme)
         settle(compiled, loads, drive, motion, state, work)
         check_steady(compiled, motion, state, work)

@@ -47,7 +47,7 @@ def redundant_rows(compiled: CompiledModel, state: State, work: Workspace) -> fr
             f"joints: {describe_rows(compiled, driven)} is driven against other constraints: on one another depend "
             f"{describe_rows(compiled, involved)}; take away the drive or free a joint"
         )
-    if compiled.model.redundant == "error":
+    if compiled.model.settings.redundant == "error":
         are = "is" if len(removable) == 1 else "are"
         raise ModelError(
             f"joints: {len(hard)} constraints of which {len(removable)} {are} redundant; on one another depend "

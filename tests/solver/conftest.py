@@ -14,6 +14,8 @@ from duhamel.solver import FlexibleBody, Frame, Joint, Model, Place, RigidBody, 
 from duhamel.solver.step import rotations
 from duhamel.superelement import GeneralizedAlpha, Interface, Modes, Superelement, sample_kernel
 
+from .models import model_of
+
 BEAM = Path(__file__).parents[2] / "meshes" / "beam" / "beam.toml"
 BEAM_INERTIA = 4.75475e-3
 """of the paper's beam about the axis of its hub [kg m^2]"""
@@ -89,7 +91,7 @@ def hub_and_beam() -> Callable[..., Model]:
         start = Start(
             place=Place("root", "hub.rim"), velocity=np.cross(omega, center), angular_velocity=omega
         )
-        return Model(
+        return model_of(
             bodies={"hub": hub, "beam": FlexibleBody(beam.element, start)},
             joints=(
                 Joint("pivot", pivot, ("ground", "hub"), axis),

@@ -20,6 +20,7 @@ from duhamel.solver import (
     Polynomial,
     PrescribedDisplacement,
     RigidBody,
+    Settings,
     Spring,
     Start,
     Steps,
@@ -28,6 +29,8 @@ from duhamel.solver import (
 )
 from duhamel.superelement import GeneralizedAlpha, sample_kernel, write
 
+from .models import model_of
+
 
 def body(**settings):
     return RigidBody(1.0, [1.0, 2.0, 1.5], {"f": Frame([0.5, 0, 0])}, **settings)
@@ -35,7 +38,7 @@ def body(**settings):
 
 def model(joints=(), loads=(), **settings):
     bodies = {"a": body(), "b": body(start=Start(position=[1.0, 0, 0], rotation=[0, 0, np.pi]))}
-    return Model(
+    return model_of(
         **{"bodies": bodies, "joints": joints, "loads": loads, "t_end": 0.1, "step": 0.01}
         | settings
     )
@@ -209,8 +212,8 @@ MADE = {
         "history: expected 'auto', 'recursive', 'direct' or 'fft', got 'modal'",
     ),
     "a memory of no length": (
-        lambda: model(memory=0.0),
-        "memory: expected a positive time, got 0.0",
+        lambda: model(kernel_length=0.0),
+        "kernel_length: expected a positive time, got 0.0",
     ),
     "a tolerance of one": (
         lambda: model(tolerance=1.0),
@@ -303,7 +306,7 @@ def test_a_model_that_cannot_start(name, tmp_path):
     make, message = STARTED[name]
     path = tmp_path / "results.h5"
     with pytest.raises(ModelError, match=re.escape(message)):
-        simulate(make(), path)
+        simulate(make(), output=path)
     assert not path.exists()
 
 
@@ -343,7 +346,7 @@ def test_an_interface_without_rotations_carries_no_moments(element):
 
 def test_superelements_of_different_steps_ask_for_one(element):
     other = replace(element, kernel=sample_kernel(element.modes, 2e-3, GeneralizedAlpha(0.7), 200))
-    model = Model(flexible(e=element, f=other), t_end=0.01, rho_inf=0.9)
+    model = Model(flexible(e=element, f=other), settings=Settings(t_end=0.01, rho_inf=0.9))
     with pytest.raises(
         ModelError,
         match=re.escape(
@@ -355,18 +358,18 @@ def test_superelements_of_different_steps_ask_for_one(element):
         ModelError,
         match=re.escape("simulation: rho_inf: the superelements differ (e: 0.9, f: 0.7)"),
     ):
-        simulate(replace(model, step=1e-3, rho_inf=None))
-    assert simulate(replace(model, step=1e-3)).solver["h"] == 1e-3
+        simulate(model.with_settings(step=1e-3, rho_inf=None))
+    assert simulate(model.with_settings(step=1e-3)).solver["h"] == 1e-3
 
 
 def test_a_kernel_alone_has_one_step_and_one_length(element, measured):
-    model = Model(flexible(e=measured(element)), t_end=0.05)
+    model = Model(flexible(e=measured(element)), settings=Settings(t_end=0.05))
     with pytest.raises(ModelError, match=r"superelement random 1: .*0.002"):
-        simulate(replace(model, step=2e-3))
+        simulate(model.with_settings(step=2e-3))
     with pytest.raises(ModelError, match=r"superelement random 1: .*0.8"):
-        simulate(replace(model, rho_inf=0.8))
+        simulate(model.with_settings(rho_inf=0.8))
     with pytest.raises(ModelError, match=r"superelement random 1: .*200"):
-        simulate(replace(model, t_end=0.3))
+        simulate(model.with_settings(t_end=0.3))
 
 
 def test_a_load_that_is_no_number_stops_the_run():
@@ -515,7 +518,7 @@ def test_a_model_file_becomes_the_model_it_describes(element, tmp_path):
     assert list(model.bodies) == ["a", "e", "twin"]
     assert model.bodies["e"].superelement is model.bodies["twin"].superelement
     assert model.bodies["e"].start.place == Place("i0", "a.f")
-    assert (model.gravity, model.history, model.step, model.source) == (
+    assert (model.gravity, model.settings.history, model.settings.step, model.source) == (
         pytest.approx([0, 0, -9.81]),
         "direct",
         0.01,

@@ -33,6 +33,7 @@ from duhamel.solver import (
     Load,
     Model,
     PrescribedDisplacement,
+    Settings,
     Start,
     simulate,
 )
@@ -89,7 +90,7 @@ def supported(beam, loads, **settings):
             PrescribedDisplacement("up", last, [0, 0, 1], Constant(0.0)),
         ),
         loads=loads,
-        **settings,
+        settings=Settings(**settings),
     )
 
 

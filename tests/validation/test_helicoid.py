@@ -35,6 +35,7 @@ from duhamel.solver import (
     Place,
     Pulse,
     RigidBody,
+    Settings,
     Start,
     simulate,
 )
@@ -113,9 +114,7 @@ def motion(part, n, force, pulse, gravity, ball=False):
             *more_loads,
         ),
         gravity=[0, 0, -gravity],
-        t_end=T_END,
-        step=STEP,
-        rho_inf=0.9,
+        settings=Settings(t_end=T_END, step=STEP, rho_inf=0.9),
     )
     results = simulate(model)
     axis = results.joint("axis").coordinates

@@ -24,7 +24,17 @@ import pytest
 
 pytest.importorskip("exudyn")
 
-from duhamel.solver import FlexibleBody, Frame, Joint, Model, Place, RigidBody, Start, simulate
+from duhamel.solver import (
+    FlexibleBody,
+    Frame,
+    Joint,
+    Model,
+    Place,
+    RigidBody,
+    Settings,
+    Start,
+    simulate,
+)
 
 from .exudyn_beam import EA, EI, L, m
 from .exudyn_pendulum import pendulum
@@ -85,9 +95,7 @@ def motion(body, part, beams, parts):
         bodies={f"b{i}": body(part, place) for i, place in enumerate(places)},
         joints=joints,
         gravity=[0, -9.81, 0],
-        t_end=T_END,
-        step=STEP,
-        rho_inf=0.9,
+        settings=Settings(t_end=T_END, step=STEP, rho_inf=0.9),
     )
     results = simulate(model)
     tips = [results.frame(f"b{i}.tip").position[:, :2] for i in range(parts - 1, n, parts)]

@@ -31,6 +31,7 @@ from duhamel.solver import (
     Model,
     Place,
     RigidBody,
+    Settings,
     Start,
     Steps,
     simulate,
@@ -64,8 +65,7 @@ def motion(beam, phi, C_0, rule):
             Joint("clamp", "fixed", ("hub.rim", "beam.root")),
         ),
         loads=(Load("torque", "hub", [0, 0, C_0], Steps(TIMES, VALUES)),),
-        t_end=0.3,
-        rule=rule,
+        settings=Settings(t_end=0.3, rule=rule),
     )
     results = simulate(model)
     w, _, _, z = results.body("hub").R.T

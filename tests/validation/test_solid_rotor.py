@@ -21,6 +21,7 @@ from duhamel.solver import (
     Model,
     Place,
     RigidBody,
+    Settings,
     Start,
     Steps,
     simulate,
@@ -79,9 +80,7 @@ def motion(blade):
                 "torque", "hub", [0, 0, 2.0], Steps((0.0, 0.05, 0.15, 0.2), (1.0, 0.0, -1.0, 0.0))
             ),
         ),
-        t_end=T_END,
-        step=6e-5,
-        rho_inf=0.9,
+        settings=Settings(t_end=T_END, step=6e-5, rho_inf=0.9),
     )
     results = simulate(model)
     angle = results.joint("pivot").coordinates["angle"]

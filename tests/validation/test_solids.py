@@ -22,7 +22,7 @@ them, by no more than sum s_j 2 pi |f_j - f_j'| t_end and the static difference.
 
 import numpy as np
 import pytest
-from duhamel.solver import Constant, FlexibleBody, Joint, Load, Model, Start, simulate
+from duhamel.solver import Constant, FlexibleBody, Joint, Load, Model, Settings, Start, simulate
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
@@ -146,9 +146,7 @@ def tip_response(part, length, t_end):
         bodies={"bar": FlexibleBody(part, Start(position=[0.5 * length, 0, 0]))},
         joints=(Joint("clamp", "fixed", ("ground", "bar.root")),),
         loads=(Load("force", "bar.tip", [0, 0, 1.0], Constant(1.0)),),
-        t_end=t_end,
-        step=STEP * length,
-        rho_inf=0.9,
+        settings=Settings(t_end=t_end, step=STEP * length, rho_inf=0.9),
     )
     results = simulate(model)
     return results.frame("bar.tip").position[:, 2]
