@@ -10,7 +10,7 @@ from ..arrays import Array, as_index, as_rows
 from ..errors import ModelError
 from ..history.layout import lay_out_elastic
 from ..model.model import Model
-from ..model.signals import Motion, Signal
+from ..model.signals import Signal, SmoothSignal
 from ..step.rotations import quaternion_of
 from ..step.rows import measures_length
 from ..step.system import Bodies, Loads, Scheme, System
@@ -53,7 +53,7 @@ class CompiledModel:
     observers: list[tuple[str, str]]
     """joint and coordinate of each observer row"""
     observer_starts: Array
-    drives: list[Motion]
+    drives: list[SmoothSignal]
     load_signals: list[Signal]
     superelements: list[Superelement]
     compliances: list[Array]

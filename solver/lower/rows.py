@@ -9,7 +9,7 @@ from ..arrays import Array, as_index, as_rows
 from ..errors import ModelError
 from ..model.joints import ABOUT_E3, Joint, basis_about
 from ..model.motions import PrescribedDisplacement, PrescribedMotion
-from ..model.signals import Motion
+from ..model.signals import SmoothSignal
 from ..model.springs import Spring
 from ..step.rows import ANGLE, DISTANCE, ROTATION, TRANSLATION
 from ..step.system import Couplings, Rows
@@ -28,7 +28,7 @@ class Row:
     a: Array = field(default_factory=lambda: np.zeros(3))
     a_turned: Array = field(default_factory=lambda: np.zeros(3))
     b: Array = field(default_factory=lambda: np.zeros(3))
-    drive: Motion | None = None
+    drive: SmoothSignal | None = None
     start: float = 0.0
     rest: float = 0.0
     stiffness: Array | None = None
@@ -81,7 +81,7 @@ def joint_rows(joint: Joint, sides: Sides) -> list[Row]:
     return rows
 
 
-def _driven_angle(A: int, B: int, in_a: Array, in_b: Array, angle: Motion) -> Row:
+def _driven_angle(A: int, B: int, in_a: Array, in_b: Array, angle: SmoothSignal) -> Row:
     """e1(A), turned about e3 by the signal, stays perpendicular to the axis of B that is e2 turned
     by -angle(0).
     """
@@ -168,7 +168,7 @@ def lay_out_rows(rows: Sequence[Row]) -> Rows:
     )
 
 
-def lay_out_couplings(couplings: Sequence[list[Row]]) -> tuple[Couplings, list[Motion]]:
+def lay_out_couplings(couplings: Sequence[list[Row]]) -> tuple[Couplings, list[SmoothSignal]]:
     """The rows of all couplings one after the other, and the signals that drive some of them."""
     rows = [row for coupling in couplings for row in coupling]
     drives = [row.drive for row in rows if row.drive is not None]

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import ModelError
-from .signals import Motion
+from .signals import SmoothSignal
 from .vectors import unit_vector
 
 
@@ -97,8 +97,8 @@ class Joint:
     between: tuple[str, str]
     axis: Array | None = None
     second_axis: Array | None = None
-    angle: Motion | None = None
-    distance: Motion | None = None
+    angle: SmoothSignal | None = None
+    distance: SmoothSignal | None = None
     start: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -126,7 +126,7 @@ class Joint:
                 raise ModelError(
                     f"joint {self.name!r}: a {self.type} joint is driven by {takes}, got {drive}"
                 )
-            if not isinstance(signal, Motion):
+            if not isinstance(signal, SmoothSignal):
                 raise ModelError(
                     f"joint {self.name!r}: {drive}: expected a smooth signal "
                     f"(constant, harmonic, polynomial, spline), got {type(signal).__name__.lower()}"

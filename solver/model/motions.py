@@ -7,7 +7,7 @@ from typing import Any
 
 from ..arrays import Array
 from ..errors import ModelError
-from .signals import Motion
+from .signals import SmoothSignal
 from .vectors import unit_vector
 
 
@@ -23,7 +23,7 @@ class PrescribedDisplacement:
     name: str
     on: str
     direction: Array
-    displacement: Motion
+    displacement: SmoothSignal
 
     def __post_init__(self) -> None:
         owner = f"motion {self.name!r}"
@@ -43,7 +43,7 @@ class PrescribedRotation:
     name: str
     on: str
     axis: Array
-    angle: Motion
+    angle: SmoothSignal
 
     def __post_init__(self) -> None:
         owner = f"motion {self.name!r}"
@@ -55,7 +55,7 @@ PrescribedMotion = PrescribedDisplacement | PrescribedRotation
 
 
 def _check_from_rest(name: str, signal: Any) -> None:
-    if not isinstance(signal, Motion):
+    if not isinstance(signal, SmoothSignal):
         raise ModelError(f"{name}: expected a smooth signal, got {type(signal).__name__.lower()}")
     if signal(0.0) != 0.0:
         raise ModelError(

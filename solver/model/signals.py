@@ -26,7 +26,7 @@ class Signal(Protocol):
 
 
 @runtime_checkable
-class Motion(Signal, Protocol):
+class SmoothSignal(Signal, Protocol):
     """A signal smooth enough to drive a joint."""
 
     def derivatives(self, t: float) -> tuple[float, float]:
