@@ -106,7 +106,9 @@ def our_run(model: Model, tip: str, tolerance: float) -> Run:
 
 
 def race(first: str, entrants: Sequence[Entrant], repeats: int) -> None:
-    """A row for each, the first of which is ours; the time of a step is the median of its repeats."""
+    """A row for each, the first of which is ours; the time of a step is the median of its
+    repeats.
+    """
     rounds = [[entrant.run() for entrant in entrants] for _ in range(repeats)]
     own = median(turn[0].cpu for turn in rounds)
     for entrant, runs in zip(entrants, zip(*rounds, strict=True), strict=True):

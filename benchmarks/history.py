@@ -87,7 +87,8 @@ def main() -> None:
     arguments = parser.parse_args()
     print("microseconds a step, measured (modelled)")
     print(
-        f"{'dofs':>5} {'modes':>6} {'steps':>8}  {'recursive':>15} {'direct':>17} {'fft':>15}   auto; without modes"
+        f"{'dofs':>5} {'modes':>6} {'steps':>8}  {'recursive':>15} {'direct':>17} {'fft':>15}  "
+        " auto; without modes"
     )
     for n_c in arguments.dofs:
         for m in arguments.modes:
@@ -108,7 +109,8 @@ def main() -> None:
                 choice = cheapest_history(n_c, n_c, m, n_steps, n_steps + 1)
                 fallback = cheapest_history(n_c, n_c, None, n_steps, n_steps + 1)
                 print(
-                    f"{n_c:5} {m:6} {n_steps:8}  {cells[0]:>15} {cells[1]:>17} {cells[2]:>15}   {choice}; {fallback}",
+                    f"{n_c:5} {m:6} {n_steps:8}  {cells[0]:>15} {cells[1]:>17} {cells[2]:>15}  "
+                    f" {choice}; {fallback}",
                     flush=True,
                 )
 

@@ -70,7 +70,8 @@ def main() -> None:
             ]
             name = corrections or "until converged"
             print(
-                f"| {name} | {clock} | {' | '.join(cells)} | {np.median(times) / h:.0%} | {np.mean(times > h):.2%} |"
+                f"| {name} | {clock} | {' | '.join(cells)} | {np.median(times) / h:.0%} | "
+                f"{np.mean(times > h):.2%} |"
             )
 
 

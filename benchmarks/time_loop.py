@@ -95,7 +95,8 @@ def case_1() -> None:
     others = bare.step - whole.corrections * correction
     matrix = fixed[0] - correction - others
     print(
-        f"Case 1: {whole.step:.1f} us a step, {whole.corrections:.2f} corrections, {whole.matrices:.3f} matrices\n"
+        f"Case 1: {whole.step:.1f} us a step, {whole.corrections:.2f} corrections, "
+        f"{whole.matrices:.3f} matrices\n"
     )
     print("| part | us | times a step |\n|---|---|---|")
     print(
@@ -104,7 +105,8 @@ def case_1() -> None:
     print(f"| matrix: derivatives, blocks, factors | {matrix:.1f} | {whole.matrices:.3f} |")
     print(f"| record | {whole.step - bare.step:.2f} | 1 |")
     print(
-        f"| history, prediction, residuals at the end | {others - matrix * whole.matrices:.2f} | 1 |\n"
+        f"| history, prediction, residuals at the end | {others - matrix * whole.matrices:.2f} "
+        "| 1 |\n"
     )
 
 
@@ -144,7 +146,8 @@ def element(m: int) -> Superelement:
 def chains(numbers: Sequence[int]) -> None:
     """Beams on revolute joints that fall from the horizontal."""
     print(
-        "| bodies | us a step | a body | corrections | matrices a step | start |\n|---|---|---|---|---|---|"
+        "| bodies | us a step | a body | corrections | matrices a step | start "
+        "|\n|---|---|---|---|---|---|"
     )
     for n in numbers:
         cost = measure(chain(beam(), n, steps=40 if n > 100 else 400), repeats=3)

@@ -197,7 +197,8 @@ def report(checks: Checks) -> None:
     print(f"blades before the blow      alike within {checks.alike:.2e} of their deflection")
     print(f"angular momentum            as the torque left it within {checks.momentum:.2e}")
     print(
-        f"what the blow adds          Duhamel's integral over the held blade within {checks.struck:.2e} of its peak"
+        "what the blow adds          Duhamel's integral over the held blade within "
+        f"{checks.struck:.2e} of its peak"
     )
 
 

@@ -330,14 +330,18 @@ def trajectory(case: str, recording: view.Recording) -> Figure:
 
 
 def show_the_blow(case: str, *panels: Axes) -> None:
-    """Of Case 5 only the time around the blow: over the whole of it, vibrations are a solid band."""
+    """Of Case 5 only the time around the blow: over the whole of it, vibrations are a
+    solid band.
+    """
     if case == "case5":
         for axes in panels:
             axes.set_xlim(BLOW - 0.02, BLOW + 0.1)
 
 
 def after_the_blow(runs: dict[str, Run]) -> Figure:
-    """The lateral deflections of Case 5 with the tip mass both ways, and by the rule of the paper."""
+    """The lateral deflections of Case 5 with the tip mass both ways, and by the rule of
+    the paper.
+    """
     figure, panels = view.panels(2)
     kinds = (("-paper", RED, "-", "rule of the paper"), ("", BLUE, "-", "mass on a joint"))
     kinds += (("-lumped", "black", (0, (1, 2)), "mass in the superelement"),)
@@ -378,7 +382,8 @@ def report(runs: dict[str, Run]) -> None:
     )
     print(f"{'root turns [rad]':>18}{'acceleration [rad/s²], [m/s²]':>34}")
     print(
-        f"{'':24}{'':8}{'largest':>10}{'at 1 s':>10}{'x':>8}{'y':>8}{'z':>8}{'y':>9}{'z':>9}{'y':>9}{'z':>9}"
+        f"{'':24}{'':8}{'largest':>10}{'at 1 s':>10}"
+        f"{'x':>8}{'y':>8}{'z':>8}{'y':>9}{'z':>9}{'y':>9}{'z':>9}"
     )
     for name, found in runs.items():
         recording = found.recording
@@ -412,7 +417,8 @@ def report(runs: dict[str, Run]) -> None:
 def report_speeds(runs: dict[str, Run]) -> None:
     """After the pulses, and of Case 5 also after the blow; what the blow leaves above 70 Hz."""
     print(
-        "speeds: turning [rad/s], from and to; rising [m/s] without what gravity adds; tip and centre out of phase"
+        "speeds: turning [rad/s], from and to; rising [m/s] without what gravity adds; tip and "
+        "centre out of phase"
     )
     for name, found in runs.items():
         if name.endswith("weightless"):  # gravity adds less to it
@@ -439,7 +445,8 @@ def report_speeds(runs: dict[str, Run]) -> None:
                 peak(y[(found.time > t) & (found.time <= t + 0.05)]) for t in (0.205, 0.3, 0.6, 0.9)
             ]
             print(
-                f"{'':24}tip above 70 Hz, y: {', '.join(f'{1e3 * size:.3f}' for size in after)} mm ",
+                f"{'':24}tip above 70 Hz, y: "
+                f"{', '.join(f'{1e3 * size:.3f}' for size in after)} mm ",
                 end="",
             )
             print("after 0, 0.1, 0.4, 0.7 s")

@@ -258,7 +258,8 @@ def titled(case: Case) -> str:
 
 def report(motions: dict[str, Motion]) -> None:
     print(
-        f"{'':18}{'peak speed':>12}{'peak deflection, residual':>28}{'largest distance from Exudyn':>32}"
+        f"{'':18}{'peak speed':>12}{'peak deflection, residual':>28}"
+        f"{'largest distance from Exudyn':>32}"
     )
     print(f"{'':18}{'[rad/s]':>12}{'[mm]':>16}{'[1]':>12}{'speed':>18}{'deflection':>14}")
     for name, found in motions.items():

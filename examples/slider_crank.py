@@ -257,18 +257,22 @@ def stressed_rod(results: solver.Results, time: float) -> Figure:
 def report(found: Strokes, checks: Checks) -> None:
     k = found.largest.argmax()
     print(
-        f"largest stress              {1e-6 * found.largest[k]:.1f} MPa at {1e3 * found.worst:.2f} ms"
+        f"largest stress              {1e-6 * found.largest[k]:.1f} MPa at "
+        f"{1e3 * found.worst:.2f} ms"
     )
     print(
-        f"force in the shank          {1e-3 * found.force.min():.2f} to {1e-3 * found.force.max():.2f} kN"
+        f"force in the shank          {1e-3 * found.force.min():.2f} to "
+        f"{1e-3 * found.force.max():.2f} kN"
     )
     print(f"rigid rod, closed form      piston force within {checks.rigid:.2e} of its peak")
     print(
-        f"elastic rod, rigid rod      piston force within {checks.elastic:.2e} before the compression"
+        f"elastic rod, rigid rod      piston force within {checks.elastic:.2e} before the "
+        "compression"
     )
     print(f"stresses, Newton's law      force in the shank within {checks.section:.2e} of its peak")
     print(
-        f"                            centrifugal forces, left out, would add up to {checks.centrifugal:.2e}"
+        "                            centrifugal forces, left out, would add up to "
+        f"{checks.centrifugal:.2e}"
     )
 
 

@@ -225,10 +225,12 @@ def picture(motions: dict[str, Motion], title: str) -> Figure:
 def report(found: Comparison) -> None:
     f, shift, compliance = found.frequency, found.frequency_shift, found.compliance_shift
     print(
-        f"frequencies of the rotor    {f[0]:.3f}, {f[1]:.3f} Hz; solid less beam {shift[0]:+.2e}, {shift[1]:+.2e}"
+        f"frequencies of the rotor    {f[0]:.3f}, {f[1]:.3f} Hz; solid less beam "
+        f"{shift[0]:+.2e}, {shift[1]:+.2e}"
     )
     print(
-        f"static tip compliance       solid less beam {compliance[0]:+.2e} (y), {compliance[1]:+.2e} (z)"
+        f"static tip compliance       solid less beam {compliance[0]:+.2e} (y), "
+        f"{compliance[1]:+.2e} (z)"
     )
     print(f"angle of the hub            largest difference over its peak {found.angle:.2e}")
     print(f"deflection of the tip       largest difference over its peak {found.deflection:.2e}")

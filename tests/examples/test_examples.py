@@ -1,6 +1,5 @@
 """The examples run, and what they and their documents say holds."""
 
-
 import numpy as np
 import pytest
 from duhamel import solver, superelement
@@ -72,7 +71,9 @@ def test_helicoidal_beam(example, folder):
 
 
 def test_one_step_of_the_blow_is_its_area(example):
-    """The impulse of Case 5 is i_0 / h over one step, eq. (98), with i_0 in its three directions."""
+    """The impulse of Case 5 is i_0 / h over one step, eq. (98), with i_0 in its three
+    directions.
+    """
     (blow,) = [
         load
         for load in solver.read_model(EXAMPLES / "case5.toml").loads

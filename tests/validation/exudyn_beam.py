@@ -55,8 +55,10 @@ class RotatingBeam:
     """Histories of the motion at n times, starting from rest with the beam along the x axis.
 
     time (n,) [s], hub_angle (n,) [rad], hub_speed (n,) [rad/s]
-    tip (n, 2) [m]      tip displacement in the hub frame, R_hub^T (r_tip - r_clamp) - (L, 0): eq. (96) put right
-    clamp (n, 3)        what the clamp leaves open: gap in the hub frame (2) [m] and angle of the root slope [rad]
+    tip (n, 2) [m]      tip displacement in the hub frame, R_hub^T (r_tip - r_clamp) - (L, 0),
+                        eq. (96) put right
+    clamp (n, 3)        what the clamp leaves open: gap in the hub frame (2) [m] and angle of the
+                        root slope [rad]
     """
 
     time: Array

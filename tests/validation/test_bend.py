@@ -80,7 +80,8 @@ def displacement(folder, n):
     tip = results.frame(f"b{n - 1}.tip").position
     moved = tip[0] - arc(ANGLE, 1)[-1]
     print(
-        f"{n} superelements: tip moved by {moved} in, reference {REFERENCE}, {results.solver['seconds']:.2f} s"
+        f"{n} superelements: tip moved by {moved} in, reference {REFERENCE}, "
+        f"{results.solver['seconds']:.2f} s"
     )
     return moved, np.abs(tip - tip[0]).max()
 

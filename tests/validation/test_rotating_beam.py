@@ -98,7 +98,8 @@ def test_the_motion_is_that_of_a_geometrically_exact_beam(
     record_property("hub speed", speed_difference)
     record_property("tip deflection", tip_difference)
     print(
-        f"phi = {phi}, {rule}: hub speed {speed_difference:.2e}, tip deflection {tip_difference:.2e} of the peak"
+        f"phi = {phi}, {rule}: hub speed {speed_difference:.2e}, tip deflection "
+        f"{tip_difference:.2e} of the peak"
     )
     assert speed_difference < hub_speed[phi]
     assert tip_difference < tip[phi]

@@ -63,7 +63,8 @@ def test_the_ends_move_as_dalembert_says(motion, end, begin, until, reference):
     ripple, mean = np.abs(velocity[:, 0] - reference).max(), velocity[:, 0].mean()
     aside = np.abs(velocity[:, 1:3]).max()
     print(
-        f"{end}: mean velocity {mean:.6f} v, reference {reference:g} v, ripple {ripple:.1e} v, aside {aside:.1e} v"
+        f"{end}: mean velocity {mean:.6f} v, reference {reference:g} v, ripple {ripple:.1e} v, "
+        f"aside {aside:.1e} v"
     )
     assert abs(mean - reference) < MEAN
     assert ripple < RIPPLE

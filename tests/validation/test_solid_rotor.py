@@ -98,7 +98,8 @@ def test_a_solid_blade_turns_as_one_of_beams(blades):
         for of_beam, of_solid in zip(found["beam"], found["solid"], strict=True)
     )
     print(
-        f"clamped: {frequency:.4f} Hz, solid less beam {shift:+.2e}; largest differences over the peaks:"
+        f"clamped: {frequency:.4f} Hz, solid less beam {shift:+.2e}; largest differences over "
+        "the peaks:"
     )
     print(
         f"angle of the hub {angle:.2e}, deflection of the tip {tip:.2e}; explained {explained:.2e}"

@@ -100,7 +100,8 @@ def test_frequencies_converge_with_the_mesh_and_to_each_other(bar, support):
         coarse, fine = -np.diff(frequencies, axis=0)
         order = np.log2(coarse / fine)
         print(
-            f"{support}, {kind}: {frequencies.tolist()} Hz, order {order}; off Timoshenko {frequencies / limit - 1}"
+            f"{support}, {kind}: {frequencies.tolist()} Hz, order {order}; off Timoshenko "
+            f"{frequencies / limit - 1}"
         )
         assert (order > ORDER[kind]).all()
     print(f"{support}: apart from each other {apart}")
@@ -123,7 +124,8 @@ def test_slender_bars_tend_to_the_beam(bar):
     free, clamped = np.array(off["free"]), np.array(off["clamped"])
     order = np.log2(clamped[:-1] / clamped[1:])
     print(
-        f"depth over length {DEPTH / lengths}: free {free.tolist()}, clamped {clamped.tolist()}, order {order.tolist()}"
+        f"depth over length {DEPTH / lengths}: free {free.tolist()}, clamped "
+        f"{clamped.tolist()}, order {order.tolist()}"
     )
     assert (np.abs(free) < 0.02 * (DEPTH / lengths[:, None]) ** 4).all()
     assert (order > 2.7).all()
@@ -184,7 +186,8 @@ def test_the_tip_follows_that_of_the_beam(bar, tmp_path):
             explained = drift + 2.0 * np.abs(solid_compliance - compliance).sum()
             off.append(np.abs(tip_response(part, length, t_end) - reference).max())
             print(
-                f"{kind}, {n} across: off by {off[-1] / static:.2e}, explained {explained / static:.2e} of the static"
+                f"{kind}, {n} across: off by {off[-1] / static:.2e}, explained "
+                f"{explained / static:.2e} of the static"
             )
             assert off[-1] < explained
         assert off[0] > 4.0 * off[1] > 16.0 * off[2]

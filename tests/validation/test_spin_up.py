@@ -93,7 +93,8 @@ def found(tmp_path_factory):
         print(
             f"{n:2d} bodies: largest deflection {lag.min():.4f}, reference {REFERENCE}; "
             f"after 15 s within {np.abs(lag[results.time > 15.0]).max():.4f}; "
-            f"{results.iterations.mean():.2f} iterations and {1e6 * seconds / steps:.0f} us per step, {seconds:.2f} s"
+            f"{results.iterations.mean():.2f} iterations and {1e6 * seconds / steps:.0f} us "
+            f"per step, {seconds:.2f} s"
         )
         lags[n] = lag.min()
     return lags
