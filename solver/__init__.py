@@ -2,9 +2,11 @@
 
 from ..results.results import Results
 from .errors import ConvergenceError, ModelError, RecoveryError, ResultsError
+from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
 from .model.file import read_model
 from .model.joints import Joint
-from .model.model import FlexibleBody, Frame, Load, Model, Place, RigidBody, Start
+from .model.loads import Load
+from .model.model import Model
 from .model.motions import PrescribedDisplacement, PrescribedRotation
 from .model.output_request import OutputRequest
 from .model.settings import Settings, SteadyRotation

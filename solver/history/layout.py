@@ -132,7 +132,8 @@ def _remember(
     scheme: GeneralizedAlpha,
     n_steps: int,
 ) -> _Memory:
-    history, length = model.settings.history, model.settings.kernel_length
+    history: str = model.settings.history
+    length = model.settings.kernel_length
     lags = n_steps + 1 if length is None else min(n_steps, round(length / h)) + 1
     if history == "auto":
         m = None if element.modes is None else len(element.modes.omega)

@@ -84,14 +84,7 @@ class CompiledModel:
 
     def owner_of(self, row: int) -> str:
         """The same as messages name it: "joint 'hinge'"."""
-        j = self.coupling_of(row)
-        model = self.model
-        kinds = (
-            ["joint"] * len(model.joints)
-            + ["motion"] * len(model.motions)
-            + ["spring"] * len(model.springs)
-        )
-        return f"{kinds[j]} {self.coupling_names[j]!r}"
+        return self.model.couplings[self.coupling_of(row)].owner
 
     @property
     def frame_quaternions(self) -> Array:
@@ -156,7 +149,7 @@ def compile_system(model: Model, without: frozenset[int] = frozenset()) -> Compi
         observers=lay_out_rows(list(observers.values())),
         loads=Loads(
             frame=as_index([frames.number(load.on) for load in model.loads]),
-            torque=as_index([load.type == "torque" for load in model.loads]),
+            torque=as_index([load.kind.moment for load in model.loads]),
             follower=as_index([load.follower for load in model.loads]),
             direction=as_rows([load.direction for load in model.loads]),
         ),
@@ -248,7 +241,7 @@ def _check_moments(model: Model, frames: NumberedFrames, rows: dict[str, list[Ro
     for owner, coupling in owners.items():
         if not all(measures_length(row.kind) for row in rows[coupling.name]):
             loaded |= dict.fromkeys(side_names(coupling), owner)
-    loaded |= {load.on: f"torque on {load.on!r}" for load in model.loads if load.type == "torque"}
+    loaded |= {load.on: f"torque on {load.on!r}" for load in model.loads if load.kind.moment}
     for frame, owner in loaded.items():
         f = frames.number(frame)
         if frames.arrays.dof[f] >= 0 and not frames.arrays.rotations[f]:

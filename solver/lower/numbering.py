@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..model.bodies import FlexibleBody
 from ..model.joints import Joint
-from ..model.model import GROUND, FlexibleBody, Model
+from ..model.model import GROUND, Model
 from ..model.motions import PrescribedMotion
 from ..model.springs import Spring
 from ..step.system import Frames

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..arrays import Array, as_index, as_rows
-from ..errors import ModelError
 from ..model.joints import ABOUT_E3, Joint, basis_about
 from ..model.motions import PrescribedDisplacement, PrescribedMotion
 from ..model.signals import SmoothSignal
@@ -14,8 +13,6 @@ from ..model.springs import Spring
 from ..step.rows import ANGLE, DISTANCE, ROTATION, TRANSLATION
 from ..step.system import Couplings, Rows
 from .placement import Pose
-
-BUSHING_ROTATIONS = ((2, 1), (0, 2), (1, 0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,21 +124,19 @@ def motion_rows(motion: PrescribedMotion, sides: Sides) -> list[Row]:
 
 def spring_rows(spring: Spring, sides: Sides) -> list[Row]:
     """The coordinates of a spring with their law."""
-    in_a, in_b = sides.carried(spring.basis())
+    kind, (in_a, in_b) = spring.kind, sides.carried(spring.basis())
     A, B = sides.A, sides.B
     gap = sides.gap(spring.basis())
-    if spring.type == "point":
+    rows = []
+    if kind.distance:
         length = float(np.linalg.norm(gap))
         if length <= 1e-12 * max(1.0, float(np.abs(sides.pose_a.x).max())):
-            raise ModelError(
-                f"spring {spring.name!r}: its ends {list(spring.between)} coincide at the start"
-            )
-        rows = [Row(DISTANCE, A, B, start=length)]
-    elif spring.type == "torsion":
-        rows = [Row(ANGLE, A, B, in_a[:, 0], in_a[:, 1], in_b[:, 0])]
-    else:
-        rows = [Row(TRANSLATION, A, B, in_a[:, k], start=float(gap[k])) for k in range(3)]
-        rows += [Row(ROTATION, A, B, in_a[:, i], b=in_b[:, j]) for i, j in BUSHING_ROTATIONS]
+            ends = list(spring.between)
+            raise spring.error(f"its ends {ends} coincide at the start")
+        rows.append(Row(DISTANCE, A, B, start=length))
+    rows += [Row(TRANSLATION, A, B, in_a[:, k], start=float(gap[k])) for k in kind.translations]
+    rows += [Row(ANGLE, A, B, in_a[:, t.i], in_a[:, t.k], in_b[:, t.j]) for t in kind.angles]
+    rows += [Row(ROTATION, A, B, in_a[:, i], b=in_b[:, j]) for i, j in kind.rotations]
     rest = np.array([row.start for row in rows]) if spring.rest is None else spring.rest
     return [
         replace(

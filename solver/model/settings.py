@@ -1,31 +1,27 @@
 """Settings of a simulation: how the motion of a mechanism is integrated, and what is recorded."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
+from typing import Annotated, Literal
 
-import numpy as np
-
-from ..arrays import Array
-from ..errors import ModelError
+from .entry import Entry, Key, entry
 from .output_request import OutputRequest
-from .vectors import vector
+from .values import ORIGIN, Count, Fraction, PositiveTime, Tolerance, Vector
 
 
-@dataclass(frozen=True, eq=False)
-class SteadyRotation:
+@entry()
+class SteadyRotation(Entry):
     """All bodies turn as one: angular_velocity (3,) [rad/s] in space, about the point `center` (3,)
     [m].
     """
 
-    angular_velocity: Array
-    center: Array = field(default_factory=lambda: np.zeros(3))
+    label = "steady_rotation"
 
-    def __post_init__(self) -> None:
-        for name in ("angular_velocity", "center"):
-            object.__setattr__(self, name, vector(f"steady_rotation: {name}", getattr(self, name)))
+    angular_velocity: Vector
+    center: Vector = ORIGIN
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Settings:
+@entry(kw_only=True)
+class Settings(Entry):
     """From t = 0 to t_end [s], in steps of the same length.
 
     step [s], rho_inf: by default those of the superelements. rule: of convolution, "consistent" or
@@ -44,45 +40,21 @@ class Settings:
     them. output: what is recorded.
     """
 
-    t_end: float
-    step: float | None = None
-    rho_inf: float | None = None
-    rule: str = "consistent"
-    history: str = "auto"
-    kernel_length: float | None = None
-    tolerance: float = 1e-10
-    max_iterations: int = 20
-    fixed_iterations: int | None = None
-    start: str = "given"
+    t_end: PositiveTime
+    step: PositiveTime | None = None
+    rho_inf: Fraction | None = None
+    rule: Literal["consistent", "paper"] = "consistent"
+    history: Literal["auto", "recursive", "direct", "fft"] = "auto"
+    kernel_length: Annotated[PositiveTime | None, Key("memory")] = None
+    tolerance: Tolerance = 1e-10
+    max_iterations: Count = 20
+    fixed_iterations: Annotated[Count | None, Key("corrections")] = None
+    start: Literal["given", "equilibrium"] = "given"
     steady_rotation: SteadyRotation | None = None
     assemble: bool = False
-    redundant: str = "error"
+    redundant: Literal["error", "remove"] = "error"
     output: OutputRequest = field(default_factory=OutputRequest)
 
-    def __post_init__(self) -> None:
-        if not 0.0 < self.t_end < np.inf:
-            raise ModelError(f"t_end: expected a positive time, got {self.t_end}")
-        for name in ("step", "kernel_length"):
-            time = getattr(self, name)
-            if time is not None and not 0.0 < time < np.inf:
-                raise ModelError(f"{name}: expected a positive time, got {time}")
-        if self.rho_inf is not None and not 0.0 <= self.rho_inf <= 1.0:
-            raise ModelError(f"rho_inf: expected a number from 0 to 1, got {self.rho_inf}")
-        if self.rule not in ("consistent", "paper"):
-            raise ModelError(f"rule: expected 'consistent' or 'paper', got {self.rule!r}")
-        if self.history not in ("auto", "recursive", "direct", "fft"):
-            raise ModelError(
-                f"history: expected 'auto', 'recursive', 'direct' or 'fft', got {self.history!r}"
-            )
-        if not 0.0 < self.tolerance < 1.0:
-            raise ModelError(f"tolerance: expected a number between 0 and 1, got {self.tolerance}")
-        for name in ("max_iterations", "fixed_iterations"):
-            count = getattr(self, name)
-            if count is not None and count < 1:
-                raise ModelError(f"{name}: expected 1 or more, got {count}")
-        if self.start not in ("given", "equilibrium"):
-            raise ModelError(f"start: expected 'given' or 'equilibrium', got {self.start!r}")
+    def validate(self) -> None:
         if self.steady_rotation is not None and self.start != "equilibrium":
-            raise ModelError("steady_rotation: needs start = 'equilibrium'")
-        if self.redundant not in ("error", "remove"):
-            raise ModelError(f"redundant: expected 'error' or 'remove', got {self.redundant!r}")
+            raise self.error("steady_rotation: needs start = 'equilibrium'")

@@ -1,4 +1,6 @@
-"""Bodies of the solver's tests: the paper's beam and its hub, and superelements of random numbers."""
+"""Bodies of the solver's tests: the paper's beam and its hub, and superelements of random
+numbers.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -37,7 +37,9 @@ def crank(angle=0.0):
 
 
 def four_bar(folder, stiffness=0.05, drive=None, **settings):
-    """A rigid crank; a coupler and a rocker so soft that they bend by a thousandth of their length."""
+    """A rigid crank; a coupler and a rocker so soft that they bend by a thousandth of
+    their length.
+    """
     B, C = pins(ANGLE)
     return model_of(
         bodies={

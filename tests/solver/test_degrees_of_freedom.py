@@ -41,7 +41,9 @@ def link(p, q):
 
 
 def chain(*types, length=0.2):
-    """Links along x, each on a joint of the given type to the one before, the first to the ground."""
+    """Links along x, each on a joint of the given type to the one before, the first to the
+    ground.
+    """
     axes = {
         "universal": (Y, Z),
         "revolute": (Y,),

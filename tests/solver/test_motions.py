@@ -42,7 +42,9 @@ def rate_of(values, h):
 
 
 def test_a_slide_is_shaken():
-    """The position is the signal to rounding; velocity, acceleration and force m s'' to order two."""
+    """The position is the signal to rounding; velocity, acceleration and force m s'' to
+    order two.
+    """
     m, shake, errors = 3.0, Harmonic(0.1, 3.0), []
     for h in (1e-3, 5e-4):
         results = simulate(
@@ -126,7 +128,9 @@ def test_a_driven_angle_of_several_turns():
 
 
 def test_a_coordinate_that_is_watched_goes_on_over_full_turns():
-    """A free disk of 40 rad/s, forwards and backwards: seen from either side the angle is omega t."""
+    """A free disk of 40 rad/s, forwards and backwards: seen from either side the angle is
+    omega t.
+    """
     for speed in (40.0, -40.0):
         for between, sign in ((("ground", "disk"), 1.0), (("disk", "ground"), -1.0)):
             results = simulate(

@@ -133,7 +133,10 @@ def test_a_quantity_that_there_is_not_is_refused_before_the_file_is_touched(mode
     wrong = replace(model, path="rotor.toml").with_settings(
         output=OutputRequest(quantities=("bodies/hubb",))
     )
-    message = r"rotor.toml: output: quantities: no 'bodies/hubb'; there are: .*; did you mean 'bodies/hub'\?"
+    message = (
+        r"rotor.toml: output: quantities: no 'bodies/hubb'; there are: .*; "
+        r"did you mean 'bodies/hub'\?"
+    )
     with pytest.raises(ModelError, match=message):
         simulate(wrong, output=path)
     assert path.read_text() == "kept"

@@ -48,7 +48,9 @@ def on_springs(folder):
 
 
 def between_walls(folder):
-    """Two beams on hinges, with both ends held: they sag, and pull at each other and at the walls."""
+    """Two beams on hinges, with both ends held: they sag, and pull at each other and at
+    the walls.
+    """
     beam = bar(folder, 0.3, stiffness=0.05, steps=STEPS)
     y = [0.0, 1.0, 0.0]
     return Model(

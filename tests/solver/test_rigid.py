@@ -78,7 +78,9 @@ def test_the_period_of_a_pendulum(arm, small):
 
 
 def test_a_symmetric_top_without_torque_precesses():
-    """Its axis cones about the angular momentum at |J omega| / J_1; the momentum stays where it is."""
+    """Its axis cones about the angular momentum at |J omega| / J_1; the momentum stays
+    where it is.
+    """
     J1, J3, h = 1.0, 2.0, 1e-3
     omega = np.array([0.5, 0.0, 3.0])
     body = RigidBody(1.0, [J1, J1, J3], {}, Start(angular_velocity=omega))
@@ -182,7 +184,9 @@ def test_the_heavy_top_keeps_its_energy_to_order_two():
 
 
 def test_the_angle_of_a_revolute_joint_is_driven():
-    """Angle, initial acceleration and torque J s'' of a body that a drive swings about its centre."""
+    """Angle, initial acceleration and torque J s'' of a body that a drive swings about its
+    centre.
+    """
     drive, h = Harmonic(0.7, 2.0, 0.4, 0.3), 1e-3
     body = RigidBody(2.0, [1.0, 1.5, 0.8], {}, Start(rotation=[0, 0, 0.9]))
     joint = Joint("motor", "revolute", ("ground", "body"), [0, 0, 1], angle=drive)

@@ -225,16 +225,19 @@ IMPOSSIBLE = {
     ),
     "a body that falls": (
         falling,
-        r"start = 'equilibrium': none found, relative residual \S+ after 400 steps; farthest from it is body 'stone'\. "
+        r"start = 'equilibrium': none found, relative residual \S+ after 400 steps; farthest "
+        r"from it is body 'stone'\. "
         r"Usual causes: a body that falls freely",
     ),
     "a velocity": (
         lambda: pendulum(velocity=[0, 1, 0], start="equilibrium"),
-        r"body 'bob': velocity: start = 'equilibrium' takes none but steady_rotation, got \[0.0, 1.0, 0.0\]",
+        r"body 'bob': velocity: start = 'equilibrium' takes none but steady_rotation, got "
+        r"\[0.0, 1.0, 0.0\]",
     ),
     "a rate": (
         lambda: pendulum(joint={"start": {"angle_rate": 1.0}}, start="equilibrium"),
-        r"joint 'pin': start: angle_rate: start = 'equilibrium' takes no rates but steady_rotation, got 1.0",
+        r"joint 'pin': start: angle_rate: start = 'equilibrium' takes no rates but "
+        r"steady_rotation, got 1.0",
     ),
 }
 

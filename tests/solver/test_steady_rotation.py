@@ -152,19 +152,23 @@ TURNING = {"steady_rotation": SteadyRotation([0.0, 0.0, 20.0])}
 REFUSED = {
     "a bearing about another axis": (
         lambda: disk(steady_rotation=SteadyRotation([0, 20, 0])),
-        "joint 'pivot': start = 'equilibrium': a steady rotation of [0.0, 20.0, 0.0] rad/s opens it by 20 rad/s",
+        "joint 'pivot': start = 'equilibrium': a steady rotation of [0.0, 20.0, 0.0] rad/s "
+        "opens it by 20 rad/s",
     ),
     "a bearing off the axis": (
         lambda: disk(steady_rotation=SteadyRotation([0, 0, 20], [0.1, 0, 0])),
-        "joint 'pivot': start = 'equilibrium': a steady rotation of [0.0, 0.0, 20.0] rad/s opens it by 2 m/s",
+        "joint 'pivot': start = 'equilibrium': a steady rotation of [0.0, 0.0, 20.0] rad/s "
+        "opens it by 2 m/s",
     ),
     "a torsion spring on the ground": (
         lambda: disk(coil(stiffness=1.0), **TURNING),
-        "spring 'coil': start = 'equilibrium': a steady rotation of [0.0, 0.0, 20.0] rad/s deforms it by 20 rad/s",
+        "spring 'coil': start = 'equilibrium': a steady rotation of [0.0, 0.0, 20.0] rad/s "
+        "deforms it by 20 rad/s",
     ),
     "a damper on the ground": (
         lambda: disk(coil(damping=1.0), **TURNING),
-        "spring 'coil': start = 'equilibrium': a steady rotation of [0.0, 0.0, 20.0] rad/s deforms it by 20 rad/s",
+        "spring 'coil': start = 'equilibrium': a steady rotation of [0.0, 0.0, 20.0] rad/s "
+        "deforms it by 20 rad/s",
     ),
     "a law on the ground": (
         lambda: disk(coil(law=Law((-1.0, 1.0), (-1.0, 1.0))), **TURNING),
@@ -174,11 +178,13 @@ REFUSED = {
         lambda: disk(
             Spring("strap", "point", ("ground.hook", "disk.rim"), stiffness=10.0), **TURNING
         ),
-        "spring 'strap': start = 'equilibrium': a steady rotation of [0.0, 0.0, 20.0] rad/s deforms it by ",
+        "spring 'strap': start = 'equilibrium': a steady rotation of [0.0, 0.0, 20.0] rad/s "
+        "deforms it by ",
     ),
     "a drive at another speed": (
         lambda: disk(drive=Polynomial((0.0, 25.0)), **TURNING),
-        "joint 'pivot': start = 'equilibrium': a steady rotation of [0.0, 0.0, 20.0] rad/s misses its drive by 5 rad/s",
+        "joint 'pivot': start = 'equilibrium': a steady rotation of [0.0, 0.0, 20.0] rad/s "
+        "misses its drive by 5 rad/s",
     ),
     "a drive from rest": (
         lambda: disk(drive=Polynomial((0.0, 25.0))),

@@ -133,7 +133,10 @@ def test_a_body_without_modes_refuses_another_step(tmp_path):
     measured = replace(bar(tmp_path, 0.3, step=2e-4, steps=300), name="measured", modes=None)
     others = [bar(tmp_path, 0.2), bar(tmp_path, 0.4)]
     assert len(simulate(chain(others[0], measured, others[1])).time) == 251
-    message = "superelement measured: no modes, so the kernel is fixed: h = 0.0002 s, rho_inf = 0.9, 300 steps"
+    message = (
+        "superelement measured: no modes, so the kernel is fixed: h = 0.0002 s, rho_inf = 0.9, "
+        "300 steps"
+    )
     for other in ({"step": 1e-4}, {"rho_inf": 0.8}):
         with pytest.raises(ModelError, match=message):
             simulate(chain(others[0], measured, others[1], **other))
