@@ -117,8 +117,9 @@ def _coupling_columns(compiled: CompiledModel) -> dict[str, Column]:
         }
         if group == "springs":
             columns[f"{group}/{name}/coordinates"] = Column("m, rad", "coordinates", (rows,))
+    joints = {joint.name: joint.kind for joint in compiled.model.joints}
     for i, (joint, coordinate) in enumerate(compiled.observers):
-        units = "rad" if "angle" in coordinate else "m"
+        units = joints[joint].unit(coordinate)
         columns[f"joints/{joint}/{coordinate}"] = Column(units, "observed", (i,))
         columns[f"joints/{joint}/{coordinate}_rate"] = Column(f"{units}/s", "observed_rates", (i,))
     return columns
