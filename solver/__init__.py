@@ -3,7 +3,7 @@
 from ..results.results import Results
 from .errors import ConvergenceError, ModelError, RecoveryError, ResultsError
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
-from .model.file import read_model
+from .model.file import read_model, write_model
 from .model.joints import Joint
 from .model.loads import Load
 from .model.model import Model
@@ -62,4 +62,5 @@ __all__ = [
     "Table",
     "read_model",
     "simulate",
+    "write_model",
 ]

@@ -1,10 +1,13 @@
-"""Model files: what users write to run a simulation, as a `Model`."""
+"""Model files: what users write to run a simulation, as a `Model` and back."""
 
 import os
-from collections.abc import Mapping
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any, get_args
 
+import tomli_w
 from pydantic import Field, create_model, model_validator
 
 from ...inputs import InputError, Table, Vector, read_table
@@ -19,7 +22,7 @@ from .motions import PrescribedMotion
 from .output_request import OutputRequest
 from .settings import Settings
 from .springs import Spring
-from .tables import given_by, keys_of, made, table_of, value_of
+from .tables import given_by, keys_of, made, table_in_file, table_of, value_of
 from .values import ORIGIN
 
 MOTIONS: tuple[type[Entry], ...] = get_args(PrescribedMotion)
@@ -86,6 +89,18 @@ def read_model(path: str | os.PathLike[str]) -> Model:
         return _model(file, text, path)
 
 
+def write_model(path: str | os.PathLike[str], model: Model) -> None:
+    """Write a model as a file that reads back to an equal one, whole or not at all.
+
+    Superelements are named by their paths, relative to the new file. ModelError names a body whose
+    superelement is in no file, and a load, joint or motion that follows a Python function.
+    """
+    path = Path(path)
+    text = tomli_w.dumps(_document(model, path.parent))
+    with _renamed_when_whole(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
 def _model(file: _ModelFile, text: str, path: Path) -> Model:
     superelements: dict[Path, Superelement] = {}
     simulation = given_by(file.simulation)
@@ -134,3 +149,49 @@ def _motion(given: dict[str, Any]) -> Any:
 
 def _own(keys: Mapping[str, Any]) -> list[str]:
     return [key for key in keys if key not in ("name", "on")]
+
+
+def _document(model: Model, folder: Path) -> dict[str, Any]:
+    settings = table_in_file(model.settings)
+    output = settings.pop("output", {})
+    if model.gravity.any():
+        settings["gravity"] = model.gravity.tolist()
+    document = {
+        "simulation": settings,
+        "output": output,
+        "ground": {"frames": _frames(model.ground_frames)} if model.ground_frames else {},
+        "bodies": {name: _body_in_file(name, body, folder) for name, body in model.bodies.items()},
+        **{
+            name: [table_in_file(entry) for entry in getattr(model, name)]
+            for name in ("joints", "springs", "motions", "loads")
+        },
+    }
+    return {key: part for key, part in document.items() if part}
+
+
+def _frames(frames: Mapping[str, Frame]) -> dict[str, Any]:
+    return {name: table_in_file(frame) for name, frame in frames.items()}
+
+
+def _body_in_file(name: str, body: Body, folder: Path) -> dict[str, Any]:
+    if isinstance(body, RigidBody):
+        return table_in_file(body)
+    if not body.source:
+        raise ModelError(f"body {name!r}: its superelement is in no file: write it to one first")
+    source = os.path.relpath(Path(body.source).resolve(), folder.resolve())
+    return {"superelement": Path(source).as_posix(), **table_in_file(body.start)}
+
+
+@contextmanager
+def _renamed_when_whole(path: Path) -> Iterator[Path]:
+    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    os.close(handle)
+    temporary = Path(name)
+    try:
+        yield temporary
+        umask = os.umask(0)
+        os.umask(umask)
+        temporary.chmod(0o666 & ~umask)
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
