@@ -1,4 +1,4 @@
-"""What a step costs beside Exudyn: the paper's Case 1, a solid pendulum, and chains of solids.
+"""Cost of a step beside Exudyn: the paper's Case 1, a solid pendulum, and chains of solids.
 
 CPU time on one thread, and time on the clock beside it, medians over repeats in which the codes
 take turns. Exudyn records the position of one tip at every step, ours all that it records unless
@@ -87,7 +87,7 @@ def theirs(models: Mapping[str, Callable[[float], Run]]) -> list[Entrant]:
 
 
 def our_run(model: Model, tip: str, tolerance: float) -> Run:
-    """What steps cost: a run less one of a single step."""
+    """Cost of the steps: a run less one of a single step."""
     model = model.with_settings(tolerance=tolerance)
     start, whole = Stopwatch(), Stopwatch()
     with start.running():
@@ -149,7 +149,9 @@ def case_1(folder: Path, repeats: int) -> None:
 
 
 def grips(bar: ReducedBody) -> dict[str, Callable[[float], Index]]:
-    """What joints take hold of: as few nodes of a rigid end as it takes, or all of them."""
+    """The nodes that joints take hold of: as few nodes of a rigid end as it takes, or all
+    of them.
+    """
     return {
         "reduced body, joints on 4 nodes": bar.corners,
         f"reduced body, joints on {len(bar.section(0.0))}": bar.section,

@@ -1,4 +1,4 @@
-"""What a step of the history costs in each of its forms, over interface dofs, modes and steps; and
+"""Cost of a step of the history in each of its forms, over interface dofs, modes and steps; and
 what `auto` takes.
 
 The history alone, without Newton and the rest of a step: loads are given. CPU time, one thread.

@@ -1,4 +1,4 @@
-"""How long a step of the paper's Case 1 takes when its torque is given step by step, against the
+"""Times of a step of the paper's Case 1 when its torque is given step by step, against the
 step h of 60 us.
 
 A step lasts from a torque to the outputs, with all that the next can do before its own. It is late

@@ -1,4 +1,4 @@
-"""What a step of the time loop costs: the paper's Case 1 by part, bodies of many modes, and chains
+"""Cost of a step of the time loop: the paper's Case 1 by part, bodies of many modes, and chains
 of flexible bodies.
 
 CPU time on one thread, without set-up and results files, medians of repeats in one process. Parts

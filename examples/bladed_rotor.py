@@ -137,11 +137,11 @@ def curves(found: Motion, results: solver.Results) -> Figure:
     figure, (speed, tips, added) = view.panels(3)
     blue, red, green, *_ = view.COLOURS
     speed.plot(found.time, results.body("hub").v[:, 5], color=blue)
-    for n, colour, line in zip((0, 1, 2), (red, blue, green), ("-", "-", (0, (4, 3))), strict=True):
+    for n, color, line in zip((0, 1, 2), (red, blue, green), ("-", "-", (0, (4, 3))), strict=True):
         tips.plot(
             found.time,
             1e3 * found.deflections[n],
-            color=colour,
+            color=color,
             linestyle=line,
             label=f"blade {n + 1}",
         )

@@ -58,7 +58,7 @@ def damping_of_the_paper(frequency: Array, rigid_share: Array, h: float) -> Arra
     system, to first order.
 
     The rule delays elastic displacements by h/2 (docs/theory.md), so that u = (1 - i omega h / 2)
-    H_el lambda under the loads lambda of a mode. Perturbing the mode, with mass-normalised modal
+    H_el lambda under the loads lambda of a mode. Perturbing the mode, with mass-normalized modal
     coordinates eta of the beam,
 
         zeta = h / (4 omega) sum_i (omega_i^2 - omega^2) eta_i^2 = (omega h / 4) (1 - sum_i eta_i^2)

@@ -180,9 +180,9 @@ def overview(case: Case, recording: view.Recording) -> Figure:
         (speeds, "angular_velocity"),
         (accelerations, "angular_acceleration"),
     ):
-        for body, colour, label in (("hub", RED, "hub"), ("beam", BLUE, "beam")):
+        for body, color, label in (("hub", RED, "hub"), ("beam", BLUE, "beam")):
             (curve,) = view.curves(recording, f"{kind}:{body}:z")
-            axes.plot(time, curve.values, color=colour, label=label)
+            axes.plot(time, curve.values, color=color, label=label)
         label_axes(axes, curve.words[0], f"[{curve.unit}]")
     angles.plot(
         time,
@@ -192,9 +192,9 @@ def overview(case: Case, recording: view.Recording) -> Figure:
     )
     label_axes(angles, "angle", "[rad]")
 
-    for interface, colour in (("root", RED), ("tip", BLUE)):
+    for interface, color in (("root", RED), ("tip", BLUE)):
         transverse = recording.elastic_displacement(f"beam.{interface}")[:, 1]
-        body_axes.plot(time, 1e3 * transverse, color=colour, label=interface)
+        body_axes.plot(time, 1e3 * transverse, color=color, label=interface)
     label_axes(body_axes, "elastic displacement y, body axes", "[mm]")
 
     tip = 1e3 * recording.displacement("beam.tip", seen_from="hub.rim")
@@ -216,8 +216,8 @@ def comparison(case: Case, consistent: Motion, paper: Motion, reference: Motion 
     found = [(paper, RED, "-", "rule of the paper"), (consistent, BLUE, "-", "consistent rule")]
     if reference is not None:
         found.append((reference, "black", (0, (1, 3)), "geometrically exact"))
-    for motion, colour, line, label in found:
-        look = {"color": colour, "linestyle": line, "label": label}
+    for motion, color, line, label in found:
+        look = {"color": color, "linestyle": line, "label": label}
         speed.plot(motion.time, motion.speed, **look)
         deflection.plot(motion.time, 1e3 * motion.deflection, **look)
         for axes in distance if motion is not reference else ():

@@ -187,7 +187,7 @@ def clamped_compliance(bar: Superelement) -> Array:
 
 
 def rigid_motion(bar: Superelement, interface: str) -> Array:
-    """U = [I, -skew(X); 0, I] (6, 6) of an interface, about the centre of mass."""
+    """U = [I, -skew(X); 0, I] (6, 6) of an interface, about the center of mass."""
     X = next(found.X for found in bar.interfaces if found.name == interface)
     U = np.eye(6)
     U[:3, 3:] = np.cross(np.eye(3), X).T  # columns e_i x X
@@ -203,10 +203,10 @@ def picture(motions: dict[str, Motion], title: str) -> Figure:
     peaks = np.abs(beam.deflection).max(axis=0)
     moving = [(row, name) for row, name in enumerate("yz") if peaks[row] > 1e-6 * peaks.max()]
     figure, (angle, *deflections, difference) = view.panels(2 + len(moving))
-    for (kind, found), colour, line in zip(
+    for (kind, found), color, line in zip(
         motions.items(), (blue, red), ("-", (0, (4, 3))), strict=True
     ):
-        look = {"color": colour, "linestyle": line, "label": f"{kind} mesh"}
+        look = {"color": color, "linestyle": line, "label": f"{kind} mesh"}
         angle.plot(found.time, found.angle, **look)
         for axes, (row, _) in zip(deflections, moving, strict=True):
             axes.plot(found.time, 1e3 * found.deflection[:, row], **look)

@@ -19,12 +19,10 @@ from .numbering import Coupling, NumberedFrames, number_frames, side_names
 from .placement import Pose, place_bodies
 from .rows import (
     Row,
+    coupling_rows,
     joint_observers,
-    joint_rows,
     lay_out_couplings,
     lay_out_rows,
-    motion_rows,
-    spring_rows,
 )
 
 ASSEMBLY_TOLERANCE = 1e-3
@@ -102,9 +100,8 @@ def compile_system(model: Model, without: frozenset[int] = frozenset()) -> Compi
     body_names = list(model.bodies)
     frames = number_frames(model, poses)
     rows = {
-        **{joint.name: joint_rows(joint, frames.sides(joint)) for joint in model.joints},
-        **{motion.name: motion_rows(motion, frames.sides(motion)) for motion in model.motions},
-        **{spring.name: spring_rows(spring, frames.sides(spring)) for spring in model.springs},
+        coupling.name: coupling_rows(coupling, frames.sides(coupling))
+        for coupling in model.couplings
     }
     numbers = iter(range(sum(map(len, rows.values()))))
     rows = {

@@ -46,8 +46,7 @@ class NumberedFrames:
 def number_frames(model: Model, poses: dict[str, Pose]) -> NumberedFrames:
     """Number the frames of a model whose bodies start in the given poses."""
     named: dict[str, Pose] = {}
-    couplings: list[Coupling] = [*model.joints, *model.motions, *model.springs]
-    for coupling in couplings:
+    for coupling in model.couplings:
         first, second = between(coupling)
         for name, side, other in zip(
             side_names(coupling), (first, second), (second, first), strict=True

@@ -59,6 +59,15 @@ class Sides:
         return gap
 
 
+def coupling_rows(coupling: Joint | PrescribedMotion | Spring, sides: Sides) -> list[Row]:
+    """The rows of a coupling, in the order of its coordinates or constraints."""
+    if isinstance(coupling, Joint):
+        return joint_rows(coupling, sides)
+    if isinstance(coupling, Spring):
+        return spring_rows(coupling, sides)
+    return motion_rows(coupling, sides)
+
+
 def joint_rows(joint: Joint, sides: Sides) -> list[Row]:
     """Constraints of a joint: its table, then its drives.
 

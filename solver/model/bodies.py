@@ -40,10 +40,10 @@ class Place(Entry):
 
 @entry()
 class Start(Entry):
-    """Where a body starts and how fast.
+    """Position, orientation and velocities of a body at the start.
 
-    Either `position` (3,) of the centre of mass [m] and `rotation` vector (3,) [rad] in space, or
-    `place`. velocity (3,) of the centre of mass in space [m/s]; angular_velocity (3,) in body axes
+    Either `position` (3,) of the center of mass [m] and `rotation` vector (3,) [rad] in space, or
+    `place`. velocity (3,) of the center of mass in space [m/s]; angular_velocity (3,) in body axes
     [rad/s].
     """
 
@@ -60,7 +60,7 @@ class Start(Entry):
 
 @entry()
 class RigidBody(Entry):
-    """mass [kg]; inertia about the centre of mass in body axes, (3,) principal or (3, 3) [kg m^2];
+    """mass [kg]; inertia about the center of mass in body axes, (3,) principal or (3, 3) [kg m^2];
     named frames.
 
     No principal inertia exceeds the sum of the other two: there is no distribution of mass that has

@@ -184,6 +184,7 @@ def _body_in_file(name: str, body: Body, folder: Path) -> dict[str, Any]:
 
 @contextmanager
 def _renamed_when_whole(path: Path) -> Iterator[Path]:
+    """A temporary file that takes the place of `path` once it is whole."""
     handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
     os.close(handle)
     temporary = Path(name)

@@ -10,8 +10,9 @@ from .values import Vector
 
 @dataclass(frozen=True)
 class LoadType:
+    """A kind of load; `moment`: it is a moment, not a force."""
+
     moment: bool
-    """whether it is a moment, not a force"""
 
 
 LOAD_TYPES = {"force": LoadType(moment=False), "torque": LoadType(moment=True)}

@@ -25,8 +25,8 @@ class OutputRequest(Entry):
     quantities: Words | None = None
 
     def selects(self, group: str) -> bool:
-        """Whether "frames/beam.tip" and the like is recorded: by its own name or by that of its
-        kind.
+        """True for a group such as "frames/beam.tip" that is recorded, by its own name or by that
+        of its kind.
         """
         return (
             group == ALWAYS

@@ -37,7 +37,7 @@ class SmoothSignal(Signal, Protocol):
 
 @dataclass(frozen=True)
 class Form:
-    """How a model file gives a signal: a table with the key, and the flag = true if it has one."""
+    """A signal as model files give it: a table with a key, and flag = true if it has one."""
 
     kind: type[Entry]
     flag: str
@@ -73,6 +73,8 @@ class Pointwise:
 
 @entry(eq=True)
 class Constant(Pointwise, Entry):
+    """The same value always."""
+
     value: float
 
     def __call__(self, t: float) -> float:
@@ -241,8 +243,8 @@ class Pulse(Entry):
 @in_files("input")
 @entry(eq=True)
 class Input(Pointwise, Entry):
-    """What a `Simulator` is told at every step under this name; `value` at t = 0, and always in
-    `simulate`.
+    """Values that a `Simulator` is given at every step under this name; `value` at t = 0, and
+    always in `simulate`.
     """
 
     name: Annotated[str, Key("input")]
@@ -279,8 +281,8 @@ class SmoothFunction(Function):
 
 
 def _step_samples(at: float, t: Array, h: float) -> Array:
-    """Means of the unit step at time `at` over the hat functions centred at t, of half width h, cut
-    off at t = 0.
+    """Means of the unit step at time `at` over the hat functions centered at t, of half width h,
+    cut off at t = 0.
     """
     s = np.clip((t - at) / h, -1.0, 1.0)
     # the integral of the hat from -1 to s

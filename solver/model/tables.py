@@ -85,7 +85,7 @@ def given_by(table: Table) -> dict[str, Any]:
 
 
 def table_in_file(entry: Entry) -> dict[str, Any]:
-    """What a file says of an entry: its keys, without those that have their defaults."""
+    """The table of an entry in a file, without keys that have their defaults."""
     table: dict[str, Any] = {}
     for field, hint in _declared(type(entry)):
         value = in_file(entry, field.name, getattr(entry, field.name), hint)
@@ -97,7 +97,7 @@ def table_in_file(entry: Entry) -> dict[str, Any]:
 
 
 def in_file(owner: Entry, name: str, value: Any, hint: Any) -> Any:
-    """What a file says of the value of a field."""
+    """The value of a field as a file gives it."""
     if value is None:
         return None
     if _is_signal(hint):

@@ -1,4 +1,4 @@
-"""How many ways a mechanism can move, and which constraints depend on one another."""
+"""Degrees of freedom of mechanisms, and constraints that depend on one another."""
 
 from dataclasses import replace
 

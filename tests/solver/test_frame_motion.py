@@ -129,7 +129,7 @@ def test_velocities_and_accelerations_of_frames(element, measured, memory):
 
 
 def test_the_start_has_velocities_and_accelerations():
-    """Of a point off the centre of a spinning body: v + omega x r and omega x (omega x r)."""
+    """Of a point off the center of a spinning body: v + omega x r and omega x (omega x r)."""
     omega, X = np.array([1.0, -2.0, 0.5]), np.array([0.3, 0.2, -0.1])
     R = Rotation.from_rotvec([0.4, 0.3, -0.8])
     start = Start([1.0, 2.0, 3.0], R.as_rotvec(), velocity=[0.1, 0.2, 0.3], angular_velocity=omega)

@@ -164,7 +164,7 @@ def test_loads_at_rest_are_felt_beyond_any_memory(elements, monkeypatch):
         ),
     )
     u = simulate(model).frame("a.i1").u
-    assert np.abs(u - u[0]).max() < 1e-15  # m, the rounding of positions of about a metre
+    assert np.abs(u - u[0]).max() < 1e-15  # m, the rounding of positions of about a meter
 
 
 def test_the_rules_differ(elements):

@@ -1,4 +1,4 @@
-"""What joints block and what they leave free."""
+"""The motions that joints block and those that they leave free."""
 
 import numpy as np
 import pytest

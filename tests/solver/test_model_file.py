@@ -70,7 +70,7 @@ def test_the_documented_file_is_read_whole(beam, tmp_path):
 
 
 def test_the_documented_file_leaves_nothing_out(tmp_path):
-    """What a `Model` takes, a file can say: the names of the dataclasses' fields are keys of the
+    """All that a `Model` takes can stand in a file: fields of its entries are keys of the
     document.
     """
     text = tomllib.loads(documented())

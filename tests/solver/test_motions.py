@@ -78,7 +78,7 @@ def test_a_slide_is_shaken():
     )
 
 
-def test_a_frame_off_the_centre_follows_a_path(random_element):
+def test_a_frame_off_the_center_follows_a_path(random_element):
     """Three motions carry an interface of a flexible body along a path in space, while the body
     swings about it.
     """

@@ -1,4 +1,4 @@
-"""What is loaded and in equilibrium stays where it is, to rounding: nothing rings at t = 0."""
+"""Bodies under load in equilibrium stay where they are, to rounding: nothing rings at t = 0."""
 
 from dataclasses import replace
 

@@ -119,10 +119,10 @@ def test_energy_and_momentum_of_a_tumbling_body_drift_by_order_two():
 
 
 def heavy_top(h, gyration=(0.234375, 0.46875, 0.234375), t_end=1.0):
-    """The benchmark of Bruls, Cardona and Arnold: 15 kg, one metre from a spherical joint, spinning
+    """The benchmark of Bruls, Cardona and Arnold: 15 kg, one meter from a spherical joint, spinning
     about its axis.
 
-    `gyration`: about the centre of mass; the velocity of this is omega x X.
+    `gyration`: about the center of mass; the velocity of this is omega x X.
     """
     X, omega = np.array([0.0, 1.0, 0.0]), np.array([0.0, 150.0, -4.61538])
     body = RigidBody(
@@ -141,7 +141,7 @@ def heavy_top(h, gyration=(0.234375, 0.46875, 0.234375), t_end=1.0):
 
 
 def heavy_top_by_euler(t):
-    """Positions of the centre from Euler's equations about the fixed point, with quaternions, to
+    """Positions of the center from Euler's equations about the fixed point, with quaternions, to
     1e-12.
     """
     X = np.array([0.0, 1.0, 0.0])
@@ -185,7 +185,7 @@ def test_the_heavy_top_keeps_its_energy_to_order_two():
 
 def test_the_angle_of_a_revolute_joint_is_driven():
     """Angle, initial acceleration and torque J s'' of a body that a drive swings about its
-    centre.
+    center.
     """
     drive, h = Harmonic(0.7, 2.0, 0.4, 0.3), 1e-3
     body = RigidBody(2.0, [1.0, 1.5, 0.8], {}, Start(rotation=[0, 0, 0.9]))

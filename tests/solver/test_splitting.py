@@ -20,7 +20,7 @@ BARS = {
 
 
 def placed(element):
-    """Where the mesh is."""
+    """The path of the mesh."""
     return FlexibleBody(element, Start(element.center))
 
 

@@ -36,7 +36,7 @@ def orders(errors):
 
 
 def hanging_mass(h, k=100.0, c=0.5, m=2.0, **spring):
-    """A mass one metre below a hook, on a spring that starts without force, let go."""
+    """A mass one meter below a hook, on a spring that starts without force, let go."""
     return simulate(
         Model(
             {"mass": RigidBody(m, [1, 1, 1], start=Start(position=[0, 0, -1]))},

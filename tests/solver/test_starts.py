@@ -134,7 +134,7 @@ def test_a_closed_loop_starts_from_a_joint_angle_and_its_rate():
 
 
 def pendulum(place=(0.5, 0, 0), joint=None, **settings):
-    """A bob half a metre from the pin, about z."""
+    """A bob half a meter from the pin, about z."""
     start = Start(position=place, velocity=settings.pop("velocity", [0, 0, 0]))
     bob = RigidBody(1.0, [0.1, 0.1, 0.1], {"pin": Frame([-0.5, 0, 0])}, start)
     pin = Joint("pin", "revolute", ("ground.pin", "bob.pin"), axis=[0, 0, 1])
@@ -186,7 +186,7 @@ def test_what_is_asked_of_joints_is_no_misfit():
 
 
 def test_equilibrium_is_sought_from_the_places_given():
-    """What was moved counts from there; the angle asked for is where the search begins."""
+    """The change of place counts from there; the angle asked for is where the search begins."""
     results = simulate(
         pendulum(joint={"start": {"angle": 0.3}}, gravity=[0, -G, 0], start="equilibrium")
     )

@@ -86,7 +86,7 @@ class Point:
 
     @classmethod
     def of(cls, model, seed=0):
-        """Rotations of any size, elastic displacements of centimetres, elastic rotations up to 0.3
+        """Rotations of any size, elastic displacements of centimeters, elastic rotations up to 0.3
         rad.
         """
         rng = np.random.default_rng(seed)

@@ -7,7 +7,7 @@ undeformed, undamped, without gravity.
     I_T = m L (L^2/12 + (a + L/2)^2)
 
 The model shares nothing with Duhamel: absolute nodal coordinates in the plane of the motion, no
-floating frame, no linearised strain. The beam is a row of `ObjectANCFCable2D`, Euler-Bernoulli
+floating frame, no linearized strain. The beam is a row of `ObjectANCFCable2D`, Euler-Bernoulli
 without rotary inertia, with
 
     axial strain |r'| - 1,    curvature (r' x r'') / |r'|^2,
@@ -148,7 +148,7 @@ def _assemble(phi: float, n_elements: int) -> _Model:
     container = exudyn.SystemContainer()
     system = container.AddSystem()
 
-    # The hub turns about its own centre: its mass plays no part.
+    # The hub turns about its own center: its mass plays no part.
     hub_node = system.AddNode(NodeRigidBody2D())
     hub = system.AddObject(ObjectRigidBody2D(mass=1.0, inertia=phi * I_T, nodeNumber=hub_node))
     ground = system.AddObject(ObjectGround())
@@ -203,7 +203,7 @@ def _assemble(phi: float, n_elements: int) -> _Model:
 
 
 def settings() -> Any:
-    """How Exudyn integrates and stops; time span and number of steps are left to the caller."""
+    """Exudyn's integration and Newton's method; the caller gives time span and number of steps."""
     settings = exudyn.SimulationSettings()
     settings.solution.file.write = False
     settings.solution.sensors.writePeriod = 0.0  # every step

@@ -75,7 +75,7 @@ def beams(tmp_path_factory):
 
 
 def ball_on(tip):
-    """What Case 5 adds: a body, the joint that holds it to the tip, and the blow."""
+    """The parts that Case 5 adds: a body, the joint that holds it to the tip, and the blow."""
     ball = RigidBody(
         TIP_MASS, TIP_INERTIA * np.ones(3), {"center": Frame([0, 0, 0])}, Start([a + L, 0, 0])
     )
