@@ -1,6 +1,7 @@
 """Model files: what users write to run a simulation, as a `Model` and back."""
 
 import os
+import re
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -25,6 +26,9 @@ from .springs import Spring
 from .tables import given_by, keys_of, made, table_in_file, table_of, value_of
 from .values import ORIGIN
 
+SHORT_ARRAY = re.compile(r"\[\n((?:[^\[\]\n]*,\n)+) *\]")
+"""an array of numbers or words as tomli_w writes it, an item a line"""
+LONG = 80
 MOTIONS: tuple[type[Entry], ...] = get_args(PrescribedMotion)
 
 
@@ -96,7 +100,7 @@ def write_model(path: str | os.PathLike[str], model: Model) -> None:
     superelement is in no file, and a load, joint or motion that follows a Python function.
     """
     path = Path(path)
-    text = tomli_w.dumps(_document(model, path.parent))
+    text = SHORT_ARRAY.sub(_on_one_line, tomli_w.dumps(_document(model, path.parent)))
     with _renamed_when_whole(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
@@ -167,6 +171,12 @@ def _document(model: Model, folder: Path) -> dict[str, Any]:
         },
     }
     return {key: part for key, part in document.items() if part}
+
+
+def _on_one_line(array: re.Match[str]) -> str:
+    """An array of numbers or words as users write it, if it is not long."""
+    items = ", ".join(line.strip().removesuffix(",") for line in array[1].splitlines())
+    return f"[{items}]" if len(items) < LONG else array[0]
 
 
 def _frames(frames: Mapping[str, Frame]) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from pydantic import create_model
 from ...inputs import Table, read_part
 from ..errors import ModelError
 from .entry import Beside, Entry, Key, Takes, annotations, note
-from .signals import FORMS, Constant, Signal, SmoothSignal
+from .signals import FORMS, Constant, Form, Signal, SmoothSignal
 
 AnyEntry = TypeVar("AnyEntry", bound=Entry)
 SIGNALS = (Signal, SmoothSignal)
@@ -122,9 +122,9 @@ def read_signal(value: Any) -> Any:
     if isinstance(value, int | float) and not isinstance(value, bool):
         return Constant(float(value))
     keys = list(value) if isinstance(value, Mapping) else []
-    for key in FORMS:
-        if key in keys:
-            return _made_signal(key, value)
+    if known := [tuple(forms) for key, forms in FORMS.items() if key in keys]:
+        fit = [forms for forms in known if set(keys) <= set(_signal_table(forms).model_fields)]
+        return _made_signal((fit or known)[0], value)
     nearest = [near for key in keys for near in difflib.get_close_matches(key, FORMS, n=1)]
     meant = f"; did you mean {nearest[0]!r}?" if nearest else ""
     raise ValueError(
@@ -133,23 +133,23 @@ def read_signal(value: Any) -> Any:
     )
 
 
-def _made_signal(key: str, value: Any) -> Any:
-    given = given_by(read_part(value, _signal_table(key)))
-    flags = [form.flag for form in FORMS[key] if given.pop(form.flag, False)]
+def _made_signal(forms: tuple[Form, ...], value: Any) -> Any:
+    given = given_by(read_part(value, _signal_table(forms)))
+    flags = [form.flag for form in forms if given.pop(form.flag, False)]
     if len(flags) > 1:
         raise ValueError(f"expected {' or '.join(flags)}, found both")
     wanted = flags[0] if flags else ""
-    return made(next(form.kind for form in FORMS[key] if form.flag == wanted), given)
+    return made(next(form.kind for form in forms if form.flag == wanted), given)
 
 
 @cache
-def _signal_table(key: str) -> type[Table]:
+def _signal_table(forms: tuple[Form, ...]) -> type[Table]:
     keys: dict[str, Any] = {}
-    for form in FORMS[key]:
+    for form in forms:
         keys |= keys_of(form.kind)
         if form.flag:
             keys[form.flag] = (bool, False)
-    return create_model(key, __base__=Table, **keys)
+    return create_model("Signal", __base__=Table, **keys)
 
 
 def signal_in_file(signal: Any) -> Any:
