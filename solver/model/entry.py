@@ -62,9 +62,17 @@ AnyEntry = TypeVar("AnyEntry", bound="Entry")
 def entry(*, eq: bool = False, kw_only: bool = False) -> Callable[[type[AnyEntry]], type[AnyEntry]]:
     """Make a class of an `Entry` a frozen dataclass, which arrays in it forbid to compare.
 
-    To a type checker it is no dataclass but one like it, whose fields may be descriptors.
+    To a type checker it is no dataclass but one like it, whose fields may be descriptors. Its
+    signature, as help() shows it, has types alone.
     """
-    return dataclass(frozen=True, eq=eq, kw_only=kw_only)
+
+    def make(kind: type[AnyEntry]) -> type[AnyEntry]:
+        made = dataclass(frozen=True, eq=eq, kw_only=kw_only)(kind)
+        types, signature = get_type_hints(made), vars(made)["__init__"].__annotations__
+        signature |= {name: types[name] for name in signature if name in types}
+        return made
+
+    return make
 
 
 class Entry:

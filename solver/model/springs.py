@@ -18,7 +18,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from ..arrays import Array
-from ..errors import ModelError, plain
+from ..errors import plain
 from .entry import Entry, entry, one_of
 from .joints import Angle, basis_about
 from .values import ABSENT, Coefficients, Numbers, OptionalArray, OptionalDirection, Pair
@@ -63,13 +63,11 @@ class Law(Entry):
 
     def validate(self) -> None:
         if len(self.deformation) != len(self.force) or len(self.force) < 2:
-            raise ModelError(
-                f"law: expected two or more points, got {self.deformation} and {self.force}"
-            )
+            given = f"{list(self.deformation)} and {list(self.force)}"
+            raise self.error(f"a law needs two or more points, got {given}")
         if any(b <= a for a, b in pairwise(self.deformation)):
-            raise ModelError(
-                f"law: deformation: expected increasing values, got {list(self.deformation)}"
-            )
+            given = f"{list(self.deformation)}"
+            raise self.error(f"deformation: expected increasing values, got {given}")
 
 
 @entry()

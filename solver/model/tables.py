@@ -54,18 +54,16 @@ def key_of(field: "Field[Any]", hint: Any) -> str:
 def made(kind: type[AnyEntry], given: Mapping[str, Any]) -> AnyEntry:
     """An entry from the values of a file, by key; ModelError names the entry."""
     values: dict[str, Any] = {}
-    signals: dict[str, Any] = {}
     for field, hint in _declared(kind):
         if note(hint, Beside):
             values[field.name] = made(_bare(hint), given)
         elif (key := key_of(field, hint)) in given:
-            (signals if _is_signal(hint) else values)[field.name] = value_of(given[key])
-    for name, value in signals.items():
-        try:
-            values[name] = read_signal(value)
-        except ValueError as error:
-            owner = kind.label.format_map(values)
-            raise ModelError(f"{owner}: {name}: {error}") from error
+            read = read_signal if _is_signal(hint) else value_of
+            try:
+                values[field.name] = read(given[key])
+            except ValueError as error:
+                owner = kind.label.format_map(values)
+                raise ModelError(f"{owner}: {field.name}: {error}") from error
     return kind(**values)
 
 

@@ -156,12 +156,12 @@ else:
         def __class_getitem__(cls, item: Any) -> Any:
             return Annotated[tuple, Takes("a sequence", tuple, tuple)]
 
-    Vector = Annotated[Array, Takes("three numbers", vector, inputs.Vector)]
+    Vector = Annotated[np.ndarray, Takes("three numbers", vector, inputs.Vector)]
     Direction = Annotated[
-        Array, Takes("three numbers that are not all zero", direction, inputs.Vector)
+        np.ndarray, Takes("three numbers that are not all zero", direction, inputs.Vector)
     ]
     OptionalDirection = Direction | None
-    OptionalArray = Annotated[Array, Takes("numbers", array, float | tuple[float, ...])] | None
+    OptionalArray = Annotated[np.ndarray, Takes("numbers", array, float | tuple[float, ...])] | None
     Numbers = Annotated[tuple[float, ...], Takes("numbers", numbers, tuple[float, ...])]
     SomeNumbers = Annotated[
         tuple[float, ...],
@@ -172,7 +172,7 @@ else:
         ),
     ]
     Inertia = Annotated[
-        Array,
+        np.ndarray,
         Takes(
             "three principal values or a symmetric 3x3 matrix",
             inertia,
@@ -180,4 +180,4 @@ else:
             shortest,
         ),
     ]
-    Coefficients = Annotated[Array, Takes("numbers", array, _Coefficients, shortest)]
+    Coefficients = Annotated[np.ndarray, Takes("numbers", array, _Coefficients, shortest)]

@@ -465,6 +465,32 @@ FILES = {
         {"rest": "[[loads]]\ntype='push'\non='a'\ndirection=[1,0,0]\nsignal=1"},
         "load (push) on 'a': type: expected 'force' or 'torque', got 'push'",
     ),
+    "a law of one point": (
+        {
+            "rest": "[[springs]]\nname='s'\ntype='point'\nbetween=['ground', 'a']\n"
+            "law={deformation = [0], force = [1]}"
+        },
+        "spring 's': law: a law needs two or more points, got [0.0] and [1.0]",
+    ),
+    "a law that goes back": (
+        {
+            "rest": "[[springs]]\nname='s'\ntype='point'\nbetween=['ground', 'a']\n"
+            "law={deformation = [1, 0], force = [0, 1]}"
+        },
+        "spring 's': law: deformation: expected increasing values, got [1.0, 0.0]",
+    ),
+    "a setting that is no number": (
+        {"simulation": "tolerance = 'fine'"},
+        "simulation.tolerance: expected a number between 0 and 1, found 'fine'",
+    ),
+    "half an iteration": (
+        {"simulation": "max_iterations = 2.5"},
+        "simulation.max_iterations: expected 1 or more, found 2.5",
+    ),
+    "a key by its name in Python": (
+        {"simulation": "kernel_length = 1"},
+        "simulation: unknown key 'kernel_length'; known are",
+    ),
     "a joint to nothing": (
         {"rest": "[[joints]]\nname='j'\ntype='fixed'\nbetween=['ground', 'b']"},
         "joint 'j': no body 'b'; there are: ground, a",
