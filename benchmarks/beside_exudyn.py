@@ -1,4 +1,4 @@
-"""What a step costs beside Exudyn: the paper's Case 1, a solid pendulum, and chains of solids.
+"""Cost of a step beside Exudyn: the paper's Case 1, a solid pendulum, and chains of solids.
 
 CPU time on one thread, and time on the clock beside it, medians over repeats in which the codes
 take turns. Exudyn records the position of one tip at every step, ours all that it records unless
@@ -24,7 +24,7 @@ from pathlib import Path
 from statistics import median
 
 from duhamel.preprocess import build, read_body
-from duhamel.solver import FlexibleBody, Joint, Model, Place, Start, read_model, simulate
+from duhamel.solver import FlexibleBody, Joint, Model, Place, Settings, Start, read_model, simulate
 from duhamel.superelement import Superelement, write
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
@@ -69,8 +69,8 @@ class Entrant:
 def ours(model: Model, tip: str) -> Entrant:
     """With the tolerance that models have."""
     run = partial(our_run, model, tip)
-    left = run(model.tolerance).apart(run(1e-13))
-    return Entrant("ours", partial(run, model.tolerance), model.tolerance, left)
+    left = run(model.settings.tolerance).apart(run(1e-13))
+    return Entrant("ours", partial(run, model.settings.tolerance), model.settings.tolerance, left)
 
 
 def theirs(models: Mapping[str, Callable[[float], Run]]) -> list[Entrant]:
@@ -87,11 +87,11 @@ def theirs(models: Mapping[str, Callable[[float], Run]]) -> list[Entrant]:
 
 
 def our_run(model: Model, tip: str, tolerance: float) -> Run:
-    """What steps cost: a run less one of a single step."""
-    model = replace(model, tolerance=tolerance)
+    """Cost of the steps: a run less one of a single step."""
+    model = model.with_settings(tolerance=tolerance)
     start, whole = Stopwatch(), Stopwatch()
     with start.running():
-        simulate(replace(model, t_end=1e-9))
+        simulate(model.with_settings(t_end=1e-9))
     with whole.running():
         results = simulate(model)
     steps = len(results.time) - 1
@@ -147,7 +147,9 @@ def case_1(folder: Path, repeats: int) -> None:
 
 
 def grips(bar: ReducedBody) -> dict[str, Callable[[float], Index]]:
-    """What joints take hold of: as few nodes of a rigid end as it takes, or all of them."""
+    """The nodes that joints take hold of: as few nodes of a rigid end as it takes, or all
+    of them.
+    """
     return {
         "reduced body, joints on 4 nodes": bar.corners,
         f"reduced body, joints on {len(bar.section(0.0))}": bar.section,
@@ -187,7 +189,7 @@ def our_chain(bar: Superelement, n: int, t_end: float) -> Model:
             for i, support in enumerate(supports)
         ),
         gravity=GRAVITY,
-        t_end=t_end,
+        settings=Settings(t_end=t_end),
     )
 
 

@@ -1,4 +1,4 @@
-"""What a step of the history costs in each of its forms, over interface dofs, modes and steps; and
+"""Cost of a step of the history in each of its forms, over interface dofs, modes and steps; and
 what `auto` takes.
 
 The history alone, without Newton and the rest of a step: loads are given. CPU time, one thread.
@@ -8,15 +8,15 @@ The history alone, without Newton and the rest of a step: loads are given. CPU t
 
 import argparse
 import time
-from typing import Any
 
-import numba
 import numpy as np
-from duhamel.solver import Constant, FlexibleBody, Load, Model
+from duhamel.solver import Constant, FlexibleBody, Load, Model, Settings
+from duhamel.solver.arrays import Array
 from duhamel.solver.history.cost import cheapest_history, history_costs
 from duhamel.solver.history.dyadic import Lookahead
 from duhamel.solver.start.initial import initialize
-from duhamel.solver.step.history import recall, remember
+from duhamel.solver.step.history import finish_history, start_history
+from duhamel.solver.step.system import State, System, Workspace
 from duhamel.superelement import GeneralizedAlpha, Interface, Modes, Superelement, sample_kernel
 
 H = 1e-4
@@ -25,14 +25,13 @@ LONGEST_KERNEL = 3e8
 """numbers: what memory there is on a small machine"""
 
 
-@numba.njit
-def advance(elastic: Any, scheme: Any, state: Any, work: Any, loads: Any) -> None:
+def advance(system: System, state: State, work: Workspace, loads: Array) -> None:
     """One step of the history for every row of loads."""
-    for k in range(len(loads)):
-        recall(elastic, scheme, state, work.interfaces.history, work.modes.MODAL)
+    for p in loads:
+        start_history(system.elastic, system.scheme, state, work)
         work.interfaces.p_n[:] = state.interfaces.p
-        state.interfaces.p[:] = loads[k]
-        remember(elastic, scheme, state, work.interfaces.p_n, work.modes.MODAL)
+        state.interfaces.p[:] = p
+        finish_history(system.elastic, system.scheme, state, work)
         state.step[0] += 1
 
 
@@ -63,20 +62,17 @@ def measure(body: Superelement, history: str, n_steps: int) -> float:
     model = Model(
         {"body": FlexibleBody(body)},
         loads=loads,
-        t_end=n_steps * H,
-        step=H,
-        rho_inf=0.9,
-        history=history,
+        settings=Settings(t_end=n_steps * H, step=H, rho_inf=0.9, history=history),
     )
-    beginning = initialize(model)
-    system, state, work = beginning.lowered.system, beginning.state, beginning.work
+    initial = initialize(model)
+    system, state, work = initial.lowered.system, initial.state, initial.work
     lookahead = Lookahead(system.elastic)
     p = np.random.default_rng(0).normal(size=(1024, len(state.interfaces.p)))
-    advance(system.elastic, system.scheme, state, work, p[:0])
+    advance(system, state, work, p[:0])
     started, done = time.process_time(), 0
     while done < n_steps:
         n = lookahead.room(done, min(1024, n_steps - done))
-        advance(system.elastic, system.scheme, state, work, p[:n])
+        advance(system, state, work, p[:n])
         lookahead.look(state)
         done += n
     return 1e6 * (time.process_time() - started) / n_steps

@@ -1,4 +1,4 @@
-"""How long a step of the paper's Case 1 takes when its torque is given step by step, against the
+"""Times of a step of the paper's Case 1 when its torque is given step by step, against the
 step h of 60 us.
 
 A step lasts from a torque to the outputs, with all that the next can do before its own. It is late
@@ -35,8 +35,8 @@ def step_times(model: Model, steps: int) -> tuple[np.ndarray, float]:
     """
     torque = model.loads[0].signal
     model = replace(
-        model, loads=(replace(model.loads[0], signal=Input("torque", torque(0.0))),), t_end=1e4
-    )
+        model, loads=(replace(model.loads[0], signal=Input("torque", torque(0.0))),)
+    ).with_settings(t_end=1e4)
     simulator = Simulator(model, OUTPUTS)
     simulator.step([torque(0.0)])
     h = simulator.time
@@ -63,7 +63,7 @@ def main() -> None:
     print("| corrections | time | median | 99 % | 99.9 % | worst | median of h | late |")
     print("|---|---|---|---|---|---|---|---|")
     for corrections in (None, 2, 1):
-        both, h = step_times(replace(model, corrections=corrections), steps)
+        both, h = step_times(model.with_settings(fixed_iterations=corrections), steps)
         for clock, times in zip(("wall", "CPU"), both, strict=True):
             cells = [
                 f"{t / 1e3:.1f}" for t in (*np.quantile(times, [0.5, 0.99, 0.999]), times.max())

@@ -1,4 +1,4 @@
-"""What a step of the time loop costs: the paper's Case 1 by part, bodies of many modes, and chains
+"""Cost of a step of the time loop: the paper's Case 1 by part, bodies of many modes, and chains
 of flexible bodies.
 
 CPU time on one thread, without set-up and results files, medians of repeats in one process. Parts
@@ -16,17 +16,18 @@ import argparse
 import statistics
 import time
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from duhamel.preprocess import build, read_body
-from duhamel.solver import FlexibleBody, Joint, Model, Start, read_model
-from duhamel.solver.output.columns import make_output
-from duhamel.solver.simulation import compile_loop, signals
+from duhamel.solver import FlexibleBody, Joint, Model, Settings, Start, read_model
+from duhamel.solver.lower.allocation import make_output
+from duhamel.solver.simulation import signals
 from duhamel.solver.start.initial import initialize
-from duhamel.solver.step.loop import advance, record
+from duhamel.solver.step.loop import advance
+from duhamel.solver.step.record import record
+from duhamel.solver.step.system import Run
 from duhamel.superelement import (
     GeneralizedAlpha,
     Interface,
@@ -58,17 +59,17 @@ def measure(model: Model, recorded: bool = True, repeats: int = REPEATS) -> Cost
     seconds, starts = [], []
     for _ in range(repeats):
         started = time.process_time()
-        beginning = initialize(model)
+        initial = initialize(model)
         starts.append(time.process_time() - started)
-        compiled, state, work = beginning.lowered, beginning.state, beginning.work
-        compile_loop(compiled, state, work)
-        n, quaternions = compiled.n_steps, compiled.frame_quaternions
-        output = make_output(compiled, n if recorded else 1)
-        inputs = signals(compiled, 1, np.arange(n) if recorded else np.full(n, -1))
-        record(compiled.system, quaternions, 0, state, work, output)
-        work.matrix.RENEWED[1] = 0
+        lowered, work = initial.lowered, initial.work
+        n = lowered.n_steps
+        output = make_output(lowered, n if recorded else 1)
+        inputs = signals(lowered, 1, np.arange(n) if recorded else np.full(n, -1))
+        run = Run(system=lowered.system, state=initial.state, work=work, output=output)
+        record(run, 0)
+        work.matrix.count[0] = 0
         started = time.process_time()
-        taken, _ = advance(compiled.system, quaternions, inputs, state, work, output)
+        taken, _ = advance(run, inputs)
         seconds.append(time.process_time() - started)
         if taken < n:
             raise RuntimeError(f"no convergence in step {taken + 1}")
@@ -76,7 +77,7 @@ def measure(model: Model, recorded: bool = True, repeats: int = REPEATS) -> Cost
     return Cost(
         1e6 * statistics.median(seconds) / n,
         corrections,
-        work.matrix.RENEWED[1] / n,
+        int(work.matrix.count[0]) / n,
         statistics.median(starts),
     )
 
@@ -91,7 +92,7 @@ def beam() -> Superelement:
 def case_1() -> None:
     model = read_model(CASE_1)
     whole, bare = measure(model), measure(model, recorded=False)
-    fixed = [measure(replace(model, corrections=n), recorded=False).step for n in (1, 2)]
+    fixed = [measure(model.with_settings(fixed_iterations=n), recorded=False).step for n in (1, 2)]
     correction = fixed[1] - fixed[0]
     others = bare.step - whole.corrections * correction
     matrix = fixed[0] - correction - others
@@ -119,7 +120,7 @@ def many_modes() -> None:
             {"body": FlexibleBody(element(m))},
             [Joint("pivot", "revolute", ("ground", "body.i0"), [0, 0, 1])],
             gravity=[0, -9.81, 0],
-            t_end=2000 * H,
+            settings=Settings(t_end=2000 * H),
         )
         print(f"| {m} | {measure(model).step:.1f} |")
     print()
@@ -169,8 +170,7 @@ def chain(element: Superelement, n: int, steps: int) -> Model:
             Joint(f"joint{k}", "revolute", (ends[k], f"body{k}.root"), [0, 0, 1]) for k in range(n)
         ],
         gravity=[0, -9.81, 0],
-        t_end=steps * H,
-        step=H,
+        settings=Settings(t_end=steps * H, step=H),
     )
 
 

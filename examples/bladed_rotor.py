@@ -137,11 +137,11 @@ def curves(found: Motion, results: solver.Results) -> Figure:
     figure, (speed, tips, added) = view.panels(3)
     blue, red, green, *_ = view.COLOURS
     speed.plot(found.time, results.body("hub").v[:, 5], color=blue)
-    for n, colour, line in zip((0, 1, 2), (red, blue, green), ("-", "-", (0, (4, 3))), strict=True):
+    for n, color, line in zip((0, 1, 2), (red, blue, green), ("-", "-", (0, (4, 3))), strict=True):
         tips.plot(
             found.time,
             1e3 * found.deflections[n],
-            color=colour,
+            color=color,
             linestyle=line,
             label=f"blade {n + 1}",
         )
@@ -197,7 +197,8 @@ def report(checks: Checks) -> None:
     print(f"blades before the blow      alike within {checks.alike:.2e} of their deflection")
     print(f"angular momentum            as the torque left it within {checks.momentum:.2e}")
     print(
-        f"what the blow adds          Duhamel's integral over the held blade within {checks.struck:.2e} of its peak"
+        "what the blow adds          Duhamel's integral over the held blade within "
+        f"{checks.struck:.2e} of its peak"
     )
 
 

@@ -96,7 +96,7 @@ def main() -> None:
         print(f"{name}.h5: free from {beam.modes.omega.min() / (2.0 * np.pi):.3f} Hz")
         for case in CASES:
             model = solver.read_model(ROOT / f"examples/{case}.toml")
-            h = model.step or beam.kernel.h
+            h = model.settings.step or beam.kernel.h
             frequency, share = vibrations(model, beam)
             zeta = damping_of_the_paper(frequency, share, h)
             found = zip(frequency[:8], 100.0 * zeta[:8], strict=True)

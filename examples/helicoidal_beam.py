@@ -72,7 +72,7 @@ class Run:
 
     @property
     def height(self) -> Array:
-        """Of the centre of mass of the beam (n,) [m]."""
+        """Of the center of mass of the beam (n,) [m]."""
         return self.recording.position("beam")[:, 2]
 
 
@@ -108,7 +108,7 @@ def variants(case: str) -> Iterator[tuple[str, solver.Model]]:
         element = superelement.read(ROOT / f"meshes/beam/{name}.h5")
         model = with_beam(printed, element)
         yield f"{case}-{name}", model
-        yield f"{case}-{name}-paper", replace(model, rule="paper")
+        yield f"{case}-{name}-paper", model.with_settings(rule="paper")
         if case == "case5":
             yield f"{case}-{name}-lumped", with_lumped_tip(model, name)
             yield f"{case}-{name}-printed", with_impulse(model, PRINTED_IMPULSE)
@@ -182,7 +182,7 @@ def check_momentum(found: Run) -> None:
     )
     mass = sum(body.mass for body in found.model.bodies.values())
     momentum = found.results.momentum
-    expected = impulse + mass * found.model.gravity[2] * found.model.t_end
+    expected = impulse + mass * found.model.gravity[2] * found.model.settings.t_end
     assert abs(momentum.linear[-1, 2] - expected) < 1e-10
     (torque,) = [load for load in found.model.loads if load.type == "torque"]
     before = int(np.searchsorted(found.time, 0.199))
@@ -222,7 +222,7 @@ def swings(found: Run, start: float, end: float) -> Iterator[tuple[Array, Array]
 
 
 def out_of_phase(found: Run) -> float:
-    """The largest angle about the axis between tip and centre of mass [rad]."""
+    """The largest angle about the axis between tip and center of mass [rad]."""
     tip, center = (
         found.recording.position(place)[:, :2] @ [1.0, 1.0j] for place in ("beam.tip", "beam")
     )
@@ -230,7 +230,7 @@ def out_of_phase(found: Run) -> float:
 
 
 def fast(deflection: Array, h: float) -> Array:
-    """What a deflection (n,) holds above 70 Hz, without the first two modes of the system."""
+    """The part of a deflection (n,) above 70 Hz, without the first two modes of the system."""
     filtered: Array = sosfiltfilt(butter(4, 70.0, "highpass", fs=1.0 / h, output="sos"), deflection)
     return filtered
 
@@ -250,12 +250,12 @@ def overview(case: str, recording: view.Recording) -> Figure:
     for kind, axes in zip(kinds, places, strict=True):
         # Angles and heights of hub and beam all but coincide: there the upper curve is dashed.
         over = (0, (4, 4)) if kind in ("angle", "position") else "-"
-        for body, colour, line in (("hub", RED, "-"), ("beam", BLUE, over)):
+        for body, color, line in (("hub", RED, "-"), ("beam", BLUE, over)):
             (curve,) = view.curves(recording, f"{kind}:{body}:z")
             axes.plot(
                 recording.time,
                 curve.values,
-                color=colour,
+                color=color,
                 linestyle=line,
                 label=body,
                 linewidth=0.9,
@@ -271,10 +271,10 @@ def overview(case: str, recording: view.Recording) -> Figure:
     )
     label_axes(panels[0], "angle, z", "[rad]")
     for axis, name in enumerate("xy"):
-        for place, colour in (("beam", BLUE), ("beam.tip", GREEN)):
+        for place, color in (("beam", BLUE), ("beam.tip", GREEN)):
             label = "tip" if "." in place else "beam"
             panels[4 + axis].plot(
-                recording.time, recording.position(place)[:, axis], color=colour, label=label
+                recording.time, recording.position(place)[:, axis], color=color, label=label
             )
         label_axes(panels[4 + axis], f"position, {name}", "[m]")
         panels[6 + axis].plot(recording.time, recording.velocity("beam")[:, axis], color=BLUE)
@@ -291,8 +291,8 @@ def tip(case: str, runs: dict[str, Run]) -> Figure:
     for column, (name, stiffness) in enumerate(STIFFNESS.items()):
         found = runs[f"{case}-{name}"]
         seen, floating, turned = panels[column], panels[2 + column], panels[4 + column]
-        for axis, colour in enumerate((GREY, BLUE, RED)):
-            look = {"color": colour, "label": "xyz"[axis], "linewidth": 0.9}
+        for axis, color in enumerate((GREY, BLUE, RED)):
+            look = {"color": color, "label": "xyz"[axis], "linewidth": 0.9}
             seen.plot(found.time, 1e3 * found.deflection[:, axis], **look)
             floating.plot(
                 found.time, 1e3 * found.recording.elastic_displacement("beam.tip")[:, axis], **look
@@ -307,21 +307,21 @@ def tip(case: str, runs: dict[str, Run]) -> Figure:
 
 
 def trajectory(case: str, recording: view.Recording) -> Figure:
-    """Of centre of mass and tip, as Figs 15, 19 and 23; a ring at the start, and a star at the
+    """Of center of mass and tip, as Figs 15, 19 and 23; a ring at the start, and a star at the
     blow.
     """
     figure = Figure(figsize=(6.0, 5.0), layout="constrained")
     axes = figure.add_subplot(projection="3d")
-    for place, colour, label in (("beam", BLUE, "centre of mass"), ("beam.tip", GREEN, "tip")):
+    for place, color, label in (("beam", BLUE, "center of mass"), ("beam.tip", GREEN, "tip")):
         path = recording.position(place)
-        axes.plot(*path.T, color=colour, label=label, linewidth=0.9)
-        axes.plot(*path[0], marker="o", markerfacecolor="white", color=colour)
+        axes.plot(*path.T, color=color, label=label, linewidth=0.9)
+        axes.plot(*path[0], marker="o", markerfacecolor="white", color=color)
         if case == "case5":
             axes.plot(
                 *path[np.searchsorted(recording.time, BLOW - 1e-9)],
                 marker="*",
                 markersize=9,
-                color=colour,
+                color=color,
             )
     axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]", box_aspect=(1, 1, 1.2))
     axes.legend(loc="upper left")
@@ -330,25 +330,29 @@ def trajectory(case: str, recording: view.Recording) -> Figure:
 
 
 def show_the_blow(case: str, *panels: Axes) -> None:
-    """Of Case 5 only the time around the blow: over the whole of it, vibrations are a solid band."""
+    """Of Case 5 only the time around the blow: over the whole of it, vibrations are a
+    solid band.
+    """
     if case == "case5":
         for axes in panels:
             axes.set_xlim(BLOW - 0.02, BLOW + 0.1)
 
 
 def after_the_blow(runs: dict[str, Run]) -> Figure:
-    """The lateral deflections of Case 5 with the tip mass both ways, and by the rule of the paper."""
+    """The lateral deflections of Case 5 with the tip mass both ways, and by the rule of
+    the paper.
+    """
     figure, panels = view.panels(2)
     kinds = (("-paper", RED, "-", "rule of the paper"), ("", BLUE, "-", "mass on a joint"))
     kinds += (("-lumped", "black", (0, (1, 2)), "mass in the superelement"),)
-    for kind, colour, line, label in kinds:
+    for kind, color, line, label in kinds:
         found = runs[f"case5-beam{kind}"]
         shown = (found.time > 0.18) & (found.time < 0.4)
         for axis, axes in zip((1, 2), panels, strict=True):
             axes.plot(
                 found.time[shown],
                 1e3 * found.deflection[shown, axis],
-                color=colour,
+                color=color,
                 linestyle=line,
                 label=label,
             )
@@ -378,7 +382,8 @@ def report(runs: dict[str, Run]) -> None:
     )
     print(f"{'root turns [rad]':>18}{'acceleration [rad/s²], [m/s²]':>34}")
     print(
-        f"{'':24}{'':8}{'largest':>10}{'at 1 s':>10}{'x':>8}{'y':>8}{'z':>8}{'y':>9}{'z':>9}{'y':>9}{'z':>9}"
+        f"{'':24}{'':8}{'largest':>10}{'at 1 s':>10}"
+        f"{'x':>8}{'y':>8}{'z':>8}{'y':>9}{'z':>9}{'y':>9}{'z':>9}"
     )
     for name, found in runs.items():
         recording = found.recording
@@ -412,7 +417,8 @@ def report(runs: dict[str, Run]) -> None:
 def report_speeds(runs: dict[str, Run]) -> None:
     """After the pulses, and of Case 5 also after the blow; what the blow leaves above 70 Hz."""
     print(
-        "speeds: turning [rad/s], from and to; rising [m/s] without what gravity adds; tip and centre out of phase"
+        "speeds: turning [rad/s], from and to; rising [m/s] without what gravity adds; tip and "
+        "center out of phase"
     )
     for name, found in runs.items():
         if name.endswith("weightless"):  # gravity adds less to it
@@ -421,9 +427,9 @@ def report_speeds(runs: dict[str, Run]) -> None:
             load.signal.end for load in found.model.loads if isinstance(load.signal, solver.Pulse)
         )
         instants = (
-            [pulse, BLOW, found.model.t_end]
+            [pulse, BLOW, found.model.settings.t_end]
             if name.startswith("case5")
-            else [pulse, found.model.t_end]
+            else [pulse, found.model.settings.t_end]
         )
         for start, end in pairwise(instants):
             print(f"{name:24}{start:5.2f} to {end:.2f} s", end="")
@@ -434,12 +440,13 @@ def report_speeds(runs: dict[str, Run]) -> None:
                 print(f"{rising.mean():7.2f} ± {np.ptp(rising) / 2:.2f}", end="")
             print(f"{out_of_phase(found):10.3f} rad")
         if len(instants) > 2:
-            y = fast(found.deflection[:, 1], found.model.step)
+            y = fast(found.deflection[:, 1], found.model.settings.step)
             after = [
                 peak(y[(found.time > t) & (found.time <= t + 0.05)]) for t in (0.205, 0.3, 0.6, 0.9)
             ]
             print(
-                f"{'':24}tip above 70 Hz, y: {', '.join(f'{1e3 * size:.3f}' for size in after)} mm ",
+                f"{'':24}tip above 70 Hz, y: "
+                f"{', '.join(f'{1e3 * size:.3f}' for size in after)} mm ",
                 end="",
             )
             print("after 0, 0.1, 0.4, 0.7 s")

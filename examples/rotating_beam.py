@@ -109,15 +109,12 @@ def variants(case: Case) -> dict[str, solver.Model]:
     beam = model.bodies["beam"]
     kernel = beam.superelement.kernel
     rigid_beam = solver.RigidBody(beam.mass, beam.inertia, beam.frames, beam.start)
-    rigid = replace(
-        model,
-        bodies={**model.bodies, "beam": rigid_beam},
-        step=kernel.h,
-        rho_inf=kernel.scheme.rho_inf,
+    rigid = replace(model, bodies={**model.bodies, "beam": rigid_beam}).with_settings(
+        step=kernel.h, rho_inf=kernel.scheme.rho_inf
     )
     return {
         f"{case.name}.h5": model,
-        f"{case.name}-paper-rule.h5": replace(model, rule="paper"),
+        f"{case.name}-paper-rule.h5": model.with_settings(rule="paper"),
         f"{case.name}-rigid.h5": rigid,
     }
 
@@ -183,9 +180,9 @@ def overview(case: Case, recording: view.Recording) -> Figure:
         (speeds, "angular_velocity"),
         (accelerations, "angular_acceleration"),
     ):
-        for body, colour, label in (("hub", RED, "hub"), ("beam", BLUE, "beam")):
+        for body, color, label in (("hub", RED, "hub"), ("beam", BLUE, "beam")):
             (curve,) = view.curves(recording, f"{kind}:{body}:z")
-            axes.plot(time, curve.values, color=colour, label=label)
+            axes.plot(time, curve.values, color=color, label=label)
         label_axes(axes, curve.words[0], f"[{curve.unit}]")
     angles.plot(
         time,
@@ -195,9 +192,9 @@ def overview(case: Case, recording: view.Recording) -> Figure:
     )
     label_axes(angles, "angle", "[rad]")
 
-    for interface, colour in (("root", RED), ("tip", BLUE)):
+    for interface, color in (("root", RED), ("tip", BLUE)):
         transverse = recording.elastic_displacement(f"beam.{interface}")[:, 1]
-        body_axes.plot(time, 1e3 * transverse, color=colour, label=interface)
+        body_axes.plot(time, 1e3 * transverse, color=color, label=interface)
     label_axes(body_axes, "elastic displacement y, body axes", "[mm]")
 
     tip = 1e3 * recording.displacement("beam.tip", seen_from="hub.rim")
@@ -219,8 +216,8 @@ def comparison(case: Case, consistent: Motion, paper: Motion, reference: Motion 
     found = [(paper, RED, "-", "rule of the paper"), (consistent, BLUE, "-", "consistent rule")]
     if reference is not None:
         found.append((reference, "black", (0, (1, 3)), "geometrically exact"))
-    for motion, colour, line, label in found:
-        look = {"color": colour, "linestyle": line, "label": label}
+    for motion, color, line, label in found:
+        look = {"color": color, "linestyle": line, "label": label}
         speed.plot(motion.time, motion.speed, **look)
         deflection.plot(motion.time, 1e3 * motion.deflection, **look)
         for axes in distance if motion is not reference else ():
@@ -261,7 +258,8 @@ def titled(case: Case) -> str:
 
 def report(motions: dict[str, Motion]) -> None:
     print(
-        f"{'':18}{'peak speed':>12}{'peak deflection, residual':>28}{'largest distance from Exudyn':>32}"
+        f"{'':18}{'peak speed':>12}{'peak deflection, residual':>28}"
+        f"{'largest distance from Exudyn':>32}"
     )
     print(f"{'':18}{'[rad/s]':>12}{'[mm]':>16}{'[1]':>12}{'speed':>18}{'deflection':>14}")
     for name, found in motions.items():

@@ -43,7 +43,7 @@ ENLARGED = 60.0
 
 @dataclass(frozen=True, eq=False)
 class Strokes:
-    """What was found in the rod through a cycle.
+    """Forces and stresses in the rod through a cycle.
 
     time (n,) [s]; largest (n,): von Mises stress anywhere [Pa]; flanges (n, 2): axial stress in the
     middle of the shank at its sides y > 0 and y < 0 [Pa]; force (n,): in that section from its
@@ -107,14 +107,14 @@ def with_rigid_rod(model: solver.Model) -> solver.Model:
     rod = model.bodies["rod"]
     kernel = rod.superelement.kernel
     rigid = solver.RigidBody(rod.mass, rod.inertia, rod.frames, rod.start)
-    return replace(
-        model, bodies={**model.bodies, "rod": rigid}, step=kernel.h, rho_inf=kernel.scheme.rho_inf
+    return replace(model, bodies={**model.bodies, "rod": rigid}).with_settings(
+        step=kernel.h, rho_inf=kernel.scheme.rho_inf
     )
 
 
 def inertia_force(angle: Array) -> Array:
-    """What accelerates the piston along x (n,) [N] when crank and rod are rigid: m times the second
-    derivative of
+    """The force that accelerates the piston along x (n,) [N] when crank and rod are rigid: m times
+    the second derivative of
 
     x = r cos(a) + l sqrt(1 - k^2 sin(a)^2),   k = r / l
     """
@@ -161,7 +161,7 @@ def section_force(results: solver.Results, time: Array) -> tuple[Array, Array]:
     to it (n,) [N].
 
     F is the force on the rod at its small end, m the mass beyond the section and a the acceleration
-    of its centre, all in the axes of the rod. The superelement answers to loads on its interfaces
+    of its center, all in the axes of the rod. The superelement answers to loads on its interfaces
     and the inertia forces of the rigid acceleration that goes with them, a + alpha x c; it does not
     know omega x (omega x c).
     """
@@ -179,7 +179,7 @@ def section_force(results: solver.Results, time: Array) -> tuple[Array, Array]:
 
 
 def beyond_section() -> tuple[float, Array]:
-    """Mass [kg] and centre (3,) [m] of the rod on the side of the small end, from the corners of
+    """Mass [kg] and center (3,) [m] of the rod on the side of the small end, from the corners of
     its tetrahedra.
     """
     body = preprocess.read_body(BODY)
@@ -217,20 +217,20 @@ def curves(found: Strokes, elastic: solver.Results, rigid: solver.Results) -> Fi
     blue, red, green, *_ = view.COLOURS
     degrees = np.rad2deg(SPEED * (found.time - CYCLE[0]))
     shown = np.isin(rigid.time, found.time)
-    for results, colour, name in ((rigid, "0.6", "rigid rod"), (elastic, blue, "elastic rod")):
+    for results, color, name in ((rigid, "0.6", "rigid rod"), (elastic, blue, "elastic rod")):
         pin.plot(
-            degrees, 1e-3 * results.joint("wrist_pin").force[shown, 0], color=colour, label=name
+            degrees, 1e-3 * results.joint("wrist_pin").force[shown, 0], color=color, label=name
         )
     section.plot(degrees, 1e-3 * found.force, color=blue, label="from stresses")
     section.plot(
         degrees, 1e-3 * found.wanted, color=red, linestyle=(0, (4, 3)), label="from Newton's law"
     )
     stress.plot(degrees, 1e-6 * found.largest, color=red, label="largest von Mises stress")
-    for side, colour, name in ((0, blue, "+y"), (1, green, "-y")):
+    for side, color, name in ((0, blue, "+y"), (1, green, "-y")):
         stress.plot(
             degrees,
             1e-6 * found.flanges[:, side],
-            color=colour,
+            color=color,
             label=f"middle of the shank, {name}",
         )
     pin.set(title="force on the piston, along the cylinder", ylabel="[kN]")
@@ -257,18 +257,22 @@ def stressed_rod(results: solver.Results, time: float) -> Figure:
 def report(found: Strokes, checks: Checks) -> None:
     k = found.largest.argmax()
     print(
-        f"largest stress              {1e-6 * found.largest[k]:.1f} MPa at {1e3 * found.worst:.2f} ms"
+        f"largest stress              {1e-6 * found.largest[k]:.1f} MPa at "
+        f"{1e3 * found.worst:.2f} ms"
     )
     print(
-        f"force in the shank          {1e-3 * found.force.min():.2f} to {1e-3 * found.force.max():.2f} kN"
+        f"force in the shank          {1e-3 * found.force.min():.2f} to "
+        f"{1e-3 * found.force.max():.2f} kN"
     )
     print(f"rigid rod, closed form      piston force within {checks.rigid:.2e} of its peak")
     print(
-        f"elastic rod, rigid rod      piston force within {checks.elastic:.2e} before the compression"
+        f"elastic rod, rigid rod      piston force within {checks.elastic:.2e} before the "
+        "compression"
     )
     print(f"stresses, Newton's law      force in the shank within {checks.section:.2e} of its peak")
     print(
-        f"                            centrifugal forces, left out, would add up to {checks.centrifugal:.2e}"
+        "                            centrifugal forces, left out, would add up to "
+        f"{checks.centrifugal:.2e}"
     )
 
 

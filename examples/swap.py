@@ -128,7 +128,7 @@ def compare(
         of_solid / frequency - 1.0,
         compliance[1] / compliance[0] - 1.0,
     )
-    drift = 2.0 * np.pi * frequency * np.abs(frequency_shift) * model.t_end
+    drift = 2.0 * np.pi * frequency * np.abs(frequency_shift) * model.settings.t_end
     return Comparison(
         angle=largest(solid.angle - beam.angle) / largest(beam.angle),
         deflection=largest(solid.deflection - beam.deflection) / largest(beam.deflection),
@@ -187,7 +187,7 @@ def clamped_compliance(bar: Superelement) -> Array:
 
 
 def rigid_motion(bar: Superelement, interface: str) -> Array:
-    """U = [I, -skew(X); 0, I] (6, 6) of an interface, about the centre of mass."""
+    """U = [I, -skew(X); 0, I] (6, 6) of an interface, about the center of mass."""
     X = next(found.X for found in bar.interfaces if found.name == interface)
     U = np.eye(6)
     U[:3, 3:] = np.cross(np.eye(3), X).T  # columns e_i x X
@@ -203,10 +203,10 @@ def picture(motions: dict[str, Motion], title: str) -> Figure:
     peaks = np.abs(beam.deflection).max(axis=0)
     moving = [(row, name) for row, name in enumerate("yz") if peaks[row] > 1e-6 * peaks.max()]
     figure, (angle, *deflections, difference) = view.panels(2 + len(moving))
-    for (kind, found), colour, line in zip(
+    for (kind, found), color, line in zip(
         motions.items(), (blue, red), ("-", (0, (4, 3))), strict=True
     ):
-        look = {"color": colour, "linestyle": line, "label": f"{kind} mesh"}
+        look = {"color": color, "linestyle": line, "label": f"{kind} mesh"}
         angle.plot(found.time, found.angle, **look)
         for axes, (row, _) in zip(deflections, moving, strict=True):
             axes.plot(found.time, 1e3 * found.deflection[:, row], **look)
@@ -225,10 +225,12 @@ def picture(motions: dict[str, Motion], title: str) -> Figure:
 def report(found: Comparison) -> None:
     f, shift, compliance = found.frequency, found.frequency_shift, found.compliance_shift
     print(
-        f"frequencies of the rotor    {f[0]:.3f}, {f[1]:.3f} Hz; solid less beam {shift[0]:+.2e}, {shift[1]:+.2e}"
+        f"frequencies of the rotor    {f[0]:.3f}, {f[1]:.3f} Hz; solid less beam "
+        f"{shift[0]:+.2e}, {shift[1]:+.2e}"
     )
     print(
-        f"static tip compliance       solid less beam {compliance[0]:+.2e} (y), {compliance[1]:+.2e} (z)"
+        f"static tip compliance       solid less beam {compliance[0]:+.2e} (y), "
+        f"{compliance[1]:+.2e} (z)"
     )
     print(f"angle of the hub            largest difference over its peak {found.angle:.2e}")
     print(f"deflection of the tip       largest difference over its peak {found.deflection:.2e}")

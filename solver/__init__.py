@@ -2,11 +2,14 @@
 
 from ..results.results import Results
 from .errors import ConvergenceError, ModelError, RecoveryError, ResultsError
-from .model.file import read_model
+from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
+from .model.file import read_model, write_model
 from .model.joints import Joint
-from .model.model import FlexibleBody, Frame, Load, Model, Place, RigidBody, Start, SteadyRotation
+from .model.loads import Load
+from .model.model import Model
 from .model.motions import PrescribedDisplacement, PrescribedRotation
 from .model.output_request import OutputRequest
+from .model.settings import Settings, SteadyRotation
 from .model.signals import (
     Constant,
     Function,
@@ -48,6 +51,7 @@ __all__ = [
     "Results",
     "ResultsError",
     "RigidBody",
+    "Settings",
     "Simulator",
     "SmoothFunction",
     "Spline",
@@ -58,4 +62,5 @@ __all__ = [
     "Table",
     "read_model",
     "simulate",
+    "write_model",
 ]

@@ -2,6 +2,7 @@
 
 import os
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from .errors import ConvergenceError, about
 from .history.dyadic import Lookahead
 from .lower.lower import LoweredModel
 from .model.model import Model
+from .model.settings import Settings
 from .output.file import ResultsFile, check_folder
 from .output.recorder import Recorder
 from .progress import Progress
@@ -25,15 +27,21 @@ STINT = 0.1
 
 
 def simulate(
-    model: Model, output: str | os.PathLike[str] | None = None, progress: bool = False
+    model: Model,
+    settings: Settings | None = None,
+    *,
+    output: str | os.PathLike[str] | None = None,
+    progress: bool = False,
 ) -> Results:
     """Integrate the motion of a model from t = 0 to t_end.
 
-    output: the results file, by default none (results stay in memory); progress: show a bar. Raises
-    ModelError for a model that cannot start, ConvergenceError where Newton's method fails and
-    ResultsError for a file that cannot be written; the file then holds the steps before the
-    failure, as it does after an interrupt.
+    settings: by default those of the model; output: the results file, by default none (results stay
+    in memory); progress: show a bar. Raises ModelError for a model that cannot start,
+    ConvergenceError where Newton's method fails and ResultsError for a file that cannot be written;
+    the file then holds the steps before the failure, as it does after an interrupt.
     """
+    if settings is not None:
+        model = replace(model, settings=settings)
     if output is not None:
         check_folder(Path(output))
     with about(model.path):
@@ -99,7 +107,7 @@ def failure(lowered: LoweredModel, step: int, residual: float, work: Workspace) 
         step,
         step * lowered.h,
         residual,
-        lowered.model.tolerance,
+        lowered.model.settings.tolerance,
         name,
         opening,
         lowered.model.path,

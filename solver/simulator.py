@@ -3,6 +3,7 @@ co-simulation, real time.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from difflib import get_close_matches
 from typing import Any
 
@@ -14,6 +15,7 @@ from .history.uniform import Partitions
 from .lower.allocation import make_output
 from .lower.lower import LoweredModel
 from .model.model import Model
+from .model.settings import Settings
 from .model.signals import Input, Signal
 from .output.columns import lay_out_columns
 from .simulation import failure
@@ -33,7 +35,8 @@ class Simulator:
     `step` takes the values at the end of the step, in the order of `inputs`. Loads are linear
     between them: a force that is to be held from one step to the next acts half a step early, with
     the same impulse. What the next step can do before they are known is done at the end of the one
-    before: to recall the past, to predict, to factor the matrix of a given number of `corrections`,
+    before: to recall the past, to predict, to factor the matrix of a given number of
+    `fixed_iterations`,
     with which all steps cost about the same. History "fft" is convolved in equal parts, one a step,
     not in the growing blocks of `simulate`. `outputs` (n,) are the chosen datasets of results, one
     after the other, at the present `time`; they are those of `simulate`.
@@ -43,7 +46,11 @@ class Simulator:
     no further steps.
     """
 
-    def __init__(self, model: Model, outputs: Sequence[str]) -> None:
+    def __init__(
+        self, model: Model, outputs: Sequence[str], settings: Settings | None = None
+    ) -> None:
+        if settings is not None:
+            model = replace(model, settings=settings)
         with about(model.path):
             initial = initialize(model)
             lowered = initial.lowered
@@ -91,7 +98,7 @@ class Simulator:
             )
         number = int(self._state.step[0]) + 1
         if number > self._lowered.n_steps:
-            raise ModelError(f"t_end = {self._lowered.model.t_end:.9g} s has been reached")
+            raise ModelError(f"t_end = {self._lowered.model.settings.t_end:.9g} s has been reached")
         for array, (places, given) in (
             (self._load, self._load_inputs),
             (self._drive, self._drive_inputs),

@@ -2,7 +2,7 @@
 
 import tempfile
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
@@ -37,7 +37,7 @@ class Simulation:
 
         with tempfile.TemporaryDirectory() as folder:
             results = Path(folder) / "start.h5"
-            simulate(replace(read_model(base), t_end=NO_TIME), output=results)
+            simulate(read_model(base).with_settings(t_end=NO_TIME), output=results)
             check(read(results), outputs)
 
     def make(self, case: Case) -> None:

@@ -27,7 +27,7 @@ def respond(
     """
     stiffness, damping = modes.omega**2, 2.0 * modes.zeta * modes.omega
     alpha_m, alpha_f, beta, gamma = scheme.alpha_m, scheme.alpha_f, scheme.beta, scheme.gamma
-    inertia = (1 - alpha_m) / (1 - alpha_f)
+    inertia = scheme.inertia_ratio
     pivot = inertia + gamma * h * damping + beta * h * h * stiffness
 
     rest = np.zeros_like(modes.omega)

@@ -32,7 +32,7 @@ def march_kernel(
     once.
 
         S a_{n+1} = f_{n+1} - K u* - C v* - M (alpha_m a_n - alpha_f v_dot_n) / (1 - alpha_f)
-        S = (1 - alpha_m) / (1 - alpha_f) M + gamma h C + beta h^2 K
+        S = inertia_ratio M + gamma h C + beta h^2 K
 
     g: f acts at the first step alone; g_initial: f acts at t_0 alone, so v_dot_0 = a_0 = M^-1 P^T
     P_C^T. h [s]; the kernel has steps + 1 lags. `track` sees the loop over steps. Source:
@@ -41,7 +41,7 @@ def march_kernel(
     K, M, P_C, U, loads = structure.K, structure.M, structure.P_C, structure.U, structure.loads
     C = damping_matrix(damping, structure)
     n_c = loads.shape[1]
-    inertia = (1 - scheme.alpha_m) / (1 - scheme.alpha_f)
+    inertia = scheme.inertia_ratio
     S = inertia * M + scheme.beta * h * h * K
     solve = factorize(S if C is None else S + scheme.gamma * h * C, "the matrix of the time step")
 

@@ -41,7 +41,7 @@ def lay_out_elastic(
     """Number the interface dofs of all flexible bodies; bodies with the same superelement share its
     data.
 
-    Also their static compliances, and the largest error of kernels that `model.memory` cuts off.
+    Also their static compliances, and the largest error of kernels that `kernel_length` cuts off.
     """
     bodies = model.flexible_bodies
     owners = [id(body.superelement) for body in bodies.values()]
@@ -136,8 +136,9 @@ def _remember(
     scheme: GeneralizedAlpha,
     n_steps: int,
 ) -> _Memory:
-    history = model.history
-    lags = n_steps + 1 if model.memory is None else min(n_steps, round(model.memory / h)) + 1
+    history: str = model.settings.history
+    length = model.settings.kernel_length
+    lags = n_steps + 1 if length is None else min(n_steps, round(length / h)) + 1
     if history == "auto":
         m = None if element.modes is None else len(element.modes.omega)
         history = cheapest_history(element.n_c, n_active, m, n_steps, lags)

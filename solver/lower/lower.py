@@ -10,7 +10,7 @@ from ..arrays import Array, as_index, as_rows
 from ..errors import ModelError
 from ..history.layout import lay_out_elastic
 from ..model.model import Model
-from ..model.signals import Motion, Signal
+from ..model.signals import Signal, SmoothSignal
 from ..step.rows import measures_length
 from ..step.system import Bodies, Loads, Newton, Scheme, System
 from .elimination_order import lay_out_pattern
@@ -18,12 +18,10 @@ from .numbering import Coupling, NumberedFrames, number_frames, side_names
 from .placement import Pose, place_bodies
 from .rows import (
     Row,
+    coupling_rows,
     joint_observers,
-    joint_rows,
     lay_out_couplings,
     lay_out_rows,
-    motion_rows,
-    spring_rows,
 )
 from .size import model_size
 
@@ -53,7 +51,7 @@ class LoweredModel:
     observers: list[tuple[str, str]]
     """joint and coordinate of each observer row"""
     observer_starts: Array
-    drives: list[Motion]
+    drives: list[SmoothSignal]
     load_signals: list[Signal]
     superelements: list[Superelement]
     compliances: list[Array]
@@ -84,14 +82,7 @@ class LoweredModel:
 
     def owner_of(self, row: int) -> str:
         """The same as messages name it: "joint 'hinge'"."""
-        j = self.coupling_of(row)
-        model = self.model
-        kinds = (
-            ["joint"] * len(model.joints)
-            + ["motion"] * len(model.motions)
-            + ["spring"] * len(model.springs)
-        )
-        return f"{kinds[j]} {self.coupling_names[j]!r}"
+        return self.model.couplings[self.coupling_of(row)].owner
 
 
 def lower(model: Model, without: frozenset[int] = frozenset()) -> LoweredModel:
@@ -99,14 +90,13 @@ def lower(model: Model, without: frozenset[int] = frozenset()) -> LoweredModel:
     left out.
     """
     h, scheme = _step_and_scheme(model)
-    n_steps = int(np.ceil(model.t_end / h - 1e-6))
+    n_steps = int(np.ceil(model.settings.t_end / h - 1e-6))
     poses = place_bodies(model)
     body_names = list(model.bodies)
     frames = number_frames(model, poses)
     rows = {
-        **{joint.name: joint_rows(joint, frames.sides(joint)) for joint in model.joints},
-        **{motion.name: motion_rows(motion, frames.sides(motion)) for motion in model.motions},
-        **{spring.name: spring_rows(spring, frames.sides(spring)) for spring in model.springs},
+        coupling.name: coupling_rows(coupling, frames.sides(coupling))
+        for coupling in model.couplings
     }
     numbers = iter(range(sum(map(len, rows.values()))))
     rows = {
@@ -119,10 +109,10 @@ def lower(model: Model, without: frozenset[int] = frozenset()) -> LoweredModel:
         for coordinate, row in joint_observers(joint, frames.sides(joint)).items()
     }
     size = model_size(model, poses, frames)
-    if not model.assemble:
+    if not model.settings.assemble:
         _check_assembled(model, size, frames)
     _check_moments(model, frames, rows)
-    weight = 1.0 if model.rule == "consistent" else 0.5
+    weight = 1.0 if model.settings.rule == "consistent" else 0.5
     elastic, compliances, truncation = lay_out_elastic(
         model, frames.arrays, h, scheme, n_steps, weight
     )
@@ -140,10 +130,10 @@ def lower(model: Model, without: frozenset[int] = frozenset()) -> LoweredModel:
             weight=weight,
         ),
         newton=Newton(
-            tolerance=model.tolerance,
-            max_iterations=model.max_iterations,
-            fixed_iterations=model.corrections or 0,
-            reuse=np.inf if model.corrections else REUSE,
+            tolerance=model.settings.tolerance,
+            max_iterations=model.settings.max_iterations,
+            fixed_iterations=model.settings.fixed_iterations or 0,
+            reuse=np.inf if model.settings.fixed_iterations else REUSE,
         ),
         bodies=Bodies(
             mass=np.array([body.mass for body in model.bodies.values()], dtype=float),
@@ -156,7 +146,7 @@ def lower(model: Model, without: frozenset[int] = frozenset()) -> LoweredModel:
         observers=lay_out_rows(list(observers.values())),
         loads=Loads(
             frame=as_index([frames.number(load.on) for load in model.loads]),
-            torque=as_index([load.type == "torque" for load in model.loads]),
+            torque=as_index([load.kind.moment for load in model.loads]),
             follower=as_index([load.follower for load in model.loads]),
             direction=as_rows([load.direction for load in model.loads]),
         ),
@@ -188,8 +178,8 @@ def _step_and_scheme(model: Model) -> tuple[float, GeneralizedAlpha]:
     steps = {name: kernel.h for name, kernel in kernels.items()}
     radii = {name: kernel.scheme.rho_inf for name, kernel in kernels.items()}
     return (
-        _given_or_common("step", model.step, steps),
-        GeneralizedAlpha(_given_or_common("rho_inf", model.rho_inf, radii, default=0.9)),
+        _given_or_common("step", model.settings.step, steps),
+        GeneralizedAlpha(_given_or_common("rho_inf", model.settings.rho_inf, radii, default=0.9)),
     )
 
 
@@ -244,7 +234,7 @@ def _check_moments(model: Model, frames: NumberedFrames, rows: dict[str, list[Ro
     for owner, coupling in owners.items():
         if not all(measures_length(row.kind) for row in rows[coupling.name]):
             loaded |= dict.fromkeys(side_names(coupling), owner)
-    loaded |= {load.on: f"torque on {load.on!r}" for load in model.loads if load.type == "torque"}
+    loaded |= {load.on: f"torque on {load.on!r}" for load in model.loads if load.kind.moment}
     for frame, owner in loaded.items():
         f = frames.number(frame)
         if frames.arrays.dof[f] >= 0 and not frames.arrays.rotations[f]:

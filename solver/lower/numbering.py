@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..model.bodies import FlexibleBody
 from ..model.joints import Joint
-from ..model.model import GROUND, FlexibleBody, Model
+from ..model.model import GROUND, Model
 from ..model.motions import PrescribedMotion
 from ..model.springs import Spring
 from ..step.rotations import quaternion_of
@@ -46,8 +47,7 @@ class NumberedFrames:
 def number_frames(model: Model, poses: dict[str, Pose]) -> NumberedFrames:
     """Number the frames of a model whose bodies start in the given poses."""
     named: dict[str, Pose] = {}
-    couplings: list[Coupling] = [*model.joints, *model.motions, *model.springs]
-    for coupling in couplings:
+    for coupling in model.couplings:
         first, second = between(coupling)
         for name, side, other in zip(
             side_names(coupling), (first, second), (second, first), strict=True

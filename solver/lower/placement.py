@@ -7,7 +7,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import ModelError
-from ..model.model import GROUND, Frame, Model
+from ..model.bodies import Frame
+from ..model.model import GROUND, Model
 from ..step.rotations import rotation_matrix
 
 

@@ -6,17 +6,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..arrays import Array, as_index, as_rows
-from ..errors import ModelError
 from ..model.joints import ABOUT_E3, Joint, basis_about
 from ..model.motions import PrescribedDisplacement, PrescribedMotion
-from ..model.signals import Motion
+from ..model.signals import SmoothSignal
 from ..model.springs import Spring
 from ..step.laws import NO_LAW, ForceLaw, TabulatedLaw
 from ..step.rows import ANGLE, DISTANCE, ROTATION, TRANSLATION
 from ..step.system import Couplings, Laws, Rows
 from .placement import Pose
-
-BUSHING_ROTATIONS = ((2, 1), (0, 2), (1, 0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +26,7 @@ class Row:
     a: Array = field(default_factory=lambda: np.zeros(3))
     a_turned: Array = field(default_factory=lambda: np.zeros(3))
     b: Array = field(default_factory=lambda: np.zeros(3))
-    drive: Motion | None = None
+    drive: SmoothSignal | None = None
     start: float = 0.0
     rest: float = 0.0
     stiffness: Array | None = None
@@ -63,6 +60,15 @@ class Sides:
         return gap
 
 
+def coupling_rows(coupling: Joint | PrescribedMotion | Spring, sides: Sides) -> list[Row]:
+    """The rows of a coupling, in the order of its coordinates or constraints."""
+    if isinstance(coupling, Joint):
+        return joint_rows(coupling, sides)
+    if isinstance(coupling, Spring):
+        return spring_rows(coupling, sides)
+    return motion_rows(coupling, sides)
+
+
 def joint_rows(joint: Joint, sides: Sides) -> list[Row]:
     """Constraints of a joint: its table, then its drives.
 
@@ -82,7 +88,7 @@ def joint_rows(joint: Joint, sides: Sides) -> list[Row]:
     return rows
 
 
-def _driven_angle(A: int, B: int, in_a: Array, in_b: Array, angle: Motion) -> Row:
+def _driven_angle(A: int, B: int, in_a: Array, in_b: Array, angle: SmoothSignal) -> Row:
     """e1(A), turned about e3 by the signal, stays perpendicular to the axis of B that is e2 turned
     by -angle(0).
     """
@@ -128,21 +134,19 @@ def motion_rows(motion: PrescribedMotion, sides: Sides) -> list[Row]:
 
 def spring_rows(spring: Spring, sides: Sides) -> list[Row]:
     """The coordinates of a spring with their law."""
-    in_a, in_b = sides.carried(spring.basis())
+    kind, (in_a, in_b) = spring.kind, sides.carried(spring.basis())
     A, B = sides.A, sides.B
     gap = sides.gap(spring.basis())
-    if spring.type == "point":
+    rows = []
+    if kind.distance:
         length = float(np.linalg.norm(gap))
         if length <= 1e-12 * max(1.0, float(np.abs(sides.pose_a.x).max())):
-            raise ModelError(
-                f"spring {spring.name!r}: its ends {list(spring.between)} coincide at the start"
-            )
-        rows = [Row(DISTANCE, A, B, start=length)]
-    elif spring.type == "torsion":
-        rows = [Row(ANGLE, A, B, in_a[:, 0], in_a[:, 1], in_b[:, 0])]
-    else:
-        rows = [Row(TRANSLATION, A, B, in_a[:, k], start=float(gap[k])) for k in range(3)]
-        rows += [Row(ROTATION, A, B, in_a[:, i], b=in_b[:, j]) for i, j in BUSHING_ROTATIONS]
+            ends = list(spring.between)
+            raise spring.error(f"its ends {ends} coincide at the start")
+        rows.append(Row(DISTANCE, A, B, start=length))
+    rows += [Row(TRANSLATION, A, B, in_a[:, k], start=float(gap[k])) for k in kind.translations]
+    rows += [Row(ANGLE, A, B, in_a[:, t.i], in_a[:, t.k], in_b[:, t.j]) for t in kind.angles]
+    rows += [Row(ROTATION, A, B, in_a[:, i], b=in_b[:, j]) for i, j in kind.rotations]
     rest = np.array([row.start for row in rows]) if spring.rest is None else spring.rest
     return [
         replace(
@@ -169,7 +173,7 @@ def lay_out_rows(rows: Sequence[Row]) -> Rows:
     )
 
 
-def lay_out_couplings(couplings: Sequence[list[Row]]) -> tuple[Couplings, list[Motion]]:
+def lay_out_couplings(couplings: Sequence[list[Row]]) -> tuple[Couplings, list[SmoothSignal]]:
     """The rows of all couplings one after the other, and the signals that drive some of them."""
     rows = [row for coupling in couplings for row in coupling]
     drives = [row.drive for row in rows if row.drive is not None]

@@ -1,1 +1,1 @@
-"""What a user says of a mechanism and how to integrate it."""
+"""Models: mechanisms, settings of their simulation, and model files."""

@@ -1,269 +1,80 @@
-"""The model file: what a user writes to run a simulation, and how it becomes a `Model`."""
+"""Model files: what users write to run a simulation, as a `Model` and back."""
 
-import difflib
 import os
-from collections.abc import Mapping, Sequence
+import re
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, get_args
 
-import numpy as np
-from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt, model_validator
+import tomli_w
+from pydantic import Field, create_model, model_validator
 
-from ...inputs import InputError, Table, Vector, expected, read_part, read_table
+from ...inputs import InputError, Table, Vector, read_table
 from ...superelement import Superelement, read
-from ..arrays import Array
 from ..errors import ModelError, about
+from .bodies import Body, FlexibleBody, Frame, RigidBody, Start
+from .entry import Entry
 from .joints import Joint
-from .model import Body, FlexibleBody, Frame, Load, Model, Place, RigidBody, Start, SteadyRotation
-from .motions import PrescribedDisplacement, PrescribedMotion, PrescribedRotation
+from .loads import Load
+from .model import Model
+from .motions import PrescribedMotion
 from .output_request import OutputRequest
-from .signals import Constant, Harmonic, Impulse, Input, Polynomial, Pulse, Signal, Spline, Steps
-from .signals import Table as Points
-from .springs import Law, Spring
+from .settings import Settings
+from .springs import Spring
+from .tables import given_by, keys_of, made, table_in_file, table_of, value_of
+from .values import ORIGIN
 
-Between = Annotated[tuple[str, str], expected("the names of two frames")]
-Inertia = Annotated[
-    Vector | tuple[Vector, Vector, Vector], expected("three numbers or a 3x3 matrix")
-]
-Coefficients = Annotated[
-    float | tuple[float, ...] | tuple[tuple[float, ...], ...],
-    expected("a number, six numbers or a 6x6 matrix"),
-]
-
-
-class _Points(Table):
-    times: tuple[float, ...]
-    values: tuple[float, ...]
-    linear: bool = False
-    spline: bool = False
-
-    def signal(self) -> Signal:
-        if self.linear and self.spline:
-            raise ValueError("expected linear or spline, found both")
-        kind = Spline if self.spline else Points if self.linear else Steps
-        return kind(self.times, self.values)
-
-
-class _Harmonic(Table):
-    amplitude: float
-    frequency: float
-    phase: float = 0.0
-    offset: float = 0.0
-
-    def signal(self) -> Signal:
-        return Harmonic(self.amplitude, self.frequency, self.phase, self.offset)
-
-
-class _Polynomial(Table):
-    polynomial: Annotated[tuple[float, ...], Field(min_length=1)]
-
-    def signal(self) -> Signal:
-        return Polynomial(self.polynomial)
-
-
-class _Impulse(Table):
-    impulse: float
-    at: NonNegativeFloat
-
-    def signal(self) -> Signal:
-        return Impulse(self.impulse, self.at)
-
-
-class _Pulse(Table):
-    pulse: float
-    start: float = Field(alias="from")
-    end: float = Field(alias="to")
-
-    def signal(self) -> Signal:
-        return Pulse(self.pulse, self.start, self.end)
-
-
-class _Input(Table):
-    input: str
-    value: float = 0.0
-
-    def signal(self) -> Signal:
-        return Input(self.input, self.value)
-
-
-_SIGNALS: dict[str, Any] = {
-    "times": _Points,
-    "amplitude": _Harmonic,
-    "polynomial": _Polynomial,
-    "impulse": _Impulse,
-    "pulse": _Pulse,
-    "input": _Input,
-}
-"""signals by the key that tells them apart"""
-
-
-def _signal(value: Any) -> Signal:
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        return Constant(float(value))
-    meant = ""
-    if isinstance(value, Mapping):
-        for key, kind in _SIGNALS.items():
-            if key in value:
-                signal: Signal = read_part(value, kind).signal()
-                return signal
-        nearest = [near for key in value for near in difflib.get_close_matches(key, _SIGNALS, n=1)]
-        meant = f"; did you mean {nearest[0]!r}?" if nearest else ""
-    raise ValueError(
-        f"expected a number or a table with one of the keys {', '.join(_SIGNALS)}, found {value!r}{meant}"
-    )
-
-
-class _Frame(Table):
-    position: Vector = (0.0, 0.0, 0.0)
-    rotation: Vector = (0.0, 0.0, 0.0)
-
-    def frame(self) -> Frame:
-        return Frame(np.array(self.position), np.array(self.rotation))
-
-
-class _Place(Table):
-    frame: str
-    on: str
+SHORT_ARRAY = re.compile(r"\[\n((?:[^\[\]\n]*,\n)+) *\]")
+"""an array of numbers or words as tomli_w writes it, an item a line"""
+LONG = 80
+MOTIONS: tuple[type[Entry], ...] = get_args(PrescribedMotion)
 
 
 class _Body(Table):
-    mass: PositiveFloat | None = None
-    inertia: Inertia | None = None
-    frames: dict[str, _Frame] = Field(default_factory=dict)
+    """Of a rigid or a flexible body."""
+
     superelement: Annotated[Path, Field(strict=False)] | None = None
-    position: Vector = (0.0, 0.0, 0.0)
-    rotation: Vector = (0.0, 0.0, 0.0)
-    place: _Place | None = None
-    velocity: Vector = (0.0, 0.0, 0.0)
-    angular_velocity: Vector = (0.0, 0.0, 0.0)
 
     @model_validator(mode="after")
     def _rigid_or_flexible(self) -> "_Body":
-        if self.superelement is not None:
-            if given := [
-                key for key in ("mass", "inertia", "frames") if key in self.model_fields_set
-            ]:
-                raise ValueError(
-                    f"the superelement brings {', '.join(given)}: give either, not both"
-                )
-        elif self.mass is None or self.inertia is None:
+        given, brought = given_by(self), keys_of(RigidBody).keys() - keys_of(Start).keys()
+        if self.superelement is not None and (both := [key for key in given if key in brought]):
+            raise ValueError(f"the superelement brings {', '.join(both)}: give either, not both")
+        if self.superelement is None and not {"mass", "inertia"} <= given.keys():
             raise ValueError("expected mass and inertia of a rigid body, or superelement")
         return self
 
 
-class _Joint(Table):
-    name: str
-    type: str
-    between: Between
-    axis: Vector | None = None
-    second_axis: Vector | None = None
-    angle: Any = None
-    distance: Any = None
-    start: dict[str, float] = Field(default_factory=dict)
+def _optional(keys: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: (kind, None) for key, (kind, _) in keys.items()}
 
 
-class _Law(Table):
-    deformation: tuple[float, ...]
-    force: tuple[float, ...]
-
-
-class _Spring(Table):
-    name: str
-    type: str
-    between: Between
-    axis: Vector | None = None
-    stiffness: Coefficients = 0.0
-    damping: Coefficients = 0.0
-    law: _Law | None = None
-    rest: float | tuple[float, ...] | None = None
-
-
-class _Motion(Table):
-    name: str
-    on: str
-    direction: Vector | None = None
-    displacement: Any = None
-    axis: Vector | None = None
-    angle: Any = None
-
-    def motion(self) -> PrescribedMotion:
-        owner = f"motion {self.name!r}"
-        given = [
-            key
-            for key in ("direction", "displacement", "axis", "angle")
-            if getattr(self, key) is not None
-        ]
-        if given == ["direction", "displacement"]:
-            signal = _named(f"{owner}: displacement", self.displacement)
-            return PrescribedDisplacement(self.name, self.on, np.array(self.direction), signal)
-        if given == ["axis", "angle"]:
-            signal = _named(f"{owner}: angle", self.angle)
-            return PrescribedRotation(self.name, self.on, np.array(self.axis), signal)
-        found = " and ".join(given) or "none"
-        raise ModelError(
-            f"{owner}: expected direction and displacement, or axis and angle, found {found}"
-        )
-
-
-class _Load(Table):
-    type: Literal["force", "torque"]
-    on: str
-    direction: Vector
-    signal: Any
-    follower: bool = False
-
-
-class _SteadyRotation(Table):
-    angular_velocity: Vector
-    center: Vector = (0.0, 0.0, 0.0)
-
-    def rotation(self) -> SteadyRotation:
-        return SteadyRotation(np.array(self.angular_velocity), np.array(self.center))
-
-
-class _Simulation(Table):
-    t_end: PositiveFloat
-    gravity: Vector = (0.0, 0.0, 0.0)
-    step: PositiveFloat | None = None
-    rho_inf: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
-    rule: Literal["consistent", "paper"] = "consistent"
-    history: Literal["auto", "recursive", "direct", "fft"] = "auto"
-    memory: PositiveFloat | None = None
-    tolerance: PositiveFloat = 1e-10
-    max_iterations: PositiveInt = 20
-    corrections: PositiveInt | None = None
-    start: Literal["given", "equilibrium"] = "given"
-    steady_rotation: _SteadyRotation | None = None
-    assemble: bool = False
-    redundant: Literal["error", "remove"] = "error"
-
-    def settings(self) -> dict[str, Any]:
-        """What `Model` is told besides its parts."""
-        rotation = None if self.steady_rotation is None else self.steady_rotation.rotation()
-        return {**dict(self), "steady_rotation": rotation}
+_BODY: Any = create_model("Body", __base__=_Body, **_optional(keys_of(RigidBody)))
+_MOTION: Any = create_model(
+    "Motion",
+    __base__=Table,
+    **_optional({key: kind for motion in MOTIONS for key, kind in keys_of(motion).items()})
+    | {"name": (str, ...), "on": (str, ...)},
+)
+_SETTINGS = {key: kind for key, kind in keys_of(Settings).items() if key != "output"}
+_SIMULATION: Any = create_model("Simulation", __base__=Table, **_SETTINGS, gravity=(Vector, ORIGIN))
 
 
 class _Ground(Table):
-    frames: dict[str, _Frame] = Field(default_factory=dict)
-
-
-class _Output(Table):
-    every: PositiveInt = 1
-    quantities: tuple[str, ...] | None = None
-
-    def request(self) -> OutputRequest:
-        return OutputRequest(self.every, self.quantities)
+    frames: dict[str, table_of(Frame)] = Field(default_factory=dict)  # type: ignore[valid-type]
 
 
 class _ModelFile(Table):
-    simulation: _Simulation
-    output: _Output = _Output()
-    bodies: dict[str, _Body] = Field(min_length=1)
+    simulation: _SIMULATION
+    output: table_of(OutputRequest) = table_of(OutputRequest)()  # type: ignore[valid-type]
+    bodies: dict[str, _BODY] = Field(min_length=1)
     ground: _Ground = _Ground()
-    joints: tuple[_Joint, ...] = ()
-    loads: tuple[_Load, ...] = ()
-    springs: tuple[_Spring, ...] = ()
-    motions: tuple[_Motion, ...] = ()
+    joints: tuple[table_of(Joint), ...] = ()  # type: ignore[valid-type]
+    loads: tuple[table_of(Load), ...] = ()  # type: ignore[valid-type]
+    springs: tuple[table_of(Spring), ...] = ()  # type: ignore[valid-type]
+    motions: tuple[_MOTION, ...] = ()
 
 
 def read_model(path: str | os.PathLike[str]) -> Model:
@@ -282,79 +93,116 @@ def read_model(path: str | os.PathLike[str]) -> Model:
         return _model(file, text, path)
 
 
+def write_model(path: str | os.PathLike[str], model: Model) -> None:
+    """Write a model as a file that reads back to an equal one, whole or not at all.
+
+    Superelements are named by their paths, relative to the new file. ModelError names a body whose
+    superelement is in no file, and a load, joint or motion that follows a Python function.
+    """
+    path = Path(path)
+    text = SHORT_ARRAY.sub(_on_one_line, tomli_w.dumps(_document(model, path.parent)))
+    with _renamed_when_whole(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
 def _model(file: _ModelFile, text: str, path: Path) -> Model:
     superelements: dict[Path, Superelement] = {}
+    simulation = given_by(file.simulation)
+    gravity = simulation.pop("gravity", ORIGIN)
+    settings = made(Settings, simulation | {"output": file.output})
     return Model(
         bodies={
-            name: _body(name, body, path.parent, superelements)
+            name: _body(name, given_by(body), path.parent, superelements)
             for name, body in file.bodies.items()
         },
-        joints=tuple(_joint(joint) for joint in file.joints),
-        loads=tuple(_load(load) for load in file.loads),
-        springs=tuple(_spring(spring) for spring in file.springs),
-        motions=tuple(motion.motion() for motion in file.motions),
-        ground_frames={name: frame.frame() for name, frame in file.ground.frames.items()},
-        output=file.output.request(),
+        joints=value_of(file.joints),
+        loads=value_of(file.loads),
+        springs=value_of(file.springs),
+        motions=tuple(_motion(given_by(motion)) for motion in file.motions),
+        gravity=gravity,
+        ground_frames=value_of(file.ground.frames),
+        settings=settings,
         source=text,
         path=str(path),
-        **file.simulation.settings(),
     )
 
 
-def _body(name: str, body: _Body, folder: Path, superelements: dict[Path, Superelement]) -> Body:
-    place = None if body.place is None else Place(body.place.frame, body.place.on)
+def _body(
+    name: str, given: dict[str, Any], folder: Path, superelements: dict[Path, Superelement]
+) -> Body:
     try:
-        start = Start(
-            np.array(body.position),
-            np.array(body.rotation),
-            place,
-            np.array(body.velocity),
-            np.array(body.angular_velocity),
-        )
-        if body.superelement is None:
-            frames = {frame: table.frame() for frame, table in body.frames.items()}
-            return RigidBody(float(body.mass or 0.0), np.array(body.inertia), frames, start)
-        source = folder / body.superelement
+        if "superelement" not in given:
+            return made(RigidBody, given)
+        source = folder / given["superelement"]
         if source not in superelements:
             superelements[source] = read(source, recovery=False)
-        return FlexibleBody(superelements[source], start, str(source))
+        return FlexibleBody(superelements[source], made(Start, given), str(source))
     except ValueError as error:
         raise ModelError(f"bodies.{name}: {error}") from error
 
 
-def _joint(joint: _Joint) -> Joint:
-    drives = {}
-    for key in ("angle", "distance"):
-        if (value := getattr(joint, key)) is not None:
-            drives[key] = _named(f"joint {joint.name!r}: {key}", value)
-    axis, second = _array(joint.axis), _array(joint.second_axis)
-    return Joint(joint.name, joint.type, joint.between, axis, second, start=joint.start, **drives)
+def _motion(given: dict[str, Any]) -> Any:
+    """A motion of the kind that has these keys."""
+    for kind in MOTIONS:
+        if given.keys() == keys_of(kind).keys():
+            return made(kind, given)
+    choices = [" and ".join(_own(keys_of(kind))) for kind in MOTIONS]
+    found = " and ".join(_own(given)) or "none"
+    raise ModelError(f"motion {given['name']!r}: expected {', or '.join(choices)}, found {found}")
 
 
-def _spring(spring: _Spring) -> Spring:
-    return Spring(
-        spring.name,
-        spring.type,
-        spring.between,
-        _array(spring.axis),
-        np.array(spring.stiffness),
-        np.array(spring.damping),
-        None if spring.law is None else Law(spring.law.deformation, spring.law.force),
-        None if spring.rest is None else np.array(spring.rest),
-    )
+def _own(keys: Mapping[str, Any]) -> list[str]:
+    return [key for key in keys if key not in ("name", "on")]
 
 
-def _load(load: _Load) -> Load:
-    signal = _named(f"load ({load.type}) on {load.on!r}: signal", load.signal)
-    return Load(load.type, load.on, np.array(load.direction), signal, load.follower)
+def _document(model: Model, folder: Path) -> dict[str, Any]:
+    settings = table_in_file(model.settings)
+    output = settings.pop("output", {})
+    if model.gravity.any():
+        settings["gravity"] = model.gravity.tolist()
+    document = {
+        "simulation": settings,
+        "output": output,
+        "ground": {"frames": _frames(model.ground_frames)} if model.ground_frames else {},
+        "bodies": {name: _body_in_file(name, body, folder) for name, body in model.bodies.items()},
+        **{
+            name: [table_in_file(entry) for entry in getattr(model, name)]
+            for name in ("joints", "springs", "motions", "loads")
+        },
+    }
+    return {key: part for key, part in document.items() if part}
 
 
-def _array(value: Sequence[float] | None) -> Array | None:
-    return None if value is None else np.array(value)
+def _on_one_line(array: re.Match[str]) -> str:
+    """An array of numbers or words as users write it, if it is not long."""
+    items = ", ".join(line.strip().removesuffix(",") for line in array[1].splitlines())
+    return f"[{items}]" if len(items) < LONG else array[0]
 
 
-def _named(owner: str, value: Any) -> Any:
+def _frames(frames: Mapping[str, Frame]) -> dict[str, Any]:
+    return {name: table_in_file(frame) for name, frame in frames.items()}
+
+
+def _body_in_file(name: str, body: Body, folder: Path) -> dict[str, Any]:
+    if isinstance(body, RigidBody):
+        return table_in_file(body)
+    if not body.source:
+        raise ModelError(f"body {name!r}: its superelement is in no file: write it to one first")
+    source = os.path.relpath(Path(body.source).resolve(), folder.resolve())
+    return {"superelement": Path(source).as_posix(), **table_in_file(body.start)}
+
+
+@contextmanager
+def _renamed_when_whole(path: Path) -> Iterator[Path]:
+    """A temporary file that takes the place of `path` once it is whole."""
+    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    os.close(handle)
+    temporary = Path(name)
     try:
-        return _signal(value)
-    except ValueError as error:
-        raise ModelError(f"{owner}: {error}") from error
+        yield temporary
+        umask = os.umask(0)
+        os.umask(umask)
+        temporary.chmod(0o666 & ~umask)
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)

@@ -11,13 +11,14 @@ A drive adds a row of the same two kinds: `angle` turns e1(A) by the signal befo
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated
 
 import numpy as np
 
 from ..arrays import Array
-from ..errors import ModelError, plain
-from .signals import Motion
+from .entry import Entry, entry, one_of
+from .signals import DrivingSignal, SmoothSignal
+from .values import ABSENT, OptionalDirection, Pair
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,8 @@ class Angle:
 
 @dataclass(frozen=True)
 class JointType:
+    """The rows that a joint closes, and the coordinates that it leaves free."""
+
     translations: tuple[int, ...]
     rotations: tuple[tuple[int, int], ...]
     axes: int
@@ -41,7 +44,11 @@ class JointType:
     drives: tuple[str, ...] = ()
     distances: Mapping[str, int] = field(default_factory=dict)
     """coordinates left free: e_k(A) . (r_B - r_A) by name"""
-    angles: Mapping[str, "Angle"] = field(default_factory=dict)
+    angles: Mapping[str, Angle] = field(default_factory=dict)
+
+    def unit(self, coordinate: str) -> str:
+        """The unit of a free coordinate; that of its rate is this per second."""
+        return "rad" if coordinate in self.angles else "m"
 
 
 _ALL = (0, 1, 2)
@@ -80,8 +87,8 @@ JOINT_TYPES = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class Joint:
+@entry()
+class Joint(Entry):
     """A joint between two frames, "BODY.FRAME", "BODY" (its origin) or "ground" (where the other
     frame starts).
 
@@ -92,80 +99,59 @@ class Joint:
     of the bodies' places: angle, angle_rate, distance, ...
     """
 
-    name: str
-    type: str
-    between: tuple[str, str]
-    axis: Array | None = None
-    second_axis: Array | None = None
-    angle: Motion | None = None
-    distance: Motion | None = None
-    start: Mapping[str, float] = field(default_factory=dict)
+    label = "joint {name!r}"
 
-    def __post_init__(self) -> None:
-        if self.type not in JOINT_TYPES:
-            raise ModelError(
-                f"joint {self.name!r}: type: expected one of {', '.join(JOINT_TYPES)}, got {self.type!r}"
-            )
-        object.__setattr__(self, "between", tuple(self.between))
-        if len(self.between) != 2:
-            raise ModelError(
-                f"joint {self.name!r}: between: expected two frames, got {self.between}"
-            )
-        given = [axis for axis in (self.axis, self.second_axis) if axis is not None]
-        if len(given) != self.kind.axes or (self.axis is None and self.second_axis is not None):
-            needs = ("neither axis nor second_axis", "axis alone", "axis and second_axis")[
-                self.kind.axes
-            ]
-            raise ModelError(f"joint {self.name!r}: a {self.type} joint takes {needs}")
-        for drive in ("angle", "distance"):
-            signal = getattr(self, drive)
-            if signal is None:
-                continue
-            if drive not in self.kind.drives:
-                takes = " and ".join(self.kind.drives) or "nothing"
-                raise ModelError(
-                    f"joint {self.name!r}: a {self.type} joint is driven by {takes}, got {drive}"
-                )
-            if not isinstance(signal, Motion):
-                raise ModelError(
-                    f"joint {self.name!r}: {drive}: expected a smooth signal "
-                    f"(constant, harmonic, polynomial, spline), got {type(signal).__name__.lower()}"
-                )
-        known = [
-            key
-            for name in (*self.kind.distances, *self.kind.angles)
-            for key in (name, f"{name}_rate")
-        ]
-        for key in self.start:
-            if key not in known:
-                takes = ", ".join(known) or "nothing"
-                raise ModelError(
-                    f"joint {self.name!r}: start: a {self.type} joint takes {takes}, got {key!r}"
-                )
-            if getattr(self, key.removesuffix("_rate"), None) is not None:
-                raise ModelError(f"joint {self.name!r}: start: {key} is driven")
-        self.basis()
+    name: str
+    type: Annotated[str, one_of(JOINT_TYPES)]
+    between: Pair
+    axis: OptionalDirection = ABSENT
+    second_axis: OptionalDirection = ABSENT
+    angle: DrivingSignal | None = None
+    distance: DrivingSignal | None = None
+    start: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def kind(self) -> JointType:
         return JOINT_TYPES[self.type]
 
+    @property
+    def drives(self) -> dict[str, SmoothSignal]:
+        """The signals of the coordinates that follow one."""
+        given = {"angle": self.angle, "distance": self.distance}
+        return {name: signal for name, signal in given.items() if signal is not None}
+
+    def validate(self) -> None:
+        given = (self.axis is not None) + (self.second_axis is not None)
+        if given != self.kind.axes or (self.axis is None and self.second_axis is not None):
+            needs = ("neither axis nor second_axis", "axis alone", "axis and second_axis")
+            raise self.error(f"a {self.type} joint takes {needs[self.kind.axes]}")
+        axis, second = self.axis, self.second_axis
+        if axis is not None and second is not None and abs(axis @ second) > 1e-9:
+            raise self.error(f"the axes of a {self.type} joint must be perpendicular at the start")
+        for name in self.drives:
+            if name not in self.kind.drives:
+                takes = " and ".join(self.kind.drives) or "nothing"
+                raise self.error(f"a {self.type} joint is driven by {takes}, got {name}")
+        for name in self.start:
+            self._check_start(name)
+
+    def _check_start(self, name: str) -> None:
+        coordinates = (*self.kind.distances, *self.kind.angles)
+        known = [key for coordinate in coordinates for key in (coordinate, f"{coordinate}_rate")]
+        if name not in known:
+            takes = ", ".join(known) or "nothing"
+            raise self.error(f"start: a {self.type} joint takes {takes}, got {name!r}")
+        if name.removesuffix("_rate") in self.drives:
+            raise self.error(f"start: {name} is driven")
+
     def basis(self) -> Array:
         """The joint axes e1, e2, e3 at the start, in space, as columns (3, 3)."""
-        owner = f"joint {self.name!r}"
         if self.axis is None:
             return np.eye(3)
         if self.second_axis is None:
-            return basis_about(unit_vector(f"{owner}: axis", self.axis))
-        axis, second = (
-            unit_vector(f"{owner}: axis", self.axis),
-            unit_vector(f"{owner}: second_axis", self.second_axis),
-        )
-        if abs(axis @ second) > 1e-9:
-            raise ModelError(
-                f"{owner}: the axes of a universal joint must be perpendicular at the start"
-            )
-        return np.column_stack([axis, second, np.cross(axis, second)])
+            return basis_about(self.axis)
+        third = np.cross(self.axis, self.second_axis)
+        return np.column_stack([self.axis, self.second_axis, third])
 
 
 def basis_about(axis: Array) -> Array:
@@ -176,14 +162,3 @@ def basis_about(axis: Array) -> Array:
     e1 = e1 - axis * (axis @ e1)
     e1 = e1 / np.linalg.norm(e1)
     return np.column_stack([e1, np.cross(axis, e1), axis])
-
-
-def unit_vector(name: str, value: Any) -> Array:
-    array = np.asarray(value, dtype=np.float64)
-    length = float(np.linalg.norm(array))
-    if array.shape != (3,) or not (np.isfinite(length) and length > 0.0):
-        raise ModelError(
-            f"{name}: expected three numbers that are not all zero, got {plain(value)}"
-        )
-    unit: Array = array / length
-    return unit

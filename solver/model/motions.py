@@ -2,17 +2,14 @@
 follows a signal.
 """
 
-from dataclasses import dataclass
-from typing import Any
-
-from ..arrays import Array
 from ..errors import ModelError
-from .joints import unit_vector
-from .signals import Motion
+from .entry import Entry, entry
+from .signals import DrivingSignal, SmoothSignal
+from .values import Direction
 
 
-@dataclass(frozen=True, eq=False)
-class PrescribedDisplacement:
+@entry()
+class PrescribedDisplacement(Entry):
     """direction . (r(t) - r(0)) = displacement(t) [m] for the origin r of the frame `on`;
     displacement(0) = 0.
 
@@ -20,19 +17,19 @@ class PrescribedDisplacement:
     make up a path.
     """
 
+    label = "motion {name!r}"
+
     name: str
     on: str
-    direction: Array
-    displacement: Motion
+    direction: Direction
+    displacement: DrivingSignal
 
-    def __post_init__(self) -> None:
-        owner = f"motion {self.name!r}"
-        object.__setattr__(self, "direction", unit_vector(f"{owner}: direction", self.direction))
-        _check_from_rest(f"{owner}: displacement", self.displacement)
+    def validate(self) -> None:
+        _check_from_rest(f"{self.owner}: displacement", self.displacement)
 
 
-@dataclass(frozen=True, eq=False)
-class PrescribedRotation:
+@entry()
+class PrescribedRotation(Entry):
     """D(t) = exp(angle(t) axis~) D(0) for the axes D of the frame `on`, in space; angle(0) = 0
     [rad].
 
@@ -40,25 +37,23 @@ class PrescribedRotation:
     direction.
     """
 
+    label = "motion {name!r}"
+
     name: str
     on: str
-    axis: Array
-    angle: Motion
+    axis: Direction
+    angle: DrivingSignal
 
-    def __post_init__(self) -> None:
-        owner = f"motion {self.name!r}"
-        object.__setattr__(self, "axis", unit_vector(f"{owner}: axis", self.axis))
-        _check_from_rest(f"{owner}: angle", self.angle)
+    def validate(self) -> None:
+        _check_from_rest(f"{self.owner}: angle", self.angle)
 
 
 PrescribedMotion = PrescribedDisplacement | PrescribedRotation
 
 
-def _check_from_rest(name: str, signal: Any) -> None:
-    if not isinstance(signal, Motion):
-        raise ModelError(f"{name}: expected a smooth signal, got {type(signal).__name__.lower()}")
-    if signal(0.0) != 0.0:
+def _check_from_rest(name: str, signal: SmoothSignal) -> None:
+    if (start := signal(0.0)) != 0.0:
         raise ModelError(
-            f"{name}: expected 0 at t = 0, got {signal(0.0):.6g}: it counts from where the frame starts; "
-            f"an offset of {-signal(0.0):.6g} would make it so"
+            f"{name}: expected 0 at t = 0, got {start:.6g}: it counts from where the frame starts; "
+            f"an offset of {-start:.6g} would make it so"
         )

@@ -1,16 +1,17 @@
-"""What of a run is recorded."""
+"""The part of a run that is recorded."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from difflib import get_close_matches
 
 from ..errors import ModelError
+from .entry import Entry, entry
+from .values import Count, Words
 
 ALWAYS = "solver"
 
 
-@dataclass(frozen=True)
-class OutputRequest:
+@entry(eq=True)
+class OutputRequest(Entry):
     """every: so many steps apart, besides the first and the last; quantities: by default all.
 
     Quantities are groups of the results file: "bodies", "frames/beam.tip", "joints/pivot",
@@ -18,18 +19,14 @@ class OutputRequest:
     Energies and momenta are summed over every step, recorded or not.
     """
 
-    every: int = 1
-    quantities: tuple[str, ...] | None = None
+    label = "output"
 
-    def __post_init__(self) -> None:
-        if self.every < 1:
-            raise ModelError(f"output: every: expected 1 or more, got {self.every}")
-        if self.quantities is not None:
-            object.__setattr__(self, "quantities", tuple(self.quantities))
+    every: Count = 1
+    quantities: Words | None = None
 
     def selects(self, group: str) -> bool:
-        """Whether "frames/beam.tip" and the like is recorded: by its own name or by that of its
-        kind.
+        """True for a group such as "frames/beam.tip" that is recorded, by its own name or by that
+        of its kind.
         """
         return (
             group == ALWAYS

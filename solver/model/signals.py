@@ -8,12 +8,14 @@ under a load is exact wherever the jump falls between two steps; elsewhere they 
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, Protocol, runtime_checkable
+from typing import Annotated, Any, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 
 from ..arrays import Array
 from ..errors import ModelError
+from .entry import Entry, Key, Takes, entry
+from .values import Numbers, SomeNumbers
 
 
 @runtime_checkable
@@ -26,11 +28,37 @@ class Signal(Protocol):
 
 
 @runtime_checkable
-class Motion(Signal, Protocol):
+class SmoothSignal(Signal, Protocol):
     """A signal smooth enough to drive a joint."""
 
     def derivatives(self, t: float) -> tuple[float, float]:
         """The first and second derivative at time t."""
+
+
+@dataclass(frozen=True)
+class Form:
+    """A signal as model files give it: a table with a key, and flag = true if it has one."""
+
+    kind: type[Entry]
+    flag: str
+
+
+FORMS: dict[str, list[Form]] = {}
+"""signals of model files by the key that tells them apart"""
+
+AnySignalType = TypeVar("AnySignalType", bound=type[Entry])
+
+
+def in_files(key: str, flag: str = "") -> Callable[[AnySignalType], AnySignalType]:
+    """Make a signal known to model files: a table with this key, and with flag = true if another
+    signal has the same key.
+    """
+
+    def register(kind: AnySignalType) -> AnySignalType:
+        FORMS.setdefault(key, []).append(Form(kind, flag))
+        return kind
+
+    return register
 
 
 class Pointwise:
@@ -43,8 +71,10 @@ class Pointwise:
         return np.array([self(time) for time in t.tolist()])
 
 
-@dataclass(frozen=True)
-class Constant(Pointwise):
+@entry(eq=True)
+class Constant(Pointwise, Entry):
+    """The same value always."""
+
     value: float
 
     def __call__(self, t: float) -> float:
@@ -54,73 +84,50 @@ class Constant(Pointwise):
         return 0.0, 0.0
 
 
-@dataclass(frozen=True)
-class Input(Pointwise):
-    """What a `Simulator` is told at every step under this name; `value` at t = 0, and always in
-    `simulate`.
-    """
+@in_files("times")
+@entry(eq=True)
+class Steps(Entry):
+    """values[i] from times[i] on, 0 before the first."""
 
-    name: str
-    value: float = 0.0
+    times: Numbers
+    values: Numbers
 
-    def __call__(self, t: float) -> float:
-        return self.value
-
-    def derivatives(self, t: float) -> tuple[float, float]:
-        return 0.0, 0.0
-
-
-@dataclass(frozen=True)
-class Harmonic(Pointwise):
-    """offset + amplitude sin(2 pi frequency t + phase), frequency in Hz, phase in rad."""
-
-    amplitude: float
-    frequency: float
-    phase: float = 0.0
-    offset: float = 0.0
+    def validate(self) -> None:
+        _check_table(self.times, self.values)
 
     def __call__(self, t: float) -> float:
-        return float(
-            self.offset + self.amplitude * np.sin(2.0 * np.pi * self.frequency * t + self.phase)
+        index = int(np.searchsorted(self.times, t, side="right"))
+        return self.values[index - 1] if index else 0.0
+
+    def samples(self, t: Array, h: float) -> Array:
+        jumps = np.diff(self.values, prepend=0.0)
+        return sum(
+            (
+                jump * _step_samples(time, t, h)
+                for time, jump in zip(self.times, jumps, strict=True)
+            ),
+            np.zeros_like(t),
         )
 
-    def derivatives(self, t: float) -> tuple[float, float]:
-        omega = 2.0 * np.pi * self.frequency
-        angle = omega * t + self.phase
-        rate = self.amplitude * omega * np.cos(angle)
-        return float(rate), float(-self.amplitude * omega**2 * np.sin(angle))
 
-
-@dataclass(frozen=True)
-class Polynomial(Pointwise):
-    """c_0 + c_1 t + c_2 t^2 + ..."""
-
-    coefficients: tuple[float, ...]
-
-    def __call__(self, t: float) -> float:
-        return float(np.polynomial.Polynomial(self.coefficients)(t))
-
-    def derivatives(self, t: float) -> tuple[float, float]:
-        polynomial = np.polynomial.Polynomial(self.coefficients)
-        return float(polynomial.deriv(1)(t)), float(polynomial.deriv(2)(t))
-
-
-@dataclass(frozen=True)
-class Table(Pointwise):
+@in_files("times", flag="linear")
+@entry(eq=True)
+class Table(Pointwise, Entry):
     """Linear between the points (times, values), constant outside."""
 
-    times: tuple[float, ...]
-    values: tuple[float, ...]
+    times: Numbers
+    values: Numbers
 
-    def __post_init__(self) -> None:
+    def validate(self) -> None:
         _check_table(self.times, self.values)
 
     def __call__(self, t: float) -> float:
         return float(np.interp(t, self.times, self.values))
 
 
-@dataclass(frozen=True)
-class Spline(Pointwise):
+@in_files("times", flag="spline")
+@entry(eq=True)
+class Spline(Pointwise, Entry):
     """The smoothest curve through the points (times, values), for measured motions: the natural
     cubic spline.
 
@@ -128,11 +135,11 @@ class Spline(Pointwise):
     joints without jumps of velocity or acceleration anywhere.
     """
 
-    times: tuple[float, ...]
-    values: tuple[float, ...]
+    times: Numbers
+    values: Numbers
     _pieces: Any = field(init=False, repr=False, compare=False)
 
-    def __post_init__(self) -> None:
+    def validate(self) -> None:
         from scipy.interpolate import CubicSpline
 
         _check_table(self.times, self.values)
@@ -153,83 +160,52 @@ class Spline(Pointwise):
         return float(self._pieces(within, 1)), float(self._pieces(within, 2))
 
 
-@dataclass(frozen=True)
-class Function(Pointwise):
-    """Any Python function of time. Its jumps, if it has any, count as they fall between the
-    samples.
-    """
+@in_files("amplitude")
+@entry(eq=True)
+class Harmonic(Pointwise, Entry):
+    """offset + amplitude sin(2 pi frequency t + phase), frequency in Hz, phase in rad."""
 
-    function: Callable[[float], float]
-
-    def __call__(self, t: float) -> float:
-        return float(self.function(t))
-
-
-@dataclass(frozen=True)
-class SmoothFunction(Function):
-    """A Python function of time with its first and second derivative; it can drive joints."""
-
-    rate: Callable[[float], float]
-    acceleration: Callable[[float], float]
-
-    def derivatives(self, t: float) -> tuple[float, float]:
-        return float(self.rate(t)), float(self.acceleration(t))
-
-
-@dataclass(frozen=True)
-class Steps:
-    """values[i] from times[i] on, 0 before the first."""
-
-    times: tuple[float, ...]
-    values: tuple[float, ...]
-
-    def __post_init__(self) -> None:
-        _check_table(self.times, self.values)
+    amplitude: float
+    frequency: float
+    phase: float = 0.0
+    offset: float = 0.0
 
     def __call__(self, t: float) -> float:
-        index = int(np.searchsorted(self.times, t, side="right"))
-        return self.values[index - 1] if index else 0.0
-
-    def samples(self, t: Array, h: float) -> Array:
-        jumps = np.diff(self.values, prepend=0.0)
-        return sum(
-            (
-                jump * _step_samples(time, t, h)
-                for time, jump in zip(self.times, jumps, strict=True)
-            ),
-            np.zeros_like(t),
+        return float(
+            self.offset + self.amplitude * np.sin(2.0 * np.pi * self.frequency * t + self.phase)
         )
 
+    def derivatives(self, t: float) -> tuple[float, float]:
+        omega = 2.0 * np.pi * self.frequency
+        angle = omega * t + self.phase
+        rate = self.amplitude * omega * np.cos(angle)
+        return float(rate), float(-self.amplitude * omega**2 * np.sin(angle))
 
-@dataclass(frozen=True)
-class Pulse:
-    """A rectangle: `value` from `start` to `end`, 0 elsewhere."""
 
-    value: float
-    start: float
-    end: float
+@in_files("polynomial")
+@entry(eq=True)
+class Polynomial(Pointwise, Entry):
+    """c_0 + c_1 t + c_2 t^2 + ..."""
 
-    def __post_init__(self) -> None:
-        if not self.start < self.end:
-            raise ModelError(
-                f"a pulse must end after it starts, got start = {self.start}, end = {self.end}"
-            )
+    coefficients: Annotated[SomeNumbers, Key("polynomial")]
 
     def __call__(self, t: float) -> float:
-        return self.value if self.start <= t < self.end else 0.0
+        return float(np.polynomial.Polynomial(self.coefficients)(t))
 
-    def samples(self, t: Array, h: float) -> Array:
-        return self.value * (_step_samples(self.start, t, h) - _step_samples(self.end, t, h))
+    def derivatives(self, t: float) -> tuple[float, float]:
+        polynomial = np.polynomial.Polynomial(self.coefficients)
+        return float(polynomial.deriv(1)(t)), float(polynomial.deriv(2)(t))
 
 
-@dataclass(frozen=True)
-class Impulse:
+@in_files("impulse")
+@entry(eq=True)
+class Impulse(Entry):
     """A given area (an impulse [N s] of a force) at the step nearest to time `at`."""
 
-    area: float
+    area: Annotated[float, Key("impulse")]
     at: float
 
-    def __post_init__(self) -> None:
+    def validate(self) -> None:
         if self.at < 0.0:
             raise ModelError(f"an impulse must act at t >= 0, got at = {self.at}")
 
@@ -242,9 +218,71 @@ class Impulse:
         return np.where(np.round(t / h) == np.round(self.at / h), height, 0.0)
 
 
+@in_files("pulse")
+@entry(eq=True)
+class Pulse(Entry):
+    """A rectangle: `value` from `start` to `end`, 0 elsewhere."""
+
+    value: Annotated[float, Key("pulse")]
+    start: Annotated[float, Key("from")]
+    end: Annotated[float, Key("to")]
+
+    def validate(self) -> None:
+        if not self.start < self.end:
+            raise ModelError(
+                f"a pulse must end after it starts, got start = {self.start}, end = {self.end}"
+            )
+
+    def __call__(self, t: float) -> float:
+        return self.value if self.start <= t < self.end else 0.0
+
+    def samples(self, t: Array, h: float) -> Array:
+        return self.value * (_step_samples(self.start, t, h) - _step_samples(self.end, t, h))
+
+
+@in_files("input")
+@entry(eq=True)
+class Input(Pointwise, Entry):
+    """Values that a `Simulator` is given at every step under this name; `value` at t = 0, and
+    always in `simulate`.
+    """
+
+    name: Annotated[str, Key("input")]
+    value: float = 0.0
+
+    def __call__(self, t: float) -> float:
+        return self.value
+
+    def derivatives(self, t: float) -> tuple[float, float]:
+        return 0.0, 0.0
+
+
+@entry(eq=True)
+class Function(Pointwise, Entry):
+    """Any Python function of time. Its jumps, if it has any, count as they fall between the
+    samples.
+    """
+
+    function: Callable[[float], float]
+
+    def __call__(self, t: float) -> float:
+        return float(self.function(t))
+
+
+@entry(eq=True)
+class SmoothFunction(Function):
+    """A Python function of time with its first and second derivative; it can drive joints."""
+
+    rate: Callable[[float], float]
+    acceleration: Callable[[float], float]
+
+    def derivatives(self, t: float) -> tuple[float, float]:
+        return float(self.rate(t)), float(self.acceleration(t))
+
+
 def _step_samples(at: float, t: Array, h: float) -> Array:
-    """Means of the unit step at time `at` over the hat functions centred at t, of half width h, cut
-    off at t = 0.
+    """Means of the unit step at time `at` over the hat functions centered at t, of half width h,
+    cut off at t = 0.
     """
     s = np.clip((t - at) / h, -1.0, 1.0)
     # the integral of the hat from -1 to s
@@ -257,7 +295,33 @@ def _step_samples(at: float, t: Array, h: float) -> Array:
 def _check_table(times: tuple[float, ...], values: tuple[float, ...]) -> None:
     if len(times) != len(values) or not times:
         raise ModelError(
-            f"a signal needs as many values as times, got {len(times)} times and {len(values)} values"
+            f"a signal needs as many values as times, got {len(times)} times and {len(values)} "
+            "values"
         )
     if any(later <= earlier for earlier, later in pairwise(times)):
         raise ModelError(f"the times of a signal must increase, got {list(times)}")
+
+
+def _class_name(value: Any) -> str:
+    return type(value).__name__.lower()
+
+
+def _is_a(kind: type) -> Callable[[Any], Any]:
+    def store(value: Any) -> Any:
+        if not isinstance(value, kind):
+            raise TypeError
+        return value
+
+    return store
+
+
+AnySignal = Annotated[Signal, Takes("a signal such as Constant", _is_a(Signal), Any)]
+DrivingSignal = Annotated[
+    SmoothSignal,
+    Takes(
+        "a smooth signal (constant, harmonic, polynomial, spline)",
+        _is_a(SmoothSignal),
+        Any,
+        found=_class_name,
+    ),
+]

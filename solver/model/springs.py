@@ -11,41 +11,67 @@ c, linear and tabulated parts added:
     -stiffness (c - rest) - damping dc/dt - law(c - rest)
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from ..arrays import Array
-from ..errors import ModelError, plain
-from .joints import basis_about, unit_vector
+from ..errors import plain
+from .entry import Entry, entry, one_of
+from .joints import Angle, basis_about
+from .values import ABSENT, Coefficients, Numbers, OptionalArray, OptionalDirection, Pair
 
-SPRING_ROWS = {"point": 1, "torsion": 1, "bushing": 6}
+ZERO: Any = 0.0
+"""the default of stiffness and damping"""
 
 
 @dataclass(frozen=True)
-class Law:
+class SpringType:
+    """The coordinates that a spring has a law of, in this order."""
+
+    distance: bool = False
+    """that of the origins"""
+    translations: tuple[int, ...] = ()
+    """e_k(A) . (r_B - r_A)"""
+    angles: tuple[Angle, ...] = ()
+    rotations: tuple[tuple[int, int], ...] = ()
+    """e_i(A) . e_j(B), sines"""
+    axis: Literal["none", "needed", "optional"] = "optional"
+
+    @property
+    def n_rows(self) -> int:
+        return self.distance + len(self.translations) + len(self.angles) + len(self.rotations)
+
+
+SPRING_TYPES = {
+    "point": SpringType(distance=True, axis="none"),
+    "torsion": SpringType(angles=(Angle(0, 1, 0),), axis="needed"),
+    "bushing": SpringType(translations=(0, 1, 2), rotations=((2, 1), (0, 2), (1, 0))),
+}
+
+
+@entry(eq=True)
+class Law(Entry):
     """Force [N] or moment [N m] over deformation [m, rad]: linear between the points, and beyond
     the last ones.
     """
 
-    deformation: tuple[float, ...]
-    force: tuple[float, ...]
+    deformation: Numbers
+    force: Numbers
 
-    def __post_init__(self) -> None:
+    def validate(self) -> None:
         if len(self.deformation) != len(self.force) or len(self.force) < 2:
-            raise ModelError(
-                f"law: expected two or more points, got {self.deformation} and {self.force}"
-            )
+            given = f"{list(self.deformation)} and {list(self.force)}"
+            raise self.error(f"a law needs two or more points, got {given}")
         if any(b <= a for a, b in pairwise(self.deformation)):
-            raise ModelError(
-                f"law: deformation: expected increasing values, got {list(self.deformation)}"
-            )
+            given = f"{list(self.deformation)}"
+            raise self.error(f"deformation: expected increasing values, got {given}")
 
 
-@dataclass(frozen=True, eq=False)
-class Spring:
+@entry()
+class Spring(Entry):
     """A spring with a damper between frames A and B, given as in a joint.
 
     stiffness, damping: a number, or for a bushing six numbers or a symmetric (6, 6) matrix [N/m, N
@@ -55,74 +81,58 @@ class Spring:
     start.
     """
 
-    name: str
-    type: str
-    between: tuple[str, str]
-    axis: Array | None = None
-    stiffness: Array = field(default_factory=lambda: np.zeros(1))
-    damping: Array = field(default_factory=lambda: np.zeros(1))
-    law: Law | None = None
-    rest: Array | None = None
+    label = "spring {name!r}"
 
-    def __post_init__(self) -> None:
-        if self.type not in SPRING_ROWS:
-            known = ", ".join(SPRING_ROWS)
-            raise ModelError(
-                f"spring {self.name!r}: type: expected one of {known}, got {self.type!r}"
-            )
-        object.__setattr__(self, "between", tuple(self.between))
-        if len(self.between) != 2:
-            raise ModelError(
-                f"spring {self.name!r}: between: expected two frames, got {self.between}"
-            )
-        if self.type == "torsion" and self.axis is None:
-            raise ModelError(f"spring {self.name!r}: axis: a torsion spring needs one")
-        if self.type == "point" and self.axis is not None:
-            raise ModelError(
-                f"spring {self.name!r}: axis: a point spring takes none, got {plain(self.axis)}"
-            )
-        if self.law is not None and self.type == "bushing":
-            raise ModelError(f"spring {self.name!r}: law: a bushing takes none")
-        for key in ("stiffness", "damping"):
-            object.__setattr__(self, key, self._matrix(key, getattr(self, key)))
-        lowest = np.linalg.eigvalsh(self.damping)[0]
-        if lowest < -1e-9 * np.abs(self.damping).max():
-            wanted = (
-                "zero or more"
-                if self.n_rows == 1
-                else "no negative eigenvalue, which would create energy"
-            )
-            raise ModelError(f"spring {self.name!r}: damping: expected {wanted}, got {lowest:.6g}")
-        if self.rest is not None:
-            rest = np.atleast_1d(np.asarray(self.rest, dtype=np.float64))
-            if rest.shape != (self.n_rows,):
-                raise ModelError(
-                    f"spring {self.name!r}: rest: expected {self.n_rows} numbers, got {plain(self.rest)}"
-                )
-            object.__setattr__(self, "rest", rest)
-        self.basis()
+    name: str
+    type: Annotated[str, one_of(SPRING_TYPES)]
+    between: Pair
+    axis: OptionalDirection = ABSENT
+    stiffness: Coefficients = ZERO
+    damping: Coefficients = ZERO
+    law: Law | None = None
+    rest: OptionalArray = ABSENT
+
+    @property
+    def kind(self) -> SpringType:
+        return SPRING_TYPES[self.type]
 
     @property
     def n_rows(self) -> int:
-        return SPRING_ROWS[self.type]
+        return self.kind.n_rows
+
+    def validate(self) -> None:
+        if self.kind.axis == "needed" and self.axis is None:
+            raise self.error(f"axis: a {self.type} spring needs one")
+        if self.kind.axis == "none" and self.axis is not None:
+            raise self.error(f"axis: a {self.type} spring takes none, got {plain(self.axis)}")
+        if self.law is not None and self.n_rows > 1:
+            raise self.error(f"law: a {self.type} takes none")
+        if self.rest is not None and self.rest.shape != (self.n_rows,):
+            raise self.error(f"rest: expected {self.n_rows} numbers, got {plain(self.rest)}")
+        object.__setattr__(self, "stiffness", self._matrix("stiffness", self.stiffness))
+        object.__setattr__(self, "damping", self._matrix("damping", self.damping))
+        lowest = np.linalg.eigvalsh(self.damping)[0]
+        if lowest < -1e-9 * np.abs(self.damping).max():
+            wanted = "no negative eigenvalue, which would create energy"
+            wanted = "zero or more" if self.n_rows == 1 else wanted
+            raise self.error(f"damping: expected {wanted}, got {lowest:.6g}")
 
     def basis(self) -> Array:
         """The axes of the spring at the start, in space, as columns (3, 3)."""
-        if self.axis is None:
-            return np.eye(3)
-        return basis_about(unit_vector(f"spring {self.name!r}: axis", self.axis))
+        return np.eye(3) if self.axis is None else basis_about(self.axis)
 
-    def _matrix(self, key: str, value: Any) -> Array:
+    def _matrix(self, name: str, given: Array) -> Array:
+        """Coefficients (n, n): of the diagonal if there are n; no number but 0 stands for six."""
         n = self.n_rows
-        array = np.asarray(value, dtype=np.float64)
-        if array.size == 1:
-            array = array.reshape(1) * np.ones(n) if n == 1 or not array.any() else array
-        matrix = np.diag(array) if array.shape == (n,) else array
+        diagonal = given.ravel() if given.size == 1 and n == 1 else given
+        if given.size == 1 and not given.any():
+            diagonal = np.zeros(n)
+        matrix = np.diag(diagonal) if diagonal.shape == (n,) else given
         if (
             matrix.shape != (n, n)
             or not np.isfinite(matrix).all()
             or not np.allclose(matrix, matrix.T, rtol=1e-9)
         ):
-            wanted = "a number" if n == 1 else "six numbers or a symmetric 6x6 matrix"
-            raise ModelError(f"spring {self.name!r}: {key}: expected {wanted}, got {plain(value)}")
+            wanted = "a number" if n == 1 else f"{n} numbers or a symmetric {n}x{n} matrix"
+            raise self.error(f"{name}: expected {wanted}, got {given.squeeze().tolist()}")
         return np.ascontiguousarray(matrix)

@@ -24,7 +24,7 @@ class Column(NamedTuple):
 
 def requested_columns(lowered: LoweredModel) -> dict[str, Column]:
     """The datasets that the model asks for; `ModelError` for a quantity that there is not."""
-    request, columns = lowered.model.output, lay_out_columns(lowered)
+    request, columns = lowered.model.settings.output, lay_out_columns(lowered)
     request.check([group_of(name) for name in columns])
     return {name: column for name, column in columns.items() if request.selects(group_of(name))}
 

@@ -40,7 +40,7 @@ class ResultsFile:
         self._path = path
         self._memory = None if path else h5py.File(io.BytesIO(), "w")
         self._columns = requested_columns(lowered)
-        self._balanced = lowered.model.output.selects("energy")
+        self._balanced = lowered.model.settings.output.selects("energy")
         self._h = lowered.h
         # Those of a file are left there until a field is asked for, unless all of them is here
         # already.
@@ -153,9 +153,9 @@ def _describe(file: h5py.File, lowered: LoweredModel, run: str) -> None:
         h=lowered.h,
         rho_inf=lowered.scheme.rho_inf,
         steps=lowered.n_steps,
-        rule=model.rule,
-        start=model.start,
-        every=model.output.every,
+        rule=model.settings.rule,
+        start=model.settings.start,
+        every=model.settings.output.every,
         finished=False,
         written=0,
         run=run,

@@ -24,7 +24,7 @@ class Recorder:
 
     def __init__(self, file: ResultsFile, lowered: LoweredModel) -> None:
         width = sum(array.size for array in make_output(lowered, 1).arrays())
-        self._every, self._last = lowered.model.output.every, lowered.n_steps
+        self._every, self._last = lowered.model.settings.output.every, lowered.n_steps
         n = min(NUMBERS // width, self._last // self._every + 2)
         self.output = make_output(lowered, max(n, 16))
         self._file = file

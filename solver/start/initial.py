@@ -76,9 +76,9 @@ def initialize(model: Model) -> InitialState:
         state, work = _room(lowered)
         assemble_joints(lowered, state, work, _targets(lowered, ""))
     correction = 0.0
-    if model.start == "equilibrium":
+    if model.settings.start == "equilibrium":
         check_drives(lowered)
-        rotation = model.steady_rotation
+        rotation = model.settings.steady_rotation
         motion = None if rotation is None else steady_motion(rotation, lowered.system.scheme)
         solve_equilibrium(lowered, motion, state, work)
         check_steady(lowered, motion, state, work)

@@ -45,7 +45,7 @@ def redundant_rows(lowered: LoweredModel, state: State, work: Workspace) -> froz
             f"joints: {describe_rows(lowered, driven)} is driven against other constraints: on one another depend "
             f"{describe_rows(lowered, involved)}; take away the drive or free a joint"
         )
-    if lowered.model.redundant == "error":
+    if lowered.model.settings.redundant == "error":
         are = "is" if len(removable) == 1 else "are"
         raise ModelError(
             f"joints: {len(hard)} constraints of which {len(removable)} {are} redundant; on one another depend "

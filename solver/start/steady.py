@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array
-from ..model.model import SteadyRotation
+from ..model.settings import SteadyRotation
 from ..step.system import Scheme, State
 
 

@@ -11,13 +11,13 @@ p_n and p_{n+1}.
 """
 
 from ..arrays import Array
-from ..compiler.marks import compiled
+from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
 from .system import Elastic, Scheme, State, Workspace
 from .vectors import inner
 
 
-@compiled
+@entry
 def start_history(elastic: Elastic, scheme: Scheme, state: State, work: Workspace) -> None:
     """Start step n + 1: `history` (n_u,), the displacements by past loads alone."""
     _free_response(elastic, scheme, state, work)
@@ -32,7 +32,7 @@ def start_history(elastic: Elastic, scheme: Scheme, state: State, work: Workspac
             _add_instantaneous(elastic, e, 1.0 - scheme.weight, state.interfaces.p, history)
 
 
-@compiled
+@entry
 def finish_history(elastic: Elastic, scheme: Scheme, state: State, work: Workspace) -> None:
     """End step n + 1: displacements at all dofs, and the loads p_{n+1} taken in."""
     weight, p, p_n = scheme.weight, state.interfaces.p, work.interfaces.p_n

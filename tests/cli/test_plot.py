@@ -3,7 +3,7 @@
 import matplotlib.image
 import pytest
 from duhamel.cli import app
-from duhamel.solver import FlexibleBody, Model, Start, simulate
+from duhamel.solver import FlexibleBody, Model, Settings, Start, simulate
 from duhamel.view import panels
 
 
@@ -12,7 +12,10 @@ def results_file(element, tmp_path):
     """A free body made by hand, in steady motion."""
     target = tmp_path / "flight-results.h5"
     simulate(
-        Model({"beam": FlexibleBody(element, Start(velocity=[2.0, 0.0, 0.0]))}, t_end=0.01),
+        Model(
+            {"beam": FlexibleBody(element, Start(velocity=[2.0, 0.0, 0.0]))},
+            settings=Settings(t_end=0.01),
+        ),
         output=target,
     )
     return target

@@ -1,7 +1,5 @@
 """The examples run, and what they and their documents say holds."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from duhamel import solver, superelement
@@ -73,7 +71,9 @@ def test_helicoidal_beam(example, folder):
 
 
 def test_one_step_of_the_blow_is_its_area(example):
-    """The impulse of Case 5 is i_0 / h over one step, eq. (98), with i_0 in its three directions."""
+    """The impulse of Case 5 is i_0 / h over one step, eq. (98), with i_0 in its three
+    directions.
+    """
     (blow,) = [
         load
         for load in solver.read_model(EXAMPLES / "case5.toml").loads
@@ -131,7 +131,7 @@ def test_frequencies_of_the_cases(example):
     frequency, share = script.vibrations(model, beam)
     np.testing.assert_allclose(frequency[:2], [17.9213, 29.4008], rtol=1e-5)
     zeta = script.damping_of_the_paper(frequency, share, beam.kernel.h)[1]
-    results = solver.simulate(replace(model, rule="paper", t_end=0.8))
+    results = solver.simulate(model.with_settings(rule="paper", t_end=0.8))
     turned = np.abs(results.frame("beam.root").u[:, 5])
     period = round(1.0 / (frequency[1] * beam.kernel.h))
     early, late = (

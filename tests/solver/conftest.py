@@ -1,4 +1,6 @@
-"""Bodies of the solver's tests: the paper's beam and its hub, and superelements of random numbers."""
+"""Bodies of the solver's tests: the paper's beam and its hub, and superelements of random
+numbers.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -13,6 +15,8 @@ from duhamel.preprocess.body.body import Damping
 from duhamel.solver import FlexibleBody, Frame, Joint, Model, Place, RigidBody, Start
 from duhamel.solver.step import rotations
 from duhamel.superelement import GeneralizedAlpha, Interface, Modes, Superelement, sample_kernel
+
+from .models import model_of
 
 BEAM = Path(__file__).parents[2] / "meshes" / "beam" / "beam.toml"
 BEAM_INERTIA = 4.75475e-3
@@ -89,7 +93,7 @@ def hub_and_beam() -> Callable[..., Model]:
         start = Start(
             place=Place("root", "hub.rim"), velocity=np.cross(omega, center), angular_velocity=omega
         )
-        return Model(
+        return model_of(
             bodies={"hub": hub, "beam": FlexibleBody(beam.element, start)},
             joints=(
                 Joint("pivot", pivot, ("ground", "hub"), axis),

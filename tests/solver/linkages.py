@@ -1,9 +1,10 @@
 """Mechanisms that close upon themselves: linkages of rigid and flexible members."""
 
 import numpy as np
-from duhamel.solver import FlexibleBody, Frame, Joint, Model, RigidBody, Start
+from duhamel.solver import FlexibleBody, Frame, Joint, RigidBody, Start
 
 from .frameworks import bar
+from .models import model_of
 
 CRANK, COUPLER, ROCKER, BASE = 0.1, 0.3, 0.25, 0.3
 ANGLE = 1.0
@@ -36,9 +37,11 @@ def crank(angle=0.0):
 
 
 def four_bar(folder, stiffness=0.05, drive=None, **settings):
-    """A rigid crank; a coupler and a rocker so soft that they bend by a thousandth of their length."""
+    """A rigid crank; a coupler and a rocker so soft that they bend by a thousandth of
+    their length.
+    """
     B, C = pins(ANGLE)
-    return Model(
+    return model_of(
         bodies={
             "crank": crank(ANGLE),
             "rod": FlexibleBody(bar(folder, COUPLER, stiffness=stiffness), Start(**between(B, C))),
@@ -60,7 +63,7 @@ def four_bar(folder, stiffness=0.05, drive=None, **settings):
 def slider_crank(folder, **settings):
     B = crank(ANGLE).start.position * 2
     P = (B[0] + np.sqrt(COUPLER**2 - B[1] ** 2)) * X
-    return Model(
+    return model_of(
         bodies={
             "crank": crank(ANGLE),
             "rod": FlexibleBody(bar(folder, COUPLER, stiffness=0.05), Start(**between(B, P))),
@@ -85,7 +88,7 @@ def spatial_four_bar(folder, **settings):
         bar(folder, float(np.linalg.norm(C - B)), stiffness=0.05), Start(**between(B, C))
     )
     frames = {"pin": Frame([0, 0, -0.125]), "end": Frame([0, 0, 0.125])}
-    return Model(
+    return model_of(
         bodies={
             "crank": crank(),
             "rod": rod,

@@ -1,10 +1,10 @@
 """Time stepping of the unreduced floating-frame model: every elastic displacement of the beam is an
 unknown.
 
-A hub turns about a pivot at its centre and carries a beam that is clamped to its rim. Plain numpy,
+A hub turns about a pivot at its center and carries a beam that is clamped to its rim. Plain numpy,
 written for clarity, and apart from the finite element matrices nothing is shared with the solver:
 
-    hub, beam:  m x'' = f + m g,   J omega' + omega x J omega = t          (rigid motion of the floating frames)
+    hub, beam:  m x'' = f + m g,   J omega' + omega x J omega = t      (rigid motion of frames)
     beam:       M u'' + C u' + K u = P^T P_C^T p,   P^T = I - M U U^T      (all nodes)
     pivot:      x_hub = 0, and for a revolute joint (R_hub e_3) . e_1 = (R_hub e_3) . e_2 = 0
     clamp:      x_hub + R_hub X = x + R (X_root + u_root),   log(R_hub^T R exp(w_root)) = 0
@@ -154,7 +154,9 @@ class Reference:
         return np.concatenate([forces[:12], elastic])
 
     def _equations(self, x, R, u, v, v_dot, lam, torque, tip_force):
-        """Residuals of equilibrium (12 + n_u,) and of the constraints and the Jacobian B of these."""
+        """Residuals of equilibrium (12 + n_u,) and of the constraints and the Jacobian B
+        of these.
+        """
         u_C = self.P_C @ u
         phi, B = self._constraints(x, R, u_C)
         F = R[1].T @ tip_force

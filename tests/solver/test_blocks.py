@@ -158,7 +158,9 @@ def test_a_joint_without_effect_is_singular():
 
 @pytest.mark.parametrize("kind", ["chain", "comb of loops", "chain on springs"])
 def test_the_numbers_of_a_matrix_grow_with_its_bodies_alone(kind):
-    """Twice as many bodies: twice the numbers; so every body more adds as many as the one before."""
+    """Twice as many bodies: twice the numbers; so every body more adds as many as the one
+    before.
+    """
 
     def numbers(n):
         edges = [(GROUND, 0, 5, False), *((b, b + 1, 5, False) for b in range(n - 1))]

@@ -30,11 +30,11 @@ def test_a_flexible_loop_stays_closed_and_converges_with_order_two(make, tmp_pat
     """
     torque = Load("torque", "crank", Z, Function(lambda t: 0.05 * np.sin(np.pi * t / 0.1) ** 2))
     model = make(tmp_path, loads=(torque,), t_end=0.1)
-    finest = simulate(replace(model, step=2.5e-5))
+    finest = simulate(model.with_settings(step=2.5e-5))
     assert np.abs(finest.frame("rod.right").u).max() > 3e-4
     errors, balances = [], []
     for h in STEPS:
-        results = simulate(replace(model, step=h))
+        results = simulate(model.with_settings(step=h))
         for joint in model.joints[1:3]:
             A, B = (results.frame(name).position for name in joint.between)
             np.testing.assert_allclose(A, B, rtol=0, atol=TOLERANCE * h * speed(results))
@@ -82,7 +82,7 @@ def test_a_flexible_four_bar_is_assembled_at_the_angle_asked_for(tmp_path):
     }
     with pytest.raises(ModelError, match="assemble = true would close it"):
         simulate(replace(model, bodies=thrown))
-    results = simulate(replace(model, bodies=thrown, assemble=True))
+    results = simulate(replace(model, bodies=thrown).with_settings(assemble=True))
     B, C = (results.frame(f"rod.{end}").position[0] for end in ("left", "right"))
     for found, expected in zip((B, C), pins(np.arctan2(B[1], B[0])), strict=True):
         np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)

@@ -1,4 +1,4 @@
-"""How many ways a mechanism can move, and which constraints depend on one another."""
+"""Degrees of freedom of mechanisms, and constraints that depend on one another."""
 
 from dataclasses import replace
 
@@ -15,6 +15,7 @@ from duhamel.solver import (
     PrescribedDisplacement,
     PrescribedRotation,
     RigidBody,
+    Settings,
     Start,
     simulate,
 )
@@ -40,7 +41,9 @@ def link(p, q):
 
 
 def chain(*types, length=0.2):
-    """Links along x, each on a joint of the given type to the one before, the first to the ground."""
+    """Links along x, each on a joint of the given type to the one before, the first to the
+    ground.
+    """
     axes = {
         "universal": (Y, Z),
         "revolute": (Y,),
@@ -57,8 +60,7 @@ def chain(*types, length=0.2):
             Joint(f"J{k}", kind, (parent, f"{name}.near"), *axes.get(kind, ()))
             for k, (kind, parent, name) in enumerate(zip(types, parents[:-1], names, strict=True))
         ],
-        t_end=0.01,
-        step=1e-3,
+        settings=Settings(t_end=0.01, step=1e-3),
     )
 
 
@@ -160,7 +162,7 @@ def bennett(drive=None, **settings):
         Joint(f"J{k}", "revolute", tuple(sides[2 * k : 2 * k + 2]), axes[k]) for k in range(4)
     ]
     joints[0] = replace(joints[0], angle=drive)
-    return Model(links, joints, t_end=1.0, step=1e-2, rho_inf=0.9, **settings)
+    return Model(links, joints, settings=Settings(t_end=1.0, step=1e-2, rho_inf=0.9, **settings))
 
 
 def test_the_constraints_of_bennetts_linkage_are_told():
@@ -196,13 +198,14 @@ def test_constraints_that_contradict_each_other_are_named():
     )
     blocked = replace(model.joints[1], type="fixed", axis=None)
     with pytest.raises(ModelError, match="driven against other constraints"):
-        simulate(replace(model, joints=(model.joints[0], blocked, doubled), redundant="remove"))
+        simulate(
+            replace(model, joints=(model.joints[0], blocked, doubled)).with_settings(
+                redundant="remove"
+            )
+        )
     far = Joint("far", "spherical", ("link1.far", "ground.nail"))
     out_of_reach = replace(
-        model,
-        joints=(*model.joints, far),
-        ground_frames={"nail": Frame(0.5 * X + 0.3 * Z)},
-        assemble=True,
-    )
+        model, joints=(*model.joints, far), ground_frames={"nail": Frame(0.5 * X + 0.3 * Z)}
+    ).with_settings(assemble=True)
     with pytest.raises(ModelError, match=r"stays open by 0\.\d+ however the bodies are placed"):
         simulate(out_of_reach)

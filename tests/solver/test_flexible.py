@@ -11,6 +11,7 @@ from duhamel.solver import (
     Joint,
     Load,
     Model,
+    Settings,
     Start,
     simulate,
 )
@@ -19,6 +20,7 @@ from scipy.optimize import minimize_scalar
 from scipy.spatial.transform import Rotation
 
 from .conftest import make_beam
+from .models import model_of
 
 EI, L = 5.5, 0.5
 
@@ -68,7 +70,7 @@ def test_the_frequencies_of_a_beam_on_a_hub(beam, hub_and_beam, phi, frequencies
 
 
 def cantilever(element, **settings):
-    return Model(
+    return model_of(
         {
             "beam": FlexibleBody(
                 element, Start(position=[0.3, -0.1, 0.2], rotation=[0.2, -0.4, 0.7])
@@ -109,7 +111,7 @@ def double_pendulum(element, **settings):
         position=elbow - Rotation.from_rotvec(tilt).as_matrix() @ element.interface("root").X,
         rotation=tilt,
     )
-    return Model(
+    return model_of(
         {"a": FlexibleBody(element, a), "b": FlexibleBody(element, b)},
         (
             Joint("shoulder", "spherical", ("ground", "a.root")),
@@ -163,9 +165,7 @@ def test_two_flexible_bodies_in_free_flight_keep_their_momenta(random_element):
         model = Model(
             bodies,
             (Joint("hinge", "revolute", ("a.i0", "b.i0"), [1, 1, 1]),),
-            t_end=0.5,
-            step=h,
-            rho_inf=0.9,
+            settings=Settings(t_end=0.5, step=h, rho_inf=0.9),
         )
         linear, angular = momenta(simulate(model), elements)
         assert np.abs(linear - linear[0]).max() < 1e-11 * np.abs(linear).max()
@@ -176,7 +176,7 @@ def test_two_flexible_bodies_in_free_flight_keep_their_momenta(random_element):
 
 def test_a_body_without_joints_or_loads_spins_undeformed(beam):
     body = FlexibleBody(beam.element, Start(angular_velocity=[3.0, 1.0, 4.0]))
-    results = simulate(Model({"beam": body}, t_end=0.2))
+    results = simulate(Model({"beam": body}, settings=Settings(t_end=0.2)))
     linear, angular = momenta(results, {"beam": beam.element})
     assert not results.frame("beam.tip").u.any()
     assert not linear.any()
@@ -193,7 +193,9 @@ def test_the_consistent_rule_is_passive_and_the_papers_is_not(beam, rho_inf):
     body = {"beam": FlexibleBody(beam.element)}
     least = {}
     for rule in ("consistent", "paper"):
-        model = Model(body, (), (load,), t_end=0.5, step=2e-4, rho_inf=rho_inf, rule=rule)
+        model = Model(
+            body, (), (load,), settings=Settings(t_end=0.5, step=2e-4, rho_inf=rho_inf, rule=rule)
+        )
         elastic = simulate(model).energy.elastic
         least[rule] = elastic.min() / elastic.max()
     assert least["consistent"] > -1e-12

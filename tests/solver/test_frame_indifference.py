@@ -15,6 +15,7 @@ from duhamel.solver import (
     Place,
     Polynomial,
     RigidBody,
+    Settings,
     Start,
     Steps,
     simulate,
@@ -65,9 +66,7 @@ def crane(beam):
         ),
         ground_frames={"post": Frame([0.1, 0.0, 0.2], [0.1, 0.2, 0.3])},
         gravity=[0.5, -1.0, -9.7],
-        t_end=0.06,
-        step=2e-4,
-        rho_inf=0.6,
+        settings=Settings(t_end=0.06, step=2e-4, rho_inf=0.6),
     )
 
 

@@ -12,6 +12,7 @@ from duhamel.solver import (
     Load,
     Model,
     RigidBody,
+    Settings,
     Start,
     simulate,
 )
@@ -49,9 +50,7 @@ def swinging(element, **settings):
                 follower=True,
             ),
         ),
-        t_end=0.5,
-        rho_inf=0.6,
-        **settings,
+        settings=Settings(t_end=0.5, rho_inf=0.6, **settings),
     )
 
 
@@ -130,12 +129,14 @@ def test_velocities_and_accelerations_of_frames(element, measured, memory):
 
 
 def test_the_start_has_velocities_and_accelerations():
-    """Of a point off the centre of a spinning body: v + omega x r and omega x (omega x r)."""
+    """Of a point off the center of a spinning body: v + omega x r and omega x (omega x r)."""
     omega, X = np.array([1.0, -2.0, 0.5]), np.array([0.3, 0.2, -0.1])
     R = Rotation.from_rotvec([0.4, 0.3, -0.8])
     start = Start([1.0, 2.0, 3.0], R.as_rotvec(), velocity=[0.1, 0.2, 0.3], angular_velocity=omega)
     body = RigidBody(1.0, np.ones(3), {"f": Frame(X, [0.1, 0.2, 0.3])}, start)
-    frame = simulate(Model({"body": body}, t_end=0.01, step=1e-3)).frame("body.f")
+    frame = simulate(Model({"body": body}, settings=Settings(t_end=0.01, step=1e-3))).frame(
+        "body.f"
+    )
     expected = np.array([0.1, 0.2, 0.3]) + R.apply(np.cross(omega, X))
     np.testing.assert_allclose(frame.velocity[0], [*expected, *R.apply(omega)], rtol=0, atol=1e-14)
     centripetal = R.apply(np.cross(omega, np.cross(omega, X)))

@@ -13,6 +13,7 @@ from duhamel.solver import (
     Load,
     Model,
     RigidBody,
+    Settings,
     Start,
     simulate,
 )
@@ -20,6 +21,7 @@ from duhamel.solver.model.joints import JOINT_TYPES
 from scipy.spatial.transform import Rotation
 
 from .frameworks import bar, framework
+from .models import model_of
 
 FORCE, G = np.array([0.4, -0.3, 0.5]), np.array([0.0, 0.0, -9.81])
 AXIS, SECOND = np.array([1.0, 2.0, 2.0]) / 3.0, np.array([2.0, -2.0, 1.0]) / 3.0
@@ -36,7 +38,7 @@ def pair(kind, left, right, **settings):
     ]
     turn = Rotation.from_rotvec([0.3, -0.2, 0.5])
     place = left.interface("right").X - turn.as_matrix() @ right.interface("left").X
-    return Model(
+    return model_of(
         bodies={
             "a": FlexibleBody(
                 left, Start(velocity=[1.0, 0.5, 2.0], angular_velocity=[2.0, -1.0, 3.0])
@@ -126,7 +128,7 @@ def flying_chain(folder, **settings):
         Joint("de", "cylindrical", ("d.far", "e.near"), [1, 0, 0]),
         Joint("ef", "revolute", ("e.far", "f.left"), [0, 1, 0]),
     )
-    return Model(bodies=bodies, joints=joints, t_end=0.1, **settings)
+    return Model(bodies=bodies, joints=joints, settings=Settings(t_end=0.1, **settings))
 
 
 @pytest.mark.parametrize("history", ["recursive", "direct"])

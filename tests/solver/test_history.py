@@ -15,6 +15,7 @@ from duhamel.solver import (
     Model,
     ModelError,
     RigidBody,
+    Settings,
     Start,
     simulate,
 )
@@ -54,12 +55,8 @@ def tangle(first, second, third, **settings):
             Load("torque", "a.i0", [0.2, 0.0, 1.0], Harmonic(2.0, 40.0, 1.0), follower=True),
             Load("force", "c.i1", [0.0, 1.0, 0.0], Harmonic(5.0, 13.0, 1.0)),
         ),
-        t_end=STEPS * 1e-3,
         gravity=[0.0, 0.0, -9.81],
-        step=1e-3,
-        rho_inf=0.9,
-        tolerance=1e-13,
-        **settings,
+        settings=Settings(t_end=STEPS * 1e-3, step=1e-3, rho_inf=0.9, tolerance=1e-13, **settings),
     )
 
 
@@ -121,7 +118,7 @@ def test_memory_let_go_changes_nothing(elements, monkeypatch, history):
     holds them all.
     """
     monkeypatch.setattr(lookahead, "BLOCK", 8)
-    model = tangle(*(damped(element) for element in elements), history=history, memory=0.06)
+    model = tangle(*(damped(element) for element in elements), history=history, kernel_length=0.06)
     short = state(simulate(model))
     monkeypatch.setattr(lookahead, "BLOCK", 256)
     for found, expected in zip(short, state(simulate(model)), strict=True):
@@ -135,7 +132,7 @@ def test_a_memory_that_is_long_enough_gives_the_motion(elements):
     given = [damped(element) for element in elements]
     expected = state(simulate(tangle(*given, history="recursive")))
     for memory in (0.06, 0.12):
-        results = simulate(tangle(*given, history="direct", memory=memory))
+        results = simulate(tangle(*given, history="direct", kernel_length=memory))
         stated = results.solver["truncation"]
         assert stated < 4.0 * np.exp(-0.75 * 100.0 * memory)
         for found, exact in zip(state(results), expected, strict=True):
@@ -146,7 +143,7 @@ def test_a_memory_too_short_is_refused(elements):
     with pytest.raises(
         ModelError, match=r"superelement 'random 1': memory: .* not decayed in 0\.02 s"
     ):
-        simulate(tangle(*elements, history="direct", memory=0.02))
+        simulate(tangle(*elements, history="direct", kernel_length=0.02))
 
 
 def test_loads_at_rest_are_felt_beyond_any_memory(elements, monkeypatch):
@@ -156,16 +153,18 @@ def test_loads_at_rest_are_felt_beyond_any_memory(elements, monkeypatch):
         bodies={"a": FlexibleBody(damped(elements[0]))},
         joints=(Joint("root", "fixed", ("ground", "a.i0")),),
         loads=(Load("force", "a.i1", [0.0, 1.0, 0.0], Constant(2.0)),),
-        t_end=STEPS * 1e-3,
-        step=1e-3,
-        rho_inf=0.9,
-        start="equilibrium",
-        history="fft",
-        memory=0.06,
-        tolerance=1e-13,
+        settings=Settings(
+            t_end=STEPS * 1e-3,
+            step=1e-3,
+            rho_inf=0.9,
+            start="equilibrium",
+            history="fft",
+            kernel_length=0.06,
+            tolerance=1e-13,
+        ),
     )
     u = simulate(model).frame("a.i1").u
-    assert np.abs(u - u[0]).max() < 1e-15  # m, the rounding of positions of about a metre
+    assert np.abs(u - u[0]).max() < 1e-15  # m, the rounding of positions of about a meter
 
 
 def test_the_rules_differ(elements):
@@ -189,7 +188,9 @@ def test_a_step_finer_than_the_modes_hold_for_is_told_once(history, random_eleme
     element = random_element(0, (True,))
     element = replace(element, modes=replace(element.modes, h_min=1e-3))
     bodies = {name: FlexibleBody(element, Start(position=[0.0, 0.0, 0.0])) for name in ("a", "b")}
-    model = Model(bodies=bodies, t_end=1e-3, step=5e-4, rho_inf=0.9, history=history)
+    model = Model(
+        bodies=bodies, settings=Settings(t_end=1e-3, step=5e-4, rho_inf=0.9, history=history)
+    )
     with pytest.warns(
         StepWarning, match=r"modes for steps down to 0\.001 s.* asked for steps of 0\.0005 s"
     ) as told:

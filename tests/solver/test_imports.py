@@ -1,4 +1,4 @@
-"""What the solver loads."""
+"""Packages that the solver loads."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""What joints block and what they leave free."""
+"""The motions that joints block and those that they leave free."""
 
 import numpy as np
 import pytest
@@ -10,6 +10,7 @@ from duhamel.solver import (
     Model,
     Polynomial,
     RigidBody,
+    Settings,
     Start,
     simulate,
 )
@@ -50,7 +51,11 @@ def relative_motion(type_, axes):
         Load("torque", "a", [-1.0, 0.5, 1.0], Constant(1.0)),
     )
     model = Model(
-        {"a": a, "b": b}, (joint,), loads, t_end=0.5, step=1e-3, rho_inf=0.9, gravity=[0, 0, -9.81]
+        {"a": a, "b": b},
+        (joint,),
+        loads,
+        gravity=[0, 0, -9.81],
+        settings=Settings(t_end=0.5, step=1e-3, rho_inf=0.9),
     )
     results = simulate(model)
     A, B = results.frame("a.f"), results.frame("b.g")
@@ -103,6 +108,8 @@ def test_a_revolute_joint_turns_more_than_half_a_turn():
     drive = Polynomial((0.0, 0.0, 20.0))
     joint = Joint("motor", "revolute", ("ground", "body"), AXIS, angle=drive)
     body = RigidBody(1.0, [1.0, 2.0, 1.5])
-    results = simulate(Model({"body": body}, (joint,), t_end=1.0, step=1e-3, rho_inf=0.9))
+    results = simulate(
+        Model({"body": body}, (joint,), settings=Settings(t_end=1.0, step=1e-3, rho_inf=0.9))
+    )
     expected = Rotation.from_rotvec(np.outer([drive(t) for t in results.time], AXIS))
     assert (rotations(results.body("body").R) * expected.inv()).magnitude().max() < 1e-12

@@ -15,6 +15,7 @@ from duhamel.solver import (
     Model,
     Place,
     RigidBody,
+    Settings,
     Spring,
     Start,
     simulate,
@@ -63,7 +64,7 @@ def rig(shape, folder, names):
         ),
         ground_frames={"hook": hook},
         gravity=[0.0, 0.0, -9.81],
-        t_end=0.2,
+        settings=Settings(t_end=0.2),
     )
 
 

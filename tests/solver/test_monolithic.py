@@ -19,7 +19,13 @@ def reference_of(model, beam, **settings):
     hub = model.bodies["hub"]
     rim = hub.frames["rim"].position
     return Reference(
-        beam.structure, hub.inertia, hub.mass, rim, model.step, model.rho_inf, **settings
+        beam.structure,
+        hub.inertia,
+        hub.mass,
+        rim,
+        model.settings.step,
+        model.settings.rho_inf,
+        **settings,
     )
 
 
@@ -46,7 +52,7 @@ def assert_equal_motions(model, reference):
     The wrench has the rounding of positions, too, seen through the stiffness of one element.
     """
     results = simulate(model)
-    loads = [samples(load, results.time, model.step) for load in model.loads]
+    loads = [samples(load, results.time, model.settings.step) for load in model.loads]
     R, u, v, wrench = reference.run(
         loads[0][:, 2], *loads[1:], spin=model.bodies["hub"].start.angular_velocity
     )

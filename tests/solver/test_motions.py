@@ -15,11 +15,14 @@ from duhamel.solver import (
     PrescribedDisplacement,
     PrescribedRotation,
     RigidBody,
+    Settings,
     Start,
     read_model,
     simulate,
 )
 from scipy.spatial.transform import Rotation
+
+from .models import model_of
 
 SETTLING = 300
 """steps after which multipliers have forgotten the error, of the order of h, that a_0 = v_dot_0
@@ -39,7 +42,9 @@ def rate_of(values, h):
 
 
 def test_a_slide_is_shaken():
-    """The position is the signal to rounding; velocity, acceleration and force m s'' to order two."""
+    """The position is the signal to rounding; velocity, acceleration and force m s'' to
+    order two.
+    """
     m, shake, errors = 3.0, Harmonic(0.1, 3.0), []
     for h in (1e-3, 5e-4):
         results = simulate(
@@ -47,9 +52,7 @@ def test_a_slide_is_shaken():
                 {"block": RigidBody(m, [0.1, 0.2, 0.3])},
                 (Joint("rail", "prismatic", ("ground", "block"), AXIS),),
                 motions=(PrescribedDisplacement("shake", "block", AXIS, shake),),
-                t_end=1.0,
-                step=h,
-                rho_inf=0.9,
+                settings=Settings(t_end=1.0, step=h, rho_inf=0.9),
             )
         )
         s, rate, acceleration = samples(shake, results.time)
@@ -75,7 +78,7 @@ def test_a_slide_is_shaken():
     )
 
 
-def test_a_frame_off_the_centre_follows_a_path(random_element):
+def test_a_frame_off_the_center_follows_a_path(random_element):
     """Three motions carry an interface of a flexible body along a path in space, while the body
     swings about it.
     """
@@ -87,9 +90,7 @@ def test_a_frame_off_the_centre_follows_a_path(random_element):
             PrescribedDisplacement(f"m{k}", "body.i1", np.eye(3)[k], path[k]) for k in range(3)
         ),
         gravity=[0, 0, -9.81],
-        t_end=0.4,
-        step=5e-4,
-        rho_inf=0.8,
+        settings=Settings(t_end=0.4, step=5e-4, rho_inf=0.8),
     )
     results = simulate(model)
     frame = results.frame("body.i1")
@@ -110,9 +111,7 @@ def test_a_driven_angle_of_several_turns():
         Model(
             {"disk": RigidBody(1.0, [0.1, 0.2, J])},
             (Joint("motor", "revolute", ("ground", "disk"), [0, 0, 1], angle=drive),),
-            t_end=2.0,
-            step=h,
-            rho_inf=0.5,
+            settings=Settings(t_end=2.0, step=h, rho_inf=0.5),
         )
     )
     motor, (s, rate, acceleration) = results.joint("motor"), samples(drive, results.time)
@@ -129,7 +128,9 @@ def test_a_driven_angle_of_several_turns():
 
 
 def test_a_coordinate_that_is_watched_goes_on_over_full_turns():
-    """A free disk of 40 rad/s, forwards and backwards: seen from either side the angle is omega t."""
+    """A free disk of 40 rad/s, forwards and backwards: seen from either side the angle is
+    omega t.
+    """
     for speed in (40.0, -40.0):
         for between, sign in ((("ground", "disk"), 1.0), (("disk", "ground"), -1.0)):
             results = simulate(
@@ -140,8 +141,7 @@ def test_a_coordinate_that_is_watched_goes_on_over_full_turns():
                         )
                     },
                     (Joint("axle", "revolute", between, [0, 0, 1]),),
-                    t_end=1.0,
-                    step=1e-3,
+                    settings=Settings(t_end=1.0, step=1e-3),
                 )
             )
             angle = results.joint("axle").coordinates
@@ -180,9 +180,7 @@ def moving(name, element, h):
             {"a": a, "b": b},
             (Joint("joint", name, ("a.i0", "b.g"), **axes),),
             loads,
-            t_end=0.4,
-            step=h,
-            rho_inf=0.7,
+            settings=Settings(t_end=0.4, step=h, rho_inf=0.7),
         )
     )
 
@@ -242,7 +240,9 @@ def test_a_driven_cylindrical_joint_screws():
     joint = Joint(
         "screw", "cylindrical", ("ground", "body.grip"), [0, 0, 1], angle=turn, distance=rise
     )
-    results = simulate(Model({"body": body}, (joint,), t_end=1.0, step=h, rho_inf=0.9))
+    results = simulate(
+        Model({"body": body}, (joint,), settings=Settings(t_end=1.0, step=h, rho_inf=0.9))
+    )
     screw = results.joint("screw").coordinates
     np.testing.assert_allclose(screw["angle"], samples(turn, results.time)[0], rtol=0, atol=1e-12)
     np.testing.assert_allclose(
@@ -264,9 +264,7 @@ def test_a_body_turned_about_a_fixed_axis():
             Model(
                 {"body": RigidBody(2.0, J, start=start)},
                 motions=(PrescribedRotation("spin", "body", AXIS, angle),),
-                t_end=1.5,
-                step=h,
-                rho_inf=0.5,
+                settings=Settings(t_end=1.5, step=h, rho_inf=0.5),
             )
         )
         body, (s, rate, acceleration) = results.body("body"), samples(angle, results.time)
@@ -304,7 +302,7 @@ def test_a_frame_whose_whole_motion_is_given_moves_as_one_on_a_driven_table(rand
         PrescribedDisplacement(f"m{k}", "beam.i0", np.eye(3)[k], Constant(0.0)) for k in range(3)
     ]
     given = simulate(
-        Model(
+        model_of(
             {"beam": beam},
             motions=(*held, PrescribedRotation("turn", "beam.i0", AXIS, angle)),
             **common,
@@ -316,7 +314,7 @@ def test_a_frame_whose_whole_motion_is_given_moves_as_one_on_a_driven_table(rand
         Joint("pivot", "revolute", ("ground", "table"), AXIS, angle=angle),
         Joint("weld", "fixed", ("table", "beam.i0")),
     )
-    driven = simulate(Model({"table": table, "beam": beam}, joints, **common))
+    driven = simulate(model_of({"table": table, "beam": beam}, joints, **common))
     np.testing.assert_allclose(given.body("beam").x, driven.body("beam").x, rtol=0, atol=1e-11)
     np.testing.assert_allclose(
         given.frame("beam.i1").u, driven.frame("beam.i1").u, rtol=0, atol=1e-11
@@ -336,7 +334,9 @@ def test_a_turning_interface_needs_rotations(random_element):
     with pytest.raises(
         ModelError, match=r"motion 'turn': interface 'beam.i1' has no rotations and carries forces"
     ):
-        simulate(Model({"beam": FlexibleBody(element)}, motions=(motion,), t_end=0.01))
+        simulate(
+            Model({"beam": FlexibleBody(element)}, motions=(motion,), settings=Settings(t_end=0.01))
+        )
 
 
 def test_motions_from_a_model_file(tmp_path):

@@ -18,6 +18,7 @@ from duhamel.solver import (
     RecoveryError,
     Results,
     RigidBody,
+    Settings,
     Spring,
     Start,
     read_model,
@@ -50,8 +51,7 @@ def model(coarse):
         ),
         loads=(Load("force", "beam.tip", [0, 0, 1], Harmonic(1.0, 300.0), follower=True),),
         ground_frames={"hook": Frame([0.6, 0.2, 0])},
-        step=H,
-        t_end=STEPS * H,
+        settings=Settings(step=H, t_end=STEPS * H),
     )
 
 
@@ -69,7 +69,7 @@ def datasets(path):
 @pytest.fixture(scope="module")
 def whole(model, tmp_path_factory):
     path = tmp_path_factory.mktemp("whole") / "whole.h5"
-    simulate(model, path)
+    simulate(model, output=path)
     return datasets(path)
 
 
@@ -82,7 +82,7 @@ def test_what_is_recorded_is_what_a_whole_record_holds_there(
     """
     monkeypatch.setattr(recorder, "NUMBERS", numbers)
     path = tmp_path / "thinned.h5"
-    simulate(replace(model, output=OutputRequest(every)), path)
+    simulate(model.with_settings(output=OutputRequest(every)), output=path)
     thinned = datasets(path)
     steps = sorted({*range(0, STEPS + 1, every), STEPS})
     assert whole["joints/pivot/angle"][-1] > 4 * np.pi
@@ -103,7 +103,7 @@ def test_what_is_recorded_is_what_a_whole_record_holds_there(
 )
 def test_chosen_quantities_alone_are_recorded(quantities, prefixes, model, whole, tmp_path):
     path = tmp_path / "chosen.h5"
-    simulate(replace(model, output=OutputRequest(quantities=quantities)), path)
+    simulate(model.with_settings(output=OutputRequest(quantities=quantities)), output=path)
     found = datasets(path)
     assert set(found) == {name for name in whole if name.startswith(("time", "solver/", *prefixes))}
     for name, array in found.items():
@@ -111,7 +111,9 @@ def test_chosen_quantities_alone_are_recorded(quantities, prefixes, model, whole
 
 
 def test_what_was_not_recorded_is_told(model):
-    results = simulate(replace(model, output=OutputRequest(quantities=("joints", "bodies/hub"))))
+    results = simulate(
+        model.with_settings(output=OutputRequest(quantities=("joints", "bodies/hub")))
+    )
     assert results.recorded == ("bodies/hub", "joints/clamp", "joints/pivot")
     with pytest.raises(KeyError, match="no bodies/beam; there are: hub"):
         results.body("beam")
@@ -128,10 +130,15 @@ def test_what_was_not_recorded_is_told(model):
 def test_a_quantity_that_there_is_not_is_refused_before_the_file_is_touched(model, tmp_path):
     path = tmp_path / "kept.h5"
     path.write_text("kept")
-    wrong = replace(model, output=OutputRequest(quantities=("bodies/hubb",)), path="rotor.toml")
-    message = r"rotor.toml: output: quantities: no 'bodies/hubb'; there are: .*; did you mean 'bodies/hub'\?"
+    wrong = replace(model, path="rotor.toml").with_settings(
+        output=OutputRequest(quantities=("bodies/hubb",))
+    )
+    message = (
+        r"rotor.toml: output: quantities: no 'bodies/hubb'; there are: .*; "
+        r"did you mean 'bodies/hub'\?"
+    )
     with pytest.raises(ModelError, match=message):
-        simulate(wrong, path)
+        simulate(wrong, output=path)
     assert path.read_text() == "kept"
     with pytest.raises(ModelError, match="output: every: expected 1 or more, got 0"):
         OutputRequest(0)
@@ -144,13 +151,13 @@ def test_fields_need_every_step_and_the_loads_of_all_interfaces(model, coarse):
         replace(coarse, recovery=Recovery(X, [[0, 1]], phi[:, :3])), model.bodies["beam"].start
     )
     recoverable = replace(model, bodies={**model.bodies, "beam": beam})
-    results = simulate(replace(recoverable, output=OutputRequest(10)))
+    results = simulate(recoverable.with_settings(output=OutputRequest(10)))
     with pytest.raises(
         RecoveryError, match="body 'beam': fields need every step, and the run recorded one in 10"
     ):
         results.displacement("beam", 0.01)
     results = simulate(
-        replace(recoverable, output=OutputRequest(quantities=("bodies", "frames/beam.tip")))
+        recoverable.with_settings(output=OutputRequest(quantities=("bodies", "frames/beam.tip")))
     )
     with pytest.raises(
         RecoveryError,
@@ -180,6 +187,6 @@ def test_a_model_file_says_it_too(tmp_path):
     path = tmp_path / "stone.toml"
     path.write_text(FILE)
     model = read_model(path)
-    assert model.output == OutputRequest(4, ("bodies",))
-    assert model.corrections == 2
+    assert model.settings.output == OutputRequest(4, ("bodies",))
+    assert model.settings.fixed_iterations == 2
     np.testing.assert_allclose(simulate(model).time, [0.0, 4e-3, 8e-3, 10e-3], rtol=1e-14)

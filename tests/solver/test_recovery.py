@@ -23,6 +23,7 @@ from duhamel.solver import (
     Model,
     RecoveryError,
     Results,
+    Settings,
     Start,
     SteadyRotation,
     simulate,
@@ -94,11 +95,7 @@ def test_the_same_from_equilibrium(coarse_beam, rule, history):
         joints=[Joint("clamp", "fixed", ("ground", "beam.root"))],
         loads=[Load("force", "beam.tip", [0.3, 1, -1], Harmonic(1.0, 30.0, offset=1.0))],
         gravity=[0, 0, -9.81],
-        t_end=0.05,
-        step=2e-4,
-        start="equilibrium",
-        rule=rule,
-        history=history,
+        settings=Settings(t_end=0.05, step=2e-4, start="equilibrium", rule=rule, history=history),
     )
     assert_recorded(simulate(model))
 
@@ -112,10 +109,9 @@ def test_the_same_from_a_steady_rotation(coarse_beam):
         loads=[
             Load("force", "beam.tip", [0, 0, 1], Harmonic(0.5, 30.0, offset=0.5), follower=True)
         ],
-        t_end=0.05,
-        step=2e-4,
-        start="equilibrium",
-        steady_rotation=SteadyRotation([0, 0, spin]),
+        settings=Settings(
+            t_end=0.05, step=2e-4, start="equilibrium", steady_rotation=SteadyRotation([0, 0, spin])
+        ),
     )
     assert_recorded(simulate(model))
 
@@ -179,9 +175,9 @@ def test_results_that_are_read_find_their_superelement(coarse_beam, hub_and_beam
     # As models are read from files: without the recovery, which is read when fields are asked for,
     # in single precision.
     body = replace(model.bodies["beam"], superelement=read(path, recovery=False), source=str(path))
-    of_file = replace(model, bodies={**model.bodies, "beam": body}, t_end=0.002)
-    expected = simulate(of_file, tmp_path / "out.h5").displacement("beam", 0.002)
-    precise = simulate(replace(model, t_end=0.002)).displacement("beam", 0.002)
+    of_file = replace(model, bodies={**model.bodies, "beam": body}).with_settings(t_end=0.002)
+    expected = simulate(of_file, output=tmp_path / "out.h5").displacement("beam", 0.002)
+    precise = simulate(model.with_settings(t_end=0.002)).displacement("beam", 0.002)
     np.testing.assert_allclose(expected, precise, rtol=0, atol=1e-7 * np.abs(precise).max())
     whole = read(path)
 
@@ -210,7 +206,7 @@ def test_results_that_are_read_find_their_superelement(coarse_beam, hub_and_beam
     ):
         again(superelements={"beam": whole})
 
-    simulate(replace(model, t_end=0.002), tmp_path / "out.h5")
+    simulate(model.with_settings(t_end=0.002), output=tmp_path / "out.h5")
     with pytest.raises(
         RecoveryError, match="body 'beam': the run read no file for its superelement"
     ):
@@ -315,7 +311,7 @@ def test_fields_are_those_of_the_unreduced_model(tmp_path):
             Load("force", "bar.tip", [100.0, 200.0, 300.0], Constant(1.0)),
             Load("torque", "bar.tip", [20.0, 5.0, 10.0], Constant(1.0), follower=True),
         ],
-        t_end=0.006,
+        settings=Settings(t_end=0.006),
     )
     errors = largest_errors(simulate(model), body, structure, [0, 1, 40, 151, 300])
     assert max(errors) < 1e-11
@@ -335,7 +331,7 @@ def test_fields_of_krylov_modes_are_right_to_the_tolerance(tmp_path, tolerance):
             Load("force", "bar.tip", [100.0, 200.0, 300.0], signal),
             Load("torque", "bar.tip", [20.0, 5.0, 10.0], signal, follower=True),
         ],
-        t_end=0.006,
+        settings=Settings(t_end=0.006),
     )
     errors = largest_errors(simulate(model), body, structure, [0, 1, 40, 151, 300])
     assert max(errors) < tolerance
@@ -353,7 +349,7 @@ def test_a_bar_under_way_carries_the_inertia_of_what_is_beyond(tmp_path):
     model = Model(
         bodies={"bar": FlexibleBody(element)},
         loads=[Load("force", "bar.root", [push, 0, 0], Constant(1.0))],
-        t_end=0.02,
+        settings=Settings(t_end=0.02),
     )
     stress = simulate(model).stress("bar", 0.02)
     x = (element.recovery.points + structure.rigid.center)[:, 0]
@@ -376,8 +372,7 @@ def test_a_cantilever_in_bending():
         bodies={"bar": FlexibleBody(element, Start(position=[0.5 * L, 0, 0]))},
         joints=[Joint("clamp", "fixed", ("ground", "bar.root"))],
         loads=[Load("force", "bar.tip", [0, 0, 1], Constant(1.0))],
-        start="equilibrium",
-        t_end=1e-3,
+        settings=Settings(start="equilibrium", t_end=1e-3),
     )
     stress = simulate(model).stress("bar", 1e-3)
     x, _, z = element.recovery.points.T

@@ -71,7 +71,7 @@ def model_file(coarse, tmp_path_factory):
 @pytest.fixture(scope="module")
 def results_file(model_file):
     path = model_file.with_name("rotor-results.h5")
-    simulate(read_model(model_file), path)
+    simulate(read_model(model_file), output=path)
     return path
 
 
@@ -186,9 +186,9 @@ def test_results_in_memory_are_those_of_the_file(results_file, model_file):
 
 def test_a_second_run_replaces_the_file_of_the_first(results_file, model_file, tmp_path):
     model, path = read_model(model_file), tmp_path / "out.h5"
-    first = simulate(model, path)
+    first = simulate(model, output=path)
     assert len(first.time) == N
-    second = simulate(replace(model, t_end=0.002), path)
+    second = simulate(model.with_settings(t_end=0.002), output=path)
     assert len(second.time) == 11
 
 
@@ -211,7 +211,7 @@ def test_a_run_that_fails_leaves_the_steps_before_the_failure(model_file, tmp_pa
     failing.write_text(text)
     path = tmp_path / "failing.h5"
     with pytest.raises(ConvergenceError) as caught:
-        simulate(read_model(failing), path)
+        simulate(read_model(failing), output=path)
     error, left = caught.value, Results.read(path)
     assert len(left.time) == error.step
     assert not left.solver["finished"]
@@ -234,7 +234,7 @@ KILLED = """
 import sys
 from dataclasses import replace
 from duhamel.solver import read_model, simulate
-simulate(replace(read_model(sys.argv[1]), t_end=1e5), sys.argv[2])
+simulate(read_model(sys.argv[1]).with_settings(t_end=1e5), output=sys.argv[2])
 """
 
 
@@ -293,7 +293,7 @@ def order_of_rounding(name):
 PLAIN = """
 import sys
 from duhamel.solver import read_model, simulate
-simulate(read_model(sys.argv[1]), sys.argv[2])
+simulate(read_model(sys.argv[1]), output=sys.argv[2])
 """
 
 
@@ -315,7 +315,7 @@ def test_plain_python_gives_what_the_compiled_code_gives(results_file, model_fil
 def test_a_folder_that_is_missing_is_named(model_file, tmp_path):
     path = tmp_path / "nowhere" / "out.h5"
     with pytest.raises(ValueError, match=f"{Path(path)}: no folder {path.parent}"):
-        simulate(read_model(model_file), path)
+        simulate(read_model(model_file), output=path)
 
 
 def under_a_load_that(model_file, acts):
@@ -345,7 +345,7 @@ def test_a_file_without_steps_yet_says_so(model_file, tmp_path):
         with pytest.raises(ResultsError, match=f"{path}: no step has been written yet"):
             results.body("hub")
 
-    assert len(simulate(under_a_load_that(model_file, look), path).time) == N
+    assert len(simulate(under_a_load_that(model_file, look), output=path).time) == N
 
 
 def test_an_interrupt_leaves_the_steps_before_it(results_file, model_file, tmp_path):
@@ -355,7 +355,7 @@ def test_an_interrupt_leaves_the_steps_before_it(results_file, model_file, tmp_p
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        simulate(under_a_load_that(model_file, interrupt), path)
+        simulate(under_a_load_that(model_file, interrupt), output=path)
     left, whole = Results.read(path), Results.read(results_file)
     n = left.solver["written"]
     assert not left.solver["finished"]
@@ -373,7 +373,7 @@ def test_the_later_of_two_runs_to_one_file_keeps_it(results_file, model_file, tm
         ResultsError,
         match=f"{path}: another run writes to this file now; this one stops, 0 rows long",
     ):
-        simulate(under_a_load_that(model_file, lambda: simulate(model, path)), path)
+        simulate(under_a_load_that(model_file, lambda: simulate(model, output=path)), output=path)
     found, whole = datasets(path), datasets(results_file)
     assert found.keys() == whole.keys()
     for name, array in whole.items():
@@ -383,7 +383,7 @@ def test_the_later_of_two_runs_to_one_file_keeps_it(results_file, model_file, tm
 def test_a_file_that_was_deleted_is_named(model_file, tmp_path):
     path = tmp_path / "deleted.h5"
     with pytest.raises(ResultsError, match=f"{path}: cannot be written: .*No such file"):
-        simulate(under_a_load_that(model_file, path.unlink), path)
+        simulate(under_a_load_that(model_file, path.unlink), output=path)
     assert not path.exists()
 
 
@@ -407,7 +407,7 @@ def test_a_run_waits_for_those_that_read_its_file(model_file, tmp_path):
         )
         assert readers[0].stdout.readline() == "open\n"
 
-    results = simulate(under_a_load_that(model_file, read), path)
+    results = simulate(under_a_load_that(model_file, read), output=path)
     with readers[0] as reader:
         assert reader.wait() == 0
     assert len(results.time) == N

@@ -11,6 +11,7 @@ from duhamel.solver import (
     Model,
     Polynomial,
     RigidBody,
+    Settings,
     Start,
     simulate,
 )
@@ -67,9 +68,7 @@ def test_the_period_of_a_pendulum(arm, small):
         bodies={"bar": bar(arm, amplitude)},
         joints=(Joint("pivot", "revolute", ("ground", "bar.pivot"), [0, 0, 1]),),
         gravity=[0, -G, 0],
-        t_end=6.0,
-        step=h,
-        rho_inf=0.9,
+        settings=Settings(t_end=6.0, step=h, rho_inf=0.9),
     )
     results = simulate(model)
     period = np.diff(crossings(results.time, results.body("bar").x[:, 0])).mean()
@@ -79,11 +78,13 @@ def test_the_period_of_a_pendulum(arm, small):
 
 
 def test_a_symmetric_top_without_torque_precesses():
-    """Its axis cones about the angular momentum at |J omega| / J_1; the momentum stays where it is."""
+    """Its axis cones about the angular momentum at |J omega| / J_1; the momentum stays
+    where it is.
+    """
     J1, J3, h = 1.0, 2.0, 1e-3
     omega = np.array([0.5, 0.0, 3.0])
     body = RigidBody(1.0, [J1, J1, J3], {}, Start(angular_velocity=omega))
-    results = simulate(Model({"top": body}, t_end=4.0, step=h, rho_inf=0.9))
+    results = simulate(Model({"top": body}, settings=Settings(t_end=4.0, step=h, rho_inf=0.9)))
     momentum = np.array([J1, J1, J3]) * omega
     rate = np.linalg.norm(momentum) / J1
     axis = rotations(results.body("top").R).apply([0, 0, 1])
@@ -101,7 +102,7 @@ def conserved(h, rho_inf=0.9):
     """Drift of energy and of angular momentum of a tumbling body, relative, after 2 s."""
     J, omega = np.array([1.0, 2.0, 2.5]), np.array([1.0, 2.0, -1.5])
     body = RigidBody(1.0, J, {}, Start(rotation=[0.3, 0.1, -0.5], angular_velocity=omega))
-    results = simulate(Model({"body": body}, t_end=2.0, step=h, rho_inf=rho_inf))
+    results = simulate(Model({"body": body}, settings=Settings(t_end=2.0, step=h, rho_inf=rho_inf)))
     v = results.body("body").v
     momentum = rotations(results.body("body").R).apply(J * v[:, 3:])
     energy = results.energy.kinetic
@@ -118,10 +119,10 @@ def test_energy_and_momentum_of_a_tumbling_body_drift_by_order_two():
 
 
 def heavy_top(h, gyration=(0.234375, 0.46875, 0.234375), t_end=1.0):
-    """The benchmark of Bruls, Cardona and Arnold: 15 kg, one metre from a spherical joint, spinning
+    """The benchmark of Bruls, Cardona and Arnold: 15 kg, one meter from a spherical joint, spinning
     about its axis.
 
-    `gyration`: about the centre of mass; the velocity of this is omega x X.
+    `gyration`: about the center of mass; the velocity of this is omega x X.
     """
     X, omega = np.array([0.0, 1.0, 0.0]), np.array([0.0, 150.0, -4.61538])
     body = RigidBody(
@@ -134,15 +135,13 @@ def heavy_top(h, gyration=(0.234375, 0.46875, 0.234375), t_end=1.0):
         {"top": body},
         (Joint("foot", "spherical", ("ground", "top.foot")),),
         gravity=[0, 0, -G],
-        t_end=t_end,
-        step=h,
-        rho_inf=0.9,
+        settings=Settings(t_end=t_end, step=h, rho_inf=0.9),
     )
     return simulate(model)
 
 
 def heavy_top_by_euler(t):
-    """Positions of the centre from Euler's equations about the fixed point, with quaternions, to
+    """Positions of the center from Euler's equations about the fixed point, with quaternions, to
     1e-12.
     """
     X = np.array([0.0, 1.0, 0.0])
@@ -185,11 +184,15 @@ def test_the_heavy_top_keeps_its_energy_to_order_two():
 
 
 def test_the_angle_of_a_revolute_joint_is_driven():
-    """Angle, initial acceleration and torque J s'' of a body that a drive swings about its centre."""
+    """Angle, initial acceleration and torque J s'' of a body that a drive swings about its
+    center.
+    """
     drive, h = Harmonic(0.7, 2.0, 0.4, 0.3), 1e-3
     body = RigidBody(2.0, [1.0, 1.5, 0.8], {}, Start(rotation=[0, 0, 0.9]))
     joint = Joint("motor", "revolute", ("ground", "body"), [0, 0, 1], angle=drive)
-    results = simulate(Model({"body": body}, (joint,), t_end=1.0, step=h, rho_inf=0.9))
+    results = simulate(
+        Model({"body": body}, (joint,), settings=Settings(t_end=1.0, step=h, rho_inf=0.9))
+    )
     angle = rotations(results.body("body").R).as_rotvec()[:, 2]
     expected = 0.9 + np.array([drive(t) - drive(0.0) for t in results.time])
     assert np.abs(angle - expected).max() < 1e-12
@@ -208,7 +211,12 @@ def test_the_distance_of_a_prismatic_joint_is_driven():
     body = RigidBody(2.0, [1.0, 1.5, 0.8], {"grip": Frame([0.2, 0.1, -0.3])})
     joint = Joint("slide", "prismatic", ("ground", "body.grip"), axis, distance=drive)
     results = simulate(
-        Model({"body": body}, (joint,), t_end=1.0, step=h, rho_inf=0.9, gravity=[0, 0, -G])
+        Model(
+            {"body": body},
+            (joint,),
+            gravity=[0, 0, -G],
+            settings=Settings(t_end=1.0, step=h, rho_inf=0.9),
+        )
     )
     expected = np.array([drive(t) for t in results.time])
     assert np.abs(results.body("body").x - np.outer(expected, axis)).max() < 1e-12
@@ -228,9 +236,7 @@ def test_a_body_falls_freely():
     model = Model(
         {"stone": RigidBody(2.0, [1, 1, 2], {}, start)},
         gravity=[0, 1.0, -G],
-        t_end=0.5,
-        step=1e-3,
-        rho_inf=0.8,
+        settings=Settings(t_end=0.5, step=1e-3, rho_inf=0.8),
     )
     results = simulate(model)
     t = results.time[:, None]
@@ -251,7 +257,9 @@ def test_a_follower_torque_spins_a_body_and_its_work_is_counted():
         Start(rotation=[0.4, -0.2, 0.9]),
     )
     load = Load("torque", "body.knob", [1, 0, 0], Constant(2.0), follower=True)
-    results = simulate(Model({"body": body}, loads=(load,), t_end=1.0, step=1e-3, rho_inf=0.9))
+    results = simulate(
+        Model({"body": body}, loads=(load,), settings=Settings(t_end=1.0, step=1e-3, rho_inf=0.9))
+    )
     assert results.body("body").v[:, 5] == pytest.approx(-0.5 * results.time, abs=1e-12)
     assert np.abs(results.energy.balance).max() < 1e-12
     assert results.energy.work[-1] == pytest.approx(0.5 * 4.0 * 0.25, rel=1e-10)
@@ -265,7 +273,12 @@ def test_the_work_of_a_drive_is_counted():
         swing = Harmonic(0.7, 2.0, 0.5 * np.pi, 0.3)
         joint = Joint("motor", "revolute", ("ground", "body.pivot"), [0, 0, 1], angle=swing)
         energy = simulate(
-            Model({"body": body}, (joint,), gravity=[0, -G, 0], t_end=1.0, step=h, rho_inf=0.9)
+            Model(
+                {"body": body},
+                (joint,),
+                gravity=[0, -G, 0],
+                settings=Settings(t_end=1.0, step=h, rho_inf=0.9),
+            )
         ).energy
         drift.append(np.abs(energy.balance).max() / energy.kinetic.max())
     assert (np.log2(np.array(drift[:-1]) / drift[1:]) > 1.95).all(), drift

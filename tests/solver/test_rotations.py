@@ -1,4 +1,6 @@
-"""Finite rotations against scipy and differences, from nearly no angle to more than a whole turn."""
+"""Finite rotations against scipy and differences, from nearly no angle to more than a
+whole turn.
+"""
 
 import numpy as np
 import pytest

@@ -16,6 +16,7 @@ from duhamel.solver import (
     Polynomial,
     Pulse,
     RigidBody,
+    Settings,
     SmoothFunction,
     Spline,
     Steps,
@@ -151,7 +152,10 @@ def test_a_body_gains_the_momentum_of_its_loads(signal, impulse, rho_inf):
     """
     loads = (Load("force", "body", [0, 0, 1], signal), Load("torque", "body", [2, 0, 0], signal))
     model = Model(
-        {"body": RigidBody(2.0, [0.5, 1.0, 1.5])}, (), loads, t_end=2.0, step=H, rho_inf=rho_inf
+        {"body": RigidBody(2.0, [0.5, 1.0, 1.5])},
+        (),
+        loads,
+        settings=Settings(t_end=2.0, step=H, rho_inf=rho_inf),
     )
     v = simulate(model).body("body").v[-1]
     assert 2.0 * v[2] == pytest.approx(impulse, rel=1e-10)
@@ -168,8 +172,7 @@ def test_a_smooth_function_drives_a_joint():
     model = Model(
         bodies={"arm": RigidBody(1.0, [1.0, 1.0, 1.0])},
         joints=(Joint("drive", "revolute", ("ground", "arm"), axis=[0, 0, 1], angle=swing),),
-        t_end=2.0,
-        step=1e-3,
+        settings=Settings(t_end=2.0, step=1e-3),
     )
     results = simulate(model)
     coordinates = results.joint("drive").coordinates
@@ -210,15 +213,16 @@ def test_a_spline_drives_and_loads_as_the_motion_that_it_passes_through():
     driven = Model(
         bodies={"arm": body},
         joints=(Joint("drive", "revolute", ("ground", "arm"), axis=[0, 0, 1], angle=measured),),
-        t_end=1.0,
-        step=1e-3,
+        settings=Settings(t_end=1.0, step=1e-3),
     )
     coordinates = simulate(driven).joint("drive").coordinates
     t = 1e-3 * np.arange(1001)
     np.testing.assert_allclose(coordinates["angle"], swing(t), rtol=0, atol=1e-7)
     np.testing.assert_allclose(coordinates["angle_rate"], 1.5 * np.cos(5.0 * t), rtol=0, atol=1e-4)
     pushed = Model(
-        {"arm": body}, loads=(Load("force", "arm", [1, 0, 0], measured),), t_end=1.0, step=1e-3
+        {"arm": body},
+        loads=(Load("force", "arm", [1, 0, 0], measured),),
+        settings=Settings(t_end=1.0, step=1e-3),
     )
     np.testing.assert_allclose(
         simulate(pushed).body("arm").v[:, 0],

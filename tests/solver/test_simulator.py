@@ -19,6 +19,7 @@ from duhamel.solver import (
     Polynomial,
     Pulse,
     RigidBody,
+    Settings,
     Simulator,
     Spring,
     Start,
@@ -55,10 +56,11 @@ def rotor(coarse, load, angle=None, **settings):
             Joint("clamp", "fixed", ("hub.rim", "beam.root")),
         ),
         loads=loads,
-        step=H,
-        t_end=STEPS * H,
+        settings=Settings(step=H, t_end=STEPS * H),
     )
-    return replace(model, **settings)
+    if "loads" in settings:
+        model = replace(model, loads=settings.pop("loads"))
+    return model.with_settings(**settings)
 
 
 def recorded(model):
@@ -89,9 +91,9 @@ def test_partitions_of_the_past_give_the_direct_sum(block, coarse, monkeypatch):
     values = values_at(range(STEPS + 1))
     told = Table(tuple(H * np.arange(STEPS + 1)), tuple(values))
     for element, memory in ((coarse, None), (soft, 27 * H)):
-        expected = recorded(rotor(element, told, history="direct", memory=memory))
+        expected = recorded(rotor(element, told, history="direct", kernel_length=memory))
         simulator = Simulator(
-            rotor(element, Input("motor", values[0]), history="fft", memory=memory), OUTPUTS
+            rotor(element, Input("motor", values[0]), history="fft", kernel_length=memory), OUTPUTS
         )
         found = np.array([simulator.outputs, *(simulator.step([value]) for value in values[1:])])
         error, scale = np.abs(found - expected).max(axis=0), np.abs(expected).max(axis=0)
@@ -103,7 +105,7 @@ def test_partitions_of_the_past_give_the_direct_sum(block, coarse, monkeypatch):
 @pytest.mark.parametrize("history", ["recursive", "direct"])
 @pytest.mark.parametrize("corrections", [None, 2])
 def test_step_by_step_is_simulate_to_the_last_bit(history, corrections, coarse):
-    settings = {"history": history, "corrections": corrections}
+    settings = {"history": history, "fixed_iterations": corrections}
     values = values_at(range(STEPS + 1))
     told = Table(tuple(H * np.arange(STEPS + 1)), tuple(values))
     expected = recorded(rotor(coarse, told, **settings))
@@ -137,7 +139,7 @@ def test_a_simulator_closes_a_loop(coarse):
         )
         model = rotor(coarse, Input("motor"), step=step, loads=loads)
         simulator, angle = Simulator(model, ["joints/pivot/angle"]), 0.0
-        while simulator.time < model.t_end - 0.5 * step:
+        while simulator.time < model.settings.t_end - 0.5 * step:
             (angle,) = simulator.step([-k * angle])
         spring = Spring("spring", "torsion", ("ground", "hub"), [0, 0, 1], stiffness=k)
         sprung = replace(model, loads=loads[1:], springs=(spring,))
@@ -156,7 +158,7 @@ def test_corrections_with_the_factors_of_the_step_before_converge_fast(coarse):
     load = Steps((0.0, 0.01), (5.0, -5.0))
 
     def run(corrections):
-        return simulate(rotor(coarse, load, corrections=corrections))
+        return simulate(rotor(coarse, load, fixed_iterations=corrections))
 
     exact = run(None).frame("beam.tip").position
     runs = [run(corrections) for corrections in (1, 2, 3)]
@@ -174,7 +176,7 @@ def test_what_a_simulator_cannot_do_is_told(coarse):
         match=r"rotor.toml: outputs: no 'joints/pivot/angel'; did you mean 'joints/pivot/angle'",
     ):
         Simulator(replace(model, path="rotor.toml"), ["joints/pivot/angel"])
-    simulator = Simulator(replace(model, t_end=2 * H), OUTPUTS)
+    simulator = Simulator(model.with_settings(t_end=2 * H), OUTPUTS)
     with pytest.raises(
         ModelError, match=r"inputs: expected values of \['motor'\], got \[1.0, 2.0\]"
     ):

@@ -6,7 +6,7 @@ Terms of second order differ: each piece has a floating frame of its own, which 
 
 import numpy as np
 import pytest
-from duhamel.solver import FlexibleBody, Harmonic, Joint, Load, Model, Start, simulate
+from duhamel.solver import FlexibleBody, Harmonic, Joint, Load, Model, Settings, Start, simulate
 
 from .frameworks import framework
 
@@ -20,7 +20,7 @@ BARS = {
 
 
 def placed(element):
-    """Where the mesh is."""
+    """The path of the mesh."""
     return FlexibleBody(element, Start(element.center))
 
 
@@ -50,7 +50,7 @@ def swing(assembly, force):
     """Displacements of all points under a harmonic force at the tip."""
     bodies, joints, frames = assembly
     load = Load("force", frames[TIP], [0.2, 1.0, 0.7], Harmonic(force, 12.0))
-    results = simulate(Model(bodies, joints, [load], t_end=0.1))
+    results = simulate(Model(bodies, joints, [load], settings=Settings(t_end=0.1)))
     positions = [results.frame(frame).position for frame in frames.values()]
     return np.hstack([position - position[0] for position in positions])
 

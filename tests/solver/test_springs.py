@@ -1,7 +1,5 @@
 """Springs, dampers and bushings against closed forms and balances."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from duhamel.solver import (
@@ -15,12 +13,15 @@ from duhamel.solver import (
     Model,
     ModelError,
     RigidBody,
+    Settings,
     Spring,
     Start,
     simulate,
 )
 from scipy.integrate import cumulative_trapezoid, solve_ivp
 from scipy.spatial.transform import Rotation
+
+from .models import model_of
 
 G = 9.81
 
@@ -35,7 +36,7 @@ def orders(errors):
 
 
 def hanging_mass(h, k=100.0, c=0.5, m=2.0, **spring):
-    """A mass one metre below a hook, on a spring that starts without force, let go."""
+    """A mass one meter below a hook, on a spring that starts without force, let go."""
     return simulate(
         Model(
             {"mass": RigidBody(m, [1, 1, 1], start=Start(position=[0, 0, -1]))},
@@ -44,9 +45,7 @@ def hanging_mass(h, k=100.0, c=0.5, m=2.0, **spring):
             ),
             ground_frames={"hook": Frame()},
             gravity=[0, 0, -G],
-            t_end=2.0,
-            step=h,
-            rho_inf=0.9,
+            settings=Settings(t_end=2.0, step=h, rho_inf=0.9),
         )
     )
 
@@ -116,9 +115,7 @@ def test_a_tabulated_law_of_an_oscillator():
                 {"disk": RigidBody(1.0, [1, 1, J], start=Start(angular_velocity=[0, 0, 3.0]))},
                 (Joint("axle", "revolute", ("ground", "disk"), [0, 0, 1]),),
                 springs=(Spring("coil", "torsion", ("ground", "disk"), [0, 0, 1], law=law),),
-                t_end=2.0,
-                step=h,
-                rho_inf=0.9,
+                settings=Settings(t_end=2.0, step=h, rho_inf=0.9),
             )
         )
         angle = results.joint("axle").coordinates["angle"]
@@ -146,9 +143,7 @@ def test_a_torsion_spring_counts_full_turns():
             {"disk": RigidBody(1.0, [1, 1, J], start=Start(angular_velocity=[0, 0, speed]))},
             (Joint("axle", "revolute", ("ground", "disk"), [0, 0, 1]),),
             springs=(Spring("coil", "torsion", ("ground", "disk"), [0, 0, 1], stiffness=k),),
-            t_end=10.0,
-            step=2e-3,
-            rho_inf=0.9,
+            settings=Settings(t_end=10.0, step=2e-3, rho_inf=0.9),
         )
     )
     omega, t = np.sqrt(k / J), results.time
@@ -199,9 +194,7 @@ def tumbling_pair(**settings):
                 law=Law((-1, 0, 1), (-3, 0, 8)),
             ),
         ),
-        t_end=0.5,
-        rho_inf=0.9,
-        **settings,
+        settings=Settings(t_end=0.5, rho_inf=0.9, **settings),
     )
 
 
@@ -257,7 +250,11 @@ def test_a_stiff_bushing_is_nearly_a_weld(random_element):
     load = Load("force", "beam.i1", [1.0, 2.0, -1.0], Harmonic(1.0, 1.0))
     common = {"loads": (load,), "t_end": 0.5, "step": 1e-3, "rho_inf": 0.8}
     weld = simulate(
-        Model({"beam": beam}, (Joint("weld", "fixed", ("ground", "beam.i0")),), **common)
+        model_of(
+            {"beam": beam},
+            (Joint("weld", "fixed", ("ground", "beam.i0")),),
+            **common,
+        )
     )
     apart = []
     for stiffness in (1e4, 1e5, 1e6):
@@ -268,7 +265,7 @@ def test_a_stiff_bushing_is_nearly_a_weld(random_element):
             stiffness=stiffness * np.eye(6),
             damping=np.eye(6),
         )
-        results = simulate(Model({"beam": beam}, springs=(bush,), **common))
+        results = simulate(model_of({"beam": beam}, springs=(bush,), **common))
         apart.append(np.abs(results.body("beam").x - weld.body("beam").x).max())
     np.testing.assert_allclose(np.array(apart[:-1]) / apart[1:], 10.0, rtol=0.1)
 
@@ -301,12 +298,11 @@ def test_a_spring_between_interfaces_of_flexible_bodies(random_element):
             ),
             Spring("tie", "point", ("a.i1", "b.i1"), stiffness=40.0, damping=0.3),
         ),
-        t_end=0.3,
-        rho_inf=0.9,
+        settings=Settings(t_end=0.3, rho_inf=0.9),
     )
     angular, balance = [], []
     for h in (4e-4, 2e-4, 1e-4):
-        results = simulate(replace(model, step=h))
+        results = simulate(model.with_settings(step=h))
         linear = results.momentum.linear
         assert np.abs(linear - linear[0]).max() < 1e-11 * np.abs(linear).max()
         angular.append(np.ptp(results.momentum.angular, axis=0).max())
@@ -325,8 +321,7 @@ def test_what_pulls_a_cantilever_by_a_spring_finds_its_stiffness(coarse):
             (Joint("wall", "fixed", ("ground", "beam.root")),),
             springs=(Spring("pull", "point", ("ground.hook", "beam.tip"), stiffness=k, rest=0.1),),
             ground_frames={"hook": Frame([0.5, 0, 0.1 + away])},
-            t_end=0.01,
-            start="equilibrium",
+            settings=Settings(t_end=0.01, start="equilibrium"),
         )
     )
     w = results.frame("beam.tip").position[0, 2]
@@ -342,7 +337,7 @@ def test_ends_of_a_spring_that_coincide_are_refused():
         {"ball": ball},
         springs=(Spring("coil", "point", ("ground.o", "ball.f"), stiffness=1.0),),
         ground_frames={"o": Frame()},
-        step=0.1,
+        settings=Settings(t_end=1.0, step=0.1),
     )
     with pytest.raises(
         ModelError, match=r"spring 'coil': its ends \['ground.o', 'ball.f'\] coincide at the start"
@@ -361,9 +356,7 @@ def test_a_preloaded_spring_without_motion_stays_still():
             loads=(Load("force", "mass", [0, 0, -1], Constant(3.0)),),
             ground_frames={"hook": Frame()},
             gravity=[0, 0, -G],
-            t_end=0.3,
-            step=1e-3,
-            start="equilibrium",
+            settings=Settings(t_end=0.3, step=1e-3, start="equilibrium"),
         )
     )
     x = results.body("mass").x

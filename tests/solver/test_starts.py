@@ -17,9 +17,12 @@ from duhamel.solver import (
     Place,
     Polynomial,
     RigidBody,
+    Settings,
     Start,
     simulate,
 )
+
+from .models import model_of
 
 L, EI, MASS, G = 0.5, 5.5, 0.0429, 9.81
 HISTORIES = pytest.mark.parametrize("history", ["recursive", "direct"])
@@ -33,10 +36,7 @@ def test_a_loaded_cantilever_rests_where_beam_theory_says(beam, history, rule):
         joints=[Joint("clamp", "fixed", ("ground", "beam.root"))],
         loads=[Load("force", "beam.tip", [0, 0, -1], Constant(1.0))],
         gravity=[0, 0, -G],
-        t_end=0.03,
-        start="equilibrium",
-        history=history,
-        rule=rule,
+        settings=Settings(t_end=0.03, start="equilibrium", history=history, rule=rule),
     )
     tip = simulate(model).frame("beam.tip").position
     # the rigid frame follows the clamp by its angle, so that a chord enters to third order
@@ -56,9 +56,7 @@ def test_hanging_beams_find_their_place_and_stay_there(beam, history):
             Joint("knee", "revolute", ("upper.tip", "lower.root"), axis=[0, 1, 0]),
         ],
         gravity=[0, 0, -G],
-        t_end=0.03,
-        start="equilibrium",
-        history=history,
+        settings=Settings(t_end=0.03, start="equilibrium", history=history),
     )
     results = simulate(model)
     tip = results.frame("lower.tip").position
@@ -93,9 +91,7 @@ def four_bar(**settings):
             Joint(name, "revolute", frames, axis=[0, 1, 0]) for name, frames in between.items()
         ],
         gravity=[0, 0, -G],
-        t_end=0.2,
-        step=1e-3,
-        **settings,
+        settings=Settings(t_end=0.2, step=1e-3, **settings),
     )
 
 
@@ -138,12 +134,13 @@ def test_a_closed_loop_starts_from_a_joint_angle_and_its_rate():
 
 
 def pendulum(place=(0.5, 0, 0), joint=None, **settings):
-    """A bob half a metre from the pin, about z."""
+    """A bob half a meter from the pin, about z."""
     start = Start(position=place, velocity=settings.pop("velocity", [0, 0, 0]))
     bob = RigidBody(1.0, [0.1, 0.1, 0.1], {"pin": Frame([-0.5, 0, 0])}, start)
     pin = Joint("pin", "revolute", ("ground.pin", "bob.pin"), axis=[0, 0, 1])
     common = {"t_end": 0.01, "step": 1e-3, "ground_frames": {"pin": Frame()}}
-    return Model(bodies={"bob": bob}, joints=[replace(pin, **(joint or {}))], **(common | settings))
+    joints = [replace(pin, **(joint or {}))]
+    return model_of({"bob": bob}, joints, **(common | settings))
 
 
 def test_a_joint_that_is_open_by_little_is_closed_and_told():
@@ -189,7 +186,7 @@ def test_what_is_asked_of_joints_is_no_misfit():
 
 
 def test_equilibrium_is_sought_from_the_places_given():
-    """What was moved counts from there; the angle asked for is where the search begins."""
+    """The change of place counts from there; the angle asked for is where the search begins."""
     results = simulate(
         pendulum(joint={"start": {"angle": 0.3}}, gravity=[0, -G, 0], start="equilibrium")
     )
@@ -228,16 +225,19 @@ IMPOSSIBLE = {
     ),
     "a body that falls": (
         falling,
-        r"start = 'equilibrium': none found, relative residual \S+ after 400 steps; farthest from it is body 'stone'\. "
+        r"start = 'equilibrium': none found, relative residual \S+ after 400 steps; farthest "
+        r"from it is body 'stone'\. "
         r"Usual causes: a body that falls freely",
     ),
     "a velocity": (
         lambda: pendulum(velocity=[0, 1, 0], start="equilibrium"),
-        r"body 'bob': velocity: start = 'equilibrium' takes none but steady_rotation, got \[0.0, 1.0, 0.0\]",
+        r"body 'bob': velocity: start = 'equilibrium' takes none but steady_rotation, got "
+        r"\[0.0, 1.0, 0.0\]",
     ),
     "a rate": (
         lambda: pendulum(joint={"start": {"angle_rate": 1.0}}, start="equilibrium"),
-        r"joint 'pin': start: angle_rate: start = 'equilibrium' takes no rates but steady_rotation, got 1.0",
+        r"joint 'pin': start: angle_rate: start = 'equilibrium' takes no rates but "
+        r"steady_rotation, got 1.0",
     ),
 }
 

@@ -16,11 +16,14 @@ from duhamel.solver import (
     Polynomial,
     PrescribedRotation,
     RigidBody,
+    Settings,
     Spring,
     Start,
     SteadyRotation,
     simulate,
 )
+
+from .models import model_of
 
 SPIN, Z = 50.0, np.array([0.0, 0.0, 1.0])
 L, MASS, RIM = 0.5, 0.0429, 0.05
@@ -32,7 +35,7 @@ def rotor(beam, drive=None, spin=SPIN, **settings):
     """
     hub = RigidBody(0.01, [0.0095, 0.0095, 0.019], {"rim": Frame([RIM, 0, 0])})
     common = {"t_end": 0.06, "gravity": [0, 0, -9.81], "start": "equilibrium", "rho_inf": 0.9}
-    return Model(
+    return model_of(
         bodies={
             "hub": hub,
             "beam": FlexibleBody(beam.element, Start(place=Place("root", "hub.rim"))),
@@ -110,11 +113,13 @@ def test_springs_that_turn_along_stay_still():
             ),
             Spring("leaf", "bushing", ("arm.end", "bob"), stiffness=[5e3] * 3 + [20.0] * 3),
         ],
-        start="equilibrium",
-        steady_rotation=SteadyRotation(20.0 * Z),
-        t_end=0.5,
-        step=1e-3,
-        rho_inf=1.0,
+        settings=Settings(
+            start="equilibrium",
+            steady_rotation=SteadyRotation(20.0 * Z),
+            t_end=0.5,
+            step=1e-3,
+            rho_inf=1.0,
+        ),
     )
     results = simulate(model)
     coordinates = results.spring("leaf").coordinates["coordinates"]
@@ -129,7 +134,7 @@ def disk(*springs, pivot="revolute", drive=None, motions=(), **settings):
     joint = Joint("pivot", pivot, ("ground", "disk"), axis, angle=drive)
     start = {"start": "equilibrium", "t_end": 0.01, "step": 1e-3}
     hook = {"hook": Frame([0.0, 0.4, 0.0])}
-    return Model(
+    return model_of(
         {"disk": body},
         (joint,),
         springs=springs,
@@ -147,19 +152,23 @@ TURNING = {"steady_rotation": SteadyRotation([0.0, 0.0, 20.0])}
 REFUSED = {
     "a bearing about another axis": (
         lambda: disk(steady_rotation=SteadyRotation([0, 20, 0])),
-        "joint 'pivot': start = 'equilibrium': a steady rotation of [0.0, 20.0, 0.0] rad/s opens it by 20 rad/s",
+        "joint 'pivot': start = 'equilibrium': a steady rotation of [0.0, 20.0, 0.0] rad/s "
+        "opens it by 20 rad/s",
     ),
     "a bearing off the axis": (
         lambda: disk(steady_rotation=SteadyRotation([0, 0, 20], [0.1, 0, 0])),
-        "joint 'pivot': start = 'equilibrium': a steady rotation of [0.0, 0.0, 20.0] rad/s opens it by 2 m/s",
+        "joint 'pivot': start = 'equilibrium': a steady rotation of [0.0, 0.0, 20.0] rad/s "
+        "opens it by 2 m/s",
     ),
     "a torsion spring on the ground": (
         lambda: disk(coil(stiffness=1.0), **TURNING),
-        "spring 'coil': start = 'equilibrium': a steady rotation of [0.0, 0.0, 20.0] rad/s deforms it by 20 rad/s",
+        "spring 'coil': start = 'equilibrium': a steady rotation of [0.0, 0.0, 20.0] rad/s "
+        "deforms it by 20 rad/s",
     ),
     "a damper on the ground": (
         lambda: disk(coil(damping=1.0), **TURNING),
-        "spring 'coil': start = 'equilibrium': a steady rotation of [0.0, 0.0, 20.0] rad/s deforms it by 20 rad/s",
+        "spring 'coil': start = 'equilibrium': a steady rotation of [0.0, 0.0, 20.0] rad/s "
+        "deforms it by 20 rad/s",
     ),
     "a law on the ground": (
         lambda: disk(coil(law=Law((-1.0, 1.0), (-1.0, 1.0))), **TURNING),
@@ -169,11 +178,13 @@ REFUSED = {
         lambda: disk(
             Spring("strap", "point", ("ground.hook", "disk.rim"), stiffness=10.0), **TURNING
         ),
-        "spring 'strap': start = 'equilibrium': a steady rotation of [0.0, 0.0, 20.0] rad/s deforms it by ",
+        "spring 'strap': start = 'equilibrium': a steady rotation of [0.0, 0.0, 20.0] rad/s "
+        "deforms it by ",
     ),
     "a drive at another speed": (
         lambda: disk(drive=Polynomial((0.0, 25.0)), **TURNING),
-        "joint 'pivot': start = 'equilibrium': a steady rotation of [0.0, 0.0, 20.0] rad/s misses its drive by 5 rad/s",
+        "joint 'pivot': start = 'equilibrium': a steady rotation of [0.0, 0.0, 20.0] rad/s "
+        "misses its drive by 5 rad/s",
     ),
     "a drive from rest": (
         lambda: disk(drive=Polynomial((0.0, 25.0))),

@@ -10,6 +10,7 @@ from duhamel.solver import (
     Load,
     Model,
     ModelError,
+    Settings,
     Start,
     Steps,
     read_model,
@@ -55,7 +56,7 @@ def test_links_from_one_file_move_as_links_from_two(history, tmp_path):
     two, one = tmp_path / "two.toml", tmp_path / "one.toml"
     two.write_text(PENDULUM)
     one.write_text(PENDULUM.replace("upper.h5", "link.h5").replace("lower.h5", "link.h5"))
-    shared, copied = (replace(read_model(path), history=history) for path in (one, two))
+    shared, copied = (read_model(path).with_settings(history=history) for path in (one, two))
     found, expected = (simulate(model).frame("lower.right").position for model in (shared, copied))
     np.testing.assert_array_equal(found, expected)
     assert np.ptp(found[:, 2]) > 0.02
@@ -90,8 +91,7 @@ def chain(*elements, **settings):
             Joint("C", "universal", ("b.right", "c.left"), [0, 1, 0], [1, 0, 0]),
         ),
         loads=(Load("force", "c.right", [0.1, 1.0, 0.5], Steps((0.0, 0.01), (0.5, 0.0))),),
-        t_end=0.05,
-        **settings,
+        settings=Settings(t_end=0.05, **settings),
     )
 
 
@@ -131,7 +131,9 @@ def test_superelements_of_different_size_step_and_scheme_in_one_model(tmp_path):
     for history in ("recursive", "direct"):
         model = chain(*elements(1e-3, 5e-5, 2e-4), step=2e-4, rho_inf=0.9, history=history)
         np.testing.assert_allclose(positions(simulate(model)), expected, rtol=0, atol=1e-11)
-    assert np.abs(expected - positions(simulate(replace(made_for_it, rho_inf=0.5)))).max() > 1e-7
+    assert (
+        np.abs(expected - positions(simulate(made_for_it.with_settings(rho_inf=0.5)))).max() > 1e-7
+    )
 
 
 def test_a_body_without_modes_refuses_another_step(tmp_path):
@@ -139,7 +141,10 @@ def test_a_body_without_modes_refuses_another_step(tmp_path):
     measured = replace(bar(tmp_path, 0.3, step=2e-4, steps=300), name="measured", modes=None)
     others = [bar(tmp_path, 0.2), bar(tmp_path, 0.4)]
     assert len(simulate(chain(others[0], measured, others[1])).time) == 251
-    message = "superelement measured: no modes, so the kernel is fixed: h = 0.0002 s, rho_inf = 0.9, 300 steps"
+    message = (
+        "superelement measured: no modes, so the kernel is fixed: h = 0.0002 s, rho_inf = 0.9, "
+        "300 steps"
+    )
     for other in ({"step": 1e-4}, {"rho_inf": 0.8}):
         with pytest.raises(ModelError, match=message):
             simulate(chain(others[0], measured, others[1], **other))

@@ -18,6 +18,7 @@ from duhamel.solver import (
     Model,
     Polynomial,
     RigidBody,
+    Settings,
     Spring,
     Start,
     simulate,
@@ -33,6 +34,7 @@ from duhamel.solver.step.system import State, System, Workspace
 from scipy.spatial.transform import Rotation
 
 from .matrices import in_space
+from .models import model_of
 
 AXIS, SECOND = np.array([1.0, 2.0, 2.0]) / 3.0, np.array([2.0, -2.0, 1.0]) / 3.0
 JOINTS = {
@@ -84,7 +86,7 @@ class Point:
 
     @classmethod
     def of(cls, model, seed=0):
-        """Rotations of any size, elastic displacements of centimetres, elastic rotations up to 0.3
+        """Rotations of any size, elastic displacements of centimeters, elastic rotations up to 0.3
         rad.
         """
         rng = np.random.default_rng(seed)
@@ -198,7 +200,7 @@ def make_pair(make_body):
             name: make_body(kind, seed)
             for seed, (name, kind) in enumerate(zip("ab", kinds, strict=True), 5)
         }
-        return Model(bodies, joints, t_end=1.0, **{"step": 1e-2, "rho_inf": 0.8} | settings)
+        return model_of(bodies, joints, **{"step": 1e-2, "rho_inf": 0.8} | settings)
 
     return make
 
@@ -376,7 +378,14 @@ def test_the_newton_matrix_entry_by_entry(make_body, rule):
     )
     joints = (Joint("motor", "revolute", ("c.i0", "a.i0"), AXIS, angle=Harmonic(0.8, 1.0, 0.5)),)
     point = Point.of(
-        Model(bodies, joints, loads, springs, t_end=1.0, step=1e-2, rho_inf=0.8, rule=rule), seed=11
+        Model(
+            bodies,
+            joints,
+            loads,
+            springs,
+            settings=Settings(t_end=1.0, step=1e-2, rho_inf=0.8, rule=rule),
+        ),
+        seed=11,
     )
     rng = np.random.default_rng(12)
     point.work.interfaces.u_predicted[:] = point.state.interfaces.u
@@ -404,14 +413,14 @@ def chain(make_body, omega=(50.0, 5000.0), **settings):
         "b": make_body("flexible", 6, omega, **spin),
         "c": make_body("rigid", 7, **spin),
     }
-    return Model(
+    return model_of(
         bodies,
         (
             Joint("ab", "revolute", ("a.i0", "b.i0"), AXIS),
             Joint("bc", "universal", ("b.i0", "c.i0"), AXIS, SECOND),
         ),
-        (Load("force", "a.i0", [1.0, 2.0, -1.0], Constant(60.0), follower=True),),
-        **{"gravity": [0, 0, -9.81], "step": 1e-2, "rho_inf": 0.8, "t_end": 1.0} | settings,
+        loads=(Load("force", "a.i0", [1.0, 2.0, -1.0], Constant(60.0), follower=True),),
+        **{"gravity": [0, 0, -9.81], "step": 1e-2, "rho_inf": 0.8} | settings,
     )
 
 
@@ -472,7 +481,7 @@ def newton_residuals(model):
     found = []
     for iterations in range(1, 12):
         try:
-            simulate(Model(**{**vars(model), "max_iterations": iterations}))
+            simulate(model.with_settings(max_iterations=iterations))
         except ConvergenceError as error:
             found.append(error.residual)
         else:

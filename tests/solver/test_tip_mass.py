@@ -18,6 +18,7 @@ from duhamel.solver import (
     Place,
     Pulse,
     RigidBody,
+    Settings,
     Start,
     simulate,
 )
@@ -54,7 +55,9 @@ def tip_path(element, lumped, size):
         Load("force", "hub", [0, 0, 2.5 * size], Pulse(1.0, 0.0, 0.1)),
         Load("force", tip, [size, -size, size], Impulse(0.02, 0.15)),
     )
-    results = simulate(Model(bodies, tuple(joints), loads, t_end=0.25, step=2e-4, rho_inf=0.7))
+    results = simulate(
+        Model(bodies, tuple(joints), loads, settings=Settings(t_end=0.25, step=2e-4, rho_inf=0.7))
+    )
     position = results.frame(tip).position
     return position - position[0]
 

@@ -55,8 +55,10 @@ class RotatingBeam:
     """Histories of the motion at n times, starting from rest with the beam along the x axis.
 
     time (n,) [s], hub_angle (n,) [rad], hub_speed (n,) [rad/s]
-    tip (n, 2) [m]      tip displacement in the hub frame, R_hub^T (r_tip - r_clamp) - (L, 0): eq. (96) put right
-    clamp (n, 3)        what the clamp leaves open: gap in the hub frame (2) [m] and angle of the root slope [rad]
+    tip (n, 2) [m]      tip displacement in the hub frame, R_hub^T (r_tip - r_clamp) - (L, 0),
+                        eq. (96) put right
+    clamp (n, 3)        what the clamp leaves open: gap in the hub frame (2) [m] and angle of the
+                        root slope [rad]
     """
 
     time: Array
@@ -146,7 +148,7 @@ def _assemble(phi: float, n_elements: int) -> _Model:
     container = exudyn.SystemContainer()
     system = container.AddSystem()
 
-    # The hub turns about its own centre: its mass plays no part.
+    # The hub turns about its own center: its mass plays no part.
     hub_node = system.AddNode(NodeRigidBody2D())
     hub = system.AddObject(ObjectRigidBody2D(mass=1.0, inertia=phi * I_T, nodeNumber=hub_node))
     ground = system.AddObject(ObjectGround())
@@ -201,7 +203,7 @@ def _assemble(phi: float, n_elements: int) -> _Model:
 
 
 def settings() -> Any:
-    """How Exudyn integrates and stops; time span and number of steps are left to the caller."""
+    """Exudyn's integration and Newton's method; the caller gives time span and number of steps."""
     settings = exudyn.SimulationSettings()
     settings.solution.file.write = False
     settings.solution.sensors.writePeriod = 0.0  # every step

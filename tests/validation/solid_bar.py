@@ -24,7 +24,9 @@ def solid_superelement(
     impulse: dict[str, Any],
     root: str = "average",
 ) -> Superelement:
-    """A box along x with frames root and tip on its ends, of the kind that `root` says and average."""
+    """A box along x with frames root and tip on its ends, of the kind that `root` says and
+    average.
+    """
     mesh, path = box_mesh(kind, size, divisions), folder / f"{kind}-{divisions[0]}.msh"
     mesh = meshio.Mesh(
         mesh.points, mesh.cells, cell_data=mesh.cell_data, field_data=mesh.field_data
@@ -46,7 +48,8 @@ def clamped_modes(bar: Superelement) -> tuple[Array, Array]:
 
     The rigid and the elastic modes that add up to nothing at the root:
 
-        K eta = omega^2 eta,   K = diag(0, omega^2),   [U L^-T, phi] eta = 0 at the root,   L L^T = diag(m I, J_rot)
+        K eta = omega^2 eta,   K = diag(0, omega^2),   [U L^-T, phi] eta = 0 at the root,
+        L L^T = diag(m I, J_rot)
     """
     L = cholesky(block_diag(bar.mass * np.eye(3), bar.J_rot), lower=True)
     motion = []

@@ -16,7 +16,7 @@ it is linear. Tolerance 5 %; ten superelements are nearer to the reference.
 
 import numpy as np
 import pytest
-from duhamel.solver import Constant, FlexibleBody, Joint, Load, Model, Start, simulate
+from duhamel.solver import Constant, FlexibleBody, Joint, Load, Model, Settings, Start, simulate
 
 from .straight_beam import beam_superelement
 
@@ -70,9 +70,7 @@ def bend(folder, n):
             *(Joint(f"j{i}", "fixed", (f"b{i}.tip", f"b{i + 1}.root")) for i in range(n - 1)),
         ),
         loads=(Load("force", f"b{n - 1}.tip", [0, 0, FORCE], Constant(1.0)),),
-        start="equilibrium",
-        t_end=0.05,
-        step=1e-3,
+        settings=Settings(start="equilibrium", t_end=0.05, step=1e-3),
     )
 
 
@@ -82,7 +80,8 @@ def displacement(folder, n):
     tip = results.frame(f"b{n - 1}.tip").position
     moved = tip[0] - arc(ANGLE, 1)[-1]
     print(
-        f"{n} superelements: tip moved by {moved} in, reference {REFERENCE}, {results.solver['seconds']:.2f} s"
+        f"{n} superelements: tip moved by {moved} in, reference {REFERENCE}, "
+        f"{results.solver['seconds']:.2f} s"
     )
     return moved, np.abs(tip - tip[0]).max()
 

@@ -33,6 +33,7 @@ from duhamel.solver import (
     Load,
     Model,
     PrescribedDisplacement,
+    Settings,
     Start,
     simulate,
 )
@@ -89,7 +90,7 @@ def supported(beam, loads, **settings):
             PrescribedDisplacement("up", last, [0, 0, 1], Constant(0.0)),
         ),
         loads=loads,
-        **settings,
+        settings=Settings(**settings),
     )
 
 
@@ -149,10 +150,12 @@ def test_the_response_to_a_sudden_load_is_that_of_5t(tmp_path):
     # Between the nodes the moment runs straight, below the parabola by q dx^2 / 12 in the mean.
     lumped = closed - FORCE * (L / ELEMENTS) ** 2 * L**2 / (96 * E * I_A)
     print(
-        f"peak {1e3 * peak:.4f} mm at {peak_time:.5f} s, reference {1e3 * PEAK:.3f} mm at {PEAK_TIME} s"
+        f"peak {1e3 * peak:.4f} mm at {peak_time:.5f} s, reference {1e3 * PEAK:.3f} mm at "
+        f"{PEAK_TIME} s"
     )
     print(
-        f"static {1e3 * static:.5f} mm, reference {1e3 * STATIC:.3f} mm, closed form {1e3 * closed:.5f} mm, "
+        f"static {1e3 * static:.5f} mm, reference {1e3 * STATIC:.3f} mm, closed form "
+        f"{1e3 * closed:.5f} mm, "
         f"with forces on nodes {1e3 * lumped:.5f} mm"
     )
     print(f"{results.iterations.mean():.2f} iterations per step, {results.solver['seconds']:.2f} s")

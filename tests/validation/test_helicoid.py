@@ -35,6 +35,7 @@ from duhamel.solver import (
     Place,
     Pulse,
     RigidBody,
+    Settings,
     Start,
     simulate,
 )
@@ -74,7 +75,7 @@ def beams(tmp_path_factory):
 
 
 def ball_on(tip):
-    """What Case 5 adds: a body, the joint that holds it to the tip, and the blow."""
+    """The parts that Case 5 adds: a body, the joint that holds it to the tip, and the blow."""
     ball = RigidBody(
         TIP_MASS, TIP_INERTIA * np.ones(3), {"center": Frame([0, 0, 0])}, Start([a + L, 0, 0])
     )
@@ -113,9 +114,7 @@ def motion(part, n, force, pulse, gravity, ball=False):
             *more_loads,
         ),
         gravity=[0, 0, -gravity],
-        t_end=T_END,
-        step=STEP,
-        rho_inf=0.9,
+        settings=Settings(t_end=T_END, step=STEP, rho_inf=0.9),
     )
     results = simulate(model)
     axis = results.joint("axis").coordinates
@@ -152,7 +151,8 @@ def test_the_helicoid_is_that_of_geometrically_exact_beams(beams, case):
     name, loads, reference = case
     peaks = np.abs(reference["deflection"]).max(axis=0)[1:]
     print(
-        f"{name}: height {reference['height'][-1]:.4f} m and angle {reference['angle'][-1]:.4f} rad after {T_END} s,"
+        f"{name}: height {reference['height'][-1]:.4f} m and angle "
+        f"{reference['angle'][-1]:.4f} rad after {T_END} s,"
     )
     print(f"peaks of the deflection along y and z {1e3 * peaks} mm; differences relative to these:")
     drifts = []
@@ -163,8 +163,10 @@ def test_the_helicoid_is_that_of_geometrically_exact_beams(beams, case):
         drift = np.abs(deflection - reference["deflection"]).max(axis=0)[1:] / peaks
         peak = np.abs(deflection).max(axis=0)[1:] / peaks - 1.0
         print(
-            f"{n} superelement(s): height {rise:.1e}, angle {turn:.1e}, peaks {peak}, over time {drift}; "
-            f"{results.iterations.mean():.2f} iterations per step, {results.solver['seconds']:.2f} s"
+            f"{n} superelement(s): height {rise:.1e}, angle {turn:.1e}, peaks {peak}, over "
+            f"time {drift}; "
+            f"{results.iterations.mean():.2f} iterations per step, "
+            f"{results.solver['seconds']:.2f} s"
         )
         assert rise < 3e-3
         assert turn < 1e-3
@@ -190,7 +192,8 @@ def test_the_blow_of_case_5_is_that_on_geometrically_exact_beams(beams):
         )
         drift = np.array([apart[shown].max(axis=0) / sizes[shown].max(axis=0) for shown in periods])
         print(
-            f"case 5, {n} superelement(s): until the blow {drift[0]}, 20 ms after {drift[1]}, until 0.4 s {drift[2]}"
+            f"case 5, {n} superelement(s): until the blow {drift[0]}, 20 ms after {drift[1]}, "
+            f"until 0.4 s {drift[2]}"
         )
         drifts.append(drift)
     found = np.array(drifts)

@@ -24,7 +24,17 @@ import pytest
 
 pytest.importorskip("exudyn")
 
-from duhamel.solver import FlexibleBody, Frame, Joint, Model, Place, RigidBody, Start, simulate
+from duhamel.solver import (
+    FlexibleBody,
+    Frame,
+    Joint,
+    Model,
+    Place,
+    RigidBody,
+    Settings,
+    Start,
+    simulate,
+)
 
 from .exudyn_beam import EA, EI, L, m
 from .exudyn_pendulum import pendulum
@@ -85,9 +95,7 @@ def motion(body, part, beams, parts):
         bodies={f"b{i}": body(part, place) for i, place in enumerate(places)},
         joints=joints,
         gravity=[0, -9.81, 0],
-        t_end=T_END,
-        step=STEP,
-        rho_inf=0.9,
+        settings=Settings(t_end=T_END, step=STEP, rho_inf=0.9),
     )
     results = simulate(model)
     tips = [results.frame(f"b{i}.tip").position[:, :2] for i in range(parts - 1, n, parts)]
@@ -101,7 +109,9 @@ def reference(request):
 
 
 def distances(tips, reference):
-    """Over the length of a beam: the largest of each tip (beams,), and the root mean square of all."""
+    """Over the length of a beam: the largest of each tip (beams,), and the root mean
+    square of all.
+    """
     apart = np.linalg.norm(tips - reference, axis=-1) / L
     return apart.max(axis=0), np.sqrt((apart**2).mean())
 
@@ -114,10 +124,12 @@ def test_the_tips_move_as_those_of_a_geometrically_exact_beam(parts, reference):
     (largest, mean), (stiff, _) = distances(tips, reference), distances(stiff_tips, reference)
     finer, finer_mean = distances(finer_tips, reference)
     print(
-        f"{beams} beam(s): distance of tips from the reference {largest} L; of rigid beams {stiff} L"
+        f"{beams} beam(s): distance of tips from the reference {largest} L; of rigid beams "
+        f"{stiff} L"
     )
     print(
-        f"with two superelements each {finer} L; root mean squares {mean:.1e} and {finer_mean:.1e} L"
+        f"with two superelements each {finer} L; root mean squares {mean:.1e} and "
+        f"{finer_mean:.1e} L"
     )
     print(f"{results.iterations.mean():.2f} iterations per step, {results.solver['seconds']:.2f} s")
     assert (largest < 5e-5).all()
@@ -142,7 +154,8 @@ def test_soft_pendulums_converge_with_the_number_of_superelements(
             _, stiff_mean = distances(motion(rigid, part, beams, 1)[1], reference)
         largest, mean = distances(motion(elastic, part, beams, n)[1], reference)
         print(
-            f"{beams} soft beam(s), {n} superelement(s) each: largest {largest} L, root mean square {mean:.1e} L"
+            f"{beams} soft beam(s), {n} superelement(s) each: largest {largest} L, root mean "
+            f"square {mean:.1e} L"
         )
         means.append(mean)
     assert (np.array(means[:-1]) > 3.5 * np.array(means[1:])).all()

@@ -31,6 +31,7 @@ from duhamel.solver import (
     Model,
     Place,
     RigidBody,
+    Settings,
     Start,
     Steps,
     simulate,
@@ -64,8 +65,7 @@ def motion(beam, phi, C_0, rule):
             Joint("clamp", "fixed", ("hub.rim", "beam.root")),
         ),
         loads=(Load("torque", "hub", [0, 0, C_0], Steps(TIMES, VALUES)),),
-        t_end=0.3,
-        rule=rule,
+        settings=Settings(t_end=0.3, rule=rule),
     )
     results = simulate(model)
     w, _, _, z = results.body("hub").R.T
@@ -98,7 +98,8 @@ def test_the_motion_is_that_of_a_geometrically_exact_beam(
     record_property("hub speed", speed_difference)
     record_property("tip deflection", tip_difference)
     print(
-        f"phi = {phi}, {rule}: hub speed {speed_difference:.2e}, tip deflection {tip_difference:.2e} of the peak"
+        f"phi = {phi}, {rule}: hub speed {speed_difference:.2e}, tip deflection "
+        f"{tip_difference:.2e} of the peak"
     )
     assert speed_difference < hub_speed[phi]
     assert tip_difference < tip[phi]

@@ -16,7 +16,7 @@ means are those of the closed form to 1e-3.
 
 import numpy as np
 import pytest
-from duhamel.solver import Constant, FlexibleBody, Load, Model, simulate
+from duhamel.solver import Constant, FlexibleBody, Load, Model, Settings, simulate
 
 from .solid_bar import solid_superelement
 
@@ -45,9 +45,7 @@ def motion(request, tmp_path_factory):
     model = Model(
         bodies={"rod": FlexibleBody(rod)},
         loads=(Load("force", "rod.root", [F, 0, 0], Constant(1.0)),),
-        t_end=2.0 * L / c,
-        step=STEP,
-        rho_inf=RHO_INF,
+        settings=Settings(t_end=2.0 * L / c, step=STEP, rho_inf=RHO_INF),
     )
     results = simulate(model)
     print(f"{kind}: {len(rod.modes.omega)} modes, error {rod.kernel.error:.1e}")
@@ -65,7 +63,8 @@ def test_the_ends_move_as_dalembert_says(motion, end, begin, until, reference):
     ripple, mean = np.abs(velocity[:, 0] - reference).max(), velocity[:, 0].mean()
     aside = np.abs(velocity[:, 1:3]).max()
     print(
-        f"{end}: mean velocity {mean:.6f} v, reference {reference:g} v, ripple {ripple:.1e} v, aside {aside:.1e} v"
+        f"{end}: mean velocity {mean:.6f} v, reference {reference:g} v, ripple {ripple:.1e} v, "
+        f"aside {aside:.1e} v"
     )
     assert abs(mean - reference) < MEAN
     assert ripple < RIPPLE

@@ -21,6 +21,7 @@ from duhamel.solver import (
     Model,
     Place,
     RigidBody,
+    Settings,
     Start,
     Steps,
     simulate,
@@ -79,9 +80,7 @@ def motion(blade):
                 "torque", "hub", [0, 0, 2.0], Steps((0.0, 0.05, 0.15, 0.2), (1.0, 0.0, -1.0, 0.0))
             ),
         ),
-        t_end=T_END,
-        step=6e-5,
-        rho_inf=0.9,
+        settings=Settings(t_end=T_END, step=6e-5, rho_inf=0.9),
     )
     results = simulate(model)
     angle = results.joint("pivot").coordinates["angle"]
@@ -99,7 +98,8 @@ def test_a_solid_blade_turns_as_one_of_beams(blades):
         for of_beam, of_solid in zip(found["beam"], found["solid"], strict=True)
     )
     print(
-        f"clamped: {frequency:.4f} Hz, solid less beam {shift:+.2e}; largest differences over the peaks:"
+        f"clamped: {frequency:.4f} Hz, solid less beam {shift:+.2e}; largest differences over "
+        "the peaks:"
     )
     print(
         f"angle of the hub {angle:.2e}, deflection of the tip {tip:.2e}; explained {explained:.2e}"

@@ -22,7 +22,7 @@ them, by no more than sum s_j 2 pi |f_j - f_j'| t_end and the static difference.
 
 import numpy as np
 import pytest
-from duhamel.solver import Constant, FlexibleBody, Joint, Load, Model, Start, simulate
+from duhamel.solver import Constant, FlexibleBody, Joint, Load, Model, Settings, Start, simulate
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
@@ -100,7 +100,8 @@ def test_frequencies_converge_with_the_mesh_and_to_each_other(bar, support):
         coarse, fine = -np.diff(frequencies, axis=0)
         order = np.log2(coarse / fine)
         print(
-            f"{support}, {kind}: {frequencies.tolist()} Hz, order {order}; off Timoshenko {frequencies / limit - 1}"
+            f"{support}, {kind}: {frequencies.tolist()} Hz, order {order}; off Timoshenko "
+            f"{frequencies / limit - 1}"
         )
         assert (order > ORDER[kind]).all()
     print(f"{support}: apart from each other {apart}")
@@ -123,7 +124,8 @@ def test_slender_bars_tend_to_the_beam(bar):
     free, clamped = np.array(off["free"]), np.array(off["clamped"])
     order = np.log2(clamped[:-1] / clamped[1:])
     print(
-        f"depth over length {DEPTH / lengths}: free {free.tolist()}, clamped {clamped.tolist()}, order {order.tolist()}"
+        f"depth over length {DEPTH / lengths}: free {free.tolist()}, clamped "
+        f"{clamped.tolist()}, order {order.tolist()}"
     )
     assert (np.abs(free) < 0.02 * (DEPTH / lengths[:, None]) ** 4).all()
     assert (order > 2.7).all()
@@ -146,9 +148,7 @@ def tip_response(part, length, t_end):
         bodies={"bar": FlexibleBody(part, Start(position=[0.5 * length, 0, 0]))},
         joints=(Joint("clamp", "fixed", ("ground", "bar.root")),),
         loads=(Load("force", "bar.tip", [0, 0, 1.0], Constant(1.0)),),
-        t_end=t_end,
-        step=STEP * length,
-        rho_inf=0.9,
+        settings=Settings(t_end=t_end, step=STEP * length, rho_inf=0.9),
     )
     results = simulate(model)
     return results.frame("bar.tip").position[:, 2]
@@ -186,7 +186,8 @@ def test_the_tip_follows_that_of_the_beam(bar, tmp_path):
             explained = drift + 2.0 * np.abs(solid_compliance - compliance).sum()
             off.append(np.abs(tip_response(part, length, t_end) - reference).max())
             print(
-                f"{kind}, {n} across: off by {off[-1] / static:.2e}, explained {explained / static:.2e} of the static"
+                f"{kind}, {n} across: off by {off[-1] / static:.2e}, explained "
+                f"{explained / static:.2e} of the static"
             )
             assert off[-1] < explained
         assert off[0] > 4.0 * off[1] > 16.0 * off[2]

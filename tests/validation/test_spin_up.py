@@ -17,7 +17,16 @@ to three digits; 16 bodies reach it to 1 %, and the order is measured.
 
 import numpy as np
 import pytest
-from duhamel.solver import FlexibleBody, Joint, Model, Place, SmoothFunction, Start, simulate
+from duhamel.solver import (
+    FlexibleBody,
+    Joint,
+    Model,
+    Place,
+    Settings,
+    SmoothFunction,
+    Start,
+    simulate,
+)
 
 from .straight_beam import along, beam_superelement
 
@@ -62,9 +71,7 @@ def chain(folder, n):
             Joint("drive", "revolute", ("ground", "b0.root"), axis=[0, 0, 1], angle=SPIN_UP),
             *(Joint(f"j{i}", "fixed", (f"b{i}.tip", f"b{i + 1}.root")) for i in range(n - 1)),
         ),
-        t_end=20.0,
-        step=1e-2,
-        rho_inf=0.9,
+        settings=Settings(t_end=20.0, step=1e-2, rho_inf=0.9),
     )
 
 
@@ -86,7 +93,8 @@ def found(tmp_path_factory):
         print(
             f"{n:2d} bodies: largest deflection {lag.min():.4f}, reference {REFERENCE}; "
             f"after 15 s within {np.abs(lag[results.time > 15.0]).max():.4f}; "
-            f"{results.iterations.mean():.2f} iterations and {1e6 * seconds / steps:.0f} us per step, {seconds:.2f} s"
+            f"{results.iterations.mean():.2f} iterations and {1e6 * seconds / steps:.0f} us "
+            f"per step, {seconds:.2f} s"
         )
         lags[n] = lag.min()
     return lags

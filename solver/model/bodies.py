@@ -1,0 +1,109 @@
+"""Bodies: rigid ones, superelements, their frames, and where they start."""
+
+from collections.abc import Mapping
+from dataclasses import field
+from functools import cached_property
+from typing import Annotated
+
+import numpy as np
+
+from ...superelement import Superelement
+from ..arrays import Array
+from .entry import Beside, Entry, entry
+from .values import ORIGIN, Inertia, Positive, Vector
+
+INERTIA_TOLERANCE = 1e-6
+"""relative; by how much the inertia of a plate, given in a few digits, may exceed that of its two
+directions
+"""
+
+
+@entry()
+class Frame(Entry):
+    """A point and three axes fixed in a body: position (3,) [m] and rotation vector (3,) [rad] in
+    body axes.
+    """
+
+    position: Vector = ORIGIN
+    rotation: Vector = ORIGIN
+
+
+@entry(eq=True)
+class Place(Entry):
+    """Put a body so that its `frame` coincides, axes included, with the frame `on` ("BODY.FRAME")
+    of another.
+    """
+
+    frame: str
+    on: str
+
+
+@entry()
+class Start(Entry):
+    """Position, orientation and velocities of a body at the start.
+
+    Either `position` (3,) of the center of mass [m] and `rotation` vector (3,) [rad] in space, or
+    `place`. velocity (3,) of the center of mass in space [m/s]; angular_velocity (3,) in body axes
+    [rad/s].
+    """
+
+    position: Vector = ORIGIN
+    rotation: Vector = ORIGIN
+    place: Place | None = None
+    velocity: Vector = ORIGIN
+    angular_velocity: Vector = ORIGIN
+
+    def validate(self) -> None:
+        if self.place is not None and (self.position.any() or self.rotation.any()):
+            raise self.error("a body starts by `place` or by `position` and `rotation`, got both")
+
+
+@entry()
+class RigidBody(Entry):
+    """mass [kg]; inertia about the center of mass in body axes, (3,) principal or (3, 3) [kg m^2];
+    named frames.
+
+    No principal inertia exceeds the sum of the other two: there is no distribution of mass that has
+    it.
+    """
+
+    mass: Positive
+    inertia: Inertia
+    frames: Mapping[str, Frame] = field(default_factory=dict)
+    start: Annotated[Start, Beside()] = field(default_factory=Start)
+
+    def validate(self) -> None:
+        principal = np.linalg.eigvalsh(self.inertia).tolist()
+        if not principal[0] > 0.0:
+            raise self.error(f"inertia: expected positive principal values, got {principal}")
+        if principal[2] > (1.0 + INERTIA_TOLERANCE) * (principal[0] + principal[1]):
+            raise self.error(
+                "inertia: expected principal values of which none exceeds the sum of the other "
+                f"two, got {principal}"
+            )
+
+
+@entry()
+class FlexibleBody(Entry):
+    """A superelement that moves; its frames are its interfaces. `source` is the path of its file,
+    if it has one.
+    """
+
+    superelement: Superelement
+    start: Annotated[Start, Beside()] = field(default_factory=Start)
+    source: str = ""
+
+    @property
+    def mass(self) -> float:
+        return self.superelement.mass
+
+    @property
+    def inertia(self) -> Array:
+        return self.superelement.J_rot
+
+    @cached_property
+    def frames(self) -> Mapping[str, Frame]:
+        return {interface.name: Frame(interface.X) for interface in self.superelement.interfaces}
+
+
+Body = RigidBody | FlexibleBody

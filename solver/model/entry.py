@@ -1,0 +1,159 @@
+"""The fields of a model's classes, declared once for Python and for model files.
+
+What users write down is an `Entry`: a frozen dataclass whose annotations say what its fields take.
+Making one converts and checks them; tables.py reads and writes model files by the same annotations.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from types import NoneType
+from typing import (
+    Annotated,
+    Any,
+    ClassVar,
+    Literal,
+    TypeVar,
+    dataclass_transform,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
+
+from ..errors import ModelError, plain
+
+
+@dataclass(frozen=True)
+class Takes:
+    """An annotation: what a field takes, `what` in messages.
+
+    store: from what users give to what is kept; ValueError or TypeError for anything else. in_file:
+    the type of the value in a model file; to_file: from what is kept to that value; found: a value
+    as messages quote it.
+    """
+
+    what: str | Callable[[], str]
+    store: Callable[[Any], Any]
+    in_file: Any
+    to_file: Callable[[Any], Any] | None = None
+    found: Callable[[Any], str] = lambda value: repr(plain(value))
+
+    def refusal(self, value: Any) -> str:
+        what = self.what if isinstance(self.what, str) else self.what()
+        return f"expected {what}, got {self.found(value)}"
+
+
+@dataclass(frozen=True)
+class Key:
+    """An annotation: the key of a field in model files, where it is not the field's name."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class Beside:
+    """An annotation: in model files the keys of this entry stand beside those of its owner."""
+
+
+AnyEntry = TypeVar("AnyEntry", bound="Entry")
+
+
+@dataclass_transform(frozen_default=True, eq_default=False, field_specifiers=(field,))
+def entry(*, eq: bool = False, kw_only: bool = False) -> Callable[[type[AnyEntry]], type[AnyEntry]]:
+    """Make a class of an `Entry` a frozen dataclass, which arrays in it forbid to compare.
+
+    To a type checker it is no dataclass but one like it, whose fields may be descriptors. Its
+    signature, as help() shows it, has types alone.
+    """
+
+    def make(kind: type[AnyEntry]) -> type[AnyEntry]:
+        made = dataclass(frozen=True, eq=eq, kw_only=kw_only)(kind)
+        types, signature = get_type_hints(made), vars(made)["__init__"].__annotations__
+        signature |= {name: types[name] for name in signature if name in types}
+        return made
+
+    return make
+
+
+class Entry:
+    """A frozen dataclass that converts and checks its fields when it is made."""
+
+    __dataclass_fields__: ClassVar[dict[str, Any]]
+
+    label: ClassVar[str] = ""
+    """how messages name an entry, by its fields: "joint {name!r}" """
+
+    @property
+    def owner(self) -> str:
+        return self.label.format_map(vars(self))
+
+    def __post_init__(self) -> None:
+        kind: Any = type(self)
+        for name, takes, optional in _checked(kind):
+            value = getattr(self, name)
+            if value is None and optional:
+                continue
+            try:
+                object.__setattr__(self, name, takes.store(value))
+            except (ValueError, TypeError) as error:
+                raise self.error(f"{name}: {takes.refusal(value)}") from error
+        self.validate()
+
+    def validate(self) -> None:
+        """ModelError for fields that contradict one another."""
+
+    def error(self, message: str) -> ModelError:
+        return ModelError(f"{self.owner}: {message}" if self.label else message)
+
+
+@cache
+def annotations(kind: type) -> Mapping[str, Any]:
+    """The annotation of each field of an entry."""
+    return {
+        name: hint
+        for name, hint in get_type_hints(kind, include_extras=True).items()
+        if get_origin(hint) is not ClassVar
+    }
+
+
+def note(hint: Any, kind: type) -> Any:
+    """The note of a kind (`Takes`, `Key`, `Beside`) in an annotation, that of an optional field
+    included; None without one.
+    """
+    if get_origin(hint) is Annotated:
+        inner, *notes = get_args(hint)
+        return next((note for note in notes if isinstance(note, kind)), None) or note(inner, kind)
+    if get_origin(hint) is Literal and kind is Takes:
+        return one_of(dict.fromkeys(get_args(hint)))
+    if NoneType in get_args(hint):
+        return next((found for part in get_args(hint) if (found := note(part, kind))), None)
+    return None
+
+
+def is_optional(hint: Any) -> bool:
+    inner = get_args(hint)[0] if get_origin(hint) is Annotated else hint
+    return NoneType in get_args(inner)
+
+
+def one_of(names: Mapping[str, Any]) -> Takes:
+    """One of the names, which may become more."""
+
+    def what() -> str:
+        *others, last = map(repr, names)
+        return f"{', '.join(others)} or {last}" if others else last
+
+    def store(name: Any) -> Any:
+        if name not in names:
+            raise ValueError
+        return name
+
+    return Takes(what, store, str)
+
+
+@cache
+def _checked(kind: type) -> tuple[tuple[str, Takes, bool], ...]:
+    return tuple(
+        (name, takes, is_optional(hint))
+        for name, hint in annotations(kind).items()
+        if (takes := note(hint, Takes)) is not None
+    )

@@ -1,0 +1,60 @@
+"""Settings of a simulation: how the motion of a mechanism is integrated, and what is recorded."""
+
+from dataclasses import field
+from typing import Annotated, Literal
+
+from .entry import Entry, Key, entry
+from .output_request import OutputRequest
+from .values import ORIGIN, Count, Fraction, PositiveTime, Tolerance, Vector
+
+
+@entry()
+class SteadyRotation(Entry):
+    """All bodies turn as one: angular_velocity (3,) [rad/s] in space, about the point `center` (3,)
+    [m].
+    """
+
+    label = "steady_rotation"
+
+    angular_velocity: Vector
+    center: Vector = ORIGIN
+
+
+@entry(kw_only=True)
+class Settings(Entry):
+    """From t = 0 to t_end [s], in steps of the same length.
+
+    step [s], rho_inf: by default those of the superelements. rule: of convolution, "consistent" or
+    "paper" (eq. 55). history: "auto" (the cheapest), "recursive", "direct" or "fft", which give the
+    same motion. kernel_length [s]: impulse responses are faded out and end there (those that modes
+    carry do not). tolerance: of Newton's method, relative to the forces and displacements of a
+    step. fixed_iterations: the most that Newton's method makes in a step before it goes on as it
+    is, for steps of bounded cost; by default it converges within max_iterations or fails.
+
+    start: "given", as the bodies say, or "equilibrium", at rest, or in a `steady_rotation`, under
+    gravity and the loads at t = 0, elastic displacements included; places and joint coordinates are
+    then where the search begins, and velocities are refused. A steady rotation goes on as it starts
+    if gravity and loads that do not follow act along its axis. assemble: close joints however far
+    they are open at the start (otherwise by no more than a thousandth of the size of the model).
+    redundant: constraints that depend on one another are an "error", or the solver may "remove"
+    them. output: what is recorded.
+    """
+
+    t_end: PositiveTime
+    step: PositiveTime | None = None
+    rho_inf: Fraction | None = None
+    rule: Literal["consistent", "paper"] = "consistent"
+    history: Literal["auto", "recursive", "direct", "fft"] = "auto"
+    kernel_length: Annotated[PositiveTime | None, Key("memory")] = None
+    tolerance: Tolerance = 1e-10
+    max_iterations: Count = 20
+    fixed_iterations: Annotated[Count | None, Key("corrections")] = None
+    start: Literal["given", "equilibrium"] = "given"
+    steady_rotation: SteadyRotation | None = None
+    assemble: bool = False
+    redundant: Literal["error", "remove"] = "error"
+    output: OutputRequest = field(default_factory=OutputRequest)
+
+    def validate(self) -> None:
+        if self.steady_rotation is not None and self.start != "equilibrium":
+            raise self.error("steady_rotation: needs start = 'equilibrium'")

@@ -1,0 +1,208 @@
+"""Entries as tables of a model file, by what their fields take."""
+
+import difflib
+from collections.abc import Mapping
+from dataclasses import MISSING, Field, fields
+from functools import cache
+from types import NoneType, UnionType
+from typing import Annotated, Any, ClassVar, TypeVar, Union, get_args, get_origin
+
+import numpy as np
+from pydantic import create_model
+
+from ...inputs import Table, read_part
+from ..errors import ModelError
+from .entry import Beside, Entry, Key, Takes, annotations, note
+from .signals import FORMS, Constant, Form, Signal, SmoothSignal
+
+AnyEntry = TypeVar("AnyEntry", bound=Entry)
+SIGNALS = (Signal, SmoothSignal)
+
+
+class EntryTable(Table):
+    """The table of an entry; its fields bear the names of the keys."""
+
+    entry: ClassVar[type[Entry]]
+
+
+@cache
+def table_of(kind: type[Entry]) -> type[EntryTable]:
+    """The table in which a model file gives an entry."""
+    table = create_model(kind.__name__, __base__=EntryTable, **keys_of(kind))
+    table.entry = kind
+    return table
+
+
+def keys_of(kind: type[Entry]) -> dict[str, Any]:
+    """The keys of an entry, each with its type and, if it may be left out, a default that nobody
+    reads: what a file leaves out is left to the entry.
+    """
+    keys: dict[str, Any] = {}
+    for field, hint in _declared(kind):
+        if note(hint, Beside):
+            keys |= keys_of(_bare(hint))
+        else:
+            keys[key_of(field, hint)] = (type_in_file(hint), ... if _is_required(field) else None)
+    return keys
+
+
+def key_of(field: "Field[Any]", hint: Any) -> str:
+    key = note(hint, Key)
+    return field.name if key is None else str(key.name)
+
+
+def made(kind: type[AnyEntry], given: Mapping[str, Any]) -> AnyEntry:
+    """An entry from the values of a file, by key; ModelError names the entry."""
+    values: dict[str, Any] = {}
+    for field, hint in _declared(kind):
+        if note(hint, Beside):
+            values[field.name] = made(_bare(hint), given)
+        elif (key := key_of(field, hint)) in given:
+            read = read_signal if _is_signal(hint) else value_of
+            try:
+                values[field.name] = read(given[key])
+            except ValueError as error:
+                owner = kind.label.format_map(values)
+                raise ModelError(f"{owner}: {field.name}: {error}") from error
+    return kind(**values)
+
+
+def value_of(value: Any) -> Any:
+    """A value of a validated table, with entries for the tables in it."""
+    if isinstance(value, EntryTable):
+        return made(value.entry, given_by(value))
+    if isinstance(value, Mapping):
+        return {key: value_of(part) for key, part in value.items()}
+    return tuple(map(value_of, value)) if isinstance(value, tuple) else value
+
+
+def given_by(table: Table) -> dict[str, Any]:
+    """The keys that a file has, with their values."""
+    given = table.model_fields_set
+    return {key: getattr(table, key) for key in type(table).model_fields if key in given}
+
+
+def table_in_file(entry: Entry) -> dict[str, Any]:
+    """The table of an entry in a file, without keys that have their defaults."""
+    table: dict[str, Any] = {}
+    for field, hint in _declared(type(entry)):
+        value = in_file(entry, field.name, getattr(entry, field.name), hint)
+        if note(hint, Beside):
+            table |= value
+        elif value != _default_in_file(entry, field, hint):
+            table[key_of(field, hint)] = value
+    return table
+
+
+def in_file(owner: Entry, name: str, value: Any, hint: Any) -> Any:
+    """The value of a field as a file gives it."""
+    if value is None:
+        return None
+    if _is_signal(hint):
+        table = signal_in_file(value)
+        if table is None:
+            raise owner.error(f"{name}: a {type(value).__name__} cannot be written to a file")
+        return table
+    takes = note(hint, Takes)
+    if takes is not None and takes.to_file is not None:
+        return takes.to_file(value)
+    if isinstance(value, Entry):
+        return table_in_file(value)
+    if isinstance(value, Mapping):
+        return {key: in_file(owner, name, part, None) for key, part in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    return list(value) if isinstance(value, tuple) else value
+
+
+def read_signal(value: Any) -> Any:
+    """A signal as a file gives it: a number, or a table of which one key tells the kind."""
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return Constant(float(value))
+    keys = list(value) if isinstance(value, Mapping) else []
+    if known := [tuple(forms) for key, forms in FORMS.items() if key in keys]:
+        fit = [forms for forms in known if set(keys) <= set(_signal_table(forms).model_fields)]
+        return _made_signal((fit or known)[0], value)
+    nearest = [near for key in keys for near in difflib.get_close_matches(key, FORMS, n=1)]
+    meant = f"; did you mean {nearest[0]!r}?" if nearest else ""
+    raise ValueError(
+        f"expected a number or a table with one of the keys {', '.join(FORMS)}, "
+        f"found {value!r}{meant}"
+    )
+
+
+def _made_signal(forms: tuple[Form, ...], value: Any) -> Any:
+    given = given_by(read_part(value, _signal_table(forms)))
+    flags = [form.flag for form in forms if given.pop(form.flag, False)]
+    if len(flags) > 1:
+        raise ValueError(f"expected {' or '.join(flags)}, found both")
+    wanted = flags[0] if flags else ""
+    return made(next(form.kind for form in forms if form.flag == wanted), given)
+
+
+@cache
+def _signal_table(forms: tuple[Form, ...]) -> type[Table]:
+    keys: dict[str, Any] = {}
+    for form in forms:
+        keys |= keys_of(form.kind)
+        if form.flag:
+            keys[form.flag] = (bool, False)
+    return create_model("Signal", __base__=Table, **keys)
+
+
+def signal_in_file(signal: Any) -> Any:
+    """A signal as a file gives it; None if files have none of its kind."""
+    if isinstance(signal, Constant):
+        return float(signal.value)
+    for form in (form for forms in FORMS.values() for form in forms):
+        if type(signal) is form.kind:
+            return table_in_file(signal) | ({form.flag: True} if form.flag else {})
+    return None
+
+
+def type_in_file(hint: Any) -> Any:
+    """The type of a value in a file, for a field with this annotation."""
+    origin, parts = get_origin(hint), get_args(hint)
+    if _is_signal(hint):
+        return Any
+    if origin is Annotated:
+        takes = next((found for found in parts[1:] if isinstance(found, Takes)), None)
+        return takes.in_file if takes is not None else type_in_file(parts[0])
+    if origin in (Union, UnionType):
+        return Union[tuple(map(type_in_file, parts))]  # noqa: UP007 - of a tuple of types
+    if origin is Mapping:
+        return dict[str, type_in_file(parts[1])]  # type: ignore[misc]
+    if isinstance(hint, type) and issubclass(hint, Entry):
+        kind: Any = hint
+        return table_of(kind)
+    return hint
+
+
+def _declared(kind: Any) -> list[tuple["Field[Any]", Any]]:
+    hints = annotations(kind)
+    return [(field, hints[field.name]) for field in fields(kind) if field.init]
+
+
+def _is_required(field: "Field[Any]") -> bool:
+    return field.default is MISSING and field.default_factory is MISSING
+
+
+def _default_in_file(owner: Entry, field: "Field[Any]", hint: Any) -> Any:
+    if field.default_factory is not MISSING:
+        return in_file(owner, field.name, field.default_factory(), hint)
+    if field.default is MISSING:
+        return MISSING
+    takes = note(hint, Takes)
+    stored = field.default
+    if takes is not None and stored is not None:
+        stored = takes.store(stored)
+    return in_file(owner, field.name, stored, hint)
+
+
+def _bare(hint: Any) -> Any:
+    return get_args(hint)[0] if get_origin(hint) is Annotated else hint
+
+
+def _is_signal(hint: Any) -> bool:
+    hint = _bare(hint)
+    return hint in SIGNALS or any(map(_is_signal, set(get_args(hint)) - {NoneType}))

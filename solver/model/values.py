@@ -1,0 +1,183 @@
+"""The kinds of values that the fields of a model take.
+
+To a type checker, kinds of arrays are descriptors: arguments may be lists and tuples, attributes
+are arrays.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from math import inf, isfinite
+from typing import TYPE_CHECKING, Annotated, Any, Generic, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+from pydantic import AfterValidator
+
+from ... import inputs
+from ...inputs import expected
+from ..arrays import Array
+from .entry import Takes
+
+ORIGIN: Any = (0.0, 0.0, 0.0)
+"""the default of a `Vector`"""
+NONE: Any = ()
+"""the default of `Several`"""
+ABSENT: Any = None
+"""the default of an optional array"""
+ROUNDING = 1e-15
+"""by how much the length of a unit vector may differ from 1"""
+Item = TypeVar("Item")
+
+
+def number(what: str, kind: type, allowed: Callable[[Any], bool]) -> Takes:
+    """A number within limits."""
+
+    def store(value: Any) -> Any:
+        stored = kind(value)
+        if stored != value or not allowed(stored):
+            raise ValueError
+        return stored
+
+    return Takes(what, store, Annotated[kind, AfterValidator(store), expected(what)])
+
+
+Positive = Annotated[float, number("a positive number", float, lambda x: 0.0 < x < inf)]
+PositiveTime = Annotated[float, number("a positive time", float, lambda t: 0.0 < t < inf)]
+Fraction = Annotated[float, number("a number from 0 to 1", float, lambda x: 0.0 <= x <= 1.0)]
+Tolerance = Annotated[float, number("a number between 0 and 1", float, lambda x: 0.0 < x < 1.0)]
+Count = Annotated[int, number("1 or more", int, lambda n: n >= 1)]
+
+
+def vector(value: Any) -> Array:
+    array = np.array(value, dtype=np.float64)
+    if array.shape != (3,) or not all(map(isfinite, array.tolist())):
+        raise ValueError
+    return array
+
+
+def direction(value: Any) -> Array:
+    """The unit vector along a vector; one that has unit length to rounding stays as it is."""
+    array = vector(value)
+    length = float(np.sqrt(array @ array))
+    if length == 0.0:
+        raise ValueError
+    return array if abs(length - 1.0) <= ROUNDING else array / length
+
+
+def array(value: Any) -> Array:
+    return np.atleast_1d(np.array(value, dtype=np.float64))
+
+
+def numbers(value: Any) -> tuple[float, ...]:
+    return tuple(map(float, value))
+
+
+def some_numbers(value: Any) -> tuple[float, ...]:
+    if len(stored := numbers(value)) == 0:
+        raise ValueError
+    return stored
+
+
+def pair(value: Any) -> tuple[str, str]:
+    first, second = value
+    return first, second
+
+
+def inertia(value: Any) -> Array:
+    given = np.array(value, dtype=np.float64)
+    matrix = np.diag(given) if given.shape == (3,) else given
+    if matrix.shape != (3, 3) or (np.abs(matrix - matrix.T) > 1e-9 * np.abs(matrix)).any():
+        raise ValueError
+    return matrix
+
+
+def shortest(matrix: Array) -> Any:
+    """A matrix as a file gives it: a number, a diagonal, or rows."""
+    matrix = np.diag(matrix) if matrix.ndim == 1 else matrix
+    diagonal = np.diag(matrix)
+    if (matrix != np.diag(diagonal)).any():
+        return matrix.tolist()
+    return diagonal.tolist() if diagonal.any() and len(diagonal) > 1 else float(diagonal[0])
+
+
+_Coefficients = Annotated[
+    float | tuple[float, ...] | tuple[tuple[float, ...], ...],
+    expected("a number, six numbers or a 6x6 matrix"),
+]
+_Inertia = Annotated[
+    inputs.Vector | tuple[inputs.Vector, inputs.Vector, inputs.Vector],
+    expected("three numbers or a 3x3 matrix"),
+]
+
+Words = Annotated[tuple[str, ...], Takes("names", tuple, tuple[str, ...])]
+Pair = Annotated[
+    tuple[str, str],
+    Takes("two frames", pair, Annotated[tuple[str, str], expected("the names of two frames")]),
+]
+
+if TYPE_CHECKING:
+
+    class Vector:
+        """Three numbers; an array (3,)."""
+
+        def __get__(self, owner: Any, kind: Any = None) -> Array: ...
+        def __set__(self, owner: Any, value: ArrayLike) -> None: ...
+
+    class OptionalDirection:
+        """Three numbers that are not all zero; a unit vector (3,)."""
+
+        def __get__(self, owner: Any, kind: Any = None) -> Array | None: ...
+        def __set__(self, owner: Any, value: ArrayLike | None) -> None: ...
+
+    class OptionalArray:
+        """Numbers; an array (n,)."""
+
+        def __get__(self, owner: Any, kind: Any = None) -> Array | None: ...
+        def __set__(self, owner: Any, value: ArrayLike | None) -> None: ...
+
+    class Numbers:
+        """A sequence of numbers; a tuple."""
+
+        def __get__(self, owner: Any, kind: Any = None) -> tuple[float, ...]: ...
+        def __set__(self, owner: Any, value: Sequence[float] | Array) -> None: ...
+
+    class Several(Generic[Item]):
+        """Any number of items; a tuple."""
+
+        def __get__(self, owner: Any, kind: Any = None) -> tuple[Item, ...]: ...
+        def __set__(self, owner: Any, value: Iterable[Item]) -> None: ...
+
+    Direction = Vector
+    Inertia = Vector
+    Coefficients = Vector
+    SomeNumbers = Numbers
+else:
+
+    class Several:
+        def __class_getitem__(cls, item: Any) -> Any:
+            return Annotated[tuple, Takes("a sequence", tuple, tuple)]
+
+    Vector = Annotated[np.ndarray, Takes("three numbers", vector, inputs.Vector)]
+    Direction = Annotated[
+        np.ndarray, Takes("three numbers that are not all zero", direction, inputs.Vector)
+    ]
+    OptionalDirection = Direction | None
+    OptionalArray = Annotated[np.ndarray, Takes("numbers", array, float | tuple[float, ...])] | None
+    Numbers = Annotated[tuple[float, ...], Takes("numbers", numbers, tuple[float, ...])]
+    SomeNumbers = Annotated[
+        tuple[float, ...],
+        Takes(
+            "one or more numbers",
+            some_numbers,
+            Annotated[tuple[float, ...], AfterValidator(some_numbers)],
+        ),
+    ]
+    Inertia = Annotated[
+        np.ndarray,
+        Takes(
+            "three principal values or a symmetric 3x3 matrix",
+            inertia,
+            _Inertia,
+            shortest,
+        ),
+    ]
+    Coefficients = Annotated[np.ndarray, Takes("numbers", array, _Coefficients, shortest)]

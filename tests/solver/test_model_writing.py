@@ -1,0 +1,256 @@
+"""Models written to files and read back."""
+
+import os
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from duhamel.solver import (
+    Constant,
+    FlexibleBody,
+    Frame,
+    Function,
+    Harmonic,
+    Impulse,
+    Input,
+    Joint,
+    Law,
+    Load,
+    Model,
+    ModelError,
+    OutputRequest,
+    Place,
+    Polynomial,
+    PrescribedDisplacement,
+    PrescribedRotation,
+    Pulse,
+    RigidBody,
+    Settings,
+    SmoothFunction,
+    Spline,
+    Spring,
+    Start,
+    SteadyRotation,
+    Steps,
+    Table,
+    read_model,
+    write_model,
+)
+from duhamel.solver.model.joints import JOINT_TYPES
+from duhamel.solver.model.loads import LOAD_TYPES
+from duhamel.solver.model.motions import PrescribedMotion
+from duhamel.solver.model.signals import FORMS
+from duhamel.solver.model.springs import SPRING_TYPES
+from duhamel.superelement import Interface, Superelement, write
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+MODELS = [path for path in sorted(EXAMPLES.glob("*.toml")) if "[bodies" in path.read_text()]
+POINTS = (0.0, 0.1, 0.3), (0.0, 1.0 / 3.0, -np.pi)
+SIGNALS = (
+    Constant(0.1),
+    Steps(*POINTS),
+    Table(*POINTS),
+    Spline(*POINTS),
+    Harmonic(1.0 / 3.0, 7.0, 0.1, -0.2),
+    Polynomial((0.1, 2.0 / 7.0)),
+    Impulse(1e-3, 0.02),
+    Pulse(5.0, 0.1, 0.2),
+    Input("motor", 0.5),
+)
+
+
+def content(value):
+    """The numbers, words and signals in a model, without where its text and files are."""
+    if isinstance(value, Superelement):
+        return value.name, value.mass, value.J_rot.tolist()
+    if is_dataclass(value):
+        found = {field.name: getattr(value, field.name) for field in fields(value) if field.init}
+        if isinstance(value, FlexibleBody):
+            found["source"] = os.path.realpath(value.source)
+        if isinstance(value, Model):
+            del found["source"], found["path"]
+        return type(value).__name__, content(found)
+    if isinstance(value, Mapping):
+        return {key: content(part) for key, part in value.items()}
+    if isinstance(value, tuple | list):
+        return [content(part) for part in value]
+    return value.tolist() if isinstance(value, np.ndarray) else value
+
+
+def frames_used(document, body):
+    """The frames of a body that a model file names."""
+    named = re.findall(rf"'{body}\.(\w+)'", repr(document))
+    return {*named, document["bodies"][body].get("place", {}).get("frame", "root")}
+
+
+@pytest.mark.parametrize("source", MODELS, ids=lambda path: path.stem)
+def test_the_examples_come_back_as_they_were(source, random_element, tmp_path):
+    """With superelements of random numbers in the places of theirs."""
+    document = tomllib.loads(source.read_text())
+    path = tmp_path / "examples" / source.name
+    path.parent.mkdir()
+    path.write_text(source.read_text())
+    needed = {}
+    for body, given in document["bodies"].items():
+        if "superelement" in given:
+            element = (path.parent / given["superelement"]).resolve()
+            needed.setdefault(element, set()).update(frames_used(document, body))
+    for number, (element, names) in enumerate(needed.items()):
+        made = random_element(number, (True,) * len(names), steps=10)
+        named = zip(made.interfaces, sorted(names), strict=True)
+        interfaces = tuple(Interface(name, old.X, True) for old, name in named)
+        element.parent.mkdir(parents=True, exist_ok=True)
+        write(element, replace(made, interfaces=interfaces))
+    model = read_model(path)
+    written = tmp_path / "elsewhere" / "again" / "model.toml"
+    written.parent.mkdir(parents=True)
+    write_model(written, model)
+    assert content(read_model(written)) == content(model)
+
+
+def body(k, **start):
+    inertia = [[1.0 / 3.0, 0.01, 0.0], [0.01, 0.4, 0.002], [0.0, 0.002, 0.5]]
+    frames = {"f": Frame([0.5, 1.0 / 7.0, 0], [0.1, 0, np.pi / 3]), "g": Frame()}
+    return RigidBody(1.0 + k / 3.0, inertia if k % 2 else [1.0, 2.0, 1.5], frames, Start(**start))
+
+
+@pytest.fixture
+def everything(random_element, tmp_path):
+    """A model of every kind of joint, spring, motion, load and signal, with no setting as it is by
+    default.
+    """
+    rng = np.random.default_rng(0)
+    write(tmp_path / "e.h5", random_element(1, (True, False)))
+    element = random_element(1, (True, False))
+    names = [f"b{k}" for k in range(len(JOINT_TYPES) + 1)]
+    bodies = {name: body(k, position=rng.normal(size=3)) for k, name in enumerate(names)}
+    bodies["placed"] = body(1, place=Place("f", "b0.g"))
+    place = Start(rng.normal(size=3), rng.normal(size=3))
+    bodies["e"] = FlexibleBody(element, place, str(tmp_path / "e.h5"))
+    axes = {"axis": rng.normal(size=3)}, {"axis": [1, 1, 0], "second_axis": [1, -1, 0]}
+    smooth = {"angle": Harmonic(0.1, 3.0), "distance": Spline(*POINTS)}
+    joints = []
+    for k, (name, kind) in enumerate(JOINT_TYPES.items()):
+        given = {} if kind.axes == 0 else axes[kind.axes - 1]
+        given = given | {drive: smooth[drive] for drive in kind.drives}
+        if kind.angles and not kind.drives:
+            given["start"] = {"angle": 1.0 / 3.0}
+        joints.append(Joint(name, name, (f"b{k}.f", f"b{k + 1}.g"), **given))
+    half = rng.normal(size=(6, 6))
+    springs = (
+        Spring("point", "point", ("b0", "ground.wall"), stiffness=1.0 / 3.0, rest=0.1),
+        Spring("coil", "torsion", ("b0", "b3"), [0, 1, 1], damping=2.0, law=Law((-1, 2), (-3, 4))),
+        Spring("soft", "bushing", ("b0.f", "e.i0"), stiffness=rng.uniform(size=6)),
+        Spring(
+            "mount", "bushing", ("b0", "b4"), [1, 2, 3], half + half.T, half @ half.T, None, half[0]
+        ),
+    )
+    motions = (
+        PrescribedDisplacement("push", "b1.f", rng.normal(size=3), Polynomial((0.0, 1.0 / 3.0))),
+        PrescribedRotation("turn", "b2", [1, 2, 3], Constant(0.0)),
+    )
+    kinds = list(LOAD_TYPES)
+    loads = [
+        Load(kinds[k % 2], "b0.f", rng.normal(size=3), signal, follower=k % 3 == 0)
+        for k, signal in enumerate(SIGNALS)
+    ]
+    settings = Settings(
+        t_end=1.0 / 3.0,
+        step=1e-3,
+        rho_inf=0.8,
+        rule="paper",
+        history="direct",
+        kernel_length=0.1,
+        tolerance=1e-9,
+        max_iterations=30,
+        fixed_iterations=2,
+        start="equilibrium",
+        steady_rotation=SteadyRotation([0, 0, 1.0 / 3.0], [1, 2, 3]),
+        assemble=True,
+        redundant="remove",
+        output=OutputRequest(3, ("bodies", "joints/fixed")),
+    )
+    return Model(
+        bodies,
+        joints,
+        loads,
+        springs,
+        motions,
+        gravity=[0, 0.1, -9.81],
+        ground_frames={"wall": Frame([0, 0, 1.0 / 3.0])},
+        settings=settings,
+    )
+
+
+def test_a_model_of_everything_comes_back_exactly(everything, tmp_path):
+    assert {joint.type for joint in everything.joints} == set(JOINT_TYPES)
+    assert {spring.type for spring in everything.springs} == set(SPRING_TYPES)
+    assert {type(motion) for motion in everything.motions} == set(PrescribedMotion.__args__)
+    assert {load.type for load in everything.loads} == set(LOAD_TYPES)
+    known = {form.kind for forms in FORMS.values() for form in forms}
+    assert {type(load.signal) for load in everything.loads} == known | {Constant}
+    default = Settings(t_end=1.0)
+    for field in fields(Settings):
+        assert getattr(everything.settings, field.name) != getattr(default, field.name)
+    path = tmp_path / "model.toml"
+    write_model(path, everything)
+    again = read_model(path)
+    assert content(again) == content(everything)
+    write_model(path, again)
+    assert path.read_text() == again.source
+
+
+def test_defaults_are_left_out(tmp_path):
+    path = tmp_path / "model.toml"
+    write_model(path, Model({"a": RigidBody(1.0, [1, 1, 1])}))
+    document = {
+        "simulation": {"t_end": 1.0},
+        "bodies": {"a": {"mass": 1.0, "inertia": [1.0, 1.0, 1.0]}},
+    }
+    assert tomllib.loads(path.read_text()) == document
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            lambda model: {"bodies": {**model.bodies, "e": replace(model.bodies["e"], source="")}},
+            "body 'e': its superelement is in no file",
+        ),
+        (
+            lambda model: {"loads": [Load("force", "b0.f", [1, 0, 0], Function(np.sin))]},
+            "load (force) on 'b0.f': signal: a Function cannot be written to a file",
+        ),
+        (
+            lambda model: {
+                "motions": [
+                    PrescribedRotation(
+                        "turn", "b0", [1, 0, 0], SmoothFunction(np.sin, np.cos, np.sin)
+                    )
+                ]
+            },
+            "motion 'turn': angle: a SmoothFunction cannot be written to a file",
+        ),
+    ],
+)
+def test_what_no_file_can_say_leaves_the_file_that_was_there(everything, tmp_path, change, message):
+    path = tmp_path / "model.toml"
+    write_model(path, everything)
+    before = path.read_text(), sorted(tmp_path.iterdir())
+    with pytest.raises(ModelError, match=re.escape(message)):
+        write_model(path, replace(everything, **change(everything)))
+    assert (path.read_text(), sorted(tmp_path.iterdir())) == before
+
+
+def test_a_file_is_whole_or_not_there(everything, tmp_path, monkeypatch):
+    def full(self, *_, **__):
+        raise OSError("no space left on device")
+
+    monkeypatch.setattr(Path, "write_text", full)
+    with pytest.raises(OSError, match="no space left"):
+        write_model(tmp_path / "model.toml", everything)
+    assert [path.name for path in tmp_path.iterdir()] == ["e.h5"]
