@@ -1,0 +1,15 @@
+"""The order of imports between the rooms of the solver."""
+
+from import_order import ROOMS, edges, upward
+
+
+def test_no_import_points_upwards(files_and_folders):
+    order = ROOMS["solver"]
+    assert files_and_folders("solver") == set(order), "solver: the order must name all rooms"
+    assert upward(edges("solver"), ("solver",), order) == []
+
+
+def test_the_compiled_code_knows_nothing_of_models():
+    """So that an edit elsewhere compiles nothing anew, and the step can be read by itself."""
+    rooms = {target[1] for module, target in edges("solver") if module[1] == "step"}
+    assert rooms == {"arrays", "compiler", "step"}
