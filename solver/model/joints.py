@@ -16,9 +16,9 @@ from typing import Annotated
 import numpy as np
 
 from ..arrays import Array
-from .entry import Entry, entry, one_of
+from ..schema.entry import Entry, entry, one_of
+from ..schema.values import ABSENT, OptionalDirection, Pair
 from .signals import DrivingSignal, SmoothSignal
-from .values import ABSENT, OptionalDirection, Pair
 
 
 @dataclass(frozen=True)
