@@ -2,6 +2,8 @@
 
 from ..results.results import Results
 from .errors import ConvergenceError, ModelError, RecoveryError, ResultsError
+from .laws.law import ForceLaw
+from .laws.tabulated import TabulatedLaw
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
 from .model.file import read_model, write_model
 from .model.joints import Joint
@@ -23,7 +25,7 @@ from .model.signals import (
     Steps,
     Table,
 )
-from .model.springs import Law, Spring
+from .model.springs import Spring
 from .simulation import simulate
 from .simulator import Simulator
 
@@ -31,13 +33,13 @@ __all__ = [
     "Constant",
     "ConvergenceError",
     "FlexibleBody",
+    "ForceLaw",
     "Frame",
     "Function",
     "Harmonic",
     "Impulse",
     "Input",
     "Joint",
-    "Law",
     "Load",
     "Model",
     "ModelError",
@@ -60,6 +62,7 @@ __all__ = [
     "SteadyRotation",
     "Steps",
     "Table",
+    "TabulatedLaw",
     "read_model",
     "simulate",
     "write_model",

@@ -13,8 +13,8 @@ Comput. 6 (1985); docs/theory.md, History.
 from typing import TypeAlias
 
 import numpy as np
+from numpy import fft
 from numpy.typing import NDArray
-from scipy import fft
 
 from ..step.system import Elastic, State
 

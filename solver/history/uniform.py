@@ -12,8 +12,8 @@ from collections.abc import Callable
 from typing import TypeAlias
 
 import numpy as np
+from numpy import fft
 from numpy.typing import NDArray
-from scipy import fft
 
 from ..arrays import Array
 from ..step.system import Elastic, State

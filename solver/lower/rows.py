@@ -6,11 +6,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..arrays import Array, as_index, as_rows
+from ..laws.law import NO_LAW, ForceLaw
 from ..model.joints import ABOUT_E3, Joint, basis_about
 from ..model.motions import PrescribedDisplacement, PrescribedMotion
 from ..model.signals import SmoothSignal
 from ..model.springs import Spring
-from ..step.laws import NO_LAW, ForceLaw, TabulatedLaw
 from ..step.rows import ANGLE, DISTANCE, ROTATION, TRANSLATION
 from ..step.system import Couplings, Laws, Rows
 from .placement import Pose
@@ -154,9 +154,7 @@ def spring_rows(spring: Spring, sides: Sides) -> list[Row]:
             rest=float(rest[i]),
             stiffness=spring.stiffness[i],
             damping=spring.damping[i],
-            law=None
-            if spring.law is None
-            else TabulatedLaw(rest[i] + spring.law.deformation, spring.law.force),
+            law=spring.law,
         )
         for i, row in enumerate(rows)
     ]
@@ -196,7 +194,7 @@ def _lay_out_laws(rows: Sequence[Row]) -> Laws:
         rest=np.array([row.rest for row in rows], dtype=np.float64),
         stiffness=_six_wide([row.stiffness for row in rows]),
         damping=_six_wide([row.damping for row in rows]),
-        kind=as_index([NO_LAW if row.law is None else row.law.kind for row in rows]),
+        number=as_index([NO_LAW if row.law is None else row.law.number for row in rows]),
         first=as_index(np.cumsum([0, *map(len, parameters)])),
         parameters=np.array([number for numbers in parameters for number in numbers], dtype=float),
     )

@@ -9,8 +9,8 @@ import numpy as np
 
 from ...superelement import Superelement
 from ..arrays import Array
-from .entry import Beside, Entry, entry
-from .values import ORIGIN, Inertia, Positive, Vector
+from ..schema.entry import Beside, Entry, entry
+from ..schema.values import ORIGIN, Inertia, Positive, Vector
 
 INERTIA_TOLERANCE = 1e-6
 """relative; by how much the inertia of a plate, given in a few digits, may exceed that of its two

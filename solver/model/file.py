@@ -14,8 +14,10 @@ from pydantic import Field, create_model, model_validator
 from ...inputs import InputError, Table, Vector, read_table
 from ...superelement import Superelement, read
 from ..errors import ModelError, about
+from ..schema.entry import Entry
+from ..schema.tables import given_by, keys_of, made, table_in_file, table_of, value_of
+from ..schema.values import ORIGIN
 from .bodies import Body, FlexibleBody, Frame, RigidBody, Start
-from .entry import Entry
 from .joints import Joint
 from .loads import Load
 from .model import Model
@@ -23,8 +25,6 @@ from .motions import PrescribedMotion
 from .output_request import OutputRequest
 from .settings import Settings
 from .springs import Spring
-from .tables import given_by, keys_of, made, table_in_file, table_of, value_of
-from .values import ORIGIN
 
 SHORT_ARRAY = re.compile(r"\[\n((?:[^\[\]\n]*,\n)+) *\]")
 """an array of numbers or words as tomli_w writes it, an item a line"""

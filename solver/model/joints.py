@@ -11,14 +11,15 @@ A drive adds a row of the same two kinds: `angle` turns e1(A) by the signal befo
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Annotated
 
 import numpy as np
 
 from ..arrays import Array
-from .entry import Entry, entry, one_of
+from ..schema.entry import Entry, entry, one_of
+from ..schema.values import ABSENT, OptionalDirection, Pair
 from .signals import DrivingSignal, SmoothSignal
-from .values import ABSENT, OptionalDirection, Pair
 
 
 @dataclass(frozen=True)
@@ -155,10 +156,18 @@ class Joint(Entry):
 
 
 def basis_about(axis: Array) -> Array:
-    """Axes e1, e2, e3 as columns (3, 3): e3 along a unit vector, e1 near the coordinate axis
-    farthest from it.
+    """Axes e1, e2, e3 as columns (3, 3): e3 along a unit vector.
+
+    e1 is near the coordinate axis farthest from e3.
     """
-    e1 = np.eye(3)[int(np.argmin(np.abs(axis)))]
-    e1 = e1 - axis * (axis @ e1)
+    return _basis_about(tuple(axis.tolist())).copy()
+
+
+@lru_cache(maxsize=1024)
+def _basis_about(axis: tuple[float, float, float]) -> Array:
+    """Mechanisms have few different axes, and many joints about each."""
+    e3 = np.array(axis)
+    e1 = np.eye(3)[int(np.argmin(np.abs(e3)))]
+    e1 = e1 - e3 * (e3 @ e1)
     e1 = e1 / np.linalg.norm(e1)
-    return np.column_stack([e1, np.cross(axis, e1), axis])
+    return np.column_stack([e1, np.cross(e3, e1), e3])

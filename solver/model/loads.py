@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from typing import Annotated
 
-from .entry import Entry, entry, one_of
+from ..schema.entry import Entry, entry, one_of
+from ..schema.values import Vector
 from .signals import AnySignal
-from .values import Vector
 
 
 @dataclass(frozen=True)

@@ -5,14 +5,14 @@ from dataclasses import KW_ONLY, field, replace
 from typing import Any
 
 from ..errors import ModelError
+from ..schema.entry import Entry, entry
+from ..schema.values import NONE, ORIGIN, Several, Vector
 from .bodies import Body, FlexibleBody, Frame
-from .entry import Entry, entry
 from .joints import Joint
 from .loads import Load
 from .motions import PrescribedMotion
 from .settings import Settings
 from .springs import Spring
-from .values import NONE, ORIGIN, Several, Vector
 
 GROUND = "ground"
 

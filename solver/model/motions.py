@@ -3,9 +3,9 @@ follows a signal.
 """
 
 from ..errors import ModelError
-from .entry import Entry, entry
+from ..schema.entry import Entry, entry
+from ..schema.values import Direction
 from .signals import DrivingSignal, SmoothSignal
-from .values import Direction
 
 
 @entry()

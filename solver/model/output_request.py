@@ -4,8 +4,8 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 
 from ..errors import ModelError
-from .entry import Entry, entry
-from .values import Count, Words
+from ..schema.entry import Entry, entry
+from ..schema.values import Count, Words
 
 ALWAYS = "solver"
 

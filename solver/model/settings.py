@@ -3,9 +3,9 @@
 from dataclasses import field
 from typing import Annotated, Literal
 
-from .entry import Entry, Key, entry
+from ..schema.entry import Entry, Key, entry
+from ..schema.values import ORIGIN, Count, Fraction, PositiveTime, Tolerance, Vector
 from .output_request import OutputRequest
-from .values import ORIGIN, Count, Fraction, PositiveTime, Tolerance, Vector
 
 
 @entry()

@@ -6,16 +6,17 @@ under a load is exact wherever the jump falls between two steps; elsewhere they 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import pairwise
-from typing import Annotated, Any, Protocol, TypeVar, runtime_checkable
+from typing import Annotated, Any, Protocol, runtime_checkable
 
 import numpy as np
 
 from ..arrays import Array
 from ..errors import ModelError
-from .entry import Entry, Key, Takes, entry
-from .values import Numbers, SomeNumbers
+from ..schema.entry import Entry, Key, Takes, entry
+from ..schema.forms import Family
+from ..schema.values import Numbers, SomeNumbers
 
 
 @runtime_checkable
@@ -35,30 +36,7 @@ class SmoothSignal(Signal, Protocol):
         """The first and second derivative at time t."""
 
 
-@dataclass(frozen=True)
-class Form:
-    """A signal as model files give it: a table with a key, and flag = true if it has one."""
-
-    kind: type[Entry]
-    flag: str
-
-
-FORMS: dict[str, list[Form]] = {}
-"""signals of model files by the key that tells them apart"""
-
-AnySignalType = TypeVar("AnySignalType", bound=type[Entry])
-
-
-def in_files(key: str, flag: str = "") -> Callable[[AnySignalType], AnySignalType]:
-    """Make a signal known to model files: a table with this key, and with flag = true if another
-    signal has the same key.
-    """
-
-    def register(kind: AnySignalType) -> AnySignalType:
-        FORMS.setdefault(key, []).append(Form(kind, flag))
-        return kind
-
-    return register
+SIGNALS = Family("signal")
 
 
 class Pointwise:
@@ -71,6 +49,7 @@ class Pointwise:
         return np.array([self(time) for time in t.tolist()])
 
 
+@SIGNALS.bare_number
 @entry(eq=True)
 class Constant(Pointwise, Entry):
     """The same value always."""
@@ -84,7 +63,7 @@ class Constant(Pointwise, Entry):
         return 0.0, 0.0
 
 
-@in_files("times")
+@SIGNALS.in_files("times")
 @entry(eq=True)
 class Steps(Entry):
     """values[i] from times[i] on, 0 before the first."""
@@ -110,7 +89,7 @@ class Steps(Entry):
         )
 
 
-@in_files("times", flag="linear")
+@SIGNALS.in_files("times", flag="linear")
 @entry(eq=True)
 class Table(Pointwise, Entry):
     """Linear between the points (times, values), constant outside."""
@@ -125,7 +104,7 @@ class Table(Pointwise, Entry):
         return float(np.interp(t, self.times, self.values))
 
 
-@in_files("times", flag="spline")
+@SIGNALS.in_files("times", flag="spline")
 @entry(eq=True)
 class Spline(Pointwise, Entry):
     """The smoothest curve through the points (times, values), for measured motions: the natural
@@ -160,7 +139,7 @@ class Spline(Pointwise, Entry):
         return float(self._pieces(within, 1)), float(self._pieces(within, 2))
 
 
-@in_files("amplitude")
+@SIGNALS.in_files("amplitude")
 @entry(eq=True)
 class Harmonic(Pointwise, Entry):
     """offset + amplitude sin(2 pi frequency t + phase), frequency in Hz, phase in rad."""
@@ -182,7 +161,7 @@ class Harmonic(Pointwise, Entry):
         return float(rate), float(-self.amplitude * omega**2 * np.sin(angle))
 
 
-@in_files("polynomial")
+@SIGNALS.in_files("polynomial")
 @entry(eq=True)
 class Polynomial(Pointwise, Entry):
     """c_0 + c_1 t + c_2 t^2 + ..."""
@@ -197,7 +176,7 @@ class Polynomial(Pointwise, Entry):
         return float(polynomial.deriv(1)(t)), float(polynomial.deriv(2)(t))
 
 
-@in_files("impulse")
+@SIGNALS.in_files("impulse")
 @entry(eq=True)
 class Impulse(Entry):
     """A given area (an impulse [N s] of a force) at the step nearest to time `at`."""
@@ -218,7 +197,7 @@ class Impulse(Entry):
         return np.where(np.round(t / h) == np.round(self.at / h), height, 0.0)
 
 
-@in_files("pulse")
+@SIGNALS.in_files("pulse")
 @entry(eq=True)
 class Pulse(Entry):
     """A rectangle: `value` from `start` to `end`, 0 elsewhere."""
@@ -240,7 +219,7 @@ class Pulse(Entry):
         return self.value * (_step_samples(self.start, t, h) - _step_samples(self.end, t, h))
 
 
-@in_files("input")
+@SIGNALS.in_files("input")
 @entry(eq=True)
 class Input(Pointwise, Entry):
     """Values that a `Simulator` is given at every step under this name; `value` at t = 0, and
@@ -315,9 +294,10 @@ def _is_a(kind: type) -> Callable[[Any], Any]:
     return store
 
 
-AnySignal = Annotated[Signal, Takes("a signal such as Constant", _is_a(Signal), Any)]
+AnySignal = Annotated[Signal, SIGNALS, Takes("a signal such as Constant", _is_a(Signal), Any)]
 DrivingSignal = Annotated[
     SmoothSignal,
+    SIGNALS,
     Takes(
         "a smooth signal (constant, harmonic, polynomial, spline)",
         _is_a(SmoothSignal),

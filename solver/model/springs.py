@@ -6,22 +6,22 @@
 
 The rotations of a bushing are the sines e_3(A) . e_2(B), e_1(A) . e_3(B), e_2(A) . e_1(B), which
 for small angles are the rotations about e_1, e_2, e_3. Generalized force on B along the coordinates
-c, linear and tabulated parts added:
+c, with the law of one coordinate added:
 
     -stiffness (c - rest) - damping dc/dt - law(c - rest)
 """
 
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from ..arrays import Array
 from ..errors import plain
-from .entry import Entry, entry, one_of
+from ..laws.law import AnyLaw
+from ..schema.entry import Entry, entry, one_of
+from ..schema.values import ABSENT, Coefficients, OptionalArray, OptionalDirection, Pair
 from .joints import Angle, basis_about
-from .values import ABSENT, Coefficients, Numbers, OptionalArray, OptionalDirection, Pair
 
 ZERO: Any = 0.0
 """the default of stiffness and damping"""
@@ -52,31 +52,13 @@ SPRING_TYPES = {
 }
 
 
-@entry(eq=True)
-class Law(Entry):
-    """Force [N] or moment [N m] over deformation [m, rad]: linear between the points, and beyond
-    the last ones.
-    """
-
-    deformation: Numbers
-    force: Numbers
-
-    def validate(self) -> None:
-        if len(self.deformation) != len(self.force) or len(self.force) < 2:
-            given = f"{list(self.deformation)} and {list(self.force)}"
-            raise self.error(f"a law needs two or more points, got {given}")
-        if any(b <= a for a, b in pairwise(self.deformation)):
-            given = f"{list(self.deformation)}"
-            raise self.error(f"deformation: expected increasing values, got {given}")
-
-
 @entry()
 class Spring(Entry):
     """A spring with a damper between frames A and B, given as in a joint.
 
     stiffness, damping: a number, or for a bushing six numbers or a symmetric (6, 6) matrix [N/m, N
     m/rad; N s/m ...]; damping, which takes energy away, has no negative eigenvalue; law: a
-    tabulated part (point and torsion); rest: the coordinates without force (length, angle, or six
+    `ForceLaw` that adds to them (point and torsion); rest: the coordinates without force (length, angle, or six
     of them), by default those of the start; axis: of torsion, or e_3 of a bushing, in space at the
     start.
     """
@@ -89,7 +71,7 @@ class Spring(Entry):
     axis: OptionalDirection = ABSENT
     stiffness: Coefficients = ZERO
     damping: Coefficients = ZERO
-    law: Law | None = None
+    law: AnyLaw | None = None
     rest: OptionalArray = ABSENT
 
     @property

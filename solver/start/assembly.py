@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, as_index
+from ..arrays import Array, Index, as_index
 from ..errors import ModelError
 from ..lower.lower import LoweredModel
 from ..step.bodies import set_rotations
@@ -168,7 +168,7 @@ def _least_change(system: System, B: Matrix, missed: Array) -> Array:
     return change
 
 
-def _split(targets: list[Target]) -> tuple[Array, Array]:
+def _split(targets: list[Target]) -> tuple[Index, Array]:
     """Observers and values."""
     values = np.array([target.value for target in targets])
     return as_index([target.observer for target in targets]), values

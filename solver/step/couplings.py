@@ -5,7 +5,7 @@ joint must vanish, phi = c (less the driven distance; a driven rotation row turn
 The row of a spring obeys
 
     phi_i = lambda_i + sum_j (stiffness_ij (c_j - rest_j) + damping_ij dc_j/dt)
-            + law_i(c_i, dc_i/dt) = 0
+            + law_i(c_i - rest_i, dc_i/dt) = 0
 
 so that springs enter Newton's matrix like joints, and couple no two bodies but by their multiplier.
 """
@@ -13,6 +13,7 @@ so that springs enter Newton's matrix like joints, and couple no two bodies but 
 import math
 
 from ..compiler.marks import compiled
+from ..laws import evaluate_law
 from .frames import (
     add_pair_tangent,
     coordinate,
@@ -20,7 +21,6 @@ from .frames import (
     pull_back_tangent,
     width,
 )
-from .laws import evaluate_law
 from .measure import ROUNDING, relative
 from .rows import ROTATION, add_row_tangent, carried_axis, evaluate_row, measures_length
 from .system import Couplings, Frames, Laws, State, System, Workspace
@@ -101,7 +101,8 @@ def law_of_row(laws: Laws, i: int, work: Workspace) -> tuple[float, float, float
     """Force, slopes by coordinate and rate, and energy of the law of row i alone."""
     parameters = laws.parameters[laws.first[i] : laws.first[i + 1]]
     out = work.couplings
-    return evaluate_law(laws.kind[i], parameters, out.coordinate[i], out.rate[i])
+    deformation = out.coordinate[i] - laws.rest[i]
+    return evaluate_law(laws.number[i], parameters, deformation, out.rate[i])
 
 
 @compiled

@@ -89,14 +89,14 @@ class Laws(Struct):
     """Force laws of compliant rows: a linear one of all rows of a coupling, and one of each row.
 
     The law of row i, j over the rows of the same coupling:
-    lambda_i = -sum_j (stiffness_ij (c_j - rest_j) + damping_ij dc_j/dt) - law_i(c_i, dc_i/dt)
+    lambda_i = -sum_j (stiffness_ij (c_j - rest_j) + damping_ij dc_j/dt) - law_i(c_i - rest_i, dc_i/dt)
     """
 
     rest: Array = array("n_i")
     stiffness: Array = array("n_i", 6)
     damping: Array = array("n_i", 6)
-    kind: Index = array("n_i")
-    """of the law of each row alone; laws.py has them"""
+    number: Index = array("n_i")
+    """of the law of each row alone (solver/laws)"""
     first: Index = array("n_i_1")
     """(n_i + 1,) where the parameters of each row begin"""
     parameters: Array = array("n")

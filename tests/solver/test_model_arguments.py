@@ -26,10 +26,10 @@ from duhamel.solver import (
     simulate,
     write_model,
 )
-from duhamel.solver.model.entry import Entry, entry
 from duhamel.solver.model.joints import JOINT_TYPES, Angle, JointType
-from duhamel.solver.model.signals import FORMS, Pointwise, in_files
+from duhamel.solver.model.signals import SIGNALS, Pointwise
 from duhamel.solver.model.springs import SPRING_TYPES, SpringType
+from duhamel.solver.schema.entry import Entry, entry
 
 Z = [0, 0, 1]
 ARRAYS = {
@@ -116,9 +116,9 @@ def test_settings_must_suit_the_mechanism():
 
 def test_a_signal_of_a_users_own_is_read_and_written(tmp_path):
     """With the one declaration of its class."""
-    before = dict(FORMS)
+    before = dict(SIGNALS.forms)
 
-    @in_files("decay")
+    @SIGNALS.in_files("decay")
     @entry(eq=True)
     class Decay(Pointwise, Entry):
         decay: float
@@ -135,8 +135,8 @@ def test_a_signal_of_a_users_own_is_read_and_written(tmp_path):
         write_model(tmp_path / "model.toml", model)
         again = read_model(tmp_path / "model.toml")
     finally:
-        FORMS.clear()
-        FORMS.update(before)
+        SIGNALS.forms.clear()
+        SIGNALS.forms.update(before)
     assert [load.signal for load in again.loads] == [load.signal for load in model.loads]
     np.testing.assert_array_equal(simulate(again).body("bob").x, simulate(model).body("bob").x)
 

@@ -18,7 +18,6 @@ from duhamel.solver import (
     Impulse,
     Input,
     Joint,
-    Law,
     Load,
     Model,
     ModelError,
@@ -37,13 +36,14 @@ from duhamel.solver import (
     SteadyRotation,
     Steps,
     Table,
+    TabulatedLaw,
     read_model,
     write_model,
 )
 from duhamel.solver.model.joints import JOINT_TYPES
 from duhamel.solver.model.loads import LOAD_TYPES
 from duhamel.solver.model.motions import PrescribedMotion
-from duhamel.solver.model.signals import FORMS
+from duhamel.solver.model import signals
 from duhamel.solver.model.springs import SPRING_TYPES
 from duhamel.superelement import Interface, Superelement, write
 
@@ -143,7 +143,14 @@ def everything(random_element, tmp_path):
     half = rng.normal(size=(6, 6))
     springs = (
         Spring("point", "point", ("b0", "ground.wall"), stiffness=1.0 / 3.0, rest=0.1),
-        Spring("coil", "torsion", ("b0", "b3"), [0, 1, 1], damping=2.0, law=Law((-1, 2), (-3, 4))),
+        Spring(
+            "coil",
+            "torsion",
+            ("b0", "b3"),
+            [0, 1, 1],
+            damping=2.0,
+            law=TabulatedLaw((-1, 2), (-3, 4)),
+        ),
         Spring("soft", "bushing", ("b0.f", "e.i0"), stiffness=rng.uniform(size=6)),
         Spring(
             "mount", "bushing", ("b0", "b4"), [1, 2, 3], half + half.T, half @ half.T, None, half[0]
@@ -191,7 +198,7 @@ def test_a_model_of_everything_comes_back_exactly(everything, tmp_path):
     assert {spring.type for spring in everything.springs} == set(SPRING_TYPES)
     assert {type(motion) for motion in everything.motions} == set(PrescribedMotion.__args__)
     assert {load.type for load in everything.loads} == set(LOAD_TYPES)
-    known = {form.kind for forms in FORMS.values() for form in forms}
+    known = {form.kind for forms in signals.SIGNALS.forms.values() for form in forms}
     assert {type(load.signal) for load in everything.loads} == known | {Constant}
     default = Settings(t_end=1.0)
     for field in fields(Settings):

@@ -8,7 +8,6 @@ from duhamel.solver import (
     Frame,
     Harmonic,
     Joint,
-    Law,
     Load,
     Model,
     ModelError,
@@ -16,6 +15,7 @@ from duhamel.solver import (
     Settings,
     Spring,
     Start,
+    TabulatedLaw,
     simulate,
 )
 from scipy.integrate import cumulative_trapezoid, solve_ivp
@@ -96,7 +96,7 @@ def test_a_spring_with_a_rest_length_pulls_at_once():
 
 def test_a_tabulated_law_of_an_oscillator():
     """Between the points, and beyond the last, against an integrator of high order: order two."""
-    law, J = Law((-0.5, 0.0, 0.2, 0.4), (-2.0, 0.0, 3.0, 3.5)), 0.3
+    law, J = TabulatedLaw((-0.5, 0.0, 0.2, 0.4), (-2.0, 0.0, 3.0, 3.5)), 0.3
 
     def moment(angle):
         return (
@@ -191,7 +191,7 @@ def tumbling_pair(**settings):
                 [0, 0, 1],
                 stiffness=5.0,
                 damping=0.01,
-                law=Law((-1, 0, 1), (-3, 0, 8)),
+                law=TabulatedLaw((-1, 0, 1), (-3, 0, 8)),
             ),
         ),
         settings=Settings(t_end=0.5, rho_inf=0.9, **settings),

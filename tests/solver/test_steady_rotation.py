@@ -9,7 +9,6 @@ from duhamel.solver import (
     Frame,
     Harmonic,
     Joint,
-    Law,
     Model,
     ModelError,
     Place,
@@ -20,6 +19,7 @@ from duhamel.solver import (
     Spring,
     Start,
     SteadyRotation,
+    TabulatedLaw,
     simulate,
 )
 
@@ -171,7 +171,7 @@ REFUSED = {
         "deforms it by 20 rad/s",
     ),
     "a law on the ground": (
-        lambda: disk(coil(law=Law((-1.0, 1.0), (-1.0, 1.0))), **TURNING),
+        lambda: disk(coil(law=TabulatedLaw((-1.0, 1.0), (-1.0, 1.0))), **TURNING),
         "spring 'coil': start = 'equilibrium'",
     ),
     "a spring that turns about another axis": (

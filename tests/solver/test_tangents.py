@@ -13,7 +13,6 @@ from duhamel.solver import (
     Frame,
     Harmonic,
     Joint,
-    Law,
     Load,
     Model,
     Polynomial,
@@ -21,6 +20,7 @@ from duhamel.solver import (
     Settings,
     Spring,
     Start,
+    TabulatedLaw,
     simulate,
 )
 from duhamel.solver.lower.lower import LoweredModel
@@ -250,7 +250,7 @@ SPRINGS = {
         "axis": AXIS,
         "stiffness": 5.0,
         "damping": 0.4,
-        "law": Law((-1.0, 0.0, 1.0), (-3.0, 0.0, 8.0)),
+        "law": TabulatedLaw((-1.0, 0.0, 1.0), (-3.0, 0.0, 8.0)),
     },
     "bushing": {"axis": AXIS, "stiffness": symmetric(1, 50.0), "damping": symmetric(2, 3.0)},
 }

@@ -4,7 +4,7 @@ import difflib
 from collections.abc import Mapping
 from dataclasses import MISSING, Field, fields
 from functools import cache
-from types import NoneType, UnionType
+from types import UnionType
 from typing import Annotated, Any, ClassVar, TypeVar, Union, get_args, get_origin
 
 import numpy as np
@@ -13,10 +13,9 @@ from pydantic import create_model
 from ...inputs import Table, read_part
 from ..errors import ModelError
 from .entry import Beside, Entry, Key, Takes, annotations, note
-from .signals import FORMS, Constant, Form, Signal, SmoothSignal
+from .forms import Family, Form
 
 AnyEntry = TypeVar("AnyEntry", bound=Entry)
-SIGNALS = (Signal, SmoothSignal)
 
 
 class EntryTable(Table):
@@ -58,9 +57,11 @@ def made(kind: type[AnyEntry], given: Mapping[str, Any]) -> AnyEntry:
         if note(hint, Beside):
             values[field.name] = made(_bare(hint), given)
         elif (key := key_of(field, hint)) in given:
-            read = read_signal if _is_signal(hint) else value_of
+            family = note(hint, Family)
             try:
-                values[field.name] = read(given[key])
+                values[field.name] = (
+                    value_of(given[key]) if family is None else read_member(family, given[key])
+                )
             except ValueError as error:
                 owner = kind.label.format_map(values)
                 raise ModelError(f"{owner}: {field.name}: {error}") from error
@@ -98,8 +99,8 @@ def in_file(owner: Entry, name: str, value: Any, hint: Any) -> Any:
     """The value of a field as a file gives it."""
     if value is None:
         return None
-    if _is_signal(hint):
-        table = signal_in_file(value)
+    if (family := note(hint, Family)) is not None:
+        table = member_in_file(family, value)
         if table is None:
             raise owner.error(f"{name}: a {type(value).__name__} cannot be written to a file")
         return table
@@ -115,24 +116,25 @@ def in_file(owner: Entry, name: str, value: Any, hint: Any) -> Any:
     return list(value) if isinstance(value, tuple) else value
 
 
-def read_signal(value: Any) -> Any:
-    """A signal as a file gives it: a number, or a table of which one key tells the kind."""
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        return Constant(float(value))
+def read_member(family: Family, value: Any) -> Any:
+    """An entry of a family: a table of which one key tells the kind, or a number."""
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if is_number and family.number is not None:
+        return family.number(float(value))
     keys = list(value) if isinstance(value, Mapping) else []
-    if known := [tuple(forms) for key, forms in FORMS.items() if key in keys]:
-        fit = [forms for forms in known if set(keys) <= set(_signal_table(forms).model_fields)]
-        return _made_signal((fit or known)[0], value)
-    nearest = [near for key in keys for near in difflib.get_close_matches(key, FORMS, n=1)]
+    if known := [tuple(forms) for key, forms in family.forms.items() if key in keys]:
+        fit = [forms for forms in known if set(keys) <= set(_table_of_forms(forms).model_fields)]
+        return _made_of_forms((fit or known)[0], value)
+    nearest = [near for key in keys for near in difflib.get_close_matches(key, family.forms, n=1)]
     meant = f"; did you mean {nearest[0]!r}?" if nearest else ""
+    wanted = "a table" if family.number is None else "a number or a table"
     raise ValueError(
-        f"expected a number or a table with one of the keys {', '.join(FORMS)}, "
-        f"found {value!r}{meant}"
+        f"expected {wanted} with one of the keys {', '.join(family.forms)}, found {value!r}{meant}"
     )
 
 
-def _made_signal(forms: tuple[Form, ...], value: Any) -> Any:
-    given = given_by(read_part(value, _signal_table(forms)))
+def _made_of_forms(forms: tuple[Form, ...], value: Any) -> Any:
+    given = given_by(read_part(value, _table_of_forms(forms)))
     flags = [form.flag for form in forms if given.pop(form.flag, False)]
     if len(flags) > 1:
         raise ValueError(f"expected {' or '.join(flags)}, found both")
@@ -141,29 +143,30 @@ def _made_signal(forms: tuple[Form, ...], value: Any) -> Any:
 
 
 @cache
-def _signal_table(forms: tuple[Form, ...]) -> type[Table]:
+def _table_of_forms(forms: tuple[Form, ...]) -> type[Table]:
     keys: dict[str, Any] = {}
     for form in forms:
         keys |= keys_of(form.kind)
         if form.flag:
             keys[form.flag] = (bool, False)
-    return create_model("Signal", __base__=Table, **keys)
+    return create_model("Forms", __base__=Table, **keys)
 
 
-def signal_in_file(signal: Any) -> Any:
-    """A signal as a file gives it; None if files have none of its kind."""
-    if isinstance(signal, Constant):
-        return float(signal.value)
-    for form in (form for forms in FORMS.values() for form in forms):
-        if type(signal) is form.kind:
-            return table_in_file(signal) | ({form.flag: True} if form.flag else {})
+def member_in_file(family: Family, member: Any) -> Any:
+    """An entry of a family as a file gives it; None if files have none of its kind."""
+    if family.number is not None and isinstance(member, family.number):
+        (number,) = vars(member).values()
+        return float(number)
+    for form in (form for forms in family.forms.values() for form in forms):
+        if type(member) is form.kind:
+            return table_in_file(member) | ({form.flag: True} if form.flag else {})
     return None
 
 
 def type_in_file(hint: Any) -> Any:
     """The type of a value in a file, for a field with this annotation."""
     origin, parts = get_origin(hint), get_args(hint)
-    if _is_signal(hint):
+    if note(hint, Family) is not None:
         return Any
     if origin is Annotated:
         takes = next((found for found in parts[1:] if isinstance(found, Takes)), None)
@@ -201,8 +204,3 @@ def _default_in_file(owner: Entry, field: "Field[Any]", hint: Any) -> Any:
 
 def _bare(hint: Any) -> Any:
     return get_args(hint)[0] if get_origin(hint) is Annotated else hint
-
-
-def _is_signal(hint: Any) -> bool:
-    hint = _bare(hint)
-    return hint in SIGNALS or any(map(_is_signal, set(get_args(hint)) - {NoneType}))

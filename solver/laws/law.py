@@ -1,0 +1,77 @@
+"""What a force law is: a class with the fields that users give and a compiled function.
+
+The law of one coordinate gives, at the deformation c (the coordinate less its value at rest) and the
+rate dc/dt, the force that resists, its derivatives and the energy that it stores. Each file of this
+room holds laws; to add one is to add a class:
+
+    @force_law("stiffening")                                # the key that tells it in model files
+    class StiffeningLaw(ForceLaw):
+        stiffening: float                                   # [N/m^3]
+
+        def parameters(self) -> Sequence[float]:
+            return [self.stiffening]
+
+        @staticmethod
+        def evaluate(parameters: Array, c: float, rate: float) -> Evaluation:
+            k = parameters[0]
+            return k * c**3, 3.0 * k * c**2, 0.0, 0.25 * k * c**4
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Annotated, Any, ClassVar, TypeVar, dataclass_transform
+
+from ..arrays import Array
+from ..compiler.marks import compiled
+from ..schema.entry import Entry, Takes, entry
+from ..schema.forms import Family
+
+Evaluation = tuple[float, float, float, float]
+"""force, its derivatives by c and by dc/dt, and stored energy (0 where the force vanishes)"""
+
+FORCE_LAWS = Family("force law")
+NO_LAW = -1
+"""number of the law of a row that has none"""
+
+
+class ForceLaw(Entry):
+    """A law of one coordinate."""
+
+    number: ClassVar[int] = NO_LAW
+    """by which compiled code knows the law"""
+
+    def parameters(self) -> Sequence[float]:
+        """The numbers that `evaluate` reads."""
+        raise NotImplementedError
+
+    @staticmethod
+    def evaluate(parameters: Array, c: float, rate: float) -> Evaluation:
+        """The law, compiled: no allocation, no exceptions, no negative indices."""
+        raise NotImplementedError
+
+
+LAWS: list[type[ForceLaw]] = []
+"""all laws by number"""
+AnyLawType = TypeVar("AnyLawType", bound=type[ForceLaw])
+
+
+@dataclass_transform(frozen_default=True, eq_default=True)
+def force_law(key: str) -> Callable[[AnyLawType], AnyLawType]:
+    """Register a law: its class as an entry of model files by a key, its function to be compiled."""
+
+    def register(kind: AnyLawType) -> AnyLawType:
+        kind.number = len(LAWS)
+        compiled(kind.evaluate)
+        made: Any = FORCE_LAWS.in_files(key)(entry(eq=True)(kind))
+        LAWS.append(made)
+        return made  # type: ignore[no-any-return]
+
+    return register
+
+
+def _law(value: Any) -> ForceLaw:
+    if not isinstance(value, ForceLaw):
+        raise TypeError
+    return value
+
+
+AnyLaw = Annotated[ForceLaw, FORCE_LAWS, Takes("a force law such as TabulatedLaw", _law, Any)]

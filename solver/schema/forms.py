@@ -1,0 +1,45 @@
+"""Families of entries that model files tell apart by a key: signals, force laws."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from .entry import Entry
+
+AnyEntryType = TypeVar("AnyEntryType", bound=type[Entry])
+
+
+@dataclass(frozen=True)
+class Form:
+    """An entry as model files give it: a table with a key, and flag = true if it has one."""
+
+    kind: type[Entry]
+    flag: str
+
+
+class Family:
+    """Entries of one role, as an annotation of the fields that take them."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.forms: dict[str, list[Form]] = {}
+        """by the key that tells them apart"""
+        self.number: Any = None
+        """the entry of one field that a bare number stands for"""
+
+    def in_files(self, key: str, flag: str = "") -> Callable[[AnyEntryType], AnyEntryType]:
+        """Make an entry known to model files: a table with this key.
+
+        And with flag = true if another entry of the family has the same key.
+        """
+
+        def register(kind: AnyEntryType) -> AnyEntryType:
+            self.forms.setdefault(key, []).append(Form(kind, flag))
+            return kind
+
+        return register
+
+    def bare_number(self, kind: AnyEntryType) -> AnyEntryType:
+        """Let a number in a model file stand for an entry of one field."""
+        self.number = kind
+        return kind
