@@ -57,6 +57,8 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "errors",
         "progress",
         "compiler",
+        "schema",
+        "laws",
         "step",
         "model",
         "history",
