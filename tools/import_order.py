@@ -6,6 +6,7 @@ draw_architecture.py draws it. Sources are parsed, not imported.
 
 import ast
 from collections.abc import Iterable, Iterator
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -138,14 +139,15 @@ def _is_folder(target: Module) -> bool:
     return ROOT.joinpath(*target, "__init__.py").is_file()
 
 
-def edges(package: str) -> list[Edge]:
+@cache
+def edges(package: str) -> tuple[Edge, ...]:
     """What the files of a package import of Duhamel, once each, but for `AGAINST_THE_ORDER`."""
     found = (
         (module, target)
         for module, tree in modules(package).items()
         for target in imported(module, tree)
     )
-    return [edge for edge in dict.fromkeys(found) if edge not in AGAINST_THE_ORDER]
+    return tuple(edge for edge in dict.fromkeys(found) if edge not in AGAINST_THE_ORDER)
 
 
 def upward(edges: Iterable[Edge], folder: Module, order: tuple[str, ...]) -> list[str]:
