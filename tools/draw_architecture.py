@@ -10,6 +10,7 @@ same imports on any machine: tests draw it again and compare.
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from html import escape
+from itertools import pairwise
 from pathlib import Path
 
 from import_order import PACKAGES, ROOMS, ROOT, edges
@@ -189,7 +190,7 @@ def layers(package: str) -> Layers:
 
 def _order(made: Layers) -> None:
     """Sort every level by where its neighbors stand, up and down, until fewest arrows cross."""
-    links = [pair for path in made.paths.values() for pair in zip(path, path[1:], strict=False)]
+    links = [pair for path in made.paths.values() for pair in pairwise(path)]
     best, fewest = [list(level) for level in made.levels], _crossings(made.levels, links)
     for turn in range(24):
         order = range(len(made.levels)) if turn % 2 else range(len(made.levels) - 1, -1, -1)
@@ -241,7 +242,7 @@ def _inside(made: Layers, k: int, turn: int) -> bool:
 
 def _crossings(levels: Sequence[Sequence[str]], links: Sequence[Arrow]) -> int:
     count = 0
-    for lower, upper in zip(levels, levels[1:], strict=False):
+    for lower, upper in pairwise(levels):
         ends = [(upper.index(a), lower.index(b)) for a, b in links if a in upper and b in lower]
         count += sum(a < c and b > d for a, b in ends for c, d in ends)
     return count
@@ -252,7 +253,7 @@ def place_rooms(made: Layers, frame: Box, rise: float) -> dict[str, Box]:
 
     rise: from one level to the next.
     """
-    links = [pair for path in made.paths.values() for pair in zip(path, path[1:], strict=False)]
+    links = [pair for path in made.paths.values() for pair in pairwise(path)]
     boxes: dict[str, Box] = {}
     for k, level in enumerate(made.levels):
         y = frame.bottom - PAD - HEIGHT - k * rise
@@ -277,7 +278,7 @@ def _spread(boxes: Sequence[Box], wanted: dict[str, float], frame: Box) -> None:
     """Move the boxes of a level towards where they are wanted, apart from one another."""
     for box in boxes:
         box.x += 0.5 * (wanted[box.name] - box.x)
-    for left, right in zip(boxes, boxes[1:], strict=False):
+    for left, right in pairwise(boxes):
         right.x = max(right.x, left.right + GAP)
     limit = frame.right - PAD
     for box in reversed(boxes):
@@ -459,13 +460,13 @@ def _legend(y: float) -> str:
         parts.append(_text(x + 11, y, f"imports {package}", 13, QUIET, anchor="start"))
         x += 48.0 + 7.4 * len(f"imports {package}")
     parts.append(_curve([(x, y - 5), (x + 34, y - 5)]))
-    text = "imports; what a chain of arrows implies is left out. Each room stands above what it imports."
+    text = "imports; what a chain of arrows implies is left out. Each stands above what it imports."
     parts.append(_text(x + 44, y, text, 13, QUIET, anchor="start"))
     return "\n".join(parts)
 
 
 def _mark(x: float, y: float, package: str) -> str:
-    fill, line = TINTS[package]
+    _, line = TINTS[package]
     return (
         f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4.5" fill="{line}">'
         f"<title>imports {package}</title></circle>"

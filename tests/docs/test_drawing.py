@@ -2,6 +2,7 @@
 
 import xml.etree.ElementTree as ET
 from graphlib import TopologicalSorter
+from itertools import pairwise
 
 import pytest
 from draw_architecture import (
@@ -20,7 +21,7 @@ WALKS = ("preprocess", "solver")
 
 
 def test_the_drawing_is_up_to_date():
-    """`make drawing` draws it again."""
+    """`python tools/draw_architecture.py` draws it again."""
     assert DRAWING.read_text(encoding="utf-8") == drawing()
 
 
@@ -39,7 +40,7 @@ def test_rooms_stand_above_what_they_import_and_apart(walk):
     for a, b in room_arrows(walk):
         assert boxes[a].bottom < boxes[b].y
     for level in made.levels:
-        for left, right in zip(level, level[1:], strict=False):
+        for left, right in pairwise(level):
             assert boxes[left].right < boxes[right].x
         assert boxes[level[0]].x >= 0.0
         assert boxes[level[-1]].right <= frame.w
