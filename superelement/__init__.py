@@ -1,6 +1,5 @@
 """The superelement: an elastic body reduced to its interfaces, and its HDF5 file."""
 
-from ..solver.history.truncation import truncate, truncation_error
 from .file import read, sha256, write
 from .interface import Interface
 from .kernel import Kernel, sample_kernel
@@ -25,8 +24,6 @@ __all__ = [
     "respond",
     "sample_kernel",
     "sha256",
-    "truncate",
-    "truncation_error",
     "von_mises",
     "write",
 ]
