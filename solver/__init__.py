@@ -21,7 +21,7 @@ from .model.signals import (
     Table,
 )
 from .model.springs import Law, Spring
-from .simulation import simulate
+from .simulation import simulate, start
 from .simulator import Simulator
 
 __all__ = [
@@ -58,4 +58,5 @@ __all__ = [
     "Table",
     "read_model",
     "simulate",
+    "start",
 ]

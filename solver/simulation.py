@@ -7,14 +7,15 @@ from pathlib import Path
 import numpy as np
 
 from ..results.results import Results
+from ..results.source import Writer
 from .arrays import Array, Index
 from .errors import ConvergenceError, about
 from .history.dyadic import Lookahead
 from .lower.lower import CompiledModel
 from .model.model import Model
 from .output.columns import make_output
-from .output.file import ResultsFile, check_folder
 from .output.recorder import Recorder
+from .output.writer import check_folder, make_writer, read_back
 from .progress import Progress
 from .start.initial import begin
 from .step.jit import is_cached
@@ -35,8 +36,17 @@ def simulate(
     ResultsError for a file that cannot be written; the file then holds the steps before the
     failure, as it does after an interrupt.
     """
+    return _run(model, None if output is None else Path(output), progress)
+
+
+def start(model: Model) -> Results:
+    """The results of the start alone: one row, at t = 0. Raises ModelError as `simulate` does."""
+    return _run(model, None, progress=False, steps=0)
+
+
+def _run(model: Model, output: Path | None, progress: bool, steps: int | None = None) -> Results:
     if output is not None:
-        check_folder(Path(output))
+        check_folder(output)
     with (
         about(model.path),
         Progress("compiling (first run only)", shown=progress and not is_cached()),
@@ -44,31 +54,29 @@ def simulate(
         beginning = begin(model)
         compiled, state, work = beginning.compiled, beginning.state, beginning.work
         compile_loop(compiled, state, work)
-        file = ResultsFile(Path(output) if output is not None else None, compiled)
-    file.note(
-        degrees_of_freedom=beginning.degrees_of_freedom,
-        opening=beginning.misfit.opening,
-        opening_at=beginning.misfit.opening_at,
-        velocity_misfit=beginning.misfit.velocity,
-        velocity_misfit_at=beginning.misfit.velocity_at,
-        moved=beginning.moved,
-        velocity_correction=beginning.velocity_correction,
-        removed=beginning.removed,
-        truncation=compiled.truncation,
-    )
+        total = compiled.n_steps if steps is None else steps
+        writer = make_writer(output, beginning, total)
     started = time.perf_counter()
-    _march(compiled, state, work, file, progress)
-    file.note(finished=True, seconds=time.perf_counter() - started)
-    return file.results()
+    _march(compiled, state, work, writer, total, progress)
+    writer.note(finished=True, seconds=time.perf_counter() - started)
+    return read_back(output, writer, model)
 
 
 def _march(
-    compiled: CompiledModel, state: State, work: Workspace, file: ResultsFile, progress: bool
+    compiled: CompiledModel,
+    state: State,
+    work: Workspace,
+    writer: Writer,
+    total: int,
+    progress: bool,
 ) -> None:
     system, quaternions = compiled.system, compiled.frame_quaternions
-    done, total, stint = 0, compiled.n_steps, 16
+    done, stint = 0, 16
     lookahead = Lookahead(system.elastic)
-    with Recorder(file, compiled) as recorder, Progress("simulating", total, shown=progress) as bar:
+    with (
+        Recorder(writer, compiled) as recorder,
+        Progress("simulating", total, shown=progress) as bar,
+    ):
         output = recorder.output
         record(system, quaternions, 0, state, work, output)
         recorder.keep(0, recorder.rows(0, 1))

@@ -3,7 +3,6 @@ co-simulation, real time.
 """
 
 from collections.abc import Sequence
-from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
@@ -11,14 +10,13 @@ import numpy as np
 from .arrays import Array, Index, as_index
 from .errors import ModelError, about
 from .history.uniform import Partitions
-from .lower.lower import CompiledModel
 from .model.model import Model
 from .model.signals import Input, Signal
-from .output.columns import lay_out_columns, make_output
+from .output.columns import make_output, views
 from .simulation import failure
 from .start.initial import begin
 from .step.loop import advance, record
-from .step.system import Inputs, Output
+from .step.system import Inputs
 
 
 class Simulator:
@@ -46,7 +44,7 @@ class Simulator:
             beginning = begin(model)
             compiled, self._state, self._work = beginning.compiled, beginning.state, beginning.work
             self._output = make_output(compiled, 1)
-            self._parts = _parts(compiled, outputs, self._output)
+            self._parts = views(compiled, outputs, self._output)
         self._compiled, self._quaternions = compiled, compiled.frame_quaternions
         signals: list[Signal] = [*compiled.load_signals, *compiled.drives]
         self.inputs = tuple(
@@ -123,15 +121,3 @@ def _places(signals: Sequence[Signal], inputs: tuple[str, ...]) -> tuple[Index, 
         if isinstance(signal, Input)
     ]
     return as_index([i for i, _ in found]), as_index([k for _, k in found])
-
-
-def _parts(compiled: CompiledModel, names: Sequence[str], output: Output) -> list[Array]:
-    """Views of the chosen datasets in the output of one step, each (n,)."""
-    columns, parts = lay_out_columns(compiled), []
-    for name in names:
-        if name not in columns:
-            near = get_close_matches(name, columns, n=3)
-            meant = f"; did you mean {' or '.join(map(repr, near))}?" if near else ""
-            raise ModelError(f"outputs: no {name!r}{meant}")
-        parts.append(columns[name].rows(output, 1).reshape(-1))
-    return parts

@@ -1,27 +1,25 @@
-"""Which datasets a results file has, and where in the output of the time loop each of them comes
-from.
-"""
+"""The output of the time loop, and where in it the entries of results stand."""
 
-from typing import Any, NamedTuple
+from collections.abc import Iterable
+from difflib import get_close_matches
+from itertools import chain, pairwise
 
 import numpy as np
 
+from ...results.schema import (
+    OWNERS,
+    QUANTITIES,
+    Axis,
+    Contents,
+    SuperelementFile,
+    attributes_of,
+    lay_out,
+)
+from ..arrays import Array
+from ..errors import ModelError
 from ..lower.lower import CompiledModel
 from ..model.model import GROUND
 from ..step.system import Output
-
-
-class Column(NamedTuple):
-    """A dataset: its units, and the field of the output that holds it, with what to take of each
-    row.
-    """
-
-    units: str
-    field: str
-    part: tuple[int | slice, ...] = ()
-
-    def rows(self, output: Output, n: int) -> Any:
-        return getattr(output, self.field)[(slice(n), *self.part)]
 
 
 def make_output(compiled: CompiledModel, n: int) -> Output:
@@ -56,69 +54,93 @@ def make_output(compiled: CompiledModel, n: int) -> Output:
     )
 
 
-def requested_columns(compiled: CompiledModel) -> dict[str, Column]:
-    """The datasets that the model asks for; `ModelError` for a quantity that there is not."""
-    request, columns = compiled.model.output, lay_out_columns(compiled)
-    request.check([group_of(name) for name in columns])
-    return {name: column for name, column in columns.items() if request.selects(group_of(name))}
+def requested(compiled: CompiledModel) -> Contents:
+    """What the model asks to be recorded; `ModelError` for a quantity that there is not."""
+    request, axes = compiled.model.output, axes_of(compiled)
+    owned = [f"{group}/{name}" for group, key in OWNERS.items() for name in axes[key].names]
+    request.check([*owned, "energy", "momentum", "solver"])
+    files = {
+        name: SuperelementFile.of(body.source) if body.source else SuperelementFile("")
+        for name, body in compiled.model.flexible_bodies.items()
+    }
+    without = [] if compiled.all_modal else ["energy/modal"]
+    return lay_out(axes, files, request.selects, without)
 
 
-def group_of(name: str) -> str:
-    """The group of a dataset."""
-    return name.rpartition("/")[0]
+def axes_of(compiled: CompiledModel) -> dict[str, Axis]:
+    """The entries of all dimensions, with where they stand in the output."""
+    model = compiled.model
+    springs = {spring.name for spring in model.springs}
+    couplings = list(enumerate(compiled.coupling_names))
+    owners = {
+        "body": list(enumerate(compiled.body_names)),
+        "frame": [(f, name) for f, name in enumerate(compiled.frame_names) if _on_body(name)],
+        "joint": [(j, name) for j, name in couplings if name not in springs],
+        "spring": [(j, name) for j, name in couplings if name in springs],
+    }
+    axes = {key: _axis(entries) for key, entries in owners.items()}
+    lengths = compiled.measures_lengths.tolist()
+    ranges = list(pairwise(compiled.system.couplings.range.tolist()))
+    for key, ragged in (("joint", "joint_constraint"), ("spring", "spring_component")):
+        entries = [
+            (row, f"{name}.{row - ranges[j][0] + 1}")
+            for j, name in owners[key]
+            for row in range(*ranges[j])
+        ]
+        axes[ragged] = _axis(entries, [not lengths[row] for row, _ in entries])
+    names = [f"{joint}.{coordinate}" for joint, coordinate in compiled.observers]
+    angular = ["angle" in coordinate for _, coordinate in compiled.observers]
+    axes["joint_coordinate"] = _axis(list(enumerate(names)), angular)
+    return axes
 
 
-def lay_out_columns(compiled: CompiledModel) -> dict[str, Column]:
-    """All datasets by name, in the order of the file, but for those that are derived of others:
-    time and balances.
+def _on_body(frame: str) -> bool:
+    """Whether it is a frame of a body, not a body itself or a frame fixed in space."""
+    return "." in frame and not frame.startswith(f"{GROUND}.")
+
+
+def _axis(entries: list[tuple[int, str]], angular: Iterable[bool] = ()) -> Axis:
+    return Axis(
+        tuple(name for _, name in entries), tuple(angular), tuple(row for row, _ in entries)
+    )
+
+
+def views(compiled: CompiledModel, names: Iterable[str], output: Output) -> list[Array]:
+    """Views (n,) of the output of one step by name, as "joints/pivot/angle"; `ModelError` for a
+    name that there is not.
     """
-    columns: dict[str, Column] = {}
-    for b, name in enumerate(compiled.body_names):
-        columns |= {
-            f"bodies/{name}/x": Column("m", "x", (b,)),
-            f"bodies/{name}/R": Column("1", "R", (b,)),
-            f"bodies/{name}/v": Column("m/s, rad/s", "v", (b,)),
-            f"bodies/{name}/v_dot": Column("m/s^2, rad/s^2", "v_dot", (b,)),
-        }
-    for f, name in enumerate(compiled.frame_names):
-        if "." not in name or name.startswith(f"{GROUND}."):
-            continue
-        columns |= {
-            f"frames/{name}/position": Column("m", "frame_position", (f,)),
-            f"frames/{name}/rotation": Column("1", "frame_rotation", (f,)),
-            f"frames/{name}/velocity": Column("m/s, rad/s", "frame_velocity", (f,)),
-            f"frames/{name}/acceleration": Column("m/s^2, rad/s^2", "frame_acceleration", (f,)),
-            f"frames/{name}/u": Column("m, rad", "frame_u", (f,)),
-            f"frames/{name}/force": Column("N, N m", "frame_force", (f,)),
-        }
-    columns |= _coupling_columns(compiled)
-    for i, name in enumerate(("kinetic", "elastic", "springs", "potential", "work")):
-        columns[f"energy/{name}"] = Column("J", "energy", (i,))
-    if compiled.all_modal:
-        columns["energy/modal"] = Column("J", "energy", (6,))
-    columns["momentum/linear"] = Column("kg m/s", "momentum", (slice(0, 3),))
-    columns["momentum/angular"] = Column("kg m^2/s", "momentum", (slice(3, 6),))
-    columns["solver/iterations"] = Column("1", "iterations")
-    columns["solver/residual"] = Column("1", "residual")
-    return columns
+    axes = axes_of(compiled)
+    return list(chain.from_iterable(_views(compiled, axes, name, output) for name in names))
 
 
-def _coupling_columns(compiled: CompiledModel) -> dict[str, Column]:
-    columns: dict[str, Column] = {}
-    first = compiled.system.couplings.range.tolist()
-    groups = {spring.name: "springs" for spring in compiled.model.springs}
-    for j, name in enumerate(compiled.coupling_names):
-        rows = slice(first[j], first[j + 1])
-        group = groups.get(name, "joints")
-        columns |= {
-            f"{group}/{name}/multipliers": Column("N, N m", "multipliers", (rows,)),
-            f"{group}/{name}/force": Column("N", "coupling_wrench", (j, slice(0, 3))),
-            f"{group}/{name}/moment": Column("N m", "coupling_wrench", (j, slice(3, 6))),
-        }
-        if group == "springs":
-            columns[f"{group}/{name}/coordinates"] = Column("m, rad", "coordinates", (rows,))
-    for i, (joint, coordinate) in enumerate(compiled.observers):
-        units = "rad" if "angle" in coordinate else "m"
-        columns[f"joints/{joint}/{coordinate}"] = Column(units, "observed", (i,))
-        columns[f"joints/{joint}/{coordinate}_rate"] = Column(f"{units}/s", "observed_rates", (i,))
-    return columns
+def _views(
+    compiled: CompiledModel, axes: dict[str, Axis], name: str, output: Output
+) -> list[Array]:
+    key, _, attribute = name.rpartition("/")
+    group, _, owner = key.partition("/")
+    found: list[Array] = []
+    if group in OWNERS and owner in axes[OWNERS[group]].names:
+        for known, quantity, entries in attributes_of(axes, group, owner):
+            if known == attribute:
+                rows = axes[quantity.dimensions[1]].rows[entries]
+                if isinstance(rows, tuple):
+                    rows = slice(rows[0], rows[-1] + 1) if rows else slice(0)
+                found.append(getattr(output, quantity.field)[:1, rows][(..., *quantity.part)])
+    for quantity in QUANTITIES:
+        if quantity.key == name and quantity.field and not quantity.owned:
+            found.append(getattr(output, quantity.field)[:1][(..., *quantity.part)])
+    if not found or (name == "energy/modal" and not compiled.all_modal):
+        near = get_close_matches(name, _names(axes), n=3)
+        meant = f"; did you mean {' or '.join(map(repr, near))}?" if near else ""
+        raise ModelError(f"outputs: no {name!r}{meant}")
+    return [view.reshape(-1) for view in found]
+
+
+def _names(axes: dict[str, Axis]) -> list[str]:
+    """The names of all outputs of a step."""
+    names = [q.key for q in QUANTITIES if q.field and not q.owned]
+    for group, dimension in OWNERS.items():
+        for owner in axes[dimension].names:
+            found = dict.fromkeys(known for known, _, _ in attributes_of(axes, group, owner))
+            names += [f"{group}/{owner}/{attribute}" for attribute in found]
+    return names

@@ -1,36 +1,38 @@
-"""Rows of output on their way to the results file: they wait until they are many, or a second old."""
+"""Rows of output on their way to results: they wait until they are many, or a second old."""
 
 import time
 from types import TracebackType
 
 import numpy as np
 
+from ...results.schema import Batch
+from ...results.source import Writer
 from ..arrays import Index
 from ..lower.lower import CompiledModel
 from .columns import make_output
-from .file import ResultsFile
+from .writer import rows_of
 
 NUMBERS = 1 << 20
 """how many numbers wait at most"""
-BETWEEN_WRITES = 1.0
-"""seconds: what a run that is killed loses, so that writing takes little of the time of any run"""
 
 
 class Recorder:
     """Gives the time loop rows for the steps that are to be recorded, and writes them.
 
-    Leaving it, in whatever way, writes what waits.
+    Leaving it, in whatever way, writes what waits; but a run that fails in its first step leaves an
+    earlier results file as it is.
     """
 
-    def __init__(self, file: ResultsFile, compiled: CompiledModel) -> None:
+    def __init__(self, writer: Writer, compiled: CompiledModel) -> None:
         width = sum(array[0].size for array in make_output(compiled, 1))
         self._every, self._last = compiled.model.output.every, compiled.n_steps
-        n = min(NUMBERS // width, self._last // self._every + 2)
+        n = min(NUMBERS // width, rows_of(compiled))
         self.output = make_output(compiled, max(n, 16))
-        self._file = file
+        self._writer, self._h = writer, compiled.h
         self._steps = np.empty(len(self.output.residual), dtype=np.int64)
-        self._waiting = 0
+        self._waiting = self._taken = 0
         self._written = time.perf_counter()
+        self._energy_start = np.zeros(self.output.energy.shape[1])
 
     def __enter__(self) -> "Recorder":
         return self
@@ -50,14 +52,18 @@ class Recorder:
         n = int(recorded.sum())
         self._steps[self._waiting : self._waiting + n] = first + np.flatnonzero(recorded)
         self._waiting += n
-        if (
-            self._waiting == len(self._steps)
-            or time.perf_counter() - self._written > BETWEEN_WRITES
-        ):
-            self.flush()
+        if first == 0:
+            self._energy_start = self.output.energy[0].copy()
+        else:
+            self._taken += len(rows)
+        full = self._waiting == len(self._steps)
+        if full or time.perf_counter() - self._written > self._writer.pause:
+            self.write()
 
-    def flush(self) -> None:
-        self._file.append(self._steps[: self._waiting], self.output)
+    def write(self) -> None:
+        if self._waiting:
+            steps = self._steps[: self._waiting]
+            self._writer.append(Batch(steps, self._h, self.output, self._energy_start))
         self._waiting, self._written = 0, time.perf_counter()
 
     def __exit__(
@@ -66,4 +72,7 @@ class Recorder:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self.flush()
+        if error is not None and self._taken == 0 and self._writer.abandon():
+            return
+        self.write()
+        self._writer.flush()
