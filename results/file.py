@@ -199,9 +199,13 @@ def _opened(path: Path, mode: str, patience: float) -> h5py.File:
     while True:
         try:
             return h5py.File(path, mode)
-        except BlockingIOError:
-            if time.monotonic() > deadline:
+        except OSError as error:
+            # the one is said of another process, the other of this one
+            held = isinstance(error, BlockingIOError) or "already open" in str(error)
+            if not held:
                 raise
+            if time.monotonic() > deadline:
+                raise BlockingIOError(f"others have it open: {error}") from error
             time.sleep(0.005)
 
 
@@ -291,7 +295,8 @@ def _image(contents: Contents, notes: Mapping[str, Any], model: str, rows: int) 
         scales["time"] = _create(file, contents.quantities[0], axes, rows)
         for name, scale in scales.items():
             scale.make_scale(name)
-            scale.attrs["long_name"] = DIMENSIONS[name].description
+            if name != "time":
+                scale.attrs["long_name"] = DIMENSIONS[name].description
         for quantity in contents.quantities[1:]:
             _attach(_create(file, quantity, axes, rows), quantity.dimensions, scales)
             if not isinstance(quantity.unit, str):
@@ -320,8 +325,7 @@ def _create(file: h5py.File, quantity: Quantity, axes: Axes, rows: int) -> h5py.
         dtype=np.int64 if quantity.integer else np.float64,
         fillvalue=None if quantity.integer else np.nan,
     )
-    dataset.attrs["long_name"] = quantity.name.replace("_", " ")
-    dataset.attrs["description"] = quantity.description
+    dataset.attrs["long_name"] = quantity.description
     units = set(quantity.units(axes))
     if len(units) == 1:
         dataset.attrs["units"] = units.pop()

@@ -42,21 +42,25 @@ class Dimension:
 DIMENSIONS = {
     dimension.name: dimension
     for dimension in (
-        Dimension("time", "recorded steps, the start included"),
+        Dimension("time", "time of each recorded step, the start included"),
         Dimension("axis", "Cartesian axes", entries=("x", "y", "z")),
         Dimension("quaternion", "components of unit quaternions", entries=("w", "x", "y", "z")),
         Dimension("body", "bodies", "bodies"),
         Dimension("frame", "frames of bodies, as BODY.FRAME", "frames"),
         Dimension("joint", "joints and prescribed motions", "joints"),
-        Dimension("joint_constraint", "their constraints, as JOINT.NUMBER", "joints", ragged=True),
+        Dimension(
+            "joint_constraint", "constraints of joints, as JOINT.NUMBER", "joints", ragged=True
+        ),
         Dimension(
             "joint_coordinate",
-            "their free and driven coordinates, as JOINT.COORDINATE",
+            "free and driven coordinates of joints, as JOINT.COORDINATE",
             "joints",
             ragged=True,
         ),
         Dimension("spring", "springs", "springs"),
-        Dimension("spring_component", "their components, as SPRING.NUMBER", "springs", ragged=True),
+        Dimension(
+            "spring_component", "components of springs, as SPRING.NUMBER", "springs", ragged=True
+        ),
         Dimension("flexible_body", "bodies with superelements"),
     )
 }
@@ -214,144 +218,112 @@ def _together(rows: Sequence[int]) -> Any:
 _BODY, _TURN = ("time", "body", "axis"), ("time", "body", "quaternion")
 _FRAME, _FRAME_TURN = ("time", "frame", "axis"), ("time", "frame", "quaternion")
 _JOINT, _CONSTRAINT = ("time", "joint", "axis"), ("time", "joint_constraint")
-_COORDINATE = ("time", "joint_coordinate")
 _SPRING, _COMPONENT = ("time", "spring", "axis"), ("time", "spring_component")
 _TIME, _VECTOR = ("time",), ("time", "axis")
+_COORDINATE = ("time", "joint_coordinate")
+
+
+def _pair(
+    names: tuple[str, str],
+    dimensions: tuple[str, ...],
+    units: tuple[str, str],
+    descriptions: tuple[str, str],
+    keys: tuple[str, str],
+    field: str,
+) -> tuple[Quantity, Quantity]:
+    """A linear and an angular quantity that stand side by side in a field (n, ..., 6)."""
+    linear = Quantity(names[0], dimensions, units[0], descriptions[0], keys[0], field, LINEAR)
+    return linear, Quantity(
+        names[1], dimensions, units[1], descriptions[1], keys[1], field, ANGULAR
+    )
 
 
 def _energy(name: str, column: str, description: str, optional: bool = False) -> Quantity:
-    part = (ENERGIES.index(column),)
-    return Quantity(
-        name, _TIME, "J", description, f"energy/{column}", "energy", part, optional=optional
-    )
+    key, part = f"energy/{column}", (ENERGIES.index(column),)
+    return Quantity(name, _TIME, "J", description, key, "energy", part, optional=optional)
 
 
 QUANTITIES = (
     Quantity("time", _TIME, "s", "time of each recorded step", "/time", derive=_time),
     Quantity("body_position", _BODY, "m", "center of mass, in space", "bodies/x", "x"),
-    Quantity("body_rotation", _TURN, "1", "unit quaternion, body axes to space", "bodies/R", "R"),
-    Quantity(
-        "body_velocity", _BODY, "m s-1", "of the center of mass, in space", "bodies/v", "v", LINEAR
-    ),
-    Quantity("body_angular_velocity", _BODY, "rad s-1", "in body axes", "bodies/v", "v", ANGULAR),
-    Quantity(
-        "body_acceleration",
+    Quantity("body_rotation", _TURN, "1", "unit quaternion, body to space", "bodies/R", "R"),
+    *_pair(
+        ("body_velocity", "body_angular_velocity"),
         _BODY,
-        "m s-2",
-        "of the center of mass, in space",
-        "bodies/v_dot",
-        "v_dot",
-        LINEAR,
+        ("m s-1", "rad s-1"),
+        ("velocity of the center of mass, in space", "angular velocity, in body axes"),
+        ("bodies/v", "bodies/v"),
+        "v",
     ),
-    Quantity(
-        "body_angular_acceleration",
+    *_pair(
+        ("body_acceleration", "body_angular_acceleration"),
         _BODY,
-        "rad s-2",
-        "in body axes",
-        "bodies/v_dot",
+        ("m s-2", "rad s-2"),
+        ("acceleration of the center of mass, in space", "angular acceleration, in body axes"),
+        ("bodies/v_dot", "bodies/v_dot"),
         "v_dot",
-        ANGULAR,
     ),
     Quantity(
-        "frame_position", _FRAME, "m", "origin, in space", "frames/position", "frame_position"
+        "frame_position",
+        _FRAME,
+        "m",
+        "origin of the frame, in space",
+        "frames/position",
+        "frame_position",
     ),
     Quantity(
         "frame_rotation",
         _FRAME_TURN,
         "1",
-        "unit quaternion, frame axes to space",
+        "unit quaternion, frame to space",
         "frames/rotation",
         "frame_rotation",
     ),
-    Quantity(
+    *_pair(
+        ("frame_velocity", "frame_angular_velocity"),
+        _FRAME,
+        ("m s-1", "rad s-1"),
+        ("velocity of the origin of the frame, in space", "angular velocity, in space"),
+        ("frames/velocity", "frames/velocity"),
         "frame_velocity",
-        _FRAME,
-        "m s-1",
-        "of the origin, in space",
-        "frames/velocity",
-        "frame_velocity",
-        LINEAR,
     ),
-    Quantity(
-        "frame_angular_velocity",
+    *_pair(
+        ("frame_acceleration", "frame_angular_acceleration"),
         _FRAME,
-        "rad s-1",
-        "in space",
-        "frames/velocity",
-        "frame_velocity",
-        ANGULAR,
-    ),
-    Quantity(
+        ("m s-2", "rad s-2"),
+        ("acceleration of the origin of the frame, in space", "angular acceleration, in space"),
+        ("frames/acceleration", "frames/acceleration"),
         "frame_acceleration",
-        _FRAME,
-        "m s-2",
-        "of the origin, in space",
-        "frames/acceleration",
-        "frame_acceleration",
-        LINEAR,
     ),
-    Quantity(
-        "frame_angular_acceleration",
+    *_pair(
+        ("frame_elastic_displacement", "frame_elastic_rotation"),
         _FRAME,
-        "rad s-2",
-        "in space",
-        "frames/acceleration",
-        "frame_acceleration",
-        ANGULAR,
-    ),
-    Quantity(
-        "frame_elastic_displacement",
-        _FRAME,
-        "m",
-        "of the interface in body axes; 0 on rigid bodies",
-        "frames/u",
+        ("m", "rad"),
+        (
+            "elastic displacement of the interface, in body axes",
+            "elastic rotation vector of the interface, in body axes",
+        ),
+        ("frames/u", "frames/u"),
         "frame_u",
-        LINEAR,
     ),
-    Quantity(
-        "frame_elastic_rotation",
+    *_pair(
+        ("frame_force", "frame_moment"),
         _FRAME,
-        "rad",
-        "rotation vector of the interface in body axes; 0 on rigid bodies",
-        "frames/u",
-        "frame_u",
-        ANGULAR,
-    ),
-    Quantity(
+        ("N", "N m"),
+        (
+            "force of joints, springs and loads on the body, in space",
+            "moment of the same about the origin of the frame, in space",
+        ),
+        ("frames/force", "frames/force"),
         "frame_force",
-        _FRAME,
-        "N",
-        "of joints, springs and loads on the body, in space",
-        "frames/force",
-        "frame_force",
-        LINEAR,
     ),
-    Quantity(
-        "frame_moment",
-        _FRAME,
-        "N m",
-        "of the same on the body about the origin of the frame, in space",
-        "frames/force",
-        "frame_force",
-        ANGULAR,
-    ),
-    Quantity(
-        "joint_force",
+    *_pair(
+        ("joint_force", "joint_moment"),
         _JOINT,
-        "N",
-        "on the second body, in space",
-        "joints/force",
+        ("N", "N m"),
+        ("force on the second body, in space", "moment on the second body, in space"),
+        ("joints/force", "joints/moment"),
         "coupling_wrench",
-        LINEAR,
-    ),
-    Quantity(
-        "joint_moment",
-        _JOINT,
-        "N m",
-        "on the second body about its frame, in space",
-        "joints/moment",
-        "coupling_wrench",
-        ANGULAR,
     ),
     Quantity(
         "joint_multiplier",
@@ -377,23 +349,13 @@ QUANTITIES = (
         "joints/{}_rate",
         "observed_rates",
     ),
-    Quantity(
-        "spring_force",
+    *_pair(
+        ("spring_force", "spring_moment"),
         _SPRING,
-        "N",
-        "on the second body, in space",
-        "springs/force",
+        ("N", "N m"),
+        ("force on the second body, in space", "moment on the second body, in space"),
+        ("springs/force", "springs/moment"),
         "coupling_wrench",
-        LINEAR,
-    ),
-    Quantity(
-        "spring_moment",
-        _SPRING,
-        "N m",
-        "on the second body about its frame, in space",
-        "springs/moment",
-        "coupling_wrench",
-        ANGULAR,
     ),
     Quantity(
         "spring_multiplier",
@@ -411,24 +373,17 @@ QUANTITIES = (
         "springs/coordinates",
         "coordinates",
     ),
-    _energy("kinetic_energy", "kinetic", "of the rigid motion of all bodies"),
-    _energy(
-        "elastic_energy", "elastic", "vibration included, from the work of the interface loads"
-    ),
-    _energy(
-        "modal_energy",
-        "modal",
-        "the same, from the modes; absent where a body convolves its kernel directly",
-        optional=True,
-    ),
-    _energy("spring_energy", "springs", "stored in springs"),
-    _energy("potential_energy", "potential", "of gravity"),
-    _energy("external_work", "work", "of loads and drives since t = 0"),
+    _energy("kinetic_energy", "kinetic", "kinetic energy of the rigid motions"),
+    _energy("elastic_energy", "elastic", "elastic energy, from the work of the interface loads"),
+    _energy("modal_energy", "modal", "elastic energy, from the modes", optional=True),
+    _energy("spring_energy", "springs", "energy stored in springs"),
+    _energy("potential_energy", "potential", "potential energy of gravity"),
+    _energy("external_work", "work", "work of loads and drives since t = 0"),
     Quantity(
         "dissipated_energy",
         _TIME,
         "J",
-        "taken by dampers since t = 0",
+        "energy taken by dampers since t = 0",
         "energy/dissipated",
         derive=_dissipated,
     ),
@@ -436,27 +391,17 @@ QUANTITIES = (
         "energy_balance",
         _TIME,
         "J",
-        "change of the sum of all energies and of what was dissipated, less the work",
+        "change of all energies since t = 0, and dissipated energy, less external work",
         "energy/balance",
         derive=_balance,
     ),
-    Quantity(
-        "linear_momentum",
+    *_pair(
+        ("linear_momentum", "angular_momentum"),
         _VECTOR,
-        "kg m s-1",
-        "of all bodies, in space",
-        "momentum/linear",
+        ("kg m s-1", "kg m2 s-1"),
+        ("momentum of all bodies, in space", "angular momentum about the origin, in space"),
+        ("momentum/linear", "momentum/angular"),
         "momentum",
-        LINEAR,
-    ),
-    Quantity(
-        "angular_momentum",
-        _VECTOR,
-        "kg m2 s-1",
-        "of all bodies about the origin, in space",
-        "momentum/angular",
-        "momentum",
-        ANGULAR,
     ),
     Quantity(
         "newton_iterations",

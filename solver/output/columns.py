@@ -1,8 +1,8 @@
 """The output of the time loop, and where in it the entries of results stand."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
-from itertools import chain, pairwise
+from itertools import pairwise
 
 import numpy as np
 
@@ -63,8 +63,7 @@ def requested(compiled: CompiledModel) -> Contents:
         name: SuperelementFile.of(body.source) if body.source else SuperelementFile("")
         for name, body in compiled.model.flexible_bodies.items()
     }
-    without = [] if compiled.all_modal else ["energy/modal"]
-    return lay_out(axes, files, request.selects, without)
+    return lay_out(axes, files, request.selects, _unknown(compiled))
 
 
 def axes_of(compiled: CompiledModel) -> dict[str, Axis]:
@@ -109,38 +108,44 @@ def views(compiled: CompiledModel, names: Iterable[str], output: Output) -> list
     """Views (n,) of the output of one step by name, as "joints/pivot/angle"; `ModelError` for a
     name that there is not.
     """
+    axes, known = axes_of(compiled), available(compiled)
+    found: list[Array] = []
+    for name in names:
+        if name not in known:
+            near = get_close_matches(name, known, n=3)
+            meant = f"; did you mean {' or '.join(map(repr, near))}?" if near else ""
+            raise ModelError(f"outputs: no {name!r}{meant}")
+        found += [view.reshape(-1) for view in _views(axes, name, output)]
+    return found
+
+
+def available(compiled: CompiledModel) -> dict[str, None]:
+    """The names of all outputs of a step."""
     axes = axes_of(compiled)
-    return list(chain.from_iterable(_views(compiled, axes, name, output) for name in names))
+    names = [quantity.key for quantity in QUANTITIES if quantity.field and not quantity.owned]
+    for group, dimension in OWNERS.items():
+        for owner in axes[dimension].names:
+            attributes = [name for name, _, _ in attributes_of(axes, group, owner)]
+            names += [f"{group}/{owner}/{attribute}" for attribute in attributes]
+    return dict.fromkeys(name for name in names if name not in _unknown(compiled))
 
 
-def _views(
-    compiled: CompiledModel, axes: dict[str, Axis], name: str, output: Output
-) -> list[Array]:
+def _views(axes: dict[str, Axis], name: str, output: Output) -> Iterator[Array]:
+    """The parts of an output."""
     key, _, attribute = name.rpartition("/")
     group, _, owner = key.partition("/")
-    found: list[Array] = []
-    if group in OWNERS and owner in axes[OWNERS[group]].names:
-        for known, quantity, entries in attributes_of(axes, group, owner):
-            if known == attribute:
+    if group in OWNERS:
+        for found, quantity, entries in attributes_of(axes, group, owner):
+            if found == attribute:
                 rows = axes[quantity.dimensions[1]].rows[entries]
                 if isinstance(rows, tuple):
                     rows = slice(rows[0], rows[-1] + 1) if rows else slice(0)
-                found.append(getattr(output, quantity.field)[:1, rows][(..., *quantity.part)])
+                yield getattr(output, quantity.field)[:1, rows][(..., *quantity.part)]
     for quantity in QUANTITIES:
-        if quantity.key == name and quantity.field and not quantity.owned:
-            found.append(getattr(output, quantity.field)[:1][(..., *quantity.part)])
-    if not found or (name == "energy/modal" and not compiled.all_modal):
-        near = get_close_matches(name, _names(axes), n=3)
-        meant = f"; did you mean {' or '.join(map(repr, near))}?" if near else ""
-        raise ModelError(f"outputs: no {name!r}{meant}")
-    return [view.reshape(-1) for view in found]
+        if quantity.key == name and not quantity.owned:
+            yield getattr(output, quantity.field)[:1][(..., *quantity.part)]
 
 
-def _names(axes: dict[str, Axis]) -> list[str]:
-    """The names of all outputs of a step."""
-    names = [q.key for q in QUANTITIES if q.field and not q.owned]
-    for group, dimension in OWNERS.items():
-        for owner in axes[dimension].names:
-            found = dict.fromkeys(known for known, _, _ in attributes_of(axes, group, owner))
-            names += [f"{group}/{owner}/{attribute}" for attribute in found]
-    return names
+def _unknown(compiled: CompiledModel) -> tuple[str, ...]:
+    """The optional quantities that a model does not have."""
+    return () if compiled.all_modal else ("energy/modal",)

@@ -40,6 +40,15 @@ def test_the_results_stand_beside_the_model_file(runner, model_file):
         )
 
 
+def test_a_run_without_steps_has_no_time_per_step(runner, model_file):
+    model_file.write_text(MODEL.replace("t_end = 0.01", "t_end = 1e-300"))
+    result = runner.invoke(app, ["run", str(model_file)])
+    assert result.exit_code == 0, result.output
+    last = result.stdout.splitlines()[-1]
+    target = model_file.with_name("flight-results.h5")
+    assert re.fullmatch(rf"{target}: 0 steps, [\d.]+ s in all", last)
+
+
 def test_the_momentum_at_the_end_is_told(runner, model_file, element_file):
     result = runner.invoke(app, ["run", str(model_file)])
     mass = read(element_file).mass

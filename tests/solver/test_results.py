@@ -13,7 +13,16 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from duhamel.solver import ConvergenceError, Function, Results, ResultsError, read_model, simulate
+from duhamel.solver import (
+    Constant,
+    ConvergenceError,
+    Function,
+    Results,
+    ResultsError,
+    read_model,
+    simulate,
+    start,
+)
 from duhamel.superelement import write
 
 MODEL = """
@@ -211,6 +220,29 @@ def test_results_in_memory_are_those_of_the_file(results_file, model_file):
         assert a.keys() == b.keys()
         for key, array in a.items():
             np.testing.assert_array_equal(array, b[key])
+
+
+def test_the_start_alone_is_the_first_row_of_a_run(model_file, results_file):
+    alone, whole = start(read_model(model_file)), Results.read(results_file)
+    assert alone.time.tolist() == [0.0]
+    assert (alone.solver["steps"], alone.solver["finished"]) == (0, True)
+    assert alone.recorded == whole.recorded
+    np.testing.assert_array_equal(alone.frame("beam.tip").force, whole.frame("beam.tip").force[:1])
+    np.testing.assert_array_equal(alone.energy.balance, [0.0])
+    for name in ("opening", "moved", "degrees_of_freedom"):
+        assert alone.solver[name] == whole.solver[name]
+
+
+def test_a_run_that_fails_in_its_first_step_leaves_an_earlier_file(model_file, tmp_path):
+    model, path = read_model(model_file), tmp_path / "out.h5"
+    simulate(model, path)
+    torque = replace(model.loads[0], signal=Constant(1e12))
+    with pytest.raises(ConvergenceError, match="no convergence in step 1 "):
+        simulate(replace(model, loads=(torque,)), path)
+    left = Results.read(path)
+    assert left.solver["finished"]
+    assert len(left.time) == N
+    assert [entry.name for entry in tmp_path.iterdir()] == ["out.h5"]
 
 
 def test_a_second_run_replaces_the_file_of_the_first(results_file, model_file, tmp_path):
