@@ -45,7 +45,7 @@ LEAST_ROWS = 16
 SPARE = 1 << 20
 """bytes that HDF5 may want besides the numbers"""
 TEXT = h5py.string_dtype()
-DAMAGE = (OSError, RuntimeError, KeyError)
+DAMAGE = (OSError, RuntimeError, KeyError, ValueError, TypeError, MemoryError)
 """what h5py raises on a file with wrong bytes inside"""
 
 
@@ -368,8 +368,8 @@ def _put_strings(file: h5py.File, name: str, values: Sequence[str]) -> h5py.Data
 def _attach(
     dataset: h5py.Dataset, dimensions: Sequence[str], scales: Mapping[str, h5py.Dataset]
 ) -> None:
-    for axis, name in zip(dataset.dims, dimensions, strict=True):
-        axis.attach_scale(scales[name])
+    for axis, name in enumerate(dimensions):
+        h5py.h5ds.attach_scale(dataset.id, scales[name].id, axis)
 
 
 def _plain(notes: Mapping[str, Any]) -> dict[str, Any]:
