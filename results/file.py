@@ -98,6 +98,8 @@ class FileSource:
             raise ResultsError(f"{self._path}: {error}") from error
         except FileNotFoundError as error:
             raise ResultsError(f"{self._path}: no such file") from error
+        except BlockingIOError as error:
+            raise ResultsError(f"{self._path}: cannot be read: {error}") from error
         except DAMAGE as error:
             raise ResultsError(f"{self._path}: not a readable HDF5 file: {error}") from error
 
@@ -122,8 +124,6 @@ class FileWriter:
         # Made in memory first: HDF5 itself brings the process down when the disk is full.
         image = _image(contents, {**notes, "written": 0, "run": self._run}, model, rows)
         with _failures_named(path):
-            if path.exists() and not path.is_file():
-                raise OSError("not a regular file")
             self._target = path.resolve()
             self._file = self._target.with_name(f".{self._target.name}.{self._run[:8]}")
             self._file.write_bytes(image)
@@ -214,7 +214,7 @@ def _opened(path: Path, mode: str, patience: float) -> h5py.File:
         try:
             return h5py.File(path, mode)
         except OSError as error:
-            # the one is said of another process, the other of this one
+            # HDF5 says the one of another process, the other of this one
             held = isinstance(error, BlockingIOError) or "already open" in str(error)
             if not held:
                 raise

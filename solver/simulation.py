@@ -15,7 +15,7 @@ from .lower.lower import CompiledModel
 from .model.model import Model
 from .output.columns import make_output
 from .output.recorder import Recorder
-from .output.writer import check_folder, make_writer, read_back
+from .output.writer import check_output, make_writer, read_back
 from .progress import Progress
 from .start.initial import begin
 from .step.jit import is_cached
@@ -46,7 +46,7 @@ def start(model: Model) -> Results:
 
 def _run(model: Model, output: Path | None, progress: bool, steps: int | None = None) -> Results:
     if output is not None:
-        check_folder(output)
+        check_output(output, model)
     with (
         about(model.path),
         Progress("compiling (first run only)", shown=progress and not is_cached()),

@@ -31,7 +31,7 @@ class Simulator:
     the same impulse. What the next step can do before they are known is done at the end of the one
     before: to recall the past, to predict, to factor the matrix of a given number of `corrections`,
     with which all steps cost about the same. History "fft" is convolved in equal parts, one a step,
-    not in the growing blocks of `simulate`. `outputs` (n,) are the chosen datasets of results, one
+    not in the growing blocks of `simulate`. `outputs` (n,) are the chosen quantities of results, one
     after the other, at the present `time`; they are those of `simulate`.
 
     Raises ModelError for a model that cannot start, an output that there is not, a wrong number of

@@ -61,10 +61,12 @@ class Recorder:
             self.write()
 
     def write(self) -> None:
-        if self._waiting:
-            steps = self._steps[: self._waiting]
+        """Hand over the rows that wait; never twice, should an interrupt come in between."""
+        steps = self._steps[: self._waiting]
+        self._waiting = 0
+        if len(steps):
             self._writer.append(Batch(steps, self._h, self.output, self._energy_start))
-        self._waiting, self._written = 0, time.perf_counter()
+        self._written = time.perf_counter()
 
     def __exit__(
         self,

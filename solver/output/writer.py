@@ -14,9 +14,20 @@ from ..start.initial import Beginning
 from .columns import requested
 
 
-def check_folder(path: Path) -> None:
+def check_output(path: Path, model: Model) -> None:
+    """`ResultsError` for a place where no results can be, and for an input of the run."""
     if not path.parent.is_dir():
         raise ResultsError(f"{path}: no folder {path.parent}")
+    if not path.exists():
+        return
+    if not path.is_file():
+        raise ResultsError(f"{path}: cannot be written: not a regular file")
+    inputs = {str(model.path): "the model file"}
+    for name, body in model.flexible_bodies.items():
+        inputs[body.source] = f"the superelement of body {name!r}"
+    for file, what in inputs.items():
+        if file and Path(file).exists() and path.samefile(file):
+            raise ResultsError(f"{path}: this is {what}, which the results would replace")
 
 
 def make_writer(path: Path | None, beginning: Beginning, steps: int) -> Writer:

@@ -236,11 +236,6 @@ def test_a_full_disk_is_one_line_and_keeps_what_was_written(tmp_path, monkeypatc
     assert len(Results.read(path).time) == 3
 
 
-def test_a_folder_is_no_file(tmp_path):
-    with pytest.raises(ResultsError, match=f"{tmp_path}: cannot be written: not a regular file"):
-        FileWriter(tmp_path, make_contents(), NOTES, "model", 4)
-
-
 def test_a_link_is_followed(tmp_path):
     path, link, contents = tmp_path / "out.h5", tmp_path / "link.h5", make_contents()
     link.symlink_to(path)

@@ -13,6 +13,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from duhamel.results.file import FileWriter
 from duhamel.solver import (
     Constant,
     ConvergenceError,
@@ -376,6 +377,21 @@ def test_a_folder_that_is_missing_is_named(model_file, tmp_path):
         simulate(read_model(model_file), path)
 
 
+def test_results_do_not_replace_what_the_run_reads(model_file, tmp_path):
+    model, beam = read_model(model_file), model_file.with_name("beam.h5")
+    (tmp_path / "link.h5").symlink_to(beam)
+    for path, message in (
+        (beam, "this is the superelement of body 'beam', which the results would replace"),
+        (tmp_path / "link.h5", "this is the superelement of body 'beam'"),
+        (model_file, "this is the model file"),
+        (tmp_path, "cannot be written: not a regular file"),
+    ):
+        before = None if path.is_dir() else path.read_bytes()
+        with pytest.raises(ResultsError, match=f"{path}: {message}"):
+            simulate(model, path)
+        assert before is None or path.read_bytes() == before
+
+
 def under_a_load_that(model_file, acts):
     """The model with a load of nothing; `acts` is called once, as soon as the loop asks for its
     value at 5 ms.
@@ -469,3 +485,25 @@ def test_a_run_waits_for_those_that_read_its_file(model_file, tmp_path):
     with readers[0] as reader:
         assert reader.wait() == 0
     assert len(results.time) == N
+
+
+def test_an_interrupt_while_rows_are_written_leaves_each_row_once(
+    model_file, results_file, tmp_path, monkeypatch
+):
+    """It comes when the rows are on their way, and again when they are in the file."""
+    path, write = tmp_path / "out.h5", FileWriter._write
+    for late in (False, True):
+
+        def interrupted(writer, patience, late=late):
+            monkeypatch.setattr(FileWriter, "_write", write)
+            if late:
+                write(writer, patience)
+            raise KeyboardInterrupt
+
+        monkeypatch.setattr(FileWriter, "_write", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            simulate(read_model(model_file), path)
+        left, whole = Results.read(path), Results.read(results_file)
+        np.testing.assert_array_equal(left.time, whole.time[: len(left.time)])
+        np.testing.assert_array_equal(left.body("beam").x, whole.body("beam").x)
+        path.unlink()
