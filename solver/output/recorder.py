@@ -76,5 +76,7 @@ class Recorder:
     ) -> None:
         if error is not None and self._taken == 0 and self._writer.abandon():
             return
-        self.write()
-        self._writer.flush()
+        try:
+            self.write()
+        finally:
+            self._writer.flush()
