@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from .failures import told_in_one_line
+from .failures import errors_in_one_line
 
 app = typer.Typer(
     help="Impulse superelements from meshes, and multibody dynamics on them.",
@@ -25,7 +25,7 @@ ModelFile = Annotated[
 ]
 SuperelementFile = Annotated[Path, typer.Argument(metavar="FILE.h5", help="A superelement.")]
 ResultsFile = Annotated[
-    Path, typer.Argument(metavar="RESULTS.h5", help="What `duhamel run` wrote.")
+    Path, typer.Argument(metavar="RESULTS.h5", help="Written by `duhamel run`.")
 ]
 Panels = Annotated[
     list[str] | None,
@@ -52,7 +52,7 @@ DryRun = Annotated[
     bool,
     typer.Option(
         "--dry-run",
-        help="Only say what was found on the mesh and what to expect, and draw it: NAME.png beside the body file.",
+        help="Only report on the mesh and the cost, and draw it: NAME.png beside the body file.",
     ),
 ]
 StudyFile = Annotated[
@@ -94,14 +94,14 @@ Title = Annotated[
 def preprocess(
     body_file: BodyFile, output: PreprocessOutput = None, dry_run: DryRun = False
 ) -> None:
-    """Turn a mesh into a superelement: NAME.h5 beside the body file, unless told otherwise."""
+    """Turn a mesh into a superelement: NAME.h5 beside the body file, unless given."""
     start = perf_counter()
     from .. import preprocess, superelement
 
     if dry_run:
         _survey(body_file, output)
         return
-    with told_in_one_line(preprocess, superelement):
+    with errors_in_one_line(preprocess, superelement):
         body = preprocess.read_body(body_file)
         element = preprocess.build(body, progress=True)
         target = output or body_file.with_name(f"{element.name}.h5")
@@ -115,33 +115,32 @@ def _survey(body_file: Path, output: Path | None) -> None:
 
     from .. import preprocess, view
     from ..preprocess.survey import survey
-    from .survey import scene, tell
+    from .survey import report, scene
 
-    with told_in_one_line(preprocess, view):
+    with errors_in_one_line(preprocess, view):
         body = preprocess.read_body(body_file)
         found = survey(body, progress=True)
         target = output or body_file.with_name(f"{body.name}.png")
         view.save(view.draw_scene(scene(found)), target)
-    Console().print(tell(found))
+    Console().print(report(found))
     typer.echo(target)
 
 
 @app.command()
 def run(model_file: ModelFile, output: Output = None) -> None:
-    """Simulate a model: MODEL-results.h5 beside the model file, unless told otherwise."""
+    """Simulate a model: MODEL-results.h5 beside the model file, unless given."""
     start = perf_counter()
     from .. import solver, superelement
-    from .account import account
+    from .run_report import report
 
     target = output or model_file.with_name(f"{model_file.stem}-results.h5")
-    with told_in_one_line(solver, superelement):
+    with errors_in_one_line(solver, superelement):
         results = solver.simulate(solver.read_model(model_file), output=target, progress=True)
-    for line in account(results):
+    for line in report(results):
         typer.echo(line)
     steps, loop = int(results.solver["steps"]), float(results.solver["seconds"])
-    typer.echo(
-        f"{target}: {steps} steps, {perf_counter() - start:.2f} s in all, {1e6 * loop / steps:.1f} us per step"
-    )
+    speed = f", {1e6 * loop / steps:.1f} us per step" if steps else ""
+    typer.echo(f"{target}: {steps} steps, {perf_counter() - start:.2f} s in all{speed}")
 
 
 @app.command()
@@ -163,13 +162,13 @@ def sweep(
         )
     start = perf_counter()
     from .. import study
-    from .sweep import shown_cases, verdict
+    from .sweep import failures, shown_cases
 
-    with told_in_one_line(study):
+    with errors_in_one_line(study):
         plan = study.read_study(study_file, output)
-    with told_in_one_line(study), shown_cases(len(plan.cases)) as tell:
-        rows = study.sweep(plan, workers, scheduler, force, tell)
-    failed = list(verdict(rows))
+    with errors_in_one_line(study), shown_cases(len(plan.cases)) as finished:
+        rows = study.sweep(plan, workers, scheduler, force, finished)
+    failed = list(failures(rows))
     for line in failed:
         typer.echo(line, err=True)
     seconds = perf_counter() - start
@@ -187,23 +186,24 @@ def plot(
     output: Picture = None,
     title: Title = None,
 ) -> None:
-    """Draw results over time: RESULTS.png beside the results file, unless told otherwise.
+    """Draw results over time: RESULTS.png beside the results file, unless given.
 
     Each argument is a panel: a quantity, or several joined by commas. Without arguments: how fast
     the bodies turn, how far the flexible ones bend, the energies and their balance. A quantity that
     does not exist lists those that do.
     """
     from .. import view
+    from ..results import Results
 
     target = output or results_file.with_suffix(".png")
-    with told_in_one_line(view):
-        recording = view.read(results_file)
-        panels = [
-            [curve for quantity in panel.split(",") for curve in view.curves(recording, quantity)]
-            for panel in quantities or ()
-        ]
+    with errors_in_one_line(view):
+        results = Results.read(results_file)
+        panels = []
+        for panel in quantities or ():
+            named = [view.curves(results, quantity) for quantity in panel.split(",")]
+            panels.append([curve for curves in named for curve in curves])
         heading = results_file.stem if title is None else title
-        view.save(view.draw(recording.time, panels or view.overview(recording), heading), target)
+        view.save(view.draw(results.time, panels or view.overview(results), heading), target)
     typer.echo(target)
 
 
@@ -215,6 +215,6 @@ def info(file: SuperelementFile) -> None:
     from .. import superelement
     from .description import describe
 
-    with told_in_one_line(superelement):
+    with errors_in_one_line(superelement):
         element = superelement.read(file)
     Console().print(describe(element))

@@ -36,13 +36,13 @@ def describe(element: Superelement) -> Table:
 def _rigid(element: Superelement) -> Iterator[Row]:
     principal = np.linalg.eigvalsh(element.J_rot).astype(np.float64)
     yield "mass [kg]", f"{element.mass:.6g}"
-    yield "centre of mass [m]", _line(element.center)
+    yield "center of mass [m]", _line(element.center)
     yield "principal inertia [kg m^2]", _line(principal)
     yield "inertia [kg m^2]", "\n".join(_line(row) for row in element.J_rot)
 
 
 def _interfaces(interfaces: tuple[Interface, ...]) -> Iterator[Row]:
-    yield "interfaces", f"{len(interfaces)}, positions [m] from the centre of mass"
+    yield "interfaces", f"{len(interfaces)}, positions [m] from the center of mass"
     for interface in interfaces:
         yield f"  {interface.name}", f"{_line(interface.X)}   {interface.n_dofs} dofs"
 

@@ -1,4 +1,4 @@
-"""Which failures and warnings are the user's to mend, and how they are told."""
+"""Errors and warnings of the packages as lines of text."""
 
 import warnings
 from collections.abc import Iterator
@@ -11,7 +11,7 @@ import typer
 
 
 @contextmanager
-def told_in_one_line(*packages: ModuleType, about: Path | None = None) -> Iterator[None]:
+def errors_in_one_line(*packages: ModuleType, about: Path | None = None) -> Iterator[None]:
     """Print `error: ...` and exit with 1 on an exception that the packages export, `warning: ...`
     on a warning.
 
@@ -25,13 +25,15 @@ def told_in_one_line(*packages: ModuleType, about: Path | None = None) -> Iterat
             warnings.simplefilter("always", category)
         show = warnings.showwarning
 
-        def tell(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+        def show_own(
+            message: Warning | str, category: type[Warning], *where: Any, **more: Any
+        ) -> None:
             if issubclass(category, own_warnings):
                 typer.echo(f"warning: {message}", err=True)
             else:
                 show(message, category, *where, **more)
 
-        warnings.showwarning = tell
+        warnings.showwarning = show_own
         try:
             yield
         except exported as error:

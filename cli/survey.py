@@ -1,4 +1,4 @@
-"""What a dry run says of a body, and the picture of what was selected on its mesh."""
+"""The report of a dry run on a body, and the picture of the selections on its mesh."""
 
 from collections.abc import Iterator
 
@@ -13,14 +13,14 @@ from ..view import Patch, Place, Scene
 
 EXACT = "from the mesh itself"
 ESTIMATED = (
-    "upper bounds, by fields that are quadratic splines in space: a few per cent high for compact bodies, "
-    "up to a quarter where thin walls meet"
+    "upper bounds, by fields that are quadratic splines in space: a few per cent high for compact "
+    "bodies, up to a quarter where thin walls meet"
 )
 
 Row = tuple[str, str]
 
 
-def tell(survey: Survey) -> Table:
+def report(survey: Survey) -> Table:
     """Mesh, mass properties, places, frequencies and cost, a section each."""
     table = Table(title=Text(survey.body.name), show_header=False)
     table.add_column(no_wrap=True)
@@ -66,7 +66,7 @@ def _mesh(survey: Survey) -> Iterator[Row]:
 def _rigid(survey: Survey) -> Iterator[Row]:
     rigid = survey.structure.rigid
     yield "mass [kg]", f"{rigid.mass:.6g}"
-    yield "centre of mass [m]", _position(rigid.center, survey)
+    yield "center of mass [m]", _position(rigid.center, survey)
     yield "principal inertia [kg m^2]", _line(np.linalg.eigvalsh(rigid.J_rot).astype(np.float64))
     unit = "m" if survey.facets is None else "m^3"
     for share in survey.shares:
@@ -101,10 +101,8 @@ def _frequencies(survey: Survey) -> Iterator[Row]:
     yield f"first {len(found.values)} [Hz]", ", ".join(f"{value:.5g}" for value in found.values)
     yield "  found", EXACT if found.exact else ESTIMATED
     inside = int((found.values <= band).sum())
-    yield (
-        "band [Hz]",
-        f"up to {band:.5g}, which holds {'all' if inside == len(found.values) else inside} of these",
-    )
+    held = "all" if inside == len(found.values) else str(inside)
+    yield "band [Hz]", f"up to {band:.5g}, which holds {held} of these"
     kind = "bending" if survey.facets is None else "shear"
     hint = (
         ""

@@ -1,4 +1,4 @@
-"""What `duhamel sweep` shows while a study runs, and says at its end."""
+"""The progress of `duhamel sweep`, and its failures at the end."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -6,12 +6,12 @@ from contextlib import contextmanager
 import typer
 
 from ..study import Row
-from ..study.sweep import Tell
+from ..study.sweep import OnFinished
 
 
 @contextmanager
-def shown_cases(total: int) -> Iterator[Tell]:
-    """A bar that fills with the cases; their warnings are told above it as they come."""
+def shown_cases(total: int) -> Iterator[OnFinished]:
+    """A bar that fills with the cases; their warnings appear above it as they come."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
@@ -22,15 +22,15 @@ def shown_cases(total: int) -> Iterator[Tell]:
     ) as bar:
         task = bar.add_task("cases", total=total)
 
-        def tell(row: Row) -> None:
+        def finished(row: Row) -> None:
             bar.advance(task)
             for warning in row.warnings:
                 typer.echo(f"warning: {row.case.name}: {warning}", err=True)
 
-        yield tell
+        yield finished
 
 
-def verdict(rows: Sequence[Row]) -> Iterator[str]:
+def failures(rows: Sequence[Row]) -> Iterator[str]:
     """A line for each case that failed."""
     for row in rows:
         if row.status == "failed":

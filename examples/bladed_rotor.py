@@ -16,6 +16,7 @@ import numpy as np
 import scipy.sparse as sp
 from duhamel import preprocess, solver, superelement, view
 from duhamel.preprocess import assemble
+from duhamel.results import quantities
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.sparse.linalg import eigsh
@@ -67,7 +68,7 @@ def main(folder: Path) -> tuple[Motion, Checks]:
     model = solver.read_model(ROOT / "examples/bladed_rotor.toml")
     target = folder / "bladed-rotor.h5"
     results = solver.simulate(model, output=target)
-    found = motion(model, view.read(target))
+    found = motion(model, solver.Results.read(target))
     checks = compare(results, found)
     with view.style():
         view.save(curves(found, results), folder / "bladed-rotor.png")
@@ -85,11 +86,12 @@ def ensure_superelement() -> Path:
     return target
 
 
-def motion(model: solver.Model, recording: view.Recording) -> Motion:
+def motion(model: solver.Model, results: solver.Results) -> Motion:
     tips = [
-        recording.displacement(f"blade_{n}.tip", seen_from=f"hub.seat_{n}")[:, 2] for n in BLADES
+        quantities.displacement(results, f"blade_{n}.tip", seen_from=f"hub.seat_{n}")[:, 2]
+        for n in BLADES
     ]
-    time = recording.time
+    time = results.time
     (blow,) = [load for load in model.loads if load.on == "blade_1.tip"]
     force = blow.direction[2] * blow.signal.samples(time, time[1])
     return Motion(time, np.array(tips), held_blade(time, force))

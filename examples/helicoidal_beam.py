@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 from duhamel import preprocess, solver, superelement, view
 from duhamel.preprocess.body.body import PointMass
+from duhamel.results import quantities
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -56,15 +57,14 @@ class Run:
 
     model: solver.Model
     results: solver.Results
-    recording: view.Recording
 
     @property
     def time(self) -> Array:
-        return self.recording.time
+        return self.results.time
 
     @property
     def deflection(self) -> Array:
-        return self.recording.displacement("beam.tip", seen_from="hub.rim")
+        return quantities.displacement(self.results, "beam.tip", seen_from="hub.rim")
 
     @property
     def turns(self) -> float:
@@ -73,7 +73,7 @@ class Run:
     @property
     def height(self) -> Array:
         """Of the center of mass of the beam (n,) [m]."""
-        return self.recording.position("beam")[:, 2]
+        return quantities.position(self.results, "beam")[:, 2]
 
 
 def main(folder: Path) -> dict[str, Run]:
@@ -86,10 +86,10 @@ def main(folder: Path) -> dict[str, Run]:
     check(runs)
     with view.style():
         for case in CASES:
-            view.save(overview(case, runs[f"{case}-beam"].recording), folder / f"{case}.png")
+            view.save(overview(case, runs[f"{case}-beam"].results), folder / f"{case}.png")
             view.save(tip(case, runs), folder / f"{case}-tip.png")
             view.save(
-                trajectory(case, runs[f"{case}-beam"].recording), folder / f"{case}-trajectory.png"
+                trajectory(case, runs[f"{case}-beam"].results), folder / f"{case}-trajectory.png"
             )
         view.save(after_the_blow(runs), folder / "case5-both-ways.png")
     return runs
@@ -150,7 +150,7 @@ def with_impulse(model: solver.Model, area: float) -> solver.Model:
 
 
 def run(model: solver.Model, target: Path) -> Run:
-    return Run(model, solver.simulate(model, output=target), view.read(target))
+    return Run(model, solver.simulate(model, output=target))
 
 
 def check(runs: dict[str, Run]) -> None:
@@ -202,7 +202,7 @@ def area(signal: solver.Pulse | solver.Impulse | solver.Constant) -> float:
 
 def apart(one: Run, other: Run) -> float:
     """The largest distance of the tips over the whole motion, over the length of the beam."""
-    paths = [found.recording.position("beam.tip") for found in (one, other)]
+    paths = [quantities.position(found.results, "beam.tip") for found in (one, other)]
     return float(np.linalg.norm(paths[0] - paths[1], axis=1).max()) / L
 
 
@@ -217,14 +217,15 @@ def swings(found: Run, start: float, end: float) -> Iterator[tuple[Array, Array]
     shown = (found.time > start) & (found.time < end - 1e-9)
     fall = found.model.gravity[2] * found.time
     for body in ("hub", "beam"):
-        velocity = found.recording.velocity(body)[:, 2] - fall
-        yield found.recording.angular_velocity(body)[shown, 2], velocity[shown]
+        velocity = quantities.velocity(found.results, body)[:, 2] - fall
+        yield quantities.angular_velocity(found.results, body)[shown, 2], velocity[shown]
 
 
 def out_of_phase(found: Run) -> float:
     """The largest angle about the axis between tip and center of mass [rad]."""
     tip, center = (
-        found.recording.position(place)[:, :2] @ [1.0, 1.0j] for place in ("beam.tip", "beam")
+        quantities.position(found.results, place)[:, :2] @ [1.0, 1.0j]
+        for place in ("beam.tip", "beam")
     )
     return peak(np.angle(tip * center.conj()))
 
@@ -235,7 +236,7 @@ def fast(deflection: Array, h: float) -> Array:
     return filtered
 
 
-def overview(case: str, recording: view.Recording) -> Figure:
+def overview(case: str, results: solver.Results) -> Figure:
     """Angles, heights, horizontal motion and their rates, as Figs 12, 13, 16, 17, 20 and 21."""
     figure, panels = view.panels(5, 2, share_time=False)
     kinds = (
@@ -251,9 +252,9 @@ def overview(case: str, recording: view.Recording) -> Figure:
         # Angles and heights of hub and beam all but coincide: there the upper curve is dashed.
         over = (0, (4, 4)) if kind in ("angle", "position") else "-"
         for body, color, line in (("hub", RED, "-"), ("beam", BLUE, over)):
-            (curve,) = view.curves(recording, f"{kind}:{body}:z")
+            (curve,) = view.curves(results, f"{kind}:{body}:z")
             axes.plot(
-                recording.time,
+                results.time,
                 curve.values,
                 color=color,
                 linestyle=line,
@@ -264,8 +265,8 @@ def overview(case: str, recording: view.Recording) -> Figure:
             show_the_blow(case, axes)
         label_axes(axes, f"{curve.words[0]}, z", f"[{curve.unit}]")
     panels[0].plot(
-        recording.time,
-        recording.elastic_rotation("beam.root")[:, 2],
+        results.time,
+        quantities.elastic_rotation(results, "beam.root")[:, 2],
         color=GREEN,
         label="elastic, root",
     )
@@ -274,10 +275,15 @@ def overview(case: str, recording: view.Recording) -> Figure:
         for place, color in (("beam", BLUE), ("beam.tip", GREEN)):
             label = "tip" if "." in place else "beam"
             panels[4 + axis].plot(
-                recording.time, recording.position(place)[:, axis], color=color, label=label
+                results.time,
+                quantities.position(results, place)[:, axis],
+                color=color,
+                label=label,
             )
         label_axes(panels[4 + axis], f"position, {name}", "[m]")
-        panels[6 + axis].plot(recording.time, recording.velocity("beam")[:, axis], color=BLUE)
+        panels[6 + axis].plot(
+            results.time, quantities.velocity(results, "beam")[:, axis], color=BLUE
+        )
         label_axes(panels[6 + axis], f"velocity of the beam, {name}", "[m/s]")
     view.entitle(figure, TITLES[case])
     return figure
@@ -295,9 +301,13 @@ def tip(case: str, runs: dict[str, Run]) -> Figure:
             look = {"color": color, "label": "xyz"[axis], "linewidth": 0.9}
             seen.plot(found.time, 1e3 * found.deflection[:, axis], **look)
             floating.plot(
-                found.time, 1e3 * found.recording.elastic_displacement("beam.tip")[:, axis], **look
+                found.time,
+                1e3 * quantities.elastic_displacement(found.results, "beam.tip")[:, axis],
+                **look,
             )
-            turned.plot(found.time, found.recording.elastic_rotation("beam.root")[:, axis], **look)
+            turned.plot(
+                found.time, quantities.elastic_rotation(found.results, "beam.root")[:, axis], **look
+            )
         show_the_blow(case, floating, turned)
         label_axes(seen, f"tip in hub axes, $EI_y$ = {stiffness} N m²", "[mm]")
         label_axes(floating, "tip in the floating frame", "[mm]")
@@ -306,19 +316,19 @@ def tip(case: str, runs: dict[str, Run]) -> Figure:
     return figure
 
 
-def trajectory(case: str, recording: view.Recording) -> Figure:
+def trajectory(case: str, results: solver.Results) -> Figure:
     """Of center of mass and tip, as Figs 15, 19 and 23; a ring at the start, and a star at the
     blow.
     """
     figure = Figure(figsize=(6.0, 5.0), layout="constrained")
     axes = figure.add_subplot(projection="3d")
     for place, color, label in (("beam", BLUE, "center of mass"), ("beam.tip", GREEN, "tip")):
-        path = recording.position(place)
+        path = quantities.position(results, place)
         axes.plot(*path.T, color=color, label=label, linewidth=0.9)
         axes.plot(*path[0], marker="o", markerfacecolor="white", color=color)
         if case == "case5":
             axes.plot(
-                *path[np.searchsorted(recording.time, BLOW - 1e-9)],
+                *path[np.searchsorted(results.time, BLOW - 1e-9)],
                 marker="*",
                 markersize=9,
                 color=color,
@@ -386,9 +396,9 @@ def report(runs: dict[str, Run]) -> None:
         f"{'x':>8}{'y':>8}{'z':>8}{'y':>9}{'z':>9}{'y':>9}{'z':>9}"
     )
     for name, found in runs.items():
-        recording = found.recording
-        floating = recording.elastic_displacement("beam.tip")
-        turned = recording.elastic_rotation("beam.root")
+        results = found.results
+        floating = quantities.elastic_displacement(results, "beam.tip")
+        turned = quantities.elastic_rotation(results, "beam.root")
         print(
             f"{name:24}{found.turns:8.3f}{found.height.max():10.3f}{found.height[-1]:10.3f}", end=""
         )
@@ -396,7 +406,10 @@ def report(runs: dict[str, Run]) -> None:
         print("".join(f"{1e3 * peak(floating[:, axis]):9.2f}" for axis in (1, 2)), end="")
         print("".join(f"{peak(turned[:, axis]):9.3f}" for axis in (1, 2)), end="")
         for body in ("hub", "beam"):
-            angular, linear = recording.angular_acceleration(body), recording.acceleration(body)
+            angular, linear = (
+                quantities.angular_acceleration(results, body),
+                quantities.acceleration(results, body),
+            )
             print(f"{peak(angular[:, 2]):11.0f}{peak(linear[:, 2]):7.0f}", end="")
         print()
     report_speeds(runs)

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 from duhamel import preprocess, solver, superelement, view
+from duhamel.results import quantities
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -89,7 +90,7 @@ def main(folder: Path, with_reference: bool = True) -> dict[str, Motion]:
                 with_rigid(case, motion(elastic), motion(rigid)), folder / f"{case.name}-rigid.png"
             )
         found = {"consistent": elastic, "paper": paper, "rigid": rigid}
-        motions |= {f"{case.name}-{kind}": motion(recording) for kind, recording in found.items()}
+        motions |= {f"{case.name}-{kind}": motion(results) for kind, results in found.items()}
         if reference is not None:
             motions[f"{case.name}-exudyn"] = reference
     return motions
@@ -119,20 +120,20 @@ def variants(case: Case) -> dict[str, solver.Model]:
     }
 
 
-def run(model: solver.Model, target: Path) -> view.Recording:
+def run(model: solver.Model, target: Path) -> solver.Results:
     solver.simulate(model, output=target)
-    return view.read(target)
+    return solver.Results.read(target)
 
 
-def motion(recording: view.Recording) -> Motion:
+def motion(results: solver.Results) -> Motion:
     """About and across the axis z. The deflection is eq. (96) put right: the tip seen from the rim
     of the hub.
     """
     return Motion(
-        recording.time,
-        recording.angle("hub")[:, 2],
-        recording.angular_velocity("hub")[:, 2],
-        recording.displacement("beam.tip", seen_from="hub.rim")[:, 1],
+        results.time,
+        quantities.angle(results, "hub")[:, 2],
+        quantities.angular_velocity(results, "hub")[:, 2],
+        quantities.displacement(results, "beam.tip", seen_from="hub.rim")[:, 1],
     )
 
 
@@ -169,35 +170,35 @@ def residual(motion: Motion) -> float:
     return float(size[motion.time > TORQUE_TIMES[-1]].max() / size.max())
 
 
-def overview(case: Case, recording: view.Recording) -> Figure:
+def overview(case: Case, results: solver.Results) -> Figure:
     """Six panels as in Figs 3 and 7. What the fourth showed, the text of the paper does not say."""
     figure, (angles, speeds, accelerations, body_axes, hub_axes, phase) = view.panels(
         3, 2, share_time=False
     )
-    time = recording.time
+    time = results.time
     for axes, kind in (
         (angles, "angle"),
         (speeds, "angular_velocity"),
         (accelerations, "angular_acceleration"),
     ):
         for body, color, label in (("hub", RED, "hub"), ("beam", BLUE, "beam")):
-            (curve,) = view.curves(recording, f"{kind}:{body}:z")
+            (curve,) = view.curves(results, f"{kind}:{body}:z")
             axes.plot(time, curve.values, color=color, label=label)
         label_axes(axes, curve.words[0], f"[{curve.unit}]")
     angles.plot(
         time,
-        recording.elastic_rotation("beam.root")[:, 2],
+        quantities.elastic_rotation(results, "beam.root")[:, 2],
         color=GREEN,
         label="elastic, at the hub",
     )
     label_axes(angles, "angle", "[rad]")
 
     for interface, color in (("root", RED), ("tip", BLUE)):
-        transverse = recording.elastic_displacement(f"beam.{interface}")[:, 1]
+        transverse = quantities.elastic_displacement(results, f"beam.{interface}")[:, 1]
         body_axes.plot(time, 1e3 * transverse, color=color, label=interface)
     label_axes(body_axes, "elastic displacement y, body axes", "[mm]")
 
-    tip = 1e3 * recording.displacement("beam.tip", seen_from="hub.rim")
+    tip = 1e3 * quantities.displacement(results, "beam.tip", seen_from="hub.rim")
     hub_axes.plot(time, tip[:, 0], color=GREEN, label="x")
     hub_axes.plot(time, tip[:, 1], color=BLUE, label="y")
     label_axes(hub_axes, "displacement of the tip, hub axes", "[mm]")

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 from duhamel import preprocess, solver, superelement, view
+from duhamel.results import quantities
 from duhamel.superelement import Superelement
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -95,7 +96,7 @@ def main(folder: Path, swap: Swap = SWAPS[0]) -> Comparison:
         swapped = replace(model.bodies[swap.bar], superelement=bar, source=str(files[kind]))
         target = folder / f"{swap.model}-{kind}.h5"
         solver.simulate(replace(model, bodies={**model.bodies, swap.bar: swapped}), output=target)
-        motions[kind] = motion(view.read(target), swap.bar)
+        motions[kind] = motion(solver.Results.read(target), swap.bar)
     found = compare(model, bars, motions)
     with view.style():
         view.save(picture(motions, swap.title), folder / f"{swap.picture}.png")
@@ -113,9 +114,9 @@ def ensure(kind: str, meshes: str = "bar") -> Path:
     return target
 
 
-def motion(recording: view.Recording, bar: str) -> Motion:
-    deflection = recording.displacement(f"{bar}.tip", seen_from="hub.rim")[:, 1:]
-    return Motion(recording.time, recording.angle("hub")[:, 2], deflection)
+def motion(results: solver.Results, bar: str) -> Motion:
+    deflection = quantities.displacement(results, f"{bar}.tip", seen_from="hub.rim")[:, 1:]
+    return Motion(results.time, quantities.angle(results, "hub")[:, 2], deflection)
 
 
 def compare(

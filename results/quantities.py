@@ -1,84 +1,227 @@
-"""What results give: the motion of a body or a frame, a joint or a spring, energies and momenta
-over time.
+"""Quantities over time by name, as a user asks for them: KIND:NAME[:NAME][:AXIS].
+
+    angular_velocity:hub:z          displacement:beam.tip:hub.rim:y          energy:kinetic
+
+All vectors are (n, 3), one row for each recorded step, and in space unless said otherwise.
 """
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 
-from ..solver.arrays import Array
+from ..superelement.validation import Array
+from .errors import QuantityError
+from .motion import Coupling
+from .results import Results
+from .rotations import inverse, product, rotate, twists
 
-
-@dataclass(frozen=True, eq=False)
-class BodyMotion:
-    """Motion of a centre of mass and of body axes."""
-
-    x: Array
-    """(n, 3) position in space [m]"""
-    R: Array
-    """(n, 4) unit quaternion (w, x, y, z), body axes to space"""
-    v: Array
-    """(n, 6) velocity in space [m/s], angular velocity in body axes [rad/s]"""
-    v_dot: Array
-    """(n, 6) their derivatives"""
+AXES = ("x", "y", "z")
 
 
-@dataclass(frozen=True, eq=False)
-class FrameMotion:
-    """Motion of a frame and the wrench on its body there."""
-
-    position: Array
-    """(n, 3) in space [m]"""
-    rotation: Array
-    """(n, 4) unit quaternion, frame axes to space"""
-    velocity: Array
-    """(n, 6) velocity [m/s] and angular velocity [rad/s], in space"""
-    acceleration: Array
-    """(n, 6) their derivatives"""
-    u: Array
-    """(n, 6) elastic displacement [m] and rotation [rad] in body axes, 0 on rigid bodies"""
-    force: Array
-    """(n, 6) force [N] and moment [N m] of joints and loads on the body, in space"""
+def position(results: Results, name: str) -> Array:
+    """Of the center of mass of a body, or of the origin of a frame [m]."""
+    return results.body(name).x if _is_body(results, name) else results.frame(name).position
 
 
-@dataclass(frozen=True, eq=False)
-class Coupling:
-    multipliers: Array
-    """(n, rows) one per row of the joint, in the order of its table [N, N m]"""
-    force: Array
-    """(n, 3) on the second body, in space [N]"""
-    moment: Array
-    """(n, 3) on the second body about its frame, in space [N m]"""
-    coordinates: dict[str, Array]
-    """(n,) joint coordinates and their rates by name: angle [rad], angle_rate, distance [m],
-    distance_rate, ...
+def rotation(results: Results, name: str) -> Array:
+    """The axes of a body or a frame to space, (n, 4) unit quaternion."""
+    return results.body(name).R if _is_body(results, name) else results.frame(name).rotation
 
-    Of a spring "coordinates" (n, rows). Angles go on over full turns.
+
+def angle(results: Results, name: str) -> Array:
+    """The angles by which a body or frame has turned since t = 0 about the space axes x, y, z,
+    beyond full turns too [rad].
+
+    Each column is the twist about its axis (`twists`): for a body that turns about one axis, its
+    angle.
     """
+    q = rotation(results, name)
+    return twists(product(q, inverse(q[0])))
 
 
-@dataclass(frozen=True, eq=False)
-class Energy:
-    """Energies over time (n,) [J].
+def velocity(results: Results, name: str) -> Array:
+    """Of the center of mass of a body, or of the origin of a frame [m/s]."""
+    return _velocities(results, name)[:, :3]
 
-    kinetic (of the rigid motion), elastic (vibration included, from the work of interface loads),
-    springs, potential (gravity), work (of loads and drives), dissipated (by dampers); balance: the
-    sum of all but work, plus dissipated, less work and less its value at t = 0. modal: the same
-    energy as elastic, from the modes themselves; None where some body convolves a kernel directly.
-    Where elastic falls below zero, the convolution has created energy.
+
+def acceleration(results: Results, name: str) -> Array:
+    """Of the center of mass of a body, or of the origin of a frame [m/s^2]."""
+    return _accelerations(results, name)[:, :3]
+
+
+def angular_velocity(results: Results, name: str) -> Array:
+    """R omega of a body, or that of a frame [rad/s]."""
+    return _in_space(results, name, _velocities(results, name)[:, 3:])
+
+
+def angular_acceleration(results: Results, name: str) -> Array:
+    """d/dt (R omega) = R omega_dot of a body, or that of a frame [rad/s^2]."""
+    return _in_space(results, name, _accelerations(results, name)[:, 3:])
+
+
+def displacement(results: Results, name: str, seen_from: str) -> Array:
+    """The displacement of a body or frame in the axes D of another, since t = 0 [m].
+
+        u(t) = s(t) - s(0),    s = D^T (r - r_reference)
+
+    With the tip of a beam seen from the frame of the hub that carries it, this is the tip
+    deflection, eq. (96).
     """
-
-    kinetic: Array
-    elastic: Array
-    springs: Array
-    potential: Array
-    work: Array
-    dissipated: Array
-    balance: Array
-    modal: Array | None = None
+    apart = position(results, name) - position(results, seen_from)
+    seen = rotate(inverse(rotation(results, seen_from)), apart)
+    displacement: Array = seen - seen[0]
+    return displacement
 
 
-@dataclass(frozen=True, eq=False)
-class Momentum:
-    """Linear (n, 3) [kg m/s] and angular momentum about the origin (n, 3) [kg m^2/s], in space."""
+def elastic_displacement(results: Results, interface: str) -> Array:
+    """Of an interface, in the axes of its body [m]."""
+    return _elastic(results, interface)[:, :3]
 
-    linear: Array
-    angular: Array
+
+def elastic_rotation(results: Results, interface: str) -> Array:
+    """Of an interface, rotation vector in the axes of its body [rad]."""
+    return _elastic(results, interface)[:, 3:]
+
+
+def force(results: Results, coupling: str) -> Array:
+    """Of a joint or spring on the second of its frames [N]."""
+    return _coupling(results, coupling).force
+
+
+def moment(results: Results, coupling: str) -> Array:
+    """Of a joint or spring on the second of its frames, about it [N m]."""
+    return _coupling(results, coupling).moment
+
+
+def coordinate(results: Results, joint: str, name: str) -> Array:
+    """A coordinate of a joint or its rate, as `angle` or `distance_rate` (n,)."""
+    coordinates = results.joint(_known("joint", joint, results.joints)).coordinates
+    return coordinates[_known(f"coordinate of {joint}", name, coordinates)]
+
+
+def coordinate_unit(results: Results, joint: str, name: str) -> str:
+    """The unit of a coordinate or of its rate."""
+    return results.unit("joints", joint, name).replace(" s-1", "/s")
+
+
+def linear_momentum(results: Results) -> Array:
+    """Of all bodies [kg m/s]."""
+    _recorded(results, "momentum", "linear")
+    return results.momentum.linear
+
+
+def angular_momentum(results: Results) -> Array:
+    """Of all bodies about the origin [kg m^2/s]."""
+    _recorded(results, "momentum", "angular")
+    return results.momentum.angular
+
+
+def energy(results: Results, name: str) -> Array:
+    """(n,) [J]"""
+    energy: Array = getattr(results.energy, _known("energy", name, sorted(results.energies)))
+    return energy
+
+
+@dataclass(frozen=True)
+class Kind:
+    values: Callable[..., Array]
+    unit: str | Callable[..., str]
+    """or what gives it, for the same names"""
+    names: tuple[str, ...]
+    """what each name stands for"""
+    axes: bool = True
+
+
+KINDS = {
+    "position": Kind(position, "m", ("BODY|FRAME",)),
+    "displacement": Kind(displacement, "m", ("BODY|FRAME", "BODY|FRAME")),
+    "velocity": Kind(velocity, "m/s", ("BODY|FRAME",)),
+    "acceleration": Kind(acceleration, "m/s²", ("BODY|FRAME",)),
+    "angle": Kind(angle, "rad", ("BODY|FRAME",)),
+    "angular_velocity": Kind(angular_velocity, "rad/s", ("BODY|FRAME",)),
+    "angular_acceleration": Kind(angular_acceleration, "rad/s²", ("BODY|FRAME",)),
+    "elastic_displacement": Kind(elastic_displacement, "m", ("INTERFACE",)),
+    "elastic_rotation": Kind(elastic_rotation, "rad", ("INTERFACE",)),
+    "force": Kind(force, "N", ("JOINT|SPRING",)),
+    "moment": Kind(moment, "N m", ("JOINT|SPRING",)),
+    "coordinate": Kind(coordinate, coordinate_unit, ("JOINT", "COORDINATE"), axes=False),
+    "linear_momentum": Kind(linear_momentum, "kg m/s", ()),
+    "angular_momentum": Kind(angular_momentum, "kg m²/s", ()),
+    "energy": Kind(energy, "J", ("ENERGY",), axes=False),
+}
+
+
+class Evaluated(NamedTuple):
+    """A quantity over time: values (n, 3), or (n,) of a scalar or of one axis."""
+
+    kind: str
+    names: tuple[str, ...]
+    axis: str
+    unit: str
+    values: Array
+
+
+def evaluate(results: Results, quantity: str) -> Evaluated:
+    """A quantity by name; QuantityError names it and lists what there is."""
+    kind_name, *names = quantity.split(":")
+    if kind_name not in KINDS:
+        raise QuantityError(
+            f"{quantity}: no quantity {kind_name!r}; there are: {', '.join(map(usage, KINDS))}"
+        )
+    kind = KINDS[kind_name]
+    axis = names.pop() if kind.axes and len(names) == len(kind.names) + 1 else ""
+    if len(names) != len(kind.names) or axis not in ("", *AXES):
+        raise QuantityError(f"{quantity}: expected {usage(kind_name)}")
+    try:
+        values = kind.values(results, *names)
+        unit = kind.unit if isinstance(kind.unit, str) else kind.unit(results, *names)
+    except QuantityError as error:
+        raise QuantityError(f"{quantity}: {error}") from error
+    if axis:
+        values = values[:, AXES.index(axis)]
+    return Evaluated(kind_name, tuple(names), axis, unit, values)
+
+
+def usage(kind_name: str) -> str:
+    """How a quantity of this kind is written."""
+    kind = KINDS[kind_name]
+    return ":".join([kind_name, *kind.names]) + ("[:x|y|z]" if kind.axes else "")
+
+
+def _is_body(results: Results, name: str) -> bool:
+    bodies, frames = results.bodies, results.frames
+    return _known("body or frame", name, (*sorted(bodies), *sorted(frames))) in bodies
+
+
+def _velocities(results: Results, name: str) -> Array:
+    return results.body(name).v if _is_body(results, name) else results.frame(name).velocity
+
+
+def _accelerations(results: Results, name: str) -> Array:
+    return results.body(name).v_dot if _is_body(results, name) else results.frame(name).acceleration
+
+
+def _in_space(results: Results, name: str, vectors: Array) -> Array:
+    """Vectors that results give in body axes for bodies, in space for frames."""
+    return rotate(rotation(results, name), vectors) if _is_body(results, name) else vectors
+
+
+def _coupling(results: Results, name: str) -> Coupling:
+    known = (*sorted(results.joints), *sorted(results.springs))
+    _known("joint or spring", name, known)
+    return results.joint(name) if name in results.joints else results.spring(name)
+
+
+def _elastic(results: Results, interface: str) -> Array:
+    return results.frame(_known("interface", interface, sorted(results.interfaces))).u
+
+
+def _recorded(results: Results, group: str, name: str) -> None:
+    if group not in results.recorded:
+        raise QuantityError(f"no {group} {name!r}; there are: none")
+
+
+def _known(what: str, name: str, names: Iterable[str]) -> str:
+    if name not in names:
+        raise QuantityError(f"no {what} {name!r}; there are: {', '.join(names) or 'none'}")
+    return name

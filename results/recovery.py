@@ -1,5 +1,5 @@
-"""The field of a flexible body from what a run recorded: the loads on its interfaces drive its
-modes once more.
+"""Fields of a flexible body from recorded results: the loads on its interfaces drive its modes
+once more.
 
     u(X, t) = phi(X) eta(t),   eta'' + 2 zeta omega eta' + omega^2 eta = phi_C^T p
 
@@ -13,16 +13,20 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..solver.arrays import Array, Index
-from ..solver.errors import RecoveryError
-from ..solver.step.rotations import tangent
-from ..superelement import GeneralizedAlpha, Modes, Superelement, read, respond, sha256
+from ..superelement import GeneralizedAlpha, Modes, Superelement, read, respond
+from ..superelement.validation import Array
+from .errors import RecoveryError
+from .rotations import apply_tangent
+from .schema import SuperelementFile
+
+Index = NDArray[np.int64]
 
 
 class Stepping(NamedTuple):
-    """How a run went: step [s], scheme, rule "consistent" or "paper", start "given" or
-    "equilibrium".
+    """The time integration of a run: step [s], scheme, rule "consistent" or "paper", start "given"
+    or "equilibrium".
     """
 
     h: float
@@ -32,9 +36,7 @@ class Stepping(NamedTuple):
 
 
 def stepping(file: str, run: Mapping[str, Any]) -> Stepping:
-    """What the attributes of /solver in a results file say of it; `RecoveryError` if one of them is
-    missing.
-    """
+    """The time integration by the notes of a run; `RecoveryError` if one of them is missing."""
     missing = [name for name in ("h", "rho_inf", "rule", "start") if name not in run]
     if missing:
         raise RecoveryError(
@@ -64,32 +66,30 @@ class Instants(NamedTuple):
         return value
 
 
-def read_again(body: str, path: str | None, digest: str | None) -> Superelement:
-    """The superelement that a run read for a body from `path`, a file with the SHA-256 `digest`.
+def read_again(body: str, file: SuperelementFile | None) -> Superelement:
+    """The superelement that a run read for a body, from its file.
 
     `RecoveryError` if the run has no such flexible body or read no file for it, or if the file is
     gone or another.
     """
-    if digest is None:
+    if file is None:
         raise RecoveryError(f"the run has no flexible body {body!r}")
-    if path is None or not Path(path).is_file():
+    if not Path(file.path).is_file():
         why = (
-            f"{path}, the file of its superelement, is gone"
-            if path
+            f"{file.path}, the file of its superelement, is gone"
+            if file.path
             else "the run read no file for its superelement"
         )
         raise RecoveryError(
             f"body {body!r}: {why}: give it to Results.read, superelements = {{{body!r}: ...}}"
         )
-    if (found := sha256(path)) != digest:
-        raise RecoveryError(
-            f"body {body!r}: {path} has changed since the run: expected SHA-256 {digest}, found {found}"
-        )
-    return read(path)
+    if change := file.change():
+        raise RecoveryError(f"body {body!r}: {file.path} has changed since the run: {change}")
+    return read(file.path)
 
 
 def instants(times: Array, t: Array) -> Instants:
-    """Where t (k,) lies among the times (n,) of the steps; `RecoveryError` outside of them."""
+    """The places of times t (k,) among those of the steps (n,); `RecoveryError` outside of them."""
     outside = t[(t < times[0]) | (t > times[-1] * (1.0 + 1e-12))]
     if outside.size:
         raise RecoveryError(
@@ -102,8 +102,8 @@ def instants(times: Array, t: Array) -> Instants:
 
 
 def interface_loads(R: Array, u: Array, force: Array, rotations: bool) -> Array:
-    """p = [F; T(w) M] (n, 6), or F (n, 3) without rotations, in body axes: what acts on the dofs of
-    an interface.
+    """The loads on the dofs of an interface, p = [F; T(w) M] (n, 6), or F (n, 3) without rotations,
+    in body axes.
 
     R (n, 4): body axes to space; u (n, 6): displacement and rotation w; force (n, 6): force R F and
     moment R M, in space. Source: frames.py.
@@ -111,10 +111,7 @@ def interface_loads(R: Array, u: Array, force: Array, rotations: bool) -> Array:
     F = _into_body(R, force[:, :3])
     if not rotations:
         return F
-    T = np.empty((len(u), 3, 3))
-    for w, out in zip(u[:, 3:].copy(), T, strict=True):
-        tangent(w, out)
-    return np.hstack([F, np.einsum("nij,nj->ni", T, _into_body(R, force[:, 3:]))])
+    return np.hstack([F, apply_tangent(u[:, 3:], _into_body(R, force[:, 3:]))])
 
 
 def modal_coordinates(modes: Modes, p: Array, stepping: Stepping, steps: Index) -> Array:

@@ -1,18 +1,17 @@
-"""`Results`: what a run recorded, read from its file when asked for."""
+"""`Results`: what a run recorded, in memory or in a file, read when asked for."""
 
 import os
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 
-from ..solver.arrays import Array
-from ..solver.errors import RecoveryError, ResultsError
 from ..superelement import Recovery, Superelement, SuperelementError, von_mises
-from .quantities import BodyMotion, Coupling, Energy, FrameMotion, Momentum
+from ..superelement.validation import Array
+from .errors import RecoveryError
+from .file import FileSource
+from .motion import BodyMotion, Coupling, Energy, FrameMotion, Momentum
 from .recovery import (
     Instants,
     instants,
@@ -22,13 +21,12 @@ from .recovery import (
     read_again,
     stepping,
 )
-
-FORMAT = "duhamel-results"
-VERSION = 1
+from .schema import OWNERS, QUANTITIES, Contents, SuperelementFile, attributes_of
+from .source import Source, Wanted
 
 
 class Results:
-    """The results of a run; arrays are read when asked for, and between reads the file is closed.
+    """The results of a run. Arrays are read when asked for; between reads a file is closed.
 
     Fields of flexible bodies (`displacement`, `stress`, `von_mises`, `position`) are superposed
     from the modes of their superelements, at times t [s], one or several (k,), of the run; between
@@ -37,7 +35,7 @@ class Results:
     """
 
     def __init__(
-        self, source: h5py.File | Path, superelements: Mapping[str, Superelement] | None = None
+        self, source: Source, superelements: Mapping[str, Superelement] | None = None
     ) -> None:
         self._source = source
         self._superelements = dict(superelements or {})
@@ -46,71 +44,114 @@ class Results:
     def read(
         cls, path: str | os.PathLike[str], superelements: Mapping[str, Superelement] | None = None
     ) -> "Results":
-        """Open a results file; `ResultsError` if it is none.
+        """Open a results file; `ResultsError` if it is none, or of another version.
 
         superelements: by body, for fields, where the files that the run read are no longer where
         they were.
         """
-        results = cls(Path(path), superelements)
-        try:
-            with results._open() as file:
-                found = file.attrs.get("format")
-        except OSError as error:
-            raise ResultsError(f"{path}: not a readable HDF5 file: {error}") from error
-        if found != FORMAT:
-            raise ResultsError(f"{path}: attribute format: expected {FORMAT!r}, found {found!r}")
-        return results
+        return cls(FileSource(Path(path)), superelements)
 
     @property
     def recorded(self) -> tuple[str, ...]:
-        """What the run recorded: "bodies/hub", "frames/beam.tip", "energy", ...; all there is
-        unless asked for less.
+        """The groups that the run recorded: "bodies/hub", "frames/beam.tip", "energy", ...; all
+        there are unless asked for less.
         """
-        with self._open() as file:
-            return _groups(file)
+        return self._source.contents().recorded
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        return self._names("body")
+
+    @property
+    def frames(self) -> tuple[str, ...]:
+        """Frames as "BODY.FRAME"."""
+        return self._names("frame")
+
+    @property
+    def interfaces(self) -> tuple[str, ...]:
+        """The frames of flexible bodies."""
+        flexible = self.superelement_files
+        return tuple(name for name in self.frames if name.partition(".")[0] in flexible)
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Joints and prescribed motions."""
+        return self._names("joint")
+
+    @property
+    def springs(self) -> tuple[str, ...]:
+        return self._names("spring")
+
+    @property
+    def energies(self) -> tuple[str, ...]:
+        """The energies that were recorded, as attributes of `energy`."""
+        quantities = self._source.contents().quantities
+        return tuple(quantity.attribute for quantity in quantities if quantity.group == "energy")
 
     @property
     def time(self) -> Array:
         """(n,) [s]"""
-        return self._array("time")
+        return self._one("/time")
 
     @property
     def energy(self) -> Energy:
         return Energy(**self._group("energy"))
 
     @property
+    def momentum(self) -> Momentum:
+        return Momentum(**self._group("momentum"))
+
+    @property
     def iterations(self) -> Array:
         """(n,) Newton iterations of each recorded step"""
-        return self._array("solver/iterations")
+        return self._one("solver/iterations")
 
     @property
     def residual(self) -> Array:
         """(n,) relative residual of each recorded step"""
-        return self._array("solver/residual")
+        return self._one("solver/residual")
 
     @property
     def solver(self) -> dict[str, Any]:
         """How the run went: steps, step size, seconds, rule, history, ..."""
-        with self._open() as file:
-            return dict(file["solver"].attrs)
+        return self._source.notes()
+
+    @property
+    def model(self) -> str:
+        """The text of the model file, if there was one."""
+        return self._source.model()
+
+    @property
+    def superelement_files(self) -> dict[str, SuperelementFile]:
+        """The file of the superelement of each flexible body."""
+        return dict(self._source.contents().superelements)
 
     def body(self, name: str) -> BodyMotion:
-        return BodyMotion(**self._group(f"bodies/{name}"))
+        return BodyMotion(**self._of("bodies", name))
 
     def frame(self, name: str) -> FrameMotion:
         """A frame as "BODY.FRAME"."""
-        return FrameMotion(**self._group(f"frames/{name}"))
-
-    @property
-    def momentum(self) -> Momentum:
-        return Momentum(**self._group("momentum"))
+        return FrameMotion(**self._of("frames", name))
 
     def joint(self, name: str) -> Coupling:
         """A joint or a prescribed motion."""
-        return self._coupling(f"joints/{name}")
+        return self._coupling("joints", name)
 
     def spring(self, name: str) -> Coupling:
-        return self._coupling(f"springs/{name}")
+        return self._coupling("springs", name)
+
+    def unit(self, group: str, owner: str, attribute: str) -> str:
+        """The unit of what results hold of "joints", "hinge", "angle_rate", and the like, in the
+        spelling of UDUNITS; several where it is of several.
+        """
+        axes = self._source.contents().axes
+        units: dict[str, None] = {}
+        for name, quantity, entries in attributes_of(axes, group, owner):
+            if name == attribute:
+                found = quantity.units(axes)
+                one = len(found) == 1 or not isinstance(entries, int)
+                units |= dict.fromkeys(found if one else (found[entries],))
+        return ", ".join(units)
 
     def displacement(self, body: str, t: Any) -> Array:
         """Elastic displacements of the points of the recovery, (p, 3) or (k, p, 3), in body axes
@@ -120,7 +161,7 @@ class Results:
         return recovery.displacement(eta).reshape(*np.shape(t), -1, 3)
 
     def stress(self, body: str, t: Any) -> Array:
-        """Stresses xx, yy, zz, yz, xz, xy at these points, (p, 6) or (k, p, 6), in body axes [Pa]."""
+        """Stresses xx, yy, zz, yz, xz, xy there, (p, 6) or (k, p, 6), in body axes [Pa]."""
         recovery, eta, _ = self._recover(body, t)
         try:
             return recovery.stresses(eta).reshape(*np.shape(t), -1, 6)
@@ -132,51 +173,42 @@ class Results:
         return von_mises(self.stress(body, t))
 
     def position(self, body: str, t: Any) -> Array:
-        """Where these points are in space, x + R (X + u), (p, 3) or (k, p, 3) [m]."""
+        """Positions of these points in space, x + R (X + u), (p, 3) or (k, p, 3) [m]."""
         recovery, eta, when = self._recover(body, t)
         motion = self.body(body)
         x, R = (when.of(rows[when.before], rows[when.after]) for rows in (motion.x, motion.R))
-        return place(x, R, recovery.points + recovery.displacement(eta)).reshape(
-            *np.shape(t), -1, 3
-        )
+        points = place(x, R, recovery.points + recovery.displacement(eta))
+        return points.reshape(*np.shape(t), -1, 3)
 
     def superelement(self, body: str) -> Superelement:
         """The superelement of a flexible body, read again from its file if need be; `RecoveryError`
         if it changed.
         """
         if body not in self._superelements:
-            with self._open() as file:
-                hashes = file["superelements"].attrs
-                paths = (
-                    file["superelements/files"].attrs if "files" in file["superelements"] else {}
-                )
-                digest, path = hashes.get(body), paths.get(body)
-            self._superelements[body] = read_again(body, path, digest)
+            self._superelements[body] = read_again(body, self.superelement_files.get(body))
         return self._superelements[body]
 
     def _recover(self, body: str, t: Any) -> tuple[Recovery, Array, Instants]:
-        """The recovery of a body, its modal coordinates (k, m) at times t (k,), and where these
-        lie.
+        """The recovery of a body, its modal coordinates (k, m) at times t (k,), and their places
+        among the steps.
         """
         element = self.superelement(body)
         if element.recovery is None or element.modes is None:
             raise RecoveryError(
-                f"body {body!r}: superelement {element.name!r} holds no recovery, for which its body file needs a "
-                f"table [recovery]"
+                f"body {body!r}: superelement {element.name!r} holds no recovery, for which its "
+                f"body file needs a table [recovery]"
             )
         self._check_recoverable(body, element)
         when = instants(self.time, np.atleast_1d(np.asarray(t, dtype=float)))
         R = self.body(body).R
-        frames = [
-            (self.frame(f"{body}.{interface.name}"), interface.rotations)
-            for interface in element.interfaces
-        ]
-        p = np.hstack(
-            [interface_loads(R, frame.u, frame.force, rotations) for frame, rotations in frames]
-        )
-        steps = np.concatenate([when.before, when.after])
-        both = modal_coordinates(element.modes, p, stepping(str(self._source), self.solver), steps)
-        return element.recovery, when.of(*np.split(both, 2)), when
+        loads = []
+        for interface in element.interfaces:
+            frame = self.frame(f"{body}.{interface.name}")
+            loads.append(interface_loads(R, frame.u, frame.force, interface.rotations))
+        how = stepping(self._source.name, self.solver)
+        steps = np.append(when.before, when.after)
+        eta = modal_coordinates(element.modes, np.hstack(loads), how, steps)
+        return element.recovery, when.of(*np.split(eta, 2)), when
 
     def _check_recoverable(self, body: str, element: Superelement) -> None:
         if (every := int(self.solver.get("every", 1))) > 1:
@@ -184,58 +216,63 @@ class Results:
                 f"body {body!r}: fields need every step, and the run recorded one in {every}"
             )
         recorded = self.recorded
-        needed = [
-            f"bodies/{body}",
-            *(f"frames/{body}.{interface.name}" for interface in element.interfaces),
-        ]
-        if missing := [name for name in needed if name not in recorded]:
+        frames = [f"frames/{body}.{interface.name}" for interface in element.interfaces]
+        if missing := [name for name in (f"bodies/{body}", *frames) if name not in recorded]:
             raise RecoveryError(
                 f"body {body!r}: fields need {', '.join(missing)}, which the run did not record"
             )
 
-    def _coupling(self, name: str) -> Coupling:
-        data = self._group(name)
+    def _coupling(self, group: str, name: str) -> Coupling:
+        data = self._of(group, name)
         forces = {key: data.pop(key) for key in ("multipliers", "force", "moment")}
         return Coupling(**forces, coordinates=data)
 
-    def _group(self, name: str) -> dict[str, Array]:
-        with self._open() as file:
-            n = self._written(file)
-            if name not in file or not len(file[name]):  # empty: energies that were not asked for
-                kind, _, _ = name.partition("/")
-                recorded = _groups(file)
-                like = [
-                    group.partition("/")[2] for group in recorded if group.startswith(f"{kind}/")
-                ]
-                raise KeyError(f"no {name}; there are: {', '.join(like or recorded)}")
-            return {key: dataset[:n] for key, dataset in file[name].items()}
+    def _names(self, dimension: str) -> tuple[str, ...]:
+        axes = self._source.contents().axes
+        return axes[dimension].names if dimension in axes else ()
 
-    def _array(self, name: str) -> Array:
-        with self._open() as file:
-            n = self._written(file)
-            array: Array = file[name][:n]
-        return array
+    def _of(self, group: str, owner: str) -> dict[str, Array]:
+        """What was recorded of an owner, by attribute."""
+        contents = self._source.contents()
+        if owner not in self._names(OWNERS[group]):
+            raise _not_recorded(contents, f"{group}/{owner}")
+        return self._joined(
+            [
+                (attribute, (quantity, entries))
+                for attribute, quantity, entries in attributes_of(contents.axes, group, owner)
+            ]
+        )
 
-    def _written(self, file: h5py.File) -> int:
-        """The number of rows that every dataset holds, one or more."""
-        if not (written := int(file["solver"].attrs["written"])):
-            raise ResultsError(f"{self._source}: no step has been written yet")
-        return written
+    def _group(self, group: str) -> dict[str, Array]:
+        """What was recorded of a group without owners, by attribute."""
+        contents = self._source.contents()
+        if group not in contents.recorded:
+            raise _not_recorded(contents, group)
+        return self._joined(
+            [
+                (quantity.attribute, (quantity, None))
+                for quantity in QUANTITIES
+                if quantity.group == group
+                and not (quantity.optional and quantity not in contents.quantities)
+            ]
+        )
 
-    @contextmanager
-    def _open(self) -> Iterator[h5py.File]:
-        if isinstance(self._source, h5py.File):
-            yield self._source
-        else:
-            with h5py.File(self._source, "r") as file:
-                yield file
+    def _one(self, key: str) -> Array:
+        (quantity,) = (quantity for quantity in QUANTITIES if quantity.key == key)
+        (rows,) = self._source.read([(quantity, None)])
+        return rows
+
+    def _joined(self, wanted: list[tuple[str, Wanted]]) -> dict[str, Array]:
+        """Arrays by attribute; those of one attribute joined along the last axis."""
+        found: dict[str, Array] = {}
+        arrays = self._source.read([what for _, what in wanted])
+        for (attribute, _), array in zip(wanted, arrays, strict=True):
+            before = found.get(attribute)
+            found[attribute] = array if before is None else np.hstack([before, array])
+        return found
 
 
-def _groups(file: h5py.File) -> tuple[str, ...]:
-    """What was recorded: "bodies/hub", "energy", ..."""
-    owned = [
-        f"{kind}/{name}"
-        for kind in ("bodies", "frames", "joints", "springs")
-        for name in file[kind]
-    ]
-    return (*owned, *(kind for kind in ("energy", "momentum") if len(file[kind])))
+def _not_recorded(contents: Contents, name: str) -> KeyError:
+    recorded, (group, _, _) = contents.recorded, name.partition("/")
+    like = [known.removeprefix(f"{group}/") for known in recorded if known.startswith(f"{group}/")]
+    return KeyError(f"no {name}; there are: {', '.join(like or recorded)}")

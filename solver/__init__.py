@@ -26,7 +26,7 @@ from .model.signals import (
     Table,
 )
 from .model.springs import Spring
-from .simulation import simulate
+from .simulation import simulate, start
 from .simulator import Simulator
 
 __all__ = [
@@ -65,5 +65,6 @@ __all__ = [
     "TabulatedLaw",
     "read_model",
     "simulate",
+    "start",
     "write_model",
 ]

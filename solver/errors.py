@@ -7,6 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from ..results.errors import RecoveryError, ResultsError
+
+__all__ = ["ConvergenceError", "ModelError", "RecoveryError", "ResultsError", "about", "plain"]
+
 
 class ModelError(ValueError):
     """A model that contradicts itself; the message names the body, joint or load."""
@@ -43,16 +47,6 @@ class ConvergenceError(RuntimeError):
             f"{where}no convergence in step {step} (t = {time:.9g} s): relative residual {residual:.3e}, "
             f"tolerance {tolerance:.1e}{worst}; try a smaller step"
         )
-
-
-class ResultsError(ValueError):
-    """A results file that cannot be written or read, or that another run has taken over."""
-
-
-class RecoveryError(ValueError):
-    """A field that results cannot give: no modes on the surface, another superelement, a time
-    outside the run.
-    """
 
 
 @contextmanager

@@ -8,19 +8,20 @@ from pathlib import Path
 import numpy as np
 
 from ..results.results import Results
+from ..results.source import Writer
 from .arrays import Array, Index
 from .errors import ConvergenceError, about
 from .history.dyadic import Lookahead
 from .lower.lower import LoweredModel
 from .model.model import Model
 from .model.settings import Settings
-from .output.file import ResultsFile, check_folder
 from .output.recorder import Recorder
+from .output.writer import check_output, make_writer, read_back
 from .progress import Progress
-from .start.initial import initialize
+from .start.initial import InitialState, initialize
 from .step.loop import advance
 from .step.record import record
-from .step.system import Inputs, Run, State, Workspace
+from .step.system import Inputs, Run, Workspace
 
 STINT = 0.1
 """seconds that the loop runs before it returns, for progress and interrupts"""
@@ -42,35 +43,35 @@ def simulate(
     """
     if settings is not None:
         model = replace(model, settings=settings)
+    return _run(model, None if output is None else Path(output), progress)
+
+
+def start(model: Model) -> Results:
+    """The results of the start alone: one row, at t = 0. Raises ModelError as `simulate` does."""
+    return _run(model, None, progress=False, steps=0)
+
+
+def _run(model: Model, output: Path | None, progress: bool, steps: int | None = None) -> Results:
     if output is not None:
-        check_folder(Path(output))
+        check_output(output, model)
     with about(model.path):
         initial = initialize(model)
-    lowered, state, work = initial.lowered, initial.state, initial.work
-    file = ResultsFile(Path(output) if output is not None else None, lowered)
-    file.note(
-        degrees_of_freedom=initial.degrees_of_freedom,
-        opening=initial.assembly_error.opening,
-        opening_at=initial.assembly_error.opening_at,
-        velocity_misfit=initial.assembly_error.velocity,
-        velocity_misfit_at=initial.assembly_error.velocity_at,
-        moved=initial.moved,
-        velocity_correction=initial.velocity_correction,
-        removed=initial.removed,
-        truncation=lowered.truncation,
-    )
+        total = initial.lowered.n_steps if steps is None else steps
+        writer = make_writer(output, initial, total)
     started = time.perf_counter()
-    _march(lowered, state, work, file, progress)
-    file.note(finished=True, seconds=time.perf_counter() - started)
-    return file.results()
+    _march(initial, writer, total, progress)
+    writer.note(finished=True, seconds=time.perf_counter() - started)
+    return read_back(output, writer, model)
 
 
-def _march(
-    lowered: LoweredModel, state: State, work: Workspace, file: ResultsFile, progress: bool
-) -> None:
-    done, total, stint = 0, lowered.n_steps, 16
+def _march(initial: InitialState, writer: Writer, total: int, progress: bool) -> None:
+    lowered, state, work = initial.lowered, initial.state, initial.work
+    done, stint = 0, 16
     lookahead = Lookahead(lowered.system.elastic)
-    with Recorder(file, lowered) as recorder, Progress("simulating", total, shown=progress) as bar:
+    with (
+        Recorder(writer, lowered) as recorder,
+        Progress("simulating", total, shown=progress) as bar,
+    ):
         run = Run(system=lowered.system, state=state, work=work, output=recorder.output)
         record(run, 0)
         recorder.keep(0, recorder.rows(0, 1))

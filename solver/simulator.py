@@ -1,28 +1,30 @@
-"""One step at a time, for inputs that are known only when the step is due: controllers,
-co-simulation, real time.
+"""One step at a time, for inputs that are known only when the step is due.
+
+For controllers, co-simulation and real time.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
 
-from .arrays import Array, Index, as_index
+from .arrays import Array
 from .errors import ModelError, about
 from .history.uniform import Partitions
 from .lower.allocation import make_output
-from .lower.lower import LoweredModel
 from .model.model import Model
 from .model.settings import Settings
-from .model.signals import Input, Signal
-from .output.columns import lay_out_columns
-from .simulation import failure
+from .model.signals import Input
+from .output.columns import views
+from .simulation import failure, signals
 from .start.initial import initialize
 from .step.loop import advance
 from .step.record import record
-from .step.system import Inputs, Output, Run
+from .step.system import Inputs, Run
+
+AHEAD = 256
+"""steps for which the signals that are no inputs are sampled at once"""
 
 
 class Simulator:
@@ -34,12 +36,13 @@ class Simulator:
 
     `step` takes the values at the end of the step, in the order of `inputs`. Loads are linear
     between them: a force that is to be held from one step to the next acts half a step early, with
-    the same impulse. What the next step can do before they are known is done at the end of the one
-    before: to recall the past, to predict, to factor the matrix of a given number of
-    `fixed_iterations`,
-    with which all steps cost about the same. History "fft" is convolved in equal parts, one a step,
-    not in the growing blocks of `simulate`. `outputs` (n,) are the chosen datasets of results, one
-    after the other, at the present `time`; they are those of `simulate`.
+    the same impulse. As much of a step as goes before they are known is done at the end of the one
+    before: its free response, its prediction, and the factors of the matrix where the iterations
+    are fixed (`Settings.fixed_iterations`), with which all steps cost about the same. History "fft"
+    is convolved in equal parts, one a step, not in the growing blocks of `simulate`.
+
+    `outputs` (n,) are the chosen quantities of results, one after the other, at the present `time`;
+    `views` has those of each name, in arrays that every step changes. They are those of `simulate`.
 
     Raises ModelError for a model that cannot start, an output that there is not, a wrong number of
     inputs and a step beyond t_end; ConvergenceError where Newton's method fails, and then there are
@@ -53,34 +56,38 @@ class Simulator:
             model = replace(model, settings=settings)
         with about(model.path):
             initial = initialize(model)
-            lowered = initial.lowered
+            lowered, state = initial.lowered, initial.state
             output = make_output(lowered, 1)
-            self._parts = _parts(lowered, outputs, output)
-        self._lowered, self._state, self._work = lowered, initial.state, initial.work
-        self._run = Run(
-            system=lowered.system, state=initial.state, work=initial.work, output=output
-        )
-        signals: list[Signal] = [*lowered.load_signals, *lowered.drives]
-        self.inputs = tuple(
-            dict.fromkeys(signal.name for signal in signals if isinstance(signal, Input))
-        )
+            self.views: Mapping[str, Array] = views(lowered, outputs, output)
+            """the chosen outputs by name, each (n,)"""
+        self._parts = [self.views[name] for name in outputs]
+        self._lowered, self._state, self._work = lowered, state, initial.work
+        self._run = Run(system=lowered.system, state=state, work=initial.work, output=output)
+        given = [*lowered.load_signals, *lowered.drives]
+        self.inputs = tuple(dict.fromkeys(s.name for s in given if isinstance(s, Input)))
         """the names of the inputs"""
         load, drive = np.zeros((1, len(lowered.load_signals))), np.zeros((1, len(lowered.drives)))
         self._load, self._drive = load[0], drive[0]
-        self._load_inputs = _places(lowered.load_signals, self.inputs)
-        self._drive_inputs = _places(lowered.drives, self.inputs)
+        self._destinations = [
+            (values, i, self.inputs.index(signal.name))
+            for values, kind in ((self._load, lowered.load_signals), (self._drive, lowered.drives))
+            for i, signal in enumerate(kind)
+            if isinstance(signal, Input)
+        ]
+        """(array, index in it, number of the input)"""
+        self._all_are_inputs = all(isinstance(signal, Input) for signal in given)
         row = np.zeros(1, dtype=np.int64)
-        self._inputs = Inputs(load=load, drive=drive, row=row, ahead=1)
-        self._last_inputs = self._inputs.replace(ahead=0)
+        self._next = Inputs(load=load, drive=drive, row=row, ahead=1)
+        self._last = self._next.replace(ahead=0)
         self._partitions = Partitions(lowered.system.elastic)
+        self._number, self._n_steps, self._h = 0, lowered.n_steps, lowered.h
         record(self._run, 0)
         advance(self._run, Inputs(load=load[:0], drive=drive[:0], row=row[:0], ahead=1))
-        self._foresee(1)
 
     @property
     def time(self) -> float:
         """[s]"""
-        return self._lowered.h * float(self._state.step[0])
+        return self._h * self._number
 
     @property
     def outputs(self) -> Array:
@@ -88,59 +95,32 @@ class Simulator:
         return np.concatenate(self._parts)
 
     def step(self, inputs: Any) -> Array:
-        """Take a step with the values (n,) that the inputs have at its end; return the outputs
-        there.
-        """
-        values = np.asarray(inputs, dtype=np.float64)
-        if values.shape != (len(self.inputs),):
-            raise ModelError(
-                f"inputs: expected values of {list(self.inputs)}, got {values.tolist()}"
-            )
-        number = int(self._state.step[0]) + 1
-        if number > self._lowered.n_steps:
-            raise ModelError(f"t_end = {self._lowered.model.settings.t_end:.9g} s has been reached")
-        for array, (places, given) in (
-            (self._load, self._load_inputs),
-            (self._drive, self._drive_inputs),
-        ):
-            array[places] = values[given]
+        """Take a step with the values (n,) of the inputs at its end; the outputs there."""
+        if len(inputs) != len(self.inputs):
+            values = np.asarray(inputs).tolist()
+            raise ModelError(f"inputs: expected values of {list(self.inputs)}, got {values}")
+        number = self._number + 1
+        if number > self._n_steps:
+            t_end = self._lowered.model.settings.t_end
+            raise ModelError(f"t_end = {t_end:.9g} s has been reached")
+        if not self._all_are_inputs:
+            self._set_signals(number)
+        for values, i, k in self._destinations:
+            values[i] = inputs[k]
         # a kernel ends with the run
-        last = number == self._lowered.n_steps
-        taken, residual = advance(self._run, self._last_inputs if last else self._inputs)
+        last = number == self._n_steps
+        taken, residual = advance(self._run, self._last if last else self._next)
         if not taken:
             raise failure(self._lowered, number, residual, self._work)
+        self._number = number
         self._partitions.work(self._state)
-        self._foresee(number + 1)
         return self.outputs
 
-    def _foresee(self, number: int) -> None:
-        """The signals of step `number` that are no inputs."""
-        h = self._lowered.h
-        for i, load in enumerate(self._lowered.load_signals):
-            if not isinstance(load, Input):
-                self._load[i] = load.samples(np.array([h * number]), h)[0]
-        for i, drive in enumerate(self._lowered.drives):
-            if not isinstance(drive, Input):
-                self._drive[i] = drive(h * number)
-
-
-def _places(signals: Sequence[Signal], inputs: tuple[str, ...]) -> tuple[Index, Index]:
-    """Which of the signals are inputs, and which of the inputs each of these is."""
-    found = [
-        (i, inputs.index(signal.name))
-        for i, signal in enumerate(signals)
-        if isinstance(signal, Input)
-    ]
-    return as_index([i for i, _ in found]), as_index([k for _, k in found])
-
-
-def _parts(lowered: LoweredModel, names: Sequence[str], output: Output) -> list[Array]:
-    """Views of the chosen datasets in the output of one step, each (n,)."""
-    columns, parts = lay_out_columns(lowered), []
-    for name in names:
-        if name not in columns:
-            near = get_close_matches(name, columns, n=3)
-            meant = f"; did you mean {' or '.join(map(repr, near))}?" if near else ""
-            raise ModelError(f"outputs: no {name!r}{meant}")
-        parts.append(columns[name].rows(output, 1).reshape(-1))
-    return parts
+    def _set_signals(self, number: int) -> None:
+        """The signals of step `number` that are no inputs, sampled for many steps at once."""
+        k = (number - 1) % AHEAD
+        if k == 0:
+            n = min(AHEAD, self._n_steps - number + 1)
+            self._sampled = signals(self._lowered, number, np.zeros(n, dtype=np.int64))
+        self._load[:] = self._sampled.load[k]
+        self._drive[:] = self._sampled.drive[k]

@@ -1,6 +1,4 @@
-"""What can go wrong before the cases of a study run; what goes wrong in a case is told of that
-case.
-"""
+"""Failures before the cases of a study run; a failure in a case stands in its row."""
 
 
 class StudyError(ValueError):

@@ -1,6 +1,6 @@
-"""One number of a motion, as a study file asks for it: REDUCTION QUANTITY or REDUCTION |QUANTITY|.
+"""Numbers of a motion, as study files ask for them: REDUCTION QUANTITY or REDUCTION |QUANTITY|.
 
-    max |displacement:beam.tip:hub.rim:y|        final angle:hub:z        peak-to-peak energy:balance
+    max |displacement:beam.tip:hub.rim:y|       final angle:hub:z       peak-to-peak energy:balance
 
 Bars take the magnitude, of a vector its length. Quantities are those of `duhamel plot`.
 """
@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from ..results import QuantityError, Results
+from ..results.quantities import AXES, KINDS, evaluate
 from ..superelement.validation import Array
-from ..view import QuantityError, Recording, curves
-from ..view.quantities import AXES, KINDS
 from .errors import StudyError
 
 
@@ -31,37 +31,39 @@ REDUCTIONS: dict[str, Callable[[Array, Array], float]] = {
 }
 
 
-def values(recording: Recording, outputs: Mapping[str, str]) -> dict[str, float]:
-    """The outputs by name, in SI units; `StudyError` names one that is none, or of what the
-    recording does not have.
+def values(results: Results, outputs: Mapping[str, str]) -> dict[str, float]:
+    """The outputs by name, in SI units; `StudyError` names one that is none, or of a quantity that
+    the results do not have.
     """
-    return {name: _told(name, _value, recording, output) for name, output in outputs.items()}
+    return {name: _named(name, _value, results, output) for name, output in outputs.items()}
 
 
-def check(recording: Recording, outputs: Mapping[str, str]) -> None:
+def check(results: Results, outputs: Mapping[str, str]) -> None:
     """Raise what `values` would raise."""
     for name, output in outputs.items():
-        _told(name, _components, recording, output)
+        _named(name, _components, results, output)
 
 
-def _told(
-    name: str, function: Callable[[Recording, str], Any], recording: Recording, output: str
+def _named(
+    name: str, function: Callable[[Results, str], Any], results: Results, output: str
 ) -> Any:
     try:
-        return function(recording, output)
+        return function(results, output)
     except (StudyError, QuantityError) as error:
         raise StudyError(f"outputs.{name}: {error}") from error
 
 
-def _value(recording: Recording, output: str) -> float:
+def _value(results: Results, output: str) -> float:
     reduction, _, magnitude = _parts(output)
-    components = _components(recording, output)
-    values = np.linalg.norm(components, axis=0) if magnitude else components[0]
-    return REDUCTIONS[reduction](recording.time, values)
+    values = _components(results, output)
+    if magnitude:
+        values = np.abs(values) if values.ndim == 1 else np.linalg.norm(values, axis=1)
+    return REDUCTIONS[reduction](results.time, values)
 
 
-def _components(recording: Recording, output: str) -> list[Array]:
-    return [curve.values for curve in curves(recording, _parts(output)[1])]
+def _components(results: Results, output: str) -> Array:
+    """The values (n,) or (n, 3) of the quantity."""
+    return evaluate(results, _parts(output)[1]).values
 
 
 def _parts(output: str) -> tuple[str, str, bool]:
@@ -69,7 +71,8 @@ def _parts(output: str) -> tuple[str, str, bool]:
     match = re.fullmatch(r"\s*(\S+)\s+(\|?)([^\s|]+)(\|?)\s*", output)
     if match is None or match[1] not in REDUCTIONS or match[2] != match[4]:
         raise StudyError(
-            f"expected REDUCTION QUANTITY or REDUCTION |QUANTITY| with one of {', '.join(REDUCTIONS)}, found {output!r}"
+            f"expected REDUCTION QUANTITY or REDUCTION |QUANTITY| with one of "
+            f"{', '.join(REDUCTIONS)}, found {output!r}"
         )
     reduction, magnitude, quantity = match[1], bool(match[2]), match[3]
     kind, *names = quantity.split(":")
@@ -80,6 +83,7 @@ def _parts(output: str) -> tuple[str, str, bool]:
         and names[-1:] not in [[axis] for axis in AXES]
     ):
         raise StudyError(
-            f"{output!r} is of a vector: expected an axis, {quantity}:x, or its length, |{quantity}|"
+            f"{output!r} is of a vector: "
+            f"expected an axis, {quantity}:x, or its length, |{quantity}|"
         )
     return reduction, quantity, magnitude

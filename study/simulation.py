@@ -1,21 +1,17 @@
 """Studies of a model file: a case is a run."""
 
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-import h5py
-
-from ..solver import ConvergenceError, ModelError, Results, ResultsError, read_model, simulate
+from ..results import Results, ResultsError
+from ..solver import ConvergenceError, ModelError, read_model, simulate, start
 from ..superelement import SuperelementError
 from .case import Case
 from .digest import digest
 from .keys import matching
-
-NO_TIME = 1e-300
-"""a run of this length [s] is its start alone"""
+from .outputs import check, values
 
 
 @dataclass(frozen=True)
@@ -31,31 +27,19 @@ class Simulation:
         """Start the base model, which compiles the time loop, and look whether the results hold the
         outputs.
         """
-        # What draws needs a second to load and is no business of the workers.
-        from ..view import read
-        from .outputs import check
-
-        with tempfile.TemporaryDirectory() as folder:
-            results = Path(folder) / "start.h5"
-            simulate(read_model(base).with_settings(t_end=NO_TIME), output=results)
-            check(read(results), outputs)
+        check(start(read_model(base)), outputs)
 
     def make(self, case: Case) -> None:
         simulate(read_model(case.source), output=case.target)
 
     def is_made(self, case: Case) -> bool:
         try:
-            with h5py.File(case.target, "r") as file:
-                made_from = file.attrs["model"], dict(file["superelements"].attrs)
-                return bool(file["solver"].attrs["finished"]) and made_from == (
-                    case.text,
-                    _superelements(case),
-                )
-        except (
-            OSError,
-            KeyError,
-            RuntimeError,
-        ):  # what h5py raises on a file that is missing or damaged
+            results = Results.read(case.target)
+            files = results.superelement_files
+            made_from = {body: file.digest for body, file in files.items()}
+            finished = bool(results.solver["finished"])
+            return finished and (results.model, made_from) == (case.text, _superelements(case))
+        except (ResultsError, OSError, KeyError):  # missing, damaged, or of another version
             return False
 
     def numbers(self, case: Case, outputs: Mapping[str, str]) -> dict[str, float]:
@@ -67,12 +51,7 @@ class Simulation:
             "steps": steps,
             "iterations": iterations,
         }
-        if outputs:
-            from ..view import read
-            from .outputs import values
-
-            numbers |= values(read(case.target), outputs)
-        return numbers
+        return numbers | values(results, outputs)
 
 
 def _superelements(case: Case) -> dict[str, str]:

@@ -46,7 +46,7 @@ class _StudyFile(Table):
 
 @dataclass(frozen=True)
 class Study:
-    """What to vary (`base`), how, and what to tell of it: outputs by name, as `outputs.py` reads
+    """A base file, the cases that vary it, and their outputs by name, as `outputs.py` reads
     them.
     """
 
@@ -156,7 +156,8 @@ def _rows(path: Path) -> Iterator[_Values]:
         raise StudyError(f"{path}: not a readable table: {error}") from error
     if not rows or len(set(header)) < len(header):
         raise StudyError(
-            f"{path}: expected a line of different keys and a line a case, found {header} and {len(rows)}"
+            f"{path}: expected a line of different keys and a line a case, "
+            f"found {header} and {len(rows)}"
         )
     known: set[str] = set()
     for number, row in enumerate(rows, start=1):

@@ -14,7 +14,7 @@ from .study_file import Study
 
 @dataclass(frozen=True)
 class Row:
-    """What is said of a case: status "done", "failed", or "open" where the study was stopped before
+    """A case in the summary: status "done", "failed", or "open" where the study was stopped before
     it.
     """
 

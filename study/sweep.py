@@ -1,4 +1,4 @@
-"""Run what is open of a study, and sum up all of it."""
+"""Run the open cases of a study, and write its summary."""
 
 from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
@@ -9,7 +9,7 @@ from .study_file import Study
 from .summary import Row, write_summary
 from .workers import Report, in_process, on_cluster
 
-Tell = Callable[[Row], None]
+OnFinished = Callable[[Row], None]
 """called with a case when it is finished, or found made"""
 
 
@@ -18,7 +18,7 @@ def sweep(
     workers: int | None = None,
     scheduler: str | None = None,
     force: bool = False,
-    tell: Tell = lambda row: None,
+    on_finished: OnFinished = lambda row: None,
 ) -> tuple[Row, ...]:
     """Make the cases that are not made, or were made from other inputs, or all by `force`; write
     FOLDER/summary.csv.
@@ -41,7 +41,7 @@ def sweep(
         else:
             row = Row(case, "done", kind.numbers(case, study.outputs), warnings=report.warnings)
         rows[case.name] = row
-        tell(row)
+        on_finished(row)
 
     try:
         for case in study.cases:

@@ -93,7 +93,8 @@ def _client(workers: int | None, scheduler: str | None) -> Iterator["Client"]:
         from distributed import Client, LocalCluster
     except ModuleNotFoundError as error:
         raise ClusterError(
-            "Dask is not installed: pip install 'duhamel[cluster]', or --workers 0 for one case after another"
+            "Dask is not installed: pip install 'duhamel[cluster]', "
+            "or --workers 0 for one case after another"
         ) from error
     if scheduler is None:
         cluster = LocalCluster(

@@ -1,11 +1,10 @@
-"""Result files to pictures."""
+"""Results to pictures."""
 
 from .errors import PictureError, QuantityError, ResultsError
 from .fields import Field, draw_fields
 from .overview import overview
 from .picture import COLOURS, draw, entitle, panels, save, style
 from .quantities import Curve, curves
-from .recording import Recording, read
 from .scene import Patch, Place, Scene, draw_scene
 
 __all__ = [
@@ -16,7 +15,6 @@ __all__ = [
     "PictureError",
     "Place",
     "QuantityError",
-    "Recording",
     "ResultsError",
     "Scene",
     "curves",
@@ -26,7 +24,6 @@ __all__ = [
     "entitle",
     "overview",
     "panels",
-    "read",
     "save",
     "style",
 ]

@@ -1,16 +1,8 @@
 """What can go wrong, one exception per kind of failure."""
 
+from ..results import QuantityError, ResultsError
 
-class ResultsError(ValueError):
-    """A results file that cannot be read; the message names the file, the dataset, and what was
-    found.
-    """
-
-
-class QuantityError(LookupError):
-    """A quantity, body, frame or joint that a results file does not have; the message lists those
-    it has.
-    """
+__all__ = ["PictureError", "QuantityError", "ResultsError"]
 
 
 class PictureError(ValueError):

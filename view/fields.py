@@ -1,4 +1,4 @@
-"""Fields on the surfaces of bodies as pictures: stresses of deformed bodies, in colours."""
+"""Fields on the surfaces of bodies as pictures: stresses of deformed bodies, in colors."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,13 +9,13 @@ from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
+from ..superelement.validation import Array
 from .picture import style
-from .rotations import Array
 from .scene import IntArray, Patch, Scene, draw_scene
 
 COLOURS = "turbo"
 BAR = (3.2, 0.11)
-"""length and height of the bar of colours [inch]"""
+"""length and height of the bar of colors [inch]"""
 ROOM = (0.25, 0.6)
 """below and in all for the bar, under the views [inch]"""
 
@@ -48,10 +48,10 @@ class Field:
 def draw_fields(
     fields: Sequence[Field], label: str, scale: float = 1.0, scene: Scene | None = None
 ) -> Figure:
-    """Bodies from two sides, coloured by values times `scale` from zero to the largest; what else
+    """Bodies from two sides, colored by values times `scale` from zero to the largest; what else
     the scene holds too.
 
-    label: what the values are, with the unit that `scale` leaves, for the bar of colours.
+    label: what the values are, with the unit that `scale` leaves, for the bar of colors.
     """
     largest = scale * max(float(field.values.max()) for field in fields)
     norm, colours = Normalize(0.0, largest), matplotlib.colormaps[COLOURS]
@@ -85,7 +85,7 @@ def draw_fields(
 
 def _triangles(field: Field) -> tuple[Array, Array]:
     """Triangles (m, 3, 3) and their mean values (m,): what facets are cut into, each cut in four
-    again, for colours.
+    again, for colors.
     """
     lengths = (field.cells >= 0).sum(axis=1)
     rows = [

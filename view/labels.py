@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .rotations import Array
+from ..superelement.validation import Array
 
 
 def apart(heights: Array, distance: float, limit: float) -> Array:

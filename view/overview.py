@@ -1,13 +1,13 @@
-"""What to show of a results file when nobody says."""
+"""The panels of results when none are named."""
 
 from collections.abc import Callable
 
 import numpy as np
 
-from .errors import QuantityError
-from .quantities import AXES, Curve, curves
-from .recording import Recording
-from .rotations import Array
+from ..results import QuantityError, Results
+from ..results.quantities import AXES
+from ..superelement.validation import Array
+from .quantities import Curve, curves
 
 MOST_CURVES = 6
 
@@ -15,7 +15,7 @@ VISIBLE = 0.01
 """the least peak of a curve beside the largest one in its panel"""
 
 
-def overview(recording: Recording) -> list[list[Curve]]:
+def overview(results: Results) -> list[list[Curve]]:
     """Four panels: how fast, how far, the energies, and how well they balance.
 
     How fast are the angular velocities of the bodies, or their velocities if nothing turns; how far
@@ -23,31 +23,31 @@ def overview(recording: Recording) -> list[list[Curve]]:
     flexible. Where there are many, those that are largest are shown: positions by how far they go.
     A panel of which nothing was recorded is left out; QuantityError if all are.
     """
-    speed = _all(recording, "angular_velocity", recording.bodies)
+    speed = _all(results, "angular_velocity", results.bodies)
     if not any(curve.values.any() for curve in speed):
-        speed = _all(recording, "velocity", recording.bodies)
-    if recording.interfaces:
-        travel = _largest(_all(recording, "elastic_displacement", recording.interfaces), _peak)
+        speed = _all(results, "velocity", results.bodies)
+    if results.interfaces:
+        travel = _largest(_all(results, "elastic_displacement", results.interfaces), _peak)
     else:
-        travel = _largest(_all(recording, "position", recording.bodies), _range)
-    energies = [f"energy:{name}" for name in recording.energies if name not in ("balance", "modal")]
+        travel = _largest(_all(results, "position", results.bodies), _range)
+    energies = [f"energy:{name}" for name in results.energies if name not in ("balance", "modal")]
     panels = [
         _largest(speed, _peak),
         travel,
-        _largest([curve for energy in energies for curve in curves(recording, energy)], _peak),
-        curves(recording, "energy:balance") if "balance" in recording.energies else [],
+        _largest([curve for energy in energies for curve in curves(results, energy)], _peak),
+        curves(results, "energy:balance") if "balance" in results.energies else [],
     ]
     if not any(panels):
         raise QuantityError("there is nothing that is shown unasked: name quantities")
     return [panel for panel in panels if panel]
 
 
-def _all(recording: Recording, kind: str, names: tuple[str, ...]) -> list[Curve]:
+def _all(results: Results, kind: str, names: tuple[str, ...]) -> list[Curve]:
     return [
         curve
         for name in names
         for axis in AXES
-        for curve in curves(recording, f"{kind}:{name}:{axis}")
+        for curve in curves(results, f"{kind}:{name}:{axis}")
     ]
 
 

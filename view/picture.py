@@ -13,12 +13,12 @@ from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ..superelement.validation import Array
 from .errors import PictureError
 from .quantities import Curve
-from .rotations import Array
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
-"""the palette of Okabe and Ito, which the colour-blind can tell apart"""
+"""the palette of Okabe and Ito, which the color-blind can tell apart"""
 
 STYLE: dict[Any, Any] = {
     "axes.edgecolor": "0.35",
@@ -82,7 +82,7 @@ def entitle(figure: Figure, title: str) -> None:
 def draw(time: Array, contents: Sequence[Sequence[Curve]], title: str = "") -> Figure:
     """A panel for each list of curves, which must have one unit.   time (n,)
 
-    What the curves of a panel have in common stands above it, what tells them apart in its legend.
+    The words that all curves of a panel share stand above it, the others in its legend.
     Raises PictureError where units differ.
     """
     figure, axes = panels(len(contents))

@@ -12,14 +12,14 @@ from matplotlib.colors import hsv_to_rgb, to_rgb
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from ..superelement.validation import Array
 from .labels import apart
 from .picture import COLOURS, style
-from .rotations import Array
 
 IntArray = NDArray[np.int64]
 
 BODY, HEAVY = (0.82, 0.84, 0.87), (0.15, 0.15, 0.15)
-"""the colours of a body, and of the dots of masses"""
+"""the colors of a body, and of the dots of masses"""
 AXES = (("x", "#c1272d"), ("y", "#2e8b40"), ("z", "#2456a6"))
 LIGHT = np.array([-0.35, 0.55, 0.76]) / np.linalg.norm([-0.35, 0.55, 0.76])
 """direction towards the light, in the axes of the picture: right, up, towards the eye"""
@@ -51,7 +51,7 @@ class Patch:
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """A point (3,) with a name; `turns` if it is a frame, with axes, and not the place of a point."""
+    """A point (3,) with a name; `turns` if it is a frame, with axes, and not a mere point."""
 
     name: str
     point: Array
@@ -60,7 +60,7 @@ class Place:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A body of facets or of lines (m, 2, 3), places that share a colour with their facets, and
+    """A body of facets or of lines (m, 2, 3), places that share a color with their facets, and
     masses.
     """
 
@@ -98,8 +98,8 @@ class View:
         return flat
 
 
-def colour(number: int) -> tuple[float, float, float]:
-    """The colour of a place: those of all pictures, then as many more as it takes, each far from
+def color(number: int) -> tuple[float, float, float]:
+    """The color of a place: those of all pictures, then as many more as it takes, each far from
     the last.
     """
     if number < len(COLOURS):
@@ -114,7 +114,7 @@ def draw_scene(scene: Scene) -> Figure:
     """
     cameras = [_camera(EYE), _camera(-EYE)] if scene.patches else [_camera(EYE)]
     marks = (*scene.places, *scene.masses)
-    shades = [*(colour(i) for i in range(len(scene.places))), *(HEAVY for _ in scene.masses)]
+    shades = [*(color(i) for i in range(len(scene.places))), *(HEAVY for _ in scene.masses)]
     where = _best_views(scene, cameras)
     views, beside = _layout(scene, cameras)
     columns, rows = (len(views), 1) if beside else (1, len(views))
@@ -196,10 +196,10 @@ def _best_views(scene: Scene, cameras: Sequence[Array]) -> IntArray:
 
 def _paint(axes: Axes, scene: Scene, view: View) -> None:
     """Facets that face the eye, from the farthest to the nearest, and lines."""
-    base = np.array([*(colour(i) for i in range(len(scene.places))), BODY])
+    base = np.array([*(color(i) for i in range(len(scene.places))), BODY])
     polygons: list[Array] = []
     depths, shades, rims = [np.zeros(0)], [np.zeros((0, 3))], [np.zeros((0, 3))]
-    # Edges in the colour of the face close the gaps that smoothing leaves between neighbours.
+    # Edges in the color of the face close the gaps that smoothing leaves between neighbours.
     fine = sum(len(patch.facets) for patch in scene.patches) > 2 * FINE
     for patch in scene.patches:
         areas = _area_vectors(patch.facets) @ view.camera.T

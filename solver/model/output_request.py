@@ -1,4 +1,4 @@
-"""The part of a run that is recorded."""
+"""The steps and quantities that a run records."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
@@ -12,10 +12,11 @@ ALWAYS = "solver"
 
 @entry(eq=True)
 class OutputRequest(Entry):
-    """every: so many steps apart, besides the first and the last; quantities: by default all.
+    """The steps and quantities that a run records.
 
-    Quantities are groups of the results file: "bodies", "frames/beam.tip", "joints/pivot",
-    "springs", "energy", "momentum". Times and what Newton's method did are recorded always.
+    every: one step in so many, besides the first and the last; quantities: by default all. They
+    are groups of results: "bodies", "frames/beam.tip", "joints/pivot", "springs", "energy",
+    "momentum". Times and the iterations of Newton's method are recorded always.
     Energies and momenta are summed over every step, recorded or not.
     """
 

@@ -1,90 +1,126 @@
-"""Which datasets a results file has, and where in the output of the time loop each of them comes
-from.
-"""
+"""The output of the time loop, and where in it the entries of results stand."""
 
-from typing import Any, NamedTuple
+from collections.abc import Iterable, Iterator
+from difflib import get_close_matches
+from itertools import pairwise
+from typing import Any
 
+from ...results.schema import (
+    OWNERS,
+    QUANTITIES,
+    Axis,
+    Contents,
+    Part,
+    SuperelementFile,
+    attributes_of,
+    lay_out,
+)
+from ..arrays import Array
+from ..errors import ModelError
 from ..lower.lower import LoweredModel
 from ..model.model import GROUND
 from ..step.system import Output
 
 
-class Column(NamedTuple):
-    """A dataset: its units, and the field of the output that holds it, with what to take of each
-    row.
+def requested(lowered: LoweredModel) -> Contents:
+    """What the model asks to be recorded; `ModelError` for a quantity that there is not."""
+    request, axes = lowered.model.settings.output, axes_of(lowered)
+    owned = [f"{group}/{name}" for group, key in OWNERS.items() for name in axes[key].names]
+    request.check([*owned, "energy", "momentum", "solver"])
+    files = {
+        name: SuperelementFile.of(body.source) if body.source else SuperelementFile("")
+        for name, body in lowered.model.flexible_bodies.items()
+    }
+    return lay_out(axes, files, request.selects, _unknown(lowered))
+
+
+def axes_of(lowered: LoweredModel) -> dict[str, Axis]:
+    """The entries of all dimensions, with where they stand in the output."""
+    model = lowered.model
+    springs = {spring.name for spring in model.springs}
+    couplings = list(enumerate(lowered.coupling_names))
+    owners = {
+        "body": list(enumerate(lowered.body_names)),
+        "frame": [(f, name) for f, name in enumerate(lowered.frame_names) if _on_body(name)],
+        "joint": [(j, name) for j, name in couplings if name not in springs],
+        "spring": [(j, name) for j, name in couplings if name in springs],
+    }
+    axes = {key: _axis(entries) for key, entries in owners.items()}
+    lengths = lowered.measures_lengths.tolist()
+    ranges = list(pairwise(lowered.system.couplings.range.tolist()))
+    for key, ragged in (("joint", "joint_constraint"), ("spring", "spring_component")):
+        entries = [
+            (row, f"{name}.{row - ranges[j][0] + 1}")
+            for j, name in owners[key]
+            for row in range(*ranges[j])
+        ]
+        axes[ragged] = _axis(entries, [not lengths[row] for row, _ in entries])
+    names = [f"{joint}.{coordinate}" for joint, coordinate in lowered.observers]
+    joints = {joint.name: joint.kind for joint in model.joints}
+    angular = [joints[joint].unit(name) == "rad" for joint, name in lowered.observers]
+    axes["joint_coordinate"] = _axis(list(enumerate(names)), angular)
+    return axes
+
+
+def _on_body(frame: str) -> bool:
+    """Whether it is a frame of a body, not a body itself or a frame fixed in space."""
+    return "." in frame and not frame.startswith(f"{GROUND}.")
+
+
+def _axis(entries: list[tuple[int, str]], angular: Iterable[bool] = ()) -> Axis:
+    return Axis(
+        tuple(name for _, name in entries), tuple(angular), tuple(row for row, _ in entries)
+    )
+
+
+def views(lowered: LoweredModel, names: Iterable[str], output: Output) -> dict[str, Array]:
+    """Views (n,) of the output of one step by name, as "joints/pivot/angle".
+
+    `ModelError` for a name that there is not.
     """
-
-    units: str
-    field: str
-    part: tuple[int | slice, ...] = ()
-
-    def rows(self, output: Output, n: int) -> Any:
-        return getattr(output, self.field)[(slice(n), *self.part)]
-
-
-def requested_columns(lowered: LoweredModel) -> dict[str, Column]:
-    """The datasets that the model asks for; `ModelError` for a quantity that there is not."""
-    request, columns = lowered.model.settings.output, lay_out_columns(lowered)
-    request.check([group_of(name) for name in columns])
-    return {name: column for name, column in columns.items() if request.selects(group_of(name))}
-
-
-def group_of(name: str) -> str:
-    """The group of a dataset."""
-    return name.rpartition("/")[0]
+    axes, known = axes_of(lowered), available(lowered)
+    found: dict[str, Array] = {}
+    for name in names:
+        if name not in known:
+            near = get_close_matches(name, known, n=3)
+            meant = f"; did you mean {' or '.join(map(repr, near))}?" if near else ""
+            raise ModelError(f"outputs: no {name!r}{meant}")
+        parts = list(_places(axes, name))
+        (array, rows, first), (_, _, last) = parts[0], parts[-1]
+        columns: tuple[int | slice, ...] = first
+        if len(parts) > 1 and isinstance(first[0], slice) and isinstance(last[0], slice):
+            columns = (slice(first[0].start, last[0].stop),)  # linear and angular, side by side
+        found[name] = getattr(output, array)[(slice(1), *rows)][(..., *columns)].reshape(-1)
+    return found
 
 
-def lay_out_columns(lowered: LoweredModel) -> dict[str, Column]:
-    """All datasets by name, in the order of the file, but for those that are derived of others:
-    time and balances.
-    """
-    columns: dict[str, Column] = {}
-    for b, name in enumerate(lowered.body_names):
-        columns |= {
-            f"bodies/{name}/x": Column("m", "x", (b,)),
-            f"bodies/{name}/R": Column("1", "R", (b,)),
-            f"bodies/{name}/v": Column("m/s, rad/s", "v", (b,)),
-            f"bodies/{name}/v_dot": Column("m/s^2, rad/s^2", "v_dot", (b,)),
-        }
-    for f, name in enumerate(lowered.frame_names):
-        if "." not in name or name.startswith(f"{GROUND}."):
-            continue
-        columns |= {
-            f"frames/{name}/position": Column("m", "frame_position", (f,)),
-            f"frames/{name}/rotation": Column("1", "frame_rotation", (f,)),
-            f"frames/{name}/velocity": Column("m/s, rad/s", "frame_velocity", (f,)),
-            f"frames/{name}/acceleration": Column("m/s^2, rad/s^2", "frame_acceleration", (f,)),
-            f"frames/{name}/u": Column("m, rad", "frame_u", (f,)),
-            f"frames/{name}/force": Column("N, N m", "frame_force", (f,)),
-        }
-    columns |= _coupling_columns(lowered)
-    for i, name in enumerate(("kinetic", "elastic", "springs", "potential", "work")):
-        columns[f"energy/{name}"] = Column("J", "energy", (i,))
-    if lowered.all_modal:
-        columns["energy/modal"] = Column("J", "energy", (6,))
-    columns["momentum/linear"] = Column("kg m/s", "momentum", (slice(0, 3),))
-    columns["momentum/angular"] = Column("kg m^2/s", "momentum", (slice(3, 6),))
-    columns["solver/iterations"] = Column("1", "iterations")
-    columns["solver/residual"] = Column("1", "residual")
-    return columns
+def available(lowered: LoweredModel) -> dict[str, None]:
+    """The names of all outputs of a step."""
+    axes = axes_of(lowered)
+    names = [quantity.key for quantity in QUANTITIES if quantity.field and not quantity.owned]
+    for group, dimension in OWNERS.items():
+        for owner in axes[dimension].names:
+            attributes = [name for name, _, _ in attributes_of(axes, group, owner)]
+            names += [f"{group}/{owner}/{attribute}" for attribute in attributes]
+    return dict.fromkeys(name for name in names if name not in _unknown(lowered))
 
 
-def _coupling_columns(lowered: LoweredModel) -> dict[str, Column]:
-    columns: dict[str, Column] = {}
-    first = lowered.system.couplings.range.tolist()
-    groups = {spring.name: "springs" for spring in lowered.model.springs}
-    for j, name in enumerate(lowered.coupling_names):
-        rows = slice(first[j], first[j + 1])
-        group = groups.get(name, "joints")
-        columns |= {
-            f"{group}/{name}/multipliers": Column("N, N m", "multipliers", (rows,)),
-            f"{group}/{name}/force": Column("N", "coupling_wrench", (j, slice(0, 3))),
-            f"{group}/{name}/moment": Column("N m", "coupling_wrench", (j, slice(3, 6))),
-        }
-        if group == "springs":
-            columns[f"{group}/{name}/coordinates"] = Column("m, rad", "coordinates", (rows,))
-    for i, (joint, coordinate) in enumerate(lowered.observers):
-        units = "rad" if "angle" in coordinate else "m"
-        columns[f"joints/{joint}/{coordinate}"] = Column(units, "observed", (i,))
-        columns[f"joints/{joint}/{coordinate}_rate"] = Column(f"{units}/s", "observed_rates", (i,))
-    return columns
+def _places(axes: dict[str, Axis], name: str) -> Iterator[tuple[str, tuple[Any, ...], Part]]:
+    """The arrays of the output that hold a quantity, with its rows and columns in them."""
+    key, _, attribute = name.rpartition("/")
+    group, _, owner = key.partition("/")
+    if group in OWNERS:
+        for found, quantity, entries in attributes_of(axes, group, owner):
+            if found == attribute:
+                rows = axes[quantity.dimensions[1]].rows[entries]
+                if isinstance(rows, tuple):
+                    rows = slice(rows[0], rows[-1] + 1) if rows else slice(0)
+                yield quantity.field, (rows,), quantity.part
+    for quantity in QUANTITIES:
+        if quantity.key == name and not quantity.owned:
+            yield quantity.field, (), quantity.part
+
+
+def _unknown(lowered: LoweredModel) -> tuple[str, ...]:
+    """The optional quantities that a model does not have."""
+    return () if lowered.all_modal else ("energy/modal",)

@@ -1,36 +1,38 @@
-"""Rows of output on their way to the results file: they wait until they are many, or a second old."""
+"""Rows of output on their way to results: they wait until they are many, or a second old."""
 
 import time
 from types import TracebackType
 
 import numpy as np
 
+from ...results.schema import Batch
+from ...results.source import Writer
 from ..arrays import Index
 from ..lower.allocation import make_output
 from ..lower.lower import LoweredModel
-from .file import ResultsFile
+from .writer import rows_of
 
 NUMBERS = 1 << 20
 """how many numbers wait at most"""
-BETWEEN_WRITES = 1.0
-"""seconds: what a run that is killed loses, so that writing takes little of the time of any run"""
 
 
 class Recorder:
     """Gives the time loop rows for the steps that are to be recorded, and writes them.
 
-    Leaving it, in whatever way, writes what waits.
+    Leaving it, in whatever way, writes what waits; but a run that fails in its first step leaves an
+    earlier results file as it is.
     """
 
-    def __init__(self, file: ResultsFile, lowered: LoweredModel) -> None:
+    def __init__(self, writer: Writer, lowered: LoweredModel) -> None:
         width = sum(array.size for array in make_output(lowered, 1).arrays())
         self._every, self._last = lowered.model.settings.output.every, lowered.n_steps
-        n = min(NUMBERS // width, self._last // self._every + 2)
+        n = min(NUMBERS // width, rows_of(lowered))
         self.output = make_output(lowered, max(n, 16))
-        self._file = file
+        self._writer, self._h = writer, lowered.h
         self._steps = np.empty(len(self.output.residual), dtype=np.int64)
-        self._waiting = 0
+        self._waiting = self._taken = 0
         self._written = time.perf_counter()
+        self._energy_start = np.zeros(self.output.energy.shape[1])
 
     def __enter__(self) -> "Recorder":
         return self
@@ -50,15 +52,21 @@ class Recorder:
         n = int(recorded.sum())
         self._steps[self._waiting : self._waiting + n] = first + np.flatnonzero(recorded)
         self._waiting += n
-        if (
-            self._waiting == len(self._steps)
-            or time.perf_counter() - self._written > BETWEEN_WRITES
-        ):
-            self.flush()
+        if first == 0:
+            self._energy_start = self.output.energy[0].copy()
+        else:
+            self._taken += len(rows)
+        full = self._waiting == len(self._steps)
+        if full or time.perf_counter() - self._written > self._writer.pause:
+            self.write()
 
-    def flush(self) -> None:
-        self._file.append(self._steps[: self._waiting], self.output)
-        self._waiting, self._written = 0, time.perf_counter()
+    def write(self) -> None:
+        """Hand over the rows that wait; never twice, should an interrupt come in between."""
+        steps = self._steps[: self._waiting]
+        self._waiting = 0
+        if len(steps):
+            self._writer.append(Batch(steps, self._h, self.output, self._energy_start))
+        self._written = time.perf_counter()
 
     def __exit__(
         self,
@@ -66,4 +74,9 @@ class Recorder:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self.flush()
+        if error is not None and self._taken == 0 and self._writer.abandon():
+            return
+        try:
+            self.write()
+        finally:
+            self._writer.flush()

@@ -29,13 +29,13 @@ def shown(runner, element_file):
 
 def test_mass_properties(shown):
     assert shown["mass [kg]"] == "0.0429"
-    assert shown["centre of mass [m]"] == "0.25 0 0"
+    assert shown["center of mass [m]"] == "0.25 0 0"
     assert shown["principal inertia [kg m^2]"] == "2 4 7.5"
     assert shown["inertia [kg m^2]"] == "3 1 0 1 3 0 0 0 7.5"
 
 
 def test_interfaces_with_position_and_dofs(shown):
-    assert shown["interfaces"] == "2, positions [m] from the centre of mass"
+    assert shown["interfaces"] == "2, positions [m] from the center of mass"
     assert shown["root"] == "-0.25 0 0 6 dofs"
     assert shown["tip"] == "0.25 0 0 3 dofs"
 

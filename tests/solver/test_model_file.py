@@ -112,7 +112,7 @@ def test_a_file_starts_at_rest_in_equilibrium(rotor):
 
 def test_a_file_closes_joints_however_far_they_are_open(rotor):
     results = simulate(rotor("assemble = true", gap="0.2"))
-    assert results.solver["opening"] == pytest.approx(0.2)
+    assert results.solver["assembly_error"] == pytest.approx(0.2)
     np.testing.assert_allclose(
         results.frame("disk.pin").position[0], [0.2, 0, 0], rtol=0, atol=1e-12
     )

@@ -40,10 +40,10 @@ from duhamel.solver import (
     read_model,
     write_model,
 )
+from duhamel.solver.model import signals
 from duhamel.solver.model.joints import JOINT_TYPES
 from duhamel.solver.model.loads import LOAD_TYPES
 from duhamel.solver.model.motions import PrescribedMotion
-from duhamel.solver.model import signals
 from duhamel.solver.model.springs import SPRING_TYPES
 from duhamel.superelement import Interface, Superelement, write
 

@@ -13,7 +13,17 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from duhamel.solver import ConvergenceError, Function, Results, ResultsError, read_model, simulate
+from duhamel.results.file import FileWriter
+from duhamel.solver import (
+    Constant,
+    ConvergenceError,
+    Function,
+    Results,
+    ResultsError,
+    read_model,
+    simulate,
+    start,
+)
 from duhamel.superelement import write
 
 MODEL = """
@@ -75,82 +85,111 @@ def results_file(model_file):
     return path
 
 
-BODY = {
-    "x": ((N, 3), "m"),
-    "R": ((N, 4), "1"),
-    "v": ((N, 6), "m/s, rad/s"),
-    "v_dot": ((N, 6), "m/s^2, rad/s^2"),
+VECTORS = {
+    "body_position": "m",
+    "body_velocity": "m s-1",
+    "body_angular_velocity": "rad s-1",
+    "body_acceleration": "m s-2",
+    "body_angular_acceleration": "rad s-2",
+    "frame_position": "m",
+    "frame_velocity": "m s-1",
+    "frame_angular_velocity": "rad s-1",
+    "frame_acceleration": "m s-2",
+    "frame_angular_acceleration": "rad s-2",
+    "frame_elastic_displacement": "m",
+    "frame_elastic_rotation": "rad",
+    "frame_force": "N",
+    "frame_moment": "N m",
+    "joint_force": "N",
+    "joint_moment": "N m",
+    "spring_force": "N",
+    "spring_moment": "N m",
 }
-FRAME = {
-    "position": ((N, 3), "m"),
-    "rotation": ((N, 4), "1"),
-    "velocity": ((N, 6), "m/s, rad/s"),
-    "acceleration": ((N, 6), "m/s^2, rad/s^2"),
-    "u": ((N, 6), "m, rad"),
-    "force": ((N, 6), "N, N m"),
+COUNTS = {"body": 2, "frame": 3, "joint": 2, "spring": 1}
+SCALARS = {
+    **dict.fromkeys(
+        (
+            *(f"{name}_energy" for name in ("kinetic", "elastic", "modal", "spring", "potential")),
+            "external_work",
+            "dissipated_energy",
+            "energy_balance",
+        ),
+        "J",
+    ),
+    "time": "s",
+    "newton_iterations": "1",
+    "newton_residual": "1",
 }
-
-
-def joint(rows):
-    return {"multipliers": ((N, rows), "N, N m"), "force": ((N, 3), "N"), "moment": ((N, 3), "N m")}
-
-
-ENERGIES = ("kinetic", "elastic", "modal", "springs", "potential", "work", "dissipated", "balance")
-SPRING = {**joint(1), "coordinates": ((N, 1), "m, rad")}
-DATASETS = {
-    "time": ((N,), "s"),
-    "solver/iterations": ((N,), "1"),
-    "solver/residual": ((N,), "1"),
-    **{f"energy/{name}": ((N,), "J") for name in ENERGIES},
-    "momentum/linear": ((N, 3), "kg m/s"),
-    "momentum/angular": ((N, 3), "kg m^2/s"),
-    **{f"bodies/{body}/{name}": entry for body in ("hub", "beam") for name, entry in BODY.items()},
-    **{
-        f"frames/{f}/{name}": entry
-        for f in ("hub.rim", "beam.root", "beam.tip")
-        for name, entry in FRAME.items()
-    },
-    **{f"joints/pivot/{name}": entry for name, entry in joint(5).items()},
-    "joints/pivot/angle": ((N,), "rad"),
-    "joints/pivot/angle_rate": ((N,), "rad/s"),
-    **{f"joints/clamp/{name}": entry for name, entry in joint(6).items()},
-    **{f"springs/tether/{name}": entry for name, entry in SPRING.items()},
+VARIABLES = {
+    **{name: ((N, COUNTS[name.partition("_")[0]], 3), unit) for name, unit in VECTORS.items()},
+    "body_rotation": ((N, 2, 4), "1"),
+    "frame_rotation": ((N, 3, 4), "1"),
+    **{name: ((N,), unit) for name, unit in SCALARS.items()},
+    "linear_momentum": ((N, 3), "kg m s-1"),
+    "angular_momentum": ((N, 3), "kg m2 s-1"),
+    "joint_multiplier": ((N, 11), None),
+    "joint_position": ((N, 1), "rad"),
+    "joint_rate": ((N, 1), "rad s-1"),
+    "spring_multiplier": ((N, 1), "N"),
+    "spring_coordinate": ((N, 1), "m"),
+}
+LABELS = {
+    "body": ["hub", "beam"],
+    "frame": ["hub.rim", "beam.root", "beam.tip"],
+    "joint": ["pivot", "clamp"],
+    "joint_constraint": [
+        *(f"pivot.{i}" for i in range(1, 6)),
+        *(f"clamp.{i}" for i in range(1, 7)),
+    ],
+    "joint_multiplier_units": [*["N"] * 3, *["N m"] * 2, *["N"] * 3, *["N m"] * 3],
+    "joint_coordinate": ["pivot.angle"],
+    "joint_position_units": ["rad"],
+    "joint_rate_units": ["rad s-1"],
+    "spring": ["tether"],
+    "spring_component": ["tether.1"],
+    "spring_multiplier_units": ["N"],
+    "spring_coordinate_units": ["m"],
+    "axis": ["x", "y", "z"],
+    "quaternion": ["w", "x", "y", "z"],
+    "flexible_body": ["beam"],
 }
 
 
 def datasets(path):
+    """The variables with numbers."""
     found = {}
     with h5py.File(path, "r") as file:
-        file.visititems(
-            lambda name, item: (
-                found.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None
-            )
-        )
+        for name, item in file.items():
+            if isinstance(item, h5py.Dataset) and item.dtype.kind != "O":
+                found[name] = item[()]
     return found
 
 
-def test_every_dataset_of_the_file_and_its_units(results_file):
+def test_every_variable_of_the_file_and_its_units(results_file, model_file):
     with h5py.File(results_file, "r") as file:
-        found = {}
-        file.visititems(
-            lambda name, item: (
-                found.update({name: (item.shape, item.attrs["units"])})
-                if isinstance(item, h5py.Dataset)
-                else None
-            )
-        )
-    assert found == DATASETS
+        numbers = {name: file[name] for name in datasets(results_file)}
+        found = {name: (item.shape, item.attrs.get("units")) for name, item in numbers.items()}
+        labels = {
+            name: item.asstr()[()].tolist()
+            for name, item in file.items()
+            if name not in found and name != "solver"
+        }
+    assert found == VARIABLES
+    beam = model_file.with_name("beam.h5")
+    assert labels.pop("superelement_file") == [str(beam)]
+    assert labels.pop("superelement_sha256") == [hashlib.sha256(beam.read_bytes()).hexdigest()]
+    assert {name: sorted(values) for name, values in labels.items()} == {
+        name: sorted(values) for name, values in LABELS.items()
+    }
 
 
-def test_the_attributes_of_the_file(results_file, model_file):
+def test_the_attributes_of_the_file(results_file):
     with h5py.File(results_file, "r") as file:
         assert file.attrs["format"] == "duhamel-results"
-        assert file.attrs["version"] == 1
-        assert file.attrs["units"] == "SI"
+        assert file.attrs["version"] == 2
+        assert file.attrs["Conventions"].startswith("CF-")
         assert file.attrs["created_by"].startswith("duhamel ")
         assert file.attrs["model"] == MODEL
-        digest = hashlib.sha256(model_file.with_name("beam.h5").read_bytes()).hexdigest()
-        assert dict(file["superelements"].attrs) == {"beam": digest}
         solver = dict(file["solver"].attrs)
     assert solver["finished"]
     assert (solver["h"], solver["rho_inf"], solver["steps"], solver["rule"]) == (
@@ -182,6 +221,29 @@ def test_results_in_memory_are_those_of_the_file(results_file, model_file):
         assert a.keys() == b.keys()
         for key, array in a.items():
             np.testing.assert_array_equal(array, b[key])
+
+
+def test_the_start_alone_is_the_first_row_of_a_run(model_file, results_file):
+    alone, whole = start(read_model(model_file)), Results.read(results_file)
+    assert alone.time.tolist() == [0.0]
+    assert (alone.solver["steps"], alone.solver["finished"]) == (0, True)
+    assert alone.recorded == whole.recorded
+    np.testing.assert_array_equal(alone.frame("beam.tip").force, whole.frame("beam.tip").force[:1])
+    np.testing.assert_array_equal(alone.energy.balance, [0.0])
+    for name in ("assembly_error", "moved", "degrees_of_freedom"):
+        assert alone.solver[name] == whole.solver[name]
+
+
+def test_a_run_that_fails_in_its_first_step_leaves_an_earlier_file(model_file, tmp_path):
+    model, path = read_model(model_file), tmp_path / "out.h5"
+    simulate(model, path)
+    torque = replace(model.loads[0], signal=Constant(1e12))
+    with pytest.raises(ConvergenceError, match="no convergence in step 1 "):
+        simulate(replace(model, loads=(torque,)), path)
+    left = Results.read(path)
+    assert left.solver["finished"]
+    assert len(left.time) == N
+    assert [entry.name for entry in tmp_path.iterdir()] == ["out.h5"]
 
 
 def test_a_second_run_replaces_the_file_of_the_first(results_file, model_file, tmp_path):
@@ -281,13 +343,10 @@ def order_of_rounding(name):
     """Rates are positions over h, accelerations and forces positions over h^2; so is their
     rounding.
     """
-    if name.endswith(("force", "moment", "multipliers", "v_dot", "acceleration")):
+    if name.endswith(("force", "moment", "multiplier", "acceleration")):
         return 2
-    return (
-        1
-        if name.endswith(("velocity", "_rate", "/v")) or name.startswith(("momentum", "energy"))
-        else 0
-    )
+    rates = ("velocity", "rate", "momentum", "energy", "work", "balance")
+    return 1 if name.endswith(rates) else 0
 
 
 PLAIN = """
@@ -306,7 +365,7 @@ def test_plain_python_gives_what_the_compiled_code_gives(results_file, model_fil
     plain, compiled = datasets(path), datasets(results_file)
     assert plain.keys() == compiled.keys()
     for name, array in compiled.items():
-        if name.startswith("solver/"):
+        if name.startswith("newton_"):
             continue
         tolerance = POSITION_ROUNDING / H ** order_of_rounding(name)
         assert np.abs(plain[name] - array).max() <= tolerance * max(1.0, np.abs(array).max()), name
@@ -316,6 +375,21 @@ def test_a_folder_that_is_missing_is_named(model_file, tmp_path):
     path = tmp_path / "nowhere" / "out.h5"
     with pytest.raises(ValueError, match=f"{Path(path)}: no folder {path.parent}"):
         simulate(read_model(model_file), output=path)
+
+
+def test_results_do_not_replace_what_the_run_reads(model_file, tmp_path):
+    model, beam = read_model(model_file), model_file.with_name("beam.h5")
+    (tmp_path / "link.h5").symlink_to(beam)
+    for path, message in (
+        (beam, "this is the superelement of body 'beam', which the results would replace"),
+        (tmp_path / "link.h5", "this is the superelement of body 'beam'"),
+        (model_file, "this is the model file"),
+        (tmp_path, "cannot be written: not a regular file"),
+    ):
+        before = None if path.is_dir() else path.read_bytes()
+        with pytest.raises(ResultsError, match=f"{path}: {message}"):
+            simulate(model, path)
+        assert before is None or path.read_bytes() == before
 
 
 def under_a_load_that(model_file, acts):
@@ -411,3 +485,25 @@ def test_a_run_waits_for_those_that_read_its_file(model_file, tmp_path):
     with readers[0] as reader:
         assert reader.wait() == 0
     assert len(results.time) == N
+
+
+def test_an_interrupt_while_rows_are_written_leaves_each_row_once(
+    model_file, results_file, tmp_path, monkeypatch
+):
+    """It comes when the rows are on their way, and again when they are in the file."""
+    path, write = tmp_path / "out.h5", FileWriter._write
+    for late in (False, True):
+
+        def interrupted(writer, patience, late=late):
+            monkeypatch.setattr(FileWriter, "_write", write)
+            if late:
+                write(writer, patience)
+            raise KeyboardInterrupt
+
+        monkeypatch.setattr(FileWriter, "_write", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            simulate(read_model(model_file), path)
+        left, whole = Results.read(path), Results.read(results_file)
+        np.testing.assert_array_equal(left.time, whole.time[: len(left.time)])
+        np.testing.assert_array_equal(left.body("beam").x, whole.body("beam").x)
+        path.unlink()

@@ -145,14 +145,14 @@ def pendulum(place=(0.5, 0, 0), joint=None, **settings):
 
 def test_a_joint_that_is_open_by_little_is_closed_and_told():
     results = simulate(pendulum([0.50001, 0, 0]))
-    assert results.solver["opening"] == pytest.approx(1e-5, rel=1e-9)
-    assert results.solver["opening_at"] == "joint 'pin'"
+    assert results.solver["assembly_error"] == pytest.approx(1e-5, rel=1e-9)
+    assert results.solver["assembly_error_at"] == "joint 'pin'"
     assert results.solver["moved"] == pytest.approx(1e-5, rel=1e-3)
     np.testing.assert_allclose(results.frame("bob.pin").position[0], 0.0, atol=1e-14)
     with pytest.raises(ModelError, match=r"open by 0\.1 m"):
         simulate(pendulum([0.6, 0, 0]))
     assembled = simulate(pendulum([0.6, 0, 0], assemble=True)).solver
-    assert (assembled["opening"], assembled["moved"]) == (
+    assert (assembled["assembly_error"], assembled["moved"]) == (
         pytest.approx(0.1),
         pytest.approx(0.1, rel=1e-6),
     )
@@ -163,14 +163,14 @@ def test_velocities_that_open_a_joint_are_told_as_given():
     thrown across it.
     """
     along = simulate(pendulum(velocity=[0.3, 0, 0])).solver
-    assert (along["velocity_misfit"], along["velocity_misfit_at"]) == (
+    assert (along["velocity_error"], along["velocity_error_at"]) == (
         pytest.approx(0.3, rel=1e-12),
         "joint 'pin'",
     )
     assert along["velocity_correction"] == pytest.approx(0.3, rel=1e-12)
     across = simulate(pendulum(velocity=[0, 0.3, 0])).solver
-    assert across["velocity_misfit"] == pytest.approx(0.3, rel=1e-12)
-    assert across["opening"] == across["moved"] == 0.0
+    assert across["velocity_error"] == pytest.approx(0.3, rel=1e-12)
+    assert across["assembly_error"] == across["moved"] == 0.0
 
 
 def test_what_is_asked_of_joints_is_no_misfit():
@@ -181,8 +181,8 @@ def test_what_is_asked_of_joints_is_no_misfit():
     driven = simulate(pendulum(joint={"angle": Polynomial((0.0, 2.0))})).solver
     assert driven["velocity_correction"] == pytest.approx(2.0, rel=1e-9)
     for told in (asked, driven):
-        assert (told["opening"], told["velocity_misfit"]) == (0.0, 0.0)
-        assert told["opening_at"] == told["velocity_misfit_at"] == ""
+        assert (told["assembly_error"], told["velocity_error"]) == (0.0, 0.0)
+        assert told["assembly_error_at"] == told["velocity_error_at"] == ""
 
 
 def test_equilibrium_is_sought_from_the_places_given():
@@ -194,7 +194,7 @@ def test_equilibrium_is_sought_from_the_places_given():
         results.body("bob").x, np.tile([0, -0.5, 0], (11, 1)), rtol=0, atol=1e-12
     )
     assert results.solver["moved"] == pytest.approx(np.pi / 2, abs=1e-11)
-    assert (results.solver["opening"], results.solver["velocity_correction"]) == (0.0, 0.0)
+    assert (results.solver["assembly_error"], results.solver["velocity_correction"]) == (0.0, 0.0)
 
 
 def contradictory(**rates):

@@ -81,7 +81,7 @@ def datasets(results_file: Path) -> dict[str, bytes]:
 
     def take(name: str, item: h5py.Group | h5py.Dataset) -> None:
         if isinstance(item, h5py.Dataset):
-            found[name] = item[()].tobytes()
+            found[name] = repr(item[()].tolist()).encode()
 
     with h5py.File(results_file) as file:
         file.visititems(take)

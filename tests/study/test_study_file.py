@@ -1,4 +1,4 @@
-"""What a study file says, and how one that says nothing sensible is refused before anything runs."""
+"""Study files: the cases that they describe, and errors that are found before anything runs."""
 
 import tomllib
 
@@ -19,7 +19,8 @@ def test_a_grid_has_every_value_with_every_other_the_last_fastest(study_file):
 
 def test_a_table_has_a_case_a_row(study_file, folder):
     (folder / "cases.csv").write_text(
-        'case,bodies.hub.inertia,bodies.beam.superelement, joints.pivot.type\nslow,"[2, 2, 4]",parts/a.h5,spherical\n'
+        "case,bodies.hub.inertia,bodies.beam.superelement, joints.pivot.type\n"
+        'slow,"[2, 2, 4]",parts/a.h5,spherical\n'
         'fast,"[1, 1, 2]","""parts/b.h5""",revolute\n'
     )
     slow, fast = read_study(study_file('model = "model/hub.toml"\ntable = "cases.csv"')).cases

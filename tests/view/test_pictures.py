@@ -5,39 +5,40 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from duhamel import view
+from duhamel.results import Results
 
-from .conftest import ANGLE, TIME, TRAVEL
+from ..results.disc import ANGLE, TIME, TRAVEL
 
 
 @pytest.fixture
-def recording(results_file):
-    return view.read(results_file)
+def results(results_file):
+    return Results.read(results_file)
 
 
 def words(curves):
     return [", ".join(filter(None, curve.words)) for curve in curves]
 
 
-def test_a_quantity_with_an_axis_is_one_curve(recording):
-    (curve,) = view.curves(recording, "displacement:beam.tip:disc.rim:y")
+def test_a_quantity_with_an_axis_is_one_curve(results):
+    (curve,) = view.curves(results, "displacement:beam.tip:disc.rim:y")
     assert curve.words == ("displacement", "beam.tip seen from disc.rim", "y")
     assert curve.unit == "m"
     np.testing.assert_allclose(curve.values, TRAVEL[:, 1] - TRAVEL[0, 1], rtol=0, atol=1e-15)
 
 
-def test_without_an_axis_components_that_are_zero_are_left_out(recording):
-    assert words(view.curves(recording, "angle:disc")) == ["angle, disc, z"]
-    assert words(view.curves(recording, "elastic_rotation:beam.tip")) == [
+def test_without_an_axis_components_that_are_zero_are_left_out(results):
+    assert words(view.curves(results, "angle:disc")) == ["angle, disc, z"]
+    assert words(view.curves(results, "elastic_rotation:beam.tip")) == [
         f"elastic rotation, beam.tip, {axis}" for axis in "xyz"
     ]
-    assert len(view.curves(recording, "velocity:beam")) == 3
+    assert len(view.curves(results, "velocity:beam")) == 3
 
 
-def test_an_energy_has_no_axis(recording):
-    (curve,) = view.curves(recording, "energy:elastic")
+def test_an_energy_has_no_axis(results):
+    (curve,) = view.curves(results, "energy:elastic")
     assert curve.words == ("energy", "elastic", "")
     with pytest.raises(view.QuantityError, match=r"energy:elastic:x: expected energy:ENERGY$"):
-        view.curves(recording, "energy:elastic:x")
+        view.curves(results, "energy:elastic:x")
 
 
 @pytest.mark.parametrize(
@@ -53,9 +54,9 @@ def test_an_energy_has_no_axis(recording):
         ("angle:wheel:z", "angle:wheel:z: no body or frame 'wheel'; there are: beam, disc"),
     ],
 )
-def test_a_quantity_that_is_not_there(recording, quantity, message):
+def test_a_quantity_that_is_not_there(results, quantity, message):
     with pytest.raises(view.QuantityError, match=message.replace("|", r"\|")):
-        view.curves(recording, quantity)
+        view.curves(results, quantity)
 
 
 @pytest.mark.parametrize(
@@ -66,21 +67,21 @@ def test_a_quantity_that_is_not_there(recording, quantity, message):
         ("linear_momentum", "kg m/s", 3),
     ],
 )
-def test_units_of_coordinates_and_momenta(recording, quantity, unit, count):
-    found = view.curves(recording, quantity)
+def test_units_of_coordinates_and_momenta(results, quantity, unit, count):
+    found = view.curves(results, quantity)
     assert [curve.unit for curve in found] == [unit] * count
 
 
-def test_rounding_on_a_level_is_not_magnified(recording):
-    curve = view.curves(recording, "energy:kinetic")[0]
-    level = replace(curve, values=20.0 + 1e-9 * np.sin(recording.time))
-    low, high = view.draw(recording.time, [[level]]).axes[0].get_ylim()
+def test_rounding_on_a_level_is_not_magnified(results):
+    curve = view.curves(results, "energy:kinetic")[0]
+    level = replace(curve, values=20.0 + 1e-9 * np.sin(results.time))
+    low, high = view.draw(results.time, [[level]]).axes[0].get_ylim()
     assert high - low >= 1e-4 * 20.0
     assert low < 20.0 < high
 
 
-def test_the_overview_of_a_flexible_model(recording):
-    speed, travel, energies, balance = view.overview(recording)
+def test_the_overview_of_a_flexible_model(results):
+    speed, travel, energies, balance = view.overview(results)
     assert words(speed) == ["angular velocity, disc, z"]
     assert words(travel) == [f"elastic displacement, beam.tip, {axis}" for axis in "xyz"]
     assert words(energies) == ["energy, kinetic", "energy, work"]
@@ -88,17 +89,25 @@ def test_the_overview_of_a_flexible_model(recording):
 
 
 def test_the_overview_of_rigid_bodies_shows_positions(edit):
-    _, travel, *_ = view.overview(view.read(edit(lambda file: file["superelements"].attrs.clear())))
+    _, travel, *_ = view.overview(Results.read(edit(lambda file: file.pop("flexible_body"))))
     assert words(travel) == ["position, beam, x", "position, beam, y"]
 
 
 def test_the_overview_leaves_out_what_was_not_recorded(edit):
     def energies_alone(file):
-        for kind in ("bodies", "frames", "joints", "springs", "momentum"):
-            file[kind].clear()
+        for name in list(file):
+            kind = name.partition("_")[0]
+            others = {"body", "frame", "joint", "spring", "linear", "angular"}
+            if kind in others and name != "spring_energy":
+                del file[name]
 
-    recording = view.read(edit(energies_alone))
-    energies, balance = view.overview(recording)
+    def no_energies(file):
+        for name in list(file):
+            if "energy" in name or name == "external_work":
+                del file[name]
+
+    results = Results.read(edit(energies_alone))
+    energies, balance = view.overview(results)
     assert words(balance) == ["energy, balance"]
     assert all(curve.words[0] == "energy" for curve in energies)
     for quantity, message in (
@@ -106,25 +115,25 @@ def test_the_overview_leaves_out_what_was_not_recorded(edit):
         ("linear_momentum", "no momentum 'linear'; there are: none"),
     ):
         with pytest.raises(view.QuantityError, match=message):
-            view.curves(recording, quantity)
+            view.curves(results, quantity)
     with pytest.raises(
         view.QuantityError, match="there is nothing that is shown unasked: name quantities"
     ):
-        view.overview(view.read(edit(lambda file: file["energy"].clear())))
+        view.overview(Results.read(edit(no_energies)))
 
 
 def test_the_overview_shows_velocities_where_nothing_turns(edit):
     def stop(file):
-        file["bodies/disc/v"][:] = 0.0
-        file["bodies/beam/v"][:, 0] = TIME
+        file["body_angular_velocity"][:] = 0.0
+        file["body_velocity"][:, 0, 0] = TIME
 
-    speed, *_ = view.overview(view.read(edit(stop)))
+    speed, *_ = view.overview(Results.read(edit(stop)))
     assert words(speed) == ["velocity, beam, x"]
 
 
-def test_titles_say_what_curves_share_and_legends_what_they_do_not(recording):
-    panel = [*view.curves(recording, "angle:disc:z"), *view.curves(recording, "angle:beam.tip:z")]
-    figure = view.draw(recording.time, [panel], "disc")
+def test_titles_say_what_curves_share_and_legends_what_they_do_not(results):
+    panel = [*view.curves(results, "angle:disc:z"), *view.curves(results, "angle:beam.tip:z")]
+    figure = view.draw(results.time, [panel], "disc")
     (axes,) = figure.axes
     assert axes.get_title("left") == "angle, z"
     assert axes.get_ylabel() == "[rad]"
@@ -142,32 +151,32 @@ def test_titles_say_what_curves_share_and_legends_what_they_do_not(recording):
         ("energy:kinetic", "[kJ]", 1e-3),
     ],
 )
-def test_prefixes_make_numbers_easy_to_read(recording, quantity, unit, factor):
-    (curve,) = view.curves(recording, quantity)
-    (axes,) = view.draw(recording.time, [[curve]]).axes
+def test_prefixes_make_numbers_easy_to_read(results, quantity, unit, factor):
+    (curve,) = view.curves(results, quantity)
+    (axes,) = view.draw(results.time, [[curve]]).axes
     assert axes.get_ylabel() == unit
     np.testing.assert_allclose(axes.lines[0].get_ydata(), factor * curve.values, rtol=1e-14)
 
 
-def test_a_panel_has_one_unit(recording):
-    panel = [*view.curves(recording, "angle:disc:z"), *view.curves(recording, "energy:work")]
+def test_a_panel_has_one_unit(results):
+    panel = [*view.curves(results, "angle:disc:z"), *view.curves(results, "energy:work")]
     with pytest.raises(
         view.PictureError, match=r"found angle, disc, z \[rad\] and energy, work \[J\]"
     ):
-        view.draw(recording.time, [panel])
+        view.draw(results.time, [panel])
 
 
 @pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
-def test_pictures_are_written_in_the_format_of_their_name(recording, tmp_path, suffix):
+def test_pictures_are_written_in_the_format_of_their_name(results, tmp_path, suffix):
     target = tmp_path / f"picture.{suffix}"
-    view.save(view.draw(recording.time, view.overview(recording)), target)
+    view.save(view.draw(results.time, view.overview(results)), target)
     assert target.read_bytes().startswith(
         {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[suffix]
     )
 
 
-def test_a_picture_that_cannot_be_written(recording, tmp_path):
-    figure = view.draw(recording.time, view.overview(recording))
+def test_a_picture_that_cannot_be_written(results, tmp_path):
+    figure = view.draw(results.time, view.overview(results))
     with pytest.raises(
         view.PictureError, match=r"picture.h5: expected a suffix of .*png.*, found '.h5'"
     ):

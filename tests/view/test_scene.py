@@ -1,11 +1,11 @@
-"""Pictures of bodies: what is seen is in its colour, what is behind is not, and labels keep apart."""
+"""Pictures of bodies: what is seen is in its color, what is behind is not; labels keep apart."""
 
 import matplotlib.image
 import numpy as np
 import pytest
 from duhamel import view
 from duhamel.view.labels import apart
-from duhamel.view.scene import colour
+from duhamel.view.scene import color
 
 CORNERS = np.array(
     [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)], float
@@ -14,7 +14,7 @@ FACES = [[0, 4, 7, 3], [1, 2, 6, 5], [0, 1, 5, 4], [3, 7, 6, 2], [0, 3, 2, 1], [
 
 
 def pixels(scene, path):
-    """Hue (rows, columns, 3) and brightness (rows, columns): the colour over its largest part, and
+    """Hue (rows, columns, 3) and brightness (rows, columns): the color over its largest part, and
     that part.
     """
     view.save(view.draw_scene(scene), path)
@@ -25,7 +25,7 @@ def pixels(scene, path):
 
 
 def count(hue, number):
-    own = np.array(colour(number))
+    own = np.array(color(number))
     return int((np.abs(hue - own / own.max()).max(axis=2) < 0.02).sum())
 
 
@@ -90,8 +90,8 @@ def test_lines_and_dots(tmp_path):
     assert (brightness < 0.2).sum() > 30
 
 
-def test_colours_differ():
-    colours = np.array([colour(number) for number in range(24)])
+def test_colors_differ():
+    colours = np.array([color(number) for number in range(24)])
     distance = np.linalg.norm(colours[:, None] - colours, axis=2) + 9.0 * np.eye(24)
     assert distance.min() > 0.05
 

@@ -1,11 +1,11 @@
 """Rotations over time as unit quaternions (n, 4), in the order w, x, y, z."""
 
+from math import factorial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ..superelement.validation import Array
 
 
 def rotate(q: Array, x: Array) -> Array:
@@ -44,3 +44,22 @@ def twists(q: Array) -> Array:
     # q and -q are one rotation, so half angles are known up to multiples of pi.
     twist: Array = 2.0 * np.unwrap(half, axis=0, period=np.pi)
     return twist
+
+
+def apply_tangent(w: Array, a: Array) -> Array:
+    """T(w) a (n, 3) with the material tangent T of rotation vectors w (n, 3), for vectors a (n, 3).
+
+        T(w) = I - c_2 skew(w) + c_3 skew(w)^2,   c_2 = (1 - cos t) / t^2,  c_3 = (t - sin t) / t^3,
+
+    t = |w|; below one radian by power series, which leave nothing to cancellation.
+    """
+    square = np.sum(w * w, axis=1, keepdims=True)
+    small = np.minimum(square, 1.0)
+    c_2 = sum((-small) ** i / factorial(2 + 2 * i) for i in range(10))
+    c_3 = sum((-small) ** i / factorial(3 + 2 * i) for i in range(10))
+    t = np.sqrt(np.maximum(square, 1.0))
+    c_2 = np.where(square < 1.0, c_2, (1.0 - np.cos(t)) / t**2)
+    c_3 = np.where(square < 1.0, c_3, (t - np.sin(t)) / t**3)
+    once = np.cross(w, a)
+    applied: Array = a - c_2 * once + c_3 * np.cross(w, once)
+    return applied

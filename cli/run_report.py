@@ -1,22 +1,20 @@
-"""What `duhamel run` says of a run besides its speed: how it started, and what became of the
-energy.
-"""
+"""The lines of `duhamel run` besides its speed: how the run started, and its energy balance."""
 
 from collections.abc import Iterator
 
 import numpy as np
 
-from ..results.quantities import Energy
-from ..solver import Results
+from ..results import Results
+from ..results.motion import Energy
 from ..superelement.validation import Array
 
 NOTICEABLE = 1e-9
-"""what given positions [m, rad] and velocities [m/s, rad/s] miss, or are changed by, that is worth
-a line
+"""the least error or change of given positions [m, rad] and velocities [m/s, rad/s] that is worth a
+line
 """
 
 
-def account(results: Results) -> Iterator[str]:
+def report(results: Results) -> Iterator[str]:
     """Lines of text: degrees of freedom, what was changed at the start, energies and momenta at the
     end.
     """
@@ -24,33 +22,40 @@ def account(results: Results) -> Iterator[str]:
     yield f"degrees of freedom (bodies as rigid): {solver['degrees_of_freedom']}"
     if solver["removed"]:
         yield f"redundant constraints removed: {solver['removed']}"
-    if solver["opening"] > NOTICEABLE:
-        yield f"{solver['opening_at']} was open by {solver['opening']:.3g} m as given, more than any other"
-    if solver["velocity_misfit"] > NOTICEABLE:
-        misfit, joint = solver["velocity_misfit"], solver["velocity_misfit_at"]
-        yield f"{joint} opened at {misfit:.3g} m/s or rad/s as given, more than any other"
+    if solver["assembly_error"] > NOTICEABLE:
+        opening, joint = solver["assembly_error"], solver["assembly_error_at"]
+        yield f"largest assembly error: {opening:.3g} m at {joint}"
+    if solver["velocity_error"] > NOTICEABLE:
+        misfit, joint = solver["velocity_error"], solver["velocity_error_at"]
+        yield f"largest velocity error: {misfit:.3g} m/s or rad/s at {joint}"
     if solver["moved"] > NOTICEABLE:
         yield f"bodies start up to {solver['moved']:.3g} m or rad from their given places"
     if solver["velocity_correction"] > NOTICEABLE:
-        yield f"bodies start up to {solver['velocity_correction']:.3g} m/s or rad/s from their given velocities"
+        change = solver["velocity_correction"]
+        yield f"bodies start up to {change:.3g} m/s or rad/s from their given velocities"
     if solver["truncation"] > 0.0:
-        yield f"impulse responses were cut off: displacements err by at most {solver['truncation']:.1g} of static ones"
+        error = solver["truncation"]
+        yield f"impulse responses are cut off: error of displacements {error:.1g} of static ones"
     recorded = results.recorded
     if "energy" in recorded:
-        yield _energies(results.energy)
+        yield _energy_balance(results.energy)
     if "momentum" in recorded:
         linear, angular = results.momentum.linear[-1], results.momentum.angular[-1]
         yield (
-            f"momentum at the end [kg m/s]: {_vector(linear)}; angular, about the origin [kg m^2/s]: {_vector(angular)}"
+            f"momentum at the end [kg m/s]: {_vector(linear)}; "
+            f"angular, about the origin [kg m^2/s]: {_vector(angular)}"
         )
     if "energy" in recorded:
         elastic = results.energy.elastic
         lowest, scale = float(elastic.min()), float(np.abs(elastic).max())
         if lowest < -1e-9 * scale and lowest < -10.0 * np.finfo(float).eps:
-            yield f"elastic energy fell to {lowest:.3g} J: the convolution has created energy (rule {solver['rule']!r})"
+            yield (
+                f"elastic energy fell to {lowest:.3g} J: the convolution has created energy "
+                f"(rule {solver['rule']!r})"
+            )
 
 
-def _energies(energy: Energy) -> str:
+def _energy_balance(energy: Energy) -> str:
     names = ("kinetic", "elastic", "springs", "potential", "work", "dissipated")
     last = ", ".join(
         f"{name} {getattr(energy, name)[-1]:.4g}" for name in names if getattr(energy, name).any()

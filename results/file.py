@@ -1,0 +1,377 @@
+"""The results file: netCDF-4, that is HDF5 with dimension scales, one variable a quantity.
+
+A run keeps the file closed between writes, so that others can read it, and one that is killed
+leaves what it had: the first `written` rows, an attribute of the group solver.
+"""
+
+import shutil
+import time
+import uuid
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from ..superelement.validation import Array
+from .errors import ResultsError
+from .schema import (
+    DIMENSIONS,
+    FORMAT,
+    QUANTITIES,
+    VERSION,
+    Axes,
+    Axis,
+    Batch,
+    Contents,
+    Quantity,
+    SuperelementFile,
+)
+from .source import Wanted
+
+PATIENCE = 60.0
+"""seconds to wait for others who have the file open"""
+BRIEF = 0.2
+"""seconds that a run waits for them while there is room in memory for what it would write"""
+ROOM = 1 << 28
+"""bytes that may wait in memory"""
+CHUNK = 1 << 18
+"""bytes that HDF5 keeps together, about"""
+LEAST_ROWS = 16
+"""rows of a chunk, however many bodies there are"""
+SPARE = 1 << 20
+"""bytes that HDF5 may want besides the numbers"""
+TEXT = h5py.string_dtype()
+DAMAGE = (OSError, RuntimeError, KeyError, ValueError, TypeError, MemoryError)
+"""what h5py raises on a file with wrong bytes inside"""
+
+
+class FileSource:
+    """A results file that is read. It is closed between reads, since a run may be writing it.
+
+    The rows are those that stood in the file when it was first opened, so that arrays which are
+    read one after the other belong together.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        with self._open() as file:
+            _check_format(file)
+            self._run = _run_of(file)
+            self._contents = _read_contents(file)
+            self._written = int(file["solver"].attrs["written"])
+
+    @property
+    def name(self) -> str:
+        return str(self._path)
+
+    def contents(self) -> Contents:
+        return self._contents
+
+    def model(self) -> str:
+        with self._open() as file:
+            return str(file.attrs["model"])
+
+    def notes(self) -> dict[str, Any]:
+        with self._open() as file:
+            return dict(file["solver"].attrs)
+
+    def read(self, wanted: Sequence[Wanted]) -> list[Array]:
+        with self._open() as file:
+            if _run_of(file) != self._run:
+                raise ResultsError("another run has replaced this file: read it again")
+            n = self._written = self._written or int(file["solver"].attrs["written"])
+            if not n:
+                raise ResultsError("no step has been written yet")
+            axes = self._contents.axes
+            return [_rows(file, axes, quantity, which, n) for quantity, which in wanted]
+
+    @contextmanager
+    def _open(self) -> Iterator[h5py.File]:
+        try:
+            with _opened(self._path, "r", PATIENCE) as file:
+                yield file
+        except ResultsError as error:
+            raise ResultsError(f"{self._path}: {error}") from error
+        except FileNotFoundError as error:
+            raise ResultsError(f"{self._path}: no such file") from error
+        except BlockingIOError as error:
+            raise ResultsError(f"{self._path}: cannot be read: {error}") from error
+        except DAMAGE as error:
+            raise ResultsError(f"{self._path}: not a readable HDF5 file: {error}") from error
+
+
+class FileWriter:
+    """A results file that a run writes; rows that cannot be written yet wait in memory.
+
+    rows: how many there will be, about. A file that stands at the path already stays there until
+    the first rows of this run are written. Raises `ResultsError` where the file cannot be written,
+    or another run has replaced it.
+    """
+
+    pause = 1.0
+
+    def __init__(
+        self, path: Path, contents: Contents, notes: Mapping[str, Any], model: str, rows: int
+    ) -> None:
+        self._path, self._contents, self._written = path, contents, 0
+        self._run = uuid.uuid4().hex
+        self._waiting: list[dict[str, Array]] = []
+        self._bytes_waiting = 0
+        # Made in memory first: HDF5 itself brings the process down when the disk is full.
+        image = _image(contents, {**notes, "written": 0, "run": self._run}, model, rows)
+        with _failures_named(path):
+            self._target = path.resolve()
+            self._file = self._target.with_name(f".{self._target.name}.{self._run[:8]}")
+            self._file.write_bytes(image)
+            if not path.exists():
+                self._publish()
+
+    def append(self, batch: Batch) -> None:
+        axes, quantities = self._contents.axes, self._contents.quantities
+        rows = {quantity.name: quantity.take(batch, axes) for quantity in quantities}
+        self._waiting.append(rows)
+        self._bytes_waiting += sum(array.nbytes for array in rows.values())
+        with _failures_named(self._path):
+            try:
+                self._write(BRIEF)
+            except BlockingIOError:
+                if self._bytes_waiting > ROOM:
+                    self._write(PATIENCE)
+                else:
+                    self._waiting[-1] = {name: array.copy() for name, array in rows.items()}
+
+    def flush(self) -> None:
+        with _failures_named(self._path):
+            self._write(PATIENCE)
+
+    def abandon(self) -> bool:
+        if self._file == self._target:
+            return False
+        self._file.unlink(missing_ok=True)
+        return True
+
+    def note(self, **notes: Any) -> None:
+        with _failures_named(self._path), self._own(PATIENCE) as file:
+            file["solver"].attrs.update(_plain(notes))
+
+    def _write(self, patience: float) -> None:
+        """Write the rows that wait; they count once all of them are in the file."""
+        if not self._waiting:
+            return
+        with self._own(patience) as file:
+            free = shutil.disk_usage(self._target.parent).free
+            if free < self._bytes_waiting + SPARE + len(self._contents.quantities) * CHUNK:
+                raise OSError(f"the disk is full, {self._written} rows are written")
+            written = self._written
+            for rows in self._waiting:
+                for name, array in rows.items():
+                    _extend(file, name, array, written)
+                written += len(rows["time"])
+            file.flush()
+            file["solver"].attrs.modify("written", written)
+        self._written, self._waiting, self._bytes_waiting = written, [], 0
+        if self._file != self._target:
+            self._publish()
+
+    def _publish(self) -> None:
+        self._file.replace(self._target)
+        self._file = self._target
+
+    @contextmanager
+    def _own(self, patience: float) -> Iterator[h5py.File]:
+        """The file, if it is still that of this run."""
+        with _opened(self._file, "r+", patience) as file:
+            if "solver" not in file or file["solver"].attrs.get("run") != self._run:
+                raise ResultsError(
+                    f"{self._path}: another run writes to this file now; this one stops, "
+                    f"{self._written} rows long"
+                )
+            yield file
+
+
+def _extend(file: h5py.File, name: str, rows: Array, first: int) -> None:
+    """Put rows into a variable from `first` on, by the calls of HDF5 itself: with the indexing of
+    h5py a write takes twice as long, and others wait for it.
+    """
+    dataset = h5py.h5d.open(file.id, name.encode())
+    shape = rows.shape[1:]
+    dataset.set_extent((first + len(rows), *shape))
+    space = dataset.get_space()
+    space.select_hyperslab((first, *(0 for _ in shape)), rows.shape)
+    dataset.write(h5py.h5s.create_simple(rows.shape), space, np.ascontiguousarray(rows))
+
+
+def _opened(path: Path, mode: str, patience: float) -> h5py.File:
+    """The file, as soon as no one holds it against this mode; BlockingIOError if that takes too
+    long.
+    """
+    deadline = time.monotonic() + patience
+    while True:
+        try:
+            return h5py.File(path, mode)
+        except OSError as error:
+            # HDF5 says the one of another process, the other of this one
+            held = isinstance(error, BlockingIOError) or "already open" in str(error)
+            if not held:
+                raise
+            if time.monotonic() > deadline:
+                raise BlockingIOError(f"others have it open: {error}") from error
+            time.sleep(0.005)
+
+
+@contextmanager
+def _failures_named(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise ResultsError(f"{path}: cannot be written: {error}") from error
+
+
+def _check_format(file: h5py.File) -> None:
+    if (found := _text(file.attrs.get("format"))) != FORMAT:
+        raise ResultsError(f"attribute format: expected {FORMAT!r}, found {found!r}")
+    if (version := int(file.attrs.get("version", 0))) != VERSION:
+        raise ResultsError(
+            f"results file of version {version}; this Duhamel reads version {VERSION}: "
+            "run the model again"
+        )
+
+
+def _run_of(file: h5py.File) -> str:
+    """The name of the run that wrote the file."""
+    return str(file["solver"].attrs.get("run", ""))
+
+
+def _text(value: Any) -> Any:
+    return value.decode() if isinstance(value, bytes) else value
+
+
+def _read_contents(file: h5py.File) -> Contents:
+    axes = {name: Axis(_strings(file[name])) for name in DIMENSIONS if name in file}
+    del axes["time"]
+    quantities = tuple(quantity for quantity in QUANTITIES if quantity.name in file)
+    for quantity in quantities:
+        if not isinstance(quantity.unit, str):
+            name = quantity.dimensions[1]
+            angular = [unit == quantity.unit[1] for unit in _strings(file[units_of(quantity)])]
+            axes[name] = Axis(axes[name].names, tuple(angular))
+    bodies = axes.pop("flexible_body", Axis(())).names
+    superelements: dict[str, SuperelementFile] = {}
+    if bodies:
+        paths, digests = file["superelement_file"], file["superelement_sha256"]
+        files = map(SuperelementFile, _strings(paths), _strings(digests))
+        superelements = dict(zip(bodies, files, strict=True))
+    return Contents(axes, quantities, superelements)
+
+
+def _strings(dataset: h5py.Dataset) -> tuple[str, ...]:
+    return tuple(dataset.asstr()[()].tolist()) if dataset.dtype.kind == "O" else ()
+
+
+def _rows(file: h5py.File, axes: Axes, quantity: Quantity, entries: Any, written: int) -> Array:
+    if isinstance(entries, slice) and entries.start == entries.stop:
+        return np.zeros((written, 0))
+    dataset = file.get(quantity.name)
+    if not isinstance(dataset, h5py.Dataset):
+        raise ResultsError(f"variable {quantity.name!r} is missing")
+    shape = quantity.shape(axes)
+    if dataset.shape[1:] != shape or len(dataset) < written:
+        raise ResultsError(
+            f"variable {quantity.name!r}: expected shape {(written, *shape)}, found {dataset.shape}"
+        )
+    rows: Array = dataset[:written] if entries is None else dataset[:written, entries]
+    return rows
+
+
+def units_of(quantity: Quantity) -> str:
+    """The variable with the units along a ragged dimension."""
+    return f"{quantity.name}_units"
+
+
+def _image(contents: Contents, notes: Mapping[str, Any], model: str, rows: int) -> bytes:
+    """The bytes of a file without rows."""
+    with h5py.File("image", "w", driver="core", backing_store=False, track_order=True) as file:
+        file.attrs.update(
+            Conventions="CF-1.11",
+            format=FORMAT,
+            version=VERSION,
+            created_by=f"duhamel {metadata.version('duhamel')}",
+            model=model,
+        )
+        axes = dict(contents.axes)
+        if contents.superelements:
+            axes["flexible_body"] = Axis(tuple(contents.superelements))
+        scales = {name: _put_strings(file, name, axis.names) for name, axis in axes.items()}
+        scales["time"] = _create(file, contents.quantities[0], axes, rows)
+        for name, scale in scales.items():
+            scale.make_scale(name)
+            if name != "time":
+                scale.attrs["long_name"] = DIMENSIONS[name].description
+        for quantity in contents.quantities[1:]:
+            _attach(_create(file, quantity, axes, rows), quantity.dimensions, scales)
+            if not isinstance(quantity.unit, str):
+                units = _put_strings(file, units_of(quantity), quantity.units(axes))
+                _attach(units, quantity.dimensions[1:], scales)
+        if contents.superelements:
+            files = [found.hashed() for found in contents.superelements.values()]
+            paths = _put_strings(file, "superelement_file", [found.path for found in files])
+            digests = _put_strings(file, "superelement_sha256", [found.digest for found in files])
+            _attach(paths, ("flexible_body",), scales)
+            _attach(digests, ("flexible_body",), scales)
+        file.create_group("solver").attrs.update(_plain(notes))
+        file.flush()
+        image: bytes = file.id.get_file_image()
+    return image
+
+
+def _create(file: h5py.File, quantity: Quantity, axes: Axes, rows: int) -> h5py.Dataset:
+    """A variable without rows."""
+    shape = quantity.shape(axes)
+    dataset = file.create_dataset(
+        quantity.name,
+        shape=(0, *shape),
+        maxshape=(None, *shape),
+        chunks=chunks(shape, rows),
+        dtype=np.int64 if quantity.integer else np.float64,
+        fillvalue=None if quantity.integer else np.nan,
+    )
+    dataset.attrs["long_name"] = quantity.description
+    units = set(quantity.units(axes))
+    if len(units) == 1:
+        dataset.attrs["units"] = units.pop()
+    if not isinstance(quantity.unit, str):
+        dataset.attrs["ancillary_variables"] = units_of(quantity)
+    return dataset
+
+
+def chunks(shape: tuple[int, ...], rows: int) -> tuple[int, ...]:
+    """The shape of chunks of about `CHUNK` bytes for some rows of a shape.
+
+    Wide rows are divided among the owners, so that one of many bodies is read without the others.
+    """
+    width = 8 * int(np.prod(shape))
+    n = max(min(rows, max(CHUNK // width, LEAST_ROWS)), 1)
+    if not shape:
+        return (n,)
+    owners = max(min(shape[0], CHUNK * shape[0] // (n * width)), 1)
+    return (n, owners, *shape[1:])
+
+
+def _put_strings(file: h5py.File, name: str, values: Sequence[str]) -> h5py.Dataset:
+    return file.create_dataset(name, data=np.array(values, dtype=object), dtype=TEXT)
+
+
+def _attach(
+    dataset: h5py.Dataset, dimensions: Sequence[str], scales: Mapping[str, h5py.Dataset]
+) -> None:
+    for axis, name in enumerate(dimensions):
+        h5py.h5ds.attach_scale(dataset.id, scales[name].id, axis)
+
+
+def _plain(notes: Mapping[str, Any]) -> dict[str, Any]:
+    """Notes as netCDF can hold them, which has no booleans."""
+    return {key: int(value) if isinstance(value, bool) else value for key, value in notes.items()}

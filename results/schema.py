@@ -1,0 +1,548 @@
+"""The variables of results: one table of names, dimensions, units and descriptions, and how each
+is taken from the steps of a run.
+
+Writer, reader, documentation and the names in `recorded` follow from `QUANTITIES`. To add a
+quantity takes a row of it, and what computes the numbers in the time loop.
+"""
+
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..superelement import sha256
+from ..superelement.validation import Array
+
+FORMAT = "duhamel-results"
+VERSION = 2
+
+Part = tuple[int | slice, ...]
+LINEAR: Part = (slice(0, 3),)
+ANGULAR: Part = (slice(3, 6),)
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """An axis of the arrays.
+
+    group: what its entries belong to, as in "bodies/hub"; ragged: several entries for each owner,
+    "OWNER.ENTRY", or none; entries: those that are always the same.
+    """
+
+    name: str
+    description: str
+    group: str = ""
+    ragged: bool = False
+    entries: tuple[str, ...] = ()
+
+
+DIMENSIONS = {
+    dimension.name: dimension
+    for dimension in (
+        Dimension("time", "time of each recorded step, the start included"),
+        Dimension("axis", "Cartesian axes", entries=("x", "y", "z")),
+        Dimension("quaternion", "components of unit quaternions", entries=("w", "x", "y", "z")),
+        Dimension("body", "bodies", "bodies"),
+        Dimension("frame", "frames of bodies, as BODY.FRAME", "frames"),
+        Dimension("joint", "joints and prescribed motions", "joints"),
+        Dimension(
+            "joint_constraint", "constraints of joints, as JOINT.NUMBER", "joints", ragged=True
+        ),
+        Dimension(
+            "joint_coordinate",
+            "free and driven coordinates of joints, as JOINT.COORDINATE",
+            "joints",
+            ragged=True,
+        ),
+        Dimension("spring", "springs", "springs"),
+        Dimension(
+            "spring_component", "components of springs, as SPRING.NUMBER", "springs", ragged=True
+        ),
+        Dimension("flexible_body", "bodies with superelements"),
+    )
+}
+
+
+@dataclass(frozen=True)
+class Axis:
+    """The entries of a dimension.
+
+    angular: whether each is an angle or belongs to one, of ragged dimensions; rows: where each
+    stands in the arrays of the time loop, which a file does not keep.
+    """
+
+    names: tuple[str, ...]
+    angular: tuple[bool, ...] = ()
+    rows: tuple[int, ...] = ()
+    _ranges: dict[str, tuple[int, int]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def number(self, name: str) -> int:
+        """The number of an entry, which must be there."""
+        (number,) = self.range_of(name, ragged=False)
+        return number
+
+    def range_of(self, owner: str, ragged: bool = True) -> range:
+        """The entries of an owner, which stand one after the other; none if it has none."""
+        if not self._ranges:
+            for i, name in enumerate(self.names):
+                key = name.rpartition(".")[0] if ragged else name
+                first, _ = self._ranges.get(key, (i, i))
+                self._ranges[key] = first, i + 1
+        return range(*self._ranges.get(owner, (0, 0)))
+
+    def keep(self, chosen: Callable[[str], bool]) -> "Axis":
+        """The entries whose names are chosen."""
+        kept = [i for i, name in enumerate(self.names) if chosen(name)]
+        return Axis(
+            tuple(self.names[i] for i in kept),
+            tuple(self.angular[i] for i in kept if self.angular),
+            tuple(self.rows[i] for i in kept if self.rows),
+        )
+
+
+Axes = Mapping[str, Axis]
+
+
+class Batch(NamedTuple):
+    """Steps (n,) that the time loop recorded in the first rows of its output, the step size h [s],
+    and the energies (7,) of t = 0.
+    """
+
+    steps: Any
+    h: float
+    output: Any
+    energy_start: Array
+
+
+def _time(batch: Batch) -> Array:
+    time: Array = batch.h * batch.steps
+    return time
+
+
+ENERGIES = ("kinetic", "elastic", "springs", "potential", "work", "compliance_work", "modal")
+"""the columns of the output `energy`"""
+
+
+def _dissipated(batch: Batch) -> Array:
+    """What dampers took: the work of springs and dampers that springs have not stored."""
+    energy = dict(zip(ENERGIES, batch.output.energy[: len(batch.steps)].T, strict=True))
+    springs_start = batch.energy_start[ENERGIES.index("springs")]
+    dissipated: Array = -energy["compliance_work"] - (energy["springs"] - springs_start)
+    return dissipated
+
+
+def _balance(batch: Batch) -> Array:
+    """What is missing in the sum of all energies."""
+    kinetic, elastic, springs, potential, work, _, _ = batch.output.energy[: len(batch.steps)].T
+    start = batch.energy_start[:4]
+    total_start = start[0] + start[1] + start[2] + start[3]
+    balance: Array = (
+        kinetic + elastic + springs + potential + _dissipated(batch) - work - total_start
+    )
+    return balance
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A variable of results.
+
+    unit: in the spelling of UDUNITS; of ragged dimensions that for lengths and that for angles.
+    key: "GROUP/ATTRIBUTE" of the reader; quantities with the same one are joined along the last
+    axis, and "{}" stands for the name of a coordinate. field, part: where the output of the time
+    loop holds it, and what to take of the last axis there; or else derive: what computes it.
+    """
+
+    name: str
+    dimensions: tuple[str, ...]
+    unit: str | tuple[str, str]
+    description: str
+    key: str
+    field: str = ""
+    part: Part = ()
+    derive: Callable[[Batch], Array] | None = None
+    integer: bool = False
+    optional: bool = False
+    """left out where a run cannot tell it"""
+
+    @property
+    def group(self) -> str:
+        return self.key.partition("/")[0]
+
+    @property
+    def attribute(self) -> str:
+        return self.key.partition("/")[2]
+
+    @property
+    def owned(self) -> Dimension | None:
+        """The dimension of its owners, or of their entries, if it has owners."""
+        dimension = DIMENSIONS[self.dimensions[1]] if len(self.dimensions) > 1 else None
+        return dimension if dimension and dimension.group else None
+
+    def shape(self, axes: Axes) -> tuple[int, ...]:
+        """The shape of a row."""
+        return tuple(len(axes[name]) for name in self.dimensions[1:])
+
+    def units(self, axes: Axes) -> tuple[str, ...]:
+        """The unit of each entry of a ragged dimension, or the one unit."""
+        if isinstance(self.unit, str):
+            return (self.unit,)
+        return tuple(self.unit[angular] for angular in axes[self.dimensions[1]].angular)
+
+    def take(self, batch: Batch, axes: Axes) -> Array:
+        """Its rows (n, ...) of the steps of a batch; a view where its entries stand together."""
+        n = len(batch.steps)
+        array: Array
+        if self.derive is not None:
+            return self.derive(batch)
+        array = getattr(batch.output, self.field)[:n]
+        if self.owned:
+            array = array[:, _together(axes[self.dimensions[1]].rows)]
+        return array[(..., *self.part)]
+
+
+def _together(rows: Sequence[int]) -> Any:
+    """Rows as an index: a slice if they are consecutive."""
+    first = rows[0]
+    consecutive = rows[-1] - first + 1 == len(rows)
+    return slice(first, first + len(rows)) if consecutive else np.array(rows)
+
+
+_BODY, _TURN = ("time", "body", "axis"), ("time", "body", "quaternion")
+_FRAME, _FRAME_TURN = ("time", "frame", "axis"), ("time", "frame", "quaternion")
+_JOINT, _CONSTRAINT = ("time", "joint", "axis"), ("time", "joint_constraint")
+_SPRING, _COMPONENT = ("time", "spring", "axis"), ("time", "spring_component")
+_TIME, _VECTOR = ("time",), ("time", "axis")
+_COORDINATE = ("time", "joint_coordinate")
+
+
+def _pair(
+    names: tuple[str, str],
+    dimensions: tuple[str, ...],
+    units: tuple[str, str],
+    descriptions: tuple[str, str],
+    keys: tuple[str, str],
+    field: str,
+) -> tuple[Quantity, Quantity]:
+    """A linear and an angular quantity that stand side by side in a field (n, ..., 6)."""
+    linear = Quantity(names[0], dimensions, units[0], descriptions[0], keys[0], field, LINEAR)
+    return linear, Quantity(
+        names[1], dimensions, units[1], descriptions[1], keys[1], field, ANGULAR
+    )
+
+
+def _energy(name: str, column: str, description: str, optional: bool = False) -> Quantity:
+    key, part = f"energy/{column}", (ENERGIES.index(column),)
+    return Quantity(name, _TIME, "J", description, key, "energy", part, optional=optional)
+
+
+QUANTITIES = (
+    Quantity("time", _TIME, "s", "time of each recorded step", "/time", derive=_time),
+    Quantity("body_position", _BODY, "m", "center of mass, in space", "bodies/x", "x"),
+    Quantity("body_rotation", _TURN, "1", "unit quaternion, body to space", "bodies/R", "R"),
+    *_pair(
+        ("body_velocity", "body_angular_velocity"),
+        _BODY,
+        ("m s-1", "rad s-1"),
+        ("velocity of the center of mass, in space", "angular velocity, in body axes"),
+        ("bodies/v", "bodies/v"),
+        "v",
+    ),
+    *_pair(
+        ("body_acceleration", "body_angular_acceleration"),
+        _BODY,
+        ("m s-2", "rad s-2"),
+        ("acceleration of the center of mass, in space", "angular acceleration, in body axes"),
+        ("bodies/v_dot", "bodies/v_dot"),
+        "v_dot",
+    ),
+    Quantity(
+        "frame_position",
+        _FRAME,
+        "m",
+        "origin of the frame, in space",
+        "frames/position",
+        "frame_position",
+    ),
+    Quantity(
+        "frame_rotation",
+        _FRAME_TURN,
+        "1",
+        "unit quaternion, frame to space",
+        "frames/rotation",
+        "frame_rotation",
+    ),
+    *_pair(
+        ("frame_velocity", "frame_angular_velocity"),
+        _FRAME,
+        ("m s-1", "rad s-1"),
+        ("velocity of the origin of the frame, in space", "angular velocity, in space"),
+        ("frames/velocity", "frames/velocity"),
+        "frame_velocity",
+    ),
+    *_pair(
+        ("frame_acceleration", "frame_angular_acceleration"),
+        _FRAME,
+        ("m s-2", "rad s-2"),
+        ("acceleration of the origin of the frame, in space", "angular acceleration, in space"),
+        ("frames/acceleration", "frames/acceleration"),
+        "frame_acceleration",
+    ),
+    *_pair(
+        ("frame_elastic_displacement", "frame_elastic_rotation"),
+        _FRAME,
+        ("m", "rad"),
+        (
+            "elastic displacement of the interface, in body axes",
+            "elastic rotation vector of the interface, in body axes",
+        ),
+        ("frames/u", "frames/u"),
+        "frame_u",
+    ),
+    *_pair(
+        ("frame_force", "frame_moment"),
+        _FRAME,
+        ("N", "N m"),
+        (
+            "force of joints, springs and loads on the body, in space",
+            "moment of the same about the origin of the frame, in space",
+        ),
+        ("frames/force", "frames/force"),
+        "frame_force",
+    ),
+    *_pair(
+        ("joint_force", "joint_moment"),
+        _JOINT,
+        ("N", "N m"),
+        ("force on the second body, in space", "moment on the second body, in space"),
+        ("joints/force", "joints/moment"),
+        "coupling_wrench",
+    ),
+    Quantity(
+        "joint_multiplier",
+        _CONSTRAINT,
+        ("N", "N m"),
+        "Lagrange multiplier of each constraint",
+        "joints/multipliers",
+        "multipliers",
+    ),
+    Quantity(
+        "joint_position",
+        _COORDINATE,
+        ("m", "rad"),
+        "value of each coordinate; angles go on over full turns",
+        "joints/{}",
+        "observed",
+    ),
+    Quantity(
+        "joint_rate",
+        _COORDINATE,
+        ("m s-1", "rad s-1"),
+        "rate of each coordinate",
+        "joints/{}_rate",
+        "observed_rates",
+    ),
+    *_pair(
+        ("spring_force", "spring_moment"),
+        _SPRING,
+        ("N", "N m"),
+        ("force on the second body, in space", "moment on the second body, in space"),
+        ("springs/force", "springs/moment"),
+        "coupling_wrench",
+    ),
+    Quantity(
+        "spring_multiplier",
+        _COMPONENT,
+        ("N", "N m"),
+        "force or moment of each component",
+        "springs/multipliers",
+        "multipliers",
+    ),
+    Quantity(
+        "spring_coordinate",
+        _COMPONENT,
+        ("m", "rad"),
+        "length or angle of each component",
+        "springs/coordinates",
+        "coordinates",
+    ),
+    _energy("kinetic_energy", "kinetic", "kinetic energy of the rigid motions"),
+    _energy("elastic_energy", "elastic", "elastic energy, from the work of the interface loads"),
+    _energy("modal_energy", "modal", "elastic energy, from the modes", optional=True),
+    _energy("spring_energy", "springs", "energy stored in springs"),
+    _energy("potential_energy", "potential", "potential energy of gravity"),
+    _energy("external_work", "work", "work of loads and drives since t = 0"),
+    Quantity(
+        "dissipated_energy",
+        _TIME,
+        "J",
+        "energy taken by dampers since t = 0",
+        "energy/dissipated",
+        derive=_dissipated,
+    ),
+    Quantity(
+        "energy_balance",
+        _TIME,
+        "J",
+        "change of all energies since t = 0, and dissipated energy, less external work",
+        "energy/balance",
+        derive=_balance,
+    ),
+    *_pair(
+        ("linear_momentum", "angular_momentum"),
+        _VECTOR,
+        ("kg m s-1", "kg m2 s-1"),
+        ("momentum of all bodies, in space", "angular momentum about the origin, in space"),
+        ("momentum/linear", "momentum/angular"),
+        "momentum",
+    ),
+    Quantity(
+        "newton_iterations",
+        _TIME,
+        "1",
+        "iterations of Newton's method",
+        "solver/iterations",
+        "iterations",
+        integer=True,
+    ),
+    Quantity(
+        "newton_residual",
+        _TIME,
+        "1",
+        "relative residual at the end of the step",
+        "solver/residual",
+        "residual",
+    ),
+)
+
+OWNERS = {"bodies": "body", "frames": "frame", "joints": "joint", "springs": "spring"}
+"""the dimension of the owners of a group"""
+
+
+class SuperelementFile(NamedTuple):
+    """The file of a superelement, "" where there is none, with its SHA-256; as long as results are
+    in memory, with the time of its last change [ns] and its size instead, which cost nothing.
+    """
+
+    path: str
+    digest: str = ""
+    stamp: tuple[int, int] | None = None
+
+    @classmethod
+    def of(cls, path: str | os.PathLike[str]) -> "SuperelementFile":
+        """The file at a path as it is now."""
+        path = Path(path).resolve()
+        return cls(str(path), stamp=_stamp(path))
+
+    def hashed(self) -> "SuperelementFile":
+        """The same with the SHA-256."""
+        return self._replace(digest=sha256(self.path), stamp=None) if self.stamp else self
+
+    def change(self) -> str:
+        """How the file at the path differs from this one; "" if it is the same."""
+        if self.stamp is not None:
+            return "" if _stamp(Path(self.path)) == self.stamp else "it was written anew"
+        found = sha256(self.path)
+        return "" if found == self.digest else f"expected SHA-256 {self.digest}, found {found}"
+
+
+def _stamp(path: Path) -> tuple[int, int]:
+    found = path.stat()
+    return found.st_mtime_ns, found.st_size
+
+
+@dataclass(frozen=True)
+class Contents:
+    """What results hold: the entries of the dimensions that have any, the quantities, and the files
+    of the superelements of flexible bodies.
+    """
+
+    axes: Axes
+    quantities: tuple[Quantity, ...]
+    superelements: Mapping[str, SuperelementFile]
+
+    @property
+    def recorded(self) -> tuple[str, ...]:
+        """The groups: "bodies/hub", "frames/beam.tip", "energy", ..."""
+        owned = [
+            f"{group}/{name}"
+            for group, dimension in OWNERS.items()
+            if dimension in self.axes
+            for name in sorted(self.axes[dimension].names)
+        ]
+        groups = {quantity.group for quantity in self.quantities}
+        return (*owned, *(group for group in ("energy", "momentum") if group in groups))
+
+
+def lay_out(
+    axes: Axes,
+    superelements: Mapping[str, SuperelementFile],
+    selects: Callable[[str], bool],
+    without: Sequence[str] = (),
+) -> Contents:
+    """What is recorded of all there is: the groups that `selects` takes, as "bodies/hub" or
+    "energy", without quantities of some keys.
+    """
+    kept: dict[str, Axis] = {
+        dimension.name: Axis(dimension.entries)
+        for dimension in DIMENSIONS.values()
+        if dimension.entries
+    }
+    for name, axis in axes.items():
+        dimension = DIMENSIONS[name]
+        chosen = axis.keep(
+            lambda entry, d=dimension: selects(  # type: ignore[misc]
+                f"{d.group}/{entry.rpartition('.')[0] if d.ragged else entry}"
+            )
+        )
+        if len(chosen):
+            kept[name] = chosen
+    quantities = tuple(
+        quantity
+        for quantity in QUANTITIES
+        if quantity.key not in without
+        and set(quantity.dimensions[1:]) <= kept.keys()
+        and (quantity.owned is not None or quantity.name == "time" or selects(quantity.group))
+    )
+    return Contents(kept, quantities, superelements)
+
+
+def attributes_of(axes: Axes, group: str, owner: str) -> Iterator[tuple[str, Quantity, Any]]:
+    """What an owner has: attribute, quantity, and which entries of the quantity's dimension.
+
+    An entry is a number, or a slice of those that the owner has of a ragged dimension.
+    """
+    for quantity in QUANTITIES:
+        dimension = quantity.owned
+        if quantity.group != group or dimension is None:
+            continue
+        axis = axes.get(dimension.name, Axis(()))
+        if not dimension.ragged:
+            yield quantity.attribute, quantity, axis.number(owner)
+            continue
+        entries = axis.range_of(owner)
+        if "{}" not in quantity.attribute:
+            yield quantity.attribute, quantity, slice(entries.start, entries.stop)
+            continue
+        for i in entries:
+            coordinate = axis.names[i].rpartition(".")[2]
+            yield quantity.attribute.format(coordinate), quantity, i
+
+
+def table() -> str:
+    """The variables as a table in Markdown, for the documentation."""
+    lines = ["| variable | dimensions | unit | |", "|---|---|---|---|"]
+    for quantity in QUANTITIES:
+        unit = quantity.unit if isinstance(quantity.unit, str) else " or ".join(quantity.unit)
+        lines.append(
+            f"| `{quantity.name}` | {', '.join(quantity.dimensions)} | {unit} "
+            f"| {quantity.description} |"
+        )
+    return "\n".join(lines)

@@ -1,0 +1,107 @@
+"""Where the arrays of results come from: memory here, or a file (file.py)."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+
+from ..superelement.validation import Array
+from .schema import Batch, Contents, Quantity
+
+Wanted = tuple[Quantity, Any]
+"""a quantity, and which entries of its second dimension: a number, a slice, or None for all"""
+
+
+class Source(Protocol):
+    """What `Results` reads."""
+
+    @property
+    def name(self) -> str:
+        """The file, for messages."""
+
+    def contents(self) -> Contents: ...
+
+    def model(self) -> str:
+        """The text of the model file."""
+
+    def notes(self) -> dict[str, Any]:
+        """How the run went: step size, seconds, ..."""
+
+    def read(self, wanted: Sequence[Wanted]) -> list[Array]:
+        """The rows (n, ...) that count."""
+
+
+class Writer(Protocol):
+    """What a run writes its results to."""
+
+    @property
+    def pause(self) -> float:
+        """Time between writes [s]."""
+
+    def append(self, batch: Batch) -> None:
+        """Add the first rows of the output: those of the steps of the batch."""
+
+    def flush(self) -> None:
+        """Wait until all rows are written."""
+
+    def abandon(self) -> bool:
+        """Leave earlier results at the same place as they are; False if there are none."""
+
+    def note(self, **notes: Any) -> None:
+        """Say how the run went."""
+
+
+class Memory:
+    """Results in memory, written by a run and read afterwards."""
+
+    name = "results in memory"
+    pause = float("inf")
+
+    def __init__(self, contents: Contents, notes: Mapping[str, Any], model: str) -> None:
+        self._contents, self._notes, self._model = contents, dict(notes), model
+        self._batches: list[dict[str, Array]] = []
+
+    def append(self, batch: Batch) -> None:
+        axes = self._contents.axes
+        self._batches.append(
+            {
+                quantity.name: np.array(quantity.take(batch, axes))
+                for quantity in self._contents.quantities
+            }
+        )
+
+    def flush(self) -> None:
+        pass
+
+    def abandon(self) -> bool:
+        return False
+
+    def note(self, **notes: Any) -> None:
+        self._notes |= notes
+
+    def contents(self) -> Contents:
+        return self._contents
+
+    def model(self) -> str:
+        return self._model
+
+    def notes(self) -> dict[str, Any]:
+        return dict(self._notes)
+
+    def read(self, wanted: Sequence[Wanted]) -> list[Array]:
+        if len(self._batches) > 1:
+            self._batches = [
+                {
+                    name: np.concatenate([b[name] for b in self._batches])
+                    for name in self._batches[0]
+                }
+            ]
+        return [self._rows(quantity, entries) for quantity, entries in wanted]
+
+    def _rows(self, quantity: Quantity, entries: Any) -> Array:
+        (batch,) = self._batches
+        if quantity.name not in batch:  # of no entries
+            return np.zeros((len(batch["time"]), 0))
+        rows = batch[quantity.name]
+        chosen: Array = rows if entries is None else rows[:, entries]
+        return chosen.copy()

@@ -1,0 +1,85 @@
+"""What a run writes its results to, and the notes that it begins with."""
+
+from pathlib import Path
+from typing import Any
+
+from ...results.file import FileSource, FileWriter
+from ...results.results import Results
+from ...results.source import Memory, Writer
+from ...superelement import Superelement
+from ..errors import ResultsError
+from ..lower.lower import LoweredModel
+from ..model.model import Model
+from ..start.initial import InitialState
+from .columns import requested
+
+
+def check_output(path: Path, model: Model) -> None:
+    """`ResultsError` for a place where no results can be, and for an input of the run."""
+    if not path.parent.is_dir():
+        raise ResultsError(f"{path}: no folder {path.parent}")
+    if not path.exists():
+        return
+    if not path.is_file():
+        raise ResultsError(f"{path}: cannot be written: not a regular file")
+    inputs = {str(model.path): "the model file"}
+    for name, body in model.flexible_bodies.items():
+        inputs[body.source] = f"the superelement of body {name!r}"
+    for file, what in inputs.items():
+        if file and Path(file).exists() and path.samefile(file):
+            raise ResultsError(f"{path}: this is {what}, which the results would replace")
+
+
+def make_writer(path: Path | None, initial: InitialState, steps: int) -> Writer:
+    """Of the file at a path, or of memory where there is none; `ResultsError` for a file that
+    cannot be written.
+    """
+    lowered = initial.lowered
+    contents, notes = requested(lowered), _notes(initial, steps)
+    if path is None:
+        return Memory(contents, notes, lowered.model.source)
+    return FileWriter(path, contents, notes, lowered.model.source, rows_of(lowered))
+
+
+def read_back(path: Path | None, writer: Writer, model: Model) -> Results:
+    """The results that were written."""
+    source = writer if isinstance(writer, Memory) else FileSource(path or Path())
+    return Results(source, _superelements(model))
+
+
+def rows_of(lowered: LoweredModel) -> int:
+    """How many rows a run records, the first and the last step included, or one more."""
+    return lowered.n_steps // lowered.model.settings.output.every + 2
+
+
+def _superelements(model: Model) -> dict[str, Superelement]:
+    """The superelements that fields can be made of; those of a file are left there until a field is
+    asked for, unless all of them is here already.
+    """
+    return {
+        name: body.superelement
+        for name, body in model.flexible_bodies.items()
+        if body.superelement.recovery is not None or not body.source
+    }
+
+
+def _notes(initial: InitialState, steps: int) -> dict[str, Any]:
+    lowered, model = initial.lowered, initial.lowered.model
+    return {
+        "h": lowered.h,
+        "rho_inf": lowered.scheme.rho_inf,
+        "steps": steps,
+        "rule": model.settings.rule,
+        "start": model.settings.start,
+        "every": model.settings.output.every,
+        "finished": False,
+        "degrees_of_freedom": initial.degrees_of_freedom,
+        "assembly_error": initial.assembly_error.opening,
+        "assembly_error_at": initial.assembly_error.opening_at,
+        "velocity_error": initial.assembly_error.velocity,
+        "velocity_error_at": initial.assembly_error.velocity_at,
+        "moved": initial.moved,
+        "velocity_correction": initial.velocity_correction,
+        "removed": initial.removed,
+        "truncation": lowered.truncation,
+    }

@@ -1,0 +1,318 @@
+"""The results file: what it holds however it was written, and while it is written."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from types import SimpleNamespace
+
+import h5py
+import numpy as np
+import pytest
+from duhamel.results import Results, ResultsError
+from duhamel.results import file as file_module
+from duhamel.results.file import CHUNK, FileSource, FileWriter, chunks
+from duhamel.results.schema import QUANTITIES
+from duhamel.results.source import Memory
+
+from .writing import NOTES, batch, make_contents, make_output
+
+
+def write(path, contents, output, sizes):
+    """Batches of some sizes."""
+    writer, first = FileWriter(path, contents, NOTES, "model", sum(sizes)), 0
+    for n in sizes:
+        writer.append(batch(output, first, n))
+        first += n
+    writer.flush()
+    return writer
+
+
+def read(source, contents):
+    """All quantities, by name."""
+    wanted = [(quantity, None) for quantity in contents.quantities]
+    return dict(zip([q.name for q, _ in wanted], source.read(wanted), strict=True))
+
+
+@pytest.mark.parametrize("sizes", [(11,), (1, 10), (1, 2, 3, 5), (1,) * 11])
+def test_rows_are_the_same_in_however_many_writes_and_in_memory(sizes, tmp_path):
+    contents = make_contents()
+    output = make_output(contents, 11)
+    write(tmp_path / "out.h5", contents, output, sizes)
+    memory = Memory(contents, NOTES, "model")
+    for first in range(0, 11, 4):
+        memory.append(batch(output, first, min(4, 11 - first)))
+    source = FileSource(tmp_path / "out.h5")
+    found, expected = read(source, contents), read(memory, contents)
+    assert found.keys() == expected.keys() == {quantity.name for quantity in QUANTITIES}
+    for name, array in expected.items():
+        np.testing.assert_array_equal(found[name], array, err_msg=name)
+    np.testing.assert_array_equal(found["body_position"], output.x)
+    np.testing.assert_array_equal(found["frame_moment"], output.frame_force[:, 1:, 3:])
+    np.testing.assert_array_equal(found["spring_multiplier"], output.multipliers[:, 5:])
+    np.testing.assert_allclose(found["time"], 0.1 * np.arange(11), rtol=1e-15)
+    assert source.contents().recorded == contents.recorded
+    assert source.contents().superelements == contents.superelements
+    assert source.model() == memory.model() == "model"
+
+
+@pytest.mark.parametrize(
+    "few",
+    [
+        {"joints": ()},
+        {"joints": (0,), "coordinates": 0},
+        {"joints": (0, 0, 2)},
+        {"springs": 0},
+        {"flexible": 0},
+        {"joints": (), "springs": 0, "flexible": 0},
+        {"selects": lambda group: group in ("bodies/b1", "frames/b0.tip", "joints/j2", "energy")},
+        {"selects": lambda group: False},
+    ],
+)
+def test_what_there_is_none_of_is_absent(few, tmp_path):
+    contents = make_contents(**few)
+    output = make_output(make_contents(), 4)
+    write(tmp_path / "out.h5", contents, output, (1, 3))
+    with h5py.File(tmp_path / "out.h5") as file:
+        assert all(item.size for item in file.values() if isinstance(item, h5py.Dataset))
+    results = Results.read(tmp_path / "out.h5")
+    assert results.recorded == contents.recorded
+    for name in results.joints:
+        joint = results.joint(name)
+        assert joint.multipliers.shape == (4, int(contents_of(name, contents)))
+        assert joint.force.shape == (4, 3)
+    for name in results.springs:
+        assert results.spring(name).coordinates["coordinates"].shape == (4, 1)
+    with pytest.raises(KeyError, match="no joints/none; there are"):
+        results.joint("none")
+    assert results.time.shape == (4,)
+
+
+def contents_of(joint, contents):
+    axis = contents.axes.get("joint_constraint")
+    return 0 if axis is None else len(axis.range_of(joint))
+
+
+def test_a_recorded_subset_is_that_of_the_whole(tmp_path):
+    output = make_output(make_contents(bodies=5), 6)
+    chosen = ("bodies/b1", "bodies/b4", "joints/j2")
+    contents = make_contents(bodies=5, selects=lambda group: group in chosen)
+    write(tmp_path / "out.h5", contents, output, (6,))
+    results = Results.read(tmp_path / "out.h5")
+    assert results.recorded == chosen
+    np.testing.assert_array_equal(results.body("b4").v, output.v[:, 4])
+    np.testing.assert_array_equal(results.body("b1").R, output.R[:, 1])
+    joint = results.joint("j2")
+    np.testing.assert_array_equal(joint.multipliers, output.multipliers[:, 2:5])
+    np.testing.assert_array_equal(joint.moment, output.coupling_wrench[:, 2, 3:])
+    np.testing.assert_array_equal(joint.angle_1, output.observed[:, 1])
+    np.testing.assert_array_equal(joint.angle_1_rate, output.observed_rates[:, 1])
+    with pytest.raises(AttributeError, match="no coordinate 'angel'; there are: angle_0, angle_1,"):
+        _ = joint.angel
+    with pytest.raises(KeyError, match="no bodies/b0; there are: b1, b4"):
+        results.body("b0")
+    with pytest.raises(KeyError, match="no energy; there are: bodies/b1, bodies/b4, joints/j2"):
+        _ = results.energy
+
+
+def test_only_rows_that_are_whole_count(tmp_path):
+    """A run that was killed in a write may leave some variables longer."""
+    contents = make_contents()
+    write(tmp_path / "out.h5", contents, make_output(contents, 5), (5,))
+    with h5py.File(tmp_path / "out.h5", "a") as file:
+        file["time"].resize(8, axis=0)
+        file["body_position"].resize(8, axis=0)
+        assert np.isnan(file["body_position"][5:]).all()
+    results = Results.read(tmp_path / "out.h5")
+    assert len(results.time) == len(results.body("b0").x) == len(results.residual) == 5
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            {"version": 1},
+            "results file of version 1; this Duhamel reads version 2: run the model again",
+        ),
+        (
+            {"format": "duhamel-superelement"},
+            "attribute format: expected 'duhamel-results', found 'duhamel-superelement'",
+        ),
+    ],
+)
+def test_another_version_or_format_is_refused_in_one_line(change, message, tmp_path):
+    path = tmp_path / "out.h5"
+    contents = make_contents()
+    write(path, contents, make_output(contents, 2), (2,))
+    with h5py.File(path, "a") as file:
+        file.attrs.update(change)
+    with pytest.raises(ResultsError) as caught:
+        Results.read(path)
+    assert str(caught.value) == f"{path}: {message}"
+
+
+def test_an_earlier_file_stays_until_the_first_rows_are_written(tmp_path):
+    path, contents = tmp_path / "out.h5", make_contents()
+    write(path, contents, make_output(contents, 3), (3,))
+    output = make_output(contents, 4, seed=1)
+    writer = FileWriter(path, contents, NOTES, "model", 4)
+    before = Results.read(path)
+    assert len(before.time) == 3
+    writer.append(batch(output, 0, 4))
+    np.testing.assert_array_equal(Results.read(path).body("b0").x, output.x[:, 0])
+    with pytest.raises(ResultsError, match="another run has replaced this file: read it again"):
+        _ = before.time
+    assert [entry.name for entry in tmp_path.iterdir()] == ["out.h5"]
+
+
+def test_a_run_without_a_step_leaves_an_earlier_file(tmp_path):
+    path, contents = tmp_path / "out.h5", make_contents()
+    assert not FileWriter(path, contents, NOTES, "model", 4).abandon()
+    write(path, contents, make_output(contents, 3), (3,))
+    assert FileWriter(path, contents, NOTES, "model", 4).abandon()
+    assert len(Results.read(path).time) == 3
+    assert [entry.name for entry in tmp_path.iterdir()] == ["out.h5"]
+
+
+def test_of_two_runs_the_later_keeps_the_file(tmp_path):
+    path, contents = tmp_path / "out.h5", make_contents()
+    output = make_output(contents, 4)
+    first = FileWriter(path, contents, NOTES, "first", 4)
+    first.append(batch(output, 0, 2))
+    second = FileWriter(path, contents, NOTES, "second", 4)
+    first.append(batch(output, 2, 1))
+    second.append(batch(output, 0, 1))
+    message = f"{path}: another run writes to this file now; this one stops, 3 rows long"
+    with pytest.raises(ResultsError, match=message):
+        first.append(batch(output, 3, 1))
+    second.append(batch(output, 1, 3))
+    assert Results.read(path).model == "second"
+    np.testing.assert_array_equal(Results.read(path).body("b1").R, output.R[:, 1])
+
+
+def test_rows_wait_for_those_who_hold_the_file(tmp_path, monkeypatch):
+    monkeypatch.setattr(file_module, "BRIEF", 0.01)
+    path, contents = tmp_path / "out.h5", make_contents()
+    output = make_output(contents, 6)
+    writer = FileWriter(path, contents, NOTES, "model", 6)
+    writer.append(batch(output, 0, 1))
+    buffer = make_output(contents, 2, seed=2)
+    with h5py.File(path):
+        for first in (1, 3):  # a run uses its buffer again
+            for name, array in vars(buffer).items():
+                array[:] = getattr(output, name)[first : first + 2]
+            steps = batch(output, first, 2).steps
+            writer.append(batch(output, first, 2)._replace(steps=steps, output=buffer))
+        monkeypatch.setattr(file_module, "PATIENCE", 0.01)
+        with pytest.raises(ResultsError, match=f"{path}: cannot be written: others have it open"):
+            writer.flush()
+    assert len(Results.read(path).time) == 1
+    writer.append(batch(output, 5, 1))
+    np.testing.assert_array_equal(Results.read(path).body("b0").v_dot, output.v_dot[:, 0])
+
+
+def test_rows_do_not_wait_without_end(tmp_path, monkeypatch):
+    for name in ("BRIEF", "PATIENCE", "ROOM"):
+        monkeypatch.setattr(file_module, name, 0)
+    path, contents = tmp_path / "out.h5", make_contents()
+    writer = write(path, contents, make_output(contents, 2), (1,))
+    with (
+        h5py.File(path),
+        pytest.raises(ResultsError, match="cannot be written: others have it open"),
+    ):
+        writer.append(batch(make_output(contents, 2), 1, 1))
+
+
+def test_a_full_disk_is_one_line_and_keeps_what_was_written(tmp_path, monkeypatch):
+    path, contents = tmp_path / "out.h5", make_contents()
+    output = make_output(contents, 4)
+    writer = write(path, contents, output, (3,))
+    full = SimpleNamespace(disk_usage=lambda folder: SimpleNamespace(free=4096))
+    monkeypatch.setattr(file_module, "shutil", full)
+    message = f"^{path}: cannot be written: the disk is full, 3 rows are written$"
+    with pytest.raises(ResultsError, match=message):
+        writer.append(batch(output, 3, 1))
+    assert len(Results.read(path).time) == 3
+
+
+def test_a_link_is_followed(tmp_path):
+    path, link, contents = tmp_path / "out.h5", tmp_path / "link.h5", make_contents()
+    link.symlink_to(path)
+    for rows in (2, 3):
+        write(link, contents, make_output(contents, rows), (rows,))
+        assert link.is_symlink()
+        assert len(Results.read(path).time) == rows
+
+
+@pytest.mark.parametrize(
+    ("shape", "rows"), [((), 10**7), ((2, 3), 5001), ((2000, 3), 21), ((10**6, 4), 3), ((1, 3), 2)]
+)
+def test_chunks_are_neither_large_nor_many(shape, rows):
+    found = chunks(shape, rows)
+    assert len(found) == len(shape) + 1
+    assert all(0 < chunk <= size for chunk, size in zip(found, (rows, *shape), strict=True))
+    assert 8 * np.prod(found) <= CHUNK
+    count = np.prod(np.ceil(np.divide((rows, *shape), found)))
+    assert count <= 4 * (8 * rows * np.prod(shape) / CHUNK + 1)
+
+
+WRITER = """
+import sys
+from pathlib import Path
+sys.path.insert(0, sys.argv[2])
+from duhamel.results.file import FileWriter
+from tests.results.writing import NOTES, batch, make_contents, make_output
+contents = make_contents()
+output = make_output(contents, 20_000)
+writer = FileWriter(Path(sys.argv[1]), contents, NOTES, "model", 20_000)
+print("begun", flush=True)
+for first in range(0, 20_000, 5):
+    writer.append(batch(output, first, 5))
+"""
+
+
+@pytest.fixture
+def running(tmp_path):
+    """The path of a file that a process is writing without pause, the process, and the output."""
+    path = tmp_path / "out.h5"
+    root = os.fspath(__file__).removesuffix("/tests/results/test_file.py")
+    command = [sys.executable, "-c", WRITER, os.fspath(path), root]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "begun\n"
+        yield path, process, make_output(make_contents(), 20_000)
+        process.kill()
+
+
+def rows_in(path):
+    return int(Results.read(path).solver["written"])
+
+
+def test_readers_and_the_writer_do_not_fail_for_each_other(running):
+    path, process, output = running
+    counts = []
+    end = time.monotonic() + 3.0
+    while time.monotonic() < end:
+        if n := rows_in(path):
+            results = Results.read(path)
+            x, t = results.body("b1").x, results.time
+            assert len(x) == len(t) >= n
+            np.testing.assert_array_equal(x, output.x[: len(x), 1])
+            counts.append(n)
+    assert process.poll() is None
+    assert len(counts) > 10
+    assert counts[-1] > counts[0]
+
+
+def test_a_writer_that_is_killed_leaves_a_readable_file(running):
+    path, process, output = running
+    while rows_in(path) < 50:
+        assert process.poll() is None
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    results = Results.read(path)
+    n = results.solver["written"]
+    assert n >= 50
+    assert n % 5 == 0
+    np.testing.assert_array_equal(results.frame("b0.tip").u, output.frame_u[:n, 1])
+    np.testing.assert_array_equal(results.iterations, output.iterations[:n])

@@ -1,0 +1,71 @@
+"""The file in the hands of others: xarray by way of h5netcdf."""
+
+import h5netcdf
+import numpy as np
+import pytest
+import xarray as xr
+from duhamel.results.file import FileWriter
+from duhamel.results.schema import DIMENSIONS, QUANTITIES
+
+from .writing import NOTES, batch, make_contents, make_output
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    path, contents = tmp_path_factory.mktemp("netcdf") / "out.nc", make_contents()
+    output = make_output(contents, 7)
+    writer = FileWriter(path, contents, NOTES, "a model", 7)
+    writer.append(batch(output, 0, 3))
+    writer.append(batch(output, 3, 4))
+    writer.note(finished=True, seconds=0.5)
+    return path, output
+
+
+def test_xarray_finds_dimensions_coordinates_and_units(written):
+    path, output = written
+    with xr.open_dataset(path, engine="h5netcdf") as data:
+        assert data.sizes == {
+            "time": 7,
+            "axis": 3,
+            "quaternion": 4,
+            "body": 2,
+            "frame": 2,
+            "joint": 3,
+            "joint_constraint": 5,
+            "joint_coordinate": 2,
+            "spring": 1,
+            "spring_component": 1,
+            "flexible_body": 1,
+        }
+        assert set(data.coords) == set(data.sizes) == set(DIMENSIONS)
+        assert data.attrs["format"] == "duhamel-results"
+        assert data.attrs["model"] == "a model"
+        for quantity in QUANTITIES:
+            variable = data[quantity.name]
+            assert variable.dims == quantity.dimensions
+            assert variable.attrs["long_name"] == quantity.description
+            if isinstance(quantity.unit, str):
+                assert variable.attrs["units"] == quantity.unit
+        moment = data.frame_moment.sel(frame="b1.tip", axis="z")
+        np.testing.assert_array_equal(moment, output.frame_force[:, 2, 5])
+        np.testing.assert_allclose(data.time, 0.1 * np.arange(7), rtol=1e-15)
+        units = data.joint_multiplier_units
+        assert data.joint_multiplier.attrs["ancillary_variables"] == units.name
+        assert units.sel(joint_constraint="j2.1").item() == "N"
+        assert units.sel(joint_constraint="j0.2").item() == "N m"
+        assert data.superelement_file.sel(flexible_body="b0").item() == "/nowhere/0.h5"
+    with xr.open_dataset(path, engine="h5netcdf", group="solver") as solver:
+        assert solver.attrs["finished"] == 1
+        assert solver.attrs["written"] == 7
+        assert solver.attrs["assembly_error_at"] == ""
+
+
+def test_time_is_unlimited_and_nothing_is_outside_netcdf(written):
+    """h5netcdf refuses to write what netCDF cannot hold, and says so of what it reads."""
+    path, _ = written
+    with h5netcdf.File(path) as file:
+        assert [name for name, size in file.dimensions.items() if size.isunlimited()] == ["time"]
+        for name, variable in file.variables.items():
+            assert variable.dimensions
+            assert set(variable.dimensions) <= set(DIMENSIONS), name
+            assert variable.dtype == object or variable.dtype in (np.float64, np.int64, str), name

@@ -1,0 +1,194 @@
+"""Quantities of a results file, against closed forms."""
+
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+import pytest
+from duhamel.results import QuantityError, Results, ResultsError, quantities
+from duhamel.results.rotations import twists
+
+from .disc import ACCELERATION, ANGLE, RIM, SPEED, TIME, TRAVEL
+
+E_Z = np.array([0.0, 0.0, 1.0])
+
+
+@pytest.fixture
+def results(results_file):
+    return Results.read(results_file)
+
+
+def test_names(results):
+    assert results.bodies == ("beam", "disc")
+    assert results.frames == ("beam.tip", "disc.rim")
+    assert results.interfaces == ("beam.tip",)
+    assert results.joints == ("clamp",)
+    assert results.springs == ("mount",)
+    np.testing.assert_array_equal(results.time, TIME)
+
+
+@pytest.mark.parametrize("name", ["disc", "disc.rim", "beam.tip"])
+def test_the_angle_goes_on_beyond_full_turns(results, name):
+    angle = quantities.angle(results, name)
+    assert ANGLE[-1] > 3 * 2 * np.pi
+    np.testing.assert_allclose(angle, ANGLE[:, None] * E_Z, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_twists_about_each_axis(axis):
+    half = np.linspace(0.0, -20.0, 60)
+    q = np.zeros((60, 4))
+    q[:, 0], q[:, 1 + axis] = np.cos(half), np.sin(half)
+    np.testing.assert_allclose(twists(q), 2 * half[:, None] * np.eye(3)[axis], rtol=0, atol=1e-12)
+
+
+def test_the_twist_of_a_turn_and_a_tilt_is_the_turn():
+    """R = R_x(tilt) R_z(angle): a swing of z towards y after the twist."""
+    angle, tilt = np.linspace(0.0, 15.0, 40), 0.3
+    w, x = np.cos(tilt / 2), np.sin(tilt / 2)
+    c, s = np.cos(angle / 2), np.sin(angle / 2)
+    q = np.stack([w * c, x * c, -x * s, w * s], axis=1)
+    np.testing.assert_allclose(twists(q)[:, 2], angle, rtol=0, atol=1e-12)
+
+
+def test_angular_velocity_and_acceleration_are_turned_to_space(results):
+    np.testing.assert_allclose(
+        quantities.angular_velocity(results, "disc"), SPEED[:, None] * E_Z, rtol=0, atol=1e-12
+    )
+    np.testing.assert_allclose(
+        quantities.angular_acceleration(results, "disc"),
+        ACCELERATION[:, None] * E_Z,
+        rtol=0,
+        atol=1e-12,
+    )
+
+
+def test_displacement_is_seen_in_the_axes_of_the_other_frame(results):
+    found = quantities.displacement(results, "beam.tip", seen_from="disc.rim")
+    np.testing.assert_allclose(found, TRAVEL - TRAVEL[0], rtol=0, atol=1e-15)
+    np.testing.assert_allclose(
+        quantities.displacement(results, "disc.rim", seen_from="disc"), 0.0, rtol=0, atol=1e-15
+    )
+
+
+def test_what_stands_in_the_file_is_given_as_it_is(results):
+    np.testing.assert_allclose(
+        np.linalg.norm(quantities.position(results, "disc.rim"), axis=1), np.linalg.norm(RIM)
+    )
+    np.testing.assert_array_equal(quantities.elastic_displacement(results, "beam.tip"), TRAVEL)
+    np.testing.assert_array_equal(quantities.elastic_rotation(results, "beam.tip"), 10 * TRAVEL)
+    np.testing.assert_array_equal(quantities.force(results, "clamp"), TRAVEL + 1.0)
+    np.testing.assert_array_equal(quantities.moment(results, "clamp"), TRAVEL + 2.0)
+    np.testing.assert_array_equal(quantities.force(results, "mount"), TRAVEL + 3.0)
+    np.testing.assert_array_equal(quantities.moment(results, "mount"), TRAVEL + 4.0)
+    np.testing.assert_array_equal(quantities.coordinate(results, "clamp", "angle_rate"), SPEED)
+    np.testing.assert_array_equal(quantities.linear_momentum(results), TRAVEL + 5.0)
+    np.testing.assert_array_equal(quantities.angular_momentum(results), TRAVEL + 6.0)
+    np.testing.assert_array_equal(quantities.velocity(results, "beam.tip"), TRAVEL + 7.0)
+    np.testing.assert_array_equal(quantities.angular_velocity(results, "beam.tip"), TRAVEL + 8.0)
+    np.testing.assert_array_equal(quantities.acceleration(results, "beam.tip"), TRAVEL + 9.0)
+    np.testing.assert_array_equal(
+        quantities.angular_acceleration(results, "beam.tip"), TRAVEL + 10.0
+    )
+    np.testing.assert_array_equal(quantities.energy(results, "kinetic"), 30.0 * SPEED**2)
+
+
+@pytest.mark.parametrize(
+    ("ask", "message"),
+    [
+        (
+            lambda found: quantities.angle(found, "wheel"),
+            "no body or frame 'wheel'; there are: beam, disc, beam.tip, disc.rim",
+        ),
+        (
+            lambda found: quantities.velocity(found, "wheel"),
+            "no body or frame 'wheel'; there are: beam, disc, beam.tip, disc.rim",
+        ),
+        (
+            lambda found: quantities.elastic_rotation(found, "disc.rim"),
+            "no interface 'disc.rim'; there are: beam.tip",
+        ),
+        (
+            lambda found: quantities.force(found, "pivot"),
+            "no joint or spring 'pivot'; there are: clamp, mount",
+        ),
+        (
+            lambda found: quantities.coordinate(found, "mount", "angle"),
+            "no joint 'mount'; there are: clamp",
+        ),
+        (
+            lambda found: quantities.coordinate(found, "clamp", "distance"),
+            "no coordinate of clamp 'distance'; there are: angle, angle_rate",
+        ),
+        (
+            lambda found: quantities.energy(found, "heat"),
+            "no energy 'heat'; there are: balance, dissipated, elastic, kinetic, potential",
+        ),
+    ],
+)
+def test_an_unknown_name_lists_the_known_ones(results, ask, message):
+    with pytest.raises(QuantityError, match=message):
+        ask(results)
+
+
+def cut(file, name, data):
+    del file[name]
+    file[name] = data
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            lambda file: file.attrs.update(format="other"),
+            "attribute format: expected 'duhamel-results', found 'other'",
+        ),
+        (
+            lambda file: file.attrs.update(version=1),
+            "disc-results.h5: results file of version 1; this Duhamel reads version 2: "
+            "run the model again$",
+        ),
+        (
+            lambda file: file["solver"].attrs.update(written=0),
+            "no step has been written yet",
+        ),
+        (lambda file: file.pop("solver"), "not a readable HDF5 file"),
+        (lambda file: file.pop("body_rotation"), "variable 'body_rotation' is missing"),
+        (
+            lambda file: cut(file, "body_rotation", TRAVEL),
+            r"variable 'body_rotation': expected shape \(181, 2, 4\), found \(181, 3\)",
+        ),
+    ],
+)
+def test_a_file_that_is_not_whole_is_an_error_that_names_it(edit, change, message):
+    path = edit(change)
+    with pytest.raises(ResultsError, match=message) as error:
+        quantities.angle(Results.read(path), "disc")
+    assert str(path) in str(error.value)
+
+
+def test_no_file_and_no_hdf5_file_are_errors(tmp_path):
+    with pytest.raises(ResultsError, match="no such file"):
+        Results.read(tmp_path / "absent.h5")
+    (tmp_path / "text.h5").write_text("text")
+    with pytest.raises(ResultsError, match="not a readable HDF5 file"):
+        Results.read(tmp_path / "text.h5")
+
+
+def test_the_file_is_not_held_open(results_file, results):
+    quantities.angle(results, "disc")
+    with h5py.File(results_file, "w"):
+        pass
+
+
+def test_it_loads_neither_solver_nor_preprocess():
+    program = (
+        "import sys, duhamel.view, duhamel.results\n"
+        "absent = {'duhamel.solver', 'duhamel.preprocess', 'numba', 'skfem', 'matplotlib.pyplot'}\n"
+        "print(sorted(absent & {*sys.modules}))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == "[]"

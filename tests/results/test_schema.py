@@ -1,0 +1,147 @@
+"""The table of variables: whole, without doubles, and the same in the documentation."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from duhamel.results import motion, schema
+from duhamel.results.rotations import apply_tangent
+from duhamel.solver import ModelError, read_model
+from duhamel.solver.lower.lower import compile_system
+from duhamel.solver.output import columns
+from duhamel.solver.step.rotations import tangent
+from duhamel.solver.step.system import Output
+
+from .writing import batch, make_contents, make_output
+
+DOCUMENT = Path(__file__).parents[2] / "docs" / "file-formats.md"
+
+
+def test_every_field_of_the_output_is_taken_once():
+    """Every number of it, but the energy column that is recorded as dissipated energy."""
+    taken = {}
+    for quantity in schema.QUANTITIES:
+        if quantity.field:
+            mask = np.zeros(8, dtype=int)  # of the last axis, the longest of them
+            mask[quantity.part[0] if quantity.part else slice(None)] = 1
+            kind = quantity.owned.name if quantity.owned else ""
+            taken.setdefault(quantity.field, {}).setdefault(kind, []).append(mask)
+    assert set(taken) == set(Output._fields)
+    for field, kinds in taken.items():
+        for masks in kinds.values():
+            count = np.sum(masks, axis=0)
+            width = {"energy": 7, "momentum": 6, "coupling_wrench": 6}.get(field, 6)
+            expected = np.ones(width, dtype=int)
+            if field == "energy":
+                expected[schema.ENERGIES.index("compliance_work")] = 0
+            np.testing.assert_array_equal(count[:width], expected, err_msg=field)
+
+
+def test_names_dimensions_and_units():
+    names = [quantity.name for quantity in schema.QUANTITIES]
+    assert len(set(names)) == len(names)
+    assert not set(names[1:]) & set(schema.DIMENSIONS)  # netCDF takes these for coordinates
+    for quantity in schema.QUANTITIES:
+        assert quantity.dimensions[0] == "time"
+        assert set(quantity.dimensions) <= set(schema.DIMENSIONS)
+        assert (quantity.field == "") == (quantity.derive is not None)
+        assert isinstance(quantity.unit, tuple) == bool(quantity.owned and quantity.owned.ragged)
+        for unit in quantity.unit if isinstance(quantity.unit, tuple) else (quantity.unit,):
+            assert re.fullmatch(r"1|(kg|m2?|N|J|rad|s)( (m2?|s))?( ?s-[12])?", unit), unit
+
+
+@pytest.mark.parametrize(
+    ("group", "kind"),
+    [
+        ("bodies", motion.BodyMotion),
+        ("frames", motion.FrameMotion),
+        ("energy", motion.Energy),
+        ("momentum", motion.Momentum),
+    ],
+)
+def test_attributes_are_those_of_the_records_that_readers_give(group, kind):
+    attributes = {quantity.attribute for quantity in schema.QUANTITIES if quantity.group == group}
+    assert attributes == set(kind.__dataclass_fields__)
+
+
+def test_the_documentation_has_the_table():
+    assert schema.table() in DOCUMENT.read_text(encoding="utf-8")
+
+
+def test_derived_energies():
+    output = make_output(make_contents(), 5)
+    found = batch(output, 0, 5)
+    kinetic, elastic, springs, potential, work, compliance_work, _ = output.energy.T
+    by_name = {quantity.name: quantity for quantity in schema.QUANTITIES}
+    axes = make_contents().axes
+    dissipated = by_name["dissipated_energy"].take(found, axes)
+    np.testing.assert_allclose(dissipated, -compliance_work - springs + 2.0, atol=1e-14)
+    balance = by_name["energy_balance"].take(found, axes)
+    total = kinetic + elastic + springs + potential - (0.0 + 1.0 + 2.0 + 3.0)
+    np.testing.assert_allclose(balance, total + dissipated - work, atol=1e-13)
+
+
+def test_the_tangent_of_rotation_vectors_is_that_of_the_time_loop():
+    rng = np.random.default_rng(0)
+    w = rng.normal(size=(60, 3)) * np.logspace(-9, 1, 60)[:, None]
+    a, T = rng.normal(size=(60, 3)), np.empty((3, 3))
+    for found, vector, rotation in zip(apply_tangent(w, a), a, w, strict=True):
+        tangent(rotation, T)
+        np.testing.assert_allclose(found, T @ vector, rtol=0, atol=1e-14)
+
+
+def test_outputs_by_name_are_views_of_the_output(tmp_path):
+    """Those of a `Simulator`, which the time loop fills anew in every step."""
+    (tmp_path / "arm.toml").write_text(ARM)
+    compiled = compile_system(read_model(tmp_path / "arm.toml"))
+    output = columns.make_output(compiled, 1)
+    names = columns.available(compiled)
+    found = {name: columns.views(compiled, [name], output) for name in names}
+    arrays = [array for array in output if array.size]
+    for parts in found.values():
+        assert all(part.ndim == 1 for part in parts)
+        for part in parts:
+            assert any(np.shares_memory(part, array) for array in arrays) or not part.size
+    shapes = {name: sum(map(len, parts)) for name, parts in found.items()}
+    expected = {
+        "bodies/arm/v": 6,
+        "frames/arm.end/rotation": 4,
+        "joints/pin/multipliers": 5,
+        "joints/pin/angle": 1,
+        "joints/pin/angle_rate": 1,
+        "springs/coil/coordinates": 1,
+        "energy/work": 1,
+        "momentum/angular": 3,
+        "solver/iterations": 1,
+    }
+    assert {name: shapes[name] for name in expected} == expected
+    for wrong in ("energy/balance", "energy/modal", "bodies/arm", "joints/pin/angel", "x"):
+        with pytest.raises(ModelError, match=f"outputs: no '{wrong}'"):
+            columns.views(compiled, [wrong], output)
+
+
+ARM = """
+[simulation]
+t_end = 0.01
+step = 1e-3
+
+[bodies.arm]
+mass = 1.0
+inertia = [1, 1, 1]
+frames.pin = {position = [-0.5, 0, 0]}
+frames.end = {position = [0.5, 0, 0]}
+
+[[joints]]
+name = "pin"
+type = "revolute"
+between = ["ground", "arm.pin"]
+axis = [0, 0, 1]
+
+[[springs]]
+name = "coil"
+type = "torsion"
+between = ["ground", "arm.pin"]
+axis = [0, 0, 1]
+stiffness = 2
+"""

@@ -1,0 +1,79 @@
+"""Results written without a solver: contents of any size, and an output full of random numbers."""
+
+from types import SimpleNamespace
+
+import numpy as np
+from duhamel.results.schema import Axis, Batch, SuperelementFile, lay_out
+
+NOTES = {"h": 0.1, "steps": 10, "finished": False, "assembly_error_at": ""}
+START = np.arange(7.0)
+
+
+def make_contents(
+    bodies=2, joints=(2, 0, 3), springs=1, coordinates=2, flexible=1, selects=lambda group: True
+):
+    """Bodies with a frame each, joints with as many constraints as given, springs of one
+    component; coordinates belong to the last joint.
+    """
+    constraints = [f"j{j}.{i}" for j, n in enumerate(joints) for i in range(1, n + 1)]
+    n, n_j = len(constraints), len(joints)
+    axes = {
+        "body": [f"b{i}" for i in range(bodies)],
+        "frame": [f"b{i}.tip" for i in range(bodies)],
+        "joint": [f"j{j}" for j in range(n_j)],
+        "spring": [f"s{i}" for i in range(springs)],
+        "joint_constraint": constraints,
+        "spring_component": [f"s{i}.1" for i in range(springs)],
+        "joint_coordinate": [f"j{n_j - 1}.angle_{i}" for i in range(coordinates if joints else 0)],
+    }
+    first = {"frame": 1, "spring": n_j, "spring_component": n}
+    axes = {
+        name: Axis(
+            tuple(entries),
+            tuple(i % 2 == 1 for i in range(len(entries))),
+            tuple(first.get(name, 0) + i for i in range(len(entries))),
+        )
+        for name, entries in axes.items()
+    }
+    files = {f"b{i}": SuperelementFile(f"/nowhere/{i}.h5", f"{i:064x}") for i in range(flexible)}
+    return lay_out(axes, files, selects)
+
+
+def make_output(contents, n, seed=0):
+    """n rows of all fields, wide enough for the contents."""
+    rng = np.random.default_rng(seed)
+
+    def end(name):
+        rows = contents.axes[name].rows if name in contents.axes else ()
+        return max(rows, default=-1) + 1
+
+    n_b, n_f = end("body"), end("frame")
+    n_rows = max(end("joint_constraint"), end("spring_component"))
+    widths = {
+        "x": (n_b, 3),
+        "R": (n_b, 4),
+        "v": (n_b, 6),
+        "v_dot": (n_b, 6),
+        "frame_position": (n_f, 3),
+        "frame_rotation": (n_f, 4),
+        "frame_u": (n_f, 6),
+        "frame_force": (n_f, 6),
+        "frame_velocity": (n_f, 6),
+        "frame_acceleration": (n_f, 6),
+        "multipliers": (n_rows,),
+        "coordinates": (n_rows,),
+        "observed": (end("joint_coordinate"),),
+        "observed_rates": (end("joint_coordinate"),),
+        "coupling_wrench": (max(end("joint"), end("spring")), 6),
+        "energy": (7,),
+        "momentum": (6,),
+        "residual": (),
+    }
+    output = {name: rng.normal(size=(n, *width)) for name, width in widths.items()}
+    return SimpleNamespace(**output, iterations=rng.integers(1, 9, n))
+
+
+def batch(output, first, n):
+    """The steps from `first` on, in the first rows of an output of their own."""
+    rows = {name: array[first : first + n] for name, array in vars(output).items()}
+    return Batch(np.arange(first, first + n), 0.1, SimpleNamespace(**rows), START)
