@@ -327,7 +327,7 @@ def _frames(inner: dict[str, Layers]) -> dict[str, Box]:
     full = right - MARGIN
     return {
         "cli": Box("cli", MARGIN, MARGIN, full, top),
-        "study": Box("study", MARGIN, y_study, full, top),
+        "study": Box("study", MARGIN, y_study, x_side - space - MARGIN, top),
         "preprocess": Box("preprocess", MARGIN, y_walk, widths["preprocess"], walk),
         "solver": Box("solver", x_solver, y_walk, widths["solver"], walk),
         "view": Box("view", x_side, y_walk, side, 96.0),

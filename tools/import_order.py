@@ -18,7 +18,7 @@ PACKAGES: dict[str, set[str]] = {
     "preprocess": {"inputs", "superelement"},
     "solver": {"inputs", "superelement", "results"},
     "view": {"superelement", "results"},
-    "study": {"inputs", "superelement", "results", "preprocess", "solver", "view"},
+    "study": {"inputs", "superelement", "results", "preprocess", "solver"},
     "cli": {"inputs", "superelement", "results", "preprocess", "solver", "view", "study"},
 }
 """All packages, and the others that each of them may import, which stand before it."""
