@@ -31,8 +31,8 @@ class Simulator:
     the same impulse. What the next step can do before they are known is done at the end of the one
     before: to recall the past, to predict, to factor the matrix of a given number of `corrections`,
     with which all steps cost about the same. History "fft" is convolved in equal parts, one a step,
-    not in the growing blocks of `simulate`. `outputs` (n,) are the chosen quantities of results, one
-    after the other, at the present `time`; they are those of `simulate`.
+    not in the growing blocks of `simulate`. `outputs` (n,) are the chosen quantities of results,
+    one after the other, at the present `time`; they are those of `simulate`.
 
     Raises ModelError for a model that cannot start, an output that there is not, a wrong number of
     inputs and a step beyond t_end; ConvergenceError where Newton's method fails, and then there are

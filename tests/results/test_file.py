@@ -19,6 +19,11 @@ from duhamel.results.source import Memory
 from .writing import NOTES, batch, make_contents, make_output
 
 
+@pytest.fixture(autouse=True)
+def _at_once(monkeypatch):
+    monkeypatch.setattr(FileWriter, "pause", 0.0)
+
+
 def write(path, contents, output, sizes):
     """Batches of some sizes."""
     writer, first = FileWriter(path, contents, NOTES, "model", sum(sizes)), 0
@@ -212,6 +217,24 @@ def test_rows_wait_for_those_who_hold_the_file(tmp_path, monkeypatch):
     np.testing.assert_array_equal(Results.read(path).body("b0").v_dot, output.v_dot[:, 0])
 
 
+def test_writes_are_apart(tmp_path, monkeypatch):
+    """Rows that come sooner wait, as they were when they came."""
+    monkeypatch.setattr(FileWriter, "pause", 0.3)
+    path, contents = tmp_path / "out.h5", make_contents()
+    output = make_output(contents, 9)
+    writer = write(path, contents, output, (1,))
+    buffer = make_output(contents, 1)
+    for first in range(1, 8):
+        for name, array in vars(buffer).items():
+            array[:] = getattr(output, name)[first]
+        writer.append(batch(output, first, 1)._replace(output=buffer))
+    assert rows_in(path) == 1
+    time.sleep(0.3)
+    writer.append(batch(output, 8, 1))
+    assert rows_in(path) == 9
+    np.testing.assert_array_equal(Results.read(path).body("b0").x, output.x[:, 0])
+
+
 def test_rows_do_not_wait_without_end(tmp_path, monkeypatch):
     for name in ("BRIEF", "PATIENCE", "ROOM"):
         monkeypatch.setattr(file_module, name, 0)
@@ -265,6 +288,7 @@ from duhamel.results.file import FileWriter
 from tests.results.writing import NOTES, batch, make_contents, make_output
 contents = make_contents()
 output = make_output(contents, 20_000)
+FileWriter.pause = 0.0
 writer = FileWriter(Path(sys.argv[1]), contents, NOTES, "model", 20_000)
 print("begun", flush=True)
 for first in range(0, 20_000, 5):

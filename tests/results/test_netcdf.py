@@ -17,6 +17,7 @@ def written(tmp_path_factory):
     writer = FileWriter(path, contents, NOTES, "a model", 7)
     writer.append(batch(output, 0, 3))
     writer.append(batch(output, 3, 4))
+    writer.flush()
     writer.note(finished=True, seconds=0.5)
     return path, output
 
