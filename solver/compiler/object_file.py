@@ -82,10 +82,12 @@ def key() -> str:
     sources = {Path(str(sys.modules[module].__file__)) for module in modules}
     for source in sorted({*sources, *Path(__file__).parent.glob("*.py")}):
         digest.update(source.read_bytes())
+    kinds = {kind for entry in marks.ENTRIES.values() for kind in entry.kinds}
+    records = sorted(kind.description() for kind in kinds if hasattr(kind, "description"))
     features = llvm.get_host_cpu_features().flatten()
     versions = [sys.version_info[:2], metadata.version("numba"), metadata.version("llvmlite")]
     machine = [llvm.get_process_triple(), llvm.get_host_cpu_name(), features]
-    digest.update(repr((versions, machine)).encode())
+    digest.update(repr((records, versions, machine)).encode())
     return digest.hexdigest()[:16]
 
 

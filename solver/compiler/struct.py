@@ -80,8 +80,12 @@ class Struct:
     words: Index
     address: int
 
-    def __init_subclass__(cls) -> None:
+    def __init_subclass__(cls, fields: Mapping[str, Any] | None = None) -> None:
+        """fields: more of them by name, as `ArrayField`s."""
         cls.layout, cls.n_words = {}, 0
+        for name, array_field in (fields or {}).items():
+            cls.layout[name] = cls.n_words, array_field
+            cls.n_words += array_field.n_words
         for name, annotation in cls.__annotations__.items():
             kind = field_kind(annotation, cls.__dict__.get(name, ("n",)))
             if name in cls.__dict__:
@@ -123,6 +127,15 @@ class Struct:
             else:
                 values[name] = kind(0)
         return cls(**values)
+
+    @classmethod
+    def description(cls) -> str:
+        """The layout in words, records within included: what machine code for it depends on."""
+        parts = [
+            f"{name} {kind.description() if hasattr(kind, 'description') else kind}"
+            for name, (_, kind) in cls.layout.items()
+        ]
+        return f"{cls.__name__}({', '.join(parts)})"
 
     def replace(self, **values: Any) -> Self:
         """A record with other values of some fields, which shares all other arrays."""
