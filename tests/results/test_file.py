@@ -111,8 +111,8 @@ def test_a_recorded_subset_is_that_of_the_whole(tmp_path):
     joint = results.joint("j2")
     np.testing.assert_array_equal(joint.multipliers, output.multiplier[:, 2:5])
     np.testing.assert_array_equal(joint.moment, output.coupling_moment[:, 2])
-    np.testing.assert_array_equal(joint.angle_1, output.observed[:, 1])
-    np.testing.assert_array_equal(joint.angle_1_rate, output.observed_rates[:, 1])
+    np.testing.assert_array_equal(joint.angle_1, output.joint_position[:, 1])
+    np.testing.assert_array_equal(joint.angle_1_rate, output.joint_rate[:, 1])
     with pytest.raises(AttributeError, match="no coordinate 'angel'; there are: angle_0, angle_1,"):
         _ = joint.angel
     with pytest.raises(KeyError, match="no bodies/b0; there are: b1, b4"):
