@@ -73,7 +73,7 @@ def measure(model: Model, recorded: bool = True, repeats: int = REPEATS) -> Cost
         seconds.append(time.process_time() - started)
         if taken < n:
             raise RuntimeError(f"no convergence in step {taken + 1}")
-    corrections = float(output.iterations.mean()) if recorded else np.nan
+    corrections = float(output.newton_iterations.mean()) if recorded else np.nan
     return Cost(
         1e6 * statistics.median(seconds) / n,
         corrections,

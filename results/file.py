@@ -120,7 +120,7 @@ class FileWriter:
         self._path, self._contents, self._written = path, contents, 0
         self._run = uuid.uuid4().hex
         self._waiting: list[dict[str, Array]] = []
-        self._bytes_waiting = 0
+        self._bytes_waiting, self._last = 0, -np.inf
         # Made in memory first: HDF5 itself brings the process down when the disk is full.
         image = _image(contents, {**notes, "written": 0, "run": self._run}, model, rows)
         with _failures_named(path):
@@ -136,13 +136,10 @@ class FileWriter:
         self._waiting.append(rows)
         self._bytes_waiting += sum(array.nbytes for array in rows.values())
         with _failures_named(self._path):
-            try:
-                self._write(BRIEF)
-            except BlockingIOError:
-                if self._bytes_waiting > ROOM:
-                    self._write(PATIENCE)
-                else:
-                    self._waiting[-1] = {name: array.copy() for name, array in rows.items()}
+            if self._bytes_waiting > ROOM:
+                self._write(PATIENCE)
+            elif not self._write_in_time():
+                self._waiting[-1] = {name: array.copy() for name, array in rows.items()}
 
     def flush(self) -> None:
         with _failures_named(self._path):
@@ -157,6 +154,18 @@ class FileWriter:
     def note(self, **notes: Any) -> None:
         with _failures_named(self._path), self._own(PATIENCE) as file:
             file["solver"].attrs.update(_plain(notes))
+
+    def _write_in_time(self) -> bool:
+        """Write if the last time is long ago and nobody else has the file open: few and large
+        writes leave the file to others for most of the time.
+        """
+        if time.monotonic() - self._last < self.pause:
+            return False
+        try:
+            self._write(BRIEF)
+        except BlockingIOError:
+            return False
+        return True
 
     def _write(self, patience: float) -> None:
         """Write the rows that wait; they count once all of them are in the file."""
@@ -174,6 +183,7 @@ class FileWriter:
             file.flush()
             file["solver"].attrs.modify("written", written)
         self._written, self._waiting, self._bytes_waiting = written, [], 0
+        self._last = time.monotonic()
         if self._file != self._target:
             self._publish()
 

@@ -19,10 +19,6 @@ from ..superelement.validation import Array
 FORMAT = "duhamel-results"
 VERSION = 2
 
-Part = tuple[int | slice, ...]
-LINEAR: Part = (slice(0, 3),)
-ANGULAR: Part = (slice(3, 6),)
-
 
 @dataclass(frozen=True)
 class Dimension:
@@ -111,15 +107,32 @@ class Axis:
 Axes = Mapping[str, Axis]
 
 
+class Energies(NamedTuple):
+    """Energies of a step [J] that others are measured from."""
+
+    springs: float
+    total: float
+
+    @classmethod
+    def of(cls, output: Any) -> "Energies":
+        """Those of the first row of an output."""
+        springs, *others = (getattr(output, name)[0] for name in STORED)
+        return cls(float(springs), float(sum(others, springs)))
+
+
 class Batch(NamedTuple):
-    """Steps (n,) that the time loop recorded in the first rows of its output, the step size h [s],
-    and the energies (7,) of t = 0.
+    """Steps (n,) that the time loop recorded in the first rows of its output.
+
+    With the step size h [s] and the energies of t = 0.
     """
 
     steps: Any
     h: float
     output: Any
-    energy_start: Array
+    start: Energies
+
+
+STORED = ("spring_energy", "kinetic_energy", "elastic_energy", "potential_energy")
 
 
 def _time(batch: Batch) -> Array:
@@ -127,26 +140,19 @@ def _time(batch: Batch) -> Array:
     return time
 
 
-ENERGIES = ("kinetic", "elastic", "springs", "potential", "work", "compliance_work", "modal")
-"""the columns of the output `energy`"""
-
-
 def _dissipated(batch: Batch) -> Array:
-    """What dampers took: the work of springs and dampers that springs have not stored."""
-    energy = dict(zip(ENERGIES, batch.output.energy[: len(batch.steps)].T, strict=True))
-    springs_start = batch.energy_start[ENERGIES.index("springs")]
-    dissipated: Array = -energy["compliance_work"] - (energy["springs"] - springs_start)
+    """The work of springs and dampers that springs have not stored."""
+    n, output = len(batch.steps), batch.output
+    stored = output.spring_energy[:n] - batch.start.springs
+    dissipated: Array = -output.compliance_work[:n] - stored
     return dissipated
 
 
 def _balance(batch: Batch) -> Array:
-    """What is missing in the sum of all energies."""
-    kinetic, elastic, springs, potential, work, _, _ = batch.output.energy[: len(batch.steps)].T
-    start = batch.energy_start[:4]
-    total_start = start[0] + start[1] + start[2] + start[3]
-    balance: Array = (
-        kinetic + elastic + springs + potential + _dissipated(batch) - work - total_start
-    )
+    """The change of all energies, and what was dissipated, less the work from outside."""
+    n, output = len(batch.steps), batch.output
+    stored = sum((getattr(output, name)[:n] for name in STORED[1:]), getattr(output, STORED[0])[:n])
+    balance: Array = stored + _dissipated(batch) - output.external_work[:n] - batch.start.total
     return balance
 
 
@@ -156,8 +162,8 @@ class Quantity:
 
     unit: in the spelling of UDUNITS; of ragged dimensions that for lengths and that for angles.
     key: "GROUP/ATTRIBUTE" of the reader; quantities with the same one are joined along the last
-    axis, and "{}" stands for the name of a coordinate. field, part: where the output of the time
-    loop holds it, and what to take of the last axis there; or else derive: what computes it.
+    axis, and "{}" stands for the name of a coordinate. source: the array of the time loop that
+    holds it, by default of its own name; or else derive: the function that computes it.
     """
 
     name: str
@@ -165,12 +171,15 @@ class Quantity:
     unit: str | tuple[str, str]
     description: str
     key: str
-    field: str = ""
-    part: Part = ()
+    source: str = ""
     derive: Callable[[Batch], Array] | None = None
     integer: bool = False
     optional: bool = False
     """left out where a run cannot tell it"""
+
+    def __post_init__(self) -> None:
+        if self.derive is None and not self.source:
+            object.__setattr__(self, "source", self.name)
 
     @property
     def group(self) -> str:
@@ -202,10 +211,8 @@ class Quantity:
         array: Array
         if self.derive is not None:
             return self.derive(batch)
-        array = getattr(batch.output, self.field)[:n]
-        if self.owned:
-            array = array[:, _together(axes[self.dimensions[1]].rows)]
-        return array[(..., *self.part)]
+        array = getattr(batch.output, self.source)[:n]
+        return array[:, _together(axes[self.dimensions[1]].rows)] if self.owned else array
 
 
 def _together(rows: Sequence[int]) -> Any:
@@ -223,107 +230,109 @@ _TIME, _VECTOR = ("time",), ("time", "axis")
 _COORDINATE = ("time", "joint_coordinate")
 
 
-def _pair(
-    names: tuple[str, str],
-    dimensions: tuple[str, ...],
-    units: tuple[str, str],
-    descriptions: tuple[str, str],
-    keys: tuple[str, str],
-    field: str,
-) -> tuple[Quantity, Quantity]:
-    """A linear and an angular quantity that stand side by side in a field (n, ..., 6)."""
-    linear = Quantity(names[0], dimensions, units[0], descriptions[0], keys[0], field, LINEAR)
-    return linear, Quantity(
-        names[1], dimensions, units[1], descriptions[1], keys[1], field, ANGULAR
-    )
-
-
-def _energy(name: str, column: str, description: str, optional: bool = False) -> Quantity:
-    key, part = f"energy/{column}", (ENERGIES.index(column),)
-    return Quantity(name, _TIME, "J", description, key, "energy", part, optional=optional)
+def _energy(name: str, column: str, description: str, **more: Any) -> Quantity:
+    return Quantity(name, _TIME, "J", description, f"energy/{column}", **more)
 
 
 QUANTITIES = (
     Quantity("time", _TIME, "s", "time of each recorded step", "/time", derive=_time),
-    Quantity("body_position", _BODY, "m", "center of mass, in space", "bodies/x", "x"),
-    Quantity("body_rotation", _TURN, "1", "unit quaternion, body to space", "bodies/R", "R"),
-    *_pair(
-        ("body_velocity", "body_angular_velocity"),
-        _BODY,
-        ("m s-1", "rad s-1"),
-        ("velocity of the center of mass, in space", "angular velocity, in body axes"),
-        ("bodies/v", "bodies/v"),
-        "v",
-    ),
-    *_pair(
-        ("body_acceleration", "body_angular_acceleration"),
-        _BODY,
-        ("m s-2", "rad s-2"),
-        ("acceleration of the center of mass, in space", "angular acceleration, in body axes"),
-        ("bodies/v_dot", "bodies/v_dot"),
-        "v_dot",
+    Quantity("body_position", _BODY, "m", "center of mass, in space", "bodies/x"),
+    Quantity("body_rotation", _TURN, "1", "unit quaternion, body to space", "bodies/R"),
+    Quantity(
+        "body_velocity", _BODY, "m s-1", "velocity of the center of mass, in space", "bodies/v"
     ),
     Quantity(
-        "frame_position",
+        "body_angular_velocity", _BODY, "rad s-1", "angular velocity, in body axes", "bodies/v"
+    ),
+    Quantity(
+        "body_acceleration",
+        _BODY,
+        "m s-2",
+        "acceleration of the center of mass, in space",
+        "bodies/v_dot",
+    ),
+    Quantity(
+        "body_angular_acceleration",
+        _BODY,
+        "rad s-2",
+        "angular acceleration, in body axes",
+        "bodies/v_dot",
+    ),
+    Quantity("frame_position", _FRAME, "m", "origin of the frame, in space", "frames/position"),
+    Quantity(
+        "frame_rotation", _FRAME_TURN, "1", "unit quaternion, frame to space", "frames/rotation"
+    ),
+    Quantity(
+        "frame_velocity",
+        _FRAME,
+        "m s-1",
+        "velocity of the origin of the frame, in space",
+        "frames/velocity",
+    ),
+    Quantity(
+        "frame_angular_velocity",
+        _FRAME,
+        "rad s-1",
+        "angular velocity, in space",
+        "frames/velocity",
+    ),
+    Quantity(
+        "frame_acceleration",
+        _FRAME,
+        "m s-2",
+        "acceleration of the origin of the frame, in space",
+        "frames/acceleration",
+    ),
+    Quantity(
+        "frame_angular_acceleration",
+        _FRAME,
+        "rad s-2",
+        "angular acceleration, in space",
+        "frames/acceleration",
+    ),
+    Quantity(
+        "frame_elastic_displacement",
         _FRAME,
         "m",
-        "origin of the frame, in space",
-        "frames/position",
-        "frame_position",
+        "elastic displacement of the interface, in body axes",
+        "frames/u",
     ),
     Quantity(
-        "frame_rotation",
-        _FRAME_TURN,
-        "1",
-        "unit quaternion, frame to space",
-        "frames/rotation",
-        "frame_rotation",
-    ),
-    *_pair(
-        ("frame_velocity", "frame_angular_velocity"),
+        "frame_elastic_rotation",
         _FRAME,
-        ("m s-1", "rad s-1"),
-        ("velocity of the origin of the frame, in space", "angular velocity, in space"),
-        ("frames/velocity", "frames/velocity"),
-        "frame_velocity",
+        "rad",
+        "elastic rotation vector of the interface, in body axes",
+        "frames/u",
     ),
-    *_pair(
-        ("frame_acceleration", "frame_angular_acceleration"),
-        _FRAME,
-        ("m s-2", "rad s-2"),
-        ("acceleration of the origin of the frame, in space", "angular acceleration, in space"),
-        ("frames/acceleration", "frames/acceleration"),
-        "frame_acceleration",
-    ),
-    *_pair(
-        ("frame_elastic_displacement", "frame_elastic_rotation"),
-        _FRAME,
-        ("m", "rad"),
-        (
-            "elastic displacement of the interface, in body axes",
-            "elastic rotation vector of the interface, in body axes",
-        ),
-        ("frames/u", "frames/u"),
-        "frame_u",
-    ),
-    *_pair(
-        ("frame_force", "frame_moment"),
-        _FRAME,
-        ("N", "N m"),
-        (
-            "force of joints, springs and loads on the body, in space",
-            "moment of the same about the origin of the frame, in space",
-        ),
-        ("frames/force", "frames/force"),
+    Quantity(
         "frame_force",
+        _FRAME,
+        "N",
+        "force of joints, springs and loads on the body, in space",
+        "frames/force",
     ),
-    *_pair(
-        ("joint_force", "joint_moment"),
+    Quantity(
+        "frame_moment",
+        _FRAME,
+        "N m",
+        "moment of the same about the origin of the frame, in space",
+        "frames/force",
+    ),
+    Quantity(
+        "joint_force",
         _JOINT,
-        ("N", "N m"),
-        ("force on the second body, in space", "moment on the second body, in space"),
-        ("joints/force", "joints/moment"),
-        "coupling_wrench",
+        "N",
+        "force on the second body, in space",
+        "joints/force",
+        source="coupling_force",
+    ),
+    Quantity(
+        "joint_moment",
+        _JOINT,
+        "N m",
+        "moment on the second body, in space",
+        "joints/moment",
+        source="coupling_moment",
     ),
     Quantity(
         "joint_multiplier",
@@ -331,7 +340,7 @@ QUANTITIES = (
         ("N", "N m"),
         "Lagrange multiplier of each constraint",
         "joints/multipliers",
-        "multipliers",
+        source="multiplier",
     ),
     Quantity(
         "joint_position",
@@ -339,7 +348,6 @@ QUANTITIES = (
         ("m", "rad"),
         "value of each coordinate; angles go on over full turns",
         "joints/{}",
-        "observed",
     ),
     Quantity(
         "joint_rate",
@@ -347,15 +355,22 @@ QUANTITIES = (
         ("m s-1", "rad s-1"),
         "rate of each coordinate",
         "joints/{}_rate",
-        "observed_rates",
     ),
-    *_pair(
-        ("spring_force", "spring_moment"),
+    Quantity(
+        "spring_force",
         _SPRING,
-        ("N", "N m"),
-        ("force on the second body, in space", "moment on the second body, in space"),
-        ("springs/force", "springs/moment"),
-        "coupling_wrench",
+        "N",
+        "force on the second body, in space",
+        "springs/force",
+        source="coupling_force",
+    ),
+    Quantity(
+        "spring_moment",
+        _SPRING,
+        "N m",
+        "moment on the second body, in space",
+        "springs/moment",
+        source="coupling_moment",
     ),
     Quantity(
         "spring_multiplier",
@@ -363,7 +378,7 @@ QUANTITIES = (
         ("N", "N m"),
         "force or moment of each component",
         "springs/multipliers",
-        "multipliers",
+        source="multiplier",
     ),
     Quantity(
         "spring_coordinate",
@@ -371,7 +386,7 @@ QUANTITIES = (
         ("m", "rad"),
         "length or angle of each component",
         "springs/coordinates",
-        "coordinates",
+        source="coordinate",
     ),
     _energy("kinetic_energy", "kinetic", "kinetic energy of the rigid motions"),
     _energy("elastic_energy", "elastic", "elastic energy, from the work of the interface loads"),
@@ -379,29 +394,28 @@ QUANTITIES = (
     _energy("spring_energy", "springs", "energy stored in springs"),
     _energy("potential_energy", "potential", "potential energy of gravity"),
     _energy("external_work", "work", "work of loads and drives since t = 0"),
-    Quantity(
-        "dissipated_energy",
-        _TIME,
-        "J",
-        "energy taken by dampers since t = 0",
-        "energy/dissipated",
-        derive=_dissipated,
+    _energy(
+        "dissipated_energy", "dissipated", "energy taken by dampers since t = 0", derive=_dissipated
     ),
-    Quantity(
+    _energy(
         "energy_balance",
-        _TIME,
-        "J",
+        "balance",
         "change of all energies since t = 0, and dissipated energy, less external work",
-        "energy/balance",
         derive=_balance,
     ),
-    *_pair(
-        ("linear_momentum", "angular_momentum"),
+    Quantity(
+        "linear_momentum",
         _VECTOR,
-        ("kg m s-1", "kg m2 s-1"),
-        ("momentum of all bodies, in space", "angular momentum about the origin, in space"),
-        ("momentum/linear", "momentum/angular"),
-        "momentum",
+        "kg m s-1",
+        "momentum of all bodies, in space",
+        "momentum/linear",
+    ),
+    Quantity(
+        "angular_momentum",
+        _VECTOR,
+        "kg m2 s-1",
+        "angular momentum about the origin, in space",
+        "momentum/angular",
     ),
     Quantity(
         "newton_iterations",
@@ -409,7 +423,6 @@ QUANTITIES = (
         "1",
         "iterations of Newton's method",
         "solver/iterations",
-        "iterations",
         integer=True,
     ),
     Quantity(
@@ -418,9 +431,32 @@ QUANTITIES = (
         "1",
         "relative residual at the end of the step",
         "solver/residual",
-        "residual",
     ),
 )
+
+SOURCES = (_energy("compliance_work", "compliance_work", "work of springs and dampers on bodies"),)
+"""what the time loop computes besides, for quantities that are derived of it"""
+
+SHARED = {
+    "joint": "coupling",
+    "spring": "coupling",
+    "joint_constraint": "row",
+    "spring_component": "row",
+}
+"""dimensions of which the time loop has one for joints and springs alike"""
+
+
+def output_fields() -> dict[str, tuple[tuple[str, ...], bool]]:
+    """The arrays that the time loop fills: dimensions, and True for integers, by name."""
+    return {
+        quantity.source: (
+            tuple(SHARED.get(dimension, dimension) for dimension in quantity.dimensions),
+            quantity.integer,
+        )
+        for quantity in (*QUANTITIES, *SOURCES)
+        if quantity.source
+    }
+
 
 OWNERS = {"bodies": "body", "frames": "frame", "joints": "joint", "springs": "spring"}
 """the dimension of the owners of a group"""

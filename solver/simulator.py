@@ -58,9 +58,13 @@ class Simulator:
             initial = initialize(model)
             lowered, state = initial.lowered, initial.state
             output = make_output(lowered, 1)
-            self.views: Mapping[str, Array] = views(lowered, outputs, output)
-            """the chosen outputs by name, each (n,)"""
-        self._parts = [self.views[name] for name in outputs]
+            parts = {name: views(lowered, name, output) for name in outputs}
+        self._parts = [part for name in outputs for part in parts[name]]
+        self._outputs = np.zeros(sum(map(len, self._parts)))
+        lengths = [sum(map(len, parts[name])) for name in outputs]
+        pieces = np.split(self._outputs, np.cumsum(lengths)[:-1]) if outputs else []
+        self.views: Mapping[str, Array] = dict(zip(outputs, pieces, strict=True))
+        """the chosen outputs by name, each (n,)"""
         self._lowered, self._state, self._work = lowered, state, initial.work
         self._run = Run(system=lowered.system, state=state, work=initial.work, output=output)
         given = [*lowered.load_signals, *lowered.drives]
@@ -83,6 +87,7 @@ class Simulator:
         self._number, self._n_steps, self._h = 0, lowered.n_steps, lowered.h
         record(self._run, 0)
         advance(self._run, Inputs(load=load[:0], drive=drive[:0], row=row[:0], ahead=1))
+        self._gather()
 
     @property
     def time(self) -> float:
@@ -92,12 +97,12 @@ class Simulator:
     @property
     def outputs(self) -> Array:
         """(n,)"""
-        return np.concatenate(self._parts)
+        return self._outputs.copy()
 
     def step(self, inputs: Any) -> Array:
         """Take a step with the values (n,) of the inputs at its end; the outputs there."""
         if len(inputs) != len(self.inputs):
-            values = np.asarray(inputs).tolist()
+            values = np.asarray(inputs, dtype=np.float64).tolist()
             raise ModelError(f"inputs: expected values of {list(self.inputs)}, got {values}")
         number = self._number + 1
         if number > self._n_steps:
@@ -114,7 +119,12 @@ class Simulator:
             raise failure(self._lowered, number, residual, self._work)
         self._number = number
         self._partitions.work(self._state)
-        return self.outputs
+        return self._gather()
+
+    def _gather(self) -> Array:
+        if self._parts:
+            np.concatenate(self._parts, out=self._outputs)
+        return self._outputs.copy()
 
     def _set_signals(self, number: int) -> None:
         """The signals of step `number` that are no inputs, sampled for many steps at once."""

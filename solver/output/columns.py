@@ -3,14 +3,12 @@
 from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
 from itertools import pairwise
-from typing import Any
 
 from ...results.schema import (
     OWNERS,
     QUANTITIES,
     Axis,
     Contents,
-    Part,
     SuperelementFile,
     attributes_of,
     lay_out,
@@ -73,31 +71,23 @@ def _axis(entries: list[tuple[int, str]], angular: Iterable[bool] = ()) -> Axis:
     )
 
 
-def views(lowered: LoweredModel, names: Iterable[str], output: Output) -> dict[str, Array]:
-    """Views (n,) of the output of one step by name, as "joints/pivot/angle".
+def views(lowered: LoweredModel, name: str, output: Output) -> list[Array]:
+    """Views (n,) of the output of one step that make up a quantity, as "joints/pivot/angle".
 
     `ModelError` for a name that there is not.
     """
-    axes, known = axes_of(lowered), available(lowered)
-    found: dict[str, Array] = {}
-    for name in names:
-        if name not in known:
-            near = get_close_matches(name, known, n=3)
-            meant = f"; did you mean {' or '.join(map(repr, near))}?" if near else ""
-            raise ModelError(f"outputs: no {name!r}{meant}")
-        parts = list(_places(axes, name))
-        (array, rows, first), (_, _, last) = parts[0], parts[-1]
-        columns: tuple[int | slice, ...] = first
-        if len(parts) > 1 and isinstance(first[0], slice) and isinstance(last[0], slice):
-            columns = (slice(first[0].start, last[0].stop),)  # linear and angular, side by side
-        found[name] = getattr(output, array)[(slice(1), *rows)][(..., *columns)].reshape(-1)
-    return found
+    known = available(lowered)
+    if name not in known:
+        near = get_close_matches(name, known, n=3)
+        meant = f"; did you mean {' or '.join(map(repr, near))}?" if near else ""
+        raise ModelError(f"outputs: no {name!r}{meant}")
+    return [view.reshape(-1) for view in _views(axes_of(lowered), name, output)]
 
 
 def available(lowered: LoweredModel) -> dict[str, None]:
     """The names of all outputs of a step."""
     axes = axes_of(lowered)
-    names = [quantity.key for quantity in QUANTITIES if quantity.field and not quantity.owned]
+    names = [quantity.key for quantity in QUANTITIES if quantity.source and not quantity.owned]
     for group, dimension in OWNERS.items():
         for owner in axes[dimension].names:
             attributes = [name for name, _, _ in attributes_of(axes, group, owner)]
@@ -105,8 +95,7 @@ def available(lowered: LoweredModel) -> dict[str, None]:
     return dict.fromkeys(name for name in names if name not in _unknown(lowered))
 
 
-def _places(axes: dict[str, Axis], name: str) -> Iterator[tuple[str, tuple[Any, ...], Part]]:
-    """The arrays of the output that hold a quantity, with its rows and columns in them."""
+def _views(axes: dict[str, Axis], name: str, output: Output) -> Iterator[Array]:
     key, _, attribute = name.rpartition("/")
     group, _, owner = key.partition("/")
     if group in OWNERS:
@@ -115,10 +104,10 @@ def _places(axes: dict[str, Axis], name: str) -> Iterator[tuple[str, tuple[Any, 
                 rows = axes[quantity.dimensions[1]].rows[entries]
                 if isinstance(rows, tuple):
                     rows = slice(rows[0], rows[-1] + 1) if rows else slice(0)
-                yield quantity.field, (rows,), quantity.part
+                yield getattr(output, quantity.source)[:1, rows]
     for quantity in QUANTITIES:
         if quantity.key == name and not quantity.owned:
-            yield quantity.field, (), quantity.part
+            yield getattr(output, quantity.source)[:1]
 
 
 def _unknown(lowered: LoweredModel) -> tuple[str, ...]:

@@ -5,7 +5,7 @@ from types import TracebackType
 
 import numpy as np
 
-from ...results.schema import Batch
+from ...results.schema import Batch, Energies
 from ...results.source import Writer
 from ..arrays import Index
 from ..lower.allocation import make_output
@@ -29,10 +29,10 @@ class Recorder:
         n = min(NUMBERS // width, rows_of(lowered))
         self.output = make_output(lowered, max(n, 16))
         self._writer, self._h = writer, lowered.h
-        self._steps = np.empty(len(self.output.residual), dtype=np.int64)
+        self._steps = np.empty(len(self.output.newton_residual), dtype=np.int64)
         self._waiting = self._taken = 0
         self._written = time.perf_counter()
-        self._energy_start = np.zeros(self.output.energy.shape[1])
+        self._start = Energies(0.0, 0.0)
 
     def __enter__(self) -> "Recorder":
         return self
@@ -53,7 +53,7 @@ class Recorder:
         self._steps[self._waiting : self._waiting + n] = first + np.flatnonzero(recorded)
         self._waiting += n
         if first == 0:
-            self._energy_start = self.output.energy[0].copy()
+            self._start = Energies.of(self.output)
         else:
             self._taken += len(rows)
         full = self._waiting == len(self._steps)
@@ -65,7 +65,7 @@ class Recorder:
         steps = self._steps[: self._waiting]
         self._waiting = 0
         if len(steps):
-            self._writer.append(Batch(steps, self._h, self.output, self._energy_start))
+            self._writer.append(Batch(steps, self._h, self.output, self._start))
         self._written = time.perf_counter()
 
     def __exit__(

@@ -249,13 +249,14 @@ def rigid_energies(bodies: Bodies, state: State) -> tuple[float, float]:
 
 
 @compiled
-def momentum(bodies: Bodies, state: State, out: Array) -> None:
+def momentum(bodies: Bodies, state: State, linear: Array, angular: Array) -> None:
     """Linear, and angular about the origin, in space: sums of m v and of x x m v + R J omega."""
-    out[:] = 0.0
+    linear[:] = 0.0
+    angular[:] = 0.0
     for b in range(len(bodies.mass)):
-        linear = scale(bodies.mass[b], row(state.bodies.v, b))
+        mv = scale(bodies.mass[b], row(state.bodies.v, b))
         spin = rotate(state.bodies.R, b, rotate(bodies.J_rot, b, spin_of(state, b)))
-        angular = add(cross(row(state.bodies.x, b), linear), spin)
+        about_origin = add(cross(row(state.bodies.x, b), mv), spin)
         for i in range(3):
-            out[i] += linear[i]
-            out[3 + i] += angular[i]
+            linear[i] += mv[i]
+            angular[i] += about_origin[i]

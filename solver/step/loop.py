@@ -35,8 +35,8 @@ def advance(run: Run, inputs: Inputs) -> tuple[int, float]:
         _finish(system, state, work)
         row = inputs.row[k]
         if row >= 0:
-            output.iterations[row] = iterations
-            output.residual[row] = residual
+            output.newton_iterations[row] = iterations
+            output.newton_residual[row] = residual
             record(run, row)
         else:
             follow_coordinates(system.observers, state, work)

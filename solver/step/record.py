@@ -24,26 +24,45 @@ def record(run: Run, k: int) -> None:
     move_frames(frames, n_f, state, work)
     move_frame_velocities(frames, n_f, state, work)
     move_frame_accelerations(frames, n_f, state, work)
-    copy(state.bodies.x, output.x[k])
-    copy(state.bodies.quaternion, output.R[k])
-    copy(state.bodies.v, output.v[k])
-    copy(state.bodies.v_dot, output.v_dot[k])
+    copy(state.bodies.x, output.body_position[k])
+    copy(state.bodies.quaternion, output.body_rotation[k])
+    _split(state.bodies.v, output.body_velocity[k], output.body_angular_velocity[k])
+    _split(state.bodies.v_dot, output.body_acceleration[k], output.body_angular_acceleration[k])
     copy(work.frames.r, output.frame_position[k])
-    copy(work.frames.V, output.frame_velocity[k])
-    copy(work.frames.A, output.frame_acceleration[k])
-    copy(work.frames.wrench, output.frame_force[k])
+    _split(work.frames.V, output.frame_velocity[k], output.frame_angular_velocity[k])
+    _split(work.frames.A, output.frame_acceleration[k], output.frame_angular_acceleration[k])
+    _split(work.frames.wrench, output.frame_force[k], output.frame_moment[k])
     for f in range(n_f):
         dof = frames.dof[f]
         n = 0 if dof < 0 else 3 + 3 * frames.rotations[f]
-        for i in range(6):
-            output.frame_u[k, f, i] = state.interfaces.u[dof + i] if i < n else 0.0
+        for i in range(3):
+            u = state.interfaces.u[dof + i] if n > 0 else 0.0
+            w = state.interfaces.u[dof + 3 + i] if n == 6 else 0.0
+            output.frame_elastic_displacement[k, f, i] = u
+            output.frame_elastic_rotation[k, f, i] = w
         _set_frame_rotation(system, f, n == 6, state, work, output.frame_rotation[k, f])
-    copy(state.couplings.lam, output.multipliers[k])
-    copy(work.couplings.coordinate, output.coordinates[k])
-    copy(work.couplings.wrench, output.coupling_wrench[k])
-    observe(system.observers, state, work, output.observed[k], output.observed_rates[k])
-    _set_energies(system, state, work, output.energy[k])
-    momentum(system.bodies, state, output.momentum[k])
+    copy(state.couplings.lam, output.multiplier[k])
+    copy(work.couplings.coordinate, output.coordinate[k])
+    _split(work.couplings.wrench, output.coupling_force[k], output.coupling_moment[k])
+    observe(system.observers, state, work, output.joint_position[k], output.joint_rate[k])
+    kinetic, potential = rigid_energies(system.bodies, state)
+    output.kinetic_energy[k] = kinetic
+    output.potential_energy[k] = potential
+    output.elastic_energy[k] = state.energies.elastic[0]
+    output.modal_energy[k] = modal_energy(system.elastic, state)
+    output.spring_energy[k] = spring_energy(system.couplings, work)
+    output.external_work[k] = state.energies.work[0]
+    output.compliance_work[k] = state.energies.compliance[0]
+    momentum(system.bodies, state, output.linear_momentum[k], output.angular_momentum[k])
+
+
+@compiled
+def _split(pairs: Array, linear: Array, angular: Array) -> None:
+    """The two halves of rows (n, 6)."""
+    for m in range(len(pairs)):
+        for i in range(3):
+            linear[m, i] = pairs[m, i]
+            angular[m, i] = pairs[m, 3 + i]
 
 
 @compiled
@@ -62,16 +81,3 @@ def _set_frame_rotation(
         quaternion_product(turned, frames.quaternion_0[f], out)
     else:
         quaternion_product(state.bodies.quaternion[b], frames.quaternion_0[f], out)
-
-
-@compiled
-def _set_energies(system: System, state: State, work: Workspace, out: Array) -> None:
-    """Those of `Output.energy`."""
-    kinetic, potential = rigid_energies(system.bodies, state)
-    out[0] = kinetic
-    out[1] = state.energies.elastic[0]
-    out[2] = spring_energy(system.couplings, work)
-    out[3] = potential
-    out[4] = state.energies.work[0]
-    out[5] = state.energies.compliance[0]
-    out[6] = modal_energy(system.elastic, state)

@@ -10,8 +10,13 @@ and n_m modes; n_p steps whose loads are kept. Frames that carry couplings or lo
 those that are only observed; interface dofs of the former are `active`: no others are ever loaded.
 """
 
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...results.schema import output_fields
 from ..arrays import Array, Index
-from ..compiler.struct import Struct, array
+from ..compiler.struct import ArrayField, Struct, array
 
 # What a step reads
 
@@ -508,30 +513,35 @@ class Inputs(Struct):
     """1: prepare the step after them"""
 
 
-class Output(Struct):
-    """What a step leaves behind; one row per step."""
+SIZES: dict[str, int | str] = {
+    "time": "n",
+    "axis": 3,
+    "quaternion": 4,
+    "body": "n_b",
+    "frame": "n_f",
+    "coupling": "n_j",
+    "row": "n_i",
+    "joint_coordinate": "n_o",
+}
+"""dimensions of results as dimensions of a step"""
 
-    x: Array = array("n", "n_b", 3)
-    R: Array = array("n", "n_b", 4)
-    v: Array = array("n", "n_b", 6)
-    v_dot: Array = array("n", "n_b", 6)
-    frame_position: Array = array("n", "n_f", 3)
-    frame_rotation: Array = array("n", "n_f", 4)
-    frame_u: Array = array("n", "n_f", 6)
-    frame_force: Array = array("n", "n_f", 6)
-    frame_velocity: Array = array("n", "n_f", 6)
-    frame_acceleration: Array = array("n", "n_f", 6)
-    multipliers: Array = array("n", "n_i")
-    coordinates: Array = array("n", "n_i")
-    observed: Array = array("n", "n_o")
-    observed_rates: Array = array("n", "n_o")
-    coupling_wrench: Array = array("n", "n_j", 6)
-    energy: Array = array("n", 7)
-    """kinetic, elastic, springs, potential, work, compliance work, modal"""
-    momentum: Array = array("n", 6)
-    """linear, and angular about the origin, in space"""
-    iterations: Index = array("n")
-    residual: Array = array("n")
+
+def _output_fields() -> dict[str, ArrayField]:
+    return {
+        name: ArrayField(
+            tuple(SIZES[dimension] for dimension in dimensions),
+            np.int64 if integer else np.float64,
+        )
+        for name, (dimensions, integer) in output_fields().items()
+    }
+
+
+class Output(Struct, fields=_output_fields()):
+    """The quantities of steps, one row per step: those of the table in results/schema.py."""
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any: ...
 
 
 class Run(Struct):

@@ -19,6 +19,11 @@ from duhamel.results.source import Memory
 from .writing import NOTES, batch, make_contents, make_output
 
 
+@pytest.fixture(autouse=True)
+def _at_once(monkeypatch):
+    monkeypatch.setattr(FileWriter, "pause", 0.0)
+
+
 def write(path, contents, output, sizes):
     """Batches of some sizes."""
     writer, first = FileWriter(path, contents, NOTES, "model", sum(sizes)), 0
@@ -48,9 +53,9 @@ def test_rows_are_the_same_in_however_many_writes_and_in_memory(sizes, tmp_path)
     assert found.keys() == expected.keys() == {quantity.name for quantity in QUANTITIES}
     for name, array in expected.items():
         np.testing.assert_array_equal(found[name], array, err_msg=name)
-    np.testing.assert_array_equal(found["body_position"], output.x)
-    np.testing.assert_array_equal(found["frame_moment"], output.frame_force[:, 1:, 3:])
-    np.testing.assert_array_equal(found["spring_multiplier"], output.multipliers[:, 5:])
+    np.testing.assert_array_equal(found["body_position"], output.body_position)
+    np.testing.assert_array_equal(found["frame_moment"], output.frame_moment[:, 1:])
+    np.testing.assert_array_equal(found["spring_multiplier"], output.multiplier[:, 5:])
     np.testing.assert_allclose(found["time"], 0.1 * np.arange(11), rtol=1e-15)
     assert source.contents().recorded == contents.recorded
     assert source.contents().superelements == contents.superelements
@@ -101,13 +106,13 @@ def test_a_recorded_subset_is_that_of_the_whole(tmp_path):
     write(tmp_path / "out.h5", contents, output, (6,))
     results = Results.read(tmp_path / "out.h5")
     assert results.recorded == chosen
-    np.testing.assert_array_equal(results.body("b4").v, output.v[:, 4])
-    np.testing.assert_array_equal(results.body("b1").R, output.R[:, 1])
+    np.testing.assert_array_equal(results.body("b4").v[:, 3:], output.body_angular_velocity[:, 4])
+    np.testing.assert_array_equal(results.body("b1").R, output.body_rotation[:, 1])
     joint = results.joint("j2")
-    np.testing.assert_array_equal(joint.multipliers, output.multipliers[:, 2:5])
-    np.testing.assert_array_equal(joint.moment, output.coupling_wrench[:, 2, 3:])
-    np.testing.assert_array_equal(joint.angle_1, output.observed[:, 1])
-    np.testing.assert_array_equal(joint.angle_1_rate, output.observed_rates[:, 1])
+    np.testing.assert_array_equal(joint.multipliers, output.multiplier[:, 2:5])
+    np.testing.assert_array_equal(joint.moment, output.coupling_moment[:, 2])
+    np.testing.assert_array_equal(joint.angle_1, output.joint_position[:, 1])
+    np.testing.assert_array_equal(joint.angle_1_rate, output.joint_rate[:, 1])
     with pytest.raises(AttributeError, match="no coordinate 'angel'; there are: angle_0, angle_1,"):
         _ = joint.angel
     with pytest.raises(KeyError, match="no bodies/b0; there are: b1, b4"):
@@ -160,7 +165,7 @@ def test_an_earlier_file_stays_until_the_first_rows_are_written(tmp_path):
     before = Results.read(path)
     assert len(before.time) == 3
     writer.append(batch(output, 0, 4))
-    np.testing.assert_array_equal(Results.read(path).body("b0").x, output.x[:, 0])
+    np.testing.assert_array_equal(Results.read(path).body("b0").x, output.body_position[:, 0])
     with pytest.raises(ResultsError, match="another run has replaced this file: read it again"):
         _ = before.time
     assert [entry.name for entry in tmp_path.iterdir()] == ["out.h5"]
@@ -188,7 +193,7 @@ def test_of_two_runs_the_later_keeps_the_file(tmp_path):
         first.append(batch(output, 3, 1))
     second.append(batch(output, 1, 3))
     assert Results.read(path).model == "second"
-    np.testing.assert_array_equal(Results.read(path).body("b1").R, output.R[:, 1])
+    np.testing.assert_array_equal(Results.read(path).body("b1").R, output.body_rotation[:, 1])
 
 
 def test_rows_wait_for_those_who_hold_the_file(tmp_path, monkeypatch):
@@ -209,7 +214,27 @@ def test_rows_wait_for_those_who_hold_the_file(tmp_path, monkeypatch):
             writer.flush()
     assert len(Results.read(path).time) == 1
     writer.append(batch(output, 5, 1))
-    np.testing.assert_array_equal(Results.read(path).body("b0").v_dot, output.v_dot[:, 0])
+    np.testing.assert_array_equal(
+        Results.read(path).body("b0").v_dot[:, :3], output.body_acceleration[:, 0]
+    )
+
+
+def test_writes_are_apart(tmp_path, monkeypatch):
+    """Rows that come sooner wait, as they were when they came."""
+    monkeypatch.setattr(FileWriter, "pause", 0.3)
+    path, contents = tmp_path / "out.h5", make_contents()
+    output = make_output(contents, 9)
+    writer = write(path, contents, output, (1,))
+    buffer = make_output(contents, 1)
+    for first in range(1, 8):
+        for name, array in vars(buffer).items():
+            array[:] = getattr(output, name)[first]
+        writer.append(batch(output, first, 1)._replace(output=buffer))
+    assert rows_in(path) == 1
+    time.sleep(0.3)
+    writer.append(batch(output, 8, 1))
+    assert rows_in(path) == 9
+    np.testing.assert_array_equal(Results.read(path).body("b0").x, output.body_position[:, 0])
 
 
 def test_rows_do_not_wait_without_end(tmp_path, monkeypatch):
@@ -265,6 +290,7 @@ from duhamel.results.file import FileWriter
 from tests.results.writing import NOTES, batch, make_contents, make_output
 contents = make_contents()
 output = make_output(contents, 20_000)
+FileWriter.pause = 0.0
 writer = FileWriter(Path(sys.argv[1]), contents, NOTES, "model", 20_000)
 print("begun", flush=True)
 for first in range(0, 20_000, 5):
@@ -297,7 +323,7 @@ def test_readers_and_the_writer_do_not_fail_for_each_other(running):
             results = Results.read(path)
             x, t = results.body("b1").x, results.time
             assert len(x) == len(t) >= n
-            np.testing.assert_array_equal(x, output.x[: len(x), 1])
+            np.testing.assert_array_equal(x, output.body_position[: len(x), 1])
             counts.append(n)
     assert process.poll() is None
     assert len(counts) > 10
@@ -314,5 +340,7 @@ def test_a_writer_that_is_killed_leaves_a_readable_file(running):
     n = results.solver["written"]
     assert n >= 50
     assert n % 5 == 0
-    np.testing.assert_array_equal(results.frame("b0.tip").u, output.frame_u[:n, 1])
-    np.testing.assert_array_equal(results.iterations, output.iterations[:n])
+    np.testing.assert_array_equal(
+        results.frame("b0.tip").u[:, :3], output.frame_elastic_displacement[:n, 1]
+    )
+    np.testing.assert_array_equal(results.iterations, output.newton_iterations[:n])

@@ -17,6 +17,7 @@ def written(tmp_path_factory):
     writer = FileWriter(path, contents, NOTES, "a model", 7)
     writer.append(batch(output, 0, 3))
     writer.append(batch(output, 3, 4))
+    writer.flush()
     writer.note(finished=True, seconds=0.5)
     return path, output
 
@@ -47,7 +48,7 @@ def test_xarray_finds_dimensions_coordinates_and_units(written):
             if isinstance(quantity.unit, str):
                 assert variable.attrs["units"] == quantity.unit
         moment = data.frame_moment.sel(frame="b1.tip", axis="z")
-        np.testing.assert_array_equal(moment, output.frame_force[:, 2, 5])
+        np.testing.assert_array_equal(moment, output.frame_moment[:, 2, 2])
         np.testing.assert_allclose(data.time, 0.1 * np.arange(7), rtol=1e-15)
         units = data.joint_multiplier_units
         assert data.joint_multiplier.attrs["ancillary_variables"] == units.name

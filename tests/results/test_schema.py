@@ -8,7 +8,8 @@ import pytest
 from duhamel.results import motion, schema
 from duhamel.results.rotations import apply_tangent
 from duhamel.solver import ModelError, read_model
-from duhamel.solver.lower.lower import compile_system
+from duhamel.solver.lower.allocation import make_output as make_room
+from duhamel.solver.lower.lower import lower
 from duhamel.solver.output import columns
 from duhamel.solver.step.rotations import tangent
 from duhamel.solver.step.system import Output
@@ -18,24 +19,14 @@ from .writing import batch, make_contents, make_output
 DOCUMENT = Path(__file__).parents[2] / "docs" / "file-formats.md"
 
 
-def test_every_field_of_the_output_is_taken_once():
-    """Every number of it, but the energy column that is recorded as dissipated energy."""
-    taken = {}
-    for quantity in schema.QUANTITIES:
-        if quantity.field:
-            mask = np.zeros(8, dtype=int)  # of the last axis, the longest of them
-            mask[quantity.part[0] if quantity.part else slice(None)] = 1
-            kind = quantity.owned.name if quantity.owned else ""
-            taken.setdefault(quantity.field, {}).setdefault(kind, []).append(mask)
-    assert set(taken) == set(Output._fields)
-    for field, kinds in taken.items():
-        for masks in kinds.values():
-            count = np.sum(masks, axis=0)
-            width = {"energy": 7, "momentum": 6, "coupling_wrench": 6}.get(field, 6)
-            expected = np.ones(width, dtype=int)
-            if field == "energy":
-                expected[schema.ENERGIES.index("compliance_work")] = 0
-            np.testing.assert_array_equal(count[:width], expected, err_msg=field)
+def test_every_field_of_the_output_is_recorded_once_for_each_kind_of_owner():
+    taken = [
+        (quantity.source, quantity.owned and quantity.owned.name)
+        for quantity in (*schema.QUANTITIES, *schema.SOURCES)
+        if quantity.source
+    ]
+    assert len(set(taken)) == len(taken)
+    assert {source for source, _ in taken} == set(Output.layout)
 
 
 def test_names_dimensions_and_units():
@@ -45,7 +36,7 @@ def test_names_dimensions_and_units():
     for quantity in schema.QUANTITIES:
         assert quantity.dimensions[0] == "time"
         assert set(quantity.dimensions) <= set(schema.DIMENSIONS)
-        assert (quantity.field == "") == (quantity.derive is not None)
+        assert (quantity.source == "") == (quantity.derive is not None)
         assert isinstance(quantity.unit, tuple) == bool(quantity.owned and quantity.owned.ragged)
         for unit in quantity.unit if isinstance(quantity.unit, tuple) else (quantity.unit,):
             assert re.fullmatch(r"1|(kg|m2?|N|J|rad|s)( (m2?|s))?( ?s-[12])?", unit), unit
@@ -72,11 +63,12 @@ def test_the_documentation_has_the_table():
 def test_derived_energies():
     output = make_output(make_contents(), 5)
     found = batch(output, 0, 5)
-    kinetic, elastic, springs, potential, work, compliance_work, _ = output.energy.T
+    kinetic, elastic, springs = output.kinetic_energy, output.elastic_energy, output.spring_energy
+    potential, work = output.potential_energy, output.external_work
     by_name = {quantity.name: quantity for quantity in schema.QUANTITIES}
     axes = make_contents().axes
     dissipated = by_name["dissipated_energy"].take(found, axes)
-    np.testing.assert_allclose(dissipated, -compliance_work - springs + 2.0, atol=1e-14)
+    np.testing.assert_allclose(dissipated, -output.compliance_work - springs + 2.0, atol=1e-14)
     balance = by_name["energy_balance"].take(found, axes)
     total = kinetic + elastic + springs + potential - (0.0 + 1.0 + 2.0 + 3.0)
     np.testing.assert_allclose(balance, total + dissipated - work, atol=1e-13)
@@ -94,11 +86,11 @@ def test_the_tangent_of_rotation_vectors_is_that_of_the_time_loop():
 def test_outputs_by_name_are_views_of_the_output(tmp_path):
     """Those of a `Simulator`, which the time loop fills anew in every step."""
     (tmp_path / "arm.toml").write_text(ARM)
-    compiled = compile_system(read_model(tmp_path / "arm.toml"))
-    output = columns.make_output(compiled, 1)
+    compiled = lower(read_model(tmp_path / "arm.toml"))
+    output = make_room(compiled, 1)
     names = columns.available(compiled)
-    found = {name: columns.views(compiled, [name], output) for name in names}
-    arrays = [array for array in output if array.size]
+    found = {name: columns.views(compiled, name, output) for name in names}
+    arrays = [array for array in output.arrays() if array.size]
     for parts in found.values():
         assert all(part.ndim == 1 for part in parts)
         for part in parts:
@@ -118,7 +110,7 @@ def test_outputs_by_name_are_views_of_the_output(tmp_path):
     assert {name: shapes[name] for name in expected} == expected
     for wrong in ("energy/balance", "energy/modal", "bodies/arm", "joints/pin/angel", "x"):
         with pytest.raises(ModelError, match=f"outputs: no '{wrong}'"):
-            columns.views(compiled, [wrong], output)
+            columns.views(compiled, wrong, output)
 
 
 ARM = """

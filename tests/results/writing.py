@@ -3,10 +3,10 @@
 from types import SimpleNamespace
 
 import numpy as np
-from duhamel.results.schema import Axis, Batch, SuperelementFile, lay_out
+from duhamel.results.schema import Axis, Batch, Energies, SuperelementFile, lay_out, output_fields
 
 NOTES = {"h": 0.1, "steps": 10, "finished": False, "assembly_error_at": ""}
-START = np.arange(7.0)
+START = Energies(2.0, 6.0)
 
 
 def make_contents(
@@ -47,30 +47,20 @@ def make_output(contents, n, seed=0):
         rows = contents.axes[name].rows if name in contents.axes else ()
         return max(rows, default=-1) + 1
 
-    n_b, n_f = end("body"), end("frame")
-    n_rows = max(end("joint_constraint"), end("spring_component"))
-    widths = {
-        "x": (n_b, 3),
-        "R": (n_b, 4),
-        "v": (n_b, 6),
-        "v_dot": (n_b, 6),
-        "frame_position": (n_f, 3),
-        "frame_rotation": (n_f, 4),
-        "frame_u": (n_f, 6),
-        "frame_force": (n_f, 6),
-        "frame_velocity": (n_f, 6),
-        "frame_acceleration": (n_f, 6),
-        "multipliers": (n_rows,),
-        "coordinates": (n_rows,),
-        "observed": (end("joint_coordinate"),),
-        "observed_rates": (end("joint_coordinate"),),
-        "coupling_wrench": (max(end("joint"), end("spring")), 6),
-        "energy": (7,),
-        "momentum": (6,),
-        "residual": (),
+    sizes = {
+        "axis": 3,
+        "quaternion": 4,
+        "body": end("body"),
+        "frame": end("frame"),
+        "coupling": max(end("joint"), end("spring")),
+        "row": max(end("joint_constraint"), end("spring_component")),
+        "joint_coordinate": end("joint_coordinate"),
     }
-    output = {name: rng.normal(size=(n, *width)) for name, width in widths.items()}
-    return SimpleNamespace(**output, iterations=rng.integers(1, 9, n))
+    fields = {}
+    for name, (dimensions, integer) in output_fields().items():
+        shape = (n, *(sizes[dimension] for dimension in dimensions[1:]))
+        fields[name] = rng.integers(1, 9, shape) if integer else rng.normal(size=shape)
+    return SimpleNamespace(**fields)
 
 
 def batch(output, first, n):

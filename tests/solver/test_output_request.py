@@ -126,7 +126,7 @@ def test_chosen_quantities_alone_are_recorded(
     quantities, recorded, variables, model, whole_file, whole, tmp_path
 ):
     path = tmp_path / "chosen.h5"
-    simulate(replace(model, output=OutputRequest(quantities=quantities)), path)
+    simulate(model.with_settings(output=OutputRequest(quantities=quantities)), output=path)
     kinds = {{"bodies": "body"}.get(kind, kind[:-1]) for kind in map(group_of, recorded)}
     of_kinds = {name for name in whole if name.partition("_")[0] in kinds} - ENERGIES
     assert set(datasets(path)) == ALWAYS | variables | of_kinds
@@ -175,7 +175,9 @@ def test_what_was_not_recorded_is_told(model):
 def test_a_quantity_that_there_is_not_is_refused_before_the_file_is_touched(model, tmp_path):
     path = tmp_path / "kept.h5"
     path.write_text("kept")
-    wrong = replace(model, output=OutputRequest(quantities=("bodies/hubb",)), path="rotor.toml")
+    wrong = replace(
+        model.with_settings(output=OutputRequest(quantities=("bodies/hubb",))), path="rotor.toml"
+    )
     message = (
         r"rotor.toml: output: quantities: no 'bodies/hubb'; there are: .*; "
         r"did you mean 'bodies/hub'\?"

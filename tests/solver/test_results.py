@@ -236,10 +236,10 @@ def test_the_start_alone_is_the_first_row_of_a_run(model_file, results_file):
 
 def test_a_run_that_fails_in_its_first_step_leaves_an_earlier_file(model_file, tmp_path):
     model, path = read_model(model_file), tmp_path / "out.h5"
-    simulate(model, path)
+    simulate(model, output=path)
     torque = replace(model.loads[0], signal=Constant(1e12))
     with pytest.raises(ConvergenceError, match="no convergence in step 1 "):
-        simulate(replace(model, loads=(torque,)), path)
+        simulate(replace(model, loads=(torque,)), output=path)
     left = Results.read(path)
     assert left.solver["finished"]
     assert len(left.time) == N
@@ -388,7 +388,7 @@ def test_results_do_not_replace_what_the_run_reads(model_file, tmp_path):
     ):
         before = None if path.is_dir() else path.read_bytes()
         with pytest.raises(ResultsError, match=f"{path}: {message}"):
-            simulate(model, path)
+            simulate(model, output=path)
         assert before is None or path.read_bytes() == before
 
 
@@ -502,7 +502,7 @@ def test_an_interrupt_while_rows_are_written_leaves_each_row_once(
 
         monkeypatch.setattr(FileWriter, "_write", interrupted)
         with pytest.raises(KeyboardInterrupt):
-            simulate(read_model(model_file), path)
+            simulate(read_model(model_file), output=path)
         left, whole = Results.read(path), Results.read(results_file)
         np.testing.assert_array_equal(left.time, whole.time[: len(left.time)])
         np.testing.assert_array_equal(left.body("beam").x, whole.body("beam").x)

@@ -28,7 +28,7 @@ from duhamel.solver.start.initial import initialize
 from duhamel.solver.start.jacobian import coupling_jacobian
 from duhamel.solver.start.matrices import dense_of
 from duhamel.solver.step.bodies import set_rotations
-from duhamel.solver.step.equations import assemble, evaluate, linearize
+from duhamel.solver.step.equations import assemble, convective_terms, evaluate, linearize
 from duhamel.solver.step.newton import correct, renew
 from duhamel.solver.step.system import State, System, Workspace
 from scipy.spatial.transform import Rotation
@@ -53,6 +53,8 @@ JOINTS = {
         "distance": Polynomial((0.0, 0.4)),
     },
 }
+
+SWAY = Harmonic(0.8, 1.0, 0.5)
 
 
 def symmetric(seed, size):
@@ -500,3 +502,58 @@ def test_newtons_method_converges_quadratically_with_flexible_bodies(make_body, 
     assert np.linalg.norm(end[3:]) > 0.04
     digits = -np.log10(residuals)
     assert (digits[2:] > 1.8 * digits[1:-1]).all(), residuals
+
+
+def test_the_convective_term_of_every_kind_of_row(make_body):
+    """The second time derivative of rows where no body accelerates, against differences in time.
+
+    Of constraints, of driven lengths and angles, and of the distances and angles of springs.
+    """
+    bodies = {
+        "a": make_body("flexible", 5),
+        "b": make_body("rigid", 6),
+        "c": make_body("flexible", 7),
+        "d": make_body("rigid", 8),
+    }
+    joints = (
+        Joint("wrist", "universal", ("ground", "a.i0"), AXIS, SECOND),
+        Joint("fixed", "fixed", ("a.i0", "b.i0")),
+        Joint("motor", "cylindrical", ("b.i0", "c.i0"), AXIS, angle=SWAY, distance=SWAY),
+        Joint("ball", "spherical", ("c.i1", "d.i0")),
+    )
+    springs = (
+        Spring("tie", "point", ("a.i1", "c.i1"), **SPRINGS["point"]),
+        Spring("turn", "torsion", ("b.i0", "c.i0"), **SPRINGS["torsion"]),
+    )
+    settings = Settings(
+        t_end=1.0, step=1e-2, rho_inf=0.8, redundant="remove", assemble=True, start="given"
+    )
+    model = Model(bodies, joints, (), springs, settings=settings)
+    rng = np.random.default_rng(3)
+    point = Point.of(model, seed=4)
+    state, work = point.state, point.work
+    state.bodies.v_dot[:] = 0.0
+    state.interfaces.acceleration[:] = 0.0
+    work.drives.rate[:] = rng.uniform(-2.0, 2.0, len(work.drives.rate))
+    work.drives.acceleration[:] = rng.uniform(-2.0, 2.0, len(work.drives.rate))
+    point.evaluated()
+    convective_terms(point.system, state, work)
+    convective = work.couplings.convective.copy()
+
+    compliant = point.system.couplings.compliant == 1
+    x, R, u = state.bodies.x.copy(), state.bodies.R.copy(), state.interfaces.u.copy()
+    v, rate, drive = state.bodies.v.copy(), state.interfaces.rate.copy(), work.drives.value.copy()
+    s_1, s_2 = work.drives.rate.copy(), work.drives.acceleration.copy()
+
+    def rows(t):
+        state.bodies.x[:] = x + t * v[:, :3]
+        state.bodies.R[:] = R @ Rotation.from_rotvec(t * v[:, 3:]).as_matrix()
+        state.interfaces.u[:] = u + t * rate
+        work.drives.value[:] = drive + t * s_1 + 0.5 * t**2 * s_2
+        point.evaluated()
+        return np.where(compliant, work.couplings.coordinate, work.couplings.phi)
+
+    h = 2e-3
+    near, far = rows(h) + rows(-h), rows(2 * h) + rows(-2 * h)
+    second = (16 * near - far - 30 * rows(0.0)) / (12 * h**2)
+    np.testing.assert_allclose(convective, second, rtol=0, atol=1e-6 * np.abs(second).max())
