@@ -1,4 +1,4 @@
-"""The code of docs/extending.md: where each block belongs, and a copy of the sources with all in."""
+"""The code of docs/extending.md: where blocks belong, and a copy of the sources with all of them."""
 
 import os
 import re
