@@ -106,7 +106,8 @@ def frame_acceleration(
 ) -> tuple[Vector, Vector]:
     """The time derivative of V of a moving frame, in space.
 
-    x'' + R (omega' x l + omega x (omega x l + 2 u') + u''),   R (omega' + T^T w'' + (T^T)' w' + omega x T^T w')
+        x'' + R (omega' x l + omega x (omega x l + 2 u') + u''),
+        R (omega' + T^T w'' + (T^T)' w' + omega x T^T w')
     """
     b = frames.body[f]
     omega, alpha = (
@@ -146,8 +147,8 @@ def _tangent_slope(state: State, k: int, m: Vector, work: Workspace) -> None:
 def map_frame_velocities(frames: Frames, gamma_prime: float, state: State, work: Workspace) -> None:
     """Derivatives (6, 12) of V by the coordinates of frames; rates follow gamma' times increments.
 
-    delta (dx/dt) = gamma' R delta X,   delta omega = gamma' T^-1(psi) delta Theta,
-    delta (du/dt) = gamma' delta u
+        delta (dx/dt) = gamma' R delta X,   delta omega = gamma' T^-1(psi) delta Theta,
+        delta (du/dt) = gamma' delta u
     """
     for f in range(frames.n_acting):
         b = frames.body[f]
@@ -275,8 +276,8 @@ def add_frame_tangents(frames: Frames, pattern: Pattern, state: State, work: Wor
     """K += derivative of the map of the frames under their present wrenches, held constant in
     space.
 
-    d(f_Theta) = -F x du + ((X + u) x (F x .) + M x .) dTheta,   d(p_u) = F x dTheta
-    d(p_w) = d(T(w) M)/dw dw + T(w) (M x dTheta)
+        d(f_Theta) = -F x du + ((X + u) x (F x .) + M x .) dTheta,   d(p_u) = F x dTheta
+        d(p_w) = d(T(w) M)/dw dw + T(w) (M x dTheta)
     """
     for f in range(frames.n_acting):
         b = frames.body[f]
