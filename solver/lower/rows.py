@@ -11,7 +11,7 @@ from ..model.joints import ABOUT_E3, Joint, basis_about
 from ..model.motions import PrescribedDisplacement, PrescribedMotion
 from ..model.signals import SmoothSignal
 from ..model.springs import Spring
-from ..step.rows import ANGLE, DISTANCE, ROTATION, TRANSLATION
+from ..step.rows import Angle, Distance, Rotation, Translation
 from ..step.system import Couplings, Laws, Rows
 from .placement import Pose
 
@@ -79,10 +79,10 @@ def joint_rows(joint: Joint, sides: Sides) -> list[Row]:
         return [replace(row, swapped=True) for row in joint_rows(joint, sides.swapped())]
     in_a, in_b = sides.carried(joint.basis())
     A, B = sides.A, sides.B
-    rows = [Row(TRANSLATION, A, B, in_a[:, k]) for k in joint.kind.translations]
-    rows += [Row(ROTATION, A, B, in_a[:, i], b=in_b[:, j]) for i, j in joint.kind.rotations]
+    rows = [Row(Translation.number, A, B, in_a[:, k]) for k in joint.kind.translations]
+    rows += [Row(Rotation.number, A, B, in_a[:, i], b=in_b[:, j]) for i, j in joint.kind.rotations]
     if joint.distance is not None:
-        rows.append(Row(TRANSLATION, A, B, in_a[:, 2], drive=joint.distance))
+        rows.append(Row(Translation.number, A, B, in_a[:, 2], drive=joint.distance))
     if joint.angle is not None:
         rows.append(_driven_angle(A, B, in_a, in_b, joint.angle))
     return rows
@@ -94,14 +94,14 @@ def _driven_angle(A: int, B: int, in_a: Array, in_b: Array, angle: SmoothSignal)
     """
     start = angle(0.0)
     e2 = np.cos(start) * in_b[:, 1] - np.sin(start) * in_b[:, 0]
-    return Row(ROTATION, A, B, in_a[:, 0], in_a[:, 1], e2, drive=angle)
+    return Row(Rotation.number, A, B, in_a[:, 0], in_a[:, 1], e2, drive=angle)
 
 
 def joint_observers(joint: Joint, sides: Sides) -> dict[str, Row]:
     """The coordinates that a joint leaves free or drives, by name."""
     in_a, in_b = sides.carried(joint.basis())
     rows = {
-        name: Row(TRANSLATION, sides.A, sides.B, in_a[:, k])
+        name: Row(Translation.number, sides.A, sides.B, in_a[:, k])
         for name, k in joint.kind.distances.items()
     }
     for name, angle in joint.kind.angles.items():
@@ -112,7 +112,7 @@ def joint_observers(joint: Joint, sides: Sides) -> dict[str, Row]:
         # at the start e_j is e_i turned towards e_k by the starting angle
         along, across = other[:, angle.i], other[:, angle.k]
         b = np.cos(start) * along + np.sin(start) * across
-        rows[name] = Row(ANGLE, A, B, ours[:, angle.i], ours[:, angle.k], b, start=start)
+        rows[name] = Row(Angle.number, A, B, ours[:, angle.i], ours[:, angle.k], b, start=start)
     return rows
 
 
@@ -125,10 +125,16 @@ def motion_rows(motion: PrescribedMotion, sides: Sides) -> list[Row]:
     A, B = sides.A, sides.B
     if isinstance(motion, PrescribedDisplacement):
         return [
-            Row(TRANSLATION, A, B, sides.pose_a.R.T @ motion.direction, drive=motion.displacement)
+            Row(
+                Translation.number,
+                A,
+                B,
+                sides.pose_a.R.T @ motion.direction,
+                drive=motion.displacement,
+            )
         ]
     in_a, in_b = sides.carried(basis_about(motion.axis))
-    rows = [Row(ROTATION, A, B, in_a[:, i], b=in_b[:, j]) for i, j in ABOUT_E3]
+    rows = [Row(Rotation.number, A, B, in_a[:, i], b=in_b[:, j]) for i, j in ABOUT_E3]
     return [*rows, _driven_angle(A, B, in_a, in_b, motion.angle)]
 
 
@@ -143,10 +149,12 @@ def spring_rows(spring: Spring, sides: Sides) -> list[Row]:
         if length <= 1e-12 * max(1.0, float(np.abs(sides.pose_a.x).max())):
             ends = list(spring.between)
             raise spring.error(f"its ends {ends} coincide at the start")
-        rows.append(Row(DISTANCE, A, B, start=length))
-    rows += [Row(TRANSLATION, A, B, in_a[:, k], start=float(gap[k])) for k in kind.translations]
-    rows += [Row(ANGLE, A, B, in_a[:, t.i], in_a[:, t.k], in_b[:, t.j]) for t in kind.angles]
-    rows += [Row(ROTATION, A, B, in_a[:, i], b=in_b[:, j]) for i, j in kind.rotations]
+        rows.append(Row(Distance.number, A, B, start=length))
+    rows += [
+        Row(Translation.number, A, B, in_a[:, k], start=float(gap[k])) for k in kind.translations
+    ]
+    rows += [Row(Angle.number, A, B, in_a[:, t.i], in_a[:, t.k], in_b[:, t.j]) for t in kind.angles]
+    rows += [Row(Rotation.number, A, B, in_a[:, i], b=in_b[:, j]) for i, j in kind.rotations]
     rest = np.array([row.start for row in rows]) if spring.rest is None else spring.rest
     return [
         replace(

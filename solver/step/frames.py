@@ -16,7 +16,7 @@ D_0^T W^T = R.
 from ..arrays import Array
 from ..compiler.marks import compiled
 from .bodies import spin_of
-from .rotations import exponential, tangent, tangent_derivative, tangent_inverse
+from .rotations import exponential_and_tangent, tangent_derivative, tangent_inverse
 from .system import Frames, Pattern, State, Workspace
 from .vectors import (
     UNITS,
@@ -53,8 +53,7 @@ def move_frames(frames: Frames, n: int, state: State, work: Workspace) -> None:
             work.frames.r[f, i] = r[i]
         if k >= 0 and frames.rotations[f]:
             w = state.interfaces.u[k + 3 : k + 6]
-            tangent(w, work.frames.T[f])
-            exponential(w, work.frames.small_rotation)
+            exponential_and_tangent(w, work.frames.small_rotation, work.frames.T[f])
             _multiply(work.frames.small_rotation, frames.D_0[f], work.frames.D[f])
             _rotate_columns(state.bodies.R[b], work.frames.D[f])
         else:
