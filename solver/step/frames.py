@@ -105,8 +105,10 @@ def frame_acceleration(
 ) -> tuple[Vector, Vector]:
     """The time derivative of V of a moving frame, in space.
 
-    x'' + R (omega' x l + omega x (omega x l + 2 u') + u''),
-    R (omega' + T^T w'' + (T^T)' w' + omega x T^T w')
+        x'' + R (omega' x l + omega x (omega x l + 2 u') + u''),
+        R (omega' + T^T w'' + (T^T)' w' + omega x T^T w')
+
+    l: the lever X + u.
     """
     b = frames.body[f]
     omega, alpha = (
@@ -144,10 +146,12 @@ def _tangent_slope(state: State, k: int, m: Vector, work: Workspace) -> None:
 
 @compiled
 def map_frame_velocities(frames: Frames, gamma_prime: float, state: State, work: Workspace) -> None:
-    """Derivatives (6, 12) of V by the coordinates of frames; rates follow gamma' times increments.
+    """Derivatives (6, 12) of V by the coordinates of frames.
 
-    delta (dx/dt) = gamma' R delta X,   delta omega = gamma' T^-1(psi) delta Theta,
-    delta (du/dt) = gamma' delta u
+        delta (dx/dt) = gamma' R delta X,   delta omega = gamma' T^-1(psi) delta Theta,
+        delta (du/dt) = gamma' delta u
+
+    gamma': change of a rate with its coordinate in a step.
     """
     for f in range(frames.n_acting):
         b = frames.body[f]
