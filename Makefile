@@ -8,7 +8,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet --no-input
 PACKAGES := inputs superelement results preprocess solver view study cli
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-lowest lint validation benchmark constraints clean
+.PHONY: help demo test test-lowest lint validation benchmark docs constraints clean
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -40,10 +40,15 @@ validation: $(VENV)/.validation ## published problems and peer codes; takes minu
 benchmark: $(VENV)/.validation ## timed work; where there is a peer, as ratios measured in the same run
 	@set -e; for program in benchmarks/*.py; do echo "$$program"; $(BIN)/python "$$program"; done
 
+docs: $(VENV)/.docs build/types/.linked ## the map of the code, and its reference in build/docs
+	$(BIN)/python tools/draw_architecture.py
+	PYTHONPATH=build/types $(BIN)/python tools/make_reference.py build/docs
+	@echo "reference of the code: $(CURDIR)/build/docs/index.html"
+
 constraints: ## the newest versions that pyproject.toml allows, written to constraints.txt
 	rm -rf build/constraints
 	$(PYTHON) -m venv build/constraints
-	build/constraints/bin/python -m pip --disable-pip-version-check --quiet install ".[test,validation]"
+	build/constraints/bin/python -m pip --disable-pip-version-check --quiet install ".[test,validation,docs]"
 	{ sed -n '/^#/p' constraints.txt; \
 	  build/constraints/bin/python -m pip freeze --exclude duhamel; } > build/constraints.txt
 	mv build/constraints.txt constraints.txt
@@ -71,6 +76,10 @@ $(LOWEST)/.installed: pyproject.toml constraints.txt constraints-lowest.txt $(sh
 	  > build/constraints-lowest.txt
 	$(LOWEST)/bin/python -m pip --disable-pip-version-check --quiet --no-input install \
 	  -c build/constraints-lowest.txt build/wheel/*.whl pytest
+	@touch $@
+
+$(VENV)/.docs: $(VENV)/.installed
+	$(PIP) install -c constraints.txt -e ".[test,docs]"
 	@touch $@
 
 # An editable install hides the namespace from mypy, so it is shown a tree of links with the same shape.

@@ -105,7 +105,8 @@ def frame_acceleration(
 ) -> tuple[Vector, Vector]:
     """The time derivative of V of a moving frame, in space.
 
-    x'' + R (omega' x l + omega x (omega x l + 2 u') + u''),   R (omega' + T^T w'' + (T^T)' w' + omega x T^T w')
+    x'' + R (omega' x l + omega x (omega x l + 2 u') + u''),
+    R (omega' + T^T w'' + (T^T)' w' + omega x T^T w')
     """
     b = frames.body[f]
     omega, alpha = (
@@ -274,8 +275,8 @@ def add_frame_tangents(frames: Frames, pattern: Pattern, state: State, work: Wor
     """K += derivative of the map of the frames under their present wrenches, held constant in
     space.
 
-    d(f_Theta) = -F x du + ((X + u) x (F x .) + M x .) dTheta,   d(p_u) = F x dTheta
-    d(p_w) = d(T(w) M)/dw dw + T(w) (M x dTheta)
+        d(f_Theta) = -F x du + ((X + u) x (F x .) + M x .) dTheta,   d(p_u) = F x dTheta
+        d(p_w) = d(T(w) M)/dw dw + T(w) (M x dTheta)
     """
     for f in range(frames.n_acting):
         b = frames.body[f]

@@ -1,4 +1,4 @@
-"""The code of docs/extending.md: where blocks belong, and a copy of the sources with all of them."""
+"""The code of docs/extending.md: where blocks belong, and a copy of the sources with all in."""
 
 import os
 import re

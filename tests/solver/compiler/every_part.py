@@ -13,7 +13,6 @@ from duhamel.solver import (
     Frame,
     Harmonic,
     Joint,
-    Law,
     Load,
     Model,
     Polynomial,
@@ -24,6 +23,7 @@ from duhamel.solver import (
     Settings,
     Spring,
     Start,
+    TabulatedLaw,
 )
 from duhamel.solver.lower.allocation import make_output
 from duhamel.solver.simulation import signals
@@ -52,13 +52,17 @@ JOINTS: dict[str, dict[str, Any]] = {
     },
 }
 SPRINGS: dict[str, dict[str, Any]] = {
-    "point": {"stiffness": 3000.0, "damping": 2.0, "law": Law((-0.1, 0.0, 0.2), (-9.0, 0.0, 4.0))},
+    "point": {
+        "stiffness": 3000.0,
+        "damping": 2.0,
+        "law": TabulatedLaw((-0.1, 0.0, 0.2), (-9.0, 0.0, 4.0)),
+    },
     "torsion": {
         "axis": AXIS,
         "stiffness": 50.0,
         "damping": 0.4,
         "rest": [0.2],
-        "law": Law((-1.0, 0.0, 1.0), (-3.0, 0.0, 8.0)),
+        "law": TabulatedLaw((-1.0, 0.0, 1.0), (-3.0, 0.0, 8.0)),
     },
     "bushing": {"axis": AXIS, "stiffness": [900.0] * 3 + [70.0] * 3, "damping": [3.0] * 6},
 }

@@ -8,11 +8,12 @@ import dis
 
 import numpy as np
 import pytest
+from duhamel.solver import laws
 from duhamel.solver.arrays import Array, Index
 from duhamel.solver.compiler import marks, object_file
 from duhamel.solver.compiler.memory import copy
 from duhamel.solver.compiler.struct import Struct, array
-from duhamel.solver.step import elimination, laws, measure, rotations, vectors
+from duhamel.solver.step import elimination, measure, rotations, vectors
 
 
 class Part(Struct):
