@@ -2,16 +2,17 @@
 
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV ?= .venv
+LOWEST ?= .venv-lowest
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet --no-input
 PACKAGES := inputs superelement results preprocess solver view study cli
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint validation benchmark docs constraints clean
+.PHONY: help demo test test-lowest lint validation benchmark docs constraints clean
 .DELETE_ON_ERROR:
 
 help: ## list the targets
-	@sed -n 's/^\([a-z]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)
+	@sed -n 's/^\([a-z-]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)
 
 demo: $(VENV)/.installed ## a mesh of a beam, its superelement, the paper's Case 1, and a picture of the motion
 	@mkdir -p out
@@ -23,6 +24,10 @@ demo: $(VENV)/.installed ## a mesh of a beam, its superelement, the paper's Case
 
 test: $(VENV)/.installed ## the tests
 	$(BIN)/python -m pytest
+
+test-lowest: $(LOWEST)/.installed ## the wheel, installed with the oldest numba and numpy, and the tests of compiled code
+	$(LOWEST)/bin/python .ci/check_wheel.py build/wheel/*.whl
+	cd tests && ../$(LOWEST)/bin/python -m pytest -c ../pyproject.toml solver/compiler solver/test_rigid.py
 
 lint: $(VENV)/.installed build/types/.linked ## style and types
 	$(BIN)/ruff check .
@@ -50,7 +55,7 @@ constraints: ## the newest versions that pyproject.toml allows, written to const
 	rm -rf build/constraints
 
 clean: ## remove what the targets above made
-	rm -rf $(VENV) build out
+	rm -rf $(VENV) $(LOWEST) build out
 
 # The stamps stand for a finished installation: a second make finds them and installs nothing.
 $(VENV)/.installed: pyproject.toml constraints.txt
@@ -60,6 +65,17 @@ $(VENV)/.installed: pyproject.toml constraints.txt
 
 $(VENV)/.validation: $(VENV)/.installed
 	$(PIP) install -c constraints.txt -e ".[test,validation]"
+	@touch $@
+
+# Not editable: what is tested is the wheel.
+$(LOWEST)/.installed: pyproject.toml constraints.txt constraints-lowest.txt $(shell find $(PACKAGES) -name '*.py')
+	rm -rf $(LOWEST) build/wheel build/lib
+	$(PYTHON) -m venv $(LOWEST)
+	$(LOWEST)/bin/python -m pip --disable-pip-version-check --quiet --no-input wheel --no-deps -w build/wheel .
+	{ grep -vE '^(numba|llvmlite|numpy)==' constraints.txt; cat constraints-lowest.txt; } \
+	  > build/constraints-lowest.txt
+	$(LOWEST)/bin/python -m pip --disable-pip-version-check --quiet --no-input install \
+	  -c build/constraints-lowest.txt build/wheel/*.whl pytest
 	@touch $@
 
 $(VENV)/.docs: $(VENV)/.installed

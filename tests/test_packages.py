@@ -86,3 +86,9 @@ def test_what_points_upwards_is_found():
     assert upward([wrong], ("preprocess",), ROOMS["preprocess"]) == [
         "preprocess.mesh.nodes imports preprocess.body.body"
     ]
+
+
+def test_every_package_of_the_makefile_is_in_the_wheel():
+    lines = (ROOT / "Makefile").read_text().splitlines()
+    (listed,) = (line for line in lines if line.startswith("PACKAGES"))
+    assert set(listed.split(":=")[1].split()) == set(SETUPTOOLS["package-dir"].values())

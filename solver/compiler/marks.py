@@ -64,6 +64,10 @@ class Entry:
     def __call__(self, *args: Any) -> Any:
         return self.call(*args)
 
+    @property
+    def is_bound(self) -> bool:
+        return self.call != self._load_and_call
+
     def _load_and_call(self, *args: Any) -> Any:
         from .object_file import load
 

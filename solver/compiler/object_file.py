@@ -43,13 +43,23 @@ _engines: list[Any] = []
 """of llvmlite; machine code lives as long as its engine"""
 
 
+def _renew_lock() -> None:
+    global _lock
+    _lock = threading.RLock()
+
+
+if hasattr(os, "register_at_fork"):
+    # a thread that loads while another forks does not exist in the child, which would wait for it
+    os.register_at_fork(after_in_child=_renew_lock)
+
+
 def load() -> None:
     """Bind all entries to machine code: what is cached, or what is built now.
 
     Where numba's internals are not as `build` expects them, the stock compiler takes over.
     """
     with _lock:
-        if _engines:
+        if all(entry.is_bound for entry in marks.ENTRIES.values()):
             return
         if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
             for entry in marks.ENTRIES.values():
@@ -243,6 +253,13 @@ def _reason(report: str) -> str:
 
 def _bind(code: bytes) -> None:
     """Load an object file and give every entry its function."""
+    engine = engine_of(code)
+    for entry in marks.ENTRIES.values():
+        entry.bind(engine.get_function_address(entry.symbol))
+
+
+def engine_of(code: bytes) -> Any:
+    """Load an object file, for as long as Python runs: where its functions stand, by name."""
     import llvmlite.binding as llvm
 
     llvm.initialize_native_target()
@@ -253,9 +270,8 @@ def _bind(code: bytes) -> None:
     )
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
-    for entry in marks.ENTRIES.values():
-        entry.bind(engine.get_function_address(entry.symbol))
     _engines.append(engine)
+    return engine
 
 
 def _load_stock() -> None:

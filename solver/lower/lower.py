@@ -146,7 +146,8 @@ def lower(model: Model, without: frozenset[int] = frozenset()) -> LoweredModel:
         observers=lay_out_rows(list(observers.values())),
         loads=Loads(
             frame=as_index([frames.number(load.on) for load in model.loads]),
-            torque=as_index([load.kind.moment for load in model.loads]),
+            kind=as_index([load.kind.number for load in model.loads]),
+            moment=as_index([load.kind.moment for load in model.loads]),
             follower=as_index([load.follower for load in model.loads]),
             direction=as_rows([load.direction for load in model.loads]),
         ),

@@ -1,0 +1,74 @@
+"""One model with every kind of part: quick build, plain Python and stock compiler give the same."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from duhamel.solver.compiler import marks
+
+from . import every_part
+
+RATES = {"v", "frame_velocity", "observed_rates", "energy", "momentum"}
+ACCELERATIONS = {
+    "v_dot",
+    "frame_acceleration",
+    "frame_force",
+    "multipliers",
+    "coupling_wrench",
+}
+
+
+def run(path, **environment):
+    """The output of the model, in a process of its own."""
+    program = [sys.executable, str(Path(every_part.__file__)), str(path)]
+    environment = os.environ | environment
+    done = subprocess.run(program, env=environment, check=True, capture_output=True, text=True)
+    with np.load(path) as file:
+        return dict(file), done.stderr
+
+
+@pytest.fixture(scope="module")
+def quick(tmp_path_factory):
+    return run(tmp_path_factory.mktemp("quick") / "results.npz")[0]
+
+
+def test_the_model_has_every_part():
+    model = every_part.make_model()
+    types = {joint.type for joint in model.joints}
+    assert types == {name for name in every_part.JOINTS if not name.startswith("driven")}
+    from duhamel.solver.model.joints import JOINT_TYPES
+    from duhamel.solver.model.springs import SPRING_TYPES
+
+    assert types == set(JOINT_TYPES)
+    assert {spring.type for spring in model.springs} == set(SPRING_TYPES)
+
+
+def test_plain_python_gives_the_same(quick, tmp_path):
+    """Rounding of 1e-12 of positions is one of 1e-12 / h of rates, and so on."""
+    plain, _ = run(tmp_path / "plain.npz", NUMBA_DISABLE_JIT="1")
+    for name, array in quick.items():
+        order = 2 if name in ACCELERATIONS else 1 if name in RATES else 0
+        size = max(1.0, np.abs(array).max(initial=0.0))
+        tolerance = 1e-12 / every_part.H**order * size
+        np.testing.assert_allclose(plain[name], array, rtol=0, atol=tolerance, err_msg=name)
+    assert np.abs(quick["x"][-1] - quick["x"][0]).max() > 1e-2
+
+
+@pytest.mark.validation
+def test_the_stock_compiler_gives_the_same_bits(quick, tmp_path):
+    stock, said = run(
+        tmp_path / "stock.npz", DUHAMEL_COMPILER="stock", DUHAMEL_CACHE=str(tmp_path / "cache")
+    )
+    assert "numba's public interface" in said
+    for name, array in quick.items():
+        np.testing.assert_array_equal(stock[name], array, err_msg=name)
+
+
+def test_every_compiled_function_is_of_the_time_step():
+    """Others would be compiled with every change of theirs."""
+    places = {function.__module__ for function in marks.COMPILED}
+    allowed = ("duhamel.solver.step.", "duhamel.solver.compiler.memory")
+    assert [place for place in places if not place.startswith(allowed)] == []
