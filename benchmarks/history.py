@@ -13,7 +13,7 @@ import numpy as np
 from duhamel.solver import Constant, FlexibleBody, Load, Model, Settings
 from duhamel.solver.arrays import Array
 from duhamel.solver.history.cost import cheapest_history, history_costs
-from duhamel.solver.history.dyadic import Lookahead
+from duhamel.solver.history.dyadic import DyadicConvolution
 from duhamel.solver.start.initial import initialize
 from duhamel.solver.step.history import finish_history, start_history
 from duhamel.solver.step.system import State, System, Workspace
@@ -66,14 +66,14 @@ def measure(body: Superelement, history: str, n_steps: int) -> float:
     )
     initial = initialize(model)
     system, state, work = initial.lowered.system, initial.state, initial.work
-    lookahead = Lookahead(system.elastic)
+    convolution = DyadicConvolution(system.elastic)
     p = np.random.default_rng(0).normal(size=(1024, len(state.interfaces.p)))
     advance(system, state, work, p[:0])
     started, done = time.process_time(), 0
     while done < n_steps:
-        n = lookahead.room(done, min(1024, n_steps - done))
+        n = convolution.steps_until_due(done, min(1024, n_steps - done))
         advance(system, state, work, p[:n])
-        lookahead.look(state)
+        convolution.update(state)
         done += n
     return 1e6 * (time.process_time() - started) / n_steps
 

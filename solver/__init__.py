@@ -1,4 +1,4 @@
-"""Superelements and a model to motion."""
+"""Dynamics of mechanisms of rigid bodies and superelements."""
 
 from ..results.results import Results
 from .errors import ConvergenceError, ModelError, RecoveryError, ResultsError

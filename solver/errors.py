@@ -1,4 +1,4 @@
-"""What can go wrong, one exception per kind of failure."""
+"""The exceptions of the solver, one per kind of failure."""
 
 import os
 from collections.abc import Iterator
@@ -19,9 +19,9 @@ class ModelError(ValueError):
 class ConvergenceError(RuntimeError):
     """Newton's method did not converge in a time step.
 
-    step, time [s]; residual: of equilibrium and constraints, relative to what the tolerance is
-    measured against; joint: the name of the joint that is most open, `opening` [m or rad] how far;
-    model: the name of its file.
+    step, time [s]; residual: of equilibrium and constraints, relative as the tolerance is; joint:
+    the name of the joint with the largest opening, `opening` [m or rad]; model: the name of its
+    file.
     """
 
     def __init__(
@@ -34,24 +34,19 @@ class ConvergenceError(RuntimeError):
         opening: float,
         model: str = "",
     ) -> None:
-        self.step, self.time, self.residual, self.joint, self.opening = (
-            step,
-            time,
-            residual,
-            joint,
-            opening,
-        )
+        self.step, self.time, self.residual = step, time, residual
+        self.joint, self.opening = joint, opening
         where = f"{model}: " if model else ""
         worst = f"; the most open joint is {joint!r}, by {opening:.3e}" if joint else ""
         super().__init__(
-            f"{where}no convergence in step {step} (t = {time:.9g} s): relative residual {residual:.3e}, "
-            f"tolerance {tolerance:.1e}{worst}; try a smaller step"
+            f"{where}no convergence in step {step} (t = {time:.9g} s): relative residual "
+            f"{residual:.3e}, tolerance {tolerance:.1e}{worst}; try a smaller step"
         )
 
 
 @contextmanager
 def about(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Errors of a model name the file that it is from, if there is one."""
+    """Prefix the errors of a model with the file that it is from, if there is one."""
     try:
         yield
     except ModelError as error:

@@ -1,4 +1,4 @@
-"""A progress bar for whatever lasts longer than a second."""
+"""A progress bar for work that lasts longer than a second."""
 
 import time
 from types import TracebackType
@@ -6,7 +6,7 @@ from typing import Any
 
 
 class Progress:
-    """Shows `label` and how much of `total` is done; without a total, that something is going on."""
+    """A bar with `label` that shows the done part of `total`; without a total, mere activity."""
 
     def __init__(self, label: str, total: int | None = None, shown: bool = True) -> None:
         self._label, self._total, self._shown = label, total, shown

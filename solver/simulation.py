@@ -1,4 +1,4 @@
-"""Run a model: the time loop in stints, with results written and progress shown between them."""
+"""Simulations: the time loop in batches of steps, with output and progress between them."""
 
 import os
 import time
@@ -11,7 +11,7 @@ from ..results.results import Results
 from ..results.source import Writer
 from .arrays import Array, Index
 from .errors import ConvergenceError, about
-from .history.dyadic import Lookahead
+from .history.dyadic import DyadicConvolution
 from .lower.lower import LoweredModel
 from .model.model import Model
 from .model.settings import Settings
@@ -23,7 +23,7 @@ from .step.loop import advance
 from .step.record import record
 from .step.system import Inputs, Run, Workspace
 
-STINT = 0.1
+BATCH_SECONDS = 0.1
 """seconds that the loop runs before it returns, for progress and interrupts"""
 
 
@@ -47,7 +47,10 @@ def simulate(
 
 
 def start(model: Model) -> Results:
-    """The results of the start alone: one row, at t = 0. Raises ModelError as `simulate` does."""
+    """The results of the start alone: one row, at t = 0.
+
+    Raises ModelError as `simulate` does.
+    """
     return _run(model, None, progress=False, steps=0)
 
 
@@ -66,8 +69,8 @@ def _run(model: Model, output: Path | None, progress: bool, steps: int | None = 
 
 def _march(initial: InitialState, writer: Writer, total: int, progress: bool) -> None:
     lowered, state, work = initial.lowered, initial.state, initial.work
-    done, stint = 0, 16
-    lookahead = Lookahead(lowered.system.elastic)
+    done, batch = 0, 16
+    convolution = DyadicConvolution(lowered.system.elastic)
     with (
         Recorder(writer, lowered) as recorder,
         Progress("simulating", total, shown=progress) as bar,
@@ -77,16 +80,17 @@ def _march(initial: InitialState, writer: Writer, total: int, progress: bool) ->
         recorder.keep(0, recorder.rows(0, 1))
         while done < total:
             started = time.perf_counter()
-            rows = recorder.rows(done + 1, lookahead.room(done, min(stint, total - done)))
+            n = convolution.steps_until_due(done, min(batch, total - done))
+            rows = recorder.rows(done + 1, n)
             taken, residual = advance(run, signals(lowered, done + 1, rows))
             recorder.keep(done + 1, rows[:taken])
             done += taken
             bar.advance(taken)
             if taken < len(rows):
                 raise failure(lowered, done + 1, residual, work)
-            lookahead.look(state)
-            if time.perf_counter() - started < 0.5 * STINT:
-                stint *= 2
+            convolution.update(state)
+            if time.perf_counter() - started < 0.5 * BATCH_SECONDS:
+                batch *= 2
 
 
 def signals(lowered: LoweredModel, first: int, rows: Index) -> Inputs:

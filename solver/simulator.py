@@ -1,7 +1,4 @@
-"""One step at a time, for inputs that are known only when the step is due.
-
-For controllers, co-simulation and real time.
-"""
+"""Simulations step by step, for controllers, co-simulation and real time."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -11,7 +8,7 @@ import numpy as np
 
 from .arrays import Array
 from .errors import ModelError, about
-from .history.uniform import Partitions
+from .history.uniform import UniformConvolution
 from .lower.allocation import make_output
 from .model.model import Model
 from .model.settings import Settings
@@ -24,7 +21,7 @@ from .step.record import record
 from .step.system import Inputs, Run
 
 AHEAD = 256
-"""steps for which the signals that are no inputs are sampled at once"""
+"""steps for which the signals that are not inputs are sampled at once"""
 
 
 class Simulator:
@@ -36,17 +33,17 @@ class Simulator:
 
     `step` takes the values at the end of the step, in the order of `inputs`. Loads are linear
     between them: a force that is to be held from one step to the next acts half a step early, with
-    the same impulse. As much of a step as goes before they are known is done at the end of the one
-    before: its free response, its prediction, and the factors of the matrix where the iterations
-    are fixed (`Settings.fixed_iterations`), with which all steps cost about the same. History "fft"
-    is convolved in equal parts, one a step, not in the growing blocks of `simulate`.
+    the same impulse. The end of a step prepares the next one as far as it does not depend on them:
+    its free response, its prediction, and the factors of the matrix where the iterations are fixed
+    (`Settings.fixed_iterations`), with which all steps cost about the same. History "fft" is
+    convolved in equal blocks, not in the growing ones of `simulate`.
 
     `outputs` (n,) are the chosen quantities of results, one after the other, at the present `time`;
     `views` has those of each name, in arrays that every step changes. They are those of `simulate`.
 
-    Raises ModelError for a model that cannot start, an output that there is not, a wrong number of
-    inputs and a step beyond t_end; ConvergenceError where Newton's method fails, and then there are
-    no further steps.
+    Raises ModelError for a model that cannot start, an unknown output, a wrong number of inputs and
+    a step beyond t_end; ConvergenceError where Newton's method fails, after which there are no
+    further steps.
     """
 
     def __init__(
@@ -58,17 +55,17 @@ class Simulator:
             initial = initialize(model)
             lowered, state = initial.lowered, initial.state
             output = make_output(lowered, 1)
-            parts = {name: views(lowered, name, output) for name in outputs}
-        self._parts = [part for name in outputs for part in parts[name]]
-        self._outputs = np.zeros(sum(map(len, self._parts)))
-        lengths = [sum(map(len, parts[name])) for name in outputs]
-        pieces = np.split(self._outputs, np.cumsum(lengths)[:-1]) if outputs else []
-        self.views: Mapping[str, Array] = dict(zip(outputs, pieces, strict=True))
+            sources = {name: views(lowered, name, output) for name in outputs}
+        self._sources = [view for name in outputs for view in sources[name]]
+        self._outputs = np.zeros(sum(map(len, self._sources)))
+        lengths = [sum(map(len, sources[name])) for name in outputs]
+        ranges = np.split(self._outputs, np.cumsum(lengths)[:-1]) if outputs else []
+        self.views: Mapping[str, Array] = dict(zip(outputs, ranges, strict=True))
         """the chosen outputs by name, each (n,)"""
         self._lowered, self._state, self._work = lowered, state, initial.work
         self._run = Run(system=lowered.system, state=state, work=initial.work, output=output)
-        given = [*lowered.load_signals, *lowered.drives]
-        self.inputs = tuple(dict.fromkeys(s.name for s in given if isinstance(s, Input)))
+        sampled = [*lowered.load_signals, *lowered.drives]
+        self.inputs = tuple(dict.fromkeys(s.name for s in sampled if isinstance(s, Input)))
         """the names of the inputs"""
         load, drive = np.zeros((1, len(lowered.load_signals))), np.zeros((1, len(lowered.drives)))
         self._load, self._drive = load[0], drive[0]
@@ -79,11 +76,11 @@ class Simulator:
             if isinstance(signal, Input)
         ]
         """(array, index in it, number of the input)"""
-        self._all_are_inputs = all(isinstance(signal, Input) for signal in given)
+        self._all_are_inputs = all(isinstance(signal, Input) for signal in sampled)
         row = np.zeros(1, dtype=np.int64)
         self._next = Inputs(load=load, drive=drive, row=row, ahead=1)
         self._last = self._next.replace(ahead=0)
-        self._partitions = Partitions(lowered.system.elastic)
+        self._convolution = UniformConvolution(lowered.system.elastic)
         self._number, self._n_steps, self._h = 0, lowered.n_steps, lowered.h
         record(self._run, 0)
         advance(self._run, Inputs(load=load[:0], drive=drive[:0], row=row[:0], ahead=1))
@@ -91,16 +88,16 @@ class Simulator:
 
     @property
     def time(self) -> float:
-        """[s]"""
+        """The present time [s]."""
         return self._h * self._number
 
     @property
     def outputs(self) -> Array:
-        """(n,)"""
+        """The chosen outputs at the present time (n,)."""
         return self._outputs.copy()
 
     def step(self, inputs: Any) -> Array:
-        """Take a step with the values (n,) of the inputs at its end; the outputs there."""
+        """Take a step with the values (n,) of the inputs at its end; return the outputs there."""
         if len(inputs) != len(self.inputs):
             values = np.asarray(inputs, dtype=np.float64).tolist()
             raise ModelError(f"inputs: expected values of {list(self.inputs)}, got {values}")
@@ -118,16 +115,16 @@ class Simulator:
         if not taken:
             raise failure(self._lowered, number, residual, self._work)
         self._number = number
-        self._partitions.work(self._state)
+        self._convolution.update(self._state)
         return self._gather()
 
     def _gather(self) -> Array:
-        if self._parts:
-            np.concatenate(self._parts, out=self._outputs)
+        if self._sources:
+            np.concatenate(self._sources, out=self._outputs)
         return self._outputs.copy()
 
     def _set_signals(self, number: int) -> None:
-        """The signals of step `number` that are no inputs, sampled for many steps at once."""
+        """Sample the signals of step `number` that are not inputs, for many steps at once."""
         k = (number - 1) % AHEAD
         if k == 0:
             n = min(AHEAD, self._n_steps - number + 1)

@@ -6,15 +6,13 @@ Written under a temporary name and renamed when whole.
 import hashlib
 import io
 import os
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from importlib import metadata
 from pathlib import Path
 
 import h5py
 import numpy as np
 
+from .atomic import renamed_when_whole
 from .fields import dataset, expect, group, number, put, scalar, text, texts, vector
 from .interface import Interface
 from .kernel import Kernel
@@ -27,17 +25,17 @@ from .validation import SuperelementError, checked
 FORMAT = "duhamel-superelement"
 VERSION = 2
 ACCELERANCE = {1: "static/mobility", VERSION: "static/accelerance"}
-"""The dataset of the accelerance, by version: version 1 has it under another name."""
+"""the dataset of the accelerance, by version: version 1 has it under another name"""
 
 DAMAGE = (OSError, RuntimeError, KeyError)
-"""What h5py raises on a file with wrong bytes inside, each for other parts of its structure."""
+"""exceptions of h5py on a file with wrong bytes, each for other parts of its structure"""
 
 
 def write(path: str | os.PathLike[str], superelement: Superelement) -> None:
-    """Write a superelement; the file appears whole or not at all, and an older one stays until
-    then.
+    """Write a superelement.
 
-    Raises `SuperelementError` where the folder is missing or cannot be written to.
+    The file appears whole or not at all, and an older one stays until then. Raises
+    `SuperelementError` where the folder is missing or cannot be written to.
     """
     # The file is made in memory first: HDF5 itself brings the process down when the disk is full.
     image = io.BytesIO()
@@ -47,7 +45,7 @@ def write(path: str | os.PathLike[str], superelement: Superelement) -> None:
     if not target.parent.is_dir():
         raise SuperelementError(f"{path}: no folder {target.parent}")
     try:
-        with _renamed_when_whole(target) as temporary:
+        with renamed_when_whole(target) as temporary:
             temporary.write_bytes(image.getbuffer())
     except OSError as error:
         raise SuperelementError(f"{path}: cannot be written: {error}") from error
@@ -243,18 +241,3 @@ def _provenance(file: h5py.File) -> Provenance:
         versions={name: text(versions, name) for name in versions.attrs},
         timings={name: number(timings, name) for name in timings.attrs},
     )
-
-
-@contextmanager
-def _renamed_when_whole(path: Path) -> Iterator[Path]:
-    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-    os.close(handle)
-    temporary = Path(name)
-    try:
-        yield temporary
-        umask = os.umask(0)
-        os.umask(umask)
-        temporary.chmod(0o666 & ~umask)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)

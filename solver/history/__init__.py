@@ -1,1 +1,1 @@
-"""How past interface loads are remembered: layout, cost and convolution in blocks."""
+"""The history of interface loads: its layout, its cost, and convolution in blocks."""

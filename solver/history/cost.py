@@ -1,4 +1,4 @@
-"""What the history of a flexible body costs a step, and so which form of it is the cheapest.
+"""Cost per step of each form of the history of a flexible body, and the cheapest form.
 
 The constants are nanoseconds, fitted to what `benchmarks/history.py` prints; their ratios matter,
 which machines share.
@@ -9,15 +9,15 @@ import math
 from .dyadic import BLOCK
 
 MODE = 2.8
-"""a mode coasting one step and taking in its load"""
+"""free and forced response of a mode in one step"""
 SUM = 0.11
 """a term of a sum over modes"""
 PRODUCT = 0.2
 """a multiplication and addition in the time loop"""
 SAMPLE = 0.1
 """one of a matrix product, which makes a kernel from modes"""
-LOOK = 2e5
-"""a look ahead, whatever its size, and the return to the loop after it"""
+UPDATE = 2e5
+"""an update of the convolution in blocks, whatever its size, and the return to the loop"""
 TRANSFORM = 1.2
 """a number in a Fourier transform, per doubling"""
 SPECTRUM = 2.0
@@ -25,7 +25,7 @@ SPECTRUM = 2.0
 
 
 def cheapest_history(n_c: int, n_active: int, m: int | None, n_steps: int, lags: int) -> str:
-    """The one of `history_costs` that costs the least."""
+    """The form of history that costs the least, by `history_costs`."""
     costs = history_costs(n_c, n_active, m, n_steps, lags)
     return min(costs, key=lambda history: costs[history])
 
@@ -33,16 +33,16 @@ def cheapest_history(n_c: int, n_active: int, m: int | None, n_steps: int, lags:
 def history_costs(
     n_c: int, n_active: int, m: int | None, n_steps: int, lags: int
 ) -> dict[str, float]:
-    """Nanoseconds a step of "direct", "fft" and, with modes, "recursive" history.
+    """Nanoseconds per step of "direct", "fft" and, with modes, "recursive" history.
 
-    n_c interface dofs of which n_active are loaded, m modes (None: no modes), and kernels of so
-    many lags, which modes would have to be sampled for.
+    n_c: interface dofs, of which n_active are loaded; m: modes (None: no modes); lags: of the
+    kernels, which are sampled from the modes if there are any.
     """
     n_steps = max(n_steps, 1)  # a model that only starts
     sampling = 0.0 if m is None else SAMPLE * m * n_c**2 * min(lags, n_steps) / n_steps
     costs = {
         "direct": sampling + PRODUCT * n_c * n_active * _mean_reach(n_steps, lags),
-        "fft": sampling + _ahead(n_c, n_active, n_steps, lags),
+        "fft": sampling + _block_cost(n_c, n_active, n_steps, lags),
     }
     if m is not None:
         costs["recursive"] = m * (MODE + SUM * (n_c + n_active))
@@ -50,22 +50,22 @@ def history_costs(
 
 
 def _mean_reach(n_steps: int, lags: int) -> float:
-    """Past loads that a step sums on average."""
+    """Mean number of past loads in the sum of a step."""
     if lags >= n_steps:
         return 0.5 * n_steps
     return lags * (1.0 - 0.5 * lags / n_steps)
 
 
-def _ahead(n_c: int, n_active: int, n_steps: int, lags: int) -> float:
+def _block_cost(n_c: int, n_active: int, n_steps: int, lags: int) -> float:
     levels = max(math.ceil(math.log2(min(lags, n_steps) / BLOCK)), 0) + 1
     doublings = math.log2(BLOCK) + 0.5 * levels
-    # a level is looked at half as often as the one below, and is twice as long
+    # a level is updated half as often as the one below, and is twice as long
     transforms = TRANSFORM * levels * (n_c + n_active) * doublings
     spectra = (
         2.0 * TRANSFORM * n_c * n_active * min(lags / n_steps, 1.0) * (doublings + 0.5 * levels)
     )
     return (
-        LOOK / BLOCK
+        UPDATE / BLOCK
         + PRODUCT * n_c * n_active * 0.5 * BLOCK
         + transforms
         + spectra

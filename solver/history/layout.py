@@ -1,6 +1,4 @@
-"""Superelements as arrays: the modes or the kernel of every flexible body, whichever carries its
-history.
-"""
+"""Superelements as arrays: the modes or the kernel that carries the history of each body."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -11,18 +9,29 @@ from ...superelement import GeneralizedAlpha, Superelement, SuperelementError
 from ..arrays import Array, Index, as_index
 from ..errors import ModelError
 from ..model.model import Model
+from ..model.settings import Settings
 from ..step.system import Elastic, Frames, Kernels, Modes
 from .cost import cheapest_history
 from .truncation import truncate, truncation_error
 
 LARGEST_TRUNCATION = 0.1
-"""relative error of a kernel that is cut off; those that err by more can gain energy from step to
-step
-"""
+"""relative error of a kernel that is cut off; with a larger one, motions can gain energy"""
 
 
-class _Memory(NamedTuple):
-    """How one body remembers: by modes (then g is empty) or by its kernel (then phi is)."""
+class Stepping(NamedTuple):
+    """The time integration of a run: step h [s], scheme, number of steps.
+
+    weight: of p_{n+1} against p_n in the convolution, 1, or 1/2 in eq. (55).
+    """
+
+    h: float
+    scheme: GeneralizedAlpha
+    n_steps: int
+    weight: float
+
+
+class _History(NamedTuple):
+    """The history of one body: by modes (then g is empty) or by its kernel (then phi is)."""
 
     recursion: Array  # (3, m) stiffness, damping and step stiffness of the scalar recursions
     phi: Array  # (n_c, m)
@@ -32,41 +41,26 @@ class _Memory(NamedTuple):
     by_fft: bool
     error: float  # of a kernel that was cut off
     G_0: Array  # (n_c, n_c)
-    compliance: Array  # (n_c, n_c) static, as this memory sums to
+    compliance: Array  # (n_c, n_c) static: the sum of the kernel, or of the modes
 
 
 def lay_out_elastic(
-    model: Model, frames: Frames, h: float, scheme: GeneralizedAlpha, n_steps: int, weight: float
+    model: Model, frames: Frames, stepping: Stepping
 ) -> tuple[Elastic, list[Array], float]:
-    """Number the interface dofs of all flexible bodies; bodies with the same superelement share its
-    data.
+    """Number the interface dofs of all flexible bodies, and lay out their histories.
 
-    Also their static compliances, and the largest error of kernels that `kernel_length` cuts off.
+    Bodies with the same superelement share its data. Also returns their static compliances, and
+    the largest error of the kernels that `kernel_length` cuts off.
     """
     bodies = model.flexible_bodies
-    owners = [id(body.superelement) for body in bodies.values()]
     dofs = np.cumsum([0, *(body.superelement.n_c for body in bodies.values())])
     active = np.array(sorted(_active_dofs(frames)), dtype=np.int64)
     active_range = np.searchsorted(active, dofs)
-    most_active: dict[int, int] = {}
-    for owner, n_active in zip(owners, np.diff(active_range).tolist(), strict=True):
-        most_active[owner] = max(n_active, most_active.get(owner, 0))
-    made: dict[int, _Memory] = {}
-    for owner, (name, body) in zip(owners, bodies.items(), strict=True):
-        if owner not in made:
-            made[owner] = _remember(
-                name, body.superelement, most_active[owner], model, h, scheme, n_steps
-            )
-    memories = [made[owner] for owner in owners]
-    stiffness, damping, step_stiffness = np.hstack(
-        [np.empty((3, 0)), *(memory.recursion for memory in memories)]
-    )
-    G_0, G_0_start = _packed([memory.G_0 for memory in memories], owners)
-    phi, phi_start = _packed([memory.phi for memory in memories], owners)
-    g, g_start = _packed([memory.g for memory in memories], owners)
-    g_initial, _ = _packed([memory.g_initial for memory in memories], owners)
+    owners = [id(body.superelement) for body in bodies.values()]
+    histories = _histories(model, owners, np.diff(active_range).tolist(), stepping)
+    G_0, G_0_start = _packed([history.G_0 for history in histories], owners)
     G_active, G_active_start = active_flexibility(
-        [memory.G_0 for memory in memories], active, active_range, dofs, weight
+        [history.G_0 for history in histories], active, active_range, dofs, stepping.weight
     )
     numbers = {name: b for b, name in enumerate(model.bodies)}
     flexible = as_index([numbers[name] for name in bodies])
@@ -82,40 +76,67 @@ def lay_out_elastic(
         G_0_start=G_0_start,
         G_active=G_active,
         G_active_start=G_active_start,
-        modes=Modes(
-            range=as_index(np.cumsum([0, *(memory.recursion.shape[1] for memory in memories)])),
-            stiffness=stiffness.copy(),
-            damping=damping.copy(),
-            step_stiffness=step_stiffness.copy(),
-            phi=phi,
-            phi_start=phi_start,
-        ),
-        kernels=Kernels(
-            g=g,
-            g_initial=g_initial,
-            g_start=g_start,
-            lags=as_index([memory.lags for memory in memories]),
-            by_fft=as_index([memory.by_fft for memory in memories]),
-        ),
+        modes=_lay_out_modes(histories, owners),
+        kernels=_lay_out_kernels(histories, owners),
     )
-    return (
-        elastic,
-        [memory.compliance for memory in memories],
-        max((memory.error for memory in memories), default=0.0),
+    error = max((history.error for history in histories), default=0.0)
+    return elastic, [history.compliance for history in histories], error
+
+
+def _histories(
+    model: Model, owners: Sequence[int], n_active: Sequence[int], stepping: Stepping
+) -> list[_History]:
+    """The history of every flexible body; those with the same superelement share one."""
+    most_active: dict[int, int] = {}
+    for owner, n in zip(owners, n_active, strict=True):
+        most_active[owner] = max(n, most_active.get(owner, 0))
+    histories: dict[int, _History] = {}
+    for owner, (name, body) in zip(owners, model.flexible_bodies.items(), strict=True):
+        if owner not in histories:
+            histories[owner] = _choose_history(
+                name, body.superelement, most_active[owner], model.settings, stepping
+            )
+    return [histories[owner] for owner in owners]
+
+
+def _lay_out_modes(histories: Sequence[_History], owners: Sequence[int]) -> Modes:
+    recursions = [history.recursion for history in histories]
+    stiffness, damping, step_stiffness = np.hstack([np.empty((3, 0)), *recursions])
+    phi, phi_start = _packed([history.phi for history in histories], owners)
+    return Modes(
+        range=as_index(np.cumsum([0, *(recursion.shape[1] for recursion in recursions)])),
+        stiffness=stiffness.copy(),
+        damping=damping.copy(),
+        step_stiffness=step_stiffness.copy(),
+        phi=phi,
+        phi_start=phi_start,
+    )
+
+
+def _lay_out_kernels(histories: Sequence[_History], owners: Sequence[int]) -> Kernels:
+    g, g_start = _packed([history.g for history in histories], owners)
+    g_initial, _ = _packed([history.g_initial for history in histories], owners)
+    return Kernels(
+        g=g,
+        g_initial=g_initial,
+        g_start=g_start,
+        lags=as_index([history.lags for history in histories]),
+        by_fft=as_index([history.by_fft for history in histories]),
     )
 
 
 def active_flexibility(
     matrices: Sequence[Array], active: Index, active_range: Index, dofs: Index, weight: float
 ) -> tuple[Array, Index]:
-    """weight times the rows and columns of the active dofs of every body's matrix (n_c, n_c), and
-    where each starts.
+    """weight times the active rows and columns of every body's matrix, packed, and their starts.
+
+    matrices: (n_c, n_c) of each flexible body; active, active_range, dofs: as in `Elastic`.
     """
-    parts = []
+    blocks = []
     for e, matrix in enumerate(matrices):
-        own = active[active_range[e] : active_range[e + 1]] - dofs[e]
-        parts.append(weight * matrix[np.ix_(own, own)])
-    return _packed(parts, range(len(parts)))
+        columns = active[active_range[e] : active_range[e + 1]] - dofs[e]
+        blocks.append(weight * matrix[np.ix_(columns, columns)])
+    return _packed(blocks, range(len(blocks)))
 
 
 def _active_dofs(frames: Frames) -> list[int]:
@@ -127,31 +148,28 @@ def _active_dofs(frames: Frames) -> list[int]:
     ]
 
 
-def _remember(
-    name: str,
-    element: Superelement,
-    n_active: int,
-    model: Model,
-    h: float,
-    scheme: GeneralizedAlpha,
-    n_steps: int,
-) -> _Memory:
-    history: str = model.settings.history
-    length = model.settings.kernel_length
+def _choose_history(
+    name: str, element: Superelement, n_active: int, settings: Settings, stepping: Stepping
+) -> _History:
+    """The history that the settings ask for, or the cheapest, for the body of this name."""
+    h, n_steps = stepping.h, stepping.n_steps
+    form: str = settings.history
+    length = settings.kernel_length
     lags = n_steps + 1 if length is None else min(n_steps, round(length / h)) + 1
-    if history == "auto":
+    if form == "auto":
         m = None if element.modes is None else len(element.modes.omega)
-        history = cheapest_history(element.n_c, n_active, m, n_steps, lags)
-    if history == "recursive":
+        form = cheapest_history(element.n_c, n_active, m, n_steps, lags)
+    if form == "recursive":
         if element.modes is None:
             raise ModelError(
-                f"body {name!r}: history 'recursive' needs modes, and superelement {element.name!r} has none"
+                f"body {name!r}: history 'recursive' needs modes, "
+                f"and superelement {element.name!r} has none"
             )
-        return _by_modes(element, h, scheme)
-    return _by_kernel(element, h, scheme, lags, lags <= n_steps, history == "fft")
+        return _by_modes(element, h, stepping.scheme)
+    return _by_kernel(element, stepping, lags, form == "fft")
 
 
-def _by_modes(element: Superelement, h: float, scheme: GeneralizedAlpha) -> _Memory:
+def _by_modes(element: Superelement, h: float, scheme: GeneralizedAlpha) -> _History:
     modes = element.modes_for(h)
     stiffness = modes.omega**2
     damping = 2.0 * modes.zeta * modes.omega
@@ -159,60 +177,52 @@ def _by_modes(element: Superelement, h: float, scheme: GeneralizedAlpha) -> _Mem
     step_stiffness += scheme.beta * h * h * stiffness
     G_0 = (modes.phi * (scheme.beta * h * h / step_stiffness)) @ modes.phi.T
     recursion, empty = np.array([stiffness, damping, step_stiffness]), np.empty(0)
-    return _Memory(recursion, modes.phi, empty, empty, 0, False, 0.0, G_0, modes.compliance)
+    return _History(recursion, modes.phi, empty, empty, 0, False, 0.0, G_0, modes.compliance)
 
 
-def _by_kernel(
-    element: Superelement,
-    h: float,
-    scheme: GeneralizedAlpha,
-    lags: int,
-    cut: bool,
-    by_fft: bool,
-) -> _Memory:
+def _by_kernel(element: Superelement, stepping: Stepping, lags: int, by_fft: bool) -> _History:
+    """The kernel of so many lags, cut off where the run is longer."""
     try:
-        kernel = element.kernel_for(h, scheme, lags - 1)
+        kernel = element.kernel_for(stepping.h, stepping.scheme, lags - 1)
         error = 0.0
-        if cut:
+        if lags <= stepping.n_steps:
             whole, kernel = kernel, truncate(kernel, lags, element.compliance)
             error = truncation_error(whole, kernel, element.modes, element.compliance)
-            if error > LARGEST_TRUNCATION:
-                raise ModelError(
-                    f"superelement {element.name!r}: memory: its impulse responses have not decayed in "
-                    f"{(lags - 1) * h:.3g} s: cut off there they would err by {error:.1g} of static displacements, "
-                    f"more than {LARGEST_TRUNCATION:g}"
-                )
     except SuperelementError as reason:
         raise ModelError(f"superelement {reason}") from reason
+    if error > LARGEST_TRUNCATION:
+        raise ModelError(
+            f"superelement {element.name!r}: kernel length: its impulse responses have not decayed "
+            f"in {(lags - 1) * stepping.h:.3g} s: cut off there they would err by {error:.1g} of "
+            f"static displacements, more than {LARGEST_TRUNCATION:g}"
+        )
     g, g_initial = kernel.g[:lags], kernel.g_initial[:lags]
-    return _Memory(
-        np.empty((3, 0)),
-        np.empty(0),
-        _reversed_lags(g),
-        g_initial,
-        lags,
-        by_fft,
-        error,
-        g[0],
-        element.compliance,
+    return _History(
+        recursion=np.empty((3, 0)),
+        phi=np.empty(0),
+        g=_reversed_lags(g),
+        g_initial=g_initial,
+        lags=lags,
+        by_fft=by_fft,
+        error=error,
+        G_0=g[0],
+        compliance=element.compliance,
     )
 
 
 def _reversed_lags(g: Array) -> Array:
-    """Kernels (lags, n_c, n_c) as the time loop reads them: (n_c, n_c, lags), from the last to the
-    first.
-    """
+    """A kernel (lags, n_c, n_c) as the time loop reads it: (n_c, n_c, lags), last lag first."""
     return np.ascontiguousarray(g[::-1].transpose(1, 2, 0))
 
 
 def _packed(arrays: Sequence[Array], owners: Sequence[int]) -> tuple[Array, Index]:
-    """The arrays one after the other, each owner's once, and where each of them starts."""
+    """The arrays one after the other, each owner's once, and the start of each."""
     starts: dict[int, int] = {}
-    parts: list[Array] = []
+    flat: list[Array] = []
     length = 0
     for array, owner in zip(arrays, owners, strict=True):
         if owner not in starts:
             starts[owner] = length
-            parts.append(array.ravel())
+            flat.append(array.ravel())
             length += array.size
-    return np.concatenate([np.empty(0), *parts]), as_index([starts[owner] for owner in owners])
+    return np.concatenate([np.empty(0), *flat]), as_index([starts[owner] for owner in owners])

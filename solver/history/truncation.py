@@ -1,4 +1,4 @@
-"""Kernels that end: impulse responses of damped bodies, faded out before they are cut off."""
+"""Truncated kernels: impulse responses of damped bodies, faded out before they are cut off."""
 
 import numpy as np
 
@@ -11,12 +11,12 @@ FADE = 0.25
 
 
 def truncate(kernel: Kernel, lags: int, compliance: Array) -> Kernel:
-    """The first `lags` lags of a kernel, faded out by a half-cosine window, with the static
-    compliance kept.
+    """The first `lags` lags of a kernel, faded out, with the static compliance kept.
 
-        g'[k] = w_k g[k] + s_k (C - sum_j w_j g[j]),    w_k = 1, then (1 + cos(pi (k - k_1) / (lags - k_1))) / 2
+        g'[k] = w_k g[k] + s_k (C - sum_j w_j g[j])
+        w_k = 1 for k <= k_1, then (1 + cos(pi (k - k_1) / (lags - k_1))) / 2
 
-    from k_1, three quarters of the lags, on; s, a Hann window of sum 1, makes the sum of all g' the
+    with k_1 at three quarters of the lags; s, a Hann window of sum 1, makes the sum of all g' the
     compliance C (n_c, n_c), so that slow loads meet the stiffness of the body. g_initial fades
     likewise. Raises `SuperelementError` unless 8 <= lags <= n_k. Source: D. J. Rixen, N. Haghighat,
     IMAC XXX (2012); docs/theory.md, History.
@@ -25,9 +25,8 @@ def truncate(kernel: Kernel, lags: int, compliance: Array) -> Kernel:
         raise SuperelementError(f"kernel: expected 8 to {len(kernel.g)} lags to keep, found {lags}")
     k = np.arange(lags)
     k_1 = int((1.0 - FADE) * lags)
-    window = np.where(k <= k_1, 1.0, 0.5 + 0.5 * np.cos(np.pi * (k - k_1) / (lags - k_1)))[
-        :, None, None
-    ]
+    window = np.where(k <= k_1, 1.0, 0.5 + 0.5 * np.cos(np.pi * (k - k_1) / (lags - k_1)))
+    window = window[:, None, None]
     hann = 1.0 - np.cos(2.0 * np.pi * k / (lags - 1))
     g = window * kernel.g[:lags]
     g += (hann / hann.sum())[:, None, None] * (compliance - g.sum(axis=0))
@@ -39,8 +38,7 @@ def truncate(kernel: Kernel, lags: int, compliance: Array) -> Kernel:
 def truncation_error(
     kernel: Kernel, truncated: Kernel, modes: Modes | None, compliance: Array
 ) -> float:
-    """By how much displacements may differ, at most, relative to those of the largest load, were it
-    static.
+    """Bound of the error of displacements, relative to static ones under the largest load.
 
         max_ij  sum_k |g_ij[k] - g'_ij[k]| / sqrt(C_ii C_jj)
 
@@ -65,9 +63,7 @@ def truncation_error(
 
 
 def _extrapolated(kernel: Kernel) -> Array:
-    """What a kernel would add up to beyond its end, in magnitude, if it decays as from third
-    quarter to last.
-    """
+    """Sum of |g| beyond the end of a kernel, if it decays as from its third quarter to its last."""
     quarter = len(kernel.g) // 4
     third, last = (
         np.abs(kernel.g[start:][:quarter]).sum(axis=0) for start in (2 * quarter, 3 * quarter)

@@ -1,9 +1,9 @@
-"""Past loads convolved in equal blocks, by FFT, with the same work in every step: for real time.
+"""Convolution of past loads by FFT in equal blocks, with equal work in every step: for real time.
 
     ahead[k B + a] = sum_{q >= 2} sum_c g[q B + a - c] p[(k - q) B + c],    a, c = 1 .. B
 
-The time loop takes the last B to 2 B loads itself, so that what block k needs of older ones,
-uniformly partitioned products of spectra, is known B steps before, and is done in B parts, one
+The time loop sums the last B to 2 B loads itself, so the older ones that block k needs are known B
+steps before it begins; its uniformly partitioned products of spectra are spread over B slots, one
 after each step. A step costs n_c n_a times (1.5 B in the loop + lags / B in spectra); all steps the
 same. Source: T. G. Stockham, AFIPS 28 (1966), in partitions; docs/theory.md, History.
 """
@@ -17,38 +17,39 @@ from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..step.system import Elastic, State
-from . import dyadic as lookahead
+from . import dyadic
 
 Complex: TypeAlias = NDArray[np.complex128]
 
 
-class Partitions:
-    """Keeps `state.past.u_ahead` for a run whose steps begin the next at their end."""
+class UniformConvolution:
+    """Updates `state.past.u_ahead` during a run whose steps prepare the next one at their end."""
 
     def __init__(self, elastic: Elastic) -> None:
-        self._block = lookahead.BLOCK
-        self._window = lookahead.Window(elastic)
-        self._parts = [
-            _Part(elastic, e, self._block) for e in np.flatnonzero(elastic.kernels.by_fft).tolist()
+        self._block = dyadic.BLOCK
+        self._window = dyadic.Window(elastic)
+        self._bodies = [
+            _BodyConvolution(elastic, e, self._block)
+            for e in np.flatnonzero(elastic.kernels.by_fft).tolist()
         ]
 
-    def work(self, state: State) -> None:
-        """After step n, which has begun step n + 1: a part of what the next block needs."""
+    def update(self, state: State) -> None:
+        """Run the slot of step n, which has prepared step n + 1, for the next block."""
         n, block = int(state.step[0]), self._block
-        self._window.make_room(n + 1, state)
-        for part in self._parts:
+        self._window.shift(n + 1, state)
+        for body in self._bodies:
             if n % block == 0:
-                part.plan(n // block + 1)
-            part.work(n % block, state)
+                body.plan(n // block + 1)
+            body.run_slot(n % block, state)
             if (n + 1) % block == 0:
-                state.past.since[part.body] = n + 2 - block
+                state.past.since[body.number] = n + 2 - block
 
 
-class _Part:
-    """The same for one body."""
+class _BodyConvolution:
+    """The convolution of one flexible body."""
 
     def __init__(self, elastic: Elastic, e: int, block: int) -> None:
-        self.body = e
+        self.number = e
         self._block = block
         self._dofs = slice(int(elastic.dof[e]), int(elastic.dof[e + 1]))
         self._active = elastic.active[elastic.active_range[e] : elastic.active_range[e + 1]]
@@ -58,19 +59,22 @@ class _Part:
         self._sum: Complex = np.empty((len(self._active), 0), dtype=np.complex128)
 
     def plan(self, k: int) -> None:
-        """Block k: transform the loads of block k - 2, add the products of spectra, transform back."""
+        """List the tasks of block k, to be run in the slots of block k - 1.
+
+        They transform the loads of block k - 2, add the products of spectra, and transform back.
+        """
         n_c, _, n_f = self._spectra.shape[1:]
         self._sum = np.zeros((n_c, n_f), dtype=np.complex128)
         self._tasks = []
         if k >= 2 and len(self._spectra):
             self._tasks.append(lambda state: self._transform(k - 2, state))
             self._tasks += [
-                self._adding(k - 2 - i, i) for i in range(min(k - 1, len(self._spectra)))
+                self._product_task(k - 2 - i, i) for i in range(min(k - 1, len(self._spectra)))
             ]
             self._tasks.append(lambda state: self._transform_back(k, state))
 
-    def work(self, slot: int, state: State) -> None:
-        """The tasks of one of the steps of a block."""
+    def run_slot(self, slot: int, state: State) -> None:
+        """Run the tasks of one step of a block, slot = 0 .. B - 1."""
         n = len(self._tasks)
         for task in self._tasks[slot * n // self._block : (slot + 1) * n // self._block]:
             task(state)
@@ -82,7 +86,7 @@ class _Part:
         )
         self._loads.pop(j - len(self._spectra), None)
 
-    def _adding(self, j: int, i: int) -> Callable[[State], None]:
+    def _product_task(self, j: int, i: int) -> Callable[[State], None]:
         def add(_: State) -> None:
             self._sum += np.einsum("ikf,kf->if", self._spectra[i], self._loads[j])
 
@@ -95,17 +99,14 @@ class _Part:
 
 
 def _spectra(elastic: Elastic, e: int, columns: NDArray[np.int64], block: int) -> Complex:
-    """Of the lags (q - 1) B to (q + 1) B - 1, q = 2, 3, ...: (n_q, n_c, n_a, B + 1)."""
-    lags, n_c, start = (
-        int(elastic.kernels.lags[e]),
-        int(elastic.dof[e + 1] - elastic.dof[e]),
-        int(elastic.kernels.g_start[e]),
-    )
-    g: Array = elastic.kernels.g[start : start + n_c * n_c * lags].reshape(n_c, n_c, lags)[
-        :, columns, ::-1
-    ]
-    parts = [
+    """Transforms of the lags (q - 1) B to (q + 1) B - 1, q = 2, 3, ...: (n_q, n_c, n_a, B + 1)."""
+    lags, start = int(elastic.kernels.lags[e]), int(elastic.kernels.g_start[e])
+    n_c = int(elastic.dof[e + 1] - elastic.dof[e])
+    reversed_lags = elastic.kernels.g[start : start + n_c * n_c * lags].reshape(n_c, n_c, lags)
+    g: Array = reversed_lags[:, columns, ::-1]
+    spectra = [
         fft.rfft(g[:, :, first : first + 2 * block], 2 * block)
         for first in range(block, lags - 1, block)
     ]
-    return np.array(parts, dtype=np.complex128).reshape(len(parts), n_c, len(columns), block + 1)
+    shape = len(spectra), n_c, len(columns), block + 1
+    return np.array(spectra, dtype=np.complex128).reshape(shape)

@@ -1,6 +1,6 @@
-"""Force laws of one coordinate, an open set: every file of this room may hold some.
+"""Force laws of one coordinate, an open set: every file of this folder may hold some.
 
-law.py says what a law is and how one is added. Compiled code calls all of them by
+law.py defines laws, and how one is added. Compiled code calls all of them by
 `evaluate_law(number, parameters, c, rate)`.
 """
 

@@ -1,10 +1,10 @@
-"""What a force law is: a class with the fields that users give and a compiled function.
+"""Force laws: classes with the fields that users give and a compiled function.
 
-The law of one coordinate gives, at the deformation c (the coordinate less its value at rest) and the
-rate dc/dt, the force that resists, its derivatives and the energy that it stores. Each file of this
-room holds laws; to add one is to add a class:
+The law of one coordinate gives, at the deformation c (the coordinate less its value at rest) and
+the rate dc/dt, the force that resists, its derivatives and the energy that it stores. Each file of
+this folder holds laws; to add one is to add a class:
 
-    @force_law("stiffening")                                # the key that tells it in model files
+    @force_law("stiffening")                                # its key in model files
     class StiffeningLaw(ForceLaw):
         stiffening: float                                   # [N/m^3]
 
@@ -34,10 +34,10 @@ NO_LAW = -1
 
 
 class ForceLaw(Entry):
-    """A law of one coordinate."""
+    """A law of one coordinate: force, slopes and energy by deformation and rate."""
 
     number: ClassVar[int] = NO_LAW
-    """by which compiled code knows the law"""
+    """the number of the law in compiled code"""
 
     def parameters(self) -> Sequence[float]:
         """The numbers that `evaluate` reads."""
@@ -56,14 +56,14 @@ AnyLawType = TypeVar("AnyLawType", bound=type[ForceLaw])
 
 @dataclass_transform(frozen_default=True, eq_default=True)
 def force_law(key: str) -> Callable[[AnyLawType], AnyLawType]:
-    """Register a law: its class as an entry of model files by a key, its function to be compiled."""
+    """Register a law: its class as an entry of model files by a key, and its compiled function."""
 
     def register(kind: AnyLawType) -> AnyLawType:
         kind.number = len(LAWS)
         compiled(kind.evaluate)
-        made: Any = FORCE_LAWS.in_files(key)(entry(eq=True)(kind))
-        LAWS.append(made)
-        return made  # type: ignore[no-any-return]
+        law: Any = FORCE_LAWS.in_files(key)(entry(eq=True)(kind))
+        LAWS.append(law)
+        return law  # type: ignore[no-any-return]
 
     return register
 

@@ -20,11 +20,11 @@ class TabulatedLaw(ForceLaw):
 
     def validate(self) -> None:
         if len(self.deformation) != len(self.force) or len(self.force) < 2:
-            given = f"{list(self.deformation)} and {list(self.force)}"
-            raise self.error(f"a law needs two or more points, got {given}")
+            points = f"{list(self.deformation)} and {list(self.force)}"
+            raise self.error(f"a law needs two or more points, got {points}")
         if any(b <= a for a, b in pairwise(self.deformation)):
-            given = f"{list(self.deformation)}"
-            raise self.error(f"deformation: expected increasing values, got {given}")
+            values = f"{list(self.deformation)}"
+            raise self.error(f"deformation: expected increasing values, got {values}")
 
     def parameters(self) -> Sequence[float]:
         return [*self.deformation, *self.force]

@@ -25,7 +25,7 @@ def sizes_of(system: System, n_steps: int) -> dict[str, int]:
         "n_u": int(elastic.dof[-1]),
         "n_a": len(elastic.active),
         "n_m": len(elastic.modes.stiffness),
-        "n_p": Window(elastic).kept(n_steps) if elastic.kernels.lags.any() else 0,
+        "n_p": Window(elastic).capacity(n_steps) if elastic.kernels.lags.any() else 0,
         "n_numbers": pattern.n_numbers,
         "n_unknowns": int(pattern.first[-1]),
         "n_force_rows": int(force_rows.max()),

@@ -1,5 +1,4 @@
-"""The pattern of the iteration matrix: in which order its blocks are eliminated, and where they
-stand.
+"""The pattern of the iteration matrix: the order of elimination, and the location of each block.
 
 Nodes are bodies (six rigid coordinates, then their active interface dofs) and couplings (their
 rows). Bodies are eliminated from the leaves of a forest, grown from the ground along the joints, to
@@ -40,7 +39,7 @@ class Node(NamedTuple):
 def lay_out_pattern(
     n_bodies: int, frames: Frames, couplings: Couplings, elastic: Elastic
 ) -> Pattern:
-    """Order the nodes, find the blocks that fill, and place all of them in one array."""
+    """Order the nodes, find the blocks that fill, and lay all of them out in one array."""
     edges = _edges(frames, couplings)
     order = elimination_order(n_bodies, edges)
     position = {node: k for k, node in enumerate(order)}
@@ -60,10 +59,10 @@ def lay_out_pattern(
     force_blocks = {(k, k) for k in body}
     for edge in edges:
         j = coupling[edge.coupling] = position[Node(False, edge.coupling)]
-        A, B = (None if b == GROUND else body[b] for b in (edge.a, edge.b))
-        for n, (i, k) in enumerate([(A, B), (B, A), (A, j), (j, A), (B, j), (j, B), (j, j)]):
+        a, b = (None if n == GROUND else body[n] for n in (edge.a, edge.b))
+        for n, (i, k) in enumerate([(a, b), (b, a), (a, j), (j, a), (b, j), (j, b), (j, j)]):
             if i is not None and k is not None:
-                coupling_block[edge.coupling, n] = layout.place(i, k)
+                coupling_block[edge.coupling, n] = layout.block(i, k)
                 if i != j:
                     force_blocks.add((i, k))
     owner = {k: b for b, k in enumerate(body)}
@@ -74,24 +73,25 @@ def lay_out_pattern(
         width=as_index(layout.width),
         row=as_index(layout.row),
         lower=as_index(layout.lower),
-        later_range=_ranges([len(own) for own in layout.later]),
-        later=as_index([i for own in layout.later for i in own]),
-        segment_range=_ranges([len(own) for own in updates]),
-        segment=_table([segment for own in updates for segment in own], 4),
+        later_range=_ranges([len(nodes) for nodes in layout.later]),
+        later=as_index([i for nodes in layout.later for i in nodes]),
+        segment_range=_ranges([len(segments) for segments in updates]),
+        segment=_table([segment for segments in updates for segment in segments], 4),
         n_numbers=layout.n_numbers,
         body=as_index(body),
         coupling=as_index(coupling),
-        body_block=_table([layout.place(k, k) for k in body], 2),
+        body_block=_table([layout.block(k, k) for k in body], 2),
         coupling_block=coupling_block,
         force_block=_table(
-            [(owner[i], *layout.place(i, k), size[k]) for i, k in sorted(force_blocks)], 4
+            [(owner[i], *layout.block(i, k), size[k]) for i, k in sorted(force_blocks)], 4
         ),
     )
 
 
 def elimination_order(n_bodies: int, edges: Sequence[Edge]) -> list[Node]:
-    """Springs; then bodies from the leaves to the roots, each followed by the joints that it leaves
-    regular.
+    """Springs, then bodies from the leaves to the roots, each before its joints.
+
+    Those are the joints that its elimination leaves regular.
     """
     forest = _grow(n_bodies, edges)
     joints_after: dict[int, list[int]] = {b: [] for b in (*forest, GROUND)}
@@ -127,14 +127,14 @@ def _edges(frames: Frames, couplings: Couplings) -> list[Edge]:
 
 
 def _grow(n_bodies: int, edges: Sequence[Edge]) -> dict[int, tuple[int, int | None]]:
-    """Parent of every body and the joint that it hangs on, in the order in which they are reached:
-    joints lead first, springs where there are none; a body that nothing reaches is a root of its
-    own.
+    """Parent of every body and the joint that it hangs on, in the order in which they are reached.
+
+    Joints lead first, springs where there are none; a body that nothing reaches is a root.
     """
-    neighbours: dict[int, list[tuple[int, Edge]]] = {b: [] for b in range(GROUND, n_bodies)}
+    neighbors: dict[int, list[tuple[int, Edge]]] = {b: [] for b in range(GROUND, n_bodies)}
     for edge in edges:
-        neighbours[edge.a].append((edge.b, edge))
-        neighbours[edge.b].append((edge.a, edge))
+        neighbors[edge.a].append((edge.b, edge))
+        neighbors[edge.b].append((edge.a, edge))
     forest: dict[int, tuple[int, int | None]] = {}
     reached = deque([GROUND])
     sprung: deque[tuple[int, int]] = deque()
@@ -147,7 +147,7 @@ def _grow(n_bodies: int, edges: Sequence[Edge]) -> dict[int, tuple[int, int | No
             forest[b] = (parent, None)
             reached.append(b)
         b = reached.popleft()
-        for other, edge in neighbours[b]:
+        for other, edge in neighbors[b]:
             if other == GROUND or other in forest:
                 continue
             if edge.spring:
@@ -172,22 +172,20 @@ def _meeting(edge: Edge, forest: dict[int, tuple[int, int | None]]) -> int:
 
 
 def _fill(n: int, cliques: Sequence[Sequence[int]]) -> list[list[int]]:
-    """For every node the later ones whose blocks beside it are not zero when it is eliminated."""
+    """The later nodes whose blocks beside each node are not zero when it is eliminated."""
     later: list[set[int]] = [set() for _ in range(n)]
     for clique in cliques:
         for k in clique:
             later[k].update(i for i in clique if i > k)
-    for own in later:
-        if own:
-            nearest = min(own)
-            later[nearest] |= own - {nearest}
-    return [sorted(own) for own in later]
+    for nodes in later:
+        if nodes:
+            nearest = min(nodes)
+            later[nearest] |= nodes - {nearest}
+    return [sorted(nodes) for nodes in later]
 
 
 class _Layout:
-    """Where blocks stand: beside the diagonal block of a node those to its right, row by row; then
-    those below it.
-    """
+    """Locations of blocks: of each node its rows, diagonal block first, then those below."""
 
     def __init__(self, size: Sequence[int], later: list[list[int]]) -> None:
         self.size, self.later = size, later
@@ -196,29 +194,28 @@ class _Layout:
         self.row: list[int] = []
         self.lower: list[int] = []
         self.n_numbers = 0
-        for k, own in enumerate(later):
-            starts = np.cumsum([0, size[k], *(size[i] for i in own)]).tolist()
-            self.column.append(dict(zip((k, *own), starts, strict=False)))
+        for k, nodes in enumerate(later):
+            starts = np.cumsum([0, size[k], *(size[i] for i in nodes)]).tolist()
+            self.column.append(dict(zip((k, *nodes), starts, strict=False)))
             self.width.append(starts[-1])
             self.row.append(self.n_numbers)
             self.lower.append(self.n_numbers + size[k] * starts[-1])
             self.n_numbers = self.lower[k] + size[k] * (starts[-1] - size[k])
 
-    def place(self, i: int, k: int) -> tuple[int, int]:
+    def block(self, i: int, k: int) -> tuple[int, int]:
         """The first number of block (i, k) and the distance of its rows."""
         if k >= i:
             return self.row[i] + self.column[i][k], self.width[i]
         return self.lower[k] + (self.column[k][i] - self.size[k]) * self.size[k], self.size[k]
 
     def update(self, k: int, i: int) -> list[tuple[int, int, int, int]]:
-        """The blocks of row i that the elimination of node k changes, those that touch joined to
-        one segment.
+        """Segments of row i that the elimination of node k changes; adjacent blocks are joined.
 
-        Of each its place, the column beside node k that it takes from, and its width.
+        Of each: first number, row distance, source column beside node k, and width.
         """
         segments: list[tuple[int, int, int, int]] = []
         for j in self.later[k]:
-            start, stride = self.place(i, j)
+            start, stride = self.block(i, j)
             column, width = self.column[k][j], self.size[j]
             if (
                 segments

@@ -1,6 +1,4 @@
-"""Names to numbers: the frames of a model, those that carry couplings or loads first, and their
-interface dofs.
-"""
+"""Numbers of the frames of a model, those that carry couplings or loads first, and their dofs."""
 
 from dataclasses import dataclass
 
@@ -21,9 +19,7 @@ Coupling = Joint | Spring | PrescribedMotion
 
 @dataclass(frozen=True, eq=False)
 class NumberedFrames:
-    """All frames by name in the order of their numbers, with their poses at the start, and their
-    arrays.
-    """
+    """All frames by name in the order of their numbers: poses at the start, numbers, arrays."""
 
     poses: dict[str, Pose]
     numbers: dict[str, int]
@@ -69,8 +65,9 @@ def between(coupling: Coupling) -> tuple[str, str]:
 
 
 def side_names(coupling: Coupling) -> tuple[str, str]:
-    """The same, with a frame of the coupling's own in place of the bare ground: fixed where the
-    other side starts.
+    """The frames of a coupling by name, with one of its own in place of the bare ground.
+
+    The latter is fixed in space at the starting pose of the other side.
     """
     first, second = (
         f"{GROUND}.({coupling.name})" if side == GROUND else side for side in between(coupling)

@@ -1,4 +1,4 @@
-"""Where the bodies of a model start: by position and rotation, or by one frame on another."""
+"""Starting poses of the bodies of a model: by position and rotation, or by one frame on another."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -89,8 +89,9 @@ def joint_rows(joint: Joint, sides: Sides) -> list[Row]:
 
 
 def _driven_angle(A: int, B: int, in_a: Array, in_b: Array, angle: SmoothSignal) -> Row:
-    """e1(A), turned about e3 by the signal, stays perpendicular to the axis of B that is e2 turned
-    by -angle(0).
+    """The row of a driven angle: e1(A), turned about e3 by the signal, stays across an axis of B.
+
+    That axis is e2 turned by -angle(0).
     """
     start = angle(0.0)
     e2 = np.cos(start) * in_b[:, 1] - np.sin(start) * in_b[:, 0]

@@ -1,4 +1,4 @@
-"""How large a model is: one measure for all that weighs an angle against a length."""
+"""The size of a model: the one length against which angles are weighed."""
 
 from collections.abc import Mapping
 
@@ -10,7 +10,7 @@ from .placement import Pose
 
 
 def model_size(model: Model, poses: Mapping[str, Pose], frames: NumberedFrames) -> float:
-    """The largest extent, lever or radius of gyration [m], positive, wherever the origin is.
+    """The largest extent, lever or radius of gyration [m]: positive, independent of the origin.
 
     Extent: of the centers of bodies and the frames that act, along the axes of space at the start;
     lever: from a center to a frame of its body; radius of gyration: sqrt(J_max / m).

@@ -13,15 +13,14 @@ from ..schema.entry import Beside, Entry, entry
 from ..schema.values import ORIGIN, Inertia, Positive, Vector
 
 INERTIA_TOLERANCE = 1e-6
-"""relative; by how much the inertia of a plate, given in a few digits, may exceed that of its two
-directions
-"""
+"""largest relative excess of a principal inertia over the sum of the other two: that of rounding"""
 
 
 @entry()
 class Frame(Entry):
-    """A point and three axes fixed in a body: position (3,) [m] and rotation vector (3,) [rad] in
-    body axes.
+    """A point and three axes fixed in a body.
+
+    position (3,) [m] and rotation vector (3,) [rad], in body axes.
     """
 
     position: Vector = ORIGIN
@@ -30,8 +29,9 @@ class Frame(Entry):
 
 @entry(eq=True)
 class Place(Entry):
-    """Put a body so that its `frame` coincides, axes included, with the frame `on` ("BODY.FRAME")
-    of another.
+    """The start of a body by a frame: `frame` of the body coincides with `on` of another.
+
+    Axes included; `on` is "BODY.FRAME".
     """
 
     frame: str
@@ -60,11 +60,10 @@ class Start(Entry):
 
 @entry()
 class RigidBody(Entry):
-    """mass [kg]; inertia about the center of mass in body axes, (3,) principal or (3, 3) [kg m^2];
-    named frames.
+    """A rigid body with named frames.
 
-    No principal inertia exceeds the sum of the other two: there is no distribution of mass that has
-    it.
+    mass [kg]; inertia about the center of mass in body axes, (3,) principal or (3, 3) [kg m^2]. No
+    principal inertia exceeds the sum of the other two: no distribution of mass has such a one.
     """
 
     mass: Positive
@@ -85,8 +84,9 @@ class RigidBody(Entry):
 
 @entry()
 class FlexibleBody(Entry):
-    """A superelement that moves; its frames are its interfaces. `source` is the path of its file,
-    if it has one.
+    """A body that moves as a whole and deforms as its superelement; its frames are its interfaces.
+
+    source: the path of the file of the superelement, "" if there is none.
     """
 
     superelement: Superelement

@@ -2,9 +2,7 @@
 
 import os
 import re
-import tempfile
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, get_args
 
@@ -13,9 +11,17 @@ from pydantic import Field, create_model, model_validator
 
 from ...inputs import InputError, Table, Vector, read_table
 from ...superelement import Superelement, read
+from ...superelement.atomic import renamed_when_whole
 from ..errors import ModelError, about
 from ..schema.entry import Entry
-from ..schema.tables import given_by, keys_of, made, table_in_file, table_of, value_of
+from ..schema.tables import (
+    entry_of,
+    keys_of,
+    present_keys,
+    table_in_file,
+    table_of,
+    value_of,
+)
 from ..schema.values import ORIGIN
 from .bodies import Body, FlexibleBody, Frame, RigidBody, Start
 from .joints import Joint
@@ -33,16 +39,16 @@ MOTIONS: tuple[type[Entry], ...] = get_args(PrescribedMotion)
 
 
 class _Body(Table):
-    """Of a rigid or a flexible body."""
+    """The table of a rigid or a flexible body."""
 
     superelement: Annotated[Path, Field(strict=False)] | None = None
 
     @model_validator(mode="after")
     def _rigid_or_flexible(self) -> "_Body":
-        given, brought = given_by(self), keys_of(RigidBody).keys() - keys_of(Start).keys()
-        if self.superelement is not None and (both := [key for key in given if key in brought]):
+        keys, brought = present_keys(self), keys_of(RigidBody).keys() - keys_of(Start).keys()
+        if self.superelement is not None and (both := [key for key in keys if key in brought]):
             raise ValueError(f"the superelement brings {', '.join(both)}: give either, not both")
-        if self.superelement is None and not {"mass", "inertia"} <= given.keys():
+        if self.superelement is None and not {"mass", "inertia"} <= keys.keys():
             raise ValueError("expected mass and inertia of a rigid body, or superelement")
         return self
 
@@ -78,11 +84,10 @@ class _ModelFile(Table):
 
 
 def read_model(path: str | os.PathLike[str]) -> Model:
-    """Read a model file and the superelements it names; ModelError names the file, the key and what
-    was found.
+    """Read a model file and the superelements that it names.
 
     Paths of superelements are relative to the model file. A superelement named by several bodies is
-    read once.
+    read once. ModelError names the file, the key and the value found there.
     """
     path = Path(path)
     try:
@@ -94,31 +99,31 @@ def read_model(path: str | os.PathLike[str]) -> Model:
 
 
 def write_model(path: str | os.PathLike[str], model: Model) -> None:
-    """Write a model as a file that reads back to an equal one, whole or not at all.
+    """Write a model as a file that reads back to an equal one; it appears whole or not at all.
 
     Superelements are named by their paths, relative to the new file. ModelError names a body whose
     superelement is in no file, and a load, joint or motion that follows a Python function.
     """
     path = Path(path)
     text = SHORT_ARRAY.sub(_on_one_line, tomli_w.dumps(_document(model, path.parent)))
-    with _renamed_when_whole(path) as temporary:
+    with renamed_when_whole(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
 
 def _model(file: _ModelFile, text: str, path: Path) -> Model:
     superelements: dict[Path, Superelement] = {}
-    simulation = given_by(file.simulation)
+    simulation = present_keys(file.simulation)
     gravity = simulation.pop("gravity", ORIGIN)
-    settings = made(Settings, simulation | {"output": file.output})
+    settings = entry_of(Settings, simulation | {"output": file.output})
     return Model(
         bodies={
-            name: _body(name, given_by(body), path.parent, superelements)
+            name: _body(name, present_keys(body), path.parent, superelements)
             for name, body in file.bodies.items()
         },
         joints=value_of(file.joints),
         loads=value_of(file.loads),
         springs=value_of(file.springs),
-        motions=tuple(_motion(given_by(motion)) for motion in file.motions),
+        motions=tuple(_motion(present_keys(motion)) for motion in file.motions),
         gravity=gravity,
         ground_frames=value_of(file.ground.frames),
         settings=settings,
@@ -128,30 +133,31 @@ def _model(file: _ModelFile, text: str, path: Path) -> Model:
 
 
 def _body(
-    name: str, given: dict[str, Any], folder: Path, superelements: dict[Path, Superelement]
+    name: str, values: dict[str, Any], folder: Path, superelements: dict[Path, Superelement]
 ) -> Body:
     try:
-        if "superelement" not in given:
-            return made(RigidBody, given)
-        source = folder / given["superelement"]
+        if "superelement" not in values:
+            return entry_of(RigidBody, values)
+        source = folder / values["superelement"]
         if source not in superelements:
             superelements[source] = read(source, recovery=False)
-        return FlexibleBody(superelements[source], made(Start, given), str(source))
+        return FlexibleBody(superelements[source], entry_of(Start, values), str(source))
     except ValueError as error:
         raise ModelError(f"bodies.{name}: {error}") from error
 
 
-def _motion(given: dict[str, Any]) -> Any:
+def _motion(values: dict[str, Any]) -> Any:
     """A motion of the kind that has these keys."""
     for kind in MOTIONS:
-        if given.keys() == keys_of(kind).keys():
-            return made(kind, given)
-    choices = [" and ".join(_own(keys_of(kind))) for kind in MOTIONS]
-    found = " and ".join(_own(given)) or "none"
-    raise ModelError(f"motion {given['name']!r}: expected {', or '.join(choices)}, found {found}")
+        if values.keys() == keys_of(kind).keys():
+            return entry_of(kind, values)
+    choices = [" and ".join(_distinctive(keys_of(kind))) for kind in MOTIONS]
+    found = " and ".join(_distinctive(values)) or "none"
+    raise ModelError(f"motion {values['name']!r}: expected {', or '.join(choices)}, found {found}")
 
 
-def _own(keys: Mapping[str, Any]) -> list[str]:
+def _distinctive(keys: Mapping[str, Any]) -> list[str]:
+    """The keys that tell motions apart."""
     return [key for key in keys if key not in ("name", "on")]
 
 
@@ -170,7 +176,7 @@ def _document(model: Model, folder: Path) -> dict[str, Any]:
             for name in ("joints", "springs", "motions", "loads")
         },
     }
-    return {key: part for key, part in document.items() if part}
+    return {key: table for key, table in document.items() if table}
 
 
 def _on_one_line(array: re.Match[str]) -> str:
@@ -190,19 +196,3 @@ def _body_in_file(name: str, body: Body, folder: Path) -> dict[str, Any]:
         raise ModelError(f"body {name!r}: its superelement is in no file: write it to one first")
     source = os.path.relpath(Path(body.source).resolve(), folder.resolve())
     return {"superelement": Path(source).as_posix(), **table_in_file(body.start)}
-
-
-@contextmanager
-def _renamed_when_whole(path: Path) -> Iterator[Path]:
-    """A temporary file that takes the place of `path` once it is whole."""
-    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-    os.close(handle)
-    temporary = Path(name)
-    try:
-        yield temporary
-        umask = os.umask(0)
-        os.umask(umask)
-        temporary.chmod(0o666 & ~umask)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)

@@ -24,8 +24,9 @@ from .signals import DrivingSignal, SmoothSignal
 
 @dataclass(frozen=True)
 class Angle:
-    """The angle from e_i to e_k, both carried by one frame, at which e_j of the other is seen;
-    `by_b`: seen from B.
+    """The angle from e_i towards e_k, both carried by one frame, at which e_j of the other is seen.
+
+    by_b: seen from B.
     """
 
     i: int
@@ -41,7 +42,7 @@ class JointType:
     translations: tuple[int, ...]
     rotations: tuple[tuple[int, int], ...]
     axes: int
-    """how many axes a user gives: none, e3, or e1 and e2"""
+    """number of axes that a user gives: none, e3, or e1 and e2"""
     drives: tuple[str, ...] = ()
     distances: Mapping[str, int] = field(default_factory=dict)
     """coordinates left free: e_k(A) . (r_B - r_A) by name"""
@@ -90,9 +91,9 @@ JOINT_TYPES = {
 
 @entry()
 class Joint(Entry):
-    """A joint between two frames, "BODY.FRAME", "BODY" (its origin) or "ground" (where the other
-    frame starts).
+    """A joint between two frames.
 
+    Frames are "BODY.FRAME", "BODY" (its origin) or "ground" (where the other frame starts).
     `axis` (3,) in space at the start: the axis of a revolute, cylindrical or prismatic joint, the
     normal of a planar one, the axis fixed in the first frame of a universal joint, whose
     `second_axis` is fixed in the second. `angle` [rad] and `distance` [m] drive a joint; the start
@@ -118,12 +119,12 @@ class Joint(Entry):
     @property
     def drives(self) -> dict[str, SmoothSignal]:
         """The signals of the coordinates that follow one."""
-        given = {"angle": self.angle, "distance": self.distance}
-        return {name: signal for name, signal in given.items() if signal is not None}
+        signals = {"angle": self.angle, "distance": self.distance}
+        return {name: signal for name, signal in signals.items() if signal is not None}
 
     def validate(self) -> None:
-        given = (self.axis is not None) + (self.second_axis is not None)
-        if given != self.kind.axes or (self.axis is None and self.second_axis is not None):
+        n_axes = (self.axis is not None) + (self.second_axis is not None)
+        if n_axes != self.kind.axes or (self.axis is None and self.second_axis is not None):
             needs = ("neither axis nor second_axis", "axis alone", "axis and second_axis")
             raise self.error(f"a {self.type} joint takes {needs[self.kind.axes]}")
         axis, second = self.axis, self.second_axis

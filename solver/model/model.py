@@ -1,4 +1,4 @@
-"""A mechanism: bodies, and what acts between them. Frozen, and checked when made."""
+"""A mechanism of bodies, joints, springs, motions and loads, checked when made."""
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, field, replace
@@ -19,7 +19,7 @@ GROUND = "ground"
 
 @entry()
 class Model(Entry):
-    """A mechanism: bodies by name, and what acts between them.
+    """A mechanism: bodies by name, joints, springs, motions and loads.
 
     gravity (3,) [m/s^2]: the acceleration of a free body; ground_frames: frames fixed in space;
     settings: how to integrate its motion, by default for one second; source, path: the text of the
@@ -43,7 +43,7 @@ class Model(Entry):
             raise ModelError(f"settings: expected Settings, got {self.settings!r}")
         self._check_bodies()
         self._check_names()
-        self._check_places()
+        self._check_starts()
         self._check_couplings()
         self._check_loads()
         if self.settings.start == "equilibrium":
@@ -93,7 +93,7 @@ class Model(Entry):
                     )
                 names.add(coupling.name)
 
-    def _check_places(self) -> None:
+    def _check_starts(self) -> None:
         for name, body in self.bodies.items():
             if (place := body.start.place) is None:
                 continue
@@ -119,7 +119,7 @@ class Model(Entry):
                 raise load.error(f"expected a frame of a body, got {load.on!r}")
 
     def _check_equilibrium(self) -> None:
-        """It has no velocities but those of a steady rotation."""
+        """ModelError for a velocity, for equilibrium has none but those of a steady rotation."""
         for name, body in self.bodies.items():
             for key in ("velocity", "angular_velocity"):
                 if (velocity := getattr(body.start, key)).any():

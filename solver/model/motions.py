@@ -1,6 +1,4 @@
-"""Prescribed motion of a frame: a displacement along a direction, or a rotation about an axis,
-follows a signal.
-"""
+"""Prescribed motions of a frame: a displacement or a rotation that follows a signal."""
 
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
@@ -10,11 +8,12 @@ from .signals import DrivingSignal, SmoothSignal
 
 @entry()
 class PrescribedDisplacement(Entry):
-    """direction . (r(t) - r(0)) = displacement(t) [m] for the origin r of the frame `on`;
-    displacement(0) = 0.
+    """A displacement along a direction that follows a signal.
 
-    One constraint: the frame moves across `direction` (3,), in space, as it will. Three of them
-    make up a path.
+        direction . (r(t) - r(0)) = displacement(t) [m],    displacement(0) = 0
+
+    for the origin r of the frame `on`. One constraint: the frame moves freely across `direction`
+    (3,), in space. Three of them make up a path.
     """
 
     label = "motion {name!r}"
@@ -30,11 +29,12 @@ class PrescribedDisplacement(Entry):
 
 @entry()
 class PrescribedRotation(Entry):
-    """D(t) = exp(angle(t) axis~) D(0) for the axes D of the frame `on`, in space; angle(0) = 0
-    [rad].
+    """A rotation about an axis that follows a signal.
 
-    Three constraints: the whole orientation is given, and `axis` (3,), in space, keeps its
-    direction.
+        D(t) = exp(angle(t) axis~) D(0),    angle(0) = 0 [rad]
+
+    for the axes D of the frame `on`, in space. Three constraints: the whole orientation is
+    prescribed, and `axis` (3,), in space, keeps its direction.
     """
 
     label = "motion {name!r}"

@@ -26,8 +26,9 @@ class OutputRequest(Entry):
     quantities: Words | None = None
 
     def selects(self, group: str) -> bool:
-        """True for a group such as "frames/beam.tip" that is recorded, by its own name or by that
-        of its kind.
+        """True for a group such as "frames/beam.tip" that is recorded.
+
+        By its own name or by that of its kind, "frames".
         """
         return (
             group == ALWAYS

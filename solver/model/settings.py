@@ -1,4 +1,4 @@
-"""Settings of a simulation: how the motion of a mechanism is integrated, and what is recorded."""
+"""Settings of a simulation: time integration, start and record."""
 
 from dataclasses import field
 from typing import Annotated, Literal
@@ -10,8 +10,9 @@ from .output_request import OutputRequest
 
 @entry()
 class SteadyRotation(Entry):
-    """All bodies turn as one: angular_velocity (3,) [rad/s] in space, about the point `center` (3,)
-    [m].
+    """A rotation of all bodies as one.
+
+    angular_velocity (3,) [rad/s], about the point center (3,) [m], both in space.
     """
 
     label = "steady_rotation"
@@ -22,7 +23,7 @@ class SteadyRotation(Entry):
 
 @entry(kw_only=True)
 class Settings(Entry):
-    """From t = 0 to t_end [s], in steps of the same length.
+    """The settings of a simulation from t = 0 to t_end [s], in equal steps.
 
     step [s], rho_inf: by default those of the superelements. rule: of convolution, "consistent" or
     "paper" (eq. 55). history: "auto" (the cheapest), "recursive", "direct" or "fft", which give the

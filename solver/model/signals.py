@@ -1,7 +1,7 @@
 """Functions of time that drive loads and joints.
 
 A signal is called with a time, `signal(t)`, and is sampled for the integrator at the time steps.
-Where it jumps, the samples are its means over the hat functions of the time grid, so that the area
+At its jumps, the samples are its means over the hat functions of the time grid, so that the area
 under a load is exact wherever the jump falls between two steps; elsewhere they are its values.
 """
 
@@ -52,7 +52,7 @@ class Pointwise:
 @SIGNALS.bare_number
 @entry(eq=True)
 class Constant(Pointwise, Entry):
-    """The same value always."""
+    """A constant value."""
 
     value: float
 
@@ -107,11 +107,10 @@ class Table(Pointwise, Entry):
 @SIGNALS.in_files("times", flag="spline")
 @entry(eq=True)
 class Spline(Pointwise, Entry):
-    """The smoothest curve through the points (times, values), for measured motions: the natural
-    cubic spline.
+    """The natural cubic spline through the points (times, values), for measured motions.
 
-    Its second derivative is zero at both ends, beyond which it goes on straight, so that it drives
-    joints without jumps of velocity or acceleration anywhere.
+    It is the smoothest curve through them. Its second derivative is zero at both ends, beyond which
+    it goes on straight, so that it drives joints without jumps of velocity or acceleration.
     """
 
     times: Numbers
@@ -222,8 +221,9 @@ class Pulse(Entry):
 @SIGNALS.in_files("input")
 @entry(eq=True)
 class Input(Pointwise, Entry):
-    """Values that a `Simulator` is given at every step under this name; `value` at t = 0, and
-    always in `simulate`.
+    """A signal whose values a `Simulator` receives step by step, by its name.
+
+    value: at t = 0, and always in `simulate`.
     """
 
     name: Annotated[str, Key("input")]
@@ -238,9 +238,7 @@ class Input(Pointwise, Entry):
 
 @entry(eq=True)
 class Function(Pointwise, Entry):
-    """Any Python function of time. Its jumps, if it has any, count as they fall between the
-    samples.
-    """
+    """Any Python function of time, sampled at the steps, its jumps included."""
 
     function: Callable[[float], float]
 
@@ -260,8 +258,9 @@ class SmoothFunction(Function):
 
 
 def _step_samples(at: float, t: Array, h: float) -> Array:
-    """Means of the unit step at time `at` over the hat functions centered at t, of half width h,
-    cut off at t = 0.
+    """Means of the unit step at time `at` over the hat functions of the time grid.
+
+    They are centered at t, of half width h, and cut off at t = 0.
     """
     s = np.clip((t - at) / h, -1.0, 1.0)
     # the integral of the hat from -1 to s

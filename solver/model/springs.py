@@ -29,7 +29,7 @@ ZERO: Any = 0.0
 
 @dataclass(frozen=True)
 class SpringType:
-    """The coordinates that a spring has a law of, in this order."""
+    """The coordinates on which a spring has its law, in this order."""
 
     distance: bool = False
     """that of the origins"""
@@ -56,11 +56,11 @@ SPRING_TYPES = {
 class Spring(Entry):
     """A spring with a damper between frames A and B, given as in a joint.
 
-    stiffness, damping: a number, or for a bushing six numbers or a symmetric (6, 6) matrix [N/m, N
-    m/rad; N s/m ...]; damping, which takes energy away, has no negative eigenvalue; law: a
-    `ForceLaw` that adds to them (point and torsion); rest: the coordinates without force (length, angle, or six
-    of them), by default those of the start; axis: of torsion, or e_3 of a bushing, in space at the
-    start.
+    stiffness, damping: a number, or for a bushing six numbers or a symmetric (6, 6) matrix
+    [N/m, N m/rad; N s/m ...]; damping, which dissipates energy, has no negative eigenvalue; law: a
+    `ForceLaw` that adds to them (point and torsion); rest: the coordinates without force (length,
+    angle, or six of them), by default those of the start; axis: of torsion, or e_3 of a bushing,
+    in space at the start.
     """
 
     label = "spring {name!r}"
@@ -95,26 +95,26 @@ class Spring(Entry):
         object.__setattr__(self, "damping", self._matrix("damping", self.damping))
         lowest = np.linalg.eigvalsh(self.damping)[0]
         if lowest < -1e-9 * np.abs(self.damping).max():
-            wanted = "no negative eigenvalue, which would create energy"
-            wanted = "zero or more" if self.n_rows == 1 else wanted
-            raise self.error(f"damping: expected {wanted}, got {lowest:.6g}")
+            limit = "no negative eigenvalue, which would create energy"
+            limit = "zero or more" if self.n_rows == 1 else limit
+            raise self.error(f"damping: expected {limit}, got {lowest:.6g}")
 
     def basis(self) -> Array:
         """The axes of the spring at the start, in space, as columns (3, 3)."""
         return np.eye(3) if self.axis is None else basis_about(self.axis)
 
-    def _matrix(self, name: str, given: Array) -> Array:
+    def _matrix(self, name: str, values: Array) -> Array:
         """Coefficients (n, n): of the diagonal if there are n; no number but 0 stands for six."""
         n = self.n_rows
-        diagonal = given.ravel() if given.size == 1 and n == 1 else given
-        if given.size == 1 and not given.any():
+        diagonal = values.ravel() if values.size == 1 and n == 1 else values
+        if values.size == 1 and not values.any():
             diagonal = np.zeros(n)
-        matrix = np.diag(diagonal) if diagonal.shape == (n,) else given
+        matrix = np.diag(diagonal) if diagonal.shape == (n,) else values
         if (
             matrix.shape != (n, n)
             or not np.isfinite(matrix).all()
             or not np.allclose(matrix, matrix.T, rtol=1e-9)
         ):
-            wanted = "a number" if n == 1 else f"{n} numbers or a symmetric {n}x{n} matrix"
-            raise self.error(f"{name}: expected {wanted}, got {given.squeeze().tolist()}")
+            shapes = "a number" if n == 1 else f"{n} numbers or a symmetric {n}x{n} matrix"
+            raise self.error(f"{name}: expected {shapes}, got {values.squeeze().tolist()}")
         return np.ascontiguousarray(matrix)

@@ -1,4 +1,4 @@
-"""The output of the time loop, and where in it the entries of results stand."""
+"""The output of the time loop, and the entries of results as columns of it."""
 
 from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
@@ -21,7 +21,7 @@ from ..step.system import Output
 
 
 def requested(lowered: LoweredModel) -> Contents:
-    """What the model asks to be recorded; `ModelError` for a quantity that there is not."""
+    """The contents that the model requests; `ModelError` for an unknown quantity."""
     request, axes = lowered.model.settings.output, axes_of(lowered)
     owned = [f"{group}/{name}" for group, key in OWNERS.items() for name in axes[key].names]
     request.check([*owned, "energy", "momentum", "solver"])
@@ -33,7 +33,7 @@ def requested(lowered: LoweredModel) -> Contents:
 
 
 def axes_of(lowered: LoweredModel) -> dict[str, Axis]:
-    """The entries of all dimensions, with where they stand in the output."""
+    """The entries of all dimensions, with their columns in the output."""
     model = lowered.model
     springs = {spring.name for spring in model.springs}
     couplings = list(enumerate(lowered.coupling_names))
@@ -61,7 +61,7 @@ def axes_of(lowered: LoweredModel) -> dict[str, Axis]:
 
 
 def _on_body(frame: str) -> bool:
-    """Whether it is a frame of a body, not a body itself or a frame fixed in space."""
+    """True for a frame of a body; False for a body itself and for a frame fixed in space."""
     return "." in frame and not frame.startswith(f"{GROUND}.")
 
 
@@ -74,7 +74,7 @@ def _axis(entries: list[tuple[int, str]], angular: Iterable[bool] = ()) -> Axis:
 def views(lowered: LoweredModel, name: str, output: Output) -> list[Array]:
     """Views (n,) of the output of one step that make up a quantity, as "joints/pivot/angle".
 
-    `ModelError` for a name that there is not.
+    `ModelError` for an unknown name.
     """
     known = available(lowered)
     if name not in known:
@@ -99,8 +99,8 @@ def _views(axes: dict[str, Axis], name: str, output: Output) -> Iterator[Array]:
     key, _, attribute = name.rpartition("/")
     group, _, owner = key.partition("/")
     if group in OWNERS:
-        for found, quantity, entries in attributes_of(axes, group, owner):
-            if found == attribute:
+        for name_of_owner, quantity, entries in attributes_of(axes, group, owner):
+            if name_of_owner == attribute:
                 rows = axes[quantity.dimensions[1]].rows[entries]
                 if isinstance(rows, tuple):
                     rows = slice(rows[0], rows[-1] + 1) if rows else slice(0)

@@ -1,4 +1,4 @@
-"""Rows of output on their way to results: they wait until they are many, or a second old."""
+"""A buffer for rows of output, written when it is full or a second old."""
 
 import time
 from types import TracebackType
@@ -13,14 +13,14 @@ from ..lower.lower import LoweredModel
 from .writer import rows_of
 
 NUMBERS = 1 << 20
-"""how many numbers wait at most"""
+"""size of the buffer"""
 
 
 class Recorder:
     """Gives the time loop rows for the steps that are to be recorded, and writes them.
 
-    Leaving it, in whatever way, writes what waits; but a run that fails in its first step leaves an
-    earlier results file as it is.
+    On exit, with or without an error, it writes the rows in the buffer; but a run that fails in its
+    first step leaves an earlier results file as it is.
     """
 
     def __init__(self, writer: Writer, lowered: LoweredModel) -> None:
@@ -38,16 +38,14 @@ class Recorder:
         return self
 
     def rows(self, first: int, n: int) -> Index:
-        """The row of the output for each of the steps from `first` on, n or as many as there is
-        room for; -1: none.
-        """
+        """Rows of the output for n steps from `first` on, or as many as fit; -1: not recorded."""
         steps = np.arange(first, first + n)
         recorded = (steps % self._every == 0) | (steps == self._last)
         waiting = self._waiting + np.cumsum(recorded)
         return np.where(recorded, waiting - 1, -1)[waiting <= len(self._steps)]
 
     def keep(self, first: int, rows: Index) -> None:
-        """The steps from `first` on have been taken and recorded in these rows."""
+        """Keep the rows of the steps from `first` on, which have been taken."""
         recorded = rows >= 0
         n = int(recorded.sum())
         self._steps[self._waiting : self._waiting + n] = first + np.flatnonzero(recorded)
@@ -61,7 +59,7 @@ class Recorder:
             self.write()
 
     def write(self) -> None:
-        """Hand over the rows that wait; never twice, should an interrupt come in between."""
+        """Write the rows in the buffer; none twice, even after an interrupt."""
         steps = self._steps[: self._waiting]
         self._waiting = 0
         if len(steps):

@@ -1,4 +1,4 @@
-"""What a run writes its results to, and the notes that it begins with."""
+"""The destination of the results of a run, and the notes at its head."""
 
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ from .columns import requested
 
 
 def check_output(path: Path, model: Model) -> None:
-    """`ResultsError` for a place where no results can be, and for an input of the run."""
+    """`ResultsError` for a path that cannot hold results, or that is an input of the run."""
     if not path.parent.is_dir():
         raise ResultsError(f"{path}: no folder {path.parent}")
     if not path.exists():
@@ -25,14 +25,15 @@ def check_output(path: Path, model: Model) -> None:
     inputs = {str(model.path): "the model file"}
     for name, body in model.flexible_bodies.items():
         inputs[body.source] = f"the superelement of body {name!r}"
-    for file, what in inputs.items():
+    for file, role in inputs.items():
         if file and Path(file).exists() and path.samefile(file):
-            raise ResultsError(f"{path}: this is {what}, which the results would replace")
+            raise ResultsError(f"{path}: this is {role}, which the results would replace")
 
 
 def make_writer(path: Path | None, initial: InitialState, steps: int) -> Writer:
-    """Of the file at a path, or of memory where there is none; `ResultsError` for a file that
-    cannot be written.
+    """A writer to the file at a path, or to memory where the path is None.
+
+    `ResultsError` for a file that cannot be written.
     """
     lowered = initial.lowered
     contents, notes = requested(lowered), _notes(initial, steps)
@@ -48,13 +49,14 @@ def read_back(path: Path | None, writer: Writer, model: Model) -> Results:
 
 
 def rows_of(lowered: LoweredModel) -> int:
-    """How many rows a run records, the first and the last step included, or one more."""
+    """The number of rows that a run records, first and last step included, or one more."""
     return lowered.n_steps // lowered.model.settings.output.every + 2
 
 
 def _superelements(model: Model) -> dict[str, Superelement]:
-    """The superelements that fields can be made of; those of a file are left there until a field is
-    asked for, unless all of them is here already.
+    """The superelements that are in memory with all that fields need.
+
+    Others are read again from their files when a field is asked for.
     """
     return {
         name: body.superelement

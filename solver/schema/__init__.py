@@ -1,1 +1,1 @@
-"""How the parts of a model declare their fields, once for Python and for model files."""
+"""Declarations of the fields of a model, once for Python and for model files."""

@@ -1,6 +1,6 @@
 """The fields of a model's classes, declared once for Python and for model files.
 
-What users write down is an `Entry`: a frozen dataclass whose annotations say what its fields take.
+An `Entry` is what users write: a frozen dataclass whose annotations say what its fields take.
 Making one converts and checks them; tables.py reads and writes model files by the same annotations.
 """
 
@@ -67,10 +67,10 @@ def entry(*, eq: bool = False, kw_only: bool = False) -> Callable[[type[AnyEntry
     """
 
     def make(kind: type[AnyEntry]) -> type[AnyEntry]:
-        made = dataclass(frozen=True, eq=eq, kw_only=kw_only)(kind)
-        types, signature = get_type_hints(made), vars(made)["__init__"].__annotations__
+        frozen = dataclass(frozen=True, eq=eq, kw_only=kw_only)(kind)
+        types, signature = get_type_hints(frozen), vars(frozen)["__init__"].__annotations__
         signature |= {name: types[name] for name in signature if name in types}
-        return made
+        return frozen
 
     return make
 
@@ -81,7 +81,7 @@ class Entry:
     __dataclass_fields__: ClassVar[dict[str, Any]]
 
     label: ClassVar[str] = ""
-    """how messages name an entry, by its fields: "joint {name!r}" """
+    """the name of an entry in messages, by its fields: "joint {name!r}" """
 
     @property
     def owner(self) -> str:
@@ -117,8 +117,9 @@ def annotations(kind: type) -> Mapping[str, Any]:
 
 
 def note(hint: Any, kind: type) -> Any:
-    """The note of a kind (`Takes`, `Key`, `Beside`) in an annotation, that of an optional field
-    included; None without one.
+    """The note of a kind (`Takes`, `Key`, `Beside`) in an annotation; None without one.
+
+    That of an optional field included.
     """
     if get_origin(hint) is Annotated:
         inner, *notes = get_args(hint)
@@ -126,7 +127,7 @@ def note(hint: Any, kind: type) -> Any:
     if get_origin(hint) is Literal and kind is Takes:
         return one_of(dict.fromkeys(get_args(hint)))
     if NoneType in get_args(hint):
-        return next((found for part in get_args(hint) if (found := note(part, kind))), None)
+        return next((inner for part in get_args(hint) if (inner := note(part, kind))), None)
     return None
 
 

@@ -1,4 +1,4 @@
-"""Families of entries that model files tell apart by a key: signals, force laws."""
+"""Families of entries that model files distinguish by a key: signals, force laws."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ class Family:
     def __init__(self, name: str) -> None:
         self.name = name
         self.forms: dict[str, list[Form]] = {}
-        """by the key that tells them apart"""
+        """by the key that distinguishes them"""
         self.number: Any = None
         """the entry of one field that a bare number stands for"""
 

@@ -33,8 +33,9 @@ def table_of(kind: type[Entry]) -> type[EntryTable]:
 
 
 def keys_of(kind: type[Entry]) -> dict[str, Any]:
-    """The keys of an entry, each with its type and, if it may be left out, a default that nobody
-    reads: what a file leaves out is left to the entry.
+    """The keys of an entry, each with its type, and a default if it may be left out.
+
+    The default is never read: for a key that a file leaves out the entry has its own.
     """
     keys: dict[str, Any] = {}
     for field, hint in _declared(kind):
@@ -50,12 +51,12 @@ def key_of(field: "Field[Any]", hint: Any) -> str:
     return field.name if key is None else str(key.name)
 
 
-def made(kind: type[AnyEntry], given: Mapping[str, Any]) -> AnyEntry:
+def entry_of(kind: type[AnyEntry], given: Mapping[str, Any]) -> AnyEntry:
     """An entry from the values of a file, by key; ModelError names the entry."""
     values: dict[str, Any] = {}
     for field, hint in _declared(kind):
         if note(hint, Beside):
-            values[field.name] = made(_bare(hint), given)
+            values[field.name] = entry_of(_bare(hint), given)
         elif (key := key_of(field, hint)) in given:
             family = note(hint, Family)
             try:
@@ -71,16 +72,16 @@ def made(kind: type[AnyEntry], given: Mapping[str, Any]) -> AnyEntry:
 def value_of(value: Any) -> Any:
     """A value of a validated table, with entries for the tables in it."""
     if isinstance(value, EntryTable):
-        return made(value.entry, given_by(value))
+        return entry_of(value.entry, present_keys(value))
     if isinstance(value, Mapping):
-        return {key: value_of(part) for key, part in value.items()}
+        return {key: value_of(item) for key, item in value.items()}
     return tuple(map(value_of, value)) if isinstance(value, tuple) else value
 
 
-def given_by(table: Table) -> dict[str, Any]:
+def present_keys(table: Table) -> dict[str, Any]:
     """The keys that a file has, with their values."""
-    given = table.model_fields_set
-    return {key: getattr(table, key) for key in type(table).model_fields if key in given}
+    present = table.model_fields_set
+    return {key: getattr(table, key) for key in type(table).model_fields if key in present}
 
 
 def table_in_file(entry: Entry) -> dict[str, Any]:
@@ -110,14 +111,14 @@ def in_file(owner: Entry, name: str, value: Any, hint: Any) -> Any:
     if isinstance(value, Entry):
         return table_in_file(value)
     if isinstance(value, Mapping):
-        return {key: in_file(owner, name, part, None) for key, part in value.items()}
+        return {key: in_file(owner, name, item, None) for key, item in value.items()}
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     return list(value) if isinstance(value, tuple) else value
 
 
 def read_member(family: Family, value: Any) -> Any:
-    """An entry of a family: a table of which one key tells the kind, or a number."""
+    """An entry of a family, from a table with one key by which it is known, or from a number."""
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if is_number and family.number is not None:
         return family.number(float(value))
@@ -127,19 +128,19 @@ def read_member(family: Family, value: Any) -> Any:
         return _made_of_forms((fit or known)[0], value)
     nearest = [near for key in keys for near in difflib.get_close_matches(key, family.forms, n=1)]
     meant = f"; did you mean {nearest[0]!r}?" if nearest else ""
-    wanted = "a table" if family.number is None else "a number or a table"
+    form = "a table" if family.number is None else "a number or a table"
     raise ValueError(
-        f"expected {wanted} with one of the keys {', '.join(family.forms)}, found {value!r}{meant}"
+        f"expected {form} with one of the keys {', '.join(family.forms)}, found {value!r}{meant}"
     )
 
 
 def _made_of_forms(forms: tuple[Form, ...], value: Any) -> Any:
-    given = given_by(read_part(value, _table_of_forms(forms)))
+    given = present_keys(read_part(value, _table_of_forms(forms)))
     flags = [form.flag for form in forms if given.pop(form.flag, False)]
     if len(flags) > 1:
         raise ValueError(f"expected {' or '.join(flags)}, found both")
-    wanted = flags[0] if flags else ""
-    return made(next(form.kind for form in forms if form.flag == wanted), given)
+    flag = flags[0] if flags else ""
+    return entry_of(next(form.kind for form in forms if form.flag == flag), given)
 
 
 @cache
@@ -169,7 +170,7 @@ def type_in_file(hint: Any) -> Any:
     if note(hint, Family) is not None:
         return Any
     if origin is Annotated:
-        takes = next((found for found in parts[1:] if isinstance(found, Takes)), None)
+        takes = next((note for note in parts[1:] if isinstance(note, Takes)), None)
         return takes.in_file if takes is not None else type_in_file(parts[0])
     if origin in (Union, UnionType):
         return Union[tuple(map(type_in_file, parts))]  # noqa: UP007 - of a tuple of types

@@ -24,7 +24,7 @@ NONE: Any = ()
 ABSENT: Any = None
 """the default of an optional array"""
 ROUNDING = 1e-15
-"""by how much the length of a unit vector may differ from 1"""
+"""largest difference of the length of a unit vector from 1"""
 Item = TypeVar("Item")
 
 
@@ -83,8 +83,8 @@ def pair(value: Any) -> tuple[str, str]:
 
 
 def inertia(value: Any) -> Array:
-    given = np.array(value, dtype=np.float64)
-    matrix = np.diag(given) if given.shape == (3,) else given
+    array = np.array(value, dtype=np.float64)
+    matrix = np.diag(array) if array.shape == (3,) else array
     if matrix.shape != (3, 3) or (np.abs(matrix - matrix.T) > 1e-9 * np.abs(matrix)).any():
         raise ValueError
     return matrix

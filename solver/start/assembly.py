@@ -1,7 +1,7 @@
-"""Joints assembled and velocities made consistent, with the coordinates that the user asks for.
+"""Assembly of joints and consistent velocities, with targets for joint coordinates.
 
 Both are least changes in the metric of the mass: with B the Jacobian of the constraints and of the
-coordinates asked for, c what they miss,
+targets, c their residuals,
 
     dq = -M^-1 B^T (B M^-1 B^T)^+ c          v <- v - M^-1 B^T (B M^-1 B^T)^+ (B v + c_t)
 
@@ -26,16 +26,16 @@ from .jacobian import constraint_jacobian, constraint_rows, jacobian
 from .matrices import Matrix, above, dense_of, factorize_square, unit_rows
 
 LARGEST_TURN = 0.2
-"""rad; a joint that starts farther from its target gets there in several steps"""
+"""rad; a joint that starts farther from its target is moved in several stages"""
 MAX_ITERATIONS = 30
 EXACT = 1e-14
 """residual, relative to positions or in rad, of assembled joints"""
 ASSEMBLED = 1e-10
-"""the same that is accepted where no iteration improves it"""
+"""the residual that is accepted where no iteration improves it"""
 
 
 class Target(NamedTuple):
-    """A joint coordinate (the number of its observer) and the value of it, or of its rate."""
+    """A joint coordinate, by the number of its observer, and the value of it or of its rate."""
 
     observer: int
     value: float
@@ -44,9 +44,9 @@ class Target(NamedTuple):
 def assemble_joints(
     lowered: LoweredModel, state: State, work: Workspace, targets: list[Target]
 ) -> None:
-    """Move the bodies until all constraints hold; ModelError for a joint that cannot be closed."""
-    which, goal = _split(targets)
-    start = _coordinates(lowered, state, work)[which]
+    """Move the bodies until constraints and targets hold; ModelError if a joint stays open."""
+    numbers, goal = _split(targets)
+    start = _coordinates(lowered, state, work)[numbers]
     stages = max(1, int(np.ceil(np.abs(goal - start).max(initial=0.0) / LARGEST_TURN)))
     for stage in range(1, stages + 1):
         _close(lowered, state, work, targets, start + stage / stages * (goal - start))
@@ -56,15 +56,18 @@ def assemble_joints(
 def fit_velocities(
     lowered: LoweredModel, state: State, work: Workspace, targets: list[Target]
 ) -> float:
-    """Change velocities least until constraints and targets hold; the largest [m/s, rad/s]."""
+    """Change velocities least until constraints and targets hold.
+
+    Returns the largest change [m/s, rad/s].
+    """
     system = lowered.system
     phi_t = drive_rates(lowered, work)[constraint_rows(system)]
     B = _jacobian(lowered, state, work, targets)
     _, goal = _split(targets)
-    missed = B @ state.bodies.v.ravel() + np.concatenate([phi_t, -goal])
-    change = -_least_change(system, B, missed)
-    left = missed + B @ change
-    if len(left) and np.abs(left).max() > 1e-8 * max(1.0, float(np.abs(missed).max())):
+    rates = B @ state.bodies.v.ravel() + np.concatenate([phi_t, -goal])
+    change = -_least_change(system, B, rates)
+    left = rates + B @ change
+    if len(left) and np.abs(left).max() > 1e-8 * max(1.0, float(np.abs(rates).max())):
         owner = _owner(lowered, int(np.argmax(np.abs(left))), targets)
         raise ModelError(f"{owner}: no velocities of rigid motion satisfy it at the start")
     state.bodies.v[:] += change.reshape(-1, 6)
@@ -84,16 +87,16 @@ def _close(
     system = lowered.system
     scale = _scale(lowered, state, targets)
     for _ in range(MAX_ITERATIONS):
-        missed = _missed(lowered, state, work, targets, goal)
-        if (np.abs(missed) <= EXACT * scale).all():
+        residuals = _residuals(lowered, state, work, targets, goal)
+        if (np.abs(residuals) <= EXACT * scale).all():
             return
         B = _jacobian(lowered, state, work, targets)
-        change = -_least_change(system, B, missed).reshape(-1, 6)
+        change = -_least_change(system, B, residuals).reshape(-1, 6)
         _move(change, state, work)
         reach = max(system.bodies.size, float(np.abs(state.bodies.x).max()))
         if np.abs(change).max() < 0.1 * EXACT * reach:
             break
-    left = np.abs(_missed(lowered, state, work, targets, goal))
+    left = np.abs(_residuals(lowered, state, work, targets, goal))
     if (left > ASSEMBLED * scale).any():
         worst = int(np.argmax(left / scale))
         owner = _owner(lowered, worst, targets)
@@ -101,21 +104,21 @@ def _close(
 
 
 def _scale(lowered: LoweredModel, state: State, targets: list[Target]) -> Array:
-    """Positions against which lengths among constraints and targets are rounded; 1 for angles."""
+    """Scale of the rounding of constraints and targets: of positions for lengths, 1 for angles."""
     system = lowered.system
     reach = max(system.bodies.size, float(np.abs(state.bodies.x).max()))
     lengths = lowered.measures_lengths[constraint_rows(system)]
     return np.concatenate([np.where(lengths, reach, 1.0), np.full(len(targets), max(reach, 1.0))])
 
 
-def _missed(
+def _residuals(
     lowered: LoweredModel, state: State, work: Workspace, targets: list[Target], goal: Array
 ) -> Array:
     """Residuals of constraints and targets; their derivatives are left in `work`."""
     evaluate(lowered.system, state, work)
     linearize(lowered.system, state, work)
-    which, _ = _split(targets)
-    gap = _coordinates(lowered, state, work)[which] - goal
+    numbers, _ = _split(targets)
+    gap = _coordinates(lowered, state, work)[numbers] - goal
     return np.concatenate([work.couplings.phi[constraint_rows(lowered.system)], gap])
 
 
@@ -136,10 +139,10 @@ def _jacobian(
     B, _ = constraint_jacobian(system, state, work)
     if not targets:
         return B
-    which, _ = _split(targets)
+    numbers, _ = _split(targets)
     linearize_observers(system, state, work)
-    frames = observers.frame_a[which], observers.frame_b[which]
-    by_targets = jacobian(system, *frames, work.observers.B[which], state)
+    frames = observers.frame_a[numbers], observers.frame_b[numbers]
+    by_targets = jacobian(system, *frames, work.observers.B[numbers], state)
     return above(B, by_targets[:, : B.shape[1]])
 
 
@@ -149,7 +152,7 @@ def _coordinates(lowered: LoweredModel, state: State, work: Workspace) -> Array:
     return work.observers.value.copy()
 
 
-def _least_change(system: System, B: Matrix, missed: Array) -> Array:
+def _least_change(system: System, B: Matrix, c: Array) -> Array:
     """L A^T (A A^T)^-1 c with A = B L, L L^T = M^-1.
 
     Its rows are scaled to unit length, so that light bodies cost no digits. Rows that may depend on
@@ -161,9 +164,9 @@ def _least_change(system: System, B: Matrix, missed: Array) -> Array:
     A, scale = unit_rows(B @ L)
     solve = factorize_square(A)
     if solve is None:
-        y = np.linalg.lstsq(dense_of(A), scale * missed, rcond=1e-11)[0]
+        y = np.linalg.lstsq(dense_of(A), scale * c, rcond=1e-11)[0]
     else:
-        y = A.T @ solve(scale * missed)
+        y = A.T @ solve(scale * c)
     change: Array = L @ y
     return change
 

@@ -5,8 +5,8 @@
 with all velocities zero, or those of a steady rotation as the scheme steps it (steady.py): omega =
 R^T Omega, omega' = 0, v and v_dot multiples of x - c. Solved by pseudo-transient continuation:
 implicit steps of the gradient flow M dq/dtau = f, which grow as the residual falls until they are
-Newton's. The flow runs down the potential, so that it tends to stable equilibria; but bodies given
-in an unstable one stay there, and nothing says so.
+Newton's. The flow runs down the potential, so that it tends to stable equilibria; but bodies that
+start in an unstable one stay there, without a message.
 """
 
 import numpy as np
@@ -28,12 +28,12 @@ from .steady import SteadyMotion
 MAX_ITERATIONS = 400
 TOLERANCE = 1e-12
 """largest residual, relative to forces and to the size of the model, that counts as equilibrium"""
-GOOD_ENOUGH = 1e-9
-"""the same where rounding allows no better"""
+ACCEPTED = 1e-9
+"""residual that is accepted where rounding allows no better"""
 STEADY = 1e-8
 """largest rate of a coordinate, relative to that of the rotation, that counts as none"""
 FIRST_STEP = 0.05
-"""how far the first step moves bodies, relative to the size of the model"""
+"""length of the first step, relative to the size of the model"""
 
 
 def check_drives(lowered: LoweredModel) -> None:
@@ -41,19 +41,18 @@ def check_drives(lowered: LoweredModel) -> None:
     for i, d in enumerate(lowered.system.couplings.drive.tolist()):
         if d >= 0 and (acceleration := lowered.drives[d].derivatives(0.0)[1]) != 0.0:
             raise ModelError(
-                f"{lowered.owner_of(i)}: start = 'equilibrium' takes drives without acceleration at t = 0, "
-                f"got {acceleration:.6g}"
+                f"{lowered.owner_of(i)}: start = 'equilibrium' takes drives without acceleration "
+                f"at t = 0, got {acceleration:.6g}"
             )
 
 
 def check_steady(
     lowered: LoweredModel, motion: SteadyMotion | None, state: State, work: Workspace
 ) -> None:
-    """ModelError unless constraints, springs and dampers keep their coordinates in the steady
-    rotation, or at rest.
+    """ModelError unless constraints and springs keep their coordinates in the steady motion.
 
-    The rates B v + phi_t must vanish, so that a drive may run at the speed of the rotation and at
-    no other.
+    That is a steady rotation, or rest. The rates B v + phi_t must vanish, so that a
+    drive may run at the speed of the rotation and at no other.
     """
     couplings, lengths = lowered.system.couplings, lowered.measures_lengths
     Omega = np.zeros(3) if motion is None else motion.angular_velocity
@@ -78,10 +77,11 @@ def check_steady(
     effect = (
         "misses its drive" if driven[i] else "deforms it" if couplings.compliant[i] else "opens it"
     )
-    what = "rest" if motion is None else f"a steady rotation of {Omega.tolist()} rad/s"
+    state_of_motion = "rest" if motion is None else f"a steady rotation of {Omega.tolist()} rad/s"
+    unit = "m/s" if lengths[i] else "rad/s"
     raise ModelError(
-        f"{lowered.owner_of(i)}: start = 'equilibrium': {what} {effect} by {rates[i]:.6g} "
-        f"{'m/s' if lengths[i] else 'rad/s'}"
+        f"{lowered.owner_of(i)}: start = 'equilibrium': {state_of_motion} {effect} "
+        f"by {rates[i]:.6g} {unit}"
     )
 
 
@@ -91,8 +91,10 @@ def solve_equilibrium(
     state: State,
     work: Workspace,
 ) -> None:
-    """Bring a state into equilibrium: positions, displacements, multipliers, and the motion of a
-    steady rotation.
+    """Bring a state into equilibrium, at rest or in steady rotation; ModelError if none is found.
+
+    Changes positions, elastic displacements and multipliers, and sets the velocities and
+    accelerations of the rotation.
     """
     system, lengths = _at_rest(lowered), lowered.measures_lengths
     work.interfaces.history[:] = 0.0
@@ -101,16 +103,16 @@ def solve_equilibrium(
     evaluate(system, state, work)
     pull = _accelerations(system, work)
     beta = pull / (FIRST_STEP * system.bodies.size) if pull > 0.0 else 1.0
-    residual, best, idle = _residual(_parts(system, lengths, state, work)), np.inf, 0
+    residual, best, idle = _residual(_relative_residuals(system, lengths, work)), np.inf, 0
     for _ in range(MAX_ITERATIONS):
-        if residual <= TOLERANCE or (idle > 5 and best <= GOOD_ENOUGH):
+        if residual <= TOLERANCE or (idle > 5 and best <= ACCEPTED):
             return
         saved = [array.copy() for array in state.arrays()]
         if not _step(_stiffened(system, beta), motion, state, work):
-            raise _failure(lowered, "the equations are singular", lengths, state, work)
+            raise _failure(lowered, "the equations are singular", lengths, work)
         _move(motion, state)
         evaluate(system, state, work)
-        previous, residual = residual, _residual(_parts(system, lengths, state, work))
+        previous, residual = residual, _residual(_relative_residuals(system, lengths, work))
         if not residual < 4.0 * max(previous, 1e-3):
             for array, old in zip(state.arrays(), saved, strict=True):
                 array[:] = old
@@ -120,9 +122,10 @@ def solve_equilibrium(
         beta *= np.clip(residual / previous, 0.1, 2.0)
         idle = 0 if residual < 0.5 * best else idle + 1
         best = min(best, residual)
-    check_steady(lowered, motion, state, work)  # it knows better why a damper cannot turn, say
-    found = f"relative residual {best:.3e} after {MAX_ITERATIONS} steps"
-    raise _failure(lowered, found, lengths, state, work)
+    # the more specific message, as of a damper that cannot turn
+    check_steady(lowered, motion, state, work)
+    reason = f"relative residual {best:.3e} after {MAX_ITERATIONS} steps"
+    raise _failure(lowered, reason, lengths, work)
 
 
 def _step(
@@ -186,17 +189,18 @@ def _add_centrifugal(system: System, motion: SteadyMotion, state: State, work: W
         block[3:, 3:] += h2 * (_skew(omega) @ J - _skew(J @ omega)) @ _skew(omega)
 
 
-def _parts(
-    system: System, lengths: NDArray[np.bool_], state: State, work: Workspace
+def _relative_residuals(
+    system: System, lengths: NDArray[np.bool_], work: Workspace
 ) -> tuple[Array, ...]:
-    """Residuals relative to the forces and moments in the system, and to its size: those of the
-    bodies' forces (n_b,) and moments (n_b,), of the rows (n_rows,) and of the active interface dofs
-    (n_a,).
+    """Residuals relative to the largest forces and moments in the system, and to its size.
+
+    Of the forces (n_b,) and moments (n_b,) on bodies, the rows (n_rows,) and the active interface
+    dofs (n_a,).
     """
     forces, size = max(float(work.bodies.force_scale[:, 0].max()), 1e-300), system.bodies.size
     moments = max(float(work.bodies.force_scale[:, 1].max()), forces * 1e-3 * size)
-    # a spring that carries nothing knows its length to rounding alone: laws count against all
-    # forces
+    # the length of a spring that carries nothing is right to rounding alone: laws are measured
+    # against all forces
     laws = np.maximum(work.couplings.scale, np.where(lengths, forces, moments))
     return (
         np.abs(work.bodies.residual[:, :3]).max(axis=1) / forces,
@@ -206,15 +210,15 @@ def _parts(
     )
 
 
-def _residual(parts: tuple[Array, ...]) -> float:
-    return max(float(part.max(initial=0.0)) for part in parts)
+def _residual(residuals: tuple[Array, ...]) -> float:
+    return max(float(values.max(initial=0.0)) for values in residuals)
 
 
 def _failure(
-    lowered: LoweredModel, found: str, lengths: NDArray[np.bool_], state: State, work: Workspace
+    lowered: LoweredModel, reason: str, lengths: NDArray[np.bool_], work: Workspace
 ) -> ModelError:
-    """What to say where no equilibrium was found, and what is farthest from it."""
-    forces, moments, rows, dofs = _parts(lowered.system, lengths, state, work)
+    """The error where no equilibrium was found: the reason, and the largest residual."""
+    forces, moments, rows, dofs = _relative_residuals(lowered.system, lengths, work)
     bodies = np.maximum(forces, moments)
     elastic = lowered.system.elastic
     for e, b in enumerate(elastic.body.tolist()):
@@ -225,8 +229,9 @@ def _failure(
     if rows.max(initial=0.0) > bodies.max():
         worst = lowered.owner_of(int(np.argmax(rows)))
     return ModelError(
-        f"start = 'equilibrium': none found, {found}; farthest from it is {worst}. Usual causes: a body that falls "
-        f"freely, a mechanism that turns freely about an axis across gravity, loads that nothing balances"
+        f"start = 'equilibrium': none found, {reason}; farthest from it is {worst}. Usual causes: "
+        f"a body that falls freely, a mechanism that turns freely about an axis across gravity, "
+        f"loads that nothing balances"
     )
 
 

@@ -1,4 +1,4 @@
-"""Inverse inertia of bodies and accelerance of interfaces, as constraints see them: matrices."""
+"""Matrices of inverse inertia of bodies and of accelerance of interfaces."""
 
 import numpy as np
 
@@ -10,7 +10,8 @@ from .matrices import Matrix, block_diagonal, is_small
 
 def inverse_inertia(system: System) -> Matrix:
     """M^-1 of (x, Theta) of all bodies (6 n_b, 6 n_b)."""
-    return _of_bodies(system, 1.0 / system.bodies.mass, np.linalg.inv(system.bodies.J_rot))
+    inverse = np.linalg.inv(system.bodies.J_rot).astype(np.float64, copy=False)
+    return _of_bodies(system, 1.0 / system.bodies.mass, inverse)
 
 
 def inverse_root(system: System) -> Matrix:

@@ -1,10 +1,11 @@
-"""The state at t = 0: joints closed, velocities that fit them, then either equilibrium
-(equilibrium.py) or, from bodies without elastic displacements,
+"""The state at t = 0: closed joints, consistent velocities, and accelerations or equilibrium.
+
+Without equilibrium (equilibrium.py) bodies start without elastic displacements, and
 
     [ J   -B_r^T               ] [ v_dot ]   [ f_r - v~ J v                       ]
     [ B_r  B_a A_el B_a^T      ] [ lam   ] = [ -(phi_ddot at v_dot = 0) - B_a A_el p ]
 
-A_el: the interface mobilities, p: the loads on interfaces. Source: docs/theory.md, The start.
+A_el: the accelerance of interfaces, p: the loads on interfaces. Source: docs/theory.md, The start.
 """
 
 from dataclasses import dataclass
@@ -24,17 +25,16 @@ from .equilibrium import check_drives, check_steady, solve_equilibrium
 from .inertia import interface_accelerance, inverse_inertia
 from .jacobian import constraint_jacobian, constraint_rows
 from .matrices import solve
-from .redundancy import degrees_of_freedom as count_freedoms
-from .redundancy import describe_rows, redundant_rows
+from .redundancy import count_degrees_of_freedom, describe_rows, redundant_rows
 from .steady import steady_motion
 
 
 class AssemblyError(NamedTuple):
-    """How far what a model gives is from satisfying its constraints, before anything is changed.
+    """The errors of the constraints of a model as given, before assembly.
 
-    The largest gap [m] and the joint it is at; the largest rate [m/s, rad/s] at which the
-    velocities would open one. Rotations always meet: axes are given in space. Drives do not count
-    among the rates.
+    opening: the largest gap [m], and its joint; velocity: the largest rate [m/s, rad/s] at which
+    the velocities would open a joint, without those that are driven. Rotations always fit: axes are
+    given in space.
     """
 
     opening: float
@@ -45,7 +45,7 @@ class AssemblyError(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class InitialState:
-    """A lowered model in its state at t = 0, and what it took to get there.
+    """A lowered model in its state at t = 0, and the changes made to reach it.
 
     moved: the largest difference between a given and the starting position [m] or rotation [rad];
     velocity_correction: the largest change of a velocity [m/s, rad/s]; removed: the redundant
@@ -65,15 +65,15 @@ class InitialState:
 def initialize(model: Model) -> InitialState:
     """A state that satisfies positions, velocities and equilibrium at t = 0."""
     lowered = lower(model)
-    state, work = _room(lowered)
+    state, work = _allocated(lowered)
     error = _assembly_error(lowered, state, work)
     assemble_joints(lowered, state, work, _targets(lowered, ""))
-    degrees_of_freedom = count_freedoms(lowered, state, work)
+    degrees_of_freedom = count_degrees_of_freedom(lowered, state, work)
     without = redundant_rows(lowered, state, work)
     removed = describe_rows(lowered, sorted(without))
     if without:
         lowered = lower(model, without)
-        state, work = _room(lowered)
+        state, work = _allocated(lowered)
         assemble_joints(lowered, state, work, _targets(lowered, ""))
     correction = 0.0
     if model.settings.start == "equilibrium":
@@ -92,8 +92,8 @@ def initialize(model: Model) -> InitialState:
     return InitialState(lowered, state, work, error, moved, correction, removed, degrees_of_freedom)
 
 
-def _room(lowered: LoweredModel) -> tuple[State, Workspace]:
-    """Bodies where the model puts them, loads and drives at t = 0."""
+def _allocated(lowered: LoweredModel) -> tuple[State, Workspace]:
+    """A state with bodies in their given poses, and loads and drives at t = 0."""
     state, work = allocate(lowered)
     t = np.zeros(1)
     work.loads.value[:] = [signal.samples(t, lowered.h)[0] for signal in lowered.load_signals]
@@ -113,7 +113,7 @@ def _assembly_error(lowered: LoweredModel, state: State, work: Workspace) -> Ass
 
 
 def _largest(lowered: LoweredModel, values: Array) -> tuple[float, str]:
-    """The largest of the values of all rows, and the joint or motion that it belongs to."""
+    """The largest of the values of all rows, and its joint or motion."""
     if not values.any():
         return 0.0, ""
     row = int(np.argmax(values))
@@ -121,12 +121,12 @@ def _largest(lowered: LoweredModel, values: Array) -> tuple[float, str]:
 
 
 def _moved(lowered: LoweredModel, state: State) -> float:
-    x, R = (
-        np.array(given) for given in zip(*((pose.x, pose.R) for pose in lowered.poses), strict=True)
-    )
-    chord = np.linalg.norm(state.bodies.R - R, axis=(1, 2)) / np.sqrt(8.0)  # sin(turn / 2)
-    turn = 2.0 * np.arcsin(np.minimum(chord, 1.0))
-    return float(max(np.abs(state.bodies.x - x).max(), turn.max()))
+    """The largest difference to a given position [m] or rotation [rad]."""
+    x = np.array([pose.x for pose in lowered.poses])
+    R = np.array([pose.R for pose in lowered.poses])
+    chord = np.linalg.norm(state.bodies.R - R, axis=(1, 2)) / np.sqrt(8.0)  # sin(angle / 2)
+    angle = 2.0 * np.arcsin(np.minimum(chord, 1.0))
+    return float(max(np.abs(state.bodies.x - x).max(), angle.max()))
 
 
 def _targets(lowered: LoweredModel, suffix: str) -> list[Target]:
@@ -140,7 +140,7 @@ def _targets(lowered: LoweredModel, suffix: str) -> list[Target]:
 
 
 def _start_unloaded(lowered: LoweredModel, state: State, work: Workspace) -> None:
-    """Bodies start without elastic displacements; multipliers and accelerations take up the loads."""
+    """Set multipliers and accelerations at t = 0, for bodies without elastic displacements."""
     system = lowered.system
     evaluate(system, state, work)
     state.couplings.coordinate[:] = work.couplings.coordinate
@@ -157,7 +157,7 @@ def _start_unloaded(lowered: LoweredModel, state: State, work: Workspace) -> Non
 
 
 def _accelerations(lowered: LoweredModel, state: State, work: Workspace) -> tuple[Array, Array]:
-    """v_dot (n_b, 6), and the multipliers of the constraints (n_rows,), 0 for those of force laws."""
+    """v_dot (n_b, 6), and the multipliers of constraints (n_rows,), 0 for those of force laws."""
     system = lowered.system
     hard = constraint_rows(system)
     B_r, B_a = constraint_jacobian(system, state, work)
@@ -178,16 +178,16 @@ def _accelerations(lowered: LoweredModel, state: State, work: Workspace) -> tupl
 
 
 def _start_history(lowered: LoweredModel, state: State) -> None:
-    """The loads at t = 0 accelerate the modes at once; eq. (55) knows no initial loads."""
+    """The loads at t = 0 accelerate the modes at once, but not in eq. (55)."""
     elastic, scheme = lowered.system.elastic, lowered.system.scheme
     if scheme.weight != 1.0:
         return
     state.past.p_start[:] = state.interfaces.p
     for e in range(len(elastic.body)):
-        own = slice(elastic.dof[e], elastic.dof[e + 1])
-        p = state.interfaces.p[own]
-        state.interfaces.acceleration[own] = lowered.superelements[e].accelerance @ p
-        state.interfaces.a[own] = state.interfaces.acceleration[own]
+        dofs = slice(elastic.dof[e], elastic.dof[e + 1])
+        p = state.interfaces.p[dofs]
+        state.interfaces.acceleration[dofs] = lowered.superelements[e].accelerance @ p
+        state.interfaces.a[dofs] = state.interfaces.acceleration[dofs]
         modes = slice(elastic.modes.range[e], elastic.modes.range[e + 1])
         if modes.start < modes.stop:
             state.modes.acceleration[modes] = _phi(lowered, e).T @ p
@@ -195,21 +195,21 @@ def _start_history(lowered: LoweredModel, state: State) -> None:
 
 
 def _start_loaded(lowered: LoweredModel, state: State) -> None:
-    """In equilibrium modes and displacements rest under the loads, which have always acted."""
+    """Set modes and displacements at rest under the loads, which have always acted."""
     elastic = lowered.system.elastic
     for e in range(len(elastic.body)):
-        own = slice(elastic.dof[e], elastic.dof[e + 1])
-        p = state.interfaces.p[own]
-        state.interfaces.u[own] = lowered.compliances[e] @ p
-        state.energies.elastic[0] += 0.5 * p @ state.interfaces.u[own]
+        dofs = slice(elastic.dof[e], elastic.dof[e + 1])
+        p = state.interfaces.p[dofs]
+        state.interfaces.u[dofs] = lowered.compliances[e] @ p
+        state.energies.elastic[0] += 0.5 * p @ state.interfaces.u[dofs]
         modes = slice(elastic.modes.range[e], elastic.modes.range[e + 1])
         if modes.start < modes.stop:
             state.modes.eta[modes] = (_phi(lowered, e).T @ p) / elastic.modes.stiffness[modes]
         else:
             start, n_c = elastic.G_0_start[e], len(p)
             G_0 = elastic.G_0[start : start + n_c * n_c].reshape(n_c, n_c)
-            state.past.p_rest[own] = p
-            state.past.u_rest[own] = state.interfaces.u[own] - G_0 @ p
+            state.past.p_rest[dofs] = p
+            state.past.u_rest[dofs] = state.interfaces.u[dofs] - G_0 @ p
 
 
 def _phi(lowered: LoweredModel, e: int) -> Array:

@@ -13,44 +13,39 @@ def constraint_rows(system: System) -> Index:
 
 
 def constraint_jacobian(system: System, state: State, work: Workspace) -> tuple[Matrix, Matrix]:
-    """B_r (n, 6 n_b) and B_a (n, n_a) of the constraints as `linearize` left them: by bodies, and
-    by active dofs.
+    """B_r (n, 6 n_b) and B_a (n, n_a) of the constraints: derivatives by bodies, by active dofs.
+
+    As `linearize` left them.
     """
-    B, n_q = (
-        coupling_jacobian(system, state, work)[constraint_rows(system)],
-        6 * len(system.bodies.mass),
-    )
+    B = coupling_jacobian(system, state, work)[constraint_rows(system)]
+    n_q = 6 * len(system.bodies.mass)
     return B[:, :n_q], B[:, n_q:]
 
 
 def coupling_jacobian(system: System, state: State, work: Workspace) -> Matrix:
-    """Of the rows of all couplings as `linearize` left them (n_rows, 6 n_b + n_a)."""
+    """Derivatives of the rows of all couplings as `linearize` left them (n_rows, 6 n_b + n_a)."""
     rows = system.couplings.rows
     return jacobian(system, rows.frame_a, rows.frame_b, work.couplings.B, state)
 
 
 def jacobian(system: System, frame_a: Index, frame_b: Index, B: Array, state: State) -> Matrix:
-    """The derivatives B (n, 24) of rows by the coordinates of their frames A and B as a matrix (n,
-    6 n_b + n_a).
+    """The derivatives of rows as a matrix (n, 6 n_b + n_a).
 
-    Columns: delta x, in space, and delta Theta of every body; then the displacements of all active
-    dofs.
+    B (n, 24): by the coordinates of their frames A and B. Columns: delta x, in space, and
+    delta Theta of every body; then the displacements of all active dofs.
     """
     frames, n_q = system.frames, 6 * len(system.bodies.mass)
     entries, numbers, columns = [], [], []
     for first, f in ((0, frame_a), (12, frame_b)):
         body, active = frames.body[f], frames.active[f]
-        part = B[:, first : first + 12].copy()
-        part[:, :3] = np.einsum("ij,ikj->ik", part[:, :3], state.bodies.R[body])
-        place = np.hstack([6 * body[:, None] + np.arange(6), n_q + active[:, None] + np.arange(6)])
-        there = np.repeat(
-            np.stack([body >= 0, active >= 0, (active >= 0) & (frames.rotations[f] == 1)], 1),
-            (6, 3, 3),
-            1,
-        )
-        entries.append(part[there])
-        numbers.append(np.nonzero(there)[0])
-        columns.append(place[there])
+        values = B[:, first : first + 12].copy()
+        values[:, :3] = np.einsum("ij,ikj->ik", values[:, :3], state.bodies.R[body])
+        column = np.hstack([6 * body[:, None] + np.arange(6), n_q + active[:, None] + np.arange(6)])
+        rotates = (active >= 0) & (frames.rotations[f] == 1)
+        exists = np.repeat(np.stack([body >= 0, active >= 0, rotates], 1), (6, 3, 3), 1)
+        entries.append(values[exists])
+        numbers.append(np.nonzero(exists)[0])
+        columns.append(column[exists])
     shape = len(B), n_q + len(system.elastic.active)
     return from_entries(
         np.concatenate(entries),

@@ -77,11 +77,10 @@ def dense_of(matrix: Matrix) -> Array:
 def solve(matrix: Matrix, right: Array) -> Array:
     """matrix^-1 right for a regular matrix."""
     if isinstance(matrix, np.ndarray):
-        solution: Array = np.linalg.solve(matrix, right)
-        return solution
+        return np.linalg.solve(matrix, right).astype(np.float64, copy=False)
     from scipy.sparse.linalg import splu
 
-    solution = splu(matrix.tocsc()).solve(right)
+    solution: Array = splu(matrix.tocsc()).solve(right)
     return solution
 
 
@@ -94,10 +93,10 @@ def unit_rows(J: Matrix) -> tuple[Matrix, Array]:
 
 
 def factorize_square(J: Matrix) -> Callable[[Array], Array] | None:
-    """What solves J J^T x = b for one or more rows of unit length; None unless clearly independent.
+    """A function that solves J J^T x = b; None unless the rows of J are clearly independent.
 
-    A pivot of the elimination is the square of the distance of a row from the space of those
-    before it.
+    J: one or more rows of unit length. A pivot of the elimination is the square of the
+    distance of a row from the space of those before it.
     """
     if isinstance(J, np.ndarray):
         square = J @ J.T

@@ -1,6 +1,4 @@
-"""Constraints that depend on one another, found by factorization and named; and how many ways a
-mechanism can move.
-"""
+"""Redundant constraints, by factorization and by name; degrees of freedom of a mechanism."""
 
 from dataclasses import dataclass
 
@@ -15,13 +13,11 @@ from .jacobian import constraint_jacobian, constraint_rows
 from .matrices import Matrix, beside, dense_of, factorize_square, unit_rows
 
 RANK_TOLERANCE = 1e-9
-"""singular values of the constraint Jacobian, rows scaled to unit length, below which rows count as
-dependent
-"""
+"""singular values, of a Jacobian with rows of unit length, below which rows are dependent"""
 
 
-def degrees_of_freedom(lowered: LoweredModel, state: State, work: Workspace) -> int:
-    """Of the mechanism, its bodies taken as rigid: six for each less the rank of the constraints."""
+def count_degrees_of_freedom(lowered: LoweredModel, state: State, work: Workspace) -> int:
+    """Degrees of freedom with all bodies rigid: six for each less the rank of the constraints."""
     J = _rigid_jacobian(lowered, state, work)
     n, n_q = J.shape
     return int(n_q - (n if _clearly_independent(J) else rank(dense_of(J))))
@@ -30,26 +26,28 @@ def degrees_of_freedom(lowered: LoweredModel, state: State, work: Workspace) -> 
 def redundant_rows(lowered: LoweredModel, state: State, work: Workspace) -> frozenset[int]:
     """Rows to leave out so that the others are independent, elastic interfaces included.
 
-    ModelError names them unless the model says that redundant constraints may be removed. A drive
-    is never redundant: it moves what the constraints that it depends on hold still.
+    ModelError names them unless redundant constraints may be removed. A drive is never redundant:
+    it moves what the constraints that it depends on hold still.
     """
     hard = constraint_rows(lowered.system)
     _, B_a = constraint_jacobian(lowered.system, state, work)
     J = beside(_rigid_jacobian(lowered, state, work), B_a @ accelerance_root(lowered))
-    found = None if _clearly_independent(J) else find_redundancy(dense_of(J))
-    if found is None:
+    redundancy = None if _clearly_independent(J) else find_redundancy(dense_of(J))
+    if redundancy is None:
         return frozenset()
-    involved, removable = (hard[rows].tolist() for rows in (found.involved, found.removable))
+    involved = hard[redundancy.involved].tolist()
+    removable = hard[redundancy.removable].tolist()
+    dependent = describe_rows(lowered, involved)
     if driven := [i for i in involved if lowered.system.couplings.drive[i] >= 0]:
         raise ModelError(
-            f"joints: {describe_rows(lowered, driven)} is driven against other constraints: on one another depend "
-            f"{describe_rows(lowered, involved)}; take away the drive or free a joint"
+            f"joints: {describe_rows(lowered, driven)} is driven against other constraints: "
+            f"on one another depend {dependent}; take away the drive or free a joint"
         )
     if lowered.model.settings.redundant == "error":
         are = "is" if len(removable) == 1 else "are"
         raise ModelError(
-            f"joints: {len(hard)} constraints of which {len(removable)} {are} redundant; on one another depend "
-            f"{describe_rows(lowered, involved)}; free a joint, or let redundant = 'remove' drop "
+            f"joints: {len(hard)} constraints of which {len(removable)} {are} redundant; "
+            f"on one another depend {dependent}; free a joint, or let redundant = 'remove' drop "
             f"{describe_rows(lowered, removable)}"
         )
     return frozenset(removable)
@@ -71,17 +69,16 @@ def describe_rows(lowered: LoweredModel, rows: list[int]) -> str:
 
 @dataclass(frozen=True)
 class Redundancy:
-    """Rows (numbers) that take part in a dependence, and those whose removal leaves the others
-    independent.
-    """
+    """The rows of a dependence, by number, and those to remove to leave the others independent."""
 
     involved: list[int]
     removable: list[int]
 
 
 def find_redundancy(J: Array) -> Redundancy | None:
-    """The dependent rows of a Jacobian (n, m), by its left null space; of equal choices, later rows
-    are removable.
+    """The dependent rows of a Jacobian (n, m), by its left null space; None if there are none.
+
+    Of equal choices, later rows are removable.
     """
     if not len(J):
         return None

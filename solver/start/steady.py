@@ -22,8 +22,10 @@ from ..step.system import Scheme, State
 
 @dataclass(frozen=True, eq=False)
 class SteadyMotion:
-    """angular_velocity and center as in `SteadyRotation`; v, a and v_dot of a point by x - center,
-    (3, 3) each.
+    """A steady rotation in the scheme.
+
+    angular_velocity and center as in `SteadyRotation`; velocity, pseudo_acceleration and
+    acceleration (3, 3): v, a and v_dot of a point by x - center.
     """
 
     angular_velocity: Array
@@ -42,7 +44,7 @@ class SteadyMotion:
 
 
 def steady_motion(rotation: SteadyRotation, scheme: Scheme) -> SteadyMotion:
-    """What the scheme carries along in a steady rotation.
+    """Velocity, pseudo-acceleration and acceleration of a steady rotation in the scheme.
 
     Its numerical dissipation, of order theta^3, shows as an acceleration along the path; that is
     left out, for nothing in equilibrium could balance it.

@@ -19,7 +19,7 @@ from duhamel.solver import (
     Start,
     simulate,
 )
-from duhamel.solver.history import dyadic as lookahead
+from duhamel.solver.history import dyadic
 from duhamel.superelement import StepWarning, sample_kernel
 
 STEPS = 200
@@ -105,7 +105,7 @@ def test_recursion_and_direct_sum_agree(elements, measured, rule):
 def test_blocks_and_direct_sum_agree(elements, monkeypatch, rule, block):
     """Fast path against slow path: over 25, 3 and 1 blocks."""
     direct = state(simulate(tangle(*elements, rule=rule, history="direct")))
-    monkeypatch.setattr(lookahead, "BLOCK", block)
+    monkeypatch.setattr(dyadic, "BLOCK", block)
     for found, expected in zip(
         state(simulate(tangle(*elements, rule=rule, history="fft"))), direct, strict=True
     ):
@@ -117,10 +117,10 @@ def test_memory_let_go_changes_nothing(elements, monkeypatch, history):
     """Kernels of 60 lags in windows of 128 steps, which 200 steps outrun, against a window that
     holds them all.
     """
-    monkeypatch.setattr(lookahead, "BLOCK", 8)
+    monkeypatch.setattr(dyadic, "BLOCK", 8)
     model = tangle(*(damped(element) for element in elements), history=history, kernel_length=0.06)
     short = state(simulate(model))
-    monkeypatch.setattr(lookahead, "BLOCK", 256)
+    monkeypatch.setattr(dyadic, "BLOCK", 256)
     for found, expected in zip(short, state(simulate(model)), strict=True):
         assert np.abs(found - expected).max() < 1e-10 * np.abs(expected).max()
 
@@ -141,14 +141,14 @@ def test_a_memory_that_is_long_enough_gives_the_motion(elements):
 
 def test_a_memory_too_short_is_refused(elements):
     with pytest.raises(
-        ModelError, match=r"superelement 'random 1': memory: .* not decayed in 0\.02 s"
+        ModelError, match=r"superelement 'random 1': kernel length: .* not decayed in 0\.02 s"
     ):
         simulate(tangle(*elements, history="direct", kernel_length=0.02))
 
 
 def test_loads_at_rest_are_felt_beyond_any_memory(elements, monkeypatch):
     """A preload stays still though its beginning is out of the window."""
-    monkeypatch.setattr(lookahead, "BLOCK", 8)
+    monkeypatch.setattr(dyadic, "BLOCK", 8)
     model = Model(
         bodies={"a": FlexibleBody(damped(elements[0]))},
         joints=(Joint("root", "fixed", ("ground", "a.i0")),),

@@ -11,7 +11,7 @@ from types import SimpleNamespace
 
 import pytest
 from duhamel.solver.compiler import marks, object_file
-from duhamel.solver.step import rows
+from duhamel.solver.step import newton
 from duhamel.solver.step.elimination import factorize
 from duhamel.solver.step.system import Pattern
 
@@ -197,10 +197,10 @@ def test_the_key_is_of_the_layout_of_records_and_of_constants(monkeypatch):
     with monkeypatch.context() as patch:
         name, constant = next(
             (name, value)
-            for name, value in vars(rows).items()
-            if isinstance(value, int) and name in _names(rows)
+            for name, value in vars(newton).items()
+            if isinstance(value, float) and name in _names(newton)
         )
-        patch.setattr(rows, name, constant + 1)
+        patch.setattr(newton, name, 2.0 * constant)
         assert key() != before
     assert key() == before
     modules = {cls.__module__ for cls in marks.records()}
@@ -270,7 +270,7 @@ start, found = threading.Barrier(4), [None] * 4
 
 def work(k):
     start.wait()
-    found[k] = every_part.run().x.tobytes()
+    found[k] = every_part.run().body_position.tobytes()
 
 threads = [threading.Thread(target=work, args=(k,)) for k in range(4)]
 for thread in threads:
@@ -287,7 +287,7 @@ FORKS = (
 def in_a_child():
     reading, writing = os.pipe()
     if not (child := os.fork()):
-        os.write(writing, every_part.run().x[-1].tobytes())
+        os.write(writing, every_part.run().body_position[-1].tobytes())
         os._exit(0)
     os.close(writing)
     with os.fdopen(reading, "rb") as pipe:
@@ -296,7 +296,7 @@ def in_a_child():
     return content
 
 before = in_a_child()  # which loads
-own = every_part.run().x[-1].tobytes()
+own = every_part.run().body_position[-1].tobytes()
 after = in_a_child()
 assert before == own == after != b""
 """

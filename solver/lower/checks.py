@@ -1,0 +1,62 @@
+"""Checks of a model that need the poses and the rows of its joints."""
+
+from collections.abc import Mapping, Sequence
+
+from ..errors import ModelError
+from ..model.model import Model
+from ..model.motions import PrescribedDisplacement, PrescribedRotation
+from ..step.rows import measures_length
+from .numbering import Coupling, NumberedFrames, side_names
+from .rows import Row
+
+ASSEMBLY_TOLERANCE = 1e-3
+"""largest opening of a joint, relative to the size of the model, that is closed unasked"""
+
+
+def check_assembled(model: Model, size: float, frames: NumberedFrames) -> None:
+    """`ModelError` for a joint whose frames do not meet at the start.
+
+    Directions in which the joint slides do not count. size: of the model [m].
+    """
+    for joint in model.joints:
+        sides = frames.sides(joint)
+        gap = sides.gap(joint.basis())
+        opening = [gap[k] for k in joint.kind.translations]
+        start = ""
+        if joint.distance is not None:
+            distance = joint.distance(0.0)
+            opening.append(gap[2] - distance)
+            start = f", the distance starts at {distance:.6g}"
+        worst = max(map(abs, opening), default=0.0)
+        if worst > ASSEMBLY_TOLERANCE * size:
+            first, second = joint.between
+            r_a, r_b = sides.pose_a.x.tolist(), sides.pose_b.x.tolist()
+            raise joint.error(
+                f"open by {worst:.6g} m at the start: {first} is at {r_a}, "
+                f"{second} at {r_b}{start}; assemble = true would close it"
+            )
+
+
+def check_moments(model: Model, frames: NumberedFrames, rows: Mapping[str, Sequence[Row]]) -> None:
+    """`ModelError` for a moment on an interface without rotations, which carries forces alone.
+
+    rows: of each coupling, by name.
+    """
+    causes: dict[str, str] = {}
+    for coupling in model.couplings:
+        if not all(measures_length(row.kind) for row in rows[coupling.name]):
+            causes |= dict.fromkeys(side_names(coupling), _described(coupling))
+    causes |= {load.on: f"torque on {load.on!r}" for load in model.loads if load.kind.moment}
+    for frame, cause in causes.items():
+        f = frames.number(frame)
+        if frames.arrays.dof[f] >= 0 and not frames.arrays.rotations[f]:
+            raise ModelError(
+                f"{cause}: interface {frame!r} has no rotations and carries forces alone"
+            )
+
+
+def _described(coupling: Coupling) -> str:
+    """A coupling as messages name it, with its type if it has one."""
+    if isinstance(coupling, PrescribedDisplacement | PrescribedRotation):
+        return coupling.owner
+    return f"{coupling.owner} ({coupling.type})"

@@ -1,0 +1,74 @@
+"""The step size and the scheme of a run: given by the settings, or common to the superelements."""
+
+import numpy as np
+
+from ...superelement import GeneralizedAlpha
+from ..errors import ModelError
+from ..history.layout import Stepping
+from ..model.model import Model
+from ..step.system import Newton, Scheme
+
+REUSE = 1e-2
+"""ratio of successive corrections above which the matrix is made anew: the cheapest in trials"""
+
+
+def stepping_of(model: Model) -> Stepping:
+    """Step size, scheme, number of steps and weight of the convolution.
+
+    `ModelError` for superelements that differ in step or scheme where the settings give none.
+    """
+    settings = model.settings
+    kernels = {name: body.superelement.kernel for name, body in model.flexible_bodies.items()}
+    steps = {name: kernel.h for name, kernel in kernels.items()}
+    radii = {name: kernel.scheme.rho_inf for name, kernel in kernels.items()}
+    h = _chosen_or_common("step", settings.step, steps)
+    return Stepping(
+        h=h,
+        scheme=GeneralizedAlpha(_chosen_or_common("rho_inf", settings.rho_inf, radii, default=0.9)),
+        n_steps=int(np.ceil(settings.t_end / h - 1e-6)),
+        weight=1.0 if settings.rule == "consistent" else 0.5,
+    )
+
+
+def lay_out_scheme(stepping: Stepping) -> Scheme:
+    h, scheme = stepping.h, stepping.scheme
+    return Scheme(
+        h=h,
+        alpha_m=scheme.alpha_m,
+        alpha_f=scheme.alpha_f,
+        beta=scheme.beta,
+        gamma=scheme.gamma,
+        beta_prime=scheme.beta_prime(h),
+        gamma_prime=scheme.gamma_prime(h),
+        inertia_ratio=scheme.inertia_ratio,
+        weight=stepping.weight,
+    )
+
+
+def lay_out_newton(model: Model) -> Newton:
+    fixed_iterations = model.settings.fixed_iterations
+    return Newton(
+        tolerance=model.settings.tolerance,
+        max_iterations=model.settings.max_iterations,
+        fixed_iterations=fixed_iterations or 0,
+        reuse=np.inf if fixed_iterations else REUSE,
+    )
+
+
+def _chosen_or_common(
+    key: str, chosen: float | None, stored: dict[str, float], default: float | None = None
+) -> float:
+    """The value of a setting, or the one that all superelements share; `stored`: theirs by body."""
+    if chosen is not None:
+        return chosen
+    values = sorted(set(stored.values()))
+    if len(values) == 1:
+        return values[0]
+    if not values and default is not None:
+        return default
+    if not values:
+        raise ModelError(f"simulation: {key}: a model without superelements needs one")
+    listed = ", ".join(f"{name}: {value}" for name, value in stored.items())
+    raise ModelError(
+        f"simulation: {key}: the superelements differ ({listed}), so the model must give one"
+    )
