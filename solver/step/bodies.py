@@ -1,9 +1,11 @@
 """Rigid motion of bodies: its generalized-alpha steps, inertia, energy and momentum.
 
     residual = J v_dot + v~ J v - f_r        f_r: loads, couplings, gravity
-    h^2 S_rr = h^2 beta' m I on X,   h^2 (beta' J + gamma' (omega~ J - (J omega)~)) T^-1(psi) on Theta
+    h^2 S_rr = h^2 beta' m I on X,
+               h^2 (beta' J + gamma' (omega~ J - (J omega)~)) T^-1(psi) on Theta
 
-with delta X = R^T delta x and delta Theta = T(psi) delta psi. Source: docs/theory.md, The time step.
+with delta X = R^T delta x and delta Theta = T(psi) delta psi. Source: docs/theory.md, The time
+step.
 """
 
 from ..arrays import Array
@@ -190,7 +192,7 @@ def largest_correction(pattern: Pattern, size: float, work: Workspace) -> float:
 
 @compiled
 def largest_coordinate(bodies: Bodies, state: State) -> float:
-    """What positions are rounded against: the distance from the origin, or the size of the model."""
+    """The distance from the origin, or the size of the model: positions are rounded against it."""
     largest = bodies.size
     for b in range(len(state.bodies.x)):
         for i in range(3):

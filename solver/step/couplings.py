@@ -125,7 +125,7 @@ def spring_energy(couplings: Couplings, work: Workspace) -> float:
 
 @compiled
 def linearize_couplings(system: System, state: State, work: Workspace) -> None:
-    """B, B_rate and A of all rows, and K += the tangents of the wrenches at constant multipliers."""
+    """B, B_rate, A of all rows, and K += the tangents of the wrenches at constant multipliers."""
     couplings, frames, h = system.couplings, system.frames, system.scheme.h
     rows, out = couplings.rows, work.couplings
     for j in range(len(couplings.range) - 1):
@@ -263,7 +263,7 @@ def move_multipliers(system: System, h2: float, state: State, work: Workspace) -
 def relative_coupling_residual(
     system: System, length: float, angle: float, reach: float, at_rest: bool, work: Workspace
 ) -> float:
-    """The largest residual: constraints over the motion of the step, force laws over their terms."""
+    """The largest residual: constraints over the motion of the step, laws over their terms."""
     couplings, out, tolerance = system.couplings, work.couplings, system.newton.tolerance
     worst = 0.0
     for j in range(len(couplings.range) - 1):

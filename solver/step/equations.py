@@ -52,7 +52,7 @@ def evaluate(system: System, state: State, work: Workspace) -> None:
 
 @entry
 def linearize(system: System, state: State, work: Workspace) -> None:
-    """B and A of all rows at the state that `evaluate` has seen last, and K, alone in the matrix."""
+    """B and A of all rows at the state that `evaluate` saw last, and K, alone in the matrix."""
     frames, pattern = system.frames, system.pattern
     if system.couplings.n_compliant:
         map_frame_velocities(frames, system.scheme.gamma_prime, state, work)

@@ -332,8 +332,9 @@ def add_pair_tangent(
     stride: int,
     work: Workspace,
 ) -> None:
-    """Add the part of `work.frames.pair_tangent` that begins at first_f, first_g to a block between the
-    bodies of f and g.
+    """Add a part of `work.frames.pair_tangent` to a block between the bodies of f and g.
+
+    The part begins at first_f, first_g.
     """
     for i in range(width(frames, f)):
         target = start + stride * coordinate(frames, f, i)

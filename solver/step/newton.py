@@ -104,7 +104,7 @@ def correct(system: System, state: State, work: Workspace) -> float:
 
 @compiled
 def _restart(system: System, state: State, work: Workspace) -> None:
-    """The safest guess: no accelerations, displacements and multipliers of the start of the step."""
+    """The safest guess: no accelerations, and displacements and multipliers of the step before."""
     state.bodies.v_dot[:] = 0.0
     accelerate(system.scheme, state, work)
     copy(work.interfaces.u_n, state.interfaces.u)

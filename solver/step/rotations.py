@@ -129,7 +129,7 @@ def quaternion_exponential(psi: Array, out: Array) -> None:
 
 @compiled
 def quaternion_product(p: Array, q: Array, out: Array) -> None:
-    """The rotation q followed, in space, by p: R(out) = R(p) R(q). `out` must be neither p nor q."""
+    """The rotation q followed, in space, by p: R(out) = R(p) R(q); `out` is neither p nor q."""
     out[0] = p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3]
     out[1] = p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2]
     out[2] = p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1]

@@ -1,4 +1,4 @@
-"""The arrays of a time step: what it reads (`System`), what it moves (`State`), scratch (`Workspace`).
+"""The arrays of a time step: what it reads (`System`) and moves (`State`), scratch (`Workspace`).
 
 Each is nested by contributor: bodies, frames, interfaces and modes of flexible bodies, couplings,
 loads. These declarations are the one place where arrays are listed; `Struct.allocate` makes room.
@@ -93,8 +93,10 @@ class Rows(Struct):
 class Laws(Struct):
     """Force laws of compliant rows: a linear one of all rows of a coupling, and one of each row.
 
-    The law of row i, j over the rows of the same coupling:
-    lambda_i = -sum_j (stiffness_ij (c_j - rest_j) + damping_ij dc_j/dt) - law_i(c_i - rest_i, dc_i/dt)
+        lambda_i = -sum_j (stiffness_ij (c_j - rest_j) + damping_ij dc_j/dt)
+                   - law_i(c_i - rest_i, dc_i/dt)
+
+    for row i, with j over the rows of the same coupling.
     """
 
     rest: Array = array("n_i")
