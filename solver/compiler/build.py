@@ -5,8 +5,9 @@ address and dimensions, so that nothing is passed by value but a few numbers; al
 become one module, which LLVM optimizes and emits once. If anything of numba used here has changed,
 `object_file` takes the stock compiler instead.
 
-Used of numba (seen with 0.60 and 0.68): the typing and target contexts of the CPU, type models,
-attribute and operator templates, `CPUDispatcher`, the default pipeline, `JITCodeLibrary`.
+Used of numba (tried with 0.60, 0.61, 0.63 and 0.68): the typing and target contexts of the CPU,
+type models, attribute and operator templates, `CPUDispatcher`, the default pipeline and
+`JITCodeLibrary`.
 """
 
 import gc

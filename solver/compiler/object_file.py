@@ -74,7 +74,7 @@ def load() -> None:
                 if compiler == "quick":
                     raise
                 _announce(f"the quick compiler does not know this numba: {error}")
-        _announce("compiling by numba's public interface: about four minutes, kept for later runs")
+        _announce("numba's public interface compiles now: three to four minutes, kept for later")
         _load_stock()
 
 
@@ -255,7 +255,10 @@ def _bind(code: bytes) -> None:
     """Load an object file and give every entry its function."""
     engine = engine_of(code)
     for entry in marks.ENTRIES.values():
-        entry.bind(engine.get_function_address(entry.symbol))
+        address = engine.get_function_address(entry.symbol)
+        if not address:
+            raise LookupError(f"{entry.symbol} was registered after the object file was named")
+        entry.bind(address)
 
 
 def engine_of(code: bytes) -> Any:

@@ -1,7 +1,8 @@
-"""The same functions compiled by numba's public interface alone: slower to compile, same results.
+"""The same functions compiled by numba's public interface alone, in minutes.
 
 Records become named tuples of numbers and arrays, which numba passes value by value: this is what
-takes minutes. `build` makes the same code in seconds, out of numba's internals.
+takes so long. `build` makes such code in seconds, by numba's internals; the results of both differ
+by rounding, for sums may be reordered.
 """
 
 from collections import namedtuple
