@@ -7,7 +7,7 @@ from .rotations import relative_rotation
 from .system import Loads, State, System, Workspace
 from .vectors import UNITS, Vector, add_to_row, cross, rotate, row, scale
 
-NONE = (0.0, 0.0, 0.0)
+ZERO = (0.0, 0.0, 0.0)
 
 
 @compiled
@@ -37,13 +37,12 @@ def linearize_loads(system: System, state: State, work: Workspace) -> None:
         vector = load_vector(loads, m, work)
         for i in range(3):
             turned = cross(UNITS[i], vector)
-            force, moment = (NONE, turned) if loads.torque[m] else (turned, NONE)
-            pull_back(frames, f, force, moment, state, work, half[i, :12])
+            wrench = (ZERO, turned) if loads.torque[m] else (turned, ZERO)
+            pull_back(frames, f, wrench, state, work, half[i, :12])
         for z in range(12):
             moment = (half[0, z], half[1, z], half[2, z])
-            pull_back(frames, f, NONE, moment, state, work, tangent[z, :12])
-        place = pattern.body_block[frames.body[f]]
-        add_pair_tangent(frames, f, f, 0, 0, place[0], place[1], work)
+            pull_back(frames, f, (ZERO, moment), state, work, tangent[z, :12])
+        add_pair_tangent(frames, (f, f), (0, 0), pattern.body_block[frames.body[f]], work)
 
 
 @compiled

@@ -1,5 +1,4 @@
-"""Primitive rows: scalar coordinates of a pair of frames A and B, with gradients and second
-derivatives.
+"""Primitive rows: scalar coordinates of two frames A and B, with gradients and tangents.
 
 With a = D_A a_A, a' = D_A a'_A, b = D_B b_B carried by the frames, and Delta = r_B - r_A, all in
 space:
@@ -7,7 +6,9 @@ space:
     translation   c = a . Delta             gradient: r_A: -a,  theta_A: a x Delta,  r_B: a
     rotation      c = a . b                 gradient: theta_A: a x b,  theta_B: -a x b
     distance      c = |Delta|               gradient: r_A: -n,  r_B: n,  n = Delta / |Delta|
-    angle         c = atan2(a' . b, a . b)  gradient: from those of the two rotation rows; continued over full turns
+    angle         c = atan2(a' . b, a . b)  gradient: from those of the two rotation rows
+
+Angles are continued over full turns. In code f and g are the numbers of frames A and B.
 
 A wrench lambda times the gradient changes, at constant lambda, by lambda times the tangent H (12,
 12) of the row: with N(a, b) = skew(b) skew(a) = a b^T - (a . b) I, d(a x b) = N dtheta_A - N^T
@@ -30,28 +31,27 @@ def measures_length(kind: int) -> bool:
 
 
 @compiled
-def carried_axis(rows: Rows, i: int, turn: float) -> Vector:
+def carried_axis(rows: Rows, i: int, angle: float) -> Vector:
     """The axis of row i in frame A, turned by an angle from a towards a'."""
     a = row(rows.a, i)
-    return (
-        add(scale(math.cos(turn), a), scale(math.sin(turn), row(rows.a_turned, i)))
-        if turn != 0.0
-        else a
-    )
+    if angle == 0.0:
+        return a
+    return add(scale(math.cos(angle), a), scale(math.sin(angle), row(rows.a_turned, i)))
 
 
 @compiled
 def evaluate_row(
-    rows: Rows, i: int, turn: float, near: float, work: Workspace, gradient: Array
+    rows: Rows, i: int, angle: float, near: float, work: Workspace, gradient: Array
 ) -> float:
-    """The value of row i, for an angle the one nearest to `near`; its gradient (12,) by (r, theta)
-    of A and B.
+    """The value of row i, and its gradient (12,) by (r, theta) of A and B.
+
+    angle: by which the axis in A is turned; near: of the values of an angle, the nearest to it.
     """
-    A, B, kind = rows.frame_a[i], rows.frame_b[i], rows.kind[i]
+    f, g, kind = rows.frame_a[i], rows.frame_b[i], rows.kind[i]
     gradient[:] = 0.0
     if kind == TRANSLATION:
-        delta = subtract(row(work.frames.r, B), row(work.frames.r, A))
-        a = rotate(work.frames.D, A, carried_axis(rows, i, 0.0))
+        delta = subtract(row(work.frames.r, g), row(work.frames.r, f))
+        a = rotate(work.frames.D, f, carried_axis(rows, i, 0.0))
         lever = cross(a, delta)
         for k in range(3):
             gradient[k] = -a[k]
@@ -59,19 +59,17 @@ def evaluate_row(
             gradient[6 + k] = a[k]
         return dot(a, delta)
     if kind == DISTANCE:
-        delta = subtract(row(work.frames.r, B), row(work.frames.r, A))
+        delta = subtract(row(work.frames.r, g), row(work.frames.r, f))
         length = math.sqrt(dot(delta, delta))
         for k in range(3):
             gradient[k] = -delta[k] / length
             gradient[6 + k] = delta[k] / length
         return length
-    a, b = (
-        rotate(work.frames.D, A, carried_axis(rows, i, turn)),
-        rotate(work.frames.D, B, row(rows.b, i)),
-    )
+    a = rotate(work.frames.D, f, carried_axis(rows, i, angle))
+    b = rotate(work.frames.D, g, row(rows.b, i))
     normal, value = cross(a, b), dot(a, b)
     if kind == ANGLE:
-        turned = rotate(work.frames.D, A, row(rows.a_turned, i))
+        turned = rotate(work.frames.D, f, row(rows.a_turned, i))
         sine, cosine = dot(turned, b), value
         square = sine * sine + cosine * cosine
         normal = scale(1.0 / square, subtract(scale(cosine, cross(turned, b)), scale(sine, normal)))
@@ -85,24 +83,24 @@ def evaluate_row(
 
 @compiled
 def add_row_tangent(
-    rows: Rows, i: int, turn: float, factor: float, work: Workspace, H: Array
+    rows: Rows, i: int, angle: float, factor: float, work: Workspace, H: Array
 ) -> None:
     """H += factor times the tangent of row i."""
-    A, B, kind = rows.frame_a[i], rows.frame_b[i], rows.kind[i]
+    f, g, kind = rows.frame_a[i], rows.frame_b[i], rows.kind[i]
     if kind == TRANSLATION:
-        delta = subtract(row(work.frames.r, B), row(work.frames.r, A))
-        f = scale(factor, rotate(work.frames.D, A, carried_axis(rows, i, 0.0)))
+        delta = subtract(row(work.frames.r, g), row(work.frames.r, f))
+        lam_a = scale(factor, rotate(work.frames.D, f, carried_axis(rows, i, 0.0)))
         for j in range(3):
-            f_e = cross(f, UNITS[j])
-            turned = cross(delta, f_e)
+            axis_e = cross(lam_a, UNITS[j])
+            turned = cross(delta, axis_e)
             for k in range(3):
-                H[k, 3 + j] += f_e[k]
-                H[6 + k, 3 + j] -= f_e[k]
-                H[3 + k, j] -= f_e[k]
-                H[3 + k, 6 + j] += f_e[k]
+                H[k, 3 + j] += axis_e[k]
+                H[6 + k, 3 + j] -= axis_e[k]
+                H[3 + k, j] -= axis_e[k]
+                H[3 + k, 6 + j] += axis_e[k]
                 H[3 + k, 3 + j] += turned[k]
     elif kind == DISTANCE:
-        delta = subtract(row(work.frames.r, B), row(work.frames.r, A))
+        delta = subtract(row(work.frames.r, g), row(work.frames.r, f))
         length = math.sqrt(dot(delta, delta))
         n = scale(1.0 / length, delta)
         for j in range(3):
@@ -113,12 +111,12 @@ def add_row_tangent(
                 H[k, 6 + j] -= value
                 H[6 + k, j] -= value
     else:
-        b = rotate(work.frames.D, B, row(rows.b, i))
-        a = rotate(work.frames.D, A, carried_axis(rows, i, turn))
+        b = rotate(work.frames.D, g, row(rows.b, i))
+        a = rotate(work.frames.D, f, carried_axis(rows, i, angle))
         if kind == ROTATION:
             _add_rotation(a, b, factor, H)
         else:
-            _add_angle(a, rotate(work.frames.D, A, row(rows.a_turned, i)), b, factor, H)
+            _add_angle(a, rotate(work.frames.D, f, row(rows.a_turned, i)), b, factor, H)
 
 
 @compiled
@@ -135,7 +133,7 @@ def _add_rotation(a: Vector, b: Vector, factor: float, H: Array) -> None:
 
 @compiled
 def _add_angle(a: Vector, turned: Vector, b: Vector, factor: float, H: Array) -> None:
-    """Of theta = atan2(s, c), with q = s^2 + c^2.
+    """H += factor times the tangent of theta = atan2(s, c), with q = s^2 + c^2.
 
     The gradient is (c g_s - s g_c) / q, with the gradients g of s and c; its derivative has the
     terms of H_s, H_c and those of the factors: d(c/q) = ((s^2 - c^2) dc - 2 s c ds) / q^2 and
