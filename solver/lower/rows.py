@@ -72,20 +72,22 @@ def coupling_rows(coupling: Joint | PrescribedMotion | Spring, sides: Sides) -> 
 def joint_rows(joint: Joint, sides: Sides) -> list[Row]:
     """Constraints of a joint: its table, then its drives.
 
-    Of a joint with the ground the axes turn with the body, as all else that it feels: any lower
-    pair reads the same from both sides.
+    Of a joint with the ground the axes turn with the body, as all else that it feels: rows read the
+    same from both sides, e_i(A) . e_j(B) as e_j(B) . e_i(A).
     """
-    if sides.fixed_a and joint.distance is None and joint.angle is None:
-        return [replace(row, swapped=True) for row in joint_rows(joint, sides.swapped())]
+    kind, rotations = joint.kind, joint.kind.rotations
+    turned = sides.fixed_a and joint.distance is None and joint.angle is None
+    if turned:
+        sides, rotations = sides.swapped(), tuple((j, i) for i, j in rotations)
     in_a, in_b = sides.carried(joint.basis())
     A, B = sides.A, sides.B
-    rows = [Row(Translation.number, A, B, in_a[:, k]) for k in joint.kind.translations]
-    rows += [Row(Rotation.number, A, B, in_a[:, i], b=in_b[:, j]) for i, j in joint.kind.rotations]
+    rows = [Row(Translation.number, A, B, in_a[:, k]) for k in kind.translations]
+    rows += [Row(Rotation.number, A, B, in_a[:, i], b=in_b[:, j]) for i, j in rotations]
     if joint.distance is not None:
         rows.append(Row(Translation.number, A, B, in_a[:, 2], drive=joint.distance))
     if joint.angle is not None:
         rows.append(_driven_angle(A, B, in_a, in_b, joint.angle))
-    return rows
+    return [replace(row, swapped=turned) for row in rows]
 
 
 def _driven_angle(A: int, B: int, in_a: Array, in_b: Array, angle: SmoothSignal) -> Row:

@@ -1,11 +1,12 @@
 """Rigid motion of bodies: its generalized-alpha steps, inertia, energy and momentum.
 
     residual = J v_dot + v~ J v - f_r        f_r: loads, couplings, gravity
-    h^2 S_rr = h^2 beta' m I on X,
-               h^2 (beta' J + gamma' (omega~ J - (J omega)~)) T^-1(psi) on Theta
+    h^2 S_rr = h^2 beta' m I                                             on X
+               h^2 (beta' J + gamma' (omega~ J - (J omega)~)) T^-1(psi)  on Theta
 
-with delta X = R^T delta x and delta Theta = T(psi) delta psi. Source: docs/theory.md, The time
-step.
+with delta X = R^T delta x and delta Theta = T(psi) delta psi.
+
+Source: docs/theory.md, The time step.
 """
 
 from ..arrays import Array
@@ -73,9 +74,9 @@ def accelerate(scheme: Scheme, state: State, work: Workspace) -> None:
         for i in range(6):
             motion.v[b, i] = predicted.v_predicted[b, i] + slope * motion.v_dot[b, i]
         for i in range(3):
-            change, turn = motion.v_dot[b, i], motion.v_dot[b, 3 + i]
-            motion.x[b, i] = predicted.x_predicted[b, i] + change / scheme.beta_prime
-            predicted.psi[b, i] = predicted.psi_predicted[b, i] + turn / scheme.beta_prime
+            linear, angular = motion.v_dot[b, i], motion.v_dot[b, 3 + i]
+            motion.x[b, i] = predicted.x_predicted[b, i] + linear / scheme.beta_prime
+            predicted.psi[b, i] = predicted.psi_predicted[b, i] + angular / scheme.beta_prime
         set_rotation(b, state, work)
 
 
@@ -108,7 +109,7 @@ def move_body(b: int, first: int, scheme: Scheme, state: State, work: Workspace)
 
 @entry
 def set_rotations(state: State, work: Workspace) -> None:
-    """Of all bodies from psi."""
+    """The rotations of all bodies from psi."""
     for b in range(len(state.bodies.x)):
         set_rotation(b, state, work)
 
@@ -151,11 +152,11 @@ def add_inertia(system: System, state: State, work: Workspace) -> None:
         start, stride = pattern.body_block[b, 0], pattern.body_block[b, 1]
         J = bodies.J_rot[b]
         omega = spin_of(state, b)
-        momentum = rotate(bodies.J_rot, b, omega)
+        spin_momentum = rotate(bodies.J_rot, b, omega)
         for j in range(3):
             S[start + j * (stride + 1)] += h2 * scheme.beta_prime * bodies.mass[b]
             spin = cross(omega, (J[0, j], J[1, j], J[2, j]))
-            turned = cross(momentum, UNITS[j])
+            turned = cross(spin_momentum, UNITS[j])
             for i in range(3):
                 gyroscopic = scheme.gamma_prime * (spin[i] - turned[i])
                 D[i, j] = scheme.beta_prime * J[i, j] + gyroscopic
@@ -180,19 +181,20 @@ def set_body_rhs(pattern: Pattern, h2: float, state: State, work: Workspace) -> 
 
 @compiled
 def largest_correction(pattern: Pattern, size: float, work: Workspace) -> float:
-    """How far the corrections move a body, rotations taken at the size of the model."""
+    """The largest correction of a body, rotations times the size of the model [m]."""
     largest = 0.0
     for b in range(len(pattern.body)):
         first = pattern.first[pattern.body[b]]
         for i in range(3):
-            turn = size * abs(work.matrix.rhs[first + 3 + i])
-            largest = max(largest, abs(work.matrix.rhs[first + i]), turn)
+            translation = abs(work.matrix.rhs[first + i])
+            rotation = size * abs(work.matrix.rhs[first + 3 + i])
+            largest = max(largest, translation, rotation)
     return largest
 
 
 @compiled
 def largest_coordinate(bodies: Bodies, state: State) -> float:
-    """The distance from the origin, or the size of the model: positions are rounded against it."""
+    """The scale of the rounding of positions: the largest coordinate, or the size of the model."""
     largest = bodies.size
     for b in range(len(state.bodies.x)):
         for i in range(3):
@@ -208,8 +210,8 @@ def step_motion(scheme: Scheme, state: State, work: Workspace) -> tuple[float, f
     for b in range(len(motion.x)):
         for i in range(3):
             length = max(length, abs(h * motion.v[b, i]) + abs(h * h * motion.v_dot[b, i]))
-            turn = abs(work.bodies.psi[b, i]) + abs(h * h * motion.v_dot[b, 3 + i])
-            angle = max(angle, turn)
+            rotation = abs(work.bodies.psi[b, i]) + abs(h * h * motion.v_dot[b, 3 + i])
+            angle = max(angle, rotation)
     return length, angle
 
 

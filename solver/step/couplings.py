@@ -15,6 +15,7 @@ import math
 from ..compiler.marks import compiled
 from ..laws import evaluate_law
 from .frames import (
+    Pair,
     add_pair_tangent,
     coordinate,
     pull_back_pair,
@@ -28,7 +29,7 @@ from .vectors import dot, rotate, row
 
 
 @compiled
-def turn_of(couplings: Couplings, i: int, work: Workspace) -> float:
+def driven_angle(couplings: Couplings, i: int, work: Workspace) -> float:
     """The angle by which the drive of row i turns its axis."""
     d = couplings.drive[i]
     return float(work.drives.value[d]) if d >= 0 and couplings.rows.kind[i] == ROTATION else 0.0
@@ -40,17 +41,17 @@ def add_coupling_wrenches(couplings: Couplings, state: State, work: Workspace) -
     rows, out, frames, lam = couplings.rows, work.couplings, work.frames, state.couplings.lam
     for i in range(len(rows.kind)):
         gradient = out.gradient[i]
-        A, B = rows.frame_a[i], rows.frame_b[i]
+        f, g = rows.frame_a[i], rows.frame_b[i]
         near = state.couplings.coordinate[i]
-        turn = turn_of(couplings, i, work)
-        out.coordinate[i] = evaluate_row(rows, i, turn, near, work, gradient)
+        angle = driven_angle(couplings, i, work)
+        out.coordinate[i] = evaluate_row(rows, i, angle, near, work, gradient)
         rate = 0.0
         for k in range(6):
-            rate += gradient[k] * frames.V[A, k] + gradient[6 + k] * frames.V[B, k]
-            frames.wrench[A, k] += lam[i] * gradient[k]
-            frames.wrench[B, k] += lam[i] * gradient[6 + k]
+            rate += gradient[k] * frames.V[f, k] + gradient[6 + k] * frames.V[g, k]
+            frames.wrench[f, k] += lam[i] * gradient[k]
+            frames.wrench[g, k] += lam[i] * gradient[6 + k]
         out.rate[i] = rate
-        _constrain(couplings, i, work)
+        _set_constraint_residual(couplings, i, work)
     for j in range(len(couplings.range) - 1):
         first, last = couplings.range[j], couplings.range[j + 1]
         wrench = out.wrench[j]
@@ -59,11 +60,11 @@ def add_coupling_wrenches(couplings: Couplings, state: State, work: Workspace) -
             for k in range(6):
                 wrench[k] += lam[i] * out.gradient[i, couplings.second[i] + k]
             if couplings.compliant[i]:
-                _obey_law(couplings.laws, i, first, last, lam[i], work)
+                _set_law_residual(couplings.laws, i, first, last, lam[i], work)
 
 
 @compiled
-def _constrain(couplings: Couplings, i: int, work: Workspace) -> None:
+def _set_constraint_residual(couplings: Couplings, i: int, work: Workspace) -> None:
     """phi = c - s on a driven length, c elsewhere; d phi / d s of the drive."""
     out = work.couplings
     out.phi[i] = out.coordinate[i]
@@ -76,24 +77,26 @@ def _constrain(couplings: Couplings, i: int, work: Workspace) -> None:
         out.drive_slope[i] = -1.0
     else:
         ahead = carried_axis(couplings.rows, i, s + 0.5 * math.pi)
-        A, B = couplings.rows.frame_a[i], couplings.rows.frame_b[i]
-        b = rotate(work.frames.D, B, row(couplings.rows.b, i))
-        out.drive_slope[i] = dot(rotate(work.frames.D, A, ahead), b)
+        f, g = couplings.rows.frame_a[i], couplings.rows.frame_b[i]
+        b = rotate(work.frames.D, g, row(couplings.rows.b, i))
+        out.drive_slope[i] = dot(rotate(work.frames.D, f, ahead), b)
 
 
 @compiled
-def _obey_law(laws: Laws, i: int, first: int, last: int, lam: float, work: Workspace) -> None:
-    """phi, and the sum of the magnitudes of its terms."""
+def _set_law_residual(
+    laws: Laws, i: int, first: int, last: int, lam: float, work: Workspace
+) -> None:
+    """phi of a force law, and the sum of the magnitudes of its terms."""
     out = work.couplings
-    total, size = lam, abs(lam)
+    total, magnitude = lam, abs(lam)
     for j in range(first, last):
         elastic = laws.stiffness[i, j - first] * (out.coordinate[j] - laws.rest[j])
         viscous = laws.damping[i, j - first] * out.rate[j]
         total += elastic + viscous
-        size += abs(elastic) + abs(viscous)
+        magnitude += abs(elastic) + abs(viscous)
     force, _, _, _ = law_of_row(laws, i, work)
     out.phi[i] = total + force
-    out.scale[i] = size + abs(force)
+    out.scale[i] = magnitude + abs(force)
 
 
 @compiled
@@ -125,42 +128,41 @@ def spring_energy(couplings: Couplings, work: Workspace) -> float:
 
 @compiled
 def linearize_couplings(system: System, state: State, work: Workspace) -> None:
-    """B, B_rate, A of all rows, and K += the tangents of the wrenches at constant multipliers."""
+    """B, B_rate and A of all rows, and K += the tangents of wrenches at constant multipliers."""
     couplings, frames, h = system.couplings, system.frames, system.scheme.h
     rows, out = couplings.rows, work.couplings
     for j in range(len(couplings.range) - 1):
         first, last = couplings.range[j], couplings.range[j + 1]
         if first == last:  # all its rows were redundant
             continue
-        A, B = rows.frame_a[first], rows.frame_b[first]
+        pair = rows.frame_a[first], rows.frame_b[first]
         out.tangent[:] = 0.0
         for i in range(first, last):
-            pull_back_pair(frames, A, B, out.gradient[i], state, work, out.B[i])
+            pull_back_pair(frames, pair, out.gradient[i], state, work, out.B[i])
             if couplings.compliant[i]:
                 _set_rate_derivative(couplings, frames, i, state, work)
-            turn = turn_of(couplings, i, work)
-            add_row_tangent(rows, i, turn, state.couplings.lam[i], work, out.tangent)
+            angle = driven_angle(couplings, i, work)
+            add_row_tangent(rows, i, angle, state.couplings.lam[i], work, out.tangent)
         for i in range(first, last):
             _set_residual_derivative(couplings, i, first, last, h, work)
-        pull_back_tangent(frames, A, B, out.tangent, state, work)
-        _place_tangent(system, j, A, B, work)
+        pull_back_tangent(frames, pair, out.tangent, state, work)
+        _add_coupling_tangent(system, j, pair, work)
 
 
 @compiled
-def _place_tangent(system: System, j: int, A: int, B: int, work: Workspace) -> None:
+def _add_coupling_tangent(system: System, j: int, pair: Pair, work: Workspace) -> None:
     """K += `pair_tangent` in the blocks of coupling j between its bodies."""
     frames, pattern = system.frames, system.pattern
-    a, b = frames.body[A], frames.body[B]
+    f, g = pair
+    a, b = frames.body[f], frames.body[g]
     if a >= 0:
-        place = pattern.body_block[a]
-        add_pair_tangent(frames, A, A, 0, 0, place[0], place[1], work)
+        add_pair_tangent(frames, (f, f), (0, 0), pattern.body_block[a], work)
     if b >= 0:
-        place = pattern.body_block[b]
-        add_pair_tangent(frames, B, B, 12, 12, place[0], place[1], work)
+        add_pair_tangent(frames, (g, g), (12, 12), pattern.body_block[b], work)
     if a >= 0 and b >= 0:
         blocks = pattern.coupling_block[j]
-        add_pair_tangent(frames, A, B, 0, 12, blocks[0, 0], blocks[0, 1], work)
-        add_pair_tangent(frames, B, A, 12, 0, blocks[1, 0], blocks[1, 1], work)
+        add_pair_tangent(frames, (f, g), (0, 12), blocks[0], work)
+        add_pair_tangent(frames, (g, f), (12, 0), blocks[1], work)
 
 
 @compiled
@@ -169,18 +171,18 @@ def _set_rate_derivative(
 ) -> None:
     """B_rate[i]: of dc/dt = gradient . V, by the gradient (V^T H) and by V."""
     out, V = work.couplings, work.frames.V
-    A, B = couplings.rows.frame_a[i], couplings.rows.frame_b[i]
+    f, g = couplings.rows.frame_a[i], couplings.rows.frame_b[i]
     _set_row_tangent(couplings, i, work)
     for k in range(12):
         total = 0.0
         for m in range(6):
-            total += V[A, m] * out.rate_tangent[m, k] + V[B, m] * out.rate_tangent[6 + m, k]
+            total += V[f, m] * out.rate_tangent[m, k] + V[g, m] * out.rate_tangent[6 + m, k]
         out.rate_gradient[k] = total
-    pull_back_pair(frames, A, B, out.rate_gradient, state, work, out.B_rate[i])
+    pull_back_pair(frames, (f, g), out.rate_gradient, state, work, out.B_rate[i])
     for k in range(12):
         for m in range(6):
-            out.B_rate[i, k] += out.gradient[i, m] * work.frames.rate_map[A, m, k]
-            out.B_rate[i, 12 + k] += out.gradient[i, 6 + m] * work.frames.rate_map[B, m, k]
+            out.B_rate[i, k] += out.gradient[i, m] * work.frames.rate_map[f, m, k]
+            out.B_rate[i, 12 + k] += out.gradient[i, 6 + m] * work.frames.rate_map[g, m, k]
 
 
 @compiled
@@ -188,7 +190,9 @@ def _set_row_tangent(couplings: Couplings, i: int, work: Workspace) -> None:
     """`rate_tangent` = H of row i at a unit multiplier."""
     out = work.couplings
     out.rate_tangent[:] = 0.0
-    add_row_tangent(couplings.rows, i, turn_of(couplings, i, work), 1.0, work, out.rate_tangent)
+    add_row_tangent(
+        couplings.rows, i, driven_angle(couplings, i, work), 1.0, work, out.rate_tangent
+    )
 
 
 @compiled
@@ -215,25 +219,25 @@ def _set_residual_derivative(
 
 
 @compiled
-def place_rows(system: System, work: Workspace) -> None:
+def assemble_rows(system: System, work: Workspace) -> None:
     """B^T / h^2 into the rows of bodies, A and 1 for compliant rows into those of couplings."""
     couplings, frames, pattern = system.couplings, system.frames, system.pattern
     h2 = system.scheme.h * system.scheme.h
     S, derivatives = work.matrix.S, work.couplings
     for j in range(len(couplings.range) - 1):
         first, last = couplings.range[j], couplings.range[j + 1]
-        place = pattern.coupling_block[j]
+        blocks = pattern.coupling_block[j]
         for i in range(first, last):
             for side in range(2):
                 f = couplings.rows.frame_a[i] if side == 0 else couplings.rows.frame_b[i]
-                above, stride = place[2 + 2 * side, 0], place[2 + 2 * side, 1]
-                beside = place[3 + 2 * side, 0] + (i - first) * place[3 + 2 * side, 1]
+                above, stride = blocks[2 + 2 * side, 0], blocks[2 + 2 * side, 1]
+                beside = blocks[3 + 2 * side, 0] + (i - first) * blocks[3 + 2 * side, 1]
                 for k in range(width(frames, f)):
                     z = coordinate(frames, f, k)
                     S[above + z * stride + i - first] += derivatives.B[i, 12 * side + k] / h2
                     S[beside + z] += derivatives.A[i, 12 * side + k]
             if couplings.compliant[i]:
-                S[place[6, 0] + (i - first) * (place[6, 1] + 1)] = 1.0
+                S[blocks[6, 0] + (i - first) * (blocks[6, 1] + 1)] = 1.0
 
 
 @compiled
@@ -263,7 +267,7 @@ def move_multipliers(system: System, h2: float, state: State, work: Workspace) -
 def relative_coupling_residual(
     system: System, length: float, angle: float, reach: float, at_rest: bool, work: Workspace
 ) -> float:
-    """The largest residual: constraints over the motion of the step, laws over their terms."""
+    """The largest residual of constraints over the motion of the step, of laws over their terms."""
     couplings, out, tolerance = system.couplings, work.couplings, system.newton.tolerance
     worst = 0.0
     for j in range(len(couplings.range) - 1):
@@ -283,11 +287,8 @@ def relative_coupling_residual(
 @compiled
 def _law_rounding(system: System, i: int, first: int, reach: float, work: Workspace) -> float:
     """Change of the force law of row i by the rounding of positions; its rows begin at `first`."""
-    couplings, laws, gamma_prime = (
-        system.couplings,
-        system.couplings.laws,
-        system.scheme.gamma_prime,
-    )
+    couplings, gamma_prime = system.couplings, system.scheme.gamma_prime
+    laws = couplings.laws
     kind = couplings.rows.kind
     _, slope, rate_slope, _ = law_of_row(laws, i, work)
     steep = abs(slope) + gamma_prime * abs(rate_slope)
@@ -309,27 +310,27 @@ def set_convective(system: System, state: State, work: Workspace) -> None:
     couplings, out, frames = system.couplings, work.couplings, work.frames
     rows = couplings.rows
     for i in range(len(rows.kind)):
-        A, B = rows.frame_a[i], rows.frame_b[i]
+        f, g = rows.frame_a[i], rows.frame_b[i]
         _set_row_tangent(couplings, i, work)
         total = 0.0
         for k in range(12):
-            V_k = frames.V[A, k] if k < 6 else frames.V[B, k - 6]
-            A_k = frames.A[A, k] if k < 6 else frames.A[B, k - 6]
+            V_k = frames.V[f, k] if k < 6 else frames.V[g, k - 6]
+            A_k = frames.A[f, k] if k < 6 else frames.A[g, k - 6]
             total += out.gradient[i, k] * A_k
             for m in range(6):
-                by_A, by_B = out.rate_tangent[k, m], out.rate_tangent[k, 6 + m]
-                total += V_k * (by_A * frames.V[A, m] + by_B * frames.V[B, m])
+                by_f, by_g = out.rate_tangent[k, m], out.rate_tangent[k, 6 + m]
+                total += V_k * (by_f * frames.V[f, m] + by_g * frames.V[g, m])
         d = couplings.drive[i]
         if d >= 0:
             rate, acceleration = work.drives.rate[d], work.drives.acceleration[d]
             total += acceleration * out.drive_slope[i]
             if not measures_length(rows.kind[i]):
-                ahead = turn_of(couplings, i, work) + 0.5 * math.pi
+                ahead = driven_angle(couplings, i, work) + 0.5 * math.pi
                 evaluate_row(rows, i, ahead, 0.0, work, out.slope_gradient)
                 slope_rate = 0.0
                 for k in range(6):
-                    slope_rate += out.slope_gradient[k] * frames.V[A, k]
-                    slope_rate += out.slope_gradient[6 + k] * frames.V[B, k]
+                    slope_rate += out.slope_gradient[k] * frames.V[f, k]
+                    slope_rate += out.slope_gradient[6 + k] * frames.V[g, k]
                 total += 2.0 * rate * slope_rate - rate * rate * out.coordinate[i]
         out.convective[i] = total
 

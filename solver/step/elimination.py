@@ -38,7 +38,7 @@ def substitute(pattern: Pattern, S: Array, pivots: Index, x: Array) -> None:
 
 @compiled
 def _factorize_rows(pattern: Pattern, k: int, S: Array, pivots: Index) -> bool:
-    """Of the diagonal block and those to its right."""
+    """Factorize the diagonal block of node k, and apply it to the blocks on its right."""
     n, width, start, first = pattern.size[k], pattern.width[k], pattern.row[k], pattern.first[k]
     for p in range(n):
         pivot, largest = p, abs(S[start + p * width + p])
@@ -48,18 +48,18 @@ def _factorize_rows(pattern: Pattern, k: int, S: Array, pivots: Index) -> bool:
         if not largest > 0.0:
             return False
         pivots[first + p] = pivot
-        own = start + p * width
+        row_p = start + p * width
         if pivot != p:
             other = start + pivot * width
             for j in range(width):
-                S[own + j], S[other + j] = S[other + j], S[own + j]
-        S[own + p] = 1.0 / S[own + p]
+                S[row_p + j], S[other + j] = S[other + j], S[row_p + j]
+        S[row_p + p] = 1.0 / S[row_p + p]
         for i in range(p + 1, n):
             row = start + i * width
-            factor = S[row + p] * S[own + p]
+            factor = S[row + p] * S[row_p + p]
             S[row + p] = factor
             if factor != 0.0:
-                _subtract(factor, S[own + p + 1 : own + width], S[row + p + 1 : row + width])
+                _subtract(factor, S[row_p + p + 1 : row_p + width], S[row + p + 1 : row + width])
     return True
 
 
@@ -70,11 +70,11 @@ def _eliminate_below(pattern: Pattern, k: int, S: Array) -> None:
     for a in range(pattern.later_range[k], pattern.later_range[k + 1]):
         for i in range(pattern.size[pattern.later[a]]):
             for p in range(n):
-                own = start + p * width
-                factor = S[row + p] * S[own + p]
+                row_p = start + p * width
+                factor = S[row + p] * S[row_p + p]
                 S[row + p] = factor
                 if factor != 0.0:
-                    _subtract(factor, S[own + p + 1 : own + n], S[row + p + 1 : row + n])
+                    _subtract(factor, S[row_p + p + 1 : row_p + n], S[row + p + 1 : row + n])
             for s in range(pattern.segment_range[a], pattern.segment_range[a + 1]):
                 length = segment[s, 3]
                 start_of_row = segment[s, 0] + i * segment[s, 1]
@@ -94,8 +94,8 @@ def _go_forward(pattern: Pattern, k: int, S: Array, pivots: Index, x: Array) -> 
         pivot = first + pivots[first + p]
         x[first + p], x[pivot] = x[pivot], x[first + p]
     for p in range(1, n):
-        own = start + p * width
-        x[first + p] -= inner(S[own : own + p], x[first : first + p])
+        row_p = start + p * width
+        x[first + p] -= inner(S[row_p : row_p + p], x[first : first + p])
     row = pattern.lower[k]
     for a in range(pattern.later_range[k], pattern.later_range[k + 1]):
         i = pattern.later[a]
@@ -108,16 +108,16 @@ def _go_forward(pattern: Pattern, k: int, S: Array, pivots: Index, x: Array) -> 
 def _go_back(pattern: Pattern, k: int, S: Array, x: Array) -> None:
     n, width, start, first = pattern.size[k], pattern.width[k], pattern.row[k], pattern.first[k]
     for p in range(n - 1, -1, -1):
-        own = start + p * width
-        total = x[first + p] - inner(S[own + p + 1 : own + n], x[first + p + 1 : first + n])
-        column = own + n
+        row_p = start + p * width
+        total = x[first + p] - inner(S[row_p + p + 1 : row_p + n], x[first + p + 1 : first + n])
+        column = row_p + n
         for a in range(pattern.later_range[k], pattern.later_range[k + 1]):
             i = pattern.later[a]
             total -= inner(
                 S[column : column + pattern.size[i]], x[pattern.first[i] : pattern.first[i + 1]]
             )
             column += pattern.size[i]
-        x[first + p] = total * S[own + p]
+        x[first + p] = total * S[row_p + p]
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""The equations of a time step and how far a state is from satisfying them.
+"""The equations of a time step: residuals, tangent and convective terms.
 
     r_eq = J v_dot + v~ J v - f_r = 0       equilibrium of every body (bodies.py)
     phi(x, R, u, lambda, t) = 0             constraints and force laws (couplings.py)
@@ -17,8 +17,8 @@ from .bodies import (
 )
 from .couplings import (
     add_coupling_wrenches,
+    assemble_rows,
     linearize_couplings,
-    place_rows,
     relative_coupling_residual,
     set_convective,
 )
@@ -52,7 +52,7 @@ def evaluate(system: System, state: State, work: Workspace) -> None:
 
 @entry
 def linearize(system: System, state: State, work: Workspace) -> None:
-    """B and A of all rows at the state that `evaluate` saw last, and K, alone in the matrix."""
+    """B and A of all rows, and K alone in the matrix, at the state of the last `evaluate`."""
     frames, pattern = system.frames, system.pattern
     if system.couplings.n_compliant:
         map_frame_velocities(frames, system.scheme.gamma_prime, state, work)
@@ -65,16 +65,16 @@ def linearize(system: System, state: State, work: Workspace) -> None:
 @entry
 def assemble(system: System, state: State, work: Workspace) -> None:
     """The iteration matrix from K, B and A."""
-    place_rows(system, work)
+    assemble_rows(system, work)
     weigh_forces(system, work)
     add_inertia(system, state, work)
 
 
 @entry
 def convective_terms(system: System, state: State, work: Workspace) -> None:
-    """The second derivatives of all constraints that are left where no body accelerates.
+    """The second derivatives of all constraints where no body accelerates.
 
-    For a state with v_dot = 0 that `evaluate` has seen last.
+    For the state of the last `evaluate`, with v_dot = 0.
     """
     move_frame_accelerations(system.frames, system.frames.n_acting, state, work)
     set_convective(system, state, work)
@@ -84,7 +84,7 @@ def convective_terms(system: System, state: State, work: Workspace) -> None:
 def relative_residual(
     system: System, reach: float, at_rest: bool, state: State, work: Workspace
 ) -> float:
-    """The largest residual over what the tolerance is measured against; 0 at rounding.
+    """The largest residual relative to the scale of the tolerance; 0 at rounding.
 
     Equilibrium and force laws against the sum of the magnitudes of their terms; constraints and
     interface displacements against the largest motion of the step. Positions are rounded against

@@ -4,8 +4,8 @@
     delta r     = R (delta X - skew(X + u) delta Theta + delta u)           (in space)
     delta theta = R (delta Theta + T(w)^T delta w)                          (in space)
 
-with delta X = R^T delta x, so that nothing but R changes when a body turns. A force f and a moment
-m on the frame, in space, F = R^T f and M = R^T m in body axes, load the body with
+with delta X = R^T delta x, so that nothing but R changes when a body rotates. A force f and a
+moment m on the frame, in space, F = R^T f and M = R^T m in body axes, load the body with
 
     F on X,   (X + u) x F + M on Theta,   F on u,   T(w) M on w.
 
@@ -13,7 +13,7 @@ Source: docs/theory.md, Frames, joints, loads, with the rotation of the frame tu
 D_0^T W^T = R.
 """
 
-from ..arrays import Array
+from ..arrays import Array, Index
 from ..compiler.marks import compiled
 from .bodies import spin_of
 from .rotations import exponential_and_tangent, tangent_derivative, tangent_inverse
@@ -33,6 +33,11 @@ from .vectors import (
     triple,
 )
 
+Wrench = tuple[Vector, Vector]
+"""force and moment, in space"""
+Pair = tuple[int, int]
+"""of frames A and B, by their numbers"""
+
 
 @compiled
 def move_frames(frames: Frames, n: int, state: State, work: Workspace) -> None:
@@ -44,9 +49,7 @@ def move_frames(frames: Frames, n: int, state: State, work: Workspace) -> None:
         lever = row(frames.X, f)
         k = frames.dof[f]
         if k >= 0:
-            lever = add(
-                lever, (state.interfaces.u[k], state.interfaces.u[k + 1], state.interfaces.u[k + 2])
-            )
+            lever = add(lever, triple(state.interfaces.u, k))
         r = add(row(state.bodies.x, b), rotate(state.bodies.R, b, lever))
         for i in range(3):
             work.frames.lever[f, i] = lever[i]
@@ -105,34 +108,28 @@ def frame_acceleration(
 ) -> tuple[Vector, Vector]:
     """The time derivative of V of a moving frame, in space.
 
-        x'' + R (omega' x l + omega x (omega x l + 2 u') + u''),
-        R (omega' + T^T w'' + (T^T)' w' + omega x T^T w')
-
-    l: the lever X + u.
+    x'' + R (omega' x l + omega x (omega x l + 2 u') + u'')
+    R (omega' + T^T w'' + (T^T)' w' + omega x T^T w')
     """
     b = frames.body[f]
-    omega, alpha = (
-        spin_of(state, b),
-        (state.bodies.v_dot[b, 3], state.bodies.v_dot[b, 4], state.bodies.v_dot[b, 5]),
-    )
+    omega, v_dot = spin_of(state, b), state.bodies.v_dot
+    alpha = v_dot[b, 3], v_dot[b, 4], v_dot[b, 5]
     lever = row(work.frames.lever, f)
     k = frames.dof[f]
     rate = triple(state.interfaces.rate, k) if k >= 0 else (0.0, 0.0, 0.0)
     local = add(cross(alpha, lever), cross(omega, add(cross(omega, lever), scale(2.0, rate))))
-    turning = alpha
+    angular = alpha
     if k >= 0:
         local = add(local, triple(state.interfaces.acceleration, k))
         if frames.rotations[f]:
             w_rate = triple(state.interfaces.rate, k + 3)
             _tangent_slope(state, k + 3, w_rate, work)
             slope = scale(-1.0, multiply(work.frames.T_slope, w_rate))
-            turning = add(
-                turning, rotate_back(work.frames.T, f, triple(state.interfaces.acceleration, k + 3))
-            )
-            turning = add(turning, add(slope, cross(omega, rotate_back(work.frames.T, f, w_rate))))
-    return add(row(state.bodies.v_dot, b), rotate(state.bodies.R, b, local)), rotate(
-        state.bodies.R, b, turning
-    )
+            w_acceleration = triple(state.interfaces.acceleration, k + 3)
+            angular = add(angular, rotate_back(work.frames.T, f, w_acceleration))
+            angular = add(angular, add(slope, cross(omega, rotate_back(work.frames.T, f, w_rate))))
+    linear = add(row(v_dot, b), rotate(state.bodies.R, b, local))
+    return linear, rotate(state.bodies.R, b, angular)
 
 
 @compiled
@@ -157,22 +154,22 @@ def map_frame_velocities(frames: Frames, gamma_prime: float, state: State, work:
         b = frames.body[f]
         if b < 0:
             continue
-        A = work.frames.rate_map[f]
-        A[:] = 0.0
+        rate_map = work.frames.rate_map[f]
+        rate_map[:] = 0.0
         local, spin = local_velocity(frames, f, state, work)
         lever, omega = row(work.frames.lever, f), spin_of(state, b)
         tangent_inverse(work.bodies.psi[b], work.frames.T_inverse)
         for j in range(3):
             e = UNITS[j]
             d_omega = scale(gamma_prime, multiply(work.frames.T_inverse, e))
-            by_turn = rotate(state.bodies.R, b, add(cross(e, local), cross(d_omega, lever)))
-            spin_by_turn = rotate(state.bodies.R, b, add(cross(e, spin), d_omega))
+            by_rotation = rotate(state.bodies.R, b, add(cross(e, local), cross(d_omega, lever)))
+            spin_by_rotation = rotate(state.bodies.R, b, add(cross(e, spin), d_omega))
             by_u = rotate(state.bodies.R, b, add(cross(omega, e), scale(gamma_prime, e)))
             for i in range(3):
-                A[i, j] = gamma_prime * state.bodies.R[b, i, j]
-                A[i, 3 + j] = by_turn[i]
-                A[3 + i, 3 + j] = spin_by_turn[i]
-                A[i, 6 + j] = by_u[i]
+                rate_map[i, j] = gamma_prime * state.bodies.R[b, i, j]
+                rate_map[i, 3 + j] = by_rotation[i]
+                rate_map[3 + i, 3 + j] = spin_by_rotation[i]
+                rate_map[i, 6 + j] = by_u[i]
         k = frames.dof[f]
         if k >= 0 and frames.rotations[f]:
             _tangent_slope(state, k + 3, triple(state.interfaces.rate, k + 3), work)
@@ -184,7 +181,7 @@ def map_frame_velocities(frames: Frames, gamma_prime: float, state: State, work:
                 )
                 by_w = rotate(state.bodies.R, b, change)
                 for i in range(3):
-                    A[3 + i, 9 + j] = by_w[i]
+                    rate_map[3 + i, 9 + j] = by_w[i]
 
 
 @compiled
@@ -200,16 +197,14 @@ def load_bodies(frames: Frames, state: State, work: Workspace) -> None:
         b = frames.body[f]
         if b < 0:
             continue
-        force, moment = wrench(work, f)
+        force, moment = wrench_on(work, f)
         F, M = rotate_back(state.bodies.R, b, force), rotate_back(state.bodies.R, b, moment)
         about_center = cross(row(work.frames.lever, f), F)
         add_to_row(work.bodies.force, b, 0, force)
         add_to_row(work.bodies.force, b, 3, add(about_center, M))
-        work.bodies.force_scale[b, 0] += abs(F[0]) + abs(F[1]) + abs(F[2])
-        work.bodies.force_scale[b, 1] += abs(M[0]) + abs(M[1]) + abs(M[2])
-        work.bodies.force_scale[b, 1] += (
-            abs(about_center[0]) + abs(about_center[1]) + abs(about_center[2])
-        )
+        work.bodies.force_scale[b, 0] += _magnitude(F)
+        work.bodies.force_scale[b, 1] += _magnitude(M)
+        work.bodies.force_scale[b, 1] += _magnitude(about_center)
         k = frames.dof[f]
         if k >= 0:
             _add(state.interfaces.p, k, F)
@@ -229,14 +224,16 @@ def width(frames: Frames, f: int) -> int:
 
 @compiled
 def pull_back(
-    frames: Frames, f: int, force: Vector, moment: Vector, state: State, work: Workspace, out: Array
+    frames: Frames, f: int, wrench: Wrench, state: State, work: Workspace, out: Array
 ) -> None:
-    """What a wrench on frame f, in space, means for X, Theta, u and w (12,): the transpose of the
-    map of the frame.
+    """Generalized forces (12,) on X, Theta, u and w of a wrench on frame f, in space.
+
+    The transpose of the map of the frame.
     """
     b = frames.body[f]
     if b < 0:
         return
+    force, moment = wrench
     F, M = rotate_back(state.bodies.R, b, force), rotate_back(state.bodies.R, b, moment)
     about_center = add(cross(row(work.frames.lever, f), F), M)
     small = rotate(work.frames.T, f, M)
@@ -249,46 +246,47 @@ def pull_back(
 
 @compiled
 def pull_back_pair(
-    frames: Frames, A: int, B: int, gradient: Array, state: State, work: Workspace, out: Array
+    frames: Frames, pair: Pair, gradient: Array, state: State, work: Workspace, out: Array
 ) -> None:
     """A derivative by (r, theta) of two frames (12,) as one by the coordinates of both (24,)."""
-    pull_back(frames, A, triple(gradient, 0), triple(gradient, 3), state, work, out[:12])
-    pull_back(frames, B, triple(gradient, 6), triple(gradient, 9), state, work, out[12:])
+    first = triple(gradient, 0), triple(gradient, 3)
+    second = triple(gradient, 6), triple(gradient, 9)
+    pull_back(frames, pair[0], first, state, work, out[:12])
+    pull_back(frames, pair[1], second, state, work, out[12:])
 
 
 @compiled
-def pull_back_tangent(
-    frames: Frames, A: int, B: int, H: Array, state: State, work: Workspace
-) -> None:
+def pull_back_tangent(frames: Frames, pair: Pair, H: Array, state: State, work: Workspace) -> None:
     """`pair_tangent` = map^T H map for H (12, 12) by (delta r, delta theta) of two frames."""
-    half, pair = work.frames.half_tangent, work.frames.pair_tangent
+    half, tangent = work.frames.half_tangent, work.frames.pair_tangent
     for k in range(12):
-        for f, first in ((A, 0), (B, 6)):
-            force = (H[first, k], H[first + 1, k], H[first + 2, k])
-            moment = (H[first + 3, k], H[first + 4, k], H[first + 5, k])
-            pull_back(frames, f, force, moment, state, work, half[k, 2 * first : 2 * first + 12])
+        for f, n in ((pair[0], 0), (pair[1], 6)):
+            pull_back(frames, f, _column(H, n, k), state, work, half[k, 2 * n : 2 * n + 12])
     for z in range(24):
-        for f, first in ((A, 0), (B, 6)):
-            force = (half[first, z], half[first + 1, z], half[first + 2, z])
-            moment = (half[first + 3, z], half[first + 4, z], half[first + 5, z])
-            pull_back(frames, f, force, moment, state, work, pair[z, 2 * first : 2 * first + 12])
+        for f, n in ((pair[0], 0), (pair[1], 6)):
+            pull_back(frames, f, _column(half, n, z), state, work, tangent[z, 2 * n : 2 * n + 12])
+
+
+@compiled
+def _column(H: Array, n: int, k: int) -> Wrench:
+    """Rows n to n + 5 of column k."""
+    return (H[n, k], H[n + 1, k], H[n + 2, k]), (H[n + 3, k], H[n + 4, k], H[n + 5, k])
 
 
 @compiled
 def add_frame_tangents(frames: Frames, pattern: Pattern, state: State, work: Workspace) -> None:
-    """K += derivative of the map of the frames under their present wrenches, held constant in
-    space.
+    """K += the derivative of the map of the frames, under wrenches held constant in space.
 
-        d(f_Theta) = -F x du + ((X + u) x (F x .) + M x .) dTheta,   d(p_u) = F x dTheta
-        d(p_w) = d(T(w) M)/dw dw + T(w) (M x dTheta)
+    d(f_Theta) = -F x du + ((X + u) x (F x .) + M x .) dTheta,   d(p_u) = F x dTheta
+    d(p_w) = d(T(w) M)/dw dw + T(w) (M x dTheta)
     """
     for f in range(frames.n_acting):
         b = frames.body[f]
         if b < 0:
             continue
         start, stride = pattern.body_block[b, 0], pattern.body_block[b, 1]
-        turn = start + 3 * stride + 3
-        force, moment = wrench(work, f)
+        rotation = start + 3 * stride + 3
+        force, moment = wrench_on(work, f)
         F, M = rotate_back(state.bodies.R, b, force), rotate_back(state.bodies.R, b, moment)
         lever = row(work.frames.lever, f)
         z = frames.column[f]
@@ -296,17 +294,14 @@ def add_frame_tangents(frames: Frames, pattern: Pattern, state: State, work: Wor
         for j in range(3):
             e = UNITS[j]
             dF, dM = cross(F, e), cross(M, e)
-            _add_to_column(work.matrix.S, turn + j, stride, add(cross(lever, dF), dM))
+            _add_to_column(work.matrix.S, rotation + j, stride, add(cross(lever, dF), dM))
             if z >= 0:
                 _add_to_column(work.matrix.S, start + 3 * stride + z + j, stride, scale(-1.0, dF))
                 _add_to_column(work.matrix.S, start + z * stride + 3 + j, stride, dF)
             if small:
-                _add_to_column(
-                    work.matrix.S,
-                    start + (z + 3) * stride + 3 + j,
-                    stride,
-                    rotate(work.frames.T, f, dM),
-                )
+                by_rotation = rotate(work.frames.T, f, dM)
+                target = start + (z + 3) * stride + 3 + j
+                _add_to_column(work.matrix.S, target, stride, by_rotation)
         if small:
             k = frames.dof[f] + 3
             for i in range(3):
@@ -315,33 +310,26 @@ def add_frame_tangents(frames: Frames, pattern: Pattern, state: State, work: Wor
                 state.interfaces.u[k : k + 3], work.frames.moment, work.frames.T_slope
             )
             for i in range(3):
+                target = start + (z + 3 + i) * stride + z + 3
                 for j in range(3):
-                    work.matrix.S[start + (z + 3 + i) * stride + z + 3 + j] += work.frames.T_slope[
-                        i, j
-                    ]
+                    work.matrix.S[target + j] += work.frames.T_slope[i, j]
 
 
 @compiled
 def add_pair_tangent(
-    frames: Frames,
-    f: int,
-    g: int,
-    first_f: int,
-    first_g: int,
-    start: int,
-    stride: int,
-    work: Workspace,
+    frames: Frames, pair: Pair, first: Pair, block: Index, work: Workspace
 ) -> None:
-    """Add a part of `work.frames.pair_tangent` to a block between the bodies of f and g.
+    """Add entries of `work.frames.pair_tangent` to a block between the bodies of two frames.
 
-    The part begins at first_f, first_g.
+    first: row and column of these entries; block (2,): first number and row distance of the block.
     """
+    f, g = pair
+    tangent = work.frames.pair_tangent
     for i in range(width(frames, f)):
-        target = start + stride * coordinate(frames, f, i)
+        target = block[0] + block[1] * coordinate(frames, f, i)
         for j in range(width(frames, g)):
-            work.matrix.S[target + coordinate(frames, g, j)] += work.frames.pair_tangent[
-                first_f + i, first_g + j
-            ]
+            column = coordinate(frames, g, j)
+            work.matrix.S[target + column] += tangent[first[0] + i, first[1] + j]
 
 
 @compiled
@@ -351,9 +339,15 @@ def coordinate(frames: Frames, f: int, i: int) -> int:
 
 
 @compiled
-def wrench(work: Workspace, f: int) -> tuple[Vector, Vector]:
+def wrench_on(work: Workspace, f: int) -> Wrench:
+    """Force and moment on frame f, in space."""
     w = work.frames.wrench
     return (w[f, 0], w[f, 1], w[f, 2]), (w[f, 3], w[f, 4], w[f, 5])
+
+
+@compiled
+def _magnitude(a: Vector) -> float:
+    return abs(a[0]) + abs(a[1]) + abs(a[2])
 
 
 @compiled

@@ -129,14 +129,13 @@ def linearize_loads(system: System, state: State, work: Workspace) -> None:
             continue
         for j in range(6):
             vector = (H[0, j], H[1, j], H[2, j])
-            force, moment = (ZERO, vector) if loads.moment[m] else (vector, ZERO)
-            pull_back(frames, f, force, moment, state, work, half[j, :12])
+            wrench = (ZERO, vector) if loads.moment[m] else (vector, ZERO)
+            pull_back(frames, f, wrench, state, work, half[j, :12])
         for z in range(12):
             by_r = (half[0, z], half[1, z], half[2, z])
             by_theta = (half[3, z], half[4, z], half[5, z])
-            pull_back(frames, f, by_r, by_theta, state, work, tangent[z, :12])
-        place = pattern.body_block[frames.body[f]]
-        add_pair_tangent(frames, f, f, 0, 0, place[0], place[1], work)
+            pull_back(frames, f, (by_r, by_theta), state, work, tangent[z, :12])
+        add_pair_tangent(frames, (f, f), (0, 0), pattern.body_block[frames.body[f]], work)
 
 
 @compiled

@@ -15,7 +15,7 @@ from .system import Inputs, Run, State, System, Workspace
 
 @entry
 def advance(run: Run, inputs: Inputs) -> tuple[int, float]:
-    """Take one step per row of the inputs: how many were taken, and the residual of the last.
+    """Take one step per row of the inputs: the number of steps taken, the residual of the last.
 
     Fewer than asked where Newton's method failed.
     """
@@ -45,7 +45,7 @@ def advance(run: Run, inputs: Inputs) -> tuple[int, float]:
 
 @compiled
 def prepare(system: System, state: State, work: Workspace) -> None:
-    """As much of a step as goes before its inputs are known: its free response, a prediction.
+    """The beginning of a step that needs no inputs: its free response and a prediction.
 
     Where the number of iterations is fixed, the factors of their matrix too.
     """
@@ -60,7 +60,7 @@ def prepare(system: System, state: State, work: Workspace) -> None:
 
 @compiled
 def _finish(system: System, state: State, work: Workspace) -> None:
-    """What follows from the converged state: history, accelerations, and the work of the step."""
+    """Update history, accelerations and the work of the step from the converged state."""
     finish_history(system.elastic, system.scheme, state, work)
     finish_bodies(system.scheme, state)
     finish_interfaces(system.scheme, state, work)

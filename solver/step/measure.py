@@ -1,4 +1,4 @@
-"""How large a residual is beside what it is measured against, and beside rounding."""
+"""Relative residuals, with the rounding of their terms."""
 
 import math
 

@@ -28,9 +28,9 @@ from .system import State, System, Workspace
 PRECISION = 1e-15
 """the last correction, relative to positions, of a state as near as rounding allows"""
 STALLED = 0.5
-"""ratio of successive corrections from which on others bring nothing"""
+"""ratio of successive corrections above which more of them do not help"""
 LOST = 1.0
-"""relative residual with which a given number of corrections has led nowhere"""
+"""relative residual at which a fixed number of iterations has failed"""
 
 
 @compiled
@@ -38,9 +38,9 @@ def converge(system: System, state: State, work: Workspace) -> tuple[int, float,
     """Newton's method from the predicted state: iterations, relative residual, True if converged.
 
     Errors of old factors do not square, so it goes on below the tolerance until the corrections
-    come to rest. Where old factors, or the accelerations that the step began with, lead nowhere, it
+    no longer shrink. Where it fails with old factors, or from the predicted accelerations, it
     starts once more from zero accelerations and makes every matrix anew. After
-    `newton.fixed_iterations`, where given, it takes what it has.
+    `newton.fixed_iterations` iterations, where that is set, it returns the state as it is.
     """
     newton, matrix = system.newton, work.matrix
     reuse = newton.reuse
@@ -77,7 +77,7 @@ def converge(system: System, state: State, work: Workspace) -> tuple[int, float,
 
 @entry
 def renew(system: System, state: State, work: Workspace) -> bool:
-    """The factors of the iteration matrix at the state that `evaluate` has seen last.
+    """The factors of the iteration matrix at the state of the last `evaluate`.
 
     False if it is singular.
     """
@@ -104,7 +104,7 @@ def correct(system: System, state: State, work: Workspace) -> float:
 
 @compiled
 def _restart(system: System, state: State, work: Workspace) -> None:
-    """The safest guess: no accelerations, and displacements and multipliers of the step before."""
+    """The safest guess: no accelerations, displacements and multipliers of the last step."""
     state.bodies.v_dot[:] = 0.0
     accelerate(system.scheme, state, work)
     copy(work.interfaces.u_n, state.interfaces.u)

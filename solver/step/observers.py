@@ -1,4 +1,4 @@
-"""Joint coordinates that are only watched; angles go on over full turns."""
+"""Joint coordinates that are only observed; angles are continued over full turns."""
 
 from ..arrays import Array
 from ..compiler.marks import compiled, entry
@@ -9,7 +9,7 @@ from .system import Rows, State, System, Workspace
 
 @compiled
 def follow_coordinates(observers: Rows, state: State, work: Workspace) -> None:
-    """Coordinates of a step that is not recorded, which tell the turns of the next."""
+    """Coordinates of a step that is not recorded, from which the next ones are continued."""
     values, gradient = state.observers.value, work.observers.gradient
     for i in range(len(observers.kind)):
         values[i] = evaluate_row(observers, i, 0.0, values[i], work, gradient)
@@ -20,12 +20,12 @@ def observe(observers: Rows, state: State, work: Workspace, values: Array, rates
     """Coordinates and their rates."""
     gradient, V = work.observers.gradient, work.frames.V
     for i in range(len(observers.kind)):
-        A, B = observers.frame_a[i], observers.frame_b[i]
+        f, g = observers.frame_a[i], observers.frame_b[i]
         values[i] = evaluate_row(observers, i, 0.0, state.observers.value[i], work, gradient)
         state.observers.value[i] = values[i]
         rates[i] = 0.0
         for k in range(6):
-            rates[i] += gradient[k] * V[A, k] + gradient[6 + k] * V[B, k]
+            rates[i] += gradient[k] * V[f, k] + gradient[6 + k] * V[g, k]
 
 
 @entry
@@ -33,7 +33,7 @@ def linearize_observers(system: System, state: State, work: Workspace) -> None:
     """Coordinates nearest to those of the last step, and their derivatives B."""
     observers, out = system.observers, work.observers
     for i in range(len(observers.kind)):
-        A, B = observers.frame_a[i], observers.frame_b[i]
+        f, g = observers.frame_a[i], observers.frame_b[i]
         near = state.observers.value[i]
         out.value[i] = evaluate_row(observers, i, 0.0, near, work, out.gradient)
-        pull_back_pair(system.frames, A, B, out.gradient, state, work, out.B[i])
+        pull_back_pair(system.frames, (f, g), out.gradient, state, work, out.B[i])

@@ -1,5 +1,4 @@
-"""Finite rotations: rotation vectors, unit quaternions (w, x, y, z), and the tangent of the
-exponential map.
+"""Finite rotations: rotation vectors, unit quaternions (w, x, y, z), tangents of the exponential.
 
 Conventions: skew(a) b = a x b; R maps body to space; delta R = R skew(delta Theta) with delta Theta
 material; delta Theta = T(psi) delta psi with the material (right) tangent T. Source: methods,
@@ -41,8 +40,9 @@ def stumpff(square: float) -> tuple[float, float, float, float, float, float]:
 
 @compiled
 def _polynomial(psi: Array, constant: float, linear: float, quadratic: float, out: Array) -> None:
-    """constant I + linear skew(psi) + quadratic skew(psi)^2, with skew(psi)^2 = psi psi^T - |psi|^2
-    I.
+    """constant I + linear skew(psi) + quadratic skew(psi)^2.
+
+    skew(psi)^2 = psi psi^T - |psi|^2 I
     """
     x, y, z = psi[0], psi[1], psi[2]
     diagonal = constant - quadratic * (x * x + y * y + z * z)
@@ -86,8 +86,9 @@ def tangent(psi: Array, out: Array) -> None:
 
 @compiled
 def tangent_inverse(psi: Array, out: Array) -> None:
-    """T^-1(psi) = I + skew(psi)/2 + (1 - (theta/2) cot(theta/2)) / theta^2 skew(psi)^2, for |psi| <
-    2 pi.
+    """The inverse tangent T^-1(psi), for |psi| < 2 pi.
+
+    I + skew(psi)/2 + (1 - (theta/2) cot(theta/2)) / theta^2 skew(psi)^2
     """
     _, _, c2, c3, c4, _ = stumpff(square_norm(psi))
     # (theta/2) cot(theta/2) = c_1 / (2 c_2), and 2 c_2 - c_1 = theta^2 (c_3 - 2 c_4)
@@ -129,7 +130,10 @@ def quaternion_exponential(psi: Array, out: Array) -> None:
 
 @compiled
 def quaternion_product(p: Array, q: Array, out: Array) -> None:
-    """The rotation q followed, in space, by p: R(out) = R(p) R(q); `out` is neither p nor q."""
+    """The rotation q followed, in space, by p: R(out) = R(p) R(q).
+
+    `out` must be neither p nor q.
+    """
     out[0] = p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3]
     out[1] = p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2]
     out[2] = p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1]

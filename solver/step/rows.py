@@ -49,18 +49,18 @@ def row_kind(*, length: bool) -> Callable[[AnyKind], AnyKind]:
 
 
 @compiled
-def carried_axis(rows: Rows, i: int, turn: float) -> Vector:
+def carried_axis(rows: Rows, i: int, angle: float) -> Vector:
     """The axis of row i in frame A, turned by an angle from a towards a'."""
     a = row(rows.a, i)
-    if turn == 0.0:
+    if angle == 0.0:
         return a
-    return add(scale(math.cos(turn), a), scale(math.sin(turn), row(rows.a_turned, i)))
+    return add(scale(math.cos(angle), a), scale(math.sin(angle), row(rows.a_turned, i)))
 
 
 @compiled
-def _axes(rows: Rows, i: int, turn: float, work: Workspace) -> tuple[Vector, Vector]:
+def _axes(rows: Rows, i: int, angle: float, work: Workspace) -> tuple[Vector, Vector]:
     """a and b in space."""
-    a = rotate(work.frames.D, rows.frame_a[i], carried_axis(rows, i, turn))
+    a = rotate(work.frames.D, rows.frame_a[i], carried_axis(rows, i, angle))
     return a, rotate(work.frames.D, rows.frame_b[i], row(rows.b, i))
 
 
@@ -78,7 +78,7 @@ class Translation:
 
     @staticmethod
     def evaluate(
-        rows: Rows, i: int, turn: float, near: float, work: Workspace, gradient: Array
+        rows: Rows, i: int, angle: float, near: float, work: Workspace, gradient: Array
     ) -> float:
         delta = _delta(rows, i, work)
         a = rotate(work.frames.D, rows.frame_a[i], row(rows.a, i))
@@ -91,7 +91,7 @@ class Translation:
 
     @staticmethod
     def add_tangent(
-        rows: Rows, i: int, turn: float, factor: float, work: Workspace, H: Array
+        rows: Rows, i: int, angle: float, factor: float, work: Workspace, H: Array
     ) -> None:
         delta = _delta(rows, i, work)
         f = scale(factor, rotate(work.frames.D, rows.frame_a[i], row(rows.a, i)))
@@ -114,17 +114,17 @@ class Rotation:
 
     @staticmethod
     def evaluate(
-        rows: Rows, i: int, turn: float, near: float, work: Workspace, gradient: Array
+        rows: Rows, i: int, angle: float, near: float, work: Workspace, gradient: Array
     ) -> float:
-        a, b = _axes(rows, i, turn, work)
+        a, b = _axes(rows, i, angle, work)
         _set_rotation_gradient(cross(a, b), gradient)
         return dot(a, b)
 
     @staticmethod
     def add_tangent(
-        rows: Rows, i: int, turn: float, factor: float, work: Workspace, H: Array
+        rows: Rows, i: int, angle: float, factor: float, work: Workspace, H: Array
     ) -> None:
-        a, b = _axes(rows, i, turn, work)
+        a, b = _axes(rows, i, angle, work)
         _add_rotation(a, b, factor, H)
 
 
@@ -136,7 +136,7 @@ class Distance:
 
     @staticmethod
     def evaluate(
-        rows: Rows, i: int, turn: float, near: float, work: Workspace, gradient: Array
+        rows: Rows, i: int, angle: float, near: float, work: Workspace, gradient: Array
     ) -> float:
         delta = _delta(rows, i, work)
         length = math.sqrt(dot(delta, delta))
@@ -147,7 +147,7 @@ class Distance:
 
     @staticmethod
     def add_tangent(
-        rows: Rows, i: int, turn: float, factor: float, work: Workspace, H: Array
+        rows: Rows, i: int, angle: float, factor: float, work: Workspace, H: Array
     ) -> None:
         delta = _delta(rows, i, work)
         length = math.sqrt(dot(delta, delta))
@@ -174,7 +174,7 @@ class Angle:
 
     @staticmethod
     def evaluate(
-        rows: Rows, i: int, turn: float, near: float, work: Workspace, gradient: Array
+        rows: Rows, i: int, angle: float, near: float, work: Workspace, gradient: Array
     ) -> float:
         a, b = _axes(rows, i, 0.0, work)
         turned = rotate(work.frames.D, rows.frame_a[i], row(rows.a_turned, i))
@@ -187,7 +187,7 @@ class Angle:
 
     @staticmethod
     def add_tangent(
-        rows: Rows, i: int, turn: float, factor: float, work: Workspace, H: Array
+        rows: Rows, i: int, angle: float, factor: float, work: Workspace, H: Array
     ) -> None:
         a, b = _axes(rows, i, 0.0, work)
         turned = rotate(work.frames.D, rows.frame_a[i], row(rows.a_turned, i))
@@ -231,13 +231,13 @@ LENGTHS = tuple(kind.number for kind in KINDS if kind.length)
 ROTATION = Rotation.number
 _evaluate = dispatcher(
     "evaluate_kind",
-    "rows, i, turn, near, work, gradient",
+    "rows, i, angle, near, work, gradient",
     [kind.evaluate for kind in KINDS],
     otherwise="0.0",
 )
 _add_tangent = dispatcher(
     "add_kind_tangent",
-    "rows, i, turn, factor, work, H",
+    "rows, i, angle, factor, work, H",
     [kind.add_tangent for kind in KINDS],
     otherwise="None",
 )
@@ -254,19 +254,19 @@ def measures_length(kind: int) -> bool:
 
 @compiled
 def evaluate_row(
-    rows: Rows, i: int, turn: float, near: float, work: Workspace, gradient: Array
+    rows: Rows, i: int, angle: float, near: float, work: Workspace, gradient: Array
 ) -> float:
     """The coordinate of row i, for an angle the value nearest to `near`, and its gradient (12,).
 
-    turn: the angle by which a drive turns the axis a.
+    angle: the angle by which a drive turns the axis a.
     """
     gradient[:] = 0.0
-    return float(_evaluate(rows.kind[i], rows, i, turn, near, work, gradient))
+    return float(_evaluate(rows.kind[i], rows, i, angle, near, work, gradient))
 
 
 @compiled
 def add_row_tangent(
-    rows: Rows, i: int, turn: float, factor: float, work: Workspace, H: Array
+    rows: Rows, i: int, angle: float, factor: float, work: Workspace, H: Array
 ) -> None:
     """H (12, 12) += factor times the tangent of row i."""
-    _add_tangent(rows.kind[i], rows, i, turn, factor, work, H)
+    _add_tangent(rows.kind[i], rows, i, angle, factor, work, H)

@@ -1,7 +1,7 @@
-"""The arrays of a time step: what it reads (`System`) and moves (`State`), scratch (`Workspace`).
+"""The arrays of a time step: the data (`System`), the state (`State`), scratch (`Workspace`).
 
 Each is nested by contributor: bodies, frames, interfaces and modes of flexible bodies, couplings,
-loads. These declarations are the one place where arrays are listed; `Struct.allocate` makes room.
+loads. These declarations alone list the arrays; `Struct.allocate` makes them.
 
 Dimensions: n_b bodies of six coordinates (delta x in space, delta Theta in body axes); n_f frames;
 n_j couplings (joints, motions, springs) of n_i rows in all, one multiplier each; n_o observers;
@@ -18,7 +18,7 @@ from ...results.schema import output_fields
 from ..arrays import Array, Index
 from ..compiler.struct import ArrayField, Struct, array
 
-# What a step reads
+# Data of the model
 
 
 class Scheme(Struct):
@@ -38,7 +38,7 @@ class Scheme(Struct):
 
 
 class Newton(Struct):
-    """How Newton's method goes on and ends."""
+    """Settings of Newton's method."""
 
     tolerance: float
     max_iterations: int
@@ -53,7 +53,7 @@ class Bodies(Struct):
     J_rot: Array = array("n_b", 3, 3)
     gravity: Array = array(3)
     size: float
-    """of the model: what turns an angle into a length (`model_size` in lower/size.py)"""
+    """of the model, the length that an angle is multiplied by (`model_size` in lower/size.py)"""
 
 
 class Frames(Struct):
@@ -77,7 +77,7 @@ class Frames(Struct):
 
 
 class Rows(Struct):
-    """Scalar coordinates of pairs of frames; rows.py says what the kinds are."""
+    """Scalar coordinates of pairs of frames; rows.py defines their kinds."""
 
     kind: Index = array("n")
     frame_a: Index = array("n")
@@ -93,10 +93,10 @@ class Rows(Struct):
 class Laws(Struct):
     """Force laws of compliant rows: a linear one of all rows of a coupling, and one of each row.
 
+    The law of row i, j over the rows of the same coupling:
+
         lambda_i = -sum_j (stiffness_ij (c_j - rest_j) + damping_ij dc_j/dt)
                    - law_i(c_i - rest_i, dc_i/dt)
-
-    for row i, with j over the rows of the same coupling.
     """
 
     rest: Array = array("n_i")
@@ -105,7 +105,7 @@ class Laws(Struct):
     number: Index = array("n_i")
     """of the law of each row alone (solver/laws)"""
     first: Index = array("n_i_1")
-    """(n_i + 1,) where the parameters of each row begin"""
+    """(n_i + 1,) the first of the parameters of each row"""
     parameters: Array = array("n")
 
 
@@ -118,7 +118,7 @@ class Couplings(Struct):
     range: Index = array("n_j_1")
     """(n_j + 1,) the rows of each coupling"""
     second: Index = array("n_i")
-    """where the second frame that the coupling names stands in the gradient: 6, or 0 if A"""
+    """offset in the gradient of the second frame that the coupling names: 6, or 0 if it is A"""
     drive: Index = array("n_i")
     """the drive of the row, -1: none"""
     compliant: Index = array("n_i")
@@ -190,8 +190,8 @@ class Pattern(Struct):
     """The iteration matrix as blocks, its nodes in the order of elimination.
 
     The rows of node k hold its diagonal block and those of `later` nodes to its right, side by
-    side; below stand the blocks of the same nodes in its columns. lower/elimination_order.py says
-    what nodes are.
+    side; below stand the blocks of the same nodes in its columns. lower/elimination_order.py
+    defines nodes.
     """
 
     size: Index = array("n")
@@ -201,9 +201,9 @@ class Pattern(Struct):
     width: Index = array("n")
     """of the rows: unknowns of the node and of the later ones"""
     row: Index = array("n")
-    """where the rows begin"""
+    """first number of the rows"""
     lower: Index = array("n")
-    """where the blocks below begin, as wide as the node"""
+    """first number of the blocks below, as wide as the node"""
     later_range: Index = array("n_1")
     later: Index = array("n_later")
     """later nodes coupled with each"""
@@ -231,13 +231,13 @@ class System(Struct):
     frames: Frames
     couplings: Couplings
     observers: Rows
-    """joint coordinates that are only watched"""
+    """joint coordinates that are only observed"""
     loads: Loads
     elastic: Elastic
     pattern: Pattern
 
 
-# What a step moves
+# The state
 
 
 class BodyState(Struct):
@@ -274,11 +274,11 @@ class PastState(Struct):
     """Past loads of bodies whose kernels are convolved."""
 
     p_rest: Array = array("n_u")
-    """loads that have always acted: the convolution leaves them out ..."""
+    """loads that have always acted, without history"""
     u_rest: Array = array("n_u")
-    """... and adds what they do, (compliance - G_0) p_rest"""
+    """their displacements beyond the instantaneous ones, (compliance - G_0) p_rest"""
     p_start: Array = array("n_u")
-    """loads that begin at t = 0, which kernels answer with g_initial"""
+    """loads that begin at t = 0, convolved with g_initial"""
     p: Array = array("n_u", "n_p")
     """loads at the steps from first[0] on, without p_rest"""
     u_ahead: Array = array("n_u", "n_p")
@@ -292,7 +292,7 @@ class CouplingState(Struct):
     lam: Array = array("n_i")
     """multipliers"""
     coordinate: Array = array("n_i")
-    """at the last step, by which angles go on over full turns"""
+    """at the last step, from which angles are continued over full turns"""
 
 
 class ObserverState(Struct):
@@ -332,7 +332,7 @@ class EnergyState(Struct):
 class State(Struct):
     step: Index = array(1)
     prepared: Index = array(1)
-    """1: the next step has been begun, as far as it goes without its inputs"""
+    """1: the next step is prepared, as far as it does not depend on its inputs"""
     bodies: BodyState
     interfaces: InterfaceState
     modes: ModalState
@@ -490,7 +490,7 @@ class MatrixWork(Struct):
     current: Index = array(1)
     """1: S holds factors that may be used again"""
     count: Index = array(1)
-    """how often S was made"""
+    """number of times S was made"""
 
 
 class Workspace(Struct):
@@ -505,11 +505,11 @@ class Workspace(Struct):
     matrix: MatrixWork
 
 
-# What comes in and goes out
+# Inputs and outputs
 
 
 class Inputs(Struct):
-    """Signals at the next steps, and what to do besides."""
+    """Signals at the next steps, and the rows of the output that record them."""
 
     load: Array = array("n", "n_l")
     drive: Array = array("n", "n_d")
