@@ -18,7 +18,7 @@ from .errors import StudyError
 
 
 def _mean(time: Array, values: Array) -> float:
-    """Over time, by trapezoids."""
+    """The mean over time, by trapezoids."""
     return float(np.trapezoid(values, time) / (time[-1] - time[0]))
 
 
@@ -32,8 +32,9 @@ REDUCTIONS: dict[str, Callable[[Array, Array], float]] = {
 
 
 def values(results: Results, outputs: Mapping[str, str]) -> dict[str, float]:
-    """The outputs by name, in SI units; `StudyError` names one that is none, or of a quantity that
-    the results do not have.
+    """The outputs by name, in SI units.
+
+    `StudyError` names one that is invalid, or of a quantity that the results do not have.
     """
     return {name: _named(name, _value, results, output) for name, output in outputs.items()}
 
@@ -55,10 +56,12 @@ def _named(
 
 def _value(results: Results, output: str) -> float:
     reduction, _, magnitude = _parts(output)
-    values = _components(results, output)
+    components = _components(results, output)
+    if magnitude and components.ndim > 1:
+        return REDUCTIONS[reduction](results.time, np.linalg.norm(components, axis=1))
     if magnitude:
-        values = np.abs(values) if values.ndim == 1 else np.linalg.norm(values, axis=1)
-    return REDUCTIONS[reduction](results.time, values)
+        components = np.abs(components)
+    return REDUCTIONS[reduction](results.time, components)
 
 
 def _components(results: Results, output: str) -> Array:
@@ -67,7 +70,7 @@ def _components(results: Results, output: str) -> Array:
 
 
 def _parts(output: str) -> tuple[str, str, bool]:
-    """Reduction, quantity, and whether its magnitude is meant."""
+    """Reduction, quantity, and True if its magnitude is meant."""
     match = re.fullmatch(r"\s*(\S+)\s+(\|?)([^\s|]+)(\|?)\s*", output)
     if match is None or match[1] not in REDUCTIONS or match[2] != match[4]:
         raise StudyError(
