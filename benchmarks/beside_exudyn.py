@@ -35,6 +35,10 @@ from peer.run import Run, Stopwatch
 from peer.system import TIGHT
 
 ROOT = Path(__file__).parents[1]
+OUR_ELEMENTS = 10
+"""of the beam behind the superelement of Case 1"""
+LOOSEST = 1e-6
+"""tolerance of Exudyn's Newton's method in whole calls"""
 MODES = 16
 """of Exudyn's reduced bodies"""
 ELEMENTS = 20
@@ -146,6 +150,39 @@ def case_1(folder: Path, repeats: int) -> None:
     race("solid", [ours(model, "beam.tip"), *reduced], repeats)
 
 
+def whole_calls(repeats: int) -> None:
+    """Case 1 from the model to its results in memory, start included.
+
+    Ours records everything and ends Newton's method as models do; Exudyn builds its model, solves
+    and records one tip, with its fastest beams, as many elements as ours and the loosest tolerance.
+    """
+    model, step = read_model(ROOT / "examples/case1.toml"), CASE_1_BAR.step
+    print("", "| Case 1, whole call | steps | CPU, us a step | clock | ratio |", sep="\n")
+    print("|---|---|---|---|---|")
+    for steps in (500, 5000):
+        short = model.with_settings(t_end=steps * step)
+        calls: dict[str, Callable[[], object]] = {
+            "ours, everything recorded": partial(simulate, short),
+            "ANCF cables, one tip": partial(
+                rotor.cables, OUR_ELEMENTS, step, LOOSEST, steps * step
+            ),
+        }
+        watches: dict[str, list[Stopwatch]] = {name: [] for name in calls}
+        for _ in range(max(repeats, 7)):
+            for name, call in calls.items():
+                watch = Stopwatch()
+                with watch.running():
+                    call()
+                watches[name].append(watch)
+        own = 0.0
+        for name, runs in watches.items():
+            cpu, wall = (
+                1e6 / steps * median(getattr(run, kind) for run in runs) for kind in ("cpu", "wall")
+            )
+            own = own or cpu
+            print(f"| {name} | {steps} | {cpu:.1f} | {wall:.1f} | {cpu / own:.2f} |", flush=True)
+
+
 def grips(bar: ReducedBody) -> dict[str, Callable[[float], Index]]:
     """The nodes that joints take hold of: as few nodes of a rigid end as it takes, or all
     of them.
@@ -206,6 +243,7 @@ def main() -> None:
     )
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
+        whole_calls(chosen.repeats)
         heading("Case 1")
         case_1(folder, chosen.repeats)
         heading("pendulum, unknowns")

@@ -41,7 +41,7 @@ GA = 0.3 * EA
 ROTARY_INERTIA = m * EI / EA
 
 
-def cables(elements: int, step: float, tolerance: float) -> Run:
+def cables(elements: int, step: float, tolerance: float, t_end: float = TORQUE[-1][1]) -> Run:
     """ANCF cables in the plane, Euler-Bernoulli."""
     system = System(step, tolerance)
     turn, rim = _planar_hub(system)
@@ -66,7 +66,7 @@ def cables(elements: int, step: float, tolerance: float) -> Run:
         ObjectJointGeneric(markerNumbers=[rim, root], constrainedAxes=CLAMPED_IN_PLANE)
     )
     system.watch(SensorNode, nodeNumber=nodes[-1])
-    return _turned(system, turn)
+    return _turned(system, turn, t_end)
 
 
 def exact_beams(elements: int, step: float, tolerance: float) -> Run:
@@ -138,10 +138,11 @@ def _pivot(system: System, hub: int, joint: type) -> int:
     return system.items.AddLoad(LoadTorqueVector(markerNumber=markers[1]))
 
 
-def _turned(system: System, turn: Any) -> Run:
+def _turned(system: System, turn: Any, t_end: float = TORQUE[-1][1]) -> Run:
     """Every jump of the torque begins a march of its own, so that no step straddles one."""
     system.items.Assemble()
-    for torque, end in TORQUE:
-        system.items.SetLoadParameter(turn, "loadVector", [0.0, 0.0, torque])
-        system.march(end)
+    for start, (torque, end) in zip([0.0, *(end for _, end in TORQUE)], TORQUE, strict=False):
+        if start < t_end:
+            system.items.SetLoadParameter(turn, "loadVector", [0.0, 0.0, torque])
+            system.march(min(end, t_end))
     return system.run()

@@ -20,8 +20,6 @@ class Assignment(Generic[Property]):
     """Sections or materials by group of the mesh, and their number (n_elements,) for every element.
 
     The group "" is the whole mesh.
-
-    The group "" is the whole mesh.
     """
 
     properties: Mapping[str, Property]

@@ -5,15 +5,16 @@ address and dimensions, so that nothing is passed by value but a few numbers; al
 become one module, which LLVM optimizes and emits once. If anything of numba used here has changed,
 `object_file` takes the stock compiler instead.
 
-Used of numba (0.61 to 0.68): the typing and target contexts of the CPU, type models, attribute and
-operator templates, `CPUDispatcher`, the default pipeline, `JITCodeLibrary`.
+Used of numba (tried with 0.60, 0.61, 0.63 and 0.68): the typing and target contexts of the CPU,
+type models, attribute and operator templates, `CPUDispatcher`, the default pipeline and
+`JITCodeLibrary`.
 """
 
 import gc
 import operator
+import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.imputils import lower_builtin, lower_getattr_generic
 from numba.core.registry import CPUDispatcher, cpu_target
+from numba.core.typed_passes import InlineOverloads, NopythonRewrites
 from numba.core.typing import signature
 from numba.core.typing.templates import (
     AbstractTemplate,
@@ -32,9 +34,10 @@ from numba.core.typing.templates import (
     infer_getattr,
     infer_global,
 )
+from numba.core.untyped_passes import InlineClosureLikes, InlineInlinables
 from numba.extending import intrinsic, models, register_model
 
-from .marks import COMPILED, ENTRIES, Entry
+from .marks import COMPILED, ENTRIES, MARK, Entry
 from .memory import copy
 from .struct import ArrayField, Struct
 
@@ -46,7 +49,10 @@ OPTIONS = {
     "_nrt": False,
 }
 """sums may be reordered, for vector instructions; nothing else is relaxed"""
-OPTIMIZATION = 3
+OPTIMIZATION = 1
+"""of LLVM; at 3 it takes a second more, and a step as long as at 1"""
+NEEDLESS = frozenset({InlineClosureLikes, InlineInlinables, InlineOverloads, NopythonRewrites})
+"""passes over what compiled functions have not: closures, inlined functions, array expressions"""
 KNOWN = frozenset({"atan2", "cos", "sin", "sincos", "sqrt", "memcpy", "memset"})
 """functions of the C library that compiled code may call"""
 
@@ -70,11 +76,16 @@ class View(types.Type):  # type: ignore[misc]
         super().__init__(name=f"View({dtype}, {ndim})")
 
 
-def main(path: str) -> None:
-    """Write the object file of all entries to a path."""
+def main() -> None:
+    """Write the object file of all entries to standard output, after `MARK`.
+
+    What numba or others print goes to standard error.
+    """
     from .. import step as step  # all compiled functions are registered now
 
-    Path(path).write_bytes(build())
+    with os.fdopen(os.dup(1), "wb") as output:
+        os.dup2(2, 1)
+        output.write(MARK + build())
 
 
 def build() -> bytes:
@@ -88,7 +99,7 @@ def build() -> bytes:
 
 @contextmanager
 def _fewer_collections() -> Iterator[None]:
-    """Typing makes millions of objects that live to the end: looking through them takes half the time."""
+    """Typing makes millions of objects that live to the end: to look through them takes as long."""
     threshold = gc.get_threshold()
     gc.freeze()
     gc.set_threshold(100_000, 20, 100)
@@ -125,7 +136,7 @@ def _entry_module(dispatchers: dict[Callable[..., Any], "_Inner"]) -> Any:
     module.data_layout = target.codegen()._data_layout
     for entry in ENTRIES.values():
         dispatcher = dispatchers[entry.function]
-        arguments = tuple(_numba_type(kind) for kind in entry.kinds)
+        arguments = tuple(_numba_type(kind) for kind in entry.arguments.values())
         dispatcher.compile(arguments)
         _write_entry(target, module, entry, dispatcher.overloads[arguments])
     return module
@@ -146,13 +157,30 @@ def _emitted(module: Any, libraries: list[Any]) -> bytes:
     missing = {f.name for f in final.functions if f.is_declaration} - KNOWN
     if strange := [name for name in missing if not name.startswith("llvm.")]:
         raise LookupError(f"undefined functions: {sorted(strange)}")
+    for variable in final.global_variables:
+        if variable.name.startswith("numba.dynamic.globals"):
+            raise NotImplementedError("a compiled function reads a large array by its address")
     machine = _target_machine()
-    tuning = llvm.create_pipeline_tuning_options(speed_level=OPTIMIZATION)
-    tuning.loop_vectorization = True
-    tuning.slp_vectorization = False  # it makes the step a tenth slower
-    builder = llvm.create_pass_builder(machine, tuning)
-    builder.getModulePassManager().run(final, builder)
+    _optimize(final, machine)
     return bytes(machine.emit_object(final))
+
+
+def _optimize(module: Any, machine: Any) -> None:
+    # straight code is not turned into vector instructions: it makes the step a tenth slower
+    if hasattr(llvm, "create_pass_builder"):
+        tuning = llvm.create_pipeline_tuning_options(speed_level=OPTIMIZATION)
+        tuning.loop_vectorization, tuning.slp_vectorization = True, False
+        builder = llvm.create_pass_builder(machine, tuning)
+        builder.getModulePassManager().run(module, builder)
+        return
+    older = llvm.create_pass_manager_builder()  # llvmlite 0.43
+    older.opt_level = 3  # at 1 nothing is inlined: a step takes half as long again
+    older.loop_vectorize, older.slp_vectorize = True, False
+    older.inlining_threshold = 225
+    manager = llvm.create_module_pass_manager()
+    machine.add_analysis_passes(manager)
+    older.populate(manager)
+    manager.run(module)
 
 
 def _with_linked(libraries: list[Any]) -> list[Any]:
@@ -205,9 +233,11 @@ class _Pipeline(CompilerBase):  # type: ignore[misc]
         flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
         name = self.state.func_id.func_qualname
         self.state.library = _Library(self.state.targetctx.codegen(), name)
-        self.state.library.enable_object_caching()
         self.libraries.append(self.state.library)
-        return [DefaultPassBuilder.define_nopython_pipeline(self.state)]
+        manager = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        manager.passes = [each for each in manager.passes if each[0] not in NEEDLESS]
+        manager.finalize()
+        return [manager]
 
 
 class _Inner(CPUDispatcher):  # type: ignore[misc]
@@ -396,14 +426,14 @@ def _copy(typing: Any, source: Any, out: Any) -> Any:
 def _write_entry(context: Any, module: Any, entry: Entry, result: Any) -> None:
     """void symbol(double *results, words...), which calls a compiled function."""
     words: list[Any] = []
-    for kind in entry.kinds:
+    for kind in entry.arguments.values():
         is_array = isinstance(kind, ArrayField)
         words += [WORD] * kind.n_words if is_array else [DOUBLE if kind is float else WORD]
     function_type = ir.FunctionType(ir.VoidType(), [DOUBLE.as_pointer(), *words])
     function = ir.Function(module, function_type, entry.symbol)
     builder = ir.IRBuilder(function.append_basic_block("entry"))
     given, arguments = iter(function.args[1:]), []
-    for kind, type_ in zip(entry.kinds, result.signature.args, strict=True):
+    for kind, type_ in zip(entry.arguments.values(), result.signature.args, strict=True):
         if kind in (float, int, bool):
             arguments.append(next(given))
         elif isinstance(kind, ArrayField):

@@ -7,7 +7,7 @@ NUMBA_DISABLE_JIT=1 in the environment all of it runs as plain Python, for debug
 
 import ctypes
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, TypeVar, cast, get_args
 
 from .struct import ArrayField, Struct, field_kind
@@ -16,6 +16,8 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 COMPILED: dict[Callable[..., Any], None] = {}
 """all functions that are compiled, entries included, in the order of their definition"""
+MARK = b"object file of duhamel\n"
+"""what the process that builds writes ahead of the object file"""
 ENTRIES: dict[str, "Entry"] = {}
 """entries by the name that they have in the object file"""
 
@@ -35,10 +37,11 @@ def entry(function: Function) -> Function:
 
 
 class Entry:
-    """Calls the machine code of a function, which is found or built at the first call.
+    """A function that Python calls and that runs as machine code, found or built at the first call.
 
     In the object file it is a function of words: `void symbol(double *results, words...)`; a record
-    is its address, an array its address and variable dimensions.
+    is its address, an array its address and variable dimensions. An array among the arguments must
+    be contiguous and of the annotated type, for it is handed over as it is.
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:
@@ -46,65 +49,98 @@ class Entry:
         self.symbol = f"{function.__module__}.{function.__name__}".replace(".", "_")
         self.__name__, self.__doc__ = function.__name__, function.__doc__
         signature = inspect.signature(function)
-        self.kinds = [field_kind(p.annotation) for p in signature.parameters.values()]
+        self.arguments = {
+            name: field_kind(parameter.annotation)
+            for name, parameter in signature.parameters.items()
+        }
+        """name and kind of each"""
         returned = signature.return_annotation
-        parts = get_args(returned) or (() if returned is None else (returned,))
-        self.returned: list[type] = [float if part is float else part for part in parts]
-        self.call: Callable[..., Any] | None = None
-        """the function in the object file"""
-        self.direct: Callable[..., Any] | None = None
-        """takes the arguments as they are, in place of the object file"""
-        self._takes_records_alone = all(
-            isinstance(kind, type) and issubclass(kind, Struct) for kind in self.kinds
+        self.results: tuple[type, ...] = get_args(returned) or (
+            () if returned is None else (returned,)
         )
-        self._results = ctypes.c_double * max(1, len(parts))
+        self.call: Callable[..., Any] = self._load_and_call
+        """what runs: it loads at first, and then is the machine code or what stands in for it"""
 
     def __call__(self, *args: Any) -> Any:
-        if self.call is None:
-            if self.direct is None:
-                self.bind()
-            if self.direct is not None:
-                return self.direct(*args)
-        if self._takes_records_alone:
-            words = [record.address for record in args]
-        else:
-            words = self._words(args)
-        results = self._results()
-        self.call(results, *words)  # type: ignore[misc]
-        if not self.returned:
-            return None
-        if len(self.returned) == 1:
-            return self.returned[0](results[0])
-        return tuple(kind(value) for kind, value in zip(self.returned, results, strict=True))
-
-    def bind(self) -> None:
-        """Load the machine code of all entries, or build it."""
-        from .object_file import load
-
-        load()
+        return self.call(*args)
 
     @property
     def is_bound(self) -> bool:
-        return self.call is not None or self.direct is not None
+        return self.call != self._load_and_call
 
-    def _words(self, args: Any) -> list[Any]:
-        words: list[Any] = []
-        for kind, value in zip(self.kinds, args, strict=True):
+    def _load_and_call(self, *args: Any) -> Any:
+        from .object_file import load
+
+        load()
+        return self.call(*args)
+
+    def bind(self, address: int) -> None:
+        """Call the machine code at an address from now on."""
+        types = [ctypes.c_void_p]  # an address as c_void_p costs less than as c_int64
+        for kind in self.arguments.values():
+            types += _word_types(kind)
+        names: dict[str, Any] = {
+            "machine_code": ctypes.CFUNCTYPE(None, *types)(address),
+            "Results": ctypes.c_double * max(1, len(self.results)),
+        }
+        words = []
+        for i, (name, kind) in enumerate(self.arguments.items()):
             if isinstance(kind, ArrayField):
-                words += kind.words(value)
-            elif isinstance(value, Struct):
-                words.append(value.address)
+                names[f"words_{i}"] = self._words_of(name, kind)
+                words.append(f"*words_{i}({name})")
+            elif kind in (float, int, bool):
+                words.append(name)
             else:
-                words.append(value)
+                names[f"R_{i}"], names[f"no_{i}"] = kind, self._refusal(name, kind)
+                words.append(f"{name}.address if type({name}) is R_{i} else no_{i}({name})")
+        # written out, for a loop over the arguments takes as long as the call
+        lines = [
+            f"def call({', '.join(self.arguments)}):",
+            "    results = Results()",
+            f"    machine_code(results, {', '.join(words)})",
+            f"    return {self._result_expression()}",
+        ]
+        exec("\n".join(lines), names)
+        self.call = names["call"]
+
+    def _result_expression(self) -> str:
+        casts = {float: "results[{}]", int: "int(results[{}])", bool: "results[{}] != 0.0"}
+        parts = [casts[kind].format(i) for i, kind in enumerate(self.results)]
+        return ", ".join(parts) or "None"
+
+    def _words_of(self, name: str, kind: ArrayField) -> Callable[[Any], list[int]]:
+        def words(value: Any) -> list[int]:
+            try:
+                return kind.words(value)
+            except TypeError as error:
+                raise TypeError(f"{self.__name__}: {name}: {error}") from error
+
         return words
 
-    @property
-    def argument_types(self) -> list[Any]:
-        """Of the function in the object file, for ctypes."""
-        types: list[Any] = [ctypes.POINTER(ctypes.c_double)]
-        for kind in self.kinds:
-            if isinstance(kind, ArrayField):
-                types += [ctypes.c_int64] * kind.n_words
-            else:
-                types.append(ctypes.c_double if kind is float else ctypes.c_int64)
-        return types
+    def _refusal(self, name: str, kind: type[Struct]) -> Callable[[Any], None]:
+        def refuse(value: Any) -> None:
+            found = type(value).__name__
+            raise TypeError(f"{self.__name__}: {name}: expected {kind.__name__}, found {found}")
+
+        return refuse
+
+
+def _word_types(kind: Any) -> list[Any]:
+    """Of an argument of machine code, for ctypes."""
+    if isinstance(kind, ArrayField):
+        return [ctypes.c_void_p] + [ctypes.c_int64] * (kind.n_words - 1)
+    if kind in (float, int, bool):
+        return [ctypes.c_double if kind is float else ctypes.c_int64]
+    return [ctypes.c_void_p]
+
+
+def records() -> Iterator[type[Struct]]:
+    """The classes of the records that entries take, records within included."""
+    waiting = [kind for entry in ENTRIES.values() for kind in entry.arguments.values()]
+    found: set[Any] = set()
+    while waiting:
+        kind = waiting.pop()
+        if isinstance(kind, type) and issubclass(kind, Struct) and kind not in found:
+            found.add(kind)
+            waiting += [inner for _, inner in kind.layout.values()]
+            yield kind

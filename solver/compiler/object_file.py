@@ -1,34 +1,56 @@
 """The machine code of the compiled functions: where it is kept, how it is found, made and loaded.
 
 An object file in the user's cache is named by the content of all that it depends on: the sources of
-the compiled functions and of the compiler, the versions of Python, numba and llvmlite, and the
-processor. So it serves all environments of a user, survives reinstallations, and is never stale.
-`DUHAMEL_CACHE` names another folder; `DUHAMEL_COMPILER=stock` compiles by numba's public interface
-alone, which is slower; `NUMBA_DISABLE_JIT=1` runs everything as Python.
+the compiled functions and of the compiler, the layout of records, the versions of Python, numba and
+llvmlite, and the processor. So it serves all environments of a user, survives reinstallations, and
+is never stale. A file is code that runs with the rights of who loads it: one that somebody else
+owns or may write is not loaded.
+
+In the environment, `DUHAMEL_CACHE` names another folder; `DUHAMEL_COMPILER=stock` compiles by
+numba's public interface alone, which takes minutes, and `DUHAMEL_COMPILER=quick` never does;
+`NUMBA_DISABLE_JIT=1` runs everything as Python.
 """
 
-import ctypes
 import hashlib
 import os
+import re
+import shutil
+import stat
 import subprocess
 import sys
 import tempfile
 import threading
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from . import marks
 
 KEPT = 8
 """object files that stay in the cache, the newest ones"""
+KEPT_STOCK = 2
+"""folders of the stock compiler that stay, some 20 MB each"""
 DIGEST = 32
 """bytes at the end of a file: the SHA-256 of all before it"""
 
 _lock = threading.RLock()
 _engines: list[Any] = []
+"""of llvmlite; machine code lives as long as its engine"""
+
+
+def _renew_lock() -> None:
+    global _lock
+    _lock = threading.RLock()
+
+
+if hasattr(os, "register_at_fork"):
+    # a thread that loads while another forks does not exist in the child, which would wait for it
+    os.register_at_fork(after_in_child=_renew_lock)
 
 
 def load() -> None:
@@ -37,30 +59,27 @@ def load() -> None:
     Where numba's internals are not as `build` expects them, the stock compiler takes over.
     """
     with _lock:
-        if any(entry.is_bound for entry in marks.ENTRIES.values()):
+        if all(entry.is_bound for entry in marks.ENTRIES.values()):
             return
-        if runs_as_python():
+        if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
             for entry in marks.ENTRIES.values():
-                entry.direct = entry.function
+                entry.call = entry.function
             return
-        if os.environ.get("DUHAMEL_COMPILER", "") != "stock":
-            code = _cached_code() or _built_code()
-            if code is not None:
-                _bind(code)
+        compiler = os.environ.get("DUHAMEL_COMPILER", "")
+        if compiler != "stock":
+            try:
+                _bind(_cached_code() or _new_code())
                 return
-        from . import stock
-
-        _announce("compiling the time step by numba's public interface: about three minutes")
-        stock.bind(cache_folder() / f"stock-{key()}")
-
-
-def is_ready() -> bool:
-    """True where the next call of an entry compiles nothing."""
-    return runs_as_python() or _cached_code() is not None
+            except BuildError as error:
+                if compiler == "quick":
+                    raise
+                _announce(f"the quick compiler does not know this numba: {error}")
+        _announce("numba's public interface compiles now: three to four minutes, kept for later")
+        _load_stock()
 
 
-def runs_as_python() -> bool:
-    return os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
+class BuildError(Exception):
+    """`build` fails: numba's internals are not as it expects."""
 
 
 def cache_folder() -> Path:
@@ -77,18 +96,33 @@ def key() -> str:
     """A digest of all that the machine code depends on (16 hexadecimal digits)."""
     import llvmlite.binding as llvm
 
+    kinds = [*marks.COMPILED, *marks.records()]
+    sources = {Path(str(sys.modules[kind.__module__].__file__)) for kind in kinds}
+    compiler = [Path(__file__).with_name(f"{name}.py") for name in ("build", "marks", "struct")]
     digest = hashlib.sha256()
-    modules = {function.__module__ for function in marks.COMPILED}
-    sources = {Path(str(sys.modules[module].__file__)) for module in modules}
-    for source in sorted({*sources, *Path(__file__).parent.glob("*.py")}):
+    for source in sorted({*sources, *compiler}):
         digest.update(source.read_bytes())
-    kinds = {kind for entry in marks.ENTRIES.values() for kind in entry.kinds}
-    records = sorted(kind.description() for kind in kinds if hasattr(kind, "description"))
+    layouts = sorted(record.description() for record in marks.records())
+    digest.update(repr(list(_constants())).encode())
     features = llvm.get_host_cpu_features().flatten()
     versions = [sys.version_info[:2], metadata.version("numba"), metadata.version("llvmlite")]
     machine = [llvm.get_process_triple(), llvm.get_host_cpu_name(), features]
-    digest.update(repr((records, versions, machine)).encode())
+    digest.update(repr((layouts, versions, machine)).encode())
     return digest.hexdigest()[:16]
+
+
+def _constants() -> Iterator[tuple[str, Any]]:
+    """Numbers and arrays that compiled functions read, in whichever module they are written."""
+    for function in marks.COMPILED:
+        for name in function.__code__.co_names:
+            value = function.__globals__.get(name)
+            if isinstance(value, (int, float, tuple)):
+                yield name, value
+            elif isinstance(value, np.ndarray):
+                yield name, value.tolist()
+
+
+# The cache
 
 
 def _path() -> Path:
@@ -96,65 +130,139 @@ def _path() -> Path:
 
 
 def _cached_code() -> bytes | None:
-    """The object file in the cache; None if there is none, or not a whole one."""
+    """The object file in the cache; None if there is none, or not a whole one, or not our own."""
     try:
-        content = _path().read_bytes()
+        with open(_path(), "rb") as file:
+            if not _is_our_own(os.fstat(file.fileno())):
+                _announce(f"{_path()} is not used: another user owns it or may write it")
+                return None
+            content = file.read()
     except OSError:
         return None
     code, digest = content[:-DIGEST], content[-DIGEST:]
     return code if hashlib.sha256(code).digest() == digest else None
 
 
-def _built_code() -> bytes | None:
-    """The object file made now and kept; None where numba is not as `build` expects it.
+def _is_our_own(status: os.stat_result) -> bool:
+    """True where nobody writes but this user and root."""
+    if not hasattr(os, "geteuid"):
+        return True  # Windows keeps the folders of users apart
+    by_others = status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+    return status.st_uid in (0, os.geteuid()) and not by_others
 
-    It is made in a process of its own, which leaves nothing behind, neither of numba's 200 MB nor
-    of a failure.
-    """
-    _announce("compiling the time step, once for this processor: 10 to 20 seconds")
-    with tempfile.TemporaryDirectory() as folder:
-        target = Path(folder) / "step.o"
-        program = f"from {__package__}.build import main; main({str(target)!r})"
-        paths = os.pathsep.join(filter(None, sys.path))
-        process = subprocess.run(
-            [sys.executable, "-c", program],
-            env={**os.environ, "PYTHONPATH": paths},
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-        )
-        if process.returncode or not target.exists():
-            reason = (process.stderr.strip().splitlines() or ["no reason given"])[-1]
-            _announce(f"numba {metadata.version('numba')} is not as expected: {reason}")
-            return None
-        code = target.read_bytes()
-    try:
-        _keep(code)
-    except OSError as error:
-        _announce(f"the compiled code cannot be kept, the next run compiles again: {error}")
-    return code
+
+def _new_code() -> bytes:
+    """The object file made now, and kept if that can be; `BuildError` where `build` fails."""
+    with _one_process_at_a_time():
+        code = _cached_code()  # another process may have made it while this one waited
+        if code is None:
+            code = _built_code()
+            try:
+                _keep(code)
+            except OSError as error:
+                _announce(f"compiled code cannot be kept (DUHAMEL_CACHE names a folder): {error}")
+        return code
+
+
+@contextmanager
+def _one_process_at_a_time() -> Iterator[None]:
+    """Of several that start at once one builds; where nothing can be locked, each does."""
+    with ExitStack() as stack:
+        with suppress(OSError, ImportError):  # a folder that cannot be written; Windows
+            import fcntl
+
+            cache_folder().mkdir(parents=True, exist_ok=True, mode=0o700)
+            file = stack.enter_context(open(cache_folder() / "lock", "w"))
+            fcntl.flock(file, fcntl.LOCK_EX)
+        yield
 
 
 def _keep(code: bytes) -> None:
     """Write the object file, whole or not at all, and remove the oldest ones."""
     path = _path()
     path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=path.stem)
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.stem, suffix=".part")
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(code + hashlib.sha256(code).digest())
-        Path(temporary).replace(path)
+        Path(name).replace(path)
     except BaseException:
-        Path(temporary).unlink(missing_ok=True)
+        Path(name).unlink(missing_ok=True)
         raise
-    by_age = sorted(path.parent.glob("step-*.o"), key=lambda other: other.stat().st_mtime)
-    for old in by_age[:-KEPT]:
-        with suppress(OSError):  # another process may be quicker
-            old.unlink()
+    _remove_oldest("step-*.o", KEPT)
+    _remove_oldest("step-*.part", KEPT)
+
+
+def _remove_oldest(pattern: str, kept: int) -> None:
+    """Files or folders of the cache but for the newest ones; other processes may be quicker."""
+    with suppress(OSError):
+        by_age = sorted(cache_folder().glob(pattern), key=lambda path: path.stat().st_mtime)
+        for old in by_age[:-kept]:
+            if old.is_dir():
+                shutil.rmtree(old, ignore_errors=True)
+            else:
+                old.unlink()
+
+
+# Building
+
+
+def _built_code() -> bytes:
+    """The object file made now, in a process of its own; `BuildError` where `build` fails.
+
+    The process leaves nothing behind, neither of numba's 200 MB nor of a failure. Where Python is
+    embedded in another program there is none to be started, and it is made in this one.
+    """
+    _announce("compiling the time step, about 15 seconds; later runs find it compiled")
+    if not sys.executable or hasattr(sys, "frozen"):
+        return _built_here()
+    try:
+        process = subprocess.run(
+            [sys.executable, "-c", f"from {__package__}.build import main; main()"],
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+        )
+    except OSError:
+        return _built_here()
+    _, mark, code = process.stdout.partition(marks.MARK)
+    if process.returncode or not mark:
+        report = process.stderr.decode(errors="replace")
+        if os.environ.get("DUHAMEL_COMPILER") == "quick":
+            raise BuildError(report)
+        raise BuildError(_reason(report) or f"its process ended with {process.returncode}")
+    return code
+
+
+def _built_here() -> bytes:
+    try:
+        from .build import build
+
+        return build()
+    except Exception as error:
+        raise BuildError(f"{type(error).__name__}: {error}") from error
+
+
+def _reason(report: str) -> str:
+    """The exception, with the first line of its message, at the end of a traceback."""
+    lines = report.strip().splitlines()
+    named = [line for line in lines if re.match(r"[\w.]*(Error|Exception)\b", line)]
+    version = metadata.version("numba")
+    return f"numba {version}, {named[-1]}" if named else ""
 
 
 def _bind(code: bytes) -> None:
     """Load an object file and give every entry its function."""
+    engine = engine_of(code)
+    for entry in marks.ENTRIES.values():
+        address = engine.get_function_address(entry.symbol)
+        if not address:
+            raise LookupError(f"{entry.symbol} was registered after the object file was named")
+        entry.bind(address)
+
+
+def engine_of(code: bytes) -> Any:
+    """Load an object file, for as long as Python runs: where its functions stand, by name."""
     import llvmlite.binding as llvm
 
     llvm.initialize_native_target()
@@ -165,10 +273,21 @@ def _bind(code: bytes) -> None:
     )
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
-    _engines.append(engine)  # the code lives as long as its engine
-    for entry in marks.ENTRIES.values():
-        address = engine.get_function_address(entry.symbol)
-        entry.call = ctypes.CFUNCTYPE(None, *entry.argument_types)(address)
+    _engines.append(engine)
+    return engine
+
+
+def _load_stock() -> None:
+    from . import stock
+
+    folder = cache_folder() / f"stock-{key()}"
+    try:
+        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+        is_kept = _is_our_own(folder.stat())
+    except OSError:
+        is_kept = False
+    stock.bind(folder if is_kept else None)
+    _remove_oldest("stock-*", KEPT_STOCK)
 
 
 def _announce(message: str) -> None:

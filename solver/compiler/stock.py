@@ -1,7 +1,8 @@
-"""The same functions compiled by numba's public interface alone: slower to compile, same results.
+"""The same functions compiled by numba's public interface alone, in minutes.
 
 Records become named tuples of numbers and arrays, which numba passes value by value: this is what
-takes minutes. `build` makes the same code in seconds, out of numba's internals.
+takes so long. `build` makes such code in seconds, by numba's internals; the results of both differ
+by rounding, for sums may be reordered.
 """
 
 from collections import namedtuple
@@ -23,17 +24,21 @@ OPTIONS: dict[str, Any] = {
 }
 
 
-def bind(folder: Path) -> None:
-    """Give every entry a function compiled at its first call, with its code cached in a folder."""
-    numba.config.CACHE_DIR = str(folder)
+def bind(folder: Path | None) -> None:
+    """Give every entry a function compiled at its first call; its code is cached in the folder."""
     entries = {entry.function: entry for entry in ENTRIES.values()}
     for function in COMPILED:
         implementation = _returned(function)
         overload(function, jit_options=OPTIONS, strict=False)(implementation)
         if function in entries:
             overload(entries[function], jit_options=OPTIONS, strict=False)(implementation)
-    for entry in ENTRIES.values():
-        entry.direct = _unpacking(numba.njit(entry.function, cache=True, **OPTIONS))
+    others, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(folder or "")
+    try:
+        for entry in ENTRIES.values():
+            jitted = numba.njit(entry.function, cache=folder is not None, **OPTIONS)
+            entry.call = _unpacking(jitted)
+    finally:
+        numba.config.CACHE_DIR = others
 
 
 def _returned(function: Any) -> Any:
@@ -55,10 +60,11 @@ def as_tuple(record: Struct) -> Any:
     if "as_tuple" not in record.__dict__:
         values = (getattr(record, name) for name in record.layout)
         parts = [as_tuple(value) if isinstance(value, Struct) else value for value in values]
-        record.__dict__["as_tuple"] = _tuple_type(type(record))(*parts)
+        cls: Any = type(record)
+        record.__dict__["as_tuple"] = _tuple_type(cls)(*parts)
     return record.__dict__["as_tuple"]
 
 
 @cache
-def _tuple_type(cls: type[Struct]) -> Any:
-    return namedtuple(cls.__name__, cls.layout)  # type: ignore[misc]
+def _tuple_type(cls: Any) -> Any:
+    return namedtuple(cls.__name__, cls.layout)

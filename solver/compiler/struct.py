@@ -5,8 +5,9 @@ followed by those of its dimensions that are not constant; a record within lies 
 do not change while the record lives: what moves are the elements of its arrays.
 """
 
+import operator
 from collections.abc import Mapping
-from typing import Any, NamedTuple, Self, dataclass_transform
+from typing import Any, ClassVar, NamedTuple, Self, dataclass_transform
 
 import numpy as np
 
@@ -24,18 +25,19 @@ class ArrayField(NamedTuple):
         return 1 + sum(not isinstance(dim, int) for dim in self.dims)
 
     def words(self, array: Any) -> list[int]:
-        """Address and variable dimensions; `TypeError` where the array is another."""
+        """Address and variable dimensions; `TypeError` where the array is not of this kind."""
+        if not isinstance(array, np.ndarray):
+            raise TypeError(f"expected an array {self}, found {type(array).__name__}")
         shape = array.shape
-        fits = array.dtype == self.dtype and len(shape) == len(self.dims)
-        if not fits or not (array.flags.c_contiguous or not array.size):
-            raise TypeError(f"expected a contiguous array {self}, found {array.dtype} {shape}")
-        words = [array.__array_interface__["data"][0]]
-        for n, dim in zip(shape, self.dims, strict=True):
-            if not isinstance(dim, int):
-                words.append(n)
-            elif n != dim:
-                raise TypeError(f"expected a contiguous array {self}, found shape {shape}")
-        return words
+        fits = len(shape) == len(self.dims) and all(
+            n == dim for n, dim in zip(shape, self.dims, strict=True) if isinstance(dim, int)
+        )
+        if array.dtype != self.dtype or not fits:
+            raise TypeError(f"expected an array {self}, found {array.dtype} {shape}")
+        if not array.flags.c_contiguous:
+            raise TypeError(f"expected a contiguous array {self}, found strides {array.strides}")
+        variable = [n for n, dim in zip(shape, self.dims, strict=True) if isinstance(dim, str)]
+        return [array.__array_interface__["data"][0], *variable]
 
     def zeros(self, sizes: Mapping[str, int]) -> Any:
         shape = [dim if isinstance(dim, int) else sizes[dim] for dim in self.dims]
@@ -46,7 +48,7 @@ class ArrayField(NamedTuple):
 
 
 def array(*dims: int | str) -> Any:
-    """Declares an array field of a `Struct` with these dimensions, as in `x: Array = array("n_b", 3)`."""
+    """Declares the dimensions of an array in a `Struct`: `x: Array = array("n_b", 3)`."""
     return dims
 
 
@@ -71,14 +73,16 @@ class Struct:
             mass: Array = array("n_b")
             J_rot: Array = array("n_b", 3, 3)
 
-    `layout` has (first word, kind) of every field, `words` (n,) are the record in memory, `address`
-    is where they stand. Fields are attributes; they cannot be bound anew.
+    Fields are attributes and cannot be bound anew: `bodies.mass[...] = 1.0` fills the array.
     """
 
-    layout: dict[str, tuple[int, Any]] = {}
-    n_words = 0
+    layout: ClassVar[dict[str, tuple[int, Any]]] = {}
+    """first word and kind of every field"""
+    n_words: ClassVar[int] = 0
     words: Index
+    """(n_words,) the record in memory"""
     address: int
+    """of the words"""
 
     def __init_subclass__(cls, fields: Mapping[str, Any] | None = None) -> None:
         """fields: more of them by name, as `ArrayField`s."""
@@ -95,22 +99,17 @@ class Struct:
             cls.n_words += 1 if is_number else kind.n_words
 
     def __init__(self, **values: Any) -> None:
-        if values.keys() != self.layout.keys():
-            raise TypeError(f"{type(self).__name__}: {sorted(values.keys() ^ self.layout.keys())}")
+        if missing := self.layout.keys() - values.keys():
+            raise TypeError(f"{type(self).__name__}: no {', '.join(sorted(missing))}")
+        if unknown := values.keys() - self.layout.keys():
+            raise TypeError(f"{type(self).__name__} has no {', '.join(sorted(unknown))}")
         words = np.zeros(max(self.n_words, 1), dtype=np.int64)
         for name, (first, kind) in self.layout.items():
-            value = values[name]
-            if kind is float:
-                words[first : first + 1].view(np.float64)[0] = value
-            elif kind in (int, bool):
-                words[first] = value
-            elif isinstance(kind, ArrayField):
-                try:
-                    words[first : first + kind.n_words] = kind.words(value)
-                except TypeError as error:
-                    raise TypeError(f"{type(self).__name__}.{name}: {error}") from error
-            else:
-                words[first : first + kind.n_words] = value.words
+            try:
+                own = _words(kind, values[name])
+            except TypeError as error:
+                raise TypeError(f"{type(self).__name__}.{name}: {error}") from error
+            words[first : first + len(own)] = own
         self.__dict__.update(values)
         self.__dict__["words"] = words
         self.__dict__["address"] = words.__array_interface__["data"][0]
@@ -156,3 +155,26 @@ class Struct:
         raise AttributeError(
             f"{type(self).__name__}.{name} cannot be bound anew: {name}[...] = ..."
         )
+
+    def __reduce__(self) -> Any:
+        """A copy has words of its own, which point to its own arrays."""
+        return _made, (type(self), {name: getattr(self, name) for name in self.layout})
+
+
+def _made(cls: type[Struct], values: dict[str, Any]) -> Struct:
+    return cls(**values)
+
+
+def _words(kind: Any, value: Any) -> Any:
+    """What a field of this kind is in memory; `TypeError` where the value is of another."""
+    if isinstance(kind, ArrayField):
+        return kind.words(value)
+    if kind is float:
+        return np.array([value], dtype=np.float64).view(np.int64)
+    if kind is int:
+        return [operator.index(value)]
+    if kind is bool:
+        return [int(bool(value))]
+    if type(value) is not kind:
+        raise TypeError(f"expected {kind.__name__}, found {type(value).__name__}")
+    return value.words[: kind.n_words]

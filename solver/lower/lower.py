@@ -153,7 +153,8 @@ def _lay_out_bodies(model: Model, size: float) -> Bodies:
 def _lay_out_loads(model: Model, frames: NumberedFrames) -> Loads:
     return Loads(
         frame=as_index([frames.number(load.on) for load in model.loads]),
-        torque=as_index([load.kind.moment for load in model.loads]),
+        kind=as_index([load.kind.number for load in model.loads]),
+        moment=as_index([load.kind.moment for load in model.loads]),
         follower=as_index([load.follower for load in model.loads]),
         direction=as_rows([load.direction for load in model.loads]),
     )

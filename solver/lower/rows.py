@@ -11,7 +11,7 @@ from ..model.joints import ABOUT_E3, Joint, basis_about
 from ..model.motions import PrescribedDisplacement, PrescribedMotion
 from ..model.signals import SmoothSignal
 from ..model.springs import Spring
-from ..step.rows import ANGLE, DISTANCE, ROTATION, TRANSLATION
+from ..step.rows import Angle, Distance, Rotation, Translation
 from ..step.system import Couplings, Laws, Rows
 from .placement import Pose
 
@@ -72,20 +72,22 @@ def coupling_rows(coupling: Joint | PrescribedMotion | Spring, sides: Sides) -> 
 def joint_rows(joint: Joint, sides: Sides) -> list[Row]:
     """Constraints of a joint: its table, then its drives.
 
-    The axes of a joint with the ground are carried by the body, as its other vectors are: a lower
-    pair is the same from both sides.
+    The axes of a joint with the ground are carried by the body, as its other vectors are: rows are
+    the same from both sides, e_i(A) . e_j(B) as e_j(B) . e_i(A).
     """
-    if sides.fixed_a and joint.distance is None and joint.angle is None:
-        return [replace(row, swapped=True) for row in joint_rows(joint, sides.swapped())]
+    kind, rotations = joint.kind, joint.kind.rotations
+    turned = sides.fixed_a and joint.distance is None and joint.angle is None
+    if turned:
+        sides, rotations = sides.swapped(), tuple((j, i) for i, j in rotations)
     in_a, in_b = sides.carried(joint.basis())
     f, g = sides.frame_a, sides.frame_b
-    rows = [Row(TRANSLATION, f, g, in_a[:, k]) for k in joint.kind.translations]
-    rows += [Row(ROTATION, f, g, in_a[:, i], b=in_b[:, j]) for i, j in joint.kind.rotations]
+    rows = [Row(Translation.number, f, g, in_a[:, k]) for k in kind.translations]
+    rows += [Row(Rotation.number, f, g, in_a[:, i], b=in_b[:, j]) for i, j in rotations]
     if joint.distance is not None:
-        rows.append(Row(TRANSLATION, f, g, in_a[:, 2], drive=joint.distance))
+        rows.append(Row(Translation.number, f, g, in_a[:, 2], drive=joint.distance))
     if joint.angle is not None:
         rows.append(_driven_angle(f, g, in_a, in_b, joint.angle))
-    return rows
+    return [replace(row, swapped=turned) for row in rows]
 
 
 def _driven_angle(f: int, g: int, in_a: Array, in_b: Array, angle: SmoothSignal) -> Row:
@@ -95,14 +97,14 @@ def _driven_angle(f: int, g: int, in_a: Array, in_b: Array, angle: SmoothSignal)
     """
     start = angle(0.0)
     e2 = np.cos(start) * in_b[:, 1] - np.sin(start) * in_b[:, 0]
-    return Row(ROTATION, f, g, in_a[:, 0], in_a[:, 1], e2, drive=angle)
+    return Row(Rotation.number, f, g, in_a[:, 0], in_a[:, 1], e2, drive=angle)
 
 
 def joint_observers(joint: Joint, sides: Sides) -> dict[str, Row]:
     """The coordinates that a joint leaves free or drives, by name."""
     in_a, in_b = sides.carried(joint.basis())
     rows = {
-        name: Row(TRANSLATION, sides.frame_a, sides.frame_b, in_a[:, k])
+        name: Row(Translation.number, sides.frame_a, sides.frame_b, in_a[:, k])
         for name, k in joint.kind.distances.items()
     }
     for name, angle in joint.kind.angles.items():
@@ -113,7 +115,7 @@ def joint_observers(joint: Joint, sides: Sides) -> dict[str, Row]:
         # at the start e_j is e_i turned towards e_k by the starting angle
         along, across = other[:, angle.i], other[:, angle.k]
         b = np.cos(start) * along + np.sin(start) * across
-        rows[name] = Row(ANGLE, f, g, axes[:, angle.i], axes[:, angle.k], b, start=start)
+        rows[name] = Row(Angle.number, f, g, axes[:, angle.i], axes[:, angle.k], b, start=start)
     return rows
 
 
@@ -126,10 +128,16 @@ def motion_rows(motion: PrescribedMotion, sides: Sides) -> list[Row]:
     f, g = sides.frame_a, sides.frame_b
     if isinstance(motion, PrescribedDisplacement):
         return [
-            Row(TRANSLATION, f, g, sides.pose_a.R.T @ motion.direction, drive=motion.displacement)
+            Row(
+                Translation.number,
+                f,
+                g,
+                sides.pose_a.R.T @ motion.direction,
+                drive=motion.displacement,
+            )
         ]
     in_a, in_b = sides.carried(basis_about(motion.axis))
-    rows = [Row(ROTATION, f, g, in_a[:, i], b=in_b[:, j]) for i, j in ABOUT_E3]
+    rows = [Row(Rotation.number, f, g, in_a[:, i], b=in_b[:, j]) for i, j in ABOUT_E3]
     return [*rows, _driven_angle(f, g, in_a, in_b, motion.angle)]
 
 
@@ -144,10 +152,12 @@ def spring_rows(spring: Spring, sides: Sides) -> list[Row]:
         if length <= 1e-12 * max(1.0, float(np.abs(sides.pose_a.x).max())):
             ends = list(spring.between)
             raise spring.error(f"its ends {ends} coincide at the start")
-        rows.append(Row(DISTANCE, f, g, start=length))
-    rows += [Row(TRANSLATION, f, g, in_a[:, k], start=float(gap[k])) for k in kind.translations]
-    rows += [Row(ANGLE, f, g, in_a[:, t.i], in_a[:, t.k], in_b[:, t.j]) for t in kind.angles]
-    rows += [Row(ROTATION, f, g, in_a[:, i], b=in_b[:, j]) for i, j in kind.rotations]
+        rows.append(Row(Distance.number, f, g, start=length))
+    rows += [
+        Row(Translation.number, f, g, in_a[:, k], start=float(gap[k])) for k in kind.translations
+    ]
+    rows += [Row(Angle.number, f, g, in_a[:, t.i], in_a[:, t.k], in_b[:, t.j]) for t in kind.angles]
+    rows += [Row(Rotation.number, f, g, in_a[:, i], b=in_b[:, j]) for i, j in kind.rotations]
     rest = np.array([row.start for row in rows]) if spring.rest is None else spring.rest
     return [
         replace(

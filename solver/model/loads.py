@@ -1,21 +1,11 @@
 """Loads on frames."""
 
-from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 from ..schema.entry import Entry, entry, one_of
 from ..schema.values import Vector
+from ..step.loads import LOAD_KINDS
 from .signals import AnySignal
-
-
-@dataclass(frozen=True)
-class LoadType:
-    """A kind of load; `moment`: it is a moment, not a force."""
-
-    moment: bool
-
-
-LOAD_TYPES = {"force": LoadType(moment=False), "torque": LoadType(moment=True)}
 
 
 @entry()
@@ -27,12 +17,13 @@ class Load(Entry):
 
     label = "load ({type}) on {on!r}"
 
-    type: Annotated[str, one_of(LOAD_TYPES)]
+    type: Annotated[str, one_of(LOAD_KINDS)]
     on: str
     direction: Vector
     signal: AnySignal
     follower: bool = False
 
     @property
-    def kind(self) -> LoadType:
-        return LOAD_TYPES[self.type]
+    def kind(self) -> Any:
+        """The class of solver/step/loads.py that computes the load."""
+        return LOAD_KINDS[self.type]

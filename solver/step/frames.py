@@ -16,7 +16,7 @@ D D_0^T W^T = R.
 from ..arrays import Array, Index
 from ..compiler.marks import compiled
 from .bodies import spin_of
-from .rotations import exponential, tangent, tangent_derivative, tangent_inverse
+from .rotations import exponential_and_tangent, tangent_derivative, tangent_inverse
 from .system import Frames, Pattern, State, Workspace
 from .vectors import (
     UNITS,
@@ -56,8 +56,7 @@ def move_frames(frames: Frames, n: int, state: State, work: Workspace) -> None:
             work.frames.r[f, i] = r[i]
         if k >= 0 and frames.rotations[f]:
             w = state.interfaces.u[k + 3 : k + 6]
-            tangent(w, work.frames.T[f])
-            exponential(w, work.frames.small_rotation)
+            exponential_and_tangent(w, work.frames.small_rotation, work.frames.T[f])
             _multiply(work.frames.small_rotation, frames.D_0[f], work.frames.D[f])
             _rotate_columns(state.bodies.R[b], work.frames.D[f])
         else:
@@ -144,10 +143,12 @@ def _tangent_slope(state: State, k: int, m: Vector, work: Workspace) -> None:
 
 @compiled
 def map_frame_velocities(frames: Frames, gamma_prime: float, state: State, work: Workspace) -> None:
-    """Derivatives (6, 12) of V by the coordinates of frames; rates follow gamma' times increments.
+    """Derivatives (6, 12) of V by the coordinates of frames.
 
-    delta (dx/dt) = gamma' R delta X,   delta omega = gamma' T^-1(psi) delta Theta,
-    delta (du/dt) = gamma' delta u
+        delta (dx/dt) = gamma' R delta X,   delta omega = gamma' T^-1(psi) delta Theta,
+        delta (du/dt) = gamma' delta u
+
+    gamma': change of a rate with its coordinate in a step.
     """
     for f in range(frames.n_acting):
         b = frames.body[f]

@@ -1,5 +1,15 @@
-"""Forces and torques on frames, in space or following the frame: f = direction s(t), or D of it."""
+"""Loads on frames, an open set of kinds: forces and torques, in space or following the frame.
 
+A kind is a class with `@load_kind`, whose name model files use. It gives the force or torque from
+the signal, the direction and the motion of the frame, and its derivative; work, wrench and Newton's
+matrix follow.
+"""
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from ..arrays import Array
+from ..compiler.dispatch import dispatcher
 from ..compiler.marks import compiled
 from ..compiler.memory import copy
 from .frames import add_pair_tangent, pull_back
@@ -7,14 +17,94 @@ from .rotations import relative_rotation
 from .system import Loads, State, System, Workspace
 from .vectors import UNITS, Vector, add_to_row, cross, rotate, row, scale
 
+LOAD_KINDS: dict[str, Any] = {}
+"""kinds of loads by name, in the order of their numbers"""
+AnyKind = TypeVar("AnyKind", bound=type)
 ZERO = (0.0, 0.0, 0.0)
+
+
+def load_kind(name: str, *, moment: bool) -> Callable[[AnyKind], AnyKind]:
+    """Register a kind of load, which acts as a moment or as a force.
+
+    The class has two compiled functions. `evaluate` returns the force or moment of load m, in
+    space. `add_tangent` adds its derivative by (delta r, delta theta) of the frame, in space, to H
+    (3, 6), which is zero before, and returns False where there is none.
+    """
+
+    def register(kind: Any) -> Any:
+        kind.number, kind.moment = len(LOAD_KINDS), moment
+        compiled(kind.evaluate)
+        compiled(kind.add_tangent)
+        LOAD_KINDS[name] = kind
+        return kind
+
+    return register
+
+
+@compiled
+def _directed(loads: Loads, m: int, work: Workspace) -> Vector:
+    """s direction, or s D direction of a follower."""
+    direction = scale(work.loads.value[m], row(loads.direction, m))
+    return rotate(work.frames.D, loads.frame[m], direction) if loads.follower[m] else direction
+
+
+@compiled
+def _add_directed_tangent(loads: Loads, m: int, work: Workspace, H: Array) -> bool:
+    """df = dtheta x f of a follower."""
+    if not loads.follower[m]:
+        return False
+    vector = _directed(loads, m, work)
+    for j in range(3):
+        turned = cross(UNITS[j], vector)
+        for i in range(3):
+            H[i, 3 + j] += turned[i]
+    return True
+
+
+@load_kind("force", moment=False)
+class Force:
+    """A force at the origin of the frame."""
+
+    @staticmethod
+    def evaluate(loads: Loads, m: int, work: Workspace) -> Vector:
+        return _directed(loads, m, work)
+
+    @staticmethod
+    def add_tangent(loads: Loads, m: int, work: Workspace, H: Array) -> bool:
+        return _add_directed_tangent(loads, m, work, H)
+
+
+@load_kind("torque", moment=True)
+class Torque:
+    """A torque on the frame."""
+
+    @staticmethod
+    def evaluate(loads: Loads, m: int, work: Workspace) -> Vector:
+        return _directed(loads, m, work)
+
+    @staticmethod
+    def add_tangent(loads: Loads, m: int, work: Workspace, H: Array) -> bool:
+        return _add_directed_tangent(loads, m, work, H)
+
+
+_evaluate = dispatcher(
+    "evaluate_load",
+    "loads, m, work",
+    [kind.evaluate for kind in LOAD_KINDS.values()],
+    otherwise="0.0, 0.0, 0.0",
+)
+_add_tangent = dispatcher(
+    "add_load_tangent",
+    "loads, m, work, H",
+    [kind.add_tangent for kind in LOAD_KINDS.values()],
+    otherwise="False",
+)
 
 
 @compiled
 def load_vector(loads: Loads, m: int, work: Workspace) -> Vector:
     """The force or torque of load m, in space."""
-    direction = scale(work.loads.value[m], row(loads.direction, m))
-    return rotate(work.frames.D, loads.frame[m], direction) if loads.follower[m] else direction
+    return _evaluate(loads.kind[m], loads, m, work)  # type: ignore[no-any-return]
 
 
 @compiled
@@ -22,26 +112,29 @@ def add_load_wrenches(loads: Loads, work: Workspace) -> None:
     """The loads act on their frames."""
     for m in range(len(loads.frame)):
         vector = load_vector(loads, m, work)
-        add_to_row(work.frames.wrench, loads.frame[m], 3 * loads.torque[m], vector)
+        add_to_row(work.frames.wrench, loads.frame[m], 3 * loads.moment[m], vector)
 
 
 @compiled
 def linearize_loads(system: System, state: State, work: Workspace) -> None:
-    """K += the tangents of followers, df = dtheta x f; other loads have none but their frame's."""
+    """K += the tangents of loads that depend on the motion of their frame."""
     loads, frames, pattern = system.loads, system.frames, system.pattern
-    half, tangent = work.frames.half_tangent, work.frames.pair_tangent
+    H, half, tangent = work.loads.tangent, work.frames.half_tangent, work.frames.pair_tangent
     for m in range(len(loads.frame)):
         f = loads.frame[m]
-        if not loads.follower[m] or frames.body[f] < 0:
+        if frames.body[f] < 0:
             continue
-        vector = load_vector(loads, m, work)
-        for i in range(3):
-            turned = cross(UNITS[i], vector)
-            wrench = (ZERO, turned) if loads.torque[m] else (turned, ZERO)
-            pull_back(frames, f, wrench, state, work, half[i, :12])
+        H[:] = 0.0
+        if not _add_tangent(loads.kind[m], loads, m, work, H):
+            continue
+        for j in range(6):
+            vector = (H[0, j], H[1, j], H[2, j])
+            wrench = (ZERO, vector) if loads.moment[m] else (vector, ZERO)
+            pull_back(frames, f, wrench, state, work, half[j, :12])
         for z in range(12):
-            moment = (half[0, z], half[1, z], half[2, z])
-            pull_back(frames, f, (ZERO, moment), state, work, tangent[z, :12])
+            by_r = (half[0, z], half[1, z], half[2, z])
+            by_theta = (half[3, z], half[4, z], half[5, z])
+            pull_back(frames, f, (by_r, by_theta), state, work, tangent[z, :12])
         add_pair_tangent(frames, (f, f), (0, 0), pattern.body_block[frames.body[f]], work)
 
 
@@ -52,7 +145,7 @@ def add_load_work(loads: Loads, state: State, work: Workspace) -> None:
     for m in range(len(loads.frame)):
         f = loads.frame[m]
         vector = load_vector(loads, m, work)
-        if loads.torque[m]:
+        if loads.moment[m]:
             relative_rotation(old.axes[m], work.frames.D[f], motion)
         else:
             for i in range(3):

@@ -13,4 +13,6 @@ def relative(residual: float, scale: float, floor: float, tolerance: float) -> f
     """|residual| / scale, 0 up to the floor that rounding sets, infinite for what is no number."""
     if not abs(residual) < math.inf:
         return math.inf
-    return abs(residual) / max(scale, floor / tolerance) if abs(residual) > floor else 0.0
+    if abs(residual) <= floor:
+        return 0.0
+    return tolerance * abs(residual) / max(tolerance * scale, floor)

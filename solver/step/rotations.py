@@ -70,6 +70,14 @@ def exponential(psi: Array, out: Array) -> None:
 
 
 @compiled
+def exponential_and_tangent(psi: Array, R: Array, T: Array) -> None:
+    """Both of a small rotation: R = exp(skew(psi)) and T(psi)."""
+    _, c1, c2, c3, _, _ = stumpff(square_norm(psi))
+    _polynomial(psi, 1.0, c1, c2, R)
+    _polynomial(psi, 1.0, -c2, c3, T)
+
+
+@compiled
 def tangent(psi: Array, out: Array) -> None:
     """T(psi) = I - c_2 skew(psi) + c_3 skew(psi)^2: delta Theta = T delta psi."""
     _, _, c2, c3, _, _ = stumpff(square_norm(psi))

@@ -1,4 +1,4 @@
-"""Primitive rows: scalar coordinates of two frames A and B, with gradients and tangents.
+"""Rows: scalar coordinates of a pair of frames A and B, with gradients and second derivatives.
 
 With a = D_A a_A, a' = D_A a'_A, b = D_B b_B carried by the frames, and Delta = r_B - r_A, all in
 space:
@@ -6,28 +6,46 @@ space:
     translation   c = a . Delta             gradient: r_A: -a,  theta_A: a x Delta,  r_B: a
     rotation      c = a . b                 gradient: theta_A: a x b,  theta_B: -a x b
     distance      c = |Delta|               gradient: r_A: -n,  r_B: n,  n = Delta / |Delta|
-    angle         c = atan2(a' . b, a . b)  gradient: from those of the two rotation rows
-
-Angles are continued over full turns. In code f and g are the numbers of frames A and B.
+    angle         c = atan2(a' . b, a . b)  gradient: from those of the two rotation rows;
+                                            continued over full turns
 
 A wrench lambda times the gradient changes, at constant lambda, by lambda times the tangent H (12,
 12) of the row: with N(a, b) = skew(b) skew(a) = a b^T - (a . b) I, d(a x b) = N dtheta_A - N^T
-dtheta_B. Source: docs/theory.md, Frames, joints, loads.
+dtheta_B. Second derivatives in time follow from gradient and tangent (couplings.py). A kind of row
+is a class with `@row_kind`. Source: docs/theory.md, Frames, joints, loads.
 """
 
 import math
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 from ..arrays import Array
+from ..compiler.dispatch import dispatcher
 from ..compiler.marks import compiled
 from .system import Rows, Workspace
 from .vectors import UNITS, Vector, add, cross, dot, rotate, row, scale, subtract
 
-TRANSLATION, ROTATION, DISTANCE, ANGLE = 0, 1, 2, 3
+KINDS: list[Any] = []
+"""kinds of rows by number"""
+AnyKind = TypeVar("AnyKind", bound=type)
 
 
-@compiled
-def measures_length(kind: int) -> bool:
-    return kind in (TRANSLATION, DISTANCE)
+def row_kind(*, length: bool) -> Callable[[AnyKind], AnyKind]:
+    """Register a kind of row, whose coordinate is a length or else an angle or its sine.
+
+    The class has two compiled functions: `evaluate` returns the coordinate and sets its gradient
+    (12,) by (r, theta) of A and B, in space, which is zero before; `add_tangent` adds a factor
+    times H.
+    """
+
+    def register(kind: Any) -> Any:
+        kind.number, kind.length = len(KINDS), length
+        compiled(kind.evaluate)
+        compiled(kind.add_tangent)
+        KINDS.append(kind)
+        return kind
+
+    return register
 
 
 @compiled
@@ -40,67 +58,98 @@ def carried_axis(rows: Rows, i: int, angle: float) -> Vector:
 
 
 @compiled
-def evaluate_row(
-    rows: Rows, i: int, angle: float, near: float, work: Workspace, gradient: Array
-) -> float:
-    """The value of row i, and its gradient (12,) by (r, theta) of A and B.
+def _axes(rows: Rows, i: int, angle: float, work: Workspace) -> tuple[Vector, Vector]:
+    """a and b in space."""
+    a = rotate(work.frames.D, rows.frame_a[i], carried_axis(rows, i, angle))
+    return a, rotate(work.frames.D, rows.frame_b[i], row(rows.b, i))
 
-    angle: by which the axis in A is turned; near: of the values of an angle, the nearest to it.
-    """
-    f, g, kind = rows.frame_a[i], rows.frame_b[i], rows.kind[i]
-    gradient[:] = 0.0
-    if kind == TRANSLATION:
-        delta = subtract(row(work.frames.r, g), row(work.frames.r, f))
-        a = rotate(work.frames.D, f, carried_axis(rows, i, 0.0))
+
+@compiled
+def _delta(rows: Rows, i: int, work: Workspace) -> Vector:
+    """r_B - r_A"""
+    return subtract(row(work.frames.r, rows.frame_b[i]), row(work.frames.r, rows.frame_a[i]))
+
+
+@row_kind(length=True)
+class Translation:
+    """c = a . Delta"""
+
+    number: int
+
+    @staticmethod
+    def evaluate(
+        rows: Rows, i: int, angle: float, near: float, work: Workspace, gradient: Array
+    ) -> float:
+        delta = _delta(rows, i, work)
+        a = rotate(work.frames.D, rows.frame_a[i], row(rows.a, i))
         lever = cross(a, delta)
         for k in range(3):
             gradient[k] = -a[k]
             gradient[3 + k] = lever[k]
             gradient[6 + k] = a[k]
         return dot(a, delta)
-    if kind == DISTANCE:
-        delta = subtract(row(work.frames.r, g), row(work.frames.r, f))
+
+    @staticmethod
+    def add_tangent(
+        rows: Rows, i: int, angle: float, factor: float, work: Workspace, H: Array
+    ) -> None:
+        delta = _delta(rows, i, work)
+        f = scale(factor, rotate(work.frames.D, rows.frame_a[i], row(rows.a, i)))
+        for j in range(3):
+            f_e = cross(f, UNITS[j])
+            turned = cross(delta, f_e)
+            for k in range(3):
+                H[k, 3 + j] += f_e[k]
+                H[6 + k, 3 + j] -= f_e[k]
+                H[3 + k, j] -= f_e[k]
+                H[3 + k, 6 + j] += f_e[k]
+                H[3 + k, 3 + j] += turned[k]
+
+
+@row_kind(length=False)
+class Rotation:
+    """c = a . b"""
+
+    number: int
+
+    @staticmethod
+    def evaluate(
+        rows: Rows, i: int, angle: float, near: float, work: Workspace, gradient: Array
+    ) -> float:
+        a, b = _axes(rows, i, angle, work)
+        _set_rotation_gradient(cross(a, b), gradient)
+        return dot(a, b)
+
+    @staticmethod
+    def add_tangent(
+        rows: Rows, i: int, angle: float, factor: float, work: Workspace, H: Array
+    ) -> None:
+        a, b = _axes(rows, i, angle, work)
+        _add_rotation(a, b, factor, H)
+
+
+@row_kind(length=True)
+class Distance:
+    """c = |Delta|"""
+
+    number: int
+
+    @staticmethod
+    def evaluate(
+        rows: Rows, i: int, angle: float, near: float, work: Workspace, gradient: Array
+    ) -> float:
+        delta = _delta(rows, i, work)
         length = math.sqrt(dot(delta, delta))
         for k in range(3):
             gradient[k] = -delta[k] / length
             gradient[6 + k] = delta[k] / length
         return length
-    a = rotate(work.frames.D, f, carried_axis(rows, i, angle))
-    b = rotate(work.frames.D, g, row(rows.b, i))
-    normal, value = cross(a, b), dot(a, b)
-    if kind == ANGLE:
-        turned = rotate(work.frames.D, f, row(rows.a_turned, i))
-        sine, cosine = dot(turned, b), value
-        square = sine * sine + cosine * cosine
-        normal = scale(1.0 / square, subtract(scale(cosine, cross(turned, b)), scale(sine, normal)))
-        value = math.atan2(sine, cosine)
-        value += 2.0 * math.pi * round((near - value) / (2.0 * math.pi))
-    for k in range(3):
-        gradient[3 + k] = normal[k]
-        gradient[9 + k] = -normal[k]
-    return value
 
-
-@compiled
-def add_row_tangent(
-    rows: Rows, i: int, angle: float, factor: float, work: Workspace, H: Array
-) -> None:
-    """H += factor times the tangent of row i."""
-    f, g, kind = rows.frame_a[i], rows.frame_b[i], rows.kind[i]
-    if kind == TRANSLATION:
-        delta = subtract(row(work.frames.r, g), row(work.frames.r, f))
-        lam_a = scale(factor, rotate(work.frames.D, f, carried_axis(rows, i, 0.0)))
-        for j in range(3):
-            axis_e = cross(lam_a, UNITS[j])
-            turned = cross(delta, axis_e)
-            for k in range(3):
-                H[k, 3 + j] += axis_e[k]
-                H[6 + k, 3 + j] -= axis_e[k]
-                H[3 + k, j] -= axis_e[k]
-                H[3 + k, 6 + j] += axis_e[k]
-                H[3 + k, 3 + j] += turned[k]
-    elif kind == DISTANCE:
-        delta = subtract(row(work.frames.r, g), row(work.frames.r, f))
+    @staticmethod
+    def add_tangent(
+        rows: Rows, i: int, angle: float, factor: float, work: Workspace, H: Array
+    ) -> None:
+        delta = _delta(rows, i, work)
         length = math.sqrt(dot(delta, delta))
         n = scale(1.0 / length, delta)
         for j in range(3):
@@ -110,17 +159,64 @@ def add_row_tangent(
                 H[6 + k, 6 + j] += value
                 H[k, 6 + j] -= value
                 H[6 + k, j] -= value
-    else:
-        b = rotate(work.frames.D, g, row(rows.b, i))
-        a = rotate(work.frames.D, f, carried_axis(rows, i, angle))
-        if kind == ROTATION:
-            _add_rotation(a, b, factor, H)
-        else:
-            _add_angle(a, rotate(work.frames.D, f, row(rows.a_turned, i)), b, factor, H)
+
+
+@row_kind(length=False)
+class Angle:
+    """c = atan2(s, c) of s = a' . b and c = a . b, the value nearest to `near`.
+
+    The gradient is (c g_s - s g_c) / q, with q = s^2 + c^2 and the gradients g of s and c; its
+    derivative has the terms of H_s, H_c and those of the factors: d(c/q) = ((s^2 - c^2) dc - 2 s c
+    ds) / q^2 and d(s/q) = ((c^2 - s^2) ds - 2 s c dc) / q^2.
+    """
+
+    number: int
+
+    @staticmethod
+    def evaluate(
+        rows: Rows, i: int, angle: float, near: float, work: Workspace, gradient: Array
+    ) -> float:
+        a, b = _axes(rows, i, 0.0, work)
+        turned = rotate(work.frames.D, rows.frame_a[i], row(rows.a_turned, i))
+        s, c = dot(turned, b), dot(a, b)
+        by_sine, by_cosine = scale(c, cross(turned, b)), scale(s, cross(a, b))
+        normal = scale(1.0 / (s * s + c * c), subtract(by_sine, by_cosine))
+        _set_rotation_gradient(normal, gradient)
+        value = math.atan2(s, c)
+        return value + 2.0 * math.pi * round((near - value) / (2.0 * math.pi))
+
+    @staticmethod
+    def add_tangent(
+        rows: Rows, i: int, angle: float, factor: float, work: Workspace, H: Array
+    ) -> None:
+        a, b = _axes(rows, i, 0.0, work)
+        turned = rotate(work.frames.D, rows.frame_a[i], row(rows.a_turned, i))
+        s, c = dot(turned, b), dot(a, b)
+        q = s * s + c * c
+        _add_rotation(turned, b, factor * c / q, H)
+        _add_rotation(a, b, -factor * s / q, H)
+        g_s, g_c = cross(turned, b), cross(a, b)
+        same, mixed = (c * c - s * s) / (q * q), 2.0 * s * c / (q * q)
+        for k in range(3):
+            for j in range(3):
+                value = -g_s[k] * (same * g_c[j] + mixed * g_s[j])
+                value -= g_c[k] * (same * g_s[j] - mixed * g_c[j])
+                H[3 + k, 3 + j] += factor * value
+                H[9 + k, 9 + j] += factor * value
+                H[3 + k, 9 + j] -= factor * value
+                H[9 + k, 3 + j] -= factor * value
+
+
+@compiled
+def _set_rotation_gradient(normal: Vector, gradient: Array) -> None:
+    for k in range(3):
+        gradient[3 + k] = normal[k]
+        gradient[9 + k] = -normal[k]
 
 
 @compiled
 def _add_rotation(a: Vector, b: Vector, factor: float, H: Array) -> None:
+    """H += factor times the tangent of a . b."""
     value = dot(a, b)
     for j in range(3):
         for k in range(3):
@@ -131,26 +227,46 @@ def _add_rotation(a: Vector, b: Vector, factor: float, H: Array) -> None:
             H[9 + j, 9 + k] += N
 
 
-@compiled
-def _add_angle(a: Vector, turned: Vector, b: Vector, factor: float, H: Array) -> None:
-    """H += factor times the tangent of theta = atan2(s, c), with q = s^2 + c^2.
+LENGTHS = tuple(kind.number for kind in KINDS if kind.length)
+ROTATION = Rotation.number
+_evaluate = dispatcher(
+    "evaluate_kind",
+    "rows, i, angle, near, work, gradient",
+    [kind.evaluate for kind in KINDS],
+    otherwise="0.0",
+)
+_add_tangent = dispatcher(
+    "add_kind_tangent",
+    "rows, i, angle, factor, work, H",
+    [kind.add_tangent for kind in KINDS],
+    otherwise="None",
+)
 
-    The gradient is (c g_s - s g_c) / q, with the gradients g of s and c; its derivative has the
-    terms of H_s, H_c and those of the factors: d(c/q) = ((s^2 - c^2) dc - 2 s c ds) / q^2 and
-    d(s/q) = ((c^2 - s^2) ds - 2 s c dc) / q^2.
+
+@compiled
+def measures_length(kind: int) -> bool:
+    """True where the coordinate of a kind of rows is a length."""
+    for number in LENGTHS:  # noqa: SIM110 - compiled code has no generators
+        if kind == number:
+            return True
+    return False
+
+
+@compiled
+def evaluate_row(
+    rows: Rows, i: int, angle: float, near: float, work: Workspace, gradient: Array
+) -> float:
+    """The coordinate of row i, for an angle the value nearest to `near`, and its gradient (12,).
+
+    angle: the angle by which a drive turns the axis a.
     """
-    s, c = dot(turned, b), dot(a, b)
-    q = s * s + c * c
-    _add_rotation(turned, b, factor * c / q, H)
-    _add_rotation(a, b, -factor * s / q, H)
-    g_s, g_c = cross(turned, b), cross(a, b)
-    same, mixed = (c * c - s * s) / (q * q), 2.0 * s * c / (q * q)
-    for k in range(3):
-        for j in range(3):
-            value = -g_s[k] * (same * g_c[j] + mixed * g_s[j]) - g_c[k] * (
-                same * g_s[j] - mixed * g_c[j]
-            )
-            H[3 + k, 3 + j] += factor * value
-            H[9 + k, 9 + j] += factor * value
-            H[3 + k, 9 + j] -= factor * value
-            H[9 + k, 3 + j] -= factor * value
+    gradient[:] = 0.0
+    return float(_evaluate(rows.kind[i], rows, i, angle, near, work, gradient))
+
+
+@compiled
+def add_row_tangent(
+    rows: Rows, i: int, angle: float, factor: float, work: Workspace, H: Array
+) -> None:
+    """H (12, 12) += factor times the tangent of row i."""
+    _add_tangent(rows.kind[i], rows, i, angle, factor, work, H)

@@ -127,8 +127,10 @@ class Couplings(Struct):
 
 class Loads(Struct):
     frame: Index = array("n_l")
-    torque: Index = array("n_l")
-    """0: force, 1: torque"""
+    kind: Index = array("n_l")
+    """loads.py has them"""
+    moment: Index = array("n_l")
+    """1: acts as a moment, 0: as a force"""
     follower: Index = array("n_l")
     direction: Array = array("n_l", 3)
 
@@ -460,6 +462,8 @@ class ObserverWork(Struct):
 class LoadWork(Struct):
     value: Array = array("n_l")
     """of the signals at the end of the step"""
+    tangent: Array = array(3, 6)
+    """derivative of a load by (delta r, delta theta) of its frame, in space"""
     motion: Array = array(3)
     """displacement or rotation of a loaded frame in a step"""
 

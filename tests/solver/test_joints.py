@@ -113,3 +113,25 @@ def test_a_revolute_joint_turns_more_than_half_a_turn():
     )
     expected = Rotation.from_rotvec(np.outer([drive(t) for t in results.time], AXIS))
     assert (rotations(results.body("body").R) * expected.inv()).magnitude().max() < 1e-12
+
+
+@pytest.mark.parametrize("ground_first", [True, False])
+def test_a_universal_joint_keeps_its_axes_across_whichever_side_is_the_ground(ground_first):
+    """`axis` is fixed in the first frame and `second_axis` in the second."""
+    between = ("ground", "body") if ground_first else ("body", "ground")
+    model = Model(
+        {"body": RigidBody(1.0, [1.0, 2.0, 1.5], start=Start(angular_velocity=[1.0, 2.0, 0.0]))},
+        [Joint("cross", "universal", between, [1, 0, 0], [0, 1, 0])],
+        [Load("torque", "body", [0.5, 1.0, 2.0], Constant(1.0))],
+        settings=Settings(t_end=1.0, step=1e-3),
+    )
+    results = simulate(model)
+    R = Rotation.from_quat(results.body("body").R, scalar_first=True).as_matrix()
+    ground, body = np.eye(3)[None], R
+    first, second = (ground, body) if ground_first else (body, ground)
+    across = np.einsum("ni,ni->n", *np.broadcast_arrays(first[:, :, 0], second[:, :, 1]))
+    other = np.einsum("ni,ni->n", *np.broadcast_arrays(first[:, :, 1], second[:, :, 0]))
+    np.testing.assert_allclose(across, 0.0, atol=1e-9)
+    assert np.abs(other).max() > 0.1
+    angle = results.joint("cross").coordinates["angle"]
+    assert np.abs(angle).max() > 0.1

@@ -42,7 +42,7 @@ from duhamel.solver import (
 )
 from duhamel.solver.model import signals
 from duhamel.solver.model.joints import JOINT_TYPES
-from duhamel.solver.model.loads import LOAD_TYPES
+from duhamel.solver.model.loads import LOAD_KINDS
 from duhamel.solver.model.motions import PrescribedMotion
 from duhamel.solver.model.springs import SPRING_TYPES
 from duhamel.superelement import Interface, Superelement, write
@@ -160,7 +160,7 @@ def everything(random_element, tmp_path):
         PrescribedDisplacement("push", "b1.f", rng.normal(size=3), Polynomial((0.0, 1.0 / 3.0))),
         PrescribedRotation("turn", "b2", [1, 2, 3], Constant(0.0)),
     )
-    kinds = list(LOAD_TYPES)
+    kinds = list(LOAD_KINDS)
     loads = [
         Load(kinds[k % 2], "b0.f", rng.normal(size=3), signal, follower=k % 3 == 0)
         for k, signal in enumerate(SIGNALS)
@@ -197,7 +197,7 @@ def test_a_model_of_everything_comes_back_exactly(everything, tmp_path):
     assert {joint.type for joint in everything.joints} == set(JOINT_TYPES)
     assert {spring.type for spring in everything.springs} == set(SPRING_TYPES)
     assert {type(motion) for motion in everything.motions} == set(PrescribedMotion.__args__)
-    assert {load.type for load in everything.loads} == set(LOAD_TYPES)
+    assert {load.type for load in everything.loads} == set(LOAD_KINDS)
     known = {form.kind for forms in signals.SIGNALS.forms.values() for form in forms}
     assert {type(load.signal) for load in everything.loads} == known | {Constant}
     default = Settings(t_end=1.0)

@@ -1,0 +1,154 @@
+"""A model with every kind of part, and what 30 steps of it leave behind.
+
+python every_part.py results.npz
+"""
+
+import sys
+from typing import Any
+
+import numpy as np
+from duhamel.solver import (
+    Constant,
+    FlexibleBody,
+    Frame,
+    Harmonic,
+    Joint,
+    Load,
+    Model,
+    Polynomial,
+    PrescribedDisplacement,
+    PrescribedRotation,
+    Pulse,
+    RigidBody,
+    Settings,
+    Spring,
+    Start,
+    TabulatedLaw,
+)
+from duhamel.solver.lower.allocation import make_output
+from duhamel.solver.simulation import signals
+from duhamel.solver.start.initial import initialize
+from duhamel.solver.step.loop import advance
+from duhamel.solver.step.record import record
+from duhamel.solver.step.system import Output, Run
+from duhamel.superelement import GeneralizedAlpha, Interface, Modes, Superelement, sample_kernel
+
+H, STEPS = 1e-3, 30
+AXIS, SECOND = np.array([1.0, 2.0, 2.0]) / 3.0, np.array([2.0, -2.0, 1.0]) / 3.0
+JOINTS: dict[str, dict[str, Any]] = {
+    "fixed": {},
+    "spherical": {},
+    "revolute": {"axis": AXIS},
+    "universal": {"axis": AXIS, "second_axis": SECOND},
+    "cylindrical": {"axis": AXIS},
+    "prismatic": {"axis": AXIS},
+    "planar": {"axis": AXIS},
+    "driven revolute": {"axis": AXIS, "angle": Harmonic(0.2, 20.0)},
+    "driven prismatic": {"axis": AXIS, "distance": Polynomial((0.0, 0.0, 4.0))},
+    "driven cylindrical": {
+        "axis": AXIS,
+        "angle": Polynomial((0.0, 0.0, 9.0)),
+        "distance": Harmonic(0.01, 10.0),
+    },
+}
+SPRINGS: dict[str, dict[str, Any]] = {
+    "point": {
+        "stiffness": 3000.0,
+        "damping": 2.0,
+        "law": TabulatedLaw((-0.1, 0.0, 0.2), (-9.0, 0.0, 4.0)),
+    },
+    "torsion": {
+        "axis": AXIS,
+        "stiffness": 50.0,
+        "damping": 0.4,
+        "rest": [0.2],
+        "law": TabulatedLaw((-1.0, 0.0, 1.0), (-3.0, 0.0, 8.0)),
+    },
+    "bushing": {"axis": AXIS, "stiffness": [900.0] * 3 + [70.0] * 3, "damping": [3.0] * 6},
+}
+
+
+def element(seed: int, by_modes: bool) -> Superelement:
+    """A body of random numbers with a six-dof and a three-dof interface."""
+    rng = np.random.default_rng(seed)
+    interfaces = tuple(
+        Interface(f"i{k}", rng.normal(size=3), rotations)
+        for k, rotations in enumerate((True, False))
+    )
+    form = Modes(
+        np.sort(rng.uniform(50.0, 2000.0, 8)),
+        rng.uniform(0, 0.05, 8),
+        rng.normal(size=(9, 8)),
+    )
+    return Superelement(
+        name=f"random {seed}",
+        mass=1.5,
+        J_rot=np.diag([1.0, 2.0, 1.5]),
+        center=np.zeros(3),
+        interfaces=interfaces,
+        kernel=sample_kernel(form, H, GeneralizedAlpha(0.8), 200),
+        modes=form if by_modes else None,
+        compliance=form.phi / form.omega**2 @ form.phi.T,
+        accelerance=form.phi @ form.phi.T,
+    )
+
+
+def make_model() -> Model:
+    rng = np.random.default_rng(1)
+    bodies: dict[str, Any] = {}
+
+    def add_body(name: str) -> str:
+        X = rng.normal(size=3)
+        frames = {"i0": Frame(X, rng.uniform(-1, 1, 3)), "i1": Frame(rng.normal(size=3))}
+        bodies[name] = RigidBody(1.5, [1.0, 2.0, 1.5], frames, Start(-X))
+        return name
+
+    joints = []
+    for name, given in JOINTS.items():
+        body = add_body(name.replace(" ", "_"))
+        joints.append(Joint(name, name.removeprefix("driven "), ("ground", f"{body}.i0"), **given))
+    springs = []
+    for name, given in SPRINGS.items():
+        body = add_body(f"on_{name}")
+        springs.append(Spring(name, name, ("revolute.i1", f"{body}.i1"), **given))
+    for name, by_modes in (("modal", True), ("convolved", False)):
+        shape = element(len(bodies), by_modes)
+        bodies[name] = FlexibleBody(shape, Start(-shape.interface("i0").X))
+        joints.append(Joint(f"hinge of {name}", "revolute", ("ground", f"{name}.i0"), AXIS))
+        springs.append(
+            Spring(f"end of {name}", "point", ("ground.post", f"{name}.i1"), stiffness=50.0)
+        )
+    displaced, turned = add_body("displaced"), add_body("turned")
+    return Model(
+        bodies,
+        tuple(joints),
+        springs=tuple(springs),
+        motions=(
+            PrescribedDisplacement("shift", f"{displaced}.i1", AXIS, Harmonic(0.1, 10.0)),
+            PrescribedRotation("turn", f"{turned}.i1", AXIS, Polynomial((0.0, 0.0, 5.0))),
+        ),
+        loads=(
+            Load("force", "modal.i1", [1.0, -2.0, 0.5], Constant(20.0)),
+            Load("force", "convolved.i1", [1.0, 2.0, 0.5], Pulse(9.0, 0.0, 0.01), follower=True),
+            Load("torque", "spherical", [1.0, 0.0, 2.0], Harmonic(7.0, 30.0)),
+            Load("torque", "modal.i0", [1.0, 1.0, 2.0], Constant(2.0), follower=True),
+        ),
+        settings=Settings(t_end=STEPS * H, step=H, rho_inf=0.8),
+        gravity=[0.0, 0.0, -9.81],
+        ground_frames={"post": Frame([0.3, 0.2, 0.1])},
+    )
+
+
+def run() -> Output:
+    initial = initialize(make_model())
+    output = make_output(initial.lowered, STEPS + 1)
+    run = Run(system=initial.lowered.system, state=initial.state, work=initial.work, output=output)
+    record(run, 0)
+    taken, _ = advance(run, signals(initial.lowered, 1, np.arange(1, STEPS + 1)))
+    assert taken == STEPS
+    return output
+
+
+if __name__ == "__main__":
+    output = run()
+    np.savez(sys.argv[1], **{name: getattr(output, name) for name in output.layout})
