@@ -33,7 +33,7 @@ class Results:
     Fields of flexible bodies (`displacement`, `stress`, `von_mises`, `position`) are superposed
     from the modes of their superelements, at times t [s], one or several (k,), of the run; between
     steps they are linear in time. They take one pass over the steps before t: ask for many times at
-    once. `RecoveryError` says what is missing.
+    once. `RecoveryError` names the missing data.
     """
 
     def __init__(

@@ -45,7 +45,7 @@ class Writer(Protocol):
         """Wait until all rows are written."""
 
     def abandon(self) -> bool:
-        """Leave earlier results at the same place as they are; False if there are none."""
+        """Leave earlier results at the same path as they are; False if there are none."""
 
     def note(self, **notes: Any) -> None:
         """Add notes of the run."""

@@ -17,17 +17,17 @@ from ..superelement.validation import Array
 from .errors import StudyError
 
 
-def _mean(time: Array, values: Array) -> float:
+def _mean(time: Array, samples: Array) -> float:
     """The mean over time, by trapezoids."""
-    return float(np.trapezoid(values, time) / (time[-1] - time[0]))
+    return float(np.trapezoid(samples, time) / (time[-1] - time[0]))
 
 
 REDUCTIONS: dict[str, Callable[[Array, Array], float]] = {
-    "max": lambda time, values: float(values.max()),
-    "min": lambda time, values: float(values.min()),
-    "final": lambda time, values: float(values[-1]),
+    "max": lambda time, samples: float(samples.max()),
+    "min": lambda time, samples: float(samples.min()),
+    "final": lambda time, samples: float(samples[-1]),
     "mean": _mean,
-    "peak-to-peak": lambda time, values: float(np.ptp(values)),
+    "peak-to-peak": lambda time, samples: float(np.ptp(samples)),
 }
 
 
@@ -55,7 +55,7 @@ def _named(
 
 
 def _value(results: Results, output: str) -> float:
-    reduction, _, magnitude = _parts(output)
+    reduction, _, magnitude = _parsed(output)
     components = _components(results, output)
     if magnitude and components.ndim > 1:
         return REDUCTIONS[reduction](results.time, np.linalg.norm(components, axis=1))
@@ -66,10 +66,10 @@ def _value(results: Results, output: str) -> float:
 
 def _components(results: Results, output: str) -> Array:
     """The values (n,) or (n, 3) of the quantity."""
-    return evaluate(results, _parts(output)[1]).values
+    return evaluate(results, _parsed(output)[1]).values
 
 
-def _parts(output: str) -> tuple[str, str, bool]:
+def _parsed(output: str) -> tuple[str, str, bool]:
     """Reduction, quantity, and True if its magnitude is meant."""
     match = re.fullmatch(r"\s*(\S+)\s+(\|?)([^\s|]+)(\|?)\s*", output)
     if match is None or match[1] not in REDUCTIONS or match[2] != match[4]:
