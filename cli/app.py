@@ -1,5 +1,6 @@
-"""The subcommands, one function each. Each imports what it needs when called, so that `duhamel run`
-starts fast.
+"""The subcommands, one function each.
+
+Each imports its packages when called, so that `duhamel run` starts fast.
 """
 
 from pathlib import Path
@@ -119,10 +120,10 @@ def _survey(body_file: Path, output: Path | None) -> None:
 
     with errors_in_one_line(preprocess, view):
         body = preprocess.read_body(body_file)
-        found = survey(body, progress=True)
+        surveyed = survey(body, progress=True)
         target = output or body_file.with_name(f"{body.name}.png")
-        view.save(view.draw_scene(scene(found)), target)
-    Console().print(report(found))
+        view.save(view.draw_scene(scene(surveyed)), target)
+    Console().print(report(surveyed))
     typer.echo(target)
 
 

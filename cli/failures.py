@@ -12,11 +12,10 @@ import typer
 
 @contextmanager
 def errors_in_one_line(*packages: ModuleType, about: Path | None = None) -> Iterator[None]:
-    """Print `error: ...` and exit with 1 on an exception that the packages export, `warning: ...`
-    on a warning.
+    """Print the exceptions and warnings that the packages export as one line each.
 
-    about: the file at fault, put before errors that do not know it.
-    Any other exception is a defect of the program, and shows its traceback.
+    `error: ...`, then exit with 1, or `warning: ...`. about: the file at fault, put before errors
+    that do not name it. Any other exception is a defect of the program, and shows its traceback.
     """
     exported = _exported_exceptions(*packages)
     own_warnings = tuple(item for item in exported if issubclass(item, Warning))

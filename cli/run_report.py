@@ -1,4 +1,4 @@
-"""The lines of `duhamel run` besides its speed: how the run started, and its energy balance."""
+"""The lines of `duhamel run` besides its speed: start, energy balance and momentum of the run."""
 
 from collections.abc import Iterator
 
@@ -9,15 +9,11 @@ from ..results.motion import Energy
 from ..superelement.validation import Array
 
 NOTICEABLE = 1e-9
-"""the least error or change of given positions [m, rad] and velocities [m/s, rad/s] that is worth a
-line
-"""
+"""the least reported error or change of positions [m, rad] and velocities [m/s, rad/s]"""
 
 
 def report(results: Results) -> Iterator[str]:
-    """Lines of text: degrees of freedom, what was changed at the start, energies and momenta at the
-    end.
-    """
+    """Lines of text: degrees of freedom, changes at the start, energies and momenta at the end."""
     solver = results.solver
     yield f"degrees of freedom (bodies as rigid): {solver['degrees_of_freedom']}"
     if solver["removed"]:
@@ -26,8 +22,8 @@ def report(results: Results) -> Iterator[str]:
         opening, joint = solver["assembly_error"], solver["assembly_error_at"]
         yield f"largest assembly error: {opening:.3g} m at {joint}"
     if solver["velocity_error"] > NOTICEABLE:
-        misfit, joint = solver["velocity_error"], solver["velocity_error_at"]
-        yield f"largest velocity error: {misfit:.3g} m/s or rad/s at {joint}"
+        error, joint = solver["velocity_error"], solver["velocity_error_at"]
+        yield f"largest velocity error: {error:.3g} m/s or rad/s at {joint}"
     if solver["moved"] > NOTICEABLE:
         yield f"bodies start up to {solver['moved']:.3g} m or rad from their given places"
     if solver["velocity_correction"] > NOTICEABLE:
@@ -63,8 +59,8 @@ def _energy_balance(energy: Energy) -> str:
     largest = float(np.abs(energy.balance).max())
     sizes = [np.abs(getattr(energy, name)).max() for name in names if name != "potential"]
     scale = float(max(*sizes, np.ptp(energy.potential)))
-    part = f", {largest / scale:.1g} of the largest" if scale > 0.0 else ""
-    return f"energy at the end [J]: {last or 'none'}; balance within {largest:.2g}{part}"
+    relative = f", {largest / scale:.1g} of the largest" if scale > 0.0 else ""
+    return f"energy at the end [J]: {last or 'none'}; balance within {largest:.2g}{relative}"
 
 
 def _vector(values: Array) -> str:

@@ -9,7 +9,7 @@ from rich.text import Text
 from ..preprocess.assembly.interfaces import Attachment
 from ..preprocess.survey import Survey
 from ..superelement.validation import Array
-from ..view import Patch, Place, Scene
+from ..view import Marker, Patch, Scene
 
 EXACT = "from the mesh itself"
 ESTIMATED = (
@@ -21,14 +21,14 @@ Row = tuple[str, str]
 
 
 def report(survey: Survey) -> Table:
-    """Mesh, mass properties, places, frequencies and cost, a section each."""
+    """Mesh, mass properties, interfaces and masses, frequencies and cost, a section each."""
     table = Table(title=Text(survey.body.name), show_header=False)
     table.add_column(no_wrap=True)
     table.add_column(overflow="fold")
     for section in (
         _mesh(survey),
         _rigid(survey),
-        _places(survey),
+        _attachments(survey),
         _frequencies(survey),
         _cost(survey),
     ):
@@ -39,19 +39,20 @@ def report(survey: Survey) -> Table:
 
 
 def scene(survey: Survey) -> Scene:
-    """The boundary of solids or the lines of beams, with the facets of interfaces, the frames and
-    the masses.
-    """
+    """The boundary of solids or the lines of beams, with interfaces, frames and masses."""
     mesh, facets = survey.mesh, survey.facets
-    places = [Place(name, place.X, place.rotates) for name, place in survey.interfaces.items()]
+    markers = [
+        Marker(name, interface.X, interface.rotates)
+        for name, interface in survey.interfaces.items()
+    ]
     masses = [
-        Place(f"{name} {survey.body.masses[name].mass:.3g} kg", place.X, turns=False)
-        for name, place in survey.masses.items()
+        Marker(f"{name} {survey.body.masses[name].mass:.3g} kg", attachment.X, has_axes=False)
+        for name, attachment in survey.masses.items()
     ]
     if facets is None:
-        return Scene(lines=mesh.points[mesh.cells["line"]], places=places, masses=masses)
+        return Scene(lines=mesh.points[mesh.cells["line"]], markers=markers, masses=masses)
     patches = [Patch(polygons, owners) for polygons, owners in survey.boundary()]
-    return Scene(patches, places=places, masses=masses)
+    return Scene(patches, markers=markers, masses=masses)
 
 
 def _mesh(survey: Survey) -> Iterator[Row]:
@@ -74,34 +75,36 @@ def _rigid(survey: Survey) -> Iterator[Row]:
         yield label, f"{share.mass:.6g} kg, {share.extent:.6g} {unit}, {share.elements} elements"
 
 
-def _places(survey: Survey) -> Iterator[Row]:
+def _attachments(survey: Survey) -> Iterator[Row]:
     yield "interfaces", f"{len(survey.interfaces)}, positions [m] in the axes of the mesh"
-    for name, place in survey.interfaces.items():
-        yield f"  {name}", f"{_position(place.X, survey)}\n{_carried(place)}"
+    for name, interface in survey.interfaces.items():
+        yield f"  {name}", f"{_position(interface.X, survey)}\n{_carrier(interface)}"
     if survey.masses:
         yield "masses", f"{len(survey.masses)}"
-    for name, place in survey.masses.items():
+    for name, attachment in survey.masses.items():
         mass = survey.body.masses[name]
         where = "" if mass.interface is None else f", on interface {mass.interface}"
-        yield f"  {name}", f"{_position(place.X, survey)}\n{mass.mass:.6g} kg{where}"
+        yield f"  {name}", f"{_position(attachment.X, survey)}\n{mass.mass:.6g} kg{where}"
 
 
-def _carried(place: Attachment) -> str:
-    """What carries a frame."""
-    if len(place.nodes) == 1:
-        return f"one node, {place.rows.shape[0]} dofs"
-    facets = (
-        f"{len(place.facets)} facets of {place.area:.4g} m^2 with " if len(place.facets) else ""
-    )
-    return f"{'rigid' if place.rigid else 'average'}, {facets}{len(place.nodes)} nodes"
+def _carrier(attachment: Attachment) -> str:
+    """The nodes and facets that carry a frame."""
+    n_nodes, n_facets = len(attachment.nodes), len(attachment.facets)
+    if n_nodes == 1:
+        return f"one node, {attachment.rows.shape[0]} dofs"
+    facets = f"{n_facets} facets of {attachment.area:.4g} m^2 with " if n_facets else ""
+    return f"{'rigid' if attachment.rigid else 'average'}, {facets}{n_nodes} nodes"
 
 
 def _frequencies(survey: Survey) -> Iterator[Row]:
-    found, band, wave = survey.frequencies, survey.band, survey.resolution
-    yield f"first {len(found.values)} [Hz]", ", ".join(f"{value:.5g}" for value in found.values)
-    yield "  found", EXACT if found.exact else ESTIMATED
-    inside = int((found.values <= band).sum())
-    held = "all" if inside == len(found.values) else str(inside)
+    frequencies, band, wave = survey.frequencies, survey.band, survey.resolution
+    yield (
+        f"first {len(frequencies.values)} [Hz]",
+        ", ".join(f"{value:.5g}" for value in frequencies.values),
+    )
+    yield "  found", EXACT if frequencies.exact else ESTIMATED
+    inside = int((frequencies.values <= band).sum())
+    held = "all" if inside == len(frequencies.values) else str(inside)
     yield "band [Hz]", f"up to {band:.5g}, which holds {held} of these"
     kind = "bending" if survey.facets is None else "shear"
     hint = (

@@ -11,7 +11,7 @@ from ..study.sweep import OnFinished
 
 @contextmanager
 def shown_cases(total: int) -> Iterator[OnFinished]:
-    """A bar that fills with the cases; their warnings appear above it as they come."""
+    """A progress bar over the cases, with their warnings above it."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 

@@ -137,7 +137,7 @@ def largest(values: Array) -> float:
 
 def curves(found: Motion, results: solver.Results) -> Figure:
     figure, (speed, tips, added) = view.panels(3)
-    blue, red, green, *_ = view.COLOURS
+    blue, red, green, *_ = view.COLORS
     speed.plot(found.time, results.body("hub").v[:, 5], color=blue)
     for n, color, line in zip((0, 1, 2), (red, blue, green), ("-", "-", (0, (4, 3))), strict=True):
         tips.plot(

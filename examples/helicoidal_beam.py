@@ -43,7 +43,7 @@ TITLES = {
     "case4": "Case 4: helicoidal motion under gravity",
     "case5": "Case 5: tip mass, hit at 0.2 s",
 }
-BLUE, RED, GREEN, *_ = view.COLOURS
+BLUE, RED, GREEN, *_ = view.COLORS
 GREY = "0.6"
 BLOW = 0.2
 """when the tip is hit in Case 5 [s]"""

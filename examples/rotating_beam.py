@@ -31,7 +31,7 @@ I_T = 4.75475e-3
 TORQUE_TIMES, TORQUE_VALUES = (0.0, 0.05, 0.15, 0.2), (1.0, 0.0, -1.0, 0.0)
 """the torque of the model files, over C_0"""
 
-BLUE, RED, GREEN, *_ = view.COLOURS
+BLUE, RED, GREEN, *_ = view.COLORS
 
 
 @dataclass(frozen=True)

@@ -214,7 +214,7 @@ def largest(values: Array) -> float:
 
 def curves(found: Strokes, elastic: solver.Results, rigid: solver.Results) -> Figure:
     figure, (pin, section, stress) = view.panels(3)
-    blue, red, green, *_ = view.COLOURS
+    blue, red, green, *_ = view.COLORS
     degrees = np.rad2deg(SPEED * (found.time - CYCLE[0]))
     shown = np.isin(rigid.time, found.time)
     for results, color, name in ((rigid, "0.6", "rigid rod"), (elastic, blue, "elastic rod")):

@@ -199,7 +199,7 @@ def picture(motions: dict[str, Motion], title: str) -> Figure:
     """The angle, the deflections of the tip, without that of a plane in which nothing moves, and
     their differences.
     """
-    blue, red, green, *_ = view.COLOURS
+    blue, red, green, *_ = view.COLORS
     beam, solid = motions["beam"], motions["solid"]
     peaks = np.abs(beam.deflection).max(axis=0)
     moving = [(row, name) for row, name in enumerate("yz") if peaks[row] > 1e-6 * peaks.max()]

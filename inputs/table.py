@@ -17,14 +17,14 @@ from pydantic import (
 )
 
 
-def expected(what: str) -> WrapValidator:
-    """One message for a value of several types: `what` is expected, and the value found."""
+def expected(form: str) -> WrapValidator:
+    """One message for a value of several types: `form` is expected, and the value found."""
 
     def check(value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
         try:
             return handler(value)
         except ValidationError as error:
-            raise ValueError(f"expected {what}, found {_plain(value)!r}") from error
+            raise ValueError(f"expected {form}, found {_plain(value)!r}") from error
 
     return WrapValidator(check)
 
@@ -63,8 +63,9 @@ AnyTable = TypeVar("AnyTable", bound=Table)
 
 
 def read_table(path: str | os.PathLike[str], kind: type[AnyTable]) -> tuple[AnyTable, str]:
-    """The table in a TOML file, and its text; `InputError` names file, key, value found and
-    expected.
+    """The table in a TOML file, and its text.
+
+    `InputError` names the file, the key, and the values found and expected.
     """
     path = Path(path)
     try:

@@ -1,4 +1,4 @@
-"""What can go wrong with results, one exception per kind of failure."""
+"""The exceptions of results, one per kind of failure."""
 
 
 class ResultsError(ValueError):
@@ -6,12 +6,11 @@ class ResultsError(ValueError):
 
 
 class RecoveryError(ValueError):
-    """A field that results cannot give: no modes on the surface, another superelement, a time
-    outside the run.
+    """A field that results cannot give.
+
+    No modes on the surface, another superelement, or a time outside the run.
     """
 
 
 class QuantityError(LookupError):
-    """A quantity, body, frame or joint that results do not have; the message lists those they
-    have.
-    """
+    """A quantity, body, frame or joint that results do not have; the message lists theirs."""

@@ -30,14 +30,14 @@ from .schema import (
     Quantity,
     SuperelementFile,
 )
-from .source import Wanted
+from .source import Selection
 
 PATIENCE = 60.0
 """seconds to wait for others who have the file open"""
 BRIEF = 0.2
-"""seconds that a run waits for them while there is room in memory for what it would write"""
-ROOM = 1 << 28
-"""bytes that may wait in memory"""
+"""seconds that a run waits for them while the buffer is not full"""
+BUFFER = 1 << 28
+"""bytes of rows that may wait in memory"""
 CHUNK = 1 << 18
 """bytes that HDF5 keeps together, about"""
 LEAST_ROWS = 16
@@ -46,11 +46,11 @@ SPARE = 1 << 20
 """bytes that HDF5 may want besides the numbers"""
 TEXT = h5py.string_dtype()
 DAMAGE = (OSError, RuntimeError, KeyError, ValueError, TypeError, MemoryError)
-"""what h5py raises on a file with wrong bytes inside"""
+"""exceptions of h5py on a file with wrong bytes"""
 
 
 class FileSource:
-    """A results file that is read. It is closed between reads, since a run may be writing it.
+    """A results file that is read, closed between reads since a run may be writing it.
 
     The rows are those that stood in the file when it was first opened, so that arrays which are
     read one after the other belong together.
@@ -79,7 +79,7 @@ class FileSource:
         with self._open() as file:
             return dict(file["solver"].attrs)
 
-    def read(self, wanted: Sequence[Wanted]) -> list[Array]:
+    def read(self, selections: Sequence[Selection]) -> list[Array]:
         with self._open() as file:
             if _run_of(file) != self._run:
                 raise ResultsError("another run has replaced this file: read it again")
@@ -87,7 +87,7 @@ class FileSource:
             if not n:
                 raise ResultsError("no step has been written yet")
             axes = self._contents.axes
-            return [_rows(file, axes, quantity, which, n) for quantity, which in wanted]
+            return [_rows(file, axes, quantity, entries, n) for quantity, entries in selections]
 
     @contextmanager
     def _open(self) -> Iterator[h5py.File]:
@@ -136,7 +136,7 @@ class FileWriter:
         self._waiting.append(rows)
         self._bytes_waiting += sum(array.nbytes for array in rows.values())
         with _failures_named(self._path):
-            if self._bytes_waiting > ROOM:
+            if self._bytes_waiting > BUFFER:
                 self._write(PATIENCE)
             elif not self._write_in_time():
                 self._waiting[-1] = {name: array.copy() for name, array in rows.items()}
@@ -152,12 +152,13 @@ class FileWriter:
         return True
 
     def note(self, **notes: Any) -> None:
-        with _failures_named(self._path), self._own(PATIENCE) as file:
+        with _failures_named(self._path), self._file_of_run(PATIENCE) as file:
             file["solver"].attrs.update(_plain(notes))
 
     def _write_in_time(self) -> bool:
-        """Write if the last time is long ago and nobody else has the file open: few and large
-        writes leave the file to others for most of the time.
+        """Write if a pause has passed since the last write and nobody else has the file open.
+
+        Few and large writes leave the file to others for most of the time.
         """
         if time.monotonic() - self._last < self.pause:
             return False
@@ -171,7 +172,7 @@ class FileWriter:
         """Write the rows that wait; they count once all of them are in the file."""
         if not self._waiting:
             return
-        with self._own(patience) as file:
+        with self._file_of_run(patience) as file:
             free = shutil.disk_usage(self._target.parent).free
             if free < self._bytes_waiting + SPARE + len(self._contents.quantities) * CHUNK:
                 raise OSError(f"the disk is full, {self._written} rows are written")
@@ -192,8 +193,8 @@ class FileWriter:
         self._file = self._target
 
     @contextmanager
-    def _own(self, patience: float) -> Iterator[h5py.File]:
-        """The file, if it is still that of this run."""
+    def _file_of_run(self, patience: float) -> Iterator[h5py.File]:
+        """The file open for writing; ResultsError if another run has replaced it."""
         with _opened(self._file, "r+", patience) as file:
             if "solver" not in file or file["solver"].attrs.get("run") != self._run:
                 raise ResultsError(
@@ -204,8 +205,9 @@ class FileWriter:
 
 
 def _extend(file: h5py.File, name: str, rows: Array, first: int) -> None:
-    """Put rows into a variable from `first` on, by the calls of HDF5 itself: with the indexing of
-    h5py a write takes twice as long, and others wait for it.
+    """Put rows into a variable from `first` on, by the calls of HDF5 itself.
+
+    With the indexing of h5py a write takes twice as long, and others wait for it.
     """
     dataset = h5py.h5d.open(file.id, name.encode())
     shape = rows.shape[1:]
@@ -216,9 +218,7 @@ def _extend(file: h5py.File, name: str, rows: Array, first: int) -> None:
 
 
 def _opened(path: Path, mode: str, patience: float) -> h5py.File:
-    """The file, as soon as no one holds it against this mode; BlockingIOError if that takes too
-    long.
-    """
+    """The file, as soon as no lock forbids this mode; BlockingIOError after `patience` seconds."""
     deadline = time.monotonic() + patience
     while True:
         try:

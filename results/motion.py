@@ -39,8 +39,9 @@ class FrameMotion:
 
 @dataclass(frozen=True, eq=False)
 class Coupling:
-    """Loads and coordinates of a joint, a prescribed motion or a spring; coordinates are attributes
-    too, as `joint.angle`.
+    """Loads and coordinates of a joint, a prescribed motion or a spring.
+
+    Coordinates are attributes too, as `joint.angle`.
     """
 
     multipliers: Array
@@ -50,10 +51,10 @@ class Coupling:
     moment: Array
     """(n, 3) on the second body about its frame, in space [N m]"""
     coordinates: dict[str, Array]
-    """(n,) joint coordinates and their rates by name: angle [rad], angle_rate, distance [m],
-    distance_rate, ...
+    """(n,) coordinates of a joint and their rates by name.
 
-    Of a spring "coordinates" (n, rows). Angles go on over full turns.
+    angle [rad], angle_rate, distance [m], distance_rate, ...; of a spring "coordinates" (n, rows).
+    Angles are continued over full turns.
     """
 
     def __getattr__(self, name: str) -> Array:

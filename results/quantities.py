@@ -19,7 +19,7 @@ AXES = ("x", "y", "z")
 
 
 def position(results: Results, name: str) -> Array:
-    """Of the center of mass of a body, or of the origin of a frame [m]."""
+    """Position of the center of mass of a body, or of the origin of a frame [m]."""
     return results.body(name).x if _is_body(results, name) else results.frame(name).position
 
 
@@ -29,33 +29,32 @@ def rotation(results: Results, name: str) -> Array:
 
 
 def angle(results: Results, name: str) -> Array:
-    """The angles by which a body or frame has turned since t = 0 about the space axes x, y, z,
-    beyond full turns too [rad].
+    """Angles by which a body or frame has turned since t = 0 about the axes of space [rad].
 
-    Each column is the twist about its axis (`twists`): for a body that turns about one axis, its
-    angle.
+    They are continued over full turns. Each column is the twist about its axis (`twists`): for
+    a body that turns about one axis, its angle.
     """
     q = rotation(results, name)
     return twists(product(q, inverse(q[0])))
 
 
 def velocity(results: Results, name: str) -> Array:
-    """Of the center of mass of a body, or of the origin of a frame [m/s]."""
+    """Velocity of the center of mass of a body, or of the origin of a frame [m/s]."""
     return _velocities(results, name)[:, :3]
 
 
 def acceleration(results: Results, name: str) -> Array:
-    """Of the center of mass of a body, or of the origin of a frame [m/s^2]."""
+    """Acceleration of the center of mass of a body, or of the origin of a frame [m/s^2]."""
     return _accelerations(results, name)[:, :3]
 
 
 def angular_velocity(results: Results, name: str) -> Array:
-    """R omega of a body, or that of a frame [rad/s]."""
+    """Angular velocity R omega of a body, or that of a frame [rad/s]."""
     return _in_space(results, name, _velocities(results, name)[:, 3:])
 
 
 def angular_acceleration(results: Results, name: str) -> Array:
-    """d/dt (R omega) = R omega_dot of a body, or that of a frame [rad/s^2]."""
+    """Angular acceleration d/dt (R omega) = R omega_dot of a body, or of a frame [rad/s^2]."""
     return _in_space(results, name, _accelerations(results, name)[:, 3:])
 
 
@@ -69,27 +68,27 @@ def displacement(results: Results, name: str, seen_from: str) -> Array:
     """
     apart = position(results, name) - position(results, seen_from)
     seen = rotate(inverse(rotation(results, seen_from)), apart)
-    displacement: Array = seen - seen[0]
-    return displacement
+    change: Array = seen - seen[0]
+    return change
 
 
 def elastic_displacement(results: Results, interface: str) -> Array:
-    """Of an interface, in the axes of its body [m]."""
+    """Elastic displacement of an interface, in the axes of its body [m]."""
     return _elastic(results, interface)[:, :3]
 
 
 def elastic_rotation(results: Results, interface: str) -> Array:
-    """Of an interface, rotation vector in the axes of its body [rad]."""
+    """Elastic rotation vector of an interface, in the axes of its body [rad]."""
     return _elastic(results, interface)[:, 3:]
 
 
 def force(results: Results, coupling: str) -> Array:
-    """Of a joint or spring on the second of its frames [N]."""
+    """Force of a joint or spring on the second of its frames [N]."""
     return _coupling(results, coupling).force
 
 
 def moment(results: Results, coupling: str) -> Array:
-    """Of a joint or spring on the second of its frames, about it [N m]."""
+    """Moment of a joint or spring on the second of its frames, about it [N m]."""
     return _coupling(results, coupling).moment
 
 
@@ -105,30 +104,32 @@ def coordinate_unit(results: Results, joint: str, name: str) -> str:
 
 
 def linear_momentum(results: Results) -> Array:
-    """Of all bodies [kg m/s]."""
+    """Momentum of all bodies [kg m/s]."""
     _recorded(results, "momentum", "linear")
     return results.momentum.linear
 
 
 def angular_momentum(results: Results) -> Array:
-    """Of all bodies about the origin [kg m^2/s]."""
+    """Angular momentum of all bodies about the origin [kg m^2/s]."""
     _recorded(results, "momentum", "angular")
     return results.momentum.angular
 
 
 def energy(results: Results, name: str) -> Array:
-    """(n,) [J]"""
-    energy: Array = getattr(results.energy, _known("energy", name, sorted(results.energies)))
-    return energy
+    """An energy over time, as "kinetic" (n,) [J]."""
+    values: Array = getattr(results.energy, _known("energy", name, sorted(results.energies)))
+    return values
 
 
 @dataclass(frozen=True)
 class Kind:
+    """A kind of quantity: its function of results and names, and its unit."""
+
     values: Callable[..., Array]
     unit: str | Callable[..., str]
-    """or what gives it, for the same names"""
+    """or a function of the results and the names"""
     names: tuple[str, ...]
-    """what each name stands for"""
+    """the meaning of each name"""
     axes: bool = True
 
 
@@ -183,7 +184,7 @@ def evaluate(results: Results, quantity: str) -> Evaluated:
 
 
 def usage(kind_name: str) -> str:
-    """How a quantity of this kind is written."""
+    """The form of a quantity of this kind, as in "force:JOINT|SPRING[:x|y|z]"."""
     kind = KINDS[kind_name]
     return ":".join([kind_name, *kind.names]) + ("[:x|y|z]" if kind.axes else "")
 
@@ -221,7 +222,7 @@ def _recorded(results: Results, group: str, name: str) -> None:
         raise QuantityError(f"no {group} {name!r}; there are: none")
 
 
-def _known(what: str, name: str, names: Iterable[str]) -> str:
+def _known(role: str, name: str, names: Iterable[str]) -> str:
     if name not in names:
-        raise QuantityError(f"no {what} {name!r}; there are: {', '.join(names) or 'none'}")
+        raise QuantityError(f"no {role} {name!r}; there are: {', '.join(names) or 'none'}")
     return name

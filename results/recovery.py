@@ -1,10 +1,9 @@
-"""Fields of a flexible body from recorded results: the loads on its interfaces drive its modes
-once more.
+"""Fields of a flexible body from recorded results: its modes, driven by the loads on interfaces.
 
     u(X, t) = phi(X) eta(t),   eta'' + 2 zeta omega eta' + omega^2 eta = phi_C^T p
 
-stepped as the run was, whichever way it kept its history, so that phi_C eta are the displacements
-it recorded. The time loop pays nothing for it.
+stepped as the run was, whatever the form of its history, so that phi_C eta are the displacements
+that it recorded. It adds no cost to the time loop.
 """
 
 from collections.abc import Mapping
@@ -25,8 +24,9 @@ Index = NDArray[np.int64]
 
 
 class Stepping(NamedTuple):
-    """The time integration of a run: step [s], scheme, rule "consistent" or "paper", start "given"
-    or "equilibrium".
+    """The time integration of a run.
+
+    h: step [s]; rule: "consistent" or "paper"; start: "given" or "equilibrium".
     """
 
     h: float
@@ -51,9 +51,7 @@ def stepping(file: str, run: Mapping[str, Any]) -> Stepping:
 
 
 class Instants(NamedTuple):
-    """Times as steps of a run: the steps before and after each, and how far it is from one to the
-    other.
-    """
+    """Times among the steps of a run: the steps before and after each, its share of the way."""
 
     before: Index
     after: Index
@@ -89,7 +87,7 @@ def read_again(body: str, file: SuperelementFile | None) -> Superelement:
 
 
 def instants(times: Array, t: Array) -> Instants:
-    """The places of times t (k,) among those of the steps (n,); `RecoveryError` outside of them."""
+    """The instants of times t (k,) among those of the steps (n,); `RecoveryError` outside them."""
     outside = t[(t < times[0]) | (t > times[-1] * (1.0 + 1e-12))]
     if outside.size:
         raise RecoveryError(
@@ -102,11 +100,10 @@ def instants(times: Array, t: Array) -> Instants:
 
 
 def interface_loads(R: Array, u: Array, force: Array, rotations: bool) -> Array:
-    """The loads on the dofs of an interface, p = [F; T(w) M] (n, 6), or F (n, 3) without rotations,
-    in body axes.
+    """Loads p = [F; T(w) M] (n, 6) on the dofs of an interface, or F (n, 3) without rotations.
 
-    R (n, 4): body axes to space; u (n, 6): displacement and rotation w; force (n, 6): force R F and
-    moment R M, in space. Source: frames.py.
+    In body axes. R (n, 4): body axes to space; u (n, 6): displacement and rotation w; force (n, 6):
+    force R F and moment R M, in space. Source: frames.py.
     """
     F = _into_body(R, force[:, :3])
     if not rotations:
@@ -114,40 +111,40 @@ def interface_loads(R: Array, u: Array, force: Array, rotations: bool) -> Array:
     return np.hstack([F, apply_tangent(u[:, 3:], _into_body(R, force[:, 3:]))])
 
 
-def modal_coordinates(modes: Modes, p: Array, stepping: Stepping, steps: Index) -> Array:
-    """eta (k, m) at some steps (k,), from the interface loads p (n, n_c) of all steps up to the
-    last of them.
+def modal_coordinates(modes: Modes, p: Array, run: Stepping, steps: Index) -> Array:
+    """Modal coordinates eta (k, m) at some steps (k,).
+
+    p (n, n_c): the interface loads of all steps up to the last of these.
 
     A start in equilibrium is at eta = phi_C^T p_0 / omega^2, any other at eta = 0 with the
-    acceleration phi_C^T p_0, of which eq. (55), the paper's rule, knows nothing. Source:
+    acceleration phi_C^T p_0, which is zero in eq. (55), the paper's rule. Source:
     initial.py, docs/theory.md, Impulse responses.
     """
     at_once = p[0] @ modes.phi
     start: dict[str, Array] = {}
-    if stepping.start == "equilibrium":
+    if run.start == "equilibrium":
         start = {"eta": at_once / modes.omega**2}
-    elif stepping.rule == "consistent":
+    elif run.rule == "consistent":
         start = {"acceleration": at_once}
-    loads = p[1:] if stepping.rule == "consistent" else 0.5 * (p[1:] + p[:-1])
-    etas = respond(
-        modes, stepping.h, stepping.scheme, (load @ modes.phi for load in loads), **start
-    )
-    wanted = set(steps.tolist())
-    found = {n: eta for n, eta in enumerate(islice(etas, max(wanted) + 1)) if n in wanted}
-    return np.array([found[n] for n in steps.tolist()])
+    loads = p[1:] if run.rule == "consistent" else 0.5 * (p[1:] + p[:-1])
+    etas = respond(modes, run.h, run.scheme, (load @ modes.phi for load in loads), **start)
+    chosen = set(steps.tolist())
+    eta_at = {n: eta for n, eta in enumerate(islice(etas, max(chosen) + 1)) if n in chosen}
+    return np.array([eta_at[n] for n in steps.tolist()])
 
 
-def place(x: Array, R: Array, points: Array) -> Array:
-    """x + R X (k, p, 3) for positions x (k, 3), quaternions R (k, 4) of any length, and points X
-    (k, p, 3).
+def in_space(x: Array, R: Array, points: Array) -> Array:
+    """Points of bodies in space, x + R X (k, p, 3).
+
+    x (k, 3): positions; R (k, 4): quaternions of any length; points X (k, p, 3), in body axes.
     """
     w, axis = np.split(R[:, None] / np.linalg.norm(R, axis=1)[:, None, None], [1], axis=2)
-    turn = 2.0 * np.cross(axis, points)
-    placed: Array = x[:, None] + points + w * turn + np.cross(axis, turn)
-    return placed
+    twice = 2.0 * np.cross(axis, points)
+    positions: Array = x[:, None] + points + w * twice + np.cross(axis, twice)
+    return positions
 
 
 def _into_body(R: Array, vectors: Array) -> Array:
     """R^T a (n, 3) for unit quaternions R (n, 4) and vectors a (n, 3) in space."""
     back = R * [1.0, -1.0, -1.0, -1.0]
-    return place(np.zeros((len(R), 3)), back, vectors[:, None])[:, 0]
+    return in_space(np.zeros((len(R), 3)), back, vectors[:, None])[:, 0]

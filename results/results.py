@@ -1,4 +1,4 @@
-"""`Results`: what a run recorded, in memory or in a file, read when asked for."""
+"""`Results`: the record of a run, in memory or in a file, read when asked for."""
 
 import os
 from collections.abc import Mapping
@@ -14,24 +14,26 @@ from .file import FileSource
 from .motion import BodyMotion, Coupling, Energy, FrameMotion, Momentum
 from .recovery import (
     Instants,
+    in_space,
     instants,
     interface_loads,
     modal_coordinates,
-    place,
     read_again,
     stepping,
 )
 from .schema import OWNERS, QUANTITIES, Contents, SuperelementFile, attributes_of
-from .source import Source, Wanted
+from .source import Selection, Source
 
 
 class Results:
-    """The results of a run. Arrays are read when asked for; between reads a file is closed.
+    """The results of a run.
+
+    Arrays are read when asked for; between reads a file is closed.
 
     Fields of flexible bodies (`displacement`, `stress`, `von_mises`, `position`) are superposed
     from the modes of their superelements, at times t [s], one or several (k,), of the run; between
     steps they are linear in time. They take one pass over the steps before t: ask for many times at
-    once. `RecoveryError` says what is missing.
+    once. `RecoveryError` names the missing data.
     """
 
     def __init__(
@@ -53,8 +55,9 @@ class Results:
 
     @property
     def recorded(self) -> tuple[str, ...]:
-        """The groups that the run recorded: "bodies/hub", "frames/beam.tip", "energy", ...; all
-        there are unless asked for less.
+        """The groups that the run recorded, "bodies/hub", "frames/beam.tip", "energy", ...
+
+        All groups unless the model requested fewer.
         """
         return self._source.contents().recorded
 
@@ -113,7 +116,7 @@ class Results:
 
     @property
     def solver(self) -> dict[str, Any]:
-        """How the run went: steps, step size, seconds, rule, history, ..."""
+        """Notes of the run: steps, step size, seconds, rule, history, ..."""
         return self._source.notes()
 
     @property
@@ -141,21 +144,24 @@ class Results:
         return self._coupling("springs", name)
 
     def unit(self, group: str, owner: str, attribute: str) -> str:
-        """The unit of what results hold of "joints", "hinge", "angle_rate", and the like, in the
-        spelling of UDUNITS; several where it is of several.
+        """The unit of an attribute, as of "joints", "hinge", "angle_rate".
+
+        In the spelling of UDUNITS; several, joined by commas, where the attribute has several.
         """
         axes = self._source.contents().axes
         units: dict[str, None] = {}
         for name, quantity, entries in attributes_of(axes, group, owner):
             if name == attribute:
-                found = quantity.units(axes)
-                one = len(found) == 1 or not isinstance(entries, int)
-                units |= dict.fromkeys(found if one else (found[entries],))
+                of_entries = quantity.units(axes)
+                if len(of_entries) > 1 and isinstance(entries, int):
+                    of_entries = (of_entries[entries],)
+                units |= dict.fromkeys(of_entries)
         return ", ".join(units)
 
     def displacement(self, body: str, t: Any) -> Array:
-        """Elastic displacements of the points of the recovery, (p, 3) or (k, p, 3), in body axes
-        [m].
+        """Elastic displacements of the points of the recovery, in body axes [m].
+
+        (p, 3), or (k, p, 3) for several times.
         """
         recovery, eta, _ = self._recover(body, t)
         return recovery.displacement(eta).reshape(*np.shape(t), -1, 3)
@@ -177,21 +183,20 @@ class Results:
         recovery, eta, when = self._recover(body, t)
         motion = self.body(body)
         x, R = (when.of(rows[when.before], rows[when.after]) for rows in (motion.x, motion.R))
-        points = place(x, R, recovery.points + recovery.displacement(eta))
+        points = in_space(x, R, recovery.points + recovery.displacement(eta))
         return points.reshape(*np.shape(t), -1, 3)
 
     def superelement(self, body: str) -> Superelement:
-        """The superelement of a flexible body, read again from its file if need be; `RecoveryError`
-        if it changed.
+        """The superelement of a flexible body, read again from its file where necessary.
+
+        `RecoveryError` if the file has changed.
         """
         if body not in self._superelements:
             self._superelements[body] = read_again(body, self.superelement_files.get(body))
         return self._superelements[body]
 
     def _recover(self, body: str, t: Any) -> tuple[Recovery, Array, Instants]:
-        """The recovery of a body, its modal coordinates (k, m) at times t (k,), and their places
-        among the steps.
-        """
+        """The recovery of a body, and its modal coordinates (k, m) at times t (k,)."""
         element = self.superelement(body)
         if element.recovery is None or element.modes is None:
             raise RecoveryError(
@@ -205,9 +210,9 @@ class Results:
         for interface in element.interfaces:
             frame = self.frame(f"{body}.{interface.name}")
             loads.append(interface_loads(R, frame.u, frame.force, interface.rotations))
-        how = stepping(self._source.name, self.solver)
+        run = stepping(self._source.name, self.solver)
         steps = np.append(when.before, when.after)
-        eta = modal_coordinates(element.modes, np.hstack(loads), how, steps)
+        eta = modal_coordinates(element.modes, np.hstack(loads), run, steps)
         return element.recovery, when.of(*np.split(eta, 2)), when
 
     def _check_recoverable(self, body: str, element: Superelement) -> None:
@@ -232,7 +237,7 @@ class Results:
         return axes[dimension].names if dimension in axes else ()
 
     def _of(self, group: str, owner: str) -> dict[str, Array]:
-        """What was recorded of an owner, by attribute."""
+        """The recorded arrays of an owner, by attribute."""
         contents = self._source.contents()
         if owner not in self._names(OWNERS[group]):
             raise _not_recorded(contents, f"{group}/{owner}")
@@ -244,7 +249,7 @@ class Results:
         )
 
     def _group(self, group: str) -> dict[str, Array]:
-        """What was recorded of a group without owners, by attribute."""
+        """The recorded arrays of a group without owners, by attribute."""
         contents = self._source.contents()
         if group not in contents.recorded:
             raise _not_recorded(contents, group)
@@ -262,14 +267,14 @@ class Results:
         (rows,) = self._source.read([(quantity, None)])
         return rows
 
-    def _joined(self, wanted: list[tuple[str, Wanted]]) -> dict[str, Array]:
+    def _joined(self, selections: list[tuple[str, Selection]]) -> dict[str, Array]:
         """Arrays by attribute; those of one attribute joined along the last axis."""
-        found: dict[str, Array] = {}
-        arrays = self._source.read([what for _, what in wanted])
-        for (attribute, _), array in zip(wanted, arrays, strict=True):
-            before = found.get(attribute)
-            found[attribute] = array if before is None else np.hstack([before, array])
-        return found
+        joined: dict[str, Array] = {}
+        arrays = self._source.read([selection for _, selection in selections])
+        for (attribute, _), array in zip(selections, arrays, strict=True):
+            before = joined.get(attribute)
+            joined[attribute] = array if before is None else np.hstack([before, array])
+        return joined
 
 
 def _not_recorded(contents: Contents, name: str) -> KeyError:

@@ -31,8 +31,7 @@ def product(p: Array, q: Array) -> Array:
 
 
 def twists(q: Array) -> Array:
-    """The angles (n, 3) by which rotations turn about each of the axes x, y, z, continuous over any
-    number of turns.
+    """Angles (n, 3) of rotations about each of the axes x, y, z, continued over full turns [rad].
 
         angle_a = 2 atan2(q_a, q_w)
 

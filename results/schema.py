@@ -1,8 +1,7 @@
-"""The variables of results: one table of names, dimensions, units and descriptions, and how each
-is taken from the steps of a run.
+"""The variables of results: one table of names, dimensions, units, descriptions and sources.
 
 Writer, reader, documentation and the names in `recorded` follow from `QUANTITIES`. To add a
-quantity takes a row of it, and what computes the numbers in the time loop.
+quantity takes a row of it, and the code that computes the numbers in the time loop.
 """
 
 import os
@@ -66,8 +65,8 @@ DIMENSIONS = {
 class Axis:
     """The entries of a dimension.
 
-    angular: whether each is an angle or belongs to one, of ragged dimensions; rows: where each
-    stands in the arrays of the time loop, which a file does not keep.
+    angular: of ragged dimensions, True for each that is an angle or belongs to one; rows: of each
+    in the arrays of the time loop, which a file does not keep.
     """
 
     names: tuple[str, ...]
@@ -175,7 +174,7 @@ class Quantity:
     derive: Callable[[Batch], Array] | None = None
     integer: bool = False
     optional: bool = False
-    """left out where a run cannot tell it"""
+    """left out where a run does not have it"""
 
     def __post_init__(self) -> None:
         if self.derive is None and not self.source:
@@ -435,7 +434,7 @@ QUANTITIES = (
 )
 
 SOURCES = (_energy("compliance_work", "compliance_work", "work of springs and dampers on bodies"),)
-"""what the time loop computes besides, for quantities that are derived of it"""
+"""further arrays of the time loop, from which quantities are derived"""
 
 SHARED = {
     "joint": "coupling",
@@ -443,7 +442,7 @@ SHARED = {
     "joint_constraint": "row",
     "spring_component": "row",
 }
-"""dimensions of which the time loop has one for joints and springs alike"""
+"""dimensions that joints and springs share in the time loop"""
 
 
 def output_fields() -> dict[str, tuple[tuple[str, ...], bool]]:
@@ -463,8 +462,10 @@ OWNERS = {"bodies": "body", "frames": "frame", "joints": "joint", "springs": "sp
 
 
 class SuperelementFile(NamedTuple):
-    """The file of a superelement, "" where there is none, with its SHA-256; as long as results are
-    in memory, with the time of its last change [ns] and its size instead, which cost nothing.
+    """The file of a superelement, "" where there is none, with its SHA-256.
+
+    As long as results are in memory, with the time of its last change [ns] and its size instead,
+    which cost nothing.
     """
 
     path: str
@@ -478,27 +479,25 @@ class SuperelementFile(NamedTuple):
         return cls(str(path), stamp=_stamp(path))
 
     def hashed(self) -> "SuperelementFile":
-        """The same with the SHA-256."""
+        """This file with its SHA-256."""
         return self._replace(digest=sha256(self.path), stamp=None) if self.stamp else self
 
     def change(self) -> str:
-        """How the file at the path differs from this one; "" if it is the same."""
+        """The difference of the file at the path from this one; "" if it is the same."""
         if self.stamp is not None:
             return "" if _stamp(Path(self.path)) == self.stamp else "it was written anew"
-        found = sha256(self.path)
-        return "" if found == self.digest else f"expected SHA-256 {self.digest}, found {found}"
+        digest = sha256(self.path)
+        return "" if digest == self.digest else f"expected SHA-256 {self.digest}, found {digest}"
 
 
 def _stamp(path: Path) -> tuple[int, int]:
-    found = path.stat()
-    return found.st_mtime_ns, found.st_size
+    status = path.stat()
+    return status.st_mtime_ns, status.st_size
 
 
 @dataclass(frozen=True)
 class Contents:
-    """What results hold: the entries of the dimensions that have any, the quantities, and the files
-    of the superelements of flexible bodies.
-    """
+    """The contents of results: entries of dimensions, quantities, files of superelements."""
 
     axes: Axes
     quantities: tuple[Quantity, ...]
@@ -523,8 +522,10 @@ def lay_out(
     selects: Callable[[str], bool],
     without: Sequence[str] = (),
 ) -> Contents:
-    """What is recorded of all there is: the groups that `selects` takes, as "bodies/hub" or
-    "energy", without quantities of some keys.
+    """The contents that are recorded of all entries and quantities.
+
+    selects: True for a group to record, "bodies/hub" or "energy"; without: keys of quantities that
+    are left out.
     """
     kept: dict[str, Axis] = {
         dimension.name: Axis(dimension.entries)
@@ -551,7 +552,7 @@ def lay_out(
 
 
 def attributes_of(axes: Axes, group: str, owner: str) -> Iterator[tuple[str, Quantity, Any]]:
-    """What an owner has: attribute, quantity, and which entries of the quantity's dimension.
+    """The attributes of an owner, each with its quantity and entries of the quantity's dimension.
 
     An entry is a number, or a slice of those that the owner has of a ragged dimension.
     """

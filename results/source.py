@@ -1,4 +1,4 @@
-"""Where the arrays of results come from: memory here, or a file (file.py)."""
+"""Sources of the arrays of results: memory here, or a file (file.py)."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
@@ -8,12 +8,12 @@ import numpy as np
 from ..superelement.validation import Array
 from .schema import Batch, Contents, Quantity
 
-Wanted = tuple[Quantity, Any]
-"""a quantity, and which entries of its second dimension: a number, a slice, or None for all"""
+Selection = tuple[Quantity, Any]
+"""a quantity, and entries of its second dimension: a number, a slice, or None for all"""
 
 
 class Source(Protocol):
-    """What `Results` reads."""
+    """A source that `Results` reads."""
 
     @property
     def name(self) -> str:
@@ -25,14 +25,14 @@ class Source(Protocol):
         """The text of the model file."""
 
     def notes(self) -> dict[str, Any]:
-        """How the run went: step size, seconds, ..."""
+        """Notes of the run: step size, seconds, ..."""
 
-    def read(self, wanted: Sequence[Wanted]) -> list[Array]:
+    def read(self, selections: Sequence[Selection]) -> list[Array]:
         """The rows (n, ...) that count."""
 
 
 class Writer(Protocol):
-    """What a run writes its results to."""
+    """A destination of the results of a run."""
 
     @property
     def pause(self) -> float:
@@ -45,10 +45,10 @@ class Writer(Protocol):
         """Wait until all rows are written."""
 
     def abandon(self) -> bool:
-        """Leave earlier results at the same place as they are; False if there are none."""
+        """Leave earlier results at the same path as they are; False if there are none."""
 
     def note(self, **notes: Any) -> None:
-        """Say how the run went."""
+        """Add notes of the run."""
 
 
 class Memory:
@@ -88,7 +88,7 @@ class Memory:
     def notes(self) -> dict[str, Any]:
         return dict(self._notes)
 
-    def read(self, wanted: Sequence[Wanted]) -> list[Array]:
+    def read(self, selections: Sequence[Selection]) -> list[Array]:
         if len(self._batches) > 1:
             self._batches = [
                 {
@@ -96,7 +96,7 @@ class Memory:
                     for name in self._batches[0]
                 }
             ]
-        return [self._rows(quantity, entries) for quantity, entries in wanted]
+        return [self._rows(quantity, entries) for quantity, entries in selections]
 
     def _rows(self, quantity: Quantity, entries: Any) -> Array:
         (batch,) = self._batches

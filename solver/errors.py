@@ -19,9 +19,9 @@ class ModelError(ValueError):
 class ConvergenceError(RuntimeError):
     """Newton's method did not converge in a time step.
 
-    step, time [s]; residual: of equilibrium and constraints, relative as the tolerance is; joint:
-    the name of the joint with the largest opening, `opening` [m or rad]; model: the name of its
-    file.
+    step, time [s]; residual: of equilibrium and constraints, relative as the tolerance is; joint,
+    opening: the name of the joint that is farthest open, "" if none is, and by how much [m or rad];
+    model: the name of the model file.
     """
 
     def __init__(
@@ -30,17 +30,17 @@ class ConvergenceError(RuntimeError):
         time: float,
         residual: float,
         tolerance: float,
-        joint: str,
-        opening: float,
+        worst: tuple[str, float],
         model: str = "",
     ) -> None:
         self.step, self.time, self.residual = step, time, residual
-        self.joint, self.opening = joint, opening
+        self.joint, self.opening = worst
         where = f"{model}: " if model else ""
-        worst = f"; the most open joint is {joint!r}, by {opening:.3e}" if joint else ""
+        opening = f"; the most open joint is {self.joint!r}, by {self.opening:.3e}"
+        opening = opening if self.joint else ""
         super().__init__(
             f"{where}no convergence in step {step} (t = {time:.9g} s): relative residual "
-            f"{residual:.3e}, tolerance {tolerance:.1e}{worst}; try a smaller step"
+            f"{residual:.3e}, tolerance {tolerance:.1e}{opening}; try a smaller step"
         )
 
 

@@ -98,28 +98,28 @@ def signals(lowered: LoweredModel, first: int, rows: Index) -> Inputs:
     n = len(rows)
     t = lowered.h * np.arange(first, first + n, dtype=np.float64)
     load = [signal.samples(t, lowered.h) for signal in lowered.load_signals]
-    drive = [np.array([signal(time) for time in t.tolist()]) for signal in lowered.drives]
+    drive = [np.array([signal(t_n) for t_n in t.tolist()]) for signal in lowered.drives]
     return Inputs(load=_columns(load, n), drive=_columns(drive, n), row=rows, ahead=0)
 
 
-def _columns(signals: list[Array], n: int) -> Array:
-    return np.array(signals).reshape(len(signals), n).T.copy()
+def _columns(samples: list[Array], n: int) -> Array:
+    return np.array(samples).reshape(len(samples), n).T.copy()
 
 
 def failure(lowered: LoweredModel, step: int, residual: float, work: Workspace) -> ConvergenceError:
-    name, opening = _worst_joint(lowered, work)
+    """The error of a step in which Newton's method failed."""
     return ConvergenceError(
         step,
         step * lowered.h,
         residual,
         lowered.model.settings.tolerance,
-        name,
-        opening,
+        _worst_joint(lowered, work),
         lowered.model.path,
     )
 
 
 def _worst_joint(lowered: LoweredModel, work: Workspace) -> tuple[str, float]:
+    """The joint that is farthest open and its opening [m or rad]; "" if none is."""
     couplings = lowered.system.couplings
     opening = np.abs(work.couplings.phi) * (couplings.compliant == 0)
     if not opening.any():

@@ -1,6 +1,4 @@
-"""A case of a study: a file like any other, which runs by itself, and the file that is made from
-it.
-"""
+"""A case of a study: a file that runs by itself, and the file that is made from it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,8 +11,9 @@ import tomli_w
 
 @dataclass(frozen=True)
 class Case:
-    """Parameters by dotted key, and the document, which is the base file with these in place; both
-    files by name.
+    """A case: its parameters by dotted key, its document, and its files.
+
+    document: the base file with these parameters.
     """
 
     name: str
@@ -38,9 +37,7 @@ class Case:
 
 
 class Kind(Protocol):
-    """What a study does with the files of its cases. The same class does it in this process and in
-    workers.
-    """
+    """The work of a study on the files of its cases, in this process and in workers."""
 
     paths: ClassVar[tuple[str, ...]]
     """patterns of the dotted keys that hold paths"""
@@ -49,18 +46,16 @@ class Kind(Protocol):
 
     @property
     def failures(self) -> tuple[type[Exception], ...]:
-        """What a case may raise that is no defect of the program."""
+        """The exceptions of a case that are not defects of the program."""
 
     def check(self, base: Path, outputs: Mapping[str, str]) -> None:
         """Raise one of `failures`, or `StudyError`, for what can be found before any case runs."""
 
     def make(self, case: Case) -> None:
-        """From source to target."""
+        """Make the target from the source."""
 
     def is_made(self, case: Case) -> bool:
-        """Whether the target is whole, and made from the present contents of the source and of all
-        files it names.
-        """
+        """True if the target is whole and up to date with the source and all files it names."""
 
     def numbers(self, case: Case, outputs: Mapping[str, str]) -> dict[str, float]:
         """The values of `columns` and of the outputs, from the target."""

@@ -8,8 +8,8 @@ from ..superelement import sha256
 
 def digest(path: Path) -> str:
     """The SHA-256 of a file; OSError if it cannot be read."""
-    found = path.stat()
-    return _digest(path, found.st_mtime_ns, found.st_size)
+    status = path.stat()
+    return _digest(path, status.st_mtime_ns, status.st_size)
 
 
 @cache

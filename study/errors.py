@@ -2,9 +2,7 @@
 
 
 class StudyError(ValueError):
-    """A study file, a table of cases or a base file at fault; the message names the file and the
-    key.
-    """
+    """A study file, a table of cases or a base file at fault; the message names file and key."""
 
 
 class ClusterError(RuntimeError):

@@ -1,8 +1,7 @@
-"""Dotted keys of a TOML document, such as "bodies.hub.mass", "joints.pivot.axis" or
-"loads.0.signal".
+"""Dotted keys of a TOML document: "bodies.hub.mass", "joints.pivot.axis", "loads.0.signal".
 
-A part of a key is a key of a table, the `name` of an entry of an array of tables, or the number of
-an entry, from 0.
+A name in a dotted key is a key of a table, the `name` of an entry of an array of tables, or the
+number of an entry, from 0.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,7 +13,7 @@ from .errors import StudyError
 
 
 def leaves(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """What a table and the tables inside hold that is no table itself, by dotted keys."""
+    """The values of a table and of the tables inside, without the tables, by dotted keys."""
     for key, value in table.items():
         if isinstance(value, Mapping):
             yield from leaves(value, f"{prefix}{key}.")
@@ -23,8 +22,9 @@ def leaves(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, An
 
 
 def matching(document: Mapping[str, Any], patterns: Sequence[str]) -> Iterator[tuple[str, str]]:
-    """The texts whose keys match one of the patterns, such as "bodies.*.superelement", in the order
-    of these.
+    """The texts whose keys match one of the patterns, such as "bodies.*.superelement".
+
+    In the order of the patterns.
     """
     for pattern in patterns:
         for key, value in leaves(document):
@@ -33,31 +33,32 @@ def matching(document: Mapping[str, Any], patterns: Sequence[str]) -> Iterator[t
 
 
 def replaced(document: Mapping[str, Any], key: str, value: Any) -> dict[str, Any]:
-    """A copy of the document with another value at a key; `StudyError` lists the keys there are if
-    it is none.
+    """A copy of the document with another value at a key.
+
+    `StudyError` lists the known keys if it has no such key.
     """
     changed = deepcopy(dict(document))
-    place: Any = changed
-    *way, last = key.split(".")
-    for depth, part in enumerate(way):
-        place = place[_entry(place, part, ".".join(way[:depth]))]
-    place[_entry(place, last, ".".join(way))] = value
+    table: Any = changed
+    *path, last = key.split(".")
+    for depth, name in enumerate(path):
+        table = table[_entry(table, name, ".".join(path[:depth]))]
+    table[_entry(table, last, ".".join(path))] = value
     return changed
 
 
-def _entry(place: Any, part: str, where: str) -> Any:
-    """The key or the number under which `place` holds what `part` names."""
+def _entry(table: Any, name: str, path: str) -> Any:
+    """The key or the number of an entry of a table, or of an array of tables, at a path."""
     entries: dict[str, Any] = {}
-    if isinstance(place, dict):
-        entries = {key: key for key in place}
-    elif isinstance(place, list):
-        entries = {str(number): number for number in range(len(place))}
-        entries |= {entry["name"]: number for number, entry in enumerate(place) if _has_name(entry)}
-    if part not in entries:
+    if isinstance(table, dict):
+        entries = {key: key for key in table}
+    elif isinstance(table, list):
+        entries = {str(number): number for number in range(len(table))}
+        entries |= {entry["name"]: number for number, entry in enumerate(table) if _has_name(entry)}
+    if name not in entries:
         raise StudyError(
-            f"no {part!r} in {where or 'the file'}; there are: {', '.join(entries) or 'no keys'}"
+            f"no {name!r} in {path or 'the file'}; there are: {', '.join(entries) or 'no keys'}"
         )
-    return entries[part]
+    return entries[name]
 
 
 def _has_name(entry: Any) -> bool:

@@ -17,23 +17,24 @@ from ..superelement.validation import Array
 from .errors import StudyError
 
 
-def _mean(time: Array, values: Array) -> float:
-    """Over time, by trapezoids."""
-    return float(np.trapezoid(values, time) / (time[-1] - time[0]))
+def _mean(time: Array, samples: Array) -> float:
+    """The mean over time, by trapezoids."""
+    return float(np.trapezoid(samples, time) / (time[-1] - time[0]))
 
 
 REDUCTIONS: dict[str, Callable[[Array, Array], float]] = {
-    "max": lambda time, values: float(values.max()),
-    "min": lambda time, values: float(values.min()),
-    "final": lambda time, values: float(values[-1]),
+    "max": lambda time, samples: float(samples.max()),
+    "min": lambda time, samples: float(samples.min()),
+    "final": lambda time, samples: float(samples[-1]),
     "mean": _mean,
-    "peak-to-peak": lambda time, values: float(np.ptp(values)),
+    "peak-to-peak": lambda time, samples: float(np.ptp(samples)),
 }
 
 
 def values(results: Results, outputs: Mapping[str, str]) -> dict[str, float]:
-    """The outputs by name, in SI units; `StudyError` names one that is none, or of a quantity that
-    the results do not have.
+    """The outputs by name, in SI units.
+
+    `StudyError` names one that is invalid, or of a quantity that the results do not have.
     """
     return {name: _named(name, _value, results, output) for name, output in outputs.items()}
 
@@ -54,20 +55,22 @@ def _named(
 
 
 def _value(results: Results, output: str) -> float:
-    reduction, _, magnitude = _parts(output)
-    values = _components(results, output)
+    reduction, _, magnitude = _parsed(output)
+    components = _components(results, output)
+    if magnitude and components.ndim > 1:
+        return REDUCTIONS[reduction](results.time, np.linalg.norm(components, axis=1))
     if magnitude:
-        values = np.abs(values) if values.ndim == 1 else np.linalg.norm(values, axis=1)
-    return REDUCTIONS[reduction](results.time, values)
+        components = np.abs(components)
+    return REDUCTIONS[reduction](results.time, components)
 
 
 def _components(results: Results, output: str) -> Array:
     """The values (n,) or (n, 3) of the quantity."""
-    return evaluate(results, _parts(output)[1]).values
+    return evaluate(results, _parsed(output)[1]).values
 
 
-def _parts(output: str) -> tuple[str, str, bool]:
-    """Reduction, quantity, and whether its magnitude is meant."""
+def _parsed(output: str) -> tuple[str, str, bool]:
+    """Reduction, quantity, and True if its magnitude is meant."""
     match = re.fullmatch(r"\s*(\S+)\s+(\|?)([^\s|]+)(\|?)\s*", output)
     if match is None or match[1] not in REDUCTIONS or match[2] != match[4]:
         raise StudyError(

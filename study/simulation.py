@@ -24,8 +24,9 @@ class Simulation:
         return ModelError, ConvergenceError, ResultsError, SuperelementError, OSError, MemoryError
 
     def check(self, base: Path, outputs: Mapping[str, str]) -> None:
-        """Start the base model, which compiles the time loop, and look whether the results hold the
-        outputs.
+        """Start the base model, and check that its results have the outputs.
+
+        This compiles the time loop before any case runs.
         """
         check(start(read_model(base)), outputs)
 

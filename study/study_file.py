@@ -1,6 +1,4 @@
-"""The study file: what a user writes to run a model, or to preprocess a body, for many values of
-its parameters.
-"""
+"""The study file: a model or a body, many values of its parameters, and outputs."""
 
 import csv
 import os
@@ -36,19 +34,17 @@ class _StudyFile(Table):
     @model_validator(mode="after")
     def _one_of_each(self) -> "_StudyFile":
         for pair in (("model", "body"), ("parameters", "table")):
-            given = [key for key in pair if getattr(self, key) is not None]
-            if len(given) != 1:
+            present = [key for key in pair if getattr(self, key) is not None]
+            if len(present) != 1:
                 raise ValueError(
-                    f"expected one of {' and '.join(pair)}, found {' and '.join(given) or 'none'}"
+                    f"expected one of {' and '.join(pair)}, found {' and '.join(present) or 'none'}"
                 )
         return self
 
 
 @dataclass(frozen=True)
 class Study:
-    """A base file, the cases that vary it, and their outputs by name, as `outputs.py` reads
-    them.
-    """
+    """A base file, the cases that vary it, and their outputs by name (outputs.py)."""
 
     path: Path
     kind: Kind
@@ -67,10 +63,10 @@ class _Values:
 
 
 def read_study(path: str | os.PathLike[str], folder: str | os.PathLike[str] | None = None) -> Study:
-    """Read a study file, its table and its base file; `StudyError` names the file, the key and what
-    was found.
+    """Read a study file, its table and its base file.
 
     folder: of the cases, by default named as the study file and beside it. Nothing is written.
+    `StudyError` names the file, the key and the value found there.
     """
     path = Path(path).resolve()
     try:
@@ -103,7 +99,7 @@ def _study(file: _StudyFile, path: Path, folder: Path) -> Study:
 
 
 def _kind_and_base(file: _StudyFile, folder: Path) -> tuple[Kind, Path]:
-    # Each loads what it works with, a second's worth.
+    # Imports here: each kind takes a second to load its packages.
     if file.model is not None:
         from .simulation import Simulation
 
@@ -125,7 +121,7 @@ def _document(base: Path) -> dict[str, Any]:
 def _relocated(
     document: dict[str, Any], paths: tuple[str, ...], old: Path, new: Path
 ) -> dict[str, Any]:
-    """The same document for another folder."""
+    """The document with its paths relative to another folder."""
     for key, value in matching(document, paths):
         document = replaced(document, key, _relative(old / value, new))
     return document

@@ -14,8 +14,9 @@ from .study_file import Study
 
 @dataclass(frozen=True)
 class Row:
-    """A case in the summary: status "done", "failed", or "open" where the study was stopped before
-    it.
+    """A case in the summary.
+
+    status: "done", "failed", or "open" where the study was stopped before it.
     """
 
     case: Case
@@ -26,8 +27,9 @@ class Row:
 
 
 def write_summary(path: Path, study: Study, rows: Sequence[Row]) -> None:
-    """A table of comma-separated values: case, parameters, status, numbers and outputs in SI units,
-    message.
+    """Write the summary, a table of comma-separated values.
+
+    Columns: case, parameters, status, numbers and outputs in SI units, message.
     """
     parameters = list(study.cases[0].parameters)
     numbers = [*study.kind.columns, *study.outputs]
@@ -36,11 +38,11 @@ def write_summary(path: Path, study: Study, rows: Sequence[Row]) -> None:
         table = csv.writer(file)
         table.writerow(["case", *parameters, "status", *numbers, "message"])
         for row in rows:
-            given = [_cell(row.case.parameters[key]) for key in parameters]
+            cells = [_cell(row.case.parameters[key]) for key in parameters]
             table.writerow(
                 [
                     row.case.name,
-                    *given,
+                    *cells,
                     row.status,
                     *[row.numbers.get(n, "") for n in numbers],
                     row.message,

@@ -10,7 +10,7 @@ from .summary import Row, write_summary
 from .workers import Report, in_process, on_cluster
 
 OnFinished = Callable[[Row], None]
-"""called with a case when it is finished, or found made"""
+"""called with a case when it is finished, or is up to date"""
 
 
 def sweep(
@@ -20,12 +20,12 @@ def sweep(
     force: bool = False,
     on_finished: OnFinished = lambda row: None,
 ) -> tuple[Row, ...]:
-    """Make the cases that are not made, or were made from other inputs, or all by `force`; write
-    FOLDER/summary.csv.
+    """Make the cases that are missing or out of date, and write FOLDER/summary.csv.
 
-    workers: processes on this machine, all cores by default; 0 for this process. scheduler: the
-    address of a Dask scheduler, whose workers see the folder under the same path. Raises
-    `StudyError` for what can be found before any case runs, and `ClusterError`.
+    force: make all cases; workers: processes on this machine, all cores by default; 0 for this
+    process; scheduler: the address of a Dask scheduler, whose workers see the folder under the same
+    path. Raises `StudyError` for faults of the study that show before any case runs, and
+    `ClusterError`.
     """
     folder, kind = study.folder, study.kind
     made = set() if force else {case.name for case in study.cases if kind.is_made(case)}

@@ -1,4 +1,4 @@
-"""Who works on the cases: this process, or workers of Dask."""
+"""Workers for the cases: this process, or workers of Dask."""
 
 import warnings
 from collections.abc import Iterator, Sequence
@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from distributed import Client
 
 PATIENCE = 60
-"""how long to wait for a scheduler and its first worker [s]"""
+"""longest wait for a scheduler and its first worker [s]"""
 
 
 @dataclass(frozen=True)
 class Report:
-    """What came of a case; `failure` is empty if it was made."""
+    """The result of a case: its failure, "" if it was made, and its warnings."""
 
     failure: str = ""
     warnings: tuple[str, ...] = ()
@@ -47,12 +47,11 @@ def in_process(kind: Kind, cases: Sequence[Case]) -> Iterator[tuple[Case, Report
 def on_cluster(
     kind: Kind, cases: Sequence[Case], workers: int | None = None, scheduler: str | None = None
 ) -> Iterator[tuple[Case, Report]]:
-    """Cases as they are finished by the workers of a scheduler, or by as many processes here (all
-    cores by default).
+    """Cases as they are finished by the workers of a scheduler, or by processes on this machine.
 
-    A case whose worker dies is run again by another. One of which four workers die (more than the
-    allowed-failures of Dask) is reported as failed. Raises `ClusterError` without Dask, or where
-    nobody answers.
+    workers: number of processes, by default one per core. A case whose worker dies is run again by
+    another. One of which four workers die (more than the allowed-failures of Dask) is reported as
+    failed. Raises `ClusterError` without Dask, or without an answer of the scheduler.
     """
     with _client(workers, scheduler) as client:
         from distributed import as_completed
@@ -75,14 +74,14 @@ def on_cluster(
             report = (
                 future.result() if error is None else Report(f"{type(error).__name__}: {error}")
             )
-            # Else Dask would make the case again, should the worker that remembers the report die.
+            # Else Dask would make the case again, should the worker that holds the report die.
             future.release()
             hand_out()
             yield case, report
 
 
 def _threads(client: "Client") -> int:
-    """How many cases the cluster can run at once; one, where all workers are being replaced."""
+    """The number of cases that run at once; 1 while all workers are being replaced."""
     threads: dict[str, int] = client.nthreads()
     return max(1, sum(threads.values()))
 

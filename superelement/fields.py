@@ -10,8 +10,9 @@ from .validation import Array, SuperelementError, checked
 Value = TypeVar("Value", str, int)
 
 
-def put(group: h5py.Group, name: str, data: Any, units: str) -> None:
-    group.create_dataset(name, data=data).attrs["units"] = units
+def put(parent: h5py.Group, name: str, data: Any, units: str) -> None:
+    """Write a dataset with its units."""
+    parent.create_dataset(name, data=data).attrs["units"] = units
 
 
 def group(file: h5py.Group, name: str) -> h5py.Group:

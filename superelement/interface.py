@@ -1,4 +1,4 @@
-"""The frames by which a superelement meets the rest of the world."""
+"""Interfaces: the frames that connect a superelement to others."""
 
 from dataclasses import dataclass
 

@@ -13,8 +13,7 @@ from .validation import Array, SuperelementError, check_positive, check_symmetri
 
 @dataclass(frozen=True, eq=False)
 class Kernel:
-    """Interface impulse responses free of rigid modes, in body axes, for one step size and one
-    scheme.
+    """Interface impulse responses without rigid modes, in body axes, for one step and scheme.
 
         u_n = g_initial[n] p_0 + sum_{j=1..n} g[n-j] p_j
 

@@ -1,4 +1,4 @@
-"""Elastic modes seen at the interfaces: the form of a superelement that knows no step size."""
+"""Elastic modes at the interfaces: the form of a superelement without a step size."""
 
 from dataclasses import dataclass
 
@@ -46,9 +46,7 @@ class Modes:
 
     @property
     def compliance(self) -> Array:
-        """Static compliance phi diag(1 / omega^2) phi^T (n_c, n_c): the sum of a kernel of these
-        modes.
-        """
+        """Static compliance phi diag(1 / omega^2) phi^T (n_c, n_c), the sum of their kernel."""
         return (self.phi / self.omega**2) @ self.phi.T
 
     @property

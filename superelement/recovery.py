@@ -1,4 +1,4 @@
-"""The surface of the mesh, how modes move it and what stress they leave there."""
+"""The surface of the mesh, with the displacements and stresses of modes there."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -14,7 +14,7 @@ class Recovery:
     """Fields of the surface mesh from modal coordinates eta: u = phi eta, sigma = stress eta.
 
     points (p, 3) from the center of mass in body axes [m]; cells (n, k) rows of point indices (-1
-    fills short rows), each of the type that its number of points tells, in meshio's order: 2 line,
+    fills short rows), each of the type of its number of points, in meshio's order: 2 line,
     3 triangle, 4 quad, 6 triangle6, 8 quad8, 9 quad9; phi (p, 3, m); stress (p, 6, m) in the order
     xx, yy, zz, yz, xz, xy, or None.
     """
@@ -61,9 +61,7 @@ def von_mises(stress: Array) -> Array:
 
 
 def _superpose(shapes: Array, eta: Array) -> Array:
-    """The sum over modes of shapes (p, k, m), each times its coordinate in eta (..., m): (..., p,
-    k).
-    """
+    """Sum over modes (..., p, k) of shapes (p, k, m) times modal coordinates eta (..., m)."""
     p, k, m = shapes.shape
     field: Array = eta @ shapes.reshape(p * k, m).T
     return field.reshape(*eta.shape[:-1], p, k)

@@ -17,18 +17,18 @@ def respond(
     eta: Array | float = 0.0,
     acceleration: Array | float = 0.0,
 ) -> Iterator[Array]:
-    """Modal coordinates (m,) after 0, 1, 2, ... steps of generalized-alpha, as many as there are
-    `loads`.
+    """Modal coordinates (m,) after 0, 1, 2, ... steps of generalized-alpha.
 
         eta'' + 2 zeta omega eta' + omega^2 eta = q
 
-    loads: q (m,), or one number for all modes, at the end of each step. The start is without
-    velocity, at `eta` and with `acceleration` (m,). Source: docs/theory.md, Impulse responses.
+    loads: q (m,), or one number for all modes, at the end of each step; there are as many steps.
+    The start is without velocity, at `eta` and with `acceleration` (m,). Source: docs/theory.md,
+    Impulse responses.
     """
     stiffness, damping = modes.omega**2, 2.0 * modes.zeta * modes.omega
     alpha_m, alpha_f, beta, gamma = scheme.alpha_m, scheme.alpha_f, scheme.beta, scheme.gamma
     inertia = scheme.inertia_ratio
-    pivot = inertia + gamma * h * damping + beta * h * h * stiffness
+    step_stiffness = inertia + gamma * h * damping + beta * h * h * stiffness
 
     rest = np.zeros_like(modes.omega)
     eta, rate, acceleration = rest + eta, rest, rest + acceleration
@@ -38,7 +38,7 @@ def respond(
         eta = eta + h * rate + h * h * (0.5 - beta) * a
         rate = rate + h * (1 - gamma) * a
         carried = (alpha_m * a - alpha_f * acceleration) / (1 - alpha_f)
-        a = (load - stiffness * eta - damping * rate - carried) / pivot
+        a = (load - stiffness * eta - damping * rate - carried) / step_stiffness
         acceleration = inertia * a + carried
         eta = eta + beta * h * h * a
         rate = rate + gamma * h * a

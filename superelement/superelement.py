@@ -1,4 +1,4 @@
-"""The superelement: all that a multibody solver needs to know of an elastic body."""
+"""The superelement: the data of an elastic body that a multibody solver needs."""
 
 import warnings
 from collections.abc import Mapping
@@ -28,7 +28,7 @@ class Provenance:
     """the name of the mesh"""
     mesh_sha256: str = ""
     method: str = ""
-    """how the impulse responses were computed: march, modal, ..."""
+    """the method of the impulse responses: march, modal, ..."""
     tolerance: float = 0.0
     """the error asked of the method; 0 where it is exact"""
     versions: Mapping[str, str] = field(default_factory=dict)
@@ -38,7 +38,7 @@ class Provenance:
 
 @dataclass(frozen=True, eq=False)
 class Superelement:
-    """An elastic body as its interfaces feel it.
+    """An elastic body, reduced to its interfaces.
 
     Body axes are the mesh axes with the origin at the center of mass of the finite element mass
     matrix.

@@ -50,8 +50,7 @@ def check_positive(name: str, value: float) -> None:
 
 
 def check_symmetric(name: str, matrices: Array) -> None:
-    """`matrices` (..., n, n) must be symmetric relative to the largest diagonal entries, row by
-    row.
+    """SuperelementError unless `matrices` (..., n, n) are symmetric, relative to their diagonals.
 
     Rows of a kernel mix meters and radians, so each entry is measured against
     sqrt(max |a_ii| max |a_jj|), the scale that its own two rows give it.

@@ -1,19 +1,19 @@
-"""Results to pictures."""
+"""Pictures of results and bodies."""
 
 from .errors import PictureError, QuantityError, ResultsError
 from .fields import Field, draw_fields
 from .overview import overview
-from .picture import COLOURS, draw, entitle, panels, save, style
+from .picture import COLORS, draw, entitle, panels, save, style
 from .quantities import Curve, curves
-from .scene import Patch, Place, Scene, draw_scene
+from .scene import Marker, Patch, Scene, draw_scene
 
 __all__ = [
-    "COLOURS",
+    "COLORS",
     "Curve",
     "Field",
+    "Marker",
     "Patch",
     "PictureError",
-    "Place",
     "QuantityError",
     "ResultsError",
     "Scene",

@@ -1,4 +1,4 @@
-"""What can go wrong, one exception per kind of failure."""
+"""The exceptions of pictures, one per kind of failure."""
 
 from ..results import QuantityError, ResultsError
 

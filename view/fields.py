@@ -13,11 +13,11 @@ from ..superelement.validation import Array
 from .picture import style
 from .scene import IntArray, Patch, Scene, draw_scene
 
-COLOURS = "turbo"
+COLOR_MAP = "turbo"
 BAR = (3.2, 0.11)
 """length and height of the bar of colors [inch]"""
-ROOM = (0.25, 0.6)
-"""below and in all for the bar, under the views [inch]"""
+MARGINS = (0.25, 0.6)
+"""height below the bar, and of the bar with its margins, under the views [inch]"""
 
 TRIANGLES = {
     3: [[0, 1, 2]],
@@ -26,9 +26,7 @@ TRIANGLES = {
     8: [[0, 4, 7], [4, 1, 5], [5, 2, 6], [6, 3, 7], [4, 5, 6], [4, 6, 7]],
     9: [[0, 4, 8], [0, 8, 7], [4, 1, 5], [4, 5, 8], [8, 5, 2], [8, 2, 6], [7, 8, 6], [7, 6, 3]],
 }
-"""What facets are cut into, by their number of nodes in meshio's order, so that curved ones stay
-curved.
-"""
+"""triangles of a facet by its number of nodes, in meshio's order: curved facets stay curved"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,8 +34,8 @@ class Field:
     """A surface and a value at each of its points.
 
     points (p, 3) [m]; values (p,); cells (n, k): facets as rows of points that turn outwards, each
-    of the type that its number of nodes tells, in meshio's order (3, 4, 6, 8 or 9), with -1 filling
-    short rows, as a superelement's recovery has them.
+    of the type of its number of nodes, in meshio's order (3, 4, 6, 8 or 9), with -1 filling short
+    rows, as a superelement's recovery has them.
     """
 
     points: Array
@@ -48,35 +46,35 @@ class Field:
 def draw_fields(
     fields: Sequence[Field], label: str, scale: float = 1.0, scene: Scene | None = None
 ) -> Figure:
-    """Bodies from two sides, colored by values times `scale` from zero to the largest; what else
-    the scene holds too.
+    """Bodies from two sides, colored by values times `scale` from zero to the largest.
 
-    label: what the values are, with the unit that `scale` leaves, for the bar of colors.
+    label: the name of the values, with the unit after `scale`, for the bar of colors; scene: drawn
+    with them.
     """
     largest = scale * max(float(field.values.max()) for field in fields)
-    norm, colours = Normalize(0.0, largest), matplotlib.colormaps[COLOURS]
+    norm, color_map = Normalize(0.0, largest), matplotlib.colormaps[COLOR_MAP]
     patches = [*(scene.patches if scene else ())]
     for field in fields:
         facets, values = _triangles(field)
         patches.append(
-            Patch(facets, np.full(len(facets), -1), colours(norm(scale * values))[:, :3])
+            Patch(facets, np.full(len(facets), -1), color_map(norm(scale * values))[:, :3])
         )
-    whole = Scene(patches, scene.lines, scene.places, scene.masses) if scene else Scene(patches)
+    whole = Scene(patches, scene.lines, scene.markers, scene.masses) if scene else Scene(patches)
     figure = draw_scene(whole)
-    (length, height), (below, room) = BAR, ROOM
+    (length, height), (below, added) = BAR, MARGINS
     wide, high = figure.get_size_inches()
     for axes in figure.axes:
-        x, y, width, part = axes.get_position().bounds
+        x, y, width, share = axes.get_position().bounds
         axes.set_position(
-            (x, (y * high + room) / (high + room), width, part * high / (high + room))
+            (x, (y * high + added) / (high + added), width, share * high / (high + added))
         )
-    figure.set_size_inches(wide, high + room)
-    high += room
+    figure.set_size_inches(wide, high + added)
+    high += added
     with style():
         axes = figure.add_axes(
             (0.5 - 0.5 * length / wide, below / high, length / wide, height / high)
         )
-        bar = Colorbar(axes, cmap=colours, norm=norm, orientation="horizontal")
+        bar = Colorbar(axes, cmap=color_map, norm=norm, orientation="horizontal")
         bar.outline.set_visible(False)
         axes.set_title(label, fontsize=8)
         axes.tick_params(labelsize=8, length=2)
@@ -84,17 +82,15 @@ def draw_fields(
 
 
 def _triangles(field: Field) -> tuple[Array, Array]:
-    """Triangles (m, 3, 3) and their mean values (m,): what facets are cut into, each cut in four
-    again, for colors.
-    """
+    """The triangles of all facets, each cut in four (m, 3, 3), and their mean values (m,)."""
     lengths = (field.cells >= 0).sum(axis=1)
     rows = [
-        field.cells[lengths == length][:, parts].reshape(-1, 3)
-        for length, parts in TRIANGLES.items()
+        field.cells[lengths == length][:, corners].reshape(-1, 3)
+        for length, corners in TRIANGLES.items()
         if (lengths == length).any()
     ]
-    corners = np.concatenate(rows)
-    both = np.concatenate([field.points, field.values[:, None]], axis=1)[corners]
+    triangles = np.concatenate(rows)
+    both = np.concatenate([field.points, field.values[:, None]], axis=1)[triangles]
     both = np.concatenate([both, 0.5 * (both + np.roll(both, -1, axis=1))], axis=1)
     both = both[:, TRIANGLES[6]].reshape(-1, 3, 4)
     return both[:, :, :3], both[:, :, 3].mean(axis=1)

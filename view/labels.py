@@ -1,4 +1,4 @@
-"""Where labels go."""
+"""The heights of labels beside a picture."""
 
 import numpy as np
 
@@ -6,18 +6,18 @@ from ..superelement.validation import Array
 
 
 def apart(heights: Array, distance: float, limit: float) -> Array:
-    """Heights (n,) in [-limit, limit] in the order of the given ones, `distance` apart or as far as
-    there is room for.
+    """Heights (n,) in [-limit, limit] near the given ones, `distance` apart, in the same order.
 
-    Of all such heights these are the nearest to the given ones, in the sense of least squares: what
-    is too close moves as one block to where its mean was (pool adjacent violators).
+    Less apart if they do not fit. Of all such heights these are the nearest to the given ones, in
+    the sense of least squares: those that are too close move as one block to their mean (pool
+    adjacent violators).
     """
     order = np.argsort(heights, kind="stable")
     distance = min(distance, 2.0 * limit / max(len(heights) - 1, 1))
     steps = distance * (np.arange(len(heights)) - 0.5 * (len(heights) - 1))
     blocks: list[list[float]] = []  # mean and size of blocks that rise
-    for wanted in (heights[order] - steps).tolist():
-        blocks.append([wanted, 1])
+    for height in (heights[order] - steps).tolist():
+        blocks.append([height, 1])
         while len(blocks) > 1 and blocks[-2][0] >= blocks[-1][0]:
             mean, size = blocks.pop()
             blocks[-1] = [

@@ -16,12 +16,12 @@ VISIBLE = 0.01
 
 
 def overview(results: Results) -> list[list[Curve]]:
-    """Four panels: how fast, how far, the energies, and how well they balance.
+    """Four panels: speeds, displacements, energies, and their balance.
 
-    How fast are the angular velocities of the bodies, or their velocities if nothing turns; how far
-    are the elastic displacements of the interfaces, or the positions of the bodies if none is
-    flexible. Where there are many, those that are largest are shown: positions by how far they go.
-    A panel of which nothing was recorded is left out; QuantityError if all are.
+    Speeds are the angular velocities of the bodies, or their velocities if nothing rotates;
+    displacements are elastic ones of the interfaces, or the positions of the bodies if none is
+    flexible. Of many curves the largest are shown, of positions those with the largest range. A
+    panel of which nothing was recorded is left out; QuantityError if all are.
     """
     speed = _all(results, "angular_velocity", results.bodies)
     if not any(curve.values.any() for curve in speed):
@@ -59,11 +59,11 @@ def _range(values: Array) -> float:
     return float(np.ptp(values))
 
 
-def _largest(found: list[Curve], size: Callable[[Array], float]) -> list[Curve]:
-    sizes = np.array([size(curve.values) for curve in found])
+def _largest(candidates: list[Curve], size: Callable[[Array], float]) -> list[Curve]:
+    sizes = np.array([size(curve.values) for curve in candidates])
     chosen = [
         i
         for i in np.argsort(-sizes, kind="stable")[:MOST_CURVES]
         if sizes[i] >= VISIBLE * sizes.max()
     ]
-    return [found[i] for i in sorted(chosen)]
+    return [candidates[i] for i in sorted(chosen)]

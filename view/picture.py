@@ -1,4 +1,4 @@
-"""Curves over time as pictures: one panel below the other, and one look for all."""
+"""Curves over time as pictures: one panel below the other, in one style."""
 
 import io
 import os
@@ -17,8 +17,8 @@ from ..superelement.validation import Array
 from .errors import PictureError
 from .quantities import Curve
 
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
-"""the palette of Okabe and Ito, which the color-blind can tell apart"""
+COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+"""the palette of Okabe and Ito, which the color-blind can distinguish"""
 
 STYLE: dict[Any, Any] = {
     "axes.edgecolor": "0.35",
@@ -27,7 +27,7 @@ STYLE: dict[Any, Any] = {
     "axes.grid": True,
     "axes.labelsize": 9,
     "axes.linewidth": 0.7,
-    "axes.prop_cycle": cycler(color=COLOURS),
+    "axes.prop_cycle": cycler(color=COLORS),
     "axes.spines.right": False,
     "axes.spines.top": False,
     "axes.titlelocation": "left",
@@ -59,7 +59,7 @@ STEADY = 1e-4
 
 
 def style() -> AbstractContextManager[None]:
-    """The look of all pictures, for figures that are drawn by hand: `with style(): ...`."""
+    """The style of all pictures, for figures that are drawn by hand: `with style(): ...`."""
     return matplotlib.rc_context(STYLE)
 
 
@@ -95,8 +95,9 @@ def draw(time: Array, contents: Sequence[Sequence[Curve]], title: str = "") -> F
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
-    """Write a picture in the format that the suffix names; PictureError if there is no such format
-    or folder.
+    """Write a picture in the format of its suffix.
+
+    PictureError if there is no such format or folder.
     """
     path = Path(path)
     formats = figure.canvas.get_supported_filetypes()
@@ -117,8 +118,8 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
 def _fill(axes: Axes, time: Array, curves: Sequence[Curve]) -> None:
     units = {curve.unit: _line(curve.words) for curve in curves}
     if len(units) > 1:
-        found = " and ".join(f"{words} [{unit}]" for unit, words in units.items())
-        raise PictureError(f"expected curves of one unit in a panel, found {found}")
+        several = " and ".join(f"{words} [{unit}]" for unit, words in units.items())
+        raise PictureError(f"expected curves of one unit in a panel, found {several}")
     words = np.array([curve.words for curve in curves])
     common = (words == words[0]).all(axis=0)
     peak = max(float(np.abs(curve.values).max()) for curve in curves)
@@ -145,7 +146,7 @@ def _line(words: Iterable[str]) -> str:
 
 
 def _exponent(peak: float) -> int:
-    """Of the prefix that makes values up to a peak easy to read."""
+    """The power of ten of the prefix that makes values up to a peak easy to read."""
     if peak == 0.0 or 0.1 <= peak < 1e4:
         return 0
     return int(np.clip(3 * np.floor(np.log10(peak) / 3), min(PREFIXES), max(PREFIXES)))

@@ -15,7 +15,7 @@ NEGLIGIBLE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """One number over time. The words say what it is: the kind, of what, along which axis."""
+    """One number over time; words: its kind, its owners, its axis."""
 
     words: tuple[str, str, str]
     unit: str
@@ -24,18 +24,18 @@ class Curve:
 
 
 def curves(results: Results, quantity: str) -> list[Curve]:
-    """The curves of a quantity, as angular_velocity:hub:z; QuantityError names the quantity and
-    lists what there is.
+    """The curves of a quantity, as angular_velocity:hub:z.
 
     Without an axis, a vector gives the curves of those axes along which it is not zero.
+    QuantityError names the quantity and lists those there are.
     """
-    found = evaluate(results, quantity)
-    title, of = found.kind.replace("_", " "), " seen from ".join(found.names)
-    if found.axis or not KINDS[found.kind].axes:
-        return [Curve((title, of, found.axis), found.unit, found.values)]
+    evaluated = evaluate(results, quantity)
+    title, of = evaluated.kind.replace("_", " "), " seen from ".join(evaluated.names)
+    values, unit = evaluated.values, evaluated.unit
+    if evaluated.axis or not KINDS[evaluated.kind].axes:
+        return [Curve((title, of, evaluated.axis), unit, values)]
     return [
-        Curve((title, of, axis), found.unit, found.values[:, AXES.index(axis)])
-        for axis in _moving_axes(found.values)
+        Curve((title, of, axis), unit, values[:, AXES.index(axis)]) for axis in _moving_axes(values)
     ]
 
 

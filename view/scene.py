@@ -1,6 +1,4 @@
-"""Bodies in space as pictures: surfaces shaded by the direction they face, lines, and places with
-their names.
-"""
+"""Bodies in space as pictures: shaded surfaces, lines, and points with their names."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -14,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..superelement.validation import Array
 from .labels import apart
-from .picture import COLOURS, style
+from .picture import COLORS, style
 
 IntArray = NDArray[np.int64]
 
@@ -25,9 +23,7 @@ LIGHT = np.array([-0.35, 0.55, 0.76]) / np.linalg.norm([-0.35, 0.55, 0.76])
 """direction towards the light, in the axes of the picture: right, up, towards the eye"""
 AMBIENT = 0.68
 EYE = np.array([1.0, -1.35, 0.8])
-"""direction towards the eye; the second view is from the other side, so that every face shows in
-one of them
-"""
+"""direction towards the eye; the second view is from the other side, to show every face"""
 WIDTH, HIGHEST, MARGIN = 9.0, 4.6, 0.3
 """of a picture, of a body in it, and around it [inch]"""
 LINE, LETTER = 0.2, 0.085
@@ -38,52 +34,53 @@ FINE = 20_000
 
 @dataclass(frozen=True, eq=False)
 class Patch:
-    """Facets (m, k, 3) of one shape, corners turning outwards, and the place (m,) that each belongs
-    to, -1 for none.
+    """Facets of one shape (m, k, 3), corners turning outwards.
 
-    colours (m, 3): of the facets, where these are not those of their places and of bodies.
+    markers (m,): the marker that each belongs to, -1 for none; colors (m, 3): of the facets, by
+    default those of their markers and of bodies.
     """
 
     facets: Array
-    places: IntArray
-    colours: Array | None = None
+    markers: IntArray
+    colors: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
-    """A point (3,) with a name; `turns` if it is a frame, with axes, and not a mere point."""
+class Marker:
+    """A point (3,) with a name; has_axes: it is a frame."""
 
     name: str
     point: Array
-    turns: bool = True
+    has_axes: bool = True
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A body of facets or of lines (m, 2, 3), places that share a color with their facets, and
-    masses.
+    """A body of facets or of lines (m, 2, 3), with markers and masses.
+
+    A marker has the color of its facets.
     """
 
     patches: Sequence[Patch] = ()
     lines: Array = field(default_factory=lambda: np.zeros((0, 2, 3)))
-    places: Sequence[Place] = ()
-    masses: Sequence[Place] = ()
+    markers: Sequence[Marker] = ()
+    masses: Sequence[Marker] = ()
 
     @property
     def points(self) -> Array:
         """All points (n, 3)."""
         corners = [patch.facets.reshape(-1, 3) for patch in self.patches]
-        marks = [place.point[None] for place in (*self.places, *self.masses)]
+        marks = [mark.point[None] for mark in (*self.markers, *self.masses)]
         return np.concatenate([*corners, self.lines.reshape(-1, 3), *marks])
 
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """An orthographic view: camera (3, 3) with right, up and towards the eye as rows; the middle
-    (2,) of what it shows.
+    """An orthographic view.
 
-    inch: the length in space of an inch on paper; size (2,): of the paper [inch]; body (2,): of
-    what is shown [inch].
+    camera (3, 3): right, up and towards the eye as rows; middle (2,) of the body; inch: the length
+    in space of an inch on paper; size (2,): of the paper [inch]; body (2,): its size on paper
+    [inch].
     """
 
     camera: Array
@@ -99,22 +96,21 @@ class View:
 
 
 def color(number: int) -> tuple[float, float, float]:
-    """The color of a place: those of all pictures, then as many more as it takes, each far from
-    the last.
-    """
-    if number < len(COLOURS):
-        return to_rgb(COLOURS[number])
+    """The color of a marker: those of all pictures, then further ones, each far from the last."""
+    if number < len(COLORS):
+        return to_rgb(COLORS[number])
     red, green, blue = hsv_to_rgb((0.618034 * number % 1.0, 0.75, 0.85)).tolist()
     return red, green, blue
 
 
 def draw_scene(scene: Scene) -> Figure:
-    """A view of lines, two from opposite sides of surfaces, at one scale; a place is named where
-    more of it shows.
+    """A view of lines, or two views of surfaces from opposite sides, at one scale.
+
+    A marker has its name in the view that shows more of its facets.
     """
     cameras = [_camera(EYE), _camera(-EYE)] if scene.patches else [_camera(EYE)]
-    marks = (*scene.places, *scene.masses)
-    shades = [*(color(i) for i in range(len(scene.places))), *(HEAVY for _ in scene.masses)]
+    marks = (*scene.markers, *scene.masses)
+    shades = [*(color(i) for i in range(len(scene.markers))), *(HEAVY for _ in scene.masses)]
     where = _best_views(scene, cameras)
     views, beside = _layout(scene, cameras)
     columns, rows = (len(views), 1) if beside else (1, len(views))
@@ -144,21 +140,22 @@ def _camera(eye: Array) -> Array:
 
 
 def _layout(scene: Scene, cameras: Sequence[Array]) -> tuple[list[View], bool]:
-    """The views, and whether they stand beside each other; the body fills what margins and names
-    leave.
+    """The views, and True if they stand beside each other.
+
+    The body fills the paper but for margins and names.
     """
     points = scene.points
     flat = [points @ camera[:2].T for camera in cameras]
-    extent = np.max([np.ptp(part, axis=0) for part in flat], axis=0)
-    marks = (*scene.places, *scene.masses)
+    extent = np.max([np.ptp(plane, axis=0) for plane in flat], axis=0)
+    marks = (*scene.markers, *scene.masses)
     names = MARGIN + LETTER * max((len(mark.name) for mark in marks), default=0)
     beside = len(cameras) > 1 and extent[0] < 1.8 * extent[1]
     width = WIDTH / 2 if beside else WIDTH
-    room = np.array([max(width - 2.0 * names, 0.4 * width), HIGHEST])
-    inch = float((extent / room).max())
+    largest = np.array([max(width - 2.0 * names, 0.4 * width), HIGHEST])
+    inch = float((extent / largest).max())
     height = max(extent[1] / inch, LINE * len(marks) / 2, 0.8) + 2.0 * MARGIN
     size, body = np.array([width, height]), extent / inch
-    middles = [0.5 * (part.min(axis=0) + part.max(axis=0)) for part in flat]
+    middles = [0.5 * (plane.min(axis=0) + plane.max(axis=0)) for plane in flat]
     return [
         View(c, middle, inch, size, body) for c, middle in zip(cameras, middles, strict=True)
     ], beside
@@ -171,18 +168,19 @@ def _area_vectors(facets: Array) -> Array:
 
 
 def _best_views(scene: Scene, cameras: Sequence[Array]) -> IntArray:
-    """For every place and mass (n,) the view in which more of its facets face the eye; for points
-    the nearer one.
+    """The view (n,) in which more facets of each marker and mass face the eye.
+
+    For points the nearer view.
     """
     middle = scene.points.mean(axis=0)
-    marks = (*scene.places, *scene.masses)
+    marks = (*scene.markers, *scene.masses)
     shown = np.zeros((len(marks), len(cameras)))
     for patch in scene.patches:
-        own = patch.places >= 0
-        areas = _area_vectors(patch.facets[own])
+        marked = patch.markers >= 0
+        areas = _area_vectors(patch.facets[marked])
         for view, camera in enumerate(cameras):
             shown[:, view] += np.bincount(
-                patch.places[own], np.maximum(areas @ camera[2], 0.0), len(marks)
+                patch.markers[marked], np.maximum(areas @ camera[2], 0.0), len(marks)
             )
     for row, mark in zip(shown, marks, strict=True):
         if not row.any():
@@ -196,10 +194,10 @@ def _best_views(scene: Scene, cameras: Sequence[Array]) -> IntArray:
 
 def _paint(axes: Axes, scene: Scene, view: View) -> None:
     """Facets that face the eye, from the farthest to the nearest, and lines."""
-    base = np.array([*(color(i) for i in range(len(scene.places))), BODY])
+    base = np.array([*(color(i) for i in range(len(scene.markers))), BODY])
     polygons: list[Array] = []
     depths, shades, rims = [np.zeros(0)], [np.zeros((0, 3))], [np.zeros((0, 3))]
-    # Edges in the color of the face close the gaps that smoothing leaves between neighbours.
+    # Edges in the color of the face close the gaps that smoothing leaves between neighbors.
     fine = sum(len(patch.facets) for patch in scene.patches) > 2 * FINE
     for patch in scene.patches:
         areas = _area_vectors(patch.facets) @ view.camera.T
@@ -208,9 +206,9 @@ def _paint(axes: Axes, scene: Scene, view: View) -> None:
         brightness = AMBIENT + (1.0 - AMBIENT) * np.clip(normals @ LIGHT, 0.0, 1.0)
         polygons.extend(view.on_paper(patch.facets[seen]))
         depths.append((patch.facets[seen] @ view.camera[2]).mean(axis=1))
-        own = base[patch.places] if patch.colours is None else patch.colours
-        shades.append(own[seen] * brightness[:, None])
-        rims.append(shades[-1] * (1.0 if fine or patch.colours is not None else 0.75))
+        shade = base[patch.markers] if patch.colors is None else patch.colors
+        shades.append(shade[seen] * brightness[:, None])
+        rims.append(shades[-1] * (1.0 if fine or patch.colors is not None else 0.75))
     order = np.argsort(np.concatenate(depths))
     faces, edges = (np.concatenate(parts)[order] for parts in (shades, rims))
     facets = PolyCollection(
@@ -224,11 +222,9 @@ def _paint(axes: Axes, scene: Scene, view: View) -> None:
 
 
 def _name(
-    axes: Axes, marks: Sequence[Place], shades: Sequence[tuple[float, float, float]], view: View
+    axes: Axes, marks: Sequence[Marker], shades: Sequence[tuple[float, float, float]], view: View
 ) -> None:
-    """Dots and small axes at places, and names in columns on both sides of the body, with a line to
-    each.
-    """
+    """Dots and small axes at markers, and names in columns on both sides, with a line to each."""
     points = view.on_paper(np.array([mark.point for mark in marks]).reshape(-1, 3))
     for side in (-1.0, 1.0):
         column = np.flatnonzero((points[:, 0] >= 0.0) == (side > 0.0))
@@ -243,11 +239,11 @@ def _name(
                 x + 0.06 * side, height, marks[n].name, ha=align, va="center", fontsize=9, zorder=6
             )
     for mark, point, shade in zip(marks, points, shades, strict=True):
-        if mark.turns:
-            for direction, (_, own) in zip(view.camera[:2].T, AXES, strict=True):
+        if mark.has_axes:
+            for direction, (_, axis_color) in zip(view.camera[:2].T, AXES, strict=True):
                 axes.plot(
                     *zip(point, point + 0.28 * direction, strict=True),
-                    color=own,
+                    color=axis_color,
                     linewidth=1.4,
                     zorder=4,
                 )

@@ -1,4 +1,4 @@
-"""Room for the state of a system and for the work of a step; bodies at their given places."""
+"""Allocation of the state of a system, with bodies in their starting poses, and of scratch."""
 
 import numpy as np
 
@@ -33,7 +33,7 @@ def sizes_of(system: System, n_steps: int) -> dict[str, int]:
 
 
 def allocate(lowered: LoweredModel) -> tuple[State, Workspace]:
-    """Bodies and frames where the model puts them, all else at zero."""
+    """A state with bodies and frames in their starting poses, all else at zero, and scratch."""
     sizes = sizes_of(lowered.system, lowered.n_steps)
     state, work = State.allocate(sizes), Workspace.allocate(sizes)
     motion, frames = state.bodies, work.frames
@@ -52,5 +52,5 @@ def allocate(lowered: LoweredModel) -> tuple[State, Workspace]:
 
 
 def make_output(lowered: LoweredModel, n: int) -> Output:
-    """Room for n rows of output."""
+    """Arrays for n rows of output."""
     return Output.allocate({**sizes_of(lowered.system, lowered.n_steps), "n": n})

@@ -132,7 +132,7 @@ def _rows(model: Model, frames: NumberedFrames, without: frozenset[int]) -> dict
 
 
 def _observers(model: Model, frames: NumberedFrames) -> dict[tuple[str, str], Row]:
-    """The rows that only watch joint coordinates, by joint and coordinate."""
+    """The rows that only observe joint coordinates, by joint and coordinate."""
     return {
         (joint.name, coordinate): row
         for joint in model.joints

@@ -18,11 +18,11 @@ from .placement import Pose
 
 @dataclass(frozen=True, eq=False)
 class Row:
-    """One row between frames A and B (numbers), with what couples it."""
+    """One row between frames A and B, by their numbers, with its drive or its law."""
 
     kind: int
-    A: int
-    B: int
+    frame_a: int
+    frame_b: int
     a: Array = field(default_factory=lambda: np.zeros(3))
     a_turned: Array = field(default_factory=lambda: np.zeros(3))
     b: Array = field(default_factory=lambda: np.zeros(3))
@@ -40,18 +40,18 @@ class Row:
 class Sides:
     """The two frames of a coupling: numbers and poses at the start."""
 
-    A: int
-    B: int
+    frame_a: int
+    frame_b: int
     pose_a: Pose
     pose_b: Pose
     fixed_a: bool = False
     """frame A is fixed in space"""
 
     def swapped(self) -> "Sides":
-        return Sides(self.B, self.A, self.pose_b, self.pose_a)
+        return Sides(self.frame_b, self.frame_a, self.pose_b, self.pose_a)
 
     def carried(self, basis: Array) -> tuple[Array, Array]:
-        """Axes in space at the start, as frames A and B carry them."""
+        """Axes in space at the start, in the axes of frames A and B."""
         return self.pose_a.R.T @ basis, self.pose_b.R.T @ basis
 
     def gap(self, basis: Array) -> Array:
@@ -72,50 +72,50 @@ def coupling_rows(coupling: Joint | PrescribedMotion | Spring, sides: Sides) -> 
 def joint_rows(joint: Joint, sides: Sides) -> list[Row]:
     """Constraints of a joint: its table, then its drives.
 
-    Of a joint with the ground the axes turn with the body, as all else that it feels: rows read the
-    same from both sides, e_i(A) . e_j(B) as e_j(B) . e_i(A).
+    The axes of a joint with the ground are carried by the body, as its other vectors are: rows are
+    the same from both sides, e_i(A) . e_j(B) as e_j(B) . e_i(A).
     """
     kind, rotations = joint.kind, joint.kind.rotations
     turned = sides.fixed_a and joint.distance is None and joint.angle is None
     if turned:
         sides, rotations = sides.swapped(), tuple((j, i) for i, j in rotations)
     in_a, in_b = sides.carried(joint.basis())
-    A, B = sides.A, sides.B
-    rows = [Row(Translation.number, A, B, in_a[:, k]) for k in kind.translations]
-    rows += [Row(Rotation.number, A, B, in_a[:, i], b=in_b[:, j]) for i, j in rotations]
+    f, g = sides.frame_a, sides.frame_b
+    rows = [Row(Translation.number, f, g, in_a[:, k]) for k in kind.translations]
+    rows += [Row(Rotation.number, f, g, in_a[:, i], b=in_b[:, j]) for i, j in rotations]
     if joint.distance is not None:
-        rows.append(Row(Translation.number, A, B, in_a[:, 2], drive=joint.distance))
+        rows.append(Row(Translation.number, f, g, in_a[:, 2], drive=joint.distance))
     if joint.angle is not None:
-        rows.append(_driven_angle(A, B, in_a, in_b, joint.angle))
+        rows.append(_driven_angle(f, g, in_a, in_b, joint.angle))
     return [replace(row, swapped=turned) for row in rows]
 
 
-def _driven_angle(A: int, B: int, in_a: Array, in_b: Array, angle: SmoothSignal) -> Row:
+def _driven_angle(f: int, g: int, in_a: Array, in_b: Array, angle: SmoothSignal) -> Row:
     """The row of a driven angle: e1(A), turned about e3 by the signal, stays across an axis of B.
 
     That axis is e2 turned by -angle(0).
     """
     start = angle(0.0)
     e2 = np.cos(start) * in_b[:, 1] - np.sin(start) * in_b[:, 0]
-    return Row(Rotation.number, A, B, in_a[:, 0], in_a[:, 1], e2, drive=angle)
+    return Row(Rotation.number, f, g, in_a[:, 0], in_a[:, 1], e2, drive=angle)
 
 
 def joint_observers(joint: Joint, sides: Sides) -> dict[str, Row]:
     """The coordinates that a joint leaves free or drives, by name."""
     in_a, in_b = sides.carried(joint.basis())
     rows = {
-        name: Row(Translation.number, sides.A, sides.B, in_a[:, k])
+        name: Row(Translation.number, sides.frame_a, sides.frame_b, in_a[:, k])
         for name, k in joint.kind.distances.items()
     }
     for name, angle in joint.kind.angles.items():
         start = joint.angle(0.0) if joint.angle is not None and name == "angle" else 0.0
-        ours, other, A, B = (
-            (in_b, in_a, sides.B, sides.A) if angle.by_b else (in_a, in_b, sides.A, sides.B)
-        )
+        axes, other, f, g = in_a, in_b, sides.frame_a, sides.frame_b
+        if angle.by_b:
+            axes, other, f, g = other, axes, g, f
         # at the start e_j is e_i turned towards e_k by the starting angle
         along, across = other[:, angle.i], other[:, angle.k]
         b = np.cos(start) * along + np.sin(start) * across
-        rows[name] = Row(Angle.number, A, B, ours[:, angle.i], ours[:, angle.k], b, start=start)
+        rows[name] = Row(Angle.number, f, g, axes[:, angle.i], axes[:, angle.k], b, start=start)
     return rows
 
 
@@ -125,26 +125,26 @@ def motion_rows(motion: PrescribedMotion, sides: Sides) -> list[Row]:
     A displacement is one translation; a rotation keeps its axis, as a revolute joint does, and
     drives the angle.
     """
-    A, B = sides.A, sides.B
+    f, g = sides.frame_a, sides.frame_b
     if isinstance(motion, PrescribedDisplacement):
         return [
             Row(
                 Translation.number,
-                A,
-                B,
+                f,
+                g,
                 sides.pose_a.R.T @ motion.direction,
                 drive=motion.displacement,
             )
         ]
     in_a, in_b = sides.carried(basis_about(motion.axis))
-    rows = [Row(Rotation.number, A, B, in_a[:, i], b=in_b[:, j]) for i, j in ABOUT_E3]
-    return [*rows, _driven_angle(A, B, in_a, in_b, motion.angle)]
+    rows = [Row(Rotation.number, f, g, in_a[:, i], b=in_b[:, j]) for i, j in ABOUT_E3]
+    return [*rows, _driven_angle(f, g, in_a, in_b, motion.angle)]
 
 
 def spring_rows(spring: Spring, sides: Sides) -> list[Row]:
     """The coordinates of a spring with their law."""
     kind, (in_a, in_b) = spring.kind, sides.carried(spring.basis())
-    A, B = sides.A, sides.B
+    f, g = sides.frame_a, sides.frame_b
     gap = sides.gap(spring.basis())
     rows = []
     if kind.distance:
@@ -152,12 +152,12 @@ def spring_rows(spring: Spring, sides: Sides) -> list[Row]:
         if length <= 1e-12 * max(1.0, float(np.abs(sides.pose_a.x).max())):
             ends = list(spring.between)
             raise spring.error(f"its ends {ends} coincide at the start")
-        rows.append(Row(Distance.number, A, B, start=length))
+        rows.append(Row(Distance.number, f, g, start=length))
     rows += [
-        Row(Translation.number, A, B, in_a[:, k], start=float(gap[k])) for k in kind.translations
+        Row(Translation.number, f, g, in_a[:, k], start=float(gap[k])) for k in kind.translations
     ]
-    rows += [Row(Angle.number, A, B, in_a[:, t.i], in_a[:, t.k], in_b[:, t.j]) for t in kind.angles]
-    rows += [Row(Rotation.number, A, B, in_a[:, i], b=in_b[:, j]) for i, j in kind.rotations]
+    rows += [Row(Angle.number, f, g, in_a[:, t.i], in_a[:, t.k], in_b[:, t.j]) for t in kind.angles]
+    rows += [Row(Rotation.number, f, g, in_a[:, i], b=in_b[:, j]) for i, j in kind.rotations]
     rest = np.array([row.start for row in rows]) if spring.rest is None else spring.rest
     return [
         replace(
@@ -174,8 +174,8 @@ def spring_rows(spring: Spring, sides: Sides) -> list[Row]:
 def lay_out_rows(rows: Sequence[Row]) -> Rows:
     return Rows(
         kind=as_index([row.kind for row in rows]),
-        frame_a=as_index([row.A for row in rows]),
-        frame_b=as_index([row.B for row in rows]),
+        frame_a=as_index([row.frame_a for row in rows]),
+        frame_b=as_index([row.frame_b for row in rows]),
         a=as_rows([row.a for row in rows]),
         a_turned=as_rows([row.a_turned for row in rows]),
         b=as_rows([row.b for row in rows]),

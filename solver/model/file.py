@@ -152,8 +152,10 @@ def _motion(values: dict[str, Any]) -> Any:
         if values.keys() == keys_of(kind).keys():
             return entry_of(kind, values)
     choices = [" and ".join(_distinctive(keys_of(kind))) for kind in MOTIONS]
-    found = " and ".join(_distinctive(values)) or "none"
-    raise ModelError(f"motion {values['name']!r}: expected {', or '.join(choices)}, found {found}")
+    present = " and ".join(_distinctive(values)) or "none"
+    raise ModelError(
+        f"motion {values['name']!r}: expected {', or '.join(choices)}, found {present}"
+    )
 
 
 def _distinctive(keys: Mapping[str, Any]) -> list[str]:

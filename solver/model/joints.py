@@ -98,7 +98,7 @@ class Joint(Entry):
     normal of a planar one, the axis fixed in the first frame of a universal joint, whose
     `second_axis` is fixed in the second. `angle` [rad] and `distance` [m] drive a joint; the start
     is at angle(0). `start` gives free coordinates or their rates values at t = 0 other than those
-    of the bodies' places: angle, angle_rate, distance, ...
+    of the starts of the bodies: angle, angle_rate, distance, ...
     """
 
     label = "joint {name!r}"

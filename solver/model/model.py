@@ -59,7 +59,7 @@ class Model(Entry):
         return (*self.joints, *self.motions, *self.springs)
 
     def with_settings(self, **changes: Any) -> "Model":
-        """The same mechanism with some of its settings changed."""
+        """This mechanism with some of its settings changed."""
         return replace(self, settings=replace(self.settings, **changes))
 
     def frames_of(self, body: str) -> Mapping[str, Frame]:

@@ -29,12 +29,12 @@ class Settings(Entry):
     "paper" (eq. 55). history: "auto" (the cheapest), "recursive", "direct" or "fft", which give the
     same motion. kernel_length [s]: impulse responses are faded out and end there (those that modes
     carry do not). tolerance: of Newton's method, relative to the forces and displacements of a
-    step. fixed_iterations: the most that Newton's method makes in a step before it goes on as it
-    is, for steps of bounded cost; by default it converges within max_iterations or fails.
+    step. fixed_iterations: the largest number of iterations in a step, which ends there without an
+    error, for steps of bounded cost; by default it converges within max_iterations or fails.
 
     start: "given", as the bodies say, or "equilibrium", at rest, or in a `steady_rotation`, under
-    gravity and the loads at t = 0, elastic displacements included; places and joint coordinates are
-    then where the search begins, and velocities are refused. A steady rotation goes on as it starts
+    gravity and the loads at t = 0, elastic displacements included; positions and joint coordinates
+    are then the first guess, and velocities are refused. A steady rotation goes on as it starts
     if gravity and loads that do not follow act along its axis. assemble: close joints however far
     they are open at the start (otherwise by no more than a thousandth of the size of the model).
     redundant: constraints that depend on one another are an "error", or the solver may "remove"

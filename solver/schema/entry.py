@@ -123,11 +123,11 @@ def note(hint: Any, kind: type) -> Any:
     """
     if get_origin(hint) is Annotated:
         inner, *notes = get_args(hint)
-        return next((note for note in notes if isinstance(note, kind)), None) or note(inner, kind)
+        return next((item for item in notes if isinstance(item, kind)), None) or note(inner, kind)
     if get_origin(hint) is Literal and kind is Takes:
         return one_of(dict.fromkeys(get_args(hint)))
     if NoneType in get_args(hint):
-        return next((inner for part in get_args(hint) if (inner := note(part, kind))), None)
+        return next((item for inner in get_args(hint) if (item := note(inner, kind))), None)
     return None
 
 

@@ -51,17 +51,17 @@ def key_of(field: "Field[Any]", hint: Any) -> str:
     return field.name if key is None else str(key.name)
 
 
-def entry_of(kind: type[AnyEntry], given: Mapping[str, Any]) -> AnyEntry:
+def entry_of(kind: type[AnyEntry], table: Mapping[str, Any]) -> AnyEntry:
     """An entry from the values of a file, by key; ModelError names the entry."""
     values: dict[str, Any] = {}
     for field, hint in _declared(kind):
         if note(hint, Beside):
-            values[field.name] = entry_of(_bare(hint), given)
-        elif (key := key_of(field, hint)) in given:
+            values[field.name] = entry_of(_bare(hint), table)
+        elif (key := key_of(field, hint)) in table:
             family = note(hint, Family)
             try:
                 values[field.name] = (
-                    value_of(given[key]) if family is None else read_member(family, given[key])
+                    value_of(table[key]) if family is None else read_member(family, table[key])
                 )
             except ValueError as error:
                 owner = kind.label.format_map(values)
@@ -125,7 +125,7 @@ def read_member(family: Family, value: Any) -> Any:
     keys = list(value) if isinstance(value, Mapping) else []
     if known := [tuple(forms) for key, forms in family.forms.items() if key in keys]:
         fit = [forms for forms in known if set(keys) <= set(_table_of_forms(forms).model_fields)]
-        return _made_of_forms((fit or known)[0], value)
+        return _entry_of_forms((fit or known)[0], value)
     nearest = [near for key in keys for near in difflib.get_close_matches(key, family.forms, n=1)]
     meant = f"; did you mean {nearest[0]!r}?" if nearest else ""
     form = "a table" if family.number is None else "a number or a table"
@@ -134,13 +134,13 @@ def read_member(family: Family, value: Any) -> Any:
     )
 
 
-def _made_of_forms(forms: tuple[Form, ...], value: Any) -> Any:
-    given = present_keys(read_part(value, _table_of_forms(forms)))
-    flags = [form.flag for form in forms if given.pop(form.flag, False)]
+def _entry_of_forms(forms: tuple[Form, ...], value: Any) -> Any:
+    table = present_keys(read_part(value, _table_of_forms(forms)))
+    flags = [form.flag for form in forms if table.pop(form.flag, False)]
     if len(flags) > 1:
         raise ValueError(f"expected {' or '.join(flags)}, found both")
     flag = flags[0] if flags else ""
-    return entry_of(next(form.kind for form in forms if form.flag == flag), given)
+    return entry_of(next(form.kind for form in forms if form.flag == flag), table)
 
 
 @cache
@@ -166,16 +166,16 @@ def member_in_file(family: Family, member: Any) -> Any:
 
 def type_in_file(hint: Any) -> Any:
     """The type of a value in a file, for a field with this annotation."""
-    origin, parts = get_origin(hint), get_args(hint)
+    origin, arguments = get_origin(hint), get_args(hint)
     if note(hint, Family) is not None:
         return Any
     if origin is Annotated:
-        takes = next((note for note in parts[1:] if isinstance(note, Takes)), None)
-        return takes.in_file if takes is not None else type_in_file(parts[0])
+        takes = next((item for item in arguments[1:] if isinstance(item, Takes)), None)
+        return takes.in_file if takes is not None else type_in_file(arguments[0])
     if origin in (Union, UnionType):
-        return Union[tuple(map(type_in_file, parts))]  # noqa: UP007 - of a tuple of types
+        return Union[tuple(map(type_in_file, arguments))]  # noqa: UP007 - of a tuple of types
     if origin is Mapping:
-        return dict[str, type_in_file(parts[1])]  # type: ignore[misc]
+        return dict[str, type_in_file(arguments[1])]  # type: ignore[misc]
     if isinstance(hint, type) and issubclass(hint, Entry):
         kind: Any = hint
         return table_of(kind)

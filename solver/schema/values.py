@@ -48,19 +48,19 @@ Count = Annotated[int, number("1 or more", int, lambda n: n >= 1)]
 
 
 def vector(value: Any) -> Array:
-    array = np.array(value, dtype=np.float64)
-    if array.shape != (3,) or not all(map(isfinite, array.tolist())):
+    components = np.array(value, dtype=np.float64)
+    if components.shape != (3,) or not all(map(isfinite, components.tolist())):
         raise ValueError
-    return array
+    return components
 
 
 def direction(value: Any) -> Array:
     """The unit vector along a vector; one that has unit length to rounding stays as it is."""
-    array = vector(value)
-    length = float(np.sqrt(array @ array))
+    along = vector(value)
+    length = float(np.sqrt(along @ along))
     if length == 0.0:
         raise ValueError
-    return array if abs(length - 1.0) <= ROUNDING else array / length
+    return along if abs(length - 1.0) <= ROUNDING else along / length
 
 
 def array(value: Any) -> Array:
@@ -83,8 +83,8 @@ def pair(value: Any) -> tuple[str, str]:
 
 
 def inertia(value: Any) -> Array:
-    array = np.array(value, dtype=np.float64)
-    matrix = np.diag(array) if array.shape == (3,) else array
+    entries = np.array(value, dtype=np.float64)
+    matrix = np.diag(entries) if entries.shape == (3,) else entries
     if matrix.shape != (3, 3) or (np.abs(matrix - matrix.T) > 1e-9 * np.abs(matrix)).any():
         raise ValueError
     return matrix

@@ -9,8 +9,8 @@ moment m on the frame, in space, F = R^T f and M = R^T m in body axes, load the 
 
     F on X,   (X + u) x F + M on Theta,   F on u,   T(w) M on w.
 
-Source: docs/theory.md, Frames, joints, loads, with the rotation of the frame turned to space: D
-D_0^T W^T = R.
+Source: docs/theory.md, Frames, joints, loads, with the rotation of the frame turned to space:
+D D_0^T W^T = R.
 """
 
 from ..arrays import Array, Index

@@ -43,7 +43,7 @@ class Newton(Struct):
     tolerance: float
     max_iterations: int
     fixed_iterations: int
-    """the most that a step may take before it goes on as it is; 0: converge or fail"""
+    """the largest number in a step, which then ends without an error; 0: converge or fail"""
     reuse: float
     """ratio of successive corrections above which the matrix is made anew; 0: always"""
 

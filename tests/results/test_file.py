@@ -238,7 +238,7 @@ def test_writes_are_apart(tmp_path, monkeypatch):
 
 
 def test_rows_do_not_wait_without_end(tmp_path, monkeypatch):
-    for name in ("BRIEF", "PATIENCE", "ROOM"):
+    for name in ("BRIEF", "PATIENCE", "BUFFER"):
         monkeypatch.setattr(file_module, name, 0)
     path, contents = tmp_path / "out.h5", make_contents()
     writer = write(path, contents, make_output(contents, 2), (1,))

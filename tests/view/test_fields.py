@@ -48,7 +48,7 @@ def test_facets_of_several_types_in_one_table():
 
 
 def test_largest_values_are_hot_and_the_bar_is_labelled():
-    """The two ends of the scale of colours show on the two facets, and the bar ends at the largest
+    """The two ends of the scale of colors show on the two facets, and the bar ends at the largest
     value.
     """
     points = np.array(

@@ -31,14 +31,14 @@ def count(hue, number):
 
 def cube(owners, **more):
     names = [
-        view.Place(f"face {n}", CORNERS[FACES[face]].mean(axis=0))
+        view.Marker(f"face {n}", CORNERS[FACES[face]].mean(axis=0))
         for n, face in enumerate(np.argsort(owners))
     ]
-    places = names[-(max(owners) + 1) :] if max(owners) >= 0 else []
-    return view.Scene([view.Patch(CORNERS[FACES], np.array(owners))], places=places, **more)
+    markers = names[-(max(owners) + 1) :] if max(owners) >= 0 else []
+    return view.Scene([view.Patch(CORNERS[FACES], np.array(owners))], markers=markers, **more)
 
 
-def test_faces_show_in_the_colours_of_their_places(tmp_path):
+def test_faces_show_in_the_colors_of_their_markers(tmp_path):
     """The top of a cube and its right side, as wide as their projections: the ratio of their pixels
     is known.
     """
@@ -63,12 +63,12 @@ def test_what_is_nearer_covers_what_is_behind(tmp_path):
     """
     eye = np.array([1.0, -1.35, 0.8])
     near, far = 2.0 * (CORNERS - 0.5) + 3.0 * eye, CORNERS - 0.5
-    places = [
-        view.Place("near", 3.0 * eye, turns=False),
-        view.Place("far", np.zeros(3), turns=False),
+    markers = [
+        view.Marker("near", 3.0 * eye, has_axes=False),
+        view.Marker("far", np.zeros(3), has_axes=False),
     ]
     facets = np.concatenate([near[FACES], far[FACES]])
-    scene = view.Scene([view.Patch(facets, np.repeat([0, 1], 6))], places=places)
+    scene = view.Scene([view.Patch(facets, np.repeat([0, 1], 6))], markers=markers)
     hue, _ = pixels(scene, tmp_path / "cubes.png")
     halves = [hue[:, : hue.shape[1] // 2], hue[:, hue.shape[1] // 2 :]]
     if hue.shape[0] > hue.shape[1]:
@@ -82,8 +82,8 @@ def test_lines_and_dots(tmp_path):
     lines = np.array([[[0, 0, 0], [1, 0, 0]], [[1, 0, 0], [1, 1, 0]]], dtype=float)
     scene = view.Scene(
         lines=lines,
-        places=[view.Place("root", lines[0, 0], turns=False)],
-        masses=[view.Place("lump 1 kg", lines[1, 1], turns=False)],
+        markers=[view.Marker("root", lines[0, 0], has_axes=False)],
+        masses=[view.Marker("lump 1 kg", lines[1, 1], has_axes=False)],
     )
     hue, brightness = pixels(scene, tmp_path / "lines.png")
     assert count(hue, 0) > 20
@@ -91,8 +91,8 @@ def test_lines_and_dots(tmp_path):
 
 
 def test_colors_differ():
-    colours = np.array([color(number) for number in range(24)])
-    distance = np.linalg.norm(colours[:, None] - colours, axis=2) + 9.0 * np.eye(24)
+    colors = np.array([color(number) for number in range(24)])
+    distance = np.linalg.norm(colors[:, None] - colors, axis=2) + 9.0 * np.eye(24)
     assert distance.min() > 0.05
 
 
