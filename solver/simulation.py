@@ -12,9 +12,10 @@ from ..results.source import Writer
 from .arrays import Array, Index
 from .errors import ConvergenceError, about
 from .history.dyadic import DyadicConvolution
-from .lower.lower import LoweredModel
+from .lower.lower import LoweredModel, lower
 from .model.model import Model
 from .model.settings import Settings
+from .output.columns import requested
 from .output.recorder import Recorder
 from .output.writer import check_output, make_writer, read_back
 from .progress import Progress
@@ -58,7 +59,9 @@ def _run(model: Model, output: Path | None, progress: bool, steps: int | None = 
     if output is not None:
         check_output(output, model)
     with about(model.path):
-        initial = initialize(model)
+        lowered = lower(model)
+        requested(lowered)  # refuses what there is not, before anything is compiled
+        initial = initialize(model, lowered)
         total = initial.lowered.n_steps if steps is None else steps
         writer = make_writer(output, initial, total)
     started = time.perf_counter()

@@ -10,10 +10,11 @@ from .arrays import Array
 from .errors import ModelError, about
 from .history.uniform import UniformConvolution
 from .lower.allocation import make_output
+from .lower.lower import lower
 from .model.model import Model
 from .model.settings import Settings
 from .model.signals import Input
-from .output.columns import views
+from .output.columns import check_names, views
 from .simulation import failure, signals
 from .start.initial import initialize
 from .step.loop import advance
@@ -52,7 +53,9 @@ class Simulator:
         if settings is not None:
             model = replace(model, settings=settings)
         with about(model.path):
-            initial = initialize(model)
+            lowered = lower(model)
+            check_names(lowered, outputs)
+            initial = initialize(model, lowered)
             lowered, state = initial.lowered, initial.state
             output = make_output(lowered, 1)
             sources = {name: views(lowered, name, output) for name in outputs}

@@ -71,16 +71,19 @@ def _axis(entries: list[tuple[int, str]], angular: Iterable[bool] = ()) -> Axis:
     )
 
 
-def views(lowered: LoweredModel, name: str, output: Output) -> list[Array]:
-    """Views (n,) of the output of one step that make up a quantity, as "joints/pivot/angle".
-
-    `ModelError` for an unknown name.
-    """
+def check_names(lowered: LoweredModel, names: Iterable[str]) -> None:
+    """`ModelError` for an output of a step, as "joints/pivot/angle", that there is not."""
     known = available(lowered)
-    if name not in known:
-        near = get_close_matches(name, known, n=3)
-        meant = f"; did you mean {' or '.join(map(repr, near))}?" if near else ""
-        raise ModelError(f"outputs: no {name!r}{meant}")
+    for name in names:
+        if name not in known:
+            near = get_close_matches(name, known, n=3)
+            meant = f"; did you mean {' or '.join(map(repr, near))}?" if near else ""
+            raise ModelError(f"outputs: no {name!r}{meant}")
+
+
+def views(lowered: LoweredModel, name: str, output: Output) -> list[Array]:
+    """Views (n,) of the output of one step that make up a quantity, as "joints/pivot/angle"."""
+    check_names(lowered, [name])
     return [view.reshape(-1) for view in _views(axes_of(lowered), name, output)]
 
 

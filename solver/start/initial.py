@@ -62,9 +62,16 @@ class InitialState:
     degrees_of_freedom: int
 
 
-def initialize(model: Model) -> InitialState:
-    """A state that satisfies positions, velocities and equilibrium at t = 0."""
-    lowered = lower(model)
+def initialize(model: Model, lowered: LoweredModel | None = None) -> InitialState:
+    """A state that satisfies positions, velocities and equilibrium at t = 0.
+
+    lowered: the model as `lower` gave it, where the caller has it. What can be checked without
+    compiled code is checked before any of it is called.
+    """
+    lowered = lowered or lower(model)
+    in_equilibrium = model.settings.start == "equilibrium"
+    if in_equilibrium:
+        check_drives(lowered)
     state, work = _allocated(lowered)
     error = _assembly_error(lowered, state, work)
     assemble_joints(lowered, state, work, _targets(lowered, ""))
@@ -76,8 +83,7 @@ def initialize(model: Model) -> InitialState:
         state, work = _allocated(lowered)
         assemble_joints(lowered, state, work, _targets(lowered, ""))
     correction = 0.0
-    if model.settings.start == "equilibrium":
-        check_drives(lowered)
+    if in_equilibrium:
         rotation = model.settings.steady_rotation
         motion = None if rotation is None else steady_motion(rotation, lowered.system.scheme)
         solve_equilibrium(lowered, motion, state, work)
