@@ -80,24 +80,24 @@ def joint_rows(joint: Joint, sides: Sides) -> list[Row]:
     if turned:
         sides, rotations = sides.swapped(), tuple((j, i) for i, j in rotations)
     in_a, in_b = sides.carried(joint.basis())
-    f, g = sides.frame_a, sides.frame_b
-    rows = [Row(Translation.number, f, g, in_a[:, k]) for k in kind.translations]
-    rows += [Row(Rotation.number, f, g, in_a[:, i], b=in_b[:, j]) for i, j in rotations]
+    A, B = sides.frame_a, sides.frame_b
+    rows = [Row(Translation.number, A, B, in_a[:, k]) for k in kind.translations]
+    rows += [Row(Rotation.number, A, B, in_a[:, i], b=in_b[:, j]) for i, j in rotations]
     if joint.distance is not None:
-        rows.append(Row(Translation.number, f, g, in_a[:, 2], drive=joint.distance))
+        rows.append(Row(Translation.number, A, B, in_a[:, 2], drive=joint.distance))
     if joint.angle is not None:
-        rows.append(_driven_angle(f, g, in_a, in_b, joint.angle))
+        rows.append(_driven_angle(A, B, in_a, in_b, joint.angle))
     return [replace(row, swapped=turned) for row in rows]
 
 
-def _driven_angle(f: int, g: int, in_a: Array, in_b: Array, angle: SmoothSignal) -> Row:
+def _driven_angle(A: int, B: int, in_a: Array, in_b: Array, angle: SmoothSignal) -> Row:
     """The row of a driven angle: e1(A), turned about e3 by the signal, stays across an axis of B.
 
     That axis is e2 turned by -angle(0).
     """
     start = angle(0.0)
     e2 = np.cos(start) * in_b[:, 1] - np.sin(start) * in_b[:, 0]
-    return Row(Rotation.number, f, g, in_a[:, 0], in_a[:, 1], e2, drive=angle)
+    return Row(Rotation.number, A, B, in_a[:, 0], in_a[:, 1], e2, drive=angle)
 
 
 def joint_observers(joint: Joint, sides: Sides) -> dict[str, Row]:
@@ -109,13 +109,13 @@ def joint_observers(joint: Joint, sides: Sides) -> dict[str, Row]:
     }
     for name, angle in joint.kind.angles.items():
         start = joint.angle(0.0) if joint.angle is not None and name == "angle" else 0.0
-        axes, other, f, g = in_a, in_b, sides.frame_a, sides.frame_b
+        axes, other, A, B = in_a, in_b, sides.frame_a, sides.frame_b
         if angle.by_b:
-            axes, other, f, g = other, axes, g, f
+            axes, other, A, B = other, axes, B, A
         # at the start e_j is e_i turned towards e_k by the starting angle
         along, across = other[:, angle.i], other[:, angle.k]
         b = np.cos(start) * along + np.sin(start) * across
-        rows[name] = Row(Angle.number, f, g, axes[:, angle.i], axes[:, angle.k], b, start=start)
+        rows[name] = Row(Angle.number, A, B, axes[:, angle.i], axes[:, angle.k], b, start=start)
     return rows
 
 
@@ -125,26 +125,26 @@ def motion_rows(motion: PrescribedMotion, sides: Sides) -> list[Row]:
     A displacement is one translation; a rotation keeps its axis, as a revolute joint does, and
     drives the angle.
     """
-    f, g = sides.frame_a, sides.frame_b
+    A, B = sides.frame_a, sides.frame_b
     if isinstance(motion, PrescribedDisplacement):
         return [
             Row(
                 Translation.number,
-                f,
-                g,
+                A,
+                B,
                 sides.pose_a.R.T @ motion.direction,
                 drive=motion.displacement,
             )
         ]
     in_a, in_b = sides.carried(basis_about(motion.axis))
-    rows = [Row(Rotation.number, f, g, in_a[:, i], b=in_b[:, j]) for i, j in ABOUT_E3]
-    return [*rows, _driven_angle(f, g, in_a, in_b, motion.angle)]
+    rows = [Row(Rotation.number, A, B, in_a[:, i], b=in_b[:, j]) for i, j in ABOUT_E3]
+    return [*rows, _driven_angle(A, B, in_a, in_b, motion.angle)]
 
 
 def spring_rows(spring: Spring, sides: Sides) -> list[Row]:
     """The coordinates of a spring with their law."""
     kind, (in_a, in_b) = spring.kind, sides.carried(spring.basis())
-    f, g = sides.frame_a, sides.frame_b
+    A, B = sides.frame_a, sides.frame_b
     gap = sides.gap(spring.basis())
     rows = []
     if kind.distance:
@@ -152,12 +152,12 @@ def spring_rows(spring: Spring, sides: Sides) -> list[Row]:
         if length <= 1e-12 * max(1.0, float(np.abs(sides.pose_a.x).max())):
             ends = list(spring.between)
             raise spring.error(f"its ends {ends} coincide at the start")
-        rows.append(Row(Distance.number, f, g, start=length))
+        rows.append(Row(Distance.number, A, B, start=length))
     rows += [
-        Row(Translation.number, f, g, in_a[:, k], start=float(gap[k])) for k in kind.translations
+        Row(Translation.number, A, B, in_a[:, k], start=float(gap[k])) for k in kind.translations
     ]
-    rows += [Row(Angle.number, f, g, in_a[:, t.i], in_a[:, t.k], in_b[:, t.j]) for t in kind.angles]
-    rows += [Row(Rotation.number, f, g, in_a[:, i], b=in_b[:, j]) for i, j in kind.rotations]
+    rows += [Row(Angle.number, A, B, in_a[:, t.i], in_a[:, t.k], in_b[:, t.j]) for t in kind.angles]
+    rows += [Row(Rotation.number, A, B, in_a[:, i], b=in_b[:, j]) for i, j in kind.rotations]
     rest = np.array([row.start for row in rows]) if spring.rest is None else spring.rest
     return [
         replace(
