@@ -192,7 +192,7 @@ def _by_kernel(element: Superelement, stepping: Stepping, lags: int, by_fft: boo
         raise ModelError(f"superelement {reason}") from reason
     if error > LARGEST_TRUNCATION:
         raise ModelError(
-            f"superelement {element.name!r}: kernel length: its impulse responses have not decayed "
+            f"superelement {element.name!r}: memory: its impulse responses have not decayed "
             f"in {(lags - 1) * stepping.h:.3g} s: cut off there they would err by {error:.1g} of "
             f"static displacements, more than {LARGEST_TRUNCATION:g}"
         )

@@ -141,7 +141,7 @@ def test_a_memory_that_is_long_enough_gives_the_motion(elements):
 
 def test_a_memory_too_short_is_refused(elements):
     with pytest.raises(
-        ModelError, match=r"superelement 'random 1': kernel length: .* not decayed in 0\.02 s"
+        ModelError, match=r"superelement 'random 1': memory: .* not decayed in 0\.02 s"
     ):
         simulate(tangle(*elements, history="direct", kernel_length=0.02))
 
