@@ -74,7 +74,6 @@ def load() -> None:
                 if compiler == "quick":
                     raise
                 _announce(f"the quick compiler does not know this numba: {error}")
-        _announce("numba's public interface compiles now: three to four minutes, kept for later")
         _load_stock()
 
 
@@ -98,7 +97,7 @@ def key() -> str:
 
     kinds = [*marks.COMPILED, *marks.records()]
     sources = {Path(str(sys.modules[kind.__module__].__file__)) for kind in kinds}
-    compiler = [Path(__file__).with_name(f"{name}.py") for name in ("build", "marks", "struct")]
+    compiler = [Path(__file__).with_name(f"{name}.py") for name in ("build", "dispatch", "marks", "struct")]
     digest = hashlib.sha256()
     for source in sorted({*sources, *compiler}):
         digest.update(source.read_bytes())
@@ -278,6 +277,7 @@ def engine_of(code: bytes) -> Any:
 
 
 def _load_stock() -> None:
+    """Bind all entries to what the stock compiler has kept, or compiles at their first call."""
     from . import stock
 
     folder = cache_folder() / f"stock-{key()}"
@@ -286,6 +286,8 @@ def _load_stock() -> None:
         is_kept = _is_our_own(folder.stat())
     except OSError:
         is_kept = False
+    if not (is_kept and any(folder.rglob("*.nbi"))):
+        _announce("numba's public interface compiles now: three to four minutes, kept for later")
     stock.bind(folder if is_kept else None)
     _remove_oldest("stock-*", KEPT_STOCK)
 
