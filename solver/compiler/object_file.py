@@ -31,6 +31,8 @@ import numpy as np
 
 from . import marks
 
+COMPILER = ("build", "dispatch", "marks", "struct")
+"""the files of this folder that machine code depends on"""
 KEPT = 8
 """object files that stay in the cache, the newest ones"""
 KEPT_STOCK = 2
@@ -97,7 +99,7 @@ def key() -> str:
 
     kinds = [*marks.COMPILED, *marks.records()]
     sources = {Path(str(sys.modules[kind.__module__].__file__)) for kind in kinds}
-    compiler = [Path(__file__).with_name(f"{name}.py") for name in ("build", "dispatch", "marks", "struct")]
+    compiler = [Path(__file__).with_name(f"{name}.py") for name in COMPILER]
     digest = hashlib.sha256()
     for source in sorted({*sources, *compiler}):
         digest.update(source.read_bytes())
