@@ -65,26 +65,16 @@ def _add_directed_tangent(loads: Loads, m: int, work: Workspace, H: Array) -> bo
 class Force:
     """A force at the origin of the frame."""
 
-    @staticmethod
-    def evaluate(loads: Loads, m: int, work: Workspace) -> Vector:
-        return _directed(loads, m, work)
-
-    @staticmethod
-    def add_tangent(loads: Loads, m: int, work: Workspace, H: Array) -> bool:
-        return _add_directed_tangent(loads, m, work, H)
+    evaluate = staticmethod(_directed)
+    add_tangent = staticmethod(_add_directed_tangent)
 
 
 @load_kind("torque", moment=True)
 class Torque:
     """A torque on the frame."""
 
-    @staticmethod
-    def evaluate(loads: Loads, m: int, work: Workspace) -> Vector:
-        return _directed(loads, m, work)
-
-    @staticmethod
-    def add_tangent(loads: Loads, m: int, work: Workspace, H: Array) -> bool:
-        return _add_directed_tangent(loads, m, work, H)
+    evaluate = staticmethod(_directed)
+    add_tangent = staticmethod(_add_directed_tangent)
 
 
 _evaluate = dispatcher(
