@@ -49,15 +49,17 @@ def converge(system: System, state: State, work: Workspace) -> tuple[int, float,
     total = iterations = 0
     while True:
         evaluate(system, state, work)
-        residual = relative_residual(system, reach, iterations > 1, state, work)
         if iterations == newton.fixed_iterations and iterations > 0:
+            residual = relative_residual(system, reach, iterations > 1, state, work)
             return total, residual, residual < LOST
         fast = change <= max(reuse * previous, PRECISION * reach)
         at_rest = change <= PRECISION * reach or change > STALLED * previous
         last = iterations == newton.max_iterations
-        if residual <= newton.tolerance and iterations > 0 and (at_rest or last):
-            matrix.current[0] = int(fast)
-            return total, residual, True
+        if iterations > 0 and (at_rest or last):
+            residual = relative_residual(system, reach, iterations > 1, state, work)
+            if residual <= newton.tolerance:
+                matrix.current[0] = int(fast)
+                return total, residual, True
         solvable = not last
         if solvable and not (matrix.current[0] and fast):
             solvable = renew(system, state, work)
@@ -72,6 +74,7 @@ def converge(system: System, state: State, work: Workspace) -> tuple[int, float,
             change = previous = math.inf
             _restart(system, state, work)
         else:
+            residual = relative_residual(system, reach, iterations > 1, state, work)
             return total, residual, False
 
 
