@@ -6,6 +6,8 @@ from ..compiler.marks import compiled
 
 ROUNDING = 64 * 2.2e-16
 """relative, of a sum of many terms"""
+SMALLEST = 1e-300
+"""a scale so small has no digits left"""
 
 
 @compiled
@@ -15,4 +17,4 @@ def relative(residual: float, scale: float, floor: float, tolerance: float) -> f
         return math.inf
     if abs(residual) <= floor:
         return 0.0
-    return tolerance * abs(residual) / max(tolerance * scale, floor)
+    return tolerance * abs(residual) / max(tolerance * scale, floor, SMALLEST)

@@ -8,6 +8,7 @@ from duhamel.solver import Constant, Frame, Joint, Load, Model, RigidBody, Setti
 from duhamel.solver.lower.lower import lower
 from duhamel.solver.start import matrices
 from duhamel.solver.start.initial import initialize
+from duhamel.solver.step.measure import relative
 
 from .linkages import four_bar
 
@@ -114,3 +115,14 @@ def test_small_and_large_models_start_alike(monkeypatch, tmp_path):
     assert dense.degrees_of_freedom == sparse.degrees_of_freedom
     for a, b in zip(dense.state.arrays(), sparse.state.arrays(), strict=True):
         np.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("force", [0.0, 5e-319, 1e-305])
+def test_a_residual_of_numbers_without_digits_is_none(force):
+    """Forces that have died away leave such numbers."""
+    assert relative(force, force, 0.0, 1e-10) <= 1e-10
+
+
+def test_a_residual_that_is_no_number_is_infinite():
+    assert relative(np.nan, 1.0, 0.0, 1e-10) == np.inf
+    assert relative(1e-3, 1.0, 0.0, 1e-10) == pytest.approx(1e-3)
