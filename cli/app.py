@@ -240,8 +240,18 @@ def check(file: CheckedFile) -> None:
 
 
 def _check_superelement(file: Path) -> None:
+    from rich.console import Console
+
     from .. import superelement
+    from .checked import checks_table, failures
 
     with errors_in_one_line(superelement):
-        superelement.read(file)
-    typer.echo(f"{file}: readable")
+        element = superelement.read(file)
+    checks = superelement.check(element)
+    Console().print(checks_table(element.name, checks))
+    failed = failures(checks)
+    for line in failed:
+        typer.echo(f"error: {file}: {line}", err=True)
+    if failed:
+        raise typer.Exit(1)
+    typer.echo(f"{file}: {len(checks)} checks hold")
