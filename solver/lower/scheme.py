@@ -8,6 +8,8 @@ from ..history.layout import Stepping
 from ..model.model import Model
 from ..step.system import Newton, Scheme
 
+MOST_STEPS = 1e15
+"""of a run: they are counted, and times are multiples of the step, in double precision"""
 REUSE = 1e-2
 """ratio of successive corrections above which the matrix is made anew: the cheapest in trials"""
 
@@ -22,6 +24,11 @@ def stepping_of(model: Model) -> Stepping:
     steps = {name: kernel.h for name, kernel in kernels.items()}
     radii = {name: kernel.scheme.rho_inf for name, kernel in kernels.items()}
     h = _chosen_or_common("step", settings.step, steps)
+    if not settings.t_end / h < MOST_STEPS:
+        raise ModelError(
+            f"simulation: t_end: expected less than {MOST_STEPS:g} steps, got {settings.t_end:g} s "
+            f"in steps of {h:g} s"
+        )
     return Stepping(
         h=h,
         scheme=GeneralizedAlpha(_chosen_or_common("rho_inf", settings.rho_inf, radii, default=0.9)),
