@@ -533,6 +533,18 @@ class Contents:
         groups = {quantity.group for quantity in self.quantities}
         return (*owned, *(group for group in ("energy", "momentum") if group in groups))
 
+    def difference(self, other: "Contents") -> str:
+        """The first difference of the variables of others, in words; "" if there is none."""
+        names, others = ([q.name for q in c.quantities] for c in (self, other))
+        if names != others:
+            odd = sorted({*names} ^ {*others})
+            return f"other variables are recorded: {', '.join(odd)}"
+        for name in sorted({*self.axes, *other.axes}):
+            axes = (self.axes.get(name, Axis(())).names, other.axes.get(name, Axis(())).names)
+            if axes[0] != axes[1]:
+                return f"{name}: expected {', '.join(axes[0])}, found {', '.join(axes[1])}"
+        return ""
+
 
 def lay_out(
     axes: Axes,
