@@ -1,11 +1,11 @@
-"""Models that must give the same motion, seen from elsewhere: turned and moved, in another order, in
-other units.
+"""Models that must give the same motion, seen from elsewhere: turned and moved, in another order,
+in other units.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
-from duhamel.solver import FlexibleBody, Frame, Harmonic
+from duhamel.solver import FlexibleBody, Frame, Harmonic, PrescribedRotation
 from scipy.spatial.transform import Rotation
 
 
@@ -25,16 +25,24 @@ def turned(model, Q, shift):
     def direction(axis):
         return None if axis is None else Q.apply(axis)
 
+    def turned_axis(motion):
+        key = "axis" if isinstance(motion, PrescribedRotation) else "direction"
+        return {key: direction(getattr(motion, key))}
+
     return replace(
         model,
         bodies={
             name: replace(body, start=start(body.start)) for name, body in model.bodies.items()
         },
         joints=[
-            replace(joint, axis=direction(joint.axis), second_axis=direction(joint.second_axis))
-            for joint in model.joints
+            replace(j, axis=direction(j.axis), second_axis=direction(j.second_axis))
+            for j in model.joints
         ],
-        springs=[replace(spring, axis=direction(spring.axis)) for spring in model.springs],
+        springs=[
+            replace(s, axis=direction(s.axis), second_axis=direction(s.second_axis))
+            for s in model.springs
+        ],
+        motions=[replace(m, **turned_axis(m)) for m in model.motions],
         loads=[
             load if load.follower else replace(load, direction=direction(load.direction))
             for load in model.loads
@@ -47,7 +55,7 @@ def turned(model, Q, shift):
 
 
 def reordered(model, order):
-    """Bodies, joints, springs and loads, each in an order that `order`, a `random.Random`, gives."""
+    """Bodies, joints, springs and loads, in the order of `order`, a `random.Random`."""
 
     def shuffled(items):
         return order.sample(list(items), len(items))

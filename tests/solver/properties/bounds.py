@@ -19,7 +19,7 @@ from ..transformed import Units
 UNTURNED, UNMOVED, SI = Rotation.identity(), np.zeros(3), Units()
 EPS = np.finfo(float).eps
 MECHANISMS = 10.0
-"""by how much a mechanism of a few bodies multiplies an error: its levers and its ratios of masses"""
+"""by how much the levers and the ratios of masses of a few bodies multiply an error"""
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,12 @@ def bounds(model, results, reach=0.0):
     """`reach` [m]: how far from the origin another run is that is compared with this one."""
     h, n = model.settings.step, len(results.time)
     motions = [results.body(name) for name in model.bodies]
-    size = max([0.2, *(np.linalg.norm(f.position) for b in model.bodies.values() for f in b.frames.values())])
+    size = max(
+        [
+            0.2,
+            *(np.linalg.norm(f.position) for b in model.bodies.values() for f in b.frames.values()),
+        ]
+    )
     reach = max(reach, size, *(np.abs(motion.x).max() for motion in motions))
     speed = max(np.abs(motion.v @ np.diag([1, 1, 1, size, size, size])).max() for motion in motions)
     mass = sum(body.mass for body in model.bodies.values())

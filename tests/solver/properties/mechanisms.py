@@ -1,9 +1,9 @@
 """Random mechanisms: trees and closed loops of rigid and flexible bodies, with joints of all kinds,
 springs, loads and gravity.
 
-Sizes are those of a desk: bodies of some 0.2 m and 0.1 kg that turn by some rad/s. A body hangs on one
-before it, or on the ground, or flies. A link closes a loop: a rigid body made to measure, on two
-spherical joints.
+Sizes are those of a desk: bodies of some 0.2 m and 0.1 kg that turn by some rad/s. A body hangs on
+one before it, or on the ground, or flies. A link closes a loop: a rigid body made to measure, on
+two spherical joints.
 """
 
 from dataclasses import dataclass, field, replace
@@ -42,7 +42,10 @@ def element(name):
     with TemporaryDirectory() as folder:
         if name == "bar":
             return bar(folder, 0.2, elements=3, stiffness=0.05)
-        middle, points = (0.1, 0, 0), {"left": (0, 0, 0), "right": (0.2, 0.05, 0), "tip": (0.1, 0, 0.15)}
+        middle, points = (
+            (0.1, 0, 0),
+            {"left": (0, 0, 0), "right": (0.2, 0.05, 0), "tip": (0.1, 0, 0.15)},
+        )
         ends = [(middle, point) for point in points.values()]
         return framework(folder, ends, points, elements=2, stiffness=0.05)
 
@@ -154,7 +157,9 @@ def link(draw, sketch):
     A, B = sketch.place(first), sketch.place(second)
     name, middle, length = sketch.new("b"), 0.5 * (A + B), float(np.linalg.norm(B - A))
     frames = {"left": Frame(A - middle), "right": Frame(B - middle)}
-    sketch.bodies[name] = RigidBody(0.05, np.full(3, 0.05 * (0.05 + length) ** 2), frames, Start(middle))
+    sketch.bodies[name] = RigidBody(
+        0.05, np.full(3, 0.05 * (0.05 + length) ** 2), frames, Start(middle)
+    )
     for end, frame in zip((first, second), frames, strict=True):
         sketch.joints.append(Joint(sketch.new("j"), "spherical", (end, f"{name}.{frame}")))
 

@@ -1,5 +1,5 @@
-"""A mechanism seen from elsewhere moves as it does from here: turned, a kilometer away, with its parts
-in another order, in other units.
+"""A mechanism seen from elsewhere moves as it does from here: turned, a kilometer away, with its
+parts in another order, in other units.
 """
 
 import numpy as np
@@ -46,7 +46,9 @@ def test_the_order_of_parts_does_not_matter(model, order):
 @st.composite
 def units(draw):
     """From millimeters to kilometers, grams to tonnes, milliseconds to minutes."""
-    return Units(*(10.0 ** draw(st.integers(-3, 3)) for _ in range(2)), 10.0 ** draw(st.integers(-3, 2)))
+    return Units(
+        *(10.0 ** draw(st.integers(-3, 3)) for _ in range(2)), 10.0 ** draw(st.integers(-3, 2))
+    )
 
 
 @given(mechanisms(), units())
