@@ -9,6 +9,9 @@ from typing import Any
 
 import typer
 
+INTERRUPTED = 130
+"""exit code after Ctrl-C, as shells have it"""
+
 
 @contextmanager
 def errors_in_one_line(*packages: ModuleType, about: Path | None = None) -> Iterator[None]:
@@ -39,6 +42,9 @@ def errors_in_one_line(*packages: ModuleType, about: Path | None = None) -> Iter
             where = f"{about}: " if about else ""
             typer.echo(f"error: {where}{error}", err=True)
             raise typer.Exit(1) from error
+        except KeyboardInterrupt as interrupt:
+            typer.echo(str(interrupt) or "interrupted", err=True)
+            raise typer.Exit(INTERRUPTED) from interrupt
 
 
 def _exported_exceptions(*packages: ModuleType) -> tuple[type[Exception], ...]:

@@ -1,7 +1,7 @@
 """Dynamics of mechanisms of rigid bodies and superelements."""
 
 from ..results.results import Results
-from .errors import ConvergenceError, ModelError, RecoveryError, ResultsError
+from .errors import ConvergenceError, ModelError, RecoveryError, ResultsError, StateError
 from .laws.law import ForceLaw
 from .laws.tabulated import TabulatedLaw
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
@@ -59,6 +59,7 @@ __all__ = [
     "Spline",
     "Spring",
     "Start",
+    "StateError",
     "SteadyRotation",
     "Steps",
     "Table",

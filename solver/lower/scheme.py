@@ -12,22 +12,30 @@ REUSE = 1e-2
 """ratio of successive corrections above which the matrix is made anew: the cheapest in trials"""
 
 
-def stepping_of(model: Model) -> Stepping:
+def stepping_of(model: Model, planned: int | None = None) -> Stepping:
     """Step size, scheme, number of steps and weight of the convolution.
 
-    `ModelError` for superelements that differ in step or scheme where the settings give none.
+    planned: the number of steps of the run that this one continues. `ModelError` for superelements
+    that differ in step or scheme where the settings give none.
     """
     settings = model.settings
     kernels = {name: body.superelement.kernel for name, body in model.flexible_bodies.items()}
     steps = {name: kernel.h for name, kernel in kernels.items()}
     radii = {name: kernel.scheme.rho_inf for name, kernel in kernels.items()}
     h = _chosen_or_common("step", settings.step, steps)
+    n_steps = round_up(settings.t_end / h)
     return Stepping(
         h=h,
         scheme=GeneralizedAlpha(_chosen_or_common("rho_inf", settings.rho_inf, radii, default=0.9)),
-        n_steps=int(np.ceil(settings.t_end / h - 1e-6)),
+        n_steps=max(n_steps, planned or 0),
         weight=1.0 if settings.rule == "consistent" else 0.5,
+        planned=planned or n_steps,
     )
+
+
+def round_up(steps: float) -> int:
+    """A whole number of steps; one that is whole to rounding stays."""
+    return int(np.ceil(steps - 1e-6))
 
 
 def lay_out_scheme(stepping: Stepping) -> Scheme:
