@@ -1,6 +1,7 @@
 """Dynamics of mechanisms of rigid bodies and superelements."""
 
 from ..results.results import Results
+from .checkpoint.moment import Moment
 from .errors import ConvergenceError, ModelError, RecoveryError, ResultsError, StateError
 from .laws.law import ForceLaw
 from .laws.tabulated import TabulatedLaw
@@ -43,6 +44,7 @@ __all__ = [
     "Load",
     "Model",
     "ModelError",
+    "Moment",
     "OutputRequest",
     "Place",
     "Polynomial",

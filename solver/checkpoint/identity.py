@@ -16,8 +16,8 @@ import numpy as np
 
 from ...superelement import Superelement
 from ..arrays import Array
-from ..compiler.object_file import processor
 from ..compiler.object_file import key as code_key
+from ..compiler.object_file import processor
 from ..errors import StateError
 from ..lower.lower import LoweredModel
 from ..model.bodies import FlexibleBody
@@ -73,6 +73,11 @@ class Identity:
         for what, was, now in (("", self.software, software()), ("", self.model, is_now)):
             if change := first_change(was, now):
                 raise StateError(f"{what}{change}")
+
+    def check_steps(self, lowered: LoweredModel) -> None:
+        """`StateError` for another number of steps."""
+        if self.steps != lowered.n_steps:
+            raise StateError(f"t_end: was {self.steps} steps, is {lowered.n_steps}")
 
     def check_system(self, lowered: LoweredModel) -> None:
         """`StateError` for numbers that the same model had not, or kernels of a longer run."""
