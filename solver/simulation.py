@@ -100,7 +100,7 @@ def _resume(model: Model, output: Path, progress: bool, anyway: bool) -> Results
     with about(model.path):
         if not anyway:
             identity.check_model(model)
-        lowered = lower(model, frozenset(kept.without), identity.steps)
+        lowered = lower(model, frozenset(kept.without), identity.horizon)
         if not anyway:
             identity.check_system(lowered)
         if lowered.n_steps < step:
@@ -117,14 +117,17 @@ def _resume(model: Model, output: Path, progress: bool, anyway: bool) -> Results
 
 @dataclass(frozen=True, eq=False)
 class _Course:
-    """A run from one step to another, with energies of t = 0."""
+    """A run up to a step, from the start or from the step to which it is `begun`.
+
+    start: the energies of t = 0, where they are known.
+    """
 
     lowered: LoweredModel
     state: State
     work: Workspace
     writer: Writer
     total: int
-    begun: int = 0
+    begun: int | None = None
     start: Energies = NO_ENERGIES
 
     def keeper(self) -> "FileKeeper | nullcontext[NoKeeper]":
@@ -153,7 +156,7 @@ def _march(course: _Course, progress: bool) -> Results:
 
 def _take_steps(course: _Course, progress: bool) -> None:
     lowered, state, work, total = course.lowered, course.state, course.work, course.total
-    done, batch = course.begun, 16
+    done, batch = course.begun or 0, 16
     convolution = DyadicConvolution(lowered.system.elastic)
     with (
         course.keeper() as keeper,
@@ -161,7 +164,7 @@ def _take_steps(course: _Course, progress: bool) -> None:
         Progress("simulating", total, shown=progress) as bar,
     ):
         run = Run(system=lowered.system, state=state, work=work, output=recorder.output)
-        if done == 0:
+        if course.begun is None:
             record(run, 0)
             recorder.keep(0, recorder.rows(0, 1))
         bar.advance(done)

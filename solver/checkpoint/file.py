@@ -1,9 +1,10 @@
-"""Files of states: HDF5 with a dataset for each array, written whole or not at all.
+"""Files of states: HDF5 with a dataset for each array, and a digest of all of it at the end.
 
-The attribute `sha256` is a digest of the identity and of all arrays.
+They are written whole or not at all.
 """
 
 import hashlib
+import io
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -23,6 +24,8 @@ from .identity import Identity
 FORMAT = "duhamel-state"
 VERSION = 1
 SUFFIX = ".checkpoint"
+DIGEST = 32
+"""bytes of a SHA-256"""
 KINDS = ("f8", "i8")
 """types of arrays; complex ones are pairs of numbers"""
 
@@ -63,7 +66,6 @@ class StateFile:
                 step=self.snapshot.step,
                 run=self.run,
                 without=np.array(self.without, dtype=np.int64),
-                sha256=_digest(text, self.snapshot.arrays),
                 **self.notes,
             )
             file["identity"] = np.frombuffer(text.encode(), dtype=np.uint8)
@@ -71,19 +73,17 @@ class StateFile:
                 file.create_dataset(f"arrays/{name}", data=array)
             file.flush()
             image: bytes = file.id.get_file_image()
-        return image
+        return image + hashlib.sha256(image).digest()
 
 
 def read_state(path: Path) -> StateFile:
     """The state in a file; `StateError` in one line for a file that is none, or damaged."""
-    with _failures_named(path), h5py.File(path, "r") as file:
+    with _failures_named(path), h5py.File(_whole(path), "r") as file:
         _check_format(file)
         text = _array(file, "identity", "u1").tobytes().decode()
         names = _names(file["arrays"])
         arrays = {name: _array(file, f"arrays/{name}", *KINDS) for name in names}
         attributes = dict(file.attrs)
-        if attributes.pop("sha256", "") != _digest(text, arrays):
-            raise StateError("damaged: its digest is not that of its contents")
         return StateFile(
             Snapshot(int(attributes.pop("step")), arrays),
             Identity.from_text(text),
@@ -97,13 +97,13 @@ def read_state(path: Path) -> StateFile:
         )
 
 
-def _digest(text: str, arrays: Mapping[str, Any]) -> str:
-    digest = hashlib.sha256(text.encode())
-    for name in sorted(arrays):
-        array = arrays[name]
-        digest.update(f"{name} {array.dtype.str} {array.shape}".encode())
-        digest.update(np.ascontiguousarray(array).data)
-    return digest.hexdigest()
+def _whole(path: Path) -> io.BytesIO:
+    """The HDF5 file in a file of a state; `StateError` unless its digest fits."""
+    content = path.read_bytes()
+    image, digest = content[:-DIGEST], content[-DIGEST:]
+    if hashlib.sha256(image).digest() != digest:
+        raise StateError("damaged, or no state: the digest at its end is not that of its contents")
+    return io.BytesIO(image)
 
 
 def _check_format(file: h5py.File) -> None:

@@ -19,14 +19,15 @@ from ..arrays import Array
 from ..compiler.object_file import key as code_key
 from ..compiler.object_file import processor
 from ..errors import StateError
+from ..history.layout import Horizon
 from ..lower.lower import LoweredModel
 from ..model.bodies import FlexibleBody
 from ..model.model import Model
 from ..schema.entry import Beside, Entry, note
 from ..schema.tables import declared, key_of
 
-FREE = frozenset({"simulation.t_end", "simulation.checkpoint", "source", "path"})
-"""keys that may change between a run and its continuation"""
+FREE = ("simulation.t_end", "simulation.checkpoint", "source", "path")
+"""beginnings of keys that may change between a run and its continuation"""
 TABLES = {
     "settings": "simulation",
     "ground_frames": "ground.frames",
@@ -45,14 +46,14 @@ class Identity:
     """software: versions by name; model: values by key; system: digests of a step's data by name.
 
     kernels: of each body whose loads are convolved, the form, the lags, 1 if it is cut off, and a
-    digest; steps: of the run.
+    digest; horizon: the numbers of steps that it was planned and laid out for.
     """
 
     software: Mapping[str, str]
     model: Mapping[str, Any]
     system: Mapping[str, str]
     kernels: Mapping[str, tuple[str, int, bool, str]]
-    steps: int
+    horizon: Horizon
 
     def to_text(self) -> str:
         return json.dumps({field.name: getattr(self, field.name) for field in fields(self)})
@@ -63,7 +64,8 @@ class Identity:
         try:
             values = json.loads(text)
             kernels = {name: tuple(kernel) for name, kernel in values.pop("kernels").items()}
-            return cls(kernels=kernels, **values)
+            horizon = Horizon(*map(int, values.pop("horizon")))
+            return cls(kernels=kernels, horizon=horizon, **values)
         except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
             raise StateError(f"identity: not that of a state: {error}") from error
 
@@ -76,8 +78,8 @@ class Identity:
 
     def check_steps(self, lowered: LoweredModel) -> None:
         """`StateError` for another number of steps."""
-        if self.steps != lowered.n_steps:
-            raise StateError(f"t_end: was {self.steps} steps, is {lowered.n_steps}")
+        if self.horizon != lowered.horizon:
+            raise StateError(f"t_end: was {self.horizon.steps} steps, is {lowered.horizon.steps}")
 
     def check_system(self, lowered: LoweredModel) -> None:
         """`StateError` for numbers that the same model had not, or kernels of a longer run."""
@@ -96,7 +98,7 @@ def identity_of(lowered: LoweredModel) -> Identity:
         model=json.loads(json.dumps(contents_of(lowered.model))),
         system=_system(lowered),
         kernels={name: _kernel(e, lowered) for e, name in _convolved(lowered)},
-        steps=lowered.n_steps,
+        horizon=lowered.horizon,
     )
 
 
@@ -136,7 +138,7 @@ def contents_of(model: Model) -> dict[str, Any]:
     for field, _ in declared(Model):
         key = TABLES.get(field.name, field.name)
         contents |= _flat(key, getattr(model, field.name))
-    return {key: value for key, value in contents.items() if key not in FREE}
+    return {key: value for key, value in contents.items() if not key.startswith(FREE)}
 
 
 def _flat(key: str, value: Any) -> Iterator[tuple[str, Any]]:
@@ -215,7 +217,7 @@ def _kernel(e: int, lowered: LoweredModel, lags: int | None = None) -> tuple[str
     form = "fft" if kernels.by_fft[e] else "direct"
     g, g_initial = kernel_arrays(e, lowered)
     first = tuple(np.ascontiguousarray(array[:lags]) for array in (g, g_initial))
-    return form, lags, own <= lowered.n_steps, digest_of(first)
+    return form, lags, own <= lowered.horizon.steps, digest_of(first)
 
 
 def kernel_arrays(e: int, lowered: LoweredModel) -> tuple[Array, Array]:

@@ -19,6 +19,13 @@ LARGEST_TRUNCATION = 0.1
 """relative error of a kernel that is cut off; with a larger one, motions can gain energy"""
 
 
+class Horizon(NamedTuple):
+    """Numbers of steps of the run that a run continues: `planned` at first, and laid out for."""
+
+    planned: int
+    steps: int
+
+
 class Stepping(NamedTuple):
     """The time integration of a run: step h [s], scheme, number of steps.
 

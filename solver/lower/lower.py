@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ...superelement import GeneralizedAlpha, Superelement
 from ..arrays import Array, as_index, as_rows
-from ..history.layout import lay_out_elastic
+from ..history.layout import Horizon, lay_out_elastic
 from ..model.model import Model
 from ..model.signals import Signal, SmoothSignal
 from ..step.rows import measures_length
@@ -29,6 +29,7 @@ class LoweredModel:
     system: System
     scheme: GeneralizedAlpha
     n_steps: int
+    horizon: Horizon
     without: frozenset[int]
     """redundant rows that are left out, by their numbers"""
     poses: list[Pose]
@@ -74,14 +75,14 @@ class LoweredModel:
 
 
 def lower(
-    model: Model, without: frozenset[int] = frozenset(), planned: int | None = None
+    model: Model, without: frozenset[int] = frozenset(), earlier: Horizon | None = None
 ) -> LoweredModel:
     """Number bodies, frames, rows and dofs of a model, and lay them out for the time loop.
 
-    without: rows to leave out, by their numbers; planned: the number of steps of the run that this
-    one continues. `ModelError` for a model that cannot be laid out.
+    without: rows to leave out, by their numbers; earlier: the horizon of the run that this one
+    continues. `ModelError` for a model that cannot be laid out.
     """
-    stepping = stepping_of(model, planned)
+    stepping = stepping_of(model, earlier)
     poses = place_bodies(model)
     frames = number_frames(model, poses)
     rows = _rows(model, frames, without)
@@ -108,6 +109,7 @@ def lower(
         system=system,
         scheme=stepping.scheme,
         n_steps=round_up(model.settings.t_end / stepping.h),
+        horizon=Horizon(stepping.planned, stepping.n_steps),
         without=without,
         poses=[poses[name] for name in model.bodies],
         body_names=list(model.bodies),

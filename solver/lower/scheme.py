@@ -4,7 +4,7 @@ import numpy as np
 
 from ...superelement import GeneralizedAlpha
 from ..errors import ModelError
-from ..history.layout import Stepping
+from ..history.layout import Horizon, Stepping
 from ..model.model import Model
 from ..step.system import Newton, Scheme
 
@@ -12,11 +12,11 @@ REUSE = 1e-2
 """ratio of successive corrections above which the matrix is made anew: the cheapest in trials"""
 
 
-def stepping_of(model: Model, planned: int | None = None) -> Stepping:
+def stepping_of(model: Model, earlier: Horizon | None = None) -> Stepping:
     """Step size, scheme, number of steps and weight of the convolution.
 
-    planned: the number of steps of the run that this one continues. `ModelError` for superelements
-    that differ in step or scheme where the settings give none.
+    earlier: the horizon of the run that this one continues. `ModelError` for superelements that
+    differ in step or scheme where the settings give none.
     """
     settings = model.settings
     kernels = {name: body.superelement.kernel for name, body in model.flexible_bodies.items()}
@@ -27,9 +27,9 @@ def stepping_of(model: Model, planned: int | None = None) -> Stepping:
     return Stepping(
         h=h,
         scheme=GeneralizedAlpha(_chosen_or_common("rho_inf", settings.rho_inf, radii, default=0.9)),
-        n_steps=max(n_steps, planned or 0),
+        n_steps=max(n_steps, earlier.steps if earlier else 0),
         weight=1.0 if settings.rule == "consistent" else 0.5,
-        planned=planned or n_steps,
+        planned=earlier.planned if earlier else n_steps,
     )
 
 

@@ -58,8 +58,9 @@ class FileKeeper:
     def step_taken(self, step: int, recorder: Recorder) -> None:
         self._newest = Snapshot.of(step, self._live)
         self._notes = recorder.start._asdict()
+        first = self._kept.step < 0
         by_time = time.monotonic() - self._last > self._pause
-        if by_time or (self._every is not None and step % self._every == 0):
+        if first or by_time or (self._every is not None and step % self._every == 0):
             recorder.write()
             self._writer.flush()
             self._keep()
