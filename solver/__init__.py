@@ -1,7 +1,8 @@
 """Dynamics of mechanisms of rigid bodies and superelements."""
 
 from ..results.results import Results
-from .errors import ConvergenceError, ModelError, RecoveryError, ResultsError
+from .checkpoint.moment import Moment
+from .errors import ConvergenceError, ModelError, RecoveryError, ResultsError, StateError
 from .laws.law import ForceLaw
 from .laws.tabulated import TabulatedLaw
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
@@ -43,6 +44,7 @@ __all__ = [
     "Load",
     "Model",
     "ModelError",
+    "Moment",
     "OutputRequest",
     "Place",
     "Polynomial",
@@ -59,6 +61,7 @@ __all__ = [
     "Spline",
     "Spring",
     "Start",
+    "StateError",
     "SteadyRotation",
     "Steps",
     "Table",

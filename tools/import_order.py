@@ -64,6 +64,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "model",
         "history",
         "lower",
+        "checkpoint",
         "start",
         "output",
         "simulation",
