@@ -4,7 +4,7 @@ from dataclasses import field
 from typing import Annotated, Literal
 
 from ..schema.entry import Entry, Key, entry
-from ..schema.values import ORIGIN, Count, Fraction, PositiveTime, Tolerance, Vector
+from ..schema.values import ORIGIN, Fraction, Iterations, PositiveTime, Tolerance, Vector
 from .output_request import OutputRequest
 
 
@@ -50,8 +50,8 @@ class Settings(Entry):
     history: Literal["auto", "recursive", "direct", "fft"] = "auto"
     kernel_length: Annotated[PositiveTime | None, Key("memory")] = None
     tolerance: Tolerance = 1e-10
-    max_iterations: Count = 20
-    fixed_iterations: Annotated[Count | None, Key("corrections")] = None
+    max_iterations: Iterations = 20
+    fixed_iterations: Annotated[Iterations | None, Key("corrections")] = None
     start: Literal["given", "equilibrium"] = "given"
     steady_rotation: SteadyRotation | None = None
     assemble: bool = False

@@ -241,7 +241,7 @@ MADE = {
         lambda: model(tolerance=1.0),
         "tolerance: expected a number between 0 and 1, got 1.0",
     ),
-    "no iterations": (lambda: model(max_iterations=0), "max_iterations: expected 1 or more, got 0"),
+    "no iterations": (lambda: model(max_iterations=0), "max_iterations: expected 1 to 1000, got 0"),
 }
 
 
@@ -505,7 +505,7 @@ FILES = {
     ),
     "half an iteration": (
         {"simulation": "max_iterations = 2.5"},
-        "simulation.max_iterations: expected 1 or more, found 2.5",
+        "simulation.max_iterations: expected 1 to 1000, found 2.5",
     ),
     "a key by its name in Python": (
         {"simulation": "kernel_length = 1"},
