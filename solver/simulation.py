@@ -38,9 +38,10 @@ def simulate(
     """Integrate the motion of a model from t = 0 to t_end.
 
     settings: by default those of the model; output: the results file, by default none (results stay
-    in memory); progress: show a bar. Raises ModelError for a model that cannot start,
-    ConvergenceError where Newton's method fails and ResultsError for a file that cannot be written;
-    the file then holds the steps before the failure, as it does after an interrupt.
+    in memory); progress: show a bar. Raises ModelError for a model that cannot start or whose
+    redundant constraints are needed later, ConvergenceError where Newton's method fails and
+    ResultsError for a file that cannot be written; the file then holds the steps before the
+    failure, as it does after an interrupt.
     """
     if settings is not None:
         model = replace(model, settings=settings)
@@ -95,6 +96,7 @@ def _march(initial: InitialState, writer: Writer, total: int, progress: bool) ->
             bar.advance(taken)
             if taken < len(rows):
                 raise failure(lowered, done + 1, residual, work)
+            initial.removed.check(work, done * lowered.h)
             convolution.update(state)
             if time.perf_counter() - started < 0.5 * BATCH_SECONDS:
                 batch *= 2
