@@ -97,6 +97,6 @@ def _notes(initial: InitialState, steps: int) -> dict[str, Any]:
         "velocity_error_at": initial.assembly_error.velocity_at,
         "moved": initial.moved,
         "velocity_correction": initial.velocity_correction,
-        "removed": initial.removed,
+        "removed": initial.removed.names,
         "truncation": lowered.truncation,
     }
