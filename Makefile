@@ -5,7 +5,7 @@ VENV ?= .venv
 LOWEST ?= .venv-lowest
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet --no-input
-PACKAGES := inputs superelement results preprocess solver view study cli
+PACKAGES := files inputs superelement results preprocess solver view study cli
 
 .DEFAULT_GOAL := help
 .PHONY: help demo test test-lowest lint validation benchmark docs constraints clean
