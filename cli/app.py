@@ -9,9 +9,10 @@ from typing import Annotated
 
 import typer
 
-from .failures import errors_in_one_line
+from .failures import Commands, errors_in_one_line, one_line
 
 app = typer.Typer(
+    cls=Commands,
     help="Impulse superelements from meshes, and multibody dynamics on them.",
     no_args_is_help=True,
     add_completion=False,
@@ -114,7 +115,8 @@ def preprocess(
         target = output or body_file.with_name(f"{element.name}.h5")
         superelement.write(target, element)
     megabytes = target.stat().st_size / 1e6
-    typer.echo(f"{target}: {element.n_c} dofs, {megabytes:.3g} MB, {perf_counter() - start:.2f} s")
+    seconds = perf_counter() - start
+    typer.echo(one_line(f"{target}: {element.n_c} dofs, {megabytes:.3g} MB, {seconds:.2f} s"))
 
 
 def _survey(body_file: Path, output: Path | None) -> None:
@@ -130,7 +132,7 @@ def _survey(body_file: Path, output: Path | None) -> None:
         target = output or body_file.with_name(f"{body.name}.png")
         view.save(view.draw_scene(scene(surveyed)), target)
     Console().print(report(surveyed))
-    typer.echo(target)
+    typer.echo(one_line(target))
 
 
 @app.command()
@@ -144,10 +146,11 @@ def run(model_file: ModelFile, output: Output = None) -> None:
     with errors_in_one_line(solver, superelement):
         results = solver.simulate(solver.read_model(model_file), output=target, progress=True)
     for line in report(results):
-        typer.echo(line)
+        typer.echo(one_line(line))
     steps, loop = int(results.solver["steps"]), float(results.solver["seconds"])
     speed = f", {1e6 * loop / steps:.1f} us per step" if steps else ""
-    typer.echo(f"{target}: {steps} steps, {perf_counter() - start:.2f} s in all{speed}")
+    seconds = perf_counter() - start
+    typer.echo(one_line(f"{target}: {steps} steps, {seconds:.2f} s in all{speed}"))
 
 
 @app.command()
@@ -177,11 +180,10 @@ def sweep(
         rows = study.sweep(plan, workers, scheduler, force, finished)
     failed = list(failures(rows))
     for line in failed:
-        typer.echo(line, err=True)
+        typer.echo(one_line(line), err=True)
     seconds = perf_counter() - start
-    typer.echo(
-        f"{plan.folder / 'summary.csv'}: {len(rows)} cases, {len(failed)} failed, {seconds:.1f} s"
-    )
+    summary = plan.folder / "summary.csv"
+    typer.echo(one_line(f"{summary}: {len(rows)} cases, {len(failed)} failed, {seconds:.1f} s"))
     if failed:
         raise typer.Exit(1)
 
@@ -211,7 +213,7 @@ def plot(
             panels.append([curve for curves in named for curve in curves])
         heading = results_file.stem if title is None else title
         view.save(view.draw(results.time, panels or view.overview(results), heading), target)
-    typer.echo(target)
+    typer.echo(one_line(target))
 
 
 @app.command()

@@ -1,7 +1,6 @@
 """Memory that this process may still take."""
 
 import os
-import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,14 +9,27 @@ from typing import NamedTuple
 ROOT = Path("/")
 
 
+def gigabytes(size: float) -> str:
+    """Bytes as text, in GB with three digits."""
+    return f"{size / 1e9:.3g} GB"
+
+
+def shortage(size: float) -> str:
+    """The text of an error where so many bytes are more than there are; "" where they are not."""
+    free = available()
+    if size <= free:
+        return ""
+    return f"needs {gigabytes(size)} of memory, {gigabytes(free)} are available"
+
+
 def available(root: Path = ROOT) -> int:
-    """Bytes that this process may still take: of the machine, and of the control groups that it
-    runs in, up to its own limit.
+    """Bytes that this process may still take: of the machine, of the control groups that it runs
+    in, and of its limit of address space.
 
     Where the system does not say what is free, all the memory of the machine; where it does not say
     even that, no limit at all. Source: proc(5), cgroups(7).
     """
-    return min(_machine(root), _address_space(root), *_control_groups(root), sys.maxsize)
+    return min(_machine(root), *_control_groups(root), _address_space(root), sys.maxsize)
 
 
 def _machine(root: Path) -> int:
@@ -31,13 +43,15 @@ def _machine(root: Path) -> int:
 
 
 def _address_space(root: Path) -> int:
-    """Bytes up to the limit of the process itself (ulimit -v)."""
-    limits, used = root / "proc/self/limits", root / "proc/self/statm"
-    if not (limits.exists() and used.exists()):
+    """Bytes left of what `ulimit -v` allows, where there is such a limit."""
+    try:
+        from resource import RLIM_INFINITY, RLIMIT_AS, getrlimit
+    except ImportError:
         return sys.maxsize
-    (most,) = re.findall(r"^Max address space +(\d+|unlimited)", limits.read_text(), re.MULTILINE)
-    pages = int(used.read_text().split()[0])
-    return sys.maxsize if most == "unlimited" else int(most) - pages * os.sysconf("SC_PAGE_SIZE")
+    limit, status = getrlimit(RLIMIT_AS)[0], root / "proc/self/statm"
+    if limit == RLIM_INFINITY or not status.exists():
+        return sys.maxsize
+    return max(0, limit - int(status.read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE"))
 
 
 class _Controller(NamedTuple):

@@ -1,8 +1,8 @@
-"""The refusal of work that does not fit into memory."""
+"""The refusal of work that does not fit into the available memory."""
 
 from collections.abc import Mapping
 
-from ..files.memory import available
+from ..files.memory import available, gigabytes
 from .errors import MemoryShortageError
 
 
@@ -21,8 +21,3 @@ def require(needs: Mapping[str, float], remedy: str) -> None:
         raise MemoryShortageError(
             f"{' and '.join(parts)}, {gigabytes(free)} are available: {remedy}", size, free
         )
-
-
-def gigabytes(size: float) -> str:
-    """Bytes as text, in GB with three digits."""
-    return f"{size / 1e9:.3g} GB"

@@ -109,6 +109,19 @@ class Superelement:
         """The number of interface dofs."""
         return self.kernel.n_c
 
+    @property
+    def size(self) -> float:
+        """The length of the body [m]: of a uniform bar of its mass and largest moment of inertia.
+
+            sqrt(12 J_max / m)
+
+        or the largest distance between interfaces, if that is longer.
+        """
+        points = np.array([interface.X for interface in self.interfaces])
+        apart = np.linalg.norm(points[:, None] - points, axis=2).max()
+        bar = np.sqrt(12.0 * np.linalg.eigvalsh(self.J_rot)[-1] / self.mass)
+        return float(max(bar, apart))
+
     def interface(self, name: str) -> Interface:
         return self.interfaces[self._index(name)]
 
