@@ -12,7 +12,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
-from ..inputs import InputError, Table, parse_toml, quoted, read_table, read_text, read_toml
+from ..inputs import InputError, Table, parse_toml, read_table, read_toml
 from .case import Case, Kind
 from .errors import StudyError
 from .keys import leaves, matching, replaced

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...inputs.memory import shortage
+from ...files.memory import shortage
 from ...superelement import GeneralizedAlpha, Superelement, SuperelementError
 from ..arrays import Array, Index, as_index
 from ..errors import ModelError
