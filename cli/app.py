@@ -176,8 +176,9 @@ def sweep(
     for line in failed:
         typer.echo(one_line(line), err=True)
     seconds = perf_counter() - start
-    summary = plan.folder / "summary.csv"
-    typer.echo(one_line(f"{summary}: {len(rows)} cases, {len(failed)} failed, {seconds:.1f} s"))
+    typer.echo(
+        one_line(f"{plan.summary}: {len(rows)} cases, {len(failed)} failed, {seconds:.1f} s")
+    )
     if failed:
         raise typer.Exit(1)
 
@@ -196,11 +197,14 @@ def plot(
     does not exist lists those that do.
     """
     from .. import view
+    from ..inputs.outputs import clash
     from ..results import Results
 
-    target = output or results_file.with_suffix(".png")
     with errors_in_one_line(view):
         results = Results.read(results_file)
+        target = output or results_file.with_suffix(".png")
+        if found := clash([target], {results_file: "the results file"}):
+            raise view.PictureError(f"{found}, which the picture would replace")
         panels = []
         for panel in quantities or ():
             named = [view.curves(results, quantity) for quantity in panel.split(",")]

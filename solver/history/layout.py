@@ -158,7 +158,7 @@ def _choose_history(
     h, n_steps = stepping.h, stepping.n_steps
     form: str = settings.history
     length = settings.kernel_length
-    lags = n_steps + 1 if length is None else min(n_steps, round(length / h)) + 1
+    lags = n_steps + 1 if length is None else round(min(n_steps, length / h)) + 1
     if form == "auto":
         m = None if element.modes is None else len(element.modes.omega)
         form = cheapest_history(element.n_c, n_active, m, n_steps, lags)
