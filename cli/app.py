@@ -19,6 +19,9 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
+HDF5 = (".h5", ".hdf5")
+"""suffixes of superelements"""
+
 BodyFile = Annotated[
     Path, typer.Argument(metavar="BODY.toml", help="Mesh, section or material, interfaces.")
 ]
@@ -26,6 +29,9 @@ ModelFile = Annotated[
     Path, typer.Argument(metavar="MODEL.toml", help="Bodies, joints, loads, simulation.")
 ]
 SuperelementFile = Annotated[Path, typer.Argument(metavar="FILE.h5", help="A superelement.")]
+CheckedFile = Annotated[
+    Path, typer.Argument(metavar="FILE", help="A superelement (.h5, .hdf5).", show_default=False)
+]
 ResultsFile = Annotated[
     Path, typer.Argument(metavar="RESULTS.h5", help="Written by `duhamel run`.")
 ]
@@ -225,3 +231,33 @@ def info(file: SuperelementFile) -> None:
     with errors_in_one_line(superelement):
         element = superelement.read(file)
     Console().print(describe(element))
+
+
+@app.command()
+def check(file: CheckedFile) -> None:
+    """Recompute what must hold of a file, and say whether it does; exit with 1 if not.
+
+    The suffix says what the file is: FILE.h5 a superelement.
+    """
+    if file.suffix.lower() in HDF5:
+        _check_superelement(file)
+    else:
+        raise typer.BadParameter(f"{file}: expected a superelement, {' or '.join(HDF5)}")
+
+
+def _check_superelement(file: Path) -> None:
+    from rich.console import Console
+
+    from .. import superelement
+    from .checked import checks_table, failures
+
+    with errors_in_one_line(superelement):
+        element = superelement.read(file)
+    checks = superelement.check(element)
+    Console().print(checks_table(element.name, checks))
+    failed = failures(checks)
+    for line in failed:
+        typer.echo(f"error: {file}: {line}", err=True)
+    if failed:
+        raise typer.Exit(1)
+    typer.echo(f"{file}: {len(checks)} checks hold")

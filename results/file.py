@@ -1,23 +1,25 @@
 """The results file: netCDF-4, that is HDF5 with dimension scales, one variable a quantity.
 
-A run keeps the file closed between writes, so that others can read it, and one that is killed
-leaves what it had: the first `written` rows, an attribute of the group solver.
+A run changes the file in moments, about once a second, between which others can read it, and one
+that is killed leaves what it had (journal.py): the first `written` rows, an attribute of the group
+solver.
 """
 
-import shutil
+import os
 import time
 import uuid
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import metadata
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import h5py
 import numpy as np
 
 from ..superelement.validation import Array
 from .errors import ResultsError
+from .journal import Busy, Journal, JournaledFile, partial_of, recover, uninterrupted
 from .schema import (
     DIMENSIONS,
     FORMAT,
@@ -32,18 +34,14 @@ from .schema import (
 )
 from .source import Selection
 
-PATIENCE = 60.0
+PATIENCE = 5.0
 """seconds to wait for others who have the file open"""
-BRIEF = 0.2
-"""seconds that a run waits for them while the buffer is not full"""
 BUFFER = 1 << 28
 """bytes of rows that may wait in memory"""
 CHUNK = 1 << 18
 """bytes that HDF5 keeps together, about"""
 LEAST_ROWS = 16
 """rows of a chunk, however many bodies there are"""
-SPARE = 1 << 20
-"""bytes that HDF5 may want besides the numbers"""
 TEXT = h5py.string_dtype()
 DAMAGE = (OSError, RuntimeError, KeyError, ValueError, TypeError, MemoryError)
 """exceptions of h5py on a file with wrong bytes"""
@@ -60,13 +58,18 @@ class FileSource:
         self._path = path
         with self._open() as file:
             _check_format(file)
-            self._run = _run_of(file)
+            self.run = _run_of(file)
             self._contents = _read_contents(file)
             self._written = int(file["solver"].attrs["written"])
 
     @property
     def name(self) -> str:
         return str(self._path)
+
+    @property
+    def rows(self) -> int:
+        """The number of rows when it was first opened."""
+        return self._written
 
     def contents(self) -> Contents:
         return self._contents
@@ -81,7 +84,7 @@ class FileSource:
 
     def read(self, selections: Sequence[Selection]) -> list[Array]:
         with self._open() as file:
-            if _run_of(file) != self._run:
+            if _run_of(file) != self.run:
                 raise ResultsError("another run has replaced this file: read it again")
             n = self._written = self._written or int(file["solver"].attrs["written"])
             if not n:
@@ -92,7 +95,8 @@ class FileSource:
     @contextmanager
     def _open(self) -> Iterator[h5py.File]:
         try:
-            with _opened(self._path, "r", PATIENCE) as file:
+            recover(self._path.resolve())
+            with _opened(self._path, PATIENCE) as file:
                 yield file
         except ResultsError as error:
             raise ResultsError(f"{self._path}: {error}") from error
@@ -105,103 +109,178 @@ class FileSource:
 
 
 class FileWriter:
-    """A results file that a run writes; rows that cannot be written yet wait in memory.
+    """A results file that a run writes, which others can read at any moment, also of a killed run.
 
-    rows: how many there will be, about. A file that stands at the path already stays there until
-    the first rows of this run are written. Raises `ResultsError` where the file cannot be written,
-    or another run has replaced it.
+    rows: how many there will be, about. Results that stand at the path already stay there until
+    this run has ended well: until then it writes to PATH.partial. durable: what was flushed is on
+    the disk whatever becomes of the machine. Raises `ResultsError` where the file cannot be
+    written, or another run writes it.
     """
 
     pause = 1.0
 
     def __init__(
-        self, path: Path, contents: Contents, notes: Mapping[str, Any], model: str, rows: int
+        self,
+        path: Path,
+        contents: Contents,
+        notes: Mapping[str, Any],
+        model: str,
+        rows: int,
+        durable: bool = False,
     ) -> None:
-        self._path, self._contents, self._written = path, contents, 0
-        self._run = uuid.uuid4().hex
-        self._waiting: list[dict[str, Array]] = []
-        self._bytes_waiting, self._last = 0, -np.inf
+        self.run = uuid.uuid4().hex
         # Made in memory first: HDF5 itself brings the process down when the disk is full.
-        image = _image(contents, {**notes, "written": 0, "run": self._run}, model, rows)
+        image = _image(contents, {**notes, "written": 0, "run": self.run}, model, rows)
         with _failures_named(path):
-            self._target = path.resolve()
-            self._file = self._target.with_name(f".{self._target.name}.{self._run[:8]}")
-            self._file.write_bytes(image)
-            if not path.exists():
-                self._publish()
+            journal = Journal(path.resolve())
+            self.place = partial_of(journal.target) if path.exists() else journal.target
+            try:
+                self.place.write_bytes(image)
+            except OSError:
+                self.place.unlink(missing_ok=True)
+                journal.close()
+                raise
+        self._open(path, contents, journal, durable)
+
+    @classmethod
+    def resume(
+        cls,
+        path: Path,
+        contents: Contents,
+        notes: Mapping[str, Any],
+        model: str,
+        rows: int,
+        run: str,
+    ) -> Self:
+        """Go on with the file of a run that ended early, after so many rows; others are dropped.
+
+        run: the name of that run. `ResultsError` where the file is of another one, has other
+        contents, or fewer rows.
+        """
+        writer = cls.__new__(cls)
+        writer.run = run
+        with _failures_named(path):
+            journal = Journal(path.resolve())
+            writer.place = unfinished(journal.target)
+            try:
+                _check_same_run(writer.place, run, contents, rows)
+            except ResultsError:
+                journal.close()
+                raise
+        writer._open(path, contents, journal, durable=True)
+        writer._drop(rows, model, notes)
+        return writer
+
+    def _open(self, path: Path, contents: Contents, journal: Journal, durable: bool) -> None:
+        self._path, self._contents, self._journal = path, contents, journal
+        self._store = JournaledFile(self.place, journal, durable)
+        self._file = h5py.File(self._store, "r+")
+        self.written = self.committed = int(self._file["solver"].attrs["written"])
+        self._last = -np.inf
 
     def append(self, batch: Batch) -> None:
-        axes, quantities = self._contents.axes, self._contents.quantities
-        rows = {quantity.name: quantity.take(batch, axes) for quantity in quantities}
-        self._waiting.append(rows)
-        self._bytes_waiting += sum(array.nbytes for array in rows.values())
-        with _failures_named(self._path):
-            if self._bytes_waiting > BUFFER:
-                self._write(PATIENCE)
-            elif not self._write_in_time():
-                self._waiting[-1] = {name: array.copy() for name, array in rows.items()}
+        axes, first = self._contents.axes, self.written
+        with uninterrupted():
+            for quantity in self._contents.quantities:
+                _extend(self._file, quantity.name, quantity.take(batch, axes), first)
+            self.written += len(batch.steps)
+        if self._store.waiting > BUFFER:
+            self._commit(PATIENCE)
+        elif time.monotonic() - self._last > self.pause:
+            with suppress(Busy):
+                self._commit(0.0)
 
     def flush(self) -> None:
-        with _failures_named(self._path):
-            self._write(PATIENCE)
+        self._commit(PATIENCE)
 
     def abandon(self) -> bool:
-        if self._file == self._target:
+        if self.place == self._journal.target:
             return False
-        self._file.unlink(missing_ok=True)
+        self._close()
+        self.place.unlink(missing_ok=True)
         return True
 
     def note(self, **notes: Any) -> None:
-        with _failures_named(self._path), self._file_of_run(PATIENCE) as file:
-            file["solver"].attrs.update(_plain(notes))
+        with uninterrupted():
+            self._file["solver"].attrs.update(_plain(notes))
+        self._commit(PATIENCE)
 
-    def _write_in_time(self) -> bool:
-        """Write if a pause has passed since the last write and nobody else has the file open.
+    def finish(self) -> None:
+        self._close()
+        if self.place != self._journal.target:
+            with _failures_named(self._path):
+                replace_durably(self.place, self._journal.target)
+            self.place = self._journal.target
+        self._journal.close()
 
-        Few and large writes leave the file to others for most of the time.
-        """
-        if time.monotonic() - self._last < self.pause:
-            return False
-        try:
-            self._write(BRIEF)
-        except BlockingIOError:
-            return False
-        return True
+    def leave(self) -> None:
+        self._close()
+        self._journal.close()
 
-    def _write(self, patience: float) -> None:
-        """Write the rows that wait; they count once all of them are in the file."""
-        if not self._waiting:
-            return
-        with self._file_of_run(patience) as file:
-            free = shutil.disk_usage(self._target.parent).free
-            if free < self._bytes_waiting + SPARE + len(self._contents.quantities) * CHUNK:
-                raise OSError(f"the disk is full, {self._written} rows are written")
-            written = self._written
-            for rows in self._waiting:
-                for name, array in rows.items():
-                    _extend(file, name, array, written)
-                written += len(rows["time"])
-            file.flush()
-            file["solver"].attrs.modify("written", written)
-        self._written, self._waiting, self._bytes_waiting = written, [], 0
+    def _drop(self, rows: int, model: str, notes: Mapping[str, Any]) -> None:
+        with uninterrupted():
+            for quantity in self._contents.quantities:
+                self._file[quantity.name].resize(rows, axis=0)
+            self._file.attrs["model"] = model
+            self._file["solver"].attrs.update(_plain(notes))
+        self.written = rows
+
+    def _commit(self, patience: float) -> None:
+        """Let all rows take place; with patience, also if others never close the file."""
+        with self._failures_named(), uninterrupted():
+            self._file["solver"].attrs.modify("written", self.written)
+            self._file.flush()
+            try:
+                self._store.commit(patience)
+            except Busy:
+                if not patience:
+                    raise
+                self._store.move_to_copy()
+                self._store.commit(patience)
+        self.committed = self.written
         self._last = time.monotonic()
-        if self._file != self._target:
-            self._publish()
-
-    def _publish(self) -> None:
-        self._file.replace(self._target)
-        self._file = self._target
 
     @contextmanager
-    def _file_of_run(self, patience: float) -> Iterator[h5py.File]:
-        """The file open for writing; ResultsError if another run has replaced it."""
-        with _opened(self._file, "r+", patience) as file:
-            if "solver" not in file or file["solver"].attrs.get("run") != self._run:
-                raise ResultsError(
-                    f"{self._path}: another run writes to this file now; this one stops, "
-                    f"{self._written} rows long"
-                )
-            yield file
+    def _failures_named(self) -> Iterator[None]:
+        try:
+            with _failures_named(self.place):
+                yield
+        except ResultsError as error:
+            raise ResultsError(f"{error}; {self.committed} rows are in it") from error
+
+    def _close(self) -> None:
+        """Close without writing: what is not committed is lost."""
+        with uninterrupted():
+            self._file.close()
+            self._store.close()
+
+
+def unfinished(target: Path) -> Path:
+    """The file of the last run to a path: PATH.partial, or the path where there is none."""
+    partial = partial_of(target)
+    return partial if partial.exists() else target
+
+
+def replace_durably(source: Path, target: Path) -> None:
+    """Rename a file, so that after a loss of power one or the other stands at the target whole."""
+    for path in (source, source.parent):
+        handle = os.open(path, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+        if path == source:
+            source.replace(target)
+
+
+def _check_same_run(path: Path, run: str, contents: Contents, rows: int) -> None:
+    source = FileSource(path)
+    if source.run != run:
+        raise ResultsError(f"{path}: results of another run than the state beside them")
+    if (found := source.rows) < rows:
+        raise ResultsError(f"{path}: {found} rows, fewer than the {rows} of the state beside them")
+    if difference := contents.difference(source.contents()):
+        raise ResultsError(f"{path}: {difference}")
 
 
 def _extend(file: h5py.File, name: str, rows: Array, first: int) -> None:
@@ -217,12 +296,12 @@ def _extend(file: h5py.File, name: str, rows: Array, first: int) -> None:
     dataset.write(h5py.h5s.create_simple(rows.shape), space, np.ascontiguousarray(rows))
 
 
-def _opened(path: Path, mode: str, patience: float) -> h5py.File:
-    """The file, as soon as no lock forbids this mode; BlockingIOError after `patience` seconds."""
+def _opened(path: Path, patience: float) -> h5py.File:
+    """The file, as soon as nobody changes it; BlockingIOError after `patience` seconds."""
     deadline = time.monotonic() + patience
     while True:
         try:
-            return h5py.File(path, mode)
+            return h5py.File(path, "r")
         except OSError as error:
             # HDF5 says the one of another process, the other of this one
             held = isinstance(error, BlockingIOError) or "already open" in str(error)
@@ -237,8 +316,12 @@ def _opened(path: Path, mode: str, patience: float) -> h5py.File:
 def _failures_named(path: Path) -> Iterator[None]:
     try:
         yield
+    except Busy:
+        raise
+    except ResultsError as error:
+        raise ResultsError(f"{path}: {error}") from error
     except OSError as error:
-        raise ResultsError(f"{path}: cannot be written: {error}") from error
+        raise ResultsError(f"{path}: cannot be written: {error.strerror or error}") from error
 
 
 def _check_format(file: h5py.File) -> None:

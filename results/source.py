@@ -50,6 +50,12 @@ class Writer(Protocol):
     def note(self, **notes: Any) -> None:
         """Add notes of the run."""
 
+    def finish(self) -> None:
+        """End a run that has gone well: its results take their place."""
+
+    def leave(self) -> None:
+        """End a run as it is."""
+
 
 class Memory:
     """Results in memory, written by a run and read afterwards."""
@@ -78,6 +84,12 @@ class Memory:
 
     def note(self, **notes: Any) -> None:
         self._notes |= notes
+
+    def finish(self) -> None:
+        pass
+
+    def leave(self) -> None:
+        pass
 
     def contents(self) -> Contents:
         return self._contents

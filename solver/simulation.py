@@ -65,8 +65,12 @@ def _run(model: Model, output: Path | None, progress: bool, steps: int | None = 
         total = initial.lowered.n_steps if steps is None else steps
         writer = make_writer(output, initial, total)
     started = time.perf_counter()
-    _march(initial, writer, total, progress)
-    writer.note(finished=True, seconds=time.perf_counter() - started)
+    try:
+        _march(initial, writer, total, progress)
+        writer.note(finished=True, seconds=time.perf_counter() - started)
+        writer.finish()
+    finally:
+        writer.leave()
     return read_back(output, writer, model)
 
 

@@ -75,6 +75,7 @@ def lay_out_elastic(
         active=active,
         active_range=as_index(active_range),
         of_body=of_body,
+        size=np.array([body.superelement.size for body in bodies.values()], dtype=np.float64),
         G_0=G_0,
         G_0_start=G_0_start,
         G_active=G_active,
@@ -113,6 +114,7 @@ def _lay_out_modes(histories: Sequence[_History], owners: Sequence[int]) -> Mode
         step_stiffness=step_stiffness.copy(),
         phi=phi,
         phi_start=phi_start,
+        damped=int(damping.any()),
     )
 
 

@@ -46,12 +46,6 @@ class LoweredModel:
     """largest error of kernels that are cut off, relative to static displacements"""
 
     @property
-    def all_modal(self) -> bool:
-        """True if there are flexible bodies, and modes carry the history of all of them."""
-        modes = np.diff(self.system.elastic.modes.range)
-        return len(modes) > 0 and bool(modes.all())
-
-    @property
     def h(self) -> float:
         return float(self.system.scheme.h)
 

@@ -25,12 +25,14 @@ class SteadyRotation(Entry):
 class Settings(Entry):
     """The settings of a simulation from t = 0 to t_end [s], in equal steps.
 
-    step [s], rho_inf: by default those of the superelements. rule: of convolution, "consistent" or
-    "paper" (eq. 55). history: "auto" (the cheapest), "recursive", "direct" or "fft", which give the
-    same motion. kernel_length [s]: impulse responses are faded out and end there (those that modes
-    carry do not). tolerance: of Newton's method, relative to the forces and displacements of a
-    step. fixed_iterations: the largest number of iterations in a step, which ends there without an
-    error, for steps of bounded cost; by default it converges within max_iterations or fails.
+    step [s], rho_inf: by default those of the superelements; rho_inf, the spectral radius at
+    infinite frequency, is at most 0.99 in a model with joints or motions. rule: of convolution,
+    "consistent" or "paper" (eq. 55). history: "auto" (the cheapest), "recursive", "direct" or
+    "fft", which give the same motion. kernel_length [s]: impulse responses are faded out and end
+    there (those that modes carry do not). tolerance: of Newton's method, relative to the forces
+    and displacements of a step. fixed_iterations: the largest number of iterations in a step, which
+    ends there without an error, for steps of bounded cost; by default it converges within
+    max_iterations or fails.
 
     start: "given", as the bodies say, or "equilibrium", at rest, or in a `steady_rotation`, under
     gravity and the loads at t = 0, elastic displacements included; positions and joint coordinates

@@ -1,11 +1,11 @@
 """The results file: what it holds however it was written, and while it is written."""
 
 import os
+import resource
 import signal
 import subprocess
 import sys
 import time
-from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -157,66 +157,106 @@ def test_another_version_or_format_is_refused_in_one_line(change, message, tmp_p
     assert str(caught.value) == f"{path}: {message}"
 
 
-def test_an_earlier_file_stays_until_the_first_rows_are_written(tmp_path):
+def test_an_earlier_file_stays_until_the_run_has_ended_well(tmp_path):
     path, contents = tmp_path / "out.h5", make_contents()
-    write(path, contents, make_output(contents, 3), (3,))
+    write(path, contents, make_output(contents, 3), (3,)).finish()
     output = make_output(contents, 4, seed=1)
     writer = FileWriter(path, contents, NOTES, "model", 4)
     before = Results.read(path)
-    assert len(before.time) == 3
     writer.append(batch(output, 0, 4))
+    assert len(before.time) == len(Results.read(path).time) == 3
+    running = Results.read(tmp_path / "out.h5.partial")
+    np.testing.assert_array_equal(running.body("b0").x, output.body_position[:, 0])
+    writer.flush()
+    writer.finish()
     np.testing.assert_array_equal(Results.read(path).body("b0").x, output.body_position[:, 0])
     with pytest.raises(ResultsError, match="another run has replaced this file: read it again"):
         _ = before.time
     assert [entry.name for entry in tmp_path.iterdir()] == ["out.h5"]
 
 
+def test_a_run_that_fails_leaves_its_rows_beside_an_earlier_file_until_the_next(tmp_path):
+    path, contents = tmp_path / "out.h5", make_contents()
+    write(path, contents, make_output(contents, 3), (3,)).finish()
+    for rows in (4, 2):
+        failed = write(path, contents, make_output(contents, rows), (rows,))
+        assert failed.place == tmp_path / "out.h5.partial"
+        failed.leave()
+        assert len(Results.read(path).time) == 3
+        assert len(Results.read(failed.place).time) == rows
+        assert sorted(entry.name for entry in tmp_path.iterdir()) == ["out.h5", "out.h5.partial"]
+    write(path, contents, make_output(contents, 5), (5,)).finish()
+    assert [entry.name for entry in tmp_path.iterdir()] == ["out.h5"]
+
+
 def test_a_run_without_a_step_leaves_an_earlier_file(tmp_path):
     path, contents = tmp_path / "out.h5", make_contents()
-    assert not FileWriter(path, contents, NOTES, "model", 4).abandon()
-    write(path, contents, make_output(contents, 3), (3,))
+    first = write(path, contents, make_output(contents, 3), (3,))
+    assert not first.abandon()
+    first.finish()
     assert FileWriter(path, contents, NOTES, "model", 4).abandon()
     assert len(Results.read(path).time) == 3
     assert [entry.name for entry in tmp_path.iterdir()] == ["out.h5"]
 
 
-def test_of_two_runs_the_later_keeps_the_file(tmp_path):
+@pytest.mark.parametrize("earlier", [False, True])
+def test_of_two_runs_the_second_is_refused(tmp_path, earlier):
     path, contents = tmp_path / "out.h5", make_contents()
     output = make_output(contents, 4)
+    if earlier:
+        write(path, contents, output, (1,)).finish()
     first = FileWriter(path, contents, NOTES, "first", 4)
     first.append(batch(output, 0, 2))
-    second = FileWriter(path, contents, NOTES, "second", 4)
-    first.append(batch(output, 2, 1))
-    second.append(batch(output, 0, 1))
-    message = f"{path}: another run writes to this file now; this one stops, 3 rows long"
+    message = f"^{path}: another run writes to this file \\(process {os.getpid()}\\)$"
     with pytest.raises(ResultsError, match=message):
-        first.append(batch(output, 3, 1))
-    second.append(batch(output, 1, 3))
-    assert Results.read(path).model == "second"
+        FileWriter(path, contents, NOTES, "second", 4)
+    first.append(batch(output, 2, 2))
+    first.finish()
+    assert Results.read(path).model == "first"
     np.testing.assert_array_equal(Results.read(path).body("b1").R, output.body_rotation[:, 1])
+    FileWriter(path, contents, NOTES, "second", 4).leave()
 
 
-def test_rows_wait_for_those_who_hold_the_file(tmp_path, monkeypatch):
-    monkeypatch.setattr(file_module, "BRIEF", 0.01)
+def test_rows_wait_for_those_who_read(tmp_path):
     path, contents = tmp_path / "out.h5", make_contents()
     output = make_output(contents, 6)
     writer = FileWriter(path, contents, NOTES, "model", 6)
     writer.append(batch(output, 0, 1))
     buffer = make_output(contents, 2, seed=2)
-    with h5py.File(path):
+    with h5py.File(path) as reader:
         for first in (1, 3):  # a run uses its buffer again
             for name, array in vars(buffer).items():
                 array[:] = getattr(output, name)[first : first + 2]
             steps = batch(output, first, 2).steps
             writer.append(batch(output, first, 2)._replace(steps=steps, output=buffer))
-        monkeypatch.setattr(file_module, "PATIENCE", 0.01)
-        with pytest.raises(ResultsError, match=f"{path}: cannot be written: others have it open"):
-            writer.flush()
+        assert reader["solver"].attrs["written"] == len(reader["time"]) == 1
     assert len(Results.read(path).time) == 1
     writer.append(batch(output, 5, 1))
     np.testing.assert_array_equal(
         Results.read(path).body("b0").v_dot[:, :3], output.body_acceleration[:, 0]
     )
+
+
+@pytest.mark.parametrize("wait", ["at the end", "with a full buffer"])
+def test_readers_who_never_close_the_file_do_not_end_a_run(tmp_path, monkeypatch, wait):
+    """They keep the file as it was; the run goes on in a copy."""
+    monkeypatch.setattr(file_module, "PATIENCE", 0.01)
+    if wait == "with a full buffer":
+        monkeypatch.setattr(file_module, "BUFFER", 0)
+    path, contents = tmp_path / "out.h5", make_contents()
+    output = make_output(contents, 4)
+    writer = write(path, contents, output, (2,))
+    with h5py.File(path) as reader:
+        writer.append(batch(output, 2, 1))
+        if wait == "at the end":
+            writer.flush()
+        assert len(Results.read(path).time) == 3
+        assert len(reader["time"]) == 2
+        np.testing.assert_array_equal(reader["body_position"][:], output.body_position[:2])
+    writer.append(batch(output, 3, 1))
+    writer.finish()
+    np.testing.assert_array_equal(Results.read(path).body("b1").x, output.body_position[:, 1])
+    assert [entry.name for entry in tmp_path.iterdir()] == ["out.h5"]
 
 
 def test_writes_are_apart(tmp_path, monkeypatch):
@@ -237,35 +277,31 @@ def test_writes_are_apart(tmp_path, monkeypatch):
     np.testing.assert_array_equal(Results.read(path).body("b0").x, output.body_position[:, 0])
 
 
-def test_rows_do_not_wait_without_end(tmp_path, monkeypatch):
-    for name in ("BRIEF", "PATIENCE", "BUFFER"):
-        monkeypatch.setattr(file_module, name, 0)
+@pytest.mark.parametrize("room", [0, 3000, 100_000])
+def test_a_full_disk_is_one_line_and_keeps_what_was_written(room, tmp_path):
+    """At whichever byte it is full; HDF5 itself would bring the process down."""
     path, contents = tmp_path / "out.h5", make_contents()
-    writer = write(path, contents, make_output(contents, 2), (1,))
-    with (
-        h5py.File(path),
-        pytest.raises(ResultsError, match="cannot be written: others have it open"),
-    ):
-        writer.append(batch(make_output(contents, 2), 1, 1))
-
-
-def test_a_full_disk_is_one_line_and_keeps_what_was_written(tmp_path, monkeypatch):
-    path, contents = tmp_path / "out.h5", make_contents()
-    output = make_output(contents, 4)
+    output = make_output(contents, 4000)
     writer = write(path, contents, output, (3,))
-    full = SimpleNamespace(disk_usage=lambda folder: SimpleNamespace(free=4096))
-    monkeypatch.setattr(file_module, "shutil", full)
-    message = f"^{path}: cannot be written: the disk is full, 3 rows are written$"
-    with pytest.raises(ResultsError, match=message):
-        writer.append(batch(output, 3, 1))
-    assert len(Results.read(path).time) == 3
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (path.stat().st_size + room, limits[1]))
+    try:
+        message = f"^{path}: cannot be written: File too large; 3 rows are in it$"
+        for _ in range(2):
+            with pytest.raises(ResultsError, match=message):
+                writer.append(batch(output, 3, 3997))
+        assert len(Results.read(path).time) == 3
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    writer.leave()
+    np.testing.assert_array_equal(Results.read(path).body("b0").x, output.body_position[:3, 0])
 
 
 def test_a_link_is_followed(tmp_path):
     path, link, contents = tmp_path / "out.h5", tmp_path / "link.h5", make_contents()
     link.symlink_to(path)
     for rows in (2, 3):
-        write(link, contents, make_output(contents, rows), (rows,))
+        write(link, contents, make_output(contents, rows), (rows,)).finish()
         assert link.is_symlink()
         assert len(Results.read(path).time) == rows
 

@@ -1,0 +1,370 @@
+"""Files that a killed process leaves whole: changes are gathered in memory and take place at once.
+
+HDF5 writes to a `JournaledFile` as to any file. What it writes stays in memory until `commit`:
+
+    1. bytes beyond the end of the file are appended, where nobody looks yet
+    2. pages that replace others are written to the journal, with a digest
+    3. they are written to the file, while nobody else has it open
+    4. the journal is emptied
+
+A process that dies before the journal is whole leaves the file as it was; one that dies later
+leaves a journal from which `recover` ends step 3. The disk may be full in steps 1 and 2 alone.
+"""
+
+import errno
+import hashlib
+import io
+import os
+import shutil
+import signal
+import struct
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from .errors import ResultsError
+
+try:
+    import fcntl
+except ImportError:  # no locks on this system
+    fcntl = None  # type: ignore[assignment]
+
+PAGE = 4096
+"""bytes that are compared and replaced together"""
+HEADER = 128
+"""bytes ahead of the records of a journal: the process that writes, and its file"""
+RECORD = struct.Struct("<QQ")
+"""an address and a number of bytes; in the first record: the size of the file, and of all others"""
+DIGEST = 32
+"""bytes of a SHA-256"""
+UNLOCKABLE = {errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS}
+"""what file systems without locks answer"""
+
+
+class Busy(OSError):
+    """Others have the file open."""
+
+
+class Journal:
+    """The journal of the results at a path, held by one process at a time.
+
+    `ResultsError` where another run holds it. It is a hidden file beside the results, and goes when
+    the run ends; that of a process that died is taken over by the next.
+    """
+
+    def __init__(self, target: Path) -> None:
+        self.target, self.path = target, journal_of(target)
+        self._handle = _held(self.path)
+        if self._handle is None:
+            raise ResultsError(f"another run writes to this file ({_writer_of(self.path)})")
+        _replay(self._handle, target)
+
+    def begin(self, file: Path) -> None:
+        """Start the journal of a file, which stands beside the target."""
+        which = "partial" if file == partial_of(self.target) else "whole"
+        header = f"duhamel journal, process {os.getpid()}\n{which}\n"
+        os.ftruncate(self._descriptor, 0)
+        os.pwrite(self._descriptor, header.encode().ljust(HEADER, b"\0"), 0)
+
+    def write(self, size: int, pieces: list[tuple[int, bytes]], durable: bool) -> None:
+        """Keep what is to be done: pieces of the file by address, and its size afterwards."""
+        records = b"".join(RECORD.pack(at, len(piece)) + piece for at, piece in pieces)
+        content = RECORD.pack(size, len(records)) + records
+        try:
+            _write_all(self._descriptor, content + hashlib.sha256(content).digest(), HEADER)
+            if durable:
+                os.fsync(self._descriptor)
+        except OSError:
+            self.clear()
+            raise
+
+    def clear(self) -> None:
+        os.ftruncate(self._descriptor, HEADER)
+
+    def close(self) -> None:
+        if self._handle is not None:
+            self.path.unlink(missing_ok=True)
+            os.close(self._handle)
+            self._handle = None
+
+    def __del__(self) -> None:
+        if getattr(self, "_handle", None) is not None:
+            self.close()
+
+    @property
+    def _descriptor(self) -> int:
+        if self._handle is None:
+            raise ResultsError("the run has ended")
+        return self._handle
+
+
+def journal_of(target: Path) -> Path:
+    return target.with_name(f".{target.name}.journal")
+
+
+def partial_of(target: Path) -> Path:
+    """The file of a run while earlier results stand at the path that it is to have."""
+    return target.with_name(f"{target.name}.partial")
+
+
+def recover(target: Path) -> None:
+    """End what a process that died was about to write to the results at a path."""
+    path = journal_of(target)
+    try:
+        if path.stat().st_size <= HEADER:
+            return
+        handle = _held(path)
+    except OSError:
+        return
+    if handle is not None:
+        try:
+            _replay(handle, target)
+        finally:
+            os.close(handle)
+
+
+def _held(path: Path) -> int | None:
+    """A descriptor of the file, locked; None while another process or run holds it."""
+    while True:
+        handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+        if not lock(handle):
+            os.close(handle)
+            return None
+        try:  # the run that held it may have removed it
+            if os.path.samestat(os.fstat(handle), path.stat()):
+                return handle
+        except FileNotFoundError:
+            pass
+        os.close(handle)
+
+
+def lock(handle: int) -> bool:
+    """Lock a file for this descriptor alone; False while others have it open.
+
+    By flock, as HDF5 does. Where the file system has no locks all is taken to be free.
+    """
+    if fcntl is None:
+        return True
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError as error:
+        if error.errno not in UNLOCKABLE:
+            raise
+    return True
+
+
+def unlock(handle: int) -> None:
+    if fcntl is not None:
+        with suppress(OSError):
+            fcntl.flock(handle, fcntl.LOCK_UN)
+
+
+def _writer_of(path: Path) -> str:
+    """The process that a journal names."""
+    with path.open("rb") as file:
+        return file.read(HEADER).partition(b", ")[2].partition(b"\n")[0].decode(errors="replace")
+
+
+def _replay(handle: int, target: Path) -> None:
+    """Do what a whole journal says, and empty it."""
+    content = os.pread(handle, os.fstat(handle).st_size, 0)
+    header, body, digest = content[:HEADER], content[HEADER:-DIGEST], content[-DIGEST:]
+    if len(body) >= RECORD.size and hashlib.sha256(body).digest() == digest:
+        path = partial_of(target) if header.split(b"\n")[1] == b"partial" else target
+        with path.open("r+b", buffering=0) as file:
+            size, _ = RECORD.unpack_from(body)
+            for at, piece in _records(body[RECORD.size :]):
+                _write_all(file.fileno(), piece, at)
+            os.ftruncate(file.fileno(), size)
+            os.fsync(file.fileno())
+    os.ftruncate(handle, min(len(content), HEADER))
+
+
+def _records(content: bytes) -> Iterator[tuple[int, bytes]]:
+    first = 0
+    while first < len(content):
+        at, length = RECORD.unpack_from(content, first)
+        first += RECORD.size
+        yield at, content[first : first + length]
+        first += length
+
+
+def _write_all(handle: int, content: bytes, at: int) -> None:
+    view = memoryview(content)
+    while view:
+        written = os.pwrite(handle, view, at)
+        view, at = view[written:], at + written
+
+
+class JournaledFile(io.RawIOBase):
+    """A file for h5py.File(file, "r+"), whose changes take place when they are committed.
+
+    durable: a commit has reached the disk when it returns, whatever becomes of the machine.
+    """
+
+    def __init__(self, path: Path, journal: Journal, durable: bool) -> None:
+        super().__init__()
+        self.path, self._journal, self._durable = path, journal, durable
+        self._handle = os.open(path, os.O_RDWR)
+        self._committed = self._size = os.fstat(self._handle).st_size
+        self._pages: dict[int, bytes] = {}
+        self._at = 0
+        journal.begin(path)
+
+    @property
+    def waiting(self) -> int:
+        """Bytes in memory."""
+        return PAGE * len(self._pages)
+
+    def readable(self) -> bool:
+        return True
+
+    def writable(self) -> bool:
+        return True
+
+    def seekable(self) -> bool:
+        return True
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        start = {os.SEEK_SET: 0, os.SEEK_CUR: self._at, os.SEEK_END: self._size}[whence]
+        self._at = start + offset
+        return self._at
+
+    def tell(self) -> int:
+        return self._at
+
+    def readinto(self, buffer: Any) -> int:
+        view = memoryview(buffer).cast("B")
+        n = max(min(len(view), self._size - self._at), 0)
+        view[:n] = self._content(self._at, n)
+        self._at += n
+        return n
+
+    def write(self, data: Any) -> int:
+        view = memoryview(data).cast("B")
+        first, end = self._at, self._at + len(view)
+        for number in range(first // PAGE, -(-end // PAGE)):
+            start = number * PAGE
+            low, high = max(first, start), min(end, start + PAGE)
+            page = bytes(view[low - first : high - first])
+            if len(page) < PAGE:
+                old = self._content(start, PAGE)
+                page = old[: low - start] + page + old[high - start :]
+            self._pages[number] = page
+        self._at, self._size = end, max(end, self._size)
+        return len(view)
+
+    def truncate(self, size: int | None = None) -> int:
+        self._size = self._at if size is None else size
+        return self._size
+
+    def _content(self, at: int, n: int) -> bytes:
+        """n bytes as they will be, zeros beyond the end."""
+        stored = max(min(n, self._committed - at), 0)
+        content = bytearray(os.pread(self._handle, stored, at).ljust(n, b"\0"))
+        for number in range(at // PAGE, -(-(at + n) // PAGE)):
+            if (page := self._pages.get(number)) is not None:
+                start = number * PAGE
+                low, high = max(at, start), min(at + n, start + PAGE)
+                content[low - at : high - at] = page[low - start : high - start]
+        return bytes(content)
+
+    def commit(self, patience: float) -> None:
+        """Let the changes take place; `Busy` if others have the file open for so many seconds.
+
+        OSError leaves the file as it was: the disk is full.
+        """
+        replaced = self._append()
+        if self._durable:
+            os.fsync(self._handle)
+        self._journal.write(self._size, replaced, self._durable)
+        try:
+            with self._alone(patience):
+                self._replace(replaced)
+        except Busy:
+            self._journal.clear()
+            raise
+        self._journal.clear()
+        self._committed, self._pages = self._size, {}
+
+    def _replace(self, pieces: list[tuple[int, bytes]]) -> None:
+        for at, piece in pieces:
+            _write_all(self._handle, piece, at)
+        os.ftruncate(self._handle, self._size)
+        if self._durable:
+            os.fsync(self._handle)
+
+    def move_to_copy(self) -> None:
+        """Go on in a copy that takes the place of the file; others keep the one that they opened.
+
+        OSError where it cannot be made.
+        """
+        copy = self._journal.path.with_suffix(".copy")
+        try:
+            shutil.copyfile(self.path, copy)
+            handle = os.open(copy, os.O_RDWR)
+            copy.replace(self.path)
+        finally:
+            copy.unlink(missing_ok=True)
+        os.close(self._handle)
+        self._handle = handle
+
+    def close(self) -> None:
+        if not self.closed:
+            os.close(self._handle)
+        super().close()
+
+    def _append(self) -> list[tuple[int, bytes]]:
+        """Write what lies beyond the end of the file; the pieces that replace others."""
+        replaced = []
+        try:
+            for at, piece in self._pieces():
+                inside = max(min(self._committed - at, len(piece)), 0)
+                if piece[inside:]:
+                    _write_all(self._handle, piece[inside:], at + inside)
+                if inside and os.pread(self._handle, inside, at) != piece[:inside]:
+                    replaced.append((at, piece[:inside]))
+        except OSError:
+            os.ftruncate(self._handle, self._committed)
+            raise
+        return replaced
+
+    def _pieces(self) -> Iterator[tuple[int, bytes]]:
+        """The changed pages below the size, by address."""
+        for number in sorted(self._pages):
+            at = number * PAGE
+            if at < self._size:
+                yield at, self._pages[number][: self._size - at]
+
+    @contextmanager
+    def _alone(self, patience: float) -> Iterator[None]:
+        deadline = time.monotonic() + patience
+        while not lock(self._handle):
+            if time.monotonic() > deadline:
+                raise Busy(errno.EWOULDBLOCK, "others have it open")
+            time.sleep(0.005)
+        try:
+            yield
+        finally:
+            unlock(self._handle)
+
+
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Let an interrupt (Ctrl-C) wait until the block has ended."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # no other thread is ever interrupted
+        return
+    caught: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, frame: caught.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, signal.SIG_DFL if before is None else before)
+        if caught:
+            signal.raise_signal(signal.SIGINT)
