@@ -21,6 +21,8 @@ app = typer.Typer(
 
 HDF5 = (".h5", ".hdf5")
 """suffixes of superelements"""
+TOML = ".toml"
+"""suffix of models"""
 
 BodyFile = Annotated[
     Path, typer.Argument(metavar="BODY.toml", help="Mesh, section or material, interfaces.")
@@ -30,7 +32,10 @@ ModelFile = Annotated[
 ]
 SuperelementFile = Annotated[Path, typer.Argument(metavar="FILE.h5", help="A superelement.")]
 CheckedFile = Annotated[
-    Path, typer.Argument(metavar="FILE", help="A superelement (.h5, .hdf5).", show_default=False)
+    Path,
+    typer.Argument(
+        metavar="FILE", help="A superelement or a model, by its suffix.", show_default=False
+    ),
 ]
 ResultsFile = Annotated[
     Path, typer.Argument(metavar="RESULTS.h5", help="Written by `duhamel run`.")
@@ -142,7 +147,7 @@ def run(model_file: ModelFile, output: Output = None) -> None:
     from .. import solver, superelement
     from .run_report import report
 
-    target = output or model_file.with_name(f"{model_file.stem}-results.h5")
+    target = output or _results_of(model_file)
     with errors_in_one_line(solver, superelement):
         results = solver.simulate(solver.read_model(model_file), output=target, progress=True)
     for line in report(results):
@@ -237,12 +242,33 @@ def info(file: SuperelementFile) -> None:
 def check(file: CheckedFile) -> None:
     """Recompute what must hold of a file, and say whether it does; exit with 1 if not.
 
-    The suffix says what the file is: FILE.h5 a superelement.
+    The suffix says what the file is: FILE.h5 a superelement, FILE.toml a model. A model is not run:
+    what `run` would refuse is refused, and what it would take is told.
     """
     if file.suffix.lower() in HDF5:
         _check_superelement(file)
+    elif file.suffix.lower() == TOML:
+        _check_model(file)
     else:
-        raise typer.BadParameter(f"{file}: expected a superelement, {' or '.join(HDF5)}")
+        raise typer.BadParameter(
+            f"{file}: expected a superelement, {' or '.join(HDF5)}, or a model, {TOML}"
+        )
+
+
+def _check_model(file: Path) -> None:
+    from .. import solver, superelement
+
+    with errors_in_one_line(solver, superelement):
+        checked = solver.check(solver.read_model(file), _results_of(file))
+    for line in checked.lines():
+        typer.echo(one_line(line))
+    for warning in checked.warnings:
+        typer.echo(one_line(f"warning: {file}: {warning}"), err=True)
+
+
+def _results_of(model_file: Path) -> Path:
+    """The results file of a model unless another is given."""
+    return model_file.parent / f"{model_file.stem}-results.h5"
 
 
 def _check_superelement(file: Path) -> None:

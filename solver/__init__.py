@@ -2,6 +2,7 @@
 
 from ..results.results import Results
 from .errors import ConvergenceError, ModelError, RecoveryError, ResultsError
+from .inspection import ModelCheck, check
 from .laws.law import ForceLaw
 from .laws.tabulated import TabulatedLaw
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
@@ -42,6 +43,7 @@ __all__ = [
     "Joint",
     "Load",
     "Model",
+    "ModelCheck",
     "ModelError",
     "OutputRequest",
     "Place",
@@ -63,6 +65,7 @@ __all__ = [
     "Steps",
     "Table",
     "TabulatedLaw",
+    "check",
     "read_model",
     "simulate",
     "start",

@@ -66,7 +66,7 @@ def _run(model: Model, output: Path | None, progress: bool, steps: int | None = 
         writer = make_writer(output, initial, total)
     started = time.perf_counter()
     try:
-        _march(initial, writer, total, progress)
+        march(initial, writer, total, progress)
         writer.note(finished=True, seconds=time.perf_counter() - started)
         writer.finish()
     finally:
@@ -74,7 +74,8 @@ def _run(model: Model, output: Path | None, progress: bool, steps: int | None = 
     return read_back(output, writer, model)
 
 
-def _march(initial: InitialState, writer: Writer, total: int, progress: bool) -> None:
+def march(initial: InitialState, writer: Writer, total: int, progress: bool) -> None:
+    """Take the first steps of a run, with the rows that it records."""
     lowered, state, work = initial.lowered, initial.state, initial.work
     done, batch = 0, 16
     convolution = DyadicConvolution(lowered.system.elastic)

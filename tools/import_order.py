@@ -67,6 +67,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "start",
         "output",
         "simulation",
+        "inspection",
         "simulator",
         "__init__",
     ),
