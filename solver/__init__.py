@@ -1,7 +1,14 @@
 """Dynamics of mechanisms of rigid bodies and superelements."""
 
 from ..results.results import Results
-from .errors import ConvergenceError, ModelError, RecoveryError, ResultsError
+from .errors import (
+    ConvergenceError,
+    ModelError,
+    OutOfRangeError,
+    RecoveryError,
+    ResultsError,
+    ValidityWarning,
+)
 from .laws.law import ForceLaw
 from .laws.tabulated import TabulatedLaw
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
@@ -43,6 +50,7 @@ __all__ = [
     "Load",
     "Model",
     "ModelError",
+    "OutOfRangeError",
     "OutputRequest",
     "Place",
     "Polynomial",
@@ -63,6 +71,7 @@ __all__ = [
     "Steps",
     "Table",
     "TabulatedLaw",
+    "ValidityWarning",
     "read_model",
     "simulate",
     "start",

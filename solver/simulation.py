@@ -2,6 +2,7 @@
 
 import os
 import time
+import warnings
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,13 +11,14 @@ import numpy as np
 from ..results.results import Results
 from ..results.source import Writer
 from .arrays import Array, Index
-from .errors import ConvergenceError, about
+from .errors import ConvergenceError, ValidityWarning, about
 from .history.dyadic import DyadicConvolution
 from .lower.lower import LoweredModel, lower
 from .model.model import Model
 from .model.settings import Settings
 from .output.columns import requested
 from .output.recorder import Recorder
+from .output.validity import Judge, check_range
 from .output.writer import check_output, make_writer, read_back
 from .progress import Progress
 from .start.initial import InitialState, initialize
@@ -39,8 +41,10 @@ def simulate(
 
     settings: by default those of the model; output: the results file, by default none (results stay
     in memory); progress: show a bar. Raises ModelError for a model that cannot start,
-    ConvergenceError where Newton's method fails and ResultsError for a file that cannot be written;
-    the file then holds the steps before the failure, as it does after an interrupt.
+    ConvergenceError where Newton's method fails, OutOfRangeError where a body deforms too far for
+    linear elasticity, and ResultsError for a file that cannot be written; the file then holds the
+    steps before the failure, as it does after an interrupt. Warns (`ValidityWarning`) of every
+    limit of the method that the run has passed: `Results.validity`.
     """
     if settings is not None:
         model = replace(model, settings=settings)
@@ -63,18 +67,23 @@ def _run(model: Model, output: Path | None, progress: bool, steps: int | None = 
         requested(lowered)  # refuses what there is not, before anything is compiled
         initial = initialize(model, lowered)
         total = initial.lowered.n_steps if steps is None else steps
-        writer = make_writer(output, initial, total)
+        judge = Judge(initial.lowered)
+        check_range(initial.lowered, initial.state, 0)
+        writer = make_writer(output, initial, judge, total)
     started = time.perf_counter()
     try:
-        _march(initial, writer, total, progress)
+        _march(initial, writer, judge, total, progress)
         writer.note(finished=True, seconds=time.perf_counter() - started)
         writer.finish()
     finally:
         writer.leave()
-    return read_back(output, writer, model)
+    results = read_back(output, writer, model)
+    for line in results.validity.brief():
+        warnings.warn(line, ValidityWarning, stacklevel=3)
+    return results
 
 
-def _march(initial: InitialState, writer: Writer, total: int, progress: bool) -> None:
+def _march(initial: InitialState, writer: Writer, judge: Judge, total: int, progress: bool) -> None:
     lowered, state, work = initial.lowered, initial.state, initial.work
     done, batch = 0, 16
     convolution = DyadicConvolution(lowered.system.elastic)
@@ -84,17 +93,21 @@ def _march(initial: InitialState, writer: Writer, total: int, progress: bool) ->
     ):
         run = Run(system=lowered.system, state=state, work=work, output=recorder.output)
         record(run, 0)
+        writer.check(judge.values(state, 0))
         recorder.keep(0, recorder.rows(0, 1))
         while done < total:
             started = time.perf_counter()
             n = convolution.steps_until_due(done, min(batch, total - done))
             rows = recorder.rows(done + 1, n)
             taken, residual = advance(run, signals(lowered, done + 1, rows))
+            writer.check(judge.values(state, done + taken))
             recorder.keep(done + 1, rows[:taken])
             done += taken
             bar.advance(taken)
+            check_range(lowered, state, done)
             if taken < len(rows):
-                raise failure(lowered, done + 1, residual, work)
+                cause = judge.cause(state, done)
+                raise failure(lowered, done + 1, residual, work, cause)
             convolution.update(state)
             if time.perf_counter() - started < 0.5 * BATCH_SECONDS:
                 batch *= 2
@@ -113,8 +126,10 @@ def _columns(samples: list[Array], n: int) -> Array:
     return np.array(samples).reshape(len(samples), n).T.copy()
 
 
-def failure(lowered: LoweredModel, step: int, residual: float, work: Workspace) -> ConvergenceError:
-    """The error of a step in which Newton's method failed."""
+def failure(
+    lowered: LoweredModel, step: int, residual: float, work: Workspace, cause: str
+) -> ConvergenceError:
+    """The error of a step in which Newton's method failed, with its likely cause or ""."""
     return ConvergenceError(
         step,
         step * lowered.h,
@@ -122,6 +137,7 @@ def failure(lowered: LoweredModel, step: int, residual: float, work: Workspace) 
         lowered.model.settings.tolerance,
         _worst_joint(lowered, work),
         lowered.model.path,
+        cause,
     )
 
 

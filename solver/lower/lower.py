@@ -42,8 +42,8 @@ class LoweredModel:
     superelements: list[Superelement]
     compliances: list[Array]
     """static compliance of every flexible body (n_c, n_c)"""
-    truncation: float
-    """largest error of kernels that are cut off, relative to static displacements"""
+    truncations: Array
+    """error of the kernel of every flexible body where it is cut off, of static displacements"""
 
     @property
     def h(self) -> float:
@@ -80,7 +80,7 @@ def lower(model: Model, without: frozenset[int] = frozenset()) -> LoweredModel:
     if not model.settings.assemble:
         check_assembled(model, size, frames)
     check_moments(model, frames, rows)
-    elastic, compliances, truncation = lay_out_elastic(model, frames.arrays, stepping)
+    elastic, compliances, truncations = lay_out_elastic(model, frames.arrays, stepping)
     system = System(
         scheme=lay_out_scheme(stepping),
         newton=lay_out_newton(model),
@@ -108,7 +108,7 @@ def lower(model: Model, without: frozenset[int] = frozenset()) -> LoweredModel:
         load_signals=[load.signal for load in model.loads],
         superelements=[body.superelement for body in model.flexible_bodies.values()],
         compliances=compliances,
-        truncation=truncation,
+        truncations=truncations,
     )
 
 

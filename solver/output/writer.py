@@ -12,6 +12,7 @@ from ..lower.lower import LoweredModel
 from ..model.model import Model
 from ..start.initial import InitialState
 from .columns import requested
+from .validity import Judge
 
 
 def check_output(path: Path, model: Model) -> None:
@@ -30,13 +31,13 @@ def check_output(path: Path, model: Model) -> None:
             raise ResultsError(f"{path}: this is {role}, which the results would replace")
 
 
-def make_writer(path: Path | None, initial: InitialState, steps: int) -> Writer:
+def make_writer(path: Path | None, initial: InitialState, judge: Judge, steps: int) -> Writer:
     """A writer to the file at a path, or to memory where the path is None.
 
     `ResultsError` for a file that cannot be written.
     """
     lowered = initial.lowered
-    contents, notes = requested(lowered), _notes(initial, steps)
+    contents, notes = requested(lowered, judge.names), _notes(initial, steps)
     if path is None:
         return Memory(contents, notes, lowered.model.source)
     return FileWriter(path, contents, notes, lowered.model.source, rows_of(lowered))
@@ -83,5 +84,5 @@ def _notes(initial: InitialState, steps: int) -> dict[str, Any]:
         "moved": initial.moved,
         "velocity_correction": initial.velocity_correction,
         "removed": initial.removed,
-        "truncation": lowered.truncation,
+        "truncation": float(lowered.truncations.max(initial=0.0)),
     }
