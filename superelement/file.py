@@ -13,6 +13,7 @@ import h5py
 import numpy as np
 
 from .atomic import renamed_when_whole
+from .checks import require_sound
 from .fields import dataset, expect, group, number, put, scalar, text, texts, vector
 from .interface import Interface
 from .kernel import Kernel
@@ -58,7 +59,7 @@ def read(path: str | os.PathLike[str], recovery: bool = True) -> Superelement:
     concern of a simulation.
 
     Raises `SuperelementError`, which names the file, the dataset or attribute, what was expected
-    and what was found.
+    and what was found: also where numbers are there, but not those of an elastic body (`checks`).
     """
     try:
         with h5py.File(path, "r") as file:
@@ -163,6 +164,7 @@ def _superelement(file: h5py.File, recovery: bool) -> Superelement:
         provenance=_provenance(file),
     )
     _check_rows(file, body)
+    require_sound(body)
     return body
 
 

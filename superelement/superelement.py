@@ -73,6 +73,7 @@ class Superelement:
             raise SuperelementError(
                 f"J_rot: expected positive principal inertias, found {principal.tolist()}"
             )
+        check_positive("J_rot", float(principal.min()))
         interfaces = tuple(self.interfaces)
         names = [interface.name for interface in interfaces]
         if len(set(names)) != len(names):

@@ -12,6 +12,12 @@ SYMMETRY_TOLERANCE = 1e-8
 """Largest asymmetry of a reciprocal matrix, relative to the scale of its diagonal."""
 
 
+LARGEST = 1e100
+"""Magnitude beyond which no quantity of a body lies, and whose square is still a number; masses,
+inertias, steps and frequencies are no less than its inverse.
+"""
+
+
 class SuperelementError(ValueError):
     """A superelement, or its file, with missing, contradictory or invalid entries."""
 
@@ -40,6 +46,10 @@ def checked(name: str, value: Any, shape: Sequence[int | str]) -> Array:
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         position = f" at index {where}" if where else ""
         raise SuperelementError(f"{name}: expected finite numbers, found {array[where]}{position}")
+    if (too_large := np.abs(array) > LARGEST).any():
+        raise SuperelementError(
+            f"{name}: expected magnitudes up to {LARGEST:g}, found {array[too_large][0]}"
+        )
     array.flags.writeable = False
     return array
 
@@ -47,6 +57,10 @@ def checked(name: str, value: Any, shape: Sequence[int | str]) -> Array:
 def check_positive(name: str, value: float) -> None:
     if not (np.isfinite(value) and value > 0.0):
         raise SuperelementError(f"{name}: expected a positive number, found {value}")
+    if not 1.0 / LARGEST <= value <= LARGEST:
+        raise SuperelementError(
+            f"{name}: expected a number from {1.0 / LARGEST:g} to {LARGEST:g}, found {value}"
+        )
 
 
 def check_symmetric(name: str, matrices: Array) -> None:

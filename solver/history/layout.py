@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...inputs.memory import shortage
 from ...superelement import GeneralizedAlpha, Superelement, SuperelementError
 from ..arrays import Array, Index, as_index
 from ..errors import ModelError
@@ -14,6 +15,8 @@ from ..step.system import Elastic, Frames, Kernels, Modes
 from .cost import cheapest_history
 from .truncation import truncate, truncation_error
 
+COPIES = 3
+"""of a kernel in memory while it is laid out"""
 LARGEST_TRUNCATION = 0.1
 """relative error of a kernel that is cut off; with a larger one, motions can gain energy"""
 
@@ -168,7 +171,18 @@ def _choose_history(
                 f"and superelement {element.name!r} has none"
             )
         return _by_modes(element, h, stepping.scheme)
+    _check_memory(name, element, lags)
     return _by_kernel(element, stepping, lags, form == "fft")
+
+
+def _check_memory(name: str, element: Superelement, lags: int) -> None:
+    """`ModelError` for impulse responses, and loads in the past, that memory cannot hold."""
+    n_c = element.n_c
+    if lacking := shortage(8.0 * lags * (2 * COPIES * n_c * n_c + n_c)):
+        raise ModelError(
+            f"body {name!r}: its history of {lags} steps {lacking}: a shorter t_end, a longer step "
+            "or `memory`, or history = 'recursive', takes less"
+        )
 
 
 def _by_modes(element: Superelement, h: float, scheme: GeneralizedAlpha) -> _History:

@@ -20,7 +20,7 @@ def check_assembled(model: Model, size: float, frames: NumberedFrames) -> None:
     """
     for joint in model.joints:
         sides = frames.sides(joint)
-        gap = sides.gap(joint.basis())
+        gap = sides.gap(joint.basis(sides.pose_a.R))
         opening = [gap[k] for k in joint.kind.translations]
         start = ""
         if joint.distance is not None:

@@ -8,6 +8,8 @@ from ..history.layout import Stepping
 from ..model.model import Model
 from ..step.system import Newton, Scheme
 
+MOST_STEPS = 1e15
+"""of a run: they are counted, and times are multiples of the step, in double precision"""
 REUSE = 1e-2
 """ratio of successive corrections above which the matrix is made anew: the cheapest in trials"""
 LARGEST_WITH_CONSTRAINTS = 0.99
@@ -27,6 +29,11 @@ def stepping_of(model: Model) -> Stepping:
     h = _chosen_or_common("step", settings.step, steps)
     rho_inf = _chosen_or_common("rho_inf", settings.rho_inf, radii, default=0.9)
     _check_damps_multipliers(model, rho_inf)
+    if not settings.t_end / h < MOST_STEPS:
+        raise ModelError(
+            f"simulation: t_end: expected less than {MOST_STEPS:g} steps, got {settings.t_end:g} s "
+            f"in steps of {h:g} s"
+        )
     return Stepping(
         h=h,
         scheme=GeneralizedAlpha(rho_inf),

@@ -12,6 +12,7 @@ from ..lower.lower import LoweredModel
 from ..model.model import Model
 from ..start.initial import InitialState
 from .columns import requested
+from .size import check_size
 from .validity import Judge
 
 
@@ -38,6 +39,7 @@ def make_writer(path: Path | None, initial: InitialState, judge: Judge, steps: i
     """
     lowered = initial.lowered
     contents, notes = requested(lowered, judge.names), _notes(initial, steps)
+    check_size(path, contents, min(steps, lowered.n_steps) // lowered.model.settings.output.every)
     if path is None:
         return Memory(contents, notes, lowered.model.source)
     return FileWriter(path, contents, notes, lowered.model.source, rows_of(lowered))
