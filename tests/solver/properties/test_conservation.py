@@ -1,7 +1,6 @@
 """What no mechanism can do: move itself, push without being pushed, make energy of nothing."""
 
 import numpy as np
-from duhamel.solver import FlexibleBody, simulate
 from hypothesis import given
 
 from .bounds import bounds, rotations
@@ -18,7 +17,7 @@ def arms(results, name, body):
 
 @given(mechanisms())
 def test_bodies_obey_newton_and_euler(model):
-    """m x'' = F + m g and J omega' + omega x J omega = M of what acts on the frames of each body."""
+    """m x'' = F + m g and J omega' + omega x J omega = M, of what acts on the frames of a body."""
     results = run(model)
     limits = bounds(model, results)
     for name, body in model.bodies.items():
@@ -77,7 +76,7 @@ def halved(model):
 
 
 def order_two(errors, floor):
-    """An error that falls by four when the step is halved; by two where terms of higher order show."""
+    """An error that falls by four with half the step; by two while terms of higher order show."""
     coarse, fine = errors
     return fine <= max(0.5 * coarse, floor)
 
