@@ -4,8 +4,7 @@ To a type checker, kinds of arrays are descriptors: arguments may be lists and t
 are arrays.
 """
 
-from collections.abc import Callable, Iterable, Sequence
-from math import inf, isfinite
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Generic, TypeVar
 
 import numpy as np
@@ -15,7 +14,7 @@ from pydantic import AfterValidator
 from ... import inputs
 from ...inputs import expected
 from ..arrays import Array
-from .entry import Takes
+from .entry import LARGEST, Takes, real
 
 ORIGIN: Any = (0.0, 0.0, 0.0)
 """the default of a `Vector`"""
@@ -25,6 +24,8 @@ ABSENT: Any = None
 """the default of an optional array"""
 ROUNDING = 1e-15
 """largest difference of the length of a unit vector from 1"""
+SYMMETRY = 1e-9
+"""largest difference across the diagonal, relative to the largest entry"""
 Item = TypeVar("Item")
 
 
@@ -40,17 +41,32 @@ def number(what: str, kind: type, allowed: Callable[[Any], bool]) -> Takes:
     return Takes(what, store, Annotated[kind, AfterValidator(store), expected(what)])
 
 
-Positive = Annotated[float, number("a positive number", float, lambda x: 0.0 < x < inf)]
-PositiveTime = Annotated[float, number("a positive time", float, lambda t: 0.0 < t < inf)]
+WITHIN = f"from {1.0 / LARGEST:g} to {LARGEST:g}"
+
+
+def _positive(x: float) -> bool:
+    return 1.0 / LARGEST <= x <= LARGEST
+
+
+Positive = Annotated[float, number(f"a positive number {WITHIN}", float, _positive)]
+PositiveTime = Annotated[float, number(f"a positive time {WITHIN}", float, _positive)]
 Fraction = Annotated[float, number("a number from 0 to 1", float, lambda x: 0.0 <= x <= 1.0)]
 Tolerance = Annotated[float, number("a number between 0 and 1", float, lambda x: 0.0 < x < 1.0)]
 Count = Annotated[int, number("1 to 1e9", int, lambda n: 1 <= n <= 10**9)]
 Iterations = Annotated[int, number("1 to 1000", int, lambda n: 1 <= n <= 1000)]
 
 
+def reals(value: Any) -> Array:
+    """An array of any shape of numbers that `real` takes."""
+    entries = np.array(value, dtype=np.float64)
+    if not (np.abs(entries) <= LARGEST).all():
+        raise ValueError
+    return entries
+
+
 def vector(value: Any) -> Array:
-    components = np.array(value, dtype=np.float64)
-    if components.shape != (3,) or not all(map(isfinite, components.tolist())):
+    components = reals(value)
+    if components.shape != (3,):
         raise ValueError
     return components
 
@@ -58,18 +74,23 @@ def vector(value: Any) -> Array:
 def direction(value: Any) -> Array:
     """The unit vector along a vector; one that has unit length to rounding stays as it is."""
     along = vector(value)
-    length = float(np.sqrt(along @ along))
-    if length == 0.0:
+    largest = float(np.abs(along).max())
+    if largest == 0.0:
         raise ValueError
-    return along if abs(length - 1.0) <= ROUNDING else along / length
+    length = largest * float(np.linalg.norm(along / largest))
+    return along if abs(length - 1.0) <= ROUNDING else along / largest / (length / largest)
 
 
 def array(value: Any) -> Array:
-    return np.atleast_1d(np.array(value, dtype=np.float64))
+    return np.atleast_1d(reals(value))
 
 
 def numbers(value: Any) -> tuple[float, ...]:
-    return tuple(map(float, value))
+    return tuple(map(real, value))
+
+
+def numbers_by_name(value: Any) -> dict[str, float]:
+    return {str(name): real(number) for name, number in dict(value).items()}
 
 
 def some_numbers(value: Any) -> tuple[float, ...]:
@@ -84,11 +105,16 @@ def pair(value: Any) -> tuple[str, str]:
 
 
 def inertia(value: Any) -> Array:
-    entries = np.array(value, dtype=np.float64)
+    entries = reals(value)
     matrix = np.diag(entries) if entries.shape == (3,) else entries
-    if matrix.shape != (3, 3) or (np.abs(matrix - matrix.T) > 1e-9 * np.abs(matrix)).any():
+    if matrix.shape != (3, 3) or not is_symmetric(matrix):
         raise ValueError
     return matrix
+
+
+def is_symmetric(matrix: Array) -> bool:
+    """True up to rounding, which is relative to the largest entry."""
+    return bool(np.abs(matrix - matrix.T).max() <= SYMMETRY * np.abs(matrix).max())
 
 
 def shortest(matrix: Array) -> Any:
@@ -109,6 +135,9 @@ _Inertia = Annotated[
     expected("three numbers or a 3x3 matrix"),
 ]
 
+NumbersByName = Annotated[
+    Mapping[str, float], Takes("numbers by name", numbers_by_name, dict[str, float])
+]
 Words = Annotated[tuple[str, ...], Takes("names", tuple, tuple[str, ...])]
 Pair = Annotated[
     tuple[str, str],

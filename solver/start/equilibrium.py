@@ -32,6 +32,8 @@ ACCEPTED = 1e-9
 """residual that is accepted where rounding allows no better"""
 STEADY = 1e-8
 """largest rate of a coordinate, relative to that of the rotation, that counts as none"""
+SAMPLES = 65
+"""times at which drives are sampled for their largest rates"""
 FIRST_STEP = 0.05
 """length of the first step, relative to the size of the model"""
 LARGEST = 1e200
@@ -42,12 +44,28 @@ DETOUR, MAX_DETOURS = 1.3, 10
 
 def check_drives(lowered: LoweredModel) -> None:
     """ModelError for a drive that accelerates at t = 0."""
+    accelerations = np.array([drive.derivatives(0.0)[1] for drive in lowered.drives])
+    accelerates = np.abs(accelerations) > _negligible(lowered)[:, 1]
     for i, d in enumerate(lowered.system.couplings.drive.tolist()):
-        if d >= 0 and (acceleration := lowered.drives[d].derivatives(0.0)[1]) != 0.0:
+        if d >= 0 and accelerates[d]:
             raise ModelError(
                 f"{lowered.owner_of(i)}: start = 'equilibrium' takes drives without acceleration "
-                f"at t = 0, got {acceleration:.6g}"
+                f"at t = 0, got {accelerations[d]:.6g}"
             )
+
+
+def _negligible(lowered: LoweredModel) -> Array:
+    """Rates and accelerations of the drives that count as none (n_drives, 2).
+
+    Relative to those of the whole run: a spline, or a sine with a phase, is zero but for rounding.
+    """
+    T = lowered.model.settings.t_end
+    times = np.linspace(0.0, T, SAMPLES).tolist()
+    limits = np.zeros((len(lowered.drives), 2))
+    for d, drive in enumerate(lowered.drives):
+        motion = np.abs([(drive(t), *drive.derivatives(t)) for t in times]).max(axis=0)
+        limits[d] = STEADY * (motion[1:] + motion[:-1] / T)
+    return limits
 
 
 def check_steady(
@@ -75,6 +93,7 @@ def check_steady(
     )
     speed = float(np.linalg.norm(Omega))
     allowed = STEADY * np.where(lengths, speed * lowered.system.bodies.size, speed)
+    allowed += np.array([*_negligible(lowered)[:, 0], 0.0])[couplings.drive]
     if not (rates > allowed).any():
         return
     i = int(np.argmax(rates - allowed))
