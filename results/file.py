@@ -19,7 +19,7 @@ import numpy as np
 
 from ..superelement.validation import Array
 from .errors import ResultsError
-from .journal import Busy, Journal, JournaledFile, partial_of, recover, uninterrupted
+from .journal import BusyError, Journal, JournaledFile, partial_of, recover, uninterrupted
 from .schema import (
     DIMENSIONS,
     FORMAT,
@@ -43,6 +43,8 @@ CHUNK = 1 << 18
 LEAST_ROWS = 16
 """rows of a chunk, however many bodies there are"""
 TEXT = h5py.string_dtype()
+CHECKS = "check_value"
+"""the variable with the values of the checks of validity"""
 DAMAGE = (OSError, RuntimeError, KeyError, ValueError, TypeError, MemoryError)
 """exceptions of h5py on a file with wrong bytes"""
 
@@ -91,6 +93,11 @@ class FileSource:
                 raise ResultsError("no step has been written yet")
             axes = self._contents.axes
             return [_rows(file, axes, quantity, entries, n) for quantity, entries in selections]
+
+    def checks(self) -> Array:
+        with self._open() as file:
+            values: Array = file[CHECKS][()] if CHECKS in file else np.empty(0)
+        return values
 
     @contextmanager
     def _open(self) -> Iterator[h5py.File]:
@@ -142,6 +149,11 @@ class FileWriter:
                 raise
         self._open(path, contents, journal, durable)
 
+    @property
+    def target(self) -> Path:
+        """The file that the results have when the run has ended well."""
+        return self._journal.target
+
     @classmethod
     def resume(
         cls,
@@ -172,7 +184,7 @@ class FileWriter:
         return writer
 
     def _open(self, path: Path, contents: Contents, journal: Journal, durable: bool) -> None:
-        self._path, self._contents, self._journal = path, contents, journal
+        self.path, self._contents, self._journal = path, contents, journal
         self._store = JournaledFile(self.place, journal, durable)
         self._file = h5py.File(self._store, "r+")
         self.written = self.committed = int(self._file["solver"].attrs["written"])
@@ -187,8 +199,13 @@ class FileWriter:
         if self._store.waiting > BUFFER:
             self._commit(PATIENCE)
         elif time.monotonic() - self._last > self.pause:
-            with suppress(Busy):
+            with suppress(BusyError):
                 self._commit(0.0)
+
+    def check(self, values: Array) -> None:
+        if len(values):
+            with uninterrupted():
+                self._file[CHECKS][...] = values
 
     def flush(self) -> None:
         self._commit(PATIENCE)
@@ -205,10 +222,15 @@ class FileWriter:
             self._file["solver"].attrs.update(_plain(notes))
         self._commit(PATIENCE)
 
+    def where(self) -> str:
+        if self.place == self.target or not self.place.exists():
+            return ""
+        return f"; its {self.committed} rows are in {self.place}, for an earlier result stays"
+
     def finish(self) -> None:
         self._close()
         if self.place != self._journal.target:
-            with _failures_named(self._path):
+            with _failures_named(self.path):
                 replace_durably(self.place, self._journal.target)
             self.place = self._journal.target
         self._journal.close()
@@ -232,7 +254,7 @@ class FileWriter:
             self._file.flush()
             try:
                 self._store.commit(patience)
-            except Busy:
+            except BusyError:
                 if not patience:
                     raise
                 self._store.move_to_copy()
@@ -316,7 +338,7 @@ def _opened(path: Path, patience: float) -> h5py.File:
 def _failures_named(path: Path) -> Iterator[None]:
     try:
         yield
-    except Busy:
+    except BusyError:
         raise
     except ResultsError as error:
         raise ResultsError(f"{path}: {error}") from error
@@ -358,7 +380,8 @@ def _read_contents(file: h5py.File) -> Contents:
         paths, digests = file["superelement_file"], file["superelement_sha256"]
         files = map(SuperelementFile, _strings(paths), _strings(digests))
         superelements = dict(zip(bodies, files, strict=True))
-    return Contents(axes, quantities, superelements)
+    checks = axes.pop("check", Axis(())).names
+    return Contents(axes, quantities, superelements, checks)
 
 
 def _strings(dataset: h5py.Dataset) -> tuple[str, ...]:
@@ -398,6 +421,8 @@ def _image(contents: Contents, notes: Mapping[str, Any], model: str, rows: int) 
         axes = dict(contents.axes)
         if contents.superelements:
             axes["flexible_body"] = Axis(tuple(contents.superelements))
+        if contents.checks:
+            axes["check"] = Axis(contents.checks)
         scales = {name: _put_strings(file, name, axis.names) for name, axis in axes.items()}
         scales["time"] = _create(file, contents.quantities[0], axes, rows)
         for name, scale in scales.items():
@@ -415,6 +440,10 @@ def _image(contents: Contents, notes: Mapping[str, Any], model: str, rows: int) 
             digests = _put_strings(file, "superelement_sha256", [found.digest for found in files])
             _attach(paths, ("flexible_body",), scales)
             _attach(digests, ("flexible_body",), scales)
+        if contents.checks:
+            values = file.create_dataset(CHECKS, data=np.full(len(contents.checks), np.nan))
+            values.attrs["long_name"] = "what the run has passed at most"
+            _attach(values, ("check",), scales)
         file.create_group("solver").attrs.update(_plain(notes))
         file.flush()
         image: bytes = file.id.get_file_image()

@@ -30,6 +30,9 @@ class Source(Protocol):
     def read(self, selections: Sequence[Selection]) -> list[Array]:
         """The rows (n, ...) that count."""
 
+    def checks(self) -> Array:
+        """The values of the checks of validity."""
+
 
 class Writer(Protocol):
     """A destination of the results of a run."""
@@ -41,6 +44,9 @@ class Writer(Protocol):
     def append(self, batch: Batch) -> None:
         """Add the first rows of the output: those of the steps of the batch."""
 
+    def check(self, values: Array) -> None:
+        """Keep the values of the checks of validity in place of earlier ones."""
+
     def flush(self) -> None:
         """Wait until all rows are written."""
 
@@ -49,6 +55,9 @@ class Writer(Protocol):
 
     def note(self, **notes: Any) -> None:
         """Add notes of the run."""
+
+    def where(self) -> str:
+        """The place of the rows of a run that has not ended well, for the end of a message."""
 
     def finish(self) -> None:
         """End a run that has gone well: its results take their place."""
@@ -66,6 +75,7 @@ class Memory:
     def __init__(self, contents: Contents, notes: Mapping[str, Any], model: str) -> None:
         self._contents, self._notes, self._model = contents, dict(notes), model
         self._batches: list[dict[str, Array]] = []
+        self._checks = np.full(len(contents.checks), np.nan)
 
     def append(self, batch: Batch) -> None:
         axes = self._contents.axes
@@ -76,6 +86,12 @@ class Memory:
             }
         )
 
+    def check(self, values: Array) -> None:
+        self._checks = values.copy()
+
+    def checks(self) -> Array:
+        return self._checks.copy()
+
     def flush(self) -> None:
         pass
 
@@ -84,6 +100,9 @@ class Memory:
 
     def note(self, **notes: Any) -> None:
         self._notes |= notes
+
+    def where(self) -> str:
+        return ""
 
     def finish(self) -> None:
         pass

@@ -1,7 +1,17 @@
 """Dynamics of mechanisms of rigid bodies and superelements."""
 
 from ..results.results import Results
-from .errors import ConvergenceError, ModelError, RecoveryError, ResultsError
+from .checkpoint.moment import Moment
+from .errors import (
+    ConvergenceError,
+    ModelError,
+    OutOfRangeError,
+    RecoveryError,
+    ResultsError,
+    StateError,
+    ValidityWarning,
+)
+from .inspection import ModelCheck, check
 from .laws.law import ForceLaw
 from .laws.tabulated import TabulatedLaw
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
@@ -42,7 +52,10 @@ __all__ = [
     "Joint",
     "Load",
     "Model",
+    "ModelCheck",
     "ModelError",
+    "Moment",
+    "OutOfRangeError",
     "OutputRequest",
     "Place",
     "Polynomial",
@@ -59,10 +72,13 @@ __all__ = [
     "Spline",
     "Spring",
     "Start",
+    "StateError",
     "SteadyRotation",
     "Steps",
     "Table",
     "TabulatedLaw",
+    "ValidityWarning",
+    "check",
     "read_model",
     "simulate",
     "start",

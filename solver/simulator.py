@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 
 from .arrays import Array
+from .checkpoint.carried import Snapshot, carried
+from .checkpoint.moment import Moment
 from .errors import ModelError, about
 from .history.uniform import UniformConvolution
 from .lower.allocation import make_output
@@ -15,6 +17,7 @@ from .model.model import Model
 from .model.settings import Settings
 from .model.signals import Input
 from .output.columns import check_names, views
+from .output.validity import Judge, check_range
 from .simulation import failure, signals
 from .start.initial import initialize
 from .step.loop import advance
@@ -23,6 +26,8 @@ from .step.system import Inputs, Run
 
 AHEAD = 256
 """steps for which the signals that are not inputs are sampled at once, and between checks"""
+PAST = "past/"
+"""names of the arrays of the convolution begin with it"""
 
 
 class Simulator:
@@ -43,8 +48,9 @@ class Simulator:
     `views` has those of each name, in arrays that every step changes. They are those of `simulate`.
 
     Raises ModelError for a model that cannot start, an unknown output, a wrong number of inputs and
-    a step beyond t_end; ConvergenceError where Newton's method fails, after which there are no
-    further steps.
+    a step beyond t_end; ConvergenceError where Newton's method fails and OutOfRangeError where a
+    body deforms too far for linear elasticity, after which there are no further steps but from an
+    earlier state: `save` gives the present one, and `restore` goes back.
     """
 
     def __init__(
@@ -57,6 +63,7 @@ class Simulator:
             check_names(lowered, outputs)
             initial = initialize(model, lowered)
             lowered, state = initial.lowered, initial.state
+            check_range(lowered, state, 0)
             output = make_output(lowered, 1)
             sources = {name: views(lowered, name, output) for name in outputs}
         self._sources = [view for name in outputs for view in sources[name]]
@@ -86,6 +93,8 @@ class Simulator:
         self._last = self._next.replace(ahead=0)
         self._convolution = UniformConvolution(lowered.system.elastic)
         self._number, self._n_steps, self._h = 0, lowered.n_steps, lowered.h
+        self._live = carried(state=state, work=initial.work, output=output)
+        self._sampled_from = 0
         record(self._run, 0)
         advance(self._run, Inputs(load=load[:0], drive=drive[:0], row=row[:0], ahead=1))
         self._gather()
@@ -116,12 +125,35 @@ class Simulator:
         # a kernel ends with the run
         last = number == self._n_steps
         taken, residual = advance(self._run, self._last if last else self._next)
+        check_range(self._lowered, self._state, number)
         if not taken:
-            raise failure(self._lowered, number, residual, self._work)
+            cause = Judge(self._lowered).cause(self._state, number - 1)
+            raise failure(self._lowered, number, residual, self._work, cause)
         self._number = number
         if number % AHEAD == 0:
             self._removed.check(self._work, self.time)
         self._convolution.update(self._state)
+        return self._gather()
+
+    def save(self) -> Moment:
+        """The present state, to go back to."""
+        arrays = {name: array.copy() for name, array in self._live.items()}
+        past = {f"{PAST}{name}": array for name, array in self._convolution.saved().items()}
+        return Moment(Snapshot(self._number, arrays | past), self._lowered)
+
+    def restore(self, moment: Moment) -> Array:
+        """Go back, or forth, to a state that was saved; return the outputs there.
+
+        All that follows is then to the bit what followed when it was saved. `StateError` for a
+        state of another model, version or machine.
+        """
+        moment.check(self._lowered)
+        number, arrays = moment.snapshot
+        own = {name: array for name, array in arrays.items() if not name.startswith(PAST)}
+        past = {name.removeprefix(PAST): arrays[name] for name in arrays.keys() - own.keys()}
+        Snapshot(number, own).put_back(self._live)
+        self._convolution.load(number, past)
+        self._number = number
         return self._gather()
 
     def _gather(self) -> Array:
@@ -132,8 +164,10 @@ class Simulator:
     def _set_signals(self, number: int) -> None:
         """Sample the signals of step `number` that are not inputs, for many steps at once."""
         k = (number - 1) % AHEAD
-        if k == 0:
-            n = min(AHEAD, self._n_steps - number + 1)
-            self._sampled = signals(self._lowered, number, np.zeros(n, dtype=np.int64))
+        first = number - k
+        if first != self._sampled_from:
+            n = min(AHEAD, self._n_steps - first + 1)
+            self._sampled = signals(self._lowered, first, np.zeros(n, dtype=np.int64))
+            self._sampled_from = first
         self._load[:] = self._sampled.load[k]
         self._drive[:] = self._sampled.drive[k]

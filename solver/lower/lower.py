@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ...superelement import GeneralizedAlpha, Superelement
 from ..arrays import Array, as_index, as_rows
-from ..history.layout import lay_out_elastic
+from ..history.layout import Horizon, lay_out_elastic
 from ..model.model import Model
 from ..model.signals import Signal, SmoothSignal
 from ..step.rows import measures_length
@@ -17,7 +17,7 @@ from .elimination_order import lay_out_pattern
 from .numbering import NumberedFrames, number_frames
 from .placement import Pose, place_bodies
 from .rows import Row, coupling_rows, joint_observers, lay_out_couplings, lay_out_rows
-from .scheme import lay_out_newton, lay_out_scheme, stepping_of
+from .scheme import lay_out_newton, lay_out_scheme, round_up, stepping_of
 from .size import model_size
 
 
@@ -29,6 +29,9 @@ class LoweredModel:
     system: System
     scheme: GeneralizedAlpha
     n_steps: int
+    horizon: Horizon
+    without: frozenset[int]
+    """redundant rows that are left out, by their numbers"""
     poses: list[Pose]
     body_names: list[str]
     frame_names: list[str]
@@ -42,8 +45,8 @@ class LoweredModel:
     superelements: list[Superelement]
     compliances: list[Array]
     """static compliance of every flexible body (n_c, n_c)"""
-    truncation: float
-    """largest error of kernels that are cut off, relative to static displacements"""
+    truncations: Array
+    """error of the kernel of every flexible body where it is cut off, of static displacements"""
 
     @property
     def h(self) -> float:
@@ -65,12 +68,15 @@ class LoweredModel:
         return self.model.couplings[self.coupling_of(row)].owner
 
 
-def lower(model: Model, without: frozenset[int] = frozenset()) -> LoweredModel:
+def lower(
+    model: Model, without: frozenset[int] = frozenset(), earlier: Horizon | None = None
+) -> LoweredModel:
     """Number bodies, frames, rows and dofs of a model, and lay them out for the time loop.
 
-    without: rows to leave out, by their numbers. `ModelError` for a model that cannot be laid out.
+    without: rows to leave out, by their numbers; earlier: the horizon of the run that this one
+    continues. `ModelError` for a model that cannot be laid out.
     """
-    stepping = stepping_of(model)
+    stepping = stepping_of(model, earlier)
     poses = place_bodies(model)
     frames = number_frames(model, poses)
     rows = _rows(model, frames, without)
@@ -81,7 +87,7 @@ def lower(model: Model, without: frozenset[int] = frozenset()) -> LoweredModel:
         check_assembled(model, size, frames)
     check_moments(model, frames, rows)
     check_masses(model)
-    elastic, compliances, truncation = lay_out_elastic(model, frames.arrays, stepping)
+    elastic, compliances, truncations = lay_out_elastic(model, frames.arrays, stepping)
     system = System(
         scheme=lay_out_scheme(stepping),
         newton=lay_out_newton(model),
@@ -97,7 +103,9 @@ def lower(model: Model, without: frozenset[int] = frozenset()) -> LoweredModel:
         model=model,
         system=system,
         scheme=stepping.scheme,
-        n_steps=stepping.n_steps,
+        n_steps=round_up(model.settings.t_end / stepping.h),
+        horizon=Horizon(stepping.planned, stepping.n_steps),
+        without=without,
         poses=[poses[name] for name in model.bodies],
         body_names=list(model.bodies),
         frame_names=list(frames.poses),
@@ -109,7 +117,7 @@ def lower(model: Model, without: frozenset[int] = frozenset()) -> LoweredModel:
         load_signals=[load.signal for load in model.loads],
         superelements=[body.superelement for body in model.flexible_bodies.values()],
         compliances=compliances,
-        truncation=truncation,
+        truncations=truncations,
     )
 
 

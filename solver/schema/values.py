@@ -41,15 +41,13 @@ def number(what: str, kind: type, allowed: Callable[[Any], bool]) -> Takes:
     return Takes(what, store, Annotated[kind, AfterValidator(store), expected(what)])
 
 
-WITHIN = f"from {1.0 / LARGEST:g} to {LARGEST:g}"
-
-
-def _positive(x: float) -> bool:
-    return 1.0 / LARGEST <= x <= LARGEST
-
-
-Positive = Annotated[float, number(f"a positive number {WITHIN}", float, _positive)]
-PositiveTime = Annotated[float, number(f"a positive time {WITHIN}", float, _positive)]
+Positive = Annotated[
+    float,
+    number("a positive number, 1e-100 to 1e100", float, lambda x: 1.0 / LARGEST <= x <= LARGEST),
+]
+PositiveTime = Annotated[
+    float, number("a positive time, up to 1e100", float, lambda t: 0.0 < t <= LARGEST)
+]
 Fraction = Annotated[float, number("a number from 0 to 1", float, lambda x: 0.0 <= x <= 1.0)]
 Tolerance = Annotated[float, number("a number between 0 and 1", float, lambda x: 0.0 < x < 1.0)]
 Count = Annotated[int, number("1 to 1e9", int, lambda n: 1 <= n <= 10**9)]

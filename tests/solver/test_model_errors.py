@@ -182,7 +182,7 @@ MADE = {
     ),
     "no mass": (
         lambda: RigidBody(0.0, [1, 1, 1]),
-        "mass: expected a positive number from 1e-100 to 1e+100, got 0.0",
+        "mass: expected a positive number, 1e-100 to 1e100, got 0.0",
     ),
     "no inertia": (
         lambda: RigidBody(1.0, [1, 1, 0]),
@@ -223,15 +223,15 @@ MADE = {
     ),
     "no time": (
         lambda: model(t_end=0.0),
-        "t_end: expected a positive time from 1e-100 to 1e+100, got 0.0",
+        "t_end: expected a positive time, up to 1e100, got 0.0",
     ),
     "no end": (
         lambda: model(t_end=np.inf),
-        "t_end: expected a positive time from 1e-100 to 1e+100, got inf",
+        "t_end: expected a positive time, up to 1e100, got inf",
     ),
     "a step backwards": (
         lambda: model(step=-1e-3),
-        "step: expected a positive time from 1e-100 to 1e+100, got -0.001",
+        "step: expected a positive time, up to 1e100, got -0.001",
     ),
     "a radius above one": (
         lambda: model(rho_inf=1.5),
@@ -247,7 +247,7 @@ MADE = {
     ),
     "a memory of no length": (
         lambda: model(kernel_length=0.0),
-        "kernel_length: expected a positive time from 1e-100 to 1e+100, got 0.0",
+        "kernel_length: expected a positive time, up to 1e100, got 0.0",
     ),
     "a tolerance of one": (
         lambda: model(tolerance=1.0),
@@ -529,7 +529,7 @@ FILES = {
     ),
     "a mass below zero": (
         {"rest": "[bodies.b]\nmass = -1.0\ninertia = [1, 1, 1]"},
-        "bodies.b.mass: expected a positive number from 1e-100 to 1e+100, found -1.0",
+        "bodies.b.mass: expected a positive number, 1e-100 to 1e100, found -1.0",
     ),
     "an inertia of nothing": (
         {"rest": "[bodies.b]\nmass = 1.0\ninertia = [1, 1, -1]"},
