@@ -33,4 +33,6 @@ def quoted(value: Any) -> str:
 
 def dotted(keys: Iterable[str]) -> str:
     """Keys within one another as errors name them; those that are no plain words are quoted."""
-    return ".".join(key if key.isprintable() and len(key) <= QUOTED else quoted(key) for key in keys)
+    return ".".join(
+        key if key.isprintable() and len(key) <= QUOTED else quoted(key) for key in keys
+    )

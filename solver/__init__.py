@@ -1,14 +1,17 @@
 """Dynamics of mechanisms of rigid bodies and superelements."""
 
 from ..results.results import Results
+from .checkpoint.moment import Moment
 from .errors import (
     ConvergenceError,
     ModelError,
     OutOfRangeError,
     RecoveryError,
     ResultsError,
+    StateError,
     ValidityWarning,
 )
+from .inspection import ModelCheck, check
 from .laws.law import ForceLaw
 from .laws.tabulated import TabulatedLaw
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
@@ -49,7 +52,9 @@ __all__ = [
     "Joint",
     "Load",
     "Model",
+    "ModelCheck",
     "ModelError",
+    "Moment",
     "OutOfRangeError",
     "OutputRequest",
     "Place",
@@ -67,11 +72,13 @@ __all__ = [
     "Spline",
     "Spring",
     "Start",
+    "StateError",
     "SteadyRotation",
     "Steps",
     "Table",
     "TabulatedLaw",
     "ValidityWarning",
+    "check",
     "read_model",
     "simulate",
     "start",

@@ -15,6 +15,7 @@ __all__ = [
     "OutOfRangeError",
     "RecoveryError",
     "ResultsError",
+    "StateError",
     "ValidityWarning",
     "about",
     "plain",
@@ -23,6 +24,13 @@ __all__ = [
 
 class ModelError(ValueError):
     """A model that contradicts itself; the message names the body, joint or load."""
+
+
+class StateError(ValueError):
+    """A state that cannot be gone on from: damaged, or of another model, version or machine.
+
+    The message names what differs.
+    """
 
 
 class ConvergenceError(RuntimeError):

@@ -97,7 +97,7 @@ class Judge:
         }
 
     def _rounding(self, state: State) -> float:
-        """Of the energies of which the balance is the sum, and of the positions that they follow."""
+        """Of the energies that the balance sums, and of the positions that they follow."""
         energies, bodies = state.energies, self._lowered.system.bodies
         weight = float(bodies.mass.sum() * np.linalg.norm(bodies.gravity))
         elastic = energies.modal[0] + energies.convolved[0]
