@@ -15,7 +15,14 @@ from ..results.schema import Energies
 from ..results.source import Writer
 from .arrays import Array, Index
 from .checkpoint.carried import carried
-from .errors import ConvergenceError, ModelError, StateError, ValidityWarning, about
+from .errors import (
+    ConvergenceError,
+    ModelError,
+    OutOfRangeError,
+    StateError,
+    ValidityWarning,
+    about,
+)
 from .history.dyadic import DyadicConvolution
 from .lower.allocation import allocate
 from .lower.lower import LoweredModel, lower
@@ -154,7 +161,7 @@ def _finish(course: Course, progress: bool) -> Results:
         writer.note(finished=True, seconds=time.perf_counter() - started)
         settle_checkpoint(writer)
         writer.finish()
-    except ConvergenceError as error:
+    except (ConvergenceError, OutOfRangeError) as error:
         error.args = (f"{error}{writer.where()}",)
         raise
     except KeyboardInterrupt as interrupt:
