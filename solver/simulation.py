@@ -16,7 +16,14 @@ from ..results.source import Writer
 from .arrays import Array, Index
 from .checkpoint.carried import carried
 from .diagnosis import likely_cause
-from .errors import ConvergenceError, ModelError, StateError, ValidityWarning, about
+from .errors import (
+    ConvergenceError,
+    ModelError,
+    OutOfRangeError,
+    StateError,
+    ValidityWarning,
+    about,
+)
 from .history.dyadic import DyadicConvolution
 from .lower.allocation import allocate
 from .lower.lower import LoweredModel, lower
@@ -156,7 +163,7 @@ def _finish(course: Course, progress: bool) -> Results:
         writer.note(finished=True, seconds=time.perf_counter() - started)
         settle_checkpoint(writer)
         writer.finish()
-    except ConvergenceError as error:
+    except (ConvergenceError, ModelError, OutOfRangeError) as error:
         error.args = (f"{error}{writer.where()}",)
         raise
     except KeyboardInterrupt as interrupt:
