@@ -1,7 +1,9 @@
 """Dynamics of mechanisms of rigid bodies and superelements."""
 
 from ..results.results import Results
-from .errors import ConvergenceError, ModelError, RecoveryError, ResultsError
+from .checkpoint.moment import Moment
+from .errors import ConvergenceError, ModelError, RecoveryError, ResultsError, StateError
+from .inspection import ModelCheck, check
 from .laws.law import ForceLaw
 from .laws.tabulated import TabulatedLaw
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
@@ -42,7 +44,9 @@ __all__ = [
     "Joint",
     "Load",
     "Model",
+    "ModelCheck",
     "ModelError",
+    "Moment",
     "OutputRequest",
     "Place",
     "Polynomial",
@@ -59,10 +63,12 @@ __all__ = [
     "Spline",
     "Spring",
     "Start",
+    "StateError",
     "SteadyRotation",
     "Steps",
     "Table",
     "TabulatedLaw",
+    "check",
     "read_model",
     "simulate",
     "start",

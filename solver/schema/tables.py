@@ -12,7 +12,7 @@ from pydantic import create_model
 
 from ...inputs import Table, quoted, read_part
 from ..errors import ModelError
-from .entry import Beside, Entry, Key, Takes, annotations, note
+from .entry import Beside, Entry, Key, Takes, annotations, filled, note
 from .forms import Family, Form
 
 AnyEntry = TypeVar("AnyEntry", bound=Entry)
@@ -38,7 +38,7 @@ def keys_of(kind: type[Entry]) -> dict[str, Any]:
     The default is never read: for a key that a file leaves out the entry has its own.
     """
     keys: dict[str, Any] = {}
-    for field, hint in _declared(kind):
+    for field, hint in declared(kind):
         if note(hint, Beside):
             keys |= keys_of(_bare(hint))
         else:
@@ -54,7 +54,7 @@ def key_of(field: "Field[Any]", hint: Any) -> str:
 def entry_of(kind: type[AnyEntry], table: Mapping[str, Any]) -> AnyEntry:
     """An entry from the values of a file, by key; ModelError names the entry."""
     values: dict[str, Any] = {}
-    for field, hint in _declared(kind):
+    for field, hint in declared(kind):
         if note(hint, Beside):
             values[field.name] = entry_of(_bare(hint), table)
         elif (key := key_of(field, hint)) in table:
@@ -64,7 +64,7 @@ def entry_of(kind: type[AnyEntry], table: Mapping[str, Any]) -> AnyEntry:
                     value_of(table[key]) if family is None else read_member(family, table[key])
                 )
             except ValueError as error:
-                owner = kind.label.format_map(values)
+                owner = filled(kind.label, values)
                 raise ModelError(f"{owner}: {field.name}: {error}") from error
     return kind(**values)
 
@@ -87,7 +87,7 @@ def present_keys(table: Table) -> dict[str, Any]:
 def table_in_file(entry: Entry) -> dict[str, Any]:
     """The table of an entry in a file, without keys that have their defaults."""
     table: dict[str, Any] = {}
-    for field, hint in _declared(type(entry)):
+    for field, hint in declared(type(entry)):
         value = in_file(entry, field.name, getattr(entry, field.name), hint)
         if note(hint, Beside):
             table |= value
@@ -183,7 +183,8 @@ def type_in_file(hint: Any) -> Any:
     return hint
 
 
-def _declared(kind: Any) -> list[tuple["Field[Any]", Any]]:
+def declared(kind: Any) -> list[tuple["Field[Any]", Any]]:
+    """The fields that an entry is made of, each with its annotation."""
     hints = annotations(kind)
     return [(field, hints[field.name]) for field in fields(kind) if field.init]
 

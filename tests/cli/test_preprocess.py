@@ -148,7 +148,7 @@ def refused(runner, *arguments, found):
     result = runner.invoke(app, ["preprocess", *map(str, arguments)])
     assert result.exit_code == 1
     (message,) = (line for line in result.stderr.splitlines() if line.strip())
-    assert message.endswith(f": expected another file for the output, found the input {found}")
+    assert message.endswith(f" is the input {found}, which the output would replace")
     assert found.read_bytes() == before
 
 
