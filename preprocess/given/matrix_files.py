@@ -9,9 +9,10 @@ import numpy as np
 import scipy.io
 import scipy.sparse as sp
 
+from ...files import in_one_line
 from ..errors import MatrixError
 from ..mesh.mesh import IntArray
-from .damage import DAMAGE, about, arrays, in_one_line, require_text
+from .damage import DAMAGE, about, arrays, require_text
 
 MARKET = b"%%MatrixMarket"
 LARGEST = 2.0**31
@@ -100,9 +101,9 @@ def _abaqus(path: Path) -> MatrixFile:
         )
     given = table[:, :-1]
     wrong = ~((given >= 1.0) & (given <= LARGEST) & (given % 1.0 == 0.0)).all(axis=1)
-    if not len(table) or wrong.any():
+    if wrong.any():
         raise MatrixError(
-            f"expected labels, dofs and rows from 1 on, found {table[wrong][:1].tolist()}: "
+            f"expected labels, dofs and rows from 1 on, found {table[wrong][0].tolist()}: "
             "internal nodes are not read"
         )
     labels = given.astype(np.int64)

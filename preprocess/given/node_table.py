@@ -7,11 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
+from ...files import in_one_line
 from ...superelement.validation import Array
 from ..errors import MatrixError
 from ..mesh.mesh import NONE, IntArray
 from ..mesh.numbering import Numbering
-from .damage import about, arrays, in_one_line
+from .damage import about, arrays
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
+from ...files import in_one_line
 from ..errors import MatrixError
-from .damage import DAMAGE, in_one_line
+from .damage import DAMAGE
 
 LONG = 65536
 """Rows from which on a matrix is BIGMAT, whether it says so or not."""
@@ -36,9 +37,8 @@ def read_op4(path: Path, name: str) -> Any:
             _text(data.decode()) if data[:16].strip(b" 0123456789-") == b"" else _binary(data)
         )
     except DAMAGE as error:
-        why = in_one_line(error)
         raise MatrixError(
-            f"not an OUTPUT4 file of Nastran, or one that breaks off: {why}"
+            f"not an OUTPUT4 file of Nastran, or one that breaks off: {in_one_line(error)}"
         ) from error
     chosen = name if name in matrices or len(matrices) != 1 else next(iter(matrices))
     if chosen not in matrices:

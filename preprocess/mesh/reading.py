@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...files import FileError, require_regular
+from ...files import FileError, in_one_line, require_regular
 from ...files.hdf5 import DAMAGE
 from ...superelement.validation import Array
 from ..errors import MeshError, MeshWarning
@@ -98,8 +98,8 @@ def _about(path: Path) -> Iterator[None]:
         text = str(error)
         raise MeshError(text if text.startswith(f"{path}: ") else f"{path}: {text}") from error
     except DAMAGE as error:
-        text = " ".join(str(error).split()) or type(error).__name__
-        raise MeshError(f"{path}: damaged, or more than the memory holds: {text}") from error
+        why = in_one_line(error)
+        raise MeshError(f"{path}: damaged, or more than the memory holds: {why}") from error
 
 
 def _described(loose: Array) -> str:
