@@ -132,7 +132,9 @@ def preprocess(
         body = preprocess.read_body(body_file)
         superelement.require_writable(target)
         files.require_no_input(target, [body_file, *preprocess.files_of(body)])
+    with errors_in_one_line(preprocess, superelement, about=body_file):
         element = preprocess.build(body, progress=True)
+    with errors_in_one_line(superelement):
         superelement.write(target, element)
     megabytes = target.stat().st_size / 1e6
     seconds = perf_counter() - start
@@ -150,7 +152,9 @@ def _survey(body_file: Path, output: Path | None) -> None:
     with errors_in_one_line(files, preprocess, view):
         body = preprocess.read_body(body_file)
         files.require_no_input(target, [body_file, *preprocess.files_of(body)])
+    with errors_in_one_line(preprocess, about=body_file):
         surveyed = survey(body, progress=True)
+    with errors_in_one_line(view):
         view.save(view.draw_scene(scene(surveyed)), target)
     Console().print(report(surveyed))
     typer.echo(one_line(target))

@@ -2,14 +2,19 @@
 
 import codecs
 import struct
+import warnings
 import zipfile
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from ...files import FileError, hdf5, in_one_line, require_regular
 from ...files.memory import shortage
+from ...superelement.validation import Array
 from ..errors import MatrixError, MeshError
 
 DAMAGE = (
@@ -54,6 +59,13 @@ def arrays(path: Path, what: str) -> Iterator[None]:
         raise
     except DAMAGE as error:
         raise MatrixError(f"expected {what}: {in_one_line(error)}") from error
+
+
+def load_rows(source: Any, **form: Any) -> Array:
+    """`numpy.loadtxt` of a table (n, k), without a warning where there are no rows."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)
+        return np.loadtxt(source, ndmin=2, **form)
 
 
 def require_text(path: Path) -> None:

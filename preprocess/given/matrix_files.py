@@ -12,7 +12,7 @@ import scipy.sparse as sp
 from ...files import in_one_line
 from ..errors import MatrixError
 from ..mesh.mesh import IntArray
-from .damage import DAMAGE, about, arrays, require_text
+from .damage import DAMAGE, about, arrays, load_rows, require_text
 
 MARKET = b"%%MatrixMarket"
 LARGEST = 2.0**31
@@ -91,7 +91,7 @@ def _abaqus(path: Path) -> MatrixFile:
     with path.open(encoding="utf-8") as file:
         first = next((line for line in file if line.strip() and not line.startswith("*")), "")
     try:
-        table = np.loadtxt(path, delimiter="," if "," in first else None, comments="*", ndmin=2)
+        table = load_rows(path, delimiter="," if "," in first else None, comments="*")
     except ValueError as error:
         raise MatrixError(f"not a matrix of Abaqus: {in_one_line(error)}") from error
     if table.shape[1] not in (3, 5):

@@ -12,7 +12,7 @@ from ...superelement.validation import Array
 from ..errors import MatrixError
 from ..mesh.mesh import NONE, IntArray
 from ..mesh.numbering import Numbering
-from .damage import about, arrays
+from .damage import about, arrays, load_rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +87,7 @@ def read_columns(path: Path, columns: str) -> Array:
             np.array(first.replace(",", " ").split(), dtype=float)
         except ValueError:
             text = rest
-        table = np.loadtxt(text.replace(",", " ").splitlines(), comments=("#", "*"), ndmin=2)
+        table = load_rows(text.replace(",", " ").splitlines(), comments=("#", "*"))
     except (OSError, UnicodeDecodeError, ValueError) as error:
         why = in_one_line(error)
         raise MatrixError(f"{path}: expected a table of {columns}: {why}") from error
