@@ -68,6 +68,19 @@ DryRun = Annotated[
         help="Only report on the mesh and the cost, and draw it: NAME.png beside the body file.",
     ),
 ]
+Resume = Annotated[
+    bool,
+    typer.Option(
+        "--continue",
+        help="Go on with the last run to this file, from the state that it kept (checkpoint).",
+    ),
+]
+Anyway = Annotated[
+    bool,
+    typer.Option(
+        "--anyway", help="Also where the model, versions or the machine are not those of that run."
+    ),
+]
 StudyFile = Annotated[
     Path,
     typer.Argument(metavar="STUDY.toml", help="A model or body, and values of its parameters."),
@@ -141,15 +154,20 @@ def _survey(body_file: Path, output: Path | None) -> None:
 
 
 @app.command()
-def run(model_file: ModelFile, output: Output = None) -> None:
+def run(
+    model_file: ModelFile, output: Output = None, resume: Resume = False, anyway: Anyway = False
+) -> None:
     """Simulate a model: MODEL-results.h5 beside the model file, unless given."""
+    if anyway and not resume:
+        raise typer.BadParameter("--anyway goes with --continue")
     start = perf_counter()
     from .. import solver, superelement
     from .run_report import report
 
     target = output or _results_of(model_file)
     with errors_in_one_line(solver, superelement):
-        results = solver.simulate(solver.read_model(model_file), output=target, progress=True)
+        model = solver.read_model(model_file)
+        results = solver.simulate(model, output=target, progress=True, resume=resume, anyway=anyway)
     for line in report(results):
         typer.echo(one_line(line))
     steps, loop = int(results.solver["steps"]), float(results.solver["seconds"])
@@ -208,7 +226,7 @@ def plot(
     does not exist lists those that do.
     """
     from .. import view
-    from ..inputs.outputs import clash
+    from ..files.outputs import clash
     from ..results import Results
 
     with errors_in_one_line(view):

@@ -34,6 +34,10 @@ def one_line(text: object) -> str:
     return line if len(line) <= LONGEST else f"{line[:LONGEST]}..."
 
 
+INTERRUPTED = 130
+"""exit code after Ctrl-C, as shells have it"""
+
+
 @contextmanager
 def errors_in_one_line(*packages: ModuleType, about: Path | None = None) -> Iterator[None]:
     """Print the exceptions and warnings that the packages export as one line each.
@@ -62,6 +66,9 @@ def errors_in_one_line(*packages: ModuleType, about: Path | None = None) -> Iter
         except exported as error:
             where = f"{about}: " if about else ""
             _fail(f"{where}{error}", error)
+        except KeyboardInterrupt as interrupt:
+            typer.echo(str(interrupt) or "interrupted", err=True)
+            raise typer.Exit(INTERRUPTED) from interrupt
 
 
 def _fail(message: str, cause: BaseException) -> NoReturn:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from ..inputs.memory import available, gigabytes
+from ..files.memory import available, gigabytes
 from .errors import MemoryShortageError
 
 

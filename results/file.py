@@ -19,7 +19,7 @@ import numpy as np
 
 from ..superelement.validation import Array
 from .errors import ResultsError
-from .journal import Busy, Journal, JournaledFile, partial_of, recover, uninterrupted
+from .journal import BusyError, Journal, JournaledFile, partial_of, recover, uninterrupted
 from .schema import (
     DIMENSIONS,
     FORMAT,
@@ -142,6 +142,11 @@ class FileWriter:
                 raise
         self._open(path, contents, journal, durable)
 
+    @property
+    def target(self) -> Path:
+        """The file that the results have when the run has ended well."""
+        return self._journal.target
+
     @classmethod
     def resume(
         cls,
@@ -172,7 +177,7 @@ class FileWriter:
         return writer
 
     def _open(self, path: Path, contents: Contents, journal: Journal, durable: bool) -> None:
-        self._path, self._contents, self._journal = path, contents, journal
+        self.path, self._contents, self._journal = path, contents, journal
         self._store = JournaledFile(self.place, journal, durable)
         self._file = h5py.File(self._store, "r+")
         self.written = self.committed = int(self._file["solver"].attrs["written"])
@@ -187,7 +192,7 @@ class FileWriter:
         if self._store.waiting > BUFFER:
             self._commit(PATIENCE)
         elif time.monotonic() - self._last > self.pause:
-            with suppress(Busy):
+            with suppress(BusyError):
                 self._commit(0.0)
 
     def flush(self) -> None:
@@ -205,10 +210,15 @@ class FileWriter:
             self._file["solver"].attrs.update(_plain(notes))
         self._commit(PATIENCE)
 
+    def where(self) -> str:
+        if self.place == self.target or not self.place.exists():
+            return ""
+        return f"; its {self.committed} rows are in {self.place}, for an earlier result stays"
+
     def finish(self) -> None:
         self._close()
         if self.place != self._journal.target:
-            with _failures_named(self._path):
+            with _failures_named(self.path):
                 replace_durably(self.place, self._journal.target)
             self.place = self._journal.target
         self._journal.close()
@@ -232,7 +242,7 @@ class FileWriter:
             self._file.flush()
             try:
                 self._store.commit(patience)
-            except Busy:
+            except BusyError:
                 if not patience:
                     raise
                 self._store.move_to_copy()
@@ -316,7 +326,7 @@ def _opened(path: Path, patience: float) -> h5py.File:
 def _failures_named(path: Path) -> Iterator[None]:
     try:
         yield
-    except Busy:
+    except BusyError:
         raise
     except ResultsError as error:
         raise ResultsError(f"{path}: {error}") from error

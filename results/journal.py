@@ -27,11 +27,6 @@ from typing import Any
 
 from .errors import ResultsError
 
-try:
-    import fcntl
-except ImportError:  # no locks on this system
-    fcntl = None  # type: ignore[assignment]
-
 PAGE = 4096
 """bytes that are compared and replaced together"""
 HEADER = 128
@@ -44,7 +39,7 @@ UNLOCKABLE = {errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS}
 """what file systems without locks answer"""
 
 
-class Busy(OSError):
+class BusyError(OSError):
     """Others have the file open."""
 
 
@@ -144,12 +139,14 @@ def _held(path: Path) -> int | None:
 def lock(handle: int) -> bool:
     """Lock a file for this descriptor alone; False while others have it open.
 
-    By flock, as HDF5 does. Where the file system has no locks all is taken to be free.
+    By flock, as HDF5 does. Where there are no locks all is taken to be free.
     """
-    if fcntl is None:
-        return True
     try:
+        import fcntl
+
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except ImportError:
+        return True
     except BlockingIOError:
         return False
     except OSError as error:
@@ -159,9 +156,10 @@ def lock(handle: int) -> bool:
 
 
 def unlock(handle: int) -> None:
-    if fcntl is not None:
-        with suppress(OSError):
-            fcntl.flock(handle, fcntl.LOCK_UN)
+    with suppress(ImportError, OSError):
+        import fcntl
+
+        fcntl.flock(handle, fcntl.LOCK_UN)
 
 
 def _writer_of(path: Path) -> str:
@@ -275,10 +273,12 @@ class JournaledFile(io.RawIOBase):
         return bytes(content)
 
     def commit(self, patience: float) -> None:
-        """Let the changes take place; `Busy` if others have the file open for so many seconds.
+        """Let the changes take place; `BusyError` if others have the file open for so many seconds.
 
-        OSError leaves the file as it was: the disk is full.
+        OSError leaves the file as it was: the disk is full, or somebody has removed the file.
         """
+        if not os.path.samestat(os.fstat(self._handle), self.path.stat()):
+            raise FileExistsError(errno.EEXIST, "somebody has replaced it")
         replaced = self._append()
         if self._durable:
             os.fsync(self._handle)
@@ -286,7 +286,7 @@ class JournaledFile(io.RawIOBase):
         try:
             with self._alone(patience):
                 self._replace(replaced)
-        except Busy:
+        except BusyError:
             self._journal.clear()
             raise
         self._journal.clear()
@@ -346,7 +346,7 @@ class JournaledFile(io.RawIOBase):
         deadline = time.monotonic() + patience
         while not lock(self._handle):
             if time.monotonic() > deadline:
-                raise Busy(errno.EWOULDBLOCK, "others have it open")
+                raise BusyError(errno.EWOULDBLOCK, "others have it open")
             time.sleep(0.005)
         try:
             yield

@@ -50,6 +50,9 @@ class Writer(Protocol):
     def note(self, **notes: Any) -> None:
         """Add notes of the run."""
 
+    def where(self) -> str:
+        """The place of the rows of a run that has not ended well, for the end of a message."""
+
     def finish(self) -> None:
         """End a run that has gone well: its results take their place."""
 
@@ -84,6 +87,9 @@ class Memory:
 
     def note(self, **notes: Any) -> None:
         self._notes |= notes
+
+    def where(self) -> str:
+        return ""
 
     def finish(self) -> None:
         pass

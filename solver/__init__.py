@@ -1,7 +1,8 @@
 """Dynamics of mechanisms of rigid bodies and superelements."""
 
 from ..results.results import Results
-from .errors import ConvergenceError, ModelError, RecoveryError, ResultsError
+from .checkpoint.moment import Moment
+from .errors import ConvergenceError, ModelError, RecoveryError, ResultsError, StateError
 from .inspection import ModelCheck, check
 from .laws.law import ForceLaw
 from .laws.tabulated import TabulatedLaw
@@ -45,6 +46,7 @@ __all__ = [
     "Model",
     "ModelCheck",
     "ModelError",
+    "Moment",
     "OutputRequest",
     "Place",
     "Polynomial",
@@ -61,6 +63,7 @@ __all__ = [
     "Spline",
     "Spring",
     "Start",
+    "StateError",
     "SteadyRotation",
     "Steps",
     "Table",

@@ -9,11 +9,26 @@ import numpy as np
 
 from ..results.errors import RecoveryError, ResultsError
 
-__all__ = ["ConvergenceError", "ModelError", "RecoveryError", "ResultsError", "about", "plain"]
+__all__ = [
+    "ConvergenceError",
+    "ModelError",
+    "RecoveryError",
+    "ResultsError",
+    "StateError",
+    "about",
+    "plain",
+]
 
 
 class ModelError(ValueError):
     """A model that contradicts itself; the message names the body, joint or load."""
+
+
+class StateError(ValueError):
+    """A state that cannot be gone on from: damaged, or of another model, version or machine.
+
+    The message names what differs.
+    """
 
 
 class ConvergenceError(RuntimeError):

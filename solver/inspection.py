@@ -16,7 +16,7 @@ from .model.model import Model
 from .output.columns import requested
 from .output.size import check_size, file_bytes
 from .output.writer import check_output, make_writer, rows_of
-from .simulation import march
+from .simulation import Course, march
 from .start.frequencies import natural_frequencies
 from .start.initial import InitialState, initialize
 
@@ -152,7 +152,7 @@ def _seconds(initial: InitialState) -> float:
         return 0.0
     writer = make_writer(None, initial, n)
     started = time.perf_counter()
-    march(initial, writer, n, False)
+    march(Course(initial.lowered, initial.state, initial.work, initial.removed, writer, n))
     measured = (time.perf_counter() - started) / n
     return lowered.n_steps * (measured + 1e-9 * _history_cost(lowered))
 

@@ -2,27 +2,40 @@
 
 import os
 import time
-from dataclasses import replace
+from contextlib import nullcontext
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
+from ..results.file import FileWriter
 from ..results.results import Results
+from ..results.schema import Energies
 from ..results.source import Writer
 from .arrays import Array, Index
-from .errors import ConvergenceError, about
+from .checkpoint.carried import carried
+from .errors import ConvergenceError, ModelError, StateError, about
 from .history.dyadic import DyadicConvolution
+from .lower.allocation import allocate
 from .lower.lower import LoweredModel, lower
 from .model.model import Model
 from .model.settings import Settings
 from .output.columns import requested
-from .output.recorder import Recorder
-from .output.writer import check_output, make_writer, read_back
+from .output.keeper import (
+    FileKeeper,
+    NoKeeper,
+    read_checkpoint,
+    settle_checkpoint,
+    start_of,
+)
+from .output.recorder import NO_ENERGIES, Recorder
+from .output.writer import check_output, make_writer, read_back, resume_writer
 from .progress import Progress
-from .start.initial import InitialState, initialize
+from .start.initial import initialize
+from .start.removed import RemovedRows
 from .step.loop import advance
 from .step.record import record
-from .step.system import Inputs, Run, Workspace
+from .step.system import Inputs, Run, State, Workspace
 
 BATCH_SECONDS = 0.1
 """seconds that the loop runs before it returns, for progress and interrupts"""
@@ -34,17 +47,31 @@ def simulate(
     *,
     output: str | os.PathLike[str] | None = None,
     progress: bool = False,
+    resume: bool = False,
+    anyway: bool = False,
 ) -> Results:
     """Integrate the motion of a model from t = 0 to t_end.
 
     settings: by default those of the model; output: the results file, by default none (results stay
-    in memory); progress: show a bar. Raises ModelError for a model that cannot start,
-    ConvergenceError where Newton's method fails and ResultsError for a file that cannot be written;
-    the file then holds the steps before the failure, as it does after an interrupt.
+    in memory); progress: show a bar. resume: go on with the last run to that file, from the state
+    that it kept (`Settings.checkpoint`): the results are to the bit those of a run that was never
+    interrupted; t_end may be another. anyway: also where model, versions or machine are not those
+    of that run.
+
+    Raises ModelError for a model that cannot start or whose redundant constraints are needed later,
+    ConvergenceError where Newton's method fails, StateError for a state that does not belong to the
+    model, or is none, and ResultsError for a file that cannot be written. The steps before a
+    failure or an interrupt are in the file, or in OUTPUT.partial where earlier results stand, which
+    stay until a run has ended well.
     """
     if settings is not None:
         model = replace(model, settings=settings)
-    return _run(model, None if output is None else Path(output), progress)
+    path = None if output is None else Path(output)
+    if not resume:
+        return _run(model, path, progress)
+    if path is None:
+        raise StateError("resume: expected the file of the results as output, got none")
+    return _resume(model, path, progress, anyway)
 
 
 def start(model: Model) -> Results:
@@ -64,31 +91,94 @@ def _run(model: Model, output: Path | None, progress: bool, steps: int | None = 
         initial = initialize(model, lowered)
         total = initial.lowered.n_steps if steps is None else steps
         writer = make_writer(output, initial, total)
-    started = time.perf_counter()
+    course = Course(initial.lowered, initial.state, initial.work, initial.removed, writer, total)
+    return _finish(course, progress)
+
+
+def _resume(model: Model, output: Path, progress: bool, anyway: bool) -> Results:
+    """Go on with a run from the state that it kept."""
+    check_output(output, model)
+    kept = read_checkpoint(output)
+    identity, step = kept.identity, kept.snapshot.step
+    with about(model.path):
+        if not anyway:
+            identity.check_model(model)
+        lowered = lower(model, frozenset(kept.without), identity.horizon)
+        if not anyway:
+            identity.check_system(lowered)
+        if lowered.n_steps < step:
+            raise ModelError(
+                f"simulation: t_end: expected the time of the state, {step * lowered.h:.9g} s, "
+                f"or more, got {model.settings.t_end:.9g}"
+            )
+        state, work = allocate(lowered)
+        kept.snapshot.put_back(carried(state=state, work=work))
+        removed = RemovedRows(lower(model) if kept.without else lowered, sorted(kept.without))
+        writer = resume_writer(output, lowered, kept)
+    course = Course(lowered, state, work, removed, writer, lowered.n_steps, step, start_of(kept))
+    return _finish(course, progress)
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """A run up to a step, from the start or from the step to which it is `begun`.
+
+    start: the energies of t = 0, where they are known.
+    """
+
+    lowered: LoweredModel
+    state: State
+    work: Workspace
+    removed: RemovedRows
+    writer: Writer
+    total: int
+    begun: int | None = None
+    start: Energies = NO_ENERGIES
+
+    def keeper(self) -> "FileKeeper | nullcontext[NoKeeper]":
+        writer = self.writer
+        if self.lowered.model.settings.checkpoint is None or not isinstance(writer, FileWriter):
+            return nullcontext(NoKeeper())
+        return FileKeeper(writer, self.lowered, carried(state=self.state, work=self.work))
+
+
+def _finish(course: Course, progress: bool) -> Results:
+    writer, started = course.writer, time.perf_counter()
     try:
-        march(initial, writer, total, progress)
+        march(course, progress)
         writer.note(finished=True, seconds=time.perf_counter() - started)
+        settle_checkpoint(writer)
         writer.finish()
+    except ConvergenceError as error:
+        error.args = (f"{error}{writer.where()}",)
+        raise
+    except KeyboardInterrupt as interrupt:
+        raise KeyboardInterrupt(f"interrupted{writer.where()}") from interrupt
     finally:
         writer.leave()
-    return read_back(output, writer, model)
+    return read_back(writer, course.lowered.model)
 
 
-def march(initial: InitialState, writer: Writer, total: int, progress: bool) -> None:
-    """Take the first steps of a run, with the rows that it records."""
-    lowered, state, work = initial.lowered, initial.state, initial.work
-    done, batch = 0, 16
+def march(course: Course, progress: bool = False) -> None:
+    """Take the steps of a run that are left, with the rows that it records."""
+    lowered, state, work, total = course.lowered, course.state, course.work, course.total
+    done, batch = course.begun or 0, 16
     convolution = DyadicConvolution(lowered.system.elastic)
     with (
-        Recorder(writer, lowered) as recorder,
+        course.keeper() as keeper,
+        Recorder(course.writer, lowered, course.start) as recorder,
         Progress("simulating", total, shown=progress) as bar,
     ):
         run = Run(system=lowered.system, state=state, work=work, output=recorder.output)
-        record(run, 0)
-        recorder.keep(0, recorder.rows(0, 1))
+        if course.begun is None:
+            record(run, 0)
+            recorder.keep(0, recorder.rows(0, 1))
+        bar.advance(done)
+        keeper.step_taken(done, recorder)
         while done < total:
             started = time.perf_counter()
-            n = convolution.steps_until_due(done, min(batch, total - done))
+            n = keeper.steps_until_due(done, min(batch, total - done))
+            n = convolution.steps_until_due(done, n)
             rows = recorder.rows(done + 1, n)
             taken, residual = advance(run, signals(lowered, done + 1, rows))
             recorder.keep(done + 1, rows[:taken])
@@ -96,7 +186,9 @@ def march(initial: InitialState, writer: Writer, total: int, progress: bool) -> 
             bar.advance(taken)
             if taken < len(rows):
                 raise failure(lowered, done + 1, residual, work)
+            course.removed.check(work, done * lowered.h)
             convolution.update(state)
+            keeper.step_taken(done, recorder)
             if time.perf_counter() - started < 0.5 * BATCH_SECONDS:
                 batch *= 2
 

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 
 from .arrays import Array
+from .checkpoint.carried import Snapshot, carried
+from .checkpoint.moment import Moment
 from .errors import ModelError, about
 from .history.uniform import UniformConvolution
 from .lower.allocation import make_output
@@ -22,7 +24,9 @@ from .step.record import record
 from .step.system import Inputs, Run
 
 AHEAD = 256
-"""steps for which the signals that are not inputs are sampled at once"""
+"""steps for which the signals that are not inputs are sampled at once, and between checks"""
+PAST = "past/"
+"""names of the arrays of the convolution begin with it"""
 
 
 class Simulator:
@@ -44,7 +48,7 @@ class Simulator:
 
     Raises ModelError for a model that cannot start, an unknown output, a wrong number of inputs and
     a step beyond t_end; ConvergenceError where Newton's method fails, after which there are no
-    further steps.
+    further steps but from an earlier state: `save` gives the present one, and `restore` goes back.
     """
 
     def __init__(
@@ -66,6 +70,7 @@ class Simulator:
         self.views: Mapping[str, Array] = dict(zip(outputs, ranges, strict=True))
         """the chosen outputs by name, each (n,)"""
         self._lowered, self._state, self._work = lowered, state, initial.work
+        self._removed = initial.removed
         self._run = Run(system=lowered.system, state=state, work=initial.work, output=output)
         sampled = [*lowered.load_signals, *lowered.drives]
         self.inputs = tuple(dict.fromkeys(s.name for s in sampled if isinstance(s, Input)))
@@ -85,6 +90,8 @@ class Simulator:
         self._last = self._next.replace(ahead=0)
         self._convolution = UniformConvolution(lowered.system.elastic)
         self._number, self._n_steps, self._h = 0, lowered.n_steps, lowered.h
+        self._live = carried(state=state, work=initial.work, output=output)
+        self._sampled_from = 0
         record(self._run, 0)
         advance(self._run, Inputs(load=load[:0], drive=drive[:0], row=row[:0], ahead=1))
         self._gather()
@@ -118,7 +125,30 @@ class Simulator:
         if not taken:
             raise failure(self._lowered, number, residual, self._work)
         self._number = number
+        if number % AHEAD == 0:
+            self._removed.check(self._work, self.time)
         self._convolution.update(self._state)
+        return self._gather()
+
+    def save(self) -> Moment:
+        """The present state, to go back to."""
+        arrays = {name: array.copy() for name, array in self._live.items()}
+        past = {f"{PAST}{name}": array for name, array in self._convolution.saved().items()}
+        return Moment(Snapshot(self._number, arrays | past), self._lowered)
+
+    def restore(self, moment: Moment) -> Array:
+        """Go back, or forth, to a state that was saved; return the outputs there.
+
+        All that follows is then to the bit what followed when it was saved. `StateError` for a
+        state of another model, version or machine.
+        """
+        moment.check(self._lowered)
+        number, arrays = moment.snapshot
+        own = {name: array for name, array in arrays.items() if not name.startswith(PAST)}
+        past = {name.removeprefix(PAST): arrays[name] for name in arrays.keys() - own.keys()}
+        Snapshot(number, own).put_back(self._live)
+        self._convolution.load(number, past)
+        self._number = number
         return self._gather()
 
     def _gather(self) -> Array:
@@ -129,8 +159,10 @@ class Simulator:
     def _set_signals(self, number: int) -> None:
         """Sample the signals of step `number` that are not inputs, for many steps at once."""
         k = (number - 1) % AHEAD
-        if k == 0:
-            n = min(AHEAD, self._n_steps - number + 1)
-            self._sampled = signals(self._lowered, number, np.zeros(n, dtype=np.int64))
+        first = number - k
+        if first != self._sampled_from:
+            n = min(AHEAD, self._n_steps - first + 1)
+            self._sampled = signals(self._lowered, first, np.zeros(n, dtype=np.int64))
+            self._sampled_from = first
         self._load[:] = self._sampled.load[k]
         self._drive[:] = self._sampled.drive[k]

@@ -14,9 +14,9 @@ from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
+from ..files.memory import shortage
+from ..files.outputs import clash
 from ..inputs import InputError, Table, parse_toml, quoted, read_table, read_text, read_toml
-from ..inputs.memory import shortage
-from ..inputs.outputs import clash
 from .case import Case, Kind
 from .errors import StudyError
 from .keys import leaves, matching, replaced

@@ -26,7 +26,8 @@ def checked(name: str, value: Any, shape: Sequence[int | str]) -> Array:
     """A read-only contiguous float array of a shape, in which a letter allows any length."""
     try:
         found = np.asarray(value)
-        array = found.real.astype(np.float64, order="C")
+        # What is read-only, as the arrays of a superelement are, can be shared.
+        array = found.real.astype(np.float64, order="C", copy=bool(found.flags.writeable))
     except (TypeError, ValueError) as error:
         raise SuperelementError(
             f"{name}: expected numbers of shape {_text(shape)}, found others: {error}"
@@ -35,13 +36,7 @@ def checked(name: str, value: Any, shape: Sequence[int | str]) -> Array:
         raise SuperelementError(
             f"{name}: expected real numbers of shape {_text(shape)}, found complex ones"
         )
-    fits = array.ndim == len(shape) and all(
-        isinstance(want, str) or want == have for want, have in zip(shape, array.shape, strict=True)
-    )
-    if not fits:
-        raise SuperelementError(
-            f"{name}: expected shape {_text(shape)}, found {_text(array.shape)}"
-        )
+    check_shape(name, array.shape, shape)
     if not np.isfinite(array).all():
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         position = f" at index {where}" if where else ""
@@ -52,6 +47,15 @@ def checked(name: str, value: Any, shape: Sequence[int | str]) -> Array:
         )
     array.flags.writeable = False
     return array
+
+
+def check_shape(name: str, found: Sequence[int], shape: Sequence[int | str]) -> None:
+    """SuperelementError unless a shape is as asked for; a letter allows any length."""
+    fits = len(found) == len(shape) and all(
+        isinstance(want, str) or want == have for want, have in zip(shape, found, strict=True)
+    )
+    if not fits:
+        raise SuperelementError(f"{name}: expected shape {_text(shape)}, found {_text(found)}")
 
 
 def check_positive(name: str, value: float) -> None:

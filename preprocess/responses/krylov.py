@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import eigh
 
-from ...inputs.memory import available
+from ...files.memory import available
 from ...superelement import GeneralizedAlpha, Modes
 from ...superelement.validation import Array
 from ..assembly.structure import Structure

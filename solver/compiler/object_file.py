@@ -101,11 +101,18 @@ def key() -> str:
         digest.update(source.read_bytes())
     layouts = sorted(record.description() for record in marks.records())
     digest.update(repr(list(_constants())).encode())
-    features = llvm.get_host_cpu_features().flatten()
     versions = [sys.version_info[:2], metadata.version("numba"), metadata.version("llvmlite")]
-    machine = [llvm.get_process_triple(), llvm.get_host_cpu_name(), features]
-    digest.update(repr((layouts, versions, machine)).encode())
+    digest.update(repr((layouts, versions, llvm.get_process_triple(), processor())).encode())
     return digest.hexdigest()[:16]
+
+
+@cache
+def processor() -> str:
+    """The name of the processor, and a digest of what it can do."""
+    import llvmlite.binding as llvm
+
+    features = llvm.get_host_cpu_features().flatten()
+    return f"{llvm.get_host_cpu_name()} {hashlib.sha256(features.encode()).hexdigest()[:8]}"
 
 
 def _constants() -> Iterator[tuple[str, Any]]:

@@ -6,7 +6,7 @@ do not change while the record lives: what moves are the elements of its arrays.
 """
 
 import operator
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, ClassVar, NamedTuple, Self, dataclass_transform
 
 import numpy as np
@@ -140,16 +140,18 @@ class Struct:
         """A record with other values of some fields, which shares all other arrays."""
         return type(self)(**{name: getattr(self, name) for name in self.layout} | values)
 
-    def arrays(self) -> list[Any]:
-        """All arrays, those of records within included, in the order of their declaration."""
-        found: list[Any] = []
-        for name, (_, kind) in self.layout.items():
+    def leaves(self) -> Iterator[tuple[str, Any]]:
+        """All arrays and numbers with their names, "bodies/mass", in the order of declaration."""
+        for name in self.layout:
             value = getattr(self, name)
             if isinstance(value, Struct):
-                found += value.arrays()
-            elif isinstance(kind, ArrayField):
-                found.append(value)
-        return found
+                yield from ((f"{name}/{below}", leaf) for below, leaf in value.leaves())
+            else:
+                yield name, value
+
+    def arrays(self) -> list[Any]:
+        """All arrays, those of records within included, in the order of their declaration."""
+        return [leaf for _, leaf in self.leaves() if isinstance(leaf, np.ndarray)]
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError(

@@ -30,11 +30,14 @@ class Window:
     """The steps whose loads are kept: twice `span`; when full, the older half is dropped."""
 
     def __init__(self, elastic: Elastic) -> None:
-        self.span = _power_above(int(elastic.kernels.lags.max(initial=0)))
+        self.span = power_above(int(elastic.kernels.lags.max(initial=0)))
 
     def capacity(self, n_steps: int) -> int:
-        """The number of steps whose loads a run of n_steps keeps at a time, t = 0 included."""
-        return min(n_steps, 2 * self.span) + 1
+        """The number of steps whose loads a run of n_steps keeps at a time, t = 0 included.
+
+        The largest block reaches beyond the end, where a longer run may go on.
+        """
+        return min(power_above(n_steps + 1), 2 * self.span) + 1
 
     def shift(self, n: int, state: State) -> None:
         """Drop the older half if step n has filled the window."""
@@ -68,7 +71,7 @@ class DyadicConvolution:
         self._window.shift(n, state)
         if n > 0 and n % BLOCK == 0:
             for e in self._by_fft:
-                block = min(n & -n, _power_above(int(self._elastic.kernels.lags[e])))
+                block = min(n & -n, power_above(int(self._elastic.kernels.lags[e])))
                 self._convolve(e, n, block, state)
                 state.past.since[e] = n + 1
 
@@ -94,7 +97,7 @@ class DyadicConvolution:
         return self._spectra[key]
 
 
-def _power_above(lags: int) -> int:
+def power_above(lags: int) -> int:
     """The smallest block of at least so many lags."""
     block = BLOCK
     while block < lags:

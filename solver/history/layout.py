@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...inputs.memory import shortage
+from ...files.memory import shortage
 from ...superelement import GeneralizedAlpha, Superelement, SuperelementError
 from ..arrays import Array, Index, as_index
 from ..errors import ModelError
@@ -13,24 +13,36 @@ from ..model.model import Model
 from ..model.settings import Settings
 from ..step.system import Elastic, Frames, Kernels, Modes
 from .cost import cheapest_history
+from .dyadic import power_above
 from .truncation import truncate, truncation_error
 
+LONGEST = 1e15
+"""steps of a kernel that anybody may ask for"""
 COPIES = 3
 """of a kernel in memory while it is laid out"""
 LARGEST_TRUNCATION = 0.1
 """relative error of a kernel that is cut off; with a larger one, motions can gain energy"""
 
 
+class Horizon(NamedTuple):
+    """Numbers of steps of the run that a run continues: `planned` at first, and laid out for."""
+
+    planned: int
+    steps: int
+
+
 class Stepping(NamedTuple):
     """The time integration of a run: step h [s], scheme, number of steps.
 
-    weight: of p_{n+1} against p_n in the convolution, 1, or 1/2 in eq. (55).
+    weight: of p_{n+1} against p_n in the convolution, 1, or 1/2 in eq. (55); planned: the number of
+    steps for which the forms of history are chosen, that of the run that this one continues.
     """
 
     h: float
     scheme: GeneralizedAlpha
     n_steps: int
     weight: float
+    planned: int
 
 
 class _History(NamedTuple):
@@ -157,13 +169,13 @@ def _choose_history(
     name: str, element: Superelement, n_active: int, settings: Settings, stepping: Stepping
 ) -> _History:
     """The history that the settings ask for, or the cheapest, for the body of this name."""
-    h, n_steps = stepping.h, stepping.n_steps
+    h, n_steps, planned = stepping.h, stepping.n_steps, stepping.planned
     form: str = settings.history
-    length = settings.kernel_length
-    lags = n_steps + 1 if length is None else round(min(n_steps, length / h)) + 1
+    wanted = settings.kernel_length
+    length = n_steps if wanted is None else round(min(wanted / h, LONGEST))
     if form == "auto":
         m = None if element.modes is None else len(element.modes.omega)
-        form = cheapest_history(element.n_c, n_active, m, n_steps, lags)
+        form = cheapest_history(element.n_c, n_active, m, planned, min(planned, length) + 1)
     if form == "recursive":
         if element.modes is None:
             raise ModelError(
@@ -171,6 +183,9 @@ def _choose_history(
                 f"and superelement {element.name!r} has none"
             )
         return _by_modes(element, h, stepping.scheme)
+    lags = min(n_steps, length) + 1
+    if form == "fft" and lags > n_steps:
+        lags = _whole_blocks(element, n_steps) + 1
     _check_memory(name, element, lags)
     return _by_kernel(element, stepping, lags, form == "fft")
 
@@ -183,6 +198,16 @@ def _check_memory(name: str, element: Superelement, lags: int) -> None:
             f"body {name!r}: its history of {lags} steps {lacking}: a shorter t_end, a longer step "
             "or `memory`, or history = 'recursive', takes less"
         )
+
+
+def _whole_blocks(element: Superelement, n_steps: int) -> int:
+    """The steps of a kernel that is transformed in blocks: those of the largest block as a whole.
+
+    So the transforms of a block are the same in a longer run, to the bit. A body without modes has
+    no more steps than it has.
+    """
+    steps = power_above(n_steps + 1)
+    return steps if element.modes is not None else max(n_steps, min(steps, element.kernel.steps))
 
 
 def _by_modes(element: Superelement, h: float, scheme: GeneralizedAlpha) -> _History:

@@ -8,7 +8,7 @@ after each step. A step costs n_c n_a times (1.5 B in the loop + lags / B in spe
 same. Source: T. G. Stockham, AFIPS 28 (1966), in partitions; docs/theory.md, History.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TypeAlias
 
 import numpy as np
@@ -44,6 +44,25 @@ class UniformConvolution:
             if (n + 1) % block == 0:
                 state.past.since[body.number] = n + 2 - block
 
+    def saved(self) -> dict[str, Array]:
+        """Copies of what the slots that have run have left, by name."""
+        return {
+            f"{body.number}/{name}": array.view(np.float64).copy()
+            for body in self._bodies
+            for name, array in body.kept.items()
+        }
+
+    def load(self, n: int, saved: Mapping[str, Array]) -> None:
+        """Go back to what `saved` gave after step n."""
+        for body in self._bodies:
+            prefix = f"{body.number}/"
+            kept = {
+                name.removeprefix(prefix): array.view(np.complex128).copy()
+                for name, array in saved.items()
+                if name.startswith(prefix)
+            }
+            body.load(n // self._block + 1, kept)
+
 
 class _BodyConvolution:
     """The convolution of one flexible body."""
@@ -72,6 +91,18 @@ class _BodyConvolution:
                 self._product_task(k - 2 - i, i) for i in range(min(k - 1, len(self._spectra)))
             ]
             self._tasks.append(lambda state: self._transform_back(k, state))
+
+    @property
+    def kept(self) -> dict[str, Complex]:
+        """The sum of the present block, and the transforms of loads by their blocks."""
+        return {"sum": self._sum} | {str(j): loads for j, loads in self._loads.items()}
+
+    def load(self, k: int, kept: Mapping[str, Complex]) -> None:
+        """Go back to what was `kept` while block k was being made ready."""
+        self.plan(k)
+        loads = dict(kept)
+        self._sum = loads.pop("sum")
+        self._loads = {int(j): transform for j, transform in loads.items()}
 
     def run_slot(self, slot: int, state: State) -> None:
         """Run the tasks of one step of a block, slot = 0 .. B - 1."""

@@ -7,17 +7,17 @@ from numpy.typing import NDArray
 
 from ...superelement import GeneralizedAlpha, Superelement
 from ..arrays import Array, as_index, as_rows
-from ..history.layout import lay_out_elastic
+from ..history.layout import Horizon, lay_out_elastic
 from ..model.model import Model
 from ..model.signals import Signal, SmoothSignal
 from ..step.rows import measures_length
 from ..step.system import Bodies, Loads, System
-from .checks import check_assembled, check_moments
+from .checks import check_assembled, check_masses, check_moments
 from .elimination_order import lay_out_pattern
 from .numbering import NumberedFrames, number_frames
 from .placement import Pose, place_bodies
 from .rows import Row, coupling_rows, joint_observers, lay_out_couplings, lay_out_rows
-from .scheme import lay_out_newton, lay_out_scheme, stepping_of
+from .scheme import lay_out_newton, lay_out_scheme, round_up, stepping_of
 from .size import model_size
 
 
@@ -29,6 +29,9 @@ class LoweredModel:
     system: System
     scheme: GeneralizedAlpha
     n_steps: int
+    horizon: Horizon
+    without: frozenset[int]
+    """redundant rows that are left out, by their numbers"""
     poses: list[Pose]
     body_names: list[str]
     frame_names: list[str]
@@ -65,12 +68,15 @@ class LoweredModel:
         return self.model.couplings[self.coupling_of(row)].owner
 
 
-def lower(model: Model, without: frozenset[int] = frozenset()) -> LoweredModel:
+def lower(
+    model: Model, without: frozenset[int] = frozenset(), earlier: Horizon | None = None
+) -> LoweredModel:
     """Number bodies, frames, rows and dofs of a model, and lay them out for the time loop.
 
-    without: rows to leave out, by their numbers. `ModelError` for a model that cannot be laid out.
+    without: rows to leave out, by their numbers; earlier: the horizon of the run that this one
+    continues. `ModelError` for a model that cannot be laid out.
     """
-    stepping = stepping_of(model)
+    stepping = stepping_of(model, earlier)
     poses = place_bodies(model)
     frames = number_frames(model, poses)
     rows = _rows(model, frames, without)
@@ -80,6 +86,7 @@ def lower(model: Model, without: frozenset[int] = frozenset()) -> LoweredModel:
     if not model.settings.assemble:
         check_assembled(model, size, frames)
     check_moments(model, frames, rows)
+    check_masses(model)
     elastic, compliances, truncation = lay_out_elastic(model, frames.arrays, stepping)
     system = System(
         scheme=lay_out_scheme(stepping),
@@ -96,7 +103,9 @@ def lower(model: Model, without: frozenset[int] = frozenset()) -> LoweredModel:
         model=model,
         system=system,
         scheme=stepping.scheme,
-        n_steps=stepping.n_steps,
+        n_steps=round_up(model.settings.t_end / stepping.h),
+        horizon=Horizon(stepping.planned, stepping.n_steps),
+        without=without,
         poses=[poses[name] for name in model.bodies],
         body_names=list(model.bodies),
         frame_names=list(frames.poses),

@@ -4,7 +4,7 @@ import numpy as np
 
 from ...superelement import GeneralizedAlpha
 from ..errors import ModelError
-from ..history.layout import Stepping
+from ..history.layout import Horizon, Stepping
 from ..model.model import Model
 from ..step.system import Newton, Scheme
 
@@ -16,11 +16,12 @@ LARGEST_WITH_CONSTRAINTS = 0.99
 """rho_inf up to which multipliers forget their rounding: they carry it on as k^2 rho_inf^k"""
 
 
-def stepping_of(model: Model) -> Stepping:
+def stepping_of(model: Model, earlier: Horizon | None = None) -> Stepping:
     """Step size, scheme, number of steps and weight of the convolution.
 
-    `ModelError` for superelements that differ in step or scheme where the settings give none, and
-    for a scheme under which constraint forces grow without bound.
+    earlier: the horizon of the run that this one continues. `ModelError` for superelements that
+    differ in step or scheme where the settings give none, and for a scheme under which constraint
+    forces grow without bound.
     """
     settings = model.settings
     kernels = {name: body.superelement.kernel for name, body in model.flexible_bodies.items()}
@@ -34,12 +35,19 @@ def stepping_of(model: Model) -> Stepping:
             f"simulation: t_end: expected less than {MOST_STEPS:g} steps, got {settings.t_end:g} s "
             f"in steps of {h:g} s"
         )
+    n_steps = round_up(settings.t_end / h)
     return Stepping(
         h=h,
         scheme=GeneralizedAlpha(rho_inf),
-        n_steps=int(np.ceil(settings.t_end / h - 1e-6)),
+        n_steps=max(n_steps, earlier.steps if earlier else 0),
         weight=1.0 if settings.rule == "consistent" else 0.5,
+        planned=earlier.planned if earlier else n_steps,
     )
+
+
+def round_up(steps: float) -> int:
+    """A whole number of steps; one that is whole to rounding stays."""
+    return int(np.ceil(steps - 1e-6))
 
 
 def lay_out_scheme(stepping: Stepping) -> Scheme:

@@ -27,4 +27,5 @@ def model_size(model: Model, poses: Mapping[str, Pose], frames: NumberedFrames) 
 
 
 def _distances(points: Array) -> Array:
-    return np.linalg.norm(points, axis=1)
+    distances: Array = np.linalg.norm(points, axis=1)
+    return distances

@@ -1,10 +1,21 @@
 """Settings of a simulation: time integration, start and record."""
 
 from dataclasses import field
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from ..schema.entry import Entry, Key, entry
-from ..schema.values import ORIGIN, Fraction, Iterations, PositiveTime, Tolerance, Vector
+from ..errors import ModelError
+from ..schema.entry import Entry, Key, Takes, entry
+from ..schema.forms import Family
+from ..schema.tables import read_member
+from ..schema.values import (
+    ORIGIN,
+    Count,
+    Fraction,
+    Iterations,
+    PositiveTime,
+    Tolerance,
+    Vector,
+)
 from .output_request import OutputRequest
 
 
@@ -19,6 +30,42 @@ class SteadyRotation(Entry):
 
     angular_velocity: Vector
     center: Vector = ORIGIN
+
+
+INTERVALS = Family("interval")
+
+
+@INTERVALS.bare_number
+@entry(eq=True)
+class Seconds(Entry):
+    """So many seconds of wall time."""
+
+    seconds: PositiveTime
+
+
+@INTERVALS.in_files("every")
+@entry(eq=True)
+class EverySteps(Entry):
+    """So many time steps."""
+
+    every: Count
+
+
+def _interval(value: Any) -> Seconds | EverySteps:
+    if isinstance(value, Seconds | EverySteps):
+        return value
+    try:
+        interval: Seconds | EverySteps = read_member(INTERVALS, value)
+    except ModelError as error:
+        raise ValueError from error
+    return interval
+
+
+Interval = Annotated[
+    Seconds | EverySteps,
+    INTERVALS,
+    Takes("seconds or {'every': steps}", _interval, Any),
+]
 
 
 @entry(kw_only=True)
@@ -41,6 +88,9 @@ class Settings(Entry):
     they are open at the start (otherwise by no more than a thousandth of the size of the model).
     redundant: constraints that depend on one another are an "error", or the solver may "remove"
     them. output: what is recorded.
+
+    checkpoint: how often the state is kept beside the results file, so that the run can go on from
+    it: seconds of wall time, or {"every": steps}.
     """
 
     t_end: PositiveTime
@@ -56,6 +106,7 @@ class Settings(Entry):
     steady_rotation: SteadyRotation | None = None
     assemble: bool = False
     redundant: Literal["error", "remove"] = "error"
+    checkpoint: Interval | None = None
     output: OutputRequest = field(default_factory=OutputRequest)
 
     def validate(self) -> None:

@@ -14,6 +14,8 @@ from .writer import rows_of
 
 NUMBERS = 1 << 20
 """size of the buffer"""
+NO_ENERGIES = Energies(0.0, 0.0)
+"""until the first row is kept"""
 
 
 class Recorder:
@@ -23,7 +25,9 @@ class Recorder:
     first step leaves an earlier results file as it is.
     """
 
-    def __init__(self, writer: Writer, lowered: LoweredModel) -> None:
+    def __init__(
+        self, writer: Writer, lowered: LoweredModel, start: Energies = NO_ENERGIES
+    ) -> None:
         width = sum(array.size for array in make_output(lowered, 1).arrays())
         self._every, self._last = lowered.model.settings.output.every, lowered.n_steps
         n = min(NUMBERS // width, rows_of(lowered))
@@ -32,7 +36,8 @@ class Recorder:
         self._steps = np.empty(len(self.output.newton_residual), dtype=np.int64)
         self._waiting = self._taken = 0
         self._written = time.perf_counter()
-        self._start = Energies(0.0, 0.0)
+        self.start = start
+        """energies of t = 0"""
 
     def __enter__(self) -> "Recorder":
         return self
@@ -51,7 +56,7 @@ class Recorder:
         self._steps[self._waiting : self._waiting + n] = first + np.flatnonzero(recorded)
         self._waiting += n
         if first == 0:
-            self._start = Energies.of(self.output)
+            self.start = Energies.of(self.output)
         else:
             self._taken += len(rows)
         full = self._waiting == len(self._steps)
@@ -63,7 +68,7 @@ class Recorder:
         steps = self._steps[: self._waiting]
         self._waiting = 0
         if len(steps):
-            self._writer.append(Batch(steps, self._h, self.output, self._start))
+            self._writer.append(Batch(steps, self._h, self.output, self.start))
         self._written = time.perf_counter()
 
     def __exit__(

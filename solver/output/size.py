@@ -4,7 +4,7 @@ import math
 import shutil
 from pathlib import Path
 
-from ...inputs.memory import gigabytes, shortage
+from ...files.memory import gigabytes, shortage
 from ...results.file import chunks
 from ...results.schema import Contents
 from ..errors import ModelError

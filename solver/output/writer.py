@@ -1,12 +1,13 @@
 """The destination of the results of a run, and the notes at its head."""
 
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from ...results.file import FileSource, FileWriter
 from ...results.results import Results
-from ...results.source import Memory, Writer
+from ...results.source import Memory, Source, Writer
 from ...superelement import Superelement
+from ..checkpoint.file import StateFile
 from ..errors import ResultsError
 from ..lower.lower import LoweredModel
 from ..model.model import Model
@@ -36,18 +37,30 @@ def make_writer(path: Path | None, initial: InitialState, steps: int) -> Writer:
 
     `ResultsError` for a file that cannot be written.
     """
-    lowered = initial.lowered
+    lowered, model = initial.lowered, initial.lowered.model
     contents, notes = requested(lowered), _notes(initial, steps)
     check_size(path, contents, steps // lowered.model.settings.output.every + 1)
     if path is None:
-        return Memory(contents, notes, lowered.model.source)
-    return FileWriter(path, contents, notes, lowered.model.source, rows_of(lowered))
+        return Memory(contents, notes, model.source)
+    durable = model.settings.checkpoint is not None
+    return FileWriter(path, contents, notes, model.source, rows_of(lowered), durable)
 
 
-def read_back(path: Path | None, writer: Writer, model: Model) -> Results:
+def resume_writer(path: Path, lowered: LoweredModel, state: StateFile) -> FileWriter:
+    """A writer that goes on with the file at a path after the rows of a state.
+
+    `ResultsError` for a file that does not belong to the state.
+    """
+    rows = 1 + state.snapshot.step // lowered.model.settings.output.every
+    notes = {"steps": lowered.n_steps, "truncation": lowered.truncation, "finished": False}
+    contents, source = requested(lowered), lowered.model.source
+    return FileWriter.resume(path, contents, notes, source, rows, state.run)
+
+
+def read_back(writer: Writer, model: Model) -> Results:
     """The results that were written."""
-    source = writer if isinstance(writer, Memory) else FileSource(path or Path())
-    return Results(source, _superelements(model))
+    source = FileSource(writer.path) if isinstance(writer, FileWriter) else writer
+    return Results(cast(Source, source), _superelements(model))
 
 
 def rows_of(lowered: LoweredModel) -> int:
@@ -84,6 +97,6 @@ def _notes(initial: InitialState, steps: int) -> dict[str, Any]:
         "velocity_error_at": initial.assembly_error.velocity_at,
         "moved": initial.moved,
         "velocity_correction": initial.velocity_correction,
-        "removed": initial.removed,
+        "removed": initial.removed.names,
         "truncation": lowered.truncation,
     }

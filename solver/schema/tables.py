@@ -38,7 +38,7 @@ def keys_of(kind: type[Entry]) -> dict[str, Any]:
     The default is never read: for a key that a file leaves out the entry has its own.
     """
     keys: dict[str, Any] = {}
-    for field, hint in _declared(kind):
+    for field, hint in declared(kind):
         if note(hint, Beside):
             keys |= keys_of(_bare(hint))
         else:
@@ -54,7 +54,7 @@ def key_of(field: "Field[Any]", hint: Any) -> str:
 def entry_of(kind: type[AnyEntry], table: Mapping[str, Any]) -> AnyEntry:
     """An entry from the values of a file, by key; ModelError names the entry."""
     values: dict[str, Any] = {}
-    for field, hint in _declared(kind):
+    for field, hint in declared(kind):
         if note(hint, Beside):
             values[field.name] = entry_of(_bare(hint), table)
         elif (key := key_of(field, hint)) in table:
@@ -87,7 +87,7 @@ def present_keys(table: Table) -> dict[str, Any]:
 def table_in_file(entry: Entry) -> dict[str, Any]:
     """The table of an entry in a file, without keys that have their defaults."""
     table: dict[str, Any] = {}
-    for field, hint in _declared(type(entry)):
+    for field, hint in declared(type(entry)):
         value = in_file(entry, field.name, getattr(entry, field.name), hint)
         if note(hint, Beside):
             table |= value
@@ -183,7 +183,8 @@ def type_in_file(hint: Any) -> Any:
     return hint
 
 
-def _declared(kind: Any) -> list[tuple["Field[Any]", Any]]:
+def declared(kind: Any) -> list[tuple["Field[Any]", Any]]:
+    """The fields that an entry is made of, each with its annotation."""
     hints = annotations(kind)
     return [(field, hints[field.name]) for field in fields(kind) if field.init]
 

@@ -26,7 +26,8 @@ from .equilibrium import check_drives, check_steady, solve_equilibrium
 from .inertia import interface_accelerance, inverse_inertia
 from .jacobian import constraint_jacobian, constraint_rows
 from .matrices import solve
-from .redundancy import count_degrees_of_freedom, describe_rows, redundant_rows
+from .redundancy import count_degrees_of_freedom, redundant_rows
+from .removed import RemovedRows
 from .steady import steady_motion
 
 
@@ -50,7 +51,7 @@ class InitialState:
 
     moved: the largest difference between a given and the starting position [m] or rotation [rad];
     velocity_correction: the largest change of a velocity [m/s, rad/s]; removed: the redundant
-    constraints left out, in words; degrees_of_freedom of the mechanism.
+    constraints left out; degrees_of_freedom of the mechanism.
     """
 
     lowered: LoweredModel
@@ -59,7 +60,7 @@ class InitialState:
     assembly_error: AssemblyError
     moved: float
     velocity_correction: float
-    removed: str
+    removed: RemovedRows
     degrees_of_freedom: int
 
 
@@ -78,7 +79,7 @@ def initialize(model: Model, lowered: LoweredModel | None = None) -> InitialStat
     assemble_joints(lowered, state, work, _targets(lowered, ""))
     degrees_of_freedom = count_degrees_of_freedom(lowered, state, work)
     without = redundant_rows(lowered, state, work)
-    removed = describe_rows(lowered, sorted(without))
+    removed = RemovedRows(lowered, sorted(without))
     if without:
         lowered = lower(model, without)
         state, work = _allocated(lowered)

@@ -17,6 +17,7 @@ from ..laws import evaluate_law
 from .frames import (
     Pair,
     add_pair_tangent,
+    add_wrench_scale,
     coordinate,
     pull_back_pair,
     pull_back_tangent,
@@ -25,7 +26,7 @@ from .frames import (
 from .measure import ROUNDING, relative
 from .rows import ROTATION, add_row_tangent, carried_axis, evaluate_row, measures_length
 from .system import Couplings, Frames, Laws, State, System, Workspace
-from .vectors import dot, rotate, row
+from .vectors import dot, rotate, row, scale, triple
 
 
 @compiled
@@ -61,6 +62,18 @@ def add_coupling_wrenches(couplings: Couplings, state: State, work: Workspace) -
                 wrench[k] += lam[i] * out.gradient[i, couplings.second[i] + k]
             if couplings.compliant[i]:
                 _set_law_residual(couplings.laws, i, first, last, lam[i], work)
+
+
+@compiled
+def add_coupling_scales(system: System, state: State, work: Workspace) -> None:
+    """The wrenches of all rows, each by itself, join the force scales of the bodies."""
+    rows, gradient = system.couplings.rows, work.couplings.gradient
+    for i in range(len(rows.kind)):
+        lam = state.couplings.lam[i]
+        on_a = scale(lam, triple(gradient[i], 0)), scale(lam, triple(gradient[i], 3))
+        on_b = scale(lam, triple(gradient[i], 6)), scale(lam, triple(gradient[i], 9))
+        add_wrench_scale(system.frames, rows.frame_a[i], on_a, state, work)
+        add_wrench_scale(system.frames, rows.frame_b[i], on_b, state, work)
 
 
 @compiled

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from duhamel.inputs.memory import available
+from duhamel.files.memory import available
 from duhamel.preprocess.errors import MemoryShortageError
 from duhamel.preprocess.memory import require
 

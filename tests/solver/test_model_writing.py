@@ -179,6 +179,7 @@ def everything(random_element, tmp_path):
         steady_rotation=SteadyRotation([0, 0, 1.0 / 3.0], [1, 2, 3]),
         assemble=True,
         redundant="remove",
+        checkpoint={"every": 100},
         output=OutputRequest(3, ("bodies", "joints/fixed")),
     )
     return Model(

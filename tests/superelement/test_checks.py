@@ -57,7 +57,7 @@ DAMAGE = {
     "modes zero": (times(0, "modes/phi"), "static/compliance: expected what the modes give"),
     "modes slower": (times(0.99, "modes/omega"), "static/compliance: expected what the modes"),
     "modes damped": (times(1.5, "modes/zeta"), "kernel/g: expected what the modes give"),
-    "zeta": (value("modes/zeta", 0, 1e300), "modes: zeta: expected magnitudes up to 1e.100"),
+    "zeta": (value("modes/zeta", 0, 1e300), "modes/zeta: expected magnitudes up to 1e.100"),
     "zeta too": (value("modes/zeta", 0, 1e7), "modes: zeta: expected ratios up to 1e.06, found"),
     "omega": (value("modes/omega", 0, 1e-200), "modes: omega: expected a number from 1e-100"),
     "mass": (value("rigid/mass", (), 1e-300), "mass: expected a number from 1e-100 to 1e.100"),

@@ -414,11 +414,11 @@ FAULTS = {
     "g is a group": (with_group("kernel/g"), "dataset 'kernel/g' is missing"),
     "g shape": (
         with_dataset("kernel/g", np.zeros((8, 6, 6))),
-        r"kernel: g_initial: expected shape \(8, 6, 6\), found \(8, 9, 9\)",
+        r"kernel/g: expected shape \(n_k, 9, 9\), found \(8, 6, 6\)",
     ),
     "g NaN": (
         with_entry("kernel/g", (3, 2, 1), np.nan),
-        r"kernel: g: expected finite numbers, found nan at index \(3, 2, 1\)",
+        r"kernel/g: expected finite numbers, found nan at index \(3, 2, 1\)",
     ),
     "g skew": (
         with_entry("kernel/g", (3, 2, 1), 1.0),
@@ -426,11 +426,11 @@ FAULTS = {
     ),
     "g complex": (
         with_dataset("kernel/g", np.zeros((8, 9, 9), complex)),
-        "kernel: g: expected real numbers",
+        "kernel/g: expected real numbers",
     ),
     "g_initial": (
         with_entry("kernel/g_initial", (0, 0, 8), np.inf),
-        r"kernel: g_initial: .* found inf at index \(0, 0, 8\)",
+        r"kernel/g_initial: .* found inf at index \(0, 0, 8\)",
     ),
     "no step": (without_attribute("kernel", "h"), "attribute 'h' of group 'kernel' is missing"),
     "step text": (
@@ -457,11 +457,11 @@ FAULTS = {
     "zeta": (with_entry("modes/zeta", 0, -2.0), "modes: zeta: expected ratios >= 0, found -2.0"),
     "phi columns": (
         with_dataset("modes/phi", np.zeros((9, 5))),
-        r"modes: phi: expected shape \(n_c, 4\), found \(9, 5\)",
+        r"modes/phi: expected shape \(9, 4\), found \(9, 5\)",
     ),
     "phi rows": (
         with_dataset("modes/phi", np.zeros((8, 4))),
-        "modes: phi: expected 9 rows, .* found 8",
+        r"modes/phi: expected shape \(9, 4\), found \(8, 4\)",
     ),
     "compliance": (
         with_dataset("static/compliance", np.eye(6)),
@@ -474,7 +474,7 @@ FAULTS = {
     "no accelerance": (without("static/accelerance"), "dataset 'static/accelerance' is missing"),
     "recovery phi": (
         with_dataset("recovery/phi", np.zeros((5, 3, 2))),
-        r"recovery: stress: expected shape \(5, 6, 2\)",
+        r"recovery/stress: expected shape \(5, 6, 2\)",
     ),
     "recovery cells": (
         with_entry("recovery/cells", (0, 0), 5),

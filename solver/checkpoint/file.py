@@ -1,0 +1,142 @@
+"""Files of states: HDF5 with a dataset for each array, and a digest of all of it at the end.
+
+They are written whole or not at all.
+"""
+
+import hashlib
+import io
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from ...results.file import DAMAGE, replace_durably
+from ..errors import StateError
+from .carried import Snapshot
+from .identity import Identity
+
+FORMAT = "duhamel-state"
+VERSION = 1
+SUFFIX = ".checkpoint"
+DIGEST = 32
+"""bytes of a SHA-256"""
+KINDS = ("f8", "i8")
+"""types of arrays; complex ones are pairs of numbers"""
+
+
+@dataclass(frozen=True, eq=False)
+class StateFile:
+    """A state with what it belongs to.
+
+    run: the name of the run whose results it belongs to, "" if there is none; notes: numbers that
+    go with it; without: the redundant rows that were left out.
+    """
+
+    snapshot: Snapshot
+    identity: Identity
+    run: str = ""
+    without: tuple[int, ...] = ()
+    notes: Mapping[str, float] = field(default_factory=dict)
+
+    def write(self, path: Path) -> None:
+        """Replace the file at a path durably; OSError leaves it as it was."""
+        temporary = path.with_name(f".{path.name}.new")
+        try:
+            with temporary.open("wb") as file:
+                file.write(self._image())
+                file.flush()
+                os.fsync(file.fileno())
+            replace_durably(temporary, path)
+        finally:
+            temporary.unlink(missing_ok=True)
+
+    def _image(self) -> bytes:
+        text = self.identity.to_text()
+        with h5py.File("image", "w", driver="core", backing_store=False) as file:
+            file.attrs.update(
+                format=FORMAT,
+                version=VERSION,
+                created_by=f"duhamel {metadata.version('duhamel')}",
+                step=self.snapshot.step,
+                run=self.run,
+                without=np.array(self.without, dtype=np.int64),
+                **self.notes,
+            )
+            file["identity"] = np.frombuffer(text.encode(), dtype=np.uint8)
+            for name, array in self.snapshot.arrays.items():
+                file.create_dataset(f"arrays/{name}", data=array)
+            file.flush()
+            image: bytes = file.id.get_file_image()
+        return image + hashlib.sha256(image).digest()
+
+
+def read_state(path: Path) -> StateFile:
+    """The state in a file; `StateError` in one line for a file that is none, or damaged."""
+    with _failures_named(path), h5py.File(_whole(path), "r") as file:
+        _check_format(file)
+        text = _array(file, "identity", "u1").tobytes().decode()
+        names = _names(file["arrays"])
+        arrays = {name: _array(file, f"arrays/{name}", *KINDS) for name in names}
+        attributes = dict(file.attrs)
+        return StateFile(
+            Snapshot(int(attributes.pop("step")), arrays),
+            Identity.from_text(text),
+            str(attributes.pop("run")),
+            tuple(attributes.pop("without").tolist()),
+            {
+                key: float(value)
+                for key, value in attributes.items()
+                if isinstance(value, np.floating)
+            },
+        )
+
+
+def _whole(path: Path) -> io.BytesIO:
+    """The HDF5 file in a file of a state; `StateError` unless its digest fits."""
+    content = path.read_bytes()
+    image, digest = content[:-DIGEST], content[-DIGEST:]
+    if hashlib.sha256(image).digest() != digest:
+        raise StateError("damaged, or no state: the digest at its end is not that of its contents")
+    return io.BytesIO(image)
+
+
+def _check_format(file: h5py.File) -> None:
+    if (found := file.attrs.get("format")) != FORMAT:
+        raise StateError(f"attribute format: expected {FORMAT!r}, found {found!r}")
+    if (version := int(file.attrs.get("version", 0))) != VERSION:
+        raise StateError(f"state of version {version}; this Duhamel reads version {VERSION}")
+
+
+def _names(group: h5py.Group) -> list[str]:
+    """The arrays in a group and below it, links not followed."""
+    names: list[str] = []
+    group.visit(names.append)
+    return [name for name in names if isinstance(group[name], h5py.Dataset)]
+
+
+def _array(file: h5py.File, name: str, *kinds: str) -> Any:
+    """An array that lies in the file as a whole, so that it is no larger than the file."""
+    dataset = file[name]
+    stored = dataset.id.get_storage_size() == dataset.nbytes and dataset.chunks is None
+    if not stored or dataset.external or dataset.is_virtual or dataset.dtype not in kinds:
+        raise StateError(f"{name}: expected numbers in one piece, found {dataset}")
+    return dataset[()]
+
+
+@contextmanager
+def _failures_named(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except StateError as error:
+        raise StateError(f"{path}: {error}") from error
+    except FileNotFoundError as error:
+        raise StateError(f"{path}: no such file") from error
+    except DAMAGE as error:
+        reason = " ".join(str(error).split())
+        raise StateError(f"{path}: not a readable state: {reason}") from error

@@ -1,0 +1,249 @@
+"""What a state belongs to: the model by its keys, superelements, versions, and numbers of a step.
+
+A state goes on to the bit where all of this is the same. `t_end` is not among it, nor what does not
+touch the numbers.
+"""
+
+import hashlib
+import json
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from functools import cache
+from importlib import metadata
+from typing import Any
+
+import numpy as np
+
+from ...superelement import Superelement
+from ..arrays import Array
+from ..compiler.object_file import key as code_key
+from ..compiler.object_file import processor
+from ..errors import StateError
+from ..history.layout import Horizon
+from ..lower.lower import LoweredModel
+from ..model.bodies import FlexibleBody
+from ..model.model import Model
+from ..schema.entry import Beside, Entry, note
+from ..schema.tables import declared, key_of
+
+FREE = ("simulation.t_end", "simulation.checkpoint", "source", "path")
+"""beginnings of keys that may change between a run and its continuation"""
+TABLES = {
+    "settings": "simulation",
+    "ground_frames": "ground.frames",
+    "gravity": "simulation.gravity",
+}
+"""fields of a model by the keys of files"""
+LIBRARIES = ("numpy", "scipy", "numba", "llvmlite")
+BESIDES_THE_NUMBERS = frozenset({"recovery", "provenance"})
+"""fields of superelements that no step reads"""
+LONGEST = 60
+"""characters of a value in a message"""
+
+
+@dataclass(frozen=True)
+class Identity:
+    """software: versions by name; model: values by key; system: digests of a step's data by name.
+
+    kernels: of each body whose loads are convolved, the form, the lags, 1 if it is cut off, and a
+    digest; horizon: the numbers of steps that it was planned and laid out for.
+    """
+
+    software: Mapping[str, str]
+    model: Mapping[str, Any]
+    system: Mapping[str, str]
+    kernels: Mapping[str, tuple[str, int, bool, str]]
+    horizon: Horizon
+
+    def to_text(self) -> str:
+        return json.dumps({field.name: getattr(self, field.name) for field in fields(self)})
+
+    @classmethod
+    def from_text(cls, text: str) -> "Identity":
+        """`StateError` for a text that is none."""
+        try:
+            values = json.loads(text)
+            kernels = {name: tuple(kernel) for name, kernel in values.pop("kernels").items()}
+            horizon = Horizon(*map(int, values.pop("horizon")))
+            return cls(kernels=kernels, horizon=horizon, **values)
+        except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
+            raise StateError(f"identity: not that of a state: {error}") from error
+
+    def check_model(self, model: Model) -> None:
+        """`StateError` that names what has changed in versions, machine and model."""
+        is_now = json.loads(json.dumps(contents_of(model)))
+        for what, was, now in (("", self.software, software()), ("", self.model, is_now)):
+            if change := first_change(was, now):
+                raise StateError(f"{what}{change}")
+
+    def check_steps(self, lowered: LoweredModel) -> None:
+        """`StateError` for another number of steps."""
+        if self.horizon != lowered.horizon:
+            raise StateError(f"t_end: was {self.horizon.steps} steps, is {lowered.horizon.steps}")
+
+    def check_system(self, lowered: LoweredModel) -> None:
+        """`StateError` for numbers that the same model had not, or kernels of a longer run."""
+        if change := first_change(self.system, _system(lowered)):
+            raise StateError(
+                f"the data of a step: {change}: other libraries of linear algebra, or another "
+                "number of threads"
+            )
+        for name, kernel in self.kernels.items():
+            _check_kernel(name, kernel, lowered)
+
+
+def identity_of(lowered: LoweredModel) -> Identity:
+    return Identity(
+        software=software(),
+        model=json.loads(json.dumps(contents_of(lowered.model))),
+        system=_system(lowered),
+        kernels={name: _kernel(e, lowered) for e, name in _convolved(lowered)},
+        horizon=lowered.horizon,
+    )
+
+
+def first_change(was: Mapping[str, Any], now: Mapping[str, Any]) -> str:
+    """The first key with another value, in words; "" if there is none."""
+    for key in [*was, *(key for key in now if key not in was)]:
+        if key not in now:
+            return f"{key}: was {_short(was[key])}, is no longer there"
+        if key not in was:
+            return f"{key}: was not there, is {_short(now[key])}"
+        if was[key] != now[key]:
+            return f"{key}: was {_short(was[key])}, is {_short(now[key])}"
+    return ""
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."
+
+
+@cache
+def software() -> dict[str, str]:
+    """Versions of what computes, the processor, and the compiled code."""
+    names = ("duhamel", *LIBRARIES)
+    return {name: metadata.version(name) for name in names} | {
+        "processor": processor(),
+        "code of the time step": code_key(),
+    }
+
+
+# The model
+
+
+def contents_of(model: Model) -> dict[str, Any]:
+    """The values of a model by the keys of its file, but for those that may change."""
+    contents: dict[str, Any] = {}
+    for field, _ in declared(Model):
+        key = TABLES.get(field.name, field.name)
+        contents |= _flat(key, getattr(model, field.name))
+    return {key: value for key, value in contents.items() if not key.startswith(FREE)}
+
+
+def _flat(key: str, value: Any) -> Iterator[tuple[str, Any]]:
+    if isinstance(value, FlexibleBody):
+        yield f"{key}.superelement", digest_of(value.superelement)
+        yield from _flat(key, value.start)
+    elif isinstance(value, Entry):
+        for field, hint in declared(type(value)):
+            below = key if note(hint, Beside) else f"{key}.{key_of(field, hint)}"
+            yield from _flat(below, getattr(value, field.name))
+    elif isinstance(value, Mapping):
+        for name, item in value.items():
+            yield from _flat(f"{key}.{name}", item)
+    elif isinstance(value, tuple) and any(isinstance(item, Entry) for item in value):
+        for number, item in enumerate(value, start=1):
+            yield from _flat(f"{key}.{getattr(item, 'name', number)}", item)
+    else:
+        yield key, _plain(value)
+
+
+def _plain(value: Any) -> Any:
+    """A value as JSON has it; of a Python function its name."""
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    if isinstance(value, Callable):  # type: ignore[arg-type]
+        return f"function {getattr(value, '__qualname__', type(value).__qualname__)}"
+    return value if isinstance(value, str | int | float | bool | tuple | None) else repr(value)
+
+
+def digest_of(value: Any) -> str:
+    """A digest of the numbers and names in a superelement."""
+    digest = hashlib.blake2b(digest_size=16)
+    for part in _parts(value):
+        digest.update(part)
+    return digest.hexdigest()
+
+
+def _parts(value: Any) -> Iterator[bytes]:
+    if is_dataclass(value):
+        for field in fields(value):
+            if not (isinstance(value, Superelement) and field.name in BESIDES_THE_NUMBERS):
+                yield field.name.encode()
+                yield from _parts(getattr(value, field.name))
+    elif isinstance(value, np.ndarray):
+        yield repr((value.dtype.str, value.shape)).encode()
+        yield np.ascontiguousarray(value).tobytes()
+    elif isinstance(value, tuple):
+        for item in value:
+            yield from _parts(item)
+    else:
+        yield repr(value).encode()
+
+
+# The numbers of a step
+
+
+def _system(lowered: LoweredModel) -> dict[str, str]:
+    """Digests of all that a step reads, but for kernels, whose lags depend on t_end."""
+    return {
+        name: digest_of(value)
+        for name, value in lowered.system.leaves()
+        if not name.startswith("elastic/kernels/")
+    }
+
+
+def _convolved(lowered: LoweredModel) -> list[tuple[int, str]]:
+    lags = lowered.system.elastic.kernels.lags
+    return [(e, name) for e, name in enumerate(lowered.model.flexible_bodies) if lags[e]]
+
+
+def _kernel(e: int, lowered: LoweredModel, lags: int | None = None) -> tuple[str, int, bool, str]:
+    """Form, lags, whether it is cut off, and a digest of its first lags, by default of all."""
+    kernels = lowered.system.elastic.kernels
+    own = int(kernels.lags[e])
+    lags = own if lags is None else lags
+    form = "fft" if kernels.by_fft[e] else "direct"
+    g, g_initial = kernel_arrays(e, lowered)
+    first = tuple(np.ascontiguousarray(array[:lags]) for array in (g, g_initial))
+    return form, lags, own <= lowered.horizon.steps, digest_of(first)
+
+
+def kernel_arrays(e: int, lowered: LoweredModel) -> tuple[Array, Array]:
+    """g and g_initial of a flexible body (lags, n_c, n_c), from the first lag on."""
+    elastic = lowered.system.elastic
+    n_c = int(elastic.dof[e + 1] - elastic.dof[e])
+    start, lags = int(elastic.kernels.g_start[e]), int(elastic.kernels.lags[e])
+    numbers = slice(start, start + n_c * n_c * lags)
+    g = elastic.kernels.g[numbers].reshape(n_c, n_c, lags)[:, :, ::-1].transpose(2, 0, 1)
+    return g, elastic.kernels.g_initial[numbers].reshape(lags, n_c, n_c)
+
+
+def _check_kernel(name: str, was: tuple[str, int, bool, str], lowered: LoweredModel) -> None:
+    number = {body: e for e, body in _convolved(lowered)}
+    if name not in number:
+        raise StateError(f"body {name!r}: its history was {was[0]}, is recursive")
+    now = _kernel(number[name], lowered, was[1])
+    if was[0] != now[0]:
+        raise StateError(f"body {name!r}: its history was {was[0]}, is {now[0]}")
+    if was[2] != now[2] and was[3] != now[3]:
+        raise StateError(
+            f"body {name!r}: memory: its impulse responses are cut off in the longer run, and were "
+            "not before"
+        )
+    if was[3] != now[3]:
+        raise StateError(
+            f"body {name!r}: the first {was[1]} lags of its impulse responses are others in the "
+            "longer run: its superelement holds too few of them"
+        )

@@ -1,0 +1,134 @@
+"""The state of a run, kept beside its results from time to time and at its end."""
+
+import time
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Protocol
+
+from ...results.file import FileWriter, replace_durably, unfinished
+from ...results.schema import Energies
+from ..checkpoint.carried import Arrays, Snapshot
+from ..checkpoint.file import SUFFIX, StateFile, read_state
+from ..checkpoint.identity import Identity, identity_of
+from ..errors import ResultsError, StateError
+from ..lower.lower import LoweredModel
+from ..model.settings import EverySteps, Seconds
+from .recorder import Recorder
+
+
+class Keeper(Protocol):
+    """Keeps the state of a run, or does not."""
+
+    def steps_until_due(self, step: int, n: int) -> int:
+        """The number of steps, up to n, that may follow `step` before `step_taken` is due."""
+
+    def step_taken(self, step: int, recorder: Recorder) -> None:
+        """Keep the state after this step, if it is time to."""
+
+
+class NoKeeper:
+    def steps_until_due(self, step: int, n: int) -> int:
+        return n
+
+    def step_taken(self, step: int, recorder: Recorder) -> None:
+        pass
+
+
+class FileKeeper:
+    """Keeps the state in a file, with the rows that belong to it on the disk before.
+
+    A copy in memory is always that of the last step after which the loop returned: it is what is
+    kept when the run ends, well or not. Where it cannot be, the file stays as it was.
+    """
+
+    def __init__(self, writer: FileWriter, lowered: LoweredModel, live: Arrays) -> None:
+        interval = lowered.model.settings.checkpoint
+        self._every = interval.every if isinstance(interval, EverySteps) else None
+        self._pause = interval.seconds if isinstance(interval, Seconds) else float("inf")
+        self._writer, self._lowered, self._live = writer, lowered, live
+        self._path = checkpoint_of(writer.place)
+        self._identity: Identity | None = None
+        self._newest = self._kept = Snapshot(-1, {})
+        self._notes: dict[str, float] = {}
+        self._last = time.monotonic()
+
+    def steps_until_due(self, step: int, n: int) -> int:
+        return n if self._every is None else min(n, self._every - step % self._every)
+
+    def step_taken(self, step: int, recorder: Recorder) -> None:
+        self._newest = Snapshot.of(step, self._live)
+        self._notes = recorder.start._asdict()
+        first = self._kept.step < 0
+        by_time = time.monotonic() - self._last > self._pause
+        if first or by_time or (self._every is not None and step % self._every == 0):
+            recorder.write()
+            self._writer.flush()
+            self._keep()
+
+    def _keep(self) -> None:
+        """Write the newest state, if all rows up to it are on the disk."""
+        every = self._lowered.model.settings.output.every
+        rows = 1 + self._newest.step // every
+        if self._newest.step in (-1, self._kept.step) or self._writer.committed < rows:
+            return
+        self._identity = self._identity or identity_of(self._lowered)
+        without = tuple(sorted(self._lowered.without))
+        state = StateFile(self._newest, self._identity, self._writer.run, without, self._notes)
+        try:
+            state.write(self._path)
+        except OSError as error:
+            raise ResultsError(
+                f"{self._path}: cannot be written: {error.strerror or error}; "
+                f"the state of step {max(self._kept.step, 0)} stays"
+            ) from error
+        self._kept, self._last = self._newest, time.monotonic()
+
+    def __enter__(self) -> "FileKeeper":
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if isinstance(error, ResultsError):
+            return  # the disk is full
+        self._keep()
+
+
+def checkpoint_of(file: Path) -> Path:
+    """The file of the state that belongs to results."""
+    return file.with_name(file.name + SUFFIX)
+
+
+def read_checkpoint(path: Path) -> StateFile:
+    """The state of the last run to a path; `StateError` if there is none."""
+    file = unfinished(path.resolve())
+    state = checkpoint_of(file)
+    if not file.exists():
+        raise StateError(f"{file}: no such file: there is no run to go on with")
+    if not state.exists():
+        raise StateError(f"{state}: no such file: the run kept no state ([simulation] checkpoint)")
+    return read_state(state)
+
+
+def settle_checkpoint(writer: Any) -> None:
+    """Let the state of a run that ends well follow its results; that of an earlier run goes."""
+    if not isinstance(writer, FileWriter):
+        return
+    own, later = checkpoint_of(writer.place), checkpoint_of(writer.target)
+    if own == later:
+        return
+    try:
+        if own.exists():
+            replace_durably(own, later)
+        else:
+            later.unlink(missing_ok=True)
+    except OSError as error:
+        raise ResultsError(f"{later}: cannot be written: {error.strerror or error}") from error
+
+
+def start_of(state: StateFile) -> Energies:
+    """The energies at t = 0 of the run."""
+    return Energies(*(state.notes[name] for name in Energies._fields))
