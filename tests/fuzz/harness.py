@@ -48,14 +48,13 @@ def _one_worker(name: str, first: int, count: int, tally: Tally, module: str) ->
     """The files that a worker took until it ended, however it did."""
     with tempfile.TemporaryDirectory() as folder:
         words = [sys.executable, "-m", module, name, str(first), str(count), folder]
-        process = subprocess.Popen(
+        with subprocess.Popen(
             words, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
-        )
-        try:
-            return _follow(process, first, count, tally)
-        finally:
-            process.kill()
-            process.wait()
+        ) as process:
+            try:
+                return _follow(process, first, count, tally)
+            finally:
+                process.kill()
 
 
 def _follow(process: "subprocess.Popen[bytes]", first: int, count: int, tally: Tally) -> int:
