@@ -64,12 +64,17 @@ def _follow(process: "subprocess.Popen[bytes]", first: int, count: int, tally: T
     for done in range(count):
         number, answer = next(lines, ""), next(lines, "")
         if not answer:
-            ended = process.poll() is not None or process.wait(1) is not None
-            how = f"ended with {process.returncode}" if ended else "hangs"
-            tally.add(int(number or first + done), how)
+            tally.add(int(number or first + done), _end(process))
             return done + 1
         tally.add(int(number), answer)
     return count
+
+
+def _end(process: "subprocess.Popen[bytes]") -> str:
+    try:
+        return f"ended with {process.wait(1)}"
+    except subprocess.TimeoutExpired:
+        return "hangs"
 
 
 def _lines(process: "subprocess.Popen[bytes]") -> Iterator[str]:
