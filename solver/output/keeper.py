@@ -8,7 +8,7 @@ from typing import Any, Protocol
 from ...results.file import FileWriter, replace_durably, unfinished
 from ...results.schema import Energies
 from ..checkpoint.carried import Arrays, Snapshot
-from ..checkpoint.file import SUFFIX, StateFile, read_state
+from ..checkpoint.file import SUFFIX, StateFile, read_state, temporary_of
 from ..checkpoint.identity import Identity, identity_of
 from ..errors import ResultsError, StateError
 from ..lower.lower import LoweredModel
@@ -118,6 +118,7 @@ def settle_checkpoint(writer: Any) -> None:
     if not isinstance(writer, FileWriter):
         return
     own, later = checkpoint_of(writer.place), checkpoint_of(writer.target)
+    temporary_of(later).unlink(missing_ok=True)  # of a run that was killed
     if own == later:
         return
     try:
