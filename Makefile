@@ -2,13 +2,21 @@
 
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV ?= .venv
-LOWEST ?= .venv-lowest
 BIN := $(VENV)/bin
-PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet --no-input
-PACKAGES := inputs superelement results preprocess solver view study cli
+CI := build/ci
+PACKAGES := files inputs superelement results preprocess solver view study cli
+SOURCES := pyproject.toml $(shell find $(PACKAGES) -name '*.py')
+EVERY := test gallery cholmod peer
+LOCK := --quiet --upgrade --generate-hashes --python-version 3.11 --custom-compile-command "make constraints"
+
+# Tests of the compiled code; those that take seconds, for other Pythons; those that run it as Python.
+COMPILED := tests/solver/compiler tests/solver/test_rigid.py
+FAST := $(COMPILED) tests/solver/test_joints.py
+PLAIN := tests/solver/test_rigid.py
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-lowest lint validation benchmark docs constraints clean
+.PHONY: help demo test lint validation benchmark soak mutants docs constraints clean
+.PHONY: wheel-test plain-test coverage python-test lowest-test audit
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -25,17 +33,36 @@ demo: $(VENV)/.installed ## a mesh of a beam, its superelement, the paper's Case
 test: $(VENV)/.installed ## the tests
 	$(BIN)/python -m pytest
 
-test-lowest: $(LOWEST)/.installed ## the wheel, installed with the oldest numba and numpy, and the tests of compiled code
-	$(LOWEST)/bin/python .ci/check_wheel.py build/wheel/*.whl
-	cd tests && ../$(LOWEST)/bin/python -m pytest -c ../pyproject.toml solver/compiler solver/test_rigid.py
-
 lint: $(VENV)/.installed build/types/.linked ## style and types
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	MYPYPATH=build/types $(BIN)/mypy $(PACKAGES:%=-p duhamel.%)
 
 validation: $(VENV)/.validation ## published problems and peer codes; takes minutes
-	$(BIN)/python -m pytest -m validation
+	$(BIN)/python -m pytest -m validation --complete
+
+wheel-test: $(CI)/3.11/.wheel ## all tests, of the wheel, with every extra: none may be skipped
+	$(CI)/3.11/bin/python .ci/check_wheel.py build/wheel/*.whl
+	COVERAGE_FILE=$(CI)/coverage.wheel $(CI)/3.11/bin/coverage run $(CI)/3.11/bin/pytest --complete
+
+plain-test: $(CI)/3.11/.wheel ## tests that run compiled code as plain Python, where branches can be counted
+	NUMBA_DISABLE_JIT=1 COVERAGE_FILE=$(CI)/coverage.plain \
+	  $(CI)/3.11/bin/coverage run $(CI)/3.11/bin/pytest -q $(PLAIN)
+
+coverage: ## the branches that wheel-test and plain-test took
+	$(CI)/3.11/bin/coverage combine --keep --quiet --data-file=$(CI)/.coverage $(CI)/coverage.*
+	$(CI)/3.11/bin/python .ci/coverage_table.py $(CI)/.coverage
+
+python-test: $(CI)/$(VERSION)/.wheel ## the wheel on another Python, VERSION=3.13: tests of compiled code and of readers
+	$(CI)/$(VERSION)/bin/python .ci/check_wheel.py build/wheel/*.whl
+	$(CI)/$(VERSION)/bin/pytest -q --complete $(FAST)
+
+lowest-test: $(CI)/lowest/.wheel ## the wheel with the oldest numba and numpy: tests of compiled code
+	$(CI)/lowest/bin/python .ci/check_wheel.py build/wheel/*.whl
+	$(CI)/lowest/bin/pytest -q --complete $(COMPILED)
+
+audit: $(CI)/3.11/.wheel ## known vulnerabilities of what the constraints name, where a list of them is reached
+	$(CI)/3.11/bin/python .ci/audit.py constraints.txt
 
 benchmark: $(VENV)/.validation ## timed work; where there is a peer, as ratios measured in the same run
 	@set -e; for program in benchmarks/*.py; do echo "$$program"; $(BIN)/python "$$program"; done
@@ -45,41 +72,53 @@ docs: $(VENV)/.docs build/types/.linked ## the map of the code, and its referenc
 	PYTHONPATH=build/types $(BIN)/python tools/make_reference.py build/docs
 	@echo "reference of the code: $(CURDIR)/build/docs/index.html"
 
-constraints: ## the newest versions that pyproject.toml allows, written to constraints.txt
-	rm -rf build/constraints
+constraints: ## the newest versions that pyproject.toml allows, with hashes, written to constraints*.txt
 	$(PYTHON) -m venv build/constraints
-	build/constraints/bin/python -m pip --disable-pip-version-check --quiet install ".[test,validation,docs]"
-	{ sed -n '/^#/p' constraints.txt; \
-	  build/constraints/bin/python -m pip freeze --exclude duhamel; } > build/constraints.txt
-	mv build/constraints.txt constraints.txt
+	build/constraints/bin/python -m pip --disable-pip-version-check --quiet install uv
+	build/constraints/bin/uv pip compile $(LOCK) --universal --all-extras pyproject.toml -o build/constraints.txt
+	build/constraints/bin/uv pip compile $(LOCK) --extra build pyproject.toml constraints-lowest.in \
+	  -o build/constraints-lowest.txt
+	mv build/constraints*.txt .
 	rm -rf build/constraints
 
 clean: ## remove what the targets above made
-	rm -rf $(VENV) $(LOWEST) build out
+	rm -rf $(VENV) build out
 
 # The stamps stand for a finished installation: a second make finds them and installs nothing.
-$(VENV)/.installed: pyproject.toml constraints.txt
-	$(PYTHON) -m venv $(VENV)
-	$(PIP) install -c constraints.txt -e ".[test]"
+INSTALL := .ci/install pyproject.toml constraints.txt
+$(VENV)/.installed: $(INSTALL)
+	.ci/install $(PYTHON) $(VENV) constraints.txt test
+	$(BIN)/python -m pip --quiet install --no-deps --no-build-isolation -e .
 	@touch $@
 
 $(VENV)/.validation: $(VENV)/.installed
-	$(PIP) install -c constraints.txt -e ".[test,validation]"
-	@touch $@
-
-# Not editable: what is tested is the wheel.
-$(LOWEST)/.installed: pyproject.toml constraints.txt constraints-lowest.txt $(shell find $(PACKAGES) -name '*.py')
-	rm -rf $(LOWEST) build/wheel build/lib
-	$(PYTHON) -m venv $(LOWEST)
-	$(LOWEST)/bin/python -m pip --disable-pip-version-check --quiet --no-input wheel --no-deps -w build/wheel .
-	{ grep -vE '^(numba|llvmlite|numpy)==' constraints.txt; cat constraints-lowest.txt; } \
-	  > build/constraints-lowest.txt
-	$(LOWEST)/bin/python -m pip --disable-pip-version-check --quiet --no-input install \
-	  -c build/constraints-lowest.txt build/wheel/*.whl pytest
+	.ci/install $(PYTHON) $(VENV) constraints.txt test validation
 	@touch $@
 
 $(VENV)/.docs: $(VENV)/.installed
-	$(PIP) install -c constraints.txt -e ".[test,docs]"
+	.ci/install $(PYTHON) $(VENV) constraints.txt test docs
+	@touch $@
+
+build/wheel/.built: $(CI)/3.11/.installed $(SOURCES)
+	rm -rf build/wheel build/lib
+	$(CI)/3.11/bin/python -m pip --quiet wheel --no-deps --no-build-isolation -w build/wheel .
+	@touch $@
+
+# Not editable: what is tested is the wheel.
+$(CI)/%/.wheel: $(CI)/%/.installed build/wheel/.built
+	$(CI)/$*/bin/python -m pip --quiet install --no-deps --no-index --force-reinstall build/wheel/*.whl
+	@touch $@
+
+$(CI)/3.11/.installed: $(INSTALL)
+	.ci/install $(PYTHON) $(CI)/3.11 constraints.txt $(EVERY) audit
+	@touch $@
+
+$(CI)/lowest/.installed: $(INSTALL) constraints-lowest.txt
+	.ci/install $(PYTHON) $(CI)/lowest constraints-lowest.txt
+	@touch $@
+
+$(CI)/%/.installed: $(INSTALL)
+	.ci/install $$(.ci/python $*) $(CI)/$* constraints.txt $(EVERY)
 	@touch $@
 
 # An editable install hides the namespace from mypy, so it is shown a tree of links with the same shape.

@@ -9,14 +9,18 @@ from typing import Annotated
 
 import typer
 
-from .failures import errors_in_one_line
+from .failures import Commands, errors_in_one_line, one_line
 
 app = typer.Typer(
+    cls=Commands,
     help="Impulse superelements from meshes, and multibody dynamics on them.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+
+HDF5 = (".h5", ".hdf5")
+"""suffixes of superelements"""
 
 BodyFile = Annotated[
     Path, typer.Argument(metavar="BODY.toml", help="Mesh, section or material, interfaces.")
@@ -25,6 +29,9 @@ ModelFile = Annotated[
     Path, typer.Argument(metavar="MODEL.toml", help="Bodies, joints, loads, simulation.")
 ]
 SuperelementFile = Annotated[Path, typer.Argument(metavar="FILE.h5", help="A superelement.")]
+CheckedFile = Annotated[
+    Path, typer.Argument(metavar="FILE", help="A superelement (.h5, .hdf5).", show_default=False)
+]
 ResultsFile = Annotated[
     Path, typer.Argument(metavar="RESULTS.h5", help="Written by `duhamel run`.")
 ]
@@ -121,7 +128,8 @@ def preprocess(
         target = output or body_file.with_name(f"{element.name}.h5")
         superelement.write(target, element)
     megabytes = target.stat().st_size / 1e6
-    typer.echo(f"{target}: {element.n_c} dofs, {megabytes:.3g} MB, {perf_counter() - start:.2f} s")
+    seconds = perf_counter() - start
+    typer.echo(one_line(f"{target}: {element.n_c} dofs, {megabytes:.3g} MB, {seconds:.2f} s"))
 
 
 def _survey(body_file: Path, output: Path | None) -> None:
@@ -137,7 +145,7 @@ def _survey(body_file: Path, output: Path | None) -> None:
         target = output or body_file.with_name(f"{body.name}.png")
         view.save(view.draw_scene(scene(surveyed)), target)
     Console().print(report(surveyed))
-    typer.echo(target)
+    typer.echo(one_line(target))
 
 
 @app.command()
@@ -156,10 +164,11 @@ def run(
         model = solver.read_model(model_file)
         results = solver.simulate(model, output=target, progress=True, resume=resume, anyway=anyway)
     for line in report(results):
-        typer.echo(line)
+        typer.echo(one_line(line))
     steps, loop = int(results.solver["steps"]), float(results.solver["seconds"])
     speed = f", {1e6 * loop / steps:.1f} us per step" if steps else ""
-    typer.echo(f"{target}: {steps} steps, {perf_counter() - start:.2f} s in all{speed}")
+    seconds = perf_counter() - start
+    typer.echo(one_line(f"{target}: {steps} steps, {seconds:.2f} s in all{speed}"))
 
 
 @app.command()
@@ -189,11 +198,10 @@ def sweep(
         rows = study.sweep(plan, workers, scheduler, force, finished)
     failed = list(failures(rows))
     for line in failed:
-        typer.echo(line, err=True)
+        typer.echo(one_line(line), err=True)
     seconds = perf_counter() - start
-    typer.echo(
-        f"{plan.folder / 'summary.csv'}: {len(rows)} cases, {len(failed)} failed, {seconds:.1f} s"
-    )
+    summary = plan.folder / "summary.csv"
+    typer.echo(one_line(f"{summary}: {len(rows)} cases, {len(failed)} failed, {seconds:.1f} s"))
     if failed:
         raise typer.Exit(1)
 
@@ -223,7 +231,7 @@ def plot(
             panels.append([curve for curves in named for curve in curves])
         heading = results_file.stem if title is None else title
         view.save(view.draw(results.time, panels or view.overview(results), heading), target)
-    typer.echo(target)
+    typer.echo(one_line(target))
 
 
 @app.command()
@@ -237,3 +245,33 @@ def info(file: SuperelementFile) -> None:
     with errors_in_one_line(superelement):
         element = superelement.read(file)
     Console().print(describe(element))
+
+
+@app.command()
+def check(file: CheckedFile) -> None:
+    """Recompute what must hold of a file, and say whether it does; exit with 1 if not.
+
+    The suffix says what the file is: FILE.h5 a superelement.
+    """
+    if file.suffix.lower() in HDF5:
+        _check_superelement(file)
+    else:
+        raise typer.BadParameter(f"{file}: expected a superelement, {' or '.join(HDF5)}")
+
+
+def _check_superelement(file: Path) -> None:
+    from rich.console import Console
+
+    from .. import superelement
+    from .checked import checks_table, failures
+
+    with errors_in_one_line(superelement):
+        element = superelement.read(file)
+    checks = superelement.check(element)
+    Console().print(checks_table(element.name, checks))
+    failed = failures(checks)
+    for line in failed:
+        typer.echo(f"error: {file}: {line}", err=True)
+    if failed:
+        raise typer.Exit(1)
+    typer.echo(f"{file}: {len(checks)} checks hold")

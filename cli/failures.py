@@ -5,9 +5,34 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, NoReturn
 
 import typer
+from typer.core import TyperGroup
+
+LONGEST = 2000
+"""characters of a line"""
+
+
+class Commands(TyperGroup):
+    """The commands; what the machine refuses them is told in one line, wherever it happens."""
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except MemoryError as error:
+            _fail(f"out of memory: {error}" if str(error) else "out of memory", error)
+        except RecursionError as error:
+            _fail(f"nested too deep: {error}", error)
+        except OSError as error:
+            _fail(str(error), error)
+
+
+def one_line(text: object) -> str:
+    """Text as one line, not at length; what cannot be printed is escaped, as in a path."""
+    line = "".join(map(_printable, str(text)))
+    return line if len(line) <= LONGEST else f"{line[:LONGEST]}..."
+
 
 INTERRUPTED = 130
 """exit code after Ctrl-C, as shells have it"""
@@ -31,7 +56,7 @@ def errors_in_one_line(*packages: ModuleType, about: Path | None = None) -> Iter
             message: Warning | str, category: type[Warning], *where: Any, **more: Any
         ) -> None:
             if issubclass(category, own_warnings):
-                typer.echo(f"warning: {message}", err=True)
+                typer.echo(one_line(f"warning: {message}"), err=True)
             else:
                 show(message, category, *where, **more)
 
@@ -40,11 +65,21 @@ def errors_in_one_line(*packages: ModuleType, about: Path | None = None) -> Iter
             yield
         except exported as error:
             where = f"{about}: " if about else ""
-            typer.echo(f"error: {where}{error}", err=True)
-            raise typer.Exit(1) from error
+            _fail(f"{where}{error}", error)
         except KeyboardInterrupt as interrupt:
             typer.echo(str(interrupt) or "interrupted", err=True)
             raise typer.Exit(INTERRUPTED) from interrupt
+
+
+def _fail(message: str, cause: BaseException) -> NoReturn:
+    typer.echo(one_line(f"error: {message}"), err=True)
+    raise typer.Exit(1) from cause
+
+
+def _printable(character: str) -> str:
+    if character.isprintable():
+        return character
+    return character.encode("unicode_escape", "surrogatepass").decode("ascii")
 
 
 def _exported_exceptions(*packages: ModuleType) -> tuple[type[Exception], ...]:

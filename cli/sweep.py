@@ -7,6 +7,7 @@ import typer
 
 from ..study import Row
 from ..study.sweep import OnFinished
+from .failures import one_line
 
 
 @contextmanager
@@ -25,7 +26,7 @@ def shown_cases(total: int) -> Iterator[OnFinished]:
         def finished(row: Row) -> None:
             bar.advance(task)
             for warning in row.warnings:
-                typer.echo(f"warning: {row.case.name}: {warning}", err=True)
+                typer.echo(one_line(f"warning: {row.case.name}: {warning}"), err=True)
 
         yield finished
 

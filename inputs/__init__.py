@@ -1,5 +1,20 @@
 """The TOML files that users write: validated tables, and errors with file, key and value."""
 
-from .table import InputError, Table, Vector, expected, read_part, read_table
+from .errors import InputError, quoted
+from .names import is_name
+from .table import Table, Vector, expected, read_part, read_table
+from .text import parse_toml, read_text, read_toml
 
-__all__ = ["InputError", "Table", "Vector", "expected", "read_part", "read_table"]
+__all__ = [
+    "InputError",
+    "Table",
+    "Vector",
+    "expected",
+    "is_name",
+    "parse_toml",
+    "quoted",
+    "read_part",
+    "read_table",
+    "read_text",
+    "read_toml",
+]

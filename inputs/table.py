@@ -2,9 +2,7 @@
 
 import difflib
 import os
-import tomllib
-from collections.abc import Mapping
-from pathlib import Path
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, TypeVar
 
 from pydantic import (
@@ -16,6 +14,12 @@ from pydantic import (
     model_validator,
 )
 
+from .errors import InputError, dotted, quoted
+from .text import parse_toml, read_text
+
+MOST_FAILURES = 5
+"""of a file that one line tells"""
+
 
 def expected(form: str) -> WrapValidator:
     """One message for a value of several types: `form` is expected, and the value found."""
@@ -24,16 +28,12 @@ def expected(form: str) -> WrapValidator:
         try:
             return handler(value)
         except ValidationError as error:
-            raise ValueError(f"expected {form}, found {_plain(value)!r}") from error
+            raise ValueError(f"expected {form}, found {quoted(_plain(value))}") from error
 
     return WrapValidator(check)
 
 
 Vector = Annotated[tuple[float, float, float], expected("three numbers")]
-
-
-class InputError(ValueError):
-    """A file that is unreadable or has invalid entries; one line for each."""
 
 
 class Table(BaseModel):
@@ -51,7 +51,7 @@ class Table(BaseModel):
                 hint = (
                     f"did you mean {nearest[0]!r}?" if nearest else f"known are {', '.join(known)}"
                 )
-                raise ValueError(f"unknown key {key!r}; {hint}")
+                raise ValueError(f"unknown key {quoted(key)}; {hint}")
         return (
             {key: _frozen(value) for key, value in data.items()}
             if isinstance(data, Mapping)
@@ -67,18 +67,11 @@ def read_table(path: str | os.PathLike[str], kind: type[AnyTable]) -> tuple[AnyT
 
     `InputError` names the file, the key, and the values found and expected.
     """
-    path = Path(path)
+    text = read_text(path)
     try:
-        text = path.read_text(encoding="utf-8")
-        return kind.model_validate(tomllib.loads(text)), text
-    except ValidationError as error:
-        raise InputError(
-            "\n".join(f"{path}: {_message(failure)}" for failure in error.errors())
-        ) from error
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: not a TOML file: {error}") from error
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not a readable file: {error}") from error
+        return read_part(parse_toml(text), kind), text
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
 
 
 def read_part(value: Any, kind: type[AnyTable]) -> AnyTable:
@@ -86,7 +79,7 @@ def read_part(value: Any, kind: type[AnyTable]) -> AnyTable:
     try:
         return kind.model_validate(value)
     except ValidationError as error:
-        raise InputError("; ".join(_message(failure) for failure in error.errors())) from error
+        raise InputError(_messages(error.errors())) from error
 
 
 def _frozen(value: Any) -> Any:
@@ -99,13 +92,21 @@ def _plain(value: Any) -> Any:
     return [_plain(entry) for entry in value] if isinstance(value, tuple) else value
 
 
+def _messages(failures: Sequence[Mapping[str, Any]]) -> str:
+    """The first failures, and how many more there are."""
+    first = [_message(failure) for failure in failures[:MOST_FAILURES]]
+    more = len(failures) - len(first)
+    return "; ".join([*first, f"and {more} more"] if more else first)
+
+
 def _message(failure: Mapping[str, Any]) -> str:
     """One failure of pydantic as KEY: the expected value, found VALUE."""
     # A choice between types shows as a part of its own, in brackets, that is no key of the file.
-    key = ".".join(str(part) for part in failure["loc"] if not str(part).startswith("("))
+    parts = [str(part) for part in failure["loc"] if not str(part).startswith("(")]
+    key = dotted(parts)
     text = str(failure["msg"]).removeprefix("Value error, ")
     if failure["type"] == "missing":
         text = "missing"
     elif failure["type"] != "value_error":
-        text = f"{text[0].lower()}{text[1:]}, found {_plain(failure['input'])!r}"
+        text = f"{text[0].lower()}{text[1:]}, found {quoted(_plain(failure['input']))}"
     return f"{key}: {text}" if key else text

@@ -69,11 +69,12 @@ class Coupling:
 class Energy:
     """Energies over time (n,) [J].
 
-    kinetic (of the rigid motion), elastic (vibration included, from the work of interface loads),
-    springs, potential (gravity), work (of loads and drives), dissipated (by dampers); balance: the
-    sum of all but work, plus dissipated, less work and less its value at t = 0. modal: the same
-    energy as elastic, from the modes themselves; None where some body convolves a kernel directly.
-    Where elastic falls below zero, the convolution has created energy.
+    kinetic (of the rigid motion), elastic (vibration included), springs, potential (gravity), work
+    (of loads and drives), dissipated (by dampers and modal damping), numerical (taken by time
+    stepping from the modes); balance: the sum of all but work, less work and less its value at
+    t = 0. elastic of a body whose kernel is convolved is the work of its interface loads, with what
+    damping and time stepping have taken of it. Where it falls below zero, or numerical does, the
+    convolution has created energy.
     """
 
     kinetic: Array
@@ -82,8 +83,8 @@ class Energy:
     potential: Array
     work: Array
     dissipated: Array
+    numerical: Array
     balance: Array
-    modal: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)

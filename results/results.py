@@ -258,7 +258,6 @@ class Results:
                 (quantity.attribute, (quantity, None))
                 for quantity in QUANTITIES
                 if quantity.group == group
-                and not (quantity.optional and quantity not in contents.quantities)
             ]
         )
 

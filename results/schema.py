@@ -16,7 +16,7 @@ from ..superelement import sha256
 from ..superelement.validation import Array
 
 FORMAT = "duhamel-results"
-VERSION = 2
+VERSION = 3
 
 
 @dataclass(frozen=True)
@@ -140,18 +140,26 @@ def _time(batch: Batch) -> Array:
 
 
 def _dissipated(batch: Batch) -> Array:
-    """The work of springs and dampers that springs have not stored."""
+    """The work of springs and dampers that springs have not stored, and what modal damping took."""
     n, output = len(batch.steps), batch.output
     stored = output.spring_energy[:n] - batch.start.springs
-    dissipated: Array = -output.compliance_work[:n] - stored
+    dissipated: Array = output.modal_damping[:n] - output.compliance_work[:n] - stored
     return dissipated
 
 
+def _numerical(batch: Batch) -> Array:
+    """The work on modes that they have neither stored nor lost to their damping."""
+    n, output = len(batch.steps), batch.output
+    numerical: Array = output.modal_loss[:n] - output.modal_damping[:n]
+    return numerical
+
+
 def _balance(batch: Batch) -> Array:
-    """The change of all energies, and what was dissipated, less the work from outside."""
+    """The change of all energies, and what they lost, less the work from outside."""
     n, output = len(batch.steps), batch.output
     stored = sum((getattr(output, name)[:n] for name in STORED[1:]), getattr(output, STORED[0])[:n])
-    balance: Array = stored + _dissipated(batch) - output.external_work[:n] - batch.start.total
+    lost = _dissipated(batch) + _numerical(batch)
+    balance: Array = stored + lost - output.external_work[:n] - batch.start.total
     return balance
 
 
@@ -173,8 +181,6 @@ class Quantity:
     source: str = ""
     derive: Callable[[Batch], Array] | None = None
     integer: bool = False
-    optional: bool = False
-    """left out where a run does not have it"""
 
     def __post_init__(self) -> None:
         if self.derive is None and not self.source:
@@ -388,18 +394,26 @@ QUANTITIES = (
         source="coordinate",
     ),
     _energy("kinetic_energy", "kinetic", "kinetic energy of the rigid motions"),
-    _energy("elastic_energy", "elastic", "elastic energy, from the work of the interface loads"),
-    _energy("modal_energy", "modal", "elastic energy, from the modes", optional=True),
+    _energy("elastic_energy", "elastic", "elastic energy of flexible bodies, vibration included"),
     _energy("spring_energy", "springs", "energy stored in springs"),
     _energy("potential_energy", "potential", "potential energy of gravity"),
     _energy("external_work", "work", "work of loads and drives since t = 0"),
     _energy(
-        "dissipated_energy", "dissipated", "energy taken by dampers since t = 0", derive=_dissipated
+        "dissipated_energy",
+        "dissipated",
+        "energy taken by dampers and modal damping since t = 0",
+        derive=_dissipated,
+    ),
+    _energy(
+        "numerical_dissipation",
+        "numerical",
+        "energy that time stepping took from the modes since t = 0",
+        derive=_numerical,
     ),
     _energy(
         "energy_balance",
         "balance",
-        "change of all energies since t = 0, and dissipated energy, less external work",
+        "change of all energies since t = 0, and both dissipations, less external work",
         derive=_balance,
     ),
     Quantity(
@@ -433,7 +447,11 @@ QUANTITIES = (
     ),
 )
 
-SOURCES = (_energy("compliance_work", "compliance_work", "work of springs and dampers on bodies"),)
+SOURCES = (
+    _energy("compliance_work", "compliance_work", "work of springs and dampers on bodies"),
+    _energy("modal_loss", "modal_loss", "work of the loads on modes, less their energy"),
+    _energy("modal_damping", "modal_damping", "energy taken by modal damping"),
+)
 """further arrays of the time loop, from which quantities are derived"""
 
 SHARED = {
@@ -532,12 +550,10 @@ def lay_out(
     axes: Axes,
     superelements: Mapping[str, SuperelementFile],
     selects: Callable[[str], bool],
-    without: Sequence[str] = (),
 ) -> Contents:
     """The contents that are recorded of all entries and quantities.
 
-    selects: True for a group to record, "bodies/hub" or "energy"; without: keys of quantities that
-    are left out.
+    selects: True for a group to record, "bodies/hub" or "energy".
     """
     kept: dict[str, Axis] = {
         dimension.name: Axis(dimension.entries)
@@ -556,8 +572,7 @@ def lay_out(
     quantities = tuple(
         quantity
         for quantity in QUANTITIES
-        if quantity.key not in without
-        and set(quantity.dimensions[1:]) <= kept.keys()
+        if set(quantity.dimensions[1:]) <= kept.keys()
         and (quantity.owned is not None or quantity.name == "time" or selects(quantity.group))
     )
     return Contents(kept, quantities, superelements)

@@ -32,6 +32,7 @@ from .output.recorder import NO_ENERGIES, Recorder
 from .output.writer import check_output, make_writer, read_back, resume_writer
 from .progress import Progress
 from .start.initial import initialize
+from .start.removed import RemovedRows
 from .step.loop import advance
 from .step.record import record
 from .step.system import Inputs, Run, State, Workspace
@@ -57,9 +58,9 @@ def simulate(
     interrupted; t_end may be another. anyway: also where model, versions or machine are not those
     of that run.
 
-    Raises ModelError for a model that cannot start, ConvergenceError where Newton's method fails,
-    StateError for a state that does not belong to the model, or is none, and ResultsError for a
-    file that cannot be written. The steps before a failure or an interrupt are in the file, or in
+    Raises ModelError for a model that cannot start or whose redundant constraints are needed later,
+    ConvergenceError where Newton's method fails, StateError for a state that does not belong to the
+    model, or is none, and ResultsError for a file that cannot be written. The steps before a failure or an interrupt are in the file, or in
     OUTPUT.partial where earlier results stand, which stay until a run has ended well.
     """
     if settings is not None:
@@ -89,7 +90,8 @@ def _run(model: Model, output: Path | None, progress: bool, steps: int | None = 
         initial = initialize(model, lowered)
         total = initial.lowered.n_steps if steps is None else steps
         writer = make_writer(output, initial, total)
-    return _march(_Course(initial.lowered, initial.state, initial.work, writer, total), progress)
+    course = _Course(initial.lowered, initial.state, initial.work, initial.removed, writer, total)
+    return _march(course, progress)
 
 
 def _resume(model: Model, output: Path, progress: bool, anyway: bool) -> Results:
@@ -110,8 +112,9 @@ def _resume(model: Model, output: Path, progress: bool, anyway: bool) -> Results
             )
         state, work = allocate(lowered)
         kept.snapshot.put_back(carried(state=state, work=work))
+        removed = RemovedRows(lower(model) if kept.without else lowered, sorted(kept.without))
         writer = resume_writer(output, lowered, kept)
-    course = _Course(lowered, state, work, writer, lowered.n_steps, step, start_of(kept))
+    course = _Course(lowered, state, work, removed, writer, lowered.n_steps, step, start_of(kept))
     return _march(course, progress)
 
 
@@ -125,6 +128,7 @@ class _Course:
     lowered: LoweredModel
     state: State
     work: Workspace
+    removed: RemovedRows
     writer: Writer
     total: int
     begun: int | None = None
@@ -180,6 +184,7 @@ def _take_steps(course: _Course, progress: bool) -> None:
             bar.advance(taken)
             if taken < len(rows):
                 raise failure(lowered, done + 1, residual, work)
+            course.removed.check(work, done * lowered.h)
             convolution.update(state)
             keeper.step_taken(done, recorder)
             if time.perf_counter() - started < 0.5 * BATCH_SECONDS:

@@ -24,7 +24,7 @@ from .step.record import record
 from .step.system import Inputs, Run
 
 AHEAD = 256
-"""steps for which the signals that are not inputs are sampled at once"""
+"""steps for which the signals that are not inputs are sampled at once, and between checks"""
 PAST = "past/"
 """names of the arrays of the convolution begin with it"""
 
@@ -70,6 +70,7 @@ class Simulator:
         self.views: Mapping[str, Array] = dict(zip(outputs, ranges, strict=True))
         """the chosen outputs by name, each (n,)"""
         self._lowered, self._state, self._work = lowered, state, initial.work
+        self._removed = initial.removed
         self._run = Run(system=lowered.system, state=state, work=initial.work, output=output)
         sampled = [*lowered.load_signals, *lowered.drives]
         self.inputs = tuple(dict.fromkeys(s.name for s in sampled if isinstance(s, Input)))
@@ -124,6 +125,8 @@ class Simulator:
         if not taken:
             raise failure(self._lowered, number, residual, self._work)
         self._number = number
+        if number % AHEAD == 0:
+            self._removed.check(self._work, self.time)
         self._convolution.update(self._state)
         return self._gather()
 

@@ -18,7 +18,9 @@ from .errors import StudyError
 
 
 def _mean(time: Array, samples: Array) -> float:
-    """The mean over time, by trapezoids."""
+    """The mean over time, by trapezoids; of a single sample, that one."""
+    if len(time) == 1:
+        return float(samples[0])
     return float(np.trapezoid(samples, time) / (time[-1] - time[0]))
 
 

@@ -3,7 +3,6 @@
 import csv
 import os
 import re
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
@@ -13,7 +12,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
-from ..inputs import InputError, Table, read_table
+from ..inputs import InputError, Table, parse_toml, read_table, read_toml
 from .case import Case, Kind
 from .errors import StudyError
 from .keys import leaves, matching, replaced
@@ -111,11 +110,9 @@ def _kind_and_base(file: _StudyFile, folder: Path) -> tuple[Kind, Path]:
 
 def _document(base: Path) -> dict[str, Any]:
     try:
-        return tomllib.loads(base.read_text(encoding="utf-8"))
-    except tomllib.TOMLDecodeError as error:
-        raise StudyError(f"{base}: not a TOML file: {error}") from error
-    except (OSError, UnicodeDecodeError) as error:
-        raise StudyError(f"{base}: not a readable file: {error}") from error
+        return read_toml(base)
+    except InputError as error:
+        raise StudyError(str(error)) from error
 
 
 def _relocated(
@@ -174,6 +171,7 @@ def _rows(path: Path) -> Iterator[_Values]:
 def _cell(text: str) -> Any:
     """A value as TOML writes it, or else text."""
     try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+        document = parse_toml(f"value = {text}")
+    except InputError:
         return text
+    return document["value"] if len(document) == 1 else text

@@ -1,5 +1,7 @@
 """The superelement: an elastic body reduced to its interfaces, and its HDF5 file."""
 
+from .audit import check
+from .checks import Check
 from .file import read, sha256, write
 from .interface import Interface
 from .kernel import Kernel, sample_kernel
@@ -11,6 +13,7 @@ from .superelement import Provenance, StepWarning, Superelement
 from .validation import SuperelementError
 
 __all__ = [
+    "Check",
     "GeneralizedAlpha",
     "Interface",
     "Kernel",
@@ -20,6 +23,7 @@ __all__ = [
     "StepWarning",
     "Superelement",
     "SuperelementError",
+    "check",
     "read",
     "respond",
     "sample_kernel",

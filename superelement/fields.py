@@ -1,11 +1,13 @@
 """Attributes and datasets of HDF5 files, with errors that name them, and with units."""
 
+from collections.abc import Sequence
 from typing import Any, TypeVar
 
 import h5py
 import numpy as np
 
-from .validation import Array, SuperelementError, checked
+from ..files import hdf5
+from .validation import Array, SuperelementError, check_shape, checked
 
 Value = TypeVar("Value", str, int)
 
@@ -21,17 +23,20 @@ def group(file: h5py.Group, name: str) -> h5py.Group:
     return file[name]
 
 
-def dataset(file: h5py.Group, name: str) -> Any:
-    """The whole of a dataset, as it is."""
-    return _dataset(file, name)[()]
+def dataset(file: h5py.Group, name: str, *shape: int | str) -> Any:
+    """The whole of a dataset, of a shape in which a letter allows any length: looked at first."""
+    found = _dataset(file, name)
+    check_shape(name, found.shape or (), shape)
+    return hdf5.whole(found)
+
+
+def numbers(file: h5py.Group, name: str, *shape: int | str) -> Array:
+    """A dataset of finite numbers."""
+    return checked(name, dataset(file, name, *shape), shape)
 
 
 def scalar(file: h5py.Group, name: str) -> float:
-    return float(checked(name, dataset(file, name), ()))
-
-
-def vector(file: h5py.Group, name: str, length: int) -> Array:
-    return checked(name, dataset(file, name), (length,))
+    return float(numbers(file, name))
 
 
 def texts(file: h5py.Group, name: str) -> list[str]:
@@ -41,7 +46,7 @@ def texts(file: h5py.Group, name: str) -> list[str]:
         raise SuperelementError(
             f"{name}: expected text of shape (n,), found {found.dtype} of shape {found.shape}"
         )
-    return list(found.asstr()[()])
+    return hdf5.texts(found)
 
 
 def number(file: h5py.Group, name: str) -> float:
@@ -52,10 +57,8 @@ def number(file: h5py.Group, name: str) -> float:
 def text(file: h5py.Group, name: str) -> str:
     """A text in an attribute."""
     found = _attribute(file, name)
-    if isinstance(found, bytes):
-        return found.decode()
     if not isinstance(found, str):
-        raise SuperelementError(f"{_label(file, name)}: expected text, found {found!r}")
+        raise SuperelementError(f"{_label(file, name)}: expected text, found {found!r:.80}")
     return found
 
 
@@ -66,8 +69,13 @@ def expect(file: h5py.Group, name: str, *allowed: Value) -> Value:
         if np.array_equal(found, value):
             return value
     raise SuperelementError(
-        f"{_label(file, name)}: expected {' or '.join(map(repr, allowed))}, found {found!r}"
+        f"{_label(file, name)}: expected {' or '.join(map(repr, allowed))}, found {found!r:.80}"
     )
+
+
+def names(owner: h5py.Group) -> Sequence[str]:
+    """The names of the attributes of a group."""
+    return [hdf5.decoded("the name of an attribute", name) for name in owner.attrs]
 
 
 def _dataset(file: h5py.Group, name: str) -> h5py.Dataset:
@@ -79,7 +87,7 @@ def _dataset(file: h5py.Group, name: str) -> h5py.Dataset:
 def _attribute(file: h5py.Group, name: str) -> Any:
     if name not in file.attrs:
         raise SuperelementError(f"{_label(file, name)} is missing")
-    found = file.attrs[name]
+    found = hdf5.attribute(file, name)
     return found.item() if isinstance(found, np.generic) else found
 
 

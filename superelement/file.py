@@ -12,23 +12,22 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from .atomic import renamed_when_whole
-from .fields import dataset, expect, group, number, put, scalar, text, texts, vector
+from ..files import renamed_when_whole
+from ..files.hdf5 import opened
+from .checks import require_sound
+from .fields import dataset, expect, group, names, number, numbers, put, scalar, text, texts
 from .interface import Interface
 from .kernel import Kernel
 from .modes import Modes
 from .recovery import Recovery
 from .scheme import GeneralizedAlpha
 from .superelement import Provenance, Superelement
-from .validation import SuperelementError, checked
+from .validation import SuperelementError
 
 FORMAT = "duhamel-superelement"
 VERSION = 2
 ACCELERANCE = {1: "static/mobility", VERSION: "static/accelerance"}
 """the dataset of the accelerance, by version: version 1 has it under another name"""
-
-DAMAGE = (OSError, RuntimeError, KeyError)
-"""exceptions of h5py on a file with wrong bytes, each for other parts of its structure"""
 
 
 def write(path: str | os.PathLike[str], superelement: Superelement) -> None:
@@ -58,17 +57,10 @@ def read(path: str | os.PathLike[str], recovery: bool = True) -> Superelement:
     concern of a simulation.
 
     Raises `SuperelementError`, which names the file, the dataset or attribute, what was expected
-    and what was found.
+    and what was found: also where numbers are there, but not those of an elastic body (`checks`).
     """
-    try:
-        with h5py.File(path, "r") as file:
-            return _superelement(file, recovery)
-    except SuperelementError as error:
-        raise SuperelementError(f"{path}: {error}") from error
-    except FileNotFoundError as error:
-        raise SuperelementError(f"{path}: no such file") from error
-    except DAMAGE as error:
-        raise SuperelementError(f"{path}: not a readable HDF5 file: {error}") from error
+    with opened(path, SuperelementError) as file:
+        return _superelement(file, recovery)
 
 
 def sha256(path: str | os.PathLike[str]) -> str:
@@ -149,51 +141,55 @@ def _superelement(file: h5py.File, recovery: bool) -> Superelement:
     expect(file, "format", FORMAT)
     version = expect(file, "version", *ACCELERANCE)
     expect(file, "units", "SI")
+    interfaces = _interfaces(file)
+    n_c = sum(interface.n_dofs for interface in interfaces)
     body = Superelement(
         name=text(file, "name"),
         mass=scalar(file, "rigid/mass"),
-        J_rot=dataset(file, "rigid/J_rot"),
-        center=dataset(file, "rigid/center"),
-        interfaces=_interfaces(file),
-        kernel=_kernel(file),
-        modes=_modes(file),
-        compliance=dataset(file, "static/compliance"),
-        accelerance=dataset(file, ACCELERANCE[version]),
+        J_rot=numbers(file, "rigid/J_rot", 3, 3),
+        center=numbers(file, "rigid/center", 3),
+        interfaces=interfaces,
+        kernel=_kernel(file, n_c),
+        modes=_modes(file, n_c),
+        compliance=numbers(file, "static/compliance", n_c, n_c),
+        accelerance=numbers(file, ACCELERANCE[version], n_c, n_c),
         recovery=_recovery(file) if recovery else None,
         provenance=_provenance(file),
     )
     _check_rows(file, body)
+    require_sound(body)
     return body
 
 
 def _interfaces(file: h5py.File) -> tuple[Interface, ...]:
-    names = texts(file, "interfaces/name")
-    X = checked("interfaces/X", dataset(file, "interfaces/X"), (len(names), 3))
-    rotations = vector(file, "interfaces/rotations", len(names))
+    labels = texts(file, "interfaces/name")
+    X = numbers(file, "interfaces/X", len(labels), 3)
+    rotations = numbers(file, "interfaces/rotations", len(labels))
     if not np.isin(rotations, (0, 1)).all():
         raise SuperelementError(
             f"interfaces/rotations: expected true or false, found {rotations.tolist()}"
         )
     return tuple(
         Interface(name, x, bool(rotates))
-        for name, x, rotates in zip(names, X, rotations, strict=True)
+        for name, x, rotates in zip(labels, X, rotations, strict=True)
     )
 
 
 def _check_rows(file: h5py.File, body: Superelement) -> None:
     expected = [body.rows(interface.name).start for interface in body.interfaces]
-    found = vector(file, "interfaces/row", len(expected)).tolist()
+    found = numbers(file, "interfaces/row", len(expected)).tolist()
     if found != expected:
         raise SuperelementError(f"interfaces/row: expected {expected}, found {found}")
 
 
-def _kernel(file: h5py.File) -> Kernel:
+def _kernel(file: h5py.File, n_c: int) -> Kernel:
     attributes = group(file, "kernel")
+    g = numbers(file, "kernel/g", "n_k", n_c, n_c)
     return Kernel(
         h=number(attributes, "h"),
         scheme=_scheme(number(attributes, "rho_inf")),
-        g=dataset(file, "kernel/g"),
-        g_initial=dataset(file, "kernel/g_initial"),
+        g=g,
+        g_initial=numbers(file, "kernel/g_initial", len(g), n_c, n_c),
         error=number(attributes, "error"),
         band=number(attributes, "band") if "band" in attributes.attrs else None,
     )
@@ -206,14 +202,15 @@ def _scheme(rho_inf: float) -> GeneralizedAlpha:
         raise SuperelementError(f"kernel: {error}") from error
 
 
-def _modes(file: h5py.File) -> Modes | None:
+def _modes(file: h5py.File, n_c: int) -> Modes | None:
     if "modes" not in file:
         return None
     attributes = group(file, "modes")
+    omega = numbers(file, "modes/omega", "m")
     return Modes(
-        omega=dataset(file, "modes/omega"),
-        zeta=dataset(file, "modes/zeta"),
-        phi=dataset(file, "modes/phi"),
+        omega=omega,
+        zeta=numbers(file, "modes/zeta", len(omega)),
+        phi=numbers(file, "modes/phi", n_c, len(omega)),
         h_min=number(attributes, "h_min") if "h_min" in attributes.attrs else 0.0,
     )
 
@@ -221,12 +218,12 @@ def _modes(file: h5py.File) -> Modes | None:
 def _recovery(file: h5py.File) -> Recovery | None:
     if "recovery" not in file:
         return None
-    return Recovery(
-        points=dataset(file, "recovery/points"),
-        cells=dataset(file, "recovery/cells"),
-        phi=dataset(file, "recovery/phi"),
-        stress=dataset(file, "recovery/stress") if "recovery/stress" in file else None,
-    )
+    points = numbers(file, "recovery/points", "p", 3)
+    phi = numbers(file, "recovery/phi", len(points), 3, "m")
+    stress = None
+    if "recovery/stress" in file:
+        stress = numbers(file, "recovery/stress", len(points), 6, phi.shape[2])
+    return Recovery(points, dataset(file, "recovery/cells", "n", "k"), phi, stress)
 
 
 def _provenance(file: h5py.File) -> Provenance:
@@ -238,6 +235,6 @@ def _provenance(file: h5py.File) -> Provenance:
         mesh_sha256=text(source, "mesh_sha256"),
         method=text(source, "method"),
         tolerance=number(source, "tolerance"),
-        versions={name: text(versions, name) for name in versions.attrs},
-        timings={name: number(timings, name) for name in timings.attrs},
+        versions={name: text(versions, name) for name in names(versions)},
+        timings={name: number(timings, name) for name in names(timings)},
     )

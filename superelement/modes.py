@@ -4,7 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .validation import Array, SuperelementError, checked
+from .validation import Array, SuperelementError, check_positive, checked
+
+OVERDAMPED = 1e6
+"""Damping ratio above which nothing would move for the time of a run; Rayleigh's damping gives the
+highest modes of fine meshes some hundred.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,8 +37,14 @@ class Modes:
             raise SuperelementError(
                 f"modes: omega: expected positive frequencies, found {omega.min()} rad/s"
             )
+        if m:
+            check_positive("modes: omega", float(omega.min()))
         if m and zeta.min() < 0.0:
             raise SuperelementError(f"modes: zeta: expected ratios >= 0, found {zeta.min()}")
+        if m and zeta.max() > OVERDAMPED:
+            raise SuperelementError(
+                f"modes: zeta: expected ratios up to {OVERDAMPED:g}, found {zeta.max()}"
+            )
         if not (np.isfinite(self.h_min) and self.h_min >= 0.0):
             raise SuperelementError(f"modes: h_min: expected a step >= 0 s, found {self.h_min}")
         for name, array in (("omega", omega), ("zeta", zeta), ("phi", phi)):

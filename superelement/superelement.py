@@ -73,6 +73,7 @@ class Superelement:
             raise SuperelementError(
                 f"J_rot: expected positive principal inertias, found {principal.tolist()}"
             )
+        check_positive("J_rot", float(principal.min()))
         interfaces = tuple(self.interfaces)
         names = [interface.name for interface in interfaces]
         if len(set(names)) != len(names):
@@ -107,6 +108,19 @@ class Superelement:
     def n_c(self) -> int:
         """The number of interface dofs."""
         return self.kernel.n_c
+
+    @property
+    def size(self) -> float:
+        """The length of the body [m]: of a uniform bar of its mass and largest moment of inertia.
+
+            sqrt(12 J_max / m)
+
+        or the largest distance between interfaces, if that is longer.
+        """
+        points = np.array([interface.X for interface in self.interfaces])
+        apart = np.linalg.norm(points[:, None] - points, axis=2).max()
+        bar = np.sqrt(12.0 * np.linalg.eigvalsh(self.J_rot)[-1] / self.mass)
+        return float(max(bar, apart))
 
     def interface(self, name: str) -> Interface:
         return self.interfaces[self._index(name)]

@@ -12,6 +12,12 @@ SYMMETRY_TOLERANCE = 1e-8
 """Largest asymmetry of a reciprocal matrix, relative to the scale of its diagonal."""
 
 
+LARGEST = 1e100
+"""Magnitude beyond which no quantity of a body lies, and whose square is still a number; masses,
+inertias, steps and frequencies are no less than its inverse.
+"""
+
+
 class SuperelementError(ValueError):
     """A superelement, or its file, with missing, contradictory or invalid entries."""
 
@@ -20,7 +26,8 @@ def checked(name: str, value: Any, shape: Sequence[int | str]) -> Array:
     """A read-only contiguous float array of a shape, in which a letter allows any length."""
     try:
         found = np.asarray(value)
-        array = found.real.astype(np.float64, order="C")
+        # What is read-only, as the arrays of a superelement are, can be shared.
+        array = found.real.astype(np.float64, order="C", copy=bool(found.flags.writeable))
     except (TypeError, ValueError) as error:
         raise SuperelementError(
             f"{name}: expected numbers of shape {_text(shape)}, found others: {error}"
@@ -29,24 +36,35 @@ def checked(name: str, value: Any, shape: Sequence[int | str]) -> Array:
         raise SuperelementError(
             f"{name}: expected real numbers of shape {_text(shape)}, found complex ones"
         )
-    fits = array.ndim == len(shape) and all(
-        isinstance(want, str) or want == have for want, have in zip(shape, array.shape, strict=True)
-    )
-    if not fits:
-        raise SuperelementError(
-            f"{name}: expected shape {_text(shape)}, found {_text(array.shape)}"
-        )
+    check_shape(name, array.shape, shape)
     if not np.isfinite(array).all():
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         position = f" at index {where}" if where else ""
         raise SuperelementError(f"{name}: expected finite numbers, found {array[where]}{position}")
+    if (too_large := np.abs(array) > LARGEST).any():
+        raise SuperelementError(
+            f"{name}: expected magnitudes up to {LARGEST:g}, found {array[too_large][0]}"
+        )
     array.flags.writeable = False
     return array
+
+
+def check_shape(name: str, found: Sequence[int], shape: Sequence[int | str]) -> None:
+    """SuperelementError unless a shape is as asked for; a letter allows any length."""
+    fits = len(found) == len(shape) and all(
+        isinstance(want, str) or want == have for want, have in zip(shape, found, strict=True)
+    )
+    if not fits:
+        raise SuperelementError(f"{name}: expected shape {_text(shape)}, found {_text(found)}")
 
 
 def check_positive(name: str, value: float) -> None:
     if not (np.isfinite(value) and value > 0.0):
         raise SuperelementError(f"{name}: expected a positive number, found {value}")
+    if not 1.0 / LARGEST <= value <= LARGEST:
+        raise SuperelementError(
+            f"{name}: expected a number from {1.0 / LARGEST:g} to {LARGEST:g}, found {value}"
+        )
 
 
 def check_symmetric(name: str, matrices: Array) -> None:

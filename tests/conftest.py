@@ -1,9 +1,34 @@
 """What tests of the sources share."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator
+from typing import Any
 
 import pytest
 from import_order import modules
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--complete", action="store_true", help="what would be skipped is missing: an error"
+    )
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report(collector: pytest.Collector) -> Generator[None, Any, Any]:
+    return _complete(collector.config, (yield))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, Any, Any]:
+    return _complete(item.config, (yield))
+
+
+def _complete(config: pytest.Config, report: Any) -> Any:
+    """The report, of a failure where a test or a file would be skipped but must not be."""
+    if report.skipped and config.getoption("complete") and not hasattr(report, "wasxfail"):
+        report.outcome = "failed"
+        report.longrepr = f"skipped, but must not be (--complete): {report.longrepr[2]}"
+    return report
 
 
 @pytest.fixture(scope="session")

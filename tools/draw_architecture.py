@@ -26,6 +26,7 @@ ABOUT = {
     "results": "the motion of a run: contract of the solver with its readers",
     "superelement": "an elastic body as its interfaces feel it: contract of preprocess and solver",
     "inputs": "TOML tables, checked",
+    "files": "files of others, opened with care; our own, written whole",
     "preprocess": "mesh → superelement",
     "solver": "model → results",
     "preprocess/errors": "one exception for each failure",
@@ -64,6 +65,7 @@ TINTS = {
     "cli": ("#f1f3f5", "#868e96"),
     "study": ("#f1f3f5", "#868e96"),
     "view": ("#f1f3f5", "#868e96"),
+    "files": ("#ffe3e3", "#c2255c"),
     "inputs": ("#fff3bf", "#e8930c"),
     "superelement": ("#d3f9d8", "#2b8a3e"),
     "results": ("#e5dbff", "#6741d9"),
@@ -305,7 +307,7 @@ def drawing() -> str:
         parts.append(_between(frames[a], frames[b], wrong))
     for package, made in inner.items():
         parts += _inside_of(package, made, frames[package])
-    parts.append(_legend(frames["superelement"].bottom + 34.0))
+    parts.append(_legend(frames["files"].bottom + 34.0))
     return "\n".join([*parts, "</svg>", ""])
 
 
@@ -324,6 +326,7 @@ def _frames(inner: dict[str, Layers]) -> dict[str, Box]:
     y_walk = y_study + top + space
     y_inputs = y_walk + walk + space
     y_superelement = y_inputs + top + space
+    y_files = y_superelement + top + space
     full = right - MARGIN
     return {
         "cli": Box("cli", MARGIN, MARGIN, full, top),
@@ -333,7 +336,8 @@ def _frames(inner: dict[str, Layers]) -> dict[str, Box]:
         "view": Box("view", x_side, y_walk, side, 96.0),
         "results": Box("results", x_side, y_walk + 0.5 * walk - 56.0, side, 112.0),
         "inputs": Box("inputs", x_solver - 180.0, y_inputs, 320.0, top),
-        "superelement": Box("superelement", MARGIN, y_superelement, full, top),
+        "superelement": Box("superelement", MARGIN, y_superelement, full - 180.0, top),
+        "files": Box("files", MARGIN, y_files, full, top),
     }
 
 
@@ -455,7 +459,7 @@ def _wrapped(text: str, characters: int) -> list[str]:
 
 def _legend(y: float) -> str:
     parts, x = [], MARGIN + 6.0
-    for package in ("inputs", "superelement", "results"):
+    for package in ("files", "inputs", "superelement", "results"):
         parts.append(_mark(x, y - 4, package))
         parts.append(_text(x + 11, y, f"imports {package}", 13, QUIET, anchor="start"))
         x += 48.0 + 7.4 * len(f"imports {package}")

@@ -12,14 +12,15 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 
 PACKAGES: dict[str, set[str]] = {
-    "inputs": set(),
-    "superelement": set(),
-    "results": {"superelement"},
-    "preprocess": {"inputs", "superelement"},
-    "solver": {"inputs", "superelement", "results"},
-    "view": {"superelement", "results"},
-    "study": {"inputs", "superelement", "results", "preprocess", "solver"},
-    "cli": {"inputs", "superelement", "results", "preprocess", "solver", "view", "study"},
+    "files": set(),
+    "inputs": {"files"},
+    "superelement": {"files"},
+    "results": {"files", "superelement"},
+    "preprocess": {"files", "inputs", "superelement"},
+    "solver": {"files", "inputs", "superelement", "results"},
+    "view": {"files", "superelement", "results"},
+    "study": {"files", "inputs", "superelement", "results", "preprocess", "solver"},
+    "cli": {"files", "inputs", "superelement", "results", "preprocess", "solver", "view", "study"},
 }
 """All packages, and the others that each of them may import, which stand before it."""
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...superelement import GeneralizedAlpha, Modes
-from ...superelement.kernel import spread
+from ...superelement.transfer import dynamic_stiffness, transfer
 from ...superelement.validation import Array
 
 Complex = NDArray[np.complex128]
@@ -140,24 +140,6 @@ class Band:
     def _delay(self, angle: Array) -> Complex:
         delay: Complex = np.exp(-1.0 / self.steps - 1j * angle)
         return delay
-
-
-def transfer(modes: Modes, h: float, scheme: GeneralizedAlpha, delay: Complex) -> Complex:
-    """G = sum_k g[k] d^k (n, n_c, n_c) [m/N ...]: the z-transform of the kernel, with d = 1/z.
-
-    G = phi diag(1 / (sigma + 2 zeta omega chi + omega^2)) phi^T
-
-    delay (n,): |d| < 1, and 0 gives g[0] -> (n, n_c, n_c) [m/N ...]. sigma and chi:
-    `GeneralizedAlpha.symbols`. Source: docs/theory.md, Impulse responses.
-    """
-    receptance = 1.0 / dynamic_stiffness(modes, h, scheme, delay)
-    return spread(modes.phi, receptance.real) + 1j * spread(modes.phi, receptance.imag)
-
-
-def dynamic_stiffness(modes: Modes, h: float, scheme: GeneralizedAlpha, delay: Complex) -> Complex:
-    """sigma + 2 zeta omega chi + omega^2 of every mode: delay (n,) -> (n, m) [1/s^2]"""
-    sigma, chi = scheme.symbols(h, delay)
-    return sigma[:, None] + chi[:, None] * (2.0 * modes.zeta * modes.omega) + modes.omega**2
 
 
 def _scale(G: Complex) -> Array:

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 from scipy.linalg import eigh
 
+from ...files.memory import available
 from ...superelement import GeneralizedAlpha, Modes
 from ...superelement.validation import Array
 from ..assembly.structure import Structure
 from ..body.body import Damping, Rayleigh
 from ..errors import MeshError, MethodError
-from ..memory import available
 from ..mesh.mesh import IntArray
 from .band import Band
 from .basis import Basis

@@ -58,7 +58,8 @@ if hasattr(os, "register_at_fork"):
 def load() -> None:
     """Bind all entries to machine code: what is cached, or what is built now.
 
-    Where numba's internals are not as `build` expects them, the stock compiler takes over.
+    Where numba's internals are not as `build` expects them, the stock compiler takes over, also in
+    later processes: `build` is not tried again.
     """
     with _lock:
         if all(entry.is_bound for entry in marks.ENTRIES.values()):
@@ -68,15 +69,10 @@ def load() -> None:
                 entry.call = entry.function
             return
         compiler = os.environ.get("DUHAMEL_COMPILER", "")
-        if compiler != "stock":
-            try:
-                _bind(_cached_code() or _new_code())
-                return
-            except BuildError as error:
-                if compiler == "quick":
-                    raise
-                _announce(f"the quick compiler does not know this numba: {error}")
-        _load_stock()
+        if compiler != "stock" and (code := _quick_code(required=compiler == "quick")):
+            _bind(code)
+        else:
+            _load_stock()
 
 
 class BuildError(Exception):
@@ -215,6 +211,23 @@ def _remove_oldest(pattern: str, kept: int) -> None:
 # Building
 
 
+def _quick_code(required: bool) -> bytes | None:
+    """The object file, kept or made now; None where the stock compiler is to take over.
+
+    required: `BuildError` rather than None.
+    """
+    code = _cached_code()
+    if code is not None or (_stock_is_kept() and not required):
+        return code
+    try:
+        return _new_code()
+    except BuildError as error:
+        if required:
+            raise
+        _announce(f"the quick compiler does not know this numba: {error}")
+        return None
+
+
 def _built_code() -> bytes:
     """The object file made now, in a process of its own; `BuildError` where `build` fails.
 
@@ -289,16 +302,29 @@ def _load_stock() -> None:
     """Bind all entries to what the stock compiler has kept, or compiles at their first call."""
     from . import stock
 
-    folder = cache_folder() / f"stock-{key()}"
+    if not _stock_is_kept():
+        _announce("numba's public interface compiles now: three to four minutes, kept for later")
+    folder = _stock_folder()
     try:
         folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-        is_kept = _is_our_own(folder.stat())
+        can_keep = _is_our_own(folder.stat())
     except OSError:
-        is_kept = False
-    if not (is_kept and any(folder.rglob("*.nbi"))):
-        _announce("numba's public interface compiles now: three to four minutes, kept for later")
-    stock.bind(folder if is_kept else None)
+        can_keep = False
+    stock.bind(folder if can_keep else None)
     _remove_oldest("stock-*", KEPT_STOCK)
+
+
+def _stock_is_kept() -> bool:
+    """True where the stock compiler has been here with these sources and versions."""
+    folder = _stock_folder()
+    try:
+        return _is_our_own(folder.stat()) and any(folder.rglob("*.nbi"))
+    except OSError:
+        return False
+
+
+def _stock_folder() -> Path:
+    return cache_folder() / f"stock-{key()}"
 
 
 def _announce(message: str) -> None:

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...files.memory import shortage
 from ...superelement import GeneralizedAlpha, Superelement, SuperelementError
 from ..arrays import Array, Index, as_index
 from ..errors import ModelError
@@ -15,6 +16,8 @@ from .cost import cheapest_history
 from .dyadic import power_above
 from .truncation import truncate, truncation_error
 
+COPIES = 3
+"""of a kernel in memory while it is laid out"""
 LARGEST_TRUNCATION = 0.1
 """relative error of a kernel that is cut off; with a larger one, motions can gain energy"""
 
@@ -82,6 +85,7 @@ def lay_out_elastic(
         active=active,
         active_range=as_index(active_range),
         of_body=of_body,
+        size=np.array([body.superelement.size for body in bodies.values()], dtype=np.float64),
         G_0=G_0,
         G_0_start=G_0_start,
         G_active=G_active,
@@ -120,6 +124,7 @@ def _lay_out_modes(histories: Sequence[_History], owners: Sequence[int]) -> Mode
         step_stiffness=step_stiffness.copy(),
         phi=phi,
         phi_start=phi_start,
+        damped=int(damping.any()),
     )
 
 
@@ -178,7 +183,18 @@ def _choose_history(
     lags = min(n_steps, length) + 1
     if form == "fft" and lags > n_steps:
         lags = _whole_blocks(element, n_steps) + 1
+    _check_memory(name, element, lags)
     return _by_kernel(element, stepping, lags, form == "fft")
+
+
+def _check_memory(name: str, element: Superelement, lags: int) -> None:
+    """`ModelError` for impulse responses, and loads in the past, that memory cannot hold."""
+    n_c = element.n_c
+    if lacking := shortage(8.0 * lags * (2 * COPIES * n_c * n_c + n_c)):
+        raise ModelError(
+            f"body {name!r}: its history of {lags} steps {lacking}: a shorter t_end, a longer step "
+            "or `memory`, or history = 'recursive', takes less"
+        )
 
 
 def _whole_blocks(element: Superelement, n_steps: int) -> int:

@@ -12,7 +12,7 @@ from ..model.model import Model
 from ..model.signals import Signal, SmoothSignal
 from ..step.rows import measures_length
 from ..step.system import Bodies, Loads, System
-from .checks import check_assembled, check_moments
+from .checks import check_assembled, check_masses, check_moments
 from .elimination_order import lay_out_pattern
 from .numbering import NumberedFrames, number_frames
 from .placement import Pose, place_bodies
@@ -47,12 +47,6 @@ class LoweredModel:
     """static compliance of every flexible body (n_c, n_c)"""
     truncation: float
     """largest error of kernels that are cut off, relative to static displacements"""
-
-    @property
-    def all_modal(self) -> bool:
-        """True if there are flexible bodies, and modes carry the history of all of them."""
-        modes = np.diff(self.system.elastic.modes.range)
-        return len(modes) > 0 and bool(modes.all())
 
     @property
     def h(self) -> float:
@@ -92,6 +86,7 @@ def lower(
     if not model.settings.assemble:
         check_assembled(model, size, frames)
     check_moments(model, frames, rows)
+    check_masses(model)
     elastic, compliances, truncation = lay_out_elastic(model, frames.arrays, stepping)
     system = System(
         scheme=lay_out_scheme(stepping),

@@ -15,6 +15,9 @@ from ..step.rows import Angle, Distance, Rotation, Translation
 from ..step.system import Couplings, Laws, Rows
 from .placement import Pose
 
+COINCIDENT = 1e-12
+"""distance of points, relative to their coordinates, that has lost its direction by rounding"""
+
 
 @dataclass(frozen=True, eq=False)
 class Row:
@@ -76,10 +79,11 @@ def joint_rows(joint: Joint, sides: Sides) -> list[Row]:
     the same from both sides, e_i(A) . e_j(B) as e_j(B) . e_i(A).
     """
     kind, rotations = joint.kind, joint.kind.rotations
+    basis = joint.basis(sides.pose_a.R)
     turned = sides.fixed_a and joint.distance is None and joint.angle is None
     if turned:
         sides, rotations = sides.swapped(), tuple((j, i) for i, j in rotations)
-    in_a, in_b = sides.carried(joint.basis())
+    in_a, in_b = sides.carried(basis)
     A, B = sides.frame_a, sides.frame_b
     rows = [Row(Translation.number, A, B, in_a[:, k]) for k in kind.translations]
     rows += [Row(Rotation.number, A, B, in_a[:, i], b=in_b[:, j]) for i, j in rotations]
@@ -102,7 +106,7 @@ def _driven_angle(A: int, B: int, in_a: Array, in_b: Array, angle: SmoothSignal)
 
 def joint_observers(joint: Joint, sides: Sides) -> dict[str, Row]:
     """The coordinates that a joint leaves free or drives, by name."""
-    in_a, in_b = sides.carried(joint.basis())
+    in_a, in_b = sides.carried(joint.basis(sides.pose_a.R))
     rows = {
         name: Row(Translation.number, sides.frame_a, sides.frame_b, in_a[:, k])
         for name, k in joint.kind.distances.items()
@@ -136,20 +140,21 @@ def motion_rows(motion: PrescribedMotion, sides: Sides) -> list[Row]:
                 drive=motion.displacement,
             )
         ]
-    in_a, in_b = sides.carried(basis_about(motion.axis))
+    in_a, in_b = sides.carried(basis_about(motion.axis, sides.pose_a.R))
     rows = [Row(Rotation.number, A, B, in_a[:, i], b=in_b[:, j]) for i, j in ABOUT_E3]
     return [*rows, _driven_angle(A, B, in_a, in_b, motion.angle)]
 
 
 def spring_rows(spring: Spring, sides: Sides) -> list[Row]:
     """The coordinates of a spring with their law."""
-    kind, (in_a, in_b) = spring.kind, sides.carried(spring.basis())
+    kind, basis = spring.kind, spring.basis(sides.pose_a.R)
+    in_a, in_b = sides.carried(basis)
     A, B = sides.frame_a, sides.frame_b
-    gap = sides.gap(spring.basis())
+    gap = sides.gap(basis)
     rows = []
     if kind.distance:
         length = float(np.linalg.norm(gap))
-        if length <= 1e-12 * max(1.0, float(np.abs(sides.pose_a.x).max())):
+        if length <= COINCIDENT * float(np.abs([sides.pose_a.x, sides.pose_b.x]).max()):
             ends = list(spring.between)
             raise spring.error(f"its ends {ends} coincide at the start")
         rows.append(Row(Distance.number, A, B, start=length))

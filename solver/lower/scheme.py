@@ -8,25 +8,37 @@ from ..history.layout import Horizon, Stepping
 from ..model.model import Model
 from ..step.system import Newton, Scheme
 
+MOST_STEPS = 1e15
+"""of a run: they are counted, and times are multiples of the step, in double precision"""
 REUSE = 1e-2
 """ratio of successive corrections above which the matrix is made anew: the cheapest in trials"""
+LARGEST_WITH_CONSTRAINTS = 0.99
+"""rho_inf up to which multipliers forget their rounding: they carry it on as k^2 rho_inf^k"""
 
 
 def stepping_of(model: Model, earlier: Horizon | None = None) -> Stepping:
     """Step size, scheme, number of steps and weight of the convolution.
 
     earlier: the horizon of the run that this one continues. `ModelError` for superelements that
-    differ in step or scheme where the settings give none.
+    differ in step or scheme where the settings give none, and for a scheme under which constraint
+    forces grow without bound.
     """
     settings = model.settings
     kernels = {name: body.superelement.kernel for name, body in model.flexible_bodies.items()}
     steps = {name: kernel.h for name, kernel in kernels.items()}
     radii = {name: kernel.scheme.rho_inf for name, kernel in kernels.items()}
     h = _chosen_or_common("step", settings.step, steps)
+    rho_inf = _chosen_or_common("rho_inf", settings.rho_inf, radii, default=0.9)
+    _check_damps_multipliers(model, rho_inf)
+    if not settings.t_end / h < MOST_STEPS:
+        raise ModelError(
+            f"simulation: t_end: expected less than {MOST_STEPS:g} steps, got {settings.t_end:g} s "
+            f"in steps of {h:g} s"
+        )
     n_steps = round_up(settings.t_end / h)
     return Stepping(
         h=h,
-        scheme=GeneralizedAlpha(_chosen_or_common("rho_inf", settings.rho_inf, radii, default=0.9)),
+        scheme=GeneralizedAlpha(rho_inf),
         n_steps=max(n_steps, earlier.steps if earlier else 0),
         weight=1.0 if settings.rule == "consistent" else 0.5,
         planned=earlier.planned if earlier else n_steps,
@@ -61,6 +73,17 @@ def lay_out_newton(model: Model) -> Newton:
         fixed_iterations=fixed_iterations or 0,
         reuse=np.inf if fixed_iterations else REUSE,
     )
+
+
+def _check_damps_multipliers(model: Model, rho_inf: float) -> None:
+    """ModelError for a model with constraints and next to no numerical dissipation."""
+    constrained = next((c.owner for c in (*model.joints, *model.motions)), None)
+    if constrained and rho_inf > LARGEST_WITH_CONSTRAINTS:
+        raise ModelError(
+            f"simulation: rho_inf: expected at most {LARGEST_WITH_CONSTRAINTS} in a model with "
+            f"joints or motions ({constrained}), whose forces would grow from rounding, "
+            f"got {rho_inf:.9g}"
+        )
 
 
 def _chosen_or_common(

@@ -4,21 +4,28 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ..arrays import Array
 from ..model.model import Model
 from .numbering import NumberedFrames
 from .placement import Pose
 
 
 def model_size(model: Model, poses: Mapping[str, Pose], frames: NumberedFrames) -> float:
-    """The largest extent, lever or radius of gyration [m]: positive, independent of the origin.
+    """The largest extent, lever or radius of gyration [m]: positive, independent of space.
 
-    Extent: of the centers of bodies and the frames that act, along the axes of space at the start;
-    lever: from a center to a frame of its body; radius of gyration: sqrt(J_max / m).
+    Extent: twice the largest distance from the mean of the centers of bodies and the frames that
+    act, at the start; lever: from a center to a frame of its body; radius of gyration:
+    sqrt(J_max / m). None depends on the origin or the axes of space.
     """
     acting = list(frames.poses.values())[: frames.arrays.n_acting]
     points = np.array([*(poses[name].x for name in model.bodies), *(pose.x for pose in acting)])
     gyration = [
         np.sqrt(np.linalg.eigvalsh(body.inertia)[-1] / body.mass) for body in model.bodies.values()
     ]
-    extent = float(np.ptp(points, axis=0).max())
-    return max(extent, float(np.abs(frames.arrays.X).max(initial=0.0)), float(max(gyration)))
+    extent = 2.0 * float(_distances(points - points.mean(axis=0)).max())
+    return max(extent, float(_distances(frames.arrays.X).max(initial=0.0)), float(max(gyration)))
+
+
+def _distances(points: Array) -> Array:
+    distances: Array = np.linalg.norm(points, axis=1)
+    return distances

@@ -9,9 +9,9 @@ from typing import Annotated, Any, get_args
 import tomli_w
 from pydantic import Field, create_model, model_validator
 
+from ...files import renamed_when_whole
 from ...inputs import InputError, Table, Vector, read_table
 from ...superelement import Superelement, read
-from ...superelement.atomic import renamed_when_whole
 from ..errors import ModelError, about
 from ..schema.entry import Entry
 from ..schema.tables import (

@@ -56,6 +56,8 @@ class JointType:
 _ALL = (0, 1, 2)
 _NO_ROTATION = ((0, 1), (1, 2), (2, 0))
 ABOUT_E3 = ((0, 2), (1, 2))
+ALONG = 0.9
+"""cosine of the angle between two axes below which they span a plane: of none that models have"""
 _TURN = Angle(0, 1, 0)
 
 JOINT_TYPES = {
@@ -96,9 +98,11 @@ class Joint(Entry):
     Frames are "BODY.FRAME", "BODY" (its origin) or "ground" (where the other frame starts).
     `axis` (3,) in space at the start: the axis of a revolute, cylindrical or prismatic joint, the
     normal of a planar one, the axis fixed in the first frame of a universal joint, whose
-    `second_axis` is fixed in the second. `angle` [rad] and `distance` [m] drive a joint; the start
-    is at angle(0). `start` gives free coordinates or their rates values at t = 0 other than those
-    of the starts of the bodies: angle, angle_rate, distance, ...
+    `second_axis` is fixed in the second. A planar joint slides along the x axis of its first frame,
+    projected on the plane (its y axis where x is within 26 degrees of the normal), and across it.
+    `angle` [rad] and `distance` [m] drive a joint; the start is at angle(0). `start` gives free
+    coordinates or their rates values at t = 0 other than those of the starts of the bodies: angle,
+    angle_rate, distance, ...
     """
 
     label = "joint {name!r}"
@@ -146,29 +150,36 @@ class Joint(Entry):
         if name.removesuffix("_rate") in self.drives:
             raise self.error(f"start: {name} is driven")
 
-    def basis(self) -> Array:
-        """The joint axes e1, e2, e3 at the start, in space, as columns (3, 3)."""
+    def basis(self, D: Array) -> Array:
+        """The joint axes e1, e2, e3 at the start, in space, as columns (3, 3).
+
+        D (3, 3): the axes of the first frame, which lead where the joint gives none.
+        """
         if self.axis is None:
-            return np.eye(3)
+            return D
         if self.second_axis is None:
-            return basis_about(self.axis)
+            return basis_about(self.axis, D)
         third = np.cross(self.axis, self.second_axis)
         return np.column_stack([self.axis, self.second_axis, third])
 
 
-def basis_about(axis: Array) -> Array:
+def basis_about(axis: Array, D: Array) -> Array:
     """Axes e1, e2, e3 as columns (3, 3): e3 along a unit vector.
 
-    e1 is near the coordinate axis farthest from e3.
+    e1 is nearest to the x axis of a frame with the axes D (3, 3), or to its y axis where e3 is
+    along x: so it turns with the whole model.
     """
-    return _basis_about(tuple(axis.tolist())).copy()
+    return _basis_about(tuple(axis.tolist()), tuple(D[:, 0].tolist()), tuple(D[:, 1].tolist()))
 
 
 @lru_cache(maxsize=1024)
-def _basis_about(axis: tuple[float, float, float]) -> Array:
+def _basis_about(axis: tuple[float, ...], x: tuple[float, ...], y: tuple[float, ...]) -> Array:
     """Mechanisms have few different axes, and many joints about each."""
-    e3 = np.array(axis)
-    e1 = np.eye(3)[int(np.argmin(np.abs(e3)))]
+    e3, e1 = np.array(axis), np.array(x)
+    if abs(e3 @ e1) > ALONG:
+        e1 = np.array(y)
     e1 = e1 - e3 * (e3 @ e1)
     e1 = e1 / np.linalg.norm(e1)
-    return np.column_stack([e1, np.cross(e3, e1), e3])
+    basis = np.column_stack([e1, np.cross(e3, e1), e3])
+    basis.flags.writeable = False
+    return basis

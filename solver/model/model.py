@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import KW_ONLY, field, replace
 from typing import Any
 
+from ...inputs import is_name, quoted
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
 from ..schema.values import NONE, ORIGIN, Several, Vector
@@ -69,11 +70,11 @@ class Model(Entry):
         if not self.bodies:
             raise ModelError("bodies: expected at least one body, got none")
         for name, body in self.bodies.items():
-            if name == GROUND or not _is_name(name):
-                raise ModelError(f"bodies: a body cannot be named {name!r}")
+            if name == GROUND or not is_name(name):
+                raise ModelError(f"bodies: a body cannot be named {quoted(name)}")
             for frame in body.frames:
-                if not _is_name(frame):
-                    raise ModelError(f"body {name!r}: a frame cannot be named {frame!r}")
+                if not is_name(frame):
+                    raise ModelError(f"body {name!r}: a frame cannot be named {quoted(frame)}")
 
     def _check_names(self) -> None:
         groups: dict[str, tuple[Joint | Spring | PrescribedMotion, ...]] = {
@@ -84,8 +85,8 @@ class Model(Entry):
         names: set[str] = set()
         for kind, couplings in groups.items():
             for coupling in couplings:
-                if not _is_name(coupling.name):
-                    raise ModelError(f"{kind}s: a {kind} cannot be named {coupling.name!r}")
+                if not is_name(coupling.name):
+                    raise ModelError(f"{kind}s: a {kind} cannot be named {quoted(coupling.name)}")
                 if coupling.name in names:
                     raise ModelError(
                         "joints, springs, motions: expected different names, "
@@ -150,8 +151,3 @@ class Model(Entry):
                 f"{owner}: {body!r} is flexible: name one of its interfaces "
                 f"({', '.join(frames)}) as {body}.INTERFACE"
             )
-
-
-def _is_name(name: str) -> bool:
-    """Names make up paths of results and references to frames."""
-    return bool(name) and "." not in name and "/" not in name

@@ -7,7 +7,15 @@ from ..errors import ModelError
 from ..schema.entry import Entry, Key, Takes, entry
 from ..schema.forms import Family
 from ..schema.tables import read_member
-from ..schema.values import ORIGIN, Count, Fraction, PositiveTime, Tolerance, Vector
+from ..schema.values import (
+    ORIGIN,
+    Count,
+    Fraction,
+    Iterations,
+    PositiveTime,
+    Tolerance,
+    Vector,
+)
 from .output_request import OutputRequest
 
 
@@ -64,12 +72,14 @@ Interval = Annotated[
 class Settings(Entry):
     """The settings of a simulation from t = 0 to t_end [s], in equal steps.
 
-    step [s], rho_inf: by default those of the superelements. rule: of convolution, "consistent" or
-    "paper" (eq. 55). history: "auto" (the cheapest), "recursive", "direct" or "fft", which give the
-    same motion. kernel_length [s]: impulse responses are faded out and end there (those that modes
-    carry do not). tolerance: of Newton's method, relative to the forces and displacements of a
-    step. fixed_iterations: the largest number of iterations in a step, which ends there without an
-    error, for steps of bounded cost; by default it converges within max_iterations or fails.
+    step [s], rho_inf: by default those of the superelements; rho_inf, the spectral radius at
+    infinite frequency, is at most 0.99 in a model with joints or motions. rule: of convolution,
+    "consistent" or "paper" (eq. 55). history: "auto" (the cheapest), "recursive", "direct" or
+    "fft", which give the same motion. kernel_length [s]: impulse responses are faded out and end
+    there (those that modes carry do not). tolerance: of Newton's method, relative to the forces
+    and displacements of a step. fixed_iterations: the largest number of iterations in a step, which
+    ends there without an error, for steps of bounded cost; by default it converges within
+    max_iterations or fails.
 
     start: "given", as the bodies say, or "equilibrium", at rest, or in a `steady_rotation`, under
     gravity and the loads at t = 0, elastic displacements included; positions and joint coordinates
@@ -90,8 +100,8 @@ class Settings(Entry):
     history: Literal["auto", "recursive", "direct", "fft"] = "auto"
     kernel_length: Annotated[PositiveTime | None, Key("memory")] = None
     tolerance: Tolerance = 1e-10
-    max_iterations: Count = 20
-    fixed_iterations: Annotated[Count | None, Key("corrections")] = None
+    max_iterations: Iterations = 20
+    fixed_iterations: Annotated[Iterations | None, Key("corrections")] = None
     start: Literal["given", "equilibrium"] = "given"
     steady_rotation: SteadyRotation | None = None
     assemble: bool = False

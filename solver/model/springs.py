@@ -60,7 +60,9 @@ class Spring(Entry):
     [N/m, N m/rad; N s/m ...]; damping, which dissipates energy, has no negative eigenvalue; law: a
     `ForceLaw` that adds to them (point and torsion); rest: the coordinates without force (length,
     angle, or six of them), by default those of the start; axis: of torsion, or e_3 of a bushing,
-    in space at the start.
+    in space at the start; second_axis: e_1 of a bushing, across it. Without axes e_1, e_2, e_3 of a
+    bushing are those of its first frame; without a second one e_1 is nearest to the x axis of that
+    frame (to its y axis where x is within 26 degrees of e_3).
     """
 
     label = "spring {name!r}"
@@ -73,6 +75,7 @@ class Spring(Entry):
     damping: Coefficients = ZERO
     law: AnyLaw | None = None
     rest: OptionalArray = ABSENT
+    second_axis: OptionalDirection = ABSENT
 
     @property
     def kind(self) -> SpringType:
@@ -87,6 +90,7 @@ class Spring(Entry):
             raise self.error(f"axis: a {self.type} spring needs one")
         if self.kind.axis == "none" and self.axis is not None:
             raise self.error(f"axis: a {self.type} spring takes none, got {plain(self.axis)}")
+        self._check_second_axis()
         if self.law is not None and self.n_rows > 1:
             raise self.error(f"law: a {self.type} takes none")
         if self.rest is not None and self.rest.shape != (self.n_rows,):
@@ -99,9 +103,27 @@ class Spring(Entry):
             limit = "zero or more" if self.n_rows == 1 else limit
             raise self.error(f"damping: expected {limit}, got {lowest:.6g}")
 
-    def basis(self) -> Array:
-        """The axes of the spring at the start, in space, as columns (3, 3)."""
-        return np.eye(3) if self.axis is None else basis_about(self.axis)
+    def basis(self, D: Array) -> Array:
+        """The axes of the spring at the start, in space, as columns (3, 3).
+
+        D (3, 3): the axes of the first frame, which lead where the spring gives none.
+        """
+        if self.axis is None:
+            return D
+        if self.second_axis is None:
+            return basis_about(self.axis, D)
+        e3, e1 = self.axis, self.second_axis
+        return np.column_stack([e1, np.cross(e3, e1), e3])
+
+    def _check_second_axis(self) -> None:
+        if self.second_axis is None:
+            return
+        takes = "one beside axis" if self.kind.axis == "optional" else "none"
+        if self.axis is None or takes == "none":
+            got = plain(self.second_axis)
+            raise self.error(f"second_axis: a {self.type} spring takes {takes}, got {got}")
+        if abs(self.axis @ self.second_axis) > 1e-9:
+            raise self.error("second_axis: expected an axis perpendicular to axis at the start")
 
     def _matrix(self, name: str, values: Array) -> Array:
         """Coefficients (n, n): of the diagonal if there are n; no number but 0 stands for six."""

@@ -29,7 +29,7 @@ def requested(lowered: LoweredModel) -> Contents:
         name: SuperelementFile.of(body.source) if body.source else SuperelementFile("")
         for name, body in lowered.model.flexible_bodies.items()
     }
-    return lay_out(axes, files, request.selects, _unknown(lowered))
+    return lay_out(axes, files, request.selects)
 
 
 def axes_of(lowered: LoweredModel) -> dict[str, Axis]:
@@ -95,7 +95,7 @@ def available(lowered: LoweredModel) -> dict[str, None]:
         for owner in axes[dimension].names:
             attributes = [name for name, _, _ in attributes_of(axes, group, owner)]
             names += [f"{group}/{owner}/{attribute}" for attribute in attributes]
-    return dict.fromkeys(name for name in names if name not in _unknown(lowered))
+    return dict.fromkeys(names)
 
 
 def _views(axes: dict[str, Axis], name: str, output: Output) -> Iterator[Array]:
@@ -111,8 +111,3 @@ def _views(axes: dict[str, Axis], name: str, output: Output) -> Iterator[Array]:
     for quantity in QUANTITIES:
         if quantity.key == name and not quantity.owned:
             yield getattr(output, quantity.source)[:1]
-
-
-def _unknown(lowered: LoweredModel) -> tuple[str, ...]:
-    """The optional quantities that a model does not have."""
-    return () if lowered.all_modal else ("energy/modal",)

@@ -13,6 +13,7 @@ from ..lower.lower import LoweredModel
 from ..model.model import Model
 from ..start.initial import InitialState
 from .columns import requested
+from .size import check_size
 
 
 def check_output(path: Path, model: Model) -> None:
@@ -38,6 +39,7 @@ def make_writer(path: Path | None, initial: InitialState, steps: int) -> Writer:
     """
     lowered, model = initial.lowered, initial.lowered.model
     contents, notes = requested(lowered), _notes(initial, steps)
+    check_size(path, contents, min(steps, lowered.n_steps) // lowered.model.settings.output.every)
     if path is None:
         return Memory(contents, notes, model.source)
     durable = model.settings.checkpoint is not None
@@ -95,6 +97,6 @@ def _notes(initial: InitialState, steps: int) -> dict[str, Any]:
         "velocity_error_at": initial.assembly_error.velocity_at,
         "moved": initial.moved,
         "velocity_correction": initial.velocity_correction,
-        "removed": initial.removed,
+        "removed": initial.removed.names,
         "truncation": lowered.truncation,
     }

@@ -20,6 +20,7 @@ from typing import (
     get_type_hints,
 )
 
+from ...inputs import quoted
 from ..errors import ModelError, plain
 
 
@@ -36,7 +37,7 @@ class Takes:
     store: Callable[[Any], Any]
     in_file: Any
     to_file: Callable[[Any], Any] | None = None
-    found: Callable[[Any], str] = lambda value: repr(plain(value))
+    found: Callable[[Any], str] = lambda value: quoted(plain(value))
 
     def refusal(self, value: Any) -> str:
         what = self.what if isinstance(self.what, str) else self.what()

@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar, TypeVar, Union, get_args, get_origi
 import numpy as np
 from pydantic import create_model
 
-from ...inputs import Table, read_part
+from ...inputs import Table, quoted, read_part
 from ..errors import ModelError
 from .entry import Beside, Entry, Key, Takes, annotations, note
 from .forms import Family, Form
@@ -130,7 +130,8 @@ def read_member(family: Family, value: Any) -> Any:
     meant = f"; did you mean {nearest[0]!r}?" if nearest else ""
     form = "a table" if family.number is None else "a number or a table"
     raise ValueError(
-        f"expected {form} with one of the keys {', '.join(family.forms)}, found {value!r}{meant}"
+        f"expected {form} with one of the keys {', '.join(family.forms)}, "
+        f"found {quoted(value)}{meant}"
     )
 
 

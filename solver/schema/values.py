@@ -44,7 +44,8 @@ Positive = Annotated[float, number("a positive number", float, lambda x: 0.0 < x
 PositiveTime = Annotated[float, number("a positive time", float, lambda t: 0.0 < t < inf)]
 Fraction = Annotated[float, number("a number from 0 to 1", float, lambda x: 0.0 <= x <= 1.0)]
 Tolerance = Annotated[float, number("a number between 0 and 1", float, lambda x: 0.0 < x < 1.0)]
-Count = Annotated[int, number("1 or more", int, lambda n: n >= 1)]
+Count = Annotated[int, number("1 to 1e9", int, lambda n: 1 <= n <= 10**9)]
+Iterations = Annotated[int, number("1 to 1000", int, lambda n: 1 <= n <= 1000)]
 
 
 def vector(value: Any) -> Array:

@@ -92,7 +92,7 @@ def _close(
             return
         B = _jacobian(lowered, state, work, targets)
         change = -_least_change(system, B, residuals).reshape(-1, 6)
-        _move(change, state, work)
+        move_bodies(change, state, work)
         reach = max(system.bodies.size, float(np.abs(state.bodies.x).max()))
         if np.abs(change).max() < 0.1 * EXACT * reach:
             break
@@ -122,7 +122,8 @@ def _residuals(
     return np.concatenate([work.couplings.phi[constraint_rows(lowered.system)], gap])
 
 
-def _move(change: Array, state: State, work: Workspace) -> None:
+def move_bodies(change: Array, state: State, work: Workspace) -> None:
+    """Displace and turn the bodies by (delta x, delta Theta) (n_b, 6)."""
     T = np.empty((3, 3))
     for b, step in enumerate(change):
         state.bodies.x[b] += step[:3]

@@ -19,7 +19,7 @@ from ..history.layout import active_flexibility
 from ..laws.law import NO_LAW
 from ..lower.lower import LoweredModel
 from ..step.elimination import factorize
-from ..step.equations import assemble, evaluate, linearize
+from ..step.equations import assemble, evaluate, linearize, set_force_scales
 from ..step.newton import correct
 from ..step.system import State, System, Workspace
 from .assembly import drive_rates
@@ -100,7 +100,7 @@ def solve_equilibrium(
     work.interfaces.history[:] = 0.0
     work.interfaces.rate_predicted[:] = 0.0
     _move(motion, state)
-    evaluate(system, state, work)
+    _evaluate(system, state, work)
     pull = _accelerations(system, work)
     beta = pull / (FIRST_STEP * system.bodies.size) if pull > 0.0 else 1.0
     residual, best, idle = _residual(_relative_residuals(system, lengths, work)), np.inf, 0
@@ -111,12 +111,12 @@ def solve_equilibrium(
         if not _step(_stiffened(system, beta), motion, state, work):
             raise _failure(lowered, "the equations are singular", lengths, work)
         _move(motion, state)
-        evaluate(system, state, work)
+        _evaluate(system, state, work)
         previous, residual = residual, _residual(_relative_residuals(system, lengths, work))
         if not residual < 4.0 * max(previous, 1e-3):
             for array, old in zip(state.arrays(), saved, strict=True):
                 array[:] = old
-            evaluate(system, state, work)
+            _evaluate(system, state, work)
             residual, beta = previous, 10.0 * beta
             continue
         beta *= np.clip(residual / previous, 0.1, 2.0)
@@ -126,6 +126,12 @@ def solve_equilibrium(
     check_steady(lowered, motion, state, work)
     reason = f"relative residual {best:.3e} after {MAX_ITERATIONS} steps"
     raise _failure(lowered, reason, lengths, work)
+
+
+def _evaluate(system: System, state: State, work: Workspace) -> None:
+    """Residuals and the scales of forces."""
+    evaluate(system, state, work)
+    set_force_scales(system, state, work)
 
 
 def _step(

@@ -1,4 +1,4 @@
-"""Matrices of inverse inertia of bodies and of accelerance of interfaces."""
+"""Matrices of inverse inertia of bodies and of accelerance of interfaces, and scales of both."""
 
 import numpy as np
 
@@ -20,16 +20,29 @@ def inverse_root(system: System) -> Matrix:
     return _of_bodies(system, 1.0 / np.sqrt(system.bodies.mass), root)
 
 
+def geometric_scale(system: System) -> Matrix:
+    """Scales of (x, Theta) of all bodies whereby the rows of joints are geometry alone.
+
+    1 for displacements, 1 / l for rotations; l: the longest lever or the radius of gyration of a
+    body. Masses, which may differ by many digits, are not in it (6 n_b, 6 n_b).
+    """
+    bodies, frames = system.bodies, system.frames
+    length = np.sqrt(np.trace(bodies.J_rot, axis1=1, axis2=2) / bodies.mass)
+    moving = frames.body >= 0
+    np.maximum.at(length, frames.body[moving], np.linalg.norm(frames.X[moving], axis=1))
+    return _of_bodies(system, np.ones(len(length)), np.eye(3) / length[:, None, None])
+
+
 def interface_accelerance(lowered: LoweredModel) -> Matrix:
     """A_el: accelerations of all active dofs under unit loads on them, at rest (n_a, n_a)."""
     return block_diagonal(_accelerances(lowered), is_small(lowered.system))
 
 
 def accelerance_root(lowered: LoweredModel) -> Matrix:
-    """A with A A^T = A_el (n_a, n_a)."""
+    """A with A A^T = A_el times the mass of each body (n_a, n_a)."""
     roots = []
-    for accelerance in _accelerances(lowered):
-        values, vectors = np.linalg.eigh(accelerance)
+    for accelerance, element in zip(_accelerances(lowered), lowered.superelements, strict=True):
+        values, vectors = np.linalg.eigh(element.mass * accelerance)
         roots.append(vectors * np.sqrt(np.maximum(values, 0.0)))
     return block_diagonal(roots, is_small(lowered.system))
 

@@ -18,6 +18,7 @@ from ..lower.allocation import allocate
 from ..lower.lower import LoweredModel, lower
 from ..model.model import Model
 from ..step.equations import convective_terms, evaluate, linearize
+from ..step.extremes import start_extremes
 from ..step.loads import load_vector
 from ..step.system import State, System, Workspace
 from .assembly import Target, assemble_joints, fit_velocities
@@ -25,7 +26,8 @@ from .equilibrium import check_drives, check_steady, solve_equilibrium
 from .inertia import interface_accelerance, inverse_inertia
 from .jacobian import constraint_jacobian, constraint_rows
 from .matrices import solve
-from .redundancy import count_degrees_of_freedom, describe_rows, redundant_rows
+from .redundancy import count_degrees_of_freedom, redundant_rows
+from .removed import RemovedRows
 from .steady import steady_motion
 
 
@@ -49,7 +51,7 @@ class InitialState:
 
     moved: the largest difference between a given and the starting position [m] or rotation [rad];
     velocity_correction: the largest change of a velocity [m/s, rad/s]; removed: the redundant
-    constraints left out, in words; degrees_of_freedom of the mechanism.
+    constraints left out; degrees_of_freedom of the mechanism.
     """
 
     lowered: LoweredModel
@@ -58,7 +60,7 @@ class InitialState:
     assembly_error: AssemblyError
     moved: float
     velocity_correction: float
-    removed: str
+    removed: RemovedRows
     degrees_of_freedom: int
 
 
@@ -77,7 +79,7 @@ def initialize(model: Model, lowered: LoweredModel | None = None) -> InitialStat
     assemble_joints(lowered, state, work, _targets(lowered, ""))
     degrees_of_freedom = count_degrees_of_freedom(lowered, state, work)
     without = redundant_rows(lowered, state, work)
-    removed = describe_rows(lowered, sorted(without))
+    removed = RemovedRows(lowered, sorted(without))
     if without:
         lowered = lower(model, without)
         state, work = _allocated(lowered)
@@ -88,12 +90,12 @@ def initialize(model: Model, lowered: LoweredModel | None = None) -> InitialStat
         motion = None if rotation is None else steady_motion(rotation, lowered.system.scheme)
         solve_equilibrium(lowered, motion, state, work)
         check_steady(lowered, motion, state, work)
-        state.couplings.coordinate[:] = work.couplings.coordinate
         _start_loaded(lowered, state)
     else:
         correction = fit_velocities(lowered, state, work, _targets(lowered, "_rate"))
         _start_unloaded(lowered, state, work)
     _start_work(lowered.system, state, work)
+    start_extremes(lowered.system, state, work)
     moved = _moved(lowered, state)
     return InitialState(lowered, state, work, error, moved, correction, removed, degrees_of_freedom)
 
@@ -149,7 +151,6 @@ def _start_unloaded(lowered: LoweredModel, state: State, work: Workspace) -> Non
     """Set multipliers and accelerations at t = 0, for bodies without elastic displacements."""
     system = lowered.system
     evaluate(system, state, work)
-    state.couplings.coordinate[:] = work.couplings.coordinate
     # phi of a force law is lambda less the force of the law
     state.couplings.lam[:] -= work.couplings.phi * system.couplings.compliant
     evaluate(system, state, work)
@@ -207,11 +208,13 @@ def _start_loaded(lowered: LoweredModel, state: State) -> None:
         dofs = slice(elastic.dof[e], elastic.dof[e + 1])
         p = state.interfaces.p[dofs]
         state.interfaces.u[dofs] = lowered.compliances[e] @ p
-        state.energies.elastic[0] += 0.5 * p @ state.interfaces.u[dofs]
+        energy = 0.5 * p @ state.interfaces.u[dofs]
         modes = slice(elastic.modes.range[e], elastic.modes.range[e + 1])
         if modes.start < modes.stop:
+            state.energies.modal[0] += energy
             state.modes.eta[modes] = (_phi(lowered, e).T @ p) / elastic.modes.stiffness[modes]
         else:
+            state.energies.convolved[0] += energy
             start, n_c = elastic.G_0_start[e], len(p)
             G_0 = elastic.G_0[start : start + n_c * n_c].reshape(n_c, n_c)
             state.past.p_rest[dofs] = p

@@ -8,9 +8,10 @@ from ..arrays import Array
 from ..errors import ModelError
 from ..lower.lower import LoweredModel
 from ..step.system import State, Workspace
-from .inertia import accelerance_root, inverse_root
+from .inertia import accelerance_root, geometric_scale
 from .jacobian import constraint_jacobian, constraint_rows
 from .matrices import Matrix, beside, dense_of, factorize_square, unit_rows
+from .nearby import poses_nearby
 
 RANK_TOLERANCE = 1e-9
 """singular values, of a Jacobian with rows of unit length, below which rows are dependent"""
@@ -27,17 +28,26 @@ def redundant_rows(lowered: LoweredModel, state: State, work: Workspace) -> froz
     """Rows to leave out so that the others are independent, elastic interfaces included.
 
     ModelError names them unless redundant constraints may be removed. A drive is never redundant:
-    it moves what the constraints that it depends on hold still.
+    it moves what the constraints that it depends on hold still. Nor are constraints that depend on
+    one another in a singular pose alone: they are needed as soon as the mechanism leaves it.
     """
     hard = constraint_rows(lowered.system)
-    _, B_a = constraint_jacobian(lowered.system, state, work)
-    J = beside(_rigid_jacobian(lowered, state, work), B_a @ accelerance_root(lowered))
+    J = _jacobian(lowered, state, work)
     redundancy = None if _clearly_independent(J) else find_redundancy(dense_of(J))
     if redundancy is None:
         return frozenset()
     involved = hard[redundancy.involved].tolist()
     removable = hard[redundancy.removable].tolist()
     dependent = describe_rows(lowered, involved)
+    rigid = dense_of(_rigid_jacobian(lowered, state, work))
+    here = len(hard) - len(removable)
+    for _ in poses_nearby(lowered, state, work, rigid):
+        if rank(dense_of(_jacobian(lowered, state, work))) > here:
+            raise ModelError(
+                f"joints: the start is a singular pose: {dependent} depend on one another there, "
+                "but not beside it, so that the motion from there is not determined; start the "
+                "mechanism in another pose, as by `start` of a joint"
+            )
     if driven := [i for i in involved if lowered.system.couplings.drive[i] >= 0]:
         raise ModelError(
             f"joints: {describe_rows(lowered, driven)} is driven against other constraints: "
@@ -109,9 +119,15 @@ def _left_null_space(J: Array) -> Array:
 
 
 def _rigid_jacobian(lowered: LoweredModel, state: State, work: Workspace) -> Matrix:
-    """Rows of the constraints against bodies, columns scaled by their inertia."""
+    """Rows of the constraints against bodies, columns scaled by their geometry."""
     B_r, _ = constraint_jacobian(lowered.system, state, work)
-    return B_r @ inverse_root(lowered.system)
+    return B_r @ geometric_scale(lowered.system)
+
+
+def _jacobian(lowered: LoweredModel, state: State, work: Workspace) -> Matrix:
+    """Rows of the constraints against bodies and interfaces, scaled."""
+    _, B_a = constraint_jacobian(lowered.system, state, work)
+    return beside(_rigid_jacobian(lowered, state, work), B_a @ accelerance_root(lowered))
 
 
 def _clearly_independent(J: Matrix) -> bool:

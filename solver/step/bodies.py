@@ -27,6 +27,7 @@ from .vectors import (
     add,
     cross,
     dot,
+    magnitude,
     multiply,
     rotate,
     rotate_back,
@@ -126,20 +127,33 @@ def set_rotation(b: int, state: State, work: Workspace) -> None:
 
 @compiled
 def add_inertia_forces(bodies: Bodies, state: State, work: Workspace) -> None:
-    """residual = J v_dot + v~ J v - f_r, with gravity in f_r; its terms join the force scales."""
-    motion, terms = state.bodies, work.bodies
+    """residual = J v_dot + v~ J v - f_r, with gravity in f_r."""
+    v_dot, terms = state.bodies.v_dot, work.bodies
     for b in range(len(bodies.mass)):
         mass = bodies.mass[b]
-        omega = spin_of(state, b)
-        gyroscopic = cross(omega, rotate(bodies.J_rot, b, omega))
-        v_dot = motion.v_dot
-        inertia = rotate(bodies.J_rot, b, (v_dot[b, 3], v_dot[b, 4], v_dot[b, 5]))
+        inertia, gyroscopic = _inertia_moments(bodies, b, state)
         for i in range(3):
             weight = mass * bodies.gravity[i]
             terms.residual[b, i] = mass * v_dot[b, i] - weight - terms.force[b, i]
             terms.residual[b, 3 + i] = inertia[i] + gyroscopic[i] - terms.force[b, 3 + i]
-            terms.force_scale[b, 0] += abs(mass * v_dot[b, i]) + abs(weight)
-            terms.force_scale[b, 1] += abs(inertia[i]) + abs(gyroscopic[i])
+
+
+@compiled
+def set_inertia_scales(bodies: Bodies, state: State, work: Workspace) -> None:
+    """The force scales of all bodies, so far of inertia and gravity."""
+    for b in range(len(bodies.mass)):
+        inertia, gyroscopic = _inertia_moments(bodies, b, state)
+        force = magnitude(row(state.bodies.v_dot, b)) + magnitude(triple(bodies.gravity, 0))
+        work.bodies.force_scale[b, 0] = bodies.mass[b] * force
+        work.bodies.force_scale[b, 1] = magnitude(inertia) + magnitude(gyroscopic)
+
+
+@compiled
+def _inertia_moments(bodies: Bodies, b: int, state: State) -> tuple[Vector, Vector]:
+    """J omega' and omega x J omega of body b, in body axes."""
+    v_dot, omega = state.bodies.v_dot, spin_of(state, b)
+    inertia = rotate(bodies.J_rot, b, (v_dot[b, 3], v_dot[b, 4], v_dot[b, 5]))
+    return inertia, cross(omega, rotate(bodies.J_rot, b, omega))
 
 
 @compiled

@@ -17,6 +17,7 @@ from ..laws import evaluate_law
 from .frames import (
     Pair,
     add_pair_tangent,
+    add_wrench_scale,
     coordinate,
     pull_back_pair,
     pull_back_tangent,
@@ -25,7 +26,7 @@ from .frames import (
 from .measure import ROUNDING, relative
 from .rows import ROTATION, add_row_tangent, carried_axis, evaluate_row, measures_length
 from .system import Couplings, Frames, Laws, State, System, Workspace
-from .vectors import dot, rotate, row
+from .vectors import dot, rotate, row, scale, triple
 
 
 @compiled
@@ -42,7 +43,7 @@ def add_coupling_wrenches(couplings: Couplings, state: State, work: Workspace) -
     for i in range(len(rows.kind)):
         gradient = out.gradient[i]
         f, g = rows.frame_a[i], rows.frame_b[i]
-        near = state.couplings.coordinate[i]
+        near = work.couplings.near[i]
         angle = driven_angle(couplings, i, work)
         out.coordinate[i] = evaluate_row(rows, i, angle, near, work, gradient)
         rate = 0.0
@@ -61,6 +62,18 @@ def add_coupling_wrenches(couplings: Couplings, state: State, work: Workspace) -
                 wrench[k] += lam[i] * out.gradient[i, couplings.second[i] + k]
             if couplings.compliant[i]:
                 _set_law_residual(couplings.laws, i, first, last, lam[i], work)
+
+
+@compiled
+def add_coupling_scales(system: System, state: State, work: Workspace) -> None:
+    """The wrenches of all rows, each by itself, join the force scales of the bodies."""
+    rows, gradient = system.couplings.rows, work.couplings.gradient
+    for i in range(len(rows.kind)):
+        lam = state.couplings.lam[i]
+        on_a = scale(lam, triple(gradient[i], 0)), scale(lam, triple(gradient[i], 3))
+        on_b = scale(lam, triple(gradient[i], 6)), scale(lam, triple(gradient[i], 9))
+        add_wrench_scale(system.frames, rows.frame_a[i], on_a, state, work)
+        add_wrench_scale(system.frames, rows.frame_b[i], on_b, state, work)
 
 
 @compiled
@@ -109,20 +122,27 @@ def law_of_row(laws: Laws, i: int, work: Workspace) -> tuple[float, float, float
 
 
 @compiled
-def spring_energy(couplings: Couplings, work: Workspace) -> float:
-    """1/2 (c - rest)^T stiffness (c - rest) and what the laws of the rows store."""
+def expect_coordinates(couplings: Couplings, h: float, state: State, work: Workspace) -> None:
+    """The coordinates at the end of a step by their rates, to which angles are then the nearest."""
+    old, near = state.couplings, work.couplings.near
+    for i in range(len(near)):
+        near[i] = old.coordinate[i] + h * old.rate[i]
+
+
+@compiled
+def spring_energy(couplings: Couplings, j: int, work: Workspace) -> float:
+    """1/2 (c - rest)^T stiffness (c - rest) and what the laws of its rows store, of coupling j."""
     laws, c = couplings.laws, work.couplings.coordinate
     total = 0.0
-    for j in range(len(couplings.range) - 1):
-        first = couplings.range[j]
-        for i in range(first, couplings.range[j + 1]):
-            if couplings.compliant[i]:
-                stretch = c[i] - laws.rest[i]
-                for k in range(first, couplings.range[j + 1]):
-                    other = c[k] - laws.rest[k]
-                    total += 0.5 * stretch * laws.stiffness[i, k - first] * other
-                _, _, _, energy = law_of_row(laws, i, work)
-                total += energy
+    first, last = couplings.range[j], couplings.range[j + 1]
+    for i in range(first, last):
+        if couplings.compliant[i]:
+            stretch = c[i] - laws.rest[i]
+            for k in range(first, last):
+                other = c[k] - laws.rest[k]
+                total += 0.5 * stretch * laws.stiffness[i, k - first] * other
+            _, _, _, energy = law_of_row(laws, i, work)
+            total += energy
     return total
 
 
@@ -339,16 +359,18 @@ def set_convective(system: System, state: State, work: Workspace) -> None:
 def add_coupling_work(couplings: Couplings, state: State, work: Workspace) -> None:
     """Work of springs and dampers on the bodies, lambda dc, and of drives, -lambda dphi/ds ds."""
     out, old, drives = work.couplings, state.couplings, state.drives
-    for i in range(len(old.lam)):
-        if couplings.compliant[i]:
-            change = out.coordinate[i] - old.coordinate[i]
-            mean = 0.5 * (old.lam[i] + out.lam_n[i])
-            state.energies.compliance[0] += mean * change
-        old.coordinate[i] = out.coordinate[i]
-        d = couplings.drive[i]
-        if d >= 0:
-            force, s = -old.lam[i] * out.drive_slope[i], work.drives.value[d]
-            mean = 0.5 * (force + drives.force[d])
-            state.energies.work[0] += mean * (s - drives.value[d])
-            drives.force[d] = force
-            drives.value[d] = s
+    for j in range(len(couplings.range) - 1):
+        for i in range(couplings.range[j], couplings.range[j + 1]):
+            if couplings.compliant[i]:
+                change = out.coordinate[i] - old.coordinate[i]
+                mean = 0.5 * (old.lam[i] + out.lam_n[i])
+                state.energies.compliance[j] += mean * change
+            old.coordinate[i] = out.coordinate[i]
+            old.rate[i] = out.rate[i]
+            d = couplings.drive[i]
+            if d >= 0:
+                force, s = -old.lam[i] * out.drive_slope[i], work.drives.value[d]
+                mean = 0.5 * (force + drives.force[d])
+                state.energies.work[0] += mean * (s - drives.value[d])
+                drives.force[d] = force
+                drives.value[d] = s

@@ -13,9 +13,11 @@ from .bodies import (
     add_inertia,
     add_inertia_forces,
     relative_body_residual,
+    set_inertia_scales,
     step_motion,
 )
 from .couplings import (
+    add_coupling_scales,
     add_coupling_wrenches,
     assemble_rows,
     linearize_couplings,
@@ -31,7 +33,7 @@ from .frames import (
     move_frames,
 )
 from .interfaces import relative_interface_residual, set_compatibility, set_rates, weigh_forces
-from .loads import add_load_wrenches, linearize_loads
+from .loads import add_load_scales, add_load_wrenches, linearize_loads
 from .system import State, System, Workspace
 
 
@@ -80,6 +82,18 @@ def convective_terms(system: System, state: State, work: Workspace) -> None:
     set_convective(system, state, work)
 
 
+@entry
+def set_force_scales(system: System, state: State, work: Workspace) -> None:
+    """The sums of the magnitudes of all forces and moments on each body.
+
+    Of the state of the last `evaluate`. Forces that cancel at a frame count as those that cancel
+    at a distance do.
+    """
+    set_inertia_scales(system.bodies, state, work)
+    add_load_scales(system, state, work)
+    add_coupling_scales(system, state, work)
+
+
 @compiled
 def relative_residual(
     system: System, reach: float, at_rest: bool, state: State, work: Workspace
@@ -90,6 +104,7 @@ def relative_residual(
     interface displacements against the largest motion of the step. Positions are rounded against
     `reach`; `at_rest`: Newton's method has come as far as it can.
     """
+    set_force_scales(system, state, work)
     length, angle = step_motion(system.scheme, state, work)
     length += angle * system.bodies.size
     by_bodies = relative_body_residual(system, reach, at_rest, state, work)

@@ -24,6 +24,7 @@ from .vectors import (
     add,
     add_to_row,
     cross,
+    magnitude,
     multiply,
     rotate,
     rotate_back,
@@ -188,7 +189,6 @@ def map_frame_velocities(frames: Frames, gamma_prime: float, state: State, work:
 def load_bodies(frames: Frames, state: State, work: Workspace) -> None:
     """Generalized forces of the wrenches on the acting frames, on bodies and interfaces."""
     work.bodies.force[:] = 0.0
-    work.bodies.force_scale[:] = 0.0
     for f in range(frames.n_acting):
         k = frames.dof[f]
         if k >= 0:
@@ -202,14 +202,23 @@ def load_bodies(frames: Frames, state: State, work: Workspace) -> None:
         about_center = cross(row(work.frames.lever, f), F)
         add_to_row(work.bodies.force, b, 0, force)
         add_to_row(work.bodies.force, b, 3, add(about_center, M))
-        work.bodies.force_scale[b, 0] += _magnitude(F)
-        work.bodies.force_scale[b, 1] += _magnitude(M)
-        work.bodies.force_scale[b, 1] += _magnitude(about_center)
         k = frames.dof[f]
         if k >= 0:
             _add(state.interfaces.p, k, F)
             if frames.rotations[f]:
                 _add(state.interfaces.p, k + 3, rotate(work.frames.T, f, M))
+
+
+@compiled
+def add_wrench_scale(frames: Frames, f: int, wrench: Wrench, state: State, work: Workspace) -> None:
+    """The magnitudes of a wrench on frame f, in space, join the force scales of its body."""
+    b = frames.body[f]
+    if b < 0:
+        return
+    force, moment = wrench
+    about_center = cross(row(work.frames.lever, f), rotate_back(state.bodies.R, b, force))
+    work.bodies.force_scale[b, 0] += magnitude(force)
+    work.bodies.force_scale[b, 1] += magnitude(moment) + magnitude(about_center)
 
 
 @compiled
@@ -343,11 +352,6 @@ def wrench_on(work: Workspace, f: int) -> Wrench:
     """Force and moment on frame f, in space."""
     w = work.frames.wrench
     return (w[f, 0], w[f, 1], w[f, 2]), (w[f, 3], w[f, 4], w[f, 5])
-
-
-@compiled
-def _magnitude(a: Vector) -> float:
-    return abs(a[0]) + abs(a[1]) + abs(a[2])
 
 
 @compiled

@@ -138,9 +138,15 @@ def relative_interface_residual(
 
 @compiled
 def add_elastic_work(elastic: Elastic, state: State, work: Workspace) -> None:
-    """The elastic energy, vibration included, grows by the work of the interface loads, p . du."""
+    """The work of the interface loads, p . du, with the mean of the loads over the step."""
     u, p = state.interfaces.u, state.interfaces.p
     u_n, p_n = work.interfaces.u_n, work.interfaces.p_n
-    for i in range(len(elastic.active)):
-        k = elastic.active[i]
-        state.energies.elastic[0] += 0.5 * (p[k] + p_n[k]) * (u[k] - u_n[k])
+    for e in range(len(elastic.body)):
+        total = 0.0
+        for i in range(elastic.active_range[e], elastic.active_range[e + 1]):
+            k = elastic.active[i]
+            total += 0.5 * (p[k] + p_n[k]) * (u[k] - u_n[k])
+        if elastic.modes.range[e] < elastic.modes.range[e + 1]:
+            state.energies.modal[0] += total
+        else:
+            state.energies.convolved[0] += total

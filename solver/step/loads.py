@@ -12,7 +12,7 @@ from ..arrays import Array
 from ..compiler.dispatch import dispatcher
 from ..compiler.marks import compiled
 from ..compiler.memory import copy
-from .frames import add_pair_tangent, pull_back
+from .frames import add_pair_tangent, add_wrench_scale, pull_back
 from .rotations import relative_rotation
 from .system import Loads, State, System, Workspace
 from .vectors import UNITS, Vector, add_to_row, cross, rotate, row, scale
@@ -103,6 +103,16 @@ def add_load_wrenches(loads: Loads, work: Workspace) -> None:
     for m in range(len(loads.frame)):
         vector = load_vector(loads, m, work)
         add_to_row(work.frames.wrench, loads.frame[m], 3 * loads.moment[m], vector)
+
+
+@compiled
+def add_load_scales(system: System, state: State, work: Workspace) -> None:
+    """The loads, each by itself, join the force scales of the bodies."""
+    loads = system.loads
+    for m in range(len(loads.frame)):
+        vector = load_vector(loads, m, work)
+        wrench = (ZERO, vector) if loads.moment[m] else (vector, ZERO)
+        add_wrench_scale(system.frames, loads.frame[m], wrench, state, work)
 
 
 @compiled

@@ -3,7 +3,8 @@
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
 from .bodies import finish_bodies, predict_bodies
-from .couplings import add_coupling_work
+from .couplings import add_coupling_work, expect_coordinates
+from .extremes import follow_extremes
 from .history import finish_history, start_history
 from .interfaces import add_elastic_work, finish_interfaces, predict_interfaces
 from .loads import add_load_work
@@ -17,7 +18,8 @@ from .system import Inputs, Run, State, System, Workspace
 def advance(run: Run, inputs: Inputs) -> tuple[int, float]:
     """Take one step per row of the inputs: the number of steps taken, the residual of the last.
 
-    Fewer than asked where Newton's method failed.
+    Fewer than asked where Newton's method failed, or a body left the range of linear elasticity,
+    which `state.extremes.left` tells.
     """
     system, state, work, output = run.system, run.state, run.work, run.output
     n, residual = len(inputs.load), 0.0
@@ -38,8 +40,8 @@ def advance(run: Run, inputs: Inputs) -> tuple[int, float]:
             output.newton_iterations[row] = iterations
             output.newton_residual[row] = residual
             record(run, row)
-        else:
-            follow_coordinates(system.observers, state, work)
+        if state.extremes.left[0]:
+            return k + 1, residual
     return n, residual
 
 
@@ -52,6 +54,7 @@ def prepare(system: System, state: State, work: Workspace) -> None:
     if system.newton.fixed_iterations > 0:
         work.matrix.current[0] = int(renew(system, state, work))
     copy(state.couplings.lam, work.couplings.lam_n)
+    expect_coordinates(system.couplings, system.scheme.h, state, work)
     start_history(system.elastic, system.scheme, state, work)
     predict_bodies(system.scheme, state, work)
     predict_interfaces(system.scheme, state, work)
@@ -60,11 +63,13 @@ def prepare(system: System, state: State, work: Workspace) -> None:
 
 @compiled
 def _finish(system: System, state: State, work: Workspace) -> None:
-    """Update history, accelerations and the work of the step from the converged state."""
+    """Update history, accelerations, work and extremes from the converged state of the step."""
     finish_history(system.elastic, system.scheme, state, work)
     finish_bodies(system.scheme, state)
     finish_interfaces(system.scheme, state, work)
     add_elastic_work(system.elastic, state, work)
     add_load_work(system.loads, state, work)
     add_coupling_work(system.couplings, state, work)
+    follow_coordinates(system, state, work)
+    follow_extremes(system, state, work)
     state.step[0] += 1

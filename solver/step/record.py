@@ -3,7 +3,7 @@
 from ..arrays import Array
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
-from .bodies import momentum, rigid_energies
+from .bodies import momentum
 from .couplings import spring_energy
 from .frames import (
     move_frame_accelerations,
@@ -11,7 +11,6 @@ from .frames import (
     move_frames,
 )
 from .history import modal_energy
-from .observers import observe
 from .rotations import quaternion_exponential, quaternion_product
 from .system import Run, State, System, Workspace
 
@@ -44,16 +43,28 @@ def record(run: Run, k: int) -> None:
     copy(state.couplings.lam, output.multiplier[k])
     copy(work.couplings.coordinate, output.coordinate[k])
     _split(work.couplings.wrench, output.coupling_force[k], output.coupling_moment[k])
-    observe(system.observers, state, work, output.joint_position[k], output.joint_rate[k])
-    kinetic, potential = rigid_energies(system.bodies, state)
-    output.kinetic_energy[k] = kinetic
-    output.potential_energy[k] = potential
-    output.elastic_energy[k] = state.energies.elastic[0]
-    output.modal_energy[k] = modal_energy(system.elastic, state)
-    output.spring_energy[k] = spring_energy(system.couplings, work)
-    output.external_work[k] = state.energies.work[0]
-    output.compliance_work[k] = state.energies.compliance[0]
+    copy(state.observers.value, output.joint_position[k])
+    copy(state.observers.rate, output.joint_rate[k])
+    _record_energies(run, k)
     momentum(system.bodies, state, output.linear_momentum[k], output.angular_momentum[k])
+
+
+@compiled
+def _record_energies(run: Run, k: int) -> None:
+    system, energies, output = run.system, run.state.energies, run.output
+    modal = modal_energy(system.elastic, run.state)
+    output.kinetic_energy[k] = energies.kinetic[0]
+    output.potential_energy[k] = energies.potential[0]
+    output.elastic_energy[k] = modal + energies.convolved[0]
+    output.modal_loss[k] = energies.modal[0] - modal
+    output.modal_damping[k] = energies.damping[0]
+    output.external_work[k] = energies.work[0]
+    springs, work = 0.0, 0.0
+    for j in range(len(energies.compliance)):
+        springs += spring_energy(system.couplings, j, run.work)
+        work += energies.compliance[j]
+    output.spring_energy[k] = springs
+    output.compliance_work[k] = work
 
 
 @compiled

@@ -182,8 +182,7 @@ class Angle:
         by_sine, by_cosine = scale(c, cross(turned, b)), scale(s, cross(a, b))
         normal = scale(1.0 / (s * s + c * c), subtract(by_sine, by_cosine))
         _set_rotation_gradient(normal, gradient)
-        value = math.atan2(s, c)
-        return value + 2.0 * math.pi * round((near - value) / (2.0 * math.pi))
+        return nearest_angle(math.atan2(s, c), near)
 
     @staticmethod
     def add_tangent(
@@ -208,6 +207,12 @@ class Angle:
 
 
 @compiled
+def nearest_angle(angle: float, near: float) -> float:
+    """The angle, by full turns nearest to another."""
+    return angle + 2.0 * math.pi * round((near - angle) / (2.0 * math.pi))
+
+
+@compiled
 def _set_rotation_gradient(normal: Vector, gradient: Array) -> None:
     for k in range(3):
         gradient[3 + k] = normal[k]
@@ -228,7 +233,7 @@ def _add_rotation(a: Vector, b: Vector, factor: float, H: Array) -> None:
 
 
 LENGTHS = tuple(kind.number for kind in KINDS if kind.length)
-ROTATION = Rotation.number
+ROTATION, ANGLE = Rotation.number, Angle.number
 _evaluate = dispatcher(
     "evaluate_kind",
     "rows, i, angle, near, work, gradient",
@@ -250,6 +255,12 @@ def measures_length(kind: int) -> bool:
         if kind == number:
             return True
     return False
+
+
+@compiled
+def nearest_turn(rows: Rows, i: int, value: float, near: float) -> float:
+    """The coordinate of row i, an angle by full turns nearest to `near`."""
+    return nearest_angle(value, near) if rows.kind[i] == ANGLE else value
 
 
 @compiled

@@ -149,6 +149,8 @@ class Modes(Struct):
     phi: Array = array("n")
     """(n_c, m) one after the other; bodies may share one"""
     phi_start: Index = array("n_e")
+    damped: int
+    """1: some mode is damped"""
 
 
 class Kernels(Struct):
@@ -170,6 +172,8 @@ class Elastic(Struct):
     body: Index = array("n_e")
     of_body: Index = array("n_b")
     """the flexible body that a body is, -1: rigid"""
+    size: Array = array("n_e")
+    """the length that displacements of each are compared with"""
     dof: Index = array("n_e_1")
     """(n_e + 1,) the dofs of each flexible body in u"""
     active: Index = array("n_a")
@@ -292,11 +296,13 @@ class CouplingState(Struct):
     lam: Array = array("n_i")
     """multipliers"""
     coordinate: Array = array("n_i")
-    """at the last step, from which angles are continued over full turns"""
+    """at the last step, from which angles are continued over full turns, as the next"""
+    rate: Array = array("n_i")
 
 
 class ObserverState(Struct):
     value: Array = array("n_o")
+    rate: Array = array("n_o")
 
 
 class LoadState(Struct):
@@ -319,14 +325,55 @@ class DriveState(Struct):
 
 
 class EnergyState(Struct):
-    """Sums over all steps."""
+    """Energies at the last step, and work summed over all steps."""
 
-    elastic: Array = array(1)
-    """from the work of the interface loads"""
+    kinetic: Array = array(1)
+    potential: Array = array(1)
+    modal: Array = array(1)
+    """work of the interface loads on bodies whose history modes carry"""
+    convolved: Array = array(1)
+    """the same on bodies whose kernels are convolved"""
+    damping: Array = array(1)
+    """taken by the damping of modes"""
     work: Array = array(1)
     """of loads and drives"""
-    compliance: Array = array(1)
-    """work of springs and dampers on the bodies"""
+    compliance: Array = array("n_j")
+    """work of each spring or damper on the bodies"""
+
+
+class ExtremeState(Struct):
+    """The largest values of all steps, recorded or not, and sums over them (extremes.py)."""
+
+    displacement: Array = array("n_f")
+    """squares of elastic displacements of frames"""
+    rotation: Array = array("n_f")
+    """squares of their elastic rotations"""
+    spin: Array = array("n_b")
+    """squares of angular velocities"""
+    opening: Array = array("n_i")
+    """of the rows of joints and motions"""
+    missed: Array = array("n_o")
+    """of observed angles: by how much their rate missed them"""
+    rate: Array = array("n_m")
+    """sums of the squares of the rates of modes"""
+    interface_rate: Array = array("n_u")
+    """the same of the dofs of bodies whose kernels are convolved"""
+    interface_acceleration: Array = array("n_u")
+    """the same of their accelerations"""
+    start: Array = array(2)
+    """total and potential energy at t = 0"""
+    moved: Array = array(1)
+    """energy that moves: kinetic, elastic, and the work of all else"""
+    balance: Array = array(1)
+    """of energies"""
+    stored: Array = array("n_j")
+    """energy of each spring"""
+    dissipated: Array = array("n_j")
+    """energy that each spring or damper took"""
+    returned: Array = array("n_j")
+    """energy that each gave back of it"""
+    left: Index = array(1)
+    """1 + the first frame that left the range of linear elasticity, 0: none"""
 
 
 class State(Struct):
@@ -342,6 +389,7 @@ class State(Struct):
     loads: LoadState
     drives: DriveState
     energies: EnergyState
+    extremes: ExtremeState
 
 
 # Scratch of one step
@@ -418,10 +466,14 @@ class ModalWork(Struct):
     a: Array = array("n_m")
     """new pseudo-acceleration"""
     load: Array = array("n_m")
+    rate_n: Array = array("n_m")
+    """at the start of the step"""
 
 
 class CouplingWork(Struct):
     lam_n: Array = array("n_i")
+    near: Array = array("n_i")
+    """coordinates expected at the end of the step"""
     coordinate: Array = array("n_i")
     rate: Array = array("n_i")
     phi: Array = array("n_i")

@@ -56,6 +56,12 @@ def dot(a: Vector, b: Vector) -> float:
 
 
 @compiled
+def magnitude(a: Vector) -> float:
+    """The sum of the absolute components."""
+    return abs(a[0]) + abs(a[1]) + abs(a[2])
+
+
+@compiled
 def cross(a: Vector, b: Vector) -> Vector:
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 

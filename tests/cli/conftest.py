@@ -30,7 +30,7 @@ def element() -> Superelement:
     return Superelement(
         name="beam",
         mass=0.0429,
-        J_rot=[[3.0, 1.0, 0.0], [1.0, 3.0, 0.0], [0.0, 0.0, 7.5]],
+        J_rot=[[3.0, 1.0, 0.0], [1.0, 3.0, 0.0], [0.0, 0.0, 5.5]],
         center=[0.25, 0.0, 0.0],
         interfaces=(
             Interface("root", [-0.25, 0, 0]),

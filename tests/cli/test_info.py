@@ -30,8 +30,8 @@ def shown(runner, element_file):
 def test_mass_properties(shown):
     assert shown["mass [kg]"] == "0.0429"
     assert shown["center of mass [m]"] == "0.25 0 0"
-    assert shown["principal inertia [kg m^2]"] == "2 4 7.5"
-    assert shown["inertia [kg m^2]"] == "3 1 0 1 3 0 0 0 7.5"
+    assert shown["principal inertia [kg m^2]"] == "2 4 5.5"
+    assert shown["inertia [kg m^2]"] == "3 1 0 1 3 0 0 0 5.5"
 
 
 def test_interfaces_with_position_and_dofs(shown):

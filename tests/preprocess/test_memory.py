@@ -3,8 +3,9 @@
 import re
 
 import pytest
+from duhamel.files.memory import available
 from duhamel.preprocess.errors import MemoryShortageError
-from duhamel.preprocess.memory import available, require
+from duhamel.preprocess.memory import require
 
 
 @pytest.fixture

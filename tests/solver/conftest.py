@@ -126,11 +126,11 @@ def random_element() -> Callable[..., Superelement]:
             rng.uniform(0, 0.05, modes),
             rng.normal(size=(n_c, modes)),
         )
-        half = rng.normal(size=(3, 3))
+        second_moments = np.cov(rng.normal(size=(3, 9)))
         return Superelement(
             name=f"random {seed}",
             mass=rng.uniform(0.5, 2.0),
-            J_rot=half @ half.T + np.eye(3),
+            J_rot=np.trace(second_moments) * np.eye(3) - second_moments,
             center=np.zeros(3),
             interfaces=interfaces,
             kernel=sample_kernel(form, 1e-3, GeneralizedAlpha(0.9), steps),

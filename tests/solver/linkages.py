@@ -97,7 +97,7 @@ def spatial_four_bar(folder, **settings):
         joints=(
             Joint("A", "revolute", ("ground", "crank.pin"), Z),
             Joint("B", "spherical", ("crank.end", "rod.left")),
-            Joint("C", "universal", ("rod.right", "rocker.end"), np.cross(C - B, X), C - B),
+            Joint("C", "universal", ("rod.right", "rocker.end"), np.cross(C - B, X), X),
             Joint("D", "revolute", ("rocker.pin", "ground"), X),
         ),
         **settings,

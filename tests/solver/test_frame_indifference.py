@@ -14,8 +14,12 @@ from duhamel.solver import (
     Model,
     Place,
     Polynomial,
+    PrescribedDisplacement,
+    PrescribedRotation,
+    Results,
     RigidBody,
     Settings,
+    Spring,
     Start,
     Steps,
     simulate,
@@ -84,12 +88,24 @@ def turned(model):
     def direction(axis):
         return None if axis is None else Q.apply(axis)
 
+    def turned_axis(motion):
+        key = "axis" if isinstance(motion, PrescribedRotation) else "direction"
+        return {key: direction(getattr(motion, key))}
+
     return replace(
         model,
         bodies={
             name: replace(body, start=start(body.start)) for name, body in model.bodies.items()
         },
-        joints=[replace(joint, axis=direction(joint.axis)) for joint in model.joints],
+        joints=[
+            replace(j, axis=direction(j.axis), second_axis=direction(j.second_axis))
+            for j in model.joints
+        ],
+        springs=[
+            replace(s, axis=direction(s.axis), second_axis=direction(s.second_axis))
+            for s in model.springs
+        ],
+        motions=[replace(m, **turned_axis(m)) for m in model.motions],
         loads=[
             load if load.follower else replace(load, direction=direction(load.direction))
             for load in model.loads
@@ -127,3 +143,85 @@ def test_energies_do_not_depend_on_the_frame(beam, part):
     model = crane(beam)
     here, there = (getattr(simulate(m).energy, part) for m in (model, turned(model)))
     np.testing.assert_allclose(there, here, rtol=0, atol=1e-9 * np.abs(here).max())
+
+
+UNEVEN = [900.0, 300.0, 2000.0, 8.0, 3.0, 15.0]
+COUPLINGS = {
+    name: Joint("j", name, ("a.f", "b.g"), **axes)
+    for name, axes in {
+        "fixed": {},
+        "spherical": {},
+        "revolute": {"axis": [0, 0, 1]},
+        "universal": {"axis": [0, 0, 1], "second_axis": [1, 0, 0]},
+        "cylindrical": {"axis": [0.1, 0.2, 1]},
+        "prismatic": {"axis": [1, 0, 0]},
+        "planar": {"axis": [0, 0, 1]},
+    }.items()
+} | {
+    "planar on the ground": Joint("j", "planar", ("ground.post", "b.g"), [0, 1, 0]),
+    "planar on the bare ground": Joint("j", "planar", ("ground", "b.g"), [0, 1, 1]),
+    "started": Joint(
+        "j",
+        "planar",
+        ("a.f", "b.g"),
+        [0, 0, 1],
+        start={"distance": 0.05, "second_distance_rate": 0.3},
+    ),
+    "driven": Joint("j", "revolute", ("ground.post", "b.g"), [0, 0, 1], angle=Harmonic(0.5, 2.0)),
+    "path": PrescribedDisplacement("j", "b.g", [0, 0.6, 0.8], Polynomial((0.0, 0.0, 1.0))),
+    "turn": PrescribedRotation("j", "b.g", [0, 0.6, 0.8], Polynomial((0.0, 0.0, 1.0))),
+    "point": Spring("j", "point", ("a", "b"), stiffness=300.0, damping=1.0),
+    "torsion": Spring("j", "torsion", ("a.f", "b.g"), [0, 0, 1], stiffness=20.0, damping=0.1),
+    "bushing": Spring("j", "bushing", ("a.f", "b.g"), stiffness=UNEVEN),
+    "bushing with an axis": Spring("j", "bushing", ("a.f", "b.g"), [0, 0, 1], stiffness=UNEVEN),
+    "bushing with an axis along x": Spring(
+        "j", "bushing", ("ground.post", "b.g"), [1, 0, 0], stiffness=UNEVEN
+    ),
+    "bushing with two axes": Spring(
+        "j", "bushing", ("a.f", "b.g"), [0, 0, 1], UNEVEN, second_axis=[0, 1, 0]
+    ),
+    "bushing on the bare ground": Spring("j", "bushing", ("ground", "b.g"), stiffness=UNEVEN),
+}
+
+
+def pair(coupling):
+    """Two bodies that move and turn, with axes of their own, and what couples them."""
+    parts = {"joints": (), "springs": (), "motions": ()}
+    kind = {Joint: "joints", Spring: "springs"}.get(type(coupling), "motions")
+    a = RigidBody(
+        1.0,
+        [0.01, 0.02, 0.015],
+        {"f": Frame([0.1, 0.05, -0.1], [0.0, 0.0, 0.3])},
+        Start(
+            [0, 0, 0], [0.2, 0.1, -0.3], velocity=[0.3, 0, 0.1], angular_velocity=[0.5, 1.0, -0.4]
+        ),
+    )
+    b = RigidBody(2.0, [0.02, 0.01, 0.015], {"g": Frame([-0.1, 0.04, 0.1])}, Start([0.3, 0.2, 0.1]))
+    return Model(
+        {"a": a, "b": b},
+        loads=[
+            Load("force", "b.g", [3.0, -2.0, 5.0], Constant(1.0)),
+            Load("torque", "a", [0.1, 0.05, 0.1], Constant(1.0), follower=True),
+        ],
+        gravity=[1.0, 2.0, -9.0],
+        ground_frames={"post": Frame([0.1, -0.1, 0.2], [0.0, 0.0, 0.3])},
+        settings=Settings(t_end=0.2, step=1e-3, assemble=True, tolerance=1e-12),
+        **(parts | {kind: (coupling,)}),
+    )
+
+
+@pytest.mark.parametrize("name", COUPLINGS)
+def test_no_joint_spring_or_motion_depends_on_the_axes_of_space(name):
+    """Motions and forces turn with the model; coordinates and multipliers stay what they are."""
+    model = pair(COUPLINGS[name])
+    here, there = simulate(model), simulate(turned(model))
+    for body in model.bodies:
+        a, b = here.body(body), there.body(body)
+        np.testing.assert_allclose(b.x, Q.apply(a.x) + SHIFT, rtol=0, atol=1e-10)
+        np.testing.assert_allclose(b.v[:, 3:], a.v[:, 3:], rtol=0, atol=1e-8)
+    read = Results.spring if model.springs else Results.joint
+    a, b = read(here, "j"), read(there, "j")
+    np.testing.assert_allclose(b.force, Q.apply(a.force), rtol=0, atol=1e-6)
+    np.testing.assert_allclose(b.multipliers, a.multipliers, rtol=0, atol=1e-6)
+    for coordinate, values in a.coordinates.items():
+        np.testing.assert_allclose(b.coordinates[coordinate], values, rtol=0, atol=1e-8)

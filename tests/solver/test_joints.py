@@ -61,9 +61,10 @@ def relative_motion(type_, axes):
     A, B = results.frame("a.f"), results.frame("b.g")
     turn_a = rotations(A.rotation) * rotations(A.rotation[0]).inv()
     turn_b = rotations(B.rotation) * rotations(B.rotation[0]).inv()
-    axes_of_a = turn_a * Rotation.from_matrix(joint.basis())
+    basis = Rotation.from_matrix(joint.basis(rotations(A.rotation[0]).as_matrix()))
+    axes_of_a = turn_a * basis
     translation = axes_of_a.inv().apply(B.position - A.position)
-    relative = axes_of_a.inv() * turn_b * Rotation.from_matrix(joint.basis())
+    relative = axes_of_a.inv() * turn_b * basis
     return results, translation, relative
 
 

@@ -127,6 +127,26 @@ MADE = {
         lambda: Joint("j", "universal", ("a", "b"), [0, 0, 1]),
         "joint 'j': a universal joint takes axis and second_axis",
     ),
+    "an axis too few of a torsion spring": (
+        lambda: Spring("s", "torsion", ("ground", "a"), stiffness=1.0),
+        "spring 's': axis: a torsion spring needs one",
+    ),
+    "an axis too many of a spring": (
+        lambda: Spring("s", "point", ("ground", "a"), axis=[0, 0, 1]),
+        "spring 's': axis: a point spring takes none, got [0.0, 0.0, 1.0]",
+    ),
+    "a second axis without the first": (
+        lambda: Spring("s", "bushing", ("ground", "a"), second_axis=[0, 0, 1]),
+        "spring 's': second_axis: a bushing spring takes one beside axis, got [0.0, 0.0, 1.0]",
+    ),
+    "a second axis of a torsion spring": (
+        lambda: Spring("s", "torsion", ("ground", "a"), [0, 0, 1], second_axis=[0, 1, 0]),
+        "spring 's': second_axis: a torsion spring takes none, got [0.0, 1.0, 0.0]",
+    ),
+    "axes of a bushing that are not perpendicular": (
+        lambda: Spring("s", "bushing", ("ground", "a"), [0, 0, 1], second_axis=[0, 1, 1]),
+        "spring 's': second_axis: expected an axis perpendicular to axis at the start",
+    ),
     "an axis without direction": (
         lambda: Joint("j", "revolute", ("a", "b"), [0, 0, 0]),
         "joint 'j': axis: expected three numbers that are not all zero, got [0, 0, 0]",
@@ -221,7 +241,7 @@ MADE = {
         lambda: model(tolerance=1.0),
         "tolerance: expected a number between 0 and 1, got 1.0",
     ),
-    "no iterations": (lambda: model(max_iterations=0), "max_iterations: expected 1 or more, got 0"),
+    "no iterations": (lambda: model(max_iterations=0), "max_iterations: expected 1 to 1000, got 0"),
 }
 
 
@@ -485,7 +505,7 @@ FILES = {
     ),
     "half an iteration": (
         {"simulation": "max_iterations = 2.5"},
-        "simulation.max_iterations: expected 1 or more, found 2.5",
+        "simulation.max_iterations: expected 1 to 1000, found 2.5",
     ),
     "a key by its name in Python": (
         {"simulation": "kernel_length = 1"},

@@ -206,7 +206,7 @@ def test_joint_coordinates_and_their_rates(random_element, name):
     assert (orders > 1.9).all(), (orders, errors)
     A, B = results.frame("a.i0"), results.frame("b.g")
     turns = [Rotation.from_quat(frame.rotation, scalar_first=True) for frame in (A, B)]
-    basis = Joint("joint", name, ("a", "b"), **axes).basis()
+    basis = Joint("joint", name, ("a", "b"), **axes).basis(turns[0][0].as_matrix())
     e_a, e_b = ((turn * turn[0].inv()).as_matrix() @ basis for turn in turns)
     gap = np.einsum("tik,ti->tk", e_a, B.position - A.position)
     relative = np.einsum("tik,tij->tkj", e_a, e_b)

@@ -185,7 +185,7 @@ def test_a_quantity_that_there_is_not_is_refused_before_the_file_is_touched(mode
     with pytest.raises(ModelError, match=message):
         simulate(wrong, output=path)
     assert path.read_text() == "kept"
-    with pytest.raises(ModelError, match="output: every: expected 1 or more, got 0"):
+    with pytest.raises(ModelError, match="output: every: expected 1 to 1e9, got 0"):
         OutputRequest(0)
 
 

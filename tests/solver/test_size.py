@@ -9,6 +9,7 @@ from duhamel.solver.lower.lower import lower
 from duhamel.solver.start import matrices
 from duhamel.solver.start.initial import initialize
 from duhamel.solver.step.measure import relative
+from scipy.spatial.transform import Rotation
 
 from .linkages import four_bar
 
@@ -22,23 +23,23 @@ def test_a_body_at_the_origin_has_the_size_of_its_radius_of_gyration():
     ).system.bodies.size == (pytest.approx(np.sqrt(2.5 / 2.0)))
 
 
-def test_no_shift_of_the_origin_changes_the_size():
-    def model(shift):
-        bodies = {
-            f"b{i}": RigidBody(
-                1.0,
-                [1e-4, 1e-4, 1e-4],
-                {"end": Frame([0.1, 0, 0])},
-                Start(shift + np.array([0.3 * i, 0, 0])),
-            )
-            for i in range(3)
-        }
-        joints = [Joint(f"j{i}", "spherical", (f"b{i}.end", f"b{i + 1}")) for i in range(2)]
-        settings = Settings(t_end=1.0, step=1e-3, assemble=True)
-        return lower(Model(bodies, joints, settings=settings)).system.bodies.size
-
-    assert model(np.zeros(3)) == pytest.approx(0.6)
-    assert model(FAR) == pytest.approx(model(np.zeros(3)), rel=1e-12)
+@pytest.mark.parametrize("shift", [np.zeros(3), FAR], ids=["origin", "far"])
+@pytest.mark.parametrize("turn", [[0.0, 0.0, 0.0], [0.3, -1.0, 2.0]], ids=["along", "askew"])
+def test_the_size_is_the_extent_wherever_the_origin_is_and_however_axes_are(shift, turn):
+    Q = Rotation.from_rotvec(turn)
+    bodies = {
+        f"b{i}": RigidBody(
+            1.0,
+            [1e-4, 1e-4, 1e-4],
+            {"end": Frame([0.15, 0, 0])},
+            Start(shift + Q.apply([0.3 * i, 0, 0]), turn),
+        )
+        for i in range(3)
+    }
+    joints = [Joint(f"j{i}", "spherical", (f"b{i}.end", f"b{i + 1}.end")) for i in range(2)]
+    settings = Settings(t_end=1.0, step=1e-3, assemble=True)
+    size = lower(Model(bodies, joints, settings=settings)).system.bodies.size
+    assert size == pytest.approx(0.75, rel=1e-12)  # 0.15 .. 0.75: three centers, two ends
 
 
 def test_an_open_joint_is_refused_wherever_the_origin_is():

@@ -223,7 +223,8 @@ def test_the_coordinates_of_a_bushing():
     """Displacements along, and sines of rotations about, the axes carried by frame A."""
     results = simulate(tumbling_pair(step=1e-3))
     bush, A, B = results.spring("bush"), results.frame("a.f"), results.frame("b.g")
-    axes = tumbling_pair(step=1e-3).springs[0].basis()
+    start = Rotation.from_quat(A.rotation[0], scalar_first=True).as_matrix()
+    axes = tumbling_pair(step=1e-3).springs[0].basis(start)
     turn_a = (
         Rotation.from_quat(A.rotation, scalar_first=True)
         * Rotation.from_quat(A.rotation[0], scalar_first=True).inv()
@@ -268,6 +269,35 @@ def test_a_stiff_bushing_is_nearly_a_weld(random_element):
         results = simulate(model_of({"beam": beam}, springs=(bush,), **common))
         apart.append(np.abs(results.body("beam").x - weld.body("beam").x).max())
     np.testing.assert_allclose(np.array(apart[:-1]) / apart[1:], 10.0, rtol=0.1)
+
+
+TILTED = Rotation.from_rotvec([0.3, -0.2, 0.5])
+BASES = {
+    "of the first frame": ({}, TILTED.as_matrix()),
+    "given": (
+        {"axis": [0, 1, 0], "second_axis": [0.6, 0, 0.8]},
+        np.array([[0.6, 0.8, 0], [0, 0, 1], [0.8, -0.6, 0]]),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BASES)
+def test_a_bushing_gives_way_along_its_axes(name):
+    """Pushed gently and held in equilibrium, by the flexibilities along e1, e2, e3."""
+    axes, basis = BASES[name]
+    stiffness, force = np.array([1e6, 2e6, 5e6]), np.array([1.0, 2.0, 3.0])
+    bush = Spring(
+        "bush", "bushing", ("ground.wall", "bob"), stiffness=[*stiffness, 1.0, 1.0, 1.0], **axes
+    )
+    model = Model(
+        {"bob": RigidBody(1.0, [0.1, 0.1, 0.1])},
+        springs=[bush],
+        loads=[Load("force", "bob", force, Constant(1.0))],
+        ground_frames={"wall": Frame(rotation=TILTED.as_rotvec())},
+        settings=Settings(t_end=1e-3, step=1e-3, start="equilibrium"),
+    )
+    expected = basis @ (basis.T @ force / stiffness)
+    np.testing.assert_allclose(simulate(model).body("bob").x[0], expected, rtol=0, atol=1e-13)
 
 
 def test_a_spring_between_interfaces_of_flexible_bodies(random_element):

@@ -71,12 +71,9 @@ def test_a_steady_rotation_goes_on(beam, history, rule):
 
 
 def test_what_is_lost_of_the_speed_is_numerical_dissipation(beam):
-    """Of order h^3, and none at rho_inf = 1, where the rotation is steady to rounding for ever."""
+    """Of order h^3. At rho_inf = 1 there is none: see the springs that turn along below."""
     lost = [unsteadiness(simulate(rotor(beam, step=h, rho_inf=0.5)))[0] for h in (1.2e-4, 2.4e-4)]
     assert np.log2(lost[1] / lost[0]) == pytest.approx(3.0, abs=0.05)
-    speed, displacement = unsteadiness(simulate(rotor(beam, rho_inf=1.0)))
-    assert speed < 1e-13
-    assert displacement < 1e-12
 
 
 def test_a_rotor_driven_at_constant_speed_starts_still(beam):

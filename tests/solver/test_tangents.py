@@ -553,7 +553,7 @@ def test_the_convective_term_of_every_kind_of_row(make_body):
         point.evaluated()
         return np.where(compliant, work.couplings.coordinate, work.couplings.phi)
 
-    h = 2e-3
+    h = 1e-3
     near, far = rows(h) + rows(-h), rows(2 * h) + rows(-2 * h)
     second = (16 * near - far - 30 * rows(0.0)) / (12 * h**2)
     np.testing.assert_allclose(convective, second, rtol=0, atol=1e-6 * np.abs(second).max())

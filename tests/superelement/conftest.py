@@ -40,14 +40,14 @@ def make_element(make_modes: Callable[..., Modes]) -> MakeElement:
             Interface(f"face {k}", rng.normal(size=3), r) for k, r in enumerate(rotations)
         )
         modes = make_modes(seed, sum(interface.n_dofs for interface in interfaces), m)
-        half = rng.normal(size=(3, 3))
+        second_moments = np.cov(rng.normal(size=(3, 9)))
         points = rng.normal(size=(5, 3))
         # as a file keeps them, in single precision
         phi, stress = (rng.normal(size=(5, k, m)).astype(np.float32).astype(float) for k in (3, 6))
         return Superelement(
             name=f"body {seed}",
             mass=rng.uniform(0.1, 10.0),
-            J_rot=half @ half.T + np.eye(3),
+            J_rot=np.trace(second_moments) * np.eye(3) - second_moments,
             center=rng.normal(size=3),
             interfaces=interfaces,
             kernel=sample_kernel(modes, 1e-4, GeneralizedAlpha(0.8), 7, error=1e-9),

@@ -13,13 +13,13 @@ import pytest
 from duhamel.superelement import (
     GeneralizedAlpha,
     Interface,
-    Kernel,
     Modes,
     Provenance,
     Recovery,
     Superelement,
     SuperelementError,
     read,
+    sample_kernel,
     sha256,
     write,
 )
@@ -46,10 +46,10 @@ def assert_identical(found: Any, expected: Any) -> None:
 
 
 def any_floats(rng: np.random.Generator, *shape: int) -> np.ndarray:
-    """Finite numbers of any bit pattern: any exponent, subnormal numbers, both zeros."""
+    """Numbers up to 1e100 of any bit pattern: any exponent, subnormal numbers, both zeros."""
     bits = rng.integers(0, 2**64, shape, dtype=np.uint64)
     numbers = bits.view(np.float64)
-    numbers[~np.isfinite(numbers)] = -0.0
+    numbers[~(np.abs(numbers) <= 1e100)] = -0.0
     numbers[rng.random(shape) < 0.1] = -5e-324
     return numbers
 
@@ -62,44 +62,36 @@ def any_singles(rng: np.random.Generator, *shape: int) -> np.ndarray:
     return numbers.astype(np.float64)
 
 
-def any_symmetric(rng: np.random.Generator, *shape: int) -> np.ndarray:
-    matrices = any_floats(rng, *shape)
-    i, j = np.triu_indices(shape[-1])
-    matrices[..., j, i] = matrices[..., i, j]
-    return matrices
-
-
 def any_element(seed: int) -> Superelement:
     rng = np.random.default_rng(seed)
     names = ["root", "tip", "Flansch außen", "面", "a b", "-1"][: rng.integers(0, 7)]
     interfaces = tuple(Interface(name, any_floats(rng, 3), bool(rng.integers(2))) for name in names)
     n_c = sum(interface.n_dofs for interface in interfaces)
-    n_k, m, p = rng.integers(2, 9), rng.integers(0, 5), rng.integers(1, 6)
+    n_k, m, p = rng.integers(2, 9), rng.integers(1, 5), rng.integers(1, 6)
     modes = Modes(
-        np.abs(any_floats(rng, m)) + 5e-324,
-        np.abs(any_floats(rng, m)),
-        any_floats(rng, n_c, m),
+        10.0 ** rng.uniform(-9.0, 9.0, m),
+        np.abs(any_floats(rng, m)) % 1.0,
+        rng.normal(size=(n_c, m)),
         h_min=float(rng.integers(2) * rng.random()),
     )
+    h, scheme = float(rng.uniform(1e-9, 1.0)), GeneralizedAlpha(float(rng.random()))
+    kernel = sample_kernel(modes, h, scheme, int(n_k) - 1)
     cells = rng.integers(-1, p, (rng.integers(0, 4), 3))
     stress = any_singles(rng, p, 6, m) if rng.integers(2) else None
     return Superelement(
         name=f"Körper {seed}/2",
-        mass=float(rng.uniform(1e-300, 1.0)),
-        J_rot=np.diag(rng.uniform(1e-12, 1e12, 3)),
+        mass=float(10.0 ** rng.uniform(-99.0, 99.0)),
+        J_rot=np.diag(rng.uniform(1.0, 2.0, 3)),
         center=any_floats(rng, 3),
         interfaces=interfaces,
-        kernel=Kernel(
-            h=float(rng.uniform(1e-9, 1.0)),
-            scheme=GeneralizedAlpha(float(rng.random())),
-            g=any_symmetric(rng, n_k, n_c, n_c),
-            g_initial=any_symmetric(rng, n_k, n_c, n_c),
+        kernel=replace(
+            kernel,
             error=float(rng.random()),
             band=float(rng.uniform(1e-9, 1e9)) if seed % 2 else None,
         ),
         modes=modes if seed % 3 else None,
-        compliance=any_symmetric(rng, n_c, n_c),
-        accelerance=any_symmetric(rng, n_c, n_c),
+        compliance=modes.compliance,
+        accelerance=modes.accelerance,
         recovery=Recovery(any_floats(rng, p, 3), cells, any_singles(rng, p, 3, m), stress)
         if seed % 3 == 1
         else None,
@@ -422,11 +414,11 @@ FAULTS = {
     "g is a group": (with_group("kernel/g"), "dataset 'kernel/g' is missing"),
     "g shape": (
         with_dataset("kernel/g", np.zeros((8, 6, 6))),
-        r"kernel: g_initial: expected shape \(8, 6, 6\), found \(8, 9, 9\)",
+        r"kernel/g: expected shape \(n_k, 9, 9\), found \(8, 6, 6\)",
     ),
     "g NaN": (
         with_entry("kernel/g", (3, 2, 1), np.nan),
-        r"kernel: g: expected finite numbers, found nan at index \(3, 2, 1\)",
+        r"kernel/g: expected finite numbers, found nan at index \(3, 2, 1\)",
     ),
     "g skew": (
         with_entry("kernel/g", (3, 2, 1), 1.0),
@@ -434,11 +426,11 @@ FAULTS = {
     ),
     "g complex": (
         with_dataset("kernel/g", np.zeros((8, 9, 9), complex)),
-        "kernel: g: expected real numbers",
+        "kernel/g: expected real numbers",
     ),
     "g_initial": (
         with_entry("kernel/g_initial", (0, 0, 8), np.inf),
-        r"kernel: g_initial: .* found inf at index \(0, 0, 8\)",
+        r"kernel/g_initial: .* found inf at index \(0, 0, 8\)",
     ),
     "no step": (without_attribute("kernel", "h"), "attribute 'h' of group 'kernel' is missing"),
     "step text": (
@@ -465,11 +457,11 @@ FAULTS = {
     "zeta": (with_entry("modes/zeta", 0, -2.0), "modes: zeta: expected ratios >= 0, found -2.0"),
     "phi columns": (
         with_dataset("modes/phi", np.zeros((9, 5))),
-        r"modes: phi: expected shape \(n_c, 4\), found \(9, 5\)",
+        r"modes/phi: expected shape \(9, 4\), found \(9, 5\)",
     ),
     "phi rows": (
         with_dataset("modes/phi", np.zeros((8, 4))),
-        "modes: phi: expected 9 rows, .* found 8",
+        r"modes/phi: expected shape \(9, 4\), found \(8, 4\)",
     ),
     "compliance": (
         with_dataset("static/compliance", np.eye(6)),
@@ -482,7 +474,7 @@ FAULTS = {
     "no accelerance": (without("static/accelerance"), "dataset 'static/accelerance' is missing"),
     "recovery phi": (
         with_dataset("recovery/phi", np.zeros((5, 3, 2))),
-        r"recovery: stress: expected shape \(5, 6, 2\)",
+        r"recovery/stress: expected shape \(5, 6, 2\)",
     ),
     "recovery cells": (
         with_entry("recovery/cells", (0, 0), 5),

@@ -111,7 +111,7 @@ def test_the_frequencies_are_those_of_fv5(tmp_path):
         Load("force", f"beam.n{ELEMENTS}", [1e3, 0, 0], blow),
     )
     h = 4e-5
-    results = simulate(supported(superelement(tmp_path), loads, t_end=1.0, step=h, rho_inf=1.0))
+    results = simulate(supported(superelement(tmp_path), loads, t_end=1.0, step=h, rho_inf=0.99))
     sensor = results.frame("beam.n17").velocity
     axial = results.frame(f"beam.n{ELEMENTS}").velocity[:, 0]
     found = {

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 
+from ....files.hdf5 import decoded, opened, whole
 from ....superelement.validation import Array
 from ...errors import MeshError
 from ..mesh import IntArray
@@ -61,17 +61,8 @@ class _Support:
 
 def read(path: Path) -> Draft:
     """A mesh of MED; `MeshError` if the file is damaged or holds more than one mesh."""
-    try:
-        with h5py.File(path) as file:
-            nodes, cells, groups = _contents(file)
-    except (
-        OSError,
-        KeyError,
-        RuntimeError,
-        TypeError,
-        UnicodeDecodeError,
-    ) as error:  # as h5py tells of damage
-        raise MeshError(f"the file is no MED file, or damaged: {error}") from error
+    with opened(path, MeshError) as file:
+        nodes, cells, groups = _contents(file)
     draft = Draft(nodes.values)
     for family, names in groups["NOEUD"].items():
         for name in names:
@@ -124,12 +115,12 @@ def _support(group: Any, dataset: str) -> _Support:
     """The nodes or cells of one type: a dataset column by column, and their families, 0 without
     any.
     """
-    count, values = int(group[dataset].attrs["NBR"]), group[dataset][()]
-    if count < 1 or values.size % count:
+    count, values = int(group[dataset].attrs["NBR"]), whole(group[dataset])
+    if values.ndim != 1 or count < 1 or values.size % count:
         raise MeshError(
             f"{group.name}/{dataset}: expected values for {count} entries, found {values.size}"
         )
-    families = group["FAM"][()] if "FAM" in group else np.zeros(count, dtype=np.int64)
+    families = whole(group["FAM"]) if "FAM" in group else np.zeros(count, dtype=np.int64)
     if families.shape != (count,):
         raise MeshError(
             f"{group.name}/FAM: expected {count} families, found shape {families.shape}"
@@ -140,7 +131,8 @@ def _support(group: Any, dataset: str) -> _Support:
 def _groups(families: Any) -> dict[int, list[str]]:
     return {
         int(family.attrs["NUM"]): [
-            bytes(name).rstrip(b"\0 ").decode() for name in family["GRO"]["NOM"][()].view("u1")
+            decoded("the name of a group", bytes(name).rstrip(b"\0 "))
+            for name in whole(family["GRO"]["NOM"]).view("u1")
         ]
         for family in families.values()
         if "GRO" in family

@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-import h5py
 import numpy as np
 
+from ....files.hdf5 import opened, whole
 from ...errors import MeshError
 from ..mesh import IntArray
 
@@ -80,7 +80,7 @@ class DataItems:
                 )
             case "HDF":
                 name, _, dataset = text.rpartition(":")
-                with h5py.File(self._folder / name) as file:
-                    return file[dataset][()]
+                with opened(self._folder / name, MeshError) as file:
+                    return whole(file[dataset])
             case other:
                 raise ValueError(f"the format {other!r} is not known")

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from duhamel.preprocess.responses.band import dynamic_stiffness, transfer
 from duhamel.superelement import GeneralizedAlpha, Modes, sample_kernel
+from duhamel.superelement.transfer import dynamic_stiffness, transfer
 
 DELAYS = np.exp(-0.1 - 1j * np.array([0.0, 0.05, 0.7, 2.0, np.pi]))
 

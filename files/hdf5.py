@@ -1,0 +1,155 @@
+"""HDF5 files that others may have made: nothing outside of them is read, nor more than they hold.
+
+HDF5 follows links into other files, reads raw data from any path, and believes the sizes that a
+file declares. Source: HDF5 User Guide, Groups and Dataset Creation Properties.
+"""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import h5py
+
+from .memory import available
+from .regular import FileError, require_regular
+
+MOST_LINKS = 100_000
+"""of a file"""
+SMALL = 1 << 26
+"""bytes up to which a dataset may declare more than it stores: what was never written is zero"""
+RATIO = 100
+"""of declared to stored bytes; numbers that vary are compressed to no less than a tenth"""
+MOST_TEXT = 1 << 26
+"""bytes of text in a dataset or an attribute"""
+DAMAGE = (
+    ArithmeticError,
+    LookupError,
+    MemoryError,
+    OSError,
+    RuntimeError,
+    TypeError,
+    ValueError,
+)
+"""exceptions of h5py on a file with wrong bytes, each for other parts of its structure"""
+
+
+@contextmanager
+def opened(path: str | os.PathLike[str], failure: type[Exception]) -> Iterator[h5py.File]:
+    """A file for reading that `require_contained` lets pass.
+
+    What goes wrong in the block is a `failure` that names the file: those that are raised there,
+    and all that h5py says of damage.
+    """
+    try:
+        require_regular(path)
+        with h5py.File(path, "r") as file:
+            require_contained(file)
+            yield file
+    except failure as error:
+        raise failure(f"{os.fspath(path)}: {error}") from error
+    except FileNotFoundError as error:
+        raise failure(f"{os.fspath(path)}: no such file") from error
+    except FileError as error:
+        raise failure(f"{os.fspath(path)}: {error}") from error
+    except DAMAGE as error:
+        text = " ".join(str(error).split()) or type(error).__name__
+        raise failure(f"{os.fspath(path)}: not a readable HDF5 file: {text}") from error
+
+
+def require_contained(file: h5py.File) -> None:
+    """`FileError` for links that are not to the object itself, and for datasets that are elsewhere.
+
+    That is for links into other files and soft ones, for external and virtual datasets, and for
+    those that declare far more than they store.
+    """
+    names: list[bytes] = []
+
+    def look(name: bytes, link: Any) -> FileError | None:
+        # HDF5 calls this: what it returns ends the visit, and nothing may be raised.
+        if len(names) == MOST_LINKS:
+            return FileError(f"expected at most {MOST_LINKS} groups and datasets, found more")
+        if link.type != h5py.h5l.TYPE_HARD:
+            return FileError(f"{_shown(name)}: expected an object of this file, found a link")
+        names.append(name)
+        return None
+
+    refusal = file.id.links.visit(look, info=True)
+    if refusal is not None:
+        raise refusal
+    for name in names:
+        found = h5py.h5o.open(file.id, name)
+        if isinstance(found, h5py.h5d.DatasetID):
+            _require_stored(_shown(name), h5py.Dataset(found))
+
+
+def whole(dataset: h5py.Dataset) -> Any:
+    """All of a dataset; `FileError` where it does not fit into memory."""
+    if dataset.nbytes > (free := available()):
+        raise FileError(
+            f"{_shown(dataset.name)}: expected at most the {free} bytes of memory that are free, "
+            f"found {dataset.nbytes} of shape {dataset.shape}"
+        )
+    return dataset[()]
+
+
+def texts(dataset: h5py.Dataset) -> list[str]:
+    """The texts (n,) of a dataset, UTF-8; `FileError` for others."""
+    found: list[str] = []
+    size = 0
+    for entry in range(len(dataset)):
+        # One after the other: all may be one long text that is stored once.
+        found.append(decoded(_shown(dataset.name), dataset[entry]))
+        size += len(found[-1])
+        if size > MOST_TEXT:
+            raise FileError(f"{_shown(dataset.name)}: expected at most {MOST_TEXT} bytes of text")
+    return found
+
+
+def attribute(owner: h5py.Group | h5py.Dataset, name: str) -> Any:
+    """An attribute; KeyError if it is not there, `FileError` for a long one or wrong text."""
+    stored = owner.attrs.get_id(name)
+    size = stored.get_storage_size()
+    if size > MOST_TEXT:
+        raise FileError(f"attribute {name!r}: expected at most {MOST_TEXT} bytes, found {size}")
+    value = owner.attrs[name]
+    return decoded(f"attribute {name!r}", value) if isinstance(value, str | bytes) else value
+
+
+def decoded(name: str, value: str | bytes) -> str:
+    """Text that is UTF-8; `FileError` for other bytes, which h5py passes on as surrogates."""
+    try:
+        if isinstance(value, bytes):
+            return value.decode()
+        value.encode()
+    except UnicodeError as error:
+        raise FileError(f"{name}: expected text in UTF-8, found {value!r:.80}") from error
+    return value
+
+
+def _require_stored(name: str, dataset: h5py.Dataset) -> None:
+    plist = dataset.id.get_create_plist()
+    if plist.get_external_count():
+        raise FileError(f"{name}: expected numbers in this file, found them in another (external)")
+    if dataset.is_virtual:
+        raise FileError(f"{name}: expected numbers in this file, found a virtual dataset")
+    declared, stored = _declared(dataset), dataset.id.get_storage_size()
+    if declared > max(SMALL, RATIO * stored):
+        raise FileError(
+            f"{name}: expected at most {RATIO} times what is stored, {stored} bytes, "
+            f"found {declared} of shape {dataset.shape}"
+        )
+
+
+def _declared(dataset: h5py.Dataset) -> int:
+    size = int(dataset.id.get_type().get_size())
+    for length in dataset.shape or ():
+        size *= int(length)
+    return size
+
+
+def _shown(name: str | bytes) -> str:
+    """A name as paths of a file are written, in one line."""
+    text = name.decode(errors="backslashreplace") if isinstance(name, bytes) else name
+    text = text.removeprefix("/")
+    return text if text.isprintable() else repr(text)[1:-1]

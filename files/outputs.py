@@ -1,0 +1,80 @@
+"""Files that appear whole or not at all, and never in the place of an input."""
+
+import os
+import re
+import tempfile
+import zlib
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from platform import node
+
+KEPT = 100
+"""characters of a name that its temporary file has too: names end at 255"""
+
+
+class OverwriteError(ValueError):
+    """An output that would replace an input."""
+
+
+def require_no_input(output: Path, inputs: Iterable[Path]) -> None:
+    """`OverwriteError` if an output is one of the inputs, by another path or a link too."""
+    for path in inputs:
+        if _same(output, path):
+            raise OverwriteError(
+                f"{output}: expected another file for the output, found the input {path}"
+            )
+
+
+@contextmanager
+def renamed_when_whole(path: Path) -> Iterator[Path]:
+    """A temporary file beside `path` that replaces it when the block ends without an error.
+
+    A link stays, and what it leads to is replaced. The file has the permissions of any new file.
+    Temporary files of processes that have died meanwhile are removed. OSError where the folder
+    cannot be written to.
+    """
+    path = path.resolve()
+    remove_orphans(path)
+    handle, name = tempfile.mkstemp(prefix=f"{_prefix(path)}{os.getpid()}.", dir=path.parent)
+    os.close(handle)
+    temporary = Path(name)
+    try:
+        yield temporary
+        umask = os.umask(0)
+        os.umask(umask)
+        temporary.chmod(0o666 & ~umask)
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def remove_orphans(path: Path) -> None:
+    """Remove temporary files of `path` whose process has died on this machine."""
+    pattern = re.compile(rf"{re.escape(_prefix(path))}(\d+)\.\w+")
+    for entry in os.listdir(path.parent):
+        match = pattern.fullmatch(entry)
+        if match and not _alive(int(match[1])):
+            path.with_name(entry).unlink(missing_ok=True)
+
+
+def _prefix(path: Path) -> str:
+    """What names of temporary files begin with: on a shared disk, by machine."""
+    return f".{path.name[:KEPT]}.{zlib.crc32(node().encode()):08x}."
+
+
+def _alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:  # it belongs to somebody else
+        return True
+    return True
+
+
+def _same(one: Path, other: Path) -> bool:
+    try:
+        return os.path.samefile(one, other)
+    except (OSError, ValueError):
+        return False

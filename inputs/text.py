@@ -1,0 +1,94 @@
+"""The text of files that users wrote, and TOML, within bounds."""
+
+import os
+import stat
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from .errors import InputError, dotted, quoted
+
+MOST_BYTES = 1 << 26
+"""of a text file"""
+DEEPEST = 32
+"""tables and arrays within one another"""
+INTEGERS = range(-(1 << 63), 1 << 63)
+"""those of TOML"""
+Keys = tuple[str, ...]
+
+
+def read_text(path: str | os.PathLike[str]) -> str:
+    """The text of a regular file of at most `MOST_BYTES`, in UTF-8; `InputError` names the file."""
+    path = Path(path)
+    try:
+        status = path.stat()
+        if not stat.S_ISREG(status.st_mode):
+            raise InputError(f"{path}: not a readable file: expected a regular file")
+        if status.st_size > MOST_BYTES:
+            raise InputError(
+                f"{path}: expected at most {MOST_BYTES} bytes of text, found {status.st_size}"
+            )
+        return path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: not a readable file: not UTF-8: {error}") from error
+    except OSError as error:
+        raise InputError(f"{path}: not a readable file: {error.strerror or error}") from error
+    except InputError:
+        raise
+    except ValueError as error:  # a path with a NUL
+        raise InputError(f"{quoted(str(path))}: not a readable file: {error}") from error
+
+
+def read_toml(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """The document of a TOML file; `InputError` names the file."""
+    text = read_text(path)
+    try:
+        return parse_toml(text)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def parse_toml(text: str) -> dict[str, Any]:
+    """The document of a TOML file, of bounded depth; `InputError` without the name of the file."""
+    try:
+        document = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"not a TOML file: {_short(error)}") from error
+    except RecursionError as error:
+        raise _too_deep() from error
+    except ValueError as error:  # an integer of thousands of digits, a date that there is not
+        raise InputError(f"not a TOML file: {_short(error)}") from error
+    _check(document)
+    return document
+
+
+def _check(document: dict[str, Any]) -> None:
+    """`InputError` for what is nested too deep, and for integers that TOML does not have."""
+    level: list[tuple[Keys, Any]] = [((), document)]
+    for _ in range(DEEPEST + 1):
+        level = [inner for keys, value in level for inner in _items(keys, value)]
+        for keys, value in level:
+            if isinstance(value, int) and value not in INTEGERS:
+                raise InputError(
+                    f"{dotted(keys)}: expected an integer of 64 bits, found {quoted(value)}"
+                )
+    if level:
+        raise _too_deep()
+
+
+def _items(keys: Keys, value: Any) -> Iterator[tuple[Keys, Any]]:
+    """The values of a table or an array, by their keys."""
+    if isinstance(value, dict):
+        yield from (((*keys, name), inner) for name, inner in value.items())
+    elif isinstance(value, list):
+        yield from (((*keys, str(number)), inner) for number, inner in enumerate(value))
+
+
+def _too_deep() -> InputError:
+    return InputError(f"expected at most {DEEPEST} tables and arrays within one another")
+
+
+def _short(error: Exception) -> str:
+    """The first line of an error."""
+    return str(error).splitlines()[0][:200]

@@ -1,0 +1,46 @@
+"""Redundant constraints that were left out: those that remain must hold them closed."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import ModelError, about
+from ..lower.lower import LoweredModel
+from ..step.rows import evaluate_row
+from ..step.system import Workspace
+from .redundancy import describe_rows
+
+CLOSED = 1e-6
+"""largest opening of a constraint that was left out: relative to the size of the model, or rad"""
+
+
+@dataclass(frozen=True, eq=False)
+class RemovedRows:
+    """Rows of a model with all its constraints that its time loop does without.
+
+    lowered: with all rows, whose frames have the numbers of those in the loop.
+    """
+
+    lowered: LoweredModel
+    rows: list[int]
+
+    @property
+    def names(self) -> str:
+        """The rows by joint, as messages name them."""
+        return describe_rows(self.lowered, self.rows)
+
+    def check(self, work: Workspace, time: float) -> None:
+        """ModelError for a constraint that is open at a time [s]."""
+        rows, lengths = self.lowered.system.couplings.rows, self.lowered.measures_lengths
+        gradient = np.zeros(12)
+        for i in self.rows:
+            opening = abs(evaluate_row(rows, i, 0.0, 0.0, work, gradient))
+            size = self.lowered.system.bodies.size if lengths[i] else 1.0
+            if opening > CLOSED * size:
+                unit = "m" if lengths[i] else "rad"
+                with about(self.lowered.model.path):
+                    raise ModelError(
+                        f"joints: {describe_rows(self.lowered, [i])} was left out as redundant, "
+                        f"but is open by {opening:.6g} {unit} at t = {time:.9g} s: it is needed "
+                        "there; free a joint instead of redundant = 'remove'"
+                    )

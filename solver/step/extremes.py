@@ -1,0 +1,142 @@
+"""The largest values of a run, by which its validity is judged (results/validity.py).
+
+They are counted at every step, recorded or not, as squares where that saves a root. A run ends
+where an interface turns or moves out of all range (`FARTHEST_TURN`, `FARTHEST_MOVE`).
+"""
+
+import math
+
+from ..compiler.marks import compiled, entry
+from ..compiler.memory import copy
+from .bodies import rigid_energies, spin_of
+from .couplings import spring_energy
+from .observers import start_coordinates
+from .system import Couplings, Elastic, ExtremeState, Frames, State, System, Workspace
+from .vectors import dot, triple
+
+FARTHEST_TURN = 0.5 * math.pi
+"""elastic rotation of an interface where a run ends [rad]"""
+FARTHEST_MOVE = 1.0
+"""elastic displacement of an interface over the size of its body where a run ends"""
+
+
+@entry
+def start_extremes(system: System, state: State, work: Workspace) -> None:
+    """The extremes of the start, whose state was the last to be evaluated."""
+    copy(work.couplings.coordinate, state.couplings.coordinate)
+    copy(work.couplings.rate, state.couplings.rate)
+    start_coordinates(system.observers, state, work)
+    energies, extremes = state.energies, state.extremes
+    _set_energies(system, state)
+    extremes.start[0] = _total(state)
+    extremes.start[1] = energies.potential[0]
+    for j in range(len(extremes.dissipated)):
+        extremes.dissipated[j] = -spring_energy(system.couplings, j, work)
+    follow_extremes(system, state, work)
+
+
+@compiled
+def follow_extremes(system: System, state: State, work: Workspace) -> None:
+    """Take the state at the end of a step into the extremes."""
+    _follow_frames(system.frames, system.elastic, state)
+    _follow_spins(state)
+    _follow_openings(system.couplings, state, work)
+    _follow_vibration(system.elastic, state)
+    _set_energies(system, state)
+    _follow_energies(system, state, work)
+
+
+@compiled
+def _follow_frames(frames: Frames, elastic: Elastic, state: State) -> None:
+    extremes, u = state.extremes, state.interfaces.u
+    for f in range(len(frames.dof)):
+        dof = frames.dof[f]
+        if dof < 0:
+            continue
+        move = triple(u, dof)
+        displacement, rotation = dot(move, move), 0.0
+        if frames.rotations[f]:
+            turn = triple(u, dof + 3)
+            rotation = dot(turn, turn)
+        if displacement > extremes.displacement[f]:
+            extremes.displacement[f] = displacement
+            size = FARTHEST_MOVE * elastic.size[elastic.of_body[frames.body[f]]]
+            _leave(extremes, f, displacement > size * size)
+        if rotation > extremes.rotation[f]:
+            extremes.rotation[f] = rotation
+            _leave(extremes, f, rotation > FARTHEST_TURN * FARTHEST_TURN)
+
+
+@compiled
+def _leave(extremes: ExtremeState, f: int, left: bool) -> None:
+    """Note frame f if it is the first that has left the range."""
+    if left and extremes.left[0] == 0:
+        extremes.left[0] = f + 1
+
+
+@compiled
+def _follow_spins(state: State) -> None:
+    spins = state.extremes.spin
+    for b in range(len(spins)):
+        omega = spin_of(state, b)
+        spins[b] = max(spins[b], dot(omega, omega))
+
+
+@compiled
+def _follow_openings(couplings: Couplings, state: State, work: Workspace) -> None:
+    openings, phi, compliant = state.extremes.opening, work.couplings.phi, couplings.compliant
+    for i in range(len(openings)):
+        if not compliant[i]:
+            openings[i] = max(openings[i], abs(phi[i]))
+
+
+@compiled
+def _follow_vibration(elastic: Elastic, state: State) -> None:
+    """Sums of squares of rates, which tell the frequencies that carry energy."""
+    extremes, rate = state.extremes, state.modes.rate
+    sums = extremes.rate
+    for i in range(len(sums)):
+        sums[i] += rate[i] * rate[i]
+    for e in range(len(elastic.body)):
+        if elastic.modes.range[e] < elastic.modes.range[e + 1]:
+            continue
+        for k in range(elastic.dof[e], elastic.dof[e + 1]):
+            extremes.interface_rate[k] += state.interfaces.rate[k] ** 2
+            extremes.interface_acceleration[k] += state.interfaces.acceleration[k] ** 2
+
+
+@compiled
+def _set_energies(system: System, state: State) -> None:
+    kinetic, potential = rigid_energies(system.bodies, state)
+    state.energies.kinetic[0] = kinetic
+    state.energies.potential[0] = potential
+
+
+@compiled
+def _total(state: State) -> float:
+    """What should stay constant: energies less the work that was done, springs apart."""
+    energies = state.energies
+    elastic = energies.modal[0] + energies.convolved[0]
+    return energies.kinetic[0] + energies.potential[0] + elastic - energies.work[0]
+
+
+@compiled
+def _follow_energies(system: System, state: State, work: Workspace) -> None:
+    """The balance, the energy that moves, and what springs and dampers take and give back."""
+    energies, extremes = state.energies, state.extremes
+    by_springs, turned_over = 0.0, 0.0
+    for j in range(len(energies.compliance)):
+        done = energies.compliance[j]
+        by_springs += done
+        turned_over += abs(done)
+        stored = spring_energy(system.couplings, j, work)
+        taken = -done - stored
+        extremes.stored[j] = max(extremes.stored[j], abs(stored))
+        extremes.dissipated[j] = max(extremes.dissipated[j], taken)
+        extremes.returned[j] = max(extremes.returned[j], extremes.dissipated[j] - taken)
+    balance = _total(state) - by_springs - extremes.start[0]
+    extremes.balance[0] = max(extremes.balance[0], abs(balance))
+    elastic = energies.modal[0] + energies.convolved[0] - energies.damping[0]
+    turned_over += abs(energies.work[0]) + abs(energies.potential[0] - extremes.start[1])
+    moved = energies.kinetic[0] + abs(elastic) + turned_over
+    extremes.moved[0] = max(extremes.moved[0], moved)

@@ -1,0 +1,142 @@
+"""The full examination of a superelement: every lag, and transforms over all frequencies.
+
+Seconds, where `checks` takes milliseconds.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from .checks import (
+    DECADES,
+    ROUNDING,
+    Check,
+    as_modes,
+    decay,
+    deviation,
+    negative_part,
+    quick_checks,
+    scale_of,
+)
+from .kernel import sample_kernel
+from .modes import Modes
+from .superelement import Superelement
+from .transfer import Complex, summed, transfer
+from .validation import SYMMETRY_TOLERANCE, Array
+
+FREQUENCIES = 256
+"""at which transforms are looked at, no more than the kernel has lags"""
+REAL = 8
+"""delays on the real axis, where the transform falls from the compliance to its start"""
+
+
+def check(element: Superelement) -> tuple[Check, ...]:
+    """All that must hold of a superelement, recomputed.
+
+    Reciprocity, the quick checks that every file passes when it is read, that the kernel is passive
+    and free of rigid motion, and where there are modes, every lag and the transfer function over
+    the band against them. Source: docs/theory.md, What a superelement must satisfy.
+    """
+    return tuple(_checks(element))
+
+
+def _checks(element: Superelement) -> Iterator[Check]:
+    for name in ("compliance", "accelerance"):
+        yield _reciprocal(f"static/{name}", getattr(element, name)[None])
+    for name in ("g", "g_initial"):
+        yield _reciprocal(f"kernel/{name}", getattr(element.kernel, name))
+    yield from quick_checks(element)
+    if element.n_c:
+        yield _free_of_rigid_motion(element)
+        yield _passive(element)
+        if element.modes is not None:
+            yield from _every_lag(element, element.modes)
+            yield _transfer(element, element.modes)
+
+
+def _reciprocal(where: str, matrices: Array) -> Check:
+    scale = np.sqrt(np.abs(np.diagonal(matrices, axis1=1, axis2=2)).max(axis=0))
+    return Check(
+        where,
+        "reciprocity, a symmetric matrix",
+        "a difference from the mirror image, relative to the diagonal,",
+        deviation(matrices, matrices.transpose(0, 2, 1), np.maximum(scale, np.finfo(float).tiny)),
+        SYMMETRY_TOLERANCE,
+    )
+
+
+def _free_of_rigid_motion(element: Superelement) -> Check:
+    """The share e of rigid motion in the kernel, G(d) - H <= e U U^T / sigma(d).
+
+    U: unit rigid modes at the interfaces. They would grow as t, and stand out at the delays next to
+    1; elastic ones are at most H.
+    """
+    kernel = element.kernel
+    d = (decay(kernel.steps) ** np.geomspace(1.0, kernel.steps / DECADES, REAL)).astype(complex)
+    sigma, _ = kernel.scheme.symbols(kernel.h, d)
+    back = np.linalg.pinv(_rigid_modes(element))
+    excess = back @ (summed(kernel, d).real - element.compliance) @ back.T
+    share = sigma.real * np.linalg.eigvalsh(excess)[:, -1]
+    found = float(max(0.0, share.max()))
+    return Check("kernel/g", "no rigid motion", "a share of it", found, ROUNDING)
+
+
+def _rigid_modes(element: Superelement) -> Array:
+    """U (n_c, 6) [1/sqrt(kg) ...]: mass-normalized translations, and turns about the center."""
+    inertias, axes = np.linalg.eigh(element.J_rot)
+    rows = []
+    for face in element.interfaces:
+        arms = np.cross(axes.T, face.X).T
+        rows.append(np.hstack([np.eye(3), arms]))
+        if face.rotations:
+            rows.append(np.hstack([np.zeros((3, 3)), axes]))
+    U: Array = np.vstack(rows) / np.sqrt([*[element.mass] * 3, *inertias])
+    return U
+
+
+def _passive(element: Superelement) -> Check:
+    """Loads never get back more energy than they gave: chi G + (chi G)^H >= 0 where |d| < 1.
+
+    chi G: velocities per load.
+    """
+    kernel = element.kernel
+    d = _circle(element, np.pi)[1:-1]
+    _, chi = kernel.scheme.symbols(kernel.h, d)
+    found = 0.0
+    for V in chi[:, None, None] * summed(kernel, d):
+        found = max(found, negative_part(0.5 * (V + V.conj().T), scale_of(element, np.abs(V))))
+    return Check(
+        "kernel/g",
+        "passivity, a positive real transform of the velocities",
+        "a negative eigenvalue, relative to the diagonal,",
+        found,
+        ROUNDING,
+    )
+
+
+def _every_lag(element: Superelement, modes: Modes) -> Iterator[Check]:
+    kernel = element.kernel
+    again = sample_kernel(modes, kernel.h, kernel.scheme, kernel.steps)
+    for name in ("g", "g_initial"):
+        found, expected = getattr(kernel, name), getattr(again, name)
+        yield as_modes(
+            element, f"kernel/{name}", "at every lag what the modes give", found, expected
+        )
+
+
+def _transfer(element: Superelement, modes: Modes) -> Check:
+    """The transfer function of the lags against that of the modes in closed form, over the band."""
+    kernel = element.kernel
+    band = 0.25 / kernel.h if kernel.band is None else kernel.band
+    d = _circle(element, min(2.0 * np.pi * band * kernel.h, np.pi))
+    expected = transfer(modes, kernel.h, kernel.scheme, d)
+    what = f"up to {band:.4g} Hz the transfer function of the modes"
+    return as_modes(element, "kernel/g", what, summed(kernel, d), expected)
+
+
+def _circle(element: Superelement, last: float) -> Complex:
+    """Delays from angle 0 to the last on the circle on which the lags fade away."""
+    steps = element.kernel.steps
+    angles = np.linspace(0.0, last, min(FREQUENCIES, steps) + 2)
+    d: Complex = decay(steps) * np.exp(-1j * angles)
+    return d

@@ -1,0 +1,225 @@
+"""Facts that hold of every elastic body, recomputed from the numbers of its superelement.
+
+Those here take a millisecond, and every file that is read must pass them. `audit` has the others.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .modes import Modes
+from .scheme import GeneralizedAlpha
+from .superelement import Superelement
+from .validation import Array, SuperelementError
+
+ROUNDING = 1e-6
+"""Deviation, relative to the scale of its rows, that solvers of large systems may leave."""
+FLOOR = 1e-4
+"""Least scale of a row, relative to the largest of its kind, displacements or rotations: what is
+smaller is rounding of the others.
+"""
+DECADES = 12.0
+"""Decades by which the last lag of a kernel fades where its transform is taken."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """A fact: where it must hold, what is expected, and its deviation, which has a limit.
+
+    `measure` says in words what `found` is.
+    """
+
+    where: str
+    expected: str
+    measure: str
+    found: float
+    limit: float
+
+    @property
+    def holds(self) -> bool:
+        return bool(self.found <= self.limit)
+
+    def __str__(self) -> str:
+        """The fact and its deviation, for messages."""
+        return (
+            f"{self.where}: expected {self.expected}, found {self.measure} of {self.found:.3g}, "
+            f"where {self.limit:.3g} is allowed"
+        )
+
+
+def require_sound(element: Superelement) -> None:
+    """`SuperelementError` for the first of `quick_checks` that does not hold."""
+    for check in quick_checks(element):
+        if not check.holds:
+            raise SuperelementError(str(check))
+
+
+def quick_checks(element: Superelement) -> Iterator[Check]:
+    """Inertia, definiteness of the static matrices, the start of the kernel, and modes against all.
+
+    For an elastic body with modes phi_i, omega_i all of these are sums of phi_i phi_i^T with
+    positive weights: 1 of the accelerance B, 1 / omega_i^2 of the compliance H, and of the start of
+    the kernel less than either, 0 <= g[0] <= H and 0 <= g[0] <= B / beta', in the order of
+    symmetric matrices. Source: docs/theory.md, What a superelement must satisfy.
+    """
+    yield _inertia(element.J_rot)
+    for name in ("compliance", "accelerance"):
+        yield _definite(element, f"static/{name}", getattr(element, name))
+    if element.n_c:
+        yield from _start(element)
+        yield from _against_modes(element)
+
+
+def deviation(found: Any, expected: Any, scale: Array) -> float:
+    """The largest difference of matrices (..., n, n), each entry on the scale of its rows (n,)."""
+    return float((np.abs(found - expected) / np.outer(scale, scale)).max(initial=0.0))
+
+
+def negative_part(A: Any, scale: Array) -> float:
+    """The most negative eigenvalue of a Hermitian matrix, its rows on their scale; 0 if none."""
+    scaled = A / np.outer(scale, scale)
+    scaled = scaled / max(1.0, ROUNDING * np.abs(scaled).max(initial=0.0))
+    return float(max(0.0, -np.linalg.eigvalsh(scaled).min(initial=0.0)))
+
+
+def scale_of(element: Superelement, A: Array) -> Array:
+    """The scale (n_c,) of each row of a matrix like A: the square root of its diagonal.
+
+    At least the floor that other rows of the same unit give it.
+    """
+    diagonal = np.abs(A.diagonal())
+    moves = np.concatenate(
+        [np.zeros(0, dtype=bool), *(np.arange(face.n_dofs) < 3 for face in element.interfaces)]
+    )
+    least = np.full(len(diagonal), np.finfo(float).tiny)
+    for kind in (moves, ~moves):
+        least[kind] += FLOOR * diagonal[kind].max(initial=0.0)
+    scale: Array = np.sqrt(np.maximum(diagonal, least))
+    return scale
+
+
+def decay(steps: int) -> float:
+    """The delay d < 1 at which the lags of a kernel fade over its length: d^steps = 10^-DECADES."""
+    return float(10.0 ** (-DECADES / steps))
+
+
+def _inertia(J_rot: Array) -> Check:
+    """The moments about two axes add up to more than that about the third, as y^2 + z^2 do."""
+    first, second, third = np.linalg.eigvalsh(J_rot)
+    return Check(
+        "rigid/J_rot",
+        "principal inertias of which two are no less than the third",
+        f"{first:.4g}, {second:.4g} and {third:.4g} kg m^2, an excess",
+        float(max(0.0, third - first - second) / third),
+        ROUNDING,
+    )
+
+
+def _definite(element: Superelement, where: str, A: Array) -> Check:
+    return Check(
+        where,
+        "a positive semidefinite matrix",
+        "a negative eigenvalue, relative to the diagonal,",
+        negative_part(A, scale_of(element, A)),
+        ROUNDING,
+    )
+
+
+def _start(element: Superelement) -> Iterator[Check]:
+    """0 <= g[0] <= H, g[0] <= B / beta', the same of the transform, and g_initial[0] = 0."""
+    kernel, H = element.kernel, element.compliance
+    g_0 = kernel.g[0]
+    yield _definite(element, "kernel/g", g_0)
+    bound = element.accelerance / kernel.scheme.beta_prime(kernel.h)
+    yield _at_most(element, "kernel/g", "the start within the compliance", g_0, H)
+    yield _at_most(element, "kernel/g", "the start within that of the accelerance", g_0, bound)
+    transform = np.tensordot(decay(kernel.steps) ** np.arange(len(kernel.g)), kernel.g, 1)
+    yield _definite(element, "kernel/g", transform)
+    yield _at_most(element, "kernel/g", "its transform within the compliance", transform, H)
+    yield Check(
+        "kernel/g_initial",
+        "no displacement at once",
+        "a displacement, relative to the compliance,",
+        deviation(kernel.g_initial[0], np.zeros_like(H), scale_of(element, H)),
+        ROUNDING,
+    )
+
+
+def _at_most(element: Superelement, where: str, what: str, A: Array, bound: Array) -> Check:
+    return Check(
+        where,
+        what,
+        "an excess, relative to that,",
+        negative_part(bound - A, scale_of(element, bound)),
+        ROUNDING,
+    )
+
+
+def _against_modes(element: Superelement) -> Iterator[Check]:
+    modes, kernel = element.modes, element.kernel
+    if modes is None:
+        return
+    for name in ("compliance", "accelerance"):
+        found, expected = getattr(element, name), getattr(modes, name)
+        yield as_modes(element, f"static/{name}", "what the modes give", found, expected)
+    lags, impulse, initial = powers_of_two(modes, kernel.h, kernel.scheme, kernel.steps)
+    for name, coefficients in (("g", impulse), ("g_initial", initial)):
+        found = getattr(kernel, name)[lags]
+        expected = np.einsum("im,km,jm->kij", modes.phi, coefficients, modes.phi, optimize=True)
+        yield as_modes(element, f"kernel/{name}", "what the modes give", found, expected)
+
+
+def as_modes(element: Superelement, where: str, what: str, found: Any, expected: Any) -> Check:
+    """Both (..., n_c, n_c) relative to the larger, so that zeros beside what is not show as 1."""
+    sizes = np.maximum(np.abs(found), np.abs(expected)).reshape(-1, element.n_c, element.n_c)
+    return Check(
+        where,
+        what,
+        "a difference, relative to the diagonal,",
+        deviation(found, expected, scale_of(element, sizes.max(axis=0))),
+        # A kernel that is not from modes may differ from them by the error that it states.
+        ROUNDING + 10.0 * element.kernel.error,
+    )
+
+
+def powers_of_two(
+    modes: Modes, h: float, scheme: GeneralizedAlpha, steps: int
+) -> tuple[list[int], Array, Array]:
+    """Lags 0, 1, 2, 4, ... up to `steps`, and the responses (k, m) of the modes at them.
+
+        y_n = A y_{n-1},   y = [eta, h eta', h^2 a, h^2 eta'']
+
+    to a unit load at the first step, and to one at t_0, by squaring A: another way than the
+    recursion of `respond`, and only its logarithm long. Source: docs/theory.md, Impulse responses.
+    """
+    A, loaded, initial = _amplification(modes, h, scheme)
+    lags, impulse, start = [0], [loaded[:, 0]], [initial[:, 0]]
+    power = 1
+    while power <= steps:
+        lags.append(power)
+        impulse.append(np.einsum("mj,mj->m", A[:, 0], loaded))
+        start.append(np.einsum("mj,mj->m", A[:, 0], initial))
+        A, power = A @ A, 2 * power
+    return lags, np.array(impulse), np.array(start)
+
+
+def _amplification(modes: Modes, h: float, scheme: GeneralizedAlpha) -> tuple[Array, Array, Array]:
+    """A (m, 4, 4) of a step without load; y (m, 4) after a unit load at the first step; y at t_0.
+
+    Rows: displacement and velocity before the step's pseudo-acceleration, and what it carries on.
+    """
+    alpha_m, alpha_f, beta, gamma = scheme.alpha_m, scheme.alpha_f, scheme.beta, scheme.gamma
+    predicted = np.array([1.0, 1.0, 0.5 - beta, 0.0])
+    rate = np.array([0.0, 1.0, 1.0 - gamma, 0.0])
+    carried = np.array([0.0, 0.0, alpha_m, -alpha_f]) / (1.0 - alpha_f)
+    stiffness, damping = (modes.omega * h) ** 2, 2.0 * modes.zeta * modes.omega * h
+    S = scheme.inertia_ratio + gamma * damping + beta * stiffness
+    free = np.outer(stiffness, predicted) + np.outer(damping, rate) + carried
+    a = -free / S[:, None]
+    fed = np.array([beta, gamma, 1.0, scheme.inertia_ratio])
+    carry = np.array([predicted, rate, np.zeros(4), carried])
+    A = carry + fed[:, None] * a[:, None, :]
+    initial = np.tile([0.0, 0.0, h * h, h * h], (len(S), 1))
+    return A, h * h * fed / S[:, None], initial

@@ -1,0 +1,38 @@
+"""Transfer functions: z-transforms of kernels, in closed form from modes, and summed over lags."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .kernel import Kernel, spread
+from .modes import Modes
+from .scheme import GeneralizedAlpha
+
+Complex = NDArray[np.complex128]
+
+
+def transfer(modes: Modes, h: float, scheme: GeneralizedAlpha, delay: Complex) -> Complex:
+    """G = sum_k g[k] d^k (n, n_c, n_c) [m/N ...]: the z-transform of the kernel, with d = 1/z.
+
+    G = phi diag(1 / (sigma + 2 zeta omega chi + omega^2)) phi^T
+
+    delay (n,): |d| < 1, and 0 gives g[0] -> (n, n_c, n_c) [m/N ...]. sigma and chi:
+    `GeneralizedAlpha.symbols`. Source: docs/theory.md, Impulse responses.
+    """
+    receptance = 1.0 / dynamic_stiffness(modes, h, scheme, delay)
+    return spread(modes.phi, receptance.real) + 1j * spread(modes.phi, receptance.imag)
+
+
+def dynamic_stiffness(modes: Modes, h: float, scheme: GeneralizedAlpha, delay: Complex) -> Complex:
+    """sigma + 2 zeta omega chi + omega^2 of every mode: delay (n,) -> (n, m) [1/s^2]"""
+    sigma, chi = scheme.symbols(h, delay)
+    return sigma[:, None] + chi[:, None] * (2.0 * modes.zeta * modes.omega) + modes.omega**2
+
+
+def summed(kernel: Kernel, delay: Complex) -> Complex:
+    """The same from the lags that a kernel has, sum_k g[k] d^k, which ends with them.
+
+    delay (n,): |d|^steps must be rounding.
+    """
+    powers = delay[:, None] ** np.arange(len(kernel.g))
+    G: Complex = np.tensordot(powers, kernel.g, 1)
+    return G

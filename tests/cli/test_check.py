@@ -1,0 +1,46 @@
+"""`duhamel check`: a table of what holds, and the exit code."""
+
+from dataclasses import replace
+
+import h5py
+import pytest
+from duhamel.cli import app
+from duhamel.superelement import write
+
+
+def test_a_sound_superelement_passes(runner, element_file):
+    result = runner.invoke(app, ["check", str(element_file)])
+    assert result.exit_code == 0, result.output
+    last = result.stdout.splitlines()[-1]
+    assert last == f"{element_file}: 22 checks hold"
+    assert "NO" not in result.stdout
+    for words in ("static/compliance", "passivity", "reciprocity", "no rigid motion"):
+        assert words in result.stdout
+
+
+def test_what_does_not_hold_is_a_line_each_and_the_exit_code_says_so(runner, element, tmp_path):
+    g = element.kernel.g.copy()
+    g[5, 2, 2] *= 1.001
+    path = tmp_path / "damaged.h5"
+    write(path, replace(element, kernel=replace(element.kernel, g=g)))
+    result = runner.invoke(app, ["check", str(path)])
+    assert result.exit_code == 1
+    lines = result.stderr.splitlines()
+    assert all(line.startswith(f"error: {path}: kernel/g: expected ") for line in lines)
+    assert "at every lag what the modes give" in lines[0]
+    assert "NO" in result.stdout
+
+
+def test_a_file_that_readers_refuse_is_one_line(runner, element_file):
+    with h5py.File(element_file, "r+") as file:
+        file["rigid/mass"][()] = -1.0
+    result = runner.invoke(app, ["check", str(element_file)])
+    assert result.exit_code == 1
+    assert result.stderr == f"error: {element_file}: mass: expected a positive number, found -1.0\n"
+
+
+@pytest.mark.parametrize("name", ["beam.msh", "beam"])
+def test_other_files_are_refused(runner, name, tmp_path):
+    result = runner.invoke(app, ["check", str(tmp_path / name)])
+    assert result.exit_code == 2
+    assert "expected a superelement" in result.output
