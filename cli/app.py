@@ -21,6 +21,8 @@ app = typer.Typer(
 
 HDF5 = (".h5", ".hdf5")
 """suffixes of superelements"""
+TOML = ".toml"
+"""suffix of models"""
 
 BodyFile = Annotated[
     Path, typer.Argument(metavar="BODY.toml", help="Mesh, section or material, interfaces.")
@@ -30,7 +32,10 @@ ModelFile = Annotated[
 ]
 SuperelementFile = Annotated[Path, typer.Argument(metavar="FILE.h5", help="A superelement.")]
 CheckedFile = Annotated[
-    Path, typer.Argument(metavar="FILE", help="A superelement (.h5, .hdf5).", show_default=False)
+    Path,
+    typer.Argument(
+        metavar="FILE", help="A superelement or a model, by its suffix.", show_default=False
+    ),
 ]
 ResultsFile = Annotated[
     Path, typer.Argument(metavar="RESULTS.h5", help="Written by `duhamel run`.")
@@ -159,7 +164,7 @@ def run(
     from .. import solver, superelement
     from .run_report import report
 
-    target = output or model_file.with_name(f"{model_file.stem}-results.h5")
+    target = output or _results_of(model_file)
     with errors_in_one_line(solver, superelement):
         model = solver.read_model(model_file)
         results = solver.simulate(model, output=target, progress=True, resume=resume, anyway=anyway)
@@ -200,8 +205,9 @@ def sweep(
     for line in failed:
         typer.echo(one_line(line), err=True)
     seconds = perf_counter() - start
-    summary = plan.folder / "summary.csv"
-    typer.echo(one_line(f"{summary}: {len(rows)} cases, {len(failed)} failed, {seconds:.1f} s"))
+    typer.echo(
+        one_line(f"{plan.summary}: {len(rows)} cases, {len(failed)} failed, {seconds:.1f} s")
+    )
     if failed:
         raise typer.Exit(1)
 
@@ -220,11 +226,14 @@ def plot(
     does not exist lists those that do.
     """
     from .. import view
+    from ..files.outputs import clash
     from ..results import Results
 
-    target = output or results_file.with_suffix(".png")
     with errors_in_one_line(view):
         results = Results.read(results_file)
+        target = output or results_file.with_suffix(".png")
+        if found := clash([target], {results_file: "the results file"}):
+            raise view.PictureError(f"{found}, which the picture would replace")
         panels = []
         for panel in quantities or ():
             named = [view.curves(results, quantity) for quantity in panel.split(",")]
@@ -251,12 +260,33 @@ def info(file: SuperelementFile) -> None:
 def check(file: CheckedFile) -> None:
     """Recompute what must hold of a file, and say whether it does; exit with 1 if not.
 
-    The suffix says what the file is: FILE.h5 a superelement.
+    The suffix says what the file is: FILE.h5 a superelement, FILE.toml a model. A model is not run:
+    what `run` would refuse is refused, and what it would take is told.
     """
     if file.suffix.lower() in HDF5:
         _check_superelement(file)
+    elif file.suffix.lower() == TOML:
+        _check_model(file)
     else:
-        raise typer.BadParameter(f"{file}: expected a superelement, {' or '.join(HDF5)}")
+        raise typer.BadParameter(
+            f"{file}: expected a superelement, {' or '.join(HDF5)}, or a model, {TOML}"
+        )
+
+
+def _check_model(file: Path) -> None:
+    from .. import solver, superelement
+
+    with errors_in_one_line(solver, superelement):
+        checked = solver.check(solver.read_model(file), _results_of(file))
+    for line in checked.lines():
+        typer.echo(one_line(line))
+    for warning in checked.warnings:
+        typer.echo(one_line(f"warning: {file}: {warning}"), err=True)
+
+
+def _results_of(model_file: Path) -> Path:
+    """The results file of a model unless another is given."""
+    return model_file.parent / f"{model_file.stem}-results.h5"
 
 
 def _check_superelement(file: Path) -> None:

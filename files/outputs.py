@@ -4,13 +4,16 @@ import os
 import re
 import tempfile
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from platform import node
 
 KEPT = 100
 """characters of a name that its temporary file has too: names end at 255"""
+
+
+AnyPath = str | os.PathLike[str]
 
 
 class OverwriteError(ValueError):
@@ -78,3 +81,26 @@ def _same(one: Path, other: Path) -> bool:
         return os.path.samefile(one, other)
     except (OSError, ValueError):
         return False
+
+
+def clash(targets: Iterable[AnyPath], inputs: Mapping[AnyPath, str]) -> str:
+    """Says which target is an input, as "TARGET is ROLE"; "" if none is.
+
+    inputs: roles by path, as "the model file". The same file by another name, or through a link,
+    is found too.
+    """
+    roles = {_identity(path): role for path, role in inputs.items()}
+    for target in targets:
+        identity = _identity(target)
+        if identity is not None and (role := roles.get(identity)):
+            return f"{os.fspath(target)} is {role}"
+    return ""
+
+
+def _identity(path: AnyPath) -> tuple[int, int] | None:
+    """Device and number of a file; None where there is none."""
+    try:
+        status = os.stat(path)
+    except (OSError, ValueError):
+        return None
+    return status.st_dev, status.st_ino

@@ -1,6 +1,6 @@
 """The TOML files that users write: validated tables, and errors with file, key and value."""
 
-from .errors import InputError, quoted
+from .errors import InputError, dotted, quoted
 from .names import is_name
 from .table import Table, Vector, expected, read_part, read_table
 from .text import parse_toml, read_text, read_toml
@@ -9,6 +9,7 @@ __all__ = [
     "InputError",
     "Table",
     "Vector",
+    "dotted",
     "expected",
     "is_name",
     "parse_toml",

@@ -17,6 +17,8 @@ from pydantic import (
 from .errors import InputError, dotted, quoted
 from .text import parse_toml, read_text
 
+LONGEST = 1000
+"""characters of a text"""
 MOST_FAILURES = 5
 """of a file that one line tells"""
 
@@ -39,7 +41,9 @@ Vector = Annotated[tuple[float, float, float], expected("three numbers")]
 class Table(BaseModel):
     """A table of a file: frozen, of finite numbers, without unknown keys; text is no number."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, allow_inf_nan=False, strict=True, str_max_length=LONGEST
+    )
 
     @model_validator(mode="before")
     @classmethod

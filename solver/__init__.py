@@ -3,6 +3,7 @@
 from ..results.results import Results
 from .checkpoint.moment import Moment
 from .errors import ConvergenceError, ModelError, RecoveryError, ResultsError, StateError
+from .inspection import ModelCheck, check
 from .laws.law import ForceLaw
 from .laws.tabulated import TabulatedLaw
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
@@ -43,6 +44,7 @@ __all__ = [
     "Joint",
     "Load",
     "Model",
+    "ModelCheck",
     "ModelError",
     "Moment",
     "OutputRequest",
@@ -66,6 +68,7 @@ __all__ = [
     "Steps",
     "Table",
     "TabulatedLaw",
+    "check",
     "read_model",
     "simulate",
     "start",

@@ -60,8 +60,9 @@ def simulate(
 
     Raises ModelError for a model that cannot start or whose redundant constraints are needed later,
     ConvergenceError where Newton's method fails, StateError for a state that does not belong to the
-    model, or is none, and ResultsError for a file that cannot be written. The steps before a failure or an interrupt are in the file, or in
-    OUTPUT.partial where earlier results stand, which stay until a run has ended well.
+    model, or is none, and ResultsError for a file that cannot be written. The steps before a
+    failure or an interrupt are in the file, or in OUTPUT.partial where earlier results stand, which
+    stay until a run has ended well.
     """
     if settings is not None:
         model = replace(model, settings=settings)
@@ -90,8 +91,8 @@ def _run(model: Model, output: Path | None, progress: bool, steps: int | None = 
         initial = initialize(model, lowered)
         total = initial.lowered.n_steps if steps is None else steps
         writer = make_writer(output, initial, total)
-    course = _Course(initial.lowered, initial.state, initial.work, initial.removed, writer, total)
-    return _march(course, progress)
+    course = Course(initial.lowered, initial.state, initial.work, initial.removed, writer, total)
+    return _finish(course, progress)
 
 
 def _resume(model: Model, output: Path, progress: bool, anyway: bool) -> Results:
@@ -114,12 +115,12 @@ def _resume(model: Model, output: Path, progress: bool, anyway: bool) -> Results
         kept.snapshot.put_back(carried(state=state, work=work))
         removed = RemovedRows(lower(model) if kept.without else lowered, sorted(kept.without))
         writer = resume_writer(output, lowered, kept)
-    course = _Course(lowered, state, work, removed, writer, lowered.n_steps, step, start_of(kept))
-    return _march(course, progress)
+    course = Course(lowered, state, work, removed, writer, lowered.n_steps, step, start_of(kept))
+    return _finish(course, progress)
 
 
 @dataclass(frozen=True, eq=False)
-class _Course:
+class Course:
     """A run up to a step, from the start or from the step to which it is `begun`.
 
     start: the energies of t = 0, where they are known.
@@ -141,10 +142,10 @@ class _Course:
         return FileKeeper(writer, self.lowered, carried(state=self.state, work=self.work))
 
 
-def _march(course: _Course, progress: bool) -> Results:
+def _finish(course: Course, progress: bool) -> Results:
     writer, started = course.writer, time.perf_counter()
     try:
-        _take_steps(course, progress)
+        march(course, progress)
         writer.note(finished=True, seconds=time.perf_counter() - started)
         settle_checkpoint(writer)
         writer.finish()
@@ -158,7 +159,8 @@ def _march(course: _Course, progress: bool) -> Results:
     return read_back(writer, course.lowered.model)
 
 
-def _take_steps(course: _Course, progress: bool) -> None:
+def march(course: Course, progress: bool = False) -> None:
+    """Take the steps of a run that are left, with the rows that it records."""
     lowered, state, work, total = course.lowered, course.state, course.work, course.total
     done, batch = course.begun or 0, 16
     convolution = DyadicConvolution(lowered.system.elastic)

@@ -5,7 +5,7 @@ from contextlib import closing
 
 from .case import Case
 from .errors import StudyError
-from .study_file import Study
+from .study_file import Study, check_outputs
 from .summary import Row, write_summary
 from .workers import Report, in_process, on_cluster
 
@@ -27,7 +27,8 @@ def sweep(
     path. Raises `StudyError` for faults of the study that show before any case runs, and
     `ClusterError`.
     """
-    folder, kind = study.folder, study.kind
+    kind = study.kind
+    check_outputs(study)
     made = set() if force else {case.name for case in study.cases if kind.is_made(case)}
     todo = [case for case in study.cases if case.name not in made]
     if todo:
@@ -51,7 +52,7 @@ def sweep(
             for case, report in reports:
                 finish(case, report)
     finally:
-        write_summary(folder / "summary.csv", study, list(rows.values()))
+        write_summary(study.summary, study, list(rows.values()))
     return tuple(rows.values())
 
 
@@ -80,5 +81,5 @@ def _write_sources(study: Study) -> None:
         study.folder.mkdir(parents=True, exist_ok=True)
         for case in study.cases:
             case.source.write_text(case.text, encoding="utf-8")
-    except OSError as error:
+    except (OSError, UnicodeEncodeError) as error:
         raise StudyError(f"{study.folder}: cannot be written: {error}") from error

@@ -69,6 +69,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "start",
         "output",
         "simulation",
+        "inspection",
         "simulator",
         "__init__",
     ),

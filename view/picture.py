@@ -54,6 +54,9 @@ WIDTH, PANEL_HEIGHT = 7.0, 2.2
 
 DOTS_PER_INCH = 110
 
+LONGEST_TITLE = 300
+"""characters: layout takes time with the square of their number"""
+
 STEADY = 1e-4
 """the least span of the ordinate of a panel, relative to its largest value"""
 
@@ -76,7 +79,13 @@ def panels(rows: int, columns: int = 1, share_time: bool = True) -> tuple[Figure
 
 def entitle(figure: Figure, title: str) -> None:
     """A title at the upper left of a figure."""
-    figure.suptitle(title, x=0.01, ha="left", fontweight="bold")
+    shown = title.encode("utf-8", "replace").decode("utf-8")
+    if len(shown) > LONGEST_TITLE or not shown.isprintable():
+        raise PictureError(
+            f"title: expected a line of at most {LONGEST_TITLE} printable characters, "
+            f"found {len(shown)}: {shown[:20]!r}"
+        )
+    figure.suptitle(shown, x=0.01, ha="left", fontweight="bold", parse_math=False)
 
 
 def draw(time: Array, contents: Sequence[Sequence[Curve]], title: str = "") -> Figure:
@@ -127,10 +136,11 @@ def _fill(axes: Axes, time: Array, curves: Sequence[Curve]) -> None:
     for curve, row in zip(curves, words, strict=True):
         axes.plot(time, curve.values / 10.0**exponent, label=_line(row[~common]))
     _widen(axes, STEADY * peak / 10.0**exponent)
-    axes.set_title(_line(words[0, common]))
+    axes.set_title(_line(words[0, common]), parse_math=False)
     axes.set_ylabel(f"[{PREFIXES[exponent]}{curves[0].unit}]")
     if len(curves) > 1:
-        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        for text in axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0)).get_texts():
+            text.set_parse_math(False)
 
 
 def _widen(axes: Axes, least: float) -> None:

@@ -16,6 +16,8 @@ from .cost import cheapest_history
 from .dyadic import power_above
 from .truncation import truncate, truncation_error
 
+LONGEST = 1e15
+"""steps of a kernel that anybody may ask for"""
 COPIES = 3
 """of a kernel in memory while it is laid out"""
 LARGEST_TRUNCATION = 0.1
@@ -169,7 +171,8 @@ def _choose_history(
     """The history that the settings ask for, or the cheapest, for the body of this name."""
     h, n_steps, planned = stepping.h, stepping.n_steps, stepping.planned
     form: str = settings.history
-    length = n_steps if settings.kernel_length is None else round(settings.kernel_length / h)
+    wanted = settings.kernel_length
+    length = n_steps if wanted is None else round(min(wanted / h, LONGEST))
     if form == "auto":
         m = None if element.modes is None else len(element.modes.omega)
         form = cheapest_history(element.n_c, n_active, m, planned, min(planned, length) + 1)

@@ -5,6 +5,7 @@ import shutil
 from pathlib import Path
 
 from ...files.memory import gigabytes, shortage
+from ...results.file import chunks
 from ...results.schema import Contents
 from ..errors import ModelError
 
@@ -12,22 +13,30 @@ NUMBER = 8
 """bytes"""
 
 
-def row_bytes(contents: Contents) -> int:
-    """Bytes of the results of one recorded step."""
-    shapes = (quantity.shape(contents.axes) for quantity in contents.quantities)
-    return NUMBER * sum(math.prod(shape) for shape in shapes)
+def row_numbers(contents: Contents) -> int:
+    """Numbers in the results of one recorded step."""
+    return sum(math.prod(quantity.shape(contents.axes)) for quantity in contents.quantities)
+
+
+def file_bytes(contents: Contents, rows: int) -> int:
+    """Bytes of so many rows in a file, which keeps whole chunks."""
+    size = 0
+    for quantity in contents.quantities:
+        shape = quantity.shape(contents.axes)
+        whole = zip((rows, *shape), chunks(shape, rows), strict=True)
+        size += NUMBER * math.prod(-(-n // chunk) * chunk for n, chunk in whole)
+    return size
 
 
 def check_size(path: Path | None, contents: Contents, rows: int) -> None:
     """`ModelError` for results that the disk of the file, or without a file memory, cannot hold."""
-    size = row_bytes(contents) * rows
     if path is None:
-        lacking = shortage(size)
+        lacking = shortage(NUMBER * row_numbers(contents) * rows)
     else:
-        free = shutil.disk_usage(path.parent).free
+        size, free = file_bytes(contents, rows), shutil.disk_usage(path.parent).free
         lacking = f"need {gigabytes(size)}, the disk has {gigabytes(free)}" if size > free else ""
     if lacking:
         raise ModelError(
-            f"output: results of {rows} steps with {size // (rows * NUMBER)} numbers each "
+            f"output: results of {rows} steps with {row_numbers(contents)} numbers each "
             f"{lacking}: record fewer by `every` and `quantities`"
         )

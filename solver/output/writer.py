@@ -39,7 +39,7 @@ def make_writer(path: Path | None, initial: InitialState, steps: int) -> Writer:
     """
     lowered, model = initial.lowered, initial.lowered.model
     contents, notes = requested(lowered), _notes(initial, steps)
-    check_size(path, contents, min(steps, lowered.n_steps) // lowered.model.settings.output.every)
+    check_size(path, contents, steps // lowered.model.settings.output.every + 1)
     if path is None:
         return Memory(contents, notes, model.source)
     durable = model.settings.checkpoint is not None

@@ -20,7 +20,7 @@ from typing import (
     get_type_hints,
 )
 
-from ...inputs import quoted
+from ...inputs import dotted, quoted
 from ..errors import ModelError, plain
 
 
@@ -86,7 +86,7 @@ class Entry:
 
     @property
     def owner(self) -> str:
-        return self.label.format_map(vars(self))
+        return filled(self.label, vars(self))
 
     def __post_init__(self) -> None:
         kind: Any = type(self)
@@ -105,6 +105,12 @@ class Entry:
 
     def error(self, message: str) -> ModelError:
         return ModelError(f"{self.owner}: {message}" if self.label else message)
+
+
+def filled(label: str, values: Mapping[str, Any]) -> str:
+    """The name of an entry by its fields; text that is not plain is quoted."""
+    plain = {key: dotted([text]) if isinstance(text, str) else text for key, text in values.items()}
+    return label.format_map(plain)
 
 
 @cache

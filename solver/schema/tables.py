@@ -12,7 +12,7 @@ from pydantic import create_model
 
 from ...inputs import Table, quoted, read_part
 from ..errors import ModelError
-from .entry import Beside, Entry, Key, Takes, annotations, note
+from .entry import Beside, Entry, Key, Takes, annotations, filled, note
 from .forms import Family, Form
 
 AnyEntry = TypeVar("AnyEntry", bound=Entry)
@@ -64,7 +64,7 @@ def entry_of(kind: type[AnyEntry], table: Mapping[str, Any]) -> AnyEntry:
                     value_of(table[key]) if family is None else read_member(family, table[key])
                 )
             except ValueError as error:
-                owner = kind.label.format_map(values)
+                owner = filled(kind.label, values)
                 raise ModelError(f"{owner}: {field.name}: {error}") from error
     return kind(**values)
 

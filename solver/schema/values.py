@@ -5,7 +5,6 @@ are arrays.
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from math import inf, isfinite
 from typing import TYPE_CHECKING, Annotated, Any, Generic, TypeVar
 
 import numpy as np
@@ -23,6 +22,8 @@ NONE: Any = ()
 """the default of `Several`"""
 ABSENT: Any = None
 """the default of an optional array"""
+LARGEST = 1e100
+"""of numbers, so that their products are finite; its inverse is the least positive one"""
 ROUNDING = 1e-15
 """largest difference of the length of a unit vector from 1"""
 Item = TypeVar("Item")
@@ -40,8 +41,13 @@ def number(what: str, kind: type, allowed: Callable[[Any], bool]) -> Takes:
     return Takes(what, store, Annotated[kind, AfterValidator(store), expected(what)])
 
 
-Positive = Annotated[float, number("a positive number", float, lambda x: 0.0 < x < inf)]
-PositiveTime = Annotated[float, number("a positive time", float, lambda t: 0.0 < t < inf)]
+Positive = Annotated[
+    float,
+    number("a positive number, 1e-100 to 1e100", float, lambda x: 1.0 / LARGEST <= x <= LARGEST),
+]
+PositiveTime = Annotated[
+    float, number("a positive time, up to 1e100", float, lambda t: 0.0 < t <= LARGEST)
+]
 Fraction = Annotated[float, number("a number from 0 to 1", float, lambda x: 0.0 <= x <= 1.0)]
 Tolerance = Annotated[float, number("a number between 0 and 1", float, lambda x: 0.0 < x < 1.0)]
 Count = Annotated[int, number("1 to 1e9", int, lambda n: 1 <= n <= 10**9)]
@@ -50,7 +56,7 @@ Iterations = Annotated[int, number("1 to 1000", int, lambda n: 1 <= n <= 1000)]
 
 def vector(value: Any) -> Array:
     components = np.array(value, dtype=np.float64)
-    if components.shape != (3,) or not all(map(isfinite, components.tolist())):
+    if components.shape != (3,) or not all(abs(x) <= LARGEST for x in components.tolist()):
         raise ValueError
     return components
 

@@ -197,7 +197,7 @@ def _start_history(lowered: LoweredModel, state: State) -> None:
         state.interfaces.a[dofs] = state.interfaces.acceleration[dofs]
         modes = slice(elastic.modes.range[e], elastic.modes.range[e + 1])
         if modes.start < modes.stop:
-            state.modes.acceleration[modes] = _phi(lowered, e).T @ p
+            state.modes.acceleration[modes] = modes_of(lowered, e).T @ p
             state.modes.a[modes] = state.modes.acceleration[modes]
 
 
@@ -212,7 +212,7 @@ def _start_loaded(lowered: LoweredModel, state: State) -> None:
         modes = slice(elastic.modes.range[e], elastic.modes.range[e + 1])
         if modes.start < modes.stop:
             state.energies.modal[0] += energy
-            state.modes.eta[modes] = (_phi(lowered, e).T @ p) / elastic.modes.stiffness[modes]
+            state.modes.eta[modes] = (modes_of(lowered, e).T @ p) / elastic.modes.stiffness[modes]
         else:
             state.energies.convolved[0] += energy
             start, n_c = elastic.G_0_start[e], len(p)
@@ -221,7 +221,7 @@ def _start_loaded(lowered: LoweredModel, state: State) -> None:
             state.past.u_rest[dofs] = state.interfaces.u[dofs] - G_0 @ p
 
 
-def _phi(lowered: LoweredModel, e: int) -> Array:
+def modes_of(lowered: LoweredModel, e: int) -> Array:
     """The modes of flexible body e at its interfaces (n_c, m)."""
     elastic = lowered.system.elastic
     n_c = int(elastic.dof[e + 1] - elastic.dof[e])

@@ -44,3 +44,33 @@ def test_other_files_are_refused(runner, name, tmp_path):
     result = runner.invoke(app, ["check", str(tmp_path / name)])
     assert result.exit_code == 2
     assert "expected a superelement" in result.output
+
+
+MODEL = """
+[simulation]
+t_end = 0.01
+
+[bodies.beam]
+superelement = "beam.h5"
+"""
+
+
+def test_a_model_is_told_about_and_nothing_is_written(runner, element_file):
+    path = element_file.with_name("flight.toml")
+    path.write_text(MODEL)
+    result = runner.invoke(app, ["check", str(path)])
+    assert result.exit_code == 0, result.output
+    lines = dict(line.split(": ", 1) for line in result.stdout.splitlines())
+    assert lines["bodies"] == "1, of which 1 flexible"
+    assert lines["steps"] == "20 of 0.0005 s"
+    assert lines["first frequencies, about the start [Hz]"].startswith("100, 200, 300")
+    assert sorted(file.name for file in path.parent.iterdir()) == ["beam.h5", "flight.toml"]
+
+
+def test_a_model_that_a_run_would_refuse_is_refused(runner, element_file):
+    path = element_file.with_name("flight.toml")
+    path.write_text(MODEL.replace("t_end = 0.01", "t_end = 0.01\nhistory = 'quick'"))
+    result = runner.invoke(app, ["check", str(path)])
+    assert result.exit_code == 1
+    assert result.stderr.startswith(f"error: {path}: simulation.history: ")
+    assert result.stderr.count("\n") == 1

@@ -83,7 +83,7 @@ MODEL_LINE = 'model = "model/hub.toml"\n'
             MODEL_LINE + "parameters.bodies.hub.mass.x = [2]",
             "no 'x' in bodies.hub.mass; there are: no keys",
         ),
-        (MODEL_LINE + 'table = "none.csv"', "none.csv: not a readable table"),
+        (MODEL_LINE + 'table = "none.csv"', "none.csv: not a readable file"),
         ('model = "hub.toml"\nparameters.x = [1]', "hub.toml: not a readable file"),
     ],
 )

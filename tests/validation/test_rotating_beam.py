@@ -80,7 +80,7 @@ def difference(time, ours, reference_time, reference):
 
 
 def test_the_first_turn_of_the_torque(beam):
-    """Case 1 until shortly after the torque changes its sign, on a coarser mesh of the reference."""
+    """Case 1 until shortly after the torque changes its sign, with a coarser mesh."""
     reference = rotating_beam(4.0, 2.0, TIMES, VALUES, 0.06, step=2e-5, n_elements=20)
     time, speed, deflection = motion(beam, 4.0, 2.0, "consistent", 0.06)
     assert difference(time, speed, reference.time, reference.hub_speed) < 5e-4

@@ -1,0 +1,169 @@
+"""What can be said of a model before it runs: `check`."""
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+
+from .arrays import Array
+from .errors import about
+from .history.cost import history_costs
+from .lower.lower import LoweredModel, lower
+from .model.model import Model
+from .output.columns import requested
+from .output.size import check_size, file_bytes
+from .output.writer import check_output, make_writer, rows_of
+from .simulation import Course, march
+from .start.frequencies import natural_frequencies
+from .start.initial import InitialState, initialize
+
+TRIAL = 128
+"""steps that are taken to measure the time of one"""
+SHOWN = 6
+"""frequencies"""
+FEW = 20
+"""steps in a period below which a motion is not what it should be: an error of some per cent"""
+
+
+@dataclass(frozen=True, eq=False)
+class ModelCheck:
+    """What a run of a model will be.
+
+    constraints: their number; removed: redundant ones, in words; degrees_of_freedom: with all
+    bodies rigid; assembly_error: the largest opening of a joint as given [m]; step, t_end [s];
+    frequencies: of the assembled model about its start [Hz], None where they are not known;
+    free_frequencies: the first of each superelement alone [Hz], by body; seconds: of the time loop;
+    memory: of the arrays of the run, results_size: of the results [bytes], with so many rows.
+    """
+
+    bodies: int
+    flexible: int
+    constraints: int
+    degrees_of_freedom: int
+    removed: str
+    assembly_error: float
+    step: float
+    steps: int
+    frequencies: Array | None
+    free_frequencies: dict[str, float]
+    seconds: float
+    memory: int
+    rows: int
+    results_size: int
+    warnings: tuple[str, ...] = field(default=())
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines())
+
+    def lines(self) -> Iterator[str]:
+        """Lines of text, warnings excluded."""
+        yield f"bodies: {self.bodies}, of which {self.flexible} flexible"
+        yield f"constraints: {self.constraints}; redundant: {self.removed or 'none'}"
+        yield f"degrees of freedom (bodies as rigid): {self.degrees_of_freedom}"
+        yield f"largest assembly error: {self.assembly_error:.3g} m"
+        yield f"steps: {self.steps} of {self.step:g} s"
+        yield self._line_of_frequencies()
+        yield f"to expect: about {self.seconds:.2g} s, {_megabytes(self.memory)} of memory"
+        yield f"results: {self.rows} rows, {_megabytes(self.results_size)}"
+
+    def _line_of_frequencies(self) -> str:
+        if self.frequencies is None:
+            listed = ", ".join(f"{name} {f:.5g}" for name, f in self.free_frequencies.items())
+            return f"first frequencies of the bodies, free [Hz]: {listed or 'not known'}"
+        if not len(self.frequencies):
+            return "first frequencies [Hz]: none, nothing is elastic"
+        first = ", ".join(f"{f:.5g}" for f in self.frequencies[:SHOWN])
+        return f"first frequencies, about the start [Hz]: {first}"
+
+
+def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck:
+    """Check a model without running it.
+
+    All that `simulate` refuses before its first step is refused, with the same errors; `output`
+    would be the results file, and is not written. The time is that of some steps from the start,
+    which are taken in memory; ConvergenceError where they already fail.
+    """
+    path = None if output is None else Path(output)
+    if path is not None:
+        check_output(path, model)
+    with about(model.path):
+        lowered = lower(model)
+        requested(lowered)  # as `simulate`: before anything is compiled
+        initial = initialize(model, lowered)
+        lowered = initial.lowered
+        contents, rows = requested(lowered), rows_of(lowered) - 1
+        check_size(path, contents, rows)
+        frequencies, free = natural_frequencies(initial), _free_frequencies(model)
+    return ModelCheck(
+        bodies=len(model.bodies),
+        flexible=len(model.flexible_bodies),
+        constraints=int((lowered.system.couplings.compliant == 0).sum()),
+        degrees_of_freedom=initial.degrees_of_freedom,
+        removed=initial.removed,
+        assembly_error=initial.assembly_error.opening,
+        step=lowered.h,
+        steps=lowered.n_steps,
+        frequencies=frequencies,
+        free_frequencies=free,
+        memory=_memory(initial),
+        rows=rows,
+        results_size=file_bytes(contents, rows),
+        warnings=tuple(_warnings(frequencies, free, lowered.h)),
+        seconds=_seconds(initial),
+    )
+
+
+def _megabytes(size: int) -> str:
+    return f"{size / 1e6:.3g} MB"
+
+
+def _free_frequencies(model: Model) -> dict[str, float]:
+    """The first frequency of each flexible body alone [Hz], where it has modes."""
+    elements = {name: body.superelement for name, body in model.flexible_bodies.items()}
+    return {
+        name: float(element.modes.frequencies.min())
+        for name, element in elements.items()
+        if element.modes is not None and len(element.modes.omega)
+    }
+
+
+def _warnings(frequencies: Array | None, free: dict[str, float], h: float) -> Iterator[str]:
+    known = list(free.values()) if frequencies is None else frequencies.tolist()
+    if known and (steps := 1.0 / (min(known) * h)) < FEW:
+        yield (
+            f"the first frequency, {min(known):.5g} Hz, has {steps:.2g} steps in a period: "
+            f"expected {FEW} or more, simulation.step = {1.0 / (FEW * min(known)):.2g}"
+        )
+
+
+def _memory(initial: InitialState) -> int:
+    records = initial.lowered.system, initial.state, initial.work
+    return int(sum(array.nbytes for record in records for array in record.arrays()))
+
+
+def _seconds(initial: InitialState) -> float:
+    """The time of all steps [s], by that of the first ones, and the growth of the history."""
+    lowered = initial.lowered
+    n = min(TRIAL, lowered.n_steps)
+    if n == 0:
+        return 0.0
+    writer = make_writer(None, initial, n)
+    started = time.perf_counter()
+    march(Course(initial.lowered, initial.state, initial.work, initial.removed, writer, n))
+    measured = (time.perf_counter() - started) / n
+    return lowered.n_steps * (measured + 1e-9 * _history_cost(lowered))
+
+
+def _history_cost(lowered: LoweredModel) -> float:
+    """Nanoseconds per step of sums over the past, which the first steps do not have yet."""
+    elastic = lowered.system.elastic
+    cost = 0.0
+    for e in np.flatnonzero(elastic.kernels.lags).tolist():
+        n_c, lags = int(elastic.dof[e + 1] - elastic.dof[e]), int(elastic.kernels.lags[e])
+        n_active = int(elastic.active_range[e + 1] - elastic.active_range[e])
+        costs = history_costs(n_c, n_active, None, lowered.n_steps, lags)
+        cost += costs["fft" if elastic.kernels.by_fft[e] else "direct"]
+    return cost

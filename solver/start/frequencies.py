@@ -1,0 +1,80 @@
+"""Natural frequencies of an assembled model about its start.
+
+With y the motions of bodies over the root of their inertia, and eta the modes of flexible bodies,
+
+    K (y, eta) = omega^2 (y, eta)   on   C (y, eta) = 0,     K = diag(0, omega_j^2) + D^T S D
+
+C: the derivatives of constraints, D: those of springs with stiffness S. Without the stiffness that
+forces, gravity and spin give.
+"""
+
+import numpy as np
+
+from ..arrays import Array
+from ..laws.law import LAWS, NO_LAW
+from ..lower.lower import LoweredModel
+from ..step.equations import linearize
+from ..step.system import State, System, Workspace
+from .inertia import inverse_root
+from .initial import InitialState, modes_of
+from .jacobian import constraint_rows, coupling_jacobian
+from .matrices import dense_of
+
+LARGEST = 2000
+"""unknowns up to which frequencies are found, in seconds"""
+NOISE = 100.0
+"""of the rounding of eigenvalues: those below are motions without stiffness"""
+
+
+def natural_frequencies(initial: InitialState) -> Array | None:
+    """Frequencies [Hz], ascending, without motions that nothing resists.
+
+    None for bodies without modes, and for models of more than `LARGEST` unknowns.
+    """
+    lowered, system = initial.lowered, initial.lowered.system
+    stiffness = system.elastic.modes.stiffness
+    n = 6 * len(system.bodies.mass) + len(stiffness)
+    if n > LARGEST or not np.diff(system.elastic.modes.range).all():
+        return None
+    B = _jacobian(lowered, initial.state, initial.work)
+    K = np.diag(np.concatenate([np.zeros(n - len(stiffness)), stiffness]))
+    K += B.T @ _stiffness_of_springs(system, initial.work) @ B
+    free = _null_space(B[constraint_rows(system)])
+    values = np.linalg.eigvalsh(free.T @ K @ free)
+    rounding = NOISE * n * np.finfo(float).eps * np.abs(values).max(initial=0.0)
+    frequencies: Array = np.sqrt(values[values > rounding]) / (2.0 * np.pi)
+    return frequencies
+
+
+def _jacobian(lowered: LoweredModel, state: State, work: Workspace) -> Array:
+    """Derivatives of all rows by y and eta (n_rows, 6 n_b + m)."""
+    system, elastic = lowered.system, lowered.system.elastic
+    linearize(system, state, work)
+    B, n_q = dense_of(coupling_jacobian(system, state, work)), 6 * len(system.bodies.mass)
+    phi = np.zeros((len(elastic.active), len(elastic.modes.stiffness)))
+    for e in range(len(elastic.body)):
+        rows = slice(elastic.active_range[e], elastic.active_range[e + 1])
+        columns = slice(elastic.modes.range[e], elastic.modes.range[e + 1])
+        phi[rows, columns] = modes_of(lowered, e)[elastic.active[rows] - elastic.dof[e]]
+    return np.hstack([B[:, :n_q] @ dense_of(inverse_root(system)), B[:, n_q:] @ phi])
+
+
+def _stiffness_of_springs(system: System, work: Workspace) -> Array:
+    """S (n_rows, n_rows) of linear springs and the slopes of force laws; 0 for constraints."""
+    laws, first = system.couplings.laws, system.couplings.range
+    S = np.zeros((len(laws.rest), len(laws.rest)))
+    for j in range(len(first) - 1):
+        rows = slice(first[j], first[j + 1])
+        S[rows, rows] = laws.stiffness[rows, : first[j + 1] - first[j]]
+    for i in np.flatnonzero(laws.number != NO_LAW).tolist():
+        parameters = laws.parameters[laws.first[i] : laws.first[i + 1]]
+        deformation = float(work.couplings.coordinate[i] - laws.rest[i])
+        S[i, i] += LAWS[laws.number[i]].evaluate(parameters, deformation, 0.0)[1]
+    return S
+
+
+def _null_space(C: Array) -> Array:
+    """An orthonormal basis (n, n - rows) of what independent rows leave free."""
+    length = np.linalg.norm(C, axis=1)
+    Q, _ = np.linalg.qr((C / np.where(length > 0.0, length, 1.0)[:, None]).T, mode="complete")
+    return Q[:, len(C) :]

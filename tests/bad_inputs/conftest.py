@@ -1,0 +1,46 @@
+"""A flexible body beside the bad files."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from duhamel.superelement import (
+    GeneralizedAlpha,
+    Interface,
+    Modes,
+    Superelement,
+    sample_kernel,
+    write,
+)
+
+
+def _element() -> Superelement:
+    modes = Modes(
+        [100.0, 300.0, 900.0], [0.01, 0.01, 0.01], np.random.default_rng(0).normal(size=(12, 3))
+    )
+    return Superelement(
+        name="beam",
+        mass=1.5,
+        J_rot=np.diag([1.0, 2.0, 1.5]),
+        center=np.zeros(3),
+        interfaces=(Interface("root", [-0.25, 0, 0]), Interface("tip", [0.25, 0, 0])),
+        kernel=sample_kernel(modes, 1e-3, GeneralizedAlpha(0.8), 40),
+        modes=modes,
+        compliance=modes.phi / modes.omega**2 @ modes.phi.T,
+        accelerance=modes.phi @ modes.phi.T,
+    )
+
+
+@pytest.fixture(scope="session")
+def beam_image(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    path = tmp_path_factory.mktemp("beam") / "beam.h5"
+    write(path, _element())
+    return path.read_bytes()
+
+
+@pytest.fixture
+def beam_file(beam_image: bytes, tmp_path: Path) -> Path:
+    """A superelement with two interfaces, alone in a folder."""
+    path = tmp_path / "beam.h5"
+    path.write_bytes(beam_image)
+    return path

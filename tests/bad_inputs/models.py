@@ -1,0 +1,118 @@
+"""Models that have, between them, every table of a model file, as documents."""
+
+import tomllib
+from typing import Any
+
+MECHANISM = """
+[simulation]
+t_end = 0.003
+step = 1e-3
+rho_inf = 0.8
+gravity = [0, 0, -9.81]
+
+[output]
+every = 1
+
+[ground.frames.post]
+position = [0.3, 0.2, 0.1]
+
+[bodies.hub]
+mass = 2.0
+inertia = [0.1, 0.2, 0.25]
+frames.rim = {position = [0.5, 0, 0]}
+
+[bodies.beam]
+superelement = "beam.h5"
+place = {frame = "root", on = "hub.rim"}
+
+[bodies.ball]
+mass = 1.0
+inertia = [0.1, 0.1, 0.1]
+position = [0, 2, 0]
+
+[[joints]]
+name = "pivot"
+type = "revolute"
+between = ["ground", "hub"]
+axis = [0, 0, 1]
+start = {angle = 0.1, angle_rate = 0.2}
+
+[[joints]]
+name = "clamp"
+type = "fixed"
+between = ["hub.rim", "beam.root"]
+
+[[springs]]
+name = "tie"
+type = "point"
+between = ["ground.post", "beam.tip"]
+stiffness = 100.0
+damping = 1.0
+rest = 0.2
+law = {deformation = [-0.1, 0, 0.2], force = [-9, 0, 4]}
+
+[[springs]]
+name = "bush"
+type = "bushing"
+between = ["ground", "ball"]
+stiffness = [9, 9, 9, 7, 7, 7]
+
+[[motions]]
+name = "shake"
+on = "ball"
+direction = [1, 0, 0]
+displacement = {amplitude = 0.01, frequency = 20}
+
+[[motions]]
+name = "turn"
+on = "ball"
+axis = [0, 0, 1]
+angle = {polynomial = [0, 0, 1]}
+
+[[loads]]
+type = "torque"
+on = "hub"
+direction = [0, 0, 1]
+signal = 1.0
+follower = false
+"""
+
+STEADY = """
+[simulation]
+t_end = 0.003
+step = 1e-3
+start = "equilibrium"
+steady_rotation = {angular_velocity = [0, 0, 2]}
+
+[bodies.rotor]
+mass = 2.0
+inertia = [0.1, 0.1, 0.15]
+
+[[joints]]
+name = "bearing"
+type = "cylindrical"
+between = ["ground", "rotor"]
+axis = [0, 0, 1]
+angle = {polynomial = [0, 2]}
+distance = 0
+"""
+
+DOCUMENTS: dict[str, dict[str, Any]] = {
+    "mechanism": tomllib.loads(MECHANISM),
+    "steady": tomllib.loads(STEADY),
+}
+
+SIGNALS: dict[str, dict[str, Any]] = {
+    "Steps": {"times": [0, 1], "values": [2, 3]},
+    "Table": {"times": [0, 1], "values": [2, 3], "linear": True},
+    "Spline": {"times": [0, 1, 2], "values": [0, 3, 1], "spline": True},
+    "Harmonic": {"amplitude": 1, "frequency": 2, "phase": 0.1, "offset": 0.2},
+    "Polynomial": {"polynomial": [0, 1, 2]},
+    "Impulse": {"impulse": 1, "at": 0.001},
+    "Pulse": {"pulse": 1, "from": 0.001, "to": 0.002},
+    "Input": {"input": "motor", "value": 1},
+}
+"""by class: each form of signal in a file"""
+
+LAWS: dict[str, dict[str, Any]] = {"TabulatedLaw": {"deformation": [-1, 0, 1], "force": [-1, 0, 1]}}
+"""by class: each form of force law"""

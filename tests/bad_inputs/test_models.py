@@ -1,0 +1,140 @@
+"""Bad values at every key of a model file: each is refused in one line that names file and key."""
+
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import tomli_w
+from duhamel.inputs import Table
+from duhamel.solver import (
+    ConvergenceError,
+    Model,
+    ModelError,
+    ResultsError,
+    read_model,
+    simulate,
+)
+from duhamel.solver.laws.law import FORCE_LAWS
+from duhamel.solver.model import signals
+from duhamel.solver.model.file import _ModelFile
+
+from .messages import complaint
+from .models import DOCUMENTS, LAWS, SIGNALS
+from .values import UNKNOWN, VALUES, Place, changed, declared, dotted, table_kinds, value_at
+
+REFUSALS = ModelError, ConvergenceError, ResultsError
+
+NAMES = "joint '", "joints: ", "motion '", "body '", "step "
+"""of the parts that are at odds with a bad value elsewhere"""
+
+FORMS = {
+    "signal": (("mechanism", "loads", 0, "signal"), SIGNALS),
+    "law": (("mechanism", "springs", 0, "law"), LAWS),
+}
+
+
+def keys() -> Iterator[tuple[str, Place]]:
+    """Each key of each table, in the first of the documents that has the table."""
+    for name, document in DOCUMENTS.items():
+        yield from ((name, place) for place in declared(_ModelFile, document))
+
+
+def keys_of_forms() -> Iterator[tuple[str, Place, dict[str, Any]]]:
+    """Each key of each form of signals and laws, with a table of that form."""
+    for (name, *place), forms in FORMS.values():
+        for form in forms.values():
+            for key in (*form, UNKNOWN):
+                yield name, (*place, key), form
+
+
+def complaints(folder: Path, name: str, document: Any, place: Place) -> Iterator[str]:
+    """What is wrong with the answers to bad values at a place of a document."""
+    values = VALUES if value_at(document, place) is None else VALUES | {"no key": None}
+    for what, value in values.items():
+        if found := answer(folder, changed(document, place, value), place):
+            yield f"{what}: {found}"
+
+
+def answer(folder: Path, document: Any, place: Place) -> str:
+    """What is wrong with the answer to a model: reading it, and running it where it was read."""
+    path = folder / "model.toml"
+    path.write_text(tomli_w.dumps(document), encoding="utf-8")
+    names, model = [*(key for key in place if isinstance(key, str)), *NAMES], None
+    try:
+        model = read_model(path)
+        _run(model)
+    except REFUSALS as error:
+        return complaint(error, path, names) or ("" if model is None else _left(path, model))
+    except Exception as error:
+        return f"{type(error).__name__}: {error}"[:300]
+    return ""
+
+
+def _run(model: Model, output: Path | None = None) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        simulate(model, output=output)
+
+
+def _left(path: Path, model: Model) -> str:
+    """Files that a refused run leaves behind, besides the results before a failing step."""
+    target, before = path.with_name("model.h5"), {file.name for file in path.parent.iterdir()}
+    with pytest.raises(REFUSALS):
+        _run(model, target)
+    target.unlink(missing_ok=True)
+    left = {file.name for file in path.parent.iterdir()} - before
+    return f"left behind {sorted(left)}" if left else ""
+
+
+@pytest.mark.parametrize(
+    ("name", "place"), [pytest.param(*key, id=f"{key[0]}: {dotted(key[1])}") for key in keys()]
+)
+def test_a_bad_value_is_one_line_that_names_the_key(name, place, beam_file):
+    assert list(complaints(beam_file.parent, name, DOCUMENTS[name], place)) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "place", "form"),
+    [pytest.param(*case, id=f"{sorted(case[2])}: {case[1][-1]}") for case in keys_of_forms()],
+)
+def test_a_bad_value_in_a_signal_or_a_law_is_one_line(name, place, form, beam_file):
+    document = changed(DOCUMENTS[name], place[:-1], form)
+    assert list(complaints(beam_file.parent, name, document, place)) == []
+
+
+def test_the_documents_are_models(beam_file):
+    for document in DOCUMENTS.values():
+        assert answer(beam_file.parent, document, ()) == ""
+
+
+def test_every_table_of_a_model_file_is_in_a_document():
+    """Else keys of a new table would go untried."""
+    tables = {kind.__name__ for kind in _all_tables(_ModelFile)}
+    tried = {kind.__name__ for document in DOCUMENTS.values() for kind in _tables_of(document)}
+    assert tables == tried
+
+
+def test_every_form_of_signal_and_law_is_tried():
+    for family, forms in ((signals.SIGNALS, SIGNALS), (FORCE_LAWS, LAWS)):
+        known = {form.kind.__name__ for group in family.forms.values() for form in group}
+        assert known == forms.keys()
+
+
+def _all_tables(kind: type[Any]) -> Iterator[type[Any]]:
+    yield kind
+    for field in kind.model_fields.values():
+        for inner in table_kinds(field.annotation):
+            yield from _all_tables(inner)
+
+
+def _tables_of(document: Any) -> Iterator[type[Any]]:
+    """The tables that a document has: those of which it has all the places of `declared`."""
+    places = {place for place in declared(_ModelFile, document) if place[-1] == UNKNOWN}
+    for kind in _all_tables(_ModelFile):
+        keys = set(kind.model_fields)
+        for place in places:
+            below = {key for *at, key in declared(_ModelFile, document) if tuple(at) == place[:-1]}
+            if below - {UNKNOWN} == keys and issubclass(kind, Table):
+                yield kind

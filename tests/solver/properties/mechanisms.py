@@ -1,0 +1,227 @@
+"""Random mechanisms: trees and closed loops of rigid and flexible bodies, with joints of all kinds,
+springs, loads and gravity.
+
+Sizes are those of a desk: bodies of some 0.2 m and 0.1 kg that turn by some rad/s. A body hangs on
+one before it, or on the ground, or flies. A link closes a loop: a rigid body made to measure, on
+two spherical joints.
+"""
+
+from dataclasses import dataclass, field, replace
+from functools import cache
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from duhamel.solver import (
+    Constant,
+    FlexibleBody,
+    Frame,
+    Harmonic,
+    Joint,
+    Load,
+    Model,
+    RigidBody,
+    Settings,
+    Spring,
+    Start,
+)
+from duhamel.solver.model.joints import JOINT_TYPES
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from ..frameworks import bar, framework
+
+GROUND = "ground"
+STEP, STEPS = 5e-4, 24
+BEFORE = {"bar": "left", "wing": "left"}
+"""the interface by which a flexible body hangs on the one before it"""
+
+
+@cache
+def element(name):
+    """A soft bar, or a soft T: superelements that all mechanisms share."""
+    with TemporaryDirectory() as folder:
+        if name == "bar":
+            return bar(folder, 0.2, elements=3, stiffness=0.05)
+        middle, points = (
+            (0.1, 0, 0),
+            {"left": (0, 0, 0), "right": (0.2, 0.05, 0), "tip": (0.1, 0, 0.15)},
+        )
+        ends = [(middle, point) for point in points.values()]
+        return framework(folder, ends, points, elements=2, stiffness=0.05)
+
+
+def numbers(limit):
+    """Round ones, which are easy to read in a failure."""
+    return st.integers(-100, 100).map(lambda n: n * limit / 100)
+
+
+def between(low, high):
+    return st.integers(0, 100).map(lambda n: low + n * (high - low) / 100)
+
+
+def vectors(limit):
+    return st.tuples(*[numbers(limit)] * 3).map(np.array)
+
+
+@st.composite
+def directions(draw):
+    """Unit vectors: on a sphere of integers none is short."""
+    axis = np.array(draw(st.tuples(*[st.integers(-4, 4)] * 3).filter(any)), dtype=float)
+    return axis / np.linalg.norm(axis)
+
+
+@st.composite
+def axes_of(draw, kind):
+    """The axes that a joint of this kind takes."""
+    n = JOINT_TYPES[kind].axes
+    if n == 0:
+        return {}
+    axis = draw(directions())
+    if n == 1:
+        return {"axis": axis}
+    other = np.cross(axis, np.eye(3)[np.abs(axis).argmin()])
+    return {"axis": axis, "second_axis": other / np.linalg.norm(other)}
+
+
+@dataclass
+class Sketch:
+    """A mechanism as it grows: bodies, couplings, and where frames are in space at the start."""
+
+    bodies: dict = field(default_factory=dict)
+    joints: list = field(default_factory=list)
+    springs: list = field(default_factory=list)
+    loads: list = field(default_factory=list)
+
+    def place(self, reference):
+        """Of a frame "BODY.FRAME", in space."""
+        name, _, frame = reference.partition(".")
+        start = self.bodies[name].start
+        turn = Rotation.from_rotvec(start.rotation)
+        return start.position + turn.apply(self.bodies[name].frames[frame].position)
+
+    def frames(self):
+        return [f"{name}.{frame}" for name, body in self.bodies.items() for frame in body.frames]
+
+    def new(self, prefix):
+        return f"{prefix}{len(self.bodies) + len(self.joints) + len(self.springs)}"
+
+
+@st.composite
+def rigid_bodies(draw):
+    """A cuboid's inertia, and two frames."""
+    mass = draw(between(0.02, 0.3))
+    a, b, c = np.array(draw(st.tuples(*[between(0.05, 0.2)] * 3))) ** 2
+    inertia = mass / 3.0 * np.array([b + c, c + a, a + b])
+    frames = {
+        "left": Frame([-0.1, *draw(st.tuples(numbers(0.05), numbers(0.05)))], draw(vectors(1.0))),
+        "right": Frame([0.1, *draw(st.tuples(numbers(0.05), numbers(0.05)))], draw(vectors(1.0))),
+    }
+    return RigidBody(mass, inertia, frames)
+
+
+@st.composite
+def bodies(draw):
+    """A body, at rest at the origin."""
+    kind = draw(st.sampled_from(["rigid", "bar", "wing"]))
+    return draw(rigid_bodies()) if kind == "rigid" else FlexibleBody(element(kind))
+
+
+@st.composite
+def starts(draw, body, point):
+    """Some orientation and velocities, with the frame `left` of the body at a point (3,)."""
+    turn = Rotation.from_rotvec(draw(vectors(1.5)))
+    return Start(
+        point - turn.apply(body.frames["left"].position),
+        turn.as_rotvec(),
+        velocity=draw(vectors(0.5)),
+        angular_velocity=draw(vectors(4.0)),
+    )
+
+
+def hang(draw, sketch, free):
+    """One more body, on a joint to one before it or to the ground, or on none."""
+    name, body = sketch.new("b"), draw(bodies())
+    supports = sketch.frames() if free else [GROUND, *sketch.frames()]
+    support = draw(st.sampled_from(supports)) if supports and draw(st.integers(0, 4)) else None
+    point = draw(vectors(0.3)) if support in (None, GROUND) else sketch.place(support)
+    sketch.bodies[name] = replace(body, start=draw(starts(body, point)))
+    if support is not None:
+        kind = draw(st.sampled_from(sorted(JOINT_TYPES)))
+        axes = draw(axes_of(kind))
+        sketch.joints.append(Joint(sketch.new("j"), kind, (support, f"{name}.left"), **axes))
+
+
+def link(draw, sketch):
+    """A rigid body on spherical joints between frames of two others, which closes a loop."""
+    first, second = draw(pairs(sketch))
+    A, B = sketch.place(first), sketch.place(second)
+    name, middle, length = sketch.new("b"), 0.5 * (A + B), float(np.linalg.norm(B - A))
+    frames = {"left": Frame(A - middle), "right": Frame(B - middle)}
+    sketch.bodies[name] = RigidBody(
+        0.05, np.full(3, 0.05 * (0.05 + length) ** 2), frames, Start(middle)
+    )
+    for end, frame in zip((first, second), frames, strict=True):
+        sketch.joints.append(Joint(sketch.new("j"), "spherical", (end, f"{name}.{frame}")))
+
+
+def spring(draw, sketch, conservative):
+    """A point spring or a bushing between frames of two bodies."""
+    frames = draw(pairs(sketch))
+    kind = draw(st.sampled_from(["point", "bushing"]))
+    n = 1 if kind == "point" else 6
+    scale = np.repeat([1.0, 0.01], 3)[:n]
+    positive = between(0.5, 50.0)
+    stiffness = scale * draw(st.tuples(*[positive] * n))
+    damping = np.zeros(n) if conservative else 1e-3 * scale * draw(st.tuples(*[positive] * n))
+    axis = {"axis": draw(directions())} if kind == "bushing" and draw(st.booleans()) else {}
+    sketch.springs.append(
+        Spring(sketch.new("s"), kind, frames, stiffness=stiffness, damping=damping, **axis)
+    )
+
+
+@st.composite
+def pairs(draw, sketch):
+    """Frames of two bodies that are not in one place."""
+
+    def apart(pair):
+        first, second = pair
+        same = first.partition(".")[0] == second.partition(".")[0]
+        return not same and np.linalg.norm(sketch.place(first) - sketch.place(second)) > 0.05
+
+    frames = st.sampled_from(sketch.frames())
+    return draw(st.tuples(frames, frames).filter(apart))
+
+
+def load(draw, sketch):
+    kind = draw(st.sampled_from(["force", "torque"]))
+    signal = draw(st.sampled_from([Constant(1.0), Harmonic(1.0, 25.0)]))
+    direction = draw(vectors(1.0 if kind == "force" else 0.02))
+    on, follower = draw(st.sampled_from(sketch.frames())), draw(st.booleans())
+    sketch.loads.append(Load(kind, on, direction, signal, follower=follower))
+
+
+@st.composite
+def mechanisms(draw, free=False, conservative=False, loops=True, **settings):
+    """A model of one to five bodies.
+
+    free: of nothing outside it, so that momenta are conserved; conservative: without loads and
+    dampers, so that energy is.
+    """
+    sketch = Sketch()
+    for _ in range(draw(st.integers(1, 4))):
+        hang(draw, sketch, free)
+    several = len(sketch.bodies) > 1
+    if several and loops and draw(st.booleans()):
+        link(draw, sketch)
+    for _ in range(draw(st.integers(0, 2)) if several else 0):
+        spring(draw, sketch, conservative)
+    for _ in range(0 if free or conservative else draw(st.integers(0, 2))):
+        load(draw, sketch)
+    return Model(
+        sketch.bodies,
+        sketch.joints,
+        sketch.loads,
+        sketch.springs,
+        gravity=np.zeros(3) if free else draw(vectors(10.0)),
+        settings=Settings(**{"t_end": STEPS * STEP, "step": STEP, "rho_inf": 0.9} | settings),
+    )
