@@ -31,6 +31,7 @@ from .output.keeper import (
 from .output.recorder import NO_ENERGIES, Recorder
 from .output.writer import check_output, make_writer, read_back, resume_writer
 from .progress import Progress
+from .start.handover import predecessor
 from .start.initial import initialize
 from .start.removed import RemovedRows
 from .step.loop import advance
@@ -86,9 +87,10 @@ def _run(model: Model, output: Path | None, progress: bool, steps: int | None = 
     if output is not None:
         check_output(output, model)
     with about(model.path):
-        lowered = lower(model)
+        source = predecessor(model)
+        lowered = lower(model, earlier=source.identity.horizon if source else None)
         requested(lowered)  # refuses what there is not, before anything is compiled
-        initial = initialize(model, lowered)
+        initial = initialize(model, lowered, source)
         total = initial.lowered.n_steps if steps is None else steps
         writer = make_writer(output, initial, total)
     course = Course(initial.lowered, initial.state, initial.work, initial.removed, writer, total)
@@ -115,15 +117,15 @@ def _resume(model: Model, output: Path, progress: bool, anyway: bool) -> Results
         kept.snapshot.put_back(carried(state=state, work=work))
         removed = RemovedRows(lower(model) if kept.without else lowered, sorted(kept.without))
         writer = resume_writer(output, lowered, kept)
-    course = Course(lowered, state, work, removed, writer, lowered.n_steps, step, start_of(kept))
+    course = Course(lowered, state, work, removed, writer, lowered.n_steps, True, *start_of(kept))
     return _finish(course, progress)
 
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """A run up to a step, from the start or from the step to which it is `begun`.
+    """A run up to a step, from its start, or `resumed`.
 
-    start: the energies of t = 0, where they are known.
+    first, start: the step and the energies at the start of a run that is resumed.
     """
 
     lowered: LoweredModel
@@ -132,14 +134,17 @@ class Course:
     removed: RemovedRows
     writer: Writer
     total: int
-    begun: int | None = None
+    resumed: bool = False
+    first: int = 0
     start: Energies = NO_ENERGIES
 
     def keeper(self) -> "FileKeeper | nullcontext[NoKeeper]":
         writer = self.writer
         if self.lowered.model.settings.checkpoint is None or not isinstance(writer, FileWriter):
             return nullcontext(NoKeeper())
-        return FileKeeper(writer, self.lowered, carried(state=self.state, work=self.work))
+        live = carried(state=self.state, work=self.work)
+        first = self.first if self.resumed else int(self.state.step[0])
+        return FileKeeper(writer, self.lowered, live, first)
 
 
 def _finish(course: Course, progress: bool) -> Results:
@@ -162,7 +167,7 @@ def _finish(course: Course, progress: bool) -> Results:
 def march(course: Course, progress: bool = False) -> None:
     """Take the steps of a run that are left, with the rows that it records."""
     lowered, state, work, total = course.lowered, course.state, course.work, course.total
-    done, batch = course.begun or 0, 16
+    done, batch = int(state.step[0]), 16
     convolution = DyadicConvolution(lowered.system.elastic)
     with (
         course.keeper() as keeper,
@@ -170,9 +175,9 @@ def march(course: Course, progress: bool = False) -> None:
         Progress("simulating", total, shown=progress) as bar,
     ):
         run = Run(system=lowered.system, state=state, work=work, output=recorder.output)
-        if course.begun is None:
+        if not course.resumed:
             record(run, 0)
-            recorder.keep(0, recorder.rows(0, 1))
+            recorder.keep_start(done)
         bar.advance(done)
         keeper.step_taken(done, recorder)
         while done < total:
