@@ -42,17 +42,24 @@ def report(results: Results) -> Iterator[str]:
             f"angular, about the origin [kg m^2/s]: {_vector(angular)}"
         )
     if "energy" in recorded:
-        elastic = results.energy.elastic
-        lowest, scale = float(elastic.min()), float(np.abs(elastic).max())
+        yield from _created(results.energy, solver["rule"])
+    yield from str(results.validity).splitlines()
+
+
+def _created(energy: Energy, rule: str) -> Iterator[str]:
+    """A line where the convolution has created energy."""
+    for name in ("elastic", "numerical"):
+        values = getattr(energy, name)
+        lowest, scale = float(values.min()), float(np.abs(energy.elastic).max())
         if lowest < -1e-9 * scale and lowest < -10.0 * np.finfo(float).eps:
             yield (
-                f"elastic energy fell to {lowest:.3g} J: the convolution has created energy "
-                f"(rule {solver['rule']!r})"
+                f"{name} energy fell to {lowest:.3g} J: the convolution has created energy "
+                f"(rule {rule!r})"
             )
 
 
 def _energy_balance(energy: Energy) -> str:
-    names = ("kinetic", "elastic", "springs", "potential", "work", "dissipated")
+    names = ("kinetic", "elastic", "springs", "potential", "work", "dissipated", "numerical")
     last = ", ".join(
         f"{name} {getattr(energy, name)[-1]:.4g}" for name in names if getattr(energy, name).any()
     )

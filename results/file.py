@@ -43,6 +43,8 @@ CHUNK = 1 << 18
 LEAST_ROWS = 16
 """rows of a chunk, however many bodies there are"""
 TEXT = h5py.string_dtype()
+CHECKS = "check_value"
+"""the variable with the values of the checks of validity"""
 DAMAGE = (OSError, RuntimeError, KeyError, ValueError, TypeError, MemoryError)
 """exceptions of h5py on a file with wrong bytes"""
 
@@ -91,6 +93,11 @@ class FileSource:
                 raise ResultsError("no step has been written yet")
             axes = self._contents.axes
             return [_rows(file, axes, quantity, entries, n) for quantity, entries in selections]
+
+    def checks(self) -> Array:
+        with self._open() as file:
+            values: Array = file[CHECKS][()] if CHECKS in file else np.empty(0)
+        return values
 
     @contextmanager
     def _open(self) -> Iterator[h5py.File]:
@@ -194,6 +201,11 @@ class FileWriter:
         elif time.monotonic() - self._last > self.pause:
             with suppress(BusyError):
                 self._commit(0.0)
+
+    def check(self, values: Array) -> None:
+        if len(values):
+            with uninterrupted():
+                self._file[CHECKS][...] = values
 
     def flush(self) -> None:
         self._commit(PATIENCE)
@@ -368,7 +380,8 @@ def _read_contents(file: h5py.File) -> Contents:
         paths, digests = file["superelement_file"], file["superelement_sha256"]
         files = map(SuperelementFile, _strings(paths), _strings(digests))
         superelements = dict(zip(bodies, files, strict=True))
-    return Contents(axes, quantities, superelements)
+    checks = axes.pop("check", Axis(())).names
+    return Contents(axes, quantities, superelements, checks)
 
 
 def _strings(dataset: h5py.Dataset) -> tuple[str, ...]:
@@ -408,6 +421,8 @@ def _image(contents: Contents, notes: Mapping[str, Any], model: str, rows: int) 
         axes = dict(contents.axes)
         if contents.superelements:
             axes["flexible_body"] = Axis(tuple(contents.superelements))
+        if contents.checks:
+            axes["check"] = Axis(contents.checks)
         scales = {name: _put_strings(file, name, axis.names) for name, axis in axes.items()}
         scales["time"] = _create(file, contents.quantities[0], axes, rows)
         for name, scale in scales.items():
@@ -425,6 +440,10 @@ def _image(contents: Contents, notes: Mapping[str, Any], model: str, rows: int) 
             digests = _put_strings(file, "superelement_sha256", [found.digest for found in files])
             _attach(paths, ("flexible_body",), scales)
             _attach(digests, ("flexible_body",), scales)
+        if contents.checks:
+            values = file.create_dataset(CHECKS, data=np.full(len(contents.checks), np.nan))
+            values.attrs["long_name"] = "what the run has passed at most"
+            _attach(values, ("check",), scales)
         file.create_group("solver").attrs.update(_plain(notes))
         file.flush()
         image: bytes = file.id.get_file_image()

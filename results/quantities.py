@@ -9,6 +9,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+
 from ..superelement.validation import Array
 from .errors import QuantityError
 from .motion import Coupling
@@ -31,11 +33,14 @@ def rotation(results: Results, name: str) -> Array:
 def angle(results: Results, name: str) -> Array:
     """Angles by which a body or frame has turned since t = 0 about the axes of space [rad].
 
-    They are continued over full turns. Each column is the twist about its axis (`twists`): for
-    a body that turns about one axis, its angle.
+    They are continued over full turns, by the angular velocity, where one row is followed by the
+    next after several. Each column is the twist about its axis (`twists`): for a body that turns
+    about one axis, its angle.
     """
-    q = rotation(results, name)
-    return twists(product(q, inverse(q[0])))
+    q, omega = rotation(results, name), angular_velocity(results, name)
+    steps = 0.5 * np.diff(results.time)[:, None] * (omega[1:] + omega[:-1])
+    expected = np.vstack([np.zeros(3), np.cumsum(steps, axis=0)])
+    return twists(product(q, inverse(q[0])), expected)
 
 
 def velocity(results: Results, name: str) -> Array:

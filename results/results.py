@@ -23,6 +23,7 @@ from .recovery import (
 )
 from .schema import OWNERS, QUANTITIES, Contents, SuperelementFile, attributes_of
 from .source import Selection, Source
+from .validity import Check, Validity
 
 
 class Results:
@@ -118,6 +119,12 @@ class Results:
     def solver(self) -> dict[str, Any]:
         """Notes of the run: steps, step size, seconds, rule, history, ..."""
         return self._source.notes()
+
+    @property
+    def validity(self) -> Validity:
+        """How far the run can be trusted: what it passed at most, as far as it got."""
+        names, values = self._source.contents().checks, self._source.checks().tolist()
+        return Validity(tuple(map(Check.of, names, values)))
 
     @property
     def model(self) -> str:

@@ -30,18 +30,18 @@ def product(p: Array, q: Array) -> Array:
     return np.hstack([w, r])
 
 
-def twists(q: Array) -> Array:
+def twists(q: Array, expected: Array | float = 0.0) -> Array:
     """Angles (n, 3) of rotations about each of the axes x, y, z, continued over full turns [rad].
 
         angle_a = 2 atan2(q_a, q_w)
 
     is the twist about the axis a that is left when the rotation is split into a twist and a swing
-    of the axis [rad]. It has no value where the swing is half a turn, and is followed if it changes
-    by less than half a turn from one row to the next.
+    of the axis [rad]. It has no value where the swing is half a turn, and is followed if its change
+    from one row to the next differs by less than half a turn from that of `expected`, (n, 3) or 0.
     """
-    half: Any = np.arctan2(q[:, 1:], q[:, :1])
+    half: Any = np.arctan2(q[:, 1:], q[:, :1]) - 0.5 * expected
     # q and -q are one rotation, so half angles are known up to multiples of pi.
-    twist: Array = 2.0 * np.unwrap(half, axis=0, period=np.pi)
+    twist: Array = 2.0 * np.unwrap(half, axis=0, period=np.pi) + expected
     return twist
 
 

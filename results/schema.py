@@ -57,6 +57,7 @@ DIMENSIONS = {
             "spring_component", "components of springs, as SPRING.NUMBER", "springs", ragged=True
         ),
         Dimension("flexible_body", "bodies with superelements"),
+        Dimension("check", "checks of the validity of the run, as CRITERION:OWNER"),
     )
 }
 
@@ -515,11 +516,15 @@ def _stamp(path: Path) -> tuple[int, int]:
 
 @dataclass(frozen=True)
 class Contents:
-    """The contents of results: entries of dimensions, quantities, files of superelements."""
+    """The contents of results: entries of dimensions, quantities, files of superelements, checks.
+
+    checks: of the validity of the run, by name (validity.py).
+    """
 
     axes: Axes
     quantities: tuple[Quantity, ...]
     superelements: Mapping[str, SuperelementFile]
+    checks: tuple[str, ...] = ()
 
     @property
     def recorded(self) -> tuple[str, ...]:
@@ -550,8 +555,9 @@ def lay_out(
     axes: Axes,
     superelements: Mapping[str, SuperelementFile],
     selects: Callable[[str], bool],
+    checks: tuple[str, ...] = (),
 ) -> Contents:
-    """The contents that are recorded of all entries and quantities.
+    """The contents that are recorded of all entries and quantities, with checks of validity.
 
     selects: True for a group to record, "bodies/hub" or "energy".
     """
@@ -575,7 +581,7 @@ def lay_out(
         if set(quantity.dimensions[1:]) <= kept.keys()
         and (quantity.owned is not None or quantity.name == "time" or selects(quantity.group))
     )
-    return Contents(kept, quantities, superelements)
+    return Contents(kept, quantities, superelements, checks)
 
 
 def attributes_of(axes: Axes, group: str, owner: str) -> Iterator[tuple[str, Quantity, Any]]:

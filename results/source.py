@@ -30,6 +30,9 @@ class Source(Protocol):
     def read(self, selections: Sequence[Selection]) -> list[Array]:
         """The rows (n, ...) that count."""
 
+    def checks(self) -> Array:
+        """The values of the checks of validity."""
+
 
 class Writer(Protocol):
     """A destination of the results of a run."""
@@ -40,6 +43,9 @@ class Writer(Protocol):
 
     def append(self, batch: Batch) -> None:
         """Add the first rows of the output: those of the steps of the batch."""
+
+    def check(self, values: Array) -> None:
+        """Keep the values of the checks of validity in place of earlier ones."""
 
     def flush(self) -> None:
         """Wait until all rows are written."""
@@ -69,6 +75,7 @@ class Memory:
     def __init__(self, contents: Contents, notes: Mapping[str, Any], model: str) -> None:
         self._contents, self._notes, self._model = contents, dict(notes), model
         self._batches: list[dict[str, Array]] = []
+        self._checks = np.full(len(contents.checks), np.nan)
 
     def append(self, batch: Batch) -> None:
         axes = self._contents.axes
@@ -78,6 +85,12 @@ class Memory:
                 for quantity in self._contents.quantities
             }
         )
+
+    def check(self, values: Array) -> None:
+        self._checks = values.copy()
+
+    def checks(self) -> Array:
+        return self._checks.copy()
 
     def flush(self) -> None:
         pass

@@ -2,7 +2,15 @@
 
 from ..results.results import Results
 from .checkpoint.moment import Moment
-from .errors import ConvergenceError, ModelError, RecoveryError, ResultsError, StateError
+from .errors import (
+    ConvergenceError,
+    ModelError,
+    OutOfRangeError,
+    RecoveryError,
+    ResultsError,
+    StateError,
+    ValidityWarning,
+)
 from .inspection import ModelCheck, check
 from .laws.law import ForceLaw
 from .laws.tabulated import TabulatedLaw
@@ -47,6 +55,7 @@ __all__ = [
     "ModelCheck",
     "ModelError",
     "Moment",
+    "OutOfRangeError",
     "OutputRequest",
     "Place",
     "Polynomial",
@@ -69,6 +78,7 @@ __all__ = [
     "Steps",
     "Table",
     "TabulatedLaw",
+    "ValidityWarning",
     "check",
     "read_model",
     "simulate",

@@ -12,9 +12,11 @@ from ..results.errors import RecoveryError, ResultsError
 __all__ = [
     "ConvergenceError",
     "ModelError",
+    "OutOfRangeError",
     "RecoveryError",
     "ResultsError",
     "StateError",
+    "ValidityWarning",
     "about",
     "plain",
 ]
@@ -36,7 +38,7 @@ class ConvergenceError(RuntimeError):
 
     step, time [s]; residual: of equilibrium and constraints, relative as the tolerance is; joint,
     opening: the name of the joint that is farthest open, "" if none is, and by how much [m or rad];
-    model: the name of the model file.
+    model: the name of the model file; cause: the likely one, where one is known.
     """
 
     def __init__(
@@ -47,6 +49,7 @@ class ConvergenceError(RuntimeError):
         tolerance: float,
         worst: tuple[str, float],
         model: str = "",
+        cause: str = "",
     ) -> None:
         self.step, self.time, self.residual = step, time, residual
         self.joint, self.opening = worst
@@ -55,8 +58,26 @@ class ConvergenceError(RuntimeError):
         opening = opening if self.joint else ""
         super().__init__(
             f"{where}no convergence in step {step} (t = {time:.9g} s): relative residual "
-            f"{residual:.3e}, tolerance {tolerance:.1e}{opening}; try a smaller step"
+            f"{residual:.3e}, tolerance {tolerance:.1e}{opening}; "
+            + (f"likely cause: {cause}" if cause else "try a smaller step")
         )
+
+
+class OutOfRangeError(RuntimeError):
+    """A flexible body has left the range of linear elasticity so far that the run has no meaning.
+
+    step, time [s]: where; interface: the one that did, as "BODY.FRAME"; model: the name of the
+    model file.
+    """
+
+    def __init__(self, step: int, time: float, interface: str, reason: str, model: str) -> None:
+        self.step, self.time, self.interface = step, time, interface
+        where = f"{model}: " if model else ""
+        super().__init__(f"{where}stopped in step {step} (t = {time:.9g} s): {reason}")
+
+
+class ValidityWarning(UserWarning):
+    """A run has passed a limit of the method (`Results.validity`)."""
 
 
 @contextmanager

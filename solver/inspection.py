@@ -15,7 +15,7 @@ from .lower.lower import LoweredModel, lower
 from .model.model import Model
 from .output.columns import requested
 from .output.size import check_size, file_bytes
-from .output.writer import check_output, make_writer, rows_of
+from .output.writer import check_output, contents_of, make_writer, rows_of
 from .simulation import Course, march
 from .start.frequencies import natural_frequencies
 from .start.initial import InitialState, initialize
@@ -94,7 +94,7 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
         requested(lowered)  # as `simulate`: before anything is compiled
         initial = initialize(model, lowered)
         lowered = initial.lowered
-        contents, rows = requested(lowered), rows_of(lowered) - 1
+        contents, rows = contents_of(lowered), rows_of(lowered) - 1
         check_size(path, contents, rows)
         frequencies, free = natural_frequencies(initial), _free_frequencies(model)
     return ModelCheck(
@@ -102,7 +102,7 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
         flexible=len(model.flexible_bodies),
         constraints=int((lowered.system.couplings.compliant == 0).sum()),
         degrees_of_freedom=initial.degrees_of_freedom,
-        removed=initial.removed,
+        removed=initial.removed.names,
         assembly_error=initial.assembly_error.opening,
         step=lowered.h,
         steps=lowered.n_steps,

@@ -2,6 +2,7 @@
 
 import os
 import time
+import warnings
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,7 +15,7 @@ from ..results.schema import Energies
 from ..results.source import Writer
 from .arrays import Array, Index
 from .checkpoint.carried import carried
-from .errors import ConvergenceError, ModelError, StateError, about
+from .errors import ConvergenceError, ModelError, StateError, ValidityWarning, about
 from .history.dyadic import DyadicConvolution
 from .lower.allocation import allocate
 from .lower.lower import LoweredModel, lower
@@ -29,6 +30,7 @@ from .output.keeper import (
     start_of,
 )
 from .output.recorder import NO_ENERGIES, Recorder
+from .output.validity import Judge, check_range
 from .output.writer import check_output, make_writer, read_back, resume_writer
 from .progress import Progress
 from .start.handover import predecessor
@@ -60,10 +62,12 @@ def simulate(
     of that run.
 
     Raises ModelError for a model that cannot start or whose redundant constraints are needed later,
-    ConvergenceError where Newton's method fails, StateError for a state that does not belong to the
-    model, or is none, and ResultsError for a file that cannot be written. The steps before a
-    failure or an interrupt are in the file, or in OUTPUT.partial where earlier results stand, which
-    stay until a run has ended well.
+    ConvergenceError where Newton's method fails, OutOfRangeError where a body deforms too far for
+    linear elasticity, StateError for a state that does not belong to the model, or is none, and
+    ResultsError for a file that cannot be written. The steps before a failure or an interrupt are
+    in the file, or in OUTPUT.partial where earlier results stand, which stay until a run has ended
+    well. Warns (`ValidityWarning`) of every limit of the method that the run has passed:
+    `Results.validity`.
     """
     if settings is not None:
         model = replace(model, settings=settings)
@@ -92,6 +96,7 @@ def _run(model: Model, output: Path | None, progress: bool, steps: int | None = 
         requested(lowered)  # refuses what there is not, before anything is compiled
         initial = initialize(model, lowered, source)
         total = initial.lowered.n_steps if steps is None else steps
+        check_range(initial.lowered, initial.state, 0)
         writer = make_writer(output, initial, total)
     course = Course(initial.lowered, initial.state, initial.work, initial.removed, writer, total)
     return _finish(course, progress)
@@ -143,8 +148,11 @@ class Course:
         if self.lowered.model.settings.checkpoint is None or not isinstance(writer, FileWriter):
             return nullcontext(NoKeeper())
         live = carried(state=self.state, work=self.work)
-        first = self.first if self.resumed else int(self.state.step[0])
-        return FileKeeper(writer, self.lowered, live, first)
+        return FileKeeper(writer, self.lowered, live, self.begin())
+
+    def begin(self) -> int:
+        """The step at which it starts, before it has taken any."""
+        return self.first if self.resumed else int(self.state.step[0])
 
 
 def _finish(course: Course, progress: bool) -> Results:
@@ -161,22 +169,27 @@ def _finish(course: Course, progress: bool) -> Results:
         raise KeyboardInterrupt(f"interrupted{writer.where()}") from interrupt
     finally:
         writer.leave()
-    return read_back(writer, course.lowered.model)
+    results = read_back(writer, course.lowered.model)
+    for line in results.validity.brief():
+        warnings.warn(line, ValidityWarning, stacklevel=4)
+    return results
 
 
 def march(course: Course, progress: bool = False) -> None:
     """Take the steps of a run that are left, with the rows that it records."""
-    lowered, state, work, total = course.lowered, course.state, course.work, course.total
-    done, batch = int(state.step[0]), 16
+    lowered, state, work = course.lowered, course.state, course.work
+    writer, total = course.writer, course.total
+    begin, done, batch, judge = course.begin(), int(state.step[0]), 16, Judge(lowered)
     convolution = DyadicConvolution(lowered.system.elastic)
     with (
         course.keeper() as keeper,
-        Recorder(course.writer, lowered, course.start) as recorder,
+        Recorder(writer, lowered, course.start) as recorder,
         Progress("simulating", total, shown=progress) as bar,
     ):
         run = Run(system=lowered.system, state=state, work=work, output=recorder.output)
         if not course.resumed:
             record(run, 0)
+            writer.check(judge.values(state, done - begin))
             recorder.keep_start(done)
         bar.advance(done)
         keeper.step_taken(done, recorder)
@@ -186,11 +199,14 @@ def march(course: Course, progress: bool = False) -> None:
             n = convolution.steps_until_due(done, n)
             rows = recorder.rows(done + 1, n)
             taken, residual = advance(run, signals(lowered, done + 1, rows))
+            writer.check(judge.values(state, done + taken - begin))
             recorder.keep(done + 1, rows[:taken])
             done += taken
             bar.advance(taken)
+            check_range(lowered, state, done)
             if taken < len(rows):
-                raise failure(lowered, done + 1, residual, work)
+                cause = judge.cause(state, done - begin)
+                raise failure(lowered, done + 1, residual, work, cause)
             course.removed.check(work, done * lowered.h)
             convolution.update(state)
             keeper.step_taken(done, recorder)
@@ -211,8 +227,10 @@ def _columns(samples: list[Array], n: int) -> Array:
     return np.array(samples).reshape(len(samples), n).T.copy()
 
 
-def failure(lowered: LoweredModel, step: int, residual: float, work: Workspace) -> ConvergenceError:
-    """The error of a step in which Newton's method failed."""
+def failure(
+    lowered: LoweredModel, step: int, residual: float, work: Workspace, cause: str
+) -> ConvergenceError:
+    """The error of a step in which Newton's method failed, with its likely cause or ""."""
     return ConvergenceError(
         step,
         step * lowered.h,
@@ -220,6 +238,7 @@ def failure(lowered: LoweredModel, step: int, residual: float, work: Workspace) 
         lowered.model.settings.tolerance,
         _worst_joint(lowered, work),
         lowered.model.path,
+        cause,
     )
 
 

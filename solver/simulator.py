@@ -17,6 +17,7 @@ from .model.model import Model
 from .model.settings import Settings
 from .model.signals import Input
 from .output.columns import check_names, views
+from .output.validity import Judge, check_range
 from .simulation import failure, signals
 from .start.initial import initialize
 from .step.loop import advance
@@ -47,8 +48,9 @@ class Simulator:
     `views` has those of each name, in arrays that every step changes. They are those of `simulate`.
 
     Raises ModelError for a model that cannot start, an unknown output, a wrong number of inputs and
-    a step beyond t_end; ConvergenceError where Newton's method fails, after which there are no
-    further steps but from an earlier state: `save` gives the present one, and `restore` goes back.
+    a step beyond t_end; ConvergenceError where Newton's method fails and OutOfRangeError where a
+    body deforms too far for linear elasticity, after which there are no further steps but from an
+    earlier state: `save` gives the present one, and `restore` goes back.
     """
 
     def __init__(
@@ -61,6 +63,7 @@ class Simulator:
             check_names(lowered, outputs)
             initial = initialize(model, lowered)
             lowered, state = initial.lowered, initial.state
+            check_range(lowered, state, 0)
             output = make_output(lowered, 1)
             sources = {name: views(lowered, name, output) for name in outputs}
         self._sources = [view for name in outputs for view in sources[name]]
@@ -122,8 +125,10 @@ class Simulator:
         # a kernel ends with the run
         last = number == self._n_steps
         taken, residual = advance(self._run, self._last if last else self._next)
+        check_range(self._lowered, self._state, number)
         if not taken:
-            raise failure(self._lowered, number, residual, self._work)
+            cause = Judge(self._lowered).cause(self._state, number - 1)
+            raise failure(self._lowered, number, residual, self._work, cause)
         self._number = number
         if number % AHEAD == 0:
             self._removed.check(self._work, self.time)

@@ -61,11 +61,11 @@ class _History(NamedTuple):
 
 def lay_out_elastic(
     model: Model, frames: Frames, stepping: Stepping
-) -> tuple[Elastic, list[Array], float]:
+) -> tuple[Elastic, list[Array], Array]:
     """Number the interface dofs of all flexible bodies, and lay out their histories.
 
     Bodies with the same superelement share its data. Also returns their static compliances, and
-    the largest error of the kernels that `kernel_length` cuts off.
+    the errors of their kernels where `kernel_length` cuts them off.
     """
     bodies = model.flexible_bodies
     dofs = np.cumsum([0, *(body.superelement.n_c for body in bodies.values())])
@@ -95,8 +95,8 @@ def lay_out_elastic(
         modes=_lay_out_modes(histories, owners),
         kernels=_lay_out_kernels(histories, owners),
     )
-    error = max((history.error for history in histories), default=0.0)
-    return elastic, [history.compliance for history in histories], error
+    errors = np.array([history.error for history in histories], dtype=np.float64)
+    return elastic, [history.compliance for history in histories], errors
 
 
 def _histories(

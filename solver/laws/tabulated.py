@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from itertools import pairwise
 
+import numpy as np
+
 from ..arrays import Array
 from ..schema.values import Numbers
 from .law import Evaluation, ForceLaw, force_law
@@ -12,7 +14,8 @@ from .law import Evaluation, ForceLaw, force_law
 class TabulatedLaw(ForceLaw):
     """Force [N] or moment [N m] over deformation [m, rad].
 
-    Linear between the points, and beyond the last ones.
+    Linear between the points, and beyond the last ones. The stored energy is 0 at the deformation
+    without force that is nearest to rest, or at rest where there is none.
     """
 
     deformation: Numbers
@@ -27,13 +30,29 @@ class TabulatedLaw(ForceLaw):
             raise self.error(f"deformation: expected increasing values, got {values}")
 
     def parameters(self) -> Sequence[float]:
-        return [*self.deformation, *self.force]
+        counted = [*self.deformation, *self.force, 0.0]
+        _, _, _, energy = self.evaluate(np.array(counted), self._without_force(), 0.0)
+        return [*counted[:-1], energy]
+
+    def _without_force(self) -> float:
+        """The deformation without force that is nearest to 0, or 0 where there is none."""
+        c, f = np.array(self.deformation), np.array(self.force)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            crossings = c[:-1] - f[:-1] * np.diff(c) / np.diff(f)
+        first, last = c[:-1].copy(), c[1:].copy()
+        first[0], last[-1] = -np.inf, np.inf
+        flat = (f[:-1] == 0.0) & (f[1:] == 0.0)
+        crossings[flat] = np.clip(0.0, first, last)[flat]
+        found = crossings[(crossings >= first) & (crossings <= last)]
+        return float(found[np.argmin(np.abs(found))]) if len(found) else 0.0
 
     @staticmethod
     def evaluate(parameters: Array, c: float, rate: float) -> Evaluation:
-        """The energy counts from the first point."""
+        """The law; the last parameter is the energy that is stored there when counted from the
+        first point.
+        """
         n = len(parameters) // 2
-        energy, k = 0.0, 0
+        energy, k = -parameters[2 * n], 0
         while k + 2 < n and c > parameters[k + 1]:
             width = parameters[k + 1] - parameters[k]
             energy += 0.5 * (parameters[n + k] + parameters[n + k + 1]) * width

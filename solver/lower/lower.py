@@ -46,8 +46,8 @@ class LoweredModel:
     superelements: list[Superelement]
     compliances: list[Array]
     """static compliance of every flexible body (n_c, n_c)"""
-    truncation: float
-    """largest error of kernels that are cut off, relative to static displacements"""
+    truncations: Array
+    """error of the kernel of every flexible body where it is cut off, of static displacements"""
 
     @property
     def h(self) -> float:
@@ -88,7 +88,7 @@ def lower(
         check_assembled(model, size, frames)
     check_moments(model, frames, rows)
     check_masses(model)
-    elastic, compliances, truncation = lay_out_elastic(model, frames.arrays, stepping)
+    elastic, compliances, truncations = lay_out_elastic(model, frames.arrays, stepping)
     system = System(
         scheme=lay_out_scheme(stepping),
         newton=lay_out_newton(model),
@@ -118,7 +118,7 @@ def lower(
         load_signals=[load.signal for load in model.loads],
         superelements=[body.superelement for body in model.flexible_bodies.values()],
         compliances=compliances,
-        truncation=truncation,
+        truncations=truncations,
     )
 
 

@@ -20,8 +20,11 @@ from ..model.model import GROUND
 from ..step.system import Output
 
 
-def requested(lowered: LoweredModel) -> Contents:
-    """The contents that the model requests; `ModelError` for an unknown quantity."""
+def requested(lowered: LoweredModel, checks: tuple[str, ...] = ()) -> Contents:
+    """The contents that the model requests, and checks of validity by name.
+
+    `ModelError` for an unknown quantity.
+    """
     request, axes = lowered.model.settings.output, axes_of(lowered)
     owned = [f"{group}/{name}" for group, key in OWNERS.items() for name in axes[key].names]
     request.check([*owned, "energy", "momentum", "solver"])
@@ -29,7 +32,7 @@ def requested(lowered: LoweredModel) -> Contents:
         name: SuperelementFile.of(body.source) if body.source else SuperelementFile("")
         for name, body in lowered.model.flexible_bodies.items()
     }
-    return lay_out(axes, files, request.selects)
+    return lay_out(axes, files, request.selects, checks)
 
 
 def axes_of(lowered: LoweredModel) -> dict[str, Axis]:

@@ -5,6 +5,7 @@ from typing import Any, cast
 
 from ...results.file import FileSource, FileWriter
 from ...results.results import Results
+from ...results.schema import Contents
 from ...results.source import Memory, Source, Writer
 from ...superelement import Superelement
 from ..checkpoint.file import StateFile
@@ -15,6 +16,7 @@ from ..model.settings import StartFrom
 from ..start.initial import InitialState
 from .columns import requested
 from .size import check_size
+from .validity import Judge
 
 
 def check_output(path: Path, model: Model) -> None:
@@ -39,8 +41,8 @@ def make_writer(path: Path | None, initial: InitialState, steps: int) -> Writer:
     `ResultsError` for a file that cannot be written.
     """
     lowered, model = initial.lowered, initial.lowered.model
-    contents, notes = requested(lowered), _notes(initial, steps)
-    check_size(path, contents, steps // lowered.model.settings.output.every + 1)
+    contents, notes = contents_of(lowered), _notes(initial, steps)
+    check_size(path, contents, steps // model.settings.output.every + 1)
     if path is None:
         return Memory(contents, notes, model.source)
     durable = model.settings.checkpoint is not None
@@ -53,9 +55,18 @@ def resume_writer(path: Path, lowered: LoweredModel, state: StateFile) -> FileWr
     `ResultsError` for a file that does not belong to the state.
     """
     rows = rows_up_to(state.snapshot.step, int(state.notes["first"]), lowered)
-    notes = {"steps": lowered.n_steps, "truncation": lowered.truncation, "finished": False}
-    contents, source = requested(lowered), lowered.model.source
+    notes = {"steps": lowered.n_steps, "truncation": _truncation(lowered), "finished": False}
+    contents, source = contents_of(lowered), lowered.model.source
     return FileWriter.resume(path, contents, notes, source, rows, state.run)
+
+
+def contents_of(lowered: LoweredModel) -> Contents:
+    """What the model requests, and the checks of its validity."""
+    return requested(lowered, Judge(lowered).names)
+
+
+def _truncation(lowered: LoweredModel) -> float:
+    return float(lowered.truncations.max(initial=0.0))
 
 
 def read_back(writer: Writer, model: Model) -> Results:
@@ -106,5 +117,5 @@ def _notes(initial: InitialState, steps: int) -> dict[str, Any]:
         "moved": initial.moved,
         "velocity_correction": initial.velocity_correction,
         "removed": initial.removed.names,
-        "truncation": lowered.truncation,
+        "truncation": _truncation(lowered),
     }

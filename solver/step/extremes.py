@@ -41,7 +41,7 @@ def follow_extremes(system: System, state: State, work: Workspace) -> None:
     _follow_frames(system.frames, system.elastic, state)
     _follow_spins(state)
     _follow_openings(system.couplings, state, work)
-    _follow_vibration(system.elastic, state)
+    _follow_vibration(system.elastic, state, work)
     _set_energies(system, state)
     _follow_energies(system, state, work)
 
@@ -91,18 +91,20 @@ def _follow_openings(couplings: Couplings, state: State, work: Workspace) -> Non
 
 
 @compiled
-def _follow_vibration(elastic: Elastic, state: State) -> None:
-    """Sums of squares of rates, which tell the frequencies that carry energy."""
-    extremes, rate = state.extremes, state.modes.rate
-    sums = extremes.rate
-    for i in range(len(sums)):
-        sums[i] += rate[i] * rate[i]
+def _follow_vibration(elastic: Elastic, state: State, work: Workspace) -> None:
+    """Sums of squares of rates and of their changes, which tell the frequencies of a motion."""
+    rate, rate_n, extremes = state.modes.rate, work.modes.rate_n, state.extremes
+    rates, changes = extremes.modal_rate, extremes.modal_change
+    for i in range(len(rate)):
+        rates[i] += rate[i] * rate[i]
+    for i in range(len(rate)):
+        changes[i] += (rate[i] - rate_n[i]) * (rate[i] - rate_n[i])
     for e in range(len(elastic.body)):
-        if elastic.modes.range[e] < elastic.modes.range[e + 1]:
-            continue
-        for k in range(elastic.dof[e], elastic.dof[e + 1]):
-            extremes.interface_rate[k] += state.interfaces.rate[k] ** 2
-            extremes.interface_acceleration[k] += state.interfaces.acceleration[k] ** 2
+        if elastic.modes.range[e] == elastic.modes.range[e + 1]:
+            for k in range(elastic.dof[e], elastic.dof[e + 1]):
+                change = state.interfaces.rate[k] - work.interfaces.rate_n[k]
+                extremes.interface_rate[k] += state.interfaces.rate[k] ** 2
+                extremes.interface_change[k] += change * change
 
 
 @compiled
@@ -117,7 +119,7 @@ def _total(state: State) -> float:
     """What should stay constant: energies less the work that was done, springs apart."""
     energies = state.energies
     elastic = energies.modal[0] + energies.convolved[0]
-    return energies.kinetic[0] + energies.potential[0] + elastic - energies.work[0]
+    return float(energies.kinetic[0] + energies.potential[0] + elastic - energies.work[0])
 
 
 @compiled

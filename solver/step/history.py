@@ -98,8 +98,7 @@ def _free_response(elastic: Elastic, scheme: Scheme, state: State, work: Workspa
     h, beta, gamma, ratio = scheme.h, scheme.beta, scheme.gamma, scheme.inertia_ratio
     kept, lost = scheme.alpha_m / (1.0 - scheme.alpha_f), scheme.alpha_f / (1.0 - scheme.alpha_f)
     data, modes, a = elastic.modes, state.modes, work.modes.a
-    if data.damped:
-        copy(modes.rate, work.modes.rate_n)
+    copy(modes.rate, work.modes.rate_n)
     # one array written in each loop, and few read, lets the compiler use vector instructions
     for i in range(len(a)):
         eta = modes.eta[i] + h * modes.rate[i] + h * h * (0.5 - beta) * modes.a[i]

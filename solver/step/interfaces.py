@@ -19,6 +19,7 @@ def predict_interfaces(scheme: Scheme, state: State, work: Workspace) -> None:
     motion, predicted = state.interfaces, work.interfaces
     copy(motion.u, predicted.u_n)
     copy(motion.p, predicted.p_n)
+    copy(motion.rate, predicted.rate_n)
     for k in range(len(motion.u)):
         a_n = motion.a[k]
         a = (scheme.alpha_f * motion.acceleration[k] - scheme.alpha_m * a_n) / (

@@ -354,12 +354,13 @@ class ExtremeState(Struct):
     """of the rows of joints and motions"""
     missed: Array = array("n_o")
     """of observed angles: by how much their rate missed them"""
-    rate: Array = array("n_m")
+    modal_rate: Array = array("n_m")
     """sums of the squares of the rates of modes"""
+    modal_change: Array = array("n_m")
+    """the same of their changes in a step"""
     interface_rate: Array = array("n_u")
-    """the same of the dofs of bodies whose kernels are convolved"""
-    interface_acceleration: Array = array("n_u")
-    """the same of their accelerations"""
+    """as modal_rate, of the dofs of bodies whose kernels are convolved"""
+    interface_change: Array = array("n_u")
     start: Array = array(2)
     """total and potential energy at t = 0"""
     moved: Array = array(1)
@@ -457,6 +458,7 @@ class InterfaceWork(Struct):
     u_predicted: Array = array("n_u")
     """for acceleration = 0"""
     rate_predicted: Array = array("n_u")
+    rate_n: Array = array("n_u")
     history: Array = array("n_u")
     """displacements by past loads alone"""
     residual: Array = array("n_a")

@@ -1,0 +1,196 @@
+"""The validity of a run, from the extremes that its state has counted (results/validity.py)."""
+
+import numpy as np
+
+from ...results.validity import CRITERIA, Check, Validity
+from ...superelement import Superelement
+from ..arrays import Array
+from ..errors import OutOfRangeError
+from ..lower.lower import LoweredModel
+from ..step.extremes import FARTHEST_TURN
+from ..step.history import modal_energy
+from ..step.rows import ANGLE
+from ..step.system import State
+
+SHARE = 0.01
+"""of the kinetic energy of vibration, that the highest frequency which counts carries"""
+STILL = 1e-8
+"""kinetic energy of vibration over the energy that moves, below which a body counts as rigid"""
+ROUNDING = 1e-13
+"""of an energy, after many steps"""
+CAUSES = ("elastic_rotation", "elastic_displacement", "spin")
+"""criteria beyond whose limits Newton's method may fail"""
+
+
+class Judge:
+    """The checks of a model by name, "CRITERION:OWNER", and their values in a state."""
+
+    def __init__(self, lowered: LoweredModel) -> None:
+        self._lowered = lowered
+        elastic, frames = lowered.system.elastic, lowered.system.frames
+        self._interfaces = np.flatnonzero(frames.dof >= 0)
+        self._sizes = elastic.size[elastic.of_body[frames.body[self._interfaces]]]
+        self._lengths = np.ones(int(elastic.dof[-1]))
+        for f, size in zip(self._interfaces, self._sizes, strict=True):
+            if frames.rotations[f]:
+                self._lengths[frames.dof[f] + 3 : frames.dof[f] + 6] = size**2
+        compliant = lowered.system.couplings.compliant
+        owners = [lowered.coupling_of(row) for row in range(len(compliant))]
+        self._owners = np.array(owners, dtype=np.int64)
+        self._joints = np.unique(self._owners[compliant == 0])
+        self._springs = np.unique(self._owners[compliant == 1])
+        self._angles = np.flatnonzero(lowered.system.observers.kind == ANGLE)
+        self.names = tuple(f"{name}:{owner}" for name in CRITERIA for owner in self._named(name))
+
+    def values(self, state: State, taken: int) -> Array:
+        """The values of all checks after so many steps, in their order."""
+        measured = self._measure(state, taken)
+        return np.concatenate([np.empty(0), *(measured[name] for name in CRITERIA)])
+
+    def validity(self, state: State, taken: int) -> Validity:
+        checks = zip(self.names, self.values(state, taken).tolist(), strict=True)
+        return Validity(tuple(Check.of(name, value) for name, value in checks))
+
+    def cause(self, state: State, taken: int) -> str:
+        """Why Newton's method may have failed: the first warning of a body beyond the range."""
+        poor = (check for check in self.validity(state, taken).checks if check.verdict == "poor")
+        causes = (check.warning for check in poor if check.criterion.name in CAUSES)
+        return next(causes, "")
+
+    def _named(self, criterion: str) -> list[str]:
+        """The owners of a criterion, as messages name them."""
+        lowered = self._lowered
+        couplings, bodies = lowered.coupling_names, [*lowered.model.flexible_bodies]
+        owners: dict[str, list[str]] = {
+            "interface": [lowered.frame_names[f] for f in self._interfaces],
+            "body": bodies,
+            "joint": [couplings[j] for j in self._joints],
+            "spring": [couplings[j] for j in self._springs],
+            "angle": [".".join(lowered.observers[i]) for i in self._angles],
+            "model": [""],
+        }
+        modal = not lowered.system.elastic.modes.range.any()
+        if criterion == "numerical_dissipation" and modal:
+            return []
+        return owners[CRITERIA[criterion].owner]
+
+    def _measure(self, state: State, taken: int) -> dict[str, Array]:
+        extremes, lowered = state.extremes, self._lowered
+        elastic = lowered.system.elastic
+        moved = float(extremes.moved[0])
+        frequencies = self._frequencies(state, taken)
+        balance = max(0.0, float(extremes.balance[0]) - self._rounding(state))
+        created = np.maximum(extremes.returned - ROUNDING * extremes.stored, 0.0)[self._springs]
+        return {
+            "elastic_rotation": np.sqrt(extremes.rotation[self._interfaces]),
+            "elastic_displacement": np.sqrt(extremes.displacement[self._interfaces]) / self._sizes,
+            "spin": np.sqrt(extremes.spin[elastic.body]) / _first(lowered.superelements),
+            "steps_per_period": 1.0 / (lowered.h * frequencies),
+            "kernel_error": np.array([e.kernel.error for e in lowered.superelements])
+            + lowered.truncations,
+            "kernel_band": frequencies / _bands(lowered.superelements),
+            "energy_balance": _ratio(np.array([balance]), moved),
+            "created_energy": _ratio(created, moved),
+            "numerical_dissipation": self._numerical(state, moved),
+            "joint_opening": self._openings(state),
+            "missed_turn": extremes.missed[self._angles],
+        }
+
+    def _rounding(self, state: State) -> float:
+        """Of the energies that the balance sums, and of the positions that they follow."""
+        energies, bodies = state.energies, self._lowered.system.bodies
+        weight = float(bodies.mass.sum() * np.linalg.norm(bodies.gravity))
+        elastic = energies.modal[0] + energies.convolved[0]
+        largest = abs(energies.potential[0]) + energies.kinetic[0] + abs(elastic)
+        largest += state.extremes.stored.sum() + weight * bodies.size
+        return ROUNDING * float(largest)
+
+    def _numerical(self, state: State, moved: float) -> Array:
+        elastic, energies = self._lowered.system.elastic, state.energies
+        if not len(elastic.modes.stiffness):
+            return np.empty(0)
+        taken = energies.modal - energies.damping - modal_energy(elastic, state)
+        return _ratio(np.abs(taken), moved)
+
+    def _openings(self, state: State) -> Array:
+        """The largest of the rows of each joint."""
+        lowered = self._lowered
+        size = np.where(lowered.measures_lengths, lowered.system.bodies.size, 1.0)
+        largest = np.zeros(len(lowered.coupling_names))
+        np.maximum.at(largest, self._owners, state.extremes.opening / size)
+        of_joints: Array = largest[self._joints]
+        return of_joints
+
+    def _frequencies(self, state: State, taken: int) -> Array:
+        """The highest frequency that carries energy in each flexible body [Hz]; nan: none does."""
+        lowered, extremes = self._lowered, state.extremes
+        system = lowered.system
+        elastic, still = system.elastic, STILL * float(extremes.moved[0]) * taken
+        frequencies = []
+        for e, b in enumerate(elastic.body.tolist()):
+            modes = slice(elastic.modes.range[e], elastic.modes.range[e + 1])
+            dofs = slice(elastic.dof[e], elastic.dof[e + 1])
+            if modes.start < modes.stop:
+                rate, change = extremes.modal_rate[modes], extremes.modal_change[modes]
+                scale = 0.5
+            else:
+                lengths = self._lengths[dofs]
+                rate = extremes.interface_rate[dofs] * lengths
+                change = extremes.interface_change[dofs] * lengths
+                scale = 0.5 * float(system.bodies.mass[b])
+            carries = scale * rate.sum() > still
+            frequencies.append(_highest(rate, change) / lowered.h if carries else np.nan)
+        return np.array(frequencies, dtype=np.float64)
+
+
+def _highest(rate: Array, change: Array) -> float:
+    """The highest frequency of motions with `SHARE` of the kinetic energy at it and above.
+
+    In periods a step, at most 1/2. rate, change (n,): sums of squares of rates and of their changes
+    in a step, whose ratio is (2 sin(omega h / 2))^2 of a vibration, and a mean of several.
+    """
+    moving = rate > 0.0
+    square = change[moving] / rate[moving]
+    order = np.argsort(square)[::-1]
+    carried = np.cumsum(rate[moving][order])
+    square = square[order][np.searchsorted(carried, SHARE * carried[-1])]
+    return float(np.arcsin(min(1.0, 0.5 * np.sqrt(square))) / np.pi)
+
+
+def check_range(lowered: LoweredModel, state: State, taken: int) -> None:
+    """`OutOfRangeError` where an interface has left the range of linear elasticity by far."""
+    if not (left := int(state.extremes.left[0])):
+        return
+    f, extremes = left - 1, state.extremes
+    elastic, frames = lowered.system.elastic, lowered.system.frames
+    size = float(elastic.size[elastic.of_body[frames.body[f]]])
+    rotation, move = np.sqrt(extremes.rotation[f]), np.sqrt(extremes.displacement[f])
+    turned = rotation > FARTHEST_TURN
+    passed = f"turned by {rotation:.3g} rad" if turned else f"moved by {move:.3g} m"
+    limit = f"{FARTHEST_TURN:.3g} rad" if turned else f"the size of its body, {size:.3g} m"
+    name = lowered.frame_names[f]
+    reason = (
+        f"interface {name!r} has {passed} by elasticity, more than {limit}, where linear "
+        f"elasticity has no meaning: {CRITERIA['elastic_rotation'].advice}"
+    )
+    raise OutOfRangeError(taken, taken * lowered.h, name, reason, lowered.model.path)
+
+
+def _ratio(values: Array, scale: float) -> Array:
+    return values / scale if scale > 0.0 else np.where(values > 0.0, np.inf, 0.0)
+
+
+def _first(elements: list[Superelement]) -> Array:
+    """The first elastic frequency of each free body [rad/s]; nan without modes."""
+    modes = [element.modes for element in elements]
+    return np.array([np.nan if m is None or not len(m.omega) else m.omega.min() for m in modes])
+
+
+def _bands(elements: list[Superelement]) -> Array:
+    """The frequency up to which each superelement is right [Hz]; infinite where it is exact."""
+    bands = []
+    for element in elements:
+        h_min = 0.0 if element.modes is None else element.modes.h_min
+        by_modes = 0.25 / h_min if h_min > 0.0 else np.inf
+        bands.append(min(by_modes, element.kernel.band or np.inf))
+    return np.array(bands)
