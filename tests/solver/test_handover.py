@@ -78,7 +78,9 @@ def test_a_latch_that_opens_lets_the_body_fly_on(coarse, tmp_path):
     np.testing.assert_allclose(late, late[[-1] * len(late)], rtol=0.0, atol=2e-3 * scale)
     np.testing.assert_allclose(linear[0], late[-1], rtol=0.0, atol=0.1 * scale)
     np.testing.assert_allclose(linear[-1], linear[-2], rtol=0.0, atol=1e-6 * scale)
-    np.testing.assert_allclose(momentum, momentum[[0] * len(momentum)], rtol=2e-3)
+    spin = np.abs(momentum).max()
+    np.testing.assert_allclose(momentum[-1], momentum[-2], rtol=0.0, atol=1e-6 * spin)
+    np.testing.assert_allclose(momentum[0], momentum[-1], rtol=0.0, atol=0.02 * spin)
     moved = results.body("hub").x[-1] - results.body("hub").x[0]
     assert np.linalg.norm(moved) > 1e-2
 
@@ -147,7 +149,7 @@ def test_what_does_not_fit_is_named(coarse, tmp_path):
     for message, other in cases.items():
         with pytest.raises(StateError, match=message):
             simulate(other)
-    with pytest.raises(ModelError, match="t_end: time goes on from that of the state, 0.0185 s"):
+    with pytest.raises(ModelError, match=r"t_end: time goes on from that of the state, 0.0185 s"):
         simulate(model.with_settings(t_end=FIRST * H))
     with pytest.raises(ModelError, match="start: expected 'given', 'equilibrium' or"):
         model.with_settings(start="again")
@@ -167,5 +169,5 @@ def test_a_model_file_names_the_run_beside_it(coarse, tmp_path):
     results = simulate(read_model(tmp_path / "model.toml"))
     assert results.time[0] == FIRST * H
     (tmp_path / "first.h5.checkpoint").unlink()
-    with pytest.raises(StateError, match="first.h5.checkpoint: no such file: the run kept no"):
+    with pytest.raises(StateError, match=r"first.h5.checkpoint: no such file: the run kept no"):
         simulate(read_model(tmp_path / "model.toml"))
