@@ -33,8 +33,7 @@ from .output.recorder import NO_ENERGIES, Recorder
 from .output.validity import Judge, check_range
 from .output.writer import check_output, make_writer, read_back, resume_writer
 from .progress import Progress
-from .start.handover import predecessor
-from .start.initial import initialize
+from .start.initial import initialize, lower_to_start
 from .start.removed import RemovedRows
 from .step.loop import advance
 from .step.record import record
@@ -91,8 +90,7 @@ def _run(model: Model, output: Path | None, progress: bool, steps: int | None = 
     if output is not None:
         check_output(output, model)
     with about(model.path):
-        source = predecessor(model)
-        lowered = lower(model, earlier=source.identity.horizon if source else None)
+        lowered, source = lower_to_start(model)
         requested(lowered)  # refuses what there is not, before anything is compiled
         initial = initialize(model, lowered, source)
         total = initial.lowered.n_steps if steps is None else steps

@@ -24,7 +24,7 @@ from ..step.loads import load_vector
 from ..step.system import State, System, Workspace
 from .assembly import Target, assemble_joints, fit_velocities
 from .equilibrium import check_drives, check_steady, solve_equilibrium
-from .handover import hand_over
+from .handover import hand_over, predecessor
 from .inertia import interface_accelerance, inverse_inertia
 from .jacobian import constraint_jacobian, constraint_rows
 from .matrices import solve
@@ -64,6 +64,12 @@ class InitialState:
     velocity_correction: float
     removed: RemovedRows
     degrees_of_freedom: int
+
+
+def lower_to_start(model: Model) -> tuple[LoweredModel, StateFile | None]:
+    """A lowered model, and the state of another run from which it starts, if there is one."""
+    source = predecessor(model)
+    return lower(model, earlier=source.identity.horizon if source else None), source
 
 
 def initialize(
