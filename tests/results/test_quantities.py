@@ -123,7 +123,8 @@ def test_what_stands_in_the_file_is_given_as_it_is(results):
         ),
         (
             lambda found: quantities.energy(found, "heat"),
-            "no energy 'heat'; there are: balance, dissipated, elastic, kinetic, numerical, potential",
+            "no energy 'heat'; there are: balance, dissipated, elastic, kinetic, numerical, "
+            "potential",
         ),
     ],
 )
