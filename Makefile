@@ -12,13 +12,15 @@ LOCK := --quiet --upgrade --generate-hashes --python-version 3.11 --custom-compi
 CORE := $(patsubst %,solver/step/%.py,rotations rows frames history newton equations interfaces) \
   superelement/interface.py preprocess/responses/krylov.py
 
-# Tests of the compiled code; those that take seconds, for other Pythons; those that run it as Python.
+# Tests of the compiled code; of what versions of Python differ in; of the equations, quick as plain Python.
 COMPILED := tests/solver/compiler tests/solver/test_rigid.py
-FAST := $(COMPILED) tests/solver/test_joints.py
-PLAIN := tests/solver/test_rigid.py
+FAST := tests/solver --ignore tests/solver/test_monolithic.py tests/superelement tests/results tests/cli \
+  tests/preprocess/mesh tests/preprocess/body
+PLAIN := tests/solver/test_rotations.py tests/solver/test_tangents.py tests/solver/test_blocks.py \
+  --hypothesis-profile=faults tests/solver/properties/test_conservation.py
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint validation benchmark soak mutants docs constraints clean
+.PHONY: help demo test lint validation fuzz benchmark soak mutants docs constraints clean
 .PHONY: wheel-test plain-test coverage python-test lowest-test audit
 .DELETE_ON_ERROR:
 
@@ -72,6 +74,9 @@ soak: $(VENV)/.installed ## ten million steps, and two hundred bodies: memory, j
 
 mutants: $(VENV)/.installed ## faults put into the core, and which the tests do not notice; takes half an hour
 	nice $(BIN)/python tools/mutate.py $(CORE)
+
+fuzz: $(VENV)/.installed ## damaged files for all readers, for SECONDS=60 from number FIRST=0 on
+	$(BIN)/python -m tests.fuzz.run $(or $(SECONDS),60) $(or $(FIRST),0)
 
 benchmark: $(VENV)/.validation ## timed work; where there is a peer, as ratios measured in the same run
 	@set -e; for program in benchmarks/*.py; do echo "$$program"; $(BIN)/python "$$program"; done
