@@ -102,7 +102,7 @@ clean: ## remove what the targets above made
 INSTALL := .ci/install pyproject.toml constraints.txt
 $(VENV)/.installed: $(INSTALL)
 	.ci/install $(PYTHON) $(VENV) constraints.txt test
-	$(BIN)/python -m pip --quiet install --no-deps --no-build-isolation -e .
+	$(BIN)/python -m pip -qq install --no-deps --no-build-isolation -e .
 	@touch $@
 
 $(VENV)/.validation: $(VENV)/.installed
@@ -115,12 +115,12 @@ $(VENV)/.docs: $(VENV)/.installed
 
 build/wheel/.built: $(CI)/3.11/.installed $(SOURCES)
 	rm -rf build/wheel build/lib
-	$(CI)/3.11/bin/python -m pip --quiet wheel --no-deps --no-build-isolation -w build/wheel .
+	$(CI)/3.11/bin/python -m pip -qq wheel --no-deps --no-build-isolation -w build/wheel .
 	@touch $@
 
 # Not editable: what is tested is the wheel.
 $(CI)/%/.wheel: $(CI)/%/.installed build/wheel/.built
-	$(CI)/$*/bin/python -m pip --quiet install --no-deps --no-index --force-reinstall build/wheel/*.whl
+	$(CI)/$*/bin/python -m pip -qq install --no-deps --no-index --force-reinstall build/wheel/*.whl
 	@touch $@
 
 $(CI)/3.11/.installed: $(INSTALL)
