@@ -20,6 +20,7 @@ from ..mesh.mesh import IntArray
 
 DAMAGE = (
     *hdf5.DAMAGE,
+    MemoryError,
     AttributeError,
     EOFError,
     struct.error,

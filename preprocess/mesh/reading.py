@@ -90,7 +90,7 @@ def _about(path: Path) -> Iterator[None]:
     except (MeshError, FileError) as error:
         text = str(error)
         raise MeshError(text if text.startswith(f"{path}: ") else f"{path}: {text}") from error
-    except DAMAGE as error:
+    except (*DAMAGE, MemoryError) as error:
         why = in_one_line(error)
         raise MeshError(f"{path}: damaged, or more than the memory holds: {why}") from error
 
