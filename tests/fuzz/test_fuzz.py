@@ -33,7 +33,11 @@ def test_crashes_hangs_and_foreign_exceptions_are_found(monkeypatch):
     monkeypatch.setitem(fuzz.__globals__, "PATIENCE", 0.5)
     tally = fuzz("any", 0, 6, "tests.fuzz.broken")
     assert tally.answers == {"read": 2, "refused": 1}
-    assert tally.findings == {2: f"ended with -{signal.SIGSEGV.value}", 3: "KeyError: 3", 4: "hangs"}
+    assert tally.findings == {
+        2: f"ended with -{signal.SIGSEGV.value}",
+        3: "KeyError: 3",
+        4: "hangs",
+    }
 
 
 def test_a_number_stands_for_one_damaged_file():

@@ -154,7 +154,10 @@ def cut(file, name, data):
             "no step has been written yet",
         ),
         (lambda file: file.pop("solver"), "not a readable HDF5 file"),
-        (lambda file: file.pop("body_rotation"), "variable 'body_rotation': expected numbers, found none"),
+        (
+            lambda file: file.pop("body_rotation"),
+            "variable 'body_rotation': expected numbers, found none",
+        ),
         (
             lambda file: cut(file, "body_rotation", TRAVEL),
             r"variable 'body_rotation': expected shape \(181, 2, 4\), found \(181, 3\)",
