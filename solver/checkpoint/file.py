@@ -47,7 +47,7 @@ class StateFile:
 
     def write(self, path: Path) -> None:
         """Replace the file at a path durably; OSError leaves it as it was."""
-        temporary = path.with_name(f".{path.name}.new")
+        temporary = temporary_of(path)
         try:
             with temporary.open("wb") as file:
                 file.write(self._image())
@@ -75,6 +75,11 @@ class StateFile:
             file.flush()
             image: bytes = file.id.get_file_image()
         return image + hashlib.sha256(image).digest()
+
+
+def temporary_of(path: Path) -> Path:
+    """The file that a state is written to first."""
+    return path.with_name(f".{path.name}.new")
 
 
 def read_state(path: Path) -> StateFile:

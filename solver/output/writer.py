@@ -15,6 +15,7 @@ from ..checkpoint.file import StateFile
 from ..errors import ResultsError
 from ..lower.lower import LoweredModel
 from ..model.model import Model
+from ..model.settings import StartFrom
 from ..start.initial import InitialState
 from .columns import requested
 from .size import check_memory
@@ -57,7 +58,7 @@ def resume_writer(path: Path, lowered: LoweredModel, state: StateFile) -> FileWr
 
     `ResultsError` for a file that does not belong to the state.
     """
-    rows = 1 + state.snapshot.step // lowered.model.settings.output.every
+    rows = rows_up_to(state.snapshot.step, int(state.notes["first"]), lowered)
     notes = {"steps": lowered.n_steps, "truncation": _truncation(lowered), "finished": False}
     contents, source = contents_of(lowered), lowered.model.source
     return FileWriter.resume(path, contents, notes, source, rows, state.run)
@@ -83,6 +84,12 @@ def rows_of(lowered: LoweredModel) -> int:
     return lowered.n_steps // lowered.model.settings.output.every + 2
 
 
+def rows_up_to(step: int, first: int, lowered: LoweredModel) -> int:
+    """The number of rows from the first step, which is always recorded, up to another."""
+    every = lowered.model.settings.output.every
+    return 1 + step // every - first // every
+
+
 def _superelements(model: Model) -> dict[str, Superelement]:
     """The superelements that are in memory with all that fields need.
 
@@ -97,12 +104,13 @@ def _superelements(model: Model) -> dict[str, Superelement]:
 
 def _notes(initial: InitialState, steps: int) -> dict[str, Any]:
     lowered, model = initial.lowered, initial.lowered.model
+    start = model.settings.start
     return {
         "h": lowered.h,
         "rho_inf": lowered.scheme.rho_inf,
         "steps": steps,
         "rule": model.settings.rule,
-        "start": model.settings.start,
+        "start": str(start.path if isinstance(start, StartFrom) else start),
         "every": model.settings.output.every,
         "finished": False,
         "degrees_of_freedom": initial.degrees_of_freedom,
