@@ -12,12 +12,10 @@ LOCK := --quiet --upgrade --generate-hashes --python-version 3.11 --custom-compi
 CORE := $(patsubst %,solver/step/%.py,rotations rows frames history newton equations interfaces) \
   superelement/interface.py preprocess/responses/krylov.py
 
-# Tests of the compiled code; of what versions of Python differ in; of the equations, quick as plain Python.
+# Tests of the compiled code; those that take seconds, for other Pythons; those that run it as Python.
 COMPILED := tests/solver/compiler tests/solver/test_rigid.py
-FAST := tests/solver --ignore tests/solver/test_monolithic.py tests/superelement tests/results tests/cli \
-  tests/preprocess/mesh tests/preprocess/body
-PLAIN := tests/solver/test_rotations.py tests/solver/test_tangents.py tests/solver/test_blocks.py \
-  --hypothesis-profile=faults tests/solver/properties/test_conservation.py
+FAST := $(COMPILED) tests/solver/test_joints.py
+PLAIN := tests/solver/test_rigid.py
 
 .DEFAULT_GOAL := help
 .PHONY: help demo test lint validation fuzz benchmark soak mutants docs constraints clean
@@ -69,14 +67,14 @@ lowest-test: $(CI)/lowest/.wheel ## the wheel with the oldest numba and numpy: t
 audit: $(CI)/3.11/.wheel ## known vulnerabilities of what the constraints name, where a list of them is reached
 	$(CI)/3.11/bin/python .ci/audit.py constraints.txt
 
+fuzz: $(VENV)/.installed ## damaged files for all readers, for SECONDS=60 from number FIRST=0 on
+	$(BIN)/python -m tests.fuzz.run $(or $(SECONDS),60) $(or $(FIRST),0)
+
 soak: $(VENV)/.installed ## ten million steps, and two hundred bodies: memory, joints and energy; takes minutes
 	$(BIN)/python -m pytest -m soak -s tests/soak
 
 mutants: $(VENV)/.installed ## faults put into the core, and which the tests do not notice; takes half an hour
 	nice $(BIN)/python tools/mutate.py $(CORE)
-
-fuzz: $(VENV)/.installed ## damaged files for all readers, for SECONDS=60 from number FIRST=0 on
-	$(BIN)/python -m tests.fuzz.run $(or $(SECONDS),60) $(or $(FIRST),0)
 
 benchmark: $(VENV)/.validation ## timed work; where there is a peer, as ratios measured in the same run
 	@set -e; for program in benchmarks/*.py; do echo "$$program"; $(BIN)/python "$$program"; done
@@ -102,7 +100,7 @@ clean: ## remove what the targets above made
 INSTALL := .ci/install pyproject.toml constraints.txt
 $(VENV)/.installed: $(INSTALL)
 	.ci/install $(PYTHON) $(VENV) constraints.txt test
-	$(BIN)/python -m pip -qq install --no-deps --no-build-isolation -e .
+	$(BIN)/python -m pip --quiet install --no-deps --no-build-isolation -e .
 	@touch $@
 
 $(VENV)/.validation: $(VENV)/.installed
@@ -115,12 +113,12 @@ $(VENV)/.docs: $(VENV)/.installed
 
 build/wheel/.built: $(CI)/3.11/.installed $(SOURCES)
 	rm -rf build/wheel build/lib
-	$(CI)/3.11/bin/python -m pip -qq wheel --no-deps --no-build-isolation -w build/wheel .
+	$(CI)/3.11/bin/python -m pip --quiet wheel --no-deps --no-build-isolation -w build/wheel .
 	@touch $@
 
 # Not editable: what is tested is the wheel.
 $(CI)/%/.wheel: $(CI)/%/.installed build/wheel/.built
-	$(CI)/$*/bin/python -m pip -qq install --no-deps --no-index --force-reinstall build/wheel/*.whl
+	$(CI)/$*/bin/python -m pip --quiet install --no-deps --no-index --force-reinstall build/wheel/*.whl
 	@touch $@
 
 $(CI)/3.11/.installed: $(INSTALL)
