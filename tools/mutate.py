@@ -5,7 +5,7 @@
 A fault is a sign, an operator, a comparison, a constant or a statement that is not there. Each is
 tried on a copy of the tree, in processes forked from one that has the libraries loaded: first by
 tests that are quick when compiled code runs as plain Python, then by others that compile it. Prints
-what survives, then the score of every file.
+each fault with its verdict, then the score of every file.
 """
 
 import os
@@ -243,9 +243,9 @@ def main() -> None:
             (tree / fault.file).write_text(fault.applied(sound))
             killed = noticed(tree, fault.file, chosen.deselect)
             (tree / fault.file).write_text(sound)
-            score[fault.file]["noticed" if killed else "survived"] += 1
-            if not killed:
-                print(fault, flush=True)
+            verdict = "noticed" if killed else "survived"
+            score[fault.file][verdict] += 1
+            print(f"{verdict}: {fault}", flush=True)
     for file, counts in score.items():
         print(f"{file}: {counts['noticed']} of {counts.total()} faults noticed")
 
