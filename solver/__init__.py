@@ -21,7 +21,7 @@ from .model.loads import Load
 from .model.model import Model
 from .model.motions import PrescribedDisplacement, PrescribedRotation
 from .model.output_request import OutputRequest
-from .model.settings import Settings, SteadyRotation
+from .model.settings import Settings, StartFrom, SteadyRotation
 from .model.signals import (
     Constant,
     Function,
@@ -72,6 +72,7 @@ __all__ = [
     "Spline",
     "Spring",
     "Start",
+    "StartFrom",
     "StateError",
     "SteadyRotation",
     "Steps",

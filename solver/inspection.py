@@ -8,17 +8,18 @@ from pathlib import Path
 
 import numpy as np
 
+from ..results.schema import Contents
 from .arrays import Array
 from .errors import about
 from .history.cost import history_costs
-from .lower.lower import LoweredModel, lower
+from .lower.lower import LoweredModel
 from .model.model import Model
 from .output.columns import requested
-from .output.size import check_size, file_bytes
+from .output.size import check_memory, file_bytes, lack_of_disk
 from .output.writer import check_output, contents_of, make_writer, rows_of
 from .simulation import Course, march
 from .start.frequencies import natural_frequencies
-from .start.initial import InitialState, initialize
+from .start.initial import InitialState, initialize, lower_to_start
 
 TRIAL = 128
 """steps that are taken to measure the time of one"""
@@ -90,12 +91,13 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
     if path is not None:
         check_output(path, model)
     with about(model.path):
-        lowered = lower(model)
+        lowered, source = lower_to_start(model)
         requested(lowered)  # as `simulate`: before anything is compiled
-        initial = initialize(model, lowered)
+        initial = initialize(model, lowered, source)
         lowered = initial.lowered
         contents, rows = contents_of(lowered), rows_of(lowered) - 1
-        check_size(path, contents, rows)
+        if path is None:
+            check_memory(contents, rows)
         frequencies, free = natural_frequencies(initial), _free_frequencies(model)
     return ModelCheck(
         bodies=len(model.bodies),
@@ -111,7 +113,7 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
         memory=_memory(initial),
         rows=rows,
         results_size=file_bytes(contents, rows),
-        warnings=tuple(_warnings(frequencies, free, lowered.h)),
+        warnings=(*_warnings(frequencies, free, lowered.h), *_lacks(path, contents, rows)),
         seconds=_seconds(initial),
     )
 
@@ -139,6 +141,11 @@ def _warnings(frequencies: Array | None, free: dict[str, float], h: float) -> It
         )
 
 
+def _lacks(path: Path | None, contents: Contents, rows: int) -> Iterator[str]:
+    if path is not None and (lack := lack_of_disk(path, contents, rows)):
+        yield lack
+
+
 def _memory(initial: InitialState) -> int:
     records = initial.lowered.system, initial.state, initial.work
     return int(sum(array.nbytes for record in records for array in record.arrays()))
@@ -147,14 +154,15 @@ def _memory(initial: InitialState) -> int:
 def _seconds(initial: InitialState) -> float:
     """The time of all steps [s], by that of the first ones, and the growth of the history."""
     lowered = initial.lowered
-    n = min(TRIAL, lowered.n_steps)
+    begin = int(initial.state.step[0])
+    n = min(TRIAL, lowered.n_steps - begin)
     if n == 0:
         return 0.0
     writer = make_writer(None, initial, n)
     started = time.perf_counter()
-    march(Course(initial.lowered, initial.state, initial.work, initial.removed, writer, n))
+    march(Course(initial.lowered, initial.state, initial.work, initial.removed, writer, begin + n))
     measured = (time.perf_counter() - started) / n
-    return lowered.n_steps * (measured + 1e-9 * _history_cost(lowered))
+    return (lowered.n_steps - begin) * (measured + 1e-9 * _history_cost(lowered))
 
 
 def _history_cost(lowered: LoweredModel) -> float:

@@ -16,7 +16,14 @@ from ..results.source import Writer
 from .arrays import Array, Index
 from .checkpoint.carried import carried
 from .diagnosis import likely_cause
-from .errors import ConvergenceError, ModelError, StateError, ValidityWarning, about
+from .errors import (
+    ConvergenceError,
+    ModelError,
+    OutOfRangeError,
+    StateError,
+    ValidityWarning,
+    about,
+)
 from .history.dyadic import DyadicConvolution
 from .lower.allocation import allocate
 from .lower.lower import LoweredModel, lower
@@ -31,11 +38,11 @@ from .output.keeper import (
     start_of,
 )
 from .output.recorder import NO_ENERGIES, Recorder
-from .output.validity import Judge, check_range
+from .output.validity import Judge, check_range, torn
 from .output.writer import check_output, make_writer, read_back, resume_writer
 from .progress import Progress
 from .schema.entry import LARGEST
-from .start.initial import initialize
+from .start.initial import initialize, lower_to_start
 from .start.removed import RemovedRows
 from .step.loop import advance
 from .step.record import record
@@ -92,9 +99,9 @@ def _run(model: Model, output: Path | None, progress: bool, steps: int | None = 
     if output is not None:
         check_output(output, model)
     with about(model.path):
-        lowered = lower(model)
+        lowered, source = lower_to_start(model)
         requested(lowered)  # refuses what there is not, before anything is compiled
-        initial = initialize(model, lowered)
+        initial = initialize(model, lowered, source)
         total = initial.lowered.n_steps if steps is None else steps
         check_range(initial.lowered, initial.state, 0)
         writer = make_writer(output, initial, total)
@@ -122,15 +129,15 @@ def _resume(model: Model, output: Path, progress: bool, anyway: bool) -> Results
         kept.snapshot.put_back(carried(state=state, work=work))
         removed = RemovedRows(lower(model) if kept.without else lowered, sorted(kept.without))
         writer = resume_writer(output, lowered, kept)
-    course = Course(lowered, state, work, removed, writer, lowered.n_steps, step, start_of(kept))
+    course = Course(lowered, state, work, removed, writer, lowered.n_steps, True, *start_of(kept))
     return _finish(course, progress)
 
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """A run up to a step, from the start or from the step to which it is `begun`.
+    """A run up to a step, from its start, or `resumed`.
 
-    start: the energies of t = 0, where they are known.
+    first, start: the step and the energies at the start of a run that is resumed.
     """
 
     lowered: LoweredModel
@@ -139,14 +146,20 @@ class Course:
     removed: RemovedRows
     writer: Writer
     total: int
-    begun: int | None = None
+    resumed: bool = False
+    first: int = 0
     start: Energies = NO_ENERGIES
 
     def keeper(self) -> "FileKeeper | nullcontext[NoKeeper]":
         writer = self.writer
         if self.lowered.model.settings.checkpoint is None or not isinstance(writer, FileWriter):
             return nullcontext(NoKeeper())
-        return FileKeeper(writer, self.lowered, carried(state=self.state, work=self.work))
+        live = carried(state=self.state, work=self.work)
+        return FileKeeper(writer, self.lowered, live, self.begin())
+
+    def begin(self) -> int:
+        """The step at which it starts, before it has taken any."""
+        return self.first if self.resumed else int(self.state.step[0])
 
 
 def _finish(course: Course, progress: bool) -> Results:
@@ -156,7 +169,7 @@ def _finish(course: Course, progress: bool) -> Results:
         writer.note(finished=True, seconds=time.perf_counter() - started)
         settle_checkpoint(writer)
         writer.finish()
-    except ConvergenceError as error:
+    except (ConvergenceError, ModelError, OutOfRangeError) as error:
         error.args = (f"{error}{writer.where()}",)
         raise
     except KeyboardInterrupt as interrupt:
@@ -173,7 +186,7 @@ def march(course: Course, progress: bool = False) -> None:
     """Take the steps of a run that are left, with the rows that it records."""
     lowered, state, work = course.lowered, course.state, course.work
     writer, total = course.writer, course.total
-    done, batch, judge = course.begun or 0, 16, Judge(lowered)
+    begin, done, batch, judge = course.begin(), int(state.step[0]), 16, Judge(lowered)
     convolution = DyadicConvolution(lowered.system.elastic)
     with (
         course.keeper() as keeper,
@@ -181,10 +194,10 @@ def march(course: Course, progress: bool = False) -> None:
         Progress("simulating", total, shown=progress) as bar,
     ):
         run = Run(system=lowered.system, state=state, work=work, output=recorder.output)
-        if course.begun is None:
+        if not course.resumed:
             record(run, 0)
-            writer.check(judge.values(state, 0))
-            recorder.keep(0, recorder.rows(0, 1))
+            writer.check(judge.values(state, done - begin))
+            recorder.keep_start(done)
         bar.advance(done)
         keeper.step_taken(done, recorder)
         while done < total:
@@ -193,13 +206,13 @@ def march(course: Course, progress: bool = False) -> None:
             n = convolution.steps_until_due(done, n)
             rows = recorder.rows(done + 1, n)
             taken, residual = advance(run, signals(lowered, done + 1, rows))
-            writer.check(judge.values(state, done + taken))
+            writer.check(judge.values(state, done + taken - begin))
             recorder.keep(done + 1, rows[:taken])
             done += taken
             bar.advance(taken)
             check_range(lowered, state, done)
             if taken < len(rows):
-                cause = judge.cause(state, done)
+                cause = judge.cause(state, done - begin)
                 raise failure(lowered, state, work, done + 1, residual, cause)
             course.removed.check(work, done * lowered.h)
             convolution.update(state)
@@ -230,7 +243,9 @@ def failure(
     lowered: LoweredModel, state: State, work: Workspace, step: int, residual: float, cause: str
 ) -> ConvergenceError:
     """The error of a step in which Newton's method failed; cause: where one is known already."""
-    worst = _worst_joint(lowered, work)
+    # before the next puts the state back
+    worst, far = _worst_joint(lowered, work), torn(lowered, state)
+    cause = cause or likely_cause(lowered, state, work, step * lowered.h) or far
     return ConvergenceError(
         step,
         step * lowered.h,
@@ -238,7 +253,7 @@ def failure(
         lowered.model.settings.tolerance,
         worst,
         lowered.model.path,
-        cause or likely_cause(lowered, state, work, step * lowered.h),
+        cause,
     )
 
 

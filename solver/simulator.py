@@ -12,14 +12,13 @@ from .checkpoint.moment import Moment
 from .errors import ModelError, about
 from .history.uniform import UniformConvolution
 from .lower.allocation import make_output
-from .lower.lower import lower
 from .model.model import Model
 from .model.settings import Settings
 from .model.signals import Input
 from .output.columns import check_names, views
 from .output.validity import Judge, check_range
 from .simulation import failure, signals
-from .start.initial import initialize
+from .start.initial import initialize, lower_to_start
 from .step.loop import advance
 from .step.record import record
 from .step.system import Inputs, Run
@@ -59,9 +58,11 @@ class Simulator:
         if settings is not None:
             model = replace(model, settings=settings)
         with about(model.path):
-            lowered = lower(model)
+            lowered, source = lower_to_start(model)
+            if source and lowered.system.elastic.kernels.lags.any():
+                raise ModelError("start: a Simulator goes on from recursive history alone")
             check_names(lowered, outputs)
-            initial = initialize(model, lowered)
+            initial = initialize(model, lowered, source)
             lowered, state = initial.lowered, initial.state
             check_range(lowered, state, 0)
             output = make_output(lowered, 1)
@@ -92,7 +93,7 @@ class Simulator:
         self._next = Inputs(load=load, drive=drive, row=row, ahead=1)
         self._last = self._next.replace(ahead=0)
         self._convolution = UniformConvolution(lowered.system.elastic)
-        self._number, self._n_steps, self._h = 0, lowered.n_steps, lowered.h
+        self._number, self._n_steps, self._h = int(state.step[0]), lowered.n_steps, lowered.h
         self._live = carried(state=state, work=initial.work, output=output)
         self._sampled_from = 0
         record(self._run, 0)

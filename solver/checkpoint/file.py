@@ -16,7 +16,8 @@ from typing import Any
 import h5py
 import numpy as np
 
-from ...results.file import DAMAGE, replace_durably
+from ...files.hdf5 import DAMAGE
+from ...results.file import replace_durably
 from ..errors import StateError
 from .carried import Snapshot
 from .identity import Identity
@@ -46,7 +47,7 @@ class StateFile:
 
     def write(self, path: Path) -> None:
         """Replace the file at a path durably; OSError leaves it as it was."""
-        temporary = path.with_name(f".{path.name}.new")
+        temporary = temporary_of(path)
         try:
             with temporary.open("wb") as file:
                 file.write(self._image())
@@ -74,6 +75,11 @@ class StateFile:
             file.flush()
             image: bytes = file.id.get_file_image()
         return image + hashlib.sha256(image).digest()
+
+
+def temporary_of(path: Path) -> Path:
+    """The file that a state is written to first."""
+    return path.with_name(f".{path.name}.new")
 
 
 def read_state(path: Path) -> StateFile:

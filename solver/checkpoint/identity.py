@@ -6,7 +6,7 @@ touch the numbers.
 
 import hashlib
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
 from importlib import metadata
@@ -25,6 +25,7 @@ from ..model.bodies import FlexibleBody
 from ..model.model import Model
 from ..schema.entry import Beside, Entry, note
 from ..schema.tables import declared, key_of
+from .layout import Layout, layout_of
 
 FREE = ("simulation.t_end", "simulation.checkpoint", "source", "path")
 """beginnings of keys that may change between a run and its continuation"""
@@ -46,7 +47,7 @@ class Identity:
     """software: versions by name; model: values by key; system: digests of a step's data by name.
 
     kernels: of each body whose loads are convolved, the form, the lags, 1 if it is cut off, and a
-    digest; horizon: the numbers of steps that it was planned and laid out for.
+    digest; horizon: the numbers of steps that it was planned and laid out for; layout: its names.
     """
 
     software: Mapping[str, str]
@@ -54,6 +55,7 @@ class Identity:
     system: Mapping[str, str]
     kernels: Mapping[str, tuple[str, int, bool, str]]
     horizon: Horizon
+    layout: Layout
 
     def to_text(self) -> str:
         return json.dumps({field.name: getattr(self, field.name) for field in fields(self)})
@@ -65,7 +67,8 @@ class Identity:
             values = json.loads(text)
             kernels = {name: tuple(kernel) for name, kernel in values.pop("kernels").items()}
             horizon = Horizon(*map(int, values.pop("horizon")))
-            return cls(kernels=kernels, horizon=horizon, **values)
+            layout = Layout(*values.pop("layout"))
+            return cls(kernels=kernels, horizon=horizon, layout=layout, **values)
         except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
             raise StateError(f"identity: not that of a state: {error}") from error
 
@@ -88,8 +91,19 @@ class Identity:
                 f"the data of a step: {change}: other libraries of linear algebra, or another "
                 "number of threads"
             )
-        for name, kernel in self.kernels.items():
-            _check_kernel(name, kernel, lowered)
+        self.check_kernels(lowered, self.kernels)
+
+    def check_kernels(self, lowered: LoweredModel, bodies: Iterable[str]) -> None:
+        """`StateError` for another history of one of the bodies."""
+        now = {name: e for e, name in _convolved(lowered)}
+        for name in bodies:
+            if name not in self.kernels and name not in now:
+                continue
+            if name not in self.kernels:
+                raise StateError(f"body {name!r}: its history was recursive, is not")
+            if name not in now:
+                raise StateError(f"body {name!r}: its history was not recursive, is")
+            _check_kernel(name, self.kernels[name], now[name], lowered)
 
 
 def identity_of(lowered: LoweredModel) -> Identity:
@@ -99,6 +113,7 @@ def identity_of(lowered: LoweredModel) -> Identity:
         system=_system(lowered),
         kernels={name: _kernel(e, lowered) for e, name in _convolved(lowered)},
         horizon=lowered.horizon,
+        layout=layout_of(lowered),
     )
 
 
@@ -230,11 +245,10 @@ def kernel_arrays(e: int, lowered: LoweredModel) -> tuple[Array, Array]:
     return g, elastic.kernels.g_initial[numbers].reshape(lags, n_c, n_c)
 
 
-def _check_kernel(name: str, was: tuple[str, int, bool, str], lowered: LoweredModel) -> None:
-    number = {body: e for e, body in _convolved(lowered)}
-    if name not in number:
-        raise StateError(f"body {name!r}: its history was {was[0]}, is recursive")
-    now = _kernel(number[name], lowered, was[1])
+def _check_kernel(
+    name: str, was: tuple[str, int, bool, str], e: int, lowered: LoweredModel
+) -> None:
+    now = _kernel(e, lowered, was[1])
     if was[0] != now[0]:
         raise StateError(f"body {name!r}: its history was {was[0]}, is {now[0]}")
     if was[2] != now[2] and was[3] != now[3]:

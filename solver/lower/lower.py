@@ -9,6 +9,7 @@ from ...superelement import GeneralizedAlpha, Superelement
 from ..arrays import Array, as_index, as_rows
 from ..history.layout import Horizon, lay_out_elastic
 from ..model.model import Model
+from ..model.settings import StartFrom
 from ..model.signals import Signal, SmoothSignal
 from ..step.rows import measures_length
 from ..step.system import Bodies, Loads, System
@@ -83,7 +84,7 @@ def lower(
     couplings, drives = lay_out_couplings(list(rows.values()))
     observers = _observers(model, frames)
     size = model_size(model, poses, frames)
-    if not model.settings.assemble:
+    if not (model.settings.assemble or isinstance(model.settings.start, StartFrom)):
         check_assembled(model, size, frames)
     check_moments(model, frames, rows)
     check_masses(model)

@@ -3,6 +3,7 @@
 import os
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, get_args
 
@@ -29,7 +30,7 @@ from .loads import Load
 from .model import Model
 from .motions import PrescribedMotion
 from .output_request import OutputRequest
-from .settings import Settings
+from .settings import Settings, StartFrom
 from .springs import Spring
 
 SHORT_ARRAY = re.compile(r"\[\n((?:[^\[\]\n]*,\n)+) *\]")
@@ -115,6 +116,8 @@ def _model(file: _ModelFile, text: str, path: Path) -> Model:
     simulation = present_keys(file.simulation)
     gravity = simulation.pop("gravity", ORIGIN)
     settings = entry_of(Settings, simulation | {"output": file.output})
+    if isinstance(settings.start, StartFrom):
+        settings = replace(settings, start=settings.start.beside(path.parent))
     return Model(
         bodies={
             name: _body(name, present_keys(body), path.parent, superelements)

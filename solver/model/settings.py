@@ -1,6 +1,8 @@
 """Settings of a simulation: time integration, start and record."""
 
+from collections.abc import Mapping
 from dataclasses import field
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from ..errors import ModelError
@@ -32,6 +34,38 @@ class SteadyRotation(Entry):
     center: Vector = ORIGIN
 
 
+@entry(eq=True)
+class StartFrom(Entry):
+    """The state at the end of another run, by the path of its results file."""
+
+    label = "start"
+
+    path: Annotated[str, Key("from")]
+
+    def beside(self, folder: Path) -> "StartFrom":
+        """The same with a path that is relative to a folder."""
+        return StartFrom(str(folder / self.path))
+
+
+STARTS = ("given", "equilibrium")
+
+
+def _start(value: Any) -> "str | StartFrom":
+    if isinstance(value, Mapping) and value.keys() == {"from"} and isinstance(value["from"], str):
+        return StartFrom(value["from"])
+    if isinstance(value, StartFrom) or value in STARTS:
+        return value  # type: ignore[no-any-return]
+    raise ValueError
+
+
+def _start_in_file(value: "str | StartFrom") -> Any:
+    return {"from": value.path} if isinstance(value, StartFrom) else value
+
+
+AnyStart = Annotated[
+    str | StartFrom,
+    Takes("'given', 'equilibrium' or {'from': FILE}", _start, Any, _start_in_file),
+]
 INTERVALS = Family("interval")
 
 
@@ -84,7 +118,9 @@ class Settings(Entry):
     start: "given", as the bodies say, or "equilibrium", at rest, or in a `steady_rotation`, under
     gravity and the loads at t = 0, elastic displacements included; positions and joint coordinates
     are then the first guess, and velocities are refused. A steady rotation goes on as it starts
-    if gravity and loads that do not follow act along its axis. assemble: close joints however far
+    if gravity and loads that do not follow act along its axis. Or {"from": FILE}, the end of the
+    run with these results: bodies of the same name go on with their motion, vibration and past, and
+    so does time. assemble: close joints however far
     they are open at the start (otherwise by no more than a thousandth of the size of the model).
     redundant: constraints that depend on one another are an "error", or the solver may "remove"
     them. output: what is recorded.
@@ -102,7 +138,7 @@ class Settings(Entry):
     tolerance: Tolerance = 1e-10
     max_iterations: Iterations = 20
     fixed_iterations: Annotated[Iterations | None, Key("corrections")] = None
-    start: Literal["given", "equilibrium"] = "given"
+    start: AnyStart = "given"
     steady_rotation: SteadyRotation | None = None
     assemble: bool = False
     redundant: Literal["error", "remove"] = "error"

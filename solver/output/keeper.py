@@ -8,12 +8,13 @@ from typing import Any, Protocol
 from ...results.file import FileWriter, replace_durably, unfinished
 from ...results.schema import Energies
 from ..checkpoint.carried import Arrays, Snapshot
-from ..checkpoint.file import SUFFIX, StateFile, read_state
+from ..checkpoint.file import SUFFIX, StateFile, read_state, temporary_of
 from ..checkpoint.identity import Identity, identity_of
 from ..errors import ResultsError, StateError
 from ..lower.lower import LoweredModel
 from ..model.settings import EverySteps, Seconds
 from .recorder import Recorder
+from .writer import rows_up_to
 
 
 class Keeper(Protocol):
@@ -41,7 +42,7 @@ class FileKeeper:
     kept when the run ends, well or not. Where it cannot be, the file stays as it was.
     """
 
-    def __init__(self, writer: FileWriter, lowered: LoweredModel, live: Arrays) -> None:
+    def __init__(self, writer: FileWriter, lowered: LoweredModel, live: Arrays, first: int) -> None:
         interval = lowered.model.settings.checkpoint
         self._every = interval.every if isinstance(interval, EverySteps) else None
         self._pause = interval.seconds if isinstance(interval, Seconds) else float("inf")
@@ -49,6 +50,7 @@ class FileKeeper:
         self._path = checkpoint_of(writer.place)
         self._identity: Identity | None = None
         self._newest = self._kept = Snapshot(-1, {})
+        self._first = first
         self._notes: dict[str, float] = {}
         self._last = time.monotonic()
 
@@ -57,18 +59,17 @@ class FileKeeper:
 
     def step_taken(self, step: int, recorder: Recorder) -> None:
         self._newest = Snapshot.of(step, self._live)
-        self._notes = recorder.start._asdict()
-        first = self._kept.step < 0
+        self._notes = recorder.start._asdict() | {"first": float(self._first)}
+        none = self._kept.step < 0
         by_time = time.monotonic() - self._last > self._pause
-        if first or by_time or (self._every is not None and step % self._every == 0):
+        if none or by_time or (self._every is not None and step % self._every == 0):
             recorder.write()
             self._writer.flush()
             self._keep()
 
     def _keep(self) -> None:
         """Write the newest state, if all rows up to it are on the disk."""
-        every = self._lowered.model.settings.output.every
-        rows = 1 + self._newest.step // every
+        rows = rows_up_to(self._newest.step, self._first, self._lowered)
         if self._newest.step in (-1, self._kept.step) or self._writer.committed < rows:
             return
         self._identity = self._identity or identity_of(self._lowered)
@@ -118,6 +119,7 @@ def settle_checkpoint(writer: Any) -> None:
     if not isinstance(writer, FileWriter):
         return
     own, later = checkpoint_of(writer.place), checkpoint_of(writer.target)
+    temporary_of(later).unlink(missing_ok=True)  # of a run that was killed
     if own == later:
         return
     try:
@@ -129,6 +131,7 @@ def settle_checkpoint(writer: Any) -> None:
         raise ResultsError(f"{later}: cannot be written: {error.strerror or error}") from error
 
 
-def start_of(state: StateFile) -> Energies:
-    """The energies at t = 0 of the run."""
-    return Energies(*(state.notes[name] for name in Energies._fields))
+def start_of(state: StateFile) -> tuple[int, Energies]:
+    """The step and the energies at the start of the run."""
+    energies = Energies(*(state.notes[name] for name in Energies._fields))
+    return int(state.notes["first"]), energies

@@ -55,13 +55,15 @@ class Recorder:
         n = int(recorded.sum())
         self._steps[self._waiting : self._waiting + n] = first + np.flatnonzero(recorded)
         self._waiting += n
-        if first == 0:
-            self.start = Energies.of(self.output)
-        else:
-            self._taken += len(rows)
+        self._taken += len(rows)
         full = self._waiting == len(self._steps)
         if full or time.perf_counter() - self._written > self._writer.pause:
             self.write()
+
+    def keep_start(self, step: int) -> None:
+        """Keep the first row: that of the step at which the run starts."""
+        self._steps[0], self._waiting = step, 1
+        self.start = Energies.of(self.output)
 
     def write(self) -> None:
         """Write the rows in the buffer; none twice, even after an interrupt."""

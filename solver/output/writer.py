@@ -1,8 +1,11 @@
 """The destination of the results of a run, and the notes at its head."""
 
+import os
 from pathlib import Path
 from typing import Any, cast
 
+from ...files import FileError, require_regular
+from ...files.outputs import clash
 from ...results.file import FileSource, FileWriter
 from ...results.results import Results
 from ...results.schema import Contents
@@ -12,9 +15,10 @@ from ..checkpoint.file import StateFile
 from ..errors import ResultsError
 from ..lower.lower import LoweredModel
 from ..model.model import Model
+from ..model.settings import StartFrom
 from ..start.initial import InitialState
 from .columns import requested
-from .size import check_size
+from .size import check_memory
 from .validity import Judge
 
 
@@ -22,16 +26,17 @@ def check_output(path: Path, model: Model) -> None:
     """`ResultsError` for a path that cannot hold results, or that is an input of the run."""
     if not path.parent.is_dir():
         raise ResultsError(f"{path}: no folder {path.parent}")
-    if not path.exists():
+    try:
+        require_regular(path)
+    except FileNotFoundError:
         return
-    if not path.is_file():
-        raise ResultsError(f"{path}: cannot be written: not a regular file")
-    inputs = {str(model.path): "the model file"}
+    except (FileError, OSError) as error:
+        raise ResultsError(f"{path}: cannot be written: {error}") from error
+    inputs: dict[str | os.PathLike[str], str] = {model.path: "the model file"}
     for name, body in model.flexible_bodies.items():
         inputs[body.source] = f"the superelement of body {name!r}"
-    for file, role in inputs.items():
-        if file and Path(file).exists() and path.samefile(file):
-            raise ResultsError(f"{path}: this is {role}, which the results would replace")
+    if found := clash([path], inputs):
+        raise ResultsError(f"{found}, which the results would replace")
 
 
 def make_writer(path: Path | None, initial: InitialState, steps: int) -> Writer:
@@ -41,8 +46,8 @@ def make_writer(path: Path | None, initial: InitialState, steps: int) -> Writer:
     """
     lowered, model = initial.lowered, initial.lowered.model
     contents, notes = contents_of(lowered), _notes(initial, steps)
-    check_size(path, contents, steps // model.settings.output.every + 1)
     if path is None:
+        check_memory(contents, steps // model.settings.output.every + 1)
         return Memory(contents, notes, model.source)
     durable = model.settings.checkpoint is not None
     return FileWriter(path, contents, notes, model.source, rows_of(lowered), durable)
@@ -53,7 +58,7 @@ def resume_writer(path: Path, lowered: LoweredModel, state: StateFile) -> FileWr
 
     `ResultsError` for a file that does not belong to the state.
     """
-    rows = 1 + state.snapshot.step // lowered.model.settings.output.every
+    rows = rows_up_to(state.snapshot.step, int(state.notes["first"]), lowered)
     notes = {"steps": lowered.n_steps, "truncation": _truncation(lowered), "finished": False}
     contents, source = contents_of(lowered), lowered.model.source
     return FileWriter.resume(path, contents, notes, source, rows, state.run)
@@ -79,6 +84,12 @@ def rows_of(lowered: LoweredModel) -> int:
     return lowered.n_steps // lowered.model.settings.output.every + 2
 
 
+def rows_up_to(step: int, first: int, lowered: LoweredModel) -> int:
+    """The number of rows from the first step, which is always recorded, up to another."""
+    every = lowered.model.settings.output.every
+    return 1 + step // every - first // every
+
+
 def _superelements(model: Model) -> dict[str, Superelement]:
     """The superelements that are in memory with all that fields need.
 
@@ -93,12 +104,13 @@ def _superelements(model: Model) -> dict[str, Superelement]:
 
 def _notes(initial: InitialState, steps: int) -> dict[str, Any]:
     lowered, model = initial.lowered, initial.lowered.model
+    start = model.settings.start
     return {
         "h": lowered.h,
         "rho_inf": lowered.scheme.rho_inf,
         "steps": steps,
         "rule": model.settings.rule,
-        "start": model.settings.start,
+        "start": str(start.path if isinstance(start, StartFrom) else start),
         "every": model.settings.output.every,
         "finished": False,
         "degrees_of_freedom": initial.degrees_of_freedom,

@@ -77,8 +77,8 @@ def fit_velocities(
 
 
 def drive_rates(lowered: LoweredModel, work: Workspace) -> Array:
-    """The part of the drives in the rates at t = 0, d phi / d s ds/dt (n_rows,)."""
-    rates = np.array([*(drive.derivatives(0.0)[0] for drive in lowered.drives), 0.0])
+    """The part of the drives in the rates at the start, d phi / d s ds/dt (n_rows,)."""
+    rates = np.append(work.drives.rate, 0.0)
     added: Array = work.couplings.drive_slope * rates[lowered.system.couplings.drive]
     return added
 

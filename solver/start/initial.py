@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
+from ..checkpoint.file import StateFile
 from ..lower.allocation import allocate
 from ..lower.lower import LoweredModel, lower
 from ..model.model import Model
@@ -23,6 +24,7 @@ from ..step.loads import load_vector
 from ..step.system import State, System, Workspace
 from .assembly import Target, assemble_joints, fit_velocities
 from .equilibrium import check_drives, check_steady, solve_equilibrium
+from .handover import hand_over, predecessor
 from .inertia import interface_accelerance, inverse_inertia
 from .jacobian import constraint_jacobian, constraint_rows
 from .matrices import solve
@@ -64,13 +66,24 @@ class InitialState:
     degrees_of_freedom: int
 
 
-def initialize(model: Model, lowered: LoweredModel | None = None) -> InitialState:
+def lower_to_start(model: Model) -> tuple[LoweredModel, StateFile | None]:
+    """A lowered model, and the state of another run from which it starts, if there is one."""
+    source = predecessor(model)
+    return lower(model, earlier=source.identity.horizon if source else None), source
+
+
+def initialize(
+    model: Model, lowered: LoweredModel | None = None, source: StateFile | None = None
+) -> InitialState:
     """A state that satisfies positions, velocities and equilibrium at t = 0.
 
-    lowered: the model as `lower` gave it, where the caller has it. What can be checked without
-    compiled code is checked before any of it is called.
+    lowered: the model as `lower` gave it, where the caller has it; source: the state of another run
+    from which it starts, if there is one. What can be checked without compiled code is checked
+    before any of it is called.
     """
     lowered = lowered or lower(model)
+    if source is not None:
+        return _go_on(lowered, source)
     in_equilibrium = model.settings.start == "equilibrium"
     if in_equilibrium:
         check_drives(lowered)
@@ -100,14 +113,33 @@ def initialize(model: Model, lowered: LoweredModel | None = None) -> InitialStat
     return InitialState(lowered, state, work, error, moved, correction, removed, degrees_of_freedom)
 
 
-def _allocated(lowered: LoweredModel) -> tuple[State, Workspace]:
-    """A state with bodies in their given poses, and loads and drives at t = 0."""
+def _go_on(lowered: LoweredModel, source: StateFile) -> InitialState:
+    """The state of another run, as far as the model has its bodies."""
+    step = source.snapshot.step
+    state, work = _allocated(lowered, step)
+    hand_over(lowered, source, state, work)
+    linearize(lowered.system, state, work)
+    degrees_of_freedom = count_degrees_of_freedom(lowered, state, work)
+    without = redundant_rows(lowered, state, work)
+    removed = RemovedRows(lowered, sorted(without))
+    if without:
+        lowered = lower(lowered.model, without, lowered.horizon)
+        state, work = _allocated(lowered, step)
+        hand_over(lowered, source, state, work)
+    _start_work(lowered.system, state, work)
+    start_extremes(lowered.system, state, work)
+    closed = AssemblyError(0.0, "", 0.0, "")
+    return InitialState(lowered, state, work, closed, 0.0, 0.0, removed, degrees_of_freedom)
+
+
+def _allocated(lowered: LoweredModel, step: int = 0) -> tuple[State, Workspace]:
+    """A state with bodies in their given poses, and loads and drives at a step."""
     state, work = allocate(lowered)
-    t = np.zeros(1)
+    t = lowered.h * np.full(1, step, dtype=np.float64)
     work.loads.value[:] = [signal.samples(t, lowered.h)[0] for signal in lowered.load_signals]
-    work.drives.value[:] = [signal(0.0) for signal in lowered.drives]
+    work.drives.value[:] = [signal(float(t[0])) for signal in lowered.drives]
     for d, drive in enumerate(lowered.drives):
-        work.drives.rate[d], work.drives.acceleration[d] = drive.derivatives(0.0)
+        work.drives.rate[d], work.drives.acceleration[d] = drive.derivatives(float(t[0]))
     return state, work
 
 

@@ -221,10 +221,7 @@ MADE = {
         lambda: Start(position=[np.nan, 0, 0]),
         "position: expected three numbers, got [nan, 0, 0]",
     ),
-    "no time": (
-        lambda: model(t_end=0.0),
-        "t_end: expected a positive time, up to 1e100, got 0.0",
-    ),
+    "no time": (lambda: model(t_end=0.0), "t_end: expected a positive time, up to 1e100, got 0.0"),
     "no end": (
         lambda: model(t_end=np.inf),
         "t_end: expected a positive time, up to 1e100, got inf",

@@ -1,0 +1,132 @@
+"""The start from the end of another run, with its elastic vibration and its past.
+
+Bodies are taken over by name; what has no name there starts as the model gives it. Time goes on. A
+change of forces, as of a joint that is no longer there, acts within the first step, as a load that
+jumps does.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from ..checkpoint.file import SUFFIX, StateFile, read_state
+from ..checkpoint.identity import digest_of
+from ..checkpoint.layout import layout_of, take_over
+from ..errors import ModelError, StateError
+from ..history.dyadic import power_above
+from ..lower.lower import LoweredModel
+from ..model.model import Model
+from ..model.settings import StartFrom
+from ..step.equations import evaluate
+from ..step.system import State, Workspace
+from .assembly import drive_rates
+
+CLOSED = 1e-6
+"""largest opening of a new joint, relative to the size of the model or in rad, and rate of it"""
+TAKEN_OVER = ("bodies", "interfaces", "modes", "past", "couplings", "observers")
+"""records of the state; all others begin anew"""
+
+
+def predecessor(model: Model) -> StateFile | None:
+    """The state from which a model starts; None where it starts as it says itself."""
+    start = model.settings.start
+    if not isinstance(start, StartFrom):
+        return None
+    path = Path(start.path)
+    beside = path.with_name(path.name + SUFFIX)
+    if path.exists() and not beside.exists() and path.suffix != SUFFIX:
+        raise StateError(f"{beside}: no such file: the run kept no state ([simulation] checkpoint)")
+    return read_state(beside if beside.exists() else path)
+
+
+def hand_over(lowered: LoweredModel, source: StateFile, state: State, work: Workspace) -> None:
+    """Let a state go on from that of another run; `StateError` where it cannot.
+
+    Loads and drives in `work` are those of the present time.
+    """
+    layout, earlier = layout_of(lowered), source.identity.layout
+    _check(lowered, source)
+    numbers, kept = layout.numbers(earlier), source.snapshot.arrays
+    for name in TAKEN_OVER:
+        take_over(f"state/{name}", getattr(state, name), kept, numbers)
+    state.step[0] = source.snapshot.step
+    _evaluate(lowered, state, work)
+    take_over("state/interfaces", state.interfaces, kept, numbers)
+    state.energies.modal[0] = _modal_energy(lowered, state)
+    state.energies.convolved[0] = kept["state/energies/convolved"][0]
+    _check_closed(lowered, numbers["n_i"][0].tolist(), state, work)
+
+
+def _evaluate(lowered: LoweredModel, state: State, work: Workspace) -> None:
+    """Evaluate the state as it is, with the forces of springs that belong to it."""
+    system, motion = lowered.system, state.interfaces
+    work.bodies.quaternion_n[:] = state.bodies.quaternion
+    work.interfaces.u_predicted[:], work.interfaces.rate_predicted[:] = motion.u, motion.rate
+    evaluate(system, state, work)
+    state.couplings.lam[:] -= work.couplings.phi * system.couplings.compliant
+    evaluate(system, state, work)
+
+
+def _modal_energy(lowered: LoweredModel, state: State) -> float:
+    stiffness = lowered.system.elastic.modes.stiffness
+    return float(0.5 * (state.modes.rate**2 + stiffness * state.modes.eta**2).sum())
+
+
+def _check(lowered: LoweredModel, source: StateFile) -> None:
+    identity, step = source.identity, source.snapshot.step
+    if step >= lowered.n_steps:
+        raise ModelError(
+            f"simulation: t_end: time goes on from that of the state, {step * lowered.h:.9g} s; "
+            f"expected more, got {lowered.model.settings.t_end:.9g}"
+        )
+    for name, value in lowered.system.scheme.leaves():
+        if identity.system.get(f"scheme/{name}") != digest_of(value):
+            raise StateError(
+                f"simulation: start: the state is of another step, rho_inf or rule ({name})"
+            )
+    _check_bodies(lowered, source)
+    first, lags = int(source.snapshot.arrays["state/past/first"][0]), identity.kernels.values()
+    span = power_above(max((kernel[1] for kernel in lags), default=0))
+    own = power_above(int(lowered.system.elastic.kernels.lags.max(initial=0)))
+    if first and own != span:
+        raise StateError("simulation: memory: the state has dropped loads that are older")
+
+
+def _check_bodies(lowered: LoweredModel, source: StateFile) -> None:
+    identity, flexible = source.identity, lowered.model.flexible_bodies
+    for name in identity.layout.n_b:
+        was, now = name in identity.layout.n_e, name in flexible
+        if name in lowered.model.bodies and was != now:
+            raise StateError(f"body {name!r}: was {_kind(was)}, is {_kind(now)}")
+        if not now and name in identity.kernels:
+            raise StateError(f"body {name!r}: is no longer there, and what it stored is not known")
+    for name in flexible.keys() & identity.layout.n_e.keys():
+        digest = digest_of(flexible[name].superelement)
+        if identity.model[f"bodies.{name}.superelement"] != digest:
+            raise StateError(f"body {name!r}: another superelement, which has not the same past")
+    identity.check_kernels(lowered, flexible.keys() & identity.layout.n_e.keys())
+
+
+def _kind(flexible: bool) -> str:
+    return "flexible" if flexible else "rigid"
+
+
+def _check_closed(lowered: LoweredModel, known: list[int], state: State, work: Workspace) -> None:
+    """`StateError` for a new joint that is open, or that opens."""
+    couplings, size = lowered.system.couplings, lowered.system.bodies.size
+    v = np.abs(state.bodies.v) * [1.0, 1.0, 1.0, size, size, size]
+    rates = work.couplings.rate + drive_rates(lowered, work)
+    for i in np.flatnonzero(couplings.compliant == 0).tolist():
+        if i in known:
+            continue
+        length = size if lowered.measures_lengths[i] else 1.0
+        unit = "m" if lowered.measures_lengths[i] else "rad"
+        if (opening := abs(float(work.couplings.phi[i]))) > CLOSED * length:
+            raise StateError(
+                f"{lowered.owner_of(i)}: is open by {opening:.6g} {unit} where the state begins"
+            )
+        if (rate := abs(float(rates[i]))) > CLOSED * length / size * float(v.max()):
+            raise StateError(
+                f"{lowered.owner_of(i)}: opens at {rate:.6g} {unit}/s where the state begins: to "
+                "close it takes an impulse"
+            )
