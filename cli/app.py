@@ -219,7 +219,7 @@ def sweep(
         )
     start = perf_counter()
     from .. import study
-    from .sweep import failures, shown_cases
+    from .sweep import failures, shown_cases, told
 
     with errors_in_one_line(study):
         plan = study.read_study(study_file, output)
@@ -229,9 +229,7 @@ def sweep(
     for line in failed:
         typer.echo(one_line(line), err=True)
     seconds = perf_counter() - start
-    typer.echo(
-        one_line(f"{plan.summary}: {len(rows)} cases, {len(failed)} failed, {seconds:.1f} s")
-    )
+    typer.echo(one_line(f"{plan.summary}: {len(rows)} cases, {told(rows)}, {seconds:.1f} s"))
     if failed:
         raise typer.Exit(1)
 
