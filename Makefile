@@ -15,7 +15,7 @@ FAST := $(COMPILED) tests/solver/test_joints.py
 PLAIN := tests/solver/test_rigid.py
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint validation benchmark soak mutants docs constraints clean
+.PHONY: help demo test lint validation fuzz benchmark soak mutants docs constraints clean
 .PHONY: wheel-test plain-test coverage python-test lowest-test audit
 .DELETE_ON_ERROR:
 
@@ -63,6 +63,9 @@ lowest-test: $(CI)/lowest/.wheel ## the wheel with the oldest numba and numpy: t
 
 audit: $(CI)/3.11/.wheel ## known vulnerabilities of what the constraints name, where a list of them is reached
 	$(CI)/3.11/bin/python .ci/audit.py constraints.txt
+
+fuzz: $(VENV)/.installed ## damaged files for all readers, for SECONDS=60 from number FIRST=0 on
+	$(BIN)/python -m tests.fuzz.run $(or $(SECONDS),60) $(or $(FIRST),0)
 
 benchmark: $(VENV)/.validation ## timed work; where there is a peer, as ratios measured in the same run
 	@set -e; for program in benchmarks/*.py; do echo "$$program"; $(BIN)/python "$$program"; done

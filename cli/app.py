@@ -65,7 +65,7 @@ DryRun = Annotated[
     bool,
     typer.Option(
         "--dry-run",
-        help="Only report on the mesh and the cost, and draw it: NAME.png beside the body file.",
+        help="Only report on the mesh and the cost, and draw it: BODY.png beside the body file.",
     ),
 ]
 Resume = Annotated[
@@ -120,17 +120,21 @@ Title = Annotated[
 def preprocess(
     body_file: BodyFile, output: PreprocessOutput = None, dry_run: DryRun = False
 ) -> None:
-    """Turn a mesh into a superelement: NAME.h5 beside the body file, unless given."""
+    """Turn a mesh into a superelement: BODY.h5 beside the body file, unless given."""
     start = perf_counter()
-    from .. import preprocess, superelement
+    from .. import files, preprocess, superelement
 
     if dry_run:
         _survey(body_file, output)
         return
-    with errors_in_one_line(preprocess, superelement):
+    target = output or body_file.with_suffix(".h5")
+    with errors_in_one_line(files, preprocess, superelement):
         body = preprocess.read_body(body_file)
+        superelement.require_writable(target)
+        files.require_no_input(target, [body_file, *preprocess.files_of(body)])
+    with errors_in_one_line(preprocess, superelement, about=body_file):
         element = preprocess.build(body, progress=True)
-        target = output or body_file.with_name(f"{element.name}.h5")
+    with errors_in_one_line(superelement):
         superelement.write(target, element)
     megabytes = target.stat().st_size / 1e6
     seconds = perf_counter() - start
@@ -140,14 +144,17 @@ def preprocess(
 def _survey(body_file: Path, output: Path | None) -> None:
     from rich.console import Console
 
-    from .. import preprocess, view
+    from .. import files, preprocess, view
     from ..preprocess.survey import survey
     from .survey import report, scene
 
-    with errors_in_one_line(preprocess, view):
+    target = output or body_file.with_suffix(".png")
+    with errors_in_one_line(files, preprocess, view):
         body = preprocess.read_body(body_file)
+        files.require_no_input(target, [body_file, *preprocess.files_of(body)])
+    with errors_in_one_line(preprocess, about=body_file):
         surveyed = survey(body, progress=True)
-        target = output or body_file.with_name(f"{body.name}.png")
+    with errors_in_one_line(view):
         view.save(view.draw_scene(scene(surveyed)), target)
     Console().print(report(surveyed))
     typer.echo(one_line(target))

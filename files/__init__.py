@@ -1,11 +1,12 @@
 """Files of others, opened with care, and files of our own, written whole and over no input."""
 
 from .outputs import OverwriteError, renamed_when_whole, require_no_input
-from .regular import FileError, require_regular
+from .regular import FileError, in_one_line, require_regular
 
 __all__ = [
     "FileError",
     "OverwriteError",
+    "in_one_line",
     "renamed_when_whole",
     "require_no_input",
     "require_regular",

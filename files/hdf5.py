@@ -12,7 +12,7 @@ from typing import Any
 import h5py
 
 from .memory import available
-from .regular import FileError, require_regular
+from .regular import FileError, in_one_line, require_regular
 
 MOST_LINKS = 100_000
 """of a file"""
@@ -53,8 +53,8 @@ def opened(path: str | os.PathLike[str], failure: type[Exception]) -> Iterator[h
     except FileError as error:
         raise failure(f"{os.fspath(path)}: {error}") from error
     except DAMAGE as error:
-        text = " ".join(str(error).split()) or type(error).__name__
-        raise failure(f"{os.fspath(path)}: not a readable HDF5 file: {text}") from error
+        why = in_one_line(error)
+        raise failure(f"{os.fspath(path)}: not a readable HDF5 file: {why}") from error
 
 
 def require_contained(file: h5py.File) -> None:

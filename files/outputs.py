@@ -12,7 +12,6 @@ from platform import node
 KEPT = 100
 """characters of a name that its temporary file has too: names end at 255"""
 
-
 AnyPath = str | os.PathLike[str]
 
 
@@ -22,11 +21,8 @@ class OverwriteError(ValueError):
 
 def require_no_input(output: Path, inputs: Iterable[Path]) -> None:
     """`OverwriteError` if an output is one of the inputs, by another path or a link too."""
-    for path in inputs:
-        if _same(output, path):
-            raise OverwriteError(
-                f"{output}: expected another file for the output, found the input {path}"
-            )
+    if found := clash([output], {path: f"the input {path}" for path in inputs}):
+        raise OverwriteError(f"{found}, which the output would replace")
 
 
 @contextmanager
@@ -74,13 +70,6 @@ def _alive(process: int) -> bool:
     except OSError:  # it belongs to somebody else
         return True
     return True
-
-
-def _same(one: Path, other: Path) -> bool:
-    try:
-        return os.path.samefile(one, other)
-    except (OSError, ValueError):
-        return False
 
 
 def clash(targets: Iterable[AnyPath], inputs: Mapping[AnyPath, str]) -> str:

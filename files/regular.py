@@ -21,6 +21,11 @@ def require_regular(path: str | os.PathLike[str]) -> None:
         raise FileError(f"expected a regular file, found {_kind(status.st_mode)}")
 
 
+def in_one_line(error: BaseException) -> str:
+    """The text of an error, or its kind where it has none."""
+    return " ".join(str(error).split()) or type(error).__name__
+
+
 def _kind(mode: int) -> str:
     if stat.S_ISDIR(mode):
         return "a folder"

@@ -12,6 +12,7 @@ from .errors import (
     MethodError,
     PreprocessError,
 )
+from .sources.reading import files_of
 
 __all__ = [
     "Body",
@@ -25,5 +26,6 @@ __all__ = [
     "Structure",
     "assemble",
     "build",
+    "files_of",
     "read_body",
 ]

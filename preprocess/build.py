@@ -2,16 +2,22 @@
 
 from importlib import metadata
 
+import numpy as np
+
+from ..files import in_one_line
 from ..superelement import Provenance, Superelement, sha256
 from .assembly.structure import Structure, assemble_on
 from .body.body import Body
+from .errors import MethodError
 from .progress import Stages, shown_stages
 from .recovery import check_recovery, recover
 from .responses.factor import factorizations
-from .responses.impulse import impulse_responses
+from .responses.impulse import impulse_responses, require_memory
 from .responses.static import accelerance, compliance
 from .sources.reading import read_source
 
+FEWEST = 3
+"""dofs of an interface, at least"""
 PACKAGES = ("duhamel", "numpy", "scipy", "scikit-fem", "meshio", "rslab")
 
 
@@ -29,8 +35,14 @@ def build(body: Body, progress: bool = False) -> Superelement:
     `progress` shows on the terminal what is being done and how far it is.
     `PreprocessError` if the body, its mesh or its method do not allow it.
     """
-    with shown_stages(progress) as stages, factorizations() as summaries:
-        return _build(body, stages, summaries)
+    require_memory(body.impulse.steps, FEWEST * len(body.interfaces))
+    try:
+        with shown_stages(progress) as stages, factorizations() as summaries:
+            return _build(body, stages, summaries)
+    except np.linalg.LinAlgError as error:
+        raise MethodError(
+            f"numbers of the body lie too far apart for its matrices: {in_one_line(error)}"
+        ) from error
 
 
 def _build(body: Body, stages: Stages, summaries: list[str]) -> Superelement:

@@ -17,6 +17,8 @@ from typing import Any, Self
 import h5py
 import numpy as np
 
+from ..files import require_regular
+from ..files.hdf5 import DAMAGE, require_contained, texts
 from ..superelement.validation import Array
 from .errors import ResultsError
 from .journal import BusyError, Journal, JournaledFile, partial_of, recover, uninterrupted
@@ -45,8 +47,6 @@ LEAST_ROWS = 16
 TEXT = h5py.string_dtype()
 CHECKS = "check_value"
 """the variable with the values of the checks of validity"""
-DAMAGE = (OSError, RuntimeError, KeyError, ValueError, TypeError, MemoryError)
-"""exceptions of h5py on a file with wrong bytes"""
 
 
 class FileSource:
@@ -59,10 +59,11 @@ class FileSource:
     def __init__(self, path: Path) -> None:
         self._path = path
         with self._open() as file:
+            require_contained(file)
             _check_format(file)
             self.run = _run_of(file)
             self._contents = _read_contents(file)
-            self._written = int(file["solver"].attrs["written"])
+            self._written = _rows_in(file)
 
     @property
     def name(self) -> str:
@@ -88,7 +89,7 @@ class FileSource:
         with self._open() as file:
             if _run_of(file) != self.run:
                 raise ResultsError("another run has replaced this file: read it again")
-            n = self._written = self._written or int(file["solver"].attrs["written"])
+            n = self._written = self._written or _rows_in(file)
             if not n:
                 raise ResultsError("no step has been written yet")
             axes = self._contents.axes
@@ -102,6 +103,7 @@ class FileSource:
     @contextmanager
     def _open(self) -> Iterator[h5py.File]:
         try:
+            require_regular(self._path)
             recover(self._path.resolve())
             with _opened(self._path, PATIENCE) as file:
                 yield file
@@ -112,7 +114,8 @@ class FileSource:
         except BlockingIOError as error:
             raise ResultsError(f"{self._path}: cannot be read: {error}") from error
         except DAMAGE as error:
-            raise ResultsError(f"{self._path}: not a readable HDF5 file: {error}") from error
+            text = " ".join(str(error).split()) or type(error).__name__
+            raise ResultsError(f"{self._path}: not a readable HDF5 file: {text}") from error
 
 
 class FileWriter:
@@ -361,39 +364,50 @@ def _run_of(file: h5py.File) -> str:
     return str(file["solver"].attrs.get("run", ""))
 
 
+def _rows_in(file: h5py.File) -> int:
+    """The number of rows that count."""
+    if (written := int(file["solver"].attrs["written"])) < 0:
+        raise ResultsError(f"attribute written: expected 0 or more, found {written}")
+    return written
+
+
 def _text(value: Any) -> Any:
     return value.decode() if isinstance(value, bytes) else value
 
 
 def _read_contents(file: h5py.File) -> Contents:
-    axes = {name: Axis(_strings(file[name])) for name in DIMENSIONS if name in file}
+    axes = {name: Axis(_strings(file, name)) for name in DIMENSIONS if name in file}
     del axes["time"]
     quantities = tuple(quantity for quantity in QUANTITIES if quantity.name in file)
     for quantity in quantities:
         if not isinstance(quantity.unit, str):
             name = quantity.dimensions[1]
-            angular = [unit == quantity.unit[1] for unit in _strings(file[units_of(quantity)])]
+            angular = [unit == quantity.unit[1] for unit in _strings(file, units_of(quantity))]
             axes[name] = Axis(axes[name].names, tuple(angular))
     bodies = axes.pop("flexible_body", Axis(())).names
     superelements: dict[str, SuperelementFile] = {}
     if bodies:
-        paths, digests = file["superelement_file"], file["superelement_sha256"]
-        files = map(SuperelementFile, _strings(paths), _strings(digests))
+        paths, digests = (_strings(file, f"superelement_{of}") for of in ("file", "sha256"))
+        files = map(SuperelementFile, paths, digests)
         superelements = dict(zip(bodies, files, strict=True))
     checks = axes.pop("check", Axis(())).names
     return Contents(axes, quantities, superelements, checks)
 
 
-def _strings(dataset: h5py.Dataset) -> tuple[str, ...]:
-    return tuple(dataset.asstr()[()].tolist()) if dataset.dtype.kind == "O" else ()
+def _strings(file: h5py.File, name: str) -> tuple[str, ...]:
+    """The entries of a dimension; none of time, whose variable holds numbers."""
+    dataset = file[name]
+    if not isinstance(dataset, h5py.Dataset) or dataset.ndim != 1:
+        raise ResultsError(f"variable {name!r}: expected a list")
+    return tuple(texts(dataset)) if dataset.dtype.kind == "O" else ()
 
 
 def _rows(file: h5py.File, axes: Axes, quantity: Quantity, entries: Any, written: int) -> Array:
     if isinstance(entries, slice) and entries.start == entries.stop:
         return np.zeros((written, 0))
     dataset = file.get(quantity.name)
-    if not isinstance(dataset, h5py.Dataset):
-        raise ResultsError(f"variable {quantity.name!r} is missing")
+    if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind not in "fi":
+        raise ResultsError(f"variable {quantity.name!r}: expected numbers, found none")
     shape = quantity.shape(axes)
     if dataset.shape[1:] != shape or len(dataset) < written:
         raise ResultsError(

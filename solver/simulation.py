@@ -15,7 +15,15 @@ from ..results.schema import Energies
 from ..results.source import Writer
 from .arrays import Array, Index
 from .checkpoint.carried import carried
-from .errors import ConvergenceError, ModelError, StateError, ValidityWarning, about
+from .diagnosis import likely_cause
+from .errors import (
+    ConvergenceError,
+    ModelError,
+    OutOfRangeError,
+    StateError,
+    ValidityWarning,
+    about,
+)
 from .history.dyadic import DyadicConvolution
 from .lower.allocation import allocate
 from .lower.lower import LoweredModel, lower
@@ -33,6 +41,7 @@ from .output.recorder import NO_ENERGIES, Recorder
 from .output.validity import Judge, check_range
 from .output.writer import check_output, make_writer, read_back, resume_writer
 from .progress import Progress
+from .schema.entry import LARGEST
 from .start.initial import initialize, lower_to_start
 from .start.removed import RemovedRows
 from .step.loop import advance
@@ -160,7 +169,7 @@ def _finish(course: Course, progress: bool) -> Results:
         writer.note(finished=True, seconds=time.perf_counter() - started)
         settle_checkpoint(writer)
         writer.finish()
-    except ConvergenceError as error:
+    except (ConvergenceError, ModelError, OutOfRangeError) as error:
         error.args = (f"{error}{writer.where()}",)
         raise
     except KeyboardInterrupt as interrupt:
@@ -204,7 +213,7 @@ def march(course: Course, progress: bool = False) -> None:
             check_range(lowered, state, done)
             if taken < len(rows):
                 cause = judge.cause(state, done - begin)
-                raise failure(lowered, done + 1, residual, work, cause)
+                raise failure(lowered, state, work, done + 1, residual, cause)
             course.removed.check(work, done * lowered.h)
             convolution.update(state)
             keeper.step_taken(done, recorder)
@@ -216,7 +225,7 @@ def signals(lowered: LoweredModel, first: int, rows: Index) -> Inputs:
     """Loads and drives at the steps first, first + 1, ..., which the loop records in the rows."""
     n = len(rows)
     t = lowered.h * np.arange(first, first + n, dtype=np.float64)
-    load = [signal.samples(t, lowered.h) for signal in lowered.load_signals]
+    load = [_bearable(signal.samples(t, lowered.h)) for signal in lowered.load_signals]
     drive = [np.array([signal(t_n) for t_n in t.tolist()]) for signal in lowered.drives]
     return Inputs(load=_columns(load, n), drive=_columns(drive, n), row=rows, ahead=0)
 
@@ -225,18 +234,24 @@ def _columns(samples: list[Array], n: int) -> Array:
     return np.array(samples).reshape(len(samples), n).T.copy()
 
 
+def _bearable(samples: Array) -> Array:
+    """Samples in which what would overflow is no number, which stops the step that meets it."""
+    return np.where(np.abs(samples) <= LARGEST, samples, np.nan)
+
+
 def failure(
-    lowered: LoweredModel, step: int, residual: float, work: Workspace, cause: str
+    lowered: LoweredModel, state: State, work: Workspace, step: int, residual: float, cause: str
 ) -> ConvergenceError:
-    """The error of a step in which Newton's method failed, with its likely cause or ""."""
+    """The error of a step in which Newton's method failed; cause: where one is known already."""
+    worst = _worst_joint(lowered, work)
     return ConvergenceError(
         step,
         step * lowered.h,
         residual,
         lowered.model.settings.tolerance,
-        _worst_joint(lowered, work),
+        worst,
         lowered.model.path,
-        cause,
+        cause or likely_cause(lowered, state, work, step * lowered.h),
     )
 
 

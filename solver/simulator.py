@@ -129,7 +129,7 @@ class Simulator:
         check_range(self._lowered, self._state, number)
         if not taken:
             cause = Judge(self._lowered).cause(self._state, number - 1)
-            raise failure(self._lowered, number, residual, self._work, cause)
+            raise failure(self._lowered, self._state, self._work, number, residual, cause)
         self._number = number
         if number % AHEAD == 0:
             self._removed.check(self._work, self.time)

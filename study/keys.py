@@ -9,6 +9,7 @@ from copy import deepcopy
 from fnmatch import fnmatchcase
 from typing import Any
 
+from ..inputs import dotted, quoted
 from .errors import StudyError
 
 
@@ -56,9 +57,14 @@ def _entry(table: Any, name: str, path: str) -> Any:
         entries |= {entry["name"]: number for number, entry in enumerate(table) if _has_name(entry)}
     if name not in entries:
         raise StudyError(
-            f"no {name!r} in {path or 'the file'}; there are: {', '.join(entries) or 'no keys'}"
+            f"no {quoted(name)} in {path or 'the file'}; "
+            f"there are: {', '.join(map(_shown, entries)) or 'no keys'}"
         )
     return entries[name]
+
+
+def _shown(key: str) -> str:
+    return dotted([key])
 
 
 def _has_name(entry: Any) -> bool:

@@ -5,6 +5,7 @@ import io
 import os
 import re
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from itertools import product
@@ -123,11 +124,20 @@ def _study(file: _StudyFile, path: Path, folder: Path) -> Study:
             is_path = isinstance(value, str) and any(
                 fnmatchcase(key, pattern) for pattern in kind.paths
             )
-            changed = replaced(
-                changed, key, _relative(path.parent / value, folder) if is_path else value
-            )
+            value = _relative(path.parent / value, folder) if is_path else value
+            with _named(table, point.name):
+                changed = replaced(changed, key, value)
         cases.append(Case(point.name, point.parameters, changed, folder))
     return Study(path, kind, base, folder, tuple(cases), file.outputs, table)
+
+
+@contextmanager
+def _named(table: Path | None, case: str) -> Iterator[None]:
+    """Name the table, if there is one, and the case in errors of its keys."""
+    try:
+        yield
+    except StudyError as error:
+        raise error if table is None else StudyError(f"{table}: {case}: {error}") from error
 
 
 def _kind_and_base(file: _StudyFile, folder: Path) -> tuple[Kind, Path]:

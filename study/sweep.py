@@ -5,6 +5,7 @@ from contextlib import closing
 
 from .case import Case
 from .errors import StudyError
+from .processes import on_processes
 from .study_file import Study, check_outputs
 from .summary import Row, write_summary
 from .workers import Report, in_process, on_cluster
@@ -63,8 +64,10 @@ def _reports(
         return
     if workers == 0:
         yield from in_process(study.kind, todo)
+    elif scheduler is None:
+        yield from on_processes(study.kind, todo, workers)
     else:
-        yield from on_cluster(study.kind, todo, workers, scheduler)
+        yield from on_cluster(study.kind, todo, scheduler)
 
 
 def _check(study: Study) -> None:

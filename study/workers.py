@@ -1,4 +1,4 @@
-"""Workers for the cases: this process, or workers of Dask."""
+"""Workers for the cases: this process, or workers of Dask; processes.py has those between."""
 
 import warnings
 from collections.abc import Iterator, Sequence
@@ -44,16 +44,14 @@ def in_process(kind: Kind, cases: Sequence[Case]) -> Iterator[tuple[Case, Report
         yield case, attempt(kind, case)
 
 
-def on_cluster(
-    kind: Kind, cases: Sequence[Case], workers: int | None = None, scheduler: str | None = None
-) -> Iterator[tuple[Case, Report]]:
-    """Cases as they are finished by the workers of a scheduler, or by processes on this machine.
+def on_cluster(kind: Kind, cases: Sequence[Case], scheduler: str) -> Iterator[tuple[Case, Report]]:
+    """Cases as they are finished by the workers of a scheduler.
 
-    workers: number of processes, by default one per core. A case whose worker dies is run again by
-    another. One of which four workers die (more than the allowed-failures of Dask) is reported as
-    failed. Raises `ClusterError` without Dask, or without an answer of the scheduler.
+    A case whose worker dies is run again by another. One of which four workers die (more than the
+    allowed-failures of Dask) is reported as failed. Raises `ClusterError` without Dask, or without
+    an answer of the scheduler.
     """
-    with _client(workers, scheduler) as client:
+    with _client(scheduler) as client:
         from distributed import as_completed
 
         waiting = iter(cases)
@@ -87,21 +85,14 @@ def _threads(client: "Client") -> int:
 
 
 @contextmanager
-def _client(workers: int | None, scheduler: str | None) -> Iterator["Client"]:
+def _client(scheduler: str) -> Iterator["Client"]:
     try:
-        from distributed import Client, LocalCluster
+        from distributed import Client
     except ModuleNotFoundError as error:
         raise ClusterError(
             "Dask is not installed: pip install 'duhamel[cluster]', "
-            "or --workers 0 for one case after another"
+            "or no --scheduler for processes of this machine"
         ) from error
-    if scheduler is None:
-        cluster = LocalCluster(
-            n_workers=workers, threads_per_worker=1, dashboard_address="127.0.0.1:0"
-        )
-        with cluster, Client(cluster) as client:
-            yield client
-        return
     try:
         client = Client(scheduler, timeout=PATIENCE)
     except (OSError, ValueError) as error:

@@ -2,7 +2,7 @@
 
 from .audit import check
 from .checks import Check
-from .file import read, sha256, write
+from .file import read, require_writable, sha256, write
 from .interface import Interface
 from .kernel import Kernel, sample_kernel
 from .modes import Modes
@@ -25,6 +25,7 @@ __all__ = [
     "SuperelementError",
     "check",
     "read",
+    "require_writable",
     "respond",
     "sample_kernel",
     "sha256",

@@ -40,14 +40,29 @@ def write(path: str | os.PathLike[str], superelement: Superelement) -> None:
     image = io.BytesIO()
     with h5py.File(image, "w") as file:
         _fill(file, superelement)
-    target = Path(path)
-    if not target.parent.is_dir():
-        raise SuperelementError(f"{path}: no folder {target.parent}")
+    require_writable(path)
     try:
-        with renamed_when_whole(target) as temporary:
+        with renamed_when_whole(Path(path)) as temporary:
             temporary.write_bytes(image.getbuffer())
     except OSError as error:
         raise SuperelementError(f"{path}: cannot be written: {error}") from error
+
+
+def require_writable(path: str | os.PathLike[str]) -> None:
+    """`SuperelementError` for a path at which no file can be written, before it is worked for."""
+    target = Path(path)
+    try:
+        if not target.parent.is_dir():
+            why = f"no folder {target.parent}"
+        elif target.exists() and not target.is_file():
+            why = "cannot be written: not a regular file"
+        elif not os.access(target.parent, os.W_OK):
+            why = f"cannot be written: no right to write into {target.parent}"
+        else:
+            return
+    except (OSError, ValueError) as error:  # a name that is too long, or with a NUL
+        why = f"cannot be written: {error}"
+    raise SuperelementError(f"{path}: {why}")
 
 
 def read(path: str | os.PathLike[str], recovery: bool = True) -> Superelement:

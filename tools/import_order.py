@@ -68,6 +68,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "checkpoint",
         "start",
         "output",
+        "diagnosis",
         "simulation",
         "inspection",
         "simulator",

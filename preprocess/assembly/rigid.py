@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import solve_triangular
 
+from ...superelement.checks import ROUNDING
 from ...superelement.validation import Array
 from ..errors import MeshError
 from ..mesh.nodes import Nodes
@@ -58,6 +59,12 @@ def rigid_modes(nodes: Nodes, M: Any) -> RigidModes:
         raise MeshError(
             "expected a positive mass and inertia, "
             f"found {mass} kg and principal inertias {principal}"
+        )
+    if principal[2] > (1.0 + ROUNDING) * (principal[0] + principal[1]):
+        raise MeshError(
+            "expected principal inertias of which two are no less than the third, found "
+            f"{', '.join(f'{value:.4g}' for value in principal)} kg m^2: no rigid body has such "
+            "polar and rotary inertias of sections, or inertias of masses"
         )
     U = solve_triangular(np.linalg.cholesky(moments), A.T, lower=True).T
     return RigidModes(A, U, mass, center, J_rot)

@@ -5,12 +5,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 import scipy.sparse as sp
 
 from ...superelement import Interface
-from ...superelement.validation import Array
+from ...superelement.validation import LARGEST, Array
 from ..body.body import Body
-from ..errors import InterfaceError
+from ..errors import InterfaceError, MeshError
 from ..mesh.nodes import Nodes
 from .interfaces import Attachment, attachments
 from .masses import lumped_mass, mass_selections
@@ -63,7 +64,9 @@ def assemble_on(body: Body, source: Source) -> Structure:
 
     on the dofs that are left once nodes follow rigid frames.
     """
-    K, M = source.matrices()
+    # What is too large is said of the sums.
+    with np.errstate(over="ignore", invalid="ignore"):
+        K, M = source.matrices()
     try:
         frames = attachments("interfaces", body.interfaces, source)
         selected = attachments("masses", mass_selections(body), source)
@@ -79,6 +82,8 @@ def assemble_on(body: Body, source: Source) -> Structure:
     if nodes.n_dofs < source.nodes.n_dofs:
         K, M = (_symmetric(T.T @ matrix @ T) for matrix in (K, M))
     M = M + lumped
+    for what, matrix in (("stiffness", K), ("mass", M)):
+        _check_magnitude(source.name, what, matrix)
     rigid = rigid_modes(nodes, M)
     return Structure(
         nodes=nodes,
@@ -93,6 +98,15 @@ def assemble_on(body: Body, source: Source) -> Structure:
         frames=frames,
         masses=masses,
     )
+
+
+def _check_magnitude(name: str, what: str, matrix: Any) -> None:
+    largest = float(np.abs(matrix.data).max(initial=0.0))
+    if not largest <= LARGEST:
+        raise MeshError(
+            f"{name}: expected a {what} up to {LARGEST:g}, found {largest}: look at the scale of "
+            "the mesh, its sections or materials, and masses"
+        )
 
 
 def _symmetric(matrix: Any) -> Any:

@@ -17,7 +17,8 @@ from pydantic import (
     model_validator,
 )
 
-from ...inputs import InputError, Table, Vector, read_table
+from ...inputs import InputError, Table, Vector, is_name, quoted, read_table
+from ...inputs.names import LONGEST
 from ..errors import BodyError
 from .material import Material, Section
 from .selection import InterfaceSelection, Selection
@@ -203,7 +204,7 @@ class Body(Table):
     is in SI units.
     """
 
-    name: str = Field(min_length=1)
+    name: str
     mesh: FilePath | None = None
     matrices: Matrices | None = None
     scale: PositiveFloat = 1.0
@@ -235,9 +236,15 @@ class Body(Table):
             raise ValueError(
                 f"expected one of {', '.join(makes)}, found {' and '.join(keys) or 'none'}"
             )
-        for name in self.interfaces:
-            if not name or "/" in name or "." in name:
-                raise ValueError(f"interfaces: expected a name without '/' and '.', found {name!r}")
+        if not (0 < len(self.name) <= LONGEST and self.name.isprintable()):
+            raise ValueError(f"name: expected 1 to {LONGEST} characters, found {quoted(self.name)}")
+        for table in ("interfaces", "masses"):
+            for name in getattr(self, table):
+                if not is_name(name):
+                    raise ValueError(
+                        f"{table}: expected a name of 1 to {LONGEST} characters without '/' and "
+                        f"'.', found {quoted(name)}"
+                    )
         for table, selections in (("interfaces", self.interfaces), ("masses", self.masses)):
             for name, selection in selections.items():
                 if selection.nodes is not None and self.matrices is None:

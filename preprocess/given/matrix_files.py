@@ -1,6 +1,5 @@
 """Files of sparse matrices: Matrix Market, scipy's .npz, Abaqus and Nastran."""
 
-import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,10 +9,14 @@ import numpy as np
 import scipy.io
 import scipy.sparse as sp
 
+from ...files import in_one_line
 from ..errors import MatrixError
 from ..mesh.mesh import IntArray
+from .damage import DAMAGE, about, arrays, load_rows, require_text
 
 MARKET = b"%%MatrixMarket"
+LARGEST = 2.0**31
+"""a label or a row: two of them are one number of 64 bits"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,18 +36,14 @@ def read_matrix(path: Path, name: str) -> MatrixFile:
     """Read a matrix; of a file with several (Nastran) that of this name. `MatrixError` says why it
     cannot be read.
     """
-    if not path.is_file():
-        raise MatrixError(f"{path}: no such file of a matrix")
     read = _READERS.get(path.suffix.lower())
     if read is None:
         raise MatrixError(
             f"{path}: expected a file of type {', '.join(_READERS)}, "
             f"found {path.suffix or 'no suffix'}"
         )
-    try:
+    with about(path, "a matrix"):
         matrix = read(path, name)
-    except MatrixError as error:
-        raise MatrixError(f"{path}: {error}") from error
     rows, columns = matrix.entries.shape
     if rows != columns:
         raise MatrixError(
@@ -62,14 +61,13 @@ def read_matrix(path: Path, name: str) -> MatrixFile:
 
 def _npz(path: Path, _: str) -> MatrixFile:
     """A file of scipy.sparse.save_npz."""
-    try:
+    with arrays(path, "a sparse matrix of scipy"):
         return MatrixFile(path.name, sp.coo_array(sp.load_npz(path)))
-    except (ValueError, KeyError, OSError, zipfile.BadZipFile) as error:
-        raise MatrixError(f"not a sparse matrix of scipy: {error}") from error
 
 
 def _mtx(path: Path, _: str) -> MatrixFile:
     """Matrix Market if the first line says so, else Abaqus."""
+    require_text(path)
     with path.open("rb") as file:
         market = file.read(len(MARKET)) == MARKET
     return _market(path) if market else _abaqus(path)
@@ -78,8 +76,8 @@ def _mtx(path: Path, _: str) -> MatrixFile:
 def _market(path: Path) -> MatrixFile:
     try:
         return MatrixFile(path.name, sp.coo_array(scipy.io.mmread(path, spmatrix=False)))
-    except (ValueError, OverflowError, OSError) as error:
-        raise MatrixError(f"not a Matrix Market file: {error}") from error
+    except DAMAGE as error:
+        raise MatrixError(f"not a Matrix Market file: {in_one_line(error)}") from error
 
 
 def _abaqus(path: Path) -> MatrixFile:
@@ -90,30 +88,33 @@ def _abaqus(path: Path) -> MatrixFile:
 
     Source: Abaqus Analysis Guide, "Generating structural matrices".
     """
-    with path.open() as file:
+    with path.open(encoding="utf-8") as file:
         first = next((line for line in file if line.strip() and not line.startswith("*")), "")
     try:
-        table = np.loadtxt(path, delimiter="," if "," in first else None, comments="*", ndmin=2)
+        table = load_rows(path, delimiter="," if "," in first else None, comments="*")
     except ValueError as error:
-        raise MatrixError(f"not a matrix of Abaqus: {error}") from error
+        raise MatrixError(f"not a matrix of Abaqus: {in_one_line(error)}") from error
     if table.shape[1] not in (3, 5):
         raise MatrixError(
             "expected rows 'node, dof, node, dof, value' or 'row, column, value' of Abaqus, or "
             f"Matrix Market, found {table.shape[1]} columns"
         )
-    labels = table[:, :-1].astype(np.int64)
-    if (labels < 1).any() or (labels != table[:, :-1]).any():
-        row = table[((labels < 1) | (labels != table[:, :-1])).any(axis=1)][0]
+    given = table[:, :-1]
+    wrong = ~((given >= 1.0) & (given <= LARGEST) & (given % 1.0 == 0.0)).all(axis=1)
+    if wrong.any():
         raise MatrixError(
-            f"expected labels, dofs and rows from 1 on, found {row.tolist()}: "
+            f"expected labels, dofs and rows from 1 on, found {table[wrong][0].tolist()}: "
             "internal nodes are not read"
         )
+    labels = given.astype(np.int64)
     if table.shape[1] == 3:
         rows, columns = labels.T - 1
         return MatrixFile(path.name, _coo(table[:, -1], rows, columns, int(labels.max())))
     pairs = np.concatenate([labels[:, :2], labels[:, 2:]])
     # One number for node and dof: rows of a table sort much slower.
     width = int(pairs[:, 1].max()) + 1
+    if width > LARGEST:
+        raise MatrixError(f"expected dofs of nodes, 1 to 6, found {width - 1}")
     keys, number = np.unique(pairs[:, 0] * width + pairs[:, 1], return_inverse=True)
     rows, columns = np.split(number, 2)
     dofs = np.stack([keys // width, keys % width], axis=1)

@@ -1,6 +1,5 @@
 """Nodes by label: positions and groups."""
 
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -8,10 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
+from ...files import in_one_line
 from ...superelement.validation import Array
 from ..errors import MatrixError
 from ..mesh.mesh import NONE, IntArray
 from ..mesh.numbering import Numbering
+from .damage import about, arrays, load_rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,9 +58,8 @@ def read_nodes(path: Path) -> NodeTable:
 
     `MatrixError` if the file cannot be read, `MeshError` if it is a mesh that cannot.
     """
-    if not path.is_file():
-        raise MatrixError(f"{path}: no such file of nodes")
-    table = _READERS.get(path.suffix.lower(), _of_mesh)(path)
+    with about(path, "nodes"):
+        table = _READERS.get(path.suffix.lower(), _of_mesh)(path)
     if table.points.shape != (len(table.labels), 3) or not np.isfinite(table.points).all():
         raise MatrixError(
             f"{path}: expected three finite coordinates for each of {len(table.labels)} nodes, "
@@ -81,15 +81,16 @@ def read_columns(path: Path, columns: str) -> Array:
     columns: the names of the k columns, for messages.
     """
     try:
-        text = path.read_text()
+        text = path.read_text(encoding="utf-8")
         first, _, rest = text.partition("\n")
         try:
             np.array(first.replace(",", " ").split(), dtype=float)
         except ValueError:
             text = rest
-        table = np.loadtxt(text.replace(",", " ").splitlines(), comments=("#", "*"), ndmin=2)
+        table = load_rows(text.replace(",", " ").splitlines(), comments=("#", "*"))
     except (OSError, UnicodeDecodeError, ValueError) as error:
-        raise MatrixError(f"{path}: expected a table of {columns}: {error}") from error
+        why = in_one_line(error)
+        raise MatrixError(f"{path}: expected a table of {columns}: {why}") from error
     if not len(table) or table.shape[1] != len(columns.split(",")):
         raise MatrixError(
             f"{path}: expected a table of {columns}, found {table.shape[1]} columns, "
@@ -100,11 +101,11 @@ def read_columns(path: Path, columns: str) -> Array:
 
 def as_integers(path: Path, values: Array, what: str) -> IntArray:
     """Numbers of a table that must be whole."""
-    integers = values.astype(np.int64)
-    if (integers != values).any():
-        raise MatrixError(
-            f"{path}: expected integers for {what}, found {values[integers != values].flat[0]}"
-        )
+    whole = np.abs(values) < 2.0**53
+    whole[whole] = values[whole] % 1.0 == 0.0
+    if not whole.all():
+        raise MatrixError(f"{path}: expected integers for {what}, found {values[~whole].flat[0]}")
+    integers: IntArray = values.astype(np.int64)
     return integers
 
 
@@ -114,14 +115,9 @@ def _of_table(path: Path) -> NodeTable:
 
 
 def _of_npz(path: Path) -> NodeTable:
-    try:
-        with np.load(path) as file:
-            points = np.asarray(file["points"], dtype=float)
-            labels = file["labels"] if "labels" in file else np.arange(1, len(points) + 1)
-    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
-        raise MatrixError(
-            f"{path}: expected arrays points (n, 3) and perhaps labels (n,): {error}"
-        ) from error
+    with arrays(path, "arrays points (n, 3) and perhaps labels (n,)"), np.load(path) as file:
+        points = np.asarray(file["points"], dtype=float)
+        labels = file["labels"] if "labels" in file else np.arange(1, len(points) + 1)
     return NodeTable(
         path.name, as_integers(path, np.asarray(labels, dtype=float).ravel(), "labels"), points
     )

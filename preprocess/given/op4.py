@@ -12,7 +12,9 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
+from ...files import in_one_line
 from ..errors import MatrixError
+from .damage import DAMAGE
 
 LONG = 65536
 """Rows from which on a matrix is BIGMAT, whether it says so or not."""
@@ -34,9 +36,9 @@ def read_op4(path: Path, name: str) -> Any:
         matrices = dict(
             _text(data.decode()) if data[:16].strip(b" 0123456789-") == b"" else _binary(data)
         )
-    except (ValueError, IndexError, UnicodeDecodeError) as error:
+    except DAMAGE as error:
         raise MatrixError(
-            f"not an OUTPUT4 file of Nastran, or one that breaks off: {error}"
+            f"not an OUTPUT4 file of Nastran, or one that breaks off: {in_one_line(error)}"
         ) from error
     chosen = name if name in matrices or len(matrices) != 1 else next(iter(matrices))
     if chosen not in matrices:
@@ -103,6 +105,8 @@ def _runs(body: bytes, column: int, first: int, long: bool, word: Any, value: An
         head = np.frombuffer(body, word, 1 + long, position).tolist()
         words, row = (head[0] - 1, head[1]) if long else (head[0] // LONG - 1, head[0] % LONG)
         position += (1 + long) * word.itemsize
+        if words < 1:
+            raise ValueError(f"a string of {words} words")
         count = words * word.itemsize // value.itemsize
         yield column, row, np.frombuffer(body, value, count, position)
         position += words * word.itemsize

@@ -2,15 +2,27 @@
 
 import os
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 
+from ...files import FileError, in_one_line, require_regular
+from ...files.hdf5 import DAMAGE
 from ...superelement.validation import Array
 from ..errors import MeshError, MeshWarning
 from .cells import DIMENSIONS, LINES, SOLIDS
-from .formats import abaqus, gmsh, med, nastran, through_meshio, xdmf
+from .formats import (
+    abaqus,
+    abaqus_deck,
+    gmsh,
+    med,
+    nastran,
+    nastran_deck,
+    through_meshio,
+    xdmf,
+)
 from .formats.draft import Draft
 from .mesh import Mesh
 
@@ -26,6 +38,12 @@ _READERS = {
     ".xmf": xdmf.read,
 }
 """By suffix; meshio reads what is not here."""
+_FILES = {
+    ".inp": abaqus_deck.files_of,
+    **dict.fromkeys((".bdf", ".nas", ".dat", ".fem"), nastran_deck.files_of),
+    **dict.fromkeys((".xdmf", ".xmf"), xdmf.files_of),
+}
+"""Which files a mesh is in, by suffix, of formats with more than one."""
 LISTED = 3
 """Nodes that a warning lists."""
 
@@ -52,18 +70,36 @@ def read_mesh(path: str | os.PathLike[str], scale: float = 1.0) -> Mesh:
 
 def read_draft(path: Path) -> Draft:
     """Read a mesh file, of any cells; `MeshError` if it cannot be read."""
-    if not path.is_file():
-        raise MeshError(f"{path}: no such mesh file")
-    try:
+    with _about(path):
         draft = _READERS.get(path.suffix.lower(), through_meshio.read)(path)
-    except MeshError as error:
-        raise MeshError(f"{path}: {error}") from error
     if not len(draft.points):
         raise MeshError(f"{path}: the mesh has no points")
     if not np.isfinite(draft.points).all():
         point = int(np.flatnonzero(~np.isfinite(draft.points).all(axis=1))[0])
         raise MeshError(f"{path}: point {point} is at {draft.points[point].tolist()}")
     return draft
+
+
+def files_of(path: Path) -> list[Path]:
+    """The files that a mesh is in: with those that it includes, and those of its numbers."""
+    with _about(path):
+        return _FILES.get(path.suffix.lower(), lambda only: [only])(path)
+
+
+@contextmanager
+def _about(path: Path) -> Iterator[None]:
+    """Errors name the file; whatever a reader stumbles over is damage of it."""
+    try:
+        require_regular(path)
+        yield
+    except FileNotFoundError as error:
+        raise MeshError(f"{path}: no such mesh file") from error
+    except (MeshError, FileError) as error:
+        text = str(error)
+        raise MeshError(text if text.startswith(f"{path}: ") else f"{path}: {text}") from error
+    except DAMAGE as error:
+        why = in_one_line(error)
+        raise MeshError(f"{path}: damaged, or more than the memory holds: {why}") from error
 
 
 def _described(loose: Array) -> str:

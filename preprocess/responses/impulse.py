@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from ...superelement import GeneralizedAlpha, Kernel, Modes, sample_kernel
 from ..assembly.structure import Structure
 from ..body.body import Body
+from ..memory import require
 from ..progress import Stages
 from .band import Band
 from .krylov import krylov_modes
@@ -31,6 +32,16 @@ class ImpulseResponses:
     """the error asked of the method; 0 where it is exact"""
 
 
+def require_memory(steps: int, n_c: int) -> None:
+    """`MemoryShortageError` for more lags of n_c interface dofs than memory holds.
+
+    g and g_initial, and once more the file, which is made in memory.
+    """
+    lags = 2.0 * 8.0 * (steps + 1.0) * n_c**2
+    needs = {f"impulse.steps = {steps} on {n_c} interface dofs": lags, "their file": lags}
+    require(needs, "fewer steps, or fewer interfaces, would do")
+
+
 def impulse_responses(
     structure: Structure, body: Body, stages: Stages | None = None
 ) -> ImpulseResponses:
@@ -40,6 +51,7 @@ def impulse_responses(
     """
     stages = stages or Stages()
     impulse, damping = body.impulse, body.damping
+    require_memory(impulse.steps, structure.P_C.shape[0])
     h, scheme, steps = impulse.step, GeneralizedAlpha(impulse.rho_inf), impulse.steps
     method = impulse.method
     if method == "auto":

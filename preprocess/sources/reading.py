@@ -1,10 +1,13 @@
 """The choice of the source that a body file names."""
 
+from pathlib import Path
+
 from ..assembly.source import MeshSource, Source
 from ..body.body import Body
 from ..errors import BodyError
 from ..given.matrices import read_matrices
 from ..mesh.cells import LINES
+from ..mesh.reading import files_of as mesh_files
 from ..mesh.reading import read_mesh
 from .given import GivenSource
 from .lines import LineSource
@@ -15,6 +18,16 @@ def read_source(body: Body) -> Source:
     if body.matrices is not None:
         return GivenSource(read_matrices(body.matrices))
     return read_mesh_source(body)
+
+
+def files_of(body: Body) -> tuple[Path, ...]:
+    """All files that a body is read from, with those that they name; `MeshError` as `read_mesh`."""
+    if body.mesh is not None:
+        return tuple(mesh_files(body.mesh))
+    if body.matrices is None:
+        return ()
+    of_nodes = mesh_files(body.matrices.nodes) if body.matrices.nodes.is_file() else []
+    return (*body.files, *of_nodes)
 
 
 def read_mesh_source(body: Body) -> MeshSource:

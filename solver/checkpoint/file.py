@@ -16,7 +16,8 @@ from typing import Any
 import h5py
 import numpy as np
 
-from ...results.file import DAMAGE, replace_durably
+from ...files.hdf5 import DAMAGE
+from ...results.file import replace_durably
 from ..errors import StateError
 from .carried import Snapshot
 from .identity import Identity

@@ -37,13 +37,13 @@ class TabulatedLaw(ForceLaw):
     def _without_force(self) -> float:
         """The deformation without force that is nearest to 0, or 0 where there is none."""
         c, f = np.array(self.deformation), np.array(self.force)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            crossings = c[:-1] - f[:-1] * np.diff(c) / np.diff(f)
         first, last = c[:-1].copy(), c[1:].copy()
         first[0], last[-1] = -np.inf, np.inf
-        flat = (f[:-1] == 0.0) & (f[1:] == 0.0)
-        crossings[flat] = np.clip(0.0, first, last)[flat]
-        found = crossings[(crossings >= first) & (crossings <= last)]
+        rises = np.diff(f) != 0.0
+        roots = c[:-1][rises] - (f[:-1] * np.diff(c))[rises] / np.diff(f)[rises]
+        roots = roots[(roots >= first[rises]) & (roots <= last[rises])]
+        idle = ~rises & (f[:-1] == 0.0)
+        found = np.append(roots, np.clip(0.0, first, last)[idle])
         return float(found[np.argmin(np.abs(found))]) if len(found) else 0.0
 
     @staticmethod

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..schema.entry import Entry, entry, one_of
-from ..schema.values import ABSENT, OptionalDirection, Pair
+from ..schema.values import ABSENT, NumbersByName, OptionalDirection, Pair
 from .signals import DrivingSignal, SmoothSignal
 
 
@@ -114,7 +114,7 @@ class Joint(Entry):
     second_axis: OptionalDirection = ABSENT
     angle: DrivingSignal | None = None
     distance: DrivingSignal | None = None
-    start: Mapping[str, float] = field(default_factory=dict)
+    start: NumbersByName = field(default_factory=dict)
 
     @property
     def kind(self) -> JointType:

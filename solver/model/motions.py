@@ -5,6 +5,11 @@ from ..schema.entry import Entry, entry
 from ..schema.values import Direction
 from .signals import DrivingSignal, SmoothSignal
 
+ROUNDING = 1e-12
+"""value at t = 0, relative to those at some later times, that counts as none"""
+TIMES = tuple(10.0**k for k in range(-6, 1))
+"""[s]"""
+
 
 @entry()
 class PrescribedDisplacement(Entry):
@@ -52,7 +57,7 @@ PrescribedMotion = PrescribedDisplacement | PrescribedRotation
 
 
 def _check_from_rest(name: str, signal: SmoothSignal) -> None:
-    if (start := signal(0.0)) != 0.0:
+    if (start := signal(0.0)) != 0.0 and abs(start) > ROUNDING * max(map(abs, map(signal, TIMES))):
         raise ModelError(
             f"{name}: expected 0 at t = 0, got {start:.6g}: it counts from where the frame starts; "
             f"an offset of {-start:.6g} would make it so"

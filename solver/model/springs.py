@@ -20,7 +20,14 @@ from ..arrays import Array
 from ..errors import plain
 from ..laws.law import AnyLaw
 from ..schema.entry import Entry, entry, one_of
-from ..schema.values import ABSENT, Coefficients, OptionalArray, OptionalDirection, Pair
+from ..schema.values import (
+    ABSENT,
+    Coefficients,
+    OptionalArray,
+    OptionalDirection,
+    Pair,
+    is_symmetric,
+)
 from .joints import Angle, basis_about
 
 ZERO: Any = 0.0
@@ -132,11 +139,7 @@ class Spring(Entry):
         if values.size == 1 and not values.any():
             diagonal = np.zeros(n)
         matrix = np.diag(diagonal) if diagonal.shape == (n,) else values
-        if (
-            matrix.shape != (n, n)
-            or not np.isfinite(matrix).all()
-            or not np.allclose(matrix, matrix.T, rtol=1e-9)
-        ):
+        if matrix.shape != (n, n) or not is_symmetric(matrix):
             shapes = "a number" if n == 1 else f"{n} numbers or a symmetric {n}x{n} matrix"
             raise self.error(f"{name}: expected {shapes}, got {values.squeeze().tolist()}")
         return np.ascontiguousarray(matrix)

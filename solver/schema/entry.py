@@ -44,6 +44,24 @@ class Takes:
         return f"expected {what}, got {self.found(value)}"
 
 
+LARGEST = 1e100
+"""of the numbers of a model: products of three of them are finite"""
+
+
+def real(value: Any) -> float:
+    """A number that calculations can bear; ValueError or TypeError for any other value."""
+    if isinstance(value, str | bytes):
+        raise TypeError
+    stored = float(value)
+    if not abs(stored) <= LARGEST:
+        raise ValueError
+    return stored
+
+
+REAL = Takes(f"a number of magnitude up to {LARGEST:g}", real, float)
+"""what a field of type float takes"""
+
+
 @dataclass(frozen=True)
 class Key:
     """An annotation: the key of a field in model files, where it is not the field's name."""
@@ -131,6 +149,8 @@ def note(hint: Any, kind: type) -> Any:
     if get_origin(hint) is Annotated:
         inner, *notes = get_args(hint)
         return next((item for item in notes if isinstance(item, kind)), None) or note(inner, kind)
+    if hint is float and kind is Takes:
+        return REAL
     if get_origin(hint) is Literal and kind is Takes:
         return one_of(dict.fromkeys(get_args(hint)))
     if NoneType in get_args(hint):

@@ -4,7 +4,7 @@ To a type checker, kinds of arrays are descriptors: arguments may be lists and t
 are arrays.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Generic, TypeVar
 
 import numpy as np
@@ -14,7 +14,7 @@ from pydantic import AfterValidator
 from ... import inputs
 from ...inputs import expected
 from ..arrays import Array
-from .entry import Takes
+from .entry import LARGEST, Takes, real
 
 ORIGIN: Any = (0.0, 0.0, 0.0)
 """the default of a `Vector`"""
@@ -22,10 +22,10 @@ NONE: Any = ()
 """the default of `Several`"""
 ABSENT: Any = None
 """the default of an optional array"""
-LARGEST = 1e100
-"""of numbers, so that their products are finite; its inverse is the least positive one"""
 ROUNDING = 1e-15
 """largest difference of the length of a unit vector from 1"""
+SYMMETRY = 1e-9
+"""largest difference across the diagonal, relative to the largest entry"""
 Item = TypeVar("Item")
 
 
@@ -54,9 +54,17 @@ Count = Annotated[int, number("1 to 1e9", int, lambda n: 1 <= n <= 10**9)]
 Iterations = Annotated[int, number("1 to 1000", int, lambda n: 1 <= n <= 1000)]
 
 
+def reals(value: Any) -> Array:
+    """An array of any shape of numbers that `real` takes."""
+    entries = np.array(value, dtype=np.float64)
+    if not (np.abs(entries) <= LARGEST).all():
+        raise ValueError
+    return entries
+
+
 def vector(value: Any) -> Array:
-    components = np.array(value, dtype=np.float64)
-    if components.shape != (3,) or not all(abs(x) <= LARGEST for x in components.tolist()):
+    components = reals(value)
+    if components.shape != (3,):
         raise ValueError
     return components
 
@@ -64,18 +72,23 @@ def vector(value: Any) -> Array:
 def direction(value: Any) -> Array:
     """The unit vector along a vector; one that has unit length to rounding stays as it is."""
     along = vector(value)
-    length = float(np.sqrt(along @ along))
-    if length == 0.0:
+    largest = float(np.abs(along).max())
+    if largest == 0.0:
         raise ValueError
-    return along if abs(length - 1.0) <= ROUNDING else along / length
+    length = largest * float(np.linalg.norm(along / largest))
+    return along if abs(length - 1.0) <= ROUNDING else along / largest / (length / largest)
 
 
 def array(value: Any) -> Array:
-    return np.atleast_1d(np.array(value, dtype=np.float64))
+    return np.atleast_1d(reals(value))
 
 
 def numbers(value: Any) -> tuple[float, ...]:
-    return tuple(map(float, value))
+    return tuple(map(real, value))
+
+
+def numbers_by_name(value: Any) -> dict[str, float]:
+    return {str(name): real(number) for name, number in dict(value).items()}
 
 
 def some_numbers(value: Any) -> tuple[float, ...]:
@@ -90,11 +103,16 @@ def pair(value: Any) -> tuple[str, str]:
 
 
 def inertia(value: Any) -> Array:
-    entries = np.array(value, dtype=np.float64)
+    entries = reals(value)
     matrix = np.diag(entries) if entries.shape == (3,) else entries
-    if matrix.shape != (3, 3) or (np.abs(matrix - matrix.T) > 1e-9 * np.abs(matrix)).any():
+    if matrix.shape != (3, 3) or not is_symmetric(matrix):
         raise ValueError
     return matrix
+
+
+def is_symmetric(matrix: Array) -> bool:
+    """True up to rounding, which is relative to the largest entry."""
+    return bool(np.abs(matrix - matrix.T).max() <= SYMMETRY * np.abs(matrix).max())
 
 
 def shortest(matrix: Array) -> Any:
@@ -115,6 +133,9 @@ _Inertia = Annotated[
     expected("three numbers or a 3x3 matrix"),
 ]
 
+NumbersByName = Annotated[
+    Mapping[str, float], Takes("numbers by name", numbers_by_name, dict[str, float])
+]
 Words = Annotated[tuple[str, ...], Takes("names", tuple, tuple[str, ...])]
 Pair = Annotated[
     tuple[str, str],

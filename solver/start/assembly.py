@@ -90,9 +90,7 @@ def _close(
         residuals = _residuals(lowered, state, work, targets, goal)
         if (np.abs(residuals) <= EXACT * scale).all():
             return
-        B = _jacobian(lowered, state, work, targets)
-        change = -_least_change(system, B, residuals).reshape(-1, 6)
-        move_bodies(change, state, work)
+        change = _approach(lowered, state, work, targets, residuals)
         reach = max(system.bodies.size, float(np.abs(state.bodies.x).max()))
         if np.abs(change).max() < 0.1 * EXACT * reach:
             break
@@ -101,6 +99,23 @@ def _close(
         worst = int(np.argmax(left / scale))
         owner = _owner(lowered, worst, targets)
         raise ModelError(f"{owner}: stays open by {left[worst]:.6g} however the bodies are placed")
+
+
+def approach_joints(lowered: LoweredModel, state: State, work: Workspace) -> None:
+    """One step of Newton's method towards closed joints; derivatives there are left in `work`."""
+    residuals = _residuals(lowered, state, work, [], np.zeros(0))
+    _approach(lowered, state, work, [], residuals)
+    _residuals(lowered, state, work, [], np.zeros(0))
+
+
+def _approach(
+    lowered: LoweredModel, state: State, work: Workspace, targets: list[Target], residuals: Array
+) -> Array:
+    """Move the bodies by the least change that takes the residuals to zero: (n_b, 6)."""
+    B = _jacobian(lowered, state, work, targets)
+    change = -_least_change(lowered.system, B, residuals).reshape(-1, 6)
+    move_bodies(change, state, work)
+    return change
 
 
 def _scale(lowered: LoweredModel, state: State, targets: list[Target]) -> Array:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.lib.stride_tricks import as_strided
 from numpy.typing import NDArray
 
-from ..arrays import Array
+from ..arrays import Array, Index
 from ..errors import ModelError
 from ..history.layout import active_flexibility
 from ..laws.law import NO_LAW
@@ -32,18 +32,40 @@ ACCEPTED = 1e-9
 """residual that is accepted where rounding allows no better"""
 STEADY = 1e-8
 """largest rate of a coordinate, relative to that of the rotation, that counts as none"""
+SAMPLES = 65
+"""times at which drives are sampled for their largest rates"""
 FIRST_STEP = 0.05
 """length of the first step, relative to the size of the model"""
+LARGEST = 1e200
+"""inertia of a step that no longer moves anything"""
+DETOUR, MAX_DETOURS = 1.3, 10
+"""by how much the inertia grows where it meets a centrifugal stiffness, and how often"""
 
 
 def check_drives(lowered: LoweredModel) -> None:
     """ModelError for a drive that accelerates at t = 0."""
+    accelerations = np.array([drive.derivatives(0.0)[1] for drive in lowered.drives])
+    accelerates = np.abs(accelerations) > _negligible(lowered)[:, 1]
     for i, d in enumerate(lowered.system.couplings.drive.tolist()):
-        if d >= 0 and (acceleration := lowered.drives[d].derivatives(0.0)[1]) != 0.0:
+        if d >= 0 and accelerates[d]:
             raise ModelError(
                 f"{lowered.owner_of(i)}: start = 'equilibrium' takes drives without acceleration "
-                f"at t = 0, got {acceleration:.6g}"
+                f"at t = 0, got {accelerations[d]:.6g}"
             )
+
+
+def _negligible(lowered: LoweredModel) -> Array:
+    """Rates and accelerations of the drives that count as none (n_drives, 2).
+
+    Relative to those of the whole run: a spline, or a sine with a phase, is zero but for rounding.
+    """
+    T = lowered.model.settings.t_end
+    times = np.linspace(0.0, T, SAMPLES).tolist()
+    limits = np.zeros((len(lowered.drives), 2))
+    for d, drive in enumerate(lowered.drives):
+        motion = np.abs([(drive(t), *drive.derivatives(t)) for t in times]).max(axis=0)
+        limits[d] = STEADY * (motion[1:] + motion[:-1] / T)
+    return limits
 
 
 def check_steady(
@@ -71,6 +93,7 @@ def check_steady(
     )
     speed = float(np.linalg.norm(Omega))
     allowed = STEADY * np.where(lengths, speed * lowered.system.bodies.size, speed)
+    allowed += np.array([*_negligible(lowered)[:, 0], 0.0])[couplings.drive]
     if not (rates > allowed).any():
         return
     i = int(np.argmax(rates - allowed))
@@ -96,61 +119,108 @@ def solve_equilibrium(
     Changes positions, elastic displacements and multipliers, and sets the velocities and
     accelerations of the rotation.
     """
-    system, lengths = _at_rest(lowered), lowered.measures_lengths
-    work.interfaces.history[:] = 0.0
-    work.interfaces.rate_predicted[:] = 0.0
-    _move(motion, state)
-    _evaluate(system, state, work)
-    pull = _accelerations(system, work)
-    beta = pull / (FIRST_STEP * system.bodies.size) if pull > 0.0 else 1.0
-    residual, best, idle = _residual(_relative_residuals(system, lengths, work)), np.inf, 0
-    for _ in range(MAX_ITERATIONS):
-        if residual <= TOLERANCE or (idle > 5 and best <= ACCEPTED):
+    reason = _Search(lowered, motion, state, work).flow()
+    if reason:
+        # the more specific message, as of a damper that cannot turn
+        check_steady(lowered, motion, state, work)
+        raise _failure(lowered, reason, lowered.measures_lengths, work)
+
+
+class _Search:
+    """The search for an equilibrium: its residual and its implicit steps."""
+
+    def __init__(
+        self, lowered: LoweredModel, motion: SteadyMotion | None, state: State, work: Workspace
+    ) -> None:
+        self.system, self.lengths = _at_rest(lowered), lowered.measures_lengths
+        self.motion, self.state, self.work = motion, state, work
+        self.free = _free_groups(self.system)
+        work.interfaces.history[:] = 0.0
+        work.interfaces.rate_predicted[:] = 0.0
+        self._evaluate()
+
+    def saved(self) -> list[Array]:
+        return [array.copy() for array in self.state.arrays()]
+
+    def restore(self, saved: list[Array]) -> None:
+        for array, old in zip(self.state.arrays(), saved, strict=True):
+            array[:] = old
+        self.work.bodies.quaternion_n[:] = self.state.bodies.quaternion
+        self._evaluate()
+
+    def flow(self) -> str:
+        """Pseudo-transient continuation; why it found no equilibrium, "" if it found one."""
+        pull = _accelerations(self.system, self.work)
+        beta = pull / (FIRST_STEP * self.system.bodies.size) if pull > 0.0 else 1.0
+        residual, best, idle, singular = self._residual(), np.inf, 0, 0
+        for _ in range(MAX_ITERATIONS):
+            if residual <= TOLERANCE or (idle > 5 and best <= ACCEPTED):
+                return ""
+            saved = self.saved()
+            if not self._step(beta):
+                singular, beta = singular + 1, DETOUR * beta
+                if singular > MAX_DETOURS:
+                    return "the equations are singular"
+                continue
+            previous, residual = residual, self._residual()
+            if not residual < 4.0 * max(previous, 1e-3):
+                self.restore(saved)
+                residual, beta = previous, min(10.0 * beta, LARGEST)
+                continue
+            beta *= np.clip(residual / previous, 0.1, 2.0)
+            idle = 0 if residual < 0.5 * best else idle + 1
+            best = min(best, residual)
+        return f"relative residual {best:.3e} after {MAX_ITERATIONS} steps"
+
+    def _step(self, beta: float) -> bool:
+        """One implicit step of the flow; False where its equations are singular."""
+        system, state, work = _stiffened(self.system, beta), self.state, self.work
+        linearize(system, state, work)
+        assemble(system, state, work)
+        if self.motion is not None:
+            _add_centrifugal(system, self.motion, state, work)
+        if not factorize(system.pattern, work.matrix.S, work.matrix.pivots):
+            return False
+        correct(system, state, work)
+        work.bodies.quaternion_n[:] = state.bodies.quaternion
+        work.bodies.psi[:] = 0.0
+        self._evaluate()
+        self._center()
+        return True
+
+    def _center(self) -> None:
+        """Shift bodies that turn freely, as one, across the axis to where their forces balance.
+
+        The centrifugal force pulls a center of mass away from the axis, so that the flow would
+        leave the equilibrium of such bodies.
+        """
+        if self.motion is None or not self.free:
             return
-        saved = [array.copy() for array in state.arrays()]
-        if not _step(_stiffened(system, beta), motion, state, work):
-            raise _failure(lowered, "the equations are singular", lengths, work)
-        _move(motion, state)
-        _evaluate(system, state, work)
-        previous, residual = residual, _residual(_relative_residuals(system, lengths, work))
-        if not residual < 4.0 * max(previous, 1e-3):
-            for array, old in zip(state.arrays(), saved, strict=True):
-                array[:] = old
-            _evaluate(system, state, work)
-            residual, beta = previous, 10.0 * beta
-            continue
-        beta *= np.clip(residual / previous, 0.1, 2.0)
-        idle = 0 if residual < 0.5 * best else idle + 1
-        best = min(best, residual)
-    # the more specific message, as of a damper that cannot turn
-    check_steady(lowered, motion, state, work)
-    reason = f"relative residual {best:.3e} after {MAX_ITERATIONS} steps"
-    raise _failure(lowered, reason, lengths, work)
+        for group in self.free:
+            force = self.work.bodies.residual[group, :3].sum(axis=0)
+            weight = self.system.bodies.mass[group].sum() * self.motion.acceleration
+            self.state.bodies.x[group] -= np.linalg.pinv(weight) @ force
+        self._evaluate()
+
+    def _evaluate(self) -> None:
+        """Residuals and the scales of forces at the positions of the state."""
+        _move(self.motion, self.state)
+        evaluate(self.system, self.state, self.work)
+        set_force_scales(self.system, self.state, self.work)
+
+    def _residual(self) -> float:
+        parts = _relative_residuals(self.system, self.lengths, self.work)
+        return max(float(values.max(initial=0.0)) for values in parts)
 
 
-def _evaluate(system: System, state: State, work: Workspace) -> None:
-    """Residuals and the scales of forces."""
-    evaluate(system, state, work)
-    set_force_scales(system, state, work)
-
-
-def _step(
-    system: System,
-    motion: SteadyMotion | None,
-    state: State,
-    work: Workspace,
-) -> bool:
-    """One implicit step of the flow; False where its equations are singular."""
-    linearize(system, state, work)
-    assemble(system, state, work)
-    if motion is not None:
-        _add_centrifugal(system, motion, state, work)
-    if not factorize(system.pattern, work.matrix.S, work.matrix.pivots):
-        return False
-    correct(system, state, work)
-    work.bodies.quaternion_n[:] = state.bodies.quaternion
-    work.bodies.psi[:] = 0.0
-    return True
+def _free_groups(system: System) -> list[Index]:
+    """Groups of bodies that hang together, by their numbers, without those held by the ground."""
+    body, rows = system.frames.body, system.couplings.rows
+    group = np.arange(len(system.bodies.mass) + 1)  # the last one: of the ground, body -1
+    for a, b in {*zip(body[rows.frame_a].tolist(), body[rows.frame_b].tolist(), strict=True)}:
+        group[group == group[a]] = group[b]
+    free = np.unique(group[:-1][group[:-1] != group[-1]])
+    return [np.flatnonzero(group[:-1] == number) for number in free]
 
 
 def _at_rest(lowered: LoweredModel) -> System:
@@ -214,10 +284,6 @@ def _relative_residuals(
         np.abs(work.couplings.phi) / np.where(system.couplings.compliant == 1, laws, size),
         np.abs(work.interfaces.residual) / size,
     )
-
-
-def _residual(residuals: tuple[Array, ...]) -> float:
-    return max(float(values.max(initial=0.0)) for values in residuals)
 
 
 def _failure(

@@ -14,7 +14,8 @@ from duhamel.superelement import (
 )
 
 
-def _element() -> Superelement:
+def make_element() -> Superelement:
+    """A body of two interfaces and three modes."""
     modes = Modes(
         [100.0, 300.0, 900.0], [0.01, 0.01, 0.01], np.random.default_rng(0).normal(size=(12, 3))
     )
@@ -34,7 +35,7 @@ def _element() -> Superelement:
 @pytest.fixture(scope="session")
 def beam_image(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     path = tmp_path_factory.mktemp("beam") / "beam.h5"
-    write(path, _element())
+    write(path, make_element())
     return path.read_bytes()
 
 

@@ -36,9 +36,9 @@ def body_file(tmp_path):
     return tmp_path / "body.toml"
 
 
-def test_the_file_stands_beside_the_body_file_under_the_name_of_the_body(runner, body_file):
+def test_the_file_stands_beside_the_body_file_and_has_its_name(runner, body_file):
     result = runner.invoke(app, ["preprocess", str(body_file)])
-    target = body_file.with_name("rod.h5")
+    target = body_file.with_name("body.h5")
     assert result.exit_code == 0, result.output
     last = result.stdout.splitlines()[-1]
     assert last.startswith(f"{target}: 6 dofs, {target.stat().st_size / 1e6:.3g} MB, ")
@@ -63,7 +63,7 @@ def test_what_a_mesh_loses_is_one_line_on_stderr(runner, body_file):
     assert result.exit_code == 0, result.output
     told = [line for line in result.stderr.splitlines() if line.strip()]
     assert told == [f"warning: {body_file.with_name('mesh.inp')}: left out: elements of type MASS"]
-    assert body_file.with_name("rod.h5").is_file()
+    assert body_file.with_name("body.h5").is_file()
 
 
 @pytest.mark.parametrize("name", ["body.toml", "mesh.vtk"])
@@ -89,7 +89,7 @@ def test_a_missing_folder_for_the_result_is_one_line_on_stderr(runner, body_file
 def test_a_dry_run_tells_and_draws_and_writes_no_superelement(runner, body_file):
     result = runner.invoke(app, ["preprocess", str(body_file), "--dry-run"])
     assert result.exit_code == 0, result.output
-    picture = body_file.with_name("rod.png")
+    picture = body_file.with_name("body.png")
     assert result.stdout.splitlines()[-1] == str(picture)
     assert picture.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
     assert list(body_file.parent.glob("*.h5")) == []
@@ -133,7 +133,80 @@ def test_a_dry_run_fails_in_one_line_that_names_file_and_key(
 
 
 def test_a_picture_in_no_format_is_one_line_on_stderr(runner, body_file):
-    target = body_file.with_name("rod.h5")
+    target = body_file.with_name("body.h5")
     result = runner.invoke(app, ["preprocess", str(body_file), "--dry-run", "-o", str(target)])
     assert result.exit_code == 1
     assert f"error: {target}: expected a suffix of" in result.stderr
+
+
+# Inputs are never replaced
+
+
+def refused(runner, *arguments, found):
+    """The command fails in one line that names the input, which stays as it was."""
+    before = found.read_bytes()
+    result = runner.invoke(app, ["preprocess", *map(str, arguments)])
+    assert result.exit_code == 1
+    (message,) = (line for line in result.stderr.splitlines() if line.strip())
+    assert message.endswith(f" is the input {found}, which the output would replace")
+    assert found.read_bytes() == before
+
+
+def test_the_numbers_of_an_xdmf_mesh_are_not_replaced(runner, body_file):
+    """meshio and dolfinx put them into NAME.h5."""
+    mesh = meshio.read(body_file.with_name("mesh.vtk"))
+    mesh.write(body_file.with_name("body.xdmf"))
+    body_file.write_text(BODY.replace("mesh.vtk", "body.xdmf"))
+    refused(runner, body_file, found=body_file.with_name("body.h5"))
+
+
+@pytest.mark.parametrize("option", [[], ["--dry-run"]], ids=["build", "dry run"])
+@pytest.mark.parametrize("name", ["body.toml", "mesh.vtk", "link"])
+def test_body_file_and_mesh_are_not_replaced(name, option, runner, body_file):
+    found = body_file.with_name("mesh.vtk" if name == "link" else name)
+    body_file.with_name("link").symlink_to(body_file.with_name("mesh.vtk"))
+    refused(runner, body_file, *option, "-o", body_file.with_name(name), found=found)
+
+
+def test_included_files_are_not_replaced(runner, body_file):
+    body_file.with_name("nodes.inp").write_text(
+        "*NODE\n" + "".join(f"{i + 1}, {0.125 * i}, 0, 0\n" for i in range(5))
+    )
+    lines = "".join(f"{i}, {i}, {i + 1}\n" for i in range(1, 5))
+    body_file.with_name("mesh.inp").write_text(
+        f"*INCLUDE, INPUT=nodes.inp\n*ELEMENT, TYPE=B31\n{lines}"
+    )
+    body_file.write_text(BODY.replace("mesh.vtk", "mesh.inp"))
+    found = body_file.with_name("nodes.inp")
+    refused(runner, body_file, "-o", found, found=found)
+
+
+def test_a_body_file_that_was_copied_does_not_replace_the_superelement_of_the_other(
+    runner, body_file
+):
+    """Although both bodies have one name."""
+    copy = body_file.with_name("copy.toml")
+    copy.write_text(BODY)
+    for file in (body_file, copy):
+        assert runner.invoke(app, ["preprocess", str(file)]).exit_code == 0
+    assert sorted(path.name for path in copy.parent.glob("*.h5")) == ["body.h5", "copy.h5"]
+
+
+def test_a_link_in_the_place_of_the_superelement_stays(runner, body_file):
+    link, target = body_file.with_name("link.h5"), body_file.with_name("target.h5")
+    link.symlink_to(target)
+    assert runner.invoke(app, ["preprocess", str(body_file), "-o", str(link)]).exit_code == 0
+    assert link.is_symlink()
+    assert read(target).name == "rod"
+
+
+@pytest.mark.parametrize("name", ["n" * 300 + ".h5", "folder", "none/body.h5"])
+def test_a_path_that_cannot_be_written_is_told_before_the_build(name, runner, body_file):
+    """The mesh is gone, which would be the next to be told."""
+    body_file.with_name("mesh.vtk").unlink()
+    body_file.with_name("folder").mkdir()
+    target = body_file.with_name("x").parent / name
+    result = runner.invoke(app, ["preprocess", str(body_file), "-o", str(target)])
+    assert result.exit_code == 1
+    assert result.stderr.startswith(f"error: {target}: ")
+    assert len(result.stderr.splitlines()) == 1

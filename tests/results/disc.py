@@ -84,10 +84,11 @@ def write_disc(path: Path) -> Path:
         "potential_energy": np.zeros_like(TIME),
         "external_work": 30.0 * SPEED**2,
         "dissipated_energy": np.zeros_like(TIME),
+        "numerical_dissipation": np.zeros_like(TIME),
         "energy_balance": 1e-7 * TIME,
     }
     with h5py.File(path, "w") as file:
-        file.attrs.update(format="duhamel-results", version=2, model="")
+        file.attrs.update(format="duhamel-results", version=3, model="")
         file.create_group("solver").attrs.update(written=len(TIME), run="by hand")
         for name, data in whole.items():
             file[name] = data

@@ -137,8 +137,8 @@ def test_only_rows_that_are_whole_count(tmp_path):
     ("change", "message"),
     [
         (
-            {"version": 1},
-            "results file of version 1; this Duhamel reads version 2: run the model again",
+            {"version": 2},
+            "results file of version 2; this Duhamel reads version 3: run the model again",
         ),
         (
             {"format": "duhamel-superelement"},

@@ -283,6 +283,27 @@ def test_a_singular_start_is_refused(make, redundant):
         simulate(make(angle, redundant=redundant))
 
 
+def test_a_drive_at_a_dead_point_is_told_from_one_against_a_joint():
+    """The slider of a straight crank and rod, which can be driven from any other pose."""
+
+    def pushed_by_its_guide(angle):
+        model = equal_slider_crank(angle)
+        drive = Polynomial((0.0, -0.1))
+        joints = [replace(j, distance=drive) if j.name == "guide" else j for j in model.joints]
+        return replace(model, joints=joints)
+
+    with pytest.raises(ModelError, match=r"the start is a singular pose: .* guide"):
+        simulate(pushed_by_its_guide(0.0))
+    assert opening(simulate(pushed_by_its_guide(0.3)), equal_slider_crank(0.3)) < 1e-12
+
+
+def test_links_in_line_between_two_walls_are_a_singular_pose():
+    """They cannot move, but nothing holds the pin between them across."""
+    sides = {"A": ("ground", "a.near"), "B": ("a.far", "b.near"), "C": ("b.far", "ground")}
+    with pytest.raises(ModelError, match="the start is a singular pose"):
+        simulate(planar({"a": (0 * X, X), "b": (X, 2 * X)}, sides))
+
+
 @pytest.mark.parametrize("angle", [0.3, 1e-3, -2.0])
 @pytest.mark.parametrize("make", [parallelogram, equal_slider_crank])
 def test_linkages_stay_closed_when_they_start_beside_singular_poses(make, angle):

@@ -180,7 +180,10 @@ MADE = {
         lambda: Load("force", "a", [1, 0, 0], 2.0),
         "load (force) on 'a': signal: expected a signal such as Constant, got 2.0",
     ),
-    "no mass": (lambda: RigidBody(0.0, [1, 1, 1]), "mass: expected a positive number, got 0.0"),
+    "no mass": (
+        lambda: RigidBody(0.0, [1, 1, 1]),
+        "mass: expected a positive number, 1e-100 to 1e100, got 0.0",
+    ),
     "no inertia": (
         lambda: RigidBody(1.0, [1, 1, 0]),
         "inertia: expected positive principal values, got",
@@ -218,9 +221,15 @@ MADE = {
         lambda: Start(position=[np.nan, 0, 0]),
         "position: expected three numbers, got [nan, 0, 0]",
     ),
-    "no time": (lambda: model(t_end=0.0), "t_end: expected a positive time, got 0.0"),
-    "no end": (lambda: model(t_end=np.inf), "t_end: expected a positive time, got inf"),
-    "a step backwards": (lambda: model(step=-1e-3), "step: expected a positive time, got -0.001"),
+    "no time": (lambda: model(t_end=0.0), "t_end: expected a positive time, up to 1e100, got 0.0"),
+    "no end": (
+        lambda: model(t_end=np.inf),
+        "t_end: expected a positive time, up to 1e100, got inf",
+    ),
+    "a step backwards": (
+        lambda: model(step=-1e-3),
+        "step: expected a positive time, up to 1e100, got -0.001",
+    ),
     "a radius above one": (
         lambda: model(rho_inf=1.5),
         "rho_inf: expected a number from 0 to 1, got 1.5",
@@ -235,7 +244,7 @@ MADE = {
     ),
     "a memory of no length": (
         lambda: model(kernel_length=0.0),
-        "kernel_length: expected a positive time, got 0.0",
+        "kernel_length: expected a positive time, up to 1e100, got 0.0",
     ),
     "a tolerance of one": (
         lambda: model(tolerance=1.0),
@@ -517,7 +526,7 @@ FILES = {
     ),
     "a mass below zero": (
         {"rest": "[bodies.b]\nmass = -1.0\ninertia = [1, 1, 1]"},
-        "bodies.b.mass: expected a positive number, found -1.0",
+        "bodies.b.mass: expected a positive number, 1e-100 to 1e100, found -1.0",
     ),
     "an inertia of nothing": (
         {"rest": "[bodies.b]\nmass = 1.0\ninertia = [1, 1, -1]"},

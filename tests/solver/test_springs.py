@@ -124,15 +124,61 @@ def test_a_tabulated_law_of_an_oscillator():
     assert angle.max() > 0.4
     # the kinks of the law fall anywhere between steps: errors scatter about order two
     assert np.log2(errors[0] / errors[-1]) / 2 > 1.8, errors
-    stored = [np.trapezoid(law.force, law.deformation), 0.0]
     areas = np.concatenate([[0.0], cumulative_trapezoid(law.force, law.deformation)])
     inside = (angle > -0.5) & (angle < 0.4)
     k = np.searchsorted(law.deformation, angle[inside]) - 1
     start, end = np.take(law.deformation, k), angle[inside]
-    stored = areas[k] + 0.5 * (
-        np.take(law.force, k) + np.interp(end, law.deformation, law.force)
-    ) * (end - start)
+    stored = (
+        areas[k]
+        - areas[1]
+        + 0.5 * (np.take(law.force, k) + np.interp(end, law.deformation, law.force)) * (end - start)
+    )
     np.testing.assert_allclose(results.energy.springs[inside], stored, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("deformation", "force", "rest"),
+    [
+        ((-0.5, 0.0, 0.2), (-2.0, 0.0, 3.0), 0.0),
+        ((-1.0, 1.0), (-1.0, 3.0), -0.5),
+        ((1.0, 2.0), (1.0, 3.0), 0.5),
+        ((1.0, 2.0), (-2.0, -1.0), 3.0),
+        ((-3.0, -2.0, 5.0, 6.0), (-1.0, 0.0, 0.0, 1.0), 0.0),
+        ((-1.0, 0.3, 0.4), (0.0, 0.0, 1e9), 0.0),
+        ((-3.0, -2.0, 2.0, 2.5), (-1.0, 0.5, -0.5, 2.0), 0.0),
+        ((-3.0, -2.0, 2.0, 4.0), (-1.0, 3.0, 5.0, 0.0), -2.75),
+        ((0.0, 1.0), (5.0, 5.0), 0.0),
+    ],
+)
+def test_a_tabulated_law_stores_nothing_without_force(deformation, force, rest):
+    """At the deformation without force nearest to rest, or at rest; energy is the area from it."""
+    law = TabulatedLaw(deformation, force)
+    parameters = np.array(law.parameters())
+
+    def energy(c):
+        return law.evaluate(parameters, c, 0.0)[3]
+
+    assert energy(rest) == pytest.approx(0.0, abs=1e-15)
+    for c in np.linspace(-4.0, 7.0, 12):
+        points = np.linspace(rest, c, 200_001)
+        forces = [law.evaluate(parameters, point, 0.0)[0] for point in points[::100]]
+        area = np.trapezoid(forces, points[::100])
+        assert energy(c) == pytest.approx(area, rel=1e-3, abs=1e-3 * np.abs(forces).max())
+
+
+def test_a_gap_law_far_beyond_its_zero_does_not_flatter_the_balance():
+    """Counted from its first point, 25 J would stand beside the 0.08 J that move."""
+    law = TabulatedLaw((-1.0, 1.0), (-50.0, 50.0))
+    ball = RigidBody(1.0, [0.1] * 3, start=Start([1.0, 0, 0], velocity=[0.4, 0, 0]))
+    model = Model(
+        {"ball": ball},
+        springs=[Spring("law", "point", ("ground.a", "ball"), law=law)],
+        ground_frames={"a": Frame()},
+        settings=Settings(t_end=1.0, step=1e-3),
+    )
+    energy = simulate(model).energy
+    assert energy.springs[0] == 0.0
+    assert np.abs(energy.springs).max() == pytest.approx(0.08, rel=1e-3)
 
 
 def test_a_torsion_spring_counts_full_turns():

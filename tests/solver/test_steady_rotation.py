@@ -125,6 +125,76 @@ def test_springs_that_turn_along_stay_still():
     assert np.abs(results.body("bob").v[:, 5] / 20.0 - 1.0).max() < 1e-12
 
 
+def floating(n):
+    """Links of 0.2 m in a row, hinged to one another and to nothing else, across the axis."""
+    frames = {"near": Frame([-0.1, 0, 0]), "far": Frame([0.1, 0, 0])}
+    links = {
+        f"b{i}": RigidBody(1.0, [1e-3, 4e-3, 4e-3], frames, Start([0.2 * i - 0.1 * (n - 1), 0, 0]))
+        for i in range(n)
+    }
+    joints = [Joint(f"j{i}", "spherical", (f"b{i - 1}.far", f"b{i}.near")) for i in range(1, n)]
+    settings = Settings(
+        start="equilibrium",
+        steady_rotation=SteadyRotation(20.0 * Z),
+        assemble=True,
+        t_end=0.05,
+        step=1e-3,
+    )
+    return Model(links, joints, settings=settings)
+
+
+def pull(n, i):
+    """Of joint i on the link after it: m r omega^2 of all links beyond."""
+    return sum(0.2 * k - 0.1 * (n - 1) for k in range(i, n)) * 20.0**2
+
+
+@pytest.mark.parametrize("n", range(2, 11))
+def test_a_chain_that_nothing_holds_turns_steadily(n):
+    """Also from beside the equilibrium, from which the centrifugal force pulls its center."""
+    model, rng = floating(n), np.random.default_rng(n)
+    beside = {
+        name: replace(
+            body,
+            start=Start(
+                body.start.position + 1e-3 * rng.normal(size=3), [0, 0, 0.05 * rng.normal()]
+            ),
+        )
+        for name, body in model.bodies.items()
+    }
+    for given in (model, replace(model, bodies=beside)):
+        results = simulate(given)
+        center = np.mean([results.body(name).x for name in model.bodies], axis=0)
+        assert np.abs(center[:, :2]).max() < 1e-12
+        for i in range(1, n):
+            force = np.linalg.norm(results.joint(f"j{i}").force, axis=1)
+            np.testing.assert_allclose(force, abs(pull(n, i)), rtol=1e-3)
+            assert np.ptp(force) < 1e-6 * force[0]
+
+
+@pytest.mark.parametrize("spin", [1.0, 10.0, 30.0])
+@pytest.mark.parametrize("n", [2, 3, 5, 8])
+def test_flexible_bodies_that_nothing_holds_turn_steadily(beam, n, spin):
+    """Beams welded to one another: the joint in the middle, or beside it, pulls the most."""
+    root, tip = (beam.element.interface(name).X for name in ("root", "tip"))
+    bodies = {
+        f"b{i}": FlexibleBody(beam.element, Start((i - 0.5 * n) * (tip - root) - root))
+        for i in range(n)
+    }
+    joints = [Joint(f"j{i}", "fixed", (f"b{i - 1}.tip", f"b{i}.root")) for i in range(1, n)]
+    results = simulate(
+        model_of(
+            bodies,
+            joints,
+            start="equilibrium",
+            steady_rotation=SteadyRotation(spin * Z),
+            t_end=0.003,
+        )
+    )
+    force = np.linalg.norm(results.joint("j1").force, axis=1)
+    np.testing.assert_allclose(force, MASS * L * spin**2 * 0.5 * (n - 1), rtol=1e-4)
+    assert np.ptp(force) < 1e-5 * force[0]
+
+
 def disk(*springs, pivot="revolute", drive=None, motions=(), **settings):
     body = RigidBody(1.0, [0.1, 0.1, 0.2], {"rim": Frame([0.3, 0, 0])})
     axis = None if pivot == "spherical" else Z

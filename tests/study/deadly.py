@@ -1,8 +1,11 @@
-"""Cases that count how often they are begun, one of which kills the process that works on it."""
+"""Cases that count how often they are begun, one of which kills the process that works on it, and
+cases that look for sockets where somebody could reach it.
+"""
 
 import os
 import signal
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -30,3 +33,30 @@ class Deadly:
 
     def numbers(self, case: Case, outputs: Mapping[str, str]) -> dict[str, float]:
         return {}
+
+
+class Listening(Deadly):
+    def make(self, case: Case) -> None:
+        """Note the listening sockets of this process and of the one that waits for it."""
+        own = {link for pid in (os.getpid(), os.getppid()) for link in _descriptors(pid)}
+        found = sorted(own & set(_listening()))
+        (case.folder / f"{case.name}.listens").write_text(str(found))
+
+
+def _descriptors(pid: int) -> Iterator[str]:
+    for entry in os.scandir(f"/proc/{pid}/fd"):
+        with suppress(OSError):
+            yield os.readlink(entry)
+
+
+def _listening() -> Iterator[str]:
+    """Sockets of the machine to which others may connect. Source: proc(5)."""
+    for name in ("tcp", "tcp6"):
+        for line in Path(f"/proc/net/{name}").read_text().splitlines()[1:]:
+            fields = line.split()
+            if fields[3] == "0A":
+                yield f"socket:[{fields[9]}]"
+    for line in Path("/proc/net/unix").read_text().splitlines()[1:]:
+        fields = line.split()
+        if int(fields[3], 16) & 0x10000:
+            yield f"socket:[{fields[6]}]"

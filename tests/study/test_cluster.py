@@ -1,6 +1,7 @@
 """Studies on Dask: as many results as in one process, to the last bit, also where workers die."""
 
 import json
+import multiprocessing
 import signal
 import subprocess
 import sys
@@ -8,13 +9,12 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-import dask
 import h5py
 import pytest
 from duhamel.cli import app
 from duhamel.solver import read_model, simulate
 from duhamel.study import ClusterError, read_study, sweep
-from duhamel.study.workers import on_cluster
+from duhamel.study.processes import on_processes
 from typer.testing import CliRunner
 
 from .conftest import MODEL, datasets
@@ -136,14 +136,39 @@ def test_a_case_that_kills_its_workers_is_reported_and_the_others_run(study_file
 
     cases = read_study(study_file()).cases[:3]
     cases[0].folder.mkdir()
-    with dask.config.set({"distributed.scheduler.allowed-failures": 1}):
-        reports = {
-            case.name: report for case, report in on_cluster(Deadly("case-0002"), cases, workers=1)
-        }
-    assert reports["case-0002"].failure.startswith("KilledWorker: ")
+    reports = {
+        case.name: report for case, report in on_processes(Deadly("case-0002"), cases, workers=1)
+    }
+    assert reports["case-0002"].failure == "4 processes died of it"
     assert [reports[name].failure for name in ("case-0001", "case-0003")] == ["", ""]
     lives = [(case.folder / f"{case.name}.lives").read_text() for case in cases]
-    assert lives == ["1", "11", "1"]
+    assert lives == ["1", "1111", "1"]
+
+
+def test_nothing_outside_reaches_the_processes_of_a_sweep(study_file, monkeypatch):
+    """Neither this process nor its workers listen, to the network or to a socket of the machine."""
+    monkeypatch.syspath_prepend(Path(__file__).parent)
+    from deadly import Listening
+
+    cases = read_study(study_file()).cases[:2]
+    cases[0].folder.mkdir()
+    reports = [report.failure for _, report in on_processes(Listening("any"), cases, workers=2)]
+    assert reports == ["", ""]
+    assert [case.source.with_suffix(".listens").read_text() for case in cases] == ["[]", "[]"]
+
+
+def test_processes_end_with_the_sweep(study_file, monkeypatch):
+    monkeypatch.syspath_prepend(Path(__file__).parent)
+    from deadly import Deadly
+
+    cases = read_study(study_file()).cases[:3]
+    cases[0].folder.mkdir()
+    before = set(multiprocessing.active_children())
+    running = on_processes(Deadly("none"), cases, workers=2)
+    next(running)
+    assert set(multiprocessing.active_children()) > before
+    running.close()
+    assert set(multiprocessing.active_children()) == before
 
 
 def test_a_scheduler_that_is_not_there_is_told(study_file, monkeypatch):
@@ -155,10 +180,10 @@ def test_a_scheduler_that_is_not_there_is_told(study_file, monkeypatch):
 def test_the_command_without_dask_names_the_extra_and_the_way_around(study_file, monkeypatch):
     path = study_file()
     monkeypatch.setitem(sys.modules, "distributed", None)
-    result = CliRunner().invoke(app, ["sweep", str(path)])
+    result = CliRunner().invoke(app, ["sweep", str(path), "--scheduler", "tcp://127.0.0.1:1"])
     assert result.exit_code == 1
-    assert "pip install 'duhamel[cluster]', or --workers 0" in result.stderr
-    result = CliRunner().invoke(app, ["sweep", str(path), "--workers", "0"])
+    assert "pip install 'duhamel[cluster]', or no --scheduler" in result.stderr
+    result = CliRunner().invoke(app, ["sweep", str(path), "--workers", "2"])
     assert result.exit_code == 0, result.output
     assert result.stdout.startswith(f"{path.with_suffix('') / 'summary.csv'}: 6 cases, 0 failed")
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ...errors import MeshError
-from .text import lines
+from .text import files, lines
 
 _INTEGER = re.compile(r"[+-]?\d{1,18}")
 _INCLUDE = re.compile(r'\*INCLUDE\s*,\s*INPUT\s*=\s*"?([^"]+?)"?\s*,?\s*', re.IGNORECASE)
@@ -77,6 +77,11 @@ def keywords(path: Path) -> Iterator[Keyword]:
     if keyword is None:
         raise MeshError("expected keywords of Abaqus, found none")
     yield keyword
+
+
+def files_of(path: Path) -> list[Path]:
+    """A deck and the files that it includes."""
+    return files(path, _included)
 
 
 def _keyword(text: str, location: str) -> Keyword:

@@ -91,7 +91,7 @@ def _contents(file: Any) -> tuple[_Support, dict[str, _Support], dict[str, dict[
     name = _only(file["ENS_MAA"], "mesh")
     mesh = file["ENS_MAA"][name]
     step = mesh if "NOE" in mesh else mesh[_only(mesh, "time step")]
-    nodes = _support(step["NOE"], "COO")
+    nodes = _support(step["NOE"], "COO", "f")
     points = np.zeros((len(nodes.values), 3))
     points[:, : nodes.values.shape[1]] = nodes.values
     cells = {code: _support(group, "NOD") for code, group in step["MAI"].items()}
@@ -111,19 +111,24 @@ def _only(group: Any, what: str) -> str:
     return str(names[0])
 
 
-def _support(group: Any, dataset: str) -> _Support:
+def _support(group: Any, dataset: str, kinds: str = "iu") -> _Support:
     """The nodes or cells of one type: a dataset column by column, and their families, 0 without
     any.
+
+    kinds: those of numpy that the numbers may be of.
     """
     count, values = int(group[dataset].attrs["NBR"]), whole(group[dataset])
     if values.ndim != 1 or count < 1 or values.size % count:
         raise MeshError(
             f"{group.name}/{dataset}: expected values for {count} entries, found {values.size}"
         )
+    if values.dtype.kind not in kinds:
+        raise MeshError(f"{group.name}/{dataset}: expected numbers, found {values.dtype}")
     families = whole(group["FAM"]) if "FAM" in group else np.zeros(count, dtype=np.int64)
-    if families.shape != (count,):
+    if families.shape != (count,) or families.dtype.kind not in "iu":
         raise MeshError(
-            f"{group.name}/FAM: expected {count} families, found shape {families.shape}"
+            f"{group.name}/FAM: expected {count} families, found {families.dtype} "
+            f"of shape {families.shape}"
         )
     return _Support(values.reshape(-1, count).T, families.astype(np.int64))
 

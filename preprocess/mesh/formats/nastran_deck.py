@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ...errors import MeshError
-from .text import lines
+from .text import files, lines
 
 _INTEGER = re.compile(r"[+-]?\d{1,18}")
 _BARE_EXPONENT = re.compile(r"(?<=[\d.])([+-])")
@@ -103,6 +103,11 @@ def read_cards(path: Path, names: dict[int, str]) -> Iterator[Card]:
     if card is None:
         raise MeshError("expected cards of Nastran, found none")
     yield card
+
+
+def files_of(path: Path) -> list[Path]:
+    """A deck and the files that it includes."""
+    return files(path, _included)
 
 
 def _fields(text: str) -> tuple[str, list[str]]:

@@ -4,7 +4,13 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+from ....files import require_regular
 from ...errors import MeshError
+
+MOST_FILES = 1000
+"""that may be read for one mesh, each as often as it is included"""
+DEEPEST = 20
+"""files that include one another"""
 
 
 class Line(NamedTuple):
@@ -14,17 +20,29 @@ class Line(NamedTuple):
     text: str
 
 
+Included = Callable[[str], str | None]
+"""the path of the file that a line includes, or None"""
+
+
 def lines(
-    path: Path, included: Callable[[str], str | None], inside: tuple[Path, ...] = ()
+    path: Path,
+    included: Included,
+    read: list[Path] | None = None,
+    inside: tuple[Path, ...] = (),
 ) -> Iterator[Line]:
     """The lines of a file and of the files that it includes.
 
-    `included` returns the path of the file that a line includes, or None; paths are relative to the
-    including file.
+    Paths that `included` finds are relative to the including file. read: gets the paths of all
+    files that have been read; inside: those in which this one is included.
     """
-    path = path.resolve()
+    path, read = path.resolve(), [] if read is None else read
     if path in inside:
         raise MeshError(f"{path.name} includes itself")
+    if len(read) == MOST_FILES or len(inside) == DEEPEST:
+        raise MeshError(
+            f"{path.name}: expected at most {MOST_FILES} files, {DEEPEST} deep, that are included"
+        )
+    read.append(path)
     for number, text in enumerate(_text(path).splitlines(), 1):
         name = included(text)
         if name is None:
@@ -33,10 +51,19 @@ def lines(
         target = path.parent / name.replace("\\", "/")
         if not target.is_file():
             raise MeshError(f"{path.name}, line {number}: no file {name} to include")
-        yield from lines(target, included, (*inside, path))
+        yield from lines(target, included, read, (*inside, path))
+
+
+def files(path: Path, included: Included) -> list[Path]:
+    """A file and all that it includes."""
+    read: list[Path] = []
+    for _ in lines(path, included, read):
+        pass
+    return read
 
 
 def _text(path: Path) -> str:
+    require_regular(path)
     data = path.read_bytes()
     try:
         return data.decode()

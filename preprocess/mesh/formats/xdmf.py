@@ -38,16 +38,15 @@ _KINDS = {
     "hexahedron_20": ("hexahedron20", 48, 20),
     "hexahedron_27": ("hexahedron27", 50, 27),
 }
+DEEPEST = 20
+"""grids within one another"""
 _SHORT = {"quad": "quadrilateral", "tri": "triangle", "tet": "tetrahedron", "hex": "hexahedron"}
 _BY_NUMBER = {number: (kind, k) for kind, number, k in _KINDS.values()}
 
 
 def read(path: Path) -> Draft:
     """A mesh of XDMF; `MeshError` if the file or one beside it is damaged."""
-    try:
-        root = ElementTree.parse(path).getroot()
-    except (ElementTree.ParseError, ValueError) as error:
-        raise MeshError(f"the file is no XML, or breaks off: {error}") from error
+    root = _root(path)
     lost: list[str] = []
     grids = _grids(root, lost)
     items = DataItems(path, root)
@@ -75,14 +74,30 @@ def read(path: Path) -> Draft:
     return draft
 
 
-def _grids(parent: ElementTree.Element, lost: list[str]) -> list[ElementTree.Element]:
+def files_of(path: Path) -> list[Path]:
+    """The file and those beside it that hold its numbers."""
+    return [path, *DataItems(path, _root(path)).files()]
+
+
+def _root(path: Path) -> ElementTree.Element:
+    try:
+        return ElementTree.parse(path).getroot()
+    except (ElementTree.ParseError, ValueError) as error:
+        raise MeshError(f"the file is no XML, or breaks off: {error}") from error
+
+
+def _grids(
+    parent: ElementTree.Element, lost: list[str], depth: int = 1
+) -> list[ElementTree.Element]:
     """The uniform grids below an element, of those in time only the first."""
+    if depth > DEEPEST:
+        raise MeshError(f"expected at most {DEEPEST} grids within one another, found more")
     grids = []
     for grid in [*parent.findall("Domain/Grid"), *parent.findall("Grid")]:
         if grid.get("GridType", "Uniform") == "Uniform":
             grids.append(grid)
             continue
-        inner = _grids(grid, lost)
+        inner = _grids(grid, lost, depth + 1)
         if grid.get("CollectionType") == "Temporal" and len(inner) > 1:
             lost.append(f"{len(inner) - 1} later times of the grid {grid.get('Name')!r}")
             inner = inner[:1]

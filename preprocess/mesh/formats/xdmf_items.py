@@ -7,6 +7,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from ....files import require_regular
 from ....files.hdf5 import opened, whole
 from ...errors import MeshError
 from ..mesh import IntArray
@@ -48,6 +49,15 @@ class DataItems:
             raise MeshError(f"{owner.tag}: expected {shape} numbers, found {values.size}")
         return values.reshape(shape)
 
+    def files(self) -> list[Path]:
+        """The files that hold numbers, as far as they are there."""
+        found = []
+        for item in self._root.iter("DataItem"):
+            form, text = item.get("Format", "XML").upper(), (item.text or "").strip()
+            if form != "XML" and text:
+                found.append(self._folder / (text.rpartition(":")[0] if form == "HDF" else text))
+        return found
+
     def _referenced(self, item: ElementTree.Element) -> ElementTree.Element:
         """The item, or that which it refers to by a path from /Xdmf on."""
         reference = item.get("Reference")
@@ -75,6 +85,7 @@ class DataItems:
             case "XML":
                 return np.array(text.split(), dtype=dtype)
             case "BINARY":
+                require_regular(self._folder / text)
                 return np.fromfile(
                     self._folder / text, dtype=dtype, offset=int(item.get("Seek", "0"))
                 )

@@ -92,7 +92,7 @@ def test_an_absolute_mesh_path_stays(written):
 
 MISTAKES = [
     ('name = "beam"', "", r"name: missing"),
-    ('name = "beam"', 'name = ""', r"name: string should have at least 1 character, found ''"),
+    ('name = "beam"', 'name = ""', r"name: expected 1 to 100 characters, found ''"),
     ("[section]", "[sectoin]", r"unknown key 'sectoin'; did you mean 'section'\?"),
     ("EI_y = 5.5", "EIy = 5.5", r"section: unknown key 'EIy'; did you mean 'EI_y'\?"),
     ("EI_y = 5.5", "EI_y = 5.5\nqqq = 1", r"section: unknown key 'qqq'; known are EA, EI_y"),
@@ -147,7 +147,7 @@ MISTAKES = [
     (
         "[interfaces.tip]",
         '[interfaces."a.b"]',
-        r"interfaces: expected a name without '/' and '\.', found 'a\.b'",
+        r"interfaces: expected a name of 1 to 100 characters without '/' and '\.', found 'a\.b'",
     ),
     ("step = 6e-5", "step = -1", r"impulse\.step: input should be greater than 0, found -1"),
     ("steps = 5000", "steps = 0.5", r"impulse\.steps: .*integer.*, found 0\.5"),

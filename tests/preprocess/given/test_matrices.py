@@ -460,7 +460,7 @@ def test_nodes_that_do_not_have_all_displacements_or_rotations(beam, tmp_path):
     [
         ("stiffness", "K.csv", "", r"K.csv: expected a file of type .npz, .mtx, .op4, found .csv"),
         ("stiffness", "none.mtx", None, r"none.mtx: no such file of a matrix"),
-        ("stiffness", "K.npz", "text", r"K.npz: not a sparse matrix of scipy"),
+        ("stiffness", "K.npz", "text", r"K.npz: expected a sparse matrix of scipy"),
         (
             "stiffness",
             "K.mtx",

@@ -49,8 +49,8 @@ def bounds(model, results, reach=0.0):
     return Bounds(size, n**2 * delta, 2 * n * delta / h, 4 * n * mass * delta / h**2)
 
 
-def rotations(motion):
-    return Rotation.from_quat(motion.R, scalar_first=True)
+def rotations(motion, attribute="R"):
+    return Rotation.from_quat(getattr(motion, attribute), scalar_first=True)
 
 
 def couplings(results):

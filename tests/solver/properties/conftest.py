@@ -1,10 +1,14 @@
-"""How many mechanisms the properties are tried on: the same few in every run, or many new ones by
-`pytest tests/solver/properties --hypothesis-profile many`.
+"""How many mechanisms the properties are tried on: the same few in every run, many new ones by
+`pytest tests/solver/properties --hypothesis-profile many`, and for tools/mutate.py as soon as one
+fails no smaller one.
 """
 
-from hypothesis import HealthCheck, settings
+from hypothesis import HealthCheck, Phase, settings
 
 COMMON = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow]}
 settings.register_profile("few", max_examples=25, derandomize=True, database=None, **COMMON)
+settings.register_profile(
+    "faults", max_examples=8, derandomize=True, database=None, phases=[Phase.generate], **COMMON
+)
 settings.register_profile("many", max_examples=500, print_blob=True, **COMMON)
 settings.load_profile("few")

@@ -1,0 +1,82 @@
+"""Files of matrices and nodes with wrong bytes: one error, whatever a reader stumbles over."""
+
+import codecs
+import struct
+import warnings
+import zipfile
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...files import FileError, hdf5, in_one_line, require_regular
+from ...files.memory import shortage
+from ...superelement.validation import Array
+from ..errors import MatrixError, MeshError
+
+DAMAGE = (
+    *hdf5.DAMAGE,
+    AttributeError,
+    EOFError,
+    struct.error,
+    zipfile.BadZipFile,
+    zlib.error,
+)
+"""exceptions of numpy, scipy and zipfile"""
+BLOCK = 1 << 24
+"""bytes that are looked at together"""
+
+
+@contextmanager
+def about(path: Path, what: str) -> Iterator[None]:
+    """Errors name the file, which must be a regular one."""
+    try:
+        require_regular(path)
+        yield
+    except FileNotFoundError as error:
+        raise MatrixError(f"{path}: no such file of {what}") from error
+    except MeshError:  # that name their file themselves
+        raise
+    except (MatrixError, FileError) as error:
+        text = str(error)
+        raise MatrixError(text if text.startswith(f"{path}: ") else f"{path}: {text}") from error
+    except DAMAGE as error:
+        raise MatrixError(f"{path}: expected {what}: {in_one_line(error)}") from error
+
+
+@contextmanager
+def arrays(path: Path, what: str) -> Iterator[None]:
+    """For reading a .npz file, whose arrays must fit into memory; errors say what was expected."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            if why := shortage(sum(entry.file_size for entry in archive.infolist())):
+                raise MatrixError(f"{what} {why}")
+        yield
+    except MatrixError:
+        raise
+    except DAMAGE as error:
+        raise MatrixError(f"expected {what}: {in_one_line(error)}") from error
+
+
+def load_rows(source: Any, **form: Any) -> Array:
+    """`numpy.loadtxt` of a table (n, k), without a warning where there are no rows."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)
+        return np.loadtxt(source, ndmin=2, **form)
+
+
+def require_text(path: Path) -> None:
+    """`MatrixError` for bytes that are not UTF-8, or NUL, at which scipy ends the process."""
+    decoder = codecs.getincrementaldecoder("utf-8")()
+    try:
+        with path.open("rb") as file:
+            while block := file.read(BLOCK):
+                if b"\0" in block:
+                    raise MatrixError("expected a file of text, found a byte NUL")
+                decoder.decode(block)
+        decoder.decode(b"", final=True)
+    except UnicodeDecodeError as error:
+        raise MatrixError(f"expected a file of text in UTF-8: {error}") from error

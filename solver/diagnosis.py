@@ -1,0 +1,196 @@
+"""Why Newton's method may have failed in a step, in words.
+
+Found from the state that the step was predicted to end in, before any correction.
+"""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from .arrays import Array
+from .lower.lower import LoweredModel
+from .start.inertia import geometric_scale, inverse_inertia
+from .start.jacobian import constraint_jacobian, constraint_rows, coupling_jacobian
+from .start.matrices import dense_of, is_small, unit_rows
+from .start.redundancy import describe_rows
+from .step.bodies import accelerate
+from .step.couplings import law_of_row
+from .step.equations import evaluate, linearize
+from .step.system import State, Workspace
+
+LARGE_TURN = 0.5
+"""rad in a step, from which on its prediction is poor"""
+ABSURD_TURN = 1e3
+"""rad in a step, which no smaller step would mend"""
+TOO_LIGHT = "it is too light for its loads, or the step too large"
+LARGE_FLIGHT = 10.0
+"""displacement in a step over the size of the model that no motion of it has"""
+NEARLY_DEPENDENT = 0.03
+"""singular value of the Jacobian of joints, with rows of length one, of a pose next to singular"""
+INVOLVED = 0.1
+"""share of a row in a dependence from which on it is named"""
+FEW_ITERATIONS = 10
+
+
+class Failure(NamedTuple):
+    """The step in which Newton's method failed."""
+
+    lowered: LoweredModel
+    state: State
+    work: Workspace
+    time: float
+
+
+def likely_cause(lowered: LoweredModel, state: State, work: Workspace, time: float) -> str:
+    """The first cause that shows, "" if none does; the state is put back to the prediction."""
+    failure = Failure(lowered, state, work, time)
+    given, unsettled = _input(failure), _unsettled(failure)
+    if given:
+        return given
+    _predict(failure)
+    found = (find(failure) for find in CAUSES)
+    return next((cause for cause in found if cause), unsettled)
+
+
+def _predict(failure: Failure) -> None:
+    """The state that the step was predicted to end in without acceleration."""
+    lowered, state, work, _ = failure
+    state.bodies.v_dot[:] = 0.0
+    accelerate(lowered.system.scheme, state, work)
+    state.interfaces.u[:] = work.interfaces.u_n
+    state.couplings.lam[:] = work.couplings.lam_n
+    evaluate(lowered.system, state, work)
+    linearize(lowered.system, state, work)
+
+
+def _input(failure: Failure) -> str:
+    """A load or a drive that is no number, or a drive that jumps."""
+    lowered, state, work, t = failure
+    for load, value in zip(lowered.model.loads, work.loads.value.tolist(), strict=True):
+        if not math.isfinite(value):
+            return f"{load.owner}: its signal is {_sample(load.signal, t)} at this time"
+    rows = lowered.system.couplings.drive.tolist()
+    for d, value in enumerate(work.drives.value.tolist()):
+        i = rows.index(d)
+        size, unit = _size_of(lowered, i)
+        change = value - float(state.drives.value[d])
+        if not math.isfinite(value):
+            return f"{lowered.owner_of(i)}: its drive is {_sample(lowered.drives[d], t)} here"
+        if abs(change) > LARGE_TURN * size:
+            return f"{lowered.owner_of(i)}: its drive moves by {change:.3g} {unit} in this step"
+    return ""
+
+
+def _sample(signal: Callable[[float], float], t: float) -> str:
+    return f"{signal(t):g}"
+
+
+def _size_of(lowered: LoweredModel, row: int) -> tuple[float, str]:
+    """What the coordinate of a row is measured by, and its unit."""
+    lengths = lowered.measures_lengths
+    return (float(lowered.system.bodies.size), "m") if lengths[row] else (1.0, "rad")
+
+
+def _turn(failure: Failure) -> str:
+    """A body that turns far in the step."""
+    lowered, _, work, _ = failure
+    turns = np.linalg.norm(work.bodies.psi, axis=1)
+    b = int(np.argmax(turns))
+    if not turns[b] > LARGE_TURN:
+        return ""
+    step, mass = lowered.h * LARGE_TURN / turns[b], float(lowered.system.bodies.mass[b])
+    remedy = f"try a step below {step:.2g} s" if turns[b] < ABSURD_TURN else TOO_LIGHT
+    name = lowered.body_names[b]
+    return f"body {name!r} of {mass:g} kg turns by {turns[b]:.3g} rad in this step; {remedy}"
+
+
+def _flight(failure: Failure) -> str:
+    """A body that moves far in the step."""
+    lowered, state, _, _ = failure
+    motions = lowered.h * np.linalg.norm(state.bodies.v[:, :3], axis=1)
+    b = int(np.argmax(motions))
+    if not motions[b] > LARGE_FLIGHT * lowered.system.bodies.size:
+        return ""
+    mass = float(lowered.system.bodies.mass[b])
+    return (
+        f"body {lowered.body_names[b]!r} of {mass:g} kg moves by {motions[b]:.3g} m in this step; "
+        f"{TOO_LIGHT}"
+    )
+
+
+def _dependence(failure: Failure) -> str:
+    """Joints that depend on one another in this pose, or nearly so."""
+    lowered, state, work, _ = failure
+    if not is_small(lowered.system) or not len(constraint_rows(lowered.system)):
+        return ""
+    B, _ = constraint_jacobian(lowered.system, state, work)
+    J, _ = unit_rows(dense_of(B @ geometric_scale(lowered.system)))
+    left, values, _ = np.linalg.svd(J)
+    least = float(values[-1]) if len(J) <= J.shape[1] else 0.0
+    if not least < NEARLY_DEPENDENT:
+        return ""
+    rows = constraint_rows(lowered.system)[np.abs(left[:, -1]) > INVOLVED].tolist()
+    driven = any(lowered.system.couplings.drive[i] >= 0 for i in rows)
+    ask = "; its drive asks for a pose that the mechanism cannot reach, or passes with two ways on"
+    return f"a singular pose, in which depend on one another {describe_rows(lowered, rows)}" + (
+        ask if driven else ""
+    )
+
+
+def _stiffness(failure: Failure) -> str:
+    """A spring whose period is less than a few steps."""
+    lowered = failure.lowered
+    couplings = lowered.system.couplings
+    if not couplings.n_compliant:
+        return ""
+    stiffness = np.array([_slope(failure, i) for i in range(len(couplings.compliant))])
+    frequency = np.sqrt(np.maximum(stiffness * _mobility(failure), 0.0))
+    i = int(np.argmax(frequency))
+    if not frequency[i] * lowered.h > 1.0:
+        return ""
+    return (
+        f"{lowered.owner_of(i)}: its period there is {2.0 * np.pi / frequency[i]:.2g} s, too short "
+        "for the step"
+    )
+
+
+def _slope(failure: Failure, row: int) -> float:
+    """The stiffness of a row's own law, 0 of a constraint."""
+    couplings = failure.lowered.system.couplings
+    if not couplings.compliant[row]:
+        return 0.0
+    first = couplings.range[failure.lowered.coupling_of(row)]
+    _, slope, _, _ = law_of_row(couplings.laws, row, failure.work)
+    return abs(float(couplings.laws.stiffness[row, row - first])) + abs(slope)
+
+
+def _mobility(failure: Failure) -> Array:
+    """Accelerations of all rows by unit multipliers of their own, bodies rigid (n_rows,)."""
+    lowered, state, work, _ = failure
+    n_q = 6 * len(lowered.system.bodies.mass)
+    B = coupling_jacobian(lowered.system, state, work)[:, :n_q]
+    product = (B @ inverse_inertia(lowered.system)) * B
+    mobility: Array = np.asarray(product.sum(axis=1)).ravel()
+    return mobility
+
+
+def _unsettled(failure: Failure) -> str:
+    """A force law that Newton's method did not satisfy."""
+    lowered, work = failure.lowered, failure.work
+    compliant = lowered.system.couplings.compliant == 1
+    error = np.abs(work.couplings.phi) * compliant / np.maximum(work.couplings.scale, 1e-300)
+    if not error.size or not error.max() > lowered.model.settings.tolerance:
+        return ""
+    owner = lowered.owner_of(int(np.argmax(error)))
+    return f"{owner}: its law is too steep there for the step"
+
+
+def _iterations(failure: Failure) -> str:
+    """A limit of iterations that is too low."""
+    limit = failure.lowered.model.settings.max_iterations
+    return f"max_iterations = {limit} are few" if limit < FEW_ITERATIONS else ""
+
+
+CAUSES = (_turn, _flight, _stiffness, _iterations, _dependence)
