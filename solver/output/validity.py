@@ -221,7 +221,8 @@ def _hinges(lowered: LoweredModel) -> Index:
     couplings, body = lowered.system.couplings, lowered.system.frames.body
     hard = couplings.compliant == 0
     frames = np.unique([couplings.rows.frame_a[hard], couplings.rows.frame_b[hard]])
-    return frames[body[frames] >= 0]
+    hinges: Index = frames[body[frames] >= 0]
+    return hinges
 
 
 def _ratio(values: Array, scale: float) -> Array:
