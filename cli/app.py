@@ -13,7 +13,6 @@ from .failures import Commands, errors_in_one_line, one_line
 
 app = typer.Typer(
     cls=Commands,
-    help="Impulse superelements from meshes, and multibody dynamics on them.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -114,6 +113,24 @@ Title = Annotated[
     str | None,
     typer.Option(metavar="TEXT", help="Above the picture: the name of the file, unless given."),
 ]
+
+
+def _tell_version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        typer.echo(f"duhamel {version('duhamel')}")
+        raise typer.Exit
+
+
+Version = Annotated[
+    bool, typer.Option("--version", callback=_tell_version, is_eager=True, help="Tell it, and end.")
+]
+
+
+@app.callback()
+def duhamel(version: Version = False) -> None:
+    """Impulse superelements from meshes, and multibody dynamics on them."""
 
 
 @app.command()
