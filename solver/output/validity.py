@@ -14,7 +14,7 @@ from ..step.system import State
 
 SHARE = 0.01
 """of the kinetic energy of vibration, that the highest frequency which counts carries"""
-STILL = 1e-8
+STILL = 1e-6
 """kinetic energy of vibration over the energy that moves, below which a body counts as rigid"""
 ROUNDING = 1e-13
 """of an energy, after many steps"""
