@@ -1,8 +1,9 @@
-"""Files that a killed process leaves whole: changes are gathered in memory and take place at once.
+"""Files that a killed process leaves whole: their changes are gathered and take place at once.
 
-HDF5 writes to a `JournaledFile` as to any file. What it writes stays in memory until `commit`:
+HDF5 writes to a `JournaledFile` as to any file. What it writes beyond the end is appended, where
+nobody looks yet; what replaces other bytes stays in memory until `commit`:
 
-    1. bytes beyond the end of the file are appended, where nobody looks yet
+    1. what could not be appended before is, or the disk is full
     2. pages that replace others are written to the journal, with a digest
     3. they are written to the file, while nobody else has it open
     4. the journal is emptied
@@ -27,7 +28,7 @@ from typing import Any
 
 from .errors import ResultsError
 
-PAGE = 4096
+PAGE = 1 << 14
 """bytes that are compared and replaced together"""
 HEADER = 128
 """bytes ahead of the records of a journal: the process that writes, and its file"""
@@ -192,7 +193,12 @@ def _records(content: bytes) -> Iterator[tuple[int, bytes]]:
         first += length
 
 
-def _write_all(handle: int, content: bytes, at: int) -> None:
+def _pages_of(at: int, n: int) -> range:
+    """The numbers of the pages that n bytes touch."""
+    return range(at // PAGE, -(-(at + n) // PAGE))
+
+
+def _write_all(handle: int, content: bytes | memoryview, at: int) -> None:
     view = memoryview(content)
     while view:
         written = os.pwrite(handle, view, at)
@@ -209,7 +215,7 @@ class JournaledFile(io.RawIOBase):
         super().__init__()
         self.path, self._journal, self._durable = path, journal, durable
         self._handle = os.open(path, os.O_RDWR)
-        self._committed = self._size = os.fstat(self._handle).st_size
+        self._committed = self._reach = self._size = os.fstat(self._handle).st_size
         self._pages: dict[int, bytes] = {}
         self._at = 0
         journal.begin(path)
@@ -245,8 +251,27 @@ class JournaledFile(io.RawIOBase):
 
     def write(self, data: Any) -> int:
         view = memoryview(data).cast("B")
+        if not self._is_appended(view):
+            self._keep(view)
+        self._at += len(view)
+        self._size = max(self._at, self._size)
+        return len(view)
+
+    def _is_appended(self, view: memoryview) -> bool:
+        """Write what lies beyond the committed end at once, if the disk has room."""
+        numbers = _pages_of(self._at, len(view))
+        if numbers.start * PAGE < self._committed or not self._pages.keys().isdisjoint(numbers):
+            return False
+        try:
+            _write_all(self._handle, view, self._at)
+        except OSError:  # HDF5 would not survive it; `commit` tries again
+            return False
+        self._reach = max(self._reach, self._at + len(view))
+        return True
+
+    def _keep(self, view: memoryview) -> None:
         first, end = self._at, self._at + len(view)
-        for number in range(first // PAGE, -(-end // PAGE)):
+        for number in _pages_of(first, len(view)):
             start = number * PAGE
             low, high = max(first, start), min(end, start + PAGE)
             page = bytes(view[low - first : high - first])
@@ -254,8 +279,6 @@ class JournaledFile(io.RawIOBase):
                 old = self._content(start, PAGE)
                 page = old[: low - start] + page + old[high - start :]
             self._pages[number] = page
-        self._at, self._size = end, max(end, self._size)
-        return len(view)
 
     def truncate(self, size: int | None = None) -> int:
         self._size = self._at if size is None else size
@@ -263,9 +286,9 @@ class JournaledFile(io.RawIOBase):
 
     def _content(self, at: int, n: int) -> bytes:
         """n bytes as they will be, zeros beyond the end."""
-        stored = max(min(n, self._committed - at), 0)
+        stored = max(min(n, self._reach - at), 0)
         content = bytearray(os.pread(self._handle, stored, at).ljust(n, b"\0"))
-        for number in range(at // PAGE, -(-(at + n) // PAGE)):
+        for number in _pages_of(at, n):
             if (page := self._pages.get(number)) is not None:
                 start = number * PAGE
                 low, high = max(at, start), min(at + n, start + PAGE)
@@ -290,7 +313,8 @@ class JournaledFile(io.RawIOBase):
             self._journal.clear()
             raise
         self._journal.clear()
-        self._committed, self._pages = self._size, {}
+        self._committed = self._reach = self._size
+        self._pages = {}
 
     def _replace(self, pieces: list[tuple[int, bytes]]) -> None:
         for at, piece in pieces:
@@ -315,23 +339,21 @@ class JournaledFile(io.RawIOBase):
         self._handle = handle
 
     def close(self) -> None:
+        """Close the file as it was committed last."""
         if not self.closed:
+            os.ftruncate(self._handle, self._committed)
             os.close(self._handle)
         super().close()
 
     def _append(self) -> list[tuple[int, bytes]]:
         """Write what lies beyond the end of the file; the pieces that replace others."""
         replaced = []
-        try:
-            for at, piece in self._pieces():
-                inside = max(min(self._committed - at, len(piece)), 0)
-                if piece[inside:]:
-                    _write_all(self._handle, piece[inside:], at + inside)
-                if inside and os.pread(self._handle, inside, at) != piece[:inside]:
-                    replaced.append((at, piece[:inside]))
-        except OSError:
-            os.ftruncate(self._handle, self._committed)
-            raise
+        for at, piece in self._pieces():
+            inside = max(min(self._committed - at, len(piece)), 0)
+            if piece[inside:]:
+                _write_all(self._handle, piece[inside:], at + inside)
+            if inside and os.pread(self._handle, inside, at) != piece[:inside]:
+                replaced.append((at, piece[:inside]))
         return replaced
 
     def _pieces(self) -> Iterator[tuple[int, bytes]]:

@@ -55,9 +55,11 @@ ABOUT = {
     "solver/model": "what a user says",
     "solver/history": "layout of modes and kernels",
     "solver/lower": "from names to numbers",
+    "solver/checkpoint": "states that are kept",
     "solver/start": "the state at t = 0",
     "solver/output": "what is recorded",
     "solver/simulation": "all steps to t_end",
+    "solver/inspection": "what a run would be",
     "solver/simulator": "one step at a time",
 }
 """What a package or room holds, in a few words."""
