@@ -39,6 +39,8 @@ from .source import Selection
 
 PATIENCE = 5.0
 """seconds to wait for others who have the file open"""
+BRIEF = 0.1
+"""seconds that a run waits for them while rows can wait in memory"""
 BUFFER = 1 << 28
 """bytes of rows that may wait in memory"""
 CHUNK = 1 << 18
@@ -204,7 +206,7 @@ class FileWriter:
             self._commit(PATIENCE)
         elif time.monotonic() - self._last > self.pause:
             with suppress(BusyError):
-                self._commit(0.0)
+                self._commit(BRIEF, can_wait=True)
 
     def check(self, values: Array) -> None:
         if len(values):
@@ -251,15 +253,15 @@ class FileWriter:
             self._file["solver"].attrs.update(_plain(notes))
         self.written = rows
 
-    def _commit(self, patience: float) -> None:
-        """Let all rows take place; with patience, also if others never close the file."""
+    def _commit(self, patience: float, can_wait: bool = False) -> None:
+        """Let all rows take place; unless they can wait, also if others never close the file."""
         with self._failures_named(), uninterrupted():
             self._file["solver"].attrs.modify("written", self.written)
             self._file.flush()
             try:
                 self._store.commit(patience)
             except BusyError:
-                if not patience:
+                if can_wait:
                     raise
                 self._store.move_to_copy()
                 self._store.commit(patience)

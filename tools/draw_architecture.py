@@ -58,6 +58,7 @@ ABOUT = {
     "solver/checkpoint": "states that are kept",
     "solver/start": "the state at t = 0",
     "solver/output": "what is recorded",
+    "solver/diagnosis": "why a step failed",
     "solver/simulation": "all steps to t_end",
     "solver/inspection": "what a run would be",
     "solver/simulator": "one step at a time",
