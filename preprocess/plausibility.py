@@ -1,11 +1,15 @@
-"""What is unlike any part that is built, and most often a wrong unit: told, never refused."""
+"""What is unlike any part that is built, most often by a wrong unit: told; refused if singular."""
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
+from scipy.sparse.linalg import ArpackError
 
+from ..files import in_one_line
 from .body.body import Body
 from .body.material import Material, Section
+from .errors import MethodError
 from .mesh.facets import Facets
 from .mesh.mesh import Mesh
 
@@ -17,6 +21,21 @@ SIZE = (1e-5, 100.0)
 """Sizes of parts [m]."""
 LINEAR = ("tetra", "hexahedron", "wedge")
 """Solids with nodes at their corners alone."""
+
+
+@contextmanager
+def refused_where_singular() -> Iterator[None]:
+    """`MethodError` for numbers that lie too far apart for the solvers of a body's matrices.
+
+    What overflows on the way is found in the numbers that it makes.
+    """
+    try:
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            yield
+    except (np.linalg.LinAlgError, ArpackError) as error:
+        raise MethodError(
+            f"numbers of the body lie too far apart for its matrices: {in_one_line(error)}"
+        ) from error
 
 
 def doubts_of_body(body: Body) -> Iterator[str]:

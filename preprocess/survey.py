@@ -13,7 +13,7 @@ from .body.body import Body
 from .estimate import Frequencies, first_frequencies
 from .mesh.facets import Facets
 from .mesh.mesh import IntArray, Mesh
-from .plausibility import doubts_of_body, doubts_of_mesh
+from .plausibility import doubts_of_body, doubts_of_mesh, refused_where_singular
 from .progress import shown_stages
 from .responses.cost import Cost, krylov_cost
 from .responses.impulse import SMALL
@@ -77,7 +77,10 @@ def survey(body: Body, progress: bool = False) -> Survey:
 
     `progress` shows the stages on the terminal.
     """
-    with shown_stages(progress) as stages:
+    with (
+        refused_where_singular(),
+        shown_stages(progress) as stages,
+    ):
         with stages.stage("mesh"):
             source = read_mesh_source(body)
         with stages.stage("assembly"):

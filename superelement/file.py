@@ -13,8 +13,8 @@ import h5py
 import numpy as np
 
 from ..files import renamed_when_whole
-from ..files.outputs import resolved
 from ..files.hdf5 import opened
+from ..files.outputs import resolved
 from .checks import require_sound
 from .fields import dataset, expect, group, names, number, numbers, put, scalar, text, texts
 from .interface import Interface
