@@ -33,6 +33,7 @@ from .output.columns import requested
 from .output.keeper import (
     FileKeeper,
     NoKeeper,
+    forget_checkpoint,
     read_checkpoint,
     settle_checkpoint,
     start_of,
@@ -105,6 +106,7 @@ def _run(model: Model, output: Path | None, progress: bool, steps: int | None = 
         total = initial.lowered.n_steps if steps is None else steps
         check_range(initial.lowered, initial.state, 0)
         writer = make_writer(output, initial, total)
+        forget_checkpoint(writer)
     course = Course(initial.lowered, initial.state, initial.work, initial.removed, writer, total)
     return _finish(course, progress)
 

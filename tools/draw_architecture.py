@@ -42,6 +42,7 @@ ABOUT = {
     "preprocess/responses": "impulse and static responses, modes",
     "preprocess/estimate": "time and memory to expect",
     "preprocess/recovery": "fields on the surface",
+    "preprocess/plausibility": "doubts about units",
     "preprocess/survey": "the dry run",
     "preprocess/build": "body to superelement",
     "solver/arrays": "types of arrays",

@@ -407,6 +407,21 @@ def test_an_earlier_result_and_its_state_stay_until_the_run_has_ended(coarse, tm
     assert [entry.name for entry in tmp_path.iterdir()] == ["out.h5"]
 
 
+def test_no_state_of_a_run_without_results_is_left(coarse, tmp_path):
+    """Neither of one that failed in its first step, nor of an earlier one at the same path."""
+    model, path = machine(coarse, 20), tmp_path / "out.h5"
+    simulate(model, output=path)
+    kept = model.with_settings(checkpoint=1e3)
+    with pytest.raises(KeyboardInterrupt):
+        simulate(interrupting(kept, 1, KeyboardInterrupt()), output=path)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["out.h5"]
+    with pytest.raises(KeyboardInterrupt):
+        simulate(interrupting(kept, 18, KeyboardInterrupt()), output=path)
+    assert (tmp_path / "out.h5.partial.checkpoint").exists()
+    simulate(model, output=path)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["out.h5"]
+
+
 DUHAMEL = [sys.executable, "-c", "from duhamel.cli.app import app; app()"]
 
 
