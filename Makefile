@@ -9,6 +9,9 @@ SOURCES := pyproject.toml $(shell find $(PACKAGES) -name '*.py')
 EVERY := test gallery cholmod peer
 LOCK := --quiet --upgrade --generate-hashes --python-version 3.11 --custom-compile-command "make constraints"
 
+CORE := $(patsubst %,solver/step/%.py,rotations rows frames history newton equations interfaces) \
+  superelement/interface.py preprocess/responses/krylov.py
+
 # Tests of the compiled code; those that take seconds, for other Pythons; those that run it as Python.
 COMPILED := tests/solver/compiler tests/solver/test_rigid.py
 FAST := $(COMPILED) tests/solver/test_joints.py
@@ -66,6 +69,12 @@ audit: $(CI)/3.11/.wheel ## known vulnerabilities of what the constraints name, 
 
 fuzz: $(VENV)/.installed ## damaged files for all readers, for SECONDS=60 from number FIRST=0 on
 	$(BIN)/python -m tests.fuzz.run $(or $(SECONDS),60) $(or $(FIRST),0)
+
+soak: $(VENV)/.installed ## ten million steps, and two hundred bodies: memory, joints and energy; takes minutes
+	$(BIN)/python -m pytest -m soak -s tests/soak
+
+mutants: $(VENV)/.installed ## faults put into the core, and which the tests do not notice; takes half an hour
+	nice $(BIN)/python tools/mutate.py $(CORE)
 
 benchmark: $(VENV)/.validation ## timed work; where there is a peer, as ratios measured in the same run
 	@set -e; for program in benchmarks/*.py; do echo "$$program"; $(BIN)/python "$$program"; done

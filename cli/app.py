@@ -13,7 +13,6 @@ from .failures import Commands, errors_in_one_line, one_line
 
 app = typer.Typer(
     cls=Commands,
-    help="Impulse superelements from meshes, and multibody dynamics on them.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -116,6 +115,24 @@ Title = Annotated[
 ]
 
 
+def _tell_version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        typer.echo(f"duhamel {version('duhamel')}")
+        raise typer.Exit
+
+
+Version = Annotated[
+    bool, typer.Option("--version", callback=_tell_version, is_eager=True, help="Tell it, and end.")
+]
+
+
+@app.callback()
+def duhamel(version: Version = False) -> None:
+    """Impulse superelements from meshes, and multibody dynamics on them."""
+
+
 @app.command()
 def preprocess(
     body_file: BodyFile, output: PreprocessOutput = None, dry_run: DryRun = False
@@ -202,7 +219,7 @@ def sweep(
         )
     start = perf_counter()
     from .. import study
-    from .sweep import failures, shown_cases
+    from .sweep import failures, shown_cases, told
 
     with errors_in_one_line(study):
         plan = study.read_study(study_file, output)
@@ -212,9 +229,7 @@ def sweep(
     for line in failed:
         typer.echo(one_line(line), err=True)
     seconds = perf_counter() - start
-    typer.echo(
-        one_line(f"{plan.summary}: {len(rows)} cases, {len(failed)} failed, {seconds:.1f} s")
-    )
+    typer.echo(one_line(f"{plan.summary}: {len(rows)} cases, {told(rows)}, {seconds:.1f} s"))
     if failed:
         raise typer.Exit(1)
 

@@ -57,6 +57,14 @@ def _frequencies(modes: Modes | None) -> Iterator[Row]:
         str(len(modes.omega)) + (f", for steps down to {modes.h_min:.6g} s" if modes.h_min else ""),
     )
     yield f"first {len(first)} [Hz]", ", ".join(f"{frequency:.5g}" for frequency in first)
+    if modes.zeta.any():
+        low, high = float(modes.zeta.min()), float(modes.zeta.max())
+        ratios = f"{low:.3g}" if low == high else f"{low:.3g} to {high:.3g}"
+        bound = f"{high:.3g} f / {first[0]:.5g} Hz"
+        yield (
+            "damping ratios, free",
+            f"{ratios}; at a joint, or clamped, a mode at f: up to {bound}",
+        )
 
 
 def _kernel(kernel: Kernel) -> Iterator[Row]:

@@ -36,3 +36,10 @@ def failures(rows: Sequence[Row]) -> Iterator[str]:
     for row in rows:
         if row.status == "failed":
             yield f"failed: {row.case.name}: {row.message}"
+
+
+def told(rows: Sequence[Row]) -> str:
+    """How many cases failed, and how many of those that were run now have warnings."""
+    failed = sum(row.status == "failed" for row in rows)
+    warned = sum(bool(row.warnings) for row in rows)
+    return f"{failed} failed" + (f", {warned} with warnings" if warned else "")

@@ -25,7 +25,6 @@ MOST_TEXT = 1 << 26
 DAMAGE = (
     ArithmeticError,
     LookupError,
-    MemoryError,
     OSError,
     RuntimeError,
     TypeError,
@@ -52,6 +51,8 @@ def opened(path: str | os.PathLike[str], failure: type[Exception]) -> Iterator[h
         raise failure(f"{os.fspath(path)}: no such file") from error
     except FileError as error:
         raise failure(f"{os.fspath(path)}: {error}") from error
+    except MemoryError as error:
+        raise failure(f"{os.fspath(path)}: out of memory: {in_one_line(error)}") from error
     except DAMAGE as error:
         why = in_one_line(error)
         raise failure(f"{os.fspath(path)}: not a readable HDF5 file: {why}") from error

@@ -1,12 +1,12 @@
 """The text of files that users wrote, and TOML, within bounds."""
 
 import os
-import stat
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from ..files import FileError, require_regular
 from .errors import InputError, dotted, quoted
 
 MOST_BYTES = 1 << 26
@@ -22,22 +22,16 @@ def read_text(path: str | os.PathLike[str]) -> str:
     """The text of a regular file of at most `MOST_BYTES`, in UTF-8; `InputError` names the file."""
     path = Path(path)
     try:
-        status = path.stat()
-        if not stat.S_ISREG(status.st_mode):
-            raise InputError(f"{path}: not a readable file: expected a regular file")
-        if status.st_size > MOST_BYTES:
-            raise InputError(
-                f"{path}: expected at most {MOST_BYTES} bytes of text, found {status.st_size}"
-            )
+        require_regular(path)
+        if (size := path.stat().st_size) > MOST_BYTES:
+            raise InputError(f"{path}: expected at most {MOST_BYTES} bytes of text, found {size}")
         return path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: not a readable file: not UTF-8: {error}") from error
     except OSError as error:
         raise InputError(f"{path}: not a readable file: {error.strerror or error}") from error
-    except InputError:
-        raise
-    except ValueError as error:  # a path with a NUL
-        raise InputError(f"{quoted(str(path))}: not a readable file: {error}") from error
+    except FileError as error:
+        raise InputError(f"{path}: not a readable file: {error}") from error
 
 
 def read_toml(path: str | os.PathLike[str]) -> dict[str, Any]:

@@ -5,10 +5,11 @@ from importlib import metadata
 import numpy as np
 
 from ..files import in_one_line
+from ..files.memory import available
 from ..superelement import Provenance, Superelement, sha256
 from .assembly.structure import Structure, assemble_on
 from .body.body import Body
-from .errors import MethodError
+from .errors import MemoryShortageError, MethodError
 from .progress import Stages, shown_stages
 from .recovery import check_recovery, recover
 from .responses.factor import factorizations
@@ -39,6 +40,15 @@ def build(body: Body, progress: bool = False) -> Superelement:
     try:
         with shown_stages(progress) as stages, factorizations() as summaries:
             return _build(body, stages, summaries)
+    except MemoryShortageError:
+        raise
+    except MemoryError as error:
+        raise MemoryShortageError(
+            f"out of memory: {in_one_line(error)}; fewer impulse.steps, fewer interfaces, or a "
+            "coarser mesh would do",
+            np.inf,
+            available(),
+        ) from error
     except np.linalg.LinAlgError as error:
         raise MethodError(
             f"numbers of the body lie too far apart for its matrices: {in_one_line(error)}"

@@ -45,6 +45,8 @@ class Criterion:
 
 
 _DIVIDE = "divide the body into several superelements"
+MEND_DEFORMATION = f"{_DIVIDE}, or look at loads and units"
+"""what to do where a body deforms beyond linear elasticity"""
 CRITERIA = {
     criterion.name: criterion
     for criterion in (
@@ -55,7 +57,7 @@ CRITERIA = {
             "rad",
             0.1,
             0.3,
-            f"elasticity is linear: {_DIVIDE}, or look at loads and units",
+            f"elasticity is linear: {MEND_DEFORMATION}",
         ),
         Criterion(
             "elastic_displacement",
@@ -64,7 +66,7 @@ CRITERIA = {
             "",
             0.015,
             0.045,
-            f"elasticity is linear: {_DIVIDE}, or look at loads and units",
+            f"elasticity is linear: {MEND_DEFORMATION}",
         ),
         Criterion(
             "spin",

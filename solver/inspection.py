@@ -8,13 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
+from ..results.schema import Contents
 from .arrays import Array
 from .errors import about
 from .history.cost import history_costs
 from .lower.lower import LoweredModel
 from .model.model import Model
 from .output.columns import requested
-from .output.size import check_size, file_bytes
+from .output.size import check_memory, file_bytes, lack_of_disk
 from .output.writer import check_output, contents_of, make_writer, rows_of
 from .simulation import Course, march
 from .start.frequencies import natural_frequencies
@@ -95,7 +96,8 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
         initial = initialize(model, lowered, source)
         lowered = initial.lowered
         contents, rows = contents_of(lowered), rows_of(lowered) - 1
-        check_size(path, contents, rows)
+        if path is None:
+            check_memory(contents, rows)
         frequencies, free = natural_frequencies(initial), _free_frequencies(model)
     return ModelCheck(
         bodies=len(model.bodies),
@@ -111,7 +113,7 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
         memory=_memory(initial),
         rows=rows,
         results_size=file_bytes(contents, rows),
-        warnings=tuple(_warnings(frequencies, free, lowered.h)),
+        warnings=(*_warnings(frequencies, free, lowered.h), *_lacks(path, contents, rows)),
         seconds=_seconds(initial),
     )
 
@@ -137,6 +139,11 @@ def _warnings(frequencies: Array | None, free: dict[str, float], h: float) -> It
             f"the first frequency, {min(known):.5g} Hz, has {steps:.2g} steps in a period: "
             f"expected {FEW} or more, simulation.step = {1.0 / (FEW * min(known)):.2g}"
         )
+
+
+def _lacks(path: Path | None, contents: Contents, rows: int) -> Iterator[str]:
+    if path is not None and (lack := lack_of_disk(path, contents, rows)):
+        yield lack
 
 
 def _memory(initial: InitialState) -> int:

@@ -39,7 +39,7 @@ from .output.keeper import (
     start_of,
 )
 from .output.recorder import NO_ENERGIES, Recorder
-from .output.validity import Judge, check_range
+from .output.validity import Judge, check_range, torn
 from .output.writer import check_output, make_writer, read_back, resume_writer
 from .progress import Progress
 from .schema.entry import LARGEST
@@ -245,7 +245,9 @@ def failure(
     lowered: LoweredModel, state: State, work: Workspace, step: int, residual: float, cause: str
 ) -> ConvergenceError:
     """The error of a step in which Newton's method failed; cause: where one is known already."""
-    worst = _worst_joint(lowered, work)
+    # before the next puts the state back
+    worst, far = _worst_joint(lowered, work), torn(lowered, state)
+    cause = cause or likely_cause(lowered, state, work, step * lowered.h) or far
     return ConvergenceError(
         step,
         step * lowered.h,
@@ -253,7 +255,7 @@ def failure(
         lowered.model.settings.tolerance,
         worst,
         lowered.model.path,
-        cause or likely_cause(lowered, state, work, step * lowered.h),
+        cause,
     )
 
 

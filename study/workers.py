@@ -95,7 +95,7 @@ def _client(scheduler: str) -> Iterator["Client"]:
         ) from error
     try:
         client = Client(scheduler, timeout=PATIENCE)
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, TypeError) as error:  # TypeError: TLS without certificates
         raise ClusterError(f"{scheduler}: no scheduler: {error}") from error
     with client:
         try:

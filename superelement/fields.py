@@ -58,7 +58,7 @@ def text(file: h5py.Group, name: str) -> str:
     """A text in an attribute."""
     found = _attribute(file, name)
     if not isinstance(found, str):
-        raise SuperelementError(f"{_label(file, name)}: expected text, found {found!r:.80}")
+        raise SuperelementError(f"{_label(file, name)}: expected text, found {_quoted(found)}")
     return found
 
 
@@ -69,13 +69,18 @@ def expect(file: h5py.Group, name: str, *allowed: Value) -> Value:
         if np.array_equal(found, value):
             return value
     raise SuperelementError(
-        f"{_label(file, name)}: expected {' or '.join(map(repr, allowed))}, found {found!r:.80}"
+        f"{_label(file, name)}: expected {' or '.join(map(repr, allowed))}, found {_quoted(found)}"
     )
 
 
 def names(owner: h5py.Group) -> Sequence[str]:
     """The names of the attributes of a group."""
     return [hdf5.decoded("the name of an attribute", name) for name in owner.attrs]
+
+
+def _quoted(value: Any) -> str:
+    """A value in one line, not at length."""
+    return " ".join(repr(value).split())[:80]
 
 
 def _dataset(file: h5py.Group, name: str) -> h5py.Dataset:

@@ -16,9 +16,11 @@ from ...files import FileError, hdf5, in_one_line, require_regular
 from ...files.memory import shortage
 from ...superelement.validation import Array
 from ..errors import MatrixError, MeshError
+from ..mesh.mesh import IntArray
 
 DAMAGE = (
     *hdf5.DAMAGE,
+    MemoryError,
     AttributeError,
     EOFError,
     struct.error,
@@ -68,8 +70,18 @@ def load_rows(source: Any, **form: Any) -> Array:
         return np.loadtxt(source, ndmin=2, **form)
 
 
+def whole_numbers(values: Array, what: str) -> IntArray:
+    """Numbers that must be whole, and exact as floats."""
+    whole = np.abs(values) < 2.0**53
+    whole[whole] = values[whole] % 1.0 == 0.0
+    if not whole.all():
+        raise MatrixError(f"expected integers for {what}, found {values[~whole].flat[0]}")
+    integers: IntArray = values.astype(np.int64)
+    return integers
+
+
 def require_text(path: Path) -> None:
-    """`MatrixError` for bytes that are not UTF-8, or NUL, at which scipy ends the process."""
+    """`MatrixError` for bytes that are not UTF-8, or NUL."""
     decoder = codecs.getincrementaldecoder("utf-8")()
     try:
         with path.open("rb") as file:

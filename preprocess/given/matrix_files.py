@@ -6,15 +6,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy.io
 import scipy.sparse as sp
 
 from ...files import in_one_line
 from ..errors import MatrixError
 from ..mesh.mesh import IntArray
 from .damage import DAMAGE, about, arrays, load_rows, require_text
+from .market import HEAD, read_market
 
-MARKET = b"%%MatrixMarket"
+MARKET = HEAD.encode()
 LARGEST = 2.0**31
 """a label or a row: two of them are one number of 64 bits"""
 
@@ -75,7 +75,9 @@ def _mtx(path: Path, _: str) -> MatrixFile:
 
 def _market(path: Path) -> MatrixFile:
     try:
-        return MatrixFile(path.name, sp.coo_array(scipy.io.mmread(path, spmatrix=False)))
+        return MatrixFile(path.name, read_market(path))
+    except MatrixError:
+        raise
     except DAMAGE as error:
         raise MatrixError(f"not a Matrix Market file: {in_one_line(error)}") from error
 

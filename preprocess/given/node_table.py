@@ -12,7 +12,7 @@ from ...superelement.validation import Array
 from ..errors import MatrixError
 from ..mesh.mesh import NONE, IntArray
 from ..mesh.numbering import Numbering
-from .damage import about, arrays, load_rows
+from .damage import about, arrays, load_rows, whole_numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,12 +101,10 @@ def read_columns(path: Path, columns: str) -> Array:
 
 def as_integers(path: Path, values: Array, what: str) -> IntArray:
     """Numbers of a table that must be whole."""
-    whole = np.abs(values) < 2.0**53
-    whole[whole] = values[whole] % 1.0 == 0.0
-    if not whole.all():
-        raise MatrixError(f"{path}: expected integers for {what}, found {values[~whole].flat[0]}")
-    integers: IntArray = values.astype(np.int64)
-    return integers
+    try:
+        return whole_numbers(values, what)
+    except MatrixError as error:
+        raise MatrixError(f"{path}: {error}") from error
 
 
 def _of_table(path: Path) -> NodeTable:

@@ -13,17 +13,10 @@ from ...files.hdf5 import DAMAGE
 from ...superelement.validation import Array
 from ..errors import MeshError, MeshWarning
 from .cells import DIMENSIONS, LINES, SOLIDS
-from .formats import (
-    abaqus,
-    abaqus_deck,
-    gmsh,
-    med,
-    nastran,
-    nastran_deck,
-    through_meshio,
-    xdmf,
-)
+from .formats import abaqus, gmsh, med, nastran, through_meshio, xdmf
+from .formats.abaqus_deck import files_of as files_of_abaqus
 from .formats.draft import Draft
+from .formats.nastran_deck import files_of as files_of_nastran
 from .mesh import Mesh
 
 _READERS = {
@@ -39,8 +32,8 @@ _READERS = {
 }
 """By suffix; meshio reads what is not here."""
 _FILES = {
-    ".inp": abaqus_deck.files_of,
-    **dict.fromkeys((".bdf", ".nas", ".dat", ".fem"), nastran_deck.files_of),
+    ".inp": files_of_abaqus,
+    **dict.fromkeys((".bdf", ".nas", ".dat", ".fem"), files_of_nastran),
     **dict.fromkeys((".xdmf", ".xmf"), xdmf.files_of),
 }
 """Which files a mesh is in, by suffix, of formats with more than one."""
@@ -97,7 +90,7 @@ def _about(path: Path) -> Iterator[None]:
     except (MeshError, FileError) as error:
         text = str(error)
         raise MeshError(text if text.startswith(f"{path}: ") else f"{path}: {text}") from error
-    except DAMAGE as error:
+    except (*DAMAGE, MemoryError) as error:
         why = in_one_line(error)
         raise MeshError(f"{path}: damaged, or more than the memory holds: {why}") from error
 

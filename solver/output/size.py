@@ -28,15 +28,21 @@ def file_bytes(contents: Contents, rows: int) -> int:
     return size
 
 
-def check_size(path: Path | None, contents: Contents, rows: int) -> None:
-    """`ModelError` for results that the disk of the file, or without a file memory, cannot hold."""
-    if path is None:
-        lacking = shortage(NUMBER * row_numbers(contents) * rows)
-    else:
-        size, free = file_bytes(contents, rows), shutil.disk_usage(path.parent).free
-        lacking = f"need {gigabytes(size)}, the disk has {gigabytes(free)}" if size > free else ""
-    if lacking:
+def check_memory(contents: Contents, rows: int) -> None:
+    """`ModelError` for results that memory cannot hold."""
+    if lacking := shortage(NUMBER * row_numbers(contents) * rows):
         raise ModelError(
-            f"output: results of {rows} steps with {row_numbers(contents)} numbers each "
-            f"{lacking}: record fewer by `every` and `quantities`"
+            f"output: results of {rows} steps with {row_numbers(contents)} numbers each {lacking}: "
+            "record fewer by `every` and `quantities`, or write them to a file"
         )
+
+
+def lack_of_disk(path: Path, contents: Contents, rows: int) -> str:
+    """Says that the disk of a file cannot hold the results; "" if it can."""
+    size, free = file_bytes(contents, rows), shutil.disk_usage(path.parent).free
+    if size <= free:
+        return ""
+    return (
+        f"results of {rows} steps need {gigabytes(size)}, the disk has {gigabytes(free)}: "
+        "record fewer by `every` and `quantities`"
+    )

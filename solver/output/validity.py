@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from ...results.validity import CRITERIA, Check, Validity
+from ...results.validity import CRITERIA, MEND_DEFORMATION, Check, Validity
 from ...superelement import Superelement
 from ..arrays import Array
 from ..errors import OutOfRangeError
 from ..lower.lower import LoweredModel
-from ..step.extremes import FARTHEST_TURN
+from ..step.extremes import FARTHEST_MOVE, FARTHEST_TURN
 from ..step.history import modal_energy
 from ..step.rows import ANGLE
 from ..step.system import State
@@ -162,18 +162,39 @@ def check_range(lowered: LoweredModel, state: State, taken: int) -> None:
     if not (left := int(state.extremes.left[0])):
         return
     f, extremes = left - 1, state.extremes
+    passed = _beyond(lowered, f, np.sqrt(extremes.rotation[f]), np.sqrt(extremes.displacement[f]))
+    raise OutOfRangeError(
+        taken, taken * lowered.h, lowered.frame_names[f], passed, lowered.model.path
+    )
+
+
+def torn(lowered: LoweredModel, state: State) -> str:
+    """The interface that is far out of range in a state that need not be that of a step, or ""."""
+    frames, u = lowered.system.frames, state.interfaces.u
+    for f in np.flatnonzero(frames.dof >= 0).tolist():
+        dof = int(frames.dof[f])
+        rotation = np.linalg.norm(u[dof + 3 : dof + 6]) if frames.rotations[f] else 0.0
+        if passed := _beyond(lowered, f, float(rotation), float(np.linalg.norm(u[dof : dof + 3]))):
+            return passed
+    return ""
+
+
+def _beyond(lowered: LoweredModel, f: int, rotation: float, move: float) -> str:
+    """How frame f has left the range at which runs end, in words; "" if it has not."""
     elastic, frames = lowered.system.elastic, lowered.system.frames
     size = float(elastic.size[elastic.of_body[frames.body[f]]])
-    rotation, move = np.sqrt(extremes.rotation[f]), np.sqrt(extremes.displacement[f])
-    turned = rotation > FARTHEST_TURN
-    passed = f"turned by {rotation:.3g} rad" if turned else f"moved by {move:.3g} m"
-    limit = f"{FARTHEST_TURN:.3g} rad" if turned else f"the size of its body, {size:.3g} m"
-    name = lowered.frame_names[f]
-    reason = (
-        f"interface {name!r} has {passed} by elasticity, more than {limit}, where linear "
-        f"elasticity has no meaning: {CRITERIA['elastic_rotation'].advice}"
+    if rotation > FARTHEST_TURN:
+        passed = f"turned by {rotation:.3g} rad by elasticity, more than {FARTHEST_TURN:.3g} rad"
+    elif move > FARTHEST_MOVE * size:
+        passed = (
+            f"moved by {move:.3g} m by elasticity, more than the size of its body, {size:.3g} m"
+        )
+    else:
+        return ""
+    return (
+        f"interface {lowered.frame_names[f]!r} has {passed}, where linear elasticity has no "
+        f"meaning: {MEND_DEFORMATION}"
     )
-    raise OutOfRangeError(taken, taken * lowered.h, name, reason, lowered.model.path)
 
 
 def _ratio(values: Array, scale: float) -> Array:

@@ -1,8 +1,11 @@
 """The destination of the results of a run, and the notes at its head."""
 
+import os
 from pathlib import Path
 from typing import Any, cast
 
+from ...files import FileError, require_regular
+from ...files.outputs import clash
 from ...results.file import FileSource, FileWriter
 from ...results.results import Results
 from ...results.schema import Contents
@@ -15,7 +18,7 @@ from ..model.model import Model
 from ..model.settings import StartFrom
 from ..start.initial import InitialState
 from .columns import requested
-from .size import check_size
+from .size import check_memory
 from .validity import Judge
 
 
@@ -23,16 +26,17 @@ def check_output(path: Path, model: Model) -> None:
     """`ResultsError` for a path that cannot hold results, or that is an input of the run."""
     if not path.parent.is_dir():
         raise ResultsError(f"{path}: no folder {path.parent}")
-    if not path.exists():
+    try:
+        require_regular(path)
+    except FileNotFoundError:
         return
-    if not path.is_file():
-        raise ResultsError(f"{path}: cannot be written: not a regular file")
-    inputs = {str(model.path): "the model file"}
+    except (FileError, OSError) as error:
+        raise ResultsError(f"{path}: cannot be written: {error}") from error
+    inputs: dict[str | os.PathLike[str], str] = {model.path: "the model file"}
     for name, body in model.flexible_bodies.items():
         inputs[body.source] = f"the superelement of body {name!r}"
-    for file, role in inputs.items():
-        if file and Path(file).exists() and path.samefile(file):
-            raise ResultsError(f"{path}: this is {role}, which the results would replace")
+    if found := clash([path], inputs):
+        raise ResultsError(f"{found}, which the results would replace")
 
 
 def make_writer(path: Path | None, initial: InitialState, steps: int) -> Writer:
@@ -42,8 +46,8 @@ def make_writer(path: Path | None, initial: InitialState, steps: int) -> Writer:
     """
     lowered, model = initial.lowered, initial.lowered.model
     contents, notes = contents_of(lowered), _notes(initial, steps)
-    check_size(path, contents, steps // model.settings.output.every + 1)
     if path is None:
+        check_memory(contents, steps // model.settings.output.every + 1)
         return Memory(contents, notes, model.source)
     durable = model.settings.checkpoint is not None
     return FileWriter(path, contents, notes, model.source, rows_of(lowered), durable)

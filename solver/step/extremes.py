@@ -25,6 +25,8 @@ def start_extremes(system: System, state: State, work: Workspace) -> None:
     """The extremes of the start, whose state was the last to be evaluated."""
     copy(work.couplings.coordinate, state.couplings.coordinate)
     copy(work.couplings.rate, state.couplings.rate)
+    copy(state.modes.rate, work.modes.rate_n)
+    copy(state.interfaces.rate, work.interfaces.rate_n)
     start_coordinates(system.observers, state, work)
     energies, extremes = state.energies, state.extremes
     _set_energies(system, state)

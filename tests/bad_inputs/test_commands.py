@@ -197,6 +197,7 @@ def test_a_bad_quantity_is_one_line(quantity, results):
         ("--scheduler", "x"),
         ("--scheduler", "tcp://"),
         ("--scheduler", "tcp://127.0.0.1:1"),
+        ("--scheduler", "tls://127.0.0.1:1"),
     ],
 )
 def test_bad_options_of_a_sweep_are_refused(words, folder, monkeypatch):

@@ -1,6 +1,9 @@
 """Bad meshes, matrices and body files: `duhamel preprocess` says one line, and leaves nothing."""
 
+import importlib
 import os
+import subprocess
+import sys
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -103,6 +106,34 @@ def refused(folder: Path, body: str, *names: str) -> None:
 def test_body_files(old: str, new: str, names: tuple[str, ...], folder: Path) -> None:
     assert old in ON_MESH
     refused(folder, ON_MESH.replace(old, new), *names)
+
+
+def test_memory_that_runs_out_on_the_way(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def exhausted(*_: object) -> None:
+        raise MemoryError("Unable to allocate 9. GiB")
+
+    build = importlib.import_module("duhamel.preprocess.build")
+    monkeypatch.setattr(build, "impulse_responses", exhausted)
+    refused(folder, ON_MESH, "body.toml: out of memory: Unable to allocate 9. GiB; fewer")
+
+
+def test_a_build_under_a_limit_of_memory(folder: Path) -> None:
+    """`ulimit -v`, of a process of its own."""
+    path = folder / "body.toml"
+    path.write_text(ON_MESH.replace("steps = 20", "steps = 2_000_000"))
+    program = (
+        "import resource, sys\n"
+        "from duhamel.cli import app\n"
+        "resource.setrlimit(resource.RLIMIT_AS, (1_500_000 << 10, 1_500_000 << 10))\n"
+        "app()\n"
+    )
+    words = [sys.executable, "-c", program, "preprocess", str(path)]
+    result = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert result.returncode == 1
+    (message,) = (line for line in result.stderr.splitlines() if line.strip())
+    assert message.startswith(f"error: {path}: ")
+    assert "memory" in message
+    assert sorted(folder.glob("*.h5")) == []
 
 
 # Meshes

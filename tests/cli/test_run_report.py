@@ -47,6 +47,52 @@ def test_energy_that_the_convolution_created_is_told(told):
     assert "created energy" not in told("consistent")
 
 
+SPINNING = """
+[simulation]
+t_end = 6e-4
+
+[bodies.beam]
+superelement = "beam.h5"
+angular_velocity = [0, SPEED, 0]
+"""
+
+
+@pytest.mark.parametrize(("speed", "warned"), [(1.0, False), (200.0, True)])
+def test_validity_is_told_with_a_warning_for_each_limit_passed(speed, warned, runner, element_file):
+    path = element_file.with_name("spinning.toml")
+    path.write_text(SPINNING.replace("SPEED", str(speed)))
+    result = runner.invoke(app, ["run", str(path)])
+    assert result.exit_code == 0, result.output
+    (line,) = [line for line in result.stdout.splitlines() if line.startswith("spin over")]
+    assert re.search(r" beam +0\.03 +0\.1( +poor)?$", line)
+    assert line.endswith("poor") == warned
+    warning = (
+        r"warning: body 'beam': spin over the first elastic frequency: 0\.\d+, more than 0\.1: "
+        r"there is no stiffening by rotation: divide the body into several superelements"
+    )
+    assert bool(re.search(warning, result.stderr)) == warned
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "ends"),
+    [("1e5", r"stopped in step \d+ \(t = .* s\): "), ("1e9", r"no convergence .* likely cause: ")],
+)
+def test_a_body_torn_apart_ends_the_run_with_one_line(amplitude, ends, runner, element_file):
+    """Whether Newton's method still converges or not."""
+    path = element_file.with_name("torn.toml")
+    model = MODEL.replace("RULE", "consistent").replace(
+        "amplitude = 1.0", f"amplitude = {amplitude}"
+    )
+    path.write_text(model)
+    result = runner.invoke(app, ["run", str(path)])
+    assert result.exit_code == 1
+    line = (
+        rf"error: {re.escape(str(path))}: {ends}interface 'beam\.\w+' has (turned|moved) by .*, where "
+        r"linear elasticity has no meaning: divide .*\n"
+    )
+    assert re.fullmatch(line, result.stderr)
+
+
 PENDULUM = """
 [simulation]
 t_end = 0.01

@@ -37,7 +37,7 @@ def mutated(number: int, seed: bytes) -> bytes:
     with h5py.File(image, "r+") as file:
         for _ in range(rng.choice((1, 1, 2, 3))):
             # HDF5 refuses some of the damage itself.
-            with suppress(OSError, TypeError, ValueError, RuntimeError):
+            with suppress(OSError, TypeError, ValueError, RuntimeError, MemoryError):
                 _mutate(rng, file)
     return image.getvalue()
 

@@ -13,4 +13,4 @@ def test_the_solver_leaves_meshes_elements_and_plots_alone():
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     folders = {name.split(".")[1] for name in run.stdout.split()}
-    assert folders == {"inputs", "results", "solver", "superelement"}
+    assert folders == {"files", "inputs", "results", "solver", "superelement"}

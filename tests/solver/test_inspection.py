@@ -146,3 +146,10 @@ def test_a_history_that_memory_does_not_hold_is_refused(beam):
     model = clamped(beam.element, history="direct").with_settings(t_end=1e6)
     with pytest.raises(ModelError, match=r"body 'beam': its history of \d+ steps needs .* GB"):
         simulate(model)
+
+
+def test_results_that_the_disk_does_not_hold_are_told(tmp_path):
+    model = model_of(bodies={"ball": ball()}, t_end=1e9, step=1e-3)
+    (warning,) = check(model, tmp_path / "results.h5").warnings
+    assert "results of 100000000000" in warning
+    assert "the disk has" in warning

@@ -99,6 +99,8 @@ def test_settings_are_keyword_only_and_come_before_the_file():
         "settings": "POSITIONAL_OR_KEYWORD",
         "output": "KEYWORD_ONLY",
         "progress": "KEYWORD_ONLY",
+        "resume": "KEYWORD_ONLY",
+        "anyway": "KEYWORD_ONLY",
     }
     with pytest.raises(ModelError, match=re.escape("settings: expected Settings, got 'out.h5'")):
         simulate(pendulum(), "out.h5")

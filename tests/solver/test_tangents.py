@@ -272,11 +272,11 @@ def test_rows_of_a_spring(make_pair, name, kinds):
 
 @pytest.mark.parametrize("turns", [-3, -1, 0, 2])
 def test_the_rows_of_an_angle_go_on_over_full_turns(make_pair, turns):
-    """The value of the branch nearest to the last one, with the same gradient."""
+    """The value of the branch nearest to the expected one, with the same gradient."""
     spring = Spring("spring", "torsion", ("a.i0", "b.i0"), AXIS, stiffness=1.0)
     point = Point.of(make_pair(("flexible", "rigid"), springs=(spring,)))
     value, gradient = point.work.couplings.coordinate[0], point.work.couplings.gradient[0].copy()
-    point.state.couplings.coordinate[0] = value + 2 * np.pi * turns + 3.0
+    point.work.couplings.near[0] = value + 2 * np.pi * turns + 3.0
     point.evaluated()
     assert point.work.couplings.coordinate[0] == pytest.approx(value + 2 * np.pi * turns, abs=1e-13)
     np.testing.assert_array_equal(point.work.couplings.gradient[0], gradient)
