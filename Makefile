@@ -12,10 +12,12 @@ LOCK := --quiet --upgrade --generate-hashes --python-version 3.11 --custom-compi
 CORE := $(patsubst %,solver/step/%.py,rotations rows frames history newton equations interfaces) \
   superelement/interface.py preprocess/responses/krylov.py
 
-# Tests of the compiled code; those that take seconds, for other Pythons; those that run it as Python.
+# Tests of the compiled code; of what versions of Python differ in; of the equations, quick as plain Python.
 COMPILED := tests/solver/compiler tests/solver/test_rigid.py
-FAST := $(COMPILED) tests/solver/test_joints.py
-PLAIN := tests/solver/test_rigid.py
+FAST := tests/solver --ignore tests/solver/test_monolithic.py tests/superelement tests/results tests/cli \
+  tests/preprocess/mesh tests/preprocess/body
+PLAIN := tests/solver/test_rotations.py tests/solver/test_tangents.py tests/solver/test_blocks.py \
+  --hypothesis-profile=faults tests/solver/properties/test_conservation.py
 
 .DEFAULT_GOAL := help
 .PHONY: help demo test lint validation fuzz benchmark soak mutants docs constraints clean
@@ -100,7 +102,7 @@ clean: ## remove what the targets above made
 INSTALL := .ci/install pyproject.toml constraints.txt
 $(VENV)/.installed: $(INSTALL)
 	.ci/install $(PYTHON) $(VENV) constraints.txt test
-	$(BIN)/python -m pip --quiet install --no-deps --no-build-isolation -e .
+	$(BIN)/python -m pip -qq install --no-deps --no-build-isolation -e .
 	@touch $@
 
 $(VENV)/.validation: $(VENV)/.installed
@@ -113,12 +115,12 @@ $(VENV)/.docs: $(VENV)/.installed
 
 build/wheel/.built: $(CI)/3.11/.installed $(SOURCES)
 	rm -rf build/wheel build/lib
-	$(CI)/3.11/bin/python -m pip --quiet wheel --no-deps --no-build-isolation -w build/wheel .
+	$(CI)/3.11/bin/python -m pip -qq wheel --no-deps --no-build-isolation -w build/wheel .
 	@touch $@
 
 # Not editable: what is tested is the wheel.
 $(CI)/%/.wheel: $(CI)/%/.installed build/wheel/.built
-	$(CI)/$*/bin/python -m pip --quiet install --no-deps --no-index --force-reinstall build/wheel/*.whl
+	$(CI)/$*/bin/python -m pip -qq install --no-deps --no-index --force-reinstall build/wheel/*.whl
 	@touch $@
 
 $(CI)/3.11/.installed: $(INSTALL)

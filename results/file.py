@@ -19,6 +19,7 @@ import numpy as np
 
 from ..files import require_regular
 from ..files.hdf5 import DAMAGE, require_contained, texts
+from ..files.outputs import resolved
 from ..superelement.validation import Array
 from .errors import ResultsError
 from .journal import BusyError, Journal, JournaledFile, partial_of, recover, uninterrupted
@@ -144,7 +145,7 @@ class FileWriter:
         # Made in memory first: HDF5 itself brings the process down when the disk is full.
         image = _image(contents, {**notes, "written": 0, "run": self.run}, model, rows)
         with _failures_named(path):
-            journal = Journal(path.resolve())
+            journal = Journal(resolved(path))
             self.place = partial_of(journal.target) if path.exists() else journal.target
             try:
                 self.place.write_bytes(image)
@@ -177,7 +178,7 @@ class FileWriter:
         writer = cls.__new__(cls)
         writer.run = run
         with _failures_named(path):
-            journal = Journal(path.resolve())
+            journal = Journal(resolved(path))
             writer.place = unfinished(journal.target)
             try:
                 _check_same_run(writer.place, run, contents, rows)
