@@ -157,7 +157,7 @@ class Judge:
                 rate = extremes.interface_rate[dofs] * lengths
                 change = extremes.interface_change[dofs] * lengths
                 scale = 0.5 * float(system.bodies.mass[b])
-            carries = scale * rate.sum() > still
+            carries = scale * rate.sum() > still and change.any()  # none yet where a run starts
             frequencies.append(_highest(rate, change) / lowered.h if carries else np.nan)
         return np.array(frequencies, dtype=np.float64)
 

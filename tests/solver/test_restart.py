@@ -20,6 +20,7 @@ from duhamel.solver import (
     Load,
     Model,
     ModelError,
+    OutOfRangeError,
     OutputRequest,
     Place,
     RigidBody,
@@ -225,9 +226,9 @@ def test_a_run_goes_on_after_an_interrupt(coarse, at, tmp_path):
 
 def test_a_run_that_fails_keeps_the_state_before(coarse, tmp_path):
     model, path = machine(coarse, checkpoint={"every": 10}), tmp_path / "out.h5"
-    kick = Load("force", "beam.tip", [1, 0, 0], Steps((0.0, 55.5 * H), (0.0, 1e300)))
+    kick = Load("force", "beam.tip", [1, 0, 0], Steps((0.0, 55.5 * H), (0.0, 1e60)))
     failing = replace(model, loads=(*model.loads, kick))
-    with pytest.raises(ConvergenceError, match=r"step 5[56]"):
+    with pytest.raises((ConvergenceError, OutOfRangeError), match=r"step 5[56]"):
         simulate(failing, output=path)
     assert 50 <= read_state(tmp_path / "out.h5.checkpoint").snapshot.step <= 55
     assert len(Results.read(path).time) >= 51
