@@ -90,7 +90,7 @@ constraints: ## the newest versions that pyproject.toml allows, with hashes, wri
 	$(PYTHON) -m venv build/constraints
 	build/constraints/bin/python -m pip --disable-pip-version-check --quiet install uv
 	build/constraints/bin/uv pip compile $(LOCK) --universal --all-extras pyproject.toml -o build/constraints.txt
-	build/constraints/bin/uv pip compile $(LOCK) --extra build pyproject.toml constraints-lowest.in \
+	build/constraints/bin/uv pip compile $(LOCK) --extra build --extra pytest pyproject.toml constraints-lowest.in \
 	  -o build/constraints-lowest.txt
 	mv build/constraints*.txt .
 	rm -rf build/constraints
@@ -128,7 +128,7 @@ $(CI)/3.11/.installed: $(INSTALL)
 	@touch $@
 
 $(CI)/lowest/.installed: $(INSTALL) constraints-lowest.txt
-	.ci/install $(PYTHON) $(CI)/lowest constraints-lowest.txt
+	.ci/install $(PYTHON) $(CI)/lowest constraints-lowest.txt pytest
 	@touch $@
 
 $(CI)/%/.installed: $(INSTALL)
