@@ -11,8 +11,8 @@ from typing import Any
 
 import h5py
 
-from .memory import available
 from .heaps import require_ending_heaps
+from .memory import available
 from .regular import FileError, in_one_line, require_regular
 
 MOST_LINKS = 100_000
