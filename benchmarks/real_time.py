@@ -54,6 +54,20 @@ def step_times(model: Model, steps: int) -> tuple[np.ndarray, float]:
     return times, 1e9 * h
 
 
+def rollback_times(model: Model, repeats: int = 2000) -> tuple[float, float]:
+    """Least CPU microseconds in which a state is saved, and gone back to."""
+    simulator = Simulator(model, OUTPUTS)
+    for _ in range(WARM_UP):
+        simulator.step([])
+    moment, least = simulator.save(), [np.inf, np.inf]
+    for _ in range(repeats):
+        for k, act in enumerate((simulator.save, lambda: simulator.restore(moment))):
+            begun = time.thread_time_ns()
+            act()
+            least[k] = min(least[k], 1e-3 * (time.thread_time_ns() - begun))
+    return least[0], least[1]
+
+
 def main() -> None:
     steps = int(sys.argv[1]) if len(sys.argv) > 1 else 100_000
     if not BEAM.with_suffix(".h5").exists():
@@ -73,6 +87,8 @@ def main() -> None:
                 f"| {name} | {clock} | {' | '.join(cells)} | {np.median(times) / h:.0%} | "
                 f"{np.mean(times > h):.2%} |"
             )
+    save, restore = rollback_times(model)
+    print(f"\na state is saved in {save:.0f} us and restored in {restore:.0f} us")
 
 
 if __name__ == "__main__":

@@ -149,6 +149,8 @@ def preprocess(
         body = preprocess.read_body(body_file)
         superelement.require_writable(target)
         files.require_no_input(target, [body_file, *preprocess.files_of(body)])
+    for doubt in preprocess.doubts_of_body(body):
+        typer.echo(one_line(f"warning: {body_file}: {doubt}"), err=True)
     with errors_in_one_line(preprocess, superelement, about=body_file):
         element = preprocess.build(body, progress=True)
     with errors_in_one_line(superelement):

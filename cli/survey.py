@@ -21,7 +21,7 @@ Row = tuple[str, str]
 
 
 def report(survey: Survey) -> Table:
-    """Mesh, mass properties, interfaces and masses, frequencies and cost, a section each."""
+    """Mesh, masses, interfaces, frequencies, cost and doubts, a section each."""
     table = Table(title=Text(survey.body.name), show_header=False)
     table.add_column(no_wrap=True)
     table.add_column(overflow="fold")
@@ -31,6 +31,7 @@ def report(survey: Survey) -> Table:
         _attachments(survey),
         _frequencies(survey),
         _cost(survey),
+        _doubts(survey),
     ):
         for label, value in section:
             table.add_row(Text(label), Text(value))
@@ -125,6 +126,11 @@ def _cost(survey: Survey) -> Iterator[Row]:
             "to expect",
             f"about {seconds:.2g} s and {gigabytes:.2g} GB for {survey.body.impulse.steps} steps",
         )
+
+
+def _doubts(survey: Survey) -> Iterator[Row]:
+    for doubt in survey.doubts:
+        yield "LOOK AT", doubt
 
 
 def _position(X: Array, survey: Survey) -> str:

@@ -11,6 +11,7 @@ from typing import Any
 
 import h5py
 
+from .heaps import require_ending_heaps
 from .memory import available
 from .regular import FileError, in_one_line, require_regular
 
@@ -64,6 +65,7 @@ def require_contained(file: h5py.File) -> None:
     That is for links into other files and soft ones, for external and virtual datasets, and for
     those that declare far more than they store.
     """
+    require_ending_heaps(file.filename)
     names: list[bytes] = []
 
     def look(name: bytes, link: Any) -> FileError | None:

@@ -33,7 +33,7 @@ def renamed_when_whole(path: Path) -> Iterator[Path]:
     Temporary files of processes that have died meanwhile are removed. OSError where the folder
     cannot be written to.
     """
-    path = path.resolve()
+    path = resolved(path)
     remove_orphans(path)
     handle, name = tempfile.mkstemp(prefix=f"{_prefix(path)}{os.getpid()}.", dir=path.parent)
     os.close(handle)
@@ -46,6 +46,14 @@ def renamed_when_whole(path: Path) -> Iterator[Path]:
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def resolved(path: Path) -> Path:
+    """Where a path leads to; OSError for links that lead to themselves."""
+    try:
+        return path.resolve()
+    except RuntimeError as error:
+        raise OSError(str(error)) from error
 
 
 def remove_orphans(path: Path) -> None:

@@ -12,6 +12,7 @@ from .errors import (
     MethodError,
     PreprocessError,
 )
+from .plausibility import doubts_of_body
 from .sources.reading import files_of
 
 __all__ = [
@@ -26,6 +27,7 @@ __all__ = [
     "Structure",
     "assemble",
     "build",
+    "doubts_of_body",
     "files_of",
     "read_body",
 ]

@@ -9,7 +9,8 @@ from ..files.memory import available
 from ..superelement import Provenance, Superelement, sha256
 from .assembly.structure import Structure, assemble_on
 from .body.body import Body
-from .errors import MemoryShortageError, MethodError
+from .errors import MemoryShortageError
+from .plausibility import refused_where_singular
 from .progress import Stages, shown_stages
 from .recovery import check_recovery, recover
 from .responses.factor import factorizations
@@ -38,7 +39,11 @@ def build(body: Body, progress: bool = False) -> Superelement:
     """
     require_memory(body.impulse.steps, FEWEST * len(body.interfaces))
     try:
-        with shown_stages(progress) as stages, factorizations() as summaries:
+        with (
+            refused_where_singular(),
+            shown_stages(progress) as stages,
+            factorizations() as summaries,
+        ):
             return _build(body, stages, summaries)
     except MemoryShortageError:
         raise
@@ -48,10 +53,6 @@ def build(body: Body, progress: bool = False) -> Superelement:
             "coarser mesh would do",
             np.inf,
             available(),
-        ) from error
-    except np.linalg.LinAlgError as error:
-        raise MethodError(
-            f"numbers of the body lie too far apart for its matrices: {in_one_line(error)}"
         ) from error
 
 

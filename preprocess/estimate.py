@@ -71,7 +71,10 @@ def _solved(structure: Structure, count: int) -> Array:
 
     s is of the size of the first elastic eigenvalue.
     """
-    s = 0.1 * (2.0 * np.pi * ritz_frequencies(structure, 27)[0]) ** 2
+    first = ritz_frequencies(structure, 27)[:1]
+    if not (len(first) and 0.0 < first[0] < np.inf):
+        raise np.linalg.LinAlgError("no first frequency can be told from rounding")
+    s = 0.1 * (2.0 * np.pi * first[0]) ** 2
     solve = factorize(structure.K + s * structure.M, "the shifted stiffness")
     inverse = LinearOperator(structure.K.shape, matvec=solve, dtype=np.float64)
     squares = eigsh(

@@ -13,6 +13,7 @@ from .body.body import Body
 from .estimate import Frequencies, first_frequencies
 from .mesh.facets import Facets
 from .mesh.mesh import IntArray, Mesh
+from .plausibility import doubts_of_body, doubts_of_mesh, refused_where_singular
 from .progress import shown_stages
 from .responses.cost import Cost, krylov_cost
 from .responses.impulse import SMALL
@@ -26,8 +27,8 @@ SHOWN = 10
 class Survey:
     """A body on its mesh: matrices, shares of its materials or sections, and what to expect of it.
 
-    band [Hz]: up to where impulse responses are asked to be right. cost: time and memory of bodies
-    that take a while, None for others.
+    doubts: what is unlike any part, a line each. band [Hz]: up to where impulse responses are asked
+    to be right. cost: time and memory of bodies that take a while, None for others.
     """
 
     body: Body
@@ -36,6 +37,7 @@ class Survey:
     shares: tuple[Share, ...]
     frequencies: Frequencies
     resolution: Resolution
+    doubts: tuple[str, ...]
     band: float
     cost: Cost | None
 
@@ -75,7 +77,10 @@ def survey(body: Body, progress: bool = False) -> Survey:
 
     `progress` shows the stages on the terminal.
     """
-    with shown_stages(progress) as stages:
+    with (
+        refused_where_singular(),
+        shown_stages(progress) as stages,
+    ):
         with stages.stage("mesh"):
             source = read_mesh_source(body)
         with stages.stage("assembly"):
@@ -90,6 +95,7 @@ def survey(body: Body, progress: bool = False) -> Survey:
         shares=source.shares(),
         frequencies=frequencies,
         resolution=source.resolution(band),
+        doubts=(*doubts_of_body(body), *doubts_of_mesh(source.mesh, source.facets)),
         band=band,
         cost=_cost(body, structure),
     )

@@ -19,6 +19,7 @@ import numpy as np
 
 from ..files import require_regular
 from ..files.hdf5 import DAMAGE, require_contained, texts
+from ..files.outputs import resolved
 from ..superelement.validation import Array
 from .errors import ResultsError
 from .journal import BusyError, Journal, JournaledFile, partial_of, recover, uninterrupted
@@ -38,6 +39,8 @@ from .source import Selection
 
 PATIENCE = 5.0
 """seconds to wait for others who have the file open"""
+BRIEF = 0.1
+"""seconds that a run waits for them while rows can wait in memory"""
 BUFFER = 1 << 28
 """bytes of rows that may wait in memory"""
 CHUNK = 1 << 18
@@ -142,7 +145,7 @@ class FileWriter:
         # Made in memory first: HDF5 itself brings the process down when the disk is full.
         image = _image(contents, {**notes, "written": 0, "run": self.run}, model, rows)
         with _failures_named(path):
-            journal = Journal(path.resolve())
+            journal = Journal(resolved(path))
             self.place = partial_of(journal.target) if path.exists() else journal.target
             try:
                 self.place.write_bytes(image)
@@ -175,7 +178,7 @@ class FileWriter:
         writer = cls.__new__(cls)
         writer.run = run
         with _failures_named(path):
-            journal = Journal(path.resolve())
+            journal = Journal(resolved(path))
             writer.place = unfinished(journal.target)
             try:
                 _check_same_run(writer.place, run, contents, rows)
@@ -203,7 +206,7 @@ class FileWriter:
             self._commit(PATIENCE)
         elif time.monotonic() - self._last > self.pause:
             with suppress(BusyError):
-                self._commit(0.0)
+                self._commit(BRIEF, can_wait=True)
 
     def check(self, values: Array) -> None:
         if len(values):
@@ -250,15 +253,15 @@ class FileWriter:
             self._file["solver"].attrs.update(_plain(notes))
         self.written = rows
 
-    def _commit(self, patience: float) -> None:
-        """Let all rows take place; with patience, also if others never close the file."""
+    def _commit(self, patience: float, can_wait: bool = False) -> None:
+        """Let all rows take place; unless they can wait, also if others never close the file."""
         with self._failures_named(), uninterrupted():
             self._file["solver"].attrs.modify("written", self.written)
             self._file.flush()
             try:
                 self._store.commit(patience)
             except BusyError:
-                if not patience:
+                if can_wait:
                     raise
                 self._store.move_to_copy()
                 self._store.commit(patience)

@@ -78,6 +78,15 @@ CRITERIA = {
             f"there is no stiffening by rotation: {_DIVIDE}",
         ),
         Criterion(
+            "joint_turn",
+            "jointed body",
+            "turn about a distant axis in a step over what joints bear, 0.7 (1 - rho_inf) rad",
+            "",
+            0.8,
+            1.0,
+            "forces of its joints may alternate and grow: take a smaller step or rho_inf",
+        ),
+        Criterion(
             "steps_per_period",
             "body",
             "steps in a period of its fastest vibration",

@@ -3,7 +3,8 @@
 import os
 import time
 import warnings
-from contextlib import nullcontext
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -33,6 +34,7 @@ from .output.columns import requested
 from .output.keeper import (
     FileKeeper,
     NoKeeper,
+    forget_checkpoint,
     read_checkpoint,
     settle_checkpoint,
     start_of,
@@ -105,6 +107,7 @@ def _run(model: Model, output: Path | None, progress: bool, steps: int | None = 
         total = initial.lowered.n_steps if steps is None else steps
         check_range(initial.lowered, initial.state, 0)
         writer = make_writer(output, initial, total)
+        forget_checkpoint(writer)
     course = Course(initial.lowered, initial.state, initial.work, initial.removed, writer, total)
     return _finish(course, progress)
 
@@ -191,6 +194,7 @@ def march(course: Course, progress: bool = False) -> None:
     with (
         course.keeper() as keeper,
         Recorder(writer, lowered, course.start) as recorder,
+        _judged(course, begin, judge),
         Progress("simulating", total, shown=progress) as bar,
     ):
         run = Run(system=lowered.system, state=state, work=work, output=recorder.output)
@@ -200,13 +204,16 @@ def march(course: Course, progress: bool = False) -> None:
             recorder.keep_start(done)
         bar.advance(done)
         keeper.step_taken(done, recorder)
+        judged = time.perf_counter()
         while done < total:
             started = time.perf_counter()
             n = keeper.steps_until_due(done, min(batch, total - done))
             n = convolution.steps_until_due(done, n)
             rows = recorder.rows(done + 1, n)
             taken, residual = advance(run, signals(lowered, done + 1, rows))
-            writer.check(judge.values(state, done + taken - begin))
+            if time.perf_counter() - judged > writer.pause:
+                writer.check(judge.values(state, done + taken - begin))
+                judged = time.perf_counter()
             recorder.keep(done + 1, rows[:taken])
             done += taken
             bar.advance(taken)
@@ -219,6 +226,16 @@ def march(course: Course, progress: bool = False) -> None:
             keeper.step_taken(done, recorder)
             if time.perf_counter() - started < 0.5 * BATCH_SECONDS:
                 batch *= 2
+
+
+@contextmanager
+def _judged(course: Course, begin: int, judge: Judge) -> Iterator[None]:
+    """The validity of a run is written when it ends, in whatever way."""
+    try:
+        yield
+    finally:
+        taken = int(course.state.step[0]) - begin
+        course.writer.check(judge.values(course.state, taken))
 
 
 def signals(lowered: LoweredModel, first: int, rows: Index) -> Inputs:

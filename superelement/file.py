@@ -14,6 +14,7 @@ import numpy as np
 
 from ..files import renamed_when_whole
 from ..files.hdf5 import opened
+from ..files.outputs import resolved
 from .checks import require_sound
 from .fields import dataset, expect, group, names, number, numbers, put, scalar, text, texts
 from .interface import Interface
@@ -54,7 +55,7 @@ def require_writable(path: str | os.PathLike[str]) -> None:
     try:
         if not target.parent.is_dir():
             why = f"no folder {target.parent}"
-        elif target.exists() and not target.is_file():
+        elif resolved(target).exists() and not target.is_file():
             why = "cannot be written: not a regular file"
         elif not os.access(target.parent, os.W_OK):
             why = f"cannot be written: no right to write into {target.parent}"

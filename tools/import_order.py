@@ -39,6 +39,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "responses",
         "estimate",
         "recovery",
+        "plausibility",
         "survey",
         "build",
         "__init__",

@@ -19,6 +19,9 @@ from .rigid import RigidModes, relieve, rigid_modes
 from .source import Source
 from .ties import tie
 
+RIGID = 6
+"""dofs of a body that cannot deform"""
+
 
 @dataclass(frozen=True, eq=False)
 class Structure:
@@ -81,6 +84,11 @@ def assemble_on(body: Body, source: Source) -> Structure:
         raise InterfaceError(f"{source.name}: {error}") from error
     if nodes.n_dofs < source.nodes.n_dofs:
         K, M = (_symmetric(T.T @ matrix @ T) for matrix in (K, M))
+    if nodes.n_dofs <= RIGID:
+        raise MeshError(
+            f"{source.name}: expected nodes that can move against each other, found all of them "
+            "on rigid interfaces"
+        )
     M = M + lumped
     for what, matrix in (("stiffness", K), ("mass", M)):
         _check_magnitude(source.name, what, matrix)

@@ -24,6 +24,8 @@ from .material import Material, Section
 from .selection import InterfaceSelection, Selection
 
 Method = Literal["auto", "modal", "march", "krylov"]
+SHORTEST, LONGEST_STEP = 1e-30, 1e6
+"""steps [s]"""
 FilePath = Annotated[Path, Field(strict=False)]
 
 
@@ -101,6 +103,18 @@ class Impulse(Table):
     method: Method = "auto"
     tolerance: PositiveFloat = 1e-6
     band: PositiveFloat | None = None
+
+    @model_validator(mode="after")
+    def _of_this_world(self) -> Self:
+        if not SHORTEST <= self.step <= LONGEST_STEP:
+            raise ValueError(
+                f"step: expected {SHORTEST:g} to {LONGEST_STEP:g} s, found {self.step:g}"
+            )
+        if self.band is not None and self.band < 1.0 / LONGEST_STEP:
+            raise ValueError(
+                f"band: expected at least {1.0 / LONGEST_STEP:g} Hz, found {self.band:g}"
+            )
+        return self
 
     @model_validator(mode="after")
     def _below_nyquist(self) -> Self:

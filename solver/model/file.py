@@ -11,7 +11,7 @@ import tomli_w
 from pydantic import Field, create_model, model_validator
 
 from ...files import renamed_when_whole
-from ...inputs import InputError, Table, Vector, read_table
+from ...inputs import InputError, Table, Vector, quoted, read_table
 from ...superelement import Superelement, read
 from ..errors import ModelError, about
 from ..schema.entry import Entry
@@ -49,6 +49,10 @@ class _Body(Table):
         keys, brought = present_keys(self), keys_of(RigidBody).keys() - keys_of(Start).keys()
         if self.superelement is not None and (both := [key for key in keys if key in brought]):
             raise ValueError(f"the superelement brings {', '.join(both)}: give either, not both")
+        if self.superelement is not None and not str(self.superelement).isprintable():
+            raise ValueError(
+                f"superelement: expected a path, found {quoted(str(self.superelement))}"
+            )
         if self.superelement is None and not {"mass", "inertia"} <= keys.keys():
             raise ValueError("expected mass and inertia of a rigid body, or superelement")
         return self

@@ -3,10 +3,11 @@
 import time
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Protocol
+from typing import Protocol
 
 from ...results.file import FileWriter, replace_durably, unfinished
 from ...results.schema import Energies
+from ...results.source import Writer
 from ..checkpoint.carried import Arrays, Snapshot
 from ..checkpoint.file import SUFFIX, StateFile, read_state, temporary_of
 from ..checkpoint.identity import Identity, identity_of
@@ -93,9 +94,10 @@ class FileKeeper:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        if isinstance(error, ResultsError):
-            return  # the disk is full
-        self._keep()
+        if not self._writer.place.exists():
+            forget_checkpoint(self._writer)  # of a run that was abandoned
+        elif not isinstance(error, ResultsError):  # the disk is full
+            self._keep()
 
 
 def checkpoint_of(file: Path) -> Path:
@@ -114,7 +116,13 @@ def read_checkpoint(path: Path) -> StateFile:
     return read_state(state)
 
 
-def settle_checkpoint(writer: Any) -> None:
+def forget_checkpoint(writer: Writer) -> None:
+    """Remove the state of an earlier run that had the file of this one."""
+    if isinstance(writer, FileWriter):
+        checkpoint_of(writer.place).unlink(missing_ok=True)
+
+
+def settle_checkpoint(writer: Writer) -> None:
     """Let the state of a run that ends well follow its results; that of an earlier run goes."""
     if not isinstance(writer, FileWriter):
         return

@@ -4,7 +4,7 @@ import numpy as np
 
 from ...results.validity import CRITERIA, MEND_DEFORMATION, Check, Validity
 from ...superelement import Superelement
-from ..arrays import Array
+from ..arrays import Array, Index
 from ..errors import OutOfRangeError
 from ..lower.lower import LoweredModel
 from ..step.extremes import FARTHEST_MOVE, FARTHEST_TURN
@@ -14,11 +14,15 @@ from ..step.system import State
 
 SHARE = 0.01
 """of the kinetic energy of vibration, that the highest frequency which counts carries"""
-STILL = 1e-8
+STILL = 1e-6
 """kinetic energy of vibration over the energy that moves, below which a body counts as rigid"""
 ROUNDING = 1e-13
 """of an energy, after many steps"""
-CAUSES = ("elastic_rotation", "elastic_displacement", "spin")
+BORNE = 0.7
+"""turn of a body on joints in a step over 1 - rho_inf, from which on multipliers may grow"""
+OFF_AXIS = 0.1
+"""part of the lever of a joint across the spin, from which on the joint is off its axis"""
+CAUSES = ("elastic_rotation", "elastic_displacement", "spin", "joint_turn")
 """criteria beyond whose limits Newton's method may fail"""
 
 
@@ -39,6 +43,8 @@ class Judge:
         self._owners = np.array(owners, dtype=np.int64)
         self._joints = np.unique(self._owners[compliant == 0])
         self._springs = np.unique(self._owners[compliant == 1])
+        self._hinges = _hinges(lowered)
+        self._jointed = np.unique(frames.body[self._hinges])
         self._angles = np.flatnonzero(lowered.system.observers.kind == ANGLE)
         self.names = tuple(f"{name}:{owner}" for name in CRITERIA for owner in self._named(name))
 
@@ -65,6 +71,7 @@ class Judge:
             "interface": [lowered.frame_names[f] for f in self._interfaces],
             "body": bodies,
             "joint": [couplings[j] for j in self._joints],
+            "jointed body": [lowered.body_names[b] for b in self._jointed],
             "spring": [couplings[j] for j in self._springs],
             "angle": [".".join(lowered.observers[i]) for i in self._angles],
             "model": [""],
@@ -85,6 +92,7 @@ class Judge:
             "elastic_rotation": np.sqrt(extremes.rotation[self._interfaces]),
             "elastic_displacement": np.sqrt(extremes.displacement[self._interfaces]) / self._sizes,
             "spin": np.sqrt(extremes.spin[elastic.body]) / _first(lowered.superelements),
+            "joint_turn": self._joint_turns(state),
             "steps_per_period": 1.0 / (lowered.h * frequencies),
             "kernel_error": np.array([e.kernel.error for e in lowered.superelements])
             + lowered.truncations,
@@ -95,6 +103,17 @@ class Judge:
             "joint_opening": self._openings(state),
             "missed_turn": extremes.missed[self._angles],
         }
+
+    def _joint_turns(self, state: State) -> Array:
+        """Turns in a step of bodies with a joint off the axis that they spin about at last."""
+        lowered, frames = self._lowered, self._lowered.system.frames
+        omega = state.bodies.v[frames.body[self._hinges], 3:]
+        lever = frames.X[self._hinges]
+        lengths = np.linalg.norm(lever, axis=1) * np.linalg.norm(omega, axis=1)
+        off_axis = np.linalg.norm(np.cross(omega, lever), axis=1) > OFF_AXIS * lengths
+        counts = np.isin(self._jointed, frames.body[self._hinges][off_axis])
+        turns = lowered.h * np.sqrt(state.extremes.spin[self._jointed]) * counts
+        return _ratio(turns, BORNE * (1.0 - lowered.scheme.rho_inf))
 
     def _rounding(self, state: State) -> float:
         """Of the energies that the balance sums, and of the positions that they follow."""
@@ -138,7 +157,7 @@ class Judge:
                 rate = extremes.interface_rate[dofs] * lengths
                 change = extremes.interface_change[dofs] * lengths
                 scale = 0.5 * float(system.bodies.mass[b])
-            carries = scale * rate.sum() > still
+            carries = scale * rate.sum() > still and change.any()  # none yet where a run starts
             frequencies.append(_highest(rate, change) / lowered.h if carries else np.nan)
         return np.array(frequencies, dtype=np.float64)
 
@@ -195,6 +214,15 @@ def _beyond(lowered: LoweredModel, f: int, rotation: float, move: float) -> str:
         f"interface {lowered.frame_names[f]!r} has {passed}, where linear elasticity has no "
         f"meaning: {MEND_DEFORMATION}"
     )
+
+
+def _hinges(lowered: LoweredModel) -> Index:
+    """The frames of bodies that carry constraints, by number."""
+    couplings, body = lowered.system.couplings, lowered.system.frames.body
+    hard = couplings.compliant == 0
+    frames = np.unique([couplings.rows.frame_a[hard], couplings.rows.frame_b[hard]])
+    hinges: Index = frames[body[frames] >= 0]
+    return hinges
 
 
 def _ratio(values: Array, scale: float) -> Array:

@@ -27,7 +27,9 @@ from .matrices import Matrix, above, dense_of, factorize_square, unit_rows
 
 LARGEST_TURN = 0.2
 """rad; a joint that starts farther from its target is moved in several stages"""
-MAX_ITERATIONS = 30
+LARGEST_CORRECTION = 0.7
+"""rad by which a body turns in an iteration"""
+MAX_ITERATIONS = 100
 EXACT = 1e-14
 """residual, relative to positions or in rad, of assembled joints"""
 ASSEMBLED = 1e-10
@@ -111,9 +113,13 @@ def approach_joints(lowered: LoweredModel, state: State, work: Workspace) -> Non
 def _approach(
     lowered: LoweredModel, state: State, work: Workspace, targets: list[Target], residuals: Array
 ) -> Array:
-    """Move the bodies by the least change that takes the residuals to zero: (n_b, 6)."""
+    """Move the bodies by the least change that takes the residuals to zero (n_b, 6).
+
+    By a part of it where a body would turn beyond what the derivatives tell.
+    """
     B = _jacobian(lowered, state, work, targets)
     change = -_least_change(lowered.system, B, residuals).reshape(-1, 6)
+    change *= LARGEST_CORRECTION / max(LARGEST_CORRECTION, float(np.abs(change[:, 3:]).max()))
     move_bodies(change, state, work)
     return change
 

@@ -140,9 +140,10 @@ class Distance:
     ) -> float:
         delta = _delta(rows, i, work)
         length = math.sqrt(dot(delta, delta))
+        inverse = 1.0 / length if length > 0.0 else 0.0  # without direction no force
         for k in range(3):
-            gradient[k] = -delta[k] / length
-            gradient[6 + k] = delta[k] / length
+            gradient[k] = -delta[k] * inverse
+            gradient[6 + k] = delta[k] * inverse
         return length
 
     @staticmethod
@@ -151,6 +152,8 @@ class Distance:
     ) -> None:
         delta = _delta(rows, i, work)
         length = math.sqrt(dot(delta, delta))
+        if length == 0.0:
+            return
         n = scale(1.0 / length, delta)
         for j in range(3):
             for k in range(3):

@@ -22,6 +22,7 @@ mesh = "beam.msh"
 
 COMMANDS = {
     "run": "model.toml",
+    "check": "model.toml",
     "preprocess": "body.toml",
     "preprocess --dry-run": "body.toml",
     "sweep --workers 0": "study.toml",
@@ -212,3 +213,27 @@ def test_bad_options_of_a_sweep_are_refused(words, folder, monkeypatch):
         names=("scheduler", "--workers"),
     )
     assert [text for text in found if not text.startswith("left behind")] == []
+
+
+@pytest.mark.parametrize(
+    ("error", "message"),
+    [
+        (MemoryError(), "out of memory"),
+        (MemoryError("Unable to allocate 3 GiB"), "out of memory: Unable to allocate 3 GiB"),
+        (RecursionError("maximum depth"), "nested too deep: maximum depth"),
+        (OSError(28, "No space left on device", "a\nb"), "[Errno 28] No space left on device: 'a"),
+    ],
+)
+def test_what_the_machine_refuses_is_one_line(error, message, folder, monkeypatch):
+    def fail(*arguments: object) -> None:
+        raise error
+
+    monkeypatch.setattr("duhamel.solver.check", fail)
+    found = complaints(folder, "check", str(folder / "model.toml"), names=(f"error: {message}",))
+    assert list(found) == []
+
+
+def test_the_model_that_is_damaged_here_is_sound(folder):
+    result = CliRunner().invoke(app, ["check", str(folder / "model.toml")])
+    assert result.exit_code == 0, result.output
+    assert sorted(path.suffix for path in folder.iterdir()) == [".h5", ".toml", ".toml", ".toml"]

@@ -75,7 +75,7 @@ def test_validity_is_told_with_a_warning_for_each_limit_passed(speed, warned, ru
 
 @pytest.mark.parametrize(
     ("amplitude", "ends"),
-    [("1e5", r"stopped in step \d+ \(t = .* s\): "), ("1e9", r"no convergence .* likely cause: ")],
+    [("1e7", r"stopped in step \d+ \(t = .* s\): "), ("1e9", r"no convergence .* likely cause: ")],
 )
 def test_a_body_torn_apart_ends_the_run_with_one_line(amplitude, ends, runner, element_file):
     """Whether Newton's method still converges or not."""
@@ -87,8 +87,8 @@ def test_a_body_torn_apart_ends_the_run_with_one_line(amplitude, ends, runner, e
     result = runner.invoke(app, ["run", str(path)])
     assert result.exit_code == 1
     line = (
-        rf"error: {re.escape(str(path))}: {ends}interface 'beam\.\w+' has (turned|moved) by .*, where "
-        r"linear elasticity has no meaning: divide .*\n"
+        rf"error: {re.escape(str(path))}: {ends}interface 'beam\.\w+' has (turned|moved) by .*, "
+        r"where linear elasticity has no meaning: divide .*\n"
     )
     assert re.fullmatch(line, result.stderr)
 

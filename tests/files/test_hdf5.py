@@ -5,7 +5,7 @@ import os
 import h5py
 import numpy as np
 import pytest
-from duhamel.files import hdf5
+from duhamel.files import FileError, hdf5
 
 
 class DamageError(ValueError):
@@ -157,3 +157,19 @@ def test_more_objects_than_anybody_makes_are_refused(path, monkeypatch):
     monkeypatch.setattr(hdf5, "MOST_LINKS", 1)
     with pytest.raises(DamageError, match="expected at most 1 groups and datasets"):
         read(path)
+
+
+def test_a_heap_of_texts_that_leads_back_to_itself_is_refused(tmp_path):
+    """HDF5 itself would never come back from reading such an attribute."""
+    path = tmp_path / "texts.h5"
+    with h5py.File(path, "w") as file:
+        file.attrs["name"] = "beam"
+    with h5py.File(path) as file:
+        hdf5.require_contained(file)
+    data = bytearray(path.read_bytes())
+    free = data.index(b"GCOL") + 16 + 16 + 8  # behind the header of the heap and its one text
+    assert data[free : free + 2] == b"\0\0"
+    data[free + 8 : free + 16] = bytes(8)
+    path.write_bytes(data)
+    with h5py.File(path) as file, pytest.raises(FileError, match=r"heap of texts at byte \d+"):
+        hdf5.require_contained(file)

@@ -353,8 +353,9 @@ def rows_in(path):
 def test_readers_and_the_writer_do_not_fail_for_each_other(running):
     path, process, output = running
     counts = []
-    end = time.monotonic() + 3.0
-    while time.monotonic() < end:
+    end = time.monotonic() + 60.0
+    while len(counts) < 12 or counts[-1] == counts[0]:
+        assert time.monotonic() < end
         if n := rows_in(path):
             results = Results.read(path)
             x, t = results.body("b1").x, results.time
@@ -362,8 +363,6 @@ def test_readers_and_the_writer_do_not_fail_for_each_other(running):
             np.testing.assert_array_equal(x, output.body_position[: len(x), 1])
             counts.append(n)
     assert process.poll() is None
-    assert len(counts) > 10
-    assert counts[-1] > counts[0]
 
 
 def test_a_writer_that_is_killed_leaves_a_readable_file(running):

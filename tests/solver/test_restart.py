@@ -20,6 +20,7 @@ from duhamel.solver import (
     Load,
     Model,
     ModelError,
+    OutOfRangeError,
     OutputRequest,
     Place,
     RigidBody,
@@ -225,9 +226,9 @@ def test_a_run_goes_on_after_an_interrupt(coarse, at, tmp_path):
 
 def test_a_run_that_fails_keeps_the_state_before(coarse, tmp_path):
     model, path = machine(coarse, checkpoint={"every": 10}), tmp_path / "out.h5"
-    kick = Load("force", "beam.tip", [1, 0, 0], Steps((0.0, 55.5 * H), (0.0, 1e300)))
+    kick = Load("force", "beam.tip", [1, 0, 0], Steps((0.0, 55.5 * H), (0.0, 1e60)))
     failing = replace(model, loads=(*model.loads, kick))
-    with pytest.raises(ConvergenceError, match=r"step 5[56]"):
+    with pytest.raises((ConvergenceError, OutOfRangeError), match=r"step 5[56]"):
         simulate(failing, output=path)
     assert 50 <= read_state(tmp_path / "out.h5.checkpoint").snapshot.step <= 55
     assert len(Results.read(path).time) >= 51
@@ -404,6 +405,21 @@ def test_an_earlier_result_and_its_state_stay_until_the_run_has_ended(coarse, tm
     assert sorted(entry.name for entry in tmp_path.iterdir()) == names[:2]
     assert len(Results.read(path).time) == 41
     simulate(model.with_settings(checkpoint=None), output=path)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["out.h5"]
+
+
+def test_no_state_of_a_run_without_results_is_left(coarse, tmp_path):
+    """Neither of one that failed in its first step, nor of an earlier one at the same path."""
+    model, path = machine(coarse, 20), tmp_path / "out.h5"
+    simulate(model, output=path)
+    kept = model.with_settings(checkpoint=1e3)
+    with pytest.raises(KeyboardInterrupt):
+        simulate(interrupting(kept, 1, KeyboardInterrupt()), output=path)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["out.h5"]
+    with pytest.raises(KeyboardInterrupt):
+        simulate(interrupting(kept, 18, KeyboardInterrupt()), output=path)
+    assert (tmp_path / "out.h5.partial.checkpoint").exists()
+    simulate(model, output=path)
     assert [entry.name for entry in tmp_path.iterdir()] == ["out.h5"]
 
 

@@ -298,7 +298,7 @@ KILLED = """
 import sys
 from dataclasses import replace
 from duhamel.solver import read_model, simulate
-simulate(read_model(sys.argv[1]).with_settings(t_end=1e5), output=sys.argv[2])
+simulate(read_model(sys.argv[1]).with_settings(t_end=1e3), output=sys.argv[2])
 """
 
 

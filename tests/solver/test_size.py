@@ -107,6 +107,27 @@ def test_a_wheel_whose_frames_are_all_at_the_origin_turns_under_a_torque(joint):
     np.testing.assert_allclose(results.joint("hub").force[-1], [0, 0, 3.0 * 9.81], atol=1e-6)
 
 
+@pytest.mark.parametrize("unit", [1e-12, 1e-6, 1e3, 1e6])
+def test_a_gyroscope_of_any_size_precesses_alike(unit):
+    """A model in other units of length, at the origin, off it and on a spherical joint."""
+
+    def motion(unit):
+        tilt = np.array([0.0, 0.5, 0.0])
+        frames = {"tip": Frame([0, 0, -0.1 * unit])}
+        center = 0.1 * unit * np.array([np.sin(0.5), 0, np.cos(0.5)])
+        start = Start(center, tilt, angular_velocity=[0, 0, 150.0])
+        inertia = np.array([0.01, 0.01, 0.02]) * unit**2
+        top = RigidBody(1.0, inertia, frames, start)
+        joint = Joint("tip", "spherical", ("ground", "top.tip"))
+        settings = Settings(t_end=0.5, step=5e-4)
+        model = Model({"top": top}, [joint], gravity=[0, 0, -9.81 * unit], settings=settings)
+        return simulate(model).body("top").x / unit
+
+    expected = motion(1.0)
+    assert np.ptp(expected[:, 1]) > 1e-3
+    np.testing.assert_allclose(motion(unit), expected, rtol=0, atol=1e-9)
+
+
 def test_small_and_large_models_start_alike(monkeypatch, tmp_path):
     """By numpy's dense matrices and by scipy's sparse ones."""
     model = replace(four_bar(tmp_path), gravity=[0, -9.81, 0])

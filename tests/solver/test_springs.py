@@ -317,6 +317,23 @@ def test_a_stiff_bushing_is_nearly_a_weld(random_element):
     np.testing.assert_allclose(np.array(apart[:-1]) / apart[1:], 10.0, rtol=0.1)
 
 
+@pytest.mark.parametrize("stiffness", [0.0, 1e-3])
+def test_a_body_flies_through_the_end_of_its_spring(stiffness):
+    """Exactly at a step, where the spring has no direction."""
+    bob = RigidBody(1.0, [0.1, 0.1, 0.1], start=Start([-1.0, 0, 0], velocity=[1.0, 0, 0]))
+    spring = Spring("tie", "point", ("ground.post", "bob"), stiffness=stiffness, rest=[0.0])
+    model = Model(
+        {"bob": bob},
+        springs=[spring],
+        ground_frames={"post": Frame()},
+        settings=Settings(t_end=2.0, step=0.125),
+    )
+    results, omega = simulate(model), np.sqrt(stiffness)
+    t = results.time
+    exact = t * np.sinc(omega * t / np.pi) - np.cos(omega * t)
+    np.testing.assert_allclose(results.body("bob").x[:, 0], exact, rtol=0, atol=1e-5)
+
+
 TILTED = Rotation.from_rotvec([0.3, -0.2, 0.5])
 BASES = {
     "of the first frame": ({}, TILTED.as_matrix()),

@@ -20,6 +20,7 @@ from duhamel.solver import (
     Settings,
     Start,
     simulate,
+    start,
 )
 
 from .models import model_of
@@ -141,6 +142,30 @@ def pendulum(place=(0.5, 0, 0), joint=None, **settings):
     common = {"t_end": 0.01, "step": 1e-3, "ground_frames": {"pin": Frame()}}
     joints = [replace(pin, **(joint or {}))]
     return model_of({"bob": bob}, joints, **(common | settings))
+
+
+JOINED = {
+    "fixed": {},
+    "spherical": {},
+    "revolute": {"axis": [0, 0, 1]},
+    "universal": {"axis": [0, 0, 1], "second_axis": [1, 0, 0]},
+    "cylindrical": {"axis": [0, 0, 1]},
+    "prismatic": {"axis": [0, 0, 1]},
+    "planar": {"axis": [0, 0, 1]},
+}
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("kind", JOINED)
+def test_two_bodies_thrown_anywhere_are_joined(beam, kind, seed):
+    """Slender ones too, which turn about their axes at next to no cost."""
+    rng = np.random.default_rng(seed)
+    bodies = {
+        name: FlexibleBody(beam.element, Start(0.5 * rng.normal(size=3), rng.normal(size=3)))
+        for name in "ab"
+    }
+    joint = Joint("joint", kind, ("a.tip", "b.root"), **JOINED[kind])
+    start(Model(bodies, [joint], settings=Settings(t_end=1e-3, assemble=True)))
 
 
 def test_a_joint_that_is_open_by_little_is_closed_and_told():

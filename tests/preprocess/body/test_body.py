@@ -149,7 +149,11 @@ MISTAKES = [
         '[interfaces."a.b"]',
         r"interfaces: expected a name of 1 to 100 characters without '/' and '\.', found 'a\.b'",
     ),
-    ("step = 6e-5", "step = -1", r"impulse\.step: input should be greater than 0, found -1"),
+    (
+        "step = 6e-5",
+        "step = -1",
+        r"impulse\.step: input should be greater than 0, found -1",
+    ),
     ("steps = 5000", "steps = 0.5", r"impulse\.steps: .*integer.*, found 0\.5"),
     (
         "steps = 5000",

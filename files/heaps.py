@@ -1,0 +1,40 @@
+"""The heaps in which HDF5 keeps texts, looked at before HDF5 does: damage there never ends for it.
+
+A heap is a chain of objects, each with its size; one of size 0 leads HDF5 back to itself. Source:
+HDF5 File Format Specification, III.E, Global Heap.
+"""
+
+import mmap
+import os
+import struct
+
+from .regular import FileError
+
+HEAP = b"GCOL\1\0\0\0"
+HEADER = 16
+"""bytes ahead of the objects of a heap, and of each object"""
+LOOKED_AT = 1 << 28
+"""bytes of a file: a tenth of a second"""
+
+
+def require_ending_heaps(path: str | os.PathLike[str]) -> None:
+    """`FileError` for a heap whose chain of objects does not end."""
+    with open(path, "rb") as file:
+        if not (size := min(os.fstat(file.fileno()).st_size, LOOKED_AT)):
+            return
+        with mmap.mmap(file.fileno(), size, access=mmap.ACCESS_READ) as data:
+            at = data.find(HEAP)
+            while at >= 0:
+                _follow(data, at)
+                at = data.find(HEAP, at + len(HEAP))
+
+
+def _follow(data: mmap.mmap, at: int) -> None:
+    (size,) = struct.unpack_from("<Q", data[at + 8 : at + HEADER].ljust(8, b"\0"))
+    position, end = at + HEADER, min(at + size, len(data))
+    while position + HEADER <= end:
+        index, length = struct.unpack_from("<H6xQ", data, position)
+        if index == length == 0:
+            raise FileError(f"the heap of texts at byte {at} does not end")
+        # what is free counts with its header, what is not without, and in whole words
+        position += HEADER + -(-length // 8) * 8 if index else max(length, HEADER)
