@@ -223,7 +223,7 @@ def test_vectors(compare, part, rng):
 
 @pytest.mark.parametrize("c", [-2.0, -0.5, 0.25, 1.0, 7.0])
 def test_laws(compare, rng, c):
-    parameters = np.concatenate([[-1.0, 0.0, 0.5, 1.5], rng.normal(size=4)])
+    parameters = np.concatenate([[-1.0, 0.0, 0.5, 1.5], rng.normal(size=5)])
     compare(of_a_law, parameters, c)
     compare(of_no_law, parameters, c)
 
