@@ -291,7 +291,7 @@ def test_a_stiff_bushing_is_nearly_a_weld(random_element):
     """Motions differ by what the bushing gives way under the loads: a tenth if it is ten times as
     stiff.
     """
-    element = random_element(3, (True, False))
+    element = random_element(1, (True, False))
     R = Rotation.from_rotvec([0.3, -0.2, 0.5])
     beam = FlexibleBody(element, Start(-R.as_matrix() @ element.interface("i0").X, R.as_rotvec()))
     load = Load("force", "beam.i1", [1.0, 2.0, -1.0], Harmonic(1.0, 1.0))
