@@ -107,7 +107,7 @@ class FileSource:
     def _open(self) -> Iterator[h5py.File]:
         try:
             require_regular(self._path)
-            recover(self._path.resolve())
+            recover(resolved(self._path))
             with _opened(self._path, PATIENCE) as file:
                 yield file
         except ResultsError as error:

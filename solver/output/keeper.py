@@ -5,6 +5,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Protocol
 
+from ...files.outputs import resolved
 from ...results.file import FileWriter, replace_durably, unfinished
 from ...results.schema import Energies
 from ...results.source import Writer
@@ -107,7 +108,7 @@ def checkpoint_of(file: Path) -> Path:
 
 def read_checkpoint(path: Path) -> StateFile:
     """The state of the last run to a path; `StateError` if there is none."""
-    file = unfinished(path.resolve())
+    file = unfinished(resolved(path))
     state = checkpoint_of(file)
     if not file.exists():
         raise StateError(f"{file}: no such file: there is no run to go on with")
