@@ -378,7 +378,10 @@ class JournaledFile(io.RawIOBase):
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
-    """Let an interrupt (Ctrl-C) wait until the block has ended."""
+    """Let an interrupt (Ctrl-C) wait until the block has ended.
+
+    A handler that is not Python's own, as Gmsh installs one, cannot be put back: Python's is.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield  # no other thread is ever interrupted
         return
@@ -387,6 +390,6 @@ def uninterrupted() -> Iterator[None]:
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, signal.SIG_DFL if before is None else before)
+        signal.signal(signal.SIGINT, signal.default_int_handler if before is None else before)
         if caught:
             signal.raise_signal(signal.SIGINT)
