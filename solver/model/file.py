@@ -11,6 +11,7 @@ import tomli_w
 from pydantic import Field, create_model, model_validator
 
 from ...files import renamed_when_whole
+from ...files.outputs import resolved
 from ...inputs import InputError, Table, Vector, quoted, read_table
 from ...superelement import Superelement, read
 from ..errors import ModelError, about
@@ -203,5 +204,5 @@ def _body_in_file(name: str, body: Body, folder: Path) -> dict[str, Any]:
         return table_in_file(body)
     if not body.source:
         raise ModelError(f"body {name!r}: its superelement is in no file: write it to one first")
-    source = os.path.relpath(Path(body.source).resolve(), folder.resolve())
+    source = os.path.relpath(resolved(Path(body.source)), resolved(folder))
     return {"superelement": Path(source).as_posix(), **table_in_file(body.start)}
