@@ -75,9 +75,8 @@ class Identity:
     def check_model(self, model: Model) -> None:
         """`StateError` that names what has changed in versions, machine and model."""
         is_now = json.loads(json.dumps(contents_of(model)))
-        for what, was, now in (("", self.software, software()), ("", self.model, is_now)):
-            if change := first_change(was, now):
-                raise StateError(f"{what}{change}")
+        if change := first_change(self.software, software()) or first_change(self.model, is_now):
+            raise StateError(change)
 
     def check_steps(self, lowered: LoweredModel) -> None:
         """`StateError` for another number of steps."""
