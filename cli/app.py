@@ -325,7 +325,7 @@ def _check_superelement(file: Path) -> None:
     Console().print(checks_table(element.name, checks))
     failed = failures(checks)
     for line in failed:
-        typer.echo(f"error: {file}: {line}", err=True)
+        typer.echo(one_line(f"error: {file}: {line}"), err=True)
     if failed:
         raise typer.Exit(1)
-    typer.echo(f"{file}: {len(checks)} checks hold")
+    typer.echo(one_line(f"{file}: {len(checks)} checks hold"))

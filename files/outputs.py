@@ -9,8 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from platform import node
 
-KEPT = 100
-"""characters of a name that its temporary file has too: names end at 255"""
+KEPT = 50
+"""characters of a name that its temporary file has too: names end at 255 bytes"""
 
 AnyPath = str | os.PathLike[str]
 
@@ -26,12 +26,12 @@ def require_no_input(output: Path, inputs: Iterable[Path]) -> None:
 
 
 @contextmanager
-def renamed_when_whole(path: Path) -> Iterator[Path]:
+def renamed_when_whole(path: Path, durable: bool = False) -> Iterator[Path]:
     """A temporary file beside `path` that replaces it when the block ends without an error.
 
     A link stays, and what it leads to is replaced. The file has the permissions of any new file.
-    Temporary files of processes that have died meanwhile are removed. OSError where the folder
-    cannot be written to.
+    Temporary files of processes that have died meanwhile are removed. durable: see
+    `replace_durably`. OSError where the folder cannot be written to.
     """
     path = resolved(path)
     remove_orphans(path)
@@ -43,9 +43,24 @@ def renamed_when_whole(path: Path) -> Iterator[Path]:
         umask = os.umask(0)
         os.umask(umask)
         temporary.chmod(0o666 & ~umask)
-        temporary.replace(path)
+        if durable:
+            replace_durably(temporary, path)
+        else:
+            temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def replace_durably(source: Path, target: Path) -> None:
+    """Rename a file, so that after a loss of power one or the other stands at the target whole."""
+    for path in (source, source.parent):
+        handle = os.open(path, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+        if path == source:
+            source.replace(target)
 
 
 def resolved(path: Path) -> Path:

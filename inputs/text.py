@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from ..files import FileError, require_regular
-from .errors import InputError, dotted, quoted
+from ..files import FileError, in_one_line, require_regular
+from .errors import QUOTED, InputError, dotted, quoted
 
 MOST_BYTES = 1 << 26
 """of a text file"""
@@ -47,12 +47,10 @@ def parse_toml(text: str) -> dict[str, Any]:
     """The document of a TOML file, of bounded depth; `InputError` without the name of the file."""
     try:
         document = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"not a TOML file: {_short(error)}") from error
     except RecursionError as error:
         raise _too_deep() from error
-    except ValueError as error:  # an integer of thousands of digits, a date that there is not
-        raise InputError(f"not a TOML file: {_short(error)}") from error
+    except ValueError as error:  # also an integer of thousands of digits, a date that there is not
+        raise InputError(f"not a TOML file: {in_one_line(error)[:QUOTED]}") from error
     _check(document)
     return document
 
@@ -81,8 +79,3 @@ def _items(keys: Keys, value: Any) -> Iterator[tuple[Keys, Any]]:
 
 def _too_deep() -> InputError:
     return InputError(f"expected at most {DEEPEST} tables and arrays within one another")
-
-
-def _short(error: Exception) -> str:
-    """The first line of an error."""
-    return str(error).splitlines()[0][:200]

@@ -5,7 +5,6 @@ that is killed leaves what it had (journal.py): the first `written` rows, an att
 solver.
 """
 
-import os
 import time
 import uuid
 from collections.abc import Iterator, Mapping, Sequence
@@ -17,9 +16,9 @@ from typing import Any, Self
 import h5py
 import numpy as np
 
-from ..files import require_regular
+from ..files import in_one_line, require_regular
 from ..files.hdf5 import DAMAGE, require_contained, texts
-from ..files.outputs import resolved
+from ..files.outputs import replace_durably, resolved
 from ..superelement.validation import Array
 from .errors import ResultsError
 from .journal import BusyError, Journal, JournaledFile, partial_of, recover, uninterrupted
@@ -117,8 +116,8 @@ class FileSource:
         except BlockingIOError as error:
             raise ResultsError(f"{self._path}: cannot be read: {error}") from error
         except DAMAGE as error:
-            text = " ".join(str(error).split()) or type(error).__name__
-            raise ResultsError(f"{self._path}: not a readable HDF5 file: {text}") from error
+            why = in_one_line(error)
+            raise ResultsError(f"{self._path}: not a readable HDF5 file: {why}") from error
 
 
 class FileWriter:
@@ -287,18 +286,6 @@ def unfinished(target: Path) -> Path:
     """The file of the last run to a path: PATH.partial, or the path where there is none."""
     partial = partial_of(target)
     return partial if partial.exists() else target
-
-
-def replace_durably(source: Path, target: Path) -> None:
-    """Rename a file, so that after a loss of power one or the other stands at the target whole."""
-    for path in (source, source.parent):
-        handle = os.open(path, os.O_RDONLY)
-        try:
-            os.fsync(handle)
-        finally:
-            os.close(handle)
-        if path == source:
-            source.replace(target)
 
 
 def _check_same_run(path: Path, run: str, contents: Contents, rows: int) -> None:

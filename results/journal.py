@@ -34,6 +34,8 @@ HEADER = 128
 """bytes ahead of the records of a journal: the process that writes, and its file"""
 RECORD = struct.Struct("<QQ")
 """an address and a number of bytes; in the first record: the size of the file, and of all others"""
+PARTIAL = ".partial"
+"""what the name of the file of a run ends with while earlier results stand at its path"""
 DIGEST = 32
 """bytes of a SHA-256"""
 UNLOCKABLE = {errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS}
@@ -103,11 +105,17 @@ def journal_of(target: Path) -> Path:
 
 def partial_of(target: Path) -> Path:
     """The file of a run while earlier results stand at the path that it is to have."""
-    return target.with_name(f"{target.name}.partial")
+    return target.with_name(target.name + PARTIAL)
 
 
-def recover(target: Path) -> None:
-    """End what a process that died was about to write to the results at a path."""
+def recover(file: Path) -> None:
+    """End what a process that died was about to write to a file, or to the partial one there."""
+    _recover(file)
+    if file.name.endswith(PARTIAL):
+        _recover(file.with_name(file.name.removesuffix(PARTIAL)))
+
+
+def _recover(target: Path) -> None:
     path = journal_of(target)
     try:
         if path.stat().st_size <= HEADER:
@@ -170,12 +178,12 @@ def _writer_of(path: Path) -> str:
 
 
 def _replay(handle: int, target: Path) -> None:
-    """Do what a whole journal says, and empty it."""
+    """Do what a whole journal says, and empty it; nothing where the file is gone."""
     content = os.pread(handle, os.fstat(handle).st_size, 0)
     header, body, digest = content[:HEADER], content[HEADER:-DIGEST], content[-DIGEST:]
     if len(body) >= RECORD.size and hashlib.sha256(body).digest() == digest:
         path = partial_of(target) if header.split(b"\n")[1] == b"partial" else target
-        with path.open("r+b", buffering=0) as file:
+        with suppress(FileNotFoundError), path.open("r+b", buffering=0) as file:
             size, _ = RECORD.unpack_from(body)
             for at, piece in _records(body[RECORD.size :]):
                 _write_all(file.fileno(), piece, at)

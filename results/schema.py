@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..files.outputs import resolved
 from ..superelement import sha256
 from ..superelement.validation import Array
 
@@ -494,7 +495,7 @@ class SuperelementFile(NamedTuple):
     @classmethod
     def of(cls, path: str | os.PathLike[str]) -> "SuperelementFile":
         """The file at a path as it is now."""
-        path = Path(path).resolve()
+        path = resolved(Path(path))
         return cls(str(path), stamp=_stamp(path))
 
     def hashed(self) -> "SuperelementFile":

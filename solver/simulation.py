@@ -187,10 +187,9 @@ def _finish(course: Course, progress: bool) -> Results:
 
 def march(course: Course, progress: bool = False) -> None:
     """Take the steps of a run that are left, with the rows that it records."""
-    lowered, state, work = course.lowered, course.state, course.work
-    writer, total = course.writer, course.total
-    begin, done, batch, judge = course.begin(), int(state.step[0]), 16, Judge(lowered)
-    convolution = DyadicConvolution(lowered.system.elastic)
+    lowered, state, work, total = course.lowered, course.state, course.work, course.total
+    begin, done, batch, writer = course.begin(), int(state.step[0]), 16, course.writer
+    judge, convolution = Judge(lowered), DyadicConvolution(lowered.system.elastic)
     with (
         course.keeper() as keeper,
         Recorder(writer, lowered, course.start) as recorder,

@@ -83,15 +83,15 @@ def _cores() -> int:
 
 def _hand_over(worker: Worker, case: Case) -> None:
     # One that died between two cases shows that when its report is waited for.
-    with suppress(BrokenPipeError):
+    with suppress(ConnectionError):
         worker.pipe.send(case)
 
 
 def _report(worker: Worker) -> Report | None:
-    """What a worker says of its case; None if it has died."""
+    """What a worker says of its case; None if it has died, also in the middle of saying it."""
     try:
         report: Report = worker.pipe.recv()
-    except (EOFError, ConnectionResetError):
+    except (EOFError, OSError):
         worker.stop()
         return None
     return report
@@ -110,7 +110,10 @@ def _serve(pipe: Any, kind: Kind) -> None:
             report = attempt(kind, case)
         except Exception as error:
             report = Report(f"{type(error).__name__}: {error}")
-        pipe.send(report)
+        try:
+            pipe.send(report)
+        except ConnectionError:
+            return
 
 
 @contextmanager

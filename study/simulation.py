@@ -6,22 +6,41 @@ from pathlib import Path
 from typing import ClassVar
 
 from ..results import Results, ResultsError
-from ..solver import ConvergenceError, ModelError, read_model, simulate, start
+from ..solver import (
+    ConvergenceError,
+    ModelError,
+    OutOfRangeError,
+    StateError,
+    read_model,
+    simulate,
+    start,
+)
 from ..superelement import SuperelementError
 from .case import Case
 from .digest import digest
 from .keys import matching
 from .outputs import check, values
 
+SUPERELEMENTS = "bodies.*.superelement"
+
 
 @dataclass(frozen=True)
 class Simulation:
-    paths: ClassVar[tuple[str, ...]] = ("bodies.*.superelement",)
+    paths: ClassVar[tuple[str, ...]] = (SUPERELEMENTS, "simulation.start.from")
     columns: ClassVar[tuple[str, ...]] = ("seconds", "steps", "iterations")
 
     @property
     def failures(self) -> tuple[type[Exception], ...]:
-        return ModelError, ConvergenceError, ResultsError, SuperelementError, OSError, MemoryError
+        return (
+            ModelError,
+            StateError,
+            ConvergenceError,
+            OutOfRangeError,
+            ResultsError,
+            SuperelementError,
+            OSError,
+            MemoryError,
+        )
 
     def check(self, base: Path, outputs: Mapping[str, str]) -> None:
         """Start the base model, and check that its results have the outputs.
@@ -57,5 +76,5 @@ class Simulation:
 
 def _superelements(case: Case) -> dict[str, str]:
     """The digests of the superelements by body, as results files keep them."""
-    named = matching(case.document, Simulation.paths)
+    named = matching(case.document, [SUPERELEMENTS])
     return {key.split(".")[1]: digest(case.folder / path) for key, path in named}

@@ -16,7 +16,7 @@ from typing import Annotated, Any
 from pydantic import Field, model_validator
 
 from ..files.memory import shortage
-from ..files.outputs import clash
+from ..files.outputs import clash, resolved
 from ..inputs import InputError, Table, parse_toml, quoted, read_table, read_text, read_toml
 from .case import Case, Kind
 from .errors import StudyError
@@ -96,10 +96,10 @@ def read_study(path: str | os.PathLike[str], folder: str | os.PathLike[str] | No
     path = Path(path).absolute()
     try:
         file, _ = read_table(path, _StudyFile)
-        return _study(file, path, Path(folder or path.with_suffix("")).resolve())
+        return _study(file, path, resolved(Path(folder or path.with_suffix(""))))
     except InputError as error:
         raise StudyError(str(error)) from error
-    except StudyError as error:
+    except (StudyError, OSError) as error:
         raise StudyError(f"{path}: {error}") from error
 
 
@@ -168,7 +168,7 @@ def _relocated(
 
 
 def _relative(path: Path, folder: Path) -> str:
-    return Path(os.path.relpath(path.resolve(), folder)).as_posix()
+    return Path(os.path.relpath(resolved(path), folder)).as_posix()
 
 
 def _grid(parameters: Mapping[str, Any]) -> Iterator[_Values]:

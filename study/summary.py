@@ -2,12 +2,12 @@
 
 import csv
 import json
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ..files import renamed_when_whole
 from .case import Case
 from .study_file import Study
 
@@ -33,8 +33,10 @@ def write_summary(path: Path, study: Study, rows: Sequence[Row]) -> None:
     """
     parameters = list(study.cases[0].parameters)
     numbers = [*study.kind.columns, *study.outputs]
-    temporary = path.with_suffix(f".{os.getpid()}")
-    with temporary.open("w", encoding="utf-8", newline="") as file:
+    with (
+        renamed_when_whole(path) as temporary,
+        temporary.open("w", encoding="utf-8", newline="") as file,
+    ):
         table = csv.writer(file)
         table.writerow(["case", *parameters, "status", *numbers, "message"])
         for row in rows:
@@ -48,7 +50,6 @@ def write_summary(path: Path, study: Study, rows: Sequence[Row]) -> None:
                     row.message,
                 ]
             )
-    temporary.replace(path)
 
 
 def _cell(value: Any) -> Any:

@@ -28,9 +28,8 @@ def sweep(
     path. Raises `StudyError` for faults of the study that show before any case runs, and
     `ClusterError`.
     """
-    kind = study.kind
     check_outputs(study)
-    made = set() if force else {case.name for case in study.cases if kind.is_made(case)}
+    made = set() if force else {case.name for case in study.cases if study.kind.is_made(case)}
     todo = [case for case in study.cases if case.name not in made]
     if todo:
         _check(study)
@@ -38,11 +37,7 @@ def sweep(
     rows = {case.name: Row(case) for case in study.cases}
 
     def finish(case: Case, report: Report) -> None:
-        if report.failure:
-            row = Row(case, "failed", message=report.failure, warnings=report.warnings)
-        else:
-            row = Row(case, "done", kind.numbers(case, study.outputs), warnings=report.warnings)
-        rows[case.name] = row
+        rows[case.name] = row = _row(study, case, report)
         on_finished(row)
 
     try:
@@ -55,6 +50,12 @@ def sweep(
     finally:
         write_summary(study.summary, study, list(rows.values()))
     return tuple(rows.values())
+
+
+def _row(study: Study, case: Case, report: Report) -> Row:
+    if report.failure:
+        return Row(case, "failed", message=report.failure, warnings=report.warnings)
+    return Row(case, "done", study.kind.numbers(case, study.outputs), warnings=report.warnings)
 
 
 def _reports(

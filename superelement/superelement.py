@@ -67,13 +67,7 @@ class Superelement:
             raise SuperelementError(f"name: expected one line of text, found {self.name!r}")
         check_positive("mass", self.mass)
         J_rot = checked("J_rot", self.J_rot, (3, 3))
-        check_symmetric("J_rot", J_rot)
-        principal = np.linalg.eigvalsh(J_rot)
-        if principal.min() <= 0.0:
-            raise SuperelementError(
-                f"J_rot: expected positive principal inertias, found {principal.tolist()}"
-            )
-        check_positive("J_rot", float(principal.min()))
+        _check_inertia(J_rot)
         interfaces = tuple(self.interfaces)
         names = [interface.name for interface in interfaces]
         if len(set(names)) != len(names):
@@ -175,3 +169,13 @@ class Superelement:
                 return index
         known = ", ".join(interface.name for interface in self.interfaces)
         raise SuperelementError(f"{self.name}: no interface {name!r}; it has: {known}")
+
+
+def _check_inertia(J_rot: Array) -> None:
+    check_symmetric("J_rot", J_rot)
+    principal = np.linalg.eigvalsh(J_rot)
+    if principal.min() <= 0.0:
+        raise SuperelementError(
+            f"J_rot: expected positive principal inertias, found {principal.tolist()}"
+        )
+    check_positive("J_rot", float(principal.min()))

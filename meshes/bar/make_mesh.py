@@ -1,6 +1,6 @@
 """One aluminium bar as two meshes: 20-node hexahedra, and lines. Both name their ends root and tip.
 
-The bar runs along x from the origin; its section is WIDTH (y) by HEIGHT (z), centred on the axis.
+The bar runs along x from the origin; its section is WIDTH (y) by HEIGHT (z), centered on the axis.
 """
 
 from pathlib import Path

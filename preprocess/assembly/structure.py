@@ -84,14 +84,8 @@ def assemble_on(body: Body, source: Source) -> Structure:
         raise InterfaceError(f"{source.name}: {error}") from error
     if nodes.n_dofs < source.nodes.n_dofs:
         K, M = (_symmetric(T.T @ matrix @ T) for matrix in (K, M))
-    if nodes.n_dofs <= RIGID:
-        raise MeshError(
-            f"{source.name}: expected nodes that can move against each other, found all of them "
-            "on rigid interfaces"
-        )
     M = M + lumped
-    for what, matrix in (("stiffness", K), ("mass", M)):
-        _check_magnitude(source.name, what, matrix)
+    _check(source.name, nodes, K, M)
     rigid = rigid_modes(nodes, M)
     return Structure(
         nodes=nodes,
@@ -108,13 +102,20 @@ def assemble_on(body: Body, source: Source) -> Structure:
     )
 
 
-def _check_magnitude(name: str, what: str, matrix: Any) -> None:
-    largest = float(np.abs(matrix.data).max(initial=0.0))
-    if not largest <= LARGEST:
+def _check(name: str, nodes: Nodes, K: Any, M: Any) -> None:
+    """`MeshError` for a body that cannot deform, and for numbers without bounds."""
+    if nodes.n_dofs <= RIGID:
         raise MeshError(
-            f"{name}: expected a {what} up to {LARGEST:g}, found {largest}: look at the scale of "
-            "the mesh, its sections or materials, and masses"
+            f"{name}: expected nodes that can move against each other, found all of them on rigid "
+            "interfaces"
         )
+    for what, matrix in (("stiffness", K), ("mass", M)):
+        largest = float(np.abs(matrix.data).max(initial=0.0))
+        if not largest <= LARGEST:
+            raise MeshError(
+                f"{name}: expected a {what} up to {LARGEST:g}, found {largest}: look at the scale "
+                "of the mesh, its sections or materials, and masses"
+            )
 
 
 def _symmetric(matrix: Any) -> Any:

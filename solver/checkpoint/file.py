@@ -5,7 +5,6 @@ They are written whole or not at all.
 
 import hashlib
 import io
-import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -16,8 +15,8 @@ from typing import Any
 import h5py
 import numpy as np
 
+from ...files import FileError, in_one_line, renamed_when_whole, require_regular
 from ...files.hdf5 import DAMAGE
-from ...results.file import replace_durably
 from ..errors import StateError
 from .carried import Snapshot
 from .identity import Identity
@@ -47,15 +46,9 @@ class StateFile:
 
     def write(self, path: Path) -> None:
         """Replace the file at a path durably; OSError leaves it as it was."""
-        temporary = temporary_of(path)
-        try:
-            with temporary.open("wb") as file:
-                file.write(self._image())
-                file.flush()
-                os.fsync(file.fileno())
-            replace_durably(temporary, path)
-        finally:
-            temporary.unlink(missing_ok=True)
+        image = self._image()
+        with renamed_when_whole(path, durable=True) as temporary:
+            temporary.write_bytes(image)
 
     def _image(self) -> bytes:
         text = self.identity.to_text()
@@ -75,11 +68,6 @@ class StateFile:
             file.flush()
             image: bytes = file.id.get_file_image()
         return image + hashlib.sha256(image).digest()
-
-
-def temporary_of(path: Path) -> Path:
-    """The file that a state is written to first."""
-    return path.with_name(f".{path.name}.new")
 
 
 def read_state(path: Path) -> StateFile:
@@ -105,6 +93,7 @@ def read_state(path: Path) -> StateFile:
 
 def _whole(path: Path) -> io.BytesIO:
     """The HDF5 file in a file of a state; `StateError` unless its digest fits."""
+    require_regular(path)
     content = path.read_bytes()
     image, digest = content[:-DIGEST], content[-DIGEST:]
     if hashlib.sha256(image).digest() != digest:
@@ -139,10 +128,9 @@ def _array(file: h5py.File, name: str, *kinds: str) -> Any:
 def _failures_named(path: Path) -> Iterator[None]:
     try:
         yield
-    except StateError as error:
+    except (StateError, FileError) as error:
         raise StateError(f"{path}: {error}") from error
     except FileNotFoundError as error:
         raise StateError(f"{path}: no such file") from error
     except DAMAGE as error:
-        reason = " ".join(str(error).split())
-        raise StateError(f"{path}: not a readable state: {reason}") from error
+        raise StateError(f"{path}: not a readable state: {in_one_line(error)}") from error

@@ -8,7 +8,6 @@ import hashlib
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass
-from functools import cache
 from importlib import metadata
 from typing import Any
 
@@ -16,8 +15,8 @@ import numpy as np
 
 from ...superelement import Superelement
 from ..arrays import Array
+from ..compiler.object_file import compiler, processor
 from ..compiler.object_file import key as code_key
-from ..compiler.object_file import processor
 from ..errors import StateError
 from ..history.layout import Horizon
 from ..lower.lower import LoweredModel
@@ -75,9 +74,8 @@ class Identity:
     def check_model(self, model: Model) -> None:
         """`StateError` that names what has changed in versions, machine and model."""
         is_now = json.loads(json.dumps(contents_of(model)))
-        for what, was, now in (("", self.software, software()), ("", self.model, is_now)):
-            if change := first_change(was, now):
-                raise StateError(f"{what}{change}")
+        if change := first_change(self.software, software()) or first_change(self.model, is_now):
+            raise StateError(change)
 
     def check_steps(self, lowered: LoweredModel) -> None:
         """`StateError` for another number of steps."""
@@ -134,13 +132,13 @@ def _short(value: Any) -> str:
     return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."
 
 
-@cache
 def software() -> dict[str, str]:
     """Versions of what computes, the processor, and the compiled code."""
     names = ("duhamel", *LIBRARIES)
     return {name: metadata.version(name) for name in names} | {
         "processor": processor(),
         "code of the time step": code_key(),
+        "compiler of the time step": compiler(),
     }
 
 

@@ -64,7 +64,7 @@ def load() -> None:
     with _lock:
         if all(entry.is_bound for entry in marks.ENTRIES.values()):
             return
-        if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
+        if _is_plain():
             for entry in marks.ENTRIES.values():
                 entry.call = entry.function
             return
@@ -73,6 +73,23 @@ def load() -> None:
             _bind(code)
         else:
             _load_stock()
+
+
+def compiler() -> str:
+    """What makes machine code of the time step: "quick" (`build`), "stock", "none" in plain Python.
+
+    Their results differ by rounding.
+    """
+    if _is_plain():
+        return "none"
+    wanted = os.environ.get("DUHAMEL_COMPILER", "")
+    if wanted != "quick" and (wanted == "stock" or (_cached_code() is None and _stock_is_kept())):
+        return "stock"
+    return "quick"
+
+
+def _is_plain() -> bool:
+    return os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 
 
 class BuildError(Exception):

@@ -11,6 +11,7 @@ import tomli_w
 from pydantic import Field, create_model, model_validator
 
 from ...files import renamed_when_whole
+from ...files.outputs import resolved
 from ...inputs import InputError, Table, Vector, quoted, read_table
 from ...superelement import Superelement, read
 from ..errors import ModelError, about
@@ -106,7 +107,8 @@ def read_model(path: str | os.PathLike[str]) -> Model:
 def write_model(path: str | os.PathLike[str], model: Model) -> None:
     """Write a model as a file that reads back to an equal one; it appears whole or not at all.
 
-    Superelements are named by their paths, relative to the new file. ModelError names a body whose
+    Superelements, and the run that it starts from, are named by their paths, relative to the new
+    file. ModelError names a body whose
     superelement is in no file, and a load, joint or motion that follows a Python function.
     """
     path = Path(path)
@@ -172,6 +174,8 @@ def _distinctive(keys: Mapping[str, Any]) -> list[str]:
 
 def _document(model: Model, folder: Path) -> dict[str, Any]:
     settings = table_in_file(model.settings)
+    if isinstance(start := model.settings.start, StartFrom):
+        settings["start"] = {"from": _relative(start.path, folder)}
     output = settings.pop("output", {})
     if model.gravity.any():
         settings["gravity"] = model.gravity.tolist()
@@ -203,5 +207,8 @@ def _body_in_file(name: str, body: Body, folder: Path) -> dict[str, Any]:
         return table_in_file(body)
     if not body.source:
         raise ModelError(f"body {name!r}: its superelement is in no file: write it to one first")
-    source = os.path.relpath(Path(body.source).resolve(), folder.resolve())
-    return {"superelement": Path(source).as_posix(), **table_in_file(body.start)}
+    return {"superelement": _relative(body.source, folder), **table_in_file(body.start)}
+
+
+def _relative(path: str, folder: Path) -> str:
+    return Path(os.path.relpath(resolved(Path(path)), resolved(folder))).as_posix()

@@ -120,10 +120,11 @@ class Settings(Entry):
     are then the first guess, and velocities are refused. A steady rotation goes on as it starts
     if gravity and loads that do not follow act along its axis. Or {"from": FILE}, the end of the
     run with these results: bodies of the same name go on with their motion, vibration and past, and
-    so does time. assemble: close joints however far
-    they are open at the start (otherwise by no more than a thousandth of the size of the model).
-    redundant: constraints that depend on one another are an "error", or the solver may "remove"
-    them. output: what is recorded.
+    so does time.
+
+    assemble: close joints however far they are open at the start (otherwise by no more than a
+    thousandth of the size of the model). redundant: constraints that depend on one another are an
+    "error", or the solver may "remove" them. output: what is recorded.
 
     checkpoint: how often the state is kept beside the results file, so that the run can go on from
     it: seconds of wall time, or {"every": steps}.

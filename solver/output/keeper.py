@@ -5,12 +5,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import Protocol
 
-from ...files.outputs import resolved
-from ...results.file import FileWriter, replace_durably, unfinished
+from ...files.outputs import remove_orphans, replace_durably, resolved
+from ...results.file import FileWriter, unfinished
 from ...results.schema import Energies
 from ...results.source import Writer
 from ..checkpoint.carried import Arrays, Snapshot
-from ..checkpoint.file import SUFFIX, StateFile, read_state, temporary_of
+from ..checkpoint.file import SUFFIX, StateFile, read_state
 from ..checkpoint.identity import Identity, identity_of
 from ..errors import ResultsError, StateError
 from ..lower.lower import LoweredModel
@@ -128,7 +128,7 @@ def settle_checkpoint(writer: Writer) -> None:
     if not isinstance(writer, FileWriter):
         return
     own, later = checkpoint_of(writer.place), checkpoint_of(writer.target)
-    temporary_of(later).unlink(missing_ok=True)  # of a run that was killed
+    remove_orphans(later)  # of a run that was killed while it wrote its state
     if own == later:
         return
     try:

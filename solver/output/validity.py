@@ -76,8 +76,8 @@ class Judge:
             "angle": [".".join(lowered.observers[i]) for i in self._angles],
             "model": [""],
         }
-        modal = not lowered.system.elastic.modes.range.any()
-        if criterion == "numerical_dissipation" and modal:
+        has_modes = lowered.system.elastic.modes.range.any()
+        if criterion == "numerical_dissipation" and not has_modes:
             return []
         return owners[CRITERIA[criterion].owner]
 

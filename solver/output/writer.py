@@ -35,6 +35,8 @@ def check_output(path: Path, model: Model) -> None:
     inputs: dict[str | os.PathLike[str], str] = {model.path: "the model file"}
     for name, body in model.flexible_bodies.items():
         inputs[body.source] = f"the superelement of body {name!r}"
+    if isinstance(start := model.settings.start, StartFrom):
+        inputs[start.path] = "the run that the model starts from"
     if found := clash([path], inputs):
         raise ResultsError(f"{found}, which the results would replace")
 

@@ -18,6 +18,7 @@ from ..lower.lower import LoweredModel
 from ..model.model import Model
 from ..model.settings import StartFrom
 from ..step.equations import evaluate
+from ..step.history import modal_energy
 from ..step.system import State, Workspace
 from .assembly import drive_rates
 
@@ -52,7 +53,7 @@ def hand_over(lowered: LoweredModel, source: StateFile, state: State, work: Work
     state.step[0] = source.snapshot.step
     _evaluate(lowered, state, work)
     take_over("state/interfaces", state.interfaces, kept, numbers)
-    state.energies.modal[0] = _modal_energy(lowered, state)
+    state.energies.modal[0] = modal_energy(lowered.system.elastic, state)
     state.energies.convolved[0] = kept["state/energies/convolved"][0]
     _check_closed(lowered, numbers["n_i"][0].tolist(), state, work)
 
@@ -65,11 +66,6 @@ def _evaluate(lowered: LoweredModel, state: State, work: Workspace) -> None:
     evaluate(system, state, work)
     state.couplings.lam[:] -= work.couplings.phi * system.couplings.compliant
     evaluate(system, state, work)
-
-
-def _modal_energy(lowered: LoweredModel, state: State) -> float:
-    stiffness = lowered.system.elastic.modes.stiffness
-    return float(0.5 * (state.modes.rate**2 + stiffness * state.modes.eta**2).sum())
 
 
 def _check(lowered: LoweredModel, source: StateFile) -> None:

@@ -104,12 +104,16 @@ def refused(folder: Path, body: str, *names: str) -> None:
         ("step = 1e-4", "step = 1e-4\nband = 1e-300", ("body.toml: impulse: band: expected at",)),
     ],
 )
-def test_body_files(old: str, new: str, names: tuple[str, ...], folder: Path) -> None:
+def test_a_bad_body_file_is_one_line_that_names_the_key(
+    old: str, new: str, names: tuple[str, ...], folder: Path
+) -> None:
     assert old in ON_MESH
     refused(folder, ON_MESH.replace(old, new), *names)
 
 
-def test_memory_that_runs_out_on_the_way(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_memory_that_runs_out_on_the_way_is_one_line(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def exhausted(*_: object) -> None:
         raise MemoryError("Unable to allocate 9. GiB")
 
@@ -118,7 +122,7 @@ def test_memory_that_runs_out_on_the_way(folder: Path, monkeypatch: pytest.Monke
     refused(folder, ON_MESH, "body.toml: out of memory: Unable to allocate 9. GiB; fewer")
 
 
-def test_a_build_under_a_limit_of_memory(folder: Path) -> None:
+def test_a_build_that_a_limit_of_memory_ends_is_one_line(folder: Path) -> None:
     """`ulimit -v`, of a process of its own."""
     path = folder / "body.toml"
     path.write_text(ON_MESH.replace("steps = 20", "steps = 2_000_000"))
@@ -230,7 +234,9 @@ MESHES = {
 
 
 @pytest.mark.parametrize(("name", "make"), MESHES.values(), ids=MESHES)
-def test_meshes(name: str, make: Callable[[Path], None], folder: Path) -> None:
+def test_a_bad_mesh_is_one_line_that_names_it(
+    name: str, make: Callable[[Path], None], folder: Path
+) -> None:
     make(folder / name)
     refused(folder, BODY.format(source=f'mesh = "{name}"', make=SECTION), name)
 
@@ -287,7 +293,9 @@ MATRIX_FILES = {
 
 
 @pytest.mark.parametrize(("kind", "make"), MATRIX_FILES.values(), ids=MATRIX_FILES)
-def test_matrices(kind: str, make: Callable[[Path], None], folder: Path) -> None:
+def test_a_bad_matrix_is_one_line_that_names_it(
+    kind: str, make: Callable[[Path], None], folder: Path
+) -> None:
     make(folder / f"K.{kind}")
     refused(folder, BODY.format(source=MATRICES.format(kind=kind), make=""), str(folder))
 
@@ -296,13 +304,13 @@ def test_matrices(kind: str, make: Callable[[Path], None], folder: Path) -> None
     "content",
     [b"1, 0, 0\n", b"\xff\xfe", b"1, 0, 0, 0\n\0", b"1e300, 0, 0, 0\n", b"nan, 0, 0, 0\n", b""],
 )
-def test_nodes(content: bytes, folder: Path) -> None:
+def test_a_bad_table_of_nodes_is_one_line_that_names_it(content: bytes, folder: Path) -> None:
     sp.save_npz(folder / "K.npz", K)
     (folder / "nodes.csv").write_bytes(content)
     refused(folder, BODY.format(source=MATRICES.format(kind="npz"), make=""), "nodes.csv")
 
 
-def test_a_body_that_is_rigid_as_a_whole(folder: Path) -> None:
+def test_a_body_that_is_rigid_as_a_whole_is_refused(folder: Path) -> None:
     points = np.array([[x, y, z] for z in (0, 1.0) for y in (0, 1.0) for x in (0, 1.0)])
     cube = meshio.Mesh(points, [("hexahedron", np.array([[0, 1, 3, 2, 4, 5, 7, 6]]))])
     cube.write(folder / "cube.vtk")

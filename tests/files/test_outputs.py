@@ -43,8 +43,9 @@ def test_what_a_killed_process_left_is_removed_by_the_next_write(tmp_path):
     assert path.read_text() == "whole"
 
 
-def test_the_temporary_file_of_a_long_name_is_not_too_long(tmp_path):
-    path = tmp_path / ("n" * 250)
+@pytest.mark.parametrize("name", ["n" * 250, "\N{CJK UNIFIED IDEOGRAPH-4E00}" * 83])
+def test_the_temporary_file_of_a_long_name_is_not_too_long(name, tmp_path):
+    path = tmp_path / name
     with renamed_when_whole(path) as temporary:
         temporary.write_text("whole")
     assert path.read_text() == "whole"

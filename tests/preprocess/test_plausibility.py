@@ -50,7 +50,7 @@ def test_wrong_units_are_told_by_key(change, doubts, solid_body, box):
         assert re.match(start, doubt), doubt
 
 
-def test_sections_that_differ_without_orientation(beam_body, beam, section):
+def test_sections_that_differ_without_orientation_are_doubted(beam_body, beam, section):
     flat = {**section, "EI_y": 0.5}
     (doubt,) = of_body(beam_body(beam(4), section=flat))
     assert doubt.startswith("section: EI_y and EI_z differ, and without section.orientation")
@@ -58,7 +58,7 @@ def test_sections_that_differ_without_orientation(beam_body, beam, section):
     assert of_body(beam_body(beam(4))) == []
 
 
-def test_a_mesh_in_millimeters(solid_body, box):
+def test_a_mesh_in_millimeters_is_doubted(solid_body, box):
     large = survey(solid_body(box("hexahedron20"), scale=1000.0))
     assert any("in millimeters (scale = 1e-3)?" in doubt for doubt in large.doubts)
 
@@ -74,7 +74,7 @@ def test_a_mesh_in_millimeters(solid_body, box):
         ("tetra10", (4, 1, 1), ""),
     ],
 )
-def test_elements_that_are_too_stiff(kind, divisions, doubt, solid_body, box):
+def test_elements_that_are_too_stiff_are_doubted(kind, divisions, doubt, solid_body, box):
     surveyed = survey(solid_body(box(kind, divisions=divisions)))
     found = list(doubts_of_mesh(surveyed.mesh, surveyed.facets))
     assert len(found) == bool(doubt)

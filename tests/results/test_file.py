@@ -334,12 +334,71 @@ for first in range(0, 20_000, 5):
 """
 
 
+DYING = """
+import os, sys
+from pathlib import Path
+sys.path.insert(0, sys.argv[2])
+from duhamel.results.file import FileWriter
+from duhamel.results.journal import JournaledFile
+from tests.results.writing import NOTES, batch, make_contents, make_output
+
+def die(file, pieces):
+    for at, piece in pieces:
+        os.pwrite(file._handle, bytes(len(piece)), at)
+    os._exit(3)
+
+contents = make_contents()
+writer = FileWriter(Path(sys.argv[1]), contents, NOTES, "model", 7)
+JournaledFile._replace = die
+writer.append(batch(make_output(contents, 7), 0, 7))
+writer.flush()
+"""
+"""a run that dies while it replaces bytes of its file"""
+ROOT = os.fspath(__file__).removesuffix("/tests/results/test_file.py")
+
+
+@pytest.fixture
+def half_replaced(tmp_path):
+    """The path of results whose run has died, and of the file that it wrote."""
+
+    def half_replaced(earlier):
+        path, contents = tmp_path / "out.h5", make_contents()
+        if earlier:
+            write(path, contents, make_output(contents, 3), (3,)).finish()
+        dead = subprocess.run([sys.executable, "-c", DYING, path, ROOT], check=False)
+        assert dead.returncode == 3
+        file = tmp_path / "out.h5.partial" if earlier else path
+        with pytest.raises(OSError, match="signature"):
+            h5py.File(file)
+        return path, file
+
+    return half_replaced
+
+
+@pytest.mark.parametrize("earlier", [False, True])
+def test_the_next_reader_ends_what_a_killed_run_was_writing(earlier, half_replaced):
+    _, file = half_replaced(earlier)
+    assert len(Results.read(file).time) == 7
+    h5py.File(file).close()
+
+
+@pytest.mark.parametrize("earlier", [False, True])
+def test_the_next_run_passes_over_what_a_killed_one_was_writing_to_a_file_that_is_gone(
+    earlier, half_replaced
+):
+    path, file = half_replaced(earlier)
+    file.unlink()
+    contents = make_contents()
+    write(path, contents, make_output(contents, 5), (5,)).finish()
+    assert len(Results.read(path).time) == 5
+    assert os.listdir(path.parent) == ["out.h5"]
+
+
 @pytest.fixture
 def running(tmp_path):
     """The path of a file that a process is writing without pause, the process, and the output."""
     path = tmp_path / "out.h5"
-    root = os.fspath(__file__).removesuffix("/tests/results/test_file.py")
-    command = [sys.executable, "-c", WRITER, os.fspath(path), root]
+    command = [sys.executable, "-c", WRITER, os.fspath(path), ROOT]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout.readline() == "begun\n"
         yield path, process, make_output(make_contents(), 20_000)

@@ -7,8 +7,11 @@ import pytest
 from duhamel.solver import (
     Frame,
     Joint,
+    Model,
     ModelError,
+    ResultsError,
     RigidBody,
+    Settings,
     Simulator,
     Start,
     StateError,
@@ -190,3 +193,23 @@ def test_a_model_file_names_the_run_beside_it(coarse, tmp_path):
     (tmp_path / "first.h5.checkpoint").unlink()
     with pytest.raises(StateError, match=r"first.h5.checkpoint: no such file: the run kept no"):
         simulate(read_model(tmp_path / "model.toml"))
+
+
+def test_a_written_model_names_the_first_run_by_its_place(tmp_path, monkeypatch):
+    """Relative to the file, wherever it is read from."""
+    monkeypatch.chdir(tmp_path)
+    model = Model({"b": RigidBody(1.0, [1, 1, 1])}, settings=Settings(t_end=1.0, step=H))
+    (tmp_path / "runs").mkdir()
+    write_model("runs/second.toml", model.with_settings(start={"from": "runs/first.h5"}))
+    assert 'from = "first.h5"' in (tmp_path / "runs" / "second.toml").read_text()
+    assert read_model("runs/second.toml").settings.start.path == "runs/first.h5"
+
+
+def test_the_results_of_the_first_run_are_not_replaced(coarse, tmp_path):
+    path = tmp_path / "first.h5"
+    start = first_run(machine(coarse, LAST), path)
+    before = path.read_bytes()
+    message = f"^{path} is the run that the model starts from, which the results would replace$"
+    with pytest.raises(ResultsError, match=message):
+        simulate(machine(coarse, LAST).with_settings(start=start), output=path)
+    assert path.read_bytes() == before

@@ -1,10 +1,12 @@
 """Runs that go on from the state that they kept: to the bit those that were never interrupted."""
 
+import os
 import signal
 import subprocess
 import sys
 import time
 from dataclasses import replace
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -322,6 +324,14 @@ def test_other_software_is_refused_by_name(coarse, tmp_path):
             simulate(model, output=path, resume=True)
 
 
+def test_another_compiler_is_refused_for_it_rounds_otherwise(coarse, tmp_path, monkeypatch):
+    model = machine(coarse, 20)
+    in_parts(model, tmp_path / "out.h5", 10)
+    monkeypatch.setenv("DUHAMEL_COMPILER", "stock")
+    with pytest.raises(StateError, match="compiler of the time step: was 'quick', is 'stock'"):
+        simulate(model, output=tmp_path / "out.h5", resume=True)
+
+
 def test_what_is_missing_or_of_another_run_is_named(coarse, tmp_path):
     model, path, state = machine(coarse, 20), tmp_path / "out.h5", tmp_path / "out.h5.checkpoint"
     with pytest.raises(StateError, match=f"{path}: no such file: there is no run to go on with"):
@@ -366,18 +376,18 @@ def test_a_damaged_state_is_one_line(coarse, tmp_path):
 
 
 def test_an_earlier_state_stays_where_a_new_one_cannot_be_written(coarse, tmp_path, monkeypatch):
-    from duhamel.solver.checkpoint import file as file_module
+    from duhamel.files import outputs
 
     model, path, state = machine(coarse, 20), tmp_path / "out.h5", tmp_path / "out.h5.checkpoint"
-    real, calls = file_module.os.fsync, []
+    calls = []
 
     def full(handle):
         calls.append(handle)
-        if len(calls) > 1:
+        if len(calls) > 2:  # the first state and its folder
             raise OSError(28, "No space left on device")
-        real(handle)
+        os.fsync(handle)
 
-    monkeypatch.setattr(file_module, "os", type("os", (), {"fsync": staticmethod(full)}))
+    monkeypatch.setattr(outputs, "os", SimpleNamespace(**{**vars(os), "fsync": full}))
     message = f"^{state}: cannot be written: No space left on device; the state of step 0 stays$"
     with pytest.raises(ResultsError, match=message):
         simulate(model.with_settings(checkpoint={"every": 5}), output=path)

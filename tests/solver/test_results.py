@@ -338,7 +338,7 @@ def test_a_run_that_is_killed_leaves_whole_steps(results_file, model_file, tmp_p
 
 
 POSITION_ROUNDING = 1e-13
-"""m; what fifty steps make of the last digits of positions of half a metre"""
+"""m; what fifty steps make of the last digits of positions of half a meter"""
 
 
 def order_of_rounding(name):

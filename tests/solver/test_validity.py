@@ -480,7 +480,7 @@ def test_turns_that_the_rate_cannot_count_are_warned_of():
 
 
 @pytest.mark.parametrize("name", CRITERIA)
-def test_limits(name):
+def test_a_value_is_judged_and_warned_of_by_the_limits_of_its_criterion(name):
     """Good up to one limit, fair up to the other, poor just beyond."""
     criterion = CRITERIA[name]
     side = -1.0 if criterion.least else 1.0

@@ -1,7 +1,6 @@
 """Studies on Dask: as many results as in one process, to the last bit, also where workers die."""
 
 import json
-import multiprocessing
 import signal
 import subprocess
 import sys
@@ -9,12 +8,14 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
+import dask
 import h5py
 import pytest
+from distributed import LocalCluster
 from duhamel.cli import app
 from duhamel.solver import read_model, simulate
 from duhamel.study import ClusterError, read_study, sweep
-from duhamel.study.processes import on_processes
+from duhamel.study.workers import on_cluster
 from typer.testing import CliRunner
 
 from .conftest import MODEL, datasets
@@ -123,52 +124,22 @@ def test_a_worker_killed_in_mid_run_loses_nothing_but_its_case(study_file, folde
     ) == 1  # that case alone was begun again
 
 
-def test_processes_of_this_machine(study_file):
-    rows = sweep(read_study(study_file()), workers=2)
-    for row in rows:
-        simulate(read_model(row.case.source), output=row.case.folder / "alone.h5")
-        assert datasets(row.case.folder / "alone.h5") == datasets(row.case.target)
-
-
-def test_a_case_that_kills_its_workers_is_reported_and_the_others_run(study_file, monkeypatch):
+def test_a_case_that_kills_the_workers_of_a_cluster_is_reported(study_file, monkeypatch):
     monkeypatch.syspath_prepend(Path(__file__).parent)  # workers import what they are to do
     from deadly import Deadly
 
-    cases = read_study(study_file()).cases[:3]
-    cases[0].folder.mkdir()
-    reports = {
-        case.name: report for case, report in on_processes(Deadly("case-0002"), cases, workers=1)
-    }
-    assert reports["case-0002"].failure == "4 processes died of it"
-    assert [reports[name].failure for name in ("case-0001", "case-0003")] == ["", ""]
-    lives = [(case.folder / f"{case.name}.lives").read_text() for case in cases]
-    assert lives == ["1", "1111", "1"]
-
-
-def test_nothing_outside_reaches_the_processes_of_a_sweep(study_file, monkeypatch):
-    """Neither this process nor its workers listen, to the network or to a socket of the machine."""
-    monkeypatch.syspath_prepend(Path(__file__).parent)
-    from deadly import Listening
-
     cases = read_study(study_file()).cases[:2]
     cases[0].folder.mkdir()
-    reports = [report.failure for _, report in on_processes(Listening("any"), cases, workers=2)]
-    assert reports == ["", ""]
-    assert [case.source.with_suffix(".listens").read_text() for case in cases] == ["[]", "[]"]
-
-
-def test_processes_end_with_the_sweep(study_file, monkeypatch):
-    monkeypatch.syspath_prepend(Path(__file__).parent)
-    from deadly import Deadly
-
-    cases = read_study(study_file()).cases[:3]
-    cases[0].folder.mkdir()
-    before = set(multiprocessing.active_children())
-    running = on_processes(Deadly("none"), cases, workers=2)
-    next(running)
-    assert set(multiprocessing.active_children()) > before
-    running.close()
-    assert set(multiprocessing.active_children()) == before
+    with (
+        dask.config.set({"distributed.scheduler.allowed-failures": 1}),
+        LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster,
+    ):
+        found = on_cluster(Deadly("case-0001"), cases, cluster.scheduler_address)
+        reports = {case.name: report.failure for case, report in found}
+    assert reports["case-0001"].startswith("KilledWorker: ")
+    assert reports["case-0002"] == ""
+    lives = [(case.folder / f"{case.name}.lives").read_text() for case in cases]
+    assert lives == ["11", "1"]
 
 
 def test_a_scheduler_that_is_not_there_is_told(study_file, monkeypatch):

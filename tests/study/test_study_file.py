@@ -95,6 +95,16 @@ def test_what_makes_no_sense_is_refused(study_file, text, message):
     assert message in str(error.value)
 
 
+def test_a_loop_of_links_in_the_place_of_a_superelement_is_refused(study_file, folder):
+    superelement = folder / "model" / "parts" / "beam.h5"
+    superelement.unlink()
+    superelement.symlink_to(superelement)
+    path = study_file(STUDY)
+    with pytest.raises(StudyError, match=f"^{path}: .*{superelement}") as error:
+        read_study(path)
+    assert len(str(error.value).splitlines()) == 1
+
+
 @pytest.mark.parametrize(
     ("table", "message"),
     [

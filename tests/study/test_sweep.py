@@ -6,7 +6,14 @@ import csv
 
 import h5py
 import pytest
-from duhamel.solver import read_model, simulate
+from duhamel.solver import (
+    ConvergenceError,
+    ModelError,
+    OutOfRangeError,
+    StateError,
+    read_model,
+    simulate,
+)
 from duhamel.study import Row, StudyError, read_study, sweep
 from duhamel.superelement import StepWarning, read, write
 
@@ -172,6 +179,30 @@ simulation.step = [5e-4, -1.0, 1e-3]
 [outputs]
 angle = "final angle:hub:z"
 """
+
+
+def test_cases_that_start_from_another_run(study_file, folder):
+    """The path of its results is relative to the model, or to the study where that gives it."""
+    model = folder / "model" / "hub.toml"
+    first = read_model(model).with_settings(checkpoint={"every": 100})
+    simulate(first, output=folder / "model" / "first.h5")
+    after = 't_end = 0.1\nstart = {from = "first.h5"}'
+    model.write_text(MODEL.replace("t_end = 0.05", after))
+    path = study_file(
+        'model = "model/hub.toml"\n'
+        'parameters.simulation.start.from = ["model/first.h5", "model/none.h5"]\n'
+        'outputs.angle = "final angle:hub:z"\n'
+    )
+    _, rows = run(path)
+    assert [row.status for row in rows] == ["done", "failed"]
+    # C t^2 / (2 J) from the end of the first run on
+    assert rows[0].numbers["angle"] == pytest.approx(8.0 * (0.1**2 - 0.05**2) / (2.0 * 4.0))
+    assert "none.h5" in rows[1].message
+
+
+@pytest.mark.parametrize("kind", [ConvergenceError, ModelError, OutOfRangeError, StateError])
+def test_whatever_ends_a_run_is_a_failure_of_its_case(kind, study_file):
+    assert issubclass(kind, read_study(study_file()).kind.failures)
 
 
 def test_a_case_that_fails_is_told_and_the_others_run(study_file):

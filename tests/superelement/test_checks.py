@@ -93,7 +93,9 @@ def test_numbers_that_no_body_has_are_refused_by_file_and_dataset(
 
 
 @pytest.mark.parametrize(("change", "message"), FREE_OF_MODES.values(), ids=FREE_OF_MODES)
-def test_without_modes_too(change, message, make_element, tmp_path):
+def test_numbers_that_no_body_has_are_refused_without_modes_too(
+    change, message, make_element, tmp_path
+):
     write(tmp_path / "body.h5", replace(make_element(m=12), modes=None, recovery=None))
     refused(tmp_path / "body.h5", change, message)
 
