@@ -85,9 +85,10 @@ def rows_of(lowered: LoweredModel) -> int:
 
 
 def rows_up_to(step: int, first: int, lowered: LoweredModel) -> int:
-    """The number of rows from the first step, which is always recorded, up to another."""
+    """The number of rows from the first step, recorded as the last is in any case, to another."""
     every = lowered.model.settings.output.every
-    return 1 + step // every - first // every
+    last = first < step == lowered.n_steps and step % every > 0
+    return 1 + step // every - first // every + int(last)
 
 
 def _superelements(model: Model) -> dict[str, Superelement]:

@@ -259,6 +259,30 @@ def test_a_shorter_t_end_than_the_state_is_refused(coarse, tmp_path):
     assert len(results.time) == 31
 
 
+def test_a_run_that_has_ended_keeps_its_last_row(coarse, tmp_path):
+    """Also where the last step is not one of those that are recorded on the way."""
+    model = machine(coarse, every=7)
+    simulate(model, output=tmp_path / "whole.h5")
+    in_parts(model, tmp_path / "parts.h5", 37, 80, 80, 80)
+    assert_same(tmp_path / "parts.h5", tmp_path / "whole.h5")
+
+
+def test_an_end_at_a_state_whose_step_was_not_recorded_is_refused(coarse, tmp_path):
+    """Its row is not there, and no step is left that would give it."""
+    model, path = machine(coarse, every=7), tmp_path / "out.h5"
+    broken = interrupting(model.with_settings(checkpoint={"every": 29}), 40, KeyboardInterrupt())
+    with pytest.raises(KeyboardInterrupt):
+        simulate(broken, output=path)
+    step = read_state(tmp_path / "out.h5.checkpoint").snapshot.step
+    assert step % 7
+    message = f"t_end: expected more than the time of the state, {step * H:.9g} s, got"
+    with pytest.raises(ModelError, match=message):
+        simulate(broken.with_settings(t_end=step * H), output=path, resume=True)
+    simulate(broken, output=path, resume=True)
+    simulate(broken, output=tmp_path / "whole.h5")
+    assert_same(path, tmp_path / "whole.h5")
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
