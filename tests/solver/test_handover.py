@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     Frame,
+    Harmonic,
     Joint,
     ModelError,
+    Polynomial,
     RigidBody,
     Simulator,
     Start,
@@ -98,6 +100,37 @@ def test_a_new_joint_must_be_closed_where_the_state_begins(coarse, tmp_path):
     hook = replace(hook, between=("ground.hook", "arm.end"))
     with pytest.raises(StateError, match=r"joint 'hook': opens at \d+.* it takes an impulse"):
         simulate(replace(model, joints=(*model.joints, hook)).with_settings(start=start))
+
+
+def driven(model, signal):
+    return replace(model, joints=(*model.joints[:2], replace(model.joints[2], angle=signal)))
+
+
+def test_a_joint_that_was_there_may_not_jump(coarse, tmp_path):
+    model = machine(coarse, LAST)
+    start, t = first_run(model, tmp_path / "first.h5"), FIRST * H
+    angle = model.joints[2].angle
+    value, (rate, _) = angle(t), angle.derivatives(t)
+    moved = {**model.ground_frames, "pivot": Frame([0.1, 0.2, 0.302])}
+    cases = {
+        r"joint 'pivot': is open by 0\.002 m": replace(model, ground_frames=moved),
+        r"joint 'wrist': is open by 0\.\d+ rad": driven(model, Harmonic(0.5, 30.0)),
+        r"joint 'wrist': opens at \d+\.\d+ rad/s": driven(model, Polynomial([0, value / t])),
+    }
+    for message, other in cases.items():
+        with pytest.raises(StateError, match=message):
+            simulate(other.with_settings(start=start))
+    cubic = Polynomial([0, 0, 3 * value / t**2 - rate / t, rate / t**2 - 2 * value / t**3])
+    simulate(driven(model, cubic).with_settings(start=start))
+
+
+def test_results_that_another_run_has_replaced_are_refused(coarse, tmp_path):
+    model = machine(coarse, LAST)
+    start = first_run(model, tmp_path / "first.h5")
+    simulate(model, output=tmp_path / "other.h5")
+    (tmp_path / "other.h5").rename(tmp_path / "first.h5")
+    with pytest.raises(StateError, match=r"first.h5: results of another run than the state beside"):
+        simulate(model.with_settings(start=start))
 
 
 def test_a_body_that_is_new_starts_as_the_model_says(coarse, tmp_path):
