@@ -16,6 +16,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from ...files import require_regular
 from ...files.hdf5 import DAMAGE
 from ...results.file import replace_durably
 from ..errors import StateError
@@ -105,6 +106,7 @@ def read_state(path: Path) -> StateFile:
 
 def _whole(path: Path) -> io.BytesIO:
     """The HDF5 file in a file of a state; `StateError` unless its digest fits."""
+    require_regular(path)
     content = path.read_bytes()
     image, digest = content[:-DIGEST], content[-DIGEST:]
     if hashlib.sha256(image).digest() != digest:

@@ -11,7 +11,7 @@ from ...results.results import Results
 from ...results.schema import Contents
 from ...results.source import Memory, Source, Writer
 from ...superelement import Superelement
-from ..checkpoint.file import StateFile
+from ..checkpoint.file import SUFFIX, StateFile
 from ..errors import ResultsError
 from ..lower.lower import LoweredModel
 from ..model.model import Model
@@ -35,6 +35,9 @@ def check_output(path: Path, model: Model) -> None:
     inputs: dict[str | os.PathLike[str], str] = {model.path: "the model file"}
     for name, body in model.flexible_bodies.items():
         inputs[body.source] = f"the superelement of body {name!r}"
+    if isinstance(start := model.settings.start, StartFrom):
+        state = os.fspath(Path(start.path).with_name(Path(start.path).name + SUFFIX))
+        inputs |= {start.path: "the run to start from", state: "the state to start from"}
     if found := clash([path], inputs):
         raise ResultsError(f"{found}, which the results would replace")
 

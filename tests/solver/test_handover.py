@@ -10,6 +10,7 @@ from duhamel.solver import (
     Joint,
     ModelError,
     Polynomial,
+    ResultsError,
     RigidBody,
     Simulator,
     Start,
@@ -131,6 +132,19 @@ def test_results_that_another_run_has_replaced_are_refused(coarse, tmp_path):
     (tmp_path / "other.h5").rename(tmp_path / "first.h5")
     with pytest.raises(StateError, match=r"first.h5: results of another run than the state beside"):
         simulate(model.with_settings(start=start))
+
+
+def test_the_run_to_start_from_is_not_replaced(coarse, tmp_path):
+    """As by a model file that names its own results."""
+    model, path = machine(coarse, LAST), tmp_path / "first.h5"
+    model = model.with_settings(start=first_run(model, path))
+    before = path.read_bytes()
+    with pytest.raises(ResultsError, match=r"first.h5 is the run to start from, which the results"):
+        simulate(model, output=path)
+    state = tmp_path / "first.h5.checkpoint"
+    with pytest.raises(ResultsError, match=r"checkpoint is the state to start from, which the res"):
+        simulate(model, output=state)
+    assert path.read_bytes() == before
 
 
 def test_a_body_that_is_new_starts_as_the_model_says(coarse, tmp_path):

@@ -1,5 +1,6 @@
 """Runs that go on from the state that they kept: to the bit those that were never interrupted."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -387,6 +388,15 @@ def test_a_damaged_state_is_one_line(coarse, tmp_path):
         with pytest.raises((StateError, ResultsError), match=f"^{state}: ") as caught:
             simulate(model, output=path, resume=True)
         assert "\n" not in str(caught.value)
+
+
+def test_a_pipe_in_the_place_of_a_state_is_one_line(coarse, tmp_path):
+    model, state = machine(coarse, 20), tmp_path / "out.h5.checkpoint"
+    in_parts(model, tmp_path / "out.h5", 10)
+    state.unlink()
+    os.mkfifo(state)
+    with pytest.raises(StateError, match=f"^{state}: .*expected a regular file, found a pipe$"):
+        simulate(model, output=tmp_path / "out.h5", resume=True)
 
 
 def test_an_earlier_state_stays_where_a_new_one_cannot_be_written(coarse, tmp_path, monkeypatch):
