@@ -140,6 +140,14 @@ def test_it_is_so_with_other_settings(coarse_beam, history, settings, tmp_path):
     assert_same(tmp_path / "parts.h5", tmp_path / "whole.h5")
 
 
+def test_rows_play_no_part_in_steps_of_fixed_iterations(coarse, tmp_path):
+    """A part records its last step, which the whole run does not."""
+    model = machine(coarse, 60, every=7, fixed_iterations=3)
+    simulate(model, output=tmp_path / "whole.h5")
+    in_parts(model, tmp_path / "parts.h5", 37, 50, 60)
+    assert_same(tmp_path / "parts.h5", tmp_path / "whole.h5")
+
+
 def damped(element):
     modes = replace(element.modes, zeta=np.full_like(element.modes.zeta, 0.7))
     kernel = sample_kernel(modes, H, element.kernel.scheme, 500)
