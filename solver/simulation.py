@@ -123,11 +123,11 @@ def _resume(model: Model, output: Path, progress: bool, anyway: bool) -> Results
         lowered = lower(model, frozenset(kept.without), identity.horizon)
         if not anyway:
             identity.check_system(lowered)
-        if lowered.n_steps < step:
-            raise ModelError(
-                f"simulation: t_end: expected the time of the state, {step * lowered.h:.9g} s, "
-                f"or more, got {model.settings.t_end:.9g}"
-            )
+        recorded = step % model.settings.output.every == 0 or step == identity.horizon.steps
+        if lowered.n_steps < step or (lowered.n_steps == step and not recorded):
+            of_state = f"the time of the state, {step * lowered.h:.9g} s"
+            least = f"{of_state}, or more" if recorded else f"more than {of_state}"
+            raise ModelError(f"simulation: t_end: expected {least}, got {model.settings.t_end:.9g}")
         state, work = allocate(lowered)
         kept.snapshot.put_back(carried(state=state, work=work))
         removed = RemovedRows(lower(model) if kept.without else lowered, sorted(kept.without))

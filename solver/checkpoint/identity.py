@@ -77,6 +77,12 @@ class Identity:
         if change := first_change(self.software, software()) or first_change(self.model, is_now):
             raise StateError(change)
 
+    def changed_joints(self, model: Model) -> set[str]:
+        """The names of joints and prescribed motions that are declared in another way now."""
+        was, now = self.model, json.loads(json.dumps(contents_of(model)))
+        keys = (key.split(".") for key in {**was, **now} if was.get(key) != now.get(key))
+        return {key[1] for key in keys if key[0] in ("joints", "motions")}
+
     def check_steps(self, lowered: LoweredModel) -> None:
         """`StateError` for another number of steps."""
         if self.horizon != lowered.horizon:

@@ -11,7 +11,7 @@ from ...results.results import Results
 from ...results.schema import Contents
 from ...results.source import Memory, Source, Writer
 from ...superelement import Superelement
-from ..checkpoint.file import StateFile
+from ..checkpoint.file import SUFFIX, StateFile
 from ..errors import ResultsError
 from ..lower.lower import LoweredModel
 from ..model.model import Model
@@ -36,7 +36,9 @@ def check_output(path: Path, model: Model) -> None:
     for name, body in model.flexible_bodies.items():
         inputs[body.source] = f"the superelement of body {name!r}"
     if isinstance(start := model.settings.start, StartFrom):
-        inputs[start.path] = "the run that the model starts from"
+        run = Path(start.path)
+        inputs[run] = "the run that the model starts from"
+        inputs[run.with_name(run.name + SUFFIX)] = "the state that the model starts from"
     if found := clash([path], inputs):
         raise ResultsError(f"{found}, which the results would replace")
 
@@ -87,9 +89,10 @@ def rows_of(lowered: LoweredModel) -> int:
 
 
 def rows_up_to(step: int, first: int, lowered: LoweredModel) -> int:
-    """The number of rows from the first step, which is always recorded, up to another."""
+    """The number of rows from the first step, recorded as the last is in any case, to another."""
     every = lowered.model.settings.output.every
-    return 1 + step // every - first // every
+    last = first < step == lowered.n_steps and step % every > 0
+    return 1 + step // every - first // every + int(last)
 
 
 def _superelements(model: Model) -> dict[str, Superelement]:

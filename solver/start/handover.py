@@ -5,10 +5,13 @@ change of forces, as of a joint that is no longer there, acts within the first s
 jumps does.
 """
 
+from collections.abc import Collection, Mapping
 from pathlib import Path
 
 import numpy as np
 
+from ...results.file import FileSource
+from ..arrays import Array
 from ..checkpoint.file import SUFFIX, StateFile, read_state
 from ..checkpoint.identity import digest_of
 from ..checkpoint.layout import layout_of, take_over
@@ -37,7 +40,10 @@ def predecessor(model: Model) -> StateFile | None:
     beside = path.with_name(path.name + SUFFIX)
     if path.exists() and not beside.exists() and path.suffix != SUFFIX:
         raise StateError(f"{beside}: no such file: the run kept no state ([simulation] checkpoint)")
-    return read_state(beside if beside.exists() else path)
+    state = read_state(beside if beside.exists() else path)
+    if path.exists() and beside.exists() and FileSource(path).run != state.run:
+        raise StateError(f"{path}: results of another run than the state beside them")
+    return state
 
 
 def hand_over(lowered: LoweredModel, source: StateFile, state: State, work: Workspace) -> None:
@@ -55,7 +61,9 @@ def hand_over(lowered: LoweredModel, source: StateFile, state: State, work: Work
     take_over("state/interfaces", state.interfaces, kept, numbers)
     state.energies.modal[0] = modal_energy(lowered.system.elastic, state)
     state.energies.convolved[0] = kept["state/energies/convolved"][0]
-    _check_closed(lowered, numbers["n_i"][0].tolist(), state, work)
+    known = dict(zip(*(rows.tolist() for rows in numbers["n_i"]), strict=True))
+    changed = source.identity.changed_joints(lowered.model)
+    _check_closed(lowered, known, kept["work/couplings/phi"], changed, state, work)
 
 
 def _evaluate(lowered: LoweredModel, state: State, work: Workspace) -> None:
@@ -107,22 +115,36 @@ def _kind(flexible: bool) -> str:
     return "flexible" if flexible else "rigid"
 
 
-def _check_closed(lowered: LoweredModel, known: list[int], state: State, work: Workspace) -> None:
-    """`StateError` for a new joint that is open, or that opens."""
+def _check_closed(
+    lowered: LoweredModel,
+    known: Mapping[int, int],
+    opening: Array,
+    changed: Collection[str],
+    state: State,
+    work: Workspace,
+) -> None:
+    """`StateError` for a joint that is new, or another than before, and open, or that opens.
+
+    known: rows here and there; opening: of those there, as it was; changed: joints of the same name
+    that are declared otherwise, whose rates may be off by what a step changes.
+    """
     couplings, size = lowered.system.couplings, lowered.system.bodies.size
-    v = np.abs(state.bodies.v) * [1.0, 1.0, 1.0, size, size, size]
+    lengths = np.array([1.0, 1.0, 1.0, size, size, size])
+    v, v_dot = (float((np.abs(x) * lengths).max()) for x in (state.bodies.v, state.bodies.v_dot))
     rates = work.couplings.rate + drive_rates(lowered, work)
     for i in np.flatnonzero(couplings.compliant == 0).tolist():
-        if i in known:
-            continue
         length = size if lowered.measures_lengths[i] else 1.0
         unit = "m" if lowered.measures_lengths[i] else "rad"
-        if (opening := abs(float(work.couplings.phi[i]))) > CLOSED * length:
+        phi, limit = float(work.couplings.phi[i]), CLOSED * v
+        if i in known:
+            phi, limit = phi - opening[known[i]], max(limit, lowered.h * v_dot)
+        if abs(phi) > CLOSED * length:
             raise StateError(
-                f"{lowered.owner_of(i)}: is open by {opening:.6g} {unit} where the state begins"
+                f"{lowered.owner_of(i)}: is open by {abs(phi):.6g} {unit} where the state begins"
             )
-        if (rate := abs(float(rates[i]))) > CLOSED * length / size * float(v.max()):
+        same = i in known and lowered.coupling_names[lowered.coupling_of(i)] not in changed
+        if not same and abs(rates[i]) > length / size * limit:
             raise StateError(
-                f"{lowered.owner_of(i)}: opens at {rate:.6g} {unit}/s where the state begins: to "
-                "close it takes an impulse"
+                f"{lowered.owner_of(i)}: opens at {abs(rates[i]):.6g} {unit}/s where the state "
+                "begins: to close it takes an impulse"
             )

@@ -5,6 +5,7 @@ from ..compiler.memory import copy
 from .bodies import finish_bodies, predict_bodies
 from .couplings import add_coupling_work, expect_coordinates
 from .extremes import follow_extremes
+from .frames import move_frame_velocities, move_frames
 from .history import finish_history, start_history
 from .interfaces import add_elastic_work, finish_interfaces, predict_interfaces
 from .loads import add_load_work
@@ -52,6 +53,8 @@ def prepare(system: System, state: State, work: Workspace) -> None:
     Where the number of iterations is fixed, the factors of their matrix too.
     """
     if system.newton.fixed_iterations > 0:
+        move_frames(system.frames, system.frames.n_acting, state, work)  # as `record` does
+        move_frame_velocities(system.frames, system.frames.n_acting, state, work)
         work.matrix.current[0] = int(renew(system, state, work))
     copy(state.couplings.lam, work.couplings.lam_n)
     expect_coordinates(system.couplings, system.scheme.h, state, work)

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     Frame,
+    Harmonic,
     Joint,
     Model,
     ModelError,
+    Polynomial,
     ResultsError,
     RigidBody,
     Settings,
@@ -101,6 +103,50 @@ def test_a_new_joint_must_be_closed_where_the_state_begins(coarse, tmp_path):
     hook = replace(hook, between=("ground.hook", "arm.end"))
     with pytest.raises(StateError, match=r"joint 'hook': opens at \d+.* it takes an impulse"):
         simulate(replace(model, joints=(*model.joints, hook)).with_settings(start=start))
+
+
+def driven(model, signal):
+    return replace(model, joints=(*model.joints[:2], replace(model.joints[2], angle=signal)))
+
+
+def test_a_joint_that_was_there_may_not_jump(coarse, tmp_path):
+    model = machine(coarse, LAST)
+    start, t = first_run(model, tmp_path / "first.h5"), FIRST * H
+    angle = model.joints[2].angle
+    value, (rate, _) = angle(t), angle.derivatives(t)
+    moved = {**model.ground_frames, "pivot": Frame([0.1, 0.2, 0.302])}
+    cases = {
+        r"joint 'pivot': is open by 0\.002 m": replace(model, ground_frames=moved),
+        r"joint 'wrist': is open by 0\.\d+ rad": driven(model, Harmonic(0.5, 30.0)),
+        r"joint 'wrist': opens at \d+\.\d+ rad/s": driven(model, Polynomial([0, value / t])),
+    }
+    for message, other in cases.items():
+        with pytest.raises(StateError, match=message):
+            simulate(other.with_settings(start=start))
+    cubic = Polynomial([0, 0, 3 * value / t**2 - rate / t, rate / t**2 - 2 * value / t**3])
+    simulate(driven(model, cubic).with_settings(start=start))
+
+
+def test_results_that_another_run_has_replaced_are_refused(coarse, tmp_path):
+    model = machine(coarse, LAST)
+    start = first_run(model, tmp_path / "first.h5")
+    simulate(model, output=tmp_path / "other.h5")
+    (tmp_path / "other.h5").rename(tmp_path / "first.h5")
+    with pytest.raises(StateError, match=r"first.h5: results of another run than the state beside"):
+        simulate(model.with_settings(start=start))
+
+
+def test_the_run_to_start_from_is_not_replaced(coarse, tmp_path):
+    """As by a model file that names its own results."""
+    model, path = machine(coarse, LAST), tmp_path / "first.h5"
+    model = model.with_settings(start=first_run(model, path))
+    before = path.read_bytes()
+    with pytest.raises(ResultsError, match=r"first.h5 is the run to start from, which the results"):
+        simulate(model, output=path)
+    state = tmp_path / "first.h5.checkpoint"
+    with pytest.raises(ResultsError, match=r"checkpoint is the state to start from, which the res"):
+        simulate(model, output=state)
+    assert path.read_bytes() == before
 
 
 def test_a_body_that_is_new_starts_as_the_model_says(coarse, tmp_path):

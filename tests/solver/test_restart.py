@@ -141,6 +141,14 @@ def test_it_is_so_with_other_settings(coarse_beam, history, settings, tmp_path):
     assert_same(tmp_path / "parts.h5", tmp_path / "whole.h5")
 
 
+def test_rows_play_no_part_in_steps_of_fixed_iterations(coarse, tmp_path):
+    """A part records its last step, which the whole run does not."""
+    model = machine(coarse, 60, every=7, fixed_iterations=3)
+    simulate(model, output=tmp_path / "whole.h5")
+    in_parts(model, tmp_path / "parts.h5", 37, 50, 60)
+    assert_same(tmp_path / "parts.h5", tmp_path / "whole.h5")
+
+
 def damped(element):
     modes = replace(element.modes, zeta=np.full_like(element.modes.zeta, 0.7))
     kernel = sample_kernel(modes, H, element.kernel.scheme, 500)
@@ -261,6 +269,30 @@ def test_a_shorter_t_end_than_the_state_is_refused(coarse, tmp_path):
     assert len(results.time) == 31
 
 
+def test_a_run_that_has_ended_keeps_its_last_row(coarse, tmp_path):
+    """Also where the last step is not one of those that are recorded on the way."""
+    model = machine(coarse, every=7)
+    simulate(model, output=tmp_path / "whole.h5")
+    in_parts(model, tmp_path / "parts.h5", 37, 80, 80, 80)
+    assert_same(tmp_path / "parts.h5", tmp_path / "whole.h5")
+
+
+def test_an_end_at_a_state_whose_step_was_not_recorded_is_refused(coarse, tmp_path):
+    """Its row is not there, and no step is left that would give it."""
+    model, path = machine(coarse, every=7), tmp_path / "out.h5"
+    broken = interrupting(model.with_settings(checkpoint={"every": 29}), 40, KeyboardInterrupt())
+    with pytest.raises(KeyboardInterrupt):
+        simulate(broken, output=path)
+    step = read_state(tmp_path / "out.h5.checkpoint").snapshot.step
+    assert step % 7
+    message = f"t_end: expected more than the time of the state, {step * H:.9g} s, got"
+    with pytest.raises(ModelError, match=message):
+        simulate(broken.with_settings(t_end=step * H), output=path, resume=True)
+    simulate(broken, output=path, resume=True)
+    simulate(broken, output=tmp_path / "whole.h5")
+    assert_same(path, tmp_path / "whole.h5")
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -373,6 +405,15 @@ def test_a_damaged_state_is_one_line(coarse, tmp_path):
         with pytest.raises((StateError, ResultsError), match=f"^{state}: ") as caught:
             simulate(model, output=path, resume=True)
         assert "\n" not in str(caught.value)
+
+
+def test_a_pipe_in_the_place_of_a_state_is_one_line(coarse, tmp_path):
+    model, state = machine(coarse, 20), tmp_path / "out.h5.checkpoint"
+    in_parts(model, tmp_path / "out.h5", 10)
+    state.unlink()
+    os.mkfifo(state)
+    with pytest.raises(StateError, match=f"^{state}: .*expected a regular file, found a pipe$"):
+        simulate(model, output=tmp_path / "out.h5", resume=True)
 
 
 def test_an_earlier_state_stays_where_a_new_one_cannot_be_written(coarse, tmp_path, monkeypatch):
