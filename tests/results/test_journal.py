@@ -6,11 +6,16 @@ import pytest
 from duhamel.results.journal import uninterrupted
 
 
-def test_an_interrupt_waits_until_the_block_has_ended():
-    done = []
-    with pytest.raises(KeyboardInterrupt), uninterrupted():
+def interrupt_and_go_on(done):
+    with uninterrupted():
         signal.raise_signal(signal.SIGINT)
         done.append("all")
+
+
+def test_an_interrupt_waits_until_the_block_has_ended():
+    done = []
+    with pytest.raises(KeyboardInterrupt):
+        interrupt_and_go_on(done)
     assert done == ["all"]
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
@@ -24,5 +29,5 @@ def foreign_handler(monkeypatch):
 
 @pytest.mark.usefixtures("foreign_handler")
 def test_an_interrupt_that_another_program_handled_is_one_of_python():
-    with pytest.raises(KeyboardInterrupt), uninterrupted():
-        signal.raise_signal(signal.SIGINT)
+    with pytest.raises(KeyboardInterrupt):
+        interrupt_and_go_on([])
