@@ -141,7 +141,7 @@ def test_the_run_to_start_from_is_not_replaced(coarse, tmp_path):
     model, path = machine(coarse, LAST), tmp_path / "first.h5"
     model = model.with_settings(start=first_run(model, path))
     before = path.read_bytes()
-    with pytest.raises(ResultsError, match=r"first.h5 is the run that the model starts from, which"):
+    with pytest.raises(ResultsError, match=r"first.h5 is the run that the model starts from"):
         simulate(model, output=path)
     state = tmp_path / "first.h5.checkpoint"
     with pytest.raises(ResultsError, match=r"checkpoint is the state that the model starts from"):
