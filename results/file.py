@@ -248,6 +248,8 @@ class FileWriter:
         with uninterrupted():
             for quantity in self._contents.quantities:
                 self._file[quantity.name].resize(rows, axis=0)
+            for name, values in _superelement_files(self._contents).items():
+                self._file[name][...] = np.array(values, dtype=object)
             self._file.attrs["model"] = model
             self._file["solver"].attrs.update(_plain(notes))
         self.written = rows
@@ -438,12 +440,8 @@ def _image(contents: Contents, notes: Mapping[str, Any], model: str, rows: int) 
             if not isinstance(quantity.unit, str):
                 units = _put_strings(file, units_of(quantity), quantity.units(axes))
                 _attach(units, quantity.dimensions[1:], scales)
-        if contents.superelements:
-            files = [found.hashed() for found in contents.superelements.values()]
-            paths = _put_strings(file, "superelement_file", [found.path for found in files])
-            digests = _put_strings(file, "superelement_sha256", [found.digest for found in files])
-            _attach(paths, ("flexible_body",), scales)
-            _attach(digests, ("flexible_body",), scales)
+        for name, values in _superelement_files(contents).items():
+            _attach(_put_strings(file, name, values), ("flexible_body",), scales)
         if contents.checks:
             values = file.create_dataset(CHECKS, data=np.full(len(contents.checks), np.nan))
             values.attrs["long_name"] = "what the run has passed at most"
@@ -485,6 +483,17 @@ def chunks(shape: tuple[int, ...], rows: int) -> tuple[int, ...]:
         return (n,)
     owners = max(min(shape[0], CHUNK * shape[0] // (n * width)), 1)
     return (n, owners, *shape[1:])
+
+
+def _superelement_files(contents: Contents) -> dict[str, list[str]]:
+    """Variables with the path and the digest of the superelement of each flexible body, if any."""
+    files = [found.hashed() for found in contents.superelements.values()]
+    if not files:
+        return {}
+    return {
+        "superelement_file": [found.path for found in files],
+        "superelement_sha256": [found.digest for found in files],
+    }
 
 
 def _put_strings(file: h5py.File, name: str, values: Sequence[str]) -> h5py.Dataset:

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import h5py
 import numpy as np
@@ -13,7 +14,7 @@ import pytest
 from duhamel.results import Results, ResultsError
 from duhamel.results import file as file_module
 from duhamel.results.file import CHUNK, FileSource, FileWriter, chunks
-from duhamel.results.schema import QUANTITIES
+from duhamel.results.schema import QUANTITIES, SuperelementFile
 from duhamel.results.source import Memory
 
 from .writing import NOTES, batch, make_contents, make_output
@@ -438,3 +439,18 @@ def test_a_writer_that_is_killed_leaves_a_readable_file(running):
         results.frame("b0.tip").u[:, :3], output.frame_elastic_displacement[:n, 1]
     )
     np.testing.assert_array_equal(results.iterations, output.newton_iterations[:n])
+
+
+def test_a_run_that_goes_on_names_the_superelements_of_now(tmp_path):
+    path, contents = tmp_path / "out.h5", make_contents()
+    writer = write(path, contents, make_output(contents, 4), (4,))
+    writer.leave()
+    moved = {"b0": SuperelementFile("/elsewhere/0.h5", "1" * 64)}
+    later = FileWriter.resume(
+        path, replace(contents, superelements=moved), NOTES, "model", 4, writer.run
+    )
+    later.flush()
+    later.leave()
+    with h5py.File(path) as file:
+        assert file["superelement_file"].asstr()[()].tolist() == ["/elsewhere/0.h5"]
+        assert file["superelement_sha256"].asstr()[()].tolist() == ["1" * 64]
