@@ -1,5 +1,6 @@
 """What tests of the sources share."""
 
+import signal
 from collections.abc import Callable, Generator
 from typing import Any
 
@@ -11,6 +12,14 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--complete", action="store_true", help="what would be skipped is missing: an error"
     )
+
+
+@pytest.fixture(autouse=True)
+def _interrupts_are_those_of_python() -> Generator[None]:
+    """Also where the shell has them ignored, and after a library has put its own in their place."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, signal.SIG_DFL if before is None else before)
 
 
 @pytest.hookimpl(wrapper=True)

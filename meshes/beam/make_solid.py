@@ -39,7 +39,7 @@ def bar() -> None:
 
 def write(target: Path) -> None:
     """Mesh and write Gmsh's binary format."""
-    gmsh.initialize()
+    gmsh.initialize(interruptible=False)
     for option, value in {
         "General.Terminal": 0,
         "Mesh.ElementOrder": 2,

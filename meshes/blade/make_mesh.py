@@ -73,7 +73,7 @@ def aerofoil(share: float, side: float) -> NDArray[np.float64]:
 
 def write(size: float, target: Path) -> None:
     """Mesh with elements of `size` and write Gmsh's binary format."""
-    gmsh.initialize()
+    gmsh.initialize(interruptible=False)
     for option, value in {
         "General.Terminal": 0,
         "General.NumThreads": 1,

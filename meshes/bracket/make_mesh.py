@@ -76,7 +76,7 @@ def name_hole(name: str, middle: tuple[float, ...], half: tuple[float, ...]) -> 
 
 def write(size: float, target: Path) -> None:
     """Mesh with elements of `size` and write Gmsh's binary format."""
-    gmsh.initialize()
+    gmsh.initialize(interruptible=False)
     for option, value in {
         "General.Terminal": 0,
         "General.NumThreads": 1,

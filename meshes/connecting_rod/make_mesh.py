@@ -85,7 +85,7 @@ def rounded(volumes: Shape, start: float, end: float, radius: float) -> Shape:
 
 def write(size: float, target: Path) -> None:
     """Mesh with elements of `size` and write Gmsh's binary format."""
-    gmsh.initialize()
+    gmsh.initialize(interruptible=False)
     for option, value in {
         "General.Terminal": 0,
         "General.NumThreads": 1,

@@ -55,7 +55,7 @@ def mesh_box(order: int, across: bool, along: bool, incomplete: int) -> None:
     gmsh.model.mesh.setOrder(order)
 
 
-gmsh.initialize()
+gmsh.initialize(interruptible=False)
 gmsh.option.setNumber("General.Terminal", 0)
 for kind, options in KINDS.items():
     mesh_box(*options)
