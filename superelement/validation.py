@@ -26,9 +26,9 @@ def checked(name: str, value: Any, shape: Sequence[int | str]) -> Array:
     """A read-only contiguous float array of a shape, in which a letter allows any length."""
     try:
         found = np.asarray(value)
-        found = found.real if np.iscomplexobj(found) else found
+        real = found.real if np.iscomplexobj(found) else found
         # What is read-only, as the arrays of a superelement are, can be shared.
-        array = found.astype(np.float64, order="C", copy=bool(found.flags.writeable))
+        array = real.astype(np.float64, order="C", copy=bool(found.flags.writeable))
     except (TypeError, ValueError) as error:
         raise SuperelementError(
             f"{name}: expected numbers of shape {_text(shape)}, found others: {error}"
