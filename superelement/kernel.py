@@ -10,6 +10,9 @@ from .response import respond
 from .scheme import GeneralizedAlpha
 from .validation import Array, SuperelementError, check_positive, check_symmetric, checked
 
+BLOCK = 64
+"""Rows of a matrix product."""
+
 
 @dataclass(frozen=True, eq=False)
 class Kernel:
@@ -101,12 +104,18 @@ def _scalar_responses(
 def spread(phi: Array, coefficients: Array) -> Array:
     """phi diag(c_k) phi^T (n_k, n_c, n_c) for rows c_k of real coefficients, exactly symmetric.
 
-    One matrix product over the pairs i <= j: no array of n_k n_c m numbers for the many modes of a
-    large mesh.
+    Matrix products over the pairs i <= j: no array of n_k n_c m numbers for the many modes of a
+    large mesh. BLAS rounds products of few rows otherwise than those of many: all have `BLOCK`
+    rows, so that a matrix does not depend on how many follow it.
     """
-    n_c = len(phi)
+    n_c, n_k = len(phi), len(coefficients)
     i, j = np.triu_indices(n_c)
-    g = np.empty((len(coefficients), n_c, n_c))
-    g[:, i, j] = coefficients @ (phi[i] * phi[j]).T
+    pairs = (phi[i] * phi[j]).T
+    block = np.zeros((BLOCK, len(phi.T)))
+    g = np.empty((n_k, n_c, n_c))
+    for first in range(0, n_k, BLOCK):
+        rows = coefficients[first : first + BLOCK]
+        block[: len(rows)] = rows
+        g[first : first + BLOCK, i, j] = (block @ pairs)[: len(rows)]
     g[:, j, i] = g[:, i, j]
     return g

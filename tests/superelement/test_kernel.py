@@ -238,3 +238,15 @@ def test_symmetry_is_measured_on_the_scale_of_the_two_rows():
 def test_sampling_refuses_an_empty_range(decaying, h, steps, message):
     with pytest.raises(SuperelementError, match=message):
         sample_kernel(decaying, h, GeneralizedAlpha(), steps)
+
+
+@pytest.mark.parametrize("n_c", [1, 6, 18])
+def test_a_lag_does_not_depend_on_how_many_follow(n_c):
+    """To the bit, as a restart of a run with a longer end needs it."""
+    rng = np.random.default_rng(6)
+    modes = Modes(np.geomspace(1e2, 1e5, 40), np.zeros(40), rng.normal(size=(n_c, 40)))
+    whole = sample_kernel(modes, 1e-4, GeneralizedAlpha(0.9), 200)
+    for steps in (1, 3, 14, 63, 64, 130):
+        part = sample_kernel(modes, 1e-4, GeneralizedAlpha(0.9), steps)
+        np.testing.assert_array_equal(part.g, whole.g[: steps + 1])
+        np.testing.assert_array_equal(part.g_initial, whole.g_initial[: steps + 1])

@@ -6,6 +6,7 @@ one before it, or on the ground, or flies. A link closes a loop: a rigid body ma
 two spherical joints.
 """
 
+import warnings
 from dataclasses import dataclass, field, replace
 from functools import cache
 from tempfile import TemporaryDirectory
@@ -13,6 +14,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from duhamel.solver import (
     Constant,
+    ConvergenceError,
     FlexibleBody,
     Frame,
     Harmonic,
@@ -20,10 +22,12 @@ from duhamel.solver import (
     Load,
     Model,
     ModelError,
+    OutOfRangeError,
     RigidBody,
     Settings,
     Spring,
     Start,
+    ValidityWarning,
     simulate,
 )
 from duhamel.solver.model.joints import JOINT_TYPES
@@ -231,10 +235,27 @@ def mechanisms(draw, free=False, conservative=False, loops=True, **settings):
 
 
 def run(model):
-    """The results of a mechanism; one whose joints say the same twice is no example."""
+    """The results of a mechanism; no example is one whose joints say the same twice, nor one that
+    leaves the range in which bodies can be integrated: slim ones, that a torque spins up.
+    """
     try:
         return simulate(model)
     except ModelError as error:
         if "redundant" in str(error):
             reject()
         raise
+    except OutOfRangeError:
+        reject()
+    except ConvergenceError as error:
+        if "turns by" in str(error) or has_left_range(model, error.step - 1):
+            reject()
+        raise
+
+
+def has_left_range(model, steps):
+    """Whether one of the first steps passes a limit of `Results.validity`."""
+    if not steps:
+        return False
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ValidityWarning)
+        return bool(simulate(model.with_settings(t_end=steps * model.settings.step)).validity.warnings)
