@@ -15,7 +15,9 @@ from .inspection import ModelCheck, check
 from .laws.law import ForceLaw
 from .laws.tabulated import TabulatedLaw
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
+from .model.contacts import Contact, ForceTable, Hertz, Impact, Stop
 from .model.file import read_model, write_model
+from .model.friction import Coulomb, JointFriction, Stribeck
 from .model.joints import Joint
 from .model.loads import Load
 from .model.model import Model
@@ -41,15 +43,21 @@ from .simulator import Simulator
 
 __all__ = [
     "Constant",
+    "Contact",
     "ConvergenceError",
+    "Coulomb",
     "FlexibleBody",
     "ForceLaw",
+    "ForceTable",
     "Frame",
     "Function",
     "Harmonic",
+    "Hertz",
+    "Impact",
     "Impulse",
     "Input",
     "Joint",
+    "JointFriction",
     "Load",
     "Model",
     "ModelCheck",
@@ -76,6 +84,8 @@ __all__ = [
     "StateError",
     "SteadyRotation",
     "Steps",
+    "Stop",
+    "Stribeck",
     "Table",
     "TabulatedLaw",
     "ValidityWarning",

@@ -4,12 +4,13 @@ To a type checker, kinds of arrays are descriptors: arguments may be lists and t
 are arrays.
 """
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import AfterValidator
+from pydantic import AfterValidator, AllowInfNan
 
 from ... import inputs
 from ...inputs import expected
@@ -44,6 +45,9 @@ def number(what: str, kind: type, allowed: Callable[[Any], bool]) -> Takes:
 Positive = Annotated[
     float,
     number("a positive number, 1e-100 to 1e100", float, lambda x: 1.0 / LARGEST <= x <= LARGEST),
+]
+NotNegative = Annotated[
+    float, number("a number of at least 0, up to 1e100", float, lambda x: 0.0 <= x <= LARGEST)
 ]
 PositiveTime = Annotated[
     float, number("a positive time, up to 1e100", float, lambda t: 0.0 < t <= LARGEST)
@@ -102,6 +106,14 @@ def pair(value: Any) -> tuple[str, str]:
     return first, second
 
 
+def limits(value: Any) -> tuple[float, float]:
+    """A lower and a higher number, of which one may be infinite."""
+    lower, upper = (x if math.isinf(x) else real(x) for x in map(float, value))
+    if not lower < upper or (math.isinf(lower) and math.isinf(upper)):
+        raise ValueError
+    return lower, upper
+
+
 def inertia(value: Any) -> Array:
     entries = reals(value)
     matrix = np.diag(entries) if entries.shape == (3,) else entries
@@ -135,6 +147,14 @@ _Inertia = Annotated[
 
 NumbersByName = Annotated[
     Mapping[str, float], Takes("numbers by name", numbers_by_name, dict[str, float])
+]
+Limits = Annotated[
+    tuple[float, float],
+    Takes(
+        "a lower and a higher number, of which one may be infinite",
+        limits,
+        tuple[Annotated[float, AllowInfNan(True)], Annotated[float, AllowInfNan(True)]],
+    ),
 ]
 Words = Annotated[tuple[str, ...], Takes("names", tuple, tuple[str, ...])]
 Pair = Annotated[
