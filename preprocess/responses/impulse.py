@@ -10,10 +10,8 @@ from ..progress import Stages
 from .band import Band
 from .krylov import krylov_modes
 from .march import march_kernel
-from .modal import Shapes, elastic_shapes
-
-SMALL = 1000
-"""Unknowns up to which all modes are as quick as some."""
+from .modal import SMALL, Shapes, elastic_shapes
+from .truncated import METHODS, RIGHT, truncated_modes
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +66,13 @@ def impulse_responses(
             )
             kernel = sample_kernel(modes, h, scheme, steps, error, band.limit)
             return ImpulseResponses(method, kernel, modes, shapes, impulse.tolerance)
+        case "craig-bampton" | "rubin":
+            reduction = METHODS[method](structure, damping, impulse.modes or 0)
+            wide, fields = Band(h, scheme, steps, 0.25 / h), body.recovery is not None
+            found = truncated_modes(structure, damping, reduction, wide, stages.report, fields)
+            kernel = sample_kernel(found.modes, h, scheme, steps, found.error, found.limit)
+            name = f"{method} with {impulse.modes} modes"
+            return ImpulseResponses(name, kernel, found.modes, found.shapes, RIGHT)
         case "march":
             return ImpulseResponses(
                 method, march_kernel(structure, damping, h, scheme, steps, stages.track)

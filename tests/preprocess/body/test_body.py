@@ -163,7 +163,7 @@ MISTAKES = [
     (
         "steps = 5000",
         'steps = 9\nmethod = "newmark"',
-        r"impulse\.method: input should be 'auto', 'modal', 'march' or 'krylov'",
+        r"impulse\.method: input should be 'auto', 'modal', 'march', 'krylov', 'craig-bampton' or 'rubin'",
     ),
     (
         "[impulse]",
