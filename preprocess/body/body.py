@@ -129,7 +129,6 @@ class Impulse(Table):
             )
         return self
 
-
     @model_validator(mode="after")
     def _modes_of_their_methods(self) -> Self:
         if self.method not in TRUNCATED:
@@ -312,6 +311,15 @@ class Body(Table):
         if self.matrices is not None:
             paths["matrices"] = self.matrices.relative_to(folder)
         return self.model_copy(update=paths)
+
+    def with_modes(self, method: Method, modes: int) -> "Body":
+        """A copy of which the superelement has a number of modes, by a method of `TRUNCATED`.
+
+        `pydantic.ValidationError`, a ValueError, for other methods and numbers below 1.
+        """
+        kept = self.impulse.model_dump(include={"step", "steps", "rho_inf"})
+        impulse = Impulse.model_validate({**kept, "method": method, "modes": modes})
+        return self.model_copy(update={"impulse": impulse})
 
     @property
     def text(self) -> str:

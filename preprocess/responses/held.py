@@ -80,7 +80,8 @@ def _held_solve(structure: Structure, rows: Array, shift: float) -> Solve:
 
     def held_solve(b: Array) -> Array:
         x = solve(b)
-        return x - Y @ (back @ (rows @ x))
+        held: Array = x - Y @ (back @ (rows @ x))
+        return held
 
     return held_solve
 
@@ -91,7 +92,8 @@ def _beside(structure: Structure, solve: Solve, shapes: Array) -> Solve:
 
     def solve_beside(b: Array) -> Array:
         x = solve(b)
-        return x - shapes @ (weights @ x)
+        rest: Array = x - shapes @ (weights @ x)
+        return rest
 
     return solve_beside
 
@@ -99,9 +101,7 @@ def _beside(structure: Structure, solve: Solve, shapes: Array) -> Solve:
 def _lanczos(structure: Structure, solve: Solve, count: int, shift: float) -> HeldModes:
     inverse = LinearOperator(structure.K.shape, matvec=solve, dtype=np.float64)
     start = np.random.default_rng(0).standard_normal(structure.n_u)
-    squares, shapes = eigsh(
-        structure.K, count, structure.M, sigma=-shift, OPinv=inverse, v0=start
-    )
+    squares, shapes = eigsh(structure.K, count, structure.M, sigma=-shift, OPinv=inverse, v0=start)
     order = np.argsort(squares)
     return HeldModes(squares[order], shapes[:, order])
 

@@ -33,7 +33,8 @@ class Reduction:
 def craig_bampton(structure: Structure, damping: Damping, count: int) -> Reduction:
     """The reduced body of constraint modes and `count` modes with the interfaces held.
 
-        u = [Psi, Phi] y,    K Psi = P_C^T F, P_C Psi = I,    K Phi + P_C^T L = M Phi omega^2, P_C Phi = 0
+        u = [Psi, Phi] y,    K Psi = P_C^T F,                         P_C Psi = I
+                             K Phi + P_C^T L = M Phi diag(omega^2),   P_C Phi = 0
 
     Constraint modes are the rigid motions and what interface loads F that balance themselves do at
     rest. So are they made: frames on averaged facets, and interfaces that do not hold a body, need
@@ -65,15 +66,13 @@ def rubin(structure: Structure, damping: Damping, count: int) -> Reduction:
     return _reduced(structure, damping, free, attachments)
 
 
-def _reduced(
-    structure: Structure, damping: Damping, normal: HeldModes, static: Array
-) -> Reduction:
+def _reduced(structure: Structure, damping: Damping, normal: HeldModes, static: Array) -> Reduction:
     """The modes of the body in the space of its rigid, normal and static ones."""
     M = structure.M
     columns = RIGID + normal.shapes.shape[1] + static.shape[1]
     basis = Basis(M, min(columns, structure.n_u))
-    for shapes in (structure.U, normal.shapes, static):
-        basis.extend(shapes)
+    for motions in (structure.U, normal.shapes, static):
+        basis.extend(motions)
     V = basis.V[:, RIGID:]
     omega, Q = ritz_modes(structure, V, V.T @ (structure.K @ V))
     shapes = partial(elastic_rows, basis, Q)

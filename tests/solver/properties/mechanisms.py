@@ -258,4 +258,6 @@ def has_left_range(model, steps):
         return False
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ValidityWarning)
-        return bool(simulate(model.with_settings(t_end=steps * model.settings.step)).validity.warnings)
+        return bool(
+            simulate(model.with_settings(t_end=steps * model.settings.step)).validity.warnings
+        )
