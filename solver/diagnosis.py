@@ -162,7 +162,7 @@ def _slope(failure: Failure, row: int) -> float:
     if not couplings.compliant[row]:
         return 0.0
     first = couplings.range[failure.lowered.coupling_of(row)]
-    _, slope, _, _ = law_of_row(couplings.laws, row, failure.work)
+    _, slope, _, _ = law_of_row(couplings.laws, row, failure.state, failure.work)
     return abs(float(couplings.laws.stiffness[row, row - first])) + abs(slope)
 
 

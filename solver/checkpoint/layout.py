@@ -22,6 +22,7 @@ class Layout(NamedTuple):
     n_u: Ranges
     n_m: Ranges
     n_i: Ranges
+    n_h: Ranges
     n_o: Ranges
 
     def numbers(self, earlier: "Layout") -> dict[str, tuple[Index, Index]]:
@@ -37,13 +38,15 @@ class Layout(NamedTuple):
 
 def layout_of(lowered: LoweredModel) -> Layout:
     elastic, flexible = lowered.system.elastic, list(lowered.model.flexible_bodies)
-    rows = lowered.system.couplings.range.tolist()
+    couplings = lowered.system.couplings
+    rows = couplings.range.tolist()
     return Layout(
         n_b=_one_each(lowered.body_names),
         n_e=_one_each(flexible),
         n_u=_ranges(flexible, elastic.dof.tolist()),
         n_m=_ranges(flexible, elastic.modes.range.tolist()),
         n_i=_ranges(lowered.coupling_names, rows),
+        n_h=_ranges(lowered.coupling_names, couplings.laws.memory[couplings.range].tolist()),
         n_o=_one_each([f"{joint}.{name}" for joint, name in lowered.observers]),
     )
 

@@ -53,7 +53,9 @@ OPTIMIZATION = 1
 """of LLVM; at 3 it takes a second more, and a step as long as at 1"""
 NEEDLESS = frozenset({InlineClosureLikes, InlineInlinables, InlineOverloads, NopythonRewrites})
 """passes over what compiled functions have not: closures, inlined functions, array expressions"""
-KNOWN = frozenset({"atan2", "cos", "sin", "sincos", "sqrt", "memcpy", "memset"})
+KNOWN = frozenset(
+    {"atan2", "cos", "exp", "log", "pow", "sin", "sincos", "sqrt", "memcpy", "memset"}
+)
 """functions of the C library that compiled code may call"""
 
 WORD, DOUBLE, BYTES = ir.IntType(64), ir.DoubleType(), ir.IntType(8).as_pointer()

@@ -1,7 +1,7 @@
 """Force laws of one coordinate, an open set: every file of this folder may hold some.
 
 law.py defines laws, and how one is added. Compiled code calls all of them by
-`evaluate_law(number, parameters, c, rate)`.
+`evaluate_law(number, parameters, memory, h, c, rate)` and `remember_law` of the same arguments.
 """
 
 from collections.abc import Callable
@@ -16,9 +16,14 @@ for _module in sorted(module.name for module in iter_modules(__path__)):
     import_module(f"{__name__}.{_module}")
 
 
-evaluate_law: Callable[[int, Array, float, float], Evaluation] = dispatcher(
+ARGUMENTS = "parameters, memory, h, c, rate"
+
+evaluate_law: Callable[[int, Array, Array, float, float, float], Evaluation] = dispatcher(
     "evaluate_law",
-    "parameters, c, rate",
+    ARGUMENTS,
     [law.evaluate for law in LAWS],
     otherwise="0.0, 0.0, 0.0, 0.0",
+)
+remember_law: Callable[[int, Array, Array, float, float, float], None] = dispatcher(
+    "remember_law", ARGUMENTS, [law.remember for law in LAWS], otherwise="None"
 )

@@ -12,9 +12,15 @@ this folder holds laws; to add one is to add a class:
             return [self.stiffening]
 
         @staticmethod
-        def evaluate(parameters: Array, c: float, rate: float) -> Evaluation:
+        def evaluate(
+            parameters: Array, memory: Array, h: float, c: float, rate: float
+        ) -> Evaluation:
             k = parameters[0]
             return k * c**3, 3.0 * k * c**2, 0.0, 0.25 * k * c**4
+
+A law with a past has a `memory`: `memories` are its numbers before the start, `remember` sets them
+to those at the end of a step. `evaluate` sees those of the last step, which ended a time h before;
+at the start h is infinite: all has been at rest for ever.
 """
 
 from collections.abc import Callable, Sequence
@@ -43,10 +49,18 @@ class ForceLaw(Entry):
         """The numbers that `evaluate` reads."""
         raise NotImplementedError
 
+    def memories(self) -> Sequence[float]:
+        """The numbers that the law remembers, before the start."""
+        return []
+
     @staticmethod
-    def evaluate(parameters: Array, c: float, rate: float) -> Evaluation:
+    def evaluate(parameters: Array, memory: Array, h: float, c: float, rate: float) -> Evaluation:
         """The law, compiled: no allocation, no exceptions, no negative indices."""
         raise NotImplementedError
+
+    @staticmethod
+    def remember(parameters: Array, memory: Array, h: float, c: float, rate: float) -> None:
+        """Bring the memory to the end of a step, compiled as `evaluate` is."""
 
 
 LAWS: list[type[ForceLaw]] = []
@@ -61,6 +75,7 @@ def force_law(key: str) -> Callable[[AnyLawType], AnyLawType]:
     def register(kind: AnyLawType) -> AnyLawType:
         kind.number = len(LAWS)
         compiled(kind.evaluate)
+        compiled(kind.remember)
         law: Any = FORCE_LAWS.in_files(key)(entry(eq=True)(kind))
         LAWS.append(law)
         return law  # type: ignore[no-any-return]

@@ -31,7 +31,8 @@ class TabulatedLaw(ForceLaw):
 
     def parameters(self) -> Sequence[float]:
         counted = [*self.deformation, *self.force, 0.0]
-        _, _, _, energy = self.evaluate(np.array(counted), self._without_force(), 0.0)
+        at_rest, none = self._without_force(), np.zeros(0)
+        _, _, _, energy = self.evaluate(np.array(counted), none, np.inf, at_rest, 0.0)
         return [*counted[:-1], energy]
 
     def _without_force(self) -> float:
@@ -47,7 +48,7 @@ class TabulatedLaw(ForceLaw):
         return float(found[np.argmin(np.abs(found))]) if len(found) else 0.0
 
     @staticmethod
-    def evaluate(parameters: Array, c: float, rate: float) -> Evaluation:
+    def evaluate(parameters: Array, memory: Array, h: float, c: float, rate: float) -> Evaluation:
         """The law; the last parameter is the energy that is stored there when counted from the
         first point.
         """

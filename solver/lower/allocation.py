@@ -19,6 +19,7 @@ def sizes_of(system: System, n_steps: int) -> dict[str, int]:
         "n_j": len(system.couplings.range) - 1,
         "n_i": len(system.couplings.rows.kind),
         "n_o": len(system.observers.kind),
+        "n_h": int(system.couplings.laws.memory[-1]),
         "n_l": len(system.loads.frame),
         "n_d": int(system.couplings.drive.max(initial=-1)) + 1,
         "n_e": len(elastic.body),
@@ -47,6 +48,8 @@ def allocate(lowered: LoweredModel) -> tuple[State, Workspace]:
         frames.r[f], frames.D[f] = pose.x, pose.R
     frames.T[:] = np.eye(3)
     state.past.since[:] = 1
+    state.couplings.memory[:] = lowered.memories
+    work.couplings.elapsed[:] = np.inf
     state.observers.value[:] = lowered.observer_starts
     return state, work
 

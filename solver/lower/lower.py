@@ -41,6 +41,8 @@ class LoweredModel:
     observers: list[tuple[str, str]]
     """joint and coordinate of each observer row"""
     observer_starts: Array
+    memories: Array
+    """of the force laws, before the start"""
     drives: list[SmoothSignal]
     load_signals: list[Signal]
     superelements: list[Superelement]
@@ -82,6 +84,7 @@ def lower(
     frames = number_frames(model, poses)
     rows = _rows(model, frames, without)
     couplings, drives = lay_out_couplings(list(rows.values()))
+    laws = [row.law for coupling in rows.values() for row in coupling if row.law is not None]
     observers = _observers(model, frames)
     size = model_size(model, poses, frames)
     if not (model.settings.assemble or isinstance(model.settings.start, StartFrom)):
@@ -114,6 +117,7 @@ def lower(
         coupling_names=list(rows),
         observers=list(observers),
         observer_starts=np.array([row.start for row in observers.values()]),
+        memories=np.array([number for law in laws for number in law.memories()], dtype=float),
         drives=drives,
         load_signals=[load.signal for load in model.loads],
         superelements=[body.superelement for body in model.flexible_bodies.values()],

@@ -206,6 +206,7 @@ def lay_out_couplings(couplings: Sequence[list[Row]]) -> tuple[Couplings, list[S
 
 def _lay_out_laws(rows: Sequence[Row]) -> Laws:
     parameters = [[] if row.law is None else row.law.parameters() for row in rows]
+    memories = [0 if row.law is None else len(row.law.memories()) for row in rows]
     return Laws(
         rest=np.array([row.rest for row in rows], dtype=np.float64),
         stiffness=_six_wide([row.stiffness for row in rows]),
@@ -213,6 +214,7 @@ def _lay_out_laws(rows: Sequence[Row]) -> Laws:
         number=as_index([NO_LAW if row.law is None else row.law.number for row in rows]),
         first=as_index(np.cumsum([0, *map(len, parameters)])),
         parameters=np.array([number for numbers in parameters for number in numbers], dtype=float),
+        memory=as_index(np.cumsum([0, *memories])),
     )
 
 

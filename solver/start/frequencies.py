@@ -8,6 +8,8 @@ C: the derivatives of constraints, D: those of springs with stiffness S. Without
 forces, gravity and spin give.
 """
 
+import math
+
 import numpy as np
 
 from ..arrays import Array
@@ -38,7 +40,7 @@ def natural_frequencies(initial: InitialState) -> Array | None:
         return None
     B = _jacobian(lowered, initial.state, initial.work)
     K = np.diag(np.concatenate([np.zeros(n - len(stiffness)), stiffness]))
-    K += B.T @ _stiffness_of_springs(system, initial.work) @ B
+    K += B.T @ _stiffness_of_springs(system, initial.state, initial.work) @ B
     free = _null_space(B[constraint_rows(system)])
     values = np.linalg.eigvalsh(free.T @ K @ free)
     rounding = NOISE * n * np.finfo(float).eps * np.abs(values).max(initial=0.0)
@@ -59,7 +61,7 @@ def _jacobian(lowered: LoweredModel, state: State, work: Workspace) -> Array:
     return np.hstack([B[:, :n_q] @ dense_of(inverse_root(system)), B[:, n_q:] @ phi])
 
 
-def _stiffness_of_springs(system: System, work: Workspace) -> Array:
+def _stiffness_of_springs(system: System, state: State, work: Workspace) -> Array:
     """S (n_rows, n_rows) of linear springs and the slopes of force laws; 0 for constraints."""
     laws, first = system.couplings.laws, system.couplings.range
     S = np.zeros((len(laws.rest), len(laws.rest)))
@@ -69,7 +71,9 @@ def _stiffness_of_springs(system: System, work: Workspace) -> Array:
     for i in np.flatnonzero(laws.number != NO_LAW).tolist():
         parameters = laws.parameters[laws.first[i] : laws.first[i + 1]]
         deformation = float(work.couplings.coordinate[i] - laws.rest[i])
-        S[i, i] += LAWS[laws.number[i]].evaluate(parameters, deformation, 0.0)[1]
+        memory = state.couplings.memory[laws.memory[i] : laws.memory[i + 1]]
+        law = LAWS[laws.number[i]]
+        S[i, i] += law.evaluate(parameters, memory, math.inf, deformation, 0.0)[1]
     return S
 
 

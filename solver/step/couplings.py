@@ -13,7 +13,7 @@ so that springs enter Newton's matrix like joints, and couple no two bodies but 
 import math
 
 from ..compiler.marks import compiled
-from ..laws import evaluate_law
+from ..laws import evaluate_law, remember_law
 from .frames import (
     Pair,
     add_pair_tangent,
@@ -61,7 +61,7 @@ def add_coupling_wrenches(couplings: Couplings, state: State, work: Workspace) -
             for k in range(6):
                 wrench[k] += lam[i] * out.gradient[i, couplings.second[i] + k]
             if couplings.compliant[i]:
-                _set_law_residual(couplings.laws, i, first, last, lam[i], work)
+                _set_law_residual(couplings.laws, i, first, last, state, work)
 
 
 @compiled
@@ -97,28 +97,44 @@ def _set_constraint_residual(couplings: Couplings, i: int, work: Workspace) -> N
 
 @compiled
 def _set_law_residual(
-    laws: Laws, i: int, first: int, last: int, lam: float, work: Workspace
+    laws: Laws, i: int, first: int, last: int, state: State, work: Workspace
 ) -> None:
     """phi of a force law, and the sum of the magnitudes of its terms."""
-    out = work.couplings
+    out, lam = work.couplings, state.couplings.lam[i]
     total, magnitude = lam, abs(lam)
     for j in range(first, last):
         elastic = laws.stiffness[i, j - first] * (out.coordinate[j] - laws.rest[j])
         viscous = laws.damping[i, j - first] * out.rate[j]
         total += elastic + viscous
         magnitude += abs(elastic) + abs(viscous)
-    force, _, _, _ = law_of_row(laws, i, work)
+    force, _, _, _ = law_of_row(laws, i, state, work)
     out.phi[i] = total + force
     out.scale[i] = magnitude + abs(force)
 
 
 @compiled
-def law_of_row(laws: Laws, i: int, work: Workspace) -> tuple[float, float, float, float]:
+def law_of_row(
+    laws: Laws, i: int, state: State, work: Workspace
+) -> tuple[float, float, float, float]:
     """Force, slopes by coordinate and rate, and energy of the law of row i alone."""
     parameters = laws.parameters[laws.first[i] : laws.first[i + 1]]
+    memory = state.couplings.memory[laws.memory[i] : laws.memory[i + 1]]
     out = work.couplings
-    deformation = out.coordinate[i] - laws.rest[i]
-    return evaluate_law(laws.number[i], parameters, deformation, out.rate[i])
+    c = out.coordinate[i] - laws.rest[i]
+    return evaluate_law(laws.number[i], parameters, memory, out.elapsed[0], c, out.rate[i])
+
+
+@compiled
+def remember_laws(laws: Laws, state: State, work: Workspace) -> None:
+    """Bring the memories of all laws to the end of a step, from where no time has elapsed."""
+    out = work.couplings
+    for i in range(len(laws.number)):
+        if laws.memory[i] < laws.memory[i + 1]:
+            parameters = laws.parameters[laws.first[i] : laws.first[i + 1]]
+            memory = state.couplings.memory[laws.memory[i] : laws.memory[i + 1]]
+            c = out.coordinate[i] - laws.rest[i]
+            remember_law(laws.number[i], parameters, memory, out.elapsed[0], c, out.rate[i])
+    out.elapsed[0] = 0.0
 
 
 @compiled
@@ -130,7 +146,7 @@ def expect_coordinates(couplings: Couplings, h: float, state: State, work: Works
 
 
 @compiled
-def spring_energy(couplings: Couplings, j: int, work: Workspace) -> float:
+def spring_energy(couplings: Couplings, j: int, state: State, work: Workspace) -> float:
     """1/2 (c - rest)^T stiffness (c - rest) and what the laws of its rows store, of coupling j."""
     laws, c = couplings.laws, work.couplings.coordinate
     total = 0.0
@@ -141,7 +157,7 @@ def spring_energy(couplings: Couplings, j: int, work: Workspace) -> float:
             for k in range(first, last):
                 other = c[k] - laws.rest[k]
                 total += 0.5 * stretch * laws.stiffness[i, k - first] * other
-            _, _, _, energy = law_of_row(laws, i, work)
+            _, _, _, energy = law_of_row(laws, i, state, work)
             total += energy
     return total
 
@@ -164,7 +180,7 @@ def linearize_couplings(system: System, state: State, work: Workspace) -> None:
             angle = driven_angle(couplings, i, work)
             add_row_tangent(rows, i, angle, state.couplings.lam[i], work, out.tangent)
         for i in range(first, last):
-            _set_residual_derivative(couplings, i, first, last, h, work)
+            _set_residual_derivative(couplings, i, first, last, h, state, work)
         pull_back_tangent(frames, pair, out.tangent, state, work)
         _add_coupling_tangent(system, j, pair, work)
 
@@ -217,7 +233,7 @@ def _set_row_tangent(couplings: Couplings, i: int, work: Workspace) -> None:
 
 @compiled
 def _set_residual_derivative(
-    couplings: Couplings, i: int, first: int, last: int, h: float, work: Workspace
+    couplings: Couplings, i: int, first: int, last: int, h: float, state: State, work: Workspace
 ) -> None:
     """A[i] = B[i] of a constraint; h^2 (stiffness B + damping B_rate)[i] of a force law.
 
@@ -230,7 +246,7 @@ def _set_residual_derivative(
             out[z] = derivatives.B[i, z]
         return
     out[:] = 0.0
-    _, slope, rate_slope, _ = law_of_row(laws, i, work)
+    _, slope, rate_slope, _ = law_of_row(laws, i, state, work)
     for j in range(first, last):
         stiffness = h * h * (laws.stiffness[i, j - first] + (slope if i == j else 0.0))
         damping = h * h * (laws.damping[i, j - first] + (rate_slope if i == j else 0.0))
@@ -285,17 +301,23 @@ def move_multipliers(system: System, h2: float, state: State, work: Workspace) -
 
 @compiled
 def relative_coupling_residual(
-    system: System, length: float, angle: float, reach: float, at_rest: bool, work: Workspace
+    system: System,
+    motion: tuple[float, float],
+    reach: float,
+    at_rest: bool,
+    state: State,
+    work: Workspace,
 ) -> float:
     """The largest residual of constraints over the motion of the step, of laws over their terms."""
     couplings, out, tolerance = system.couplings, work.couplings, system.newton.tolerance
+    length, angle = motion
     worst = 0.0
     for j in range(len(couplings.range) - 1):
         for i in range(couplings.range[j], couplings.range[j + 1]):
             if couplings.compliant[i]:
                 floor = ROUNDING * out.scale[i]
                 if at_rest:
-                    floor += _law_rounding(system, i, couplings.range[j], reach, work)
+                    floor += _law_rounding(system, i, couplings.range[j], reach, state, work)
                 worst = max(worst, relative(out.phi[i], out.scale[i], floor, tolerance))
             elif measures_length(couplings.rows.kind[i]):
                 worst = max(worst, relative(out.phi[i], length, ROUNDING * reach, tolerance))
@@ -305,12 +327,14 @@ def relative_coupling_residual(
 
 
 @compiled
-def _law_rounding(system: System, i: int, first: int, reach: float, work: Workspace) -> float:
+def _law_rounding(
+    system: System, i: int, first: int, reach: float, state: State, work: Workspace
+) -> float:
     """Change of the force law of row i by the rounding of positions; its rows begin at `first`."""
     couplings, gamma_prime = system.couplings, system.scheme.gamma_prime
     laws = couplings.laws
     kind = couplings.rows.kind
-    _, slope, rate_slope, _ = law_of_row(laws, i, work)
+    _, slope, rate_slope, _ = law_of_row(laws, i, state, work)
     steep = abs(slope) + gamma_prime * abs(rate_slope)
     total = steep * (reach if measures_length(kind[i]) else 1.0)
     for j in range(first, min(first + 6, len(kind))):

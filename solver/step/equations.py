@@ -108,6 +108,6 @@ def relative_residual(
     length, angle = step_motion(system.scheme, state, work)
     length += angle * system.bodies.size
     by_bodies = relative_body_residual(system, reach, at_rest, state, work)
-    by_rows = relative_coupling_residual(system, length, angle, reach, at_rest, work)
+    by_rows = relative_coupling_residual(system, (length, angle), reach, at_rest, state, work)
     by_dofs = relative_interface_residual(system, length + angle, reach, work)
     return max(by_bodies, by_rows, by_dofs)

@@ -9,7 +9,7 @@ import math
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
 from .bodies import rigid_energies, spin_of
-from .couplings import spring_energy
+from .couplings import remember_laws, spring_energy
 from .observers import start_coordinates
 from .system import Couplings, Elastic, ExtremeState, Frames, State, System, Workspace
 from .vectors import dot, triple
@@ -27,13 +27,14 @@ def start_extremes(system: System, state: State, work: Workspace) -> None:
     copy(work.couplings.rate, state.couplings.rate)
     copy(state.modes.rate, work.modes.rate_n)
     copy(state.interfaces.rate, work.interfaces.rate_n)
+    remember_laws(system.couplings.laws, state, work)
     start_coordinates(system.observers, state, work)
     energies, extremes = state.energies, state.extremes
     _set_energies(system, state)
     extremes.start[0] = _total(state)
     extremes.start[1] = energies.potential[0]
     for j in range(len(extremes.dissipated)):
-        extremes.dissipated[j] = -spring_energy(system.couplings, j, work)
+        extremes.dissipated[j] = -spring_energy(system.couplings, j, state, work)
     follow_extremes(system, state, work)
 
 
@@ -133,7 +134,7 @@ def _follow_energies(system: System, state: State, work: Workspace) -> None:
         done = energies.compliance[j]
         by_springs += done
         turned_over += abs(done)
-        stored = spring_energy(system.couplings, j, work)
+        stored = spring_energy(system.couplings, j, state, work)
         taken = -done - stored
         extremes.stored[j] = max(extremes.stored[j], abs(stored))
         extremes.dissipated[j] = max(extremes.dissipated[j], taken)

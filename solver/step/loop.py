@@ -3,7 +3,7 @@
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
 from .bodies import finish_bodies, predict_bodies
-from .couplings import add_coupling_work, expect_coordinates
+from .couplings import add_coupling_work, expect_coordinates, remember_laws
 from .extremes import follow_extremes
 from .frames import move_frame_velocities, move_frames
 from .history import finish_history, start_history
@@ -32,6 +32,7 @@ def advance(run: Run, inputs: Inputs) -> tuple[int, float]:
         state.prepared[0] = 0
         copy(inputs.load[k], work.loads.value)
         copy(inputs.drive[k], work.drives.value)
+        work.couplings.elapsed[0] = system.scheme.h
         iterations, residual, converged = converge(system, state, work)
         if not converged:
             return k, residual
@@ -73,6 +74,7 @@ def _finish(system: System, state: State, work: Workspace) -> None:
     add_elastic_work(system.elastic, state, work)
     add_load_work(system.loads, state, work)
     add_coupling_work(system.couplings, state, work)
+    remember_laws(system.couplings.laws, state, work)
     follow_coordinates(system, state, work)
     follow_extremes(system, state, work)
     state.step[0] += 1

@@ -61,7 +61,7 @@ def _record_energies(run: Run, k: int) -> None:
     output.external_work[k] = energies.work[0]
     springs, work = 0.0, 0.0
     for j in range(len(energies.compliance)):
-        springs += spring_energy(system.couplings, j, run.work)
+        springs += spring_energy(system.couplings, j, run.state, run.work)
         work += energies.compliance[j]
     output.spring_energy[k] = springs
     output.compliance_work[k] = work

@@ -4,10 +4,11 @@ Each is nested by contributor: bodies, frames, interfaces and modes of flexible 
 loads. These declarations alone list the arrays; `Struct.allocate` makes them.
 
 Dimensions: n_b bodies of six coordinates (delta x in space, delta Theta in body axes); n_f frames;
-n_j couplings (joints, motions, springs) of n_i rows in all, one multiplier each; n_o observers;
-n_l loads; n_d drives; n_e flexible bodies with n_u interface dofs in all, of which n_a are active,
-and n_m modes; n_p steps whose loads are kept. Frames that carry couplings or loads come before
-those that are only observed; interface dofs of the former are `active`: no others are ever loaded.
+n_j couplings (joints, motions, springs) of n_i rows in all, one multiplier each; n_o observers; n_h
+numbers that force laws remember; n_l loads; n_d drives; n_e flexible bodies with n_u interface dofs
+in all, of which n_a are active, and n_m modes; n_p steps whose loads are kept. Frames that carry
+couplings or loads come before those that are only observed; interface dofs of the former are
+`active`: no others are ever loaded.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -107,6 +108,8 @@ class Laws(Struct):
     first: Index = array("n_i_1")
     """(n_i + 1,) the first of the parameters of each row"""
     parameters: Array = array("n")
+    memory: Index = array("n_i_1")
+    """(n_i + 1,) the first number that each row remembers"""
 
 
 class Couplings(Struct):
@@ -298,6 +301,8 @@ class CouplingState(Struct):
     coordinate: Array = array("n_i")
     """at the last step, from which angles are continued over full turns, as the next"""
     rate: Array = array("n_i")
+    memory: Array = array("n_h")
+    """what force laws remember, one after the other"""
 
 
 class ObserverState(Struct):
@@ -474,6 +479,8 @@ class ModalWork(Struct):
 
 class CouplingWork(Struct):
     lam_n: Array = array("n_i")
+    elapsed: Array = array(1)
+    """time since the memories are those of the state, infinite at the start [s]"""
     near: Array = array("n_i")
     """coordinates expected at the end of the step"""
     coordinate: Array = array("n_i")

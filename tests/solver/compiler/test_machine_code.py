@@ -90,11 +90,11 @@ def combine(out: Part, i: int, scale: float) -> float:
 
 
 def of_a_law(parameters: Array, c: float) -> tuple[float, float, float, float]:
-    return laws.evaluate_law(0, parameters, c, 0.3)
+    return laws.evaluate_law(0, parameters, parameters[:0], 1e-3, c, 0.3)
 
 
 def of_no_law(parameters: Array, c: float) -> tuple[float, float, float, float]:
-    return laws.evaluate_law(-1, parameters, c, 0.3)
+    return laws.evaluate_law(-1, parameters, parameters[:0], 1e-3, c, 0.3)
 
 
 def weigh(residual: float, scale: float) -> float:
