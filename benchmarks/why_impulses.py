@@ -18,6 +18,7 @@ from itertools import chain
 
 import numpy as np
 from duhamel.preprocess import build
+from duhamel.preprocess.body.body import Method
 from duhamel.superelement import Superelement
 from impact.bodies import axial, beam_body, rod_body
 from impact.exact import (
@@ -45,23 +46,23 @@ ROD = Rod(length=1.0, EA=2.1e11 * 1e-4, mass_per_length=7800.0 * 1e-4)
 LONG = Rod(2.0 * ROD.length, ROD.EA, ROD.mass_per_length)
 BEAM_TIMES = {1: 3e-4, 2: 3.6e-3}
 BEAM_STEP = 1e-6
-METHODS = {"free": "modal", "Craig-Bampton": "craig-bampton", "Rubin": "rubin"}
+METHODS: dict[str, Method] = {"free": "modal", "Craig-Bampton": "craig-bampton", "Rubin": "rubin"}
 
 
 @cache
-def rod_element(rod: Rod, method: str, count: int | None) -> Superelement:
+def rod_element(rod: Rod, method: Method, count: int | None) -> Superelement:
     body = rod_body(rod, round(ELEMENTS * rod.length / ROD.length))
     return build(body) if method == "modal" or count is None else axial(body, method, count)
 
 
-def rod_side(rod: Rod, method: str, count: int | None, speed: float = 0.0) -> Side:
+def rod_side(rod: Rod, method: Method, count: int | None, speed: float = 0.0) -> Side:
     """A rod as a contact feels it; all modes for no count."""
     cached = None if method == "modal" else count
     side = Side.body(rod_element(rod, method, cached), X, "touch", speed=speed)
     return side.first(count) if method == "modal" and count is not None else side
 
 
-def rods(struck: Rod | None, exact: RodImpact, method: str, count: int | None) -> Collision:
+def rods(struck: Rod | None, exact: RodImpact, method: Method, count: int | None) -> Collision:
     """A rod on a wall, for None, or on another one."""
     h = ROD.length / ELEMENTS / ROD.wave_speed
     K = ROD.impedance / (RISE * h)
@@ -70,7 +71,7 @@ def rods(struck: Rod | None, exact: RodImpact, method: str, count: int | None) -
     return collide(striker, other, K, 1.0, LONGER * exact.duration, h)
 
 
-def sphere(case: int, method: str, count: int | None) -> Collision:
+def sphere(case: int, method: Method, count: int | None) -> Collision:
     """Timoshenko's sphere on the beam; of its modes half move the middle."""
     impact = timoshenko(case)
     body = beam_body(impact, BEAM_ELEMENTS)
@@ -92,7 +93,7 @@ def told(run: Collision, peak: float, speed: float) -> str:
 
 
 def table(
-    title: str, one: Callable[[str, int | None], Collision], peak: float, speed: float
+    title: str, one: Callable[[Method, int | None], Collision], peak: float, speed: float
 ) -> Iterator[str]:
     """A row for each method, a column for each number of modes; all of them in the first line."""
     yield f"\n{title}: {told(one('modal', None), peak, speed)} with all modes\n"
@@ -111,7 +112,7 @@ def rod_tables() -> Iterator[str]:
     ):
 
         def one(
-            method: str, count: int | None, struck: Rod | None = struck, exact: RodImpact = exact
+            method: Method, count: int | None, struck: Rod | None = struck, exact: RodImpact = exact
         ) -> Collision:
             return rods(struck, exact, method, count)
 
@@ -124,7 +125,7 @@ def beam_tables() -> Iterator[str]:
         exact = sphere_on_beam(impact, BEAM_TIMES[case], 0.5 * BEAM_STEP)
         found = contacts(exact.time, exact.force)
 
-        def one(method: str, count: int | None, case: int = case) -> Collision:
+        def one(method: Method, count: int | None, case: int = case) -> Collision:
             return sphere(case, method, count)
 
         rebound = exact.velocity[-1] / impact.speed

@@ -6,6 +6,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 from duhamel.preprocess import Body, build
+from duhamel.preprocess.body.body import Method
 from duhamel.superelement import Superelement
 
 from .exact import Rod, SphereOnBeam
@@ -66,7 +67,7 @@ def _line(length: float, elements: int, section: dict[str, float], places: dict[
     )
 
 
-def axial(body: Body, method: str, count: int) -> Superelement:
+def axial(body: Body, method: Method, count: int) -> Superelement:
     """The superelement of a rod with `count` axial modes, and all others that come before them.
 
     Rubin's residual mode is one more.
@@ -75,7 +76,9 @@ def axial(body: Body, method: str, count: int) -> Superelement:
     modes = count
     while True:
         element = build(body.with_modes(method, modes))
-        moving = np.abs(element.modes.phi[0]) > MOVING * np.abs(element.modes.phi[0]).max()
+        assert element.modes is not None
+        moves = np.abs(element.modes.phi[0])
+        moving = moves > MOVING * moves.max()
         missing = count + residual - int(moving.sum())
         if missing <= 0:
             return element

@@ -153,8 +153,9 @@ def sphere_on_beam(impact: SphereOnBeam, t_end: float, h: float, modes: int = 20
         v = v_free - 0.5 * h * new / impact.m
         force = new
         found.append((force, v))
-    forces, velocities = np.array(found).T
-    return History(h * np.arange(len(found)), forces, velocities)
+    forces, velocities = np.array(found, dtype=np.float64).T
+    time: Array = h * np.arange(len(found), dtype=np.float64)
+    return History(time, forces, velocities)
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,7 +228,7 @@ class Contact:
 
 
 def contacts(time: Array, force: Array) -> list[Contact]:
-    """The times at which a force acts, each from the step before the first to that after the last."""
+    """The times at which a force acts, each from the step before it to the one after it."""
     acts = np.concatenate([[False], force > 0.0, [False]])
     edges = np.flatnonzero(np.diff(acts.astype(int)))
     found = []

@@ -151,5 +151,6 @@ def collide(
         sides[0].push(-force)
         sides[1].push(force)
         rows.append((force, *(side.velocity for side in sides)))
-    forces, first, second = np.array(rows).T
-    return Collision(h * np.arange(len(rows)), forces, first, second)
+    forces, first, second = np.array(rows, dtype=np.float64).T
+    time: Array = h * np.arange(len(rows), dtype=np.float64)
+    return Collision(time, forces, first, second)

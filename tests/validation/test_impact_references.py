@@ -1,7 +1,7 @@
 """The exact impacts that benchmarks/impact has, beside each other and beside superelements.
 
 Rods: a superelement of 160 elements, steps of the time that a wave takes for one, K = Z / 3.3 h.
-Timoshenko's sphere on a beam: the values converged in all digits shown, computed elsewhere with 100 to
+Timoshenko's sphere on a beam: values converged in all digits shown, computed elsewhere with 100 to
 400 modes and steps down to 5e-8 s.
 """
 
