@@ -38,7 +38,7 @@ def held_modes(structure: Structure, held: Array, count: int, shift: float) -> H
     """
     rows = orth((held / np.linalg.norm(held, axis=1)[:, None]).T).T
     most = structure.n_u - len(rows)
-    if count > most:
+    if not 1 <= count <= most:
         raise MethodError(f"impulse.modes: expected 1 to {most}, all of this mesh, found {count}")
     if structure.n_u <= SMALL or count > SHARE * structure.n_u:
         if structure.n_u > LIMIT:
