@@ -80,11 +80,10 @@ def settle_contacts(couplings: Couplings, work: Workspace) -> None:
 @compiled
 def _settled_axis(rows: Rows, i: int, closed: bool, work: Workspace) -> Vector:
     """The axis of slip of gap i, in the axes of frame A."""
-    n = normal_of(rows, i, work)
-    if not closed:
+    n, f = normal_of(rows, i, work), rows.frame_a[i]
+    t, _, inverse = tangents(rows, i + 1, rotate(work.frames.D, f, n), work)
+    if not closed or inverse == 0.0:
         return slip_axis(rows, i, n)
-    f = rows.frame_a[i]
-    t, _, _ = tangents(rows, i + 1, rotate(work.frames.D, f, n), work)
     return rotate_back(work.frames.D, f, t)
 
 
