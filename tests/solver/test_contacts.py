@@ -518,7 +518,7 @@ def march_on_wall(structure, tip, axis, gap, law, h, rho, n):
             structure.P_C.toarray() @ structure.U, np.tile([*axis, 0, 0, 0], 2), rcond=None
         )[0]
     )
-    v_dot, a, forces = np.zeros(len(M)), np.zeros(len(M)), [0.0]
+    v, v_dot, a, forces = along, np.zeros(len(M)), np.zeros(len(M)), [0.0]
     for _ in range(n):
         a_free = (alpha_f * v_dot - alpha_m * a) / (1 - alpha_m)
         u_free = u + h * v + h * h * ((0.5 - beta) * a + beta * a_free)
@@ -536,9 +536,7 @@ def march_on_wall(structure, tip, axis, gap, law, h, rho, n):
         a_new = a_free + share * v_dot
         u, v, a = u_free + h * h * beta * share * v_dot, v_free + h * gamma * share * v_dot, a_new
         forces.append(F)
-    mass = structure.rigid.mass
-    center = axis @ (structure.U[:, :3].T @ (M @ u)) / mass
-    return np.array(forces), center
+    return np.array(forces), along @ M @ u / structure.rigid.mass
 
 
 def force_on_wall(d_free, rate_free, sinking, slowing, law):
