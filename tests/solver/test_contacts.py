@@ -510,14 +510,8 @@ def march_on_wall(structure, tip, axis, gap, law, h, rho, n):
     share = (1 - alpha_f) / (1 - alpha_m)
     S = np.linalg.inv(M + h * h * beta * share * K)
     flexibility = S @ tip
-    u = np.zeros(len(M))
-    # the motion of the frame in each node's translations
-    v = (
-        structure.U
-        @ np.linalg.lstsq(
-            structure.P_C.toarray() @ structure.U, np.tile([*axis, 0, 0, 0], 2), rcond=None
-        )[0]
-    )
+    u, U, frames = np.zeros(len(M)), structure.U, structure.P_C.toarray() @ structure.U
+    along = U @ np.linalg.lstsq(frames, np.tile([*axis, 0, 0, 0], 2), rcond=None)[0]
     v, v_dot, a, forces = along, np.zeros(len(M)), np.zeros(len(M)), [0.0]
     for _ in range(n):
         a_free = (alpha_f * v_dot - alpha_m * a) / (1 - alpha_m)
