@@ -12,7 +12,11 @@ from .errors import (
     ValidityWarning,
 )
 from .inspection import ModelCheck, check
+from .laws.bouc_wen import BoucWenLaw
+from .laws.dampers import DamperLaw, TabulatedDamperLaw
 from .laws.law import ForceLaw
+from .laws.maxwell import MaxwellLaw
+from .laws.one_sided import OneSidedLaw
 from .laws.tabulated import TabulatedLaw
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
 from .model.file import read_model, write_model
@@ -40,8 +44,10 @@ from .simulation import simulate, start
 from .simulator import Simulator
 
 __all__ = [
+    "BoucWenLaw",
     "Constant",
     "ConvergenceError",
+    "DamperLaw",
     "FlexibleBody",
     "ForceLaw",
     "Frame",
@@ -51,10 +57,12 @@ __all__ = [
     "Input",
     "Joint",
     "Load",
+    "MaxwellLaw",
     "Model",
     "ModelCheck",
     "ModelError",
     "Moment",
+    "OneSidedLaw",
     "OutOfRangeError",
     "OutputRequest",
     "Place",
@@ -77,6 +85,7 @@ __all__ = [
     "SteadyRotation",
     "Steps",
     "Table",
+    "TabulatedDamperLaw",
     "TabulatedLaw",
     "ValidityWarning",
     "check",

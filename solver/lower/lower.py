@@ -84,7 +84,7 @@ def lower(
     frames = number_frames(model, poses)
     rows = _rows(model, frames, without)
     couplings, drives = lay_out_couplings(list(rows.values()))
-    laws = [row.law for coupling in rows.values() for row in coupling if row.law is not None]
+    laws = [law for coupling in rows.values() for row in coupling for law in row.laws]
     observers = _observers(model, frames)
     size = model_size(model, poses, frames)
     if not (model.settings.assemble or isinstance(model.settings.start, StartFrom)):

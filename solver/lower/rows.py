@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..arrays import Array, as_index, as_rows
-from ..laws.law import NO_LAW, ForceLaw
+from ..laws.law import ForceLaw
 from ..model.joints import ABOUT_E3, Joint, basis_about
 from ..model.motions import PrescribedDisplacement, PrescribedMotion
 from ..model.signals import SmoothSignal
@@ -34,7 +34,7 @@ class Row:
     rest: float = 0.0
     stiffness: Array | None = None
     damping: Array | None = None
-    law: ForceLaw | None = None
+    laws: tuple[ForceLaw, ...] = ()
     swapped: bool = False
     """frame A is the second that the coupling names"""
 
@@ -170,7 +170,7 @@ def spring_rows(spring: Spring, sides: Sides) -> list[Row]:
             rest=float(rest[i]),
             stiffness=spring.stiffness[i],
             damping=spring.damping[i],
-            law=spring.law,
+            laws=spring.laws_of_rows[i],
         )
         for i, row in enumerate(rows)
     ]
@@ -205,16 +205,17 @@ def lay_out_couplings(couplings: Sequence[list[Row]]) -> tuple[Couplings, list[S
 
 
 def _lay_out_laws(rows: Sequence[Row]) -> Laws:
-    parameters = [[] if row.law is None else row.law.parameters() for row in rows]
-    memories = [0 if row.law is None else len(row.law.memories()) for row in rows]
+    laws = [law for row in rows for law in row.laws]
+    parameters = [law.parameters() for law in laws]
     return Laws(
         rest=np.array([row.rest for row in rows], dtype=np.float64),
         stiffness=_six_wide([row.stiffness for row in rows]),
         damping=_six_wide([row.damping for row in rows]),
-        number=as_index([NO_LAW if row.law is None else row.law.number for row in rows]),
+        range=as_index(np.cumsum([0, *(len(row.laws) for row in rows)])),
+        number=as_index([law.number for law in laws]),
         first=as_index(np.cumsum([0, *map(len, parameters)])),
         parameters=np.array([number for numbers in parameters for number in numbers], dtype=float),
-        memory=as_index(np.cumsum([0, *memories])),
+        memory=as_index(np.cumsum([0, *(len(law.memories()) for law in laws)])),
     )
 
 

@@ -45,6 +45,10 @@ Positive = Annotated[
     float,
     number("a positive number, 1e-100 to 1e100", float, lambda x: 1.0 / LARGEST <= x <= LARGEST),
 ]
+NotNegative = Annotated[
+    float, number("a number from 0 to 1e100", float, lambda x: 0.0 <= x <= LARGEST)
+]
+AtLeastOne = Annotated[float, number("a number from 1 to 100", float, lambda x: 1.0 <= x <= 100.0)]
 PositiveTime = Annotated[
     float, number("a positive time, up to 1e100", float, lambda t: 0.0 < t <= LARGEST)
 ]
