@@ -13,11 +13,13 @@ from .errors import (
 )
 from .inspection import ModelCheck, check
 from .laws.bouc_wen import BoucWenLaw
+from .laws.check import check_law
 from .laws.dampers import DamperLaw, TabulatedDamperLaw
 from .laws.law import ForceLaw
 from .laws.maxwell import MaxwellLaw
 from .laws.one_sided import OneSidedLaw
 from .laws.tabulated import TabulatedLaw
+from .laws.user import UserLaw
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
 from .model.file import read_model, write_model
 from .model.joints import Joint
@@ -87,8 +89,10 @@ __all__ = [
     "Table",
     "TabulatedDamperLaw",
     "TabulatedLaw",
+    "UserLaw",
     "ValidityWarning",
     "check",
+    "check_law",
     "read_model",
     "simulate",
     "start",

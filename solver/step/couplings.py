@@ -118,6 +118,8 @@ def law_of_row(
 ) -> tuple[float, float, float, float]:
     """Force, slopes by coordinate and rate, and energy of the laws of row i alone."""
     force, slope, rate_slope, energy = 0.0, 0.0, 0.0, 0.0
+    if laws.range[i] == laws.range[i + 1]:
+        return force, slope, rate_slope, energy
     out = work.couplings
     c = out.coordinate[i] - laws.rest[i]
     for m in range(laws.range[i], laws.range[i + 1]):
@@ -137,7 +139,8 @@ def law_of_row(
 def remember_laws(laws: Laws, state: State, work: Workspace) -> None:
     """Bring the memories of all laws to the end of a step, from where no time has elapsed."""
     out = work.couplings
-    for i in range(len(laws.rest)):
+    rows = len(laws.rest) if len(state.couplings.memory) > 0 else 0
+    for i in range(rows):
         c = out.coordinate[i] - laws.rest[i]
         for m in range(laws.range[i], laws.range[i + 1]):
             parameters = laws.parameters[laws.first[m] : laws.first[m + 1]]
