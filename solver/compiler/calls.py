@@ -7,7 +7,6 @@ import numba
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
-from numba.core.errors import NumbaError
 from numba.extending import intrinsic
 
 from .foreign import ForeignError
@@ -30,7 +29,9 @@ def machine_code(
         inner.compile((ARRAY, ARRAY, *[types.float64] * 3))
         _check(inner.nopython_signatures[0].return_type, returns)
         wrapped = numba.cfunc(SIGNATURE)(_returning(inner) if returns else _silent(inner))
-    except NumbaError as error:
+    except ForeignError:
+        raise
+    except Exception as error:  # of many kinds
         raise ForeignError(_reason(error)) from error
     KEPT.append(wrapped)
     return inner, wrapped.address
@@ -49,11 +50,13 @@ def _check(returned: Any, returns: bool) -> None:
         raise ForeignError("expected a function that returns four numbers")
 
 
-def _reason(error: NumbaError) -> str:
-    """The line of numba's report that says what is wrong, without its colors."""
+def _reason(error: Exception) -> str:
+    """The line of numba's report that says what is wrong."""
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    telling = [line for line in lines if "rror" in line or "ntyped" in line or "nknown" in line]
-    return (telling[1:] or telling or lines or ["numba gives no reason"])[0]
+    reasons = [line for line in lines if not line.startswith("Failed in")]
+    what = reasons[0] if reasons else type(error).__name__
+    calls = [line.removeprefix(">>> ") for line in reasons if line.startswith(">>> ")]
+    return f"{what} {calls[0]}" if what.endswith("signature:") and calls else what
 
 
 def _returning(inner: Any) -> Any:

@@ -13,16 +13,18 @@ from .law import Evaluation, ForceLaw, force_law
 
 PARTS = 16.0
 """steps of Runge and Kutta in which n times the yield deformation is taken"""
-SATURATED = 40.0
-"""-log(1 - w) from which 1 - w is nothing but rounding"""
+SATURATED = 30.0
+"""-log(1 - w) from which its derivative is n; (1 - w^n) / (1 - w) is lost in rounding at 37"""
 CORRECTIONS = 30
-_nodes, _weights = np.polynomial.legendre.leggauss(8)
+POINTS = 16
+_nodes, _weights = np.polynomial.legendre.leggauss(POINTS)
 NODES: tuple[float, ...] = tuple((0.5 + 0.5 * _nodes).tolist())
 WEIGHTS: tuple[float, ...] = tuple((0.5 * _weights).tolist())
 """of Gauss on (0, 1)"""
 
 Beta = Annotated[
-    float, number("a number from 0.5 (less creates energy) to 100", float, lambda b: 0.5 <= b <= 100)
+    float,
+    number("a number from 0.5 (less creates energy) to 100", float, lambda b: 0.5 <= b <= 100),
 ]
 
 
@@ -120,7 +122,7 @@ def _unloading(n: float, kappa: float, end: float, start: float) -> float:
     if n == 1.0:
         return math.log((1.0 + kappa * start) / (1.0 + kappa * end)) / kappa
     total = 0.0
-    for j in range(8):
+    for j in range(POINTS):
         u = end + (start - end) * NODES[j]
         total += WEIGHTS[j] / (1.0 + kappa * u**n)
     return total * (start - end)
@@ -147,4 +149,4 @@ def _load(n: float, w: float, change: float) -> float:
 def _steepness(n: float, t: float) -> float:
     """(1 - w^n) / (1 - w) at w = 1 - exp(-t): 1 at the start, n in the end."""
     apart = math.exp(-t)
-    return (1.0 - (1.0 - apart) ** n) / apart
+    return float((1.0 - (1.0 - apart) ** n) / apart)

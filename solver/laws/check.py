@@ -10,7 +10,9 @@ from .law import Evaluation, ForceLaw
 STEP = 1e-6
 """of differences, relative to the largest deformation or rate"""
 TOLERANCE = 1e-6
-"""of what they show, relative to the largest slope"""
+"""of what they show, relative"""
+ROUNDING = 1e-14
+"""of forces and energies of which differences are taken"""
 
 
 def check_law(
@@ -34,32 +36,28 @@ def _check_at(law: ForceLaw, h: float, c: float, rate: float, e: float) -> None:
         return law.evaluate(parameters, memory, h, c, rate)
 
     force, by_c, by_rate, energy = at(c, rate)
-    _compare(law, "derivative by c", by_c, _slope(lambda x: at(x, rate)[0], c, e), (c, rate))
-    _compare(law, "derivative by dc/dt", by_rate, _slope(lambda x: at(c, x)[0], rate, e), (c, rate))
-    if not len(memory):
+    steepness = abs(force) / e
+    found = [
+        ("derivative by c", by_c, _slope(lambda x: at(x, rate)[0], c, e), steepness),
+        ("derivative by dc/dt", by_rate, _slope(lambda x: at(c, x)[0], rate, e), steepness),
+    ]
+    if len(memory):
+        law.remember(parameters, memory, h, c, rate)
+        again = law.evaluate(parameters, memory, 0.0, c, rate)
+        found += [
+            ("force before it has remembered", force, again[0], 0.0),
+            ("stored energy before it has remembered", energy, again[3], 0.0),
+        ]
+    else:
         work = _slope(lambda x: at(x, 0.0)[3], c, e)
-        _compare(law, "force", at(c, 0.0)[0], work, (c, 0.0), "of the stored energy")
-        return
-    law.remember(parameters, memory, h, c, rate)
-    again = law.evaluate(parameters, memory, 0.0, c, rate)
-    _compare(law, "force after it has remembered", again[0], force, (c, rate), "before")
-    _compare(law, "energy after it has remembered", again[3], energy, (c, rate), "before")
+        found += [("force without rate", at(c, 0.0)[0], work, abs(energy) / e)]
+    for what, value, expected, size in found:
+        if not abs(value - expected) <= TOLERANCE * abs(expected) + ROUNDING * size:
+            raise law.error(
+                f"{type(law).__name__}: {what} at c = {c:g}, dc/dt = {rate:g}: got {value:.9g}, "
+                f"expected {expected:.9g}"
+            )
 
 
 def _slope(function: Callable[[float], float], x: float, e: float) -> float:
     return (function(x + e) - function(x - e)) / (2.0 * e)
-
-
-def _compare(
-    law: ForceLaw,
-    what: str,
-    found: float,
-    expected: float,
-    at: tuple[float, float],
-    by: str = "by differences",
-) -> None:
-    if not abs(found - expected) <= TOLERANCE * max(abs(found), abs(expected), STEP):
-        raise law.error(
-            f"{type(law).__name__}: {what} at c = {at[0]:g}, dc/dt = {at[1]:g}: {found:.9g}, but "
-            f"{expected:.9g} {by}"
-        )

@@ -64,9 +64,7 @@ class MaxwellLaw(ForceLaw):
 
 
 @compiled
-def _branch(
-    parameters: Array, memory: Array, i: int, h: float, c: float
-) -> tuple[float, float]:
+def _branch(parameters: Array, memory: Array, i: int, h: float, c: float) -> tuple[float, float]:
     """Force of branch i, and its derivative by the deformation c at the end of the time h."""
     x = h / parameters[i]
     decay = math.exp(-x)

@@ -45,7 +45,9 @@ def _function(value: Any) -> LawFunction:
     return LawFunction(value)
 
 
-AnyFunction = Annotated[Any, Takes("a Python function, also one that numba compiles", _function, Any)]
+AnyFunction = Annotated[
+    Any, Takes("a Python function, also one that numba compiles", _function, Any)
+]
 
 
 @force_law(None)
@@ -81,7 +83,7 @@ class UserLaw(ForceLaw):
             try:
                 self._address(function)
             except ForeignError as error:
-                raise self.error(f"{name}: {function.name}: {error}") from error
+                raise self.error(f"{name}: {getattr(function, 'name', '')}: {error}") from error
 
     def parameters(self) -> Sequence[float]:
         return [self._address(self.function), self._address(self.update), *self.numbers]

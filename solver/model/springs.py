@@ -124,13 +124,14 @@ class Spring(Entry):
     def _check_law(self) -> None:
         if self.law is None:
             return
-        by_axis = isinstance(self.law, Mapping)
-        if self.n_rows == 1 and by_axis:
+        axes = self.law if isinstance(self.law, Mapping) else None
+        if self.n_rows == 1 and axes is not None:
             raise self.error(f"law: a {self.type} spring has one coordinate, got laws by axis")
-        if self.n_rows > 1 and not by_axis:
+        if self.n_rows > 1 and axes is None:
             raise self.error(f"law: a {self.type} takes laws by axis: {', '.join(AXES)}")
-        if by_axis and (unknown := [axis for axis in self.law if axis not in AXES]):
-            raise self.error(f"law: expected axes {', '.join(AXES)}, got {dotted(unknown[:1])}")
+        for axis in axes or ():
+            if axis not in AXES:
+                raise self.error(f"law: expected axes {', '.join(AXES)}, got {dotted([axis])}")
 
     def basis(self, D: Array) -> Array:
         """The axes of the spring at the start, in space, as columns (3, 3).

@@ -77,7 +77,7 @@ def _read(hint: Any, value: Any) -> Any:
 
 def _read_members(family: Family, value: Any) -> Any:
     """A member, a list of them, or a table of either, which alone has tables in it."""
-    if isinstance(value, list):
+    if isinstance(value, list | tuple):
         return tuple(read_member(family, item) for item in value)
     if not isinstance(value, Mapping) or not any(map(_holds_tables, value.values())):
         return read_member(family, value)
@@ -91,7 +91,7 @@ def _read_members(family: Family, value: Any) -> Any:
 
 
 def _holds_tables(value: Any) -> bool:
-    items = value if isinstance(value, list) else [value]
+    items = value if isinstance(value, list | tuple) else [value]
     return any(isinstance(item, Mapping) for item in items)
 
 
