@@ -157,6 +157,9 @@ def preprocess(
         superelement.write(target, element)
     megabytes = target.stat().st_size / 1e6
     seconds = perf_counter() - start
+    if body.impulse.modes is not None:
+        kernel, method = element.kernel, element.provenance.method
+        typer.echo(f"{method}: error {kernel.error:.2g} up to {kernel.band:.5g} Hz")
     typer.echo(one_line(f"{target}: {element.n_c} dofs, {megabytes:.3g} MB, {seconds:.2f} s"))
 
 

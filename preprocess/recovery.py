@@ -27,7 +27,7 @@ def check_recovery(body: Body, source: Source) -> None:
     if body.impulse.method == "march":
         raise MethodError(
             "[recovery] needs modes, which impulse.method march does not find: "
-            "use auto, krylov or modal"
+            "use auto, krylov, modal, craig-bampton or rubin"
         )
 
 

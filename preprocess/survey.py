@@ -16,7 +16,7 @@ from .mesh.mesh import IntArray, Mesh
 from .plausibility import doubts_of_body, doubts_of_mesh, refused_where_singular
 from .progress import shown_stages
 from .responses.cost import Cost, krylov_cost
-from .responses.impulse import SMALL
+from .responses.modal import SMALL
 from .sources.reading import read_mesh_source
 
 SHOWN = 10
@@ -103,6 +103,6 @@ def survey(body: Body, progress: bool = False) -> Survey:
 
 def _cost(body: Body, structure: Structure) -> Cost | None:
     """Time and memory of the method for large bodies; None for small ones and other methods."""
-    if body.impulse.method not in ("auto", "krylov") or structure.n_u <= SMALL:
+    if body.impulse.method in ("modal", "march") or structure.n_u <= SMALL:
         return None
     return krylov_cost(structure.n_u, structure.K.nnz, structure.P_C.shape[0], body.impulse.steps)

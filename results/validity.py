@@ -103,7 +103,7 @@ CRITERIA = {
             "",
             0.01,
             0.05,
-            "ask for a smaller error in the body file, or for a longer memory",
+            "ask for a smaller error or more modes in the body file, or for a longer memory",
         ),
         Criterion(
             "kernel_band",
@@ -112,7 +112,7 @@ CRITERIA = {
             "",
             0.8,
             1.0,
-            "make the superelement for a smaller step or a wider band",
+            "make the superelement for a smaller step, a wider band or more modes",
         ),
         Criterion(
             "energy_balance",

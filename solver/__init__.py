@@ -21,7 +21,9 @@ from .laws.one_sided import OneSidedLaw
 from .laws.tabulated import TabulatedLaw
 from .laws.user import UserLaw
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
+from .model.contacts import Contact, ForceTable, Hertz, Impact, Stop
 from .model.file import read_model, write_model
+from .model.friction import Coulomb, JointFriction, Stribeck
 from .model.joints import Joint
 from .model.loads import Load
 from .model.model import Model
@@ -48,16 +50,22 @@ from .simulator import Simulator
 __all__ = [
     "BoucWenLaw",
     "Constant",
+    "Contact",
     "ConvergenceError",
+    "Coulomb",
     "DamperLaw",
     "FlexibleBody",
     "ForceLaw",
+    "ForceTable",
     "Frame",
     "Function",
     "Harmonic",
+    "Hertz",
+    "Impact",
     "Impulse",
     "Input",
     "Joint",
+    "JointFriction",
     "Load",
     "MaxwellLaw",
     "Model",
@@ -86,6 +94,8 @@ __all__ = [
     "StateError",
     "SteadyRotation",
     "Steps",
+    "Stop",
+    "Stribeck",
     "Table",
     "TabulatedDamperLaw",
     "TabulatedLaw",

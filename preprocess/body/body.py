@@ -23,7 +23,9 @@ from ..errors import BodyError
 from .material import Material, Section
 from .selection import InterfaceSelection, Selection
 
-Method = Literal["auto", "modal", "march", "krylov"]
+Method = Literal["auto", "modal", "march", "krylov", "craig-bampton", "rubin"]
+TRUNCATED: tuple[Method, ...] = ("craig-bampton", "rubin")
+"""methods of as many modes as are asked for"""
 SHORTEST, LONGEST_STEP = 1e-30, 1e6
 """steps [s]"""
 FilePath = Annotated[Path, Field(strict=False)]
@@ -94,7 +96,8 @@ class Impulse(Table):
     method: "modal" from all elastic modes, "krylov" from as many as it takes, "march" by stepping
     the full model, "auto" the one of the first two that fits the size. tolerance: the relative
     error of the transfer function up to `band` [Hz], half the Nyquist frequency unless given, that
-    "krylov" may make; the others make none.
+    "krylov" may make; "modal" and "march" make none. "craig-bampton" and "rubin" take `modes`, the
+    number of them, and the error follows from it.
     """
 
     step: PositiveFloat
@@ -103,6 +106,7 @@ class Impulse(Table):
     method: Method = "auto"
     tolerance: PositiveFloat = 1e-6
     band: PositiveFloat | None = None
+    modes: PositiveInt | None = None
 
     @model_validator(mode="after")
     def _of_this_world(self) -> Self:
@@ -122,6 +126,24 @@ class Impulse(Table):
             raise ValueError(
                 "band: expected at most the Nyquist frequency of the step, "
                 f"{0.5 / self.step:g} Hz, found {self.band:g}"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _modes_of_their_methods(self) -> Self:
+        if self.method not in TRUNCATED:
+            if self.modes is not None:
+                raise ValueError(
+                    f"modes: expected only with method {' or '.join(TRUNCATED)}, "
+                    f"found it with {self.method}"
+                )
+            return self
+        if self.modes is None:
+            raise ValueError(f"modes: method {self.method} needs a number of modes, found none")
+        if others := sorted(self.model_fields_set & {"band", "tolerance"}):
+            raise ValueError(
+                f"{' and '.join(others)}: expected only with other methods: with {self.method} "
+                "the band and its error follow from modes"
             )
         return self
 
@@ -289,6 +311,15 @@ class Body(Table):
         if self.matrices is not None:
             paths["matrices"] = self.matrices.relative_to(folder)
         return self.model_copy(update=paths)
+
+    def with_modes(self, method: Method, modes: int) -> "Body":
+        """A copy of which the superelement has a number of modes, by a method of `TRUNCATED`.
+
+        `pydantic.ValidationError`, a ValueError, for other methods and numbers below 1.
+        """
+        kept = self.impulse.model_dump(include={"step", "steps", "rho_inf"})
+        impulse = Impulse.model_validate({**kept, "method": method, "modes": modes})
+        return self.model_copy(update={"impulse": impulse})
 
     @property
     def text(self) -> str:

@@ -22,6 +22,8 @@ COARSER = 5
 """Steps, from h to the coarsest that resolves the band, of which g[0] is looked at."""
 AT_ONCE: Complex = np.zeros(1, dtype=np.complex128)
 """The delay d of g[0] = G(0)."""
+NARROWER = 2.0 ** -np.arange(0.0, 6.25, 0.25)
+"""Parts of a band that are tried, each narrower than the one before: quarters of an octave."""
 RESONANCES = 64
 """Resonances looked at in every part; of more, each second, third, ... from the top."""
 
@@ -71,6 +73,21 @@ class Band:
                 break
         return largest
 
+    def within(
+        self, tolerance: float, modes: Modes, better: Modes, turn: Array | None = None
+    ) -> tuple["Band", float]:
+        """The widest part of the band in which `modes` are right to the tolerance, and their error.
+
+        Where there is none, the narrowest of the parts that are tried. `better` is taken for the
+        truth. turn (m', m), `modes` in terms of it: the error is then that of `field_error` too.
+        """
+        for share in NARROWER:
+            part = replace(self, limit=float(share * self.limit))
+            error = part._error_inside(modes, better, turn)
+            if error <= tolerance:
+                break
+        return part, error
+
     def contributions(self, modes: Modes) -> Array:
         """The error (m,) that leaving out each mode makes, at most: |phi_i phi_j| is largest for i
         = j.
@@ -99,6 +116,14 @@ class Band:
             share = energy / _largest(energy.sum(axis=1))
             largest = np.maximum(largest, np.sqrt(share.max(axis=(0, 2))))
         return largest
+
+    def _error_inside(self, modes: Modes, better: Modes, turn: Array | None) -> float:
+        """The largest error from 0 to the limit, g[0] not among it."""
+        delays = self._delays(better)[1:]
+        error = max(self._error(modes, better, delay) for delay in delays)
+        if turn is None:
+            return error
+        return max(error, *(self._field_error(modes, better, turn, d) for d in delays))
 
     def _field_error(self, modes: Modes, better: Modes, turn: Array, delay: Complex) -> float:
         eta = self._coordinates(better, delay)

@@ -10,10 +10,8 @@ from ..progress import Stages
 from .band import Band
 from .krylov import krylov_modes
 from .march import march_kernel
-from .modal import Shapes, elastic_shapes
-
-SMALL = 1000
-"""Unknowns up to which all modes are as quick as some."""
+from .modal import SMALL, Shapes, elastic_shapes
+from .truncated import METHODS, RIGHT, truncated_modes
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +66,21 @@ def impulse_responses(
             )
             kernel = sample_kernel(modes, h, scheme, steps, error, band.limit)
             return ImpulseResponses(method, kernel, modes, shapes, impulse.tolerance)
+        case "craig-bampton" | "rubin":
+            return _truncated(structure, body, stages)
         case "march":
             return ImpulseResponses(
                 method, march_kernel(structure, damping, h, scheme, steps, stages.track)
             )
+
+
+def _truncated(structure: Structure, body: Body, stages: Stages) -> ImpulseResponses:
+    """Those of a number of modes, with the band in which they are right."""
+    impulse, damping, count = body.impulse, body.damping, body.impulse.modes or 0
+    reduction = METHODS[impulse.method](structure, damping, count)
+    wide = Band(impulse.step, GeneralizedAlpha(impulse.rho_inf), impulse.steps, 0.25 / impulse.step)
+    fields = body.recovery is not None
+    found = truncated_modes(structure, damping, reduction, wide, stages.report, fields)
+    kernel = sample_kernel(found.modes, wide.h, wide.scheme, wide.steps, found.error, found.limit)
+    method = f"{impulse.method} with {count} {'modes' if count > 1 else 'mode'}"
+    return ImpulseResponses(method, kernel, found.modes, found.shapes, RIGHT)

@@ -2,17 +2,15 @@
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 import numpy as np
-from scipy.linalg import eigh
 
 from ...files.memory import available
 from ...superelement import GeneralizedAlpha, Modes
 from ...superelement.validation import Array
-from ..assembly.structure import Structure
+from ..assembly.structure import RIGID, Structure
 from ..body.body import Damping, Rayleigh
-from ..errors import MeshError, MethodError
+from ..errors import MethodError
 from ..mesh.mesh import IntArray
 from .band import Band
 from .basis import Basis
@@ -20,6 +18,7 @@ from .cost import REAL, WORK, basis_bytes
 from .damping import damping_ratios
 from .factor import factorize
 from .modal import Shapes
+from .ritz import elastic_rows, ritz_modes
 
 LIMIT = 4000
 """Vectors at most: beyond, the dense eigenproblems of the space take minutes and its basis
@@ -37,14 +36,6 @@ than it costs.
 """
 PRUNED = 0.1
 """Share of the tolerance that may be spent on leaving out modes."""
-LOW = 1e-6
-"""Eigenvalues, relative to the largest, that drown in its rounding: they are found anew from
-displacements.
-"""
-NOTHING = 1e-14
-"""Eigenvalues, relative to the largest, that only rounding keeps from zero."""
-RIGID = 6
-
 Watch = Callable[[str], None]
 
 
@@ -117,26 +108,11 @@ class KrylovSpace:
         return True
 
     def ritz(self, blocks: int) -> tuple[Array, Array]:
-        """omega (m,) [rad/s] and Q (r, m) of the first blocks: V^T K V Q = Q diag(omega^2), Q^T Q =
-        I.
-
-        `MeshError` if more than six modes have no frequency.
-        """
+        """omega (m,) [rad/s] and Q (r, m) of the first blocks, as `ritz_modes` has them."""
         self._reduce_stiffness()
         size = self._ends[blocks] - RIGID
-        squares, Q = eigh(self._stiffness[:size, :size], lower=False)
-        low = squares < LOW * squares[-1]
-        if low.any():
-            shapes = self.basis.V[:, RIGID : RIGID + size] @ Q[:, low]
-            squares[low], turn = eigh(shapes.T @ (self._structure.K @ shapes))
-            Q[:, low] = Q[:, low] @ turn
-        if squares[0] <= NOTHING * squares[-1]:
-            raise MeshError(
-                "expected six zero modes, found "
-                f"{RIGID + int((squares <= NOTHING * squares[-1]).sum())}: the body is a "
-                f"mechanism, eigenvalues {squares[:8].tolist()}"
-            )
-        return np.sqrt(squares), Q
+        V = self.basis.V[:, RIGID : RIGID + size]
+        return ritz_modes(self._structure, V, self._stiffness[:size, :size])
 
     def _reduce_stiffness(self) -> None:
         """Extend V^T K V, the upper half, by the new columns: many are as quick as a few."""
@@ -169,7 +145,7 @@ def krylov_modes(
 
     def modes_of(blocks: int) -> tuple[Modes, Array]:
         omega, Q = space.ritz(blocks)
-        phi = _rows(space.basis, Q, structure.P_C)
+        phi = elastic_rows(space.basis, Q, structure.P_C)
         return Modes(omega, damping_ratios(damping, omega), phi, band.finest_step), Q
 
     check = 2
@@ -203,7 +179,7 @@ def krylov_modes(
         contributions = np.maximum(contributions, band.field_contributions(modes))
     kept, lost = _prune(contributions, PRUNED * tolerance)
     modes = Modes(modes.omega[kept], modes.zeta[kept], modes.phi[:, kept], modes.h_min)
-    return modes, partial(_rows, space.basis, Q[:, kept]), error + lost
+    return modes, partial(elastic_rows, space.basis, Q[:, kept]), error + lost
 
 
 def _shift(damping: Damping, scheme: GeneralizedAlpha, h: float) -> float:
@@ -214,12 +190,6 @@ def _shift(damping: Damping, scheme: GeneralizedAlpha, h: float) -> float:
     rayleigh = damping.rayleigh or Rayleigh()
     velocity = scheme.gamma_prime(h)
     return (scheme.beta_prime(h) + velocity * rayleigh.mass) / (1.0 + velocity * rayleigh.stiffness)
-
-
-def _rows(basis: Basis, Q: Array, rows: Any) -> Array:
-    """rows @ V Q, for coordinates Q of the elastic part of the basis."""
-    shapes: Array = basis.at(rows)[:, RIGID : RIGID + len(Q)] @ Q
-    return shapes
 
 
 def _prune(contributions: Array, budget: float) -> tuple[IntArray, float]:

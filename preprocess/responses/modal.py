@@ -14,6 +14,8 @@ from ..body.body import Damping
 from ..errors import MeshError, MethodError
 from .damping import damping_ratios
 
+SMALL = 1000
+"""Unknowns up to which all modes are as quick as some."""
 LIMIT = 4000
 """Unknowns up to which all modes are computed; beyond, the dense eigenproblem takes minutes and
 gigabytes.

@@ -23,14 +23,20 @@ CONVERGED = 1e-14
 def compliance(structure: Structure) -> Array:
     """P_C P K^+ P^T P_C^T (n_c, n_c) [m/N, rad/N, rad/(N m)]: displacements with inertia relief.
 
-    Under unit loads on the interfaces:
+    Errors are those of `attachment_modes`, which it is the part at the interfaces of.
+    """
+    return _symmetric(structure.P_C @ attachment_modes(structure))
+
+
+def attachment_modes(structure: Structure) -> Array:
+    """P K^+ P^T P_C^T (n_u, n_c): static displacements under unit loads, with inertia relief.
 
         u = P K_c^-1 P^T P_C^T,    K_c: K with six statically determinate dofs held
 
     The loads balance themselves, so nothing reacts where dofs are held, and any six will do. One
     step of refinement takes out most of the rounding, which a slender body has much of. Source:
-    docs/theory.md, Interfaces. `MeshError` if that step changes the result: K has more zero modes
-    than the six rigid ones.
+    docs/theory.md, Interfaces. `MeshError` if that step changes the displacements of the
+    interfaces: K has more zero modes than the six rigid ones.
     """
     K, U, M, f = structure.K.tocsr(), structure.U, structure.M, structure.loads
     free = np.setdiff1d(np.arange(structure.n_u), _determinate_dofs(structure))
@@ -43,7 +49,12 @@ def compliance(structure: Structure) -> Array:
 
     u = response(f)
     correction = response(f - K @ u)
-    H, change = structure.P_C @ (u + correction), structure.P_C @ correction
+    _check_determined(structure.P_C @ (u + correction), structure.P_C @ correction)
+    return u + correction
+
+
+def _check_determined(H: Array, change: Array) -> None:
+    """`MeshError` for a compliance that one step of refinement changes."""
     scale = np.sqrt(np.abs(np.diag(H)))
     if (found := np.max(np.abs(change) / np.outer(scale, scale))) > UNDETERMINED:
         raise MeshError(
@@ -51,7 +62,6 @@ def compliance(structure: Structure) -> Array:
             f"it by {found:.1e}, expected {UNDETERMINED:g} at most: the body is a mechanism, "
             "or far too slender for its mesh"
         )
-    return _symmetric(H)
 
 
 def accelerance(structure: Structure) -> Array:

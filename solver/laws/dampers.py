@@ -8,7 +8,7 @@ import numpy as np
 from ..arrays import Array
 from ..schema.values import NotNegative, Numbers
 from .law import Evaluation, ForceLaw, force_law
-from .tabulated import interval, interpolate
+from .tabulated import interpolate, interval
 
 PASSIVE = 1e-9
 """force at rest, relative to the largest one, that counts as none"""

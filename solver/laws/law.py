@@ -70,22 +70,22 @@ LAWS: list[type[ForceLaw]] = []
 AnyLawType = TypeVar("AnyLawType", bound=type[ForceLaw])
 
 
-@dataclass_transform(frozen_default=True, eq_default=True)
-def force_law(key: str | None) -> Callable[[AnyLawType], AnyLawType]:
-    """Register a law: its class as an entry of model files by a key, and its compiled functions.
+def law_number(law: AnyLawType) -> AnyLawType:
+    """Register the compiled functions of a law."""
+    law.number = len(LAWS)
+    compiled(law.evaluate)
+    compiled(law.remember)
+    LAWS.append(law)
+    return law
 
-    A law without a key has no place in model files.
-    """
+
+@dataclass_transform(frozen_default=True, eq_default=True)
+def force_law(key: str) -> Callable[[AnyLawType], AnyLawType]:
+    """Register a law: its class as an entry of model files by a key, and its compiled function."""
 
     def register(kind: AnyLawType) -> AnyLawType:
-        kind.number = len(LAWS)
-        compiled(kind.evaluate)
-        compiled(kind.remember)
-        law: Any = entry(eq=True)(kind)
-        if key is not None:
-            FORCE_LAWS.in_files(key)(law)
-        LAWS.append(law)
-        return law  # type: ignore[no-any-return]
+        law: Any = FORCE_LAWS.in_files(key)(entry(eq=True)(kind))
+        return law_number(law)  # type: ignore[no-any-return]
 
     return register
 

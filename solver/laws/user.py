@@ -9,9 +9,9 @@ import numpy as np
 
 from ..arrays import Array
 from ..compiler.foreign import ForeignError, address_of, call_by_address
-from ..schema.entry import Takes
+from ..schema.entry import Takes, entry
 from ..schema.values import NONE, Numbers
-from .law import Evaluation, ForceLaw, force_law
+from .law import Evaluation, ForceLaw, law_number
 
 
 class LawFunction:
@@ -50,7 +50,8 @@ AnyFunction = Annotated[
 ]
 
 
-@force_law(None)
+@law_number
+@entry(eq=True)
 class UserLaw(ForceLaw):
     """A law written by a user, from Python alone: a function that numba can compile.
 

@@ -7,6 +7,9 @@ from ..step.rotations import quaternion_of
 from ..step.system import Output, State, System, Workspace
 from .lower import LoweredModel
 
+EVENTS = 256
+"""contacts that can end before the loop hands them over"""
+
 
 def sizes_of(system: System, n_steps: int) -> dict[str, int]:
     """The dimensions of `State`, `Workspace` and `Output` by name (step/system.py)."""
@@ -20,6 +23,8 @@ def sizes_of(system: System, n_steps: int) -> dict[str, int]:
         "n_i": len(system.couplings.rows.kind),
         "n_o": len(system.observers.kind),
         "n_h": int(system.couplings.laws.memory[-1]),
+        "n_k": len(system.couplings.contact),
+        "n_v": EVENTS * len(system.couplings.contact),
         "n_l": len(system.loads.frame),
         "n_d": int(system.couplings.drive.max(initial=-1)) + 1,
         "n_e": len(elastic.body),
@@ -48,6 +53,7 @@ def allocate(lowered: LoweredModel) -> tuple[State, Workspace]:
         frames.r[f], frames.D[f] = pose.x, pose.R
     frames.T[:] = np.eye(3)
     state.past.since[:] = 1
+    work.couplings.near[:] = lowered.starts
     state.couplings.memory[:] = lowered.memories
     work.couplings.elapsed[:] = np.inf
     state.observers.value[:] = lowered.observer_starts

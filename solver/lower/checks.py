@@ -3,10 +3,11 @@
 from collections.abc import Mapping, Sequence
 
 from ..errors import ModelError
-from ..model.model import GROUND, Model
+from ..model.contacts import Contact
+from ..model.model import GROUND, Coupling, Model
 from ..model.motions import PrescribedDisplacement, PrescribedRotation
 from ..step.rows import measures_length
-from .numbering import Coupling, NumberedFrames, side_names
+from .numbering import NumberedFrames, side_names
 from .rows import Row
 
 ASSEMBLY_TOLERANCE = 1e-3
@@ -62,7 +63,12 @@ def check_moments(model: Model, frames: NumberedFrames, rows: Mapping[str, Seque
     """
     causes: dict[str, str] = {}
     for coupling in model.couplings:
-        if not all(measures_length(row.kind) for row in rows[coupling.name]):
+        if isinstance(coupling, Contact):
+            first, second = side_names(coupling)
+            causes[first] = f"{coupling.owner}, whose shape it carries"
+            if coupling.friction is not None and coupling.ball > 0.0:
+                causes[second] = f"{coupling.owner}, with friction on a ball"
+        elif not all(measures_length(row.kind) for row in rows[coupling.name]):
             causes |= dict.fromkeys(side_names(coupling), _described(coupling))
     causes |= {load.on: f"torque on {load.on!r}" for load in model.loads if load.kind.moment}
     for frame, cause in causes.items():
@@ -75,6 +81,6 @@ def check_moments(model: Model, frames: NumberedFrames, rows: Mapping[str, Seque
 
 def _described(coupling: Coupling) -> str:
     """A coupling as messages name it, with its type if it has one."""
-    if isinstance(coupling, PrescribedDisplacement | PrescribedRotation):
+    if isinstance(coupling, PrescribedDisplacement | PrescribedRotation | Contact):
         return coupling.owner
     return f"{coupling.owner} ({coupling.type})"

@@ -1,5 +1,6 @@
 """A model as flat arrays, made once per simulation."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,12 +9,15 @@ from numpy.typing import NDArray
 from ...superelement import GeneralizedAlpha, Superelement
 from ..arrays import Array, as_index, as_rows
 from ..history.layout import Horizon, lay_out_elastic
+from ..model.contacts import Contact, JointStop
+from ..model.joints import Joint
 from ..model.model import Model
 from ..model.settings import StartFrom
 from ..model.signals import Signal, SmoothSignal
 from ..step.rows import measures_length
 from ..step.system import Bodies, Loads, System
 from .checks import check_assembled, check_masses, check_moments
+from .contacts import Bristle, bristle_of
 from .elimination_order import lay_out_pattern
 from .numbering import NumberedFrames, number_frames
 from .placement import Pose, place_bodies
@@ -41,6 +45,8 @@ class LoweredModel:
     observers: list[tuple[str, str]]
     """joint and coordinate of each observer row"""
     observer_starts: Array
+    starts: Array
+    """coordinates of all rows, to which angles are then the nearest"""
     memories: Array
     """of the force laws, before the start"""
     drives: list[SmoothSignal]
@@ -83,7 +89,11 @@ def lower(
     poses = place_bodies(model)
     frames = number_frames(model, poses)
     rows = _rows(model, frames, without)
-    couplings, drives = lay_out_couplings(list(rows.values()))
+    couplings, drives = lay_out_couplings(
+        list(rows.values()),
+        _bristles(model, poses, frames, stepping.h),
+        [isinstance(coupling, Contact | JointStop) for coupling in model.couplings],
+    )
     laws = [law for coupling in rows.values() for row in coupling for law in row.laws]
     observers = _observers(model, frames)
     size = model_size(model, poses, frames)
@@ -117,6 +127,7 @@ def lower(
         coupling_names=list(rows),
         observers=list(observers),
         observer_starts=np.array([row.start for row in observers.values()]),
+        starts=np.array([row.start for rows_ in rows.values() for row in rows_], dtype=float),
         memories=np.array([number for law in laws for number in law.memories()], dtype=float),
         drives=drives,
         load_signals=[load.signal for load in model.loads],
@@ -137,6 +148,19 @@ def _rows(model: Model, frames: NumberedFrames, without: frozenset[int]) -> dict
                 rows[coupling.name].append(row)
             number += 1
     return rows
+
+
+def _bristles(
+    model: Model, poses: Mapping[str, Pose], frames: NumberedFrames, h: float
+) -> list[Bristle | None]:
+    """The friction of each coupling."""
+    bristles = []
+    for coupling in model.couplings:
+        axis = np.zeros(3)
+        if isinstance(coupling, Joint):
+            axis = coupling.basis(frames.sides(coupling).pose_a.R)[:, 2]
+        bristles.append(bristle_of(coupling, model, poses, axis, h))
+    return bristles
 
 
 def _observers(model: Model, frames: NumberedFrames) -> dict[tuple[str, str], Row]:

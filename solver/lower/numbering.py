@@ -5,16 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..model.bodies import FlexibleBody
-from ..model.joints import Joint
-from ..model.model import GROUND, Model
+from ..model.contacts import JointStop
+from ..model.model import GROUND, Coupling, Model
 from ..model.motions import PrescribedMotion
-from ..model.springs import Spring
 from ..step.rotations import quaternion_of
 from ..step.system import Frames
 from .placement import Pose, frame_pose
 from .rows import Sides
-
-Coupling = Joint | Spring | PrescribedMotion
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,8 +66,9 @@ def side_names(coupling: Coupling) -> tuple[str, str]:
 
     The latter is fixed in space at the starting pose of the other side.
     """
+    owner = coupling.joint.name if isinstance(coupling, JointStop) else coupling.name
     first, second = (
-        f"{GROUND}.({coupling.name})" if side == GROUND else side for side in between(coupling)
+        f"{GROUND}.({owner})" if side == GROUND else side for side in between(coupling)
     )
     return first, second
 

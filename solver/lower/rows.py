@@ -5,14 +5,18 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..arrays import Array, as_index, as_rows
+from ..arrays import Array, Index, as_index, as_rows
 from ..laws.law import ForceLaw
+from ..model.contacts import Contact, JointStop
 from ..model.joints import ABOUT_E3, Joint, basis_about
+from ..model.model import Coupling
 from ..model.motions import PrescribedDisplacement, PrescribedMotion
 from ..model.signals import SmoothSignal
 from ..model.springs import Spring
+from ..step.gaps import FirstSlip, Gap, SecondSlip
 from ..step.rows import Angle, Distance, Rotation, Translation
-from ..step.system import Couplings, Laws, Rows
+from ..step.system import Couplings, Friction, Laws, Rows
+from .contacts import SHAPES, Bristle, contact_axes, normal_weights, shape_parameters
 from .placement import Pose
 
 COINCIDENT = 1e-12
@@ -37,6 +41,18 @@ class Row:
     laws: tuple[ForceLaw, ...] = ()
     swapped: bool = False
     """frame A is the second that the coupling names"""
+    shape: int = 0
+    parameters: Sequence[float] = ()
+    """of the shape of a contact"""
+    normal: tuple[float, int] = (0.0, 0)
+    """weight and group in the normal force of friction"""
+    rubs: bool = False
+    """has friction"""
+
+    @property
+    def compliant(self) -> bool:
+        """Obeys a law, and is no constraint."""
+        return self.stiffness is not None or bool(self.laws) or self.rubs
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,8 +79,12 @@ class Sides:
         return gap
 
 
-def coupling_rows(coupling: Joint | PrescribedMotion | Spring, sides: Sides) -> list[Row]:
+def coupling_rows(coupling: Coupling, sides: Sides) -> list[Row]:
     """The rows of a coupling, in the order of its coordinates or constraints."""
+    if isinstance(coupling, Contact):
+        return contact_rows(coupling, sides)
+    if isinstance(coupling, JointStop):
+        return stop_rows(coupling, sides)
     if isinstance(coupling, Joint):
         return joint_rows(coupling, sides)
     if isinstance(coupling, Spring):
@@ -73,7 +93,7 @@ def coupling_rows(coupling: Joint | PrescribedMotion | Spring, sides: Sides) -> 
 
 
 def joint_rows(joint: Joint, sides: Sides) -> list[Row]:
-    """Constraints of a joint: its table, then its drives.
+    """Constraints of a joint: its table, then its drives; at last its friction.
 
     The axes of a joint with the ground are carried by the body, as its other vectors are: rows are
     the same from both sides, e_i(A) . e_j(B) as e_j(B) . e_i(A).
@@ -87,10 +107,17 @@ def joint_rows(joint: Joint, sides: Sides) -> list[Row]:
     A, B = sides.frame_a, sides.frame_b
     rows = [Row(Translation.number, A, B, in_a[:, k]) for k in kind.translations]
     rows += [Row(Rotation.number, A, B, in_a[:, i], b=in_b[:, j]) for i, j in rotations]
+    if joint.friction is not None:
+        weights = normal_weights(joint, joint.friction)
+        rows = [replace(row, normal=n) for row, n in zip(rows, weights, strict=True)]
     if joint.distance is not None:
         rows.append(Row(Translation.number, A, B, in_a[:, 2], drive=joint.distance))
     if joint.angle is not None:
         rows.append(_driven_angle(A, B, in_a, in_b, joint.angle))
+    if joint.friction is not None and joint.type == "revolute":
+        rows.append(Row(Angle.number, A, B, in_a[:, 0], in_a[:, 1], in_b[:, 0], rubs=True))
+    elif joint.friction is not None:
+        rows.append(Row(Translation.number, A, B, in_a[:, 2], rubs=True))
     return [replace(row, swapped=turned) for row in rows]
 
 
@@ -176,6 +203,25 @@ def spring_rows(spring: Spring, sides: Sides) -> list[Row]:
     ]
 
 
+def contact_rows(contact: Contact, sides: Sides) -> list[Row]:
+    """The gap, and slip along two tangents where there is friction."""
+    axis, across = contact_axes(contact, sides.pose_a.R)
+    A, B, shape = sides.frame_a, sides.frame_b, SHAPES[contact.shape]
+    parameters = shape_parameters(contact)
+    gap = Row(Gap.number, A, B, axis, across, laws=(contact.law(),), normal=(1.0, 0))
+    slips = [Row(kind.number, A, B, axis, across, rubs=True) for kind in (FirstSlip, SecondSlip)]
+    rows = [gap, *slips] if contact.friction is not None else [gap]
+    return [replace(row, shape=shape, parameters=parameters) for row in rows]
+
+
+def stop_rows(coupling: JointStop, sides: Sides) -> list[Row]:
+    """The joint coordinate with the law beyond its limits."""
+    stop = coupling.stop
+    row = joint_observers(coupling.joint, sides)[stop.coordinate]
+    law = stop.impact.beyond(stop.range)
+    return [replace(row, laws=(law,), swapped=row.frame_a != sides.frame_a)]
+
+
 def lay_out_rows(rows: Sequence[Row]) -> Rows:
     return Rows(
         kind=as_index([row.kind for row in rows]),
@@ -184,24 +230,62 @@ def lay_out_rows(rows: Sequence[Row]) -> Rows:
         a=as_rows([row.a for row in rows]),
         a_turned=as_rows([row.a_turned for row in rows]),
         b=as_rows([row.b for row in rows]),
+        shape=as_index([row.shape for row in rows]),
+        first=as_index(np.cumsum([0, *(len(row.parameters) for row in rows)])),
+        parameters=np.array([x for row in rows for x in row.parameters], dtype=np.float64),
     )
 
 
-def lay_out_couplings(couplings: Sequence[list[Row]]) -> tuple[Couplings, list[SmoothSignal]]:
-    """The rows of all couplings one after the other, and the signals that drive some of them."""
+def lay_out_couplings(
+    couplings: Sequence[list[Row]], bristles: Sequence[Bristle | None], contacts: Sequence[bool]
+) -> tuple[Couplings, list[SmoothSignal]]:
+    """The rows of all couplings one after the other, and the signals that drive some of them.
+
+    bristles: of each coupling; contacts: whether it is one.
+    """
     rows = [row for coupling in couplings for row in coupling]
     drives = [row.drive for row in rows if row.drive is not None]
     numbers = iter(range(len(drives)))
+    rub = [any(row.rubs for row in coupling) for coupling in couplings]
     laid_out = Couplings(
         rows=lay_out_rows(rows),
         laws=_lay_out_laws(rows),
-        n_compliant=sum(row.stiffness is not None for row in rows),
+        friction=_lay_out_friction(rows, [bristle for bristle in bristles if bristle]),
+        friction_of=_numbers(rub),
+        contact=as_index(np.flatnonzero(contacts)),
+        contact_of=_numbers(contacts),
+        switching=as_index(np.flatnonzero(np.array(contacts, bool) | np.array(rub, bool))),
+        n_compliant=sum(row.compliant for row in rows),
         range=as_index(np.cumsum([0, *(len(coupling) for coupling in couplings)])),
         second=as_index([0 if row.swapped else 6 for row in rows]),
         drive=as_index([-1 if row.drive is None else next(numbers) for row in rows]),
-        compliant=as_index([row.stiffness is not None for row in rows]),
+        compliant=as_index([row.compliant for row in rows]),
     )
     return laid_out, drives
+
+
+def _numbers(chosen: Sequence[bool]) -> Index:
+    """The number of each among those that are chosen, -1 of the others."""
+    return as_index(np.where(chosen, np.cumsum(chosen) - 1, -1))
+
+
+def _lay_out_friction(rows: Sequence[Row], bristles: Sequence[Bristle]) -> Friction:
+    rub = np.array([row.rubs for row in rows], dtype=bool)
+    first = np.flatnonzero(np.diff(rub.astype(int), prepend=0) == 1).tolist()
+    coefficients = [bristle.coefficient for bristle in bristles]
+    return Friction(
+        first=as_index(first),
+        n=as_index([int(np.argmin([*rub[i:], False])) for i in first]),
+        static=np.array([mu.static for mu in coefficients], dtype=float),
+        sliding=np.array([mu.sliding for mu in coefficients], dtype=float),
+        speed=np.array([mu.speed for mu in coefficients], dtype=float),
+        stiffness=np.array([bristle.stiffness for bristle in bristles], dtype=float),
+        damping=np.array([bristle.damping for bristle in bristles], dtype=float),
+        viscous=np.array([bristle.viscous for bristle in bristles], dtype=float),
+        preload=np.array([bristle.preload for bristle in bristles], dtype=float),
+        weight=np.array([row.normal[0] for row in rows], dtype=float),
+        group=as_index([row.normal[1] for row in rows]),
+    )
 
 
 def _lay_out_laws(rows: Sequence[Row]) -> Laws:

@@ -26,6 +26,7 @@ from ..schema.tables import (
 )
 from ..schema.values import ORIGIN
 from .bodies import Body, FlexibleBody, Frame, RigidBody, Start
+from .contacts import Contact, Stop
 from .joints import Joint
 from .loads import Load
 from .model import Model
@@ -87,6 +88,8 @@ class _ModelFile(Table):
     loads: tuple[table_of(Load), ...] = ()  # type: ignore[valid-type]
     springs: tuple[table_of(Spring), ...] = ()  # type: ignore[valid-type]
     motions: tuple[_MOTION, ...] = ()
+    contacts: tuple[table_of(Contact), ...] = ()  # type: ignore[valid-type]
+    stops: tuple[table_of(Stop), ...] = ()  # type: ignore[valid-type]
 
 
 def read_model(path: str | os.PathLike[str]) -> Model:
@@ -133,6 +136,8 @@ def _model(file: _ModelFile, text: str, path: Path) -> Model:
         loads=value_of(file.loads),
         springs=value_of(file.springs),
         motions=tuple(_motion(present_keys(motion)) for motion in file.motions),
+        contacts=value_of(file.contacts),
+        stops=value_of(file.stops),
         gravity=gravity,
         ground_frames=value_of(file.ground.frames),
         settings=settings,
@@ -186,7 +191,7 @@ def _document(model: Model, folder: Path) -> dict[str, Any]:
         "bodies": {name: _body_in_file(name, body, folder) for name, body in model.bodies.items()},
         **{
             name: [table_in_file(entry) for entry in getattr(model, name)]
-            for name in ("joints", "springs", "motions", "loads")
+            for name in ("joints", "springs", "motions", "loads", "contacts", "stops")
         },
     }
     return {key: table for key, table in document.items() if table}

@@ -19,6 +19,7 @@ import numpy as np
 from ..arrays import Array
 from ..schema.entry import Entry, entry, one_of
 from ..schema.values import ABSENT, NumbersByName, OptionalDirection, Pair
+from .friction import JointFriction
 from .signals import DrivingSignal, SmoothSignal
 
 
@@ -90,6 +91,9 @@ JOINT_TYPES = {
     ),
 }
 
+FRICTION_COORDINATES = {"revolute": "angle", "prismatic": "distance"}
+"""joints that have friction, on these coordinates"""
+
 
 @entry()
 class Joint(Entry):
@@ -102,7 +106,7 @@ class Joint(Entry):
     projected on the plane (its y axis where x is within 26 degrees of the normal), and across it.
     `angle` [rad] and `distance` [m] drive a joint; the start is at angle(0). `start` gives free
     coordinates or their rates values at t = 0 other than those of the starts of the bodies: angle,
-    angle_rate, distance, ...
+    angle_rate, distance, ... `friction` of a revolute or prismatic joint.
     """
 
     label = "joint {name!r}"
@@ -115,6 +119,7 @@ class Joint(Entry):
     angle: DrivingSignal | None = None
     distance: DrivingSignal | None = None
     start: NumbersByName = field(default_factory=dict)
+    friction: JointFriction | None = None
 
     @property
     def kind(self) -> JointType:
@@ -140,6 +145,18 @@ class Joint(Entry):
                 raise self.error(f"a {self.type} joint is driven by {takes}, got {name}")
         for name in self.start:
             self._check_start(name)
+        if self.friction is not None:
+            self._check_friction(self.friction)
+
+    def _check_friction(self, friction: JointFriction) -> None:
+        if self.type not in FRICTION_COORDINATES:
+            known = " and ".join(FRICTION_COORDINATES)
+            raise self.error(f"friction: {known} joints take it, got a {self.type} one")
+        needed = self.type == "revolute" and friction.coefficient.static > 0.0
+        if needed and friction.radius is None:
+            raise self.error("friction: radius: a revolute joint needs one")
+        if self.type == "prismatic" and friction.radius is not None:
+            raise self.error("friction: radius: a prismatic joint takes none")
 
     def _check_start(self, name: str) -> None:
         coordinates = (*self.kind.distances, *self.kind.angles)

@@ -1,6 +1,6 @@
 """A mechanism of bodies, joints, springs, motions and loads, checked when made."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import KW_ONLY, field, replace
 from typing import Any
 
@@ -9,6 +9,7 @@ from ..errors import ModelError
 from ..schema.entry import Entry, entry
 from ..schema.values import NONE, ORIGIN, Several, Vector
 from .bodies import Body, FlexibleBody, Frame
+from .contacts import Contact, JointStop, Stop
 from .joints import Joint
 from .loads import Load
 from .motions import PrescribedMotion
@@ -16,11 +17,12 @@ from .settings import Settings
 from .springs import Spring
 
 GROUND = "ground"
+Coupling = Joint | PrescribedMotion | Spring | Contact | JointStop
 
 
 @entry()
 class Model(Entry):
-    """A mechanism: bodies by name, joints, springs, motions and loads.
+    """A mechanism: bodies by name, joints, springs, motions, loads, contacts and stops.
 
     gravity (3,) [m/s^2]: the acceleration of a free body; ground_frames: frames fixed in space;
     settings: how to integrate its motion, by default for one second; source, path: the text of the
@@ -33,6 +35,8 @@ class Model(Entry):
     springs: Several[Spring] = NONE
     motions: Several[PrescribedMotion] = NONE
     _: KW_ONLY
+    contacts: Several[Contact] = NONE
+    stops: Several[Stop] = NONE
     gravity: Vector = ORIGIN
     ground_frames: Mapping[str, Frame] = field(default_factory=dict)
     settings: Settings = field(default_factory=lambda: Settings(t_end=1.0))
@@ -55,9 +59,13 @@ class Model(Entry):
         return {name: body for name, body in self.bodies.items() if isinstance(body, FlexibleBody)}
 
     @property
-    def couplings(self) -> tuple[Joint | PrescribedMotion | Spring, ...]:
-        """Joints, motions and springs, in the order in which the solver numbers them."""
-        return (*self.joints, *self.motions, *self.springs)
+    def couplings(self) -> tuple[Coupling, ...]:
+        """Joints, motions, springs, contacts and stops, as the solver numbers them."""
+        return (*self.joints, *self.motions, *self.springs, *self.contacts, *self._joint_stops())
+
+    def _joint_stops(self) -> Iterator[JointStop]:
+        joints = {joint.name: joint for joint in self.joints}
+        return (JointStop(stop, joints[stop.joint]) for stop in self.stops)
 
     def with_settings(self, **changes: Any) -> "Model":
         """This mechanism with some of its settings changed."""
@@ -77,10 +85,12 @@ class Model(Entry):
                     raise ModelError(f"body {name!r}: a frame cannot be named {quoted(frame)}")
 
     def _check_names(self) -> None:
-        groups: dict[str, tuple[Joint | Spring | PrescribedMotion, ...]] = {
+        groups: dict[str, tuple[Joint | Spring | PrescribedMotion | Contact | Stop, ...]] = {
             "joint": self.joints,
             "spring": self.springs,
             "motion": self.motions,
+            "contact": self.contacts,
+            "stop": self.stops,
         }
         names: set[str] = set()
         for kind, couplings in groups.items():
@@ -89,7 +99,7 @@ class Model(Entry):
                     raise ModelError(f"{kind}s: a {kind} cannot be named {quoted(coupling.name)}")
                 if coupling.name in names:
                     raise ModelError(
-                        "joints, springs, motions: expected different names, "
+                        "joints, springs, motions, contacts, stops: expected different names, "
                         f"got {coupling.name!r} more than once"
                     )
                 names.add(coupling.name)
@@ -105,13 +115,32 @@ class Model(Entry):
             self._check_frame(owner, place.on)
 
     def _check_couplings(self) -> None:
-        joined: tuple[Joint | Spring, ...] = (*self.joints, *self.springs)
+        self._check_stops()
+        joined: tuple[Joint | Spring | Contact, ...] = (
+            *self.joints,
+            *self.springs,
+            *self.contacts,
+        )
         for coupling in joined:
             first, second = coupling.between
             self._check_frame(coupling.owner, first)
             self._check_frame(coupling.owner, second)
             if first.partition(".")[0] == second.partition(".")[0]:
                 raise coupling.error(f"expected frames of two bodies, got {[first, second]}")
+
+    def _check_stops(self) -> None:
+        joints = {joint.name: joint for joint in self.joints}
+        for stop in self.stops:
+            if stop.joint not in joints:
+                known = ", ".join(joints) or "none"
+                raise stop.error(f"joint: no joint {stop.joint!r}; there are: {known}")
+            kind = joints[stop.joint].kind
+            free = (*kind.distances, *kind.angles)
+            if stop.coordinate not in free:
+                raise stop.error(
+                    f"coordinate: joint {stop.joint!r} has {', '.join(free) or 'none'}, "
+                    f"got {stop.coordinate!r}"
+                )
 
     def _check_loads(self) -> None:
         for load in (*self.motions, *self.loads):

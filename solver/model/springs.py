@@ -68,13 +68,14 @@ class Spring(Entry):
     """A spring with a damper between frames A and B, given as in a joint.
 
     stiffness, damping: a number, or for a bushing six numbers or a symmetric (6, 6) matrix
-    [N/m, N m/rad; N s/m ...]; damping, which dissipates energy, has no negative eigenvalue; law: a
-    `ForceLaw` that adds to them, or several; of a bushing one or several for some of its axes, "x",
-    "y", "z", "rx", "ry", "rz" (along and about e_1, e_2, e_3); rest: the coordinates without force (length,
-    angle, or six of them), by default those of the start; axis: of torsion, or e_3 of a bushing,
-    in space at the start; second_axis: e_1 of a bushing, across it. Without axes e_1, e_2, e_3 of a
-    bushing are those of its first frame; without a second one e_1 is nearest to the x axis of that
-    frame (to its y axis where x is within 26 degrees of e_3).
+    [N/m, N m/rad; N s/m ...]; damping, which dissipates energy, has no negative eigenvalue;
+    law: a `ForceLaw` that adds to them, or several; of a bushing one or several for some of its
+    axes, "x", "y", "z", "rx", "ry", "rz" (along and about e_1, e_2, e_3); rest: the coordinates
+    without force (length, angle, or six of them), by default those of the start; axis: of
+    torsion, or e_3 of a bushing, in space at the start; second_axis: e_1 of a bushing, across
+    it. Without axes e_1, e_2, e_3 of a bushing are those of its first frame; without a second
+    one e_1 is nearest to the x axis of that frame (to its y axis where x is within 26 degrees
+    of e_3).
     """
 
     label = "spring {name!r}"

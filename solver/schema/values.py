@@ -4,12 +4,13 @@ To a type checker, kinds of arrays are descriptors: arguments may be lists and t
 are arrays.
 """
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import AfterValidator
+from pydantic import AfterValidator, AllowInfNan
 
 from ... import inputs
 from ...inputs import expected
@@ -46,7 +47,7 @@ Positive = Annotated[
     number("a positive number, 1e-100 to 1e100", float, lambda x: 1.0 / LARGEST <= x <= LARGEST),
 ]
 NotNegative = Annotated[
-    float, number("a number from 0 to 1e100", float, lambda x: 0.0 <= x <= LARGEST)
+    float, number("a number of at least 0, up to 1e100", float, lambda x: 0.0 <= x <= LARGEST)
 ]
 AtLeastOne = Annotated[float, number("a number from 1 to 100", float, lambda x: 1.0 <= x <= 100.0)]
 PositiveTime = Annotated[
@@ -106,6 +107,14 @@ def pair(value: Any) -> tuple[str, str]:
     return first, second
 
 
+def limits(value: Any) -> tuple[float, float]:
+    """A lower and a higher number, of which one may be infinite."""
+    lower, upper = (x if math.isinf(x) else real(x) for x in map(float, value))
+    if not lower < upper or (math.isinf(lower) and math.isinf(upper)):
+        raise ValueError
+    return lower, upper
+
+
 def inertia(value: Any) -> Array:
     entries = reals(value)
     matrix = np.diag(entries) if entries.shape == (3,) else entries
@@ -139,6 +148,14 @@ _Inertia = Annotated[
 
 NumbersByName = Annotated[
     Mapping[str, float], Takes("numbers by name", numbers_by_name, dict[str, float])
+]
+Limits = Annotated[
+    tuple[float, float],
+    Takes(
+        "a lower and a higher number, of which one may be infinite",
+        limits,
+        tuple[Annotated[float, AllowInfNan(True)], Annotated[float, AllowInfNan(True)]],
+    ),
 ]
 Words = Annotated[tuple[str, ...], Takes("names", tuple, tuple[str, ...])]
 Pair = Annotated[

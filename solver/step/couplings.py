@@ -14,6 +14,7 @@ import math
 
 from ..compiler.marks import compiled
 from ..laws import evaluate_law, remember_law
+from .contacts import follow_contact, set_closed
 from .frames import (
     Pair,
     add_pair_tangent,
@@ -23,8 +24,14 @@ from .frames import (
     pull_back_tangent,
     width,
 )
+from .friction import (
+    bend_bristle,
+    bristle_energy,
+    set_friction_derivative,
+    set_friction_residual,
+)
 from .measure import ROUNDING, relative
-from .rows import ROTATION, add_row_tangent, carried_axis, evaluate_row, measures_length
+from .rows import ROTATION, add_row_tangent, carried_axis, evaluate_row, measures_length, slips
 from .system import Couplings, Frames, Laws, State, System, Workspace
 from .vectors import dot, rotate, row, scale, triple
 
@@ -39,29 +46,64 @@ def driven_angle(couplings: Couplings, i: int, work: Workspace) -> float:
 @compiled
 def add_coupling_wrenches(couplings: Couplings, state: State, work: Workspace) -> None:
     """Coordinates, rates, gradients and residuals of all rows; their wrenches act on the frames."""
-    rows, out, frames, lam = couplings.rows, work.couplings, work.frames, state.couplings.lam
-    for i in range(len(rows.kind)):
-        gradient = out.gradient[i]
-        f, g = rows.frame_a[i], rows.frame_b[i]
-        near = work.couplings.near[i]
-        angle = driven_angle(couplings, i, work)
-        out.coordinate[i] = evaluate_row(rows, i, angle, near, work, gradient)
-        rate = 0.0
-        for k in range(6):
-            rate += gradient[k] * frames.V[f, k] + gradient[6 + k] * frames.V[g, k]
-            frames.wrench[f, k] += lam[i] * gradient[k]
-            frames.wrench[g, k] += lam[i] * gradient[6 + k]
-        out.rate[i] = rate
-        _set_constraint_residual(couplings, i, work)
+    out, lam = work.couplings, state.couplings.lam
     for j in range(len(couplings.range) - 1):
         first, last = couplings.range[j], couplings.range[j + 1]
-        wrench = out.wrench[j]
+        contact = couplings.contact_of[j] >= 0
+        for i in range(first, last):
+            if contact and i > first and not out.status[j]:
+                _hold(i, state, work)
+            else:
+                _follow_row(couplings, i, state, work)
+            if contact and i == first:
+                set_closed(couplings, j, state, work)
+        wrench, end = out.wrench[j], last_law(couplings, j)
         wrench[:] = 0.0
         for i in range(first, last):
             for k in range(6):
                 wrench[k] += lam[i] * out.gradient[i, couplings.second[i] + k]
-            if couplings.compliant[i]:
-                _set_law_residual(couplings.laws, i, first, last, state, work)
+            if contact and not out.status[j]:
+                out.phi[i], out.scale[i] = lam[i], abs(lam[i])
+            elif couplings.compliant[i] and i < end:
+                _set_law_residual(couplings.laws, i, first, end, state, work)
+        if end < last and (out.status[j] or not contact):
+            set_friction_residual(couplings, j, first, state, work)
+
+
+@compiled
+def last_law(couplings: Couplings, j: int) -> int:
+    """The end of the rows of coupling j that have no friction."""
+    r = couplings.friction_of[j]
+    return int(couplings.friction.first[r] if r >= 0 else couplings.range[j + 1])
+
+
+@compiled
+def _follow_row(couplings: Couplings, i: int, state: State, work: Workspace) -> None:
+    """Coordinate, rate, gradient and constraint of row i; its wrench acts on the frames."""
+    rows, out, frames, lam = couplings.rows, work.couplings, work.frames, state.couplings.lam
+    gradient = out.gradient[i]
+    f, g = rows.frame_a[i], rows.frame_b[i]
+    angle = driven_angle(couplings, i, work)
+    out.coordinate[i] = evaluate_row(rows, i, angle, out.near[i], work, gradient)
+    rate = 0.0
+    for k in range(6):
+        rate += gradient[k] * frames.V[f, k] + gradient[6 + k] * frames.V[g, k]
+        frames.wrench[f, k] += lam[i] * gradient[k]
+        frames.wrench[g, k] += lam[i] * gradient[6 + k]
+    out.rate[i] = rate
+    if slips(rows.kind[i]):
+        h, old = out.elapsed[0], state.couplings
+        passed = 0.5 * h * (old.rate[i] + rate) if h < math.inf else 0.0
+        out.coordinate[i] = old.coordinate[i] + passed
+    _set_constraint_residual(couplings, i, work)
+
+
+@compiled
+def _hold(i: int, state: State, work: Workspace) -> None:
+    """Row i does not act: its contact is open."""
+    work.couplings.gradient[i] = 0.0
+    work.couplings.coordinate[i] = state.couplings.coordinate[i]
+    work.couplings.rate[i] = 0.0
 
 
 @compiled
@@ -162,7 +204,11 @@ def spring_energy(couplings: Couplings, j: int, state: State, work: Workspace) -
     """1/2 (c - rest)^T stiffness (c - rest) and what the laws of its rows store, of coupling j."""
     laws, c = couplings.laws, work.couplings.coordinate
     total = 0.0
-    first, last = couplings.range[j], couplings.range[j + 1]
+    if couplings.contact_of[j] >= 0 and not work.couplings.status[j]:
+        return total
+    first, last = couplings.range[j], last_law(couplings, j)
+    if last < couplings.range[j + 1]:
+        total += bristle_energy(couplings, couplings.friction_of[j], state)
     for i in range(first, last):
         if couplings.compliant[i]:
             stretch = c[i] - laws.rest[i]
@@ -183,6 +229,10 @@ def linearize_couplings(system: System, state: State, work: Workspace) -> None:
         first, last = couplings.range[j], couplings.range[j + 1]
         if first == last:  # all its rows were redundant
             continue
+        end = last_law(couplings, j)
+        if couplings.contact_of[j] >= 0 and not work.couplings.status[j]:
+            _release(first, last, work)
+            continue
         pair = rows.frame_a[first], rows.frame_b[first]
         out.tangent[:] = 0.0
         for i in range(first, last):
@@ -191,10 +241,21 @@ def linearize_couplings(system: System, state: State, work: Workspace) -> None:
                 _set_rate_derivative(couplings, frames, i, state, work)
             angle = driven_angle(couplings, i, work)
             add_row_tangent(rows, i, angle, state.couplings.lam[i], work, out.tangent)
-        for i in range(first, last):
-            _set_residual_derivative(couplings, i, first, last, h, state, work)
+        for i in range(first, end):
+            _set_residual_derivative(couplings, i, first, end, h, state, work)
+        if end < last:
+            set_friction_derivative(couplings, j, first, h, state, work)
         pull_back_tangent(frames, pair, out.tangent, state, work)
         _add_coupling_tangent(system, j, pair, work)
+
+
+@compiled
+def _release(first: int, last: int, work: Workspace) -> None:
+    """The derivatives of rows of an open contact, whose multipliers vanish."""
+    for i in range(first, last):
+        work.couplings.A[i] = 0.0
+        work.couplings.B[i] = 0.0
+        work.couplings.Z[i] = 0.0
 
 
 @compiled
@@ -286,6 +347,11 @@ def assemble_rows(system: System, work: Workspace) -> None:
                     S[beside + z] += derivatives.A[i, 12 * side + k]
             if couplings.compliant[i]:
                 S[blocks[6, 0] + (i - first) * (blocks[6, 1] + 1)] = 1.0
+        for i in range(last_law(couplings, j), last):
+            for k in range(first, last_law(couplings, j)):
+                S[blocks[6, 0] + (i - first) * blocks[6, 1] + k - first] += derivatives.Z[
+                    i, k - first
+                ]
 
 
 @compiled
@@ -325,8 +391,12 @@ def relative_coupling_residual(
     length, angle = motion
     worst = 0.0
     for j in range(len(couplings.range) - 1):
+        switching = couplings.contact_of[j] >= 0 or couplings.friction_of[j] >= 0
         for i in range(couplings.range[j], couplings.range[j + 1]):
-            if couplings.compliant[i]:
+            if couplings.compliant[i] and switching:
+                scale, floor = _forces_beside(system, i, reach if at_rest else 0.0, work)
+                worst = max(worst, relative(out.phi[i], scale, floor, tolerance))
+            elif couplings.compliant[i]:
                 floor = ROUNDING * out.scale[i]
                 if at_rest:
                     floor += _law_rounding(system, i, couplings.range[j], reach, state, work)
@@ -336,6 +406,27 @@ def relative_coupling_residual(
             else:
                 worst = max(worst, relative(out.phi[i], angle, ROUNDING, tolerance))
     return worst
+
+
+@compiled
+def _forces_beside(system: System, i: int, reach: float, work: Workspace) -> tuple[float, float]:
+    """What the residual of a row that opens or slips is measured by, and its rounding: all forces
+    on its bodies, for its own vanish, and those of a rounding of positions up to `reach`.
+    """
+    couplings, bodies, frames = system.couplings, system.bodies, system.frames
+    length = measures_length(couplings.rows.kind[i])
+    scale, inertia = work.couplings.scale[i], 0.0
+    for f in (couplings.rows.frame_a[i], couplings.rows.frame_b[i]):
+        b = frames.body[f]
+        if b >= 0:
+            scale = max(scale, work.bodies.force_scale[b, 0 if length else 1])
+            J = bodies.J_rot[b]
+            inertia = max(
+                inertia, bodies.mass[b] * reach if length else J[0, 0] + J[1, 1] + J[2, 2]
+            )
+    if reach == 0.0:
+        inertia = 0.0
+    return scale, ROUNDING * (scale + system.scheme.beta_prime * inertia)
 
 
 @compiled
@@ -401,6 +492,11 @@ def add_coupling_work(couplings: Couplings, state: State, work: Workspace) -> No
                 change = out.coordinate[i] - old.coordinate[i]
                 mean = 0.5 * (old.lam[i] + out.lam_n[i])
                 state.energies.compliance[j] += mean * change
+        if couplings.friction_of[j] >= 0:
+            bend_bristle(couplings, j, couplings.range[j], state, work)
+        if couplings.contact_of[j] >= 0:
+            follow_contact(couplings, j, state, work)
+        for i in range(couplings.range[j], couplings.range[j + 1]):
             old.coordinate[i] = out.coordinate[i]
             old.rate[i] = out.rate[i]
             d = couplings.drive[i]

@@ -9,6 +9,7 @@ import math
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
 from .bodies import rigid_energies, spin_of
+from .contacts import settle_contacts
 from .couplings import remember_laws, spring_energy
 from .observers import start_coordinates
 from .system import Couplings, Elastic, ExtremeState, Frames, State, System, Workspace
@@ -28,6 +29,7 @@ def start_extremes(system: System, state: State, work: Workspace) -> None:
     copy(state.modes.rate, work.modes.rate_n)
     copy(state.interfaces.rate, work.interfaces.rate_n)
     remember_laws(system.couplings.laws, state, work)
+    settle_contacts(system.couplings, work)
     start_coordinates(system.observers, state, work)
     energies, extremes = state.energies, state.extremes
     _set_energies(system, state)

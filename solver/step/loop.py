@@ -3,6 +3,7 @@
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
 from .bodies import finish_bodies, predict_bodies
+from .contacts import release_open, settle_contacts
 from .couplings import add_coupling_work, expect_coordinates, remember_laws
 from .extremes import follow_extremes
 from .frames import move_frame_velocities, move_frames
@@ -67,7 +68,8 @@ def prepare(system: System, state: State, work: Workspace) -> None:
 
 @compiled
 def _finish(system: System, state: State, work: Workspace) -> None:
-    """Update history, accelerations, work and extremes from the converged state of the step."""
+    """Update all that a step carries on from its converged state."""
+    release_open(system.couplings, state, work)
     finish_history(system.elastic, system.scheme, state, work)
     finish_bodies(system.scheme, state)
     finish_interfaces(system.scheme, state, work)
@@ -75,6 +77,7 @@ def _finish(system: System, state: State, work: Workspace) -> None:
     add_load_work(system.loads, state, work)
     add_coupling_work(system.couplings, state, work)
     remember_laws(system.couplings.laws, state, work)
+    settle_contacts(system.couplings, work)
     follow_coordinates(system, state, work)
     follow_extremes(system, state, work)
     state.step[0] += 1

@@ -19,6 +19,7 @@ import math
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
 from .bodies import accelerate, largest_coordinate, largest_correction, move_body, set_body_rhs
+from .contacts import has_switched, note_status
 from .couplings import move_multipliers, set_coupling_rhs
 from .elimination import factorize, substitute
 from .equations import assemble, evaluate, linearize, relative_residual
@@ -61,7 +62,8 @@ def converge(system: System, state: State, work: Workspace) -> tuple[int, float,
                 matrix.current[0] = int(fast)
                 return total, residual, True
         solvable = not last
-        if solvable and not (matrix.current[0] and fast):
+        fits = matrix.current[0] == 1 and not has_switched(system.couplings, work)
+        if solvable and not (fits and fast):
             solvable = renew(system, state, work)
             matrix.current[0] = int(solvable)
             matrix.count[0] += 1
@@ -86,6 +88,7 @@ def renew(system: System, state: State, work: Workspace) -> bool:
     """
     linearize(system, state, work)
     assemble(system, state, work)
+    note_status(system.couplings, work)
     return factorize(system.pattern, work.matrix.S, work.matrix.pivots)
 
 

@@ -12,40 +12,19 @@ space:
 A wrench lambda times the gradient changes, at constant lambda, by lambda times the tangent H (12,
 12) of the row: with N(a, b) = skew(b) skew(a) = a b^T - (a . b) I, d(a x b) = N dtheta_A - N^T
 dtheta_B. Second derivatives in time follow from gradient and tangent (couplings.py). A kind of row
-is a class with `@row_kind`. Source: docs/theory.md, Frames, joints, loads.
+is a class with `@row_kind`; those of contacts are in gaps.py. Source: docs/theory.md, Frames,
+joints, loads.
 """
 
 import math
-from collections.abc import Callable
-from typing import Any, TypeVar
 
 from ..arrays import Array
 from ..compiler.dispatch import dispatcher
 from ..compiler.marks import compiled
+from .gaps import FirstSlip, Gap, SecondSlip
+from .kinds import KINDS, delta_of, row_kind
 from .system import Rows, Workspace
 from .vectors import UNITS, Vector, add, cross, dot, rotate, row, scale, subtract
-
-KINDS: list[Any] = []
-"""kinds of rows by number"""
-AnyKind = TypeVar("AnyKind", bound=type)
-
-
-def row_kind(*, length: bool) -> Callable[[AnyKind], AnyKind]:
-    """Register a kind of row, whose coordinate is a length or else an angle or its sine.
-
-    The class has two compiled functions: `evaluate` returns the coordinate and sets its gradient
-    (12,) by (r, theta) of A and B, in space, which is zero before; `add_tangent` adds a factor
-    times H.
-    """
-
-    def register(kind: Any) -> Any:
-        kind.number, kind.length = len(KINDS), length
-        compiled(kind.evaluate)
-        compiled(kind.add_tangent)
-        KINDS.append(kind)
-        return kind
-
-    return register
 
 
 @compiled
@@ -64,12 +43,6 @@ def _axes(rows: Rows, i: int, angle: float, work: Workspace) -> tuple[Vector, Ve
     return a, rotate(work.frames.D, rows.frame_b[i], row(rows.b, i))
 
 
-@compiled
-def _delta(rows: Rows, i: int, work: Workspace) -> Vector:
-    """r_B - r_A"""
-    return subtract(row(work.frames.r, rows.frame_b[i]), row(work.frames.r, rows.frame_a[i]))
-
-
 @row_kind(length=True)
 class Translation:
     """c = a . Delta"""
@@ -80,7 +53,7 @@ class Translation:
     def evaluate(
         rows: Rows, i: int, angle: float, near: float, work: Workspace, gradient: Array
     ) -> float:
-        delta = _delta(rows, i, work)
+        delta = delta_of(rows, i, work)
         a = rotate(work.frames.D, rows.frame_a[i], row(rows.a, i))
         lever = cross(a, delta)
         for k in range(3):
@@ -93,7 +66,7 @@ class Translation:
     def add_tangent(
         rows: Rows, i: int, angle: float, factor: float, work: Workspace, H: Array
     ) -> None:
-        delta = _delta(rows, i, work)
+        delta = delta_of(rows, i, work)
         f = scale(factor, rotate(work.frames.D, rows.frame_a[i], row(rows.a, i)))
         for j in range(3):
             f_e = cross(f, UNITS[j])
@@ -138,7 +111,7 @@ class Distance:
     def evaluate(
         rows: Rows, i: int, angle: float, near: float, work: Workspace, gradient: Array
     ) -> float:
-        delta = _delta(rows, i, work)
+        delta = delta_of(rows, i, work)
         length = math.sqrt(dot(delta, delta))
         inverse = 1.0 / length if length > 0.0 else 0.0  # without direction no force
         for k in range(3):
@@ -150,7 +123,7 @@ class Distance:
     def add_tangent(
         rows: Rows, i: int, angle: float, factor: float, work: Workspace, H: Array
     ) -> None:
-        delta = _delta(rows, i, work)
+        delta = delta_of(rows, i, work)
         length = math.sqrt(dot(delta, delta))
         if length == 0.0:
             return
@@ -236,7 +209,8 @@ def _add_rotation(a: Vector, b: Vector, factor: float, H: Array) -> None:
 
 
 LENGTHS = tuple(kind.number for kind in KINDS if kind.length)
-ROTATION, ANGLE = Rotation.number, Angle.number
+ROTATION, ANGLE, GAP = Rotation.number, Angle.number, Gap.number
+FIRST_SLIP, SECOND_SLIP = FirstSlip.number, SecondSlip.number
 _evaluate = dispatcher(
     "evaluate_kind",
     "rows, i, angle, near, work, gradient",
@@ -258,6 +232,12 @@ def measures_length(kind: int) -> bool:
         if kind == number:
             return True
     return False
+
+
+@compiled
+def slips(kind: int) -> bool:
+    """True where a kind of rows has no coordinate but the integral of its rate."""
+    return FIRST_SLIP <= kind <= SECOND_SLIP
 
 
 @compiled

@@ -4,11 +4,11 @@ Each is nested by contributor: bodies, frames, interfaces and modes of flexible 
 loads. These declarations alone list the arrays; `Struct.allocate` makes them.
 
 Dimensions: n_b bodies of six coordinates (delta x in space, delta Theta in body axes); n_f frames;
-n_j couplings (joints, motions, springs) of n_i rows in all, one multiplier each; n_o observers; n_h
-numbers that force laws remember; n_l loads; n_d drives; n_e flexible bodies with n_u interface dofs
-in all, of which n_a are active, and n_m modes; n_p steps whose loads are kept. Frames that carry
-couplings or loads come before those that are only observed; interface dofs of the former are
-`active`: no others are ever loaded.
+n_j couplings (joints, motions, springs, contacts) of n_i rows in all, one multiplier each, n_k of
+them contacts; n_o observers; n_h numbers that force laws remember; n_l loads; n_d drives; n_e
+flexible bodies with n_u interface dofs in all, of which n_a are active, and n_m modes; n_p steps
+whose loads are kept. Frames that carry couplings or loads come before those that are only observed;
+interface dofs of the former are `active`: no others are ever loaded.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -78,7 +78,7 @@ class Frames(Struct):
 
 
 class Rows(Struct):
-    """Scalar coordinates of pairs of frames; rows.py defines their kinds."""
+    """Scalar coordinates of pairs of frames; rows.py and gaps.py define their kinds."""
 
     kind: Index = array("n")
     frame_a: Index = array("n")
@@ -89,6 +89,11 @@ class Rows(Struct):
     """the axis that `a` turns to after a quarter turn"""
     b: Array = array("n", 3)
     """the axis carried by frame B, in its axes"""
+    shape: Index = array("n")
+    """of the surface in rows of contacts (shapes.py)"""
+    first: Index = array("n_1")
+    """(n + 1,) the first of the parameters of each row"""
+    parameters: Array = array("n_parameters")
 
 
 class Laws(Struct):
@@ -114,11 +119,46 @@ class Laws(Struct):
     """(n_l + 1,) the first number that each law remembers"""
 
 
+class Friction(Struct):
+    """Coulomb friction on the last rows of couplings, by the normal force of rows before them.
+
+    The normal force is preload + the sum over groups of rows of sqrt(sum (weight lambda)^2).
+    """
+
+    first: Index = array("n_r")
+    """the first row with friction"""
+    n: Index = array("n_r")
+    """of these rows, 1 or 2"""
+    static: Array = array("n_r")
+    """coefficients, which fall from this to the next with the square of the rate over `speed`"""
+    sliding: Array = array("n_r")
+    speed: Array = array("n_r")
+    stiffness: Array = array("n_r")
+    """of the bristle"""
+    damping: Array = array("n_r")
+    """of the bristle"""
+    viscous: Array = array("n_r")
+    preload: Array = array("n_r")
+    weight: Array = array("n_i")
+    group: Index = array("n_i")
+
+
 class Couplings(Struct):
-    """Joints, motions and springs: rows with a multiplier that keeps them at 0 or obeys a law."""
+    """Joints, motions, springs and contacts: rows with a multiplier that keeps them at 0 or obeys a
+    law.
+    """
 
     rows: Rows
     laws: Laws
+    friction: Friction
+    friction_of: Index = array("n_j")
+    """the friction of each coupling, -1: none"""
+    contact: Index = array("n_k")
+    """couplings whose rows act only while the law of the first is engaged"""
+    contact_of: Index = array("n_j")
+    """the contact that a coupling is, -1: none"""
+    switching: Index = array("n_w")
+    """couplings that open and close, or stick and slip"""
     n_compliant: int
     range: Index = array("n_j_1")
     """(n_j + 1,) the rows of each coupling"""
@@ -303,8 +343,31 @@ class CouplingState(Struct):
     coordinate: Array = array("n_i")
     """at the last step, from which angles are continued over full turns, as the next"""
     rate: Array = array("n_i")
+    bristle: Array = array("n_i")
+    """deflection in friction"""
     memory: Array = array("n_h")
     """what force laws remember, one after the other"""
+
+
+class ContactState(Struct):
+    """Contacts since they closed, and those that ended."""
+
+    steps: Index = array("n_k")
+    """since it closed, 0: open"""
+    begin: Array = array("n_k")
+    """time when it closed [s]"""
+    closing_speed: Array = array("n_k")
+    peak: Array = array("n_k")
+    impulse: Array = array("n_k")
+    work: Array = array("n_k")
+    """on the bodies, before it closed"""
+    work_done: Array = array("n_k")
+    """the same up to now"""
+    n_events: Index = array(1)
+    event_contact: Index = array("n_v")
+    """contact that each event is of"""
+    event: Array = array("n_v", 9)
+    """start, end, steps, peak, impulse, closing and opening speed, restitution, dissipated"""
 
 
 class ObserverState(Struct):
@@ -393,6 +456,7 @@ class State(Struct):
     modes: ModalState
     past: PastState
     couplings: CouplingState
+    contacts: ContactState
     observers: ObserverState
     loads: LoadState
     drives: DriveState
@@ -483,6 +547,16 @@ class CouplingWork(Struct):
     lam_n: Array = array("n_i")
     elapsed: Array = array(1)
     """time since the memories are those of the state, infinite at the start [s]"""
+    status: Index = array("n_j")
+    """contacts and friction: 0 open, 1 closed, or sticks, 2 slips"""
+    blocked: Index = array("n_i")
+    """1: the ball was last beyond an end of the shape, or came in from there"""
+    slip_axis: Array = array("n_i", 3)
+    """from which slip is counted, in the axes of frame A"""
+    normal_slope: Array = array("n_i")
+    """derivative of the normal force by multipliers"""
+    Z: Array = array("n_i", 8)
+    """derivative of the residuals of friction by the multipliers of their coupling"""
     near: Array = array("n_i")
     """coordinates expected at the end of the step"""
     coordinate: Array = array("n_i")
@@ -554,6 +628,8 @@ class MatrixWork(Struct):
     """1: S holds factors that may be used again"""
     count: Index = array(1)
     """number of times S was made"""
+    status: Index = array("n_j")
+    """of contacts and friction when it was"""
 
 
 class Workspace(Struct):

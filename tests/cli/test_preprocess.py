@@ -46,6 +46,28 @@ def test_the_file_stands_beside_the_body_file_and_has_its_name(runner, body_file
     assert read(target).mass == pytest.approx(0.0858 * 0.5, rel=1e-12)
 
 
+def test_truncated_modes_say_how_far_they_are_right(runner, body_file):
+    body_file.write_text(BODY.replace("steps = 20", 'steps = 20\nmethod = "rubin"\nmodes = 4'))
+    result = runner.invoke(app, ["preprocess", str(body_file)])
+    assert result.exit_code == 0, result.output
+    kernel = read(body_file.with_name("body.h5")).kernel
+    told = f"rubin with 4 modes: error {kernel.error:.2g} up to {kernel.band:.5g} Hz"
+    assert result.stdout.splitlines()[-2] == told
+    shown = runner.invoke(app, ["info", str(body_file.with_name("body.h5"))]).stdout
+    assert "rubin with 4 modes, tolerance 0.01" in shown
+    checked = runner.invoke(app, ["check", str(body_file.with_name("body.h5"))])
+    assert checked.exit_code == 0, checked.output
+
+
+def test_more_modes_than_the_mesh_has_are_one_line(runner, body_file):
+    body_file.write_text(BODY.replace("steps = 20", 'steps = 20\nmethod = "rubin"\nmodes = 25'))
+    result = runner.invoke(app, ["preprocess", str(body_file)])
+    assert result.exit_code == 1
+    told = f"error: {body_file}: impulse.modes: expected 1 to 24, all of this mesh, found 25"
+    assert result.stderr.strip() == told
+    assert not body_file.with_name("body.h5").exists()
+
+
 def test_the_file_goes_where_it_is_sent(runner, body_file):
     target = body_file.with_name("elsewhere.h5")
     result = runner.invoke(app, ["preprocess", str(body_file), "-o", str(target)])

@@ -125,3 +125,12 @@ def test_the_boundary_is_closed_and_turned_outwards(solid_body, box, kind):
     np.testing.assert_allclose(total, 0.0, atol=1e-13)
     assert volume == pytest.approx(1.0, rel=1e-12)
     np.testing.assert_allclose(ends, [-0.5, 0.5], rtol=1e-12)
+
+
+def test_truncated_modes_cost_what_they_are_measured_by(solid_body, box):
+    body = solid_body(box("hexahedron20", divisions=(6, 4, 3)))
+    assert survey(body).structure.n_u > 1000
+    cost = survey(body).cost
+    assert survey(body.with_modes("rubin", 8)).cost == cost
+    march = body.impulse.model_copy(update={"method": "march"})
+    assert survey(body.model_copy(update={"impulse": march})).cost is None

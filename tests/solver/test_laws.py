@@ -237,7 +237,7 @@ REFUSED = {
     "a stop with a soft exponent": (lambda: OneSidedLaw(0.1, 1.0, 0.5), "exponent: expected a n"),
     "a stop on no side": (lambda: OneSidedLaw(0.1, 1.0, 1.0, "left"), "side: expected 'compres"),
     "a gap that is no number": (lambda: OneSidedLaw(np.nan, 1.0), "gap: expected a number of m"),
-    "a damper that drives": (lambda: DamperLaw(-1.0, 1.0), "compression: expected a number from 0"),
+    "a damper that drives": (lambda: DamperLaw(-1.0, 1.0), "compression: expected a number of at"),
     "a curve of one point": (
         lambda: TabulatedDamperLaw((0.0,), (0.0,)),
         "a damper's curve needs two or more points",

@@ -85,6 +85,23 @@ def test_the_text_of_a_changed_body_tells_the_change(written):
     assert body.model_copy(update={"mesh": Path("elsewhere.msh")}).text == BEAM
 
 
+def test_the_same_body_with_truncated_modes(written):
+    """band and tolerance are not those of such methods."""
+    body = read_body(written(BEAM.replace("steps = 5000", "steps = 7\nband = 90\nrho_inf = 0.5")))
+    few = body.with_modes("rubin", 16)
+    assert few.impulse.model_dump(exclude_unset=True) == {
+        "step": 6e-5,
+        "steps": 7,
+        "rho_inf": 0.5,
+        "method": "rubin",
+        "modes": 16,
+    }
+    assert Body.model_validate_json(few.text).model_dump() == few.model_dump()
+    assert few.section == body.section
+    with pytest.raises(ValidationError, match="expected only with method craig-bampton or rubin"):
+        body.with_modes("krylov", 16)
+
+
 def test_an_absolute_mesh_path_stays(written):
     body = read_body(written(BEAM.replace("meshes/beam.msh", "/data/beam.msh")))
     assert body.mesh == Path("/data/beam.msh")
@@ -163,7 +180,28 @@ MISTAKES = [
     (
         "steps = 5000",
         'steps = 9\nmethod = "newmark"',
-        r"impulse\.method: input should be 'auto', 'modal', 'march' or 'krylov'",
+        r"impulse\.method: input should be 'auto', 'modal', 'march', 'krylov', 'craig-bampton' or "
+        r"'rubin', found 'newmark'",
+    ),
+    (
+        "steps = 5000",
+        'steps = 9\nmethod = "rubin"',
+        r"impulse: modes: method rubin needs a number of modes, found none",
+    ),
+    (
+        "steps = 5000",
+        'steps = 9\nmethod = "craig-bampton"\nmodes = 0',
+        r"impulse\.modes: input should be greater than 0, found 0",
+    ),
+    (
+        "steps = 5000",
+        "steps = 9\nmodes = 16",
+        r"impulse: modes: expected only with method craig-bampton or rubin, found it with auto",
+    ),
+    (
+        "steps = 5000",
+        'steps = 9\nmethod = "rubin"\nmodes = 16\ntolerance = 1e-3\nband = 100',
+        r"impulse: band and tolerance: expected only with other methods: with rubin the band and ",
     ),
     (
         "[impulse]",

@@ -646,3 +646,12 @@ def test_a_dry_run_needs_a_mesh(solid, tmp_path):
         BodyError, match=r"a dry run draws what was selected on a mesh, found \[matrices\]"
     ):
         survey(given(export(assemble(solid)).write(tmp_path)))
+
+
+@pytest.mark.parametrize("method", ["craig-bampton", "rubin"])
+def test_the_same_truncated_modes(original, tmp_path, method):
+    model = export(assemble(original))
+    body = given(model.write(tmp_path, npz), interfaces=ends(model)).with_modes(method, 9)
+    found, expected = build(body), build(original.with_modes(method, 9))
+    assert_equal(found, expected)
+    np.testing.assert_allclose(found.modes.omega, expected.modes.omega, rtol=1e-9)

@@ -1,0 +1,87 @@
+"""A given number of modes, as in other codes: the methods of Craig and Bampton, and of Rubin."""
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from scipy.linalg import null_space
+
+from ...superelement import Modes
+from ...superelement.validation import Array
+from ..assembly.structure import RIGID, Structure
+from ..body.body import Damping
+from .basis import Basis
+from .damping import damping_ratios
+from .held import HeldModes, held_modes
+from .modal import Shapes
+from .ritz import elastic_rows, ritz_modes
+from .static import attachment_modes
+
+DEPENDENT = 1e-9
+"""Motions of the interfaces, relative to the largest, that are rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class Reduction:
+    """Modes of the free reduced body, their shapes, and the highest frequency [Hz] asked for."""
+
+    modes: Modes
+    shapes: Shapes
+    cutoff: float
+
+
+def craig_bampton(structure: Structure, damping: Damping, count: int) -> Reduction:
+    """The reduced body of constraint modes and `count` modes with the interfaces held.
+
+        u = [Psi, Phi] y,    K Psi = P_C^T F,                         P_C Psi = I
+                             K Phi + P_C^T L = M Phi diag(omega^2),   P_C Phi = 0
+
+    Constraint modes are the rigid motions and what interface loads F that balance themselves do at
+    rest. So are they made: frames on averaged facets, and interfaces that do not hold a body, need
+    nothing else. It has n_c - 6 + count elastic modes. Source: R. R. Craig, M. C. C. Bampton, AIAA
+    Journal 6 (1968) 1313-1319. `MethodError` for more modes than there are.
+    """
+    rigid = structure.P_C @ structure.U
+    attachments = attachment_modes(structure)
+    balanced = null_space(rigid.T, rcond=DEPENDENT)
+    # Interfaces that do not hold a body leave rigid motions, which are no modes to be counted.
+    loose = structure.U @ null_space(rigid, rcond=DEPENDENT)
+    held = np.vstack([structure.P_C.toarray(), (structure.M @ loose).T])
+    fixed = held_modes(structure, held, count, _first_square(structure, attachments))
+    return _reduced(structure, damping, fixed, attachments @ balanced)
+
+
+def rubin(structure: Structure, damping: Damping, count: int) -> Reduction:
+    """The reduced body of the first `count` elastic modes and residual attachment modes.
+
+        u = [U, Phi, Psi] y,    Psi = P K^+ P^T P_C^T - Phi omega^-2 Phi_C^T
+
+    with the mass that Psi has, so that all have frequencies: n_c + count elastic modes, of which
+    the first `count` are the mesh's, and whose static compliance is the mesh's. Source: S. Rubin,
+    AIAA Journal 13 (1975) 995-1006. `MethodError` for more modes than there are.
+    """
+    attachments = attachment_modes(structure)
+    held = (structure.M @ structure.U).T
+    free = held_modes(structure, held, count, _first_square(structure, attachments))
+    return _reduced(structure, damping, free, attachments)
+
+
+def _reduced(structure: Structure, damping: Damping, normal: HeldModes, static: Array) -> Reduction:
+    """The modes of the body in the space of its rigid, normal and static ones."""
+    M = structure.M
+    columns = RIGID + normal.shapes.shape[1] + static.shape[1]
+    basis = Basis(M, min(columns, structure.n_u))
+    for motions in (structure.U, normal.shapes, static):
+        basis.extend(motions)
+    V = basis.V[:, RIGID:]
+    omega, Q = ritz_modes(structure, V, V.T @ (structure.K @ V))
+    shapes = partial(elastic_rows, basis, Q)
+    modes = Modes(omega, damping_ratios(damping, omega), shapes(structure.P_C))
+    return Reduction(modes, shapes, float(np.sqrt(normal.squares[-1])) / (2.0 * np.pi))
+
+
+def _first_square(structure: Structure, attachments: Array) -> float:
+    """About the first omega^2 [1/s^2]: the least Rayleigh quotient of an attachment mode."""
+    stiffness = np.einsum("ik,ik->k", attachments, structure.K @ attachments)
+    mass = np.einsum("ik,ik->k", attachments, structure.M @ attachments)
+    return float((stiffness / mass).min())

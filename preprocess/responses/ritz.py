@@ -1,0 +1,46 @@
+"""Modes of a body in a space of displacements, by Ritz's method."""
+
+from typing import Any
+
+import numpy as np
+from scipy.linalg import eigh
+
+from ...superelement.validation import Array
+from ..assembly.structure import RIGID, Structure
+from ..errors import MeshError
+from .basis import Basis
+
+LOW = 1e-6
+"""Eigenvalues, relative to the largest, that drown in its rounding: they are found anew from
+displacements.
+"""
+NOTHING = 1e-14
+"""Eigenvalues, relative to the largest, that only rounding keeps from zero."""
+
+
+def ritz_modes(structure: Structure, V: Array, stiffness: Array) -> tuple[Array, Array]:
+    """omega (m,) [rad/s], ascending, and Q (r, m): V^T K V Q = Q diag(omega^2), Q^T Q = I.
+
+    V (n_u, r) with V^T M V = I and V^T M U = 0; stiffness (r, r): V^T K V, of which the upper half
+    is read. `MeshError` if a motion of V has no frequency. Source: W. Ritz, J. reine angew. Math.
+    135 (1909).
+    """
+    squares, Q = eigh(stiffness, lower=False)
+    low = squares < LOW * squares[-1]
+    if low.any():
+        shapes = V @ Q[:, low]
+        squares[low], turn = eigh(shapes.T @ (structure.K @ shapes))
+        Q[:, low] = Q[:, low] @ turn
+    if squares[0] <= NOTHING * squares[-1]:
+        raise MeshError(
+            "expected six zero modes, found "
+            f"{RIGID + int((squares <= NOTHING * squares[-1]).sum())}: the body is a "
+            f"mechanism, eigenvalues {squares[:8].tolist()}"
+        )
+    return np.sqrt(squares), Q
+
+
+def elastic_rows(basis: Basis, Q: Array, rows: Any) -> Array:
+    """rows @ V Q (k, m) for sparse rows (k, n_u), and V the basis after its six rigid modes."""
+    shapes: Array = basis.at(rows)[:, RIGID : RIGID + len(Q)] @ Q
+    return shapes

@@ -1,0 +1,73 @@
+"""Truncated modes, and the band in which they are right."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.sparse as sp
+
+from ...superelement import Modes
+from ...superelement.validation import Array
+from ..assembly.structure import Structure
+from ..body.body import Damping
+from .band import Band
+from .krylov import Watch, krylov_modes
+from .modal import SMALL, Shapes, elastic_shapes
+from .reduction import Reduction, craig_bampton, rubin
+
+RIGHT = 1e-2
+"""Error of the transfer function up to which truncated modes count as right."""
+REFERENCE = 0.1
+"""Share of it that the modes may err by which they are measured against."""
+METHODS: dict[str, Callable[[Structure, Damping, int], Reduction]] = {
+    "craig-bampton": craig_bampton,
+    "rubin": rubin,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Truncation:
+    """Modes, their shapes, and their error from 0 to `limit` [Hz]."""
+
+    modes: Modes
+    shapes: Shapes
+    error: float
+    limit: float
+
+
+def truncated_modes(
+    structure: Structure,
+    damping: Damping,
+    reduction: Reduction,
+    wide: Band,
+    watch: Watch,
+    fields: bool = False,
+) -> Truncation:
+    """The modes of a reduction with the band, within `wide`, in which they are right to `RIGHT`.
+
+    At most up to the frequency of the last mode that was asked for. They are measured: against all
+    modes of a small mesh, and against Krylov's of a large one, which are right to a tenth of that.
+    With `fields` displacements and strains of the whole body count as well. Where no band is found,
+    the error is that in the narrowest one looked at.
+    """
+    band = replace(wide, limit=min(wide.limit, reduction.cutoff))
+    better, shapes, own = _reference(structure, damping, band, watch, fields)
+    turn = _turn(structure, reduction.shapes, shapes) if fields else None
+    right, error = band.within(RIGHT, reduction.modes, better, turn)
+    modes = replace(reduction.modes, h_min=0.25 / right.limit)
+    return Truncation(modes, reduction.shapes, error + own, right.limit)
+
+
+def _reference(
+    structure: Structure, damping: Damping, band: Band, watch: Watch, fields: bool
+) -> tuple[Modes, Shapes, float]:
+    """Modes that are right in the band, their shapes, and their error."""
+    if structure.n_u <= SMALL:
+        return *elastic_shapes(structure, damping), 0.0
+    return krylov_modes(structure, damping, band, REFERENCE * RIGHT, watch, fields)
+
+
+def _turn(structure: Structure, shapes: Shapes, better: Shapes) -> Array:
+    """phi'^T M phi (m', m): the modes of one space in terms of those of a better one."""
+    rows = sp.csr_array(shapes(sp.eye_array(structure.n_u, format="csr")).T @ structure.M)
+    return np.ascontiguousarray(better(rows).T)

@@ -1,0 +1,296 @@
+"""Contacts of a ball with a shape, and stops of joint coordinates.
+
+A ball of radius r about the second frame, or a point (r = 0), meets a shape that the first frame
+carries: a plane, or a sphere or cylinder of radius R about it, from outside or, hollow, from
+inside. Force and damping are those of `ContactLaw` (solver/laws/contact.py).
+"""
+
+import math
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Annotated, Any
+
+from ..errors import ModelError
+from ..laws.contact import ContactLaw
+from ..schema.entry import Beside, Entry, entry, one_of
+from ..schema.values import (
+    ABSENT,
+    Limits,
+    NotNegative,
+    Numbers,
+    OptionalDirection,
+    Pair,
+    Positive,
+)
+from .friction import AnyCoefficient
+from .joints import Joint
+
+NO_PATCH: Any = (0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class ShapeType:
+    """Which keys a shape takes."""
+
+    round: bool = False
+    """has a radius and may be hollow"""
+    axis: bool = False
+    """needs one"""
+    length: bool = False
+    """may have one"""
+
+
+SHAPE_TYPES = {
+    "plane": ShapeType(axis=True),
+    "sphere": ShapeType(round=True),
+    "cylinder": ShapeType(round=True, axis=True, length=True),
+}
+
+
+@entry(eq=True)
+class Hertz(Entry):
+    """Materials of the first and the second body: E [Pa] and nu."""
+
+    label = "hertz"
+
+    E: Numbers
+    nu: Numbers
+
+    def validate(self) -> None:
+        if len(self.E) != 2 or not all(value > 0.0 for value in self.E):
+            raise self.error(f"E: expected two positive numbers, got {list(self.E)}")
+        if len(self.nu) != 2 or not all(0.0 <= value <= 0.5 for value in self.nu):
+            raise self.error(f"nu: expected two numbers from 0 to 0.5, got {list(self.nu)}")
+
+    @property
+    def modulus(self) -> float:
+        """E*, 1 / E* = sum of (1 - nu^2) / E."""
+        return 1.0 / sum(_flexibility(E, nu) for E, nu in zip(self.E, self.nu, strict=True))
+
+    def patch_compliance(self, radii: tuple[float, ...]) -> float:
+        """16 (1 - nu^2) / (3 pi^2 E b): mean sinking of a patch of radius b under its own load."""
+        return sum(
+            16.0 / (3.0 * math.pi**2) * _flexibility(E, nu) / b
+            for E, nu, b in zip(self.E, self.nu, radii, strict=True)
+            if b > 0.0
+        )
+
+
+def _flexibility(E: float, nu: float) -> float:
+    return (1.0 - nu**2) / E
+
+
+@entry(eq=True)
+class ForceTable(Entry):
+    """Force [N, N m] over penetration [m, rad]: points from 0 on; straight beyond the last."""
+
+    label = "law"
+
+    penetration: Numbers
+    force: Numbers
+
+    def validate(self) -> None:
+        for name, values in (("penetration", self.penetration), ("force", self.force)):
+            if len(values) < 2 or values[0] != 0.0:
+                raise self.error(f"{name}: expected two or more numbers from 0, got {list(values)}")
+            if any(b <= a for a, b in pairwise(values)):
+                raise self.error(f"{name}: expected rising numbers, got {list(values)}")
+        if len(self.penetration) != len(self.force):
+            raise self.error(
+                f"expected as many forces as penetrations, got {len(self.force)} and "
+                f"{len(self.penetration)}"
+            )
+
+
+@entry(eq=True)
+class Impact(Entry):
+    """The force of a contact or stop by its penetration d, and what an impact loses.
+
+    stiffness d^exponent, or `law`, a table; restitution, exact for two free bodies at the speed of
+    each impact, or damping [s/m, s/rad], by which the force is multiplied with 1 + damping d';
+    slow [m/s, rad/s]: slower impacts are damped as this one.
+    """
+
+    stiffness: Positive | None = None
+    exponent: Positive | None = None
+    law: ForceTable | None = None
+    restitution: Positive = 1.0
+    damping: NotNegative = 0.0
+    slow: Positive = 0.01
+
+    def validate(self) -> None:
+        if not self.restitution <= 1.0:
+            raise self.error(
+                f"restitution: expected more than 0 and at most 1, got {self.restitution:g}"
+            )
+        if self.damping > 0.0 and self.restitution < 1.0:
+            raise self.error("expected restitution or damping, got both")
+        if self.exponent is not None and self.stiffness is None:
+            raise self.error("exponent: belongs to a stiffness, got none")
+        if self.exponent is not None and self.exponent < 1.0:
+            raise self.error(f"exponent: expected 1 or more, got {self.exponent:g}")
+
+    def beyond(self, limits: tuple[float, float]) -> ContactLaw:
+        """The law of a coordinate that is free between limits."""
+        return self._law(limits, self.stiffness or 0.0, self.exponent or 1.0)
+
+    def hertzian(self, stiffness: float, patch: float) -> ContactLaw:
+        """The law of a gap whose stiffness [N/m^1.5] follows from materials and radii."""
+        return self._law((0.0, math.inf), stiffness, 1.5, patch)
+
+    def _law(
+        self, limits: tuple[float, float], stiffness: float, exponent: float, patch: float = 0.0
+    ) -> ContactLaw:
+        return ContactLaw(
+            limits,
+            stiffness,
+            exponent,
+            self.restitution,
+            self.slow,
+            self.damping,
+            patch,
+            penetration=self.law.penetration if self.law else (),
+            force=self.law.force if self.law else (),
+        )
+
+
+@entry()
+class Contact(Entry):
+    """A ball about the second frame against a shape that the first carries.
+
+    axis (3,), in space at the start: the normal of a plane, towards the ball, or the axis of a
+    cylinder; radius [m] of a sphere or cylinder about the first frame; hollow: the ball is inside;
+    length [m] of a cylinder, half to each side of the frame, beyond which there is no contact;
+    ball [m]: its radius, 0 for a point. The force is that of one of `hertz`, `stiffness` and `law`.
+    patch [m]: radii of the patches of the first and second interface over which their motion is
+    averaged, whose own compliance the law of Hertz then leaves out. friction: a coefficient, with
+    tangential_stiffness [N/m] of the contact before it slips and tangential_damping [N s/m].
+    """
+
+    label = "contact {name!r}"
+
+    name: str
+    between: Pair
+    shape: Annotated[str, one_of(SHAPE_TYPES)]
+    ball: NotNegative
+    axis: OptionalDirection = ABSENT
+    radius: Positive | None = None
+    hollow: bool = False
+    length: Positive | None = None
+    hertz: Hertz | None = None
+    patch: Numbers = NO_PATCH
+    impact: Annotated[Impact, Beside()] = field(default_factory=Impact)
+    friction: AnyCoefficient | None = None
+    tangential_stiffness: Positive | None = None
+    tangential_damping: NotNegative | None = None
+
+    @property
+    def kind(self) -> ShapeType:
+        return SHAPE_TYPES[self.shape]
+
+    def validate(self) -> None:
+        self._check_shape()
+        self._check_force()
+        if (self.friction is None) != (self.tangential_stiffness is None):
+            given, missing = "friction", "tangential_stiffness"
+            if self.friction is None:
+                given, missing = missing, given
+            raise self.error(f"{missing}: needed with {given}")
+        if self.tangential_damping is not None and self.friction is None:
+            raise self.error("tangential_damping: belongs to friction, got none")
+
+    def law(self) -> ContactLaw:
+        """The law of the gap."""
+        if self.hertz is None:
+            return self.impact.beyond((0.0, math.inf))
+        stiffness = 4.0 / 3.0 * self.hertz.modulus * math.sqrt(self._effective_radius())
+        return self.impact.hertzian(stiffness, self.hertz.patch_compliance(self.patch))
+
+    def _effective_radius(self) -> float:
+        """(k1 k2)^(-1/2) of the sums k1, k2 of the curvatures of both surfaces."""
+        own = 1.0 / self.ball
+        curved = own if self.radius is None else own + (-1.0 if self.hollow else 1.0) / self.radius
+        other = curved if self.shape == "sphere" else own
+        return 1.0 / math.sqrt(curved * other)
+
+    def _check_shape(self) -> None:
+        kind = self.kind
+        if kind.axis != (self.axis is not None):
+            raise self.error(f"axis: a {self.shape} {'needs one' if kind.axis else 'takes none'}")
+        if kind.round != (self.radius is not None):
+            takes = "needs one" if kind.round else "takes none"
+            raise self.error(f"radius: a {self.shape} {takes}")
+        if self.length is not None and not kind.length:
+            raise self.error(f"length: a {self.shape} takes none")
+        if self.hollow and not kind.round:
+            raise self.error(f"hollow: a {self.shape} cannot be")
+        if self.hollow and self.radius is not None and self.ball >= self.radius:
+            raise self.error(
+                f"ball: expected less than the hollow radius, {self.radius:g}, got {self.ball:g}"
+            )
+
+    def _check_force(self) -> None:
+        given = {
+            "hertz": self.hertz,
+            "stiffness": self.impact.stiffness,
+            "law": self.impact.law,
+        }
+        present = [name for name, value in given.items() if value is not None]
+        if len(present) != 1:
+            found = " and ".join(present) or "none"
+            raise self.error(f"expected one of hertz, stiffness and law, found {found}")
+        if self.hertz is not None and self.ball == 0.0:
+            raise self.error("hertz: a point has no radius: expected ball > 0, or stiffness")
+        if len(self.patch) != 2 or min(self.patch) < 0.0:
+            raise self.error(f"patch: expected two radii of at least 0, got {list(self.patch)}")
+        if any(self.patch) and self.hertz is None:
+            raise self.error("patch: belongs to hertz, got none")
+
+
+@entry()
+class Stop(Entry):
+    """Limits of a joint coordinate, with the force of a contact beyond them.
+
+    coordinate: one that the joint leaves free, or drives; range [m, rad]: its free play, of which
+    one end may be infinite. The gaps of play and backlash are such ranges.
+    """
+
+    label = "stop {name!r}"
+
+    name: str
+    joint: str
+    coordinate: str
+    range: Limits
+    impact: Annotated[Impact, Beside()] = field(default_factory=Impact)
+
+    def validate(self) -> None:
+        if (self.impact.stiffness is None) == (self.impact.law is None):
+            found = "none" if self.impact.law is None else "both"
+            raise self.error(f"expected one of stiffness and law, found {found}")
+
+
+@dataclass(frozen=True)
+class JointStop:
+    """A stop with the joint that it belongs to."""
+
+    stop: Stop
+    joint: Joint
+
+    @property
+    def name(self) -> str:
+        return self.stop.name
+
+    @property
+    def owner(self) -> str:
+        return self.stop.owner
+
+    @property
+    def between(self) -> tuple[str, str]:
+        return self.joint.between
+
+    @property
+    def type(self) -> str:
+        return self.joint.type
+
+    def error(self, message: str) -> ModelError:
+        return self.stop.error(message)

@@ -1,0 +1,135 @@
+"""Contacts: whether they are closed, and what happens in each from closing to opening.
+
+A contact is a coupling whose first row, a gap or a coordinate of a joint, has a law that stores
+energy where it is engaged (laws/contact.py); the other rows are its friction. An open contact
+exerts nothing, and the derivatives of its rows are not computed.
+"""
+
+from ..compiler.marks import compiled
+from ..laws import evaluate_law
+from .gaps import has_ends, is_blocked, settled_axis, slip_axis
+from .rows import GAP
+from .system import Couplings, State, Workspace
+from .vectors import Vector
+
+START, END, STEPS, PEAK, IMPULSE, CLOSING, OPENING, RESTITUTION, DISSIPATED = range(9)
+"""columns of an event"""
+
+
+@compiled
+def set_closed(couplings: Couplings, j: int, state: State, work: Workspace) -> None:
+    """The status of contact j: closed where the law of its first row stores energy."""
+    laws, out, i = couplings.laws, work.couplings, couplings.range[j]
+    m = laws.range[i]
+    parameters = laws.parameters[laws.first[m] : laws.first[m + 1]]
+    memory = state.couplings.memory[laws.memory[m] : laws.memory[m + 1]]
+    c = out.coordinate[i] - laws.rest[i]
+    _, _, _, energy = evaluate_law(
+        laws.number[m], parameters, memory, out.elapsed[0], c, out.rate[i]
+    )
+    if energy == 0.0:
+        out.status[j] = 0
+    elif out.status[j] == 0:
+        out.status[j] = 1
+        if couplings.friction_of[j] >= 0 and couplings.rows.kind[i] == GAP:
+            _set_slip_axis(couplings, j, slip_axis(couplings.rows, i, work), work)
+
+
+@compiled
+def has_switched(couplings: Couplings, work: Workspace) -> bool:
+    """Whether a contact has opened, closed, stuck or slipped since the matrix was made."""
+    switched = False
+    for w in range(len(couplings.switching)):
+        j = couplings.switching[w]
+        switched = switched or work.couplings.status[j] != work.matrix.status[j]
+    return switched
+
+
+@compiled
+def note_status(couplings: Couplings, work: Workspace) -> None:
+    """The matrix is that of the present status."""
+    for w in range(len(couplings.switching)):
+        j = couplings.switching[w]
+        work.matrix.status[j] = work.couplings.status[j]
+
+
+@compiled
+def release_open(couplings: Couplings, state: State, work: Workspace) -> None:
+    """No forces in open contacts, to the bit."""
+    for k in range(len(couplings.contact)):
+        j = couplings.contact[k]
+        if not work.couplings.status[j]:
+            for i in range(couplings.range[j], couplings.range[j + 1]):
+                state.couplings.lam[i] = 0.0
+
+
+@compiled
+def settle_contacts(couplings: Couplings, work: Workspace) -> None:
+    """At the end of a step: which balls are beyond an end of their shape, and axes of slip, which
+    go on with the normal.
+    """
+    rows, out = couplings.rows, work.couplings
+    for k in range(len(couplings.contact)):
+        j = couplings.contact[k]
+        i = couplings.range[j]
+        if rows.kind[i] == GAP:
+            if has_ends(rows, i):
+                out.blocked[i] = int(is_blocked(rows, i, work))
+            if out.status[j] and couplings.friction_of[j] >= 0:
+                _set_slip_axis(couplings, j, settled_axis(rows, i + 1, work), work)
+
+
+@compiled
+def _set_slip_axis(couplings: Couplings, j: int, axis: Vector, work: Workspace) -> None:
+    for i in range(couplings.range[j] + 1, couplings.range[j + 1]):
+        for x in range(3):
+            work.couplings.slip_axis[i, x] = axis[x]
+
+
+@compiled
+def _penetration(couplings: Couplings, i: int, c: float) -> tuple[float, float]:
+    """How far the coordinate of row i is beyond the nearer limit of its law, and the way out."""
+    laws = couplings.laws
+    first = laws.first[laws.range[i]]
+    lower, upper = laws.parameters[first], laws.parameters[first + 1]
+    return (lower - c, -1.0) if lower - c > c - upper else (c - upper, 1.0)
+
+
+@compiled
+def follow_contact(couplings: Couplings, j: int, state: State, work: Workspace) -> None:
+    """Contact j from the start to the end of a step, whose work is counted already."""
+    contacts, old, out = state.contacts, state.couplings, work.couplings
+    k, i, h = couplings.contact_of[j], couplings.range[j], out.elapsed[0]
+    closed, t = out.status[j] > 0, state.step[0] * h
+    if not closed and not contacts.steps[k]:
+        return
+    before, side = _penetration(couplings, i, old.coordinate[i])
+    after, new_side = _penetration(couplings, i, out.coordinate[i])
+    crossing = t + h * min(max(before / (before - after), 0.0), 1.0) if before != after else t
+    if closed and not contacts.steps[k]:
+        contacts.begin[k] = crossing
+        contacts.closing_speed[k] = max(new_side * old.rate[i], 0.0)
+        contacts.work[k] = contacts.work_done[k]
+        contacts.peak[k] = contacts.impulse[k] = 0.0
+    contacts.work_done[k] = state.energies.compliance[j]
+    if closed:
+        contacts.steps[k] += 1
+        contacts.peak[k] = max(contacts.peak[k], abs(old.lam[i]))
+        contacts.impulse[k] += h * abs(old.lam[i])
+    else:
+        _end_contact(state, k, crossing, max(-side * out.rate[i], 0.0))
+
+
+@compiled
+def _end_contact(state: State, k: int, end: float, opening_speed: float) -> None:
+    contacts = state.contacts
+    n, closing_speed = contacts.n_events[0], contacts.closing_speed[k]
+    event = contacts.event[n]
+    contacts.event_contact[n] = k
+    contacts.n_events[0] = n + 1
+    event[START], event[END], event[STEPS] = contacts.begin[k], end, contacts.steps[k]
+    event[PEAK], event[IMPULSE] = contacts.peak[k], contacts.impulse[k]
+    event[CLOSING], event[OPENING] = closing_speed, opening_speed
+    event[RESTITUTION] = opening_speed / closing_speed if closing_speed > 0.0 else 0.0
+    event[DISSIPATED] = contacts.work[k] - contacts.work_done[k]
+    contacts.steps[k] = 0

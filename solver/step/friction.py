@@ -1,0 +1,174 @@
+"""Friction on rows of a coupling: a bristle that bends, and slips where it cannot hold.
+
+With the normal force N, the change dc of the coordinate in the step, its rate w at the end and the
+deflection s of the bristle at the start, both of one or two rows,
+
+    f* = stiffness (s + dc) + damping w
+    |f*| <= mu N:   f = f*                  s+ = s + dc                         sticks
+    else:           f = mu N e, e = f*/|f*|,  s+ = (f - damping w) / stiffness     slips
+
+    mu = sliding + (static - sliding) exp(-(|w| / speed)^2)
+
+and phi = lambda + f + viscous w. What sticks does not creep. Source: docs/theory.md, Contact.
+"""
+
+import math
+
+from ..arrays import Array
+from ..compiler.marks import compiled
+from .rows import slips
+from .system import Couplings, State, Workspace
+
+STICKS, SLIPS = 1, 2
+GROUPS = 3
+"""of rows in a normal force"""
+
+Bristle = tuple[float, float, float, float]
+"""normal force, |f*|, limit mu N and its derivative by |w|"""
+
+
+@compiled
+def _root(square: float) -> float:
+    # of a constant zero LLVM would make a call of sqrtf, which is not linked
+    return math.sqrt(square) if square > 0.0 else 0.0
+
+
+@compiled
+def set_normal_force(
+    couplings: Couplings, first: int, r: int, lam: Array, work: Workspace
+) -> float:
+    """N of friction r on a coupling whose rows begin at `first`, and its derivatives."""
+    friction, slope = couplings.friction, work.couplings.normal_slope
+    end = friction.first[r]
+    total = friction.preload[r]
+    for group in range(GROUPS):
+        squares = 0.0
+        for i in range(first, end):
+            if friction.group[i] == group:
+                part = friction.weight[i] * lam[i]
+                squares += part * part
+        N = _root(squares)
+        total += N
+        for i in range(first, end):
+            if friction.group[i] == group:
+                part = friction.weight[i] * lam[i]
+                slope[i] = friction.weight[i] * part / N if N > 0.0 else 0.0
+    return float(total)
+
+
+@compiled
+def trial_force(couplings: Couplings, r: int, i: int, state: State, work: Workspace) -> float:
+    """f* of row i."""
+    friction, out = couplings.friction, work.couplings
+    change = out.coordinate[i] - state.couplings.coordinate[i]
+    elastic = friction.stiffness[r] * (state.couplings.bristle[i] + change)
+    return float(elastic + friction.damping[r] * out.rate[i])
+
+
+@compiled
+def _speed(couplings: Couplings, r: int, work: Workspace) -> float:
+    friction, squares = couplings.friction, 0.0
+    for i in range(friction.first[r], friction.first[r] + friction.n[r]):
+        squares += work.couplings.rate[i] * work.couplings.rate[i]
+    return _root(squares)
+
+
+@compiled
+def bristle_of(couplings: Couplings, j: int, first: int, state: State, work: Workspace) -> Bristle:
+    """The bristle of coupling j, whose rows begin at `first`."""
+    friction, r = couplings.friction, couplings.friction_of[j]
+    N = set_normal_force(couplings, first, r, state.couplings.lam, work)
+    squares = 0.0
+    for i in range(friction.first[r], friction.first[r] + friction.n[r]):
+        force = trial_force(couplings, r, i, state, work)
+        squares += force * force
+    speed, limit = _speed(couplings, r, work), friction.speed[r]
+    excess = 0.0
+    if friction.static[r] > friction.sliding[r]:
+        excess = (friction.static[r] - friction.sliding[r]) * math.exp(
+            -(speed / limit) * (speed / limit)
+        )
+    mu = friction.sliding[r] + excess
+    slope = -2.0 * excess * speed / (limit * limit) * N if excess > 0.0 else 0.0
+    return N, _root(squares), mu * N, slope
+
+
+@compiled
+def set_friction_residual(
+    couplings: Couplings, j: int, first: int, state: State, work: Workspace
+) -> None:
+    """phi and scale of the rows with friction of coupling j, and whether it sticks."""
+    friction, r, out = couplings.friction, couplings.friction_of[j], work.couplings
+    end = friction.first[r] + friction.n[r]
+    if not 0.0 < out.elapsed[0] < math.inf:  # none at the start
+        for i in range(friction.first[r], end):
+            out.phi[i] = state.couplings.lam[i]
+            out.scale[i] = abs(out.phi[i])
+        return
+    _, size, limit, _ = bristle_of(couplings, j, first, state, work)
+    out.status[j] = STICKS if size < limit else SLIPS
+    share = 1.0 if size < limit else limit / max(size, 1e-300)
+    for i in range(friction.first[r], end):
+        force = share * trial_force(couplings, r, i, state, work)
+        viscous = friction.viscous[r] * out.rate[i]
+        out.phi[i] = state.couplings.lam[i] + force + viscous
+        out.scale[i] = abs(state.couplings.lam[i]) + abs(force) + abs(viscous)
+
+
+@compiled
+def set_friction_derivative(
+    couplings: Couplings, j: int, first: int, h: float, state: State, work: Workspace
+) -> None:
+    """A and Z of the rows with friction of coupling j; the force has
+
+    df = share (1 - e e^T) (stiffness dc + damping dw) + e (mu dN + N mu' d|w|) + viscous dw
+
+    with e = 0 and share = 1 where it sticks.
+    """
+    friction, r, out = couplings.friction, couplings.friction_of[j], work.couplings
+    begin, n = friction.first[r], friction.n[r]
+    N, size, limit, slope = bristle_of(couplings, j, first, state, work)
+    slides = out.status[j] == SLIPS
+    share = limit / max(size, 1e-300) if slides else 1.0
+    speed = _speed(couplings, r, work)
+    mu = limit / N if N > 0.0 else friction.static[r]
+    for i in range(begin, begin + n):
+        out.A[i, :] = 0.0
+        e_i = trial_force(couplings, r, i, state, work) / max(size, 1e-300) if slides else 0.0
+        for k in range(first, begin):
+            out.Z[i, k - first] = mu * e_i * out.normal_slope[k]
+        for k in range(begin, begin + n):
+            e_k = trial_force(couplings, r, k, state, work) / max(size, 1e-300) if slides else 0.0
+            same = 1.0 if i == k else 0.0
+            factor = share * (same - e_i * e_k)
+            by_rate = factor * friction.damping[r] + same * friction.viscous[r]
+            if slides and speed > 0.0:
+                by_rate += e_i * slope * out.rate[k] / speed
+            by_change = factor * friction.stiffness[r]
+            if slips(couplings.rows.kind[k]):
+                by_rate += 0.5 * h * by_change
+                by_change = 0.0
+            for z in range(24):
+                out.A[i, z] += h * h * (by_change * out.B[k, z] + by_rate * out.B_rate[k, z])
+
+
+@compiled
+def bend_bristle(couplings: Couplings, j: int, first: int, state: State, work: Workspace) -> None:
+    """The bristle of coupling j at the end of a step."""
+    friction, r, out = couplings.friction, couplings.friction_of[j], work.couplings
+    holds = couplings.contact_of[j] < 0 or out.status[j] > 0
+    _, size, limit, _ = bristle_of(couplings, j, first, state, work)
+    share = 1.0 if size < limit else limit / max(size, 1e-300)
+    for i in range(friction.first[r], friction.first[r] + friction.n[r]):
+        force = share * trial_force(couplings, r, i, state, work)
+        bristle = (force - friction.damping[r] * out.rate[i]) / friction.stiffness[r]
+        state.couplings.bristle[i] = bristle if holds else 0.0
+
+
+@compiled
+def bristle_energy(couplings: Couplings, r: int, state: State) -> float:
+    friction, total = couplings.friction, 0.0
+    for i in range(friction.first[r], friction.first[r] + friction.n[r]):
+        bristle = state.couplings.bristle[i]
+        total += 0.5 * friction.stiffness[r] * bristle * bristle
+    return total

@@ -1,0 +1,236 @@
+"""Rows of a contact: the gap between a ball on frame B and a shape that frame A carries, and slip.
+
+With y = D_A^T Delta, Delta = r_B - r_A, a shape of distance s(y) (shapes.py), turned inside out
+where the ball is inside, and a ball of radius r,
+
+    gap     c = s(y) - r                gradient: r_A: -n,  theta_A: n x Delta,  r_B: n
+
+with n = D_A grad s. The bodies touch at r_B - r n, l_A = Delta - r n from A and l_B = -r n from B;
+there they slip along t1, which is an axis of A projected on the tangent plane, and t2 = n x t1:
+
+    slip    no coordinate               gradient: r_A: -t,  theta_A: -l_A x t,
+                                                  r_B:  t,  theta_B:  l_B x t
+
+The axis is that of t1 at the last step, so that it rolls along with the normal. A shape is turned
+by w = dtheta_A and passed by at m = dDelta - w x Delta:
+
+    dn = D_A K D_A^T m + w x n
+    dt1 = w x t1 + (1 - t1 t1^T) dp / |p|,  p = (1 - n n^T) axis
+    dt2 = w x t2 + dn' x t1 + n x dt1'
+
+with dn', dt1' less the parts of w. Source: docs/theory.md, Contact.
+"""
+
+import math
+
+from ..arrays import Array
+from ..compiler.marks import compiled
+from .kinds import delta_of, row_kind
+from .shapes import Curvature, curve, surface_at
+from .system import Rows, Workspace
+from .vectors import UNITS, Vector, add, cross, dot, rotate, rotate_back, row, scale, subtract
+
+BALL, SIDE, SHAPE = 0, 1, 2
+"""parameters of a row: radius of the ball, 1 or -1 for a ball inside, then those of the shape"""
+STEEPEST = 1e-3
+"""length of the projected axis below which it gives no direction"""
+ZERO = (0.0, 0.0, 0.0)
+
+
+@compiled
+def _surface(rows: Rows, i: int, work: Workspace) -> tuple[float, Vector, Curvature, float]:
+    """The gap, n and K in the axes of A, and how far the ball is beyond the ends of the shape."""
+    parameters = rows.parameters[rows.first[i] : rows.first[i + 1]]
+    y = rotate_back(work.frames.D, rows.frame_a[i], delta_of(rows, i, work))
+    s, n, K, beyond = surface_at(
+        rows.shape[i], parameters[SHAPE:], row(rows.a, i), row(rows.a_turned, i), y
+    )
+    side = parameters[SIDE]
+    K = (side * K[0], side * K[1], side * K[2], side * K[3], side * K[4], side * K[5])
+    return side * s - parameters[BALL], scale(side, n), K, beyond
+
+
+@compiled
+def is_blocked(rows: Rows, i: int, work: Workspace) -> bool:
+    """Whether the ball is where a contact cannot have begun: beyond an end, or in from there."""
+    gap, _, _, beyond = _surface(rows, i, work)
+    return bool(gap < 0.0 and (beyond > 0.0 or work.couplings.blocked[i] == 1))
+
+
+@compiled
+def has_ends(rows: Rows, i: int) -> bool:
+    """Whether the shape is a cylinder of finite length."""
+    k = rows.first[i] + SHAPE + 1
+    return bool(k < rows.first[i + 1] and rows.parameters[k] < math.inf)
+
+
+@compiled
+def slip_axis(rows: Rows, i: int, work: Workspace) -> Vector:
+    """An axis across the normal, from which slip is counted when a contact begins."""
+    _, n, _, _ = _surface(rows, i, work)
+    along, across = row(rows.a, i), row(rows.a_turned, i)
+    best, least = along, abs(dot(along, n))
+    for axis in (across, cross(along, across)):
+        if abs(dot(axis, n)) < least - 1e-9:
+            best, least = axis, abs(dot(axis, n))
+    return best
+
+
+@compiled
+def settled_axis(rows: Rows, i: int, work: Workspace) -> Vector:
+    """t1 of slip i in the axes of A."""
+    _, n, _, _ = _surface(rows, i, work)
+    f = rows.frame_a[i]
+    t, _, _ = tangents(rows, i, rotate(work.frames.D, f, n), work)
+    return rotate_back(work.frames.D, f, t)
+
+
+@row_kind(length=True)
+class Gap:
+    """c = s(y) - r"""
+
+    number: int
+
+    @staticmethod
+    def evaluate(
+        rows: Rows, i: int, angle: float, near: float, work: Workspace, gradient: Array
+    ) -> float:
+        gap, n, _, beyond = _surface(rows, i, work)
+        n = rotate(work.frames.D, rows.frame_a[i], n)
+        lever = cross(n, delta_of(rows, i, work))
+        for k in range(3):
+            gradient[k] = -n[k]
+            gradient[3 + k] = lever[k]
+            gradient[6 + k] = n[k]
+        if beyond > 0.0:
+            return max(gap, 0.0) + beyond
+        return abs(gap) if work.couplings.blocked[i] else gap
+
+    @staticmethod
+    def add_tangent(
+        rows: Rows, i: int, angle: float, factor: float, work: Workspace, H: Array
+    ) -> None:
+        _, n, K, _ = _surface(rows, i, work)
+        n, delta = rotate(work.frames.D, rows.frame_a[i], n), delta_of(rows, i, work)
+        for j in range(9):
+            w, d_delta = _motion(j)
+            dn = add(_turned_normal(rows, i, K, w, d_delta, delta, work), cross(w, n))
+            d_lever = add(cross(dn, delta), cross(n, d_delta))
+            for k in range(3):
+                H[k, j] -= factor * dn[k]
+                H[3 + k, j] += factor * d_lever[k]
+                H[6 + k, j] += factor * dn[k]
+
+
+@compiled
+def _motion(j: int) -> tuple[Vector, Vector]:
+    """dtheta_A and dDelta of a unit of coordinate j of (r_A, theta_A, r_B)."""
+    e = UNITS[j % 3]
+    if j < 3:
+        return ZERO, scale(-1.0, e)
+    return (e, ZERO) if j < 6 else (ZERO, e)
+
+
+@compiled
+def _turned_normal(
+    rows: Rows, i: int, K: Curvature, w: Vector, d_delta: Vector, delta: Vector, work: Workspace
+) -> Vector:
+    """D_A K D_A^T (dDelta - w x Delta)"""
+    f, m = rows.frame_a[i], subtract(d_delta, cross(w, delta))
+    return rotate(work.frames.D, f, curve(K, rotate_back(work.frames.D, f, m)))
+
+
+@compiled
+def tangents(rows: Rows, i: int, n: Vector, work: Workspace) -> tuple[Vector, Vector, float]:
+    """t1 and the axis in space, and 1 / |p|; zero where the axis gives no direction."""
+    axis = rotate(work.frames.D, rows.frame_a[i], row(work.couplings.slip_axis, i))
+    p = subtract(axis, scale(dot(n, axis), n))
+    length = math.sqrt(dot(p, p))
+    inverse = 1.0 / length if length > STEEPEST else 0.0
+    return scale(inverse, p), axis, inverse
+
+
+@compiled
+def _set_slip(rows: Rows, i: int, second: bool, work: Workspace, gradient: Array) -> None:
+    _, n, _, _ = _surface(rows, i, work)
+    n = rotate(work.frames.D, rows.frame_a[i], n)
+    t, _, _ = tangents(rows, i, n, work)
+    if second:
+        t = cross(n, t)
+    l_B = scale(-rows.parameters[rows.first[i] + BALL], n)
+    l_A = add(delta_of(rows, i, work), l_B)
+    by_A, by_B = cross(l_A, t), cross(l_B, t)
+    for k in range(3):
+        gradient[k] = -t[k]
+        gradient[3 + k] = -by_A[k]
+        gradient[6 + k] = t[k]
+        gradient[9 + k] = by_B[k]
+
+
+@compiled
+def _add_slip_tangent(
+    rows: Rows, i: int, second: bool, factor: float, work: Workspace, H: Array
+) -> None:
+    _, n, K, _ = _surface(rows, i, work)
+    n, delta = rotate(work.frames.D, rows.frame_a[i], n), delta_of(rows, i, work)
+    t1, axis, inverse = tangents(rows, i, n, work)
+    t = cross(n, t1) if second else t1
+    r = rows.parameters[rows.first[i] + BALL]
+    l_B = scale(-r, n)
+    l_A = add(delta, l_B)
+    for j in range(9):
+        w, d_delta = _motion(j)
+        dn = _turned_normal(rows, i, K, w, d_delta, delta, work)
+        dp = scale(-1.0, add(scale(dot(n, axis), dn), scale(dot(dn, axis), n)))
+        dt = scale(inverse, subtract(dp, scale(dot(t1, dp), t1)))
+        if second:
+            dt = add(cross(dn, t1), cross(n, dt))
+        dn, dt = add(dn, cross(w, n)), add(dt, cross(w, t))
+        dl_B = scale(-r, dn)
+        dl_A = add(d_delta, dl_B)
+        by_A, by_B = add(cross(dl_A, t), cross(l_A, dt)), add(cross(dl_B, t), cross(l_B, dt))
+        for k in range(3):
+            H[k, j] -= factor * dt[k]
+            H[3 + k, j] -= factor * by_A[k]
+            H[6 + k, j] += factor * dt[k]
+            H[9 + k, j] += factor * by_B[k]
+
+
+@row_kind(length=True, slips=True)
+class FirstSlip:
+    """The rate along t1."""
+
+    number: int
+
+    @staticmethod
+    def evaluate(
+        rows: Rows, i: int, angle: float, near: float, work: Workspace, gradient: Array
+    ) -> float:
+        _set_slip(rows, i, False, work, gradient)
+        return 0.0
+
+    @staticmethod
+    def add_tangent(
+        rows: Rows, i: int, angle: float, factor: float, work: Workspace, H: Array
+    ) -> None:
+        _add_slip_tangent(rows, i, False, factor, work, H)
+
+
+@row_kind(length=True, slips=True)
+class SecondSlip:
+    """The rate along t2."""
+
+    number: int
+
+    @staticmethod
+    def evaluate(
+        rows: Rows, i: int, angle: float, near: float, work: Workspace, gradient: Array
+    ) -> float:
+        _set_slip(rows, i, True, work, gradient)
+        return 0.0
+
+    @staticmethod
+    def add_tangent(
+        rows: Rows, i: int, angle: float, factor: float, work: Workspace, H: Array
+    ) -> None:
+        _add_slip_tangent(rows, i, True, factor, work, H)
