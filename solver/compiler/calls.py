@@ -9,7 +9,7 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from .foreign import ForeignError
+from ..errors import ForeignError
 
 NUMBERS, WORD, DOUBLE = types.CPointer(types.float64), ir.IntType(64), ir.DoubleType()
 RESULTS = types.UniTuple(types.float64, 4)

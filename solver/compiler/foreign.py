@@ -28,10 +28,6 @@ def call_by_address(
     return (0.0, 0.0, 0.0, 0.0) if results is None else results
 
 
-class ForeignError(Exception):
-    """A function that cannot be compiled, or returns something else."""
-
-
 @cache
 def address_of(function: Callable[..., Any], returns: bool) -> int:
     """The address of the machine code of a function (parameters, memory, h, c, rate).

@@ -8,7 +8,8 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from ..arrays import Array
-from ..compiler.foreign import ForeignError, address_of, call_by_address
+from ..compiler.foreign import address_of, call_by_address
+from ..errors import ForeignError
 from ..schema.entry import Takes, entry
 from ..schema.values import NONE, Numbers
 from .law import Evaluation, ForceLaw, law_number
