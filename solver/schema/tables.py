@@ -56,13 +56,15 @@ def entry_of(kind: type[AnyEntry], table: Mapping[str, Any]) -> AnyEntry:
     values: dict[str, Any] = {}
     for field, hint in declared(kind):
         if note(hint, Beside):
-            values[field.name] = entry_of(_bare(hint), table)
+            try:
+                values[field.name] = entry_of(_bare(hint), table)
+            except ModelError as error:
+                raise _owned(kind, values, str(error)) from error
         elif (key := key_of(field, hint)) in table:
             try:
                 values[field.name] = _read(hint, table[key])
             except ValueError as error:
-                owner = filled(kind.label, values)
-                raise ModelError(f"{owner}: {field.name}: {error}") from error
+                raise _owned(kind, values, f"{field.name}: {error}") from error
     return kind(**values)
 
 
@@ -93,6 +95,11 @@ def _read_members(family: Family, value: Any) -> Any:
 def _holds_tables(value: Any) -> bool:
     items = value if isinstance(value, list | tuple) else [value]
     return any(isinstance(item, Mapping) for item in items)
+
+
+def _owned(kind: type[Entry], values: Mapping[str, Any], message: str) -> ModelError:
+    """An error of an entry of which some values are known, its name among them."""
+    return ModelError(f"{filled(kind.label, values)}: {message}" if kind.label else message)
 
 
 def value_of(value: Any) -> Any:

@@ -7,13 +7,14 @@ exerts nothing, and the derivatives of its rows are not computed.
 
 from ..compiler.marks import compiled
 from ..laws import evaluate_law
+from ..laws.contact import penetration
 from .gaps import has_ends, is_blocked, settled_axis, slip_axis
 from .rows import GAP
-from .system import Couplings, State, Workspace
+from .system import ContactState, Couplings, State, Workspace
 from .vectors import Vector
 
 START, END, STEPS, PEAK, IMPULSE, CLOSING, OPENING, RESTITUTION, DISSIPATED = range(9)
-"""columns of an event"""
+"""columns of an event, those of results/schema.py"""
 
 
 @compiled
@@ -87,12 +88,11 @@ def _set_slip_axis(couplings: Couplings, j: int, axis: Vector, work: Workspace) 
 
 
 @compiled
-def _penetration(couplings: Couplings, i: int, c: float) -> tuple[float, float]:
+def penetration_of(couplings: Couplings, i: int, c: float) -> tuple[float, float]:
     """How far the coordinate of row i is beyond the nearer limit of its law, and the way out."""
     laws = couplings.laws
-    first = laws.first[laws.range[i]]
-    lower, upper = laws.parameters[first], laws.parameters[first + 1]
-    return (lower - c, -1.0) if lower - c > c - upper else (c - upper, 1.0)
+    m = laws.range[i]
+    return penetration(laws.parameters[laws.first[m] : laws.first[m + 1]], c)
 
 
 @compiled
@@ -103,19 +103,22 @@ def follow_contact(couplings: Couplings, j: int, state: State, work: Workspace) 
     closed, t = out.status[j] > 0, state.step[0] * h
     if not closed and not contacts.steps[k]:
         return
-    before, side = _penetration(couplings, i, old.coordinate[i])
-    after, new_side = _penetration(couplings, i, out.coordinate[i])
+    before, side = penetration_of(couplings, i, old.coordinate[i])
+    after, new_side = penetration_of(couplings, i, out.coordinate[i])
     crossing = t + h * min(max(before / (before - after), 0.0), 1.0) if before != after else t
     if closed and not contacts.steps[k]:
-        contacts.begin[k] = crossing
-        contacts.closing_speed[k] = max(new_side * old.rate[i], 0.0)
+        begins = before <= 0.0  # or else it was closed at the start of the run
+        contacts.begin[k] = crossing if begins else t
+        contacts.closing_speed[k] = max(new_side * old.rate[i], 0.0) if begins else 0.0
+        contacts.whole[k] = int(begins)
         contacts.work[k] = contacts.work_done[k]
-        contacts.peak[k] = contacts.impulse[k] = 0.0
+        contacts.peak[k], contacts.impulse[k] = abs(out.lam_n[i]), 0.0
     contacts.work_done[k] = state.energies.compliance[j]
     if closed:
         contacts.steps[k] += 1
         contacts.peak[k] = max(contacts.peak[k], abs(old.lam[i]))
         contacts.impulse[k] += h * abs(old.lam[i])
+        state.extremes.depth[k] = max(state.extremes.depth[k], after)
     else:
         _end_contact(state, k, crossing, max(-side * out.rate[i], 0.0))
 
@@ -127,9 +130,19 @@ def _end_contact(state: State, k: int, end: float, opening_speed: float) -> None
     event = contacts.event[n]
     contacts.event_contact[n] = k
     contacts.n_events[0] = n + 1
+    contacts.ended[k] += 1
+    shortest = state.extremes.shortest
+    if contacts.whole[k] and (shortest[k] == 0 or contacts.steps[k] < shortest[k]):
+        shortest[k] = contacts.steps[k]
     event[START], event[END], event[STEPS] = contacts.begin[k], end, contacts.steps[k]
     event[PEAK], event[IMPULSE] = contacts.peak[k], contacts.impulse[k]
     event[CLOSING], event[OPENING] = closing_speed, opening_speed
     event[RESTITUTION] = opening_speed / closing_speed if closing_speed > 0.0 else 0.0
     event[DISSIPATED] = contacts.work[k] - contacts.work_done[k]
     contacts.steps[k] = 0
+
+
+@compiled
+def is_full(contacts: ContactState) -> bool:
+    """Whether the next step may end more contacts than there is room for."""
+    return bool(contacts.n_events[0] + len(contacts.steps) > len(contacts.event_contact))
