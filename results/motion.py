@@ -102,6 +102,23 @@ class Events:
         """(m,) True for the one that had not ended with the run."""
         return np.isnan(self.opening_speed)
 
+    @property
+    def impacts(self) -> int:
+        """How often it closed; not where it was closed from the start."""
+        return int((self.closing_speed > 0.0).sum())
+
+    @property
+    def whole(self) -> Array:
+        """(m,) True for those that closed and opened within the run."""
+        whole: Array = (self.closing_speed > 0.0) & ~self.still_closed
+        return whole
+
+    @property
+    def shortest(self) -> int | None:
+        """Steps of the shortest from closing to opening, if there is one."""
+        steps = self.steps[self.whole]
+        return int(steps.min()) if len(steps) else None
+
     def __str__(self) -> str:
         names = [field.name for field in fields(self)]
         columns = [[name, *(f"{x:.6g}" for x in getattr(self, name))] for name in names]
