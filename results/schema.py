@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..files.outputs import resolved
 from ..superelement import sha256
@@ -137,7 +138,7 @@ class Energies(NamedTuple):
 class EventRows(NamedTuple):
     """Events: numbers of their owners (m,), and their values (m, 9) in the order of `EVENTS`."""
 
-    owner: Array
+    owner: NDArray[np.int64]
     values: Array
 
     @classmethod

@@ -162,8 +162,8 @@ def _contacts(initial: InitialState) -> Iterator[str]:
     for j in couplings.contact.tolist():
         row, coupling = couplings.range[j], lowered.model.couplings[j]
         beyond, _ = penetration_of(couplings, row, float(coordinate[row]))
-        unit = "m" if lowered.measures_lengths[row] else "rad"
-        yield f"{coupling.owner}: {_described(coupling)}; gap at the start {0.0 - beyond:.4g} {unit}"
+        gap = f"{0.0 - beyond:.4g} {'m' if lowered.measures_lengths[row] else 'rad'}"
+        yield f"{coupling.owner}: {_described(coupling)}; gap at the start {gap}"
 
 
 def _described(coupling: Coupling) -> str:

@@ -100,7 +100,8 @@ def initialize(
         lowered = lower(model, without)
         state, work = _allocated(lowered)
         assemble_joints(lowered, state, work, _targets(lowered, ""))
-    correction, closed = 0.0, ()
+    correction = 0.0
+    closed: tuple[str, ...] = ()
     if in_equilibrium:
         rotation = model.settings.steady_rotation
         motion = None if rotation is None else steady_motion(rotation, lowered.system.scheme)
