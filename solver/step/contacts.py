@@ -8,10 +8,10 @@ exerts nothing, and the derivatives of its rows are not computed.
 from ..compiler.marks import compiled
 from ..laws import evaluate_law
 from ..laws.contact import penetration
-from .gaps import is_blocked, normal_of, slip_axis, tangents
+from .gaps import has_ends, is_blocked, settled_axis, slip_axis
 from .rows import GAP
-from .system import ContactState, Couplings, Rows, State, Workspace
-from .vectors import Vector, rotate, rotate_back
+from .system import ContactState, Couplings, State, Workspace
+from .vectors import Vector
 
 START, END, STEPS, PEAK, IMPULSE, CLOSING, OPENING, RESTITUTION, DISSIPATED = range(9)
 """columns of an event, those of results/schema.py"""
@@ -31,6 +31,8 @@ def set_closed(couplings: Couplings, j: int, state: State, work: Workspace) -> N
         out.status[j] = 0
     elif out.status[j] == 0:
         out.status[j] = 1
+        if couplings.friction_of[j] >= 0 and couplings.rows.kind[i] == GAP:
+            _set_slip_axis(couplings, j, slip_axis(couplings.rows, i, work), work)
 
 
 @compiled
@@ -63,29 +65,25 @@ def release_open(couplings: Couplings, state: State, work: Workspace) -> None:
 
 @compiled
 def settle_contacts(couplings: Couplings, work: Workspace) -> None:
-    """At the end of a step: which balls are beyond an end of their shape, and axes of slip."""
+    """At the end of a step: which balls are beyond an end of their shape, and axes of slip, which
+    go on with the normal.
+    """
     rows, out = couplings.rows, work.couplings
     for k in range(len(couplings.contact)):
         j = couplings.contact[k]
         i = couplings.range[j]
-        if rows.kind[i] != GAP:
-            continue
-        out.blocked[i] = int(is_blocked(rows, i, work))
-        if couplings.friction_of[j] >= 0:
-            axis = _settled_axis(rows, i, out.status[j] > 0, work)
-            for slip in range(i + 1, couplings.range[j + 1]):
-                for x in range(3):
-                    out.slip_axis[slip, x] = axis[x]
+        if rows.kind[i] == GAP:
+            if has_ends(rows, i):
+                out.blocked[i] = int(is_blocked(rows, i, work))
+            if out.status[j] and couplings.friction_of[j] >= 0:
+                _set_slip_axis(couplings, j, settled_axis(rows, i + 1, work), work)
 
 
 @compiled
-def _settled_axis(rows: Rows, i: int, closed: bool, work: Workspace) -> Vector:
-    """The axis of slip of gap i, in the axes of frame A."""
-    n, f = normal_of(rows, i, work), rows.frame_a[i]
-    t, _, inverse = tangents(rows, i + 1, rotate(work.frames.D, f, n), work)
-    if not closed or inverse == 0.0:
-        return slip_axis(rows, i, n)
-    return rotate_back(work.frames.D, f, t)
+def _set_slip_axis(couplings: Couplings, j: int, axis: Vector, work: Workspace) -> None:
+    for i in range(couplings.range[j] + 1, couplings.range[j + 1]):
+        for x in range(3):
+            work.couplings.slip_axis[i, x] = axis[x]
 
 
 @compiled

@@ -70,21 +70,31 @@ def is_blocked(rows: Rows, i: int, work: Workspace) -> bool:
 
 
 @compiled
-def normal_of(rows: Rows, i: int, work: Workspace) -> Vector:
-    """n in the axes of A."""
-    _, n, _, _ = _surface(rows, i, work)
-    return n
+def has_ends(rows: Rows, i: int) -> bool:
+    """Whether the shape is a cylinder of finite length."""
+    k = rows.first[i] + SHAPE + 1
+    return bool(k < rows.first[i + 1] and rows.parameters[k] < math.inf)
 
 
 @compiled
-def slip_axis(rows: Rows, i: int, n: Vector) -> Vector:
+def slip_axis(rows: Rows, i: int, work: Workspace) -> Vector:
     """An axis across the normal, from which slip is counted when a contact begins."""
+    _, n, _, _ = _surface(rows, i, work)
     along, across = row(rows.a, i), row(rows.a_turned, i)
     best, least = along, abs(dot(along, n))
     for axis in (across, cross(along, across)):
         if abs(dot(axis, n)) < least - 1e-9:
             best, least = axis, abs(dot(axis, n))
     return best
+
+
+@compiled
+def settled_axis(rows: Rows, i: int, work: Workspace) -> Vector:
+    """t1 of slip i in the axes of A."""
+    _, n, _, _ = _surface(rows, i, work)
+    f = rows.frame_a[i]
+    t, _, _ = tangents(rows, i, rotate(work.frames.D, f, n), work)
+    return rotate_back(work.frames.D, f, t)
 
 
 @row_kind(length=True)
