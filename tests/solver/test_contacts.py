@@ -197,7 +197,7 @@ def test_what_slides_slides_by_coulomb():
 
 
 def test_a_ball_that_slides_begins_to_roll():
-    """At 5/7 of its speed, and loses 1/7 of twice its energy, to the first order of the step."""
+    """At 5/7 of its speed; it loses 1/7 of m v^2, to the second order of the step."""
     m, r, K = 1.0, 0.1, 1e6
     losses = []
     for h in (4e-4, 2e-4, 1e-4):
@@ -214,9 +214,8 @@ def test_a_ball_that_slides_begins_to_roll():
         v = results.body("ball").v[-1]
         np.testing.assert_allclose(v, [5 / 7, 0, 0, 0, 5 / 7 / r, 0], atol=1e-9)
         losses.append(results.energy.dissipated[-1] - 1 / 7)
-    assert abs(losses[-1]) < 1e-4
-    assert losses[0] / losses[1] == pytest.approx(2.0, rel=0.1)
-    assert losses[1] / losses[2] == pytest.approx(2.0, rel=0.1)
+    assert abs(losses[-1]) < 1e-10
+    assert abs(losses[0]) > 3.0 * abs(losses[1]) > 9.0 * abs(losses[2])
 
 
 @pytest.mark.parametrize("shape", ["sphere", "cylinder"])
