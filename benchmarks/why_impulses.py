@@ -35,6 +35,7 @@ from impact.bodies import (
     reducible_rod,
 )
 from impact.exact import History, Rod, steel_arm, timoshenko
+from matplotlib.axes import Axes
 
 ELEMENTS = 160
 """of a rod of 1 m"""
@@ -61,6 +62,7 @@ TIPS = {
     ),
 }
 HAMMER_MASS = 0.16
+LEAST_DRAWN = 1e-4
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,7 @@ class Outcome:
 
     @classmethod
     def of(cls, history: History) -> "Outcome":
-        found = exact.contacts(history.time, history.force)
+        found = history.blows
         return cls(
             max(contact.peak for contact in found),
             found[0].impulse,
@@ -108,10 +110,6 @@ class Problem:
         return self.exact or self.outcome("all", None)
 
 
-def struck(blow: models.Blow) -> History:
-    return blow.strike()[0]
-
-
 @cache
 def reducible(rod: Rod) -> Reducible:
     return reducible_rod(rod, round(ELEMENTS * rod.length / ROD.length))
@@ -125,7 +123,7 @@ def rod_element(rod: Rod, method: str, count: int | None) -> Superelement:
 def wall(method: str, count: int | None) -> History:
     answer = exact.rod_on_wall(ROD, SPEED)
     element = rod_element(ROD, method, count)
-    return struck(models.rod_on_wall(ROD, element, answer, SPEED, ROD_STEP, models.RHO_INF))
+    return models.rod_on_wall(ROD, element, answer, SPEED, ROD_STEP, models.RHO_INF).strike()
 
 
 def rods(other: Rod) -> Callable[[str, int | None], History]:
@@ -133,7 +131,7 @@ def rods(other: Rod) -> Callable[[str, int | None], History]:
 
     def strike(method: str, count: int | None) -> History:
         pair = (rod_element(ROD, method, count), rod_element(other, method, count))
-        return struck(models.rod_on_rod(ROD, pair, answer, SPEED, ROD_STEP, models.RHO_INF))
+        return models.rod_on_rod(ROD, pair, answer, SPEED, ROD_STEP, models.RHO_INF).strike()
 
     return strike
 
@@ -148,7 +146,7 @@ def sphere(case: int) -> Problem:
 
     def strike(method: str, count: int | None) -> History:
         element = beam.with_modes(method, count)
-        return struck(models.sphere_on_beam(impact, element, t_end, STEP))
+        return models.sphere_on_beam(impact, element, t_end, STEP).strike()
 
     answer = Outcome.of(exact.point_impact(impact, t_end, EXACT_STEP))
     return Problem(f"sphere on beam, case {case}", strike, answer)
@@ -160,9 +158,11 @@ def arm() -> Problem:
 
     def strike(method: str, count: int | None) -> History:
         element = body.with_modes(method, count)
-        return struck(models.arm_on_stop(impact, element, ARM_TIME, STEP))
+        return models.arm_on_stop(impact, element, ARM_TIME, STEP).strike()
 
-    return Problem("arm on a stop", strike, Outcome.of(exact.point_impact(impact, ARM_TIME, EXACT_STEP)))
+    return Problem(
+        "arm on a stop", strike, Outcome.of(exact.point_impact(impact, ARM_TIME, EXACT_STEP))
+    )
 
 
 def hammers() -> Iterator[Problem]:
@@ -174,7 +174,7 @@ def hammers() -> Iterator[Problem]:
             method: str, count: int | None, hammer: models.Hammer = hammer, t_end: float = t_end
         ) -> History:
             element = bracket.with_modes(method, count)
-            return struck(models.hammer_on_lug(hammer, element, t_end, HAMMER_STEP))
+            return models.hammer_on_lug(hammer, element, t_end, HAMMER_STEP).strike()
 
         # Few free modes cannot be bolted: they have less motions than bolts would hold.
         yield Problem(f"hammer on the bracket, {name} tip", strike, None, HELD)
@@ -238,12 +238,49 @@ def tables(asked: Sequence[Problem]) -> None:
     )
 
 
+PICTURED = {4: "4 modes", 16: "16", None: "all, impulses"}
+"""numbers of Craig and Bampton's modes whose forces are drawn"""
+
+
+def picture(asked: Sequence[Problem], path: str) -> None:
+    """Forces on equal rods over time, and errors of the peak over the number of modes."""
+    figure, (forces, errors) = plt.subplots(1, 2, figsize=(11.0, 4.2), layout="constrained")
+    draw_forces(forces)
+    draw_errors(errors, asked)
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
+
+
+def draw_forces(axes: Axes) -> None:
+    answer, strike = exact.rod_on_rod(ROD, ROD, SPEED), rods(ROD)
+    for count, label in PICTURED.items():
+        history = strike("craig-bampton", count)
+        axes.plot(1e6 * history.time, 1e-3 * history.force, label=label, linewidth=1.2)
+    edges = 1e6 * np.array([0.0, 0.0, answer.duration, answer.duration])
+    exact_force = 1e-3 * np.array([0.0, answer.force, answer.force, 0.0])
+    axes.plot(edges, exact_force, "k--", label="exact", linewidth=1.2)
+    axes.set(xlabel="time [us]", ylabel="force [kN]", title="equal rods, Craig-Bampton")
+    axes.legend()
+
+
+def draw_errors(axes: Axes, asked: Sequence[Problem]) -> None:
+    for problem in asked:
+        peaks = [problem.outcome("craig-bampton", count).peak for count in COUNTS]
+        error = np.abs(np.array(peaks) / problem.right.peak - 1.0)
+        axes.loglog(COUNTS, np.maximum(error, LEAST_DRAWN), "o-", label=problem.name, markersize=4)
+    axes.set_xticks(COUNTS, [str(count) for count in COUNTS])
+    axes.set(xlabel="modes", ylabel="error of the peak force", title="Craig-Bampton")
+    axes.legend(fontsize=7, loc="lower left")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description="What few modes make of an impact.")
     parser.add_argument("--picture", help="a file for it")
     chosen = parser.parse_args()
     asked = problems()
     tables(asked)
+    if chosen.picture:
+        picture(asked, chosen.picture)
 
 
 if __name__ == "__main__":

@@ -194,6 +194,10 @@ class History:
     force: Array
     velocity: Array
 
+    @property
+    def blows(self) -> "list[Contact]":
+        return contacts(self.time, self.force)
+
 
 def point_impact(impact: PointImpact, t_end: float, h: float, modes: int = 200) -> History:
     """Timoshenko's integral equation, with a force that is linear in time over each step h [s].

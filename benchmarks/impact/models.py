@@ -20,6 +20,7 @@ from duhamel.solver import (
 from duhamel.superelement import Superelement
 
 from .exact import ArmOnStop, Array, History, Rod, RodImpact, SphereOnBeam
+from .exact import Contact as Closed
 
 RISE = 3.0
 """Time constant Z / K of the contact of rods, in steps, each the time of a wave for an element."""
@@ -33,15 +34,28 @@ MEASURED_SPEED = Callable[[Results], Array]
 
 @dataclass(frozen=True, eq=False)
 class Blow:
-    """A model with one contact, and how the speed (n,) [m/s] of the striker follows from results."""
+    """A model with one contact; the speed (n,) [m/s] of the striker from results."""
 
     model: Model
     speed: MEASURED_SPEED
 
-    def strike(self) -> tuple[History, Results]:
+    def strike(self) -> "Struck":
         results = simulate(self.model)
-        force = np.abs(results.joint(TOUCH).multipliers[:, 0])
-        return History(results.time, force, self.speed(results)), results
+        force = results.contact(TOUCH).force[:, 0]
+        return Struck(results.time, force, self.speed(results), results)
+
+
+@dataclass(frozen=True, eq=False)
+class Struck(History):
+    """The history of a blow, with the results."""
+
+    results: Results
+
+    @property
+    def blows(self) -> list[Closed]:
+        events = self.results.events[TOUCH]
+        columns = (events.start, events.end, events.peak, events.impulse)
+        return [Closed(*values) for values in zip(*(c.tolist() for c in columns), strict=True)]
 
 
 def velocity_of(body: str, axis: list[float]) -> MEASURED_SPEED:
@@ -127,9 +141,7 @@ def sphere_on_beam(impact: SphereOnBeam, element: Superelement, t_end: float, h:
     ball = RigidBody(
         impact.m,
         [impact.m * impact.length**2] * 3,
-        start=Start(
-            position=element.interface("middle").X, velocity=[0.0, 0.0, -impact.speed]
-        ),
+        start=Start(position=element.interface("middle").X, velocity=[0.0, 0.0, -impact.speed]),
     )
     supports = tuple(
         Joint(name, "revolute", ("ground", f"beam.{name}"), axis=[0.0, 1.0, 0.0])
@@ -208,9 +220,7 @@ def hammer_on_lug(hammer: Hammer, bracket: Superelement, t_end: float, h: float)
         [1e-3 * hammer.mass] * 3,
         start=Start(position=lug, velocity=[hammer.speed, 0.0, 0.0]),
     )
-    bolts = [
-        Joint(f"bolt_{n}", "fixed", ("ground", f"bracket.bolt_{n}")) for n in range(1, 5)
-    ]
+    bolts = [Joint(f"bolt_{n}", "fixed", ("ground", f"bracket.bolt_{n}")) for n in range(1, 5)]
     touch = Contact(
         TOUCH,
         ("hammer", "bracket.lug_1"),
