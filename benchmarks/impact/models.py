@@ -131,6 +131,36 @@ def rod_on_rod(
     return Blow(model, velocity_of("rod", [1.0, 0.0, 0.0]))
 
 
+def bar_on_sphere(
+    element: Superelement,
+    radii: tuple[float, float],
+    speed: float,
+    K: float,
+    t_end: float,
+    h: float,
+) -> Blow:
+    """A bar flies along x, a ball about its `tip`, and meets one of the ground; radii of both."""
+    own, other = radii
+    touch = Contact(
+        TOUCH,
+        ("ground.ball", "bar.tip"),
+        "sphere",
+        radius=other,
+        ball=own,
+        impact=Impact(stiffness=K),
+    )
+    bar = FlexibleBody(
+        element, Start(position=-element.interface("tip").X, velocity=[speed, 0.0, 0.0])
+    )
+    model = Model(
+        {"bar": bar},
+        contacts=[touch],
+        ground_frames={"ball": Frame([own + other, 0.0, 0.0])},
+        settings=Settings(t_end=t_end, step=h, rho_inf=RHO_INF),
+    )
+    return Blow(model, velocity_of("bar", [1.0, 0.0, 0.0]))
+
+
 def _ahead(element: Superelement) -> Array:
     """Where a rod lies whose `touch` is at the origin."""
     return -element.interface("touch").X
