@@ -4,10 +4,10 @@ A rod on a wall and Timoshenko's sphere on a beam, in Exudyn of ANCF cables with
 `ObjectContactCoordinate`, of as many elements as our superelements have; a solid bar of steel whose
 end, a ball, meets a ball of the ground, in Exudyn a body in a floating frame on modes of Hurty,
 Craig and Bampton with `ObjectContactSphereSphere`, on four nodes of the end. Both have the same
-laws, steps, generalized-alpha of spectral radius 0.9, and a tolerance of
-Newton's method that leaves forces within 1e-3. CPU time of a step on one thread, the least of repeats in which the codes take turns; ours
-records everything, Exudyn what the force follows from. Needs the extra `validation`. Run as
-`python benchmarks/contact_beside_exudyn.py [--repeats N]`.
+laws, steps and generalized-alpha of spectral radius 0.9, and a tolerance of Newton's method that
+leaves forces within 1e-3. CPU time of a step on one thread, the least of repeats in which the codes
+take turns; ours records everything, Exudyn what the force follows from. Needs the extra
+`validation`. Run as `python benchmarks/contact_beside_exudyn.py [--repeats N]`.
 """
 
 import os
