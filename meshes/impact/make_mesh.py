@@ -8,7 +8,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-LINES = {"rod": (1.0, 80), "long_rod": (2.0, 160), "beam": (0.307, 40), "arm": (1.0, 80)}
+LINES = {"rod": (1.0, 160), "long_rod": (2.0, 320), "beam": (0.307, 40), "arm": (1.0, 80)}
 """length [m] and number of elements"""
 
 
