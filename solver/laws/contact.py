@@ -31,17 +31,29 @@ V0 = 0
 CORRECTIONS = 60
 """of Newton's method for the force on a patch, which is monotone"""
 CLOSE = 1e-14
+SMALL, TERMS = 0.05, 14
+"""argument below which a difference of logarithms is a series, of so many terms"""
 
 
 def restitution_factor(e: float) -> float:
     """The factor a of a coefficient of restitution e, 0 < e <= 1."""
-    if e >= 1.0 - 1e-9:
-        return 1.5 * (1.0 - e)
+    if e == 1.0:
+        return 0.0
+    last = (1.0 - 1e-15) / e
 
     def missed(a: float) -> float:
-        return math.log1p(a) - math.log1p(-e * a) - a * (1.0 + e)
+        return _excess(a) - e**2 * _excess(-e * a)
 
-    return float(brentq(missed, 0.2 * (1.0 - e), (1.0 - 1e-15) / e, xtol=1e-15, rtol=1e-14))
+    if missed(last) > 0.0:  # e < 0.03: a = 1 / e to rounding
+        return last
+    return float(brentq(missed, 0.2 * (1.0 - e), last, xtol=1e-300, rtol=1e-14))
+
+
+def _excess(x: float) -> float:
+    """(x - ln(1 + x)) / x^2"""
+    if abs(x) > SMALL:
+        return (x - math.log1p(x)) / x**2
+    return sum((-x) ** k / (k + 2) for k in range(TERMS))
 
 
 @law_number

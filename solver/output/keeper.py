@@ -16,7 +16,7 @@ from ..errors import ResultsError, StateError
 from ..lower.lower import LoweredModel
 from ..model.settings import EverySteps, Seconds
 from .recorder import Recorder
-from .writer import rows_up_to
+from .writer import extent_at
 
 
 class Keeper(Protocol):
@@ -71,8 +71,7 @@ class FileKeeper:
 
     def _keep(self) -> None:
         """Write the newest state, if all rows up to it are on the disk."""
-        rows = rows_up_to(self._newest.step, self._first, self._lowered)
-        if self._newest.step in (-1, self._kept.step) or self._writer.committed < rows:
+        if self._newest.step in (-1, self._kept.step) or not self._are_on_disk(self._newest):
             return
         self._identity = self._identity or identity_of(self._lowered)
         without = tuple(sorted(self._lowered.without))
@@ -85,6 +84,11 @@ class FileKeeper:
                 f"the state of step {max(self._kept.step, 0)} stays"
             ) from error
         self._kept, self._last = self._newest, time.monotonic()
+
+    def _are_on_disk(self, state: Snapshot) -> bool:
+        """Whether the rows and events up to a state are."""
+        extent = extent_at(state, self._first, self._lowered)
+        return all(n >= m for n, m in zip(self._writer.committed, extent, strict=True))
 
     def __enter__(self) -> "FileKeeper":
         return self

@@ -6,11 +6,12 @@ from typing import Any, cast
 
 from ...files import FileError, require_regular
 from ...files.outputs import clash
-from ...results.file import FileSource, FileWriter
+from ...results.file import Extent, FileSource, FileWriter
 from ...results.results import Results
 from ...results.schema import Contents
 from ...results.source import Memory, Source, Writer
 from ...superelement import Superelement
+from ..checkpoint.carried import Snapshot
 from ..checkpoint.file import SUFFIX, StateFile
 from ..errors import ResultsError
 from ..lower.lower import LoweredModel
@@ -62,10 +63,10 @@ def resume_writer(path: Path, lowered: LoweredModel, state: StateFile) -> FileWr
 
     `ResultsError` for a file that does not belong to the state.
     """
-    rows = rows_up_to(state.snapshot.step, int(state.notes["first"]), lowered)
+    extent = extent_at(state.snapshot, int(state.notes["first"]), lowered)
     notes = {"steps": lowered.n_steps, "truncation": _truncation(lowered), "finished": False}
     contents, source = contents_of(lowered), lowered.model.source
-    return FileWriter.resume(path, contents, notes, source, rows, state.run)
+    return FileWriter.resume(path, contents, notes, source, extent, state.run)
 
 
 def contents_of(lowered: LoweredModel) -> Contents:
@@ -86,6 +87,12 @@ def read_back(writer: Writer, model: Model) -> Results:
 def rows_of(lowered: LoweredModel) -> int:
     """The number of rows that a run records, first and last step included, or one more."""
     return lowered.n_steps // lowered.model.settings.output.every + 2
+
+
+def extent_at(state: Snapshot, first: int, lowered: LoweredModel) -> Extent:
+    """The rows and events of a run up to a state."""
+    ended = int(state.arrays["state/contacts/ended"].sum())
+    return Extent(rows_up_to(state.step, first, lowered), ended)
 
 
 def rows_up_to(step: int, first: int, lowered: LoweredModel) -> int:

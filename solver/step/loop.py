@@ -3,7 +3,7 @@
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
 from .bodies import finish_bodies, predict_bodies
-from .contacts import release_open, settle_contacts
+from .contacts import is_full, release_open, settle_contacts
 from .couplings import add_coupling_work, expect_coordinates, remember_laws
 from .extremes import follow_extremes
 from .frames import move_frame_velocities, move_frames
@@ -20,8 +20,8 @@ from .system import Inputs, Run, State, System, Workspace
 def advance(run: Run, inputs: Inputs) -> tuple[int, float]:
     """Take one step per row of the inputs: the number of steps taken, the residual of the last.
 
-    Fewer than asked where Newton's method failed, or a body left the range of linear elasticity,
-    which `state.extremes.left` tells.
+    Fewer than asked where Newton's method failed, where a body left the range of linear elasticity,
+    which `state.extremes.left` tells, or where the events of contacts are to be taken (`is_full`).
     """
     system, state, work, output = run.system, run.state, run.work, run.output
     n, residual = len(inputs.load), 0.0
@@ -43,7 +43,7 @@ def advance(run: Run, inputs: Inputs) -> tuple[int, float]:
             output.newton_iterations[row] = iterations
             output.newton_residual[row] = residual
             record(run, row)
-        if state.extremes.left[0]:
+        if state.extremes.left[0] or is_full(state.contacts):
             return k + 1, residual
     return n, residual
 

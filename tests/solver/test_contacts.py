@@ -1,0 +1,545 @@
+"""Contacts, stops and friction against exact solutions, and against the full mesh."""
+
+import numpy as np
+import pytest
+from duhamel.solver import (
+    Constant,
+    Contact,
+    Coulomb,
+    FlexibleBody,
+    ForceTable,
+    Frame,
+    Hertz,
+    Impact,
+    Joint,
+    JointFriction,
+    Load,
+    RigidBody,
+    Start,
+    Stop,
+    Stribeck,
+    simulate,
+)
+from duhamel.solver.laws.contact import restitution_factor
+from scipy.integrate import quad, solve_ivp
+from scipy.optimize import brentq
+from scipy.spatial.transform import Rotation
+
+from .models import model_of
+
+G = 9.81
+STEEL = Hertz([2.1e11, 2.1e11], [0.3, 0.3])
+FLOOR = {"ground_frames": {"floor": Frame()}}
+UP = np.array([0.0, 0.0, 1.0])
+
+
+def ball(mass=0.1, radius=0.02, **start):
+    return RigidBody(mass, np.full(3, 0.4 * mass * radius**2), start=Start(**start))
+
+
+def floor(name="floor", body="ball", ball=0.0, axis=UP, **law):
+    """A plane through the origin."""
+    return Contact(name, ("ground.floor", body), "plane", ball, axis, **law)
+
+
+def impact_of(steps, phase=0.0, rho_inf=0.9, restitution=1.0, turn=None, origin=(0, 0, 0)):
+    """The sphere of contact.md on a plane at 1 m/s, in so many steps: its model, force and time."""
+    m, r, E = 0.1, 0.02, 1.0 / (2 * (1 - 0.09) / 2.1e11)
+    K = 4.0 / 3.0 * E * np.sqrt(r)
+    d = (1.25 * m / K) ** 0.4
+    force, duration = K * d**1.5, 2.9432 * d
+    h = duration / steps
+    turn = Rotation.identity() if turn is None else turn
+    n = turn.apply(UP)
+    contact = Contact(
+        "floor",
+        ("ground.floor", "ball"),
+        "plane",
+        r,
+        n,
+        hertz=STEEL,
+        impact=Impact(restitution=restitution),
+    )
+    start = {"position": origin + (r + (2.0 + phase) * h) * n, "velocity": -n}
+    model = model_of(
+        {"ball": ball(m, r, **start)},
+        contacts=(contact,),
+        ground_frames={"floor": Frame(origin)},
+        t_end=(steps + 30) * h,
+        step=h,
+        rho_inf=rho_inf,
+    )
+    return model, force, n
+
+
+def speed_after(model, n=UP):
+    return float(simulate(model).body("ball").v[-1, :3] @ n)
+
+
+def largest_force(results, mass=0.1):
+    """By the acceleration of a free body."""
+    v = results.body("ball").v[:, 2]
+    return mass * np.abs(np.diff(v)).max() / np.diff(results.time)[0]
+
+
+@pytest.mark.parametrize(("steps", "error"), [(20, 8e-3), (40, 2e-3), (80, 5e-4)])
+def test_the_peak_of_a_hertz_impact(steps, error):
+    """0.8, 0.2 and 0.05 %: of the second order, whatever the phase of the steps."""
+    for phase in np.linspace(0.0, 1.0, 8, endpoint=False):
+        model, force, _ = impact_of(steps, phase)
+        peak = simulate(model).contact("floor").events.peak[0]
+        assert abs(peak / force - 1.0) < error
+        assert speed_after(model) == pytest.approx(1.0, abs=0.1 * error)
+
+
+@pytest.mark.parametrize("rho_inf", [0.5, 0.9, 0.99])
+@pytest.mark.parametrize("exponent", [1.0, 1.5, 2.0])
+@pytest.mark.parametrize("e", [0.9, 0.5, 0.1])
+def test_the_restitution_is_that_asked_for(e, exponent, rho_inf):
+    """Within 1e-3 at 40 steps, for every exponent."""
+    m, K = 0.1, 2e10
+    d = (0.5 * (exponent + 1.0) * m / K) ** (1.0 / (exponent + 1.0))
+    h = 3.0 * d / 40
+    model = model_of(
+        {"ball": ball(m, position=[0, 0, 2.3 * h], velocity=[0, 0, -1])},
+        contacts=(floor(impact=Impact(stiffness=K, exponent=exponent, restitution=e)),),
+        **FLOOR,
+        t_end=400 * h,
+        step=h,
+        rho_inf=rho_inf,
+    )
+    results = simulate(model)
+    assert results.body("ball").v[-1, 2] == pytest.approx(e, abs=1e-3)
+    lost = 0.5 * m * (1.0 - e**2)
+    assert results.energy.dissipated[-1] == pytest.approx(lost, abs=1e-3 * m)
+
+
+@pytest.mark.parametrize("e", [0.9999999, 0.999, 0.97, 0.9, 0.8, 0.7, 0.5, 0.3, 0.1])
+def test_the_factor_of_a_restitution(e):
+    """m v dv/(1 + a v) = -N dd from 1 to -e: the same area in and out."""
+    a = restitution_factor(e)
+    area, _ = quad(lambda v: v / (1.0 + a * v), -e, 1.0, epsabs=1e-12)
+    assert area == pytest.approx(0.0, abs=1e-11)
+
+
+def test_an_impact_is_the_same_turned_and_a_kilometre_away():
+    turn = Rotation.from_rotvec([0.4, -1.1, 0.7])
+    found = [
+        speed_after(*impact_of(40, restitution=0.6, **where)[::2])
+        for where in ({}, {"turn": turn}, {"origin": np.array([1e3, -500.0, 200.0])})
+    ]
+    assert found[1] == pytest.approx(found[0], abs=1e-12)
+    assert found[2] == pytest.approx(found[0], abs=1e-4)  # positions are rounded to 1e-13 m
+
+
+def test_a_ball_bounces_to_rest():
+    """Impacts at the times of free flight, and rest at the static indentation, without jitter."""
+    m, r, e, drop = 0.1, 0.02, 0.5, 0.05
+    contact = floor(ball=r, hertz=STEEL, impact=Impact(restitution=e))
+    model = model_of(
+        {"ball": ball(m, r, position=[0, 0, r + drop])},
+        contacts=(contact,),
+        **FLOOR,
+        gravity=[0, 0, -G],
+        t_end=0.4,
+        step=2e-6,
+    )
+    results = simulate(model)
+    flight = np.sqrt(2.0 * drop / G)
+    times = flight * (1.0 + 2.0 * np.cumsum([0.0, e, e**2, e**3, e**4]))
+    events = results.contact("floor").events
+    np.testing.assert_allclose(events.start[:5], times, atol=8e-4)  # the rest is time in contact
+    v, x = results.body("ball").v[-1000:], results.body("ball").x[-1, 2]
+    assert np.ptp(v, axis=0).max() < 1e-12
+    K = 4.0 / 3.0 * STEEL.modulus * np.sqrt(r)
+    assert r - x == pytest.approx((m * G / K) ** (2 / 3), rel=1e-4)
+
+
+def slope(angle, mu, speed=0.0, t_end=1.0, h=1e-3):
+    """A block on an incline, with its displacement and speed downhill."""
+    a, K = np.radians(angle), 1e6
+    n, down = np.array([-np.sin(a), 0, np.cos(a)]), np.array([-np.cos(a), 0, -np.sin(a)])
+    start = {"position": -n * G * np.cos(a) / K, "velocity": speed * down}
+    contact = floor(axis=n, impact=Impact(stiffness=K), friction=mu, tangential_stiffness=1e5)
+    model = model_of(
+        {"ball": ball(1.0, **start)},
+        contacts=(contact,),
+        **FLOOR,
+        gravity=[0, 0, -G],
+        t_end=t_end,
+        step=h,
+    )
+    results = simulate(model)
+    return results, results.body("ball").x @ down, results.body("ball").v[:, :3] @ down
+
+
+@pytest.mark.parametrize("angle", [10.0, 16.6])
+def test_what_sticks_does_not_creep(angle):
+    results, _, v = slope(angle, 0.3, t_end=2.0)
+    assert abs(v[-1]) < 1e-12
+    contact = results.contact("floor")
+    tangential = np.linalg.norm(contact.force[-1, 1:])
+    assert tangential / contact.force[-1, 0] == pytest.approx(np.tan(np.radians(angle)), rel=1e-6)
+    assert contact.state[-1] == 1
+
+
+def test_what_slides_slides_by_coulomb():
+    a = np.radians(25.0)
+    _, s, v = slope(25.0, 0.3)
+    acceleration = G * (np.sin(a) - 0.3 * np.cos(a))
+    bristle = 0.3 * G * np.cos(a) / 1e5  # friction begins when it is bent
+    assert s[-1] == pytest.approx(0.5 * acceleration, abs=np.sqrt(2 * bristle) * 1.5)
+    assert np.diff(v)[-100:] / 1e-3 == pytest.approx(acceleration, rel=1e-6)
+    a = np.radians(10.0)
+    _, s, v = slope(10.0, 0.3, speed=1.0)
+    assert s[-1] == pytest.approx(0.5 / (G * (0.3 * np.cos(a) - np.sin(a))), rel=5e-3)
+    assert abs(v[-1]) < 1e-4
+
+
+def test_a_ball_that_slides_begins_to_roll():
+    """At 5/7 of its speed; it loses 1/7 of m v^2, to the second order of the step."""
+    m, r, K = 1.0, 0.1, 1e6
+    losses = []
+    for h in (4e-4, 2e-4, 1e-4):
+        contact = floor(ball=r, impact=Impact(stiffness=K), friction=0.3, tangential_stiffness=1e5)
+        model = model_of(
+            {"ball": ball(m, r, position=[0, 0, r - m * G / K], velocity=[1, 0, 0])},
+            contacts=(contact,),
+            **FLOOR,
+            gravity=[0, 0, -G],
+            t_end=0.4,
+            step=h,
+        )
+        results = simulate(model)
+        v = results.body("ball").v[-1]
+        np.testing.assert_allclose(v, [5 / 7, 0, 0, 0, 5 / 7 / r, 0], atol=1e-9)
+        losses.append(results.energy.dissipated[-1] - 1 / 7)
+    assert abs(losses[-1]) < 1e-10
+    assert abs(losses[0]) > 3.0 * abs(losses[1]) > 9.0 * abs(losses[2])
+
+
+@pytest.mark.parametrize("shape", ["sphere", "cylinder"])
+def test_a_ball_rolls_down_inside_a_bowl(shape):
+    """Without slip: v^2 = 10/7 g (R - r)(1 - cos); the tangents are carried along."""
+    m, r, R, K, angle = 1.0, 0.05, 0.3, 1e7, 0.6
+    axis = {"axis": [0.0, 1.0, 0.0]} if shape == "cylinder" else {}
+    place = (R - r) * np.array([np.sin(angle), 0.0, -np.cos(angle)])
+    contact = Contact(
+        "bowl",
+        ("ground.floor", "ball"),
+        shape,
+        r,
+        radius=R,
+        hollow=True,
+        impact=Impact(stiffness=K, damping=0.5),
+        friction=0.9,
+        tangential_stiffness=1e6,
+        **axis,
+    )
+    model = model_of(
+        {"ball": ball(m, r, position=place)},
+        contacts=(contact,),
+        **FLOOR,
+        gravity=[0, 0, -G],
+        t_end=0.6,
+        step=1e-4,
+    )
+    results = simulate(model)
+    x, v = results.body("ball").x, results.body("ball").v
+    speed = np.linalg.norm(v[:, :3], axis=1)
+    expected = np.sqrt(10 / 7 * G * (R - r) * (1 - np.cos(angle)))
+    assert speed.max() == pytest.approx(expected, rel=2e-3)
+    assert np.abs(x[:, 1]).max() < 1e-9
+    assert results.iterations.max() <= 10
+
+
+def box(**contacts):
+    a, mass = 0.1, 1.0
+    corners = {
+        f"c{i}": Frame(a * np.array([1 - 2 * (i & 1), 1 - (i & 2), 1 - (i & 4) / 2]))
+        for i in range(8)
+    }
+    start = Start([0, 0, 0.5], [0.4, 0.3, 0.2], velocity=[1, 0.3, 0], angular_velocity=[3, -4, 5])
+    body = RigidBody(mass, np.full(3, mass * (2 * a) ** 2 / 6), corners, start)
+    law = {"impact": Impact(stiffness=1e5, restitution=0.4), "friction": 0.4}
+    return model_of(
+        {"box": body},
+        contacts=[
+            floor(f"k{i}", f"box.c{i}", **law, tangential_stiffness=5e4, **contacts)
+            for i in range(8)
+        ],
+        **FLOOR,
+        gravity=[0, 0, -G],
+        t_end=5.0,
+        step=2e-4,
+    )
+
+
+def test_a_box_tumbles_to_rest():
+    results = simulate(box())
+    assert np.abs(results.body("box").v[-1]).max() < 1e-12
+    forces = sum(results.contact(f"k{i}").force[-1, 0] for i in range(8))
+    assert forces == pytest.approx(G, rel=1e-9)
+    assert results.iterations.max() <= 10
+    lost = results.energy.dissipated[-1] / (results.energy.kinetic[0] + G * 0.4)
+    assert lost == pytest.approx(1.0, abs=5e-3)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7, 2.1])
+def test_a_journal_hangs_in_its_bore(angle):
+    """In equilibrium at the depth (m g / K)^(1/n), whatever the direction of gravity."""
+    K, n, m, play = 1e8, 1.5, 2.0, 1e-3
+    g = G * np.array([np.sin(angle), -np.cos(angle), 0.0])
+    depth = (m * G / K) ** (1 / n)
+    contact = Contact(
+        "bore",
+        ("ground.floor", "journal"),
+        "cylinder",
+        0.009,
+        [0, 0, 1],
+        0.009 + play,
+        True,
+        impact=Impact(stiffness=K, exponent=n),
+    )
+    model = model_of(
+        {"journal": RigidBody(m, [0.1] * 3, start=Start(g / G * (play + 0.5 * depth)))},
+        [Joint("plane", "planar", ("ground", "journal"), [0, 0, 1])],
+        contacts=(contact,),
+        **FLOOR,
+        gravity=g,
+        t_end=1e-3,
+        step=1e-5,
+        start="equilibrium",
+    )
+    x = simulate(model).body("journal").x[[0, -1]]
+    np.testing.assert_allclose(x @ g / G, play + depth, rtol=1e-12)
+
+
+def test_a_ball_passes_the_end_of_a_cylinder():
+    """No contact beyond the end, none that begins there, and the usual one within."""
+    rod = {"radius": 0.05, "length": 0.1, "impact": Impact(stiffness=1e6)}
+    heights = {}
+    for name, x, speed in (("past", 0.06, 0.0), ("in", 0.09, -2.0), ("on", 0.0, 0.0)):
+        z = 0.04 if name == "in" else 0.2
+        contact = Contact("rod", ("ground.floor", "ball"), "cylinder", 0.02, [1, 0, 0], **rod)
+        model = model_of(
+            {"ball": ball(position=[x, 0, z], velocity=[speed, 0, 0])},
+            contacts=(contact,),
+            **FLOOR,
+            gravity=[0, 0, 0 if name == "in" else -G],
+            t_end=0.3,
+            step=1e-4,
+        )
+        heights[name] = simulate(model).body("ball").x[:, 2]
+    assert heights["past"][-1] == pytest.approx(0.2 - 0.5 * G * 0.09, abs=1e-9)
+    np.testing.assert_array_equal(heights["in"], 0.04)
+    assert heights["on"].min() > 0.07 - 1e-3
+
+
+def test_a_table_is_a_spring_by_its_points():
+    """A ball on a bilinear spring: its depth from the energy under the table."""
+    m, table = 0.1, ForceTable((0.0, 1e-3, 2e-3), (0.0, 10.0, 40.0))
+    model = model_of(
+        {"ball": ball(m, position=[0, 0, 1e-4], velocity=[0, 0, -0.6])},
+        contacts=(floor(impact=Impact(law=table)),),
+        **FLOOR,
+        t_end=0.02,
+        step=1e-5,
+    )
+    results = simulate(model)
+    depth = -results.body("ball").x[:, 2].min()
+    d = np.linspace(0.0, depth, 10001)
+    force = np.interp(d, table.penetration, table.force)
+    assert depth > 1e-3
+    assert np.trapezoid(force, d) == pytest.approx(0.5 * m * 0.36, rel=1e-4)
+    assert results.body("ball").v[-1, 2] == pytest.approx(0.6, rel=1e-4)
+
+
+def test_the_compliance_of_a_patch_is_taken_off():
+    """With it and the patch's own compliance in series the indentation is that of Hertz."""
+    r, b = 0.02, 2e-3
+    plain = Contact("c", ("a", "b"), "plane", r, UP, hertz=STEEL).law()
+    less = Contact("c", ("a", "b"), "plane", r, UP, hertz=STEEL, patch=[b, 0.0]).law()
+    C = STEEL.patch_compliance((b, 0.0))
+    none = np.zeros(1)
+    for force in (1.0, 100.0, 1e4):
+        d = (force / plain.stiffness) ** (2 / 3) - C * force
+        found, stiffness, _, energy = less.evaluate(np.array(less.parameters()), none, 0.0, -d, 0.0)
+        assert -found == pytest.approx(force, rel=1e-10)
+        hertz = 1.0 / (1.5 * plain.stiffness * (force / plain.stiffness) ** (1 / 3))
+        assert 1.0 / stiffness == pytest.approx(hertz - C, rel=1e-9)
+        stored = 0.4 * force * (force / plain.stiffness) ** (2 / 3) - 0.5 * C * force**2
+        assert energy == pytest.approx(stored, rel=1e-9)
+
+
+def test_backlash_of_a_torsion_pendulum():
+    """Free play, then a stop on either side, against an integrator with a tolerance of 1e-10."""
+    J, K, play = 0.01, 40.0, 0.02
+    model = model_of(
+        {"wheel": RigidBody(1.0, [J] * 3, start=Start(angular_velocity=[0, 0, 2.0]))},
+        [Joint("axle", "revolute", ("ground", "wheel"), UP)],
+        stops=(Stop("play", "axle", "angle", (-play, play), Impact(stiffness=K, exponent=1.5)),),
+        t_end=2.0,
+        step=1e-4,
+    )
+    results = simulate(model)
+
+    def rates(t, y):
+        beyond = max(abs(y[0]) - play, 0.0)
+        return [y[1], -np.sign(y[0]) * K * beyond**1.5 / J]
+
+    exact = solve_ivp(
+        rates, (0, 2), [0, 2.0], rtol=1e-10, atol=1e-12, t_eval=results.time, max_step=1e-3
+    )
+    assert np.abs(exact.y[1] - results.body("wheel").v[:, 5]).max() < 3e-4
+
+
+@pytest.mark.parametrize("one_side", [(-np.inf, 0.3), (-0.3, np.inf)])
+def test_a_stop_on_one_side(one_side):
+    wheel = RigidBody(1.0, [0.01] * 3, start=Start(angular_velocity=[0, 0, 2.0]))
+    model = model_of(
+        {"wheel": wheel},
+        [Joint("axle", "revolute", ("ground", "wheel"), UP)],
+        stops=(Stop("end", "axle", "angle", one_side, Impact(stiffness=1e3, restitution=0.5)),),
+        t_end=1.0,
+        step=1e-4,
+    )
+    w = simulate(model).body("wheel").v[-1, 5]
+    assert w == pytest.approx(2.0 if one_side[1] > 1 else -1.0, abs=2e-3)
+
+
+@pytest.mark.parametrize("coefficient", [0.1, Stribeck(0.2, 0.1, 0.05)])
+def test_friction_stops_a_wheel(coefficient):
+    """J w' = -mu r m g until it rests, without creep."""
+    J, mu, r, m = 0.5, 0.1, 0.05, 2.0
+    friction = JointFriction(coefficient, r)
+    model = model_of(
+        {"wheel": RigidBody(m, [J] * 3, start=Start(angular_velocity=[0, 0, 0.3]))},
+        [Joint("axle", "revolute", ("ground", "wheel"), UP, friction=friction)],
+        gravity=[0, -G, 0],
+        t_end=2.5,
+        step=1e-3,
+    )
+    results = simulate(model)
+    w, slowing = results.body("wheel").v[:, 5], mu * r * m * G / J
+    if isinstance(coefficient, float):
+        np.testing.assert_allclose(np.diff(w[100:1001]), -slowing * 1e-3, rtol=1e-9)
+    assert np.abs(w[-300:]).max() < 1e-9
+    assert results.energy.dissipated[-1] == pytest.approx(0.5 * J * 0.09, rel=1e-6)
+
+
+@pytest.mark.parametrize("mu", [0.4, 0.2])
+def test_friction_of_a_guide_on_an_incline(mu):
+    a = np.radians(20.0)
+    axis = np.array([np.cos(a), 0, -np.sin(a)])
+    friction = JointFriction(Coulomb(mu))
+    model = model_of(
+        {"block": RigidBody(2.0, [0.5] * 3)},
+        [Joint("guide", "prismatic", ("ground", "block"), axis, friction=friction)],
+        gravity=[0, 0, -G],
+        t_end=1.0,
+        step=1e-3,
+    )
+    v = simulate(model).body("block").v[:, :3] @ axis
+    expected = max(0.0, G * (np.sin(a) - mu * np.cos(a)))
+    assert (v[-1] - v[-101]) / 0.1 == pytest.approx(expected, abs=1e-6)
+
+
+@pytest.mark.parametrize(("width", "moment"), [(None, 0.0), (0.4, 3.0)])
+def test_friction_by_thrust_moments_and_preload(width, moment):
+    """mu r (|thrust| + preload + 2 M / width), and what is viscous."""
+    J, mu, r, w0 = 0.5, 0.1, 0.05, 3.0
+    friction = JointFriction(mu, r, width, preload=7.0, viscous=0.02)
+    tilt = Load("torque", "wheel", [moment, 0.0, 0.0], Constant(1.0))
+    model = model_of(
+        {"wheel": RigidBody(2.0, [J] * 3, start=Start(angular_velocity=[0, 0, w0]))},
+        [Joint("axle", "revolute", ("ground", "wheel"), UP, friction=friction)],
+        loads=(tilt,),
+        gravity=[0, 0, -G],
+        t_end=0.5,
+        step=1e-3,
+    )
+    results = simulate(model)
+    torque = mu * r * (2.0 * G + 7.0 + (2.0 * moment / width if width else 0.0))
+    rate = np.gradient(results.body("wheel").v[:, 5], results.time)[250]
+    expected = -(torque + 0.02 * results.body("wheel").v[250, 5]) / J
+    assert rate == pytest.approx(expected, rel=1e-4)
+
+
+def test_a_beam_on_a_wall_is_its_full_mesh_on_a_wall(beam):
+    """Axial impact by the same law, every displacement an unknown: equal to 1e-10."""
+    h, rho, K, factor, n = 1e-5, 0.9, 3e8, 0.3, 300
+    element, structure = beam.element, beam.structure
+    axis = structure.interfaces[1].X - structure.interfaces[0].X
+    axis = axis / np.linalg.norm(axis)
+    tip, gap = structure.interfaces[1].X, 1e-5
+    contact = Contact(
+        "wall",
+        ("ground.wall", "beam.tip"),
+        "plane",
+        0.0,
+        -axis,
+        impact=Impact(stiffness=K, exponent=1.5, damping=factor),
+    )
+    model = model_of(
+        {"beam": FlexibleBody(element, Start(velocity=axis))},
+        contacts=(contact,),
+        ground_frames={"wall": Frame(tip + gap * axis)},
+        t_end=n * h,
+        step=h,
+        rho_inf=rho,
+        history="recursive",
+        tolerance=1e-13,
+    )
+    results = simulate(model)
+
+    tip_row = structure.P_C.toarray()[6:9].T @ axis
+    forces, x = march_on_wall(structure, tip_row, axis, gap, (K, factor), h, rho, n)
+    found = results.contact("wall").force[:, 0]
+    assert forces.max() > 300.0
+    np.testing.assert_allclose(found, forces, rtol=0, atol=1e-10 * forces.max())
+    assert results.body("beam").x[-1] @ axis == pytest.approx(x, abs=1e-12)
+
+
+def march_on_wall(structure, tip, axis, gap, law, h, rho, n):
+    """Generalized-alpha of M u'' + K u = -F tip, F = K d^1.5 (1 + c d'), d = tip . u - gap."""
+    M, K = structure.M.toarray(), structure.K.toarray()
+    alpha_m, alpha_f = (2 * rho - 1) / (rho + 1), rho / (rho + 1)
+    gamma, beta = 0.5 - alpha_m + alpha_f, 0.25 * (1 - alpha_m + alpha_f) ** 2
+    share = (1 - alpha_f) / (1 - alpha_m)
+    S = np.linalg.inv(M + h * h * beta * share * K)
+    flexibility = S @ tip
+    u, U, frames = np.zeros(len(M)), structure.U, structure.P_C.toarray() @ structure.U
+    along = U @ np.linalg.lstsq(frames, np.tile([*axis, 0, 0, 0], 2), rcond=None)[0]
+    v, v_dot, a, forces = along, np.zeros(len(M)), np.zeros(len(M)), [0.0]
+    for _ in range(n):
+        a_free = (alpha_f * v_dot - alpha_m * a) / (1 - alpha_m)
+        u_free = u + h * v + h * h * ((0.5 - beta) * a + beta * a_free)
+        v_free = v + h * ((1 - gamma) * a + gamma * a_free)
+        free = S @ (-K @ u_free)
+
+        # displacement and rate of the tip are linear in the force
+        d_free = tip @ (u_free + h * h * beta * share * free) - gap
+        rate_free = tip @ (v_free + h * gamma * share * free)
+        soft = tip @ flexibility
+        F = force_on_wall(
+            d_free, rate_free, h * h * beta * share * soft, h * gamma * share * soft, law
+        )
+        v_dot = free - flexibility * F
+        a_new = a_free + share * v_dot
+        u, v, a = u_free + h * h * beta * share * v_dot, v_free + h * gamma * share * v_dot, a_new
+        forces.append(F)
+    return np.array(forces), along @ M @ u / structure.rigid.mass
+
+
+def force_on_wall(d_free, rate_free, sinking, slowing, law):
+    """F = K d^1.5 (1 + c d') of d = d_free - sinking F and d' = rate_free - slowing F."""
+    K, c = law
+
+    def missed(F):
+        d, rate = d_free - sinking * F, rate_free - slowing * F
+        return F - (max(0.0, K * d**1.5 * (1 + c * rate)) if d > 0 else 0.0)
+
+    if missed(0.0) >= 0.0:
+        return 0.0
+    return brentq(missed, 0.0, 1e9, xtol=1e-12, rtol=1e-15, maxiter=500)
