@@ -89,12 +89,12 @@ def blow(model: solver.Model, results: solver.Results) -> Blow:
     return Blow(
         time=results.time,
         force=results.joint("blow").force[:, 0],
-        expected=held_bracket(model, results.time),
+        expected=held_bracket(model, results),
         largest=results.von_mises("bracket", results.time).max(axis=1),
     )
 
 
-def held_bracket(model: solver.Model, time: Array) -> Array:
+def held_bracket(model: solver.Model, results: solver.Results) -> Array:
     """The force (n,) [N] of the hammer on the bracket with its bolts held, u the face that is hit:
 
         q_i'' + omega_i^2 q_i = phi_i F,   m x'' = -F,
@@ -102,13 +102,14 @@ def held_bracket(model: solver.Model, time: Array) -> Array:
 
     c is the static compliance of the face, C_p that of the patch on a half space.
     """
+    time, face = results.time, results.frame("bracket.struck").position[0, 0]
     omega, phi, compliance = held_modes()
     (contact,) = model.contacts
     law, hammer = contact.law(), model.bodies["hammer"]
     K = law.stiffness
     rest = compliance - np.sum((phi / omega) ** 2) - law.patch
     speed = -hammer.start.velocity[0]
-    gap = hammer.start.position[0] - contact.ball - FACE
+    gap = hammer.start.position[0] - contact.ball - face
 
     def force(approach: float) -> float:
         if approach <= 0.0:
@@ -127,10 +128,6 @@ def held_bracket(model: solver.Model, time: Array) -> Array:
         rates, (0.0, time[-1]), start, t_eval=time, rtol=1e-6, atol=TOLERANCE, max_step=time[1]
     ).y
     return np.array([force(x) for x in states[0] - gap - phi @ states[2 : 2 + MODES]])
-
-
-FACE = 0.025
-"""place of the face that is hit on x [m]"""
 
 
 def held_modes() -> tuple[Array, Array, float]:

@@ -262,8 +262,8 @@ def contact_motion(
     """Rates of slip of contact j along t1 and t2, its normal, and its point r_B - r n, in space."""
     rows, frames, i = couplings.rows, work.frames, couplings.range[j]
     f, g = rows.frame_a[i], rows.frame_b[i]
-    normal = normal_of(rows, i, work)
-    axis = slip_axis(rows, i, normal)
+    _, normal, _, _ = _surface(rows, i, work)
+    axis = slip_axis(rows, i, work)
     if couplings.friction_of[j] >= 0:
         axis = row(work.couplings.slip_axis, i + 1)
     n = rotate(frames.D, f, normal)
