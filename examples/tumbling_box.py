@@ -23,7 +23,7 @@ ROOT = Path(__file__).parent.parent
 CORNERS = [f"corner {n}" for n in range(1, 9)]
 EDGES = [(a, b) for a in range(8) for b in range(a + 1, 8) if (a ^ b).bit_count() == 1]
 """corners are numbered from 1 by the bits of their signs on x, y and z"""
-SHOWN = (0.0, 0.1, 0.17, 0.24, 0.29, 0.36, 0.5)
+SHOWN = (0.0, 0.07, 0.145, 0.22, 0.3, 0.39, 0.9)
 """times of the picture [s]"""
 
 
