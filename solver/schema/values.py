@@ -49,6 +49,7 @@ Positive = Annotated[
 NotNegative = Annotated[
     float, number("a number of at least 0, up to 1e100", float, lambda x: 0.0 <= x <= LARGEST)
 ]
+AtLeastOne = Annotated[float, number("a number from 1 to 100", float, lambda x: 1.0 <= x <= 100.0)]
 PositiveTime = Annotated[
     float, number("a positive time, up to 1e100", float, lambda t: 0.0 < t <= LARGEST)
 ]

@@ -264,7 +264,7 @@ def contact_motion(
     f, g = rows.frame_a[i], rows.frame_b[i]
     _, normal, _, _ = _surface(rows, i, work)
     axis = slip_axis(rows, i, work)
-    if couplings.friction_of[j] >= 0:
+    if couplings.friction_of[j] >= 0 and work.couplings.status[j]:
         axis = row(work.couplings.slip_axis, i + 1)
     n = rotate(frames.D, f, normal)
     t1, _ = _across(n, rotate(frames.D, f, axis))

@@ -97,24 +97,26 @@ class Rows(Struct):
 
 
 class Laws(Struct):
-    """Force laws of compliant rows: a linear one of all rows of a coupling, and one of each row.
+    """Force laws of compliant rows: a linear one of all rows of a coupling, and some of each row.
 
-    The law of row i, j over the rows of the same coupling:
+    The force of row i, j over the rows of the same coupling, m over its own laws:
 
         lambda_i = -sum_j (stiffness_ij (c_j - rest_j) + damping_ij dc_j/dt)
-                   - law_i(c_i - rest_i, dc_i/dt)
+                   - sum_m law_m(c_i - rest_i, dc_i/dt)
     """
 
     rest: Array = array("n_i")
     stiffness: Array = array("n_i", 6)
     damping: Array = array("n_i", 6)
-    number: Index = array("n_i")
-    """of the law of each row alone (solver/laws)"""
-    first: Index = array("n_i_1")
-    """(n_i + 1,) the first of the parameters of each row"""
+    range: Index = array("n_i_1")
+    """(n_i + 1,) the laws of each row alone"""
+    number: Index = array("n_law")
+    """of each law (solver/laws)"""
+    first: Index = array("n_law_1")
+    """(n_law + 1,) the first of the parameters of each law"""
     parameters: Array = array("n")
-    memory: Index = array("n_i_1")
-    """(n_i + 1,) the first number that each row remembers"""
+    memory: Index = array("n_law_1")
+    """(n_law + 1,) the first number that each law remembers"""
 
 
 class Friction(Struct):
