@@ -199,15 +199,21 @@ class Contact(Entry):
         """The law of the gap."""
         if self.hertz is None:
             return self.impact.beyond((0.0, math.inf))
-        stiffness = 4.0 / 3.0 * self.hertz.modulus * math.sqrt(self._effective_radius())
+        stiffness = 4.0 / 3.0 * self.hertz.modulus * math.sqrt(self.effective_radius)
         return self.impact.hertzian(stiffness, self.hertz.patch_compliance(self.patch))
 
-    def _effective_radius(self) -> float:
+    @property
+    def effective_radius(self) -> float:
         """(k1 k2)^(-1/2) of the sums k1, k2 of the curvatures of both surfaces."""
         own = 1.0 / self.ball
         curved = own if self.radius is None else own + (-1.0 if self.hollow else 1.0) / self.radius
         other = curved if self.shape == "sphere" else own
         return 1.0 / math.sqrt(curved * other)
+
+    @property
+    def smaller_radius(self) -> float:
+        """Of the ball, or of a smaller shape."""
+        return min(self.ball, self.ball if self.radius is None else self.radius)
 
     def _check_shape(self) -> None:
         kind = self.kind
