@@ -84,6 +84,13 @@ def direction(value: Any) -> Array:
     return along if abs(length - 1.0) <= ROUNDING else along / largest / (length / largest)
 
 
+def points(value: Any) -> Array:
+    pairs = reals(value)
+    if pairs.ndim != 2 or pairs.shape[1] != 2:
+        raise ValueError
+    return pairs
+
+
 def array(value: Any) -> Array:
     return np.atleast_1d(reals(value))
 
@@ -137,6 +144,7 @@ def shortest(matrix: Array) -> Any:
     return diagonal.tolist() if diagonal.any() and len(diagonal) > 1 else float(diagonal[0])
 
 
+_Point = Annotated[tuple[float, float], expected("two numbers")]
 _Coefficients = Annotated[
     float | tuple[float, ...] | tuple[tuple[float, ...], ...],
     expected("a number, six numbers or a 6x6 matrix"),
@@ -180,6 +188,12 @@ if TYPE_CHECKING:
         def __get__(self, owner: Any, kind: Any = None) -> Array | None: ...
         def __set__(self, owner: Any, value: ArrayLike | None) -> None: ...
 
+    class OptionalPoints:
+        """Pairs of numbers; an array (n, 2)."""
+
+        def __get__(self, owner: Any, kind: Any = None) -> Array | None: ...
+        def __set__(self, owner: Any, value: ArrayLike | None) -> None: ...
+
     class OptionalArray:
         """Numbers; an array (n,)."""
 
@@ -214,6 +228,9 @@ else:
     ]
     OptionalDirection = Direction | None
     OptionalArray = Annotated[np.ndarray, Takes("numbers", array, float | tuple[float, ...])] | None
+    OptionalPoints = (
+        Annotated[np.ndarray, Takes("pairs of numbers", points, tuple[_Point, ...])] | None
+    )
     Numbers = Annotated[tuple[float, ...], Takes("numbers", numbers, tuple[float, ...])]
     SomeNumbers = Annotated[
         tuple[float, ...],

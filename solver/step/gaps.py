@@ -71,9 +71,10 @@ def is_blocked(rows: Rows, i: int, work: Workspace) -> bool:
 
 @compiled
 def has_ends(rows: Rows, i: int) -> bool:
-    """Whether the shape is a cylinder of finite length."""
-    k = rows.first[i] + SHAPE + 1
-    return bool(k < rows.first[i + 1] and rows.parameters[k] < math.inf)
+    """Whether the shape is a cylinder of finite length, or a profile that is not closed."""
+    k, end = rows.first[i] + SHAPE + 1, rows.first[i + 1]
+    finite = k + 1 == end and rows.parameters[k] < math.inf
+    return bool(finite or (k + 1 < end and rows.parameters[end - 1] == 0.0))
 
 
 @compiled
