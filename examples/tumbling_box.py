@@ -23,6 +23,9 @@ ROOT = Path(__file__).parent.parent
 CORNERS = [f"corner {n}" for n in range(1, 9)]
 EDGES = [(a, b) for a in range(8) for b in range(a + 1, 8) if (a ^ b).bit_count() == 1]
 """corners are numbered from 1 by the bits of their signs on x, y and z"""
+FRICTION = 0.4
+SLIDES = (0.7, 0.76)
+"""when it slides out on one face [s]"""
 SHOWN = (0.0, 0.07, 0.145, 0.22, 0.3, 0.39, 0.9)
 """times of the picture [s]"""
 
@@ -33,7 +36,8 @@ class Rest:
 
     height of its center over the floor [m], speed [m/s], turning [rad/s]; load: sum of the normal
     forces over its weight, less 1; corners that carry it; blows: of all corners; still: when it
-    last moved faster than 1 mm/s [s]; balance: error of the energy over what it fell.
+    last moved faster than 1 mm/s [s]; slowing: while it slides out, over mu g, less 1; balance: error
+    of the energy over what it fell.
     """
 
     height: float
@@ -43,6 +47,7 @@ class Rest:
     corners: int
     blows: int
     still: float
+    slowing: float
     balance: float
 
 
@@ -56,6 +61,7 @@ def main(folder: Path) -> Rest:
     assert max(found.speed, found.turning) < 1e-9
     assert abs(found.load) < 1e-6
     assert found.corners == 4
+    assert abs(found.slowing) < 0.01
     assert found.balance < 1e-3
     return found
 
@@ -65,15 +71,18 @@ def rest(model: solver.Model, results: solver.Results) -> Rest:
     forces = np.array([results.contact(name).force[-1, 0] for name in CORNERS])
     weight = model.bodies["box"].mass * abs(model.gravity[2])
     fallen = weight * (box.x[0, 2] - box.x[-1, 2])
-    moving = np.linalg.norm(box.v[:, :3], axis=1) > 1e-3
+    speed = np.linalg.norm(box.v[:, :3], axis=1)
+    sliding = (results.time > SLIDES[0]) & (results.time < SLIDES[1])
+    slope = np.polyfit(results.time[sliding], speed[sliding], 1)[0]
     return Rest(
         height=float(box.x[-1, 2]),
-        speed=float(np.linalg.norm(box.v[-1, :3])),
+        speed=float(speed[-1]),
         turning=float(np.linalg.norm(box.v[-1, 3:])),
         load=float(forces.sum() / weight) - 1.0,
         corners=int((forces > 0.0).sum()),
         blows=sum(len(results.events[name]) for name in CORNERS),
-        still=float(results.time[moving].max()),
+        still=float(results.time[speed > 1e-3].max()),
+        slowing=float(slope / (FRICTION * model.gravity[2])) - 1.0,
         balance=float(np.abs(results.energy.balance).max() / fallen),
     )
 
@@ -119,6 +128,7 @@ def draw_boxes(axes: Axes, results: solver.Results) -> None:
 
 def report(found: Rest) -> None:
     print(f"blows of all corners        {found.blows}, slower than 1 mm/s from {found.still:.3f} s")
+    print(f"sliding out                 slowed by mu g within {found.slowing:.1e}")
     print(f"at the end                  {found.speed:.1e} m/s, {found.turning:.1e} rad/s")
     print(f"carried by                  {found.corners} corners, weight within {found.load:.1e}")
     print(f"energy                      balance within {found.balance:.1e} of what it fell")

@@ -178,14 +178,16 @@ def test_the_teeth_knock_as_the_law_says(run):
     assert events.start[0] == pytest.approx(np.sqrt(2.0 * 0.002 / 1000.0), rel=1e-4)
     assert first.sum() >= 3
     assert braking.sum() >= 3
+    closing = 2.0
     for k in range(2):
-        peak, opening, lasting = blow_of_teeth(events.closing_speed[k])
-        assert events.peak[k] == pytest.approx(peak, rel=3e-3)
-        assert events.opening_speed[k] == pytest.approx(opening, rel=5e-3)
-        assert events.end[k] - events.start[k] == pytest.approx(lasting, rel=5e-3)
+        peak, opening, lasting = blow_of_teeth(closing)
+        assert events.closing_speed[k] == pytest.approx(closing, rel=5e-3)
+        assert events.peak[k] == pytest.approx(peak, rel=1e-3)
+        assert events.end[k] - events.start[k] == pytest.approx(lasting, rel=2e-3)
         flight = events.start[k + 1] - events.end[k]
         assert flight == pytest.approx(2.0 * opening / 1000.0, rel=6e-3)
-    settled = (results.time > 0.04) & (results.time < 0.05)
+        closing = opening
+    settled = (results.time > 0.04) & (results.time < 0.0499)
     np.testing.assert_allclose(results.stop("teeth").force[settled], -8.0, rtol=1e-6)
     assert results.iterations.max() <= 6
 
@@ -232,4 +234,4 @@ def test_the_hammer_on_the_bracket(example, tmp_path):
     model = replace(model, bodies={**model.bodies, "hammer": slow})
     results = simulate(model)
     found, expected = script.blow(model, results).force, script.held_bracket(model, results)
-    assert np.abs(found - expected).max() < 0.008 * expected.max()
+    assert np.abs(found - expected).max() < 0.005 * expected.max()
