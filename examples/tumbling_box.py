@@ -36,8 +36,8 @@ class Rest:
 
     height of its center over the floor [m], speed [m/s], turning [rad/s]; load: sum of the normal
     forces over its weight, less 1; corners that carry it; blows: of all corners; still: when it
-    last moved faster than 1 mm/s [s]; slowing: while it slides out, over mu g, less 1; balance: error
-    of the energy over what it fell.
+    last moved faster than 1 mm/s [s]; slowing: while it slides out, over mu g, less 1; balance:
+    error of the energy over what it fell.
     """
 
     height: float
