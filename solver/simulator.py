@@ -59,6 +59,8 @@ class Simulator:
             model = replace(model, settings=settings)
         with about(model.path):
             lowered, source = lower_to_start(model)
+            if lowered.flight is not None:
+                raise ModelError("simulation: contact_step: a Simulator takes steps of one size")
             if source and lowered.system.elastic.kernels.lags.any():
                 raise ModelError("start: a Simulator goes on from recursive history alone")
             check_names(lowered, outputs)
@@ -168,7 +170,8 @@ class Simulator:
         first = number - k
         if first != self._sampled_from:
             n = min(AHEAD, self._n_steps - first + 1)
-            self._sampled = signals(self._lowered, first, np.zeros(n, dtype=np.int64))
+            numbers, rows = np.arange(first, first + n), np.zeros(n, dtype=np.int64)
+            self._sampled = signals(self._lowered, numbers, rows)
             self._sampled_from = first
         self._load[:] = self._sampled.load[k]
         self._drive[:] = self._sampled.drive[k]

@@ -16,7 +16,6 @@ from ..errors import ResultsError, StateError
 from ..lower.lower import LoweredModel
 from ..model.settings import EverySteps, Seconds
 from .recorder import Recorder
-from .writer import rows_up_to
 
 
 class Keeper(Protocol):
@@ -46,7 +45,9 @@ class FileKeeper:
 
     def __init__(self, writer: FileWriter, lowered: LoweredModel, live: Arrays, first: int) -> None:
         interval = lowered.model.settings.checkpoint
-        self._every = interval.every if isinstance(interval, EverySteps) else None
+        self._every = (
+            lowered.ratio * interval.every if isinstance(interval, EverySteps) else None
+        )
         self._pause = interval.seconds if isinstance(interval, Seconds) else float("inf")
         self._writer, self._lowered, self._live = writer, lowered, live
         self._path = checkpoint_of(writer.place)
@@ -54,6 +55,7 @@ class FileKeeper:
         self._newest = self._kept = Snapshot(-1, {})
         self._first = first
         self._notes: dict[str, float] = {}
+        self._rows = 0
         self._last = time.monotonic()
 
     def steps_until_due(self, step: int, n: int) -> int:
@@ -61,7 +63,9 @@ class FileKeeper:
 
     def step_taken(self, step: int, recorder: Recorder) -> None:
         self._newest = Snapshot.of(step, self._live)
-        self._notes = recorder.start._asdict() | {"first": float(self._first)}
+        self._rows = self._writer.written + recorder.waiting
+        numbers = {"first": float(self._first), "rows": float(self._rows)}
+        self._notes = recorder.start._asdict() | numbers
         none = self._kept.step < 0
         by_time = time.monotonic() - self._last > self._pause
         if none or by_time or (self._every is not None and step % self._every == 0):
@@ -71,8 +75,7 @@ class FileKeeper:
 
     def _keep(self) -> None:
         """Write the newest state, if all rows up to it are on the disk."""
-        rows = rows_up_to(self._newest.step, self._first, self._lowered)
-        if self._newest.step in (-1, self._kept.step) or self._writer.committed < rows:
+        if self._newest.step in (-1, self._kept.step) or self._writer.committed < self._rows:
             return
         self._identity = self._identity or identity_of(self._lowered)
         without = tuple(sorted(self._lowered.without))

@@ -42,18 +42,22 @@ class Recorder:
     def __enter__(self) -> "Recorder":
         return self
 
-    def rows(self, first: int, n: int) -> Index:
-        """Rows of the output for n steps from `first` on, or as many as fit; -1: not recorded."""
-        steps = np.arange(first, first + n)
-        recorded = (steps % self._every == 0) | (steps == self._last)
+    @property
+    def waiting(self) -> int:
+        """Rows that are not written yet."""
+        return self._waiting
+
+    def rows(self, steps: Index, stride: int = 1) -> Index:
+        """Rows of the output for steps a stride apart, or as many as fit; -1: not recorded."""
+        recorded = (steps % (self._every * stride) == 0) | (steps == self._last)
         waiting = self._waiting + np.cumsum(recorded)
         return np.where(recorded, waiting - 1, -1)[waiting <= len(self._steps)]
 
-    def keep(self, first: int, rows: Index) -> None:
-        """Keep the rows of the steps from `first` on, which have been taken."""
+    def keep(self, steps: Index, rows: Index) -> None:
+        """Keep the rows of the steps, which have been taken."""
         recorded = rows >= 0
         n = int(recorded.sum())
-        self._steps[self._waiting : self._waiting + n] = first + np.flatnonzero(recorded)
+        self._steps[self._waiting : self._waiting + n] = steps[recorded]
         self._waiting += n
         self._taken += len(rows)
         full = self._waiting == len(self._steps)

@@ -51,7 +51,8 @@ def make_writer(path: Path | None, initial: InitialState, steps: int) -> Writer:
     lowered, model = initial.lowered, initial.lowered.model
     contents, notes = contents_of(lowered), _notes(initial, steps)
     if path is None:
-        check_memory(contents, steps // model.settings.output.every + 1)
+        every = lowered.ratio * model.settings.output.every
+        check_memory(contents, steps // every + 1)
         return Memory(contents, notes, model.source)
     durable = model.settings.checkpoint is not None
     return FileWriter(path, contents, notes, model.source, rows_of(lowered), durable)
@@ -62,8 +63,9 @@ def resume_writer(path: Path, lowered: LoweredModel, state: StateFile) -> FileWr
 
     `ResultsError` for a file that does not belong to the state.
     """
-    rows = rows_up_to(state.snapshot.step, int(state.notes["first"]), lowered)
-    notes = {"steps": lowered.n_steps, "truncation": _truncation(lowered), "finished": False}
+    rows = _rows_up_to(state, lowered)
+    steps = lowered.n_steps // lowered.ratio
+    notes = {"steps": steps, "truncation": _truncation(lowered), "finished": False}
     contents, source = contents_of(lowered), lowered.model.source
     return FileWriter.resume(path, contents, notes, source, rows, state.run)
 
@@ -85,14 +87,20 @@ def read_back(writer: Writer, model: Model) -> Results:
 
 def rows_of(lowered: LoweredModel) -> int:
     """The number of rows that a run records, first and last step included, or one more."""
-    return lowered.n_steps // lowered.model.settings.output.every + 2
+    return lowered.n_steps // (lowered.ratio * lowered.model.settings.output.every) + 2
 
 
-def rows_up_to(step: int, first: int, lowered: LoweredModel) -> int:
-    """The number of rows from the first step, recorded as the last is in any case, to another."""
-    every = lowered.model.settings.output.every
-    last = first < step == lowered.n_steps and step % every > 0
-    return 1 + step // every - first // every + int(last)
+def recorded_every(state: StateFile, lowered: LoweredModel) -> int:
+    """The interval of the rows before a state, in steps as the run counts them."""
+    in_flight = bool(state.snapshot.arrays["state/in_flight"][0])
+    return lowered.model.settings.output.every * (lowered.ratio if in_flight else 1)
+
+
+def _rows_up_to(state: StateFile, lowered: LoweredModel) -> int:
+    """The number of rows up to a state, less one that only the last step of a run has."""
+    step, last = state.snapshot.step, state.identity.horizon.steps
+    regular = step == state.notes["first"] or step % recorded_every(state, lowered) == 0
+    return int(state.notes["rows"]) - int(not regular and step == last < lowered.n_steps)
 
 
 def _superelements(model: Model) -> dict[str, Superelement]:
@@ -111,9 +119,9 @@ def _notes(initial: InitialState, steps: int) -> dict[str, Any]:
     lowered, model = initial.lowered, initial.lowered.model
     start = model.settings.start
     return {
-        "h": lowered.h,
+        "h": lowered.longest_step,
         "rho_inf": lowered.scheme.rho_inf,
-        "steps": steps,
+        "steps": steps // lowered.ratio,
         "rule": model.settings.rule,
         "start": str(start.path if isinstance(start, StartFrom) else start),
         "every": model.settings.output.every,
@@ -127,4 +135,4 @@ def _notes(initial: InitialState, steps: int) -> dict[str, Any]:
         "velocity_correction": initial.velocity_correction,
         "removed": initial.removed.names,
         "truncation": _truncation(lowered),
-    }
+    } | ({"contact_h": lowered.h} if lowered.flight else {})

@@ -5,7 +5,7 @@ energy where it is engaged (laws/contact.py); the other rows are its friction. A
 exerts nothing, and the derivatives of its rows are not computed.
 """
 
-from ..compiler.marks import compiled
+from ..compiler.marks import compiled, entry
 from ..laws import evaluate_law
 from .gaps import is_blocked, normal_of, slip_axis, tangents
 from .rows import GAP
@@ -30,6 +30,29 @@ def set_closed(couplings: Couplings, j: int, state: State, work: Workspace) -> N
         out.status[j] = 0
     elif out.status[j] == 0:
         out.status[j] = 1
+
+
+@compiled
+def is_closed(couplings: Couplings, work: Workspace) -> bool:
+    """Whether any contact is."""
+    for k in range(len(couplings.contact)):
+        if work.couplings.status[couplings.contact[k]] > 0:
+            return True
+    return False
+
+
+@entry
+def approaches(couplings: Couplings, h: float, state: State, work: Workspace) -> bool:
+    """Whether any contact is closed, or will be after a time h at its present rate."""
+    if is_closed(couplings, work):
+        return True
+    old = state.couplings
+    for k in range(len(couplings.contact)):
+        i = couplings.range[couplings.contact[k]]
+        ahead, _ = _penetration(couplings, i, old.coordinate[i] + h * old.rate[i])
+        if ahead > 0.0:
+            return True
+    return False
 
 
 @compiled
