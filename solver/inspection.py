@@ -113,7 +113,10 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
         memory=_memory(initial),
         rows=rows,
         results_size=file_bytes(contents, rows),
-        warnings=(*_warnings(frequencies, free, lowered.longest_step), *_lacks(path, contents, rows)),
+        warnings=(
+            *_warnings(frequencies, free, lowered.longest_step),
+            *_lacks(path, contents, rows),
+        ),
         seconds=_seconds(initial),
     )
 

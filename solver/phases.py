@@ -1,16 +1,17 @@
 """Two sizes of steps: long ones in flight, short ones where contacts are closed or may close.
 
 At multiples of the long step, while no contact is closed or will be after it at its present rate,
-steps are long. One that ends in a closed contact, or in which Newton's method fails, is taken back,
-and short ones take its place, up to the next multiple. Which steps are taken follows from the state
-alone, so that a run goes on from any of them to the bit. Source: docs/theory.md, Two step sizes.
+and no load jumps, steps are long. One that ends in a closed contact, or in which Newton's method
+fails, is taken back, and short ones take its place, up to the next multiple. Which steps are taken
+follows from the state alone, so that a run goes on from any of them to the bit. Source:
+docs/theory.md, Two step sizes.
 """
 
 import numpy as np
 
-from .arrays import Index
 from .checkpoint.carried import Snapshot, carried
 from .lower.lower import LoweredModel
+from .model.signals import jumps_of
 from .start.initial import modes_of
 from .step.contacts import approaches
 from .step.loop import OTHER_SIZE, advance
@@ -18,6 +19,8 @@ from .step.system import Inputs, Output, Run, State, System, Workspace
 
 FEWEST = 16
 """steps for which inputs are made at once"""
+ROUNDING = 1e-9
+"""of a number of steps"""
 
 
 class Phases:
@@ -33,6 +36,9 @@ class Phases:
         self._most = [FEWEST, FEWEST]
         self._refused = -1
         """the step after which a long one was taken back"""
+        jumps = {time for signal in lowered.load_signals for time in jumps_of(signal)}
+        self._jumps = np.array(sorted(jumps), dtype=np.float64) / lowered.h
+        """of loads, in short steps"""
 
     def begin(self, n: int) -> tuple[int, int]:
         """The size of the next steps, in short ones, and how many to take before `n` have passed.
@@ -41,11 +47,14 @@ class Phases:
         """
         if self._lowered.flight is None:
             return 1, n
-        in_flight = self._may_fly()
+        stride = self._lowered.ratio
+        steps = min(n // stride, self._steps_of_flight(int(self._state.step[0])))
+        in_flight = int(steps > 0)
         if in_flight != self._state.in_flight[0]:
             change_step(self._lowered, self._state, self._work, in_flight)
-        stride = self._lowered.ratio if in_flight else 1
-        return stride, min(n // stride, self._most[in_flight])
+        if in_flight:
+            return stride, min(steps, self._most[1])
+        return 1, min(n, self._most[0])
 
     def advance(self, inputs: Inputs) -> tuple[int, float, bool]:
         """Take steps: how many, the residual of the last, and whether Newton's method failed.
@@ -66,14 +75,19 @@ class Phases:
             self._refused, failed = int(self._state.step[0]), False
         return taken, residual, failed
 
-    def _may_fly(self) -> int:
-        """1 if the next step is a long one, 0 if it is a short one."""
-        lowered, state = self._lowered, self._state
-        step = int(state.step[0])
+    def _steps_of_flight(self, step: int) -> int:
+        """Long steps that may follow a step before a load jumps, unless a contact closes first."""
+        lowered = self._lowered
         if step % lowered.ratio or step == self._refused:
             return 0
-        couplings = lowered.system.couplings
-        return int(not approaches(couplings, lowered.longest_step, state, self._work))
+        h, couplings = lowered.longest_step, lowered.system.couplings
+        if approaches(couplings, h, self._state, self._work):
+            return 0
+        # the samples about a jump, means over short steps, are those of short steps alone
+        ahead = self._jumps[self._jumps > step - 1.0]
+        if not len(ahead):
+            return lowered.n_steps
+        return int(max((ahead[0] - 1.0 - step) / lowered.ratio + ROUNDING, 0.0))
 
 
 def change_step(lowered: LoweredModel, state: State, work: Workspace, in_flight: int) -> None:
@@ -87,7 +101,8 @@ def change_step(lowered: LoweredModel, state: State, work: Workspace, in_flight:
     """
     systems: tuple[System, System | None] = (lowered.system, lowered.flight)
     old, new = systems[1 - in_flight], systems[in_flight]
-    assert old is not None and new is not None
+    assert old is not None
+    assert new is not None
     bodies, modes, interfaces = state.bodies, state.modes, state.interfaces
     bodies.v[:] += old.scheme.h * (0.5 - old.scheme.alpha_f) * (bodies.a - bodies.v_dot)
     bodies.a[:] = bodies.v_dot

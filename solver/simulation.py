@@ -223,7 +223,7 @@ def march(course: Course, progress: bool = False) -> None:
             stride, n = phases.begin(convolution.steps_until_due(done, n))
             steps = done + stride * np.arange(1, n + 1)
             rows = recorder.rows(steps, stride)
-            taken, residual, failed = phases.advance(signals(lowered, steps, rows, stride))
+            taken, residual, failed = phases.advance(signals(lowered, steps[0], rows, stride))
             if time.perf_counter() - judged > writer.pause:
                 writer.check(judge.values(state, done + stride * taken - begin))
                 judged = time.perf_counter()
@@ -251,12 +251,13 @@ def _judged(course: Course, begin: int, judge: Judge) -> Iterator[None]:
         course.writer.check(judge.values(course.state, taken))
 
 
-def signals(lowered: LoweredModel, steps: Index, rows: Index, stride: int = 1) -> Inputs:
-    """Loads and drives at steps a stride apart, of which as many as rows, where they go."""
+def signals(lowered: LoweredModel, first: int, rows: Index, stride: int = 1) -> Inputs:
+    """Loads and drives at steps from the first on, a stride apart, which the loop records in the
+    rows.
+    """
     n = len(rows)
-    t = lowered.h * steps[:n].astype(np.float64)
-    h = stride * lowered.h
-    load = [_bearable(signal.samples(t, h)) for signal in lowered.load_signals]
+    t = lowered.h * np.arange(first, first + stride * n, stride, dtype=np.float64)
+    load = [_bearable(signal.samples(t, lowered.h)) for signal in lowered.load_signals]
     drive = [np.array([signal(t_n) for t_n in t.tolist()]) for signal in lowered.drives]
     return Inputs(load=_columns(load, n), drive=_columns(drive, n), row=rows, ahead=0)
 

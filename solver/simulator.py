@@ -170,8 +170,7 @@ class Simulator:
         first = number - k
         if first != self._sampled_from:
             n = min(AHEAD, self._n_steps - first + 1)
-            numbers, rows = np.arange(first, first + n), np.zeros(n, dtype=np.int64)
-            self._sampled = signals(self._lowered, numbers, rows)
+            self._sampled = signals(self._lowered, first, np.zeros(n, dtype=np.int64))
             self._sampled_from = first
         self._load[:] = self._sampled.load[k]
         self._drive[:] = self._sampled.drive[k]
