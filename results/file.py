@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from importlib import metadata
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import h5py
 import numpy as np
@@ -24,6 +24,10 @@ from .errors import ResultsError
 from .journal import BusyError, Journal, JournaledFile, partial_of, recover, uninterrupted
 from .schema import (
     DIMENSIONS,
+    EARLIEST,
+    EVENT_NUMBER,
+    EVENT_OF,
+    EVENTS,
     FORMAT,
     QUANTITIES,
     VERSION,
@@ -31,6 +35,7 @@ from .schema import (
     Axis,
     Batch,
     Contents,
+    EventRows,
     Quantity,
     SuperelementFile,
 )
@@ -47,8 +52,17 @@ CHUNK = 1 << 18
 LEAST_ROWS = 16
 """rows of a chunk, however many bodies there are"""
 TEXT = h5py.string_dtype()
+EVENT_ROWS = 512
+"""events of a chunk"""
 CHECKS = "check_value"
 """the variable with the values of the checks of validity"""
+
+
+class Extent(NamedTuple):
+    """How much of a file counts."""
+
+    rows: int
+    events: int = 0
 
 
 class FileSource:
@@ -65,15 +79,15 @@ class FileSource:
             _check_format(file)
             self.run = _run_of(file)
             self._contents = _read_contents(file)
-            self._written = _rows_in(file)
+            self._written = _extent_of(file)
 
     @property
     def name(self) -> str:
         return str(self._path)
 
     @property
-    def rows(self) -> int:
-        """The number of rows when it was first opened."""
+    def extent(self) -> Extent:
+        """How much of it counted when it was first opened."""
         return self._written
 
     def contents(self) -> Contents:
@@ -89,18 +103,36 @@ class FileSource:
 
     def read(self, selections: Sequence[Selection]) -> list[Array]:
         with self._open() as file:
-            if _run_of(file) != self.run:
-                raise ResultsError("another run has replaced this file: read it again")
-            n = self._written = self._written or _rows_in(file)
-            if not n:
-                raise ResultsError("no step has been written yet")
+            n = self._rows_that_count(file)
             axes = self._contents.axes
             return [_rows(file, axes, quantity, entries, n) for quantity, entries in selections]
+
+    def events(self) -> EventRows:
+        axes = self._contents.axes
+        if "event_owner" not in axes:
+            return EventRows.none()
+        with self._open() as file:
+            self._rows_that_count(file)
+            n = self._written.events
+            owner, *values = (_rows(file, axes, q, None, n) for q in (EVENT_OF, *EVENTS))
+        if len(owner) and not 0 <= owner.min() <= owner.max() < len(axes["event_owner"]):
+            raise ResultsError(f"{self._path}: variable 'event_of': names no entry of event_owner")
+        return EventRows(owner, np.column_stack(values))
 
     def checks(self) -> Array:
         with self._open() as file:
             values: Array = file[CHECKS][()] if CHECKS in file else np.empty(0)
         return values
+
+    def _rows_that_count(self, file: h5py.File) -> int:
+        """Those when it was first opened, or now if there were none."""
+        if _run_of(file) != self.run:
+            raise ResultsError("another run has replaced this file: read it again")
+        if not self._written.rows:
+            self._written = _extent_of(file)
+        if not self._written.rows:
+            raise ResultsError("no step has been written yet")
+        return self._written.rows
 
     @contextmanager
     def _open(self) -> Iterator[h5py.File]:
@@ -142,7 +174,7 @@ class FileWriter:
     ) -> None:
         self.run = uuid.uuid4().hex
         # Made in memory first: HDF5 itself brings the process down when the disk is full.
-        image = _image(contents, {**notes, "written": 0, "run": self.run}, model, rows)
+        image = _image(contents, {**notes, "written": 0, "events": 0, "run": self.run}, model, rows)
         with _failures_named(path):
             journal = Journal(resolved(path))
             self.place = partial_of(journal.target) if path.exists() else journal.target
@@ -166,13 +198,13 @@ class FileWriter:
         contents: Contents,
         notes: Mapping[str, Any],
         model: str,
-        rows: int,
+        extent: Extent,
         run: str,
     ) -> Self:
-        """Go on with the file of a run that ended early, after so many rows; others are dropped.
+        """Go on with the file of a run that ended early, after so many rows and events.
 
-        run: the name of that run. `ResultsError` where the file is of another one, has other
-        contents, or fewer rows.
+        Others are dropped. run: the name of that run. `ResultsError` where the file is of another
+        one, has other contents, or fewer rows.
         """
         writer = cls.__new__(cls)
         writer.run = run
@@ -180,27 +212,32 @@ class FileWriter:
             journal = Journal(resolved(path))
             writer.place = unfinished(journal.target)
             try:
-                _check_same_run(writer.place, run, contents, rows)
+                _check_same_run(writer.place, run, contents, extent)
             except ResultsError:
                 journal.close()
                 raise
         writer._open(path, contents, journal, durable=True)
-        writer._drop(rows, model, notes)
+        writer._drop(extent, model, notes)
         return writer
 
     def _open(self, path: Path, contents: Contents, journal: Journal, durable: bool) -> None:
         self.path, self._contents, self._journal = path, contents, journal
         self._store = JournaledFile(self.place, journal, durable)
         self._file = h5py.File(self._store, "r+")
-        self.written = self.committed = int(self._file["solver"].attrs["written"])
+        self.written = self.committed = _extent_of(self._file)
         self._last = -np.inf
 
     def append(self, batch: Batch) -> None:
-        axes, first = self._contents.axes, self.written
+        axes, (first, n) = self._contents.axes, self.written
+        events = batch.events
         with uninterrupted():
-            for quantity in self._contents.quantities:
-                _extend(self._file, quantity.name, quantity.take(batch, axes), first)
-            self.written += len(batch.steps)
+            if len(batch.steps):
+                for quantity in self._contents.quantities:
+                    _extend(self._file, quantity.name, quantity.take(batch, axes), first)
+            if len(events.owner):
+                for name, column in _event_columns(events, n):
+                    _extend(self._file, name, column, n)
+            self.written = Extent(first + len(batch.steps), n + len(events.owner))
         if self._store.waiting > BUFFER:
             self._commit(PATIENCE)
         elif time.monotonic() - self._last > self.pause:
@@ -230,7 +267,7 @@ class FileWriter:
     def where(self) -> str:
         if self.place == self.target or not self.place.exists():
             return ""
-        return f"; its {self.committed} rows are in {self.place}, for an earlier result stays"
+        return f"; its {self.committed.rows} rows are in {self.place}, for an earlier result stays"
 
     def finish(self) -> None:
         self._close()
@@ -244,20 +281,23 @@ class FileWriter:
         self._close()
         self._journal.close()
 
-    def _drop(self, rows: int, model: str, notes: Mapping[str, Any]) -> None:
+    def _drop(self, extent: Extent, model: str, notes: Mapping[str, Any]) -> None:
         with uninterrupted():
             for quantity in self._contents.quantities:
-                self._file[quantity.name].resize(rows, axis=0)
+                self._file[quantity.name].resize(extent.rows, axis=0)
+            for quantity in _event_quantities(self._contents):
+                self._file[quantity.name].resize(extent.events, axis=0)
             for name, values in _superelement_files(self._contents).items():
                 self._file[name][...] = np.array(values, dtype=object)
             self._file.attrs["model"] = model
             self._file["solver"].attrs.update(_plain(notes))
-        self.written = rows
+        self.written = extent
 
     def _commit(self, patience: float, can_wait: bool = False) -> None:
         """Let all rows take place; unless they can wait, also if others never close the file."""
         with self._failures_named(), uninterrupted():
-            self._file["solver"].attrs.modify("written", self.written)
+            self._file["solver"].attrs.modify("written", self.written.rows)
+            self._file["solver"].attrs.modify("events", self.written.events)
             self._file.flush()
             try:
                 self._store.commit(patience)
@@ -275,7 +315,7 @@ class FileWriter:
             with _failures_named(self.place):
                 yield
         except ResultsError as error:
-            raise ResultsError(f"{error}; {self.committed} rows are in it") from error
+            raise ResultsError(f"{error}; {self.committed.rows} rows are in it") from error
 
     def _close(self) -> None:
         """Close without writing: what is not committed is lost."""
@@ -290,12 +330,15 @@ def unfinished(target: Path) -> Path:
     return partial if partial.exists() else target
 
 
-def _check_same_run(path: Path, run: str, contents: Contents, rows: int) -> None:
+def _check_same_run(path: Path, run: str, contents: Contents, extent: Extent) -> None:
     source = FileSource(path)
     if source.run != run:
         raise ResultsError(f"{path}: results of another run than the state beside them")
-    if (found := source.rows) < rows:
-        raise ResultsError(f"{path}: {found} rows, fewer than the {rows} of the state beside them")
+    for name, found, least in zip(Extent._fields, source.extent, extent, strict=True):
+        if found < least:
+            raise ResultsError(
+                f"{path}: {found} {name}, fewer than the {least} of the state beside them"
+            )
     if difference := contents.difference(source.contents()):
         raise ResultsError(f"{path}: {difference}")
 
@@ -344,10 +387,10 @@ def _failures_named(path: Path) -> Iterator[None]:
 def _check_format(file: h5py.File) -> None:
     if (found := _text(file.attrs.get("format"))) != FORMAT:
         raise ResultsError(f"attribute format: expected {FORMAT!r}, found {found!r}")
-    if (version := int(file.attrs.get("version", 0))) != VERSION:
+    if not EARLIEST <= (version := int(file.attrs.get("version", 0))) <= VERSION:
         raise ResultsError(
-            f"results file of version {version}; this Duhamel reads version {VERSION}: "
-            "run the model again"
+            f"results file of version {version}; this Duhamel reads versions {EARLIEST} to "
+            f"{VERSION}: run the model again"
         )
 
 
@@ -356,11 +399,13 @@ def _run_of(file: h5py.File) -> str:
     return str(file["solver"].attrs.get("run", ""))
 
 
-def _rows_in(file: h5py.File) -> int:
-    """The number of rows that count."""
-    if (written := int(file["solver"].attrs["written"])) < 0:
-        raise ResultsError(f"attribute written: expected 0 or more, found {written}")
-    return written
+def _extent_of(file: h5py.File) -> Extent:
+    notes = file["solver"].attrs
+    extent = Extent(int(notes["written"]), int(notes.get("events", 0)))
+    for name, found in zip(("written", "events"), extent, strict=True):
+        if found < 0:
+            raise ResultsError(f"attribute {name}: expected 0 or more, found {found}")
+    return extent
 
 
 def _text(value: Any) -> Any:
@@ -370,10 +415,12 @@ def _text(value: Any) -> Any:
 def _read_contents(file: h5py.File) -> Contents:
     axes = {name: Axis(_strings(file, name)) for name in DIMENSIONS if name in file}
     del axes["time"]
+    axes.pop("event", None)
     quantities = tuple(quantity for quantity in QUANTITIES if quantity.name in file)
-    for quantity in quantities:
-        if not isinstance(quantity.unit, str):
-            name = quantity.dimensions[1]
+    events = EVENTS if "event_owner" in axes else ()
+    for quantity in (*quantities, *events):
+        if not isinstance(quantity.unit, str) and units_of(quantity) in file:
+            name = quantity.measured
             angular = [unit == quantity.unit[1] for unit in _strings(file, units_of(quantity))]
             axes[name] = Axis(axes[name].names, tuple(angular))
     bodies = axes.pop("flexible_body", Axis(())).names
@@ -410,7 +457,7 @@ def _rows(file: h5py.File, axes: Axes, quantity: Quantity, entries: Any, written
 
 
 def units_of(quantity: Quantity) -> str:
-    """The variable with the units along a ragged dimension."""
+    """The variable with the units of its entries."""
     return f"{quantity.name}_units"
 
 
@@ -431,15 +478,18 @@ def _image(contents: Contents, notes: Mapping[str, Any], model: str, rows: int) 
             axes["check"] = Axis(contents.checks)
         scales = {name: _put_strings(file, name, axis.names) for name, axis in axes.items()}
         scales["time"] = _create(file, contents.quantities[0], axes, rows)
+        if _event_quantities(contents):
+            scales["event"] = _create(file, EVENT_NUMBER, axes, EVENT_ROWS)
         for name, scale in scales.items():
             scale.make_scale(name)
             if name != "time":
                 scale.attrs["long_name"] = DIMENSIONS[name].description
         for quantity in contents.quantities[1:]:
             _attach(_create(file, quantity, axes, rows), quantity.dimensions, scales)
-            if not isinstance(quantity.unit, str):
-                units = _put_strings(file, units_of(quantity), quantity.units(axes))
-                _attach(units, quantity.dimensions[1:], scales)
+            _put_units(file, quantity, axes, scales)
+        for quantity in _event_quantities(contents)[1:]:
+            _attach(_create(file, quantity, axes, EVENT_ROWS), quantity.dimensions, scales)
+            _put_units(file, quantity, axes, scales)
         for name, values in _superelement_files(contents).items():
             _attach(_put_strings(file, name, values), ("flexible_body",), scales)
         if contents.checks:
@@ -452,6 +502,32 @@ def _image(contents: Contents, notes: Mapping[str, Any], model: str, rows: int) 
     return image
 
 
+def _event_quantities(contents: Contents) -> tuple[Quantity, ...]:
+    """The variables of events, if the run has any."""
+    return (EVENT_NUMBER, EVENT_OF, *EVENTS) if "event_owner" in contents.axes else ()
+
+
+def _event_columns(events: EventRows, first: int) -> Iterator[tuple[str, Array]]:
+    """The variables of events, whose numbers go on from the first."""
+    m = len(events.owner)
+    columns = (np.arange(first, first + m), events.owner, *events.values.T)
+    for quantity, column in zip((EVENT_NUMBER, EVENT_OF, *EVENTS), columns, strict=True):
+        yield quantity.name, column.astype(_type_of(quantity))
+
+
+def _type_of(quantity: Quantity) -> type:
+    return np.int64 if quantity.integer else np.float64
+
+
+def _put_units(
+    file: h5py.File, quantity: Quantity, axes: Axes, scales: Mapping[str, h5py.Dataset]
+) -> None:
+    """The variable with the units of its entries, where they may differ."""
+    if not isinstance(quantity.unit, str):
+        units = _put_strings(file, units_of(quantity), quantity.units(axes))
+        _attach(units, (quantity.measured,), scales)
+
+
 def _create(file: h5py.File, quantity: Quantity, axes: Axes, rows: int) -> h5py.Dataset:
     """A variable without rows."""
     shape = quantity.shape(axes)
@@ -460,7 +536,7 @@ def _create(file: h5py.File, quantity: Quantity, axes: Axes, rows: int) -> h5py.
         shape=(0, *shape),
         maxshape=(None, *shape),
         chunks=chunks(shape, rows),
-        dtype=np.int64 if quantity.integer else np.float64,
+        dtype=_type_of(quantity),
         fillvalue=None if quantity.integer else np.nan,
     )
     dataset.attrs["long_name"] = quantity.description

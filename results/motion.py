@@ -1,6 +1,8 @@
 """Motions of bodies, frames, joints and springs, energies and momenta over time."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+
+import numpy as np
 
 from ..superelement.validation import Array
 
@@ -53,8 +55,8 @@ class Coupling:
     coordinates: dict[str, Array]
     """(n,) coordinates of a joint and their rates by name.
 
-    angle [rad], angle_rate, distance [m], distance_rate, ...; of a spring "coordinates" (n, rows).
-    Angles are continued over full turns.
+    angle [rad], angle_rate, distance [m], distance_rate, ...; friction [N m, N] on the coordinate
+    and friction_state, 1 sticks, 2 slips; of a spring "coordinates" (n, rows). Angles are continued over full turns.
     """
 
     def __getattr__(self, name: str) -> Array:
@@ -66,11 +68,86 @@ class Coupling:
 
 
 @dataclass(frozen=True, eq=False)
+class Events:
+    """Each time that a contact or stop was closed (m,), in order, counted at every step.
+
+    A contact that was still closed at the end of the run is the last, with its end there and no
+    numbers for opening speed and restitution: `still_closed`. One that was closed from the start
+    has a closing speed of 0.
+    """
+
+    start: Array
+    """time when it closed [s]"""
+    end: Array
+    """time when it opened [s]"""
+    steps: Array
+    """steps at whose end it was closed"""
+    peak: Array
+    """largest normal force [N], of a stop of an angle moment [N m]"""
+    impulse: Array
+    """integral of the same over time [N s, N m s]"""
+    closing_speed: Array
+    """[m/s, rad/s]"""
+    opening_speed: Array
+    restitution: Array
+    """opening speed over closing speed, 0 where that is 0"""
+    dissipated: Array
+    """energy that it took, friction included [J]"""
+
+    def __len__(self) -> int:
+        return len(self.start)
+
+    @property
+    def still_closed(self) -> Array:
+        """(m,) True for the one that had not ended with the run."""
+        return np.isnan(self.opening_speed)
+
+    def __str__(self) -> str:
+        names = [field.name for field in fields(self)]
+        columns = [[name, *(f"{x:.6g}" for x in getattr(self, name))] for name in names]
+        widths = [max(map(len, column)) for column in columns]
+        rows = zip(*columns, strict=True)
+        return "\n".join("  ".join(map(str.rjust, row, widths)) for row in rows)
+
+
+@dataclass(frozen=True, eq=False)
+class ContactMotion:
+    """What happens between the ball and the shape of a contact."""
+
+    gap: Array
+    """(n,) [m], negative where it is closed"""
+    force: Array
+    """(n, 3) on the second body, along the normal and the tangents t1, t2 = normal x t1 [N]"""
+    normal: Array
+    """(n, 3) of the shape, towards the second body, in space"""
+    point: Array
+    """(n, 3) point of the ball nearest to the shape, in space [m]"""
+    slip: Array
+    """(n, 2) rates of slip of the second body along t1 and t2 [m/s], 0 where it is open"""
+    state: Array
+    """(n,) 0 open, 1 closed or sticks, 2 slips"""
+    events: Events
+
+
+@dataclass(frozen=True, eq=False)
+class StopMotion:
+    """What happens at a stop of a joint coordinate."""
+
+    gap: Array
+    """(n,) distance to the nearer limit [m, rad], negative beyond it"""
+    force: Array
+    """(n,) on the coordinate [N, N m]"""
+    state: Array
+    """(n,) 0 open, 1 closed"""
+    events: Events
+
+
+@dataclass(frozen=True, eq=False)
 class Energy:
     """Energies over time (n,) [J].
 
-    kinetic (of the rigid motion), elastic (vibration included), springs, potential (gravity), work
-    (of loads and drives), dissipated (by dampers and modal damping), numerical (taken by time
+    kinetic (of the rigid motion), elastic (vibration included), springs (contacts too), potential (gravity), work
+    (of loads and drives), dissipated (by dampers, contacts, friction and modal damping), numerical (taken by time
     stepping from the modes); balance: the sum of all but work, less work and less its value at
     t = 0. elastic of a body whose kernel is convolved is the work of its interface loads, with what
     damping and time stepping have taken of it. Where it falls below zero, or numerical does, the

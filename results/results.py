@@ -11,7 +11,16 @@ from ..superelement import Recovery, Superelement, SuperelementError, von_mises
 from ..superelement.validation import Array
 from .errors import RecoveryError
 from .file import FileSource
-from .motion import BodyMotion, Coupling, Energy, FrameMotion, Momentum
+from .motion import (
+    BodyMotion,
+    ContactMotion,
+    Coupling,
+    Energy,
+    Events,
+    FrameMotion,
+    Momentum,
+    StopMotion,
+)
 from .recovery import (
     Instants,
     in_space,
@@ -21,7 +30,7 @@ from .recovery import (
     read_again,
     stepping,
 )
-from .schema import OWNERS, QUANTITIES, Contents, SuperelementFile, attributes_of
+from .schema import EVENTS, OWNERS, QUANTITIES, Contents, SuperelementFile, attributes_of
 from .source import Selection, Source
 from .validity import Check, Validity
 
@@ -87,6 +96,22 @@ class Results:
         return self._names("spring")
 
     @property
+    def contacts(self) -> tuple[str, ...]:
+        return self._names("contact")
+
+    @property
+    def stops(self) -> tuple[str, ...]:
+        return self._names("stop")
+
+    @property
+    def events(self) -> dict[str, Events]:
+        """The events of each contact and stop, which are counted whatever was recorded."""
+        owner, values = self._source.events()
+        return {
+            name: Events(*values[owner == k].T) for k, name in enumerate(self._names("event_owner"))
+        }
+
+    @property
     def energies(self) -> tuple[str, ...]:
         """The energies that were recorded, as attributes of `energy`."""
         quantities = self._source.contents().quantities
@@ -150,6 +175,15 @@ class Results:
     def spring(self, name: str) -> Coupling:
         return self._coupling("springs", name)
 
+    def contact(self, name: str) -> ContactMotion | StopMotion:
+        """A contact or a stop."""
+        if name in self.stops:
+            return self.stop(name)
+        return ContactMotion(**self._of("contacts", name), events=self.events[name])
+
+    def stop(self, name: str) -> StopMotion:
+        return StopMotion(**self._of("stops", name), events=self.events[name])
+
     def unit(self, group: str, owner: str, attribute: str) -> str:
         """The unit of an attribute, as of "joints", "hinge", "angle_rate".
 
@@ -157,6 +191,10 @@ class Results:
         """
         axes = self._source.contents().axes
         units: dict[str, None] = {}
+        if group == "events":
+            (event,) = (quantity for quantity in EVENTS if quantity.attribute == attribute)
+            of_entries = event.units(axes)
+            return of_entries[axes["event_owner"].number(owner) if len(of_entries) > 1 else 0]
         for name, quantity, entries in attributes_of(axes, group, owner):
             if name == attribute:
                 of_entries = quantity.units(axes)

@@ -17,7 +17,9 @@ from ..superelement import sha256
 from ..superelement.validation import Array
 
 FORMAT = "duhamel-results"
-VERSION = 3
+VERSION = 4
+EARLIEST = 3
+"""of which all that is there is the same"""
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,15 @@ DIMENSIONS = {
         Dimension(
             "spring_component", "components of springs, as SPRING.NUMBER", "springs", ragged=True
         ),
+        Dimension("contact_axis", "normal and tangents of a contact", entries=("n", "t1", "t2")),
+        Dimension("tangent_axis", "tangents of a contact", entries=("t1", "t2")),
+        Dimension("contact", "contacts", "contacts"),
+        Dimension("stop", "stops of joint coordinates", "stops"),
+        Dimension(
+            "joint_with_friction", "joints with friction, as JOINT.friction", "joints", ragged=True
+        ),
+        Dimension("event", "times that a contact or stop was closed, in the order of their ends"),
+        Dimension("event_owner", "contacts and stops whose events are counted"),
         Dimension("flexible_body", "bodies with superelements"),
         Dimension("check", "checks of the validity of the run, as CRITERION:OWNER"),
     )
@@ -67,7 +78,7 @@ DIMENSIONS = {
 class Axis:
     """The entries of a dimension.
 
-    angular: of ragged dimensions, True for each that is an angle or belongs to one; rows: of each
+    angular: True for each that is an angle or belongs to one, where some may be; rows: of each
     in the arrays of the time loop, which a file does not keep.
     """
 
@@ -121,16 +132,33 @@ class Energies(NamedTuple):
         return cls(float(springs), float(sum(others, springs)))
 
 
+class EventRows(NamedTuple):
+    """Events: numbers of their owners (m,), and their values (m, 9) in the order of `EVENTS`."""
+
+    owner: Array
+    values: Array
+
+    @classmethod
+    def none(cls) -> "EventRows":
+        return cls(np.empty(0, dtype=np.int64), np.empty((0, 9)))
+
+    @classmethod
+    def joined(cls, parts: Sequence["EventRows"]) -> "EventRows":
+        owners, values = zip(cls.none(), *parts, strict=True)
+        return cls(np.concatenate(owners), np.concatenate(values))
+
+
 class Batch(NamedTuple):
     """Steps (n,) that the time loop recorded in the first rows of its output.
 
-    With the step size h [s] and the energies of t = 0.
+    With the step size h [s], the energies of t = 0, and the contacts that ended meanwhile.
     """
 
     steps: Any
     h: float
     output: Any
     start: Energies
+    events: EventRows = EventRows.none()
 
 
 STORED = ("spring_energy", "kinetic_energy", "elastic_energy", "potential_energy")
@@ -169,7 +197,7 @@ def _balance(batch: Batch) -> Array:
 class Quantity:
     """A variable of results.
 
-    unit: in the spelling of UDUNITS; of ragged dimensions that for lengths and that for angles.
+    unit: in the spelling of UDUNITS; where entries are lengths or angles, that of each.
     key: "GROUP/ATTRIBUTE" of the reader; quantities with the same one are joined along the last
     axis, and "{}" stands for the name of a coordinate. source: the array of the time loop that
     holds it, by default of its own name; or else derive: the function that computes it.
@@ -207,10 +235,15 @@ class Quantity:
         return tuple(len(axes[name]) for name in self.dimensions[1:])
 
     def units(self, axes: Axes) -> tuple[str, ...]:
-        """The unit of each entry of a ragged dimension, or the one unit."""
+        """The unit of each entry, or the one unit."""
         if isinstance(self.unit, str):
             return (self.unit,)
-        return tuple(self.unit[angular] for angular in axes[self.dimensions[1]].angular)
+        return tuple(self.unit[angular] for angular in axes[self.measured].angular)
+
+    @property
+    def measured(self) -> str:
+        """The dimension along which its unit differs."""
+        return self.dimensions[1] if len(self.dimensions) > 1 else "event_owner"
 
     def take(self, batch: Batch, axes: Axes) -> Array:
         """Its rows (n, ...) of the steps of a batch; a view where its entries stand together."""
@@ -234,7 +267,8 @@ _FRAME, _FRAME_TURN = ("time", "frame", "axis"), ("time", "frame", "quaternion")
 _JOINT, _CONSTRAINT = ("time", "joint", "axis"), ("time", "joint_constraint")
 _SPRING, _COMPONENT = ("time", "spring", "axis"), ("time", "spring_component")
 _TIME, _VECTOR = ("time",), ("time", "axis")
-_COORDINATE = ("time", "joint_coordinate")
+_COORDINATE, _RUBBING = ("time", "joint_coordinate"), ("time", "joint_with_friction")
+_CONTACT, _STOP = ("time", "contact"), ("time", "stop")
 
 
 def _energy(name: str, column: str, description: str, **more: Any) -> Quantity:
@@ -395,9 +429,88 @@ QUANTITIES = (
         "springs/coordinates",
         source="coordinate",
     ),
+    Quantity(
+        "joint_friction",
+        _RUBBING,
+        ("N", "N m"),
+        "friction, on the coordinate",
+        "joints/{}",
+        source="friction_force",
+    ),
+    Quantity(
+        "joint_friction_state",
+        _RUBBING,
+        ("1", "1"),
+        "0 before the first step, 1 sticks, 2 slips",
+        "joints/{}_state",
+        source="friction_state",
+        integer=True,
+    ),
+    Quantity("contact_gap", _CONTACT, "m", "gap, negative where it is closed", "contacts/gap", "gap"),
+    Quantity(
+        "contact_force",
+        (*_CONTACT, "contact_axis"),
+        "N",
+        "force on the second body, along normal and tangents",
+        "contacts/force",
+    ),
+    Quantity(
+        "contact_normal",
+        (*_CONTACT, "axis"),
+        "1",
+        "normal of the shape, towards the second body, in space",
+        "contacts/normal",
+    ),
+    Quantity(
+        "contact_point",
+        (*_CONTACT, "axis"),
+        "m",
+        "point of the ball nearest to the shape, in space",
+        "contacts/point",
+    ),
+    Quantity(
+        "contact_slip",
+        (*_CONTACT, "tangent_axis"),
+        "m s-1",
+        "rates of slip of the second body, 0 where it is open",
+        "contacts/slip",
+    ),
+    Quantity(
+        "contact_state",
+        _CONTACT,
+        "1",
+        "0 open, 1 closed or sticks, 2 slips",
+        "contacts/state",
+        integer=True,
+    ),
+    Quantity(
+        "stop_gap",
+        _STOP,
+        ("m", "rad"),
+        "distance to the nearer limit, negative beyond it",
+        "stops/gap",
+        "gap",
+    ),
+    Quantity(
+        "stop_force",
+        _STOP,
+        ("N", "N m"),
+        "force or moment on the coordinate",
+        "stops/force",
+        "normal_force",
+    ),
+    Quantity(
+        "stop_state",
+        _STOP,
+        "1",
+        "0 open, 1 closed",
+        "stops/state",
+        "contact_state",
+        integer=True,
+    ),
     _energy("kinetic_energy", "kinetic", "kinetic energy of the rigid motions"),
     _energy("elastic_energy", "elastic", "elastic energy of flexible bodies, vibration included"),
-    _energy("spring_energy", "springs", "energy stored in springs"),
+    _energy("spring_energy", "springs", "energy stored in springs, contacts and friction"),
     _energy("potential_energy", "potential", "potential energy of gravity"),
     _energy("external_work", "work", "work of loads and drives since t = 0"),
     _energy(
@@ -456,13 +569,36 @@ SOURCES = (
 )
 """further arrays of the time loop, from which quantities are derived"""
 
+
+def _event(name: str, unit: str | tuple[str, str], description: str, **more: Any) -> Quantity:
+    return Quantity(f"event_{name}", ("event",), unit, description, f"events/{name}", **more)
+
+
+EVENTS = (
+    _event("start", "s", "time when it closed"),
+    _event("end", "s", "time when it opened, or the run ended"),
+    _event("steps", "1", "steps at whose end it was closed", integer=True),
+    _event("peak", ("N", "N m"), "largest normal force"),
+    _event("impulse", ("N s", "N m s"), "integral of the normal force over time"),
+    _event("closing_speed", ("m s-1", "rad s-1"), "speed of approach; 0: closed from the start"),
+    _event("opening_speed", ("m s-1", "rad s-1"), "speed of departure; no number: still closed"),
+    _event("restitution", "1", "opening speed over closing speed"),
+    _event("dissipated", "J", "energy that it took, friction included"),
+)
+"""the numbers of an event, in the order of the time loop"""
+EVENT_NUMBER = Quantity("event", ("event",), "1", "number of the event", "", integer=True)
+EVENT_OF = Quantity(
+    "event_of", ("event",), "1", "number of its owner in event_owner, from 0", "", integer=True
+)
+
 SHARED = {
+    "stop": "contact",
     "joint": "coupling",
     "spring": "coupling",
     "joint_constraint": "row",
     "spring_component": "row",
 }
-"""dimensions that joints and springs share in the time loop"""
+"""dimensions that couplings share in the time loop"""
 
 
 def output_fields() -> dict[str, tuple[tuple[str, ...], bool]]:
@@ -477,7 +613,14 @@ def output_fields() -> dict[str, tuple[tuple[str, ...], bool]]:
     }
 
 
-OWNERS = {"bodies": "body", "frames": "frame", "joints": "joint", "springs": "spring"}
+OWNERS = {
+    "bodies": "body",
+    "frames": "frame",
+    "joints": "joint",
+    "springs": "spring",
+    "contacts": "contact",
+    "stops": "stop",
+}
 """the dimension of the owners of a group"""
 
 
@@ -570,9 +713,8 @@ def lay_out(
     for name, axis in axes.items():
         dimension = DIMENSIONS[name]
         chosen = axis.keep(
-            lambda entry, d=dimension: selects(  # type: ignore[misc]
-                f"{d.group}/{entry.rpartition('.')[0] if d.ragged else entry}"
-            )
+            lambda entry, d=dimension: not d.group  # type: ignore[misc]
+            or selects(f"{d.group}/{entry.rpartition('.')[0] if d.ragged else entry}")
         )
         if len(chosen):
             kept[name] = chosen
@@ -610,8 +752,10 @@ def attributes_of(axes: Axes, group: str, owner: str) -> Iterator[tuple[str, Qua
 def table() -> str:
     """The variables as a table in Markdown, for the documentation."""
     lines = ["| variable | dimensions | unit | |", "|---|---|---|---|"]
-    for quantity in QUANTITIES:
-        unit = quantity.unit if isinstance(quantity.unit, str) else " or ".join(quantity.unit)
+    for quantity in (*QUANTITIES, EVENT_NUMBER, EVENT_OF, *EVENTS):
+        unit = quantity.unit
+        if not isinstance(unit, str):
+            unit = " or ".join(dict.fromkeys(unit))
         lines.append(
             f"| `{quantity.name}` | {', '.join(quantity.dimensions)} | {unit} "
             f"| {quantity.description} |"

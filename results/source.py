@@ -6,7 +6,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from ..superelement.validation import Array
-from .schema import Batch, Contents, Quantity
+from .schema import Batch, Contents, EventRows, Quantity
 
 Selection = tuple[Quantity, Any]
 """a quantity, and entries of its second dimension: a number, a slice, or None for all"""
@@ -30,6 +30,9 @@ class Source(Protocol):
     def read(self, selections: Sequence[Selection]) -> list[Array]:
         """The rows (n, ...) that count."""
 
+    def events(self) -> EventRows:
+        """The contacts that have ended, and at the end of the run those that have not."""
+
     def checks(self) -> Array:
         """The values of the checks of validity."""
 
@@ -42,7 +45,7 @@ class Writer(Protocol):
         """Time between writes [s]."""
 
     def append(self, batch: Batch) -> None:
-        """Add the first rows of the output: those of the steps of the batch."""
+        """Add the first rows of the output, those of the steps of the batch, and its events."""
 
     def check(self, values: Array) -> None:
         """Keep the values of the checks of validity in place of earlier ones."""
@@ -75,6 +78,7 @@ class Memory:
     def __init__(self, contents: Contents, notes: Mapping[str, Any], model: str) -> None:
         self._contents, self._notes, self._model = contents, dict(notes), model
         self._batches: list[dict[str, Array]] = []
+        self._events: list[EventRows] = []
         self._checks = np.full(len(contents.checks), np.nan)
 
     def append(self, batch: Batch) -> None:
@@ -85,6 +89,10 @@ class Memory:
                 for quantity in self._contents.quantities
             }
         )
+        self._events.append(batch.events)
+
+    def events(self) -> EventRows:
+        return EventRows.joined(self._events)
 
     def check(self, values: Array) -> None:
         self._checks = values.copy()

@@ -53,6 +53,7 @@ from .progress import Progress
 from .schema.entry import LARGEST
 from .start.initial import initialize, lower_to_start
 from .start.removed import RemovedRows
+from .step.contacts import is_full
 from .step.record import record
 from .step.system import Inputs, Run, State, Workspace
 
@@ -129,7 +130,7 @@ def _resume(model: Model, output: Path, progress: bool, anyway: bool) -> Results
         lowered = lower(model, frozenset(kept.without), identity.horizon)
         if not anyway:
             identity.check_system(lowered)
-        recorded = step % recorded_every(kept, lowered) == 0 or step == identity.horizon.steps
+        recorded = step % recorded_every(kept.snapshot, lowered) == 0 or step == identity.horizon.steps
         if lowered.n_steps < step or (lowered.n_steps == step and not recorded):
             of_state = f"the time of the state, {step * lowered.h:.9g} s"
             least = f"{of_state}, or more" if recorded else f"more than {of_state}"
@@ -204,7 +205,7 @@ def march(course: Course, progress: bool = False) -> None:
     judge, convolution = Judge(lowered), DyadicConvolution(lowered.system.elastic)
     with (
         course.keeper() as keeper,
-        Recorder(writer, lowered, course.start) as recorder,
+        Recorder(writer, lowered, state, work, course.start) as recorder,
         _judged(course, begin, judge),
         Progress("simulating", total, shown=progress) as bar,
     ):
@@ -224,14 +225,15 @@ def march(course: Course, progress: bool = False) -> None:
             steps = done + stride * np.arange(1, n + 1)
             rows = recorder.rows(steps, stride)
             taken, residual, failed = phases.advance(signals(lowered, steps[0], rows, stride))
+            full = is_full(state.contacts)  # of events, which the recorder takes
             if time.perf_counter() - judged > writer.pause:
                 writer.check(judge.values(state, done + stride * taken - begin))
                 judged = time.perf_counter()
-            recorder.keep(steps[:taken], rows[:taken])
+            recorder.keep(steps[:taken], rows[:taken], stride)
             done += stride * taken
             bar.advance(stride * taken)
             check_range(lowered, state, done)
-            if failed:
+            if failed and not full:
                 cause = judge.cause(state, done - begin)
                 raise failure(lowered, state, work, done + 1, residual, cause)
             course.removed.check(work, done * lowered.h)

@@ -76,7 +76,7 @@ class Simulator:
         self.views: Mapping[str, Array] = dict(zip(outputs, ranges, strict=True))
         """the chosen outputs by name, each (n,)"""
         self._lowered, self._state, self._work = lowered, state, initial.work
-        self._removed = initial.removed
+        self._removed, self._contacts = initial.removed, state.contacts
         self._run = Run(system=lowered.system, state=state, work=initial.work, output=output)
         sampled = [*lowered.load_signals, *lowered.drives]
         self.inputs = tuple(dict.fromkeys(s.name for s in sampled if isinstance(s, Input)))
@@ -118,6 +118,7 @@ class Simulator:
             values = np.asarray(inputs, dtype=np.float64).tolist()
             raise ModelError(f"inputs: expected values of {list(self.inputs)}, got {values}")
         number = self._number + 1
+        self._contacts.n_events[0] = 0
         if number > self._n_steps:
             t_end = self._lowered.model.settings.t_end
             raise ModelError(f"t_end = {t_end:.9g} s has been reached")

@@ -8,7 +8,7 @@ from ..step.system import Output, State, System, Workspace
 from .lower import LoweredModel
 
 EVENTS = 256
-"""contacts that can end before the loop hands them over"""
+"""contacts that can end before the time loop hands them over, and one more of each"""
 
 
 def sizes_of(system: System, n_steps: int) -> dict[str, int]:
@@ -24,7 +24,8 @@ def sizes_of(system: System, n_steps: int) -> dict[str, int]:
         "n_o": len(system.observers.kind),
         "n_h": int(system.couplings.laws.memory[-1]),
         "n_k": len(system.couplings.contact),
-        "n_v": EVENTS * len(system.couplings.contact),
+        "n_r": len(system.couplings.friction.first),
+        "n_v": EVENTS + len(system.couplings.contact) if len(system.couplings.contact) else 0,
         "n_l": len(system.loads.frame),
         "n_d": int(system.couplings.drive.max(initial=-1)) + 1,
         "n_e": len(elastic.body),

@@ -51,8 +51,6 @@ SHAPE_TYPES = {
 class Hertz(Entry):
     """Materials of the first and the second body: E [Pa] and nu."""
 
-    label = "hertz"
-
     E: Numbers
     nu: Numbers
 
@@ -83,8 +81,6 @@ def _flexibility(E: float, nu: float) -> float:
 @entry(eq=True)
 class ForceTable(Entry):
     """Force [N, N m] over penetration [m, rad]: points from 0 on; straight beyond the last."""
-
-    label = "law"
 
     penetration: Numbers
     force: Numbers

@@ -74,8 +74,6 @@ class JointFriction(Entry):
     N/m] with `damping`, by default as stiff as the step resolves.
     """
 
-    label = "friction"
-
     coefficient: AnyCoefficient = Coulomb(0.0)
     radius: Positive | None = None
     width: Positive | None = None

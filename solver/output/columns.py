@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
 from itertools import pairwise
+from typing import Any
 
 from ...results.schema import (
     OWNERS,
@@ -16,7 +17,11 @@ from ...results.schema import (
 from ..arrays import Array
 from ..errors import ModelError
 from ..lower.lower import LoweredModel
-from ..model.model import GROUND
+from ..model.contacts import Contact, JointStop
+from ..model.joints import Joint
+from ..model.model import GROUND, Model
+from ..model.motions import PrescribedMotion
+from ..model.springs import Spring
 from ..step.system import Output
 
 
@@ -38,17 +43,16 @@ def requested(lowered: LoweredModel, checks: tuple[str, ...] = ()) -> Contents:
 def axes_of(lowered: LoweredModel) -> dict[str, Axis]:
     """The entries of all dimensions, with their columns in the output."""
     model = lowered.model
-    springs = {spring.name for spring in model.springs}
-    couplings = list(enumerate(lowered.coupling_names))
-    owners = {
+    couplings = lowered.system.couplings
+    owners: dict[str, list[tuple[int, str]]] = {
         "body": list(enumerate(lowered.body_names)),
         "frame": [(f, name) for f, name in enumerate(lowered.frame_names) if _on_body(name)],
-        "joint": [(j, name) for j, name in couplings if name not in springs],
-        "spring": [(j, name) for j, name in couplings if name in springs],
+        "joint": _numbered(model, Joint | PrescribedMotion),
+        "spring": _numbered(model, Spring),
     }
     axes = {key: _axis(entries) for key, entries in owners.items()}
     lengths = lowered.measures_lengths.tolist()
-    ranges = list(pairwise(lowered.system.couplings.range.tolist()))
+    ranges = list(pairwise(couplings.range.tolist()))
     for key, ragged in (("joint", "joint_constraint"), ("spring", "spring_component")):
         entries = [
             (row, f"{name}.{row - ranges[j][0] + 1}")
@@ -60,7 +64,32 @@ def axes_of(lowered: LoweredModel) -> dict[str, Axis]:
     joints = {joint.name: joint.kind for joint in model.joints}
     angular = [joints[joint].unit(name) == "rad" for joint, name in lowered.observers]
     axes["joint_coordinate"] = _axis(list(enumerate(names)), angular)
-    return axes
+    return axes | _switching_axes(lowered)
+
+
+def _switching_axes(lowered: LoweredModel) -> dict[str, Axis]:
+    """The entries of contacts, stops and friction."""
+    model, couplings = lowered.model, lowered.system.couplings
+    angular = ~lowered.measures_lengths
+
+    def turns(owners: list[tuple[int, str]]) -> list[bool]:
+        return [bool(angular[couplings.range[j]]) for j, _ in owners]
+
+    contacts, stops = _numbered(model, Contact), _numbered(model, JointStop)
+    rubbing = [(j, n) for j, n in _numbered(model, Joint) if couplings.friction_of[j] >= 0]
+    first = couplings.friction.first
+    friction = [(int(couplings.friction_of[j]), f"{name}.friction") for j, name in rubbing]
+    return {
+        "contact": _axis([(int(couplings.contact_of[j]), name) for j, name in contacts]),
+        "stop": _axis([(int(couplings.contact_of[j]), name) for j, name in stops], turns(stops)),
+        "joint_with_friction": _axis(friction, [bool(angular[first[r]]) for r, _ in friction]),
+        "event_owner": _axis([*contacts, *stops], turns([*contacts, *stops])),
+    }
+
+
+def _numbered(model: Model, kind: Any) -> list[tuple[int, str]]:
+    """The couplings of a kind, with their numbers."""
+    return [(j, c.name) for j, c in enumerate(model.couplings) if isinstance(c, kind)]
 
 
 def _on_body(frame: str) -> bool:

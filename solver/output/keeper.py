@@ -16,6 +16,7 @@ from ..errors import ResultsError, StateError
 from ..lower.lower import LoweredModel
 from ..model.settings import EverySteps, Seconds
 from .recorder import Recorder
+from .writer import extent_at
 
 
 class Keeper(Protocol):
@@ -53,7 +54,6 @@ class FileKeeper:
         self._newest = self._kept = Snapshot(-1, {})
         self._first = first
         self._notes: dict[str, float] = {}
-        self._rows = 0
         self._last = time.monotonic()
 
     def steps_until_due(self, step: int, n: int) -> int:
@@ -61,9 +61,7 @@ class FileKeeper:
 
     def step_taken(self, step: int, recorder: Recorder) -> None:
         self._newest = Snapshot.of(step, self._live)
-        self._rows = self._writer.written + recorder.waiting
-        numbers = {"first": float(self._first), "rows": float(self._rows)}
-        self._notes = recorder.start._asdict() | numbers
+        self._notes = recorder.start._asdict() | {"first": float(self._first)}
         none = self._kept.step < 0
         by_time = time.monotonic() - self._last > self._pause
         if none or by_time or (self._every is not None and step % self._every == 0):
@@ -73,7 +71,7 @@ class FileKeeper:
 
     def _keep(self) -> None:
         """Write the newest state, if all rows up to it are on the disk."""
-        if self._newest.step in (-1, self._kept.step) or self._writer.committed < self._rows:
+        if self._newest.step in (-1, self._kept.step) or not self._are_on_disk(self._newest):
             return
         self._identity = self._identity or identity_of(self._lowered)
         without = tuple(sorted(self._lowered.without))
@@ -86,6 +84,11 @@ class FileKeeper:
                 f"the state of step {max(self._kept.step, 0)} stays"
             ) from error
         self._kept, self._last = self._newest, time.monotonic()
+
+    def _are_on_disk(self, state: Snapshot) -> bool:
+        """Whether the rows and events up to a state are."""
+        extent = extent_at(state, self._first, self._lowered)
+        return all(n >= m for n, m in zip(self._writer.committed, extent, strict=True))
 
     def __enter__(self) -> "FileKeeper":
         return self

@@ -5,11 +5,13 @@ from types import TracebackType
 
 import numpy as np
 
-from ...results.schema import Batch, Energies
+from ...results.schema import Batch, Energies, EventRows
 from ...results.source import Writer
 from ..arrays import Index
 from ..lower.allocation import make_output
 from ..lower.lower import LoweredModel
+from ..step.system import State, Workspace
+from .events import taken, unfinished
 from .writer import rows_of
 
 NUMBERS = 1 << 20
@@ -19,14 +21,19 @@ NO_ENERGIES = Energies(0.0, 0.0)
 
 
 class Recorder:
-    """Gives the time loop rows for the steps that are to be recorded, and writes them.
+    """Gives the time loop rows for the steps that are to be recorded, and writes them, with events.
 
-    On exit, with or without an error, it writes the rows in the buffer; but a run that fails in its
-    first step leaves an earlier results file as it is.
+    On exit, with or without an error, it writes the rows in the buffer, and contacts that are still
+    closed; but a run that fails in its first step leaves an earlier results file as it is.
     """
 
     def __init__(
-        self, writer: Writer, lowered: LoweredModel, start: Energies = NO_ENERGIES
+        self,
+        writer: Writer,
+        lowered: LoweredModel,
+        state: State,
+        work: Workspace,
+        start: Energies = NO_ENERGIES,
     ) -> None:
         width = sum(array.size for array in make_output(lowered, 1).arrays())
         self._every, self._last = lowered.model.settings.output.every, lowered.n_steps
@@ -35,6 +42,8 @@ class Recorder:
         self._writer, self._h = writer, lowered.h
         self._steps = np.empty(len(self.output.newton_residual), dtype=np.int64)
         self._waiting = self._taken = 0
+        self._lowered, self._state, self._work = lowered, state, work
+        self._events: list[EventRows] = []
         self._written = time.perf_counter()
         self.start = start
         """energies of t = 0"""
@@ -42,24 +51,23 @@ class Recorder:
     def __enter__(self) -> "Recorder":
         return self
 
-    @property
-    def waiting(self) -> int:
-        """Rows that are not written yet."""
-        return self._waiting
-
     def rows(self, steps: Index, stride: int = 1) -> Index:
         """Rows of the output for steps a stride apart, or as many as fit; -1: not recorded."""
         recorded = (steps % (self._every * stride) == 0) | (steps == self._last)
         waiting = self._waiting + np.cumsum(recorded)
         return np.where(recorded, waiting - 1, -1)[waiting <= len(self._steps)]
 
-    def keep(self, steps: Index, rows: Index) -> None:
+    def keep(self, steps: Index, rows: Index, stride: int = 1) -> None:
         """Keep the rows of the steps, which have been taken."""
         recorded = rows >= 0
         n = int(recorded.sum())
         self._steps[self._waiting : self._waiting + n] = steps[recorded]
         self._waiting += n
         self._taken += len(rows)
+        regular = recorded & (steps % (self._every * stride) == 0)
+        self._state.recorded[0] += int(regular.sum())
+        if self._state.contacts.n_events[0]:
+            self._events.append(taken(self._state))
         full = self._waiting == len(self._steps)
         if full or time.perf_counter() - self._written > self._writer.pause:
             self.write()
@@ -71,10 +79,11 @@ class Recorder:
 
     def write(self) -> None:
         """Write the rows in the buffer; none twice, even after an interrupt."""
-        steps = self._steps[: self._waiting]
-        self._waiting = 0
-        if len(steps):
-            self._writer.append(Batch(steps, self._h, self.output, self.start))
+        steps, events = self._steps[: self._waiting], self._events
+        self._waiting, self._events = 0, []
+        if len(steps) or events:
+            joined = EventRows.joined(events)
+            self._writer.append(Batch(steps, self._h, self.output, self.start, joined))
         self._written = time.perf_counter()
 
     def __exit__(
@@ -85,6 +94,7 @@ class Recorder:
     ) -> None:
         if error is not None and self._taken == 0 and self._writer.abandon():
             return
+        self._events.append(unfinished(self._lowered, self._state, self._work))
         try:
             self.write()
         finally:

@@ -6,11 +6,12 @@ from typing import Any, cast
 
 from ...files import FileError, require_regular
 from ...files.outputs import clash
-from ...results.file import FileSource, FileWriter
+from ...results.file import Extent, FileSource, FileWriter
 from ...results.results import Results
 from ...results.schema import Contents
 from ...results.source import Memory, Source, Writer
 from ...superelement import Superelement
+from ..checkpoint.carried import Snapshot
 from ..checkpoint.file import SUFFIX, StateFile
 from ..errors import ResultsError
 from ..lower.lower import LoweredModel
@@ -63,11 +64,11 @@ def resume_writer(path: Path, lowered: LoweredModel, state: StateFile) -> FileWr
 
     `ResultsError` for a file that does not belong to the state.
     """
-    rows = _rows_up_to(state, lowered)
+    extent = extent_at(state.snapshot, int(state.notes["first"]), lowered)
     steps = lowered.n_steps // lowered.ratio
     notes = {"steps": steps, "truncation": _truncation(lowered), "finished": False}
     contents, source = contents_of(lowered), lowered.model.source
-    return FileWriter.resume(path, contents, notes, source, rows, state.run)
+    return FileWriter.resume(path, contents, notes, source, extent, state.run)
 
 
 def contents_of(lowered: LoweredModel) -> Contents:
@@ -90,17 +91,18 @@ def rows_of(lowered: LoweredModel) -> int:
     return lowered.n_steps // (lowered.ratio * lowered.model.settings.output.every) + 2
 
 
-def recorded_every(state: StateFile, lowered: LoweredModel) -> int:
+def recorded_every(state: Snapshot, lowered: LoweredModel) -> int:
     """The interval of the rows before a state, in steps as the run counts them."""
-    in_flight = bool(state.snapshot.arrays["state/in_flight"][0])
+    in_flight = bool(state.arrays["state/in_flight"][0])
     return lowered.model.settings.output.every * (lowered.ratio if in_flight else 1)
 
 
-def _rows_up_to(state: StateFile, lowered: LoweredModel) -> int:
-    """The number of rows up to a state, less one that only the last step of a run has."""
-    step, last = state.snapshot.step, state.identity.horizon.steps
-    regular = step == state.notes["first"] or step % recorded_every(state, lowered) == 0
-    return int(state.notes["rows"]) - int(not regular and step == last < lowered.n_steps)
+def extent_at(state: Snapshot, first: int, lowered: LoweredModel) -> Extent:
+    """The rows and events of a run up to a state, whose last step is recorded in any case."""
+    arrays, step = state.arrays, state.step
+    last = first < step == lowered.n_steps and step % recorded_every(state, lowered) > 0
+    rows = 1 + int(arrays["state/recorded"][0]) + int(last)
+    return Extent(rows, int(arrays["state/contacts/ended"].sum()))
 
 
 def _superelements(model: Model) -> dict[str, Superelement]:

@@ -56,7 +56,10 @@ def entry_of(kind: type[AnyEntry], table: Mapping[str, Any]) -> AnyEntry:
     values: dict[str, Any] = {}
     for field, hint in declared(kind):
         if note(hint, Beside):
-            values[field.name] = entry_of(_bare(hint), table)
+            try:
+                values[field.name] = entry_of(_bare(hint), table)
+            except ModelError as error:
+                raise _owned(kind, values, str(error)) from error
         elif (key := key_of(field, hint)) in table:
             family = note(hint, Family)
             try:
@@ -64,9 +67,13 @@ def entry_of(kind: type[AnyEntry], table: Mapping[str, Any]) -> AnyEntry:
                     value_of(table[key]) if family is None else read_member(family, table[key])
                 )
             except ValueError as error:
-                owner = filled(kind.label, values)
-                raise ModelError(f"{owner}: {field.name}: {error}") from error
+                raise _owned(kind, values, f"{field.name}: {error}") from error
     return kind(**values)
+
+
+def _owned(kind: type[Entry], values: Mapping[str, Any], message: str) -> ModelError:
+    """An error of an entry of which some values are known, its name among them."""
+    return ModelError(f"{filled(kind.label, values)}: {message}" if kind.label else message)
 
 
 def value_of(value: Any) -> Any:

@@ -153,7 +153,10 @@ Limits = Annotated[
     Takes(
         "a lower and a higher number, of which one may be infinite",
         limits,
-        tuple[Annotated[float, AllowInfNan(True)], Annotated[float, AllowInfNan(True)]],
+        Annotated[
+            tuple[Annotated[float, AllowInfNan(True)], Annotated[float, AllowInfNan(True)]],
+            expected("two numbers"),
+        ],
     ),
 ]
 Words = Annotated[tuple[str, ...], Takes("names", tuple, tuple[str, ...])]

@@ -7,13 +7,14 @@ exerts nothing, and the derivatives of its rows are not computed.
 
 from ..compiler.marks import compiled, entry
 from ..laws import evaluate_law
-from .gaps import is_blocked, normal_of, slip_axis, tangents
+from ..laws.contact import penetration
+from .gaps import has_ends, is_blocked, settled_axis, slip_axis
 from .rows import GAP
-from .system import Couplings, Rows, State, Workspace
-from .vectors import Vector, rotate, rotate_back
+from .system import ContactState, Couplings, State, Workspace
+from .vectors import Vector
 
 START, END, STEPS, PEAK, IMPULSE, CLOSING, OPENING, RESTITUTION, DISSIPATED = range(9)
-"""columns of an event"""
+"""columns of an event, those of results/schema.py"""
 
 
 @compiled
@@ -30,6 +31,8 @@ def set_closed(couplings: Couplings, j: int, state: State, work: Workspace) -> N
         out.status[j] = 0
     elif out.status[j] == 0:
         out.status[j] = 1
+        if couplings.friction_of[j] >= 0 and couplings.rows.kind[i] == GAP:
+            _set_slip_axis(couplings, j, slip_axis(couplings.rows, i, work), work)
 
 
 @compiled
@@ -85,37 +88,32 @@ def release_open(couplings: Couplings, state: State, work: Workspace) -> None:
 
 @compiled
 def settle_contacts(couplings: Couplings, work: Workspace) -> None:
-    """At the end of a step: which balls are beyond an end of their shape, and axes of slip."""
+    """At the end of a step: which balls are beyond an end of their shape, and axes of slip, which
+    go on with the normal.
+    """
     rows, out = couplings.rows, work.couplings
     for k in range(len(couplings.contact)):
         j = couplings.contact[k]
         i = couplings.range[j]
-        if rows.kind[i] != GAP:
-            continue
-        out.blocked[i] = int(is_blocked(rows, i, work))
-        if couplings.friction_of[j] >= 0:
-            axis = _settled_axis(rows, i, out.status[j] > 0, work)
-            for slip in range(i + 1, couplings.range[j + 1]):
-                for x in range(3):
-                    out.slip_axis[slip, x] = axis[x]
+        if rows.kind[i] == GAP:
+            if has_ends(rows, i):
+                out.blocked[i] = int(is_blocked(rows, i, work))
+            if out.status[j] and couplings.friction_of[j] >= 0:
+                _set_slip_axis(couplings, j, settled_axis(rows, i + 1, work), work)
 
 
 @compiled
-def _settled_axis(rows: Rows, i: int, closed: bool, work: Workspace) -> Vector:
-    """The axis of slip of gap i, in the axes of frame A."""
-    n, f = normal_of(rows, i, work), rows.frame_a[i]
-    t, _, inverse = tangents(rows, i + 1, rotate(work.frames.D, f, n), work)
-    if not closed or inverse == 0.0:
-        return slip_axis(rows, i, n)
-    return rotate_back(work.frames.D, f, t)
+def _set_slip_axis(couplings: Couplings, j: int, axis: Vector, work: Workspace) -> None:
+    for i in range(couplings.range[j] + 1, couplings.range[j + 1]):
+        for x in range(3):
+            work.couplings.slip_axis[i, x] = axis[x]
 
 
 @compiled
-def _penetration(couplings: Couplings, i: int, c: float) -> tuple[float, float]:
+def penetration_of(couplings: Couplings, i: int, c: float) -> tuple[float, float]:
     """How far the coordinate of row i is beyond the nearer limit of its law, and the way out."""
     laws = couplings.laws
-    lower, upper = laws.parameters[laws.first[i]], laws.parameters[laws.first[i] + 1]
-    return (lower - c, -1.0) if lower - c > c - upper else (c - upper, 1.0)
+    return penetration(laws.parameters[laws.first[i] : laws.first[i + 1]], c)
 
 
 @compiled
@@ -126,19 +124,22 @@ def follow_contact(couplings: Couplings, j: int, state: State, work: Workspace) 
     closed, t = out.status[j] > 0, state.step[0] * h
     if not closed and not contacts.steps[k]:
         return
-    before, side = _penetration(couplings, i, old.coordinate[i])
-    after, new_side = _penetration(couplings, i, out.coordinate[i])
+    before, side = penetration_of(couplings, i, old.coordinate[i])
+    after, new_side = penetration_of(couplings, i, out.coordinate[i])
     crossing = t + h * min(max(before / (before - after), 0.0), 1.0) if before != after else t
     if closed and not contacts.steps[k]:
-        contacts.begin[k] = crossing
-        contacts.closing_speed[k] = max(new_side * old.rate[i], 0.0)
+        begins = before <= 0.0  # or else it was closed at the start of the run
+        contacts.begin[k] = crossing if begins else t
+        contacts.closing_speed[k] = max(new_side * old.rate[i], 0.0) if begins else 0.0
+        contacts.whole[k] = int(begins)
         contacts.work[k] = contacts.work_done[k]
-        contacts.peak[k] = contacts.impulse[k] = 0.0
+        contacts.peak[k], contacts.impulse[k] = abs(out.lam_n[i]), 0.0
     contacts.work_done[k] = state.energies.compliance[j]
     if closed:
         contacts.steps[k] += 1
         contacts.peak[k] = max(contacts.peak[k], abs(old.lam[i]))
         contacts.impulse[k] += h * abs(old.lam[i])
+        state.extremes.depth[k] = max(state.extremes.depth[k], after)
     else:
         _end_contact(state, k, crossing, max(-side * out.rate[i], 0.0))
 
@@ -150,9 +151,19 @@ def _end_contact(state: State, k: int, end: float, opening_speed: float) -> None
     event = contacts.event[n]
     contacts.event_contact[n] = k
     contacts.n_events[0] = n + 1
+    contacts.ended[k] += 1
+    shortest = state.extremes.shortest
+    if contacts.whole[k] and (shortest[k] == 0 or contacts.steps[k] < shortest[k]):
+        shortest[k] = contacts.steps[k]
     event[START], event[END], event[STEPS] = contacts.begin[k], end, contacts.steps[k]
     event[PEAK], event[IMPULSE] = contacts.peak[k], contacts.impulse[k]
     event[CLOSING], event[OPENING] = closing_speed, opening_speed
     event[RESTITUTION] = opening_speed / closing_speed if closing_speed > 0.0 else 0.0
     event[DISSIPATED] = contacts.work[k] - contacts.work_done[k]
     contacts.steps[k] = 0
+
+
+@compiled
+def is_full(contacts: ContactState) -> bool:
+    """Whether the next step may end more contacts than there is room for."""
+    return bool(contacts.n_events[0] + len(contacts.steps) > len(contacts.event_contact))

@@ -49,21 +49,24 @@ def add_coupling_wrenches(couplings: Couplings, state: State, work: Workspace) -
     out, lam = work.couplings, state.couplings.lam
     for j in range(len(couplings.range) - 1):
         first, last = couplings.range[j], couplings.range[j + 1]
+        contact = couplings.contact_of[j] >= 0
         for i in range(first, last):
-            if slips(couplings.rows.kind[i]) and not out.status[j]:
+            if contact and i > first and not out.status[j]:
                 _hold(i, state, work)
             else:
                 _follow_row(couplings, i, state, work)
-            if i == first and couplings.contact_of[j] >= 0:
+            if contact and i == first:
                 set_closed(couplings, j, state, work)
         wrench, end = out.wrench[j], last_law(couplings, j)
         wrench[:] = 0.0
         for i in range(first, last):
             for k in range(6):
                 wrench[k] += lam[i] * out.gradient[i, couplings.second[i] + k]
-            if couplings.compliant[i] and i < end:
+            if contact and not out.status[j]:
+                out.phi[i], out.scale[i] = lam[i], abs(lam[i])
+            elif couplings.compliant[i] and i < end:
                 _set_law_residual(couplings.laws, i, first, end, state, work)
-        if end < last:
+        if end < last and (out.status[j] or not contact):
             set_friction_residual(couplings, j, first, state, work)
 
 
@@ -189,6 +192,8 @@ def spring_energy(couplings: Couplings, j: int, state: State, work: Workspace) -
     """1/2 (c - rest)^T stiffness (c - rest) and what the laws of its rows store, of coupling j."""
     laws, c = couplings.laws, work.couplings.coordinate
     total = 0.0
+    if couplings.contact_of[j] >= 0 and not work.couplings.status[j]:
+        return total
     first, last = couplings.range[j], last_law(couplings, j)
     if last < couplings.range[j + 1]:
         total += bristle_energy(couplings, couplings.friction_of[j], state)

@@ -36,7 +36,11 @@ def start_extremes(system: System, state: State, work: Workspace) -> None:
     extremes.start[0] = _total(state)
     extremes.start[1] = energies.potential[0]
     for j in range(len(extremes.dissipated)):
-        extremes.dissipated[j] = -spring_energy(system.couplings, j, state, work)
+        stored = spring_energy(system.couplings, j, state, work)
+        extremes.dissipated[j] = -stored
+        k = system.couplings.contact_of[j]
+        if k >= 0:
+            state.contacts.work_done[k] = stored
     follow_extremes(system, state, work)
 
 

@@ -100,9 +100,7 @@ def set_friction_residual(
     """phi and scale of the rows with friction of coupling j, and whether it sticks."""
     friction, r, out = couplings.friction, couplings.friction_of[j], work.couplings
     end = friction.first[r] + friction.n[r]
-    acts = 0.0 < out.elapsed[0] < math.inf
-    holds = couplings.contact_of[j] < 0 or out.status[j] > 0
-    if not (acts and holds):
+    if not 0.0 < out.elapsed[0] < math.inf:  # none at the start
         for i in range(friction.first[r], end):
             out.phi[i] = state.couplings.lam[i]
             out.scale[i] = abs(out.phi[i])

@@ -27,8 +27,20 @@ from ..arrays import Array
 from ..compiler.marks import compiled
 from .kinds import delta_of, row_kind
 from .shapes import Curvature, curve, surface_at
-from .system import Rows, Workspace
-from .vectors import UNITS, Vector, add, cross, dot, rotate, rotate_back, row, scale, subtract
+from .system import Couplings, Rows, Workspace
+from .vectors import (
+    UNITS,
+    Vector,
+    add,
+    cross,
+    dot,
+    rotate,
+    rotate_back,
+    row,
+    scale,
+    subtract,
+    triple,
+)
 
 BALL, SIDE, SHAPE = 0, 1, 2
 """parameters of a row: radius of the ball, 1 or -1 for a ball inside, then those of the shape"""
@@ -58,21 +70,31 @@ def is_blocked(rows: Rows, i: int, work: Workspace) -> bool:
 
 
 @compiled
-def normal_of(rows: Rows, i: int, work: Workspace) -> Vector:
-    """n in the axes of A."""
-    _, n, _, _ = _surface(rows, i, work)
-    return n
+def has_ends(rows: Rows, i: int) -> bool:
+    """Whether the shape is a cylinder of finite length."""
+    k = rows.first[i] + SHAPE + 1
+    return bool(k < rows.first[i + 1] and rows.parameters[k] < math.inf)
 
 
 @compiled
-def slip_axis(rows: Rows, i: int, n: Vector) -> Vector:
+def slip_axis(rows: Rows, i: int, work: Workspace) -> Vector:
     """An axis across the normal, from which slip is counted when a contact begins."""
+    _, n, _, _ = _surface(rows, i, work)
     along, across = row(rows.a, i), row(rows.a_turned, i)
     best, least = along, abs(dot(along, n))
     for axis in (across, cross(along, across)):
         if abs(dot(axis, n)) < least - 1e-9:
             best, least = axis, abs(dot(axis, n))
     return best
+
+
+@compiled
+def settled_axis(rows: Rows, i: int, work: Workspace) -> Vector:
+    """t1 of slip i in the axes of A."""
+    _, n, _, _ = _surface(rows, i, work)
+    f = rows.frame_a[i]
+    t, _, _ = tangents(rows, i, rotate(work.frames.D, f, n), work)
+    return rotate_back(work.frames.D, f, t)
 
 
 @row_kind(length=True)
@@ -134,10 +156,17 @@ def _turned_normal(
 def tangents(rows: Rows, i: int, n: Vector, work: Workspace) -> tuple[Vector, Vector, float]:
     """t1 and the axis in space, and 1 / |p|; zero where the axis gives no direction."""
     axis = rotate(work.frames.D, rows.frame_a[i], row(work.couplings.slip_axis, i))
+    t1, inverse = _across(n, axis)
+    return t1, axis, inverse
+
+
+@compiled
+def _across(n: Vector, axis: Vector) -> tuple[Vector, float]:
+    """The part p of an axis across n, over its length, and 1 / |p|."""
     p = subtract(axis, scale(dot(n, axis), n))
     length = math.sqrt(dot(p, p))
     inverse = 1.0 / length if length > STEEPEST else 0.0
-    return scale(inverse, p), axis, inverse
+    return scale(inverse, p), inverse
 
 
 @compiled
@@ -224,3 +253,28 @@ class SecondSlip:
         rows: Rows, i: int, angle: float, factor: float, work: Workspace, H: Array
     ) -> None:
         _add_slip_tangent(rows, i, True, factor, work, H)
+
+
+@compiled
+def contact_motion(
+    couplings: Couplings, j: int, work: Workspace
+) -> tuple[tuple[float, float], Vector, Vector]:
+    """Rates of slip of contact j along t1 and t2, its normal, and its point r_B - r n, in space."""
+    rows, frames, i = couplings.rows, work.frames, couplings.range[j]
+    f, g = rows.frame_a[i], rows.frame_b[i]
+    normal = normal_of(rows, i, work)
+    axis = slip_axis(rows, i, normal)
+    if couplings.friction_of[j] >= 0:
+        axis = row(work.couplings.slip_axis, i + 1)
+    n = rotate(frames.D, f, normal)
+    t1, _ = _across(n, rotate(frames.D, f, axis))
+    l_B = scale(-rows.parameters[rows.first[i] + BALL], n)
+    v = subtract(_velocity(g, l_B, work), _velocity(f, add(delta_of(rows, i, work), l_B), work))
+    return (dot(v, t1), dot(v, cross(n, t1))), n, add(row(frames.r, g), l_B)
+
+
+@compiled
+def _velocity(f: int, lever: Vector, work: Workspace) -> Vector:
+    """Of a point at a lever from frame f, that moves with it."""
+    V = work.frames.V[f]
+    return add(triple(V, 0), cross(triple(V, 3), lever))

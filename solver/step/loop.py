@@ -3,7 +3,7 @@
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
 from .bodies import finish_bodies, predict_bodies
-from .contacts import approaches, is_closed, release_open, settle_contacts
+from .contacts import approaches, is_closed, is_full, release_open, settle_contacts
 from .couplings import add_coupling_work, expect_coordinates, remember_laws
 from .extremes import follow_extremes
 from .frames import move_frame_velocities, move_frames
@@ -23,9 +23,10 @@ OTHER_SIZE = -1.0
 def advance(run: Run, inputs: Inputs) -> tuple[int, float]:
     """Take one step per row of the inputs: the number of steps taken, the residual of the last.
 
-    Fewer than asked where Newton's method failed, or a body left the range of linear elasticity,
-    which `state.extremes.left` tells, or where steps of the other size are due (`OTHER_SIZE`), or
-    where the last step, which does not count, closed a contact in flight.
+    Fewer than asked where Newton's method failed, where a body left the range of linear elasticity,
+    which `state.extremes.left` tells, or where the events of contacts are to be taken (`is_full`);
+    of two sizes of steps also where those of the other are due (`OTHER_SIZE`), and where the last,
+    which does not count, closed a contact in flight.
     """
     system, state, work, output = run.system, run.state, run.work, run.output
     n, residual = len(inputs.load), 0.0
@@ -51,7 +52,7 @@ def advance(run: Run, inputs: Inputs) -> tuple[int, float]:
             output.newton_iterations[row] = iterations
             output.newton_residual[row] = residual
             record(run, row)
-        if state.extremes.left[0]:
+        if state.extremes.left[0] or is_full(state.contacts):
             return k + 1, residual
     return n, residual
 

@@ -4,14 +4,17 @@ from ..arrays import Array
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
 from .bodies import momentum
+from .contacts import penetration_of
 from .couplings import spring_energy
 from .frames import (
     move_frame_accelerations,
     move_frame_velocities,
     move_frames,
 )
+from .gaps import contact_motion
 from .history import modal_energy
 from .rotations import quaternion_exponential, quaternion_product
+from .rows import GAP
 from .system import Run, State, System, Workspace
 
 
@@ -45,8 +48,37 @@ def record(run: Run, k: int) -> None:
     _split(work.couplings.wrench, output.coupling_force[k], output.coupling_moment[k])
     copy(state.observers.value, output.joint_position[k])
     copy(state.observers.rate, output.joint_rate[k])
+    for w in range(len(system.couplings.switching)):
+        _record_switching(run, system.couplings.switching[w], k)
     _record_energies(run, k)
     momentum(system.bodies, state, output.linear_momentum[k], output.angular_momentum[k])
+
+
+@compiled
+def _record_switching(run: Run, j: int, k: int) -> None:
+    """The contact or the friction of coupling j."""
+    couplings, lam, output = run.system.couplings, run.state.couplings.lam, run.output
+    i, status = couplings.range[j], run.work.couplings.status[j]
+    c, r = couplings.contact_of[j], couplings.friction_of[j]
+    if r >= 0:
+        output.friction_force[k, r] = lam[couplings.friction.first[r]]
+        output.friction_state[k, r] = status
+    if c < 0:
+        return
+    beyond, _ = penetration_of(couplings, i, run.work.couplings.coordinate[i])
+    output.gap[k, c] = 0.0 - beyond
+    output.normal_force[k, c] = lam[i]
+    output.contact_state[k, c] = status
+    for x in range(3):
+        row = i + x
+        output.contact_force[k, c, x] = lam[row] if row < couplings.range[j + 1] else 0.0
+    if couplings.rows.kind[i] == GAP:
+        slip, n, point = contact_motion(couplings, j, run.work)
+        for x in range(3):
+            output.contact_normal[k, c, x] = n[x]
+            output.contact_point[k, c, x] = point[x]
+        for x in range(2):
+            output.contact_slip[k, c, x] = slip[x] if status else 0.0
 
 
 @compiled

@@ -5,7 +5,7 @@ loads. These declarations alone list the arrays; `Struct.allocate` makes them.
 
 Dimensions: n_b bodies of six coordinates (delta x in space, delta Theta in body axes); n_f frames;
 n_j couplings (joints, motions, springs, contacts) of n_i rows in all, one multiplier each, n_k of
-them contacts; n_o observers; n_h numbers that force laws remember; n_l loads; n_d drives; n_e
+them contacts and n_r with friction; n_o observers; n_h numbers that force laws remember; n_l loads; n_d drives; n_e
 flexible bodies with n_u interface dofs in all, of which n_a are active, and n_m modes; n_p steps
 whose loads are kept. Frames that carry couplings or loads come before those that are only observed;
 interface dofs of the former are `active`: no others are ever loaded.
@@ -358,6 +358,8 @@ class ContactState(Struct):
     """since it closed, 0: open"""
     begin: Array = array("n_k")
     """time when it closed [s]"""
+    whole: Index = array("n_k")
+    """1: it was open before"""
     closing_speed: Array = array("n_k")
     peak: Array = array("n_k")
     impulse: Array = array("n_k")
@@ -365,6 +367,8 @@ class ContactState(Struct):
     """on the bodies, before it closed"""
     work_done: Array = array("n_k")
     """the same up to now"""
+    ended: Index = array("n_k")
+    """how often it has, since the start of the run"""
     n_events: Index = array(1)
     event_contact: Index = array("n_v")
     """contact that each event is of"""
@@ -445,6 +449,10 @@ class ExtremeState(Struct):
     """energy that each spring or damper took"""
     returned: Array = array("n_j")
     """energy that each gave back of it"""
+    shortest: Index = array("n_k")
+    """steps of the shortest contact from closing to opening, 0: none yet"""
+    depth: Array = array("n_k")
+    """penetration"""
     left: Index = array(1)
     """1 + the first frame that left the range of linear elasticity, 0: none"""
 
@@ -454,6 +462,8 @@ class State(Struct):
     """time, in steps of the shortest size"""
     taken: Index = array(1)
     """steps of whatever size"""
+    recorded: Index = array(1)
+    """rows, but for the first, and for a last one that is recorded for that alone"""
     in_flight: Index = array(1)
     """1: pseudo-accelerations are those of the longest step"""
     prepared: Index = array(1)
@@ -674,6 +684,10 @@ SIZES: dict[str, int | str] = {
     "coupling": "n_j",
     "row": "n_i",
     "joint_coordinate": "n_o",
+    "contact": "n_k",
+    "contact_axis": 3,
+    "tangent_axis": 2,
+    "joint_with_friction": "n_r",
 }
 """dimensions of results as dimensions of a step"""
 

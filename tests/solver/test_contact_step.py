@@ -123,7 +123,7 @@ def test_it_does_so_at_every_scale_of_flight():
 
 @pytest.mark.parametrize("rho_inf", [0.0, 0.5, 0.9, 1.0])
 def test_momentum_is_kept_to_rounding(rho_inf):
-    """Of two balls, whatever is left in the filter of the scheme at a change of steps."""
+    """That of two balls, whatever the filter of the scheme holds at a change of steps."""
     inertia = [0.4 * MASS * RADIUS**2] * 3
     balls = {
         "a": RigidBody(MASS, inertia, start=Start(velocity=[3.0, 0.2, 0])),

@@ -48,7 +48,7 @@ COMPLIANCES = {
 }
 FRICTIONS = {
     "none": {},
-    "sticks": {"friction": 50.0},
+    "sticks": {"friction": 500.0},
     "slips": {"friction": 0.2},
     "stribeck": {"friction": Stribeck(0.4, 0.2, 3.0)},
 }

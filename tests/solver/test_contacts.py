@@ -197,7 +197,7 @@ def test_what_slides_slides_by_coulomb():
 
 
 def test_a_ball_that_slides_begins_to_roll():
-    """At 5/7 of its speed, and loses 1/7 of twice its energy, to the first order of the step."""
+    """At 5/7 of its speed; it loses 1/7 of m v^2, to the second order of the step."""
     m, r, K = 1.0, 0.1, 1e6
     losses = []
     for h in (4e-4, 2e-4, 1e-4):
@@ -214,9 +214,8 @@ def test_a_ball_that_slides_begins_to_roll():
         v = results.body("ball").v[-1]
         np.testing.assert_allclose(v, [5 / 7, 0, 0, 0, 5 / 7 / r, 0], atol=1e-9)
         losses.append(results.energy.dissipated[-1] - 1 / 7)
-    assert abs(losses[-1]) < 1e-4
-    assert losses[0] / losses[1] == pytest.approx(2.0, rel=0.1)
-    assert losses[1] / losses[2] == pytest.approx(2.0, rel=0.1)
+    assert abs(losses[-1]) < 1e-10
+    assert abs(losses[0]) > 3.0 * abs(losses[1]) > 9.0 * abs(losses[2])
 
 
 @pytest.mark.parametrize("shape", ["sphere", "cylinder"])
@@ -469,7 +468,7 @@ def test_friction_by_thrust_moments_and_preload(width, moment):
 
 def test_a_beam_on_a_wall_is_its_full_mesh_on_a_wall(beam):
     """Axial impact by the same law, every displacement an unknown: equal to 1e-10."""
-    h, rho, K, factor, n = 2e-6, 0.9, 3e8, 0.3, 1500
+    h, rho, K, factor, n = 1e-5, 0.9, 3e8, 0.3, 300
     element, structure = beam.element, beam.structure
     axis = structure.interfaces[1].X - structure.interfaces[0].X
     axis = axis / np.linalg.norm(axis)
@@ -510,15 +509,9 @@ def march_on_wall(structure, tip, axis, gap, law, h, rho, n):
     share = (1 - alpha_f) / (1 - alpha_m)
     S = np.linalg.inv(M + h * h * beta * share * K)
     flexibility = S @ tip
-    u = np.zeros(len(M))
-    # the motion of the frame in each node's translations
-    v = (
-        structure.U
-        @ np.linalg.lstsq(
-            structure.P_C.toarray() @ structure.U, np.tile([*axis, 0, 0, 0], 2), rcond=None
-        )[0]
-    )
-    v_dot, a, forces = np.zeros(len(M)), np.zeros(len(M)), [0.0]
+    u, U, frames = np.zeros(len(M)), structure.U, structure.P_C.toarray() @ structure.U
+    along = U @ np.linalg.lstsq(frames, np.tile([*axis, 0, 0, 0], 2), rcond=None)[0]
+    v, v_dot, a, forces = along, np.zeros(len(M)), np.zeros(len(M)), [0.0]
     for _ in range(n):
         a_free = (alpha_f * v_dot - alpha_m * a) / (1 - alpha_m)
         u_free = u + h * v + h * h * ((0.5 - beta) * a + beta * a_free)
@@ -536,9 +529,7 @@ def march_on_wall(structure, tip, axis, gap, law, h, rho, n):
         a_new = a_free + share * v_dot
         u, v, a = u_free + h * h * beta * share * v_dot, v_free + h * gamma * share * v_dot, a_new
         forces.append(F)
-    mass = structure.rigid.mass
-    center = axis @ (structure.U[:, :3].T @ (M @ u)) / mass
-    return np.array(forces), center
+    return np.array(forces), along @ M @ u / structure.rigid.mass
 
 
 def force_on_wall(d_free, rate_free, sinking, slowing, law):

@@ -1,0 +1,39 @@
+"""The contacts that have ended, as the time loop hands them over, and those that have not."""
+
+import numpy as np
+
+from ...results.schema import EVENTS, EventRows
+from ..arrays import Array
+from ..lower.lower import LoweredModel
+from ..step.couplings import spring_energy
+from ..step.system import State, Workspace
+
+COLUMNS = [quantity.attribute for quantity in EVENTS]
+
+
+def taken(state: State) -> EventRows:
+    """The events that wait in a state, which forgets them."""
+    contacts = state.contacts
+    n = int(contacts.n_events[0])
+    contacts.n_events[0] = 0
+    return EventRows(contacts.event_contact[:n].copy(), contacts.event[:n].copy())
+
+
+def unfinished(lowered: LoweredModel, state: State, work: Workspace) -> EventRows:
+    """Contacts that are closed, as if they ended now: what only an opening tells is no number."""
+    contacts, couplings = state.contacts, lowered.system.couplings
+    closed = np.flatnonzero(contacts.steps)
+    values = np.full((len(closed), len(COLUMNS)), np.nan)
+    stored = [spring_energy(couplings, int(couplings.contact[k]), state, work) for k in closed]
+    known: dict[str, Array] = {
+        "start": contacts.begin[closed],
+        "end": np.full(len(closed), lowered.h * state.step[0]),
+        "steps": contacts.steps[closed],
+        "peak": contacts.peak[closed],
+        "impulse": contacts.impulse[closed],
+        "closing_speed": contacts.closing_speed[closed],
+        "dissipated": (contacts.work - contacts.work_done)[closed] - np.array(stored),
+    }
+    for name, column in known.items():
+        values[:, COLUMNS.index(name)] = column
+    return EventRows(closed.astype(np.int64), values)
