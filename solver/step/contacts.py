@@ -52,7 +52,7 @@ def approaches(couplings: Couplings, h: float, state: State, work: Workspace) ->
     old = state.couplings
     for k in range(len(couplings.contact)):
         i = couplings.range[couplings.contact[k]]
-        ahead, _ = _penetration(couplings, i, old.coordinate[i] + h * old.rate[i])
+        ahead, _ = penetration_of(couplings, i, old.coordinate[i] + h * old.rate[i])
         if ahead > 0.0:
             return True
     return False
