@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..results import Results
-from ..results.motion import Energy
+from ..results.motion import Energy, Events
 from ..superelement.validation import Array
 
 NOTICEABLE = 1e-9
@@ -43,7 +43,24 @@ def report(results: Results) -> Iterator[str]:
         )
     if "energy" in recorded:
         yield from _created(results.energy, solver["rule"])
+    for name, events in results.events.items():
+        yield f"contacts: {name}: {_contact(events, results.unit('events', name, 'peak'))}"
     yield from str(results.validity).splitlines()
+
+
+def _contact(events: Events, unit: str) -> str:
+    """How often a contact or stop closed, how hard, and how many steps of the run it took."""
+    if not len(events):
+        return "never closed"
+    n, shortest = events.impacts, events.shortest
+    parts = [f"{n} impact{'' if n == 1 else 's'}", f"peak {events.peak.max():.4g} {unit}"]
+    if shortest is not None:
+        parts.append(f"shortest {shortest} steps")
+    if n < len(events):
+        parts.append("closed at the start")
+    if events.still_closed.any():
+        parts.append("closed at the end")
+    return ", ".join(parts)
 
 
 def _created(energy: Energy, rule: str) -> Iterator[str]:

@@ -117,7 +117,7 @@ class FileSource:
             owner, *values = (_rows(file, axes, q, None, n) for q in (EVENT_OF, *EVENTS))
         if len(owner) and not 0 <= owner.min() <= owner.max() < len(axes["event_owner"]):
             raise ResultsError(f"{self._path}: variable 'event_of': names no entry of event_owner")
-        return EventRows(owner, np.column_stack(values))
+        return EventRows(owner.astype(np.int64), np.column_stack(values))
 
     def checks(self) -> Array:
         with self._open() as file:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, fields
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..superelement.validation import Array
 
@@ -56,7 +57,8 @@ class Coupling:
     """(n,) coordinates of a joint and their rates by name.
 
     angle [rad], angle_rate, distance [m], distance_rate, ...; friction [N m, N] on the coordinate
-    and friction_state, 1 sticks, 2 slips; of a spring "coordinates" (n, rows). Angles are continued over full turns.
+    and friction_state, 1 sticks, 2 slips; of a spring "coordinates" (n, rows). Angles are continued
+    over full turns.
     """
 
     def __getattr__(self, name: str) -> Array:
@@ -98,9 +100,25 @@ class Events:
         return len(self.start)
 
     @property
-    def still_closed(self) -> Array:
+    def still_closed(self) -> NDArray[np.bool_]:
         """(m,) True for the one that had not ended with the run."""
         return np.isnan(self.opening_speed)
+
+    @property
+    def impacts(self) -> int:
+        """How often it closed; not where it was closed from the start."""
+        return int((self.closing_speed > 0.0).sum())
+
+    @property
+    def whole(self) -> NDArray[np.bool_]:
+        """(m,) True for those that closed and opened within the run."""
+        return (self.closing_speed > 0.0) & ~self.still_closed
+
+    @property
+    def shortest(self) -> int | None:
+        """Steps of the shortest from closing to opening, if there is one."""
+        steps = self.steps[self.whole]
+        return int(steps.min()) if len(steps) else None
 
     def __str__(self) -> str:
         names = [field.name for field in fields(self)]
@@ -146,12 +164,12 @@ class StopMotion:
 class Energy:
     """Energies over time (n,) [J].
 
-    kinetic (of the rigid motion), elastic (vibration included), springs (contacts too), potential (gravity), work
-    (of loads and drives), dissipated (by dampers, contacts, friction and modal damping), numerical (taken by time
-    stepping from the modes); balance: the sum of all but work, less work and less its value at
-    t = 0. elastic of a body whose kernel is convolved is the work of its interface loads, with what
-    damping and time stepping have taken of it. Where it falls below zero, or numerical does, the
-    convolution has created energy.
+    kinetic (of the rigid motion), elastic (vibration included), springs (contacts too), potential
+    (gravity), work (of loads and drives), dissipated (by dampers, contacts, friction and modal
+    damping), numerical (taken by time stepping from the modes); balance: the sum of all but work,
+    less work and less its value at t = 0. elastic of a body whose kernel is convolved is the work
+    of its interface loads, with what damping and time stepping have taken of it. Where it falls
+    below zero, or numerical does, the convolution has created energy.
     """
 
     kinetic: Array

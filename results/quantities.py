@@ -2,7 +2,8 @@
 
     angular_velocity:hub:z          displacement:beam.tip:hub.rim:y          energy:kinetic
 
-All vectors are (n, 3), one row for each recorded step, and in space unless said otherwise.
+All vectors are (n, 3), one row for each recorded step, and in space unless said otherwise; those
+across a contact are (n, 2), along its tangents t1 and t2.
 """
 
 from collections.abc import Callable, Iterable
@@ -13,11 +14,12 @@ import numpy as np
 
 from ..superelement.validation import Array
 from .errors import QuantityError
-from .motion import Coupling
+from .motion import ContactMotion, Coupling, StopMotion
 from .results import Results
 from .rotations import inverse, product, rotate, twists
 
 AXES = ("x", "y", "z")
+TANGENTS = ("t1", "t2")
 
 
 def position(results: Results, name: str) -> Array:
@@ -108,6 +110,44 @@ def coordinate_unit(results: Results, joint: str, name: str) -> str:
     return results.unit("joints", joint, name).replace(" s-1", "/s")
 
 
+def gap(results: Results, contact: str) -> Array:
+    """The gap of a contact, or the distance of a stop to its nearer limit (n,) [m, rad]."""
+    return _contact(results, contact).gap
+
+
+def normal_force(results: Results, contact: str) -> Array:
+    """The force along the normal of a contact, or of a stop on its coordinate (n,) [N, N m]."""
+    force = _contact(results, contact).force
+    return force if force.ndim == 1 else force[:, 0]
+
+
+def friction_force(results: Results, contact: str) -> Array:
+    """Friction of a contact on the second body, along t1 and t2 (n, 2) [N]."""
+    return _touching(results, contact).force[:, 1:]
+
+
+def slip(results: Results, contact: str) -> Array:
+    """Rates of slip of the second body of a contact, along t1 and t2 (n, 2) [m/s]."""
+    return _touching(results, contact).slip
+
+
+def contact_state(results: Results, contact: str) -> Array:
+    """Of a contact or stop: 0 open, 1 closed or sticks, 2 slips (n,)."""
+    return _contact(results, contact).state
+
+
+def gap_unit(results: Results, contact: str) -> str:
+    return _contact_unit(results, contact, "gap")
+
+
+def normal_force_unit(results: Results, contact: str) -> str:
+    return _contact_unit(results, contact, "force")
+
+
+def _contact_unit(results: Results, contact: str, attribute: str) -> str:
+    return results.unit("stops" if contact in results.stops else "contacts", contact, attribute)
+
+
 def linear_momentum(results: Results) -> Array:
     """Momentum of all bodies [kg m/s]."""
     _recorded(results, "momentum", "linear")
@@ -135,7 +175,8 @@ class Kind:
     """or a function of the results and the names"""
     names: tuple[str, ...]
     """the meaning of each name"""
-    axes: bool = True
+    axes: tuple[str, ...] = AXES
+    """of its components; none: a scalar"""
 
 
 KINDS = {
@@ -150,15 +191,20 @@ KINDS = {
     "elastic_rotation": Kind(elastic_rotation, "rad", ("INTERFACE",)),
     "force": Kind(force, "N", ("JOINT|SPRING",)),
     "moment": Kind(moment, "N m", ("JOINT|SPRING",)),
-    "coordinate": Kind(coordinate, coordinate_unit, ("JOINT", "COORDINATE"), axes=False),
+    "coordinate": Kind(coordinate, coordinate_unit, ("JOINT", "COORDINATE"), axes=()),
+    "gap": Kind(gap, gap_unit, ("CONTACT|STOP",), axes=()),
+    "normal_force": Kind(normal_force, normal_force_unit, ("CONTACT|STOP",), axes=()),
+    "friction_force": Kind(friction_force, "N", ("CONTACT",), axes=TANGENTS),
+    "slip": Kind(slip, "m/s", ("CONTACT",), axes=TANGENTS),
+    "contact_state": Kind(contact_state, "1", ("CONTACT|STOP",), axes=()),
     "linear_momentum": Kind(linear_momentum, "kg m/s", ()),
     "angular_momentum": Kind(angular_momentum, "kg m²/s", ()),
-    "energy": Kind(energy, "J", ("ENERGY",), axes=False),
+    "energy": Kind(energy, "J", ("ENERGY",), axes=()),
 }
 
 
 class Evaluated(NamedTuple):
-    """A quantity over time: values (n, 3), or (n,) of a scalar or of one axis."""
+    """A quantity over time: values (n, axes), or (n,) of a scalar or of one axis."""
 
     kind: str
     names: tuple[str, ...]
@@ -176,7 +222,7 @@ def evaluate(results: Results, quantity: str) -> Evaluated:
         )
     kind = KINDS[kind_name]
     axis = names.pop() if kind.axes and len(names) == len(kind.names) + 1 else ""
-    if len(names) != len(kind.names) or axis not in ("", *AXES):
+    if len(names) != len(kind.names) or axis not in ("", *kind.axes):
         raise QuantityError(f"{quantity}: expected {usage(kind_name)}")
     try:
         values = kind.values(results, *names)
@@ -184,14 +230,14 @@ def evaluate(results: Results, quantity: str) -> Evaluated:
     except QuantityError as error:
         raise QuantityError(f"{quantity}: {error}") from error
     if axis:
-        values = values[:, AXES.index(axis)]
+        values = values[:, kind.axes.index(axis)]
     return Evaluated(kind_name, tuple(names), axis, unit, values)
 
 
 def usage(kind_name: str) -> str:
     """The form of a quantity of this kind, as in "force:JOINT|SPRING[:x|y|z]"."""
     kind = KINDS[kind_name]
-    return ":".join([kind_name, *kind.names]) + ("[:x|y|z]" if kind.axes else "")
+    return ":".join([kind_name, *kind.names]) + (f"[:{'|'.join(kind.axes)}]" if kind.axes else "")
 
 
 def _is_body(results: Results, name: str) -> bool:
@@ -216,6 +262,17 @@ def _coupling(results: Results, name: str) -> Coupling:
     known = (*sorted(results.joints), *sorted(results.springs))
     _known("joint or spring", name, known)
     return results.joint(name) if name in results.joints else results.spring(name)
+
+
+def _contact(results: Results, name: str) -> ContactMotion | StopMotion:
+    known = (*sorted(results.contacts), *sorted(results.stops))
+    return results.contact(_known("contact or stop", name, known))
+
+
+def _touching(results: Results, name: str) -> ContactMotion:
+    motion = results.contact(_known("contact", name, sorted(results.contacts)))
+    assert isinstance(motion, ContactMotion)
+    return motion
 
 
 def _elastic(results: Results, interface: str) -> Array:

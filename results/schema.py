@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..files.outputs import resolved
 from ..superelement import sha256
@@ -72,6 +73,8 @@ DIMENSIONS = {
         Dimension("check", "checks of the validity of the run, as CRITERION:OWNER"),
     )
 }
+
+_FIXED = {name: dimension.entries for name, dimension in DIMENSIONS.items() if dimension.entries}
 
 
 @dataclass(frozen=True)
@@ -135,7 +138,7 @@ class Energies(NamedTuple):
 class EventRows(NamedTuple):
     """Events: numbers of their owners (m,), and their values (m, 9) in the order of `EVENTS`."""
 
-    owner: Array
+    owner: NDArray[np.int64]
     values: Array
 
     @classmethod
@@ -446,7 +449,9 @@ QUANTITIES = (
         source="friction_state",
         integer=True,
     ),
-    Quantity("contact_gap", _CONTACT, "m", "gap, negative where it is closed", "contacts/gap", "gap"),
+    Quantity(
+        "contact_gap", _CONTACT, "m", "gap, negative where it is closed", "contacts/gap", "gap"
+    ),
     Quantity(
         "contact_force",
         (*_CONTACT, "contact_axis"),
@@ -705,16 +710,14 @@ def lay_out(
 
     selects: True for a group to record, "bodies/hub" or "energy".
     """
-    kept: dict[str, Axis] = {
-        dimension.name: Axis(dimension.entries)
-        for dimension in DIMENSIONS.values()
-        if dimension.entries
-    }
+    kept = {name: Axis(entries) for name, entries in _FIXED.items()}
     for name, axis in axes.items():
         dimension = DIMENSIONS[name]
         chosen = axis.keep(
-            lambda entry, d=dimension: not d.group  # type: ignore[misc]
-            or selects(f"{d.group}/{entry.rpartition('.')[0] if d.ragged else entry}")
+            lambda entry, d=dimension: (
+                not d.group  # type: ignore[misc]
+                or selects(f"{d.group}/{entry.rpartition('.')[0] if d.ragged else entry}")
+            )
         )
         if len(chosen):
             kept[name] = chosen
@@ -724,6 +727,8 @@ def lay_out(
         if set(quantity.dimensions[1:]) <= kept.keys()
         and (quantity.owned is not None or quantity.name == "time" or selects(quantity.group))
     )
+    used = {dimension for quantity in quantities for dimension in quantity.dimensions}
+    kept = {name: axis for name, axis in kept.items() if name in used or name not in _FIXED}
     return Contents(kept, quantities, superelements, checks)
 
 

@@ -17,8 +17,9 @@ SHOWN = 10
 class Criterion:
     """A measure of validity.
 
-    name: as in files; quantity: the same in words, of the `owner`; good, limit: see above; least:
-    values may not be below the limit instead of above; advice: what to do beyond it.
+    name: as in files; quantity: the same in words, of the `owner`, unless a check is of another
+    kind; good, limit: see above; least: values may not be below the limit instead of above; advice:
+    what to do beyond it.
     """
 
     name: str
@@ -133,6 +134,25 @@ CRITERIA = {
             "the step is too large for so stiff a law: take a smaller step",
         ),
         Criterion(
+            "contact_steps",
+            "contact",
+            "steps of the shortest, from closing to opening",
+            "",
+            20.0,
+            20.0,
+            "peak forces need 20 for 1 %: take a smaller step",
+            least=True,
+        ),
+        Criterion(
+            "hertz_radius",
+            "contact",
+            "radius of the patch over that of the ball",
+            "",
+            0.17,
+            1.0 / 3.0,
+            "the law of Hertz is that of small patches: give a table, `law`",
+        ),
+        Criterion(
             "numerical_dissipation",
             "model",
             "energy that time stepping took from vibration over the energy that moves",
@@ -164,17 +184,22 @@ CRITERIA = {
 
 
 class Check(NamedTuple):
-    """The value of a criterion for one owner: a body, "BODY.FRAME", ...; "" is the whole model."""
+    """The value of a criterion for one owner: a body, "BODY.FRAME", ...; "" is the whole model.
+
+    kind: what the owner is, where it is not what the criterion says.
+    """
 
     criterion: Criterion
     owner: str
     value: float
+    kind: str = ""
 
     @classmethod
     def of(cls, name: str, value: float) -> "Check":
-        """A check by its name in files, CRITERION:OWNER."""
+        """A check by its name in files, CRITERION:OWNER or CRITERION:KIND/OWNER."""
         criterion, _, owner = name.partition(":")
-        return cls(CRITERIA[criterion], owner, value)
+        kind, _, owner = owner.rpartition("/")
+        return cls(CRITERIA[criterion], owner, value, kind)
 
     @property
     def verdict(self) -> str:
@@ -184,7 +209,8 @@ class Check(NamedTuple):
     def warning(self) -> str:
         """One line that names the owner, the value, the limit, and what to do."""
         criterion = self.criterion
-        who = f"{criterion.owner} {self.owner!r}" if self.owner else f"the {criterion.owner}"
+        kind = self.kind or criterion.owner
+        who = f"{kind} {self.owner!r}" if self.owner else f"the {kind}"
         side = "less" if criterion.least else "more"
         return (
             f"{who}: {criterion.quantity}: {criterion.measured(self.value)}, {side} than "

@@ -12,8 +12,14 @@ from .errors import (
     ValidityWarning,
 )
 from .inspection import ModelCheck, check
+from .laws.bouc_wen import BoucWenLaw
+from .laws.check import check_law
+from .laws.dampers import DamperLaw, TabulatedDamperLaw
 from .laws.law import ForceLaw
+from .laws.maxwell import MaxwellLaw
+from .laws.one_sided import OneSidedLaw
 from .laws.tabulated import TabulatedLaw
+from .laws.user import UserLaw
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
 from .model.contacts import Contact, ForceTable, Hertz, Impact, Stop
 from .model.file import read_model, write_model
@@ -42,10 +48,12 @@ from .simulation import simulate, start
 from .simulator import Simulator
 
 __all__ = [
+    "BoucWenLaw",
     "Constant",
     "Contact",
     "ConvergenceError",
     "Coulomb",
+    "DamperLaw",
     "FlexibleBody",
     "ForceLaw",
     "ForceTable",
@@ -59,10 +67,12 @@ __all__ = [
     "Joint",
     "JointFriction",
     "Load",
+    "MaxwellLaw",
     "Model",
     "ModelCheck",
     "ModelError",
     "Moment",
+    "OneSidedLaw",
     "OutOfRangeError",
     "OutputRequest",
     "Place",
@@ -87,9 +97,12 @@ __all__ = [
     "Stop",
     "Stribeck",
     "Table",
+    "TabulatedDamperLaw",
     "TabulatedLaw",
+    "UserLaw",
     "ValidityWarning",
     "check",
+    "check_law",
     "read_model",
     "simulate",
     "start",

@@ -94,3 +94,7 @@ def about(path: str | os.PathLike[str]) -> Iterator[None]:
 def plain(value: Any) -> Any:
     """A value as messages quote it: arrays as lists."""
     return value.tolist() if isinstance(value, np.ndarray) else value
+
+
+class ForeignError(Exception):
+    """A function of a user that cannot be compiled, or returns something else than it should."""

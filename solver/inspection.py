@@ -13,13 +13,15 @@ from .arrays import Array
 from .errors import about
 from .history.cost import history_costs
 from .lower.lower import LoweredModel
-from .model.model import Model
+from .model.contacts import Contact, JointStop
+from .model.model import Coupling, Model
 from .output.columns import requested
 from .output.size import check_memory, file_bytes, lack_of_disk
 from .output.writer import check_output, contents_of, make_writer, rows_of
 from .simulation import Course, march
 from .start.frequencies import natural_frequencies
 from .start.initial import InitialState, initialize, lower_to_start
+from .step.contacts import penetration_of
 
 TRIAL = 128
 """steps that are taken to measure the time of one"""
@@ -36,7 +38,8 @@ class ModelCheck:
     constraints: their number; removed: redundant ones, in words; degrees_of_freedom: with all
     bodies rigid; assembly_error: the largest opening of a joint as given [m]; step, t_end [s];
     frequencies: of the assembled model about its start [Hz], None where they are not known;
-    free_frequencies: the first of each superelement alone [Hz], by body; seconds: of the time loop;
+    free_frequencies: the first of each superelement alone [Hz], by body; contacts: a line for each
+    contact and stop, with its gap at the start; seconds: of the time loop;
     memory: of the arrays of the run, results_size: of the results [bytes], with so many rows.
     """
 
@@ -54,6 +57,7 @@ class ModelCheck:
     memory: int
     rows: int
     results_size: int
+    contacts: tuple[str, ...] = ()
     warnings: tuple[str, ...] = field(default=())
 
     def __str__(self) -> str:
@@ -67,6 +71,7 @@ class ModelCheck:
         yield f"largest assembly error: {self.assembly_error:.3g} m"
         yield f"steps: {self.steps} of {self.step:g} s"
         yield self._line_of_frequencies()
+        yield from self.contacts
         yield f"to expect: about {self.seconds:.2g} s, {_megabytes(self.memory)} of memory"
         yield f"results: {self.rows} rows, {_megabytes(self.results_size)}"
 
@@ -113,7 +118,9 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
         memory=_memory(initial),
         rows=rows,
         results_size=file_bytes(contents, rows),
+        contacts=tuple(_contacts(initial)),
         warnings=(
+            *initial.warnings,
             *_warnings(frequencies, free, lowered.longest_step),
             *_lacks(path, contents, rows),
         ),
@@ -147,6 +154,30 @@ def _warnings(frequencies: Array | None, free: dict[str, float], h: float) -> It
 def _lacks(path: Path | None, contents: Contents, rows: int) -> Iterator[str]:
     if path is not None and (lack := lack_of_disk(path, contents, rows)):
         yield lack
+
+
+def _contacts(initial: InitialState) -> Iterator[str]:
+    lowered = initial.lowered
+    couplings, coordinate = lowered.system.couplings, initial.work.couplings.coordinate
+    for j in couplings.contact.tolist():
+        row, coupling = couplings.range[j], lowered.model.couplings[j]
+        beyond, _ = penetration_of(couplings, row, float(coordinate[row]))
+        gap = f"{0.0 - beyond:.4g} {'m' if lowered.measures_lengths[row] else 'rad'}"
+        yield f"{coupling.owner}: {_described(coupling)}; gap at the start {gap}"
+
+
+def _described(coupling: Coupling) -> str:
+    """What a contact or a stop is, in words."""
+    if isinstance(coupling, JointStop):
+        stop = coupling.stop
+        lower, upper = stop.range
+        return f"{stop.coordinate} of joint {stop.joint!r} in [{lower:g}, {upper:g}]"
+    if isinstance(coupling, Contact):
+        ball = f"ball of {coupling.ball:g} m" if coupling.ball else "point"
+        radius = "" if coupling.radius is None else f" of {coupling.radius:g} m"
+        where = f"{'inside' if coupling.hollow else 'on'} a {coupling.shape}{radius}"
+        return f"{ball} at {coupling.between[1]}, {where} at {coupling.between[0]}"
+    return coupling.owner
 
 
 def _memory(initial: InitialState) -> int:

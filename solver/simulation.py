@@ -3,7 +3,7 @@
 import os
 import time
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -113,6 +113,7 @@ def _run(model: Model, output: Path | None, progress: bool, steps: int | None = 
         initial = initialize(model, lowered, source)
         total = initial.lowered.n_steps if steps is None else steps
         check_range(initial.lowered, initial.state, 0)
+        _warn(initial.warnings, stacklevel=4)
         writer = make_writer(output, initial, total)
         forget_checkpoint(writer)
     course = Course(initial.lowered, initial.state, initial.work, initial.removed, writer, total)
@@ -187,14 +188,18 @@ def _finish(course: Course, progress: bool) -> Results:
     finally:
         writer.leave()
     results = read_back(writer, course.lowered.model)
-    for line in results.validity.brief():
-        warnings.warn(line, ValidityWarning, stacklevel=4)
+    _warn(results.validity.brief(), stacklevel=5)
     return results
 
 
 def _taken(course: Course) -> dict[str, int]:
     """A note of the number of steps, where they are of two sizes."""
     return {"steps": int(course.state.taken[0])} if course.lowered.flight else {}
+
+
+def _warn(lines: Iterable[str], stacklevel: int) -> None:
+    for line in lines:
+        warnings.warn(line, ValidityWarning, stacklevel=stacklevel)
 
 
 def march(course: Course, progress: bool = False) -> None:

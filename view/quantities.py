@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..results import Results
-from ..results.quantities import AXES, KINDS, evaluate
+from ..results.quantities import KINDS, evaluate
 from ..superelement.validation import Array
 
 NEGLIGIBLE = 1e-6
@@ -34,15 +34,17 @@ def curves(results: Results, quantity: str) -> list[Curve]:
     values, unit = evaluated.values, evaluated.unit
     if evaluated.axis or not KINDS[evaluated.kind].axes:
         return [Curve((title, of, evaluated.axis), unit, values)]
+    axes = KINDS[evaluated.kind].axes
     return [
-        Curve((title, of, axis), unit, values[:, AXES.index(axis)]) for axis in _moving_axes(values)
+        Curve((title, of, axis), unit, values[:, axes.index(axis)])
+        for axis in _moving_axes(axes, values)
     ]
 
 
-def _moving_axes(values: Array) -> list[str]:
-    """The axes along which vectors (n, 3) are not negligible; all if they are zero."""
+def _moving_axes(axes: tuple[str, ...], values: Array) -> tuple[str, ...]:
+    """The axes along which vectors (n, axes) are not negligible; all if they are zero."""
     peaks = np.abs(values).max(axis=0)
     moving = [
-        axis for axis, peak in zip(AXES, peaks, strict=True) if peak > NEGLIGIBLE * peaks.max()
+        axis for axis, peak in zip(axes, peaks, strict=True) if peak > NEGLIGIBLE * peaks.max()
     ]
-    return moving or list(AXES)
+    return tuple(moving) or axes

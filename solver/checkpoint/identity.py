@@ -19,11 +19,13 @@ from ..compiler.object_file import compiler, processor
 from ..compiler.object_file import key as code_key
 from ..errors import StateError
 from ..history.layout import Horizon
+from ..laws.law import LAWS
 from ..lower.lower import LoweredModel
 from ..model.bodies import FlexibleBody
 from ..model.model import Model
 from ..schema.entry import Beside, Entry, note
 from ..schema.tables import declared, key_of
+from ..step.system import Laws
 from .layout import Layout, layout_of
 
 FREE = ("simulation.t_end", "simulation.checkpoint", "source", "path")
@@ -216,11 +218,21 @@ def _parts(value: Any) -> Iterator[bytes]:
 
 def _system(lowered: LoweredModel) -> dict[str, str]:
     """Digests of all that a step reads, but for kernels, whose lags depend on t_end."""
+    leaves = dict(lowered.system.leaves())
+    leaves["couplings/laws/parameters"] = _without_addresses(lowered.system.couplings.laws)
     return {
         name: digest_of(value)
-        for name, value in lowered.system.leaves()
+        for name, value in leaves.items()
         if not name.startswith("elastic/kernels/")
     }
+
+
+def _without_addresses(laws: Laws) -> Array:
+    """The parameters of force laws, with 0 for what is another number in every process."""
+    parameters = laws.parameters.copy()
+    for first, number in zip(laws.first.tolist(), laws.number.tolist(), strict=False):
+        parameters[first : first + LAWS[number].addresses] = 0.0
+    return parameters
 
 
 def _convolved(lowered: LoweredModel) -> list[tuple[int, str]]:

@@ -39,14 +39,15 @@ class Layout(NamedTuple):
 def layout_of(lowered: LoweredModel) -> Layout:
     elastic, flexible = lowered.system.elastic, list(lowered.model.flexible_bodies)
     couplings = lowered.system.couplings
-    rows = couplings.range.tolist()
+    rows, laws = couplings.range.tolist(), couplings.laws
+    remembered = laws.memory[laws.range[couplings.range]]
     return Layout(
         n_b=_one_each(lowered.body_names),
         n_e=_one_each(flexible),
         n_u=_ranges(flexible, elastic.dof.tolist()),
         n_m=_ranges(flexible, elastic.modes.range.tolist()),
         n_i=_ranges(lowered.coupling_names, rows),
-        n_h=_ranges(lowered.coupling_names, couplings.laws.memory[couplings.range].tolist()),
+        n_h=_ranges(lowered.coupling_names, remembered.tolist()),
         n_o=_one_each([f"{joint}.{name}" for joint, name in lowered.observers]),
     )
 

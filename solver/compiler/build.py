@@ -37,6 +37,8 @@ from numba.core.typing.templates import (
 from numba.core.untyped_passes import InlineClosureLikes, InlineInlinables
 from numba.extending import intrinsic, models, register_model
 
+from .calls import call_intrinsic
+from .foreign import call_by_address
 from .marks import COMPILED, ENTRIES, MARK, Entry
 from .memory import copy
 from .struct import ArrayField, Struct
@@ -120,8 +122,8 @@ def _dispatchers(libraries: list[Any]) -> dict[Callable[..., Any], "_Inner"]:
     pipeline = type("Pipeline", (_Pipeline,), {"libraries": libraries})
     dispatchers = {}
     for function in COMPILED:
-        if function is copy:
-            typing.insert_global(function, typing.resolve_value_type(_copy))
+        if function in INTRINSICS:
+            typing.insert_global(function, typing.resolve_value_type(INTRINSICS[function]))
             continue
         dispatchers[function] = _Inner(function, {}, dict(OPTIONS), pipeline_class=pipeline)
         typing.insert_global(function, types.Dispatcher(dispatchers[function]))
@@ -423,6 +425,15 @@ def _copy(typing: Any, source: Any, out: Any) -> Any:
         return context.get_dummy_value()
 
     return types.none(source, out), generate
+
+
+def _vector(context: Any, builder: Any, type_: Any, value: Any) -> tuple[Any, Any]:
+    """Address and length of a view of one dimension."""
+    return builder.extract_value(value, 0), builder.extract_value(value, 1)
+
+
+INTRINSICS = {copy: _copy, call_by_address: call_intrinsic(_vector)}
+"""what stands for functions that are not compiled as they are written"""
 
 
 def _write_entry(context: Any, module: Any, entry: Entry, result: Any) -> None:

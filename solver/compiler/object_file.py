@@ -31,7 +31,7 @@ import numpy as np
 
 from . import marks
 
-COMPILER = ("build", "dispatch", "marks", "struct")
+COMPILER = ("build", "calls", "dispatch", "marks", "struct")
 """the files of this folder that machine code depends on"""
 KEPT = 8
 """object files that stay in the cache, the newest ones"""

@@ -13,6 +13,8 @@ from typing import Any
 import numba
 from numba.extending import overload
 
+from .calls import call_intrinsic
+from .foreign import call_by_address
 from .marks import COMPILED, ENTRIES
 from .struct import Struct
 
@@ -28,7 +30,7 @@ def bind(folder: Path | None) -> None:
     """Give every entry a function compiled at its first call; its code is cached in the folder."""
     entries = {entry.function: entry for entry in ENTRIES.values()}
     for function in COMPILED:
-        implementation = _returned(function)
+        implementation = _returned(INTRINSICS.get(function, function))
         overload(function, jit_options=OPTIONS, strict=False)(implementation)
         if function in entries:
             overload(entries[function], jit_options=OPTIONS, strict=False)(implementation)
@@ -39,6 +41,24 @@ def bind(folder: Path | None) -> None:
             entry.call = _unpacking(jitted)
     finally:
         numba.config.CACHE_DIR = others
+
+
+def _vector(context: Any, builder: Any, type_: Any, value: Any) -> tuple[Any, Any]:
+    """Address and length of an array of one dimension."""
+    array = context.make_array(type_)(context, builder, value)
+    return array.data, builder.extract_value(array.shape, 0)
+
+
+_call = call_intrinsic(_vector)
+
+
+def _call_by_address(
+    address: float, parameters: Any, memory: Any, h: float, c: float, rate: float
+) -> Any:
+    return _call(address, parameters, memory, h, c, rate)
+
+
+INTRINSICS: dict[Any, Any] = {call_by_address: _call_by_address}
 
 
 def _returned(function: Any) -> Any:

@@ -23,20 +23,20 @@ to those at the end of a step. `evaluate` sees those of the last step, which end
 at the start h is infinite: all has been at rest for ever.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated, Any, ClassVar, TypeVar, dataclass_transform
 
 from ..arrays import Array
 from ..compiler.marks import compiled
 from ..schema.entry import Entry, Takes, entry
-from ..schema.forms import Family
+from ..schema.forms import Family, Members
 
 Evaluation = tuple[float, float, float, float]
 """force, its derivatives by c and by dc/dt, and stored energy (0 where the force vanishes)"""
 
 FORCE_LAWS = Family("force law")
 NO_LAW = -1
-"""number of the law of a row that has none"""
+"""number of a law that is none"""
 
 
 class ForceLaw(Entry):
@@ -44,6 +44,8 @@ class ForceLaw(Entry):
 
     number: ClassVar[int] = NO_LAW
     """the number of the law in compiled code"""
+    addresses: ClassVar[int] = 0
+    """how many of the first parameters are addresses, which are others in every process"""
 
     def parameters(self) -> Sequence[float]:
         """The numbers that `evaluate` reads."""
@@ -88,10 +90,36 @@ def force_law(key: str) -> Callable[[AnyLawType], AnyLawType]:
     return register
 
 
-def _law(value: Any) -> ForceLaw:
-    if not isinstance(value, ForceLaw):
+Laws = ForceLaw | tuple[ForceLaw, ...]
+"""of one coordinate; forces of several add up"""
+
+
+def laws_of(laws: Laws | None) -> tuple[ForceLaw, ...]:
+    if laws is None:
+        return ()
+    return (laws,) if isinstance(laws, ForceLaw) else laws
+
+
+def _laws(value: Any) -> Any:
+    if isinstance(value, ForceLaw):
+        return value
+    if isinstance(value, Mapping):
+        return {str(name): _some(laws) for name, laws in value.items()}
+    return _some(value)
+
+
+def _some(value: Any) -> Laws:
+    if isinstance(value, ForceLaw):
+        return value
+    laws = tuple(value)
+    if not laws or not all(isinstance(law, ForceLaw) for law in laws):
         raise TypeError
-    return value
+    return laws
 
 
-AnyLaw = Annotated[ForceLaw, FORCE_LAWS, Takes("a force law such as TabulatedLaw", _law, Any)]
+AnyLaws = Annotated[
+    Laws | Mapping[str, Laws],
+    Members(FORCE_LAWS),
+    Takes("a force law such as TabulatedLaw, or several, or a table of them by axis", _laws, Any),
+]
+"""laws of one coordinate, or of several by their names"""

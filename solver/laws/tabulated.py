@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..arrays import Array
+from ..compiler.marks import compiled
 from ..schema.values import Numbers
 from .law import Evaluation, ForceLaw, force_law
 
@@ -53,12 +54,26 @@ class TabulatedLaw(ForceLaw):
         first point.
         """
         n = len(parameters) // 2
-        energy, k = -parameters[2 * n], 0
-        while k + 2 < n and c > parameters[k + 1]:
+        energy, last = -parameters[2 * n], interval(parameters, n, c)
+        for k in range(last):
             width = parameters[k + 1] - parameters[k]
             energy += 0.5 * (parameters[n + k] + parameters[n + k + 1]) * width
-            k += 1
-        start, force = parameters[k], parameters[n + k]
-        slope = (parameters[n + k + 1] - force) / (parameters[k + 1] - start)
-        value = force + slope * (c - start)
-        return value, slope, 0.0, energy + 0.5 * (force + value) * (c - start)
+        force, slope = interpolate(parameters, n, last, c)
+        energy += 0.5 * (parameters[n + last] + force) * (c - parameters[last])
+        return force, slope, 0.0, energy
+
+
+@compiled
+def interval(points: Array, n: int, x: float) -> int:
+    """The interval of the increasing points[:n] that x is in, the first or last one beyond them."""
+    k = 0
+    while k + 2 < n and x > points[k + 1]:
+        k += 1
+    return k
+
+
+@compiled
+def interpolate(points: Array, n: int, k: int, x: float) -> tuple[float, float]:
+    """Value and slope on the line through the points k and k + 1; points[n:] are the values."""
+    slope = (points[n + k + 1] - points[n + k]) / (points[k + 1] - points[k])
+    return points[n + k] + slope * (x - points[k]), slope

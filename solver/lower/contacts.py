@@ -5,16 +5,22 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from ..arrays import Array
 from ..model.contacts import Contact
 from ..model.friction import FrictionCoefficient, JointFriction
-from ..model.joints import Joint
+from ..model.joints import Joint, basis_about
 from ..model.model import GROUND, Coupling, Model
-from ..step.shapes import Cylinder, Plane, Sphere
+from ..step.shapes import Cylinder, Plane, Profile, Sphere
 from .placement import Pose
 
-SHAPES = {"plane": Plane.number, "sphere": Sphere.number, "cylinder": Cylinder.number}
+SHAPES = {
+    "plane": Plane.number,
+    "sphere": Sphere.number,
+    "cylinder": Cylinder.number,
+    "profile": Profile.number,
+}
 RESOLVED = 0.3
 """angular frequency of a bristle times the step, where nobody says how stiff it is"""
 DAMPED = 0.2
@@ -38,17 +44,26 @@ def shape_parameters(contact: Contact) -> list[float]:
     length = math.inf if contact.length is None else contact.length
     radius = contact.radius or 0.0
     own = {"plane": [], "sphere": [radius], "cylinder": [radius, 0.5 * length]}
-    return [contact.ball, side, *own[contact.shape]]
+    parameters = _spline(contact.points) if contact.points is not None else own[contact.shape]
+    return [contact.ball, side, *parameters]
+
+
+def _spline(points: Array) -> list[float]:
+    """The pieces of a cubic spline over the lengths of its chords, as `Profile` reads them."""
+    lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    closed = bool((points[0] == points[-1]).all())
+    ends = "periodic" if closed else "natural"
+    spline = CubicSpline(np.cumsum([0.0, *lengths]), points, bc_type=ends)
+    pieces = [[length, *spline.c[:, i, 0], *spline.c[:, i, 1]] for i, length in enumerate(lengths)]
+    return [len(lengths), *np.ravel(pieces).tolist(), float(closed)]
 
 
 def contact_axes(contact: Contact, D: Array) -> tuple[Array, Array]:
     """The axis of the shape and one across it, in the axes D (3, 3) of the first frame."""
     if contact.axis is None:
         return np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
-    axis: Array = D.T @ contact.axis
-    across = np.eye(3)[np.argmin(np.abs(axis))]
-    across = across - axis * (axis @ across)
-    return axis, across / np.linalg.norm(across)
+    basis = D.T @ basis_about(contact.axis, D)
+    return basis[:, 2], basis[:, 0]
 
 
 def bristle_of(

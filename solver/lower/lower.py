@@ -107,7 +107,7 @@ def lower(
         _bristles(model, poses, frames, stepping),
         [isinstance(coupling, Contact | JointStop) for coupling in model.couplings],
     )
-    laws = [row.law for coupling in rows.values() for row in coupling if row.law is not None]
+    laws = [law for coupling in rows.values() for row in coupling for law in row.laws]
     observers = _observers(model, frames)
     size = model_size(model, poses, frames)
     if not (model.settings.assemble or isinstance(model.settings.start, StartFrom)):

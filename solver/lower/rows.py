@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..arrays import Array, Index, as_index, as_rows
-from ..laws.law import NO_LAW, ForceLaw
+from ..laws.law import ForceLaw
 from ..model.contacts import Contact, JointStop
 from ..model.joints import ABOUT_E3, Joint, basis_about
 from ..model.model import Coupling
@@ -38,7 +38,7 @@ class Row:
     rest: float = 0.0
     stiffness: Array | None = None
     damping: Array | None = None
-    law: ForceLaw | None = None
+    laws: tuple[ForceLaw, ...] = ()
     swapped: bool = False
     """frame A is the second that the coupling names"""
     shape: int = 0
@@ -52,7 +52,7 @@ class Row:
     @property
     def compliant(self) -> bool:
         """Obeys a law, and is no constraint."""
-        return self.stiffness is not None or self.law is not None or self.rubs
+        return self.stiffness is not None or bool(self.laws) or self.rubs
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,7 +197,7 @@ def spring_rows(spring: Spring, sides: Sides) -> list[Row]:
             rest=float(rest[i]),
             stiffness=spring.stiffness[i],
             damping=spring.damping[i],
-            law=spring.law,
+            laws=spring.laws_of_rows[i],
         )
         for i, row in enumerate(rows)
     ]
@@ -208,7 +208,7 @@ def contact_rows(contact: Contact, sides: Sides) -> list[Row]:
     axis, across = contact_axes(contact, sides.pose_a.R)
     A, B, shape = sides.frame_a, sides.frame_b, SHAPES[contact.shape]
     parameters = shape_parameters(contact)
-    gap = Row(Gap.number, A, B, axis, across, law=contact.law(), normal=(1.0, 0))
+    gap = Row(Gap.number, A, B, axis, across, laws=(contact.law(),), normal=(1.0, 0))
     slips = [Row(kind.number, A, B, axis, across, rubs=True) for kind in (FirstSlip, SecondSlip)]
     rows = [gap, *slips] if contact.friction is not None else [gap]
     return [replace(row, shape=shape, parameters=parameters) for row in rows]
@@ -219,7 +219,7 @@ def stop_rows(coupling: JointStop, sides: Sides) -> list[Row]:
     stop = coupling.stop
     row = joint_observers(coupling.joint, sides)[stop.coordinate]
     law = stop.impact.beyond(stop.range)
-    return [replace(row, law=law, swapped=row.frame_a != sides.frame_a)]
+    return [replace(row, laws=(law,), swapped=row.frame_a != sides.frame_a)]
 
 
 def lay_out_rows(rows: Sequence[Row]) -> Rows:
@@ -289,16 +289,17 @@ def _lay_out_friction(rows: Sequence[Row], bristles: Sequence[Bristle]) -> Frict
 
 
 def _lay_out_laws(rows: Sequence[Row]) -> Laws:
-    parameters = [[] if row.law is None else row.law.parameters() for row in rows]
-    memories = [0 if row.law is None else len(row.law.memories()) for row in rows]
+    laws = [law for row in rows for law in row.laws]
+    parameters = [law.parameters() for law in laws]
     return Laws(
         rest=np.array([row.rest for row in rows], dtype=np.float64),
         stiffness=_six_wide([row.stiffness for row in rows]),
         damping=_six_wide([row.damping for row in rows]),
-        number=as_index([NO_LAW if row.law is None else row.law.number for row in rows]),
+        range=as_index(np.cumsum([0, *(len(row.laws) for row in rows)])),
+        number=as_index([law.number for law in laws]),
         first=as_index(np.cumsum([0, *map(len, parameters)])),
         parameters=np.array([number for numbers in parameters for number in numbers], dtype=float),
-        memory=as_index(np.cumsum([0, *memories])),
+        memory=as_index(np.cumsum([0, *(len(law.memories()) for law in laws)])),
     )
 
 

@@ -10,6 +10,9 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Annotated, Any
 
+import numpy as np
+
+from ..arrays import Array
 from ..errors import ModelError
 from ..laws.contact import ContactLaw
 from ..schema.entry import Beside, Entry, entry, one_of
@@ -19,6 +22,7 @@ from ..schema.values import (
     NotNegative,
     Numbers,
     OptionalDirection,
+    OptionalPoints,
     Pair,
     Positive,
 )
@@ -33,7 +37,11 @@ class ShapeType:
     """Which keys a shape takes."""
 
     round: bool = False
-    """has a radius and may be hollow"""
+    """has a radius"""
+    hollow: bool = False
+    """may be"""
+    points: bool = False
+    """goes through some"""
     axis: bool = False
     """needs one"""
     length: bool = False
@@ -42,8 +50,9 @@ class ShapeType:
 
 SHAPE_TYPES = {
     "plane": ShapeType(axis=True),
-    "sphere": ShapeType(round=True),
-    "cylinder": ShapeType(round=True, axis=True, length=True),
+    "sphere": ShapeType(round=True, hollow=True),
+    "cylinder": ShapeType(round=True, hollow=True, axis=True, length=True),
+    "profile": ShapeType(axis=True, points=True, hollow=True),
 }
 
 
@@ -157,6 +166,9 @@ class Contact(Entry):
     axis (3,), in space at the start: the normal of a plane, towards the ball, or the axis of a
     cylinder; radius [m] of a sphere or cylinder about the first frame; hollow: the ball is inside;
     length [m] of a cylinder, half to each side of the frame, beyond which there is no contact;
+    points (n, 2) [m] of a profile: a cubic spline across the axis through them, closed where the
+    last is the first, along e1, nearest to the x axis of the first frame, and e2 = axis x e1; its
+    outside is to the right as one goes along;
     ball [m]: its radius, 0 for a point. The force is that of one of `hertz`, `stiffness` and `law`.
     patch [m]: radii of the patches of the first and second interface over which their motion is
     averaged, whose own compliance the law of Hertz then leaves out. friction: a coefficient, with
@@ -173,6 +185,7 @@ class Contact(Entry):
     radius: Positive | None = None
     hollow: bool = False
     length: Positive | None = None
+    points: OptionalPoints = ABSENT
     hertz: Hertz | None = None
     patch: Numbers = NO_PATCH
     impact: Annotated[Impact, Beside()] = field(default_factory=Impact)
@@ -199,15 +212,21 @@ class Contact(Entry):
         """The law of the gap."""
         if self.hertz is None:
             return self.impact.beyond((0.0, math.inf))
-        stiffness = 4.0 / 3.0 * self.hertz.modulus * math.sqrt(self._effective_radius())
+        stiffness = 4.0 / 3.0 * self.hertz.modulus * math.sqrt(self.effective_radius)
         return self.impact.hertzian(stiffness, self.hertz.patch_compliance(self.patch))
 
-    def _effective_radius(self) -> float:
+    @property
+    def effective_radius(self) -> float:
         """(k1 k2)^(-1/2) of the sums k1, k2 of the curvatures of both surfaces."""
         own = 1.0 / self.ball
         curved = own if self.radius is None else own + (-1.0 if self.hollow else 1.0) / self.radius
         other = curved if self.shape == "sphere" else own
         return 1.0 / math.sqrt(curved * other)
+
+    @property
+    def smaller_radius(self) -> float:
+        """Of the ball, or of a smaller shape."""
+        return min(self.ball, self.ball if self.radius is None else self.radius)
 
     def _check_shape(self) -> None:
         kind = self.kind
@@ -216,14 +235,27 @@ class Contact(Entry):
         if kind.round != (self.radius is not None):
             takes = "needs one" if kind.round else "takes none"
             raise self.error(f"radius: a {self.shape} {takes}")
+        if kind.points != (self.points is not None):
+            takes = "needs some" if kind.points else "takes none"
+            raise self.error(f"points: a {self.shape} {takes}")
+        if self.points is not None:
+            self._check_points(self.points)
         if self.length is not None and not kind.length:
             raise self.error(f"length: a {self.shape} takes none")
-        if self.hollow and not kind.round:
+        if self.hollow and not kind.hollow:
             raise self.error(f"hollow: a {self.shape} cannot be")
         if self.hollow and self.radius is not None and self.ball >= self.radius:
             raise self.error(
                 f"ball: expected less than the hollow radius, {self.radius:g}, got {self.ball:g}"
             )
+
+    def _check_points(self, points: Array) -> None:
+        if len(points) < 4:
+            raise self.error(f"points: expected four or more, got {len(points)}")
+        if not np.linalg.norm(np.diff(points, axis=0), axis=1).all():
+            raise self.error("points: expected each apart from the next")
+        if self.hertz is not None:
+            raise self.error("hertz: a profile has no radius: expected stiffness or law")
 
     def _check_force(self) -> None:
         given = {

@@ -6,19 +6,21 @@
 
 The rotations of a bushing are the sines e_3(A) . e_2(B), e_1(A) . e_3(B), e_2(A) . e_1(B), which
 for small angles are the rotations about e_1, e_2, e_3. Generalized force on B along the coordinates
-c, with the law of one coordinate added:
+c, with the laws of each coordinate added:
 
-    -stiffness (c - rest) - damping dc/dt - law(c - rest)
+    -stiffness (c - rest) - damping dc/dt - laws(c - rest, dc/dt)
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
 import numpy as np
 
+from ...inputs import dotted
 from ..arrays import Array
 from ..errors import plain
-from ..laws.law import AnyLaw
+from ..laws.law import AnyLaws, ForceLaw, laws_of
 from ..schema.entry import Entry, entry, one_of
 from ..schema.values import (
     ABSENT,
@@ -30,6 +32,8 @@ from ..schema.values import (
 )
 from .joints import Angle, basis_about
 
+AXES = ("x", "y", "z", "rx", "ry", "rz")
+"""the coordinates of a bushing"""
 ZERO: Any = 0.0
 """the default of stiffness and damping"""
 
@@ -64,12 +68,14 @@ class Spring(Entry):
     """A spring with a damper between frames A and B, given as in a joint.
 
     stiffness, damping: a number, or for a bushing six numbers or a symmetric (6, 6) matrix
-    [N/m, N m/rad; N s/m ...]; damping, which dissipates energy, has no negative eigenvalue; law: a
-    `ForceLaw` that adds to them (point and torsion); rest: the coordinates without force (length,
-    angle, or six of them), by default those of the start; axis: of torsion, or e_3 of a bushing,
-    in space at the start; second_axis: e_1 of a bushing, across it. Without axes e_1, e_2, e_3 of a
-    bushing are those of its first frame; without a second one e_1 is nearest to the x axis of that
-    frame (to its y axis where x is within 26 degrees of e_3).
+    [N/m, N m/rad; N s/m ...]; damping, which dissipates energy, has no negative eigenvalue;
+    law: a `ForceLaw` that adds to them, or several; of a bushing one or several for some of its
+    axes, "x", "y", "z", "rx", "ry", "rz" (along and about e_1, e_2, e_3); rest: the coordinates
+    without force (length, angle, or six of them), by default those of the start; axis: of
+    torsion, or e_3 of a bushing, in space at the start; second_axis: e_1 of a bushing, across
+    it. Without axes e_1, e_2, e_3 of a bushing are those of its first frame; without a second
+    one e_1 is nearest to the x axis of that frame (to its y axis where x is within 26 degrees
+    of e_3).
     """
 
     label = "spring {name!r}"
@@ -80,7 +86,7 @@ class Spring(Entry):
     axis: OptionalDirection = ABSENT
     stiffness: Coefficients = ZERO
     damping: Coefficients = ZERO
-    law: AnyLaw | None = None
+    law: AnyLaws | None = None
     rest: OptionalArray = ABSENT
     second_axis: OptionalDirection = ABSENT
 
@@ -98,8 +104,7 @@ class Spring(Entry):
         if self.kind.axis == "none" and self.axis is not None:
             raise self.error(f"axis: a {self.type} spring takes none, got {plain(self.axis)}")
         self._check_second_axis()
-        if self.law is not None and self.n_rows > 1:
-            raise self.error(f"law: a {self.type} takes none")
+        self._check_law()
         if self.rest is not None and self.rest.shape != (self.n_rows,):
             raise self.error(f"rest: expected {self.n_rows} numbers, got {plain(self.rest)}")
         object.__setattr__(self, "stiffness", self._matrix("stiffness", self.stiffness))
@@ -109,6 +114,25 @@ class Spring(Entry):
             limit = "no negative eigenvalue, which would create energy"
             limit = "zero or more" if self.n_rows == 1 else limit
             raise self.error(f"damping: expected {limit}, got {lowest:.6g}")
+
+    @property
+    def laws_of_rows(self) -> Sequence[tuple[ForceLaw, ...]]:
+        """The force laws of each row alone."""
+        if not isinstance(self.law, Mapping):
+            return [laws_of(self.law)] * self.n_rows
+        return [laws_of(self.law.get(axis)) for axis in AXES]
+
+    def _check_law(self) -> None:
+        if self.law is None:
+            return
+        axes = self.law if isinstance(self.law, Mapping) else None
+        if self.n_rows == 1 and axes is not None:
+            raise self.error(f"law: a {self.type} spring has one coordinate, got laws by axis")
+        if self.n_rows > 1 and axes is None:
+            raise self.error(f"law: a {self.type} takes laws by axis: {', '.join(AXES)}")
+        for axis in axes or ():
+            if axis not in AXES:
+                raise self.error(f"law: expected axes {', '.join(AXES)}, got {dotted([axis])}")
 
     def basis(self, D: Array) -> Array:
         """The axes of the spring at the start, in space, as columns (3, 3).

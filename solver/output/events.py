@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...results.schema import EVENTS, EventRows
-from ..arrays import Array
+from ..arrays import Array, Index
 from ..lower.lower import LoweredModel
 from ..step.couplings import spring_energy
 from ..step.system import State, Workspace
@@ -25,7 +25,7 @@ def unfinished(lowered: LoweredModel, state: State, work: Workspace) -> EventRow
     closed = np.flatnonzero(contacts.steps)
     values = np.full((len(closed), len(COLUMNS)), np.nan)
     stored = [spring_energy(couplings, int(couplings.contact[k]), state, work) for k in closed]
-    known: dict[str, Array] = {
+    known: dict[str, Array | Index] = {
         "start": contacts.begin[closed],
         "end": np.full(len(closed), lowered.h * state.step[0]),
         "steps": contacts.steps[closed],

@@ -4,7 +4,7 @@ import numpy as np
 
 from ...results.validity import CRITERIA, MEND_DEFORMATION, Check, Validity
 from ...superelement import Superelement
-from ..arrays import Array, Index
+from ..arrays import Array, Index, as_index
 from ..errors import OutOfRangeError
 from ..lower.lower import LoweredModel
 from ..step.extremes import FARTHEST_MOVE, FARTHEST_TURN
@@ -43,6 +43,8 @@ class Judge:
         self._owners = np.array(owners, dtype=np.int64)
         self._joints = np.unique(self._owners[compliant == 0])
         self._springs = np.unique(self._owners[compliant == 1])
+        self._contacts = lowered.system.couplings.contact
+        self._hertzian, self._radii = _hertzian(lowered)
         self._hinges = _hinges(lowered)
         self._jointed = np.unique(frames.body[self._hinges])
         self._angles = np.flatnonzero(lowered.system.observers.kind == ANGLE)
@@ -72,13 +74,16 @@ class Judge:
             "body": bodies,
             "joint": [couplings[j] for j in self._joints],
             "jointed body": [lowered.body_names[b] for b in self._jointed],
-            "spring": [couplings[j] for j in self._springs],
+            "spring": [_called(lowered, j, "spring") for j in self._springs],
+            "contact": [_called(lowered, j, "contact") for j in self._contacts],
             "angle": [".".join(lowered.observers[i]) for i in self._angles],
             "model": [""],
         }
         has_modes = lowered.system.elastic.modes.range.any()
         if criterion == "numerical_dissipation" and not has_modes:
             return []
+        if criterion == "hertz_radius":
+            return [couplings[self._contacts[k]] for k in self._hertzian]
         return owners[CRITERIA[criterion].owner]
 
     def _measure(self, state: State, taken: int) -> dict[str, Array]:
@@ -99,6 +104,9 @@ class Judge:
             "kernel_band": frequencies / _bands(lowered.superelements),
             "energy_balance": _ratio(np.array([balance]), moved),
             "created_energy": _ratio(created, moved),
+            "contact_steps": np.where(extremes.shortest > 0, extremes.shortest, np.nan),
+            "hertz_radius": np.sqrt(extremes.depth[self._hertzian] * self._radii[0])
+            / self._radii[1],
             "numerical_dissipation": self._numerical(state, moved),
             "joint_opening": self._openings(state),
             "missed_turn": extremes.missed[self._angles],
@@ -215,6 +223,26 @@ def _beyond(lowered: LoweredModel, f: int, rotation: float, move: float) -> str:
         f"interface {lowered.frame_names[f]!r} has {passed}, where linear elasticity has no "
         f"meaning: {MEND_DEFORMATION}"
     )
+
+
+def _called(lowered: LoweredModel, j: int, kind: str) -> str:
+    """The name of a coupling, after its kind where it is of another."""
+    owner, name = lowered.model.couplings[j].owner, lowered.coupling_names[j]
+    own = owner.partition(" ")[0]
+    return name if own == kind else f"{own}/{name}"
+
+
+def _hertzian(lowered: LoweredModel) -> tuple[Index, Array]:
+    """The contacts by the law of Hertz: their numbers, and (2, n) their effective radii [m], and
+    those of their smaller partners.
+    """
+    contacts = [
+        (k, contact.effective_radius, contact.smaller_radius)
+        for k, contact in enumerate(lowered.model.contacts)
+        if contact.hertz is not None
+    ]
+    numbers, *radii = zip(*contacts, strict=True) if contacts else ((), (), ())
+    return as_index(numbers), np.array(radii, dtype=np.float64)
 
 
 def _hinges(lowered: LoweredModel) -> Index:

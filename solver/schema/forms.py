@@ -17,6 +17,13 @@ class Form:
     flag: str
 
 
+@dataclass(frozen=True)
+class Members:
+    """An annotation: a member of a family, a list of them, or a table of either by a name."""
+
+    family: "Family"
+
+
 class Family:
     """Entries of one role, as an annotation of the fields that take them."""
 

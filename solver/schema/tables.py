@@ -10,10 +10,10 @@ from typing import Annotated, Any, ClassVar, TypeVar, Union, get_args, get_origi
 import numpy as np
 from pydantic import create_model
 
-from ...inputs import Table, quoted, read_part
+from ...inputs import Table, dotted, quoted, read_part
 from ..errors import ModelError
 from .entry import Beside, Entry, Key, Takes, annotations, filled, note
-from .forms import Family, Form
+from .forms import Family, Form, Members
 
 AnyEntry = TypeVar("AnyEntry", bound=Entry)
 
@@ -61,14 +61,40 @@ def entry_of(kind: type[AnyEntry], table: Mapping[str, Any]) -> AnyEntry:
             except ModelError as error:
                 raise _owned(kind, values, str(error)) from error
         elif (key := key_of(field, hint)) in table:
-            family = note(hint, Family)
             try:
-                values[field.name] = (
-                    value_of(table[key]) if family is None else read_member(family, table[key])
-                )
+                values[field.name] = _read(hint, table[key])
             except ValueError as error:
                 raise _owned(kind, values, f"{field.name}: {error}") from error
     return kind(**values)
+
+
+def _read(hint: Any, value: Any) -> Any:
+    """The value of a field with this annotation, from that of a validated table."""
+    if (family := note(hint, Family)) is not None:
+        return read_member(family, value)
+    if (members := note(hint, Members)) is not None:
+        return _read_members(members.family, value)
+    return value_of(value)
+
+
+def _read_members(family: Family, value: Any) -> Any:
+    """A member, a list of them, or a table of either, which alone has tables in it."""
+    if isinstance(value, list | tuple):
+        return tuple(read_member(family, item) for item in value)
+    if not isinstance(value, Mapping) or not any(map(_holds_tables, value.values())):
+        return read_member(family, value)
+    named = {}
+    for name, members in value.items():
+        try:
+            named[name] = _read_members(family, members)
+        except ValueError as error:
+            raise ValueError(f"{dotted([name])}: {error}") from error
+    return named
+
+
+def _holds_tables(value: Any) -> bool:
+    items = value if isinstance(value, list | tuple) else [value]
+    return any(isinstance(item, Mapping) for item in items)
 
 
 def _owned(kind: type[Entry], values: Mapping[str, Any], message: str) -> ModelError:
@@ -107,7 +133,11 @@ def in_file(owner: Entry, name: str, value: Any, hint: Any) -> Any:
     """The value of a field as a file gives it."""
     if value is None:
         return None
-    if (family := note(hint, Family)) is not None:
+    if (members := note(hint, Members)) is not None and isinstance(value, Mapping):
+        return {key: in_file(owner, f"{name}: {key}", item, hint) for key, item in value.items()}
+    if members is not None and isinstance(value, tuple):
+        return [in_file(owner, name, item, hint) for item in value]
+    if (family := members.family if members is not None else note(hint, Family)) is not None:
         table = member_in_file(family, value)
         if table is None:
             raise owner.error(f"{name}: a {type(value).__name__} cannot be written to a file")
@@ -175,7 +205,7 @@ def member_in_file(family: Family, member: Any) -> Any:
 def type_in_file(hint: Any) -> Any:
     """The type of a value in a file, for a field with this annotation."""
     origin, arguments = get_origin(hint), get_args(hint)
-    if note(hint, Family) is not None:
+    if note(hint, Family) is not None or note(hint, Members) is not None:
         return Any
     if origin is Annotated:
         takes = next((item for item in arguments[1:] if isinstance(item, Takes)), None)

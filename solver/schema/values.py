@@ -49,6 +49,7 @@ Positive = Annotated[
 NotNegative = Annotated[
     float, number("a number of at least 0, up to 1e100", float, lambda x: 0.0 <= x <= LARGEST)
 ]
+AtLeastOne = Annotated[float, number("a number from 1 to 100", float, lambda x: 1.0 <= x <= 100.0)]
 PositiveTime = Annotated[
     float, number("a positive time, up to 1e100", float, lambda t: 0.0 < t <= LARGEST)
 ]
@@ -81,6 +82,13 @@ def direction(value: Any) -> Array:
         raise ValueError
     length = largest * float(np.linalg.norm(along / largest))
     return along if abs(length - 1.0) <= ROUNDING else along / largest / (length / largest)
+
+
+def points(value: Any) -> Array:
+    pairs = reals(value)
+    if pairs.ndim != 2 or pairs.shape[1] != 2:
+        raise ValueError
+    return pairs
 
 
 def array(value: Any) -> Array:
@@ -136,6 +144,7 @@ def shortest(matrix: Array) -> Any:
     return diagonal.tolist() if diagonal.any() and len(diagonal) > 1 else float(diagonal[0])
 
 
+_Point = Annotated[tuple[float, float], expected("two numbers")]
 _Coefficients = Annotated[
     float | tuple[float, ...] | tuple[tuple[float, ...], ...],
     expected("a number, six numbers or a 6x6 matrix"),
@@ -179,6 +188,12 @@ if TYPE_CHECKING:
         def __get__(self, owner: Any, kind: Any = None) -> Array | None: ...
         def __set__(self, owner: Any, value: ArrayLike | None) -> None: ...
 
+    class OptionalPoints:
+        """Pairs of numbers; an array (n, 2)."""
+
+        def __get__(self, owner: Any, kind: Any = None) -> Array | None: ...
+        def __set__(self, owner: Any, value: ArrayLike | None) -> None: ...
+
     class OptionalArray:
         """Numbers; an array (n,)."""
 
@@ -213,6 +228,9 @@ else:
     ]
     OptionalDirection = Direction | None
     OptionalArray = Annotated[np.ndarray, Takes("numbers", array, float | tuple[float, ...])] | None
+    OptionalPoints = (
+        Annotated[np.ndarray, Takes("pairs of numbers", points, tuple[_Point, ...])] | None
+    )
     Numbers = Annotated[tuple[float, ...], Takes("numbers", numbers, tuple[float, ...])]
     SomeNumbers = Annotated[
         tuple[float, ...],

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from ..arrays import Array, Index
 from ..errors import ModelError
 from ..history.layout import active_flexibility
-from ..laws.law import NO_LAW
 from ..lower.lower import LoweredModel
 from ..step.elimination import factorize
 from ..step.equations import assemble, evaluate, linearize, set_force_scales
@@ -86,7 +85,7 @@ def check_steady(
     V_ab = np.hstack([V[couplings.rows.frame_a], V[couplings.rows.frame_b]])
     driven = drive_rates(lowered, work)
     laws = couplings.laws
-    resisting = laws.stiffness.any(1) | laws.damping.any(1) | (laws.number != NO_LAW)
+    resisting = laws.stiffness.any(1) | laws.damping.any(1) | (np.diff(laws.range) > 0)
     inert = (couplings.compliant == 1) & ~resisting
     rates = np.where(
         inert, 0.0, np.abs(np.einsum("ij,ij->i", work.couplings.gradient, V_ab) + driven)

@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from ..arrays import Array
-from ..laws.law import LAWS, NO_LAW
+from ..laws.law import LAWS
 from ..lower.lower import LoweredModel
 from ..step.equations import linearize
 from ..step.system import State, System, Workspace
@@ -62,18 +62,21 @@ def _jacobian(lowered: LoweredModel, state: State, work: Workspace) -> Array:
 
 
 def _stiffness_of_springs(system: System, state: State, work: Workspace) -> Array:
-    """S (n_rows, n_rows) of linear springs and the slopes of force laws; 0 for constraints."""
+    """S (n_rows, n_rows) of linear springs and the slopes of force laws; 0 for constraints.
+
+    Laws that relax have done so, and those that hysteresis bends have the slope of a reversal.
+    """
     laws, first = system.couplings.laws, system.couplings.range
     S = np.zeros((len(laws.rest), len(laws.rest)))
     for j in range(len(first) - 1):
         rows = slice(first[j], first[j + 1])
         S[rows, rows] = laws.stiffness[rows, : first[j + 1] - first[j]]
-    for i in np.flatnonzero(laws.number != NO_LAW).tolist():
-        parameters = laws.parameters[laws.first[i] : laws.first[i + 1]]
-        deformation = float(work.couplings.coordinate[i] - laws.rest[i])
-        memory = state.couplings.memory[laws.memory[i] : laws.memory[i + 1]]
-        law = LAWS[laws.number[i]]
-        S[i, i] += law.evaluate(parameters, memory, math.inf, deformation, 0.0)[1]
+    deformation = work.couplings.coordinate - laws.rest
+    for m, i in enumerate(np.repeat(np.arange(len(laws.rest)), np.diff(laws.range)).tolist()):
+        parameters = laws.parameters[laws.first[m] : laws.first[m + 1]]
+        memory = state.couplings.memory[laws.memory[m] : laws.memory[m + 1]]
+        law = LAWS[laws.number[m]]
+        S[i, i] += law.evaluate(parameters, memory, math.inf, float(deformation[i]), 0.0)[1]
     return S
 
 

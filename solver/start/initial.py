@@ -28,6 +28,7 @@ from .handover import hand_over, predecessor
 from .inertia import interface_accelerance, inverse_inertia
 from .jacobian import constraint_jacobian, constraint_rows
 from .matrices import solve
+from .penetration import penetrations
 from .redundancy import count_degrees_of_freedom, redundant_rows
 from .removed import RemovedRows
 from .steady import steady_motion
@@ -53,7 +54,8 @@ class InitialState:
 
     moved: the largest difference between a given and the starting position [m] or rotation [rad];
     velocity_correction: the largest change of a velocity [m/s, rad/s]; removed: the redundant
-    constraints left out; degrees_of_freedom of the mechanism.
+    constraints left out; degrees_of_freedom of the mechanism; warnings: of contacts that start
+    closed.
     """
 
     lowered: LoweredModel
@@ -64,6 +66,7 @@ class InitialState:
     velocity_correction: float
     removed: RemovedRows
     degrees_of_freedom: int
+    warnings: tuple[str, ...] = ()
 
 
 def lower_to_start(model: Model) -> tuple[LoweredModel, StateFile | None]:
@@ -98,6 +101,7 @@ def initialize(
         state, work = _allocated(lowered)
         assemble_joints(lowered, state, work, _targets(lowered, ""))
     correction = 0.0
+    closed: tuple[str, ...] = ()
     if in_equilibrium:
         rotation = model.settings.steady_rotation
         motion = None if rotation is None else steady_motion(rotation, lowered.system.scheme)
@@ -105,12 +109,16 @@ def initialize(
         check_steady(lowered, motion, state, work)
         _start_loaded(lowered, state)
     else:
+        evaluate(lowered.system, state, work)
+        closed = tuple(penetrations(lowered, work))
         correction = fit_velocities(lowered, state, work, _targets(lowered, "_rate"))
         _start_unloaded(lowered, state, work)
     _start_work(lowered.system, state, work)
     start_extremes(lowered.system, state, work)
     moved = _moved(lowered, state)
-    return InitialState(lowered, state, work, error, moved, correction, removed, degrees_of_freedom)
+    return InitialState(
+        lowered, state, work, error, moved, correction, removed, degrees_of_freedom, closed
+    )
 
 
 def _go_on(lowered: LoweredModel, source: StateFile) -> InitialState:

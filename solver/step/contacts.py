@@ -21,11 +21,12 @@ START, END, STEPS, PEAK, IMPULSE, CLOSING, OPENING, RESTITUTION, DISSIPATED = ra
 def set_closed(couplings: Couplings, j: int, state: State, work: Workspace) -> None:
     """The status of contact j: closed where the law of its first row stores energy."""
     laws, out, i = couplings.laws, work.couplings, couplings.range[j]
-    parameters = laws.parameters[laws.first[i] : laws.first[i + 1]]
-    memory = state.couplings.memory[laws.memory[i] : laws.memory[i + 1]]
+    m = laws.range[i]
+    parameters = laws.parameters[laws.first[m] : laws.first[m + 1]]
+    memory = state.couplings.memory[laws.memory[m] : laws.memory[m + 1]]
     c = out.coordinate[i] - laws.rest[i]
     _, _, _, energy = evaluate_law(
-        laws.number[i], parameters, memory, out.elapsed[0], c, out.rate[i]
+        laws.number[m], parameters, memory, out.elapsed[0], c, out.rate[i]
     )
     if energy == 0.0:
         out.status[j] = 0
@@ -113,7 +114,8 @@ def _set_slip_axis(couplings: Couplings, j: int, axis: Vector, work: Workspace) 
 def penetration_of(couplings: Couplings, i: int, c: float) -> tuple[float, float]:
     """How far the coordinate of row i is beyond the nearer limit of its law, and the way out."""
     laws = couplings.laws
-    return penetration(laws.parameters[laws.first[i] : laws.first[i + 1]], c)
+    m = laws.range[i]
+    return penetration(laws.parameters[laws.first[m] : laws.first[m + 1]], c)
 
 
 @compiled

@@ -5,7 +5,7 @@ joint must vanish, phi = c (less the driven distance; a driven rotation row turn
 The row of a spring obeys
 
     phi_i = lambda_i + sum_j (stiffness_ij (c_j - rest_j) + damping_ij dc_j/dt)
-            + law_i(c_i - rest_i, dc_i/dt) = 0
+            + laws_i(c_i - rest_i, dc_i/dt) = 0
 
 so that springs enter Newton's matrix like joints, and couple no two bodies but by their multiplier.
 """
@@ -158,24 +158,36 @@ def _set_law_residual(
 def law_of_row(
     laws: Laws, i: int, state: State, work: Workspace
 ) -> tuple[float, float, float, float]:
-    """Force, slopes by coordinate and rate, and energy of the law of row i alone."""
-    parameters = laws.parameters[laws.first[i] : laws.first[i + 1]]
-    memory = state.couplings.memory[laws.memory[i] : laws.memory[i + 1]]
+    """Force, slopes by coordinate and rate, and energy of the laws of row i alone."""
+    force, slope, rate_slope, energy = 0.0, 0.0, 0.0, 0.0
+    if laws.range[i] == laws.range[i + 1]:
+        return force, slope, rate_slope, energy
     out = work.couplings
     c = out.coordinate[i] - laws.rest[i]
-    return evaluate_law(laws.number[i], parameters, memory, out.elapsed[0], c, out.rate[i])
+    for m in range(laws.range[i], laws.range[i + 1]):
+        parameters = laws.parameters[laws.first[m] : laws.first[m + 1]]
+        memory = state.couplings.memory[laws.memory[m] : laws.memory[m + 1]]
+        f, by_c, by_rate, stored = evaluate_law(
+            laws.number[m], parameters, memory, out.elapsed[0], c, out.rate[i]
+        )
+        force += f
+        slope += by_c
+        rate_slope += by_rate
+        energy += stored
+    return force, slope, rate_slope, energy
 
 
 @compiled
 def remember_laws(laws: Laws, state: State, work: Workspace) -> None:
     """Bring the memories of all laws to the end of a step, from where no time has elapsed."""
     out = work.couplings
-    for i in range(len(laws.number)):
-        if laws.memory[i] < laws.memory[i + 1]:
-            parameters = laws.parameters[laws.first[i] : laws.first[i + 1]]
-            memory = state.couplings.memory[laws.memory[i] : laws.memory[i + 1]]
-            c = out.coordinate[i] - laws.rest[i]
-            remember_law(laws.number[i], parameters, memory, out.elapsed[0], c, out.rate[i])
+    rows = len(laws.rest) if len(state.couplings.memory) > 0 else 0
+    for i in range(rows):
+        c = out.coordinate[i] - laws.rest[i]
+        for m in range(laws.range[i], laws.range[i + 1]):
+            parameters = laws.parameters[laws.first[m] : laws.first[m + 1]]
+            memory = state.couplings.memory[laws.memory[m] : laws.memory[m + 1]]
+            remember_law(laws.number[m], parameters, memory, out.elapsed[0], c, out.rate[i])
     out.elapsed[0] = 0.0
 
 

@@ -71,9 +71,10 @@ def is_blocked(rows: Rows, i: int, work: Workspace) -> bool:
 
 @compiled
 def has_ends(rows: Rows, i: int) -> bool:
-    """Whether the shape is a cylinder of finite length."""
-    k = rows.first[i] + SHAPE + 1
-    return bool(k < rows.first[i + 1] and rows.parameters[k] < math.inf)
+    """Whether the shape is a cylinder of finite length, or a profile that is not closed."""
+    k, end = rows.first[i] + SHAPE + 1, rows.first[i + 1]
+    finite = k + 1 == end and rows.parameters[k] < math.inf
+    return bool(finite or (k + 1 < end and rows.parameters[end - 1] == 0.0))
 
 
 @compiled
@@ -262,9 +263,9 @@ def contact_motion(
     """Rates of slip of contact j along t1 and t2, its normal, and its point r_B - r n, in space."""
     rows, frames, i = couplings.rows, work.frames, couplings.range[j]
     f, g = rows.frame_a[i], rows.frame_b[i]
-    normal = normal_of(rows, i, work)
-    axis = slip_axis(rows, i, normal)
-    if couplings.friction_of[j] >= 0:
+    _, normal, _, _ = _surface(rows, i, work)
+    axis = slip_axis(rows, i, work)
+    if couplings.friction_of[j] >= 0 and work.couplings.status[j]:
         axis = row(work.couplings.slip_axis, i + 1)
     n = rotate(frames.D, f, normal)
     t1, _ = _across(n, rotate(frames.D, f, axis))

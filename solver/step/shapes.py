@@ -18,13 +18,21 @@ from typing import Any, TypeVar
 from ..arrays import Array
 from ..compiler.dispatch import dispatcher
 from ..compiler.marks import compiled
-from .vectors import Vector, dot, scale, subtract
+from .vectors import Vector, add, cross, dot, scale, subtract
 
 Curvature = tuple[float, float, float, float, float, float]
 Surface = tuple[float, Vector, Curvature, float]
 """distance, normal, curvature and how far beyond the ends"""
 
 FLAT = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+PIECE = 9
+"""numbers of a piece of a profile"""
+SAMPLES, CORRECTIONS, CLOSE = 5, 50, 1e-15
+"""points of a piece at which the nearest is looked for, then steps of Newton's method"""
+SHARP = 1e-3
+"""least distance from a center of curvature over the radius, where normals cross"""
+ON_END = 1e-9
+"""distance past an end, over the length of a piece, that counts as none"""
 SHAPES: list[Any] = []
 """shapes by number"""
 AnyShape = TypeVar("AnyShape", bound=type)
@@ -95,6 +103,98 @@ class Cylinder:
         along = dot(axis, y)
         s, n, K = _round(parameters[0], subtract(y, scale(along, axis)), axis, across)
         return s, n, K, max(abs(along) - parameters[1], 0.0)
+
+
+@shape
+class Profile:
+    """s = (p - c) . n at the point c of a plane spline that is nearest to p = (across, up) . y.
+
+    The outside is to the right of the curve. Parameters: number of pieces, then of each piece its
+    length and the coefficients of both coordinates, from the cube to the constant.
+    """
+
+    number: int
+
+    @staticmethod
+    def at(parameters: Array, axis: Vector, across: Vector, y: Vector) -> Surface:
+        up = cross(axis, across)
+        px, py = dot(across, y), dot(up, y)
+        piece, t = _nearest(parameters, px, py)
+        x, dx, ddx = _cubic(parameters, piece, 1, t)
+        z, dz, ddz = _cubic(parameters, piece, 5, t)
+        speed = math.sqrt(dx * dx + dz * dz)
+        tx, tz = dx / speed, dz / speed
+        s = (px - x) * tz - (py - z) * tx
+        beyond = abs((px - x) * tx + (py - z) * tz)
+        bend = (dx * ddz - dz * ddx) / (speed * speed * speed)
+        k = bend / max(1.0 + bend * s, SHARP)
+        t_ = add(scale(tx, across), scale(tz, up))
+        n = subtract(scale(tz, across), scale(tx, up))
+        K = (
+            k * t_[0] * t_[0],
+            k * t_[1] * t_[1],
+            k * t_[2] * t_[2],
+            k * t_[1] * t_[2],
+            k * t_[0] * t_[2],
+            k * t_[0] * t_[1],
+        )
+        return s, n, K, beyond if beyond > ON_END * speed else 0.0
+
+
+@compiled
+def _cubic(parameters: Array, piece: int, coordinate: int, t: float) -> tuple[float, float, float]:
+    """A coordinate of a piece at t, and its derivatives."""
+    k = 1 + PIECE * piece + coordinate
+    a, b, c, d = parameters[k], parameters[k + 1], parameters[k + 2], parameters[k + 3]
+    return ((a * t + b) * t + c) * t + d, (3.0 * a * t + 2.0 * b) * t + c, 6.0 * a * t + 2.0 * b
+
+
+@compiled
+def _nearest(parameters: Array, px: float, py: float) -> tuple[int, float]:
+    """The piece and its parameter of the point that is nearest to (px, py)."""
+    best, piece, at = math.inf, 0, 0.0
+    n = int(parameters[0])
+    for i in range(n):
+        length = parameters[1 + PIECE * i]
+        for sample in range(SAMPLES):
+            t = length * sample / (SAMPLES - 1.0)
+            x, _, _ = _cubic(parameters, i, 1, t)
+            z, _, _ = _cubic(parameters, i, 5, t)
+            square = (px - x) * (px - x) + (py - z) * (py - z)
+            if square < best:
+                best, piece, at = square, i, t
+    return _polished(parameters, n, piece, at, px, py)
+
+
+@compiled
+def _polished(
+    parameters: Array, n: int, piece: int, t: float, px: float, py: float
+) -> tuple[int, float]:
+    """Newton's method for (p - c) . c' = 0, over the ends of pieces that go on."""
+    closed = parameters[1 + PIECE * n] > 0.0
+    for _ in range(CORRECTIONS):
+        x, dx, ddx = _cubic(parameters, piece, 1, t)
+        z, dz, ddz = _cubic(parameters, piece, 5, t)
+        slope = dx * dx + dz * dz
+        curvature = slope - (px - x) * ddx - (py - z) * ddz
+        change = ((px - x) * dx + (py - z) * dz) / max(curvature, 0.2 * slope)
+        t += change
+        length = parameters[1 + PIECE * piece]
+        if t < 0.0:
+            if piece == 0 and not closed:
+                t = 0.0
+            else:
+                piece = piece - 1 if piece > 0 else n - 1
+                t = max(t + parameters[1 + PIECE * piece], 0.0)
+        elif t > length:
+            if piece == n - 1 and not closed:
+                t = length
+            else:
+                piece = piece + 1 if piece < n - 1 else 0
+                t = min(t - length, parameters[1 + PIECE * piece])
+        if abs(change) <= CLOSE * length:
+            break
+    return piece, t
 
 
 _at: Callable[..., Surface] = dispatcher(

@@ -5,9 +5,10 @@ loads. These declarations alone list the arrays; `Struct.allocate` makes them.
 
 Dimensions: n_b bodies of six coordinates (delta x in space, delta Theta in body axes); n_f frames;
 n_j couplings (joints, motions, springs, contacts) of n_i rows in all, one multiplier each, n_k of
-them contacts and n_r with friction; n_o observers; n_h numbers that force laws remember; n_l loads; n_d drives; n_e
-flexible bodies with n_u interface dofs in all, of which n_a are active, and n_m modes; n_p steps
-whose loads are kept. Frames that carry couplings or loads come before those that are only observed;
+them contacts and n_r with friction; n_v events of contacts; n_o observers; n_h numbers that force
+laws remember; n_l loads; n_d drives; n_e flexible bodies with n_u interface dofs in all, of which
+n_a are active, and n_m modes; n_p steps whose loads are kept. Frames that carry couplings or loads
+come before those that are only observed;
 interface dofs of the former are `active`: no others are ever loaded.
 """
 
@@ -101,24 +102,26 @@ class Rows(Struct):
 
 
 class Laws(Struct):
-    """Force laws of compliant rows: a linear one of all rows of a coupling, and one of each row.
+    """Force laws of compliant rows: a linear one of all rows of a coupling, and some of each row.
 
-    The law of row i, j over the rows of the same coupling:
+    The force of row i, j over the rows of the same coupling, m over its own laws:
 
         lambda_i = -sum_j (stiffness_ij (c_j - rest_j) + damping_ij dc_j/dt)
-                   - law_i(c_i - rest_i, dc_i/dt)
+                   - sum_m law_m(c_i - rest_i, dc_i/dt)
     """
 
     rest: Array = array("n_i")
     stiffness: Array = array("n_i", 6)
     damping: Array = array("n_i", 6)
-    number: Index = array("n_i")
-    """of the law of each row alone (solver/laws)"""
-    first: Index = array("n_i_1")
-    """(n_i + 1,) the first of the parameters of each row"""
+    range: Index = array("n_i_1")
+    """(n_i + 1,) the laws of each row alone"""
+    number: Index = array("n_law")
+    """of each law (solver/laws)"""
+    first: Index = array("n_law_1")
+    """(n_law + 1,) the first of the parameters of each law"""
     parameters: Array = array("n")
-    memory: Index = array("n_i_1")
-    """(n_i + 1,) the first number that each row remembers"""
+    memory: Index = array("n_law_1")
+    """(n_law + 1,) the first number that each law remembers"""
 
 
 class Friction(Struct):

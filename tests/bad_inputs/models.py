@@ -114,5 +114,18 @@ SIGNALS: dict[str, dict[str, Any]] = {
 }
 """by class: each form of signal in a file"""
 
-LAWS: dict[str, dict[str, Any]] = {"TabulatedLaw": {"deformation": [-1, 0, 1], "force": [-1, 0, 1]}}
+LAWS: dict[str, dict[str, Any]] = {
+    "TabulatedLaw": {"deformation": [-1, 0, 1], "force": [-1, 0, 1]},
+    "OneSidedLaw": {"gap": 0.1, "stiffness": 1, "exponent": 1.5, "side": "extension"},
+    "DamperLaw": {"compression": 1, "rebound": 2},
+    "TabulatedDamperLaw": {"rate": [-1, 0, 1], "force": [-1, 0, 2]},
+    "MaxwellLaw": {"relaxation_times": [0.1, 1], "stiffness": [1, 2]},
+    "BoucWenLaw": {
+        "yield_deformation": 0.1,
+        "stiffness": 1,
+        "post_yield": 0.1,
+        "exponent": 2,
+        "beta": 0.6,
+    },
+}
 """by class: each form of force law"""

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 from duhamel.results import Results, ResultsError
 from duhamel.results import file as file_module
-from duhamel.results.file import CHUNK, FileSource, FileWriter, chunks
-from duhamel.results.schema import QUANTITIES, SuperelementFile
+from duhamel.results.file import CHUNK, Extent, FileSource, FileWriter, chunks
+from duhamel.results.schema import EVENTS, QUANTITIES, EventRows, SuperelementFile
 from duhamel.results.source import Memory
 
-from .writing import NOTES, batch, make_contents, make_output
+from .writing import NOTES, batch, make_contents, make_events, make_output
 
 
 @pytest.fixture(autouse=True)
@@ -71,7 +71,9 @@ def test_rows_are_the_same_in_however_many_writes_and_in_memory(sizes, tmp_path)
         {"joints": (0, 0, 2)},
         {"springs": 0},
         {"flexible": 0},
-        {"joints": (), "springs": 0, "flexible": 0},
+        {"joints": (), "springs": 0, "flexible": 0, "contacts": 0, "stops": 0},
+        {"contacts": 0},
+        {"stops": 0},
         {"selects": lambda group: group in ("bodies/b1", "frames/b0.tip", "joints/j2", "energy")},
         {"selects": lambda group: False},
     ],
@@ -81,7 +83,10 @@ def test_what_there_is_none_of_is_absent(few, tmp_path):
     output = make_output(make_contents(), 4)
     write(tmp_path / "out.h5", contents, output, (1, 3))
     with h5py.File(tmp_path / "out.h5") as file:
-        assert all(item.size for item in file.values() if isinstance(item, h5py.Dataset))
+        variables = {name: item for name, item in file.items() if isinstance(item, h5py.Dataset)}
+    no_event = [name for name in variables if name.startswith("event") and "units" not in name]
+    with h5py.File(tmp_path / "out.h5") as file:
+        assert all(file[name].size for name in variables if name not in no_event)
     results = Results.read(tmp_path / "out.h5")
     assert results.recorded == contents.recorded
     for name in results.joints:
@@ -93,6 +98,43 @@ def test_what_there_is_none_of_is_absent(few, tmp_path):
     with pytest.raises(KeyError, match="no joints/none; there are"):
         results.joint("none")
     assert results.time.shape == (4,)
+
+
+def test_events_are_the_same_in_however_many_writes_and_in_memory(tmp_path):
+    """Also in a write without rows, and of contacts of which nothing else was recorded."""
+    contents = make_contents(selects=lambda group: group == "energy")
+    output, events = make_output(contents, 6), make_events(contents, 50)
+    memory, writer = (
+        Memory(contents, NOTES, "model"),
+        FileWriter(tmp_path / "out.h5", contents, NOTES, "model", 6),
+    )
+    memory.append(batch(output, 0, 6, events))
+    parts = [EventRows(*(column[at : at + 10] for column in events)) for at in range(0, 50, 10)]
+    for first, n, part in zip((0, 1, 1, 4, 4), (1, 0, 3, 0, 2), parts, strict=True):
+        writer.append(batch(output, first, n, part))
+    writer.flush()
+    expected, results = Results(memory).events, Results.read(tmp_path / "out.h5")
+    assert results.events.keys() == expected.keys() == {"k0", "k1", "e0", "e1"}
+    for number, (name, found) in enumerate(results.events.items()):
+        own = events.values[events.owner == number]
+        assert len(found) == len(expected[name]) == len(own) > 0
+        for quantity, column in zip(EVENTS, own.T, strict=True):
+            np.testing.assert_array_equal(getattr(found, quantity.attribute), column)
+    assert results.unit("events", "k1", "peak") == "N m"  # the odd ones are angular
+    assert results.unit("events", "e0", "peak") == "N"
+    assert results.unit("events", "k1", "dissipated") == "J"
+
+
+@pytest.mark.parametrize("owner", [-1, 4])
+def test_an_event_of_nobody_is_refused(owner, tmp_path):
+    contents = make_contents()
+    writer = FileWriter(tmp_path / "out.h5", contents, NOTES, "model", 2)
+    writer.append(batch(make_output(contents, 2), 0, 2, make_events(contents, 3)))
+    writer.flush()
+    with h5py.File(tmp_path / "out.h5", "a") as file:
+        file["event_of"][1] = owner
+    with pytest.raises(ResultsError, match=r"out.h5: variable 'event_of': .* event_owner"):
+        _ = Results.read(tmp_path / "out.h5").events
 
 
 def contents_of(joint, contents):
@@ -139,7 +181,7 @@ def test_only_rows_that_are_whole_count(tmp_path):
     [
         (
             {"version": 2},
-            "results file of version 2; this Duhamel reads version 3: run the model again",
+            "results file of version 2; this Duhamel reads versions 3 to 4: run the model again",
         ),
         (
             {"format": "duhamel-superelement"},
@@ -447,7 +489,7 @@ def test_a_run_that_goes_on_names_the_superelements_of_now(tmp_path):
     writer.leave()
     moved = {"b0": SuperelementFile("/elsewhere/0.h5", "1" * 64)}
     later = FileWriter.resume(
-        path, replace(contents, superelements=moved), NOTES, "model", 4, writer.run
+        path, replace(contents, superelements=moved), NOTES, "model", Extent(4), writer.run
     )
     later.flush()
     later.leave()

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 import xarray as xr
 from duhamel.results.file import FileWriter
-from duhamel.results.schema import DIMENSIONS, QUANTITIES
+from duhamel.results.schema import DIMENSIONS, EVENT_OF, EVENTS, QUANTITIES
 
-from .writing import NOTES, batch, make_contents, make_output
+from .writing import NOTES, batch, make_contents, make_events, make_output
 
 
 @pytest.fixture(scope="module")
@@ -15,7 +15,7 @@ def written(tmp_path_factory):
     path, contents = tmp_path_factory.mktemp("netcdf") / "out.nc", make_contents()
     output = make_output(contents, 7)
     writer = FileWriter(path, contents, NOTES, "a model", 7)
-    writer.append(batch(output, 0, 3))
+    writer.append(batch(output, 0, 3, make_events(contents, 9)))
     writer.append(batch(output, 3, 4))
     writer.flush()
     writer.note(finished=True, seconds=0.5)
@@ -37,6 +37,13 @@ def test_xarray_finds_dimensions_coordinates_and_units(written):
             "spring": 1,
             "spring_component": 1,
             "flexible_body": 1,
+            "contact": 2,
+            "stop": 2,
+            "contact_axis": 3,
+            "tangent_axis": 2,
+            "joint_with_friction": 1,
+            "event": 9,
+            "event_owner": 4,
         }
         assert set(data.coords) == set(data.sizes) == set(DIMENSIONS) - {"check"}
         assert data.attrs["format"] == "duhamel-results"
@@ -47,6 +54,14 @@ def test_xarray_finds_dimensions_coordinates_and_units(written):
             assert variable.attrs["long_name"] == quantity.description
             if isinstance(quantity.unit, str):
                 assert variable.attrs["units"] == quantity.unit
+        for quantity in (EVENT_OF, *EVENTS):
+            assert data[quantity.name].dims == ("event",)
+        np.testing.assert_array_equal(data.event, np.arange(9))
+        assert data.event_peak.attrs["ancillary_variables"] == "event_peak_units"
+        assert data.event_peak_units.sel(event_owner="e1").item() == "N m"
+        assert data.stop_gap_units.sel(stop="e0").item() == "m"
+        normal = data.contact_force.sel(contact="k1", contact_axis="n")
+        np.testing.assert_array_equal(normal, output.contact_force[:, 1, 0])
         moment = data.frame_moment.sel(frame="b1.tip", axis="z")
         np.testing.assert_array_equal(moment, output.frame_moment[:, 2, 2])
         np.testing.assert_allclose(data.time, 0.1 * np.arange(7), rtol=1e-15)
@@ -65,7 +80,8 @@ def test_time_is_unlimited_and_nothing_is_outside_netcdf(written):
     """h5netcdf refuses to write what netCDF cannot hold, and says so of what it reads."""
     path, _ = written
     with h5netcdf.File(path) as file:
-        assert [name for name, size in file.dimensions.items() if size.isunlimited()] == ["time"]
+        unlimited = [name for name, size in file.dimensions.items() if size.isunlimited()]
+        assert sorted(unlimited) == ["event", "time"]
         for name, variable in file.variables.items():
             assert variable.dimensions
             assert set(variable.dimensions) <= set(DIMENSIONS), name

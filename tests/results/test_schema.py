@@ -37,7 +37,9 @@ def test_names_dimensions_and_units():
         assert quantity.dimensions[0] == "time"
         assert set(quantity.dimensions) <= set(schema.DIMENSIONS)
         assert (quantity.source == "") == (quantity.derive is not None)
-        assert isinstance(quantity.unit, tuple) == bool(quantity.owned and quantity.owned.ragged)
+        angular = bool(quantity.owned and (quantity.owned.ragged or quantity.owned.name == "stop"))
+        assert angular or isinstance(quantity.unit, str)
+        assert isinstance(quantity.unit, tuple) or not quantity.owned or not quantity.owned.ragged
         for unit in quantity.unit if isinstance(quantity.unit, tuple) else (quantity.unit,):
             assert re.fullmatch(r"1|(kg|m2?|N|J|rad|s)( (m2?|s))?( ?s-[12])?", unit), unit
 
@@ -48,11 +50,13 @@ def test_names_dimensions_and_units():
         ("bodies", motion.BodyMotion),
         ("frames", motion.FrameMotion),
         ("energy", motion.Energy),
+        ("events", motion.Events),
         ("momentum", motion.Momentum),
     ],
 )
 def test_attributes_are_those_of_the_records_that_readers_give(group, kind):
-    attributes = {quantity.attribute for quantity in schema.QUANTITIES if quantity.group == group}
+    quantities = (*schema.QUANTITIES, *schema.EVENTS)
+    attributes = {quantity.attribute for quantity in quantities if quantity.group == group}
     assert attributes == set(kind.__dataclass_fields__)
 
 

@@ -3,17 +3,33 @@
 from types import SimpleNamespace
 
 import numpy as np
-from duhamel.results.schema import Axis, Batch, Energies, SuperelementFile, lay_out, output_fields
+from duhamel.results.schema import (
+    EVENTS,
+    Axis,
+    Batch,
+    Energies,
+    EventRows,
+    SuperelementFile,
+    lay_out,
+    output_fields,
+)
 
 NOTES = {"h": 0.1, "steps": 10, "finished": False, "assembly_error_at": ""}
 START = Energies(2.0, 6.0)
 
 
 def make_contents(
-    bodies=2, joints=(2, 0, 3), springs=1, coordinates=2, flexible=1, selects=lambda group: True
+    bodies=2,
+    joints=(2, 0, 3),
+    springs=1,
+    coordinates=2,
+    flexible=1,
+    contacts=2,
+    stops=2,
+    selects=lambda group: True,
 ):
     """Bodies with a frame each, joints with as many constraints as given, springs of one
-    component; coordinates belong to the last joint.
+    component; coordinates and friction belong to the last joint.
     """
     constraints = [f"j{j}.{i}" for j, n in enumerate(joints) for i in range(1, n + 1)]
     n, n_j = len(constraints), len(joints)
@@ -25,8 +41,12 @@ def make_contents(
         "joint_constraint": constraints,
         "spring_component": [f"s{i}.1" for i in range(springs)],
         "joint_coordinate": [f"j{n_j - 1}.angle_{i}" for i in range(coordinates if joints else 0)],
+        "contact": [f"k{k}" for k in range(contacts)],
+        "stop": [f"e{k}" for k in range(stops)],
+        "joint_with_friction": [f"j{n_j - 1}.friction"] if joints else [],
+        "event_owner": [f"k{k}" for k in range(contacts)] + [f"e{k}" for k in range(stops)],
     }
-    first = {"frame": 1, "spring": n_j, "spring_component": n}
+    first = {"frame": 1, "spring": n_j, "spring_component": n, "stop": contacts}
     axes = {
         name: Axis(
             tuple(entries),
@@ -50,6 +70,10 @@ def make_output(contents, n, seed=0):
     sizes = {
         "axis": 3,
         "quaternion": 4,
+        "contact_axis": 3,
+        "tangent_axis": 2,
+        "contact": max(end("contact"), end("stop")),
+        "joint_with_friction": end("joint_with_friction"),
         "body": end("body"),
         "frame": end("frame"),
         "coupling": max(end("joint"), end("spring")),
@@ -63,7 +87,16 @@ def make_output(contents, n, seed=0):
     return SimpleNamespace(**fields)
 
 
-def batch(output, first, n):
+def make_events(contents, m, seed=0):
+    """m events of all owners."""
+    rng = np.random.default_rng(seed)
+    values = rng.normal(size=(m, len(EVENTS)))
+    values[:, [quantity.integer for quantity in EVENTS]] = 3.0
+    return EventRows(rng.integers(0, len(contents.axes["event_owner"]), m), values)
+
+
+def batch(output, first, n, events=None):
     """The steps from `first` on, in the first rows of an output of their own."""
     rows = {name: array[first : first + n] for name, array in vars(output).items()}
-    return Batch(np.arange(first, first + n), 0.1, SimpleNamespace(**rows), START)
+    events = EventRows.none() if events is None else events
+    return Batch(np.arange(first, first + n), 0.1, SimpleNamespace(**rows), START, events)

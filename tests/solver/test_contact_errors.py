@@ -32,7 +32,7 @@ STOP = {
 ROUND = {"shape": '"sphere"', "axis": None}
 HERTZ = {"stiffness": None, "hertz": "{E = [1e9, 1e9], nu = [0.3, 0.3]}"}
 CONTACTS = [
-    ({"shape": '"cube"'}, "shape: expected 'plane', 'sphere' or 'cylinder', got 'cube'"),
+    ({"shape": '"cube"'}, "shape: expected 'plane', 'sphere', 'cylinder' or 'profile', got 'cube'"),
     ({"axis": None}, "axis: a plane needs one"),
     (ROUND, "radius: a sphere needs one"),
     (ROUND | {"radius": "0.01", "hollow": "true"}, "ball: expected less than the hollow radius"),
@@ -63,6 +63,10 @@ CONTACTS = [
     ({"friction": '"rough"'}, "friction: expected a number or a table"),
     ({"between": '["ground.floor", "ball.b"]'}, "no frame 'b' on 'ball'"),
     ({"between": '["ball.a", "ball"]'}, "expected frames of two bodies"),
+    ({"points": "[[0, 0], [1, 0]]"}, "points: a plane takes none"),
+    ({"shape": '"profile"'}, "points: a profile needs some"),
+    ({"shape": '"profile"', "points": "[[0, 0], [1, 0]]"}, "points: expected four or more, got 2"),
+    ({"shape": '"profile"', "points": "[0, 1, 2]"}, "points.0: expected two numbers"),
     ({"colour": '"red"'}, "unknown key 'colour'"),
     ({"slow": "0"}, "slow: expected a positive number"),
     ({"name": '"j"'}, "expected different names, got 'j' more than once"),

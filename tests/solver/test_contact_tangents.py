@@ -12,6 +12,7 @@ from duhamel.solver import (
     Stop,
     Stribeck,
 )
+from duhamel.solver.start import penetration
 
 from .test_tangents import (  # noqa: F401 - fixtures
     AXIS,
@@ -25,10 +26,19 @@ from .test_tangents import (  # noqa: F401 - fixtures
     whole_matrix,
 )
 
+
+def oval(a, b, n=16):
+    angles = np.linspace(0.0, 2.0 * np.pi, n + 1)
+    points = np.column_stack([a * np.cos(angles), b * np.sin(angles)])
+    points[-1] = points[0]
+    return points
+
+
 SHAPES = {
     "plane": {"shape": "plane", "axis": AXIS, "ball": 8.0},
     "sphere": {"shape": "sphere", "radius": 4.0, "ball": 4.0},
     "cylinder": {"shape": "cylinder", "axis": AXIS, "radius": 4.0, "ball": 4.0},
+    "profile": {"shape": "profile", "axis": AXIS, "points": oval(0.2, 0.15), "ball": 8.0},
     "hollow sphere": {"shape": "sphere", "radius": 0.2, "ball": 0.1, "hollow": True},
     "hollow cylinder": {
         "shape": "cylinder",
@@ -52,6 +62,12 @@ FRICTIONS = {
     "slips": {"friction": 0.2},
     "stribeck": {"friction": Stribeck(0.4, 0.2, 3.0)},
 }
+
+
+@pytest.fixture(autouse=True)
+def deep(monkeypatch):
+    """Balls may start as deep as they like."""
+    monkeypatch.setattr(penetration, "_deepest", lambda contact, size: np.inf)
 
 
 def contact(shape="plane", compliance="linear", friction="none", between=("a.i0", "b.i0")):

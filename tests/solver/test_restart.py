@@ -13,11 +13,13 @@ import numpy as np
 import pytest
 from duhamel.results import Results, ResultsError
 from duhamel.solver import (
+    Contact,
     ConvergenceError,
     FlexibleBody,
     Frame,
     Function,
     Harmonic,
+    Impact,
     Joint,
     Load,
     Model,
@@ -31,6 +33,7 @@ from duhamel.solver import (
     Start,
     StateError,
     Steps,
+    Stop,
     TabulatedLaw,
     simulate,
     simulation,
@@ -51,7 +54,9 @@ def _small_blocks(monkeypatch):
 
 
 def machine(element, steps=STEPS, every=1, **settings):
-    """A hub that turns many times, with a beam; a driven arm, a stop, and loads of all kinds."""
+    """A hub that turns many times, with a beam that hits a bumper; a driven arm between limits, a
+    stop, and loads of all kinds.
+    """
     hub = RigidBody(
         0.01,
         [0.006, 0.007, 0.01],
@@ -66,6 +71,16 @@ def machine(element, steps=STEPS, every=1, **settings):
     )
     beam = FlexibleBody(element, Start(place=Place("root", "hub.rim")))
     stop = TabulatedLaw([-1.0, 0.0, 0.02], [0.0, 0.0, 50.0])
+    bump = Contact(
+        "bump",
+        ("ground.bumper", "beam.tip"),
+        "sphere",
+        ball=0.05,
+        radius=0.3,
+        impact=Impact(stiffness=200.0, restitution=0.8),
+        friction=0.3,
+        tangential_stiffness=50.0,
+    )
     return Model(
         bodies={"hub": hub, "beam": beam, "arm": arm},
         joints=(
@@ -83,7 +98,13 @@ def machine(element, steps=STEPS, every=1, **settings):
             Spring("coil", "bushing", ("ground", "beam.tip"), stiffness=[5.0] * 6),
             Spring("stop", "point", ("ground.wall", "arm.end"), law=stop),
         ),
-        ground_frames={"pivot": Frame([0.1, 0.2, 0.3]), "wall": Frame([0.1, 0.5, 0.3])},
+        contacts=(bump,),
+        stops=(Stop("limit", "wrist", "angle", [-0.1, 0.2], Impact(stiffness=1.0)),),
+        ground_frames={
+            "pivot": Frame([0.1, 0.2, 0.3]),
+            "wall": Frame([0.1, 0.5, 0.3]),
+            "bumper": Frame([-0.7, 0.2, 0.3]),
+        },
         gravity=[0, -9.81, 0],
         settings=Settings(step=H, t_end=steps * H, output=OutputRequest(every), **settings),
     )
@@ -123,6 +144,27 @@ def test_a_run_in_parts_is_that_in_one_to_the_bit(coarse, history, ends, tmp_pat
     results = in_parts(model, tmp_path / "parts.h5", *ends)
     assert_same(tmp_path / "parts.h5", tmp_path / "whole.h5")
     assert np.ptp(results.joint("pivot").coordinates["angle"]) > 2.0 * np.pi
+
+
+@pytest.mark.parametrize("history", HISTORIES)
+@pytest.mark.parametrize("between", ["events", "in bump", "in limit"])
+def test_a_run_goes_on_in_the_middle_of_a_contact(coarse, history, between, tmp_path):
+    """The contact that the state found closed is one event, not two; none is missing or twice."""
+    model, path = machine(coarse, history=history), tmp_path / "parts.h5"
+    events = simulate(model, output=tmp_path / "whole.h5").events
+    bumps, limits = events["bump"], events["limit"]
+    assert bumps.impacts >= 1
+    assert limits.impacts >= 2
+    end = {
+        "events": int(bumps.end[0] / H) + 2,
+        "in bump": int(bumps.start[0] / H) + 2,
+        "in limit": int(0.5 * (limits.start[1] + limits.end[1]) / H),
+    }[between]
+    first = in_parts(model, path, end)
+    still = [e for e in first.events.values() for k in np.flatnonzero(e.still_closed)]
+    assert bool(still) == (between != "events")
+    in_parts(model, path, end, 80)
+    assert_same(path, tmp_path / "whole.h5")
 
 
 @pytest.mark.parametrize("history", HISTORIES)

@@ -33,6 +33,7 @@ from duhamel.solver.step.newton import correct, renew
 from duhamel.solver.step.system import State, System, Workspace
 from scipy.spatial.transform import Rotation
 
+from .laws import LAWS
 from .matrices import in_space
 from .models import model_of
 
@@ -393,6 +394,11 @@ def test_the_newton_matrix_entry_by_entry(make_body, rule):
     point.work.interfaces.u_predicted[:] = point.state.interfaces.u
     point.work.interfaces.rate_predicted[:] = rng.uniform(-1.0, 1.0, len(point.state.interfaces.u))
     point.evaluated()
+    assert_newton_matrix(point)
+
+
+def assert_newton_matrix(point, tolerance=1e-9):
+    """Entry by entry, against differences of the residuals."""
     n = point.n_q + len(point.active) + len(point.state.couplings.lam)
     differences = difference(lambda z: step_residuals(point, z), n)
     point.evaluated()
@@ -403,7 +409,7 @@ def test_the_newton_matrix_entry_by_entry(make_body, rule):
             np.split(rows, columns, 1), np.split(expected, columns, 1), strict=True
         ):
             np.testing.assert_allclose(
-                block, wanted, rtol=0, atol=1e-9 * max(1.0, np.abs(wanted).max())
+                block, wanted, rtol=0, atol=tolerance * max(1.0, np.abs(wanted).max())
             )
 
 
@@ -424,6 +430,27 @@ def chain(make_body, omega=(50.0, 5000.0), **settings):
         loads=(Load("force", "a.i0", [1.0, 2.0, -1.0], Constant(60.0), follower=True),),
         **{"gravity": [0, 0, -9.81], "step": 1e-2, "rho_inf": 0.8} | settings,
     )
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_the_newton_matrix_of_force_laws(make_body, law):
+    """By themselves and in sum, on distances, angles and axes of a bushing, after a past."""
+    bodies = {"a": make_body("flexible", 5), "b": make_body("rigid", 7)}
+    both = (LAWS[law], LAWS["Maxwell"])
+    springs = (
+        Spring("tie", "point", ("b.i1", "a.i1"), stiffness=3.0, law=LAWS[law]),
+        Spring("turn", "torsion", ("a.i0", "b.i0"), AXIS, damping=2.0, law=both),
+        Spring("bush", "bushing", ("a.i0", "b.i0"), law={"y": both, "rx": LAWS[law]}),
+    )
+    settings = Settings(t_end=1.0, step=1e-2, rho_inf=0.8)
+    point = Point.of(Model(bodies, springs=springs, settings=settings), seed=13)
+    memory = point.state.couplings.memory
+    memory[:] = np.random.default_rng(14).uniform(-0.5, 0.5, len(memory))
+    point.work.couplings.elapsed[0] = 1e-2
+    point.state.bodies.v[:] *= 4.0  # rates away from 0, where dampers have a kink
+    point.work.interfaces.u_predicted[:] = point.state.interfaces.u
+    point.evaluated()
+    assert_newton_matrix(point, 1e-8)  # laws bend within the differences
 
 
 @pytest.mark.parametrize("rule", ["consistent", "paper"])

@@ -8,13 +8,17 @@ from typing import Any
 
 import numpy as np
 from duhamel.solver import (
+    BoucWenLaw,
     Constant,
+    DamperLaw,
     FlexibleBody,
     Frame,
     Harmonic,
     Joint,
     Load,
+    MaxwellLaw,
     Model,
+    OneSidedLaw,
     Polynomial,
     PrescribedDisplacement,
     PrescribedRotation,
@@ -23,8 +27,12 @@ from duhamel.solver import (
     Settings,
     Spring,
     Start,
+    TabulatedDamperLaw,
     TabulatedLaw,
+    UserLaw,
 )
+from duhamel.solver.arrays import Array
+from duhamel.solver.laws.law import Evaluation
 from duhamel.solver.lower.allocation import make_output
 from duhamel.solver.simulation import signals
 from duhamel.solver.start.initial import initialize
@@ -51,11 +59,36 @@ JOINTS: dict[str, dict[str, Any]] = {
         "distance": Harmonic(0.01, 10.0),
     },
 }
+
+
+def cubic(parameters: Array, memory: Array, h: float, c: float, rate: float) -> Evaluation:
+    k, d = parameters[0], parameters[1]
+    return k * c**3 + d * rate, 3.0 * k * c**2, d, 0.25 * k * c**4
+
+
+def creep(parameters: Array, memory: Array, h: float, c: float, rate: float) -> Evaluation:
+    """A spring whose point of rest follows it."""
+    k, given = parameters[0], 1.0 / (1.0 + h / parameters[1])
+    force = given * (memory[1] + k * (c - memory[0]))
+    return force, given * k, 0.0, 0.5 * force**2 / k
+
+
+def remember_creep(parameters: Array, memory: Array, h: float, c: float, rate: float) -> None:
+    given = 1.0 / (1.0 + h / parameters[1])
+    memory[1] = given * (memory[1] + parameters[0] * (c - memory[0]))
+    memory[0] = c
+
+
 SPRINGS: dict[str, dict[str, Any]] = {
     "point": {
         "stiffness": 3000.0,
         "damping": 2.0,
-        "law": TabulatedLaw((-0.1, 0.0, 0.2), (-9.0, 0.0, 4.0)),
+        "law": (
+            TabulatedLaw((-0.1, 0.0, 0.2), (-9.0, 0.0, 4.0)),
+            OneSidedLaw(0.01, 5e3, 1.5),
+            UserLaw(cubic, [40.0, 0.3]),
+            UserLaw(creep, [50.0, 0.02], [0.0, 0.0], remember_creep),
+        ),
     },
     "torsion": {
         "axis": AXIS,
@@ -64,7 +97,17 @@ SPRINGS: dict[str, dict[str, Any]] = {
         "rest": [0.2],
         "law": TabulatedLaw((-1.0, 0.0, 1.0), (-3.0, 0.0, 8.0)),
     },
-    "bushing": {"axis": AXIS, "stiffness": [900.0] * 3 + [70.0] * 3, "damping": [3.0] * 6},
+    "bushing": {
+        "axis": AXIS,
+        "stiffness": [900.0] * 3 + [70.0] * 3,
+        "damping": [3.0] * 6,
+        "law": {
+            "x": BoucWenLaw(0.01, 500.0, 0.1, 1.5, 0.7),
+            "y": MaxwellLaw((0.01, 0.1), (50.0, 70.0)),
+            "rx": DamperLaw(0.1, 0.3),
+            "rz": TabulatedDamperLaw((0.0, 1.0, 3.0), (0.0, 0.2, 0.3)),
+        },
+    },
 }
 
 

@@ -41,11 +41,16 @@ def test_the_model_has_every_part():
     model = every_part.make_model()
     types = {joint.type for joint in model.joints}
     assert types == {name for name in every_part.JOINTS if not name.startswith("driven")}
+    from duhamel.solver import UserLaw
+    from duhamel.solver.laws.law import FORCE_LAWS
     from duhamel.solver.model.joints import JOINT_TYPES
     from duhamel.solver.model.springs import SPRING_TYPES
 
     assert types == set(JOINT_TYPES)
     assert {spring.type for spring in model.springs} == set(SPRING_TYPES)
+    laws = {law.number for spring in model.springs for row in spring.laws_of_rows for law in row}
+    known = {form.kind.number for forms in FORCE_LAWS.forms.values() for form in forms}
+    assert laws == known | {UserLaw.number}
 
 
 def assert_same(found, expected):
@@ -75,5 +80,6 @@ def test_the_stock_compiler_gives_the_same(quick, tmp_path):
 def test_every_compiled_function_is_of_the_time_step():
     """Others would be compiled with every change of theirs."""
     places = {function.__module__ for function in marks.COMPILED}
-    allowed = ("duhamel.solver.step.", "duhamel.solver.laws", "duhamel.solver.compiler.memory")
+    allowed = ("step.", "laws", "compiler.memory", "compiler.foreign")
+    allowed = tuple(f"duhamel.solver.{room}" for room in allowed)
     assert [place for place in places if not place.startswith(allowed)] == []

@@ -15,6 +15,8 @@ from duhamel.solver.compiler.memory import copy
 from duhamel.solver.compiler.struct import Struct, array
 from duhamel.solver.step import elimination, measure, rotations, vectors
 
+from ..laws import LAWS
+
 
 class Part(Struct):
     rows: Array = array("n", 3)
@@ -89,8 +91,14 @@ def combine(out: Part, i: int, scale: float) -> float:
     return vectors.dot(c, e) + vectors.inner(out.rows[i], out.rows[i + 1])
 
 
-def of_a_law(parameters: Array, c: float) -> tuple[float, float, float, float]:
-    return laws.evaluate_law(0, parameters, parameters[:0], 1e-3, c, 0.3)
+def of_a_law(
+    number: int, parameters: Array, memory: Array, c: float
+) -> tuple[float, float, float, float]:
+    return laws.evaluate_law(number, parameters, memory, 1e-3, c, 0.3)
+
+
+def remember_it(number: int, parameters: Array, memory: Array, c: float) -> None:
+    laws.remember_law(number, parameters, memory, 1e-3, c, 0.3)
 
 
 def of_no_law(parameters: Array, c: float) -> tuple[float, float, float, float]:
@@ -114,6 +122,7 @@ FUNCTIONS = (
     turn,
     combine,
     of_a_law,
+    remember_it,
     of_no_law,
     weigh,
     subtract,
@@ -222,10 +231,14 @@ def test_vectors(compare, part, rng):
 
 
 @pytest.mark.parametrize("c", [-2.0, -0.5, 0.25, 1.0, 7.0])
-def test_laws(compare, rng, c):
-    parameters = np.concatenate([[-1.0, 0.0, 0.5, 1.5], rng.normal(size=5)])
-    compare(of_a_law, parameters, c)
+@pytest.mark.parametrize("name", LAWS)
+def test_laws(compare, name, c):
+    law = LAWS[name]
+    parameters, memory = np.array(law.parameters()), np.array(law.memories(), float)
     compare(of_no_law, parameters, c)
+    compare(of_a_law, law.number, parameters, memory, c)
+    compare(remember_it, law.number, parameters, memory, c)
+    compare(of_a_law, law.number, parameters, memory, 0.5 * c)
 
 
 @pytest.mark.parametrize("residual", [0.0, 1e-13, 1e-3, 1.0, np.inf, np.nan])

@@ -1,0 +1,152 @@
+"""Hysteresis of Bouc and Wen, independent of the rate: wire ropes, steel, dry friction."""
+
+import math
+from collections.abc import Sequence
+from typing import Annotated
+
+import numpy as np
+
+from ..arrays import Array
+from ..compiler.marks import compiled
+from ..schema.values import AtLeastOne, Fraction, Positive, number
+from .law import Evaluation, ForceLaw, force_law
+
+PARTS = 16.0
+"""steps of Runge and Kutta in which n times the yield deformation is taken"""
+SATURATED = 30.0
+"""-log(1 - w) from which its derivative is n; (1 - w^n) / (1 - w) is lost in rounding at 37"""
+CORRECTIONS = 30
+POINTS = 16
+_nodes, _weights = np.polynomial.legendre.leggauss(POINTS)
+NODES: tuple[float, ...] = tuple((0.5 + 0.5 * _nodes).tolist())
+WEIGHTS: tuple[float, ...] = tuple((0.5 * _weights).tolist())
+"""of Gauss on (0, 1)"""
+
+Beta = Annotated[
+    float,
+    number("a number from 0.5 (less creates energy) to 100", float, lambda b: 0.5 <= b <= 100),
+]
+
+
+@force_law("yield_deformation")
+class BoucWenLaw(ForceLaw):
+    """f = post_yield k c + (1 - post_yield) k D z,  D z' = c' (1 - |z|^n (gamma + beta sgn(c' z))).
+
+    yield_deformation: D [m, rad]; stiffness: k, that of small deformations [N/m, N m/rad];
+    post_yield: the part of it that is left when all has yielded, 0 to 1; exponent: n, 1 (round) or
+    more (towards a corner); beta: 0.5 where unloading is elastic, more for slimmer loops; gamma is
+    1 - beta, and A of the literature 1, for other values are those of other k and D. The virgin
+    state has z = 0, and |z| < 1. Stored: post_yield k c^2 / 2 + (1 - post_yield) k D^2 z^2 / 2; the
+    rest of the work, (1 - post_yield) k D |c'| |z|^(n+1) (beta + gamma sgn(c' z)) over time, is
+    dissipated, and never negative as |gamma| <= beta.
+
+    Sources: Wen (1976), doi 10.1061/JMCEA3.0002106; Ma et al. (2004), doi
+    10.1115/1.1767162 (redundant parameters); Erlicher, Point (2004), doi
+    10.1016/j.crme.2003.12.004 (energies).
+    """
+
+    yield_deformation: Positive
+    stiffness: Positive
+    post_yield: Fraction = 0.0
+    exponent: AtLeastOne = 1.0
+    beta: Beta = 0.5
+
+    def parameters(self) -> Sequence[float]:
+        """With beta - gamma as the last."""
+        shape = [self.exponent, 2.0 * self.beta - 1.0]
+        return [self.yield_deformation, self.stiffness, self.post_yield, *shape]
+
+    def memories(self) -> Sequence[float]:
+        """c / D and z."""
+        return [0.0, 0.0]
+
+    @staticmethod
+    def evaluate(parameters: Array, memory: Array, h: float, c: float, rate: float) -> Evaluation:
+        D, k, post = parameters[0], parameters[1], parameters[2]
+        z, slope = hysteresis(parameters[3], parameters[4], memory[1], c / D - memory[0])
+        elastic, yielding = post * k, (1.0 - post) * k
+        force = elastic * c + yielding * D * z
+        energy = 0.5 * (elastic * c * c + yielding * D * D * z * z)
+        return force, elastic + yielding * slope, 0.0, energy
+
+    @staticmethod
+    def remember(parameters: Array, memory: Array, h: float, c: float, rate: float) -> None:
+        end = c / parameters[0]
+        memory[1], _ = hysteresis(parameters[3], parameters[4], memory[1], end - memory[0])
+        memory[0] = end
+
+
+@compiled
+def hysteresis(n: float, kappa: float, z: float, change: float) -> tuple[float, float]:
+    """z after a change of c / D in one direction, and its derivative by the change.
+
+    With w = z in this direction: w' = 1 + kappa |w|^n while w < 0, 1 - w^n from there on, where
+    kappa = beta - gamma. Without a change the slope is that at z = 0, between those of both
+    directions.
+    """
+    if change == 0.0:
+        return z, 1.0
+    sign = 1.0 if change > 0.0 else -1.0
+    w, left = sign * z, abs(change)
+    if w < 0.0:
+        w, left = _unload(n, kappa, w, left)
+        if w < 0.0:
+            return sign * w, 1.0 + kappa * (-w) ** n
+    w = _load(n, w, left)
+    return sign * w, 1.0 - w**n
+
+
+@compiled
+def _unload(n: float, kappa: float, w: float, change: float) -> tuple[float, float]:
+    """w < 0 after a change, up to 0, and what is left of the change."""
+    start = -w
+    whole = _unloading(n, kappa, 0.0, start)
+    if change >= whole:
+        return 0.0, change - whole
+    if kappa == 0.0:
+        return w + change, 0.0
+    u = 0.0
+    for _ in range(CORRECTIONS):  # from below, where Newton's method never overshoots
+        step = (_unloading(n, kappa, u, start) - change) * (1.0 + kappa * u**n)
+        u += step
+        if abs(step) <= 1e-16 * start:
+            break
+    return -u, 0.0
+
+
+@compiled
+def _unloading(n: float, kappa: float, end: float, start: float) -> float:
+    """The change that takes |w| from start to end: integral of 1 / (1 + kappa u^n)."""
+    if kappa == 0.0:
+        return start - end
+    if n == 1.0:
+        return math.log((1.0 + kappa * start) / (1.0 + kappa * end)) / kappa
+    total = 0.0
+    for j in range(POINTS):
+        u = end + (start - end) * NODES[j]
+        total += WEIGHTS[j] / (1.0 + kappa * u**n)
+    return total * (start - end)
+
+
+@compiled
+def _load(n: float, w: float, change: float) -> float:
+    """w >= 0 after a change: in t = -log(1 - w), whose derivative is between 1 and n."""
+    if w >= 1.0:
+        return w
+    t = -math.log(1.0 - w)
+    while n != 1.0 and change > 0.0 and t < SATURATED:
+        step = min(change, 1.0 / (PARTS * n))
+        k1 = _steepness(n, t)
+        k2 = _steepness(n, t + 0.5 * step * k1)
+        k3 = _steepness(n, t + 0.5 * step * k2)
+        k4 = _steepness(n, t + step * k3)
+        t += step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+        change -= step
+    return 1.0 - math.exp(-(t + n * change))
+
+
+@compiled
+def _steepness(n: float, t: float) -> float:
+    """(1 - w^n) / (1 - w) at w = 1 - exp(-t): 1 at the start, n in the end."""
+    apart = math.exp(-t)
+    return float((1.0 - (1.0 - apart) ** n) / apart)
