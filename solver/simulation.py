@@ -131,7 +131,9 @@ def _resume(model: Model, output: Path, progress: bool, anyway: bool) -> Results
         lowered = lower(model, frozenset(kept.without), identity.horizon)
         if not anyway:
             identity.check_system(lowered)
-        recorded = step % recorded_every(kept.snapshot, lowered) == 0 or step == identity.horizon.steps
+        recorded = (
+            step % recorded_every(kept.snapshot, lowered) == 0 or step == identity.horizon.steps
+        )
         if lowered.n_steps < step or (lowered.n_steps == step and not recorded):
             of_state = f"the time of the state, {step * lowered.h:.9g} s"
             least = f"{of_state}, or more" if recorded else f"more than {of_state}"
