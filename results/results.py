@@ -106,10 +106,7 @@ class Results:
     @property
     def events(self) -> dict[str, Events]:
         """The events of each contact and stop, which are counted whatever was recorded."""
-        owner, values = self._source.events()
-        return {
-            name: Events(*values[owner == k].T) for k, name in enumerate(self._names("event_owner"))
-        }
+        return Events.by_owner(self._source.events(), self._names("event_owner"))
 
     @property
     def energies(self) -> tuple[str, ...]:
