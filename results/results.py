@@ -255,7 +255,7 @@ class Results:
         for interface in element.interfaces:
             frame = self.frame(f"{body}.{interface.name}")
             loads.append(interface_loads(R, frame.u, frame.force, interface.rotations))
-        run = stepping(self._source.name, self.solver)
+        run = stepping(self._source.name, self.solver, self.time)
         steps = np.append(when.before, when.after)
         eta = modal_coordinates(element.modes, np.hstack(loads), run, steps)
         return element.recovery, when.of(*np.split(eta, 2)), when

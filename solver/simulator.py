@@ -59,6 +59,8 @@ class Simulator:
             model = replace(model, settings=settings)
         with about(model.path):
             lowered, source = lower_to_start(model)
+            if lowered.flight is not None:
+                raise ModelError("simulation: contact_step: a Simulator takes steps of one size")
             if source and lowered.system.elastic.kernels.lags.any():
                 raise ModelError("start: a Simulator goes on from recursive history alone")
             check_names(lowered, outputs)

@@ -14,10 +14,12 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from duhamel.solver import (
     Constant,
+    Contact,
     ConvergenceError,
     FlexibleBody,
     Frame,
     Harmonic,
+    Impact,
     Joint,
     Load,
     Model,
@@ -97,6 +99,7 @@ class Sketch:
     bodies: dict = field(default_factory=dict)
     joints: list = field(default_factory=list)
     springs: list = field(default_factory=list)
+    contacts: list = field(default_factory=list)
     loads: list = field(default_factory=list)
 
     def place(self, reference):
@@ -110,7 +113,8 @@ class Sketch:
         return [f"{name}.{frame}" for name, body in self.bodies.items() for frame in body.frames]
 
     def new(self, prefix):
-        return f"{prefix}{len(self.bodies) + len(self.joints) + len(self.springs)}"
+        parts = self.bodies, self.joints, self.springs, self.contacts
+        return f"{prefix}{sum(map(len, parts))}"
 
 
 @st.composite
@@ -186,6 +190,32 @@ def spring(draw, sketch, conservative):
     )
 
 
+def contact(draw, sketch, conservative):
+    """A soft ball that just touches a plane or a sphere on another body, or nearly so."""
+    first, second = draw(pairs(sketch))
+    gap = sketch.place(second) - sketch.place(first)
+    depth, sphere = draw(between(-0.002, 0.002)), draw(st.booleans())
+    axis = draw(directions())
+    axis = -axis if axis @ gap < 0.0 else axis
+    ball = (np.linalg.norm(gap) if sphere else axis @ gap) + depth
+    size = {"radius": 0.5 * ball} if sphere else {"axis": axis}
+    friction = {}
+    if not conservative and draw(st.booleans()):
+        friction = {"friction": draw(between(0.1, 1.0)), "tangential_stiffness": 20.0}
+    restitution = 1.0 if conservative else draw(between(0.2, 1.0))
+    sketch.contacts.append(
+        Contact(
+            sketch.new("c"),
+            (first, second),
+            "sphere" if sphere else "plane",
+            max(0.0, 0.5 * ball if sphere else ball),
+            impact=Impact(draw(between(20.0, 200.0)), restitution=restitution),
+            **size,
+            **friction,
+        )
+    )
+
+
 @st.composite
 def pairs(draw, sketch):
     """Frames of two bodies that are not in one place."""
@@ -222,6 +252,8 @@ def mechanisms(draw, free=False, conservative=False, loops=True, **settings):
         link(draw, sketch)
     for _ in range(draw(st.integers(0, 2)) if several else 0):
         spring(draw, sketch, conservative)
+    if several and draw(st.booleans()):
+        contact(draw, sketch, conservative)
     for _ in range(0 if free or conservative else draw(st.integers(0, 2))):
         load(draw, sketch)
     return Model(
@@ -229,6 +261,7 @@ def mechanisms(draw, free=False, conservative=False, loops=True, **settings):
         sketch.joints,
         sketch.loads,
         sketch.springs,
+        contacts=sketch.contacts,
         gravity=np.zeros(3) if free else draw(vectors(10.0)),
         settings=Settings(**{"t_end": STEPS * STEP, "step": STEP, "rho_inf": 0.9} | settings),
     )
