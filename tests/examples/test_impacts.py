@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from duhamel.solver import Start, read_model, simulate
-from impact.exact import SphereOnBeam, contacts, sphere_on_beam, timoshenko
+from impact.exact import point_impact, steel_arm, timoshenko
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -47,9 +47,8 @@ def test_the_ball_on_the_beam_as_timoshenko_has_it(run):
     """
     results = run("ball_on_beam", "beam")
     case = timoshenko(2)
-    exact = sphere_on_beam(case, 4e-3, 2e-7, modes=100)
-    events = results.events["blow"]
-    expected = contacts(exact.time, exact.force)
+    exact = point_impact(case, 4e-3, 2e-7, modes=100)
+    events, expected = results.events["blow"], exact.blows
     assert len(events) == len(expected) == 3
     np.testing.assert_allclose(events.peak, [c.peak for c in expected], rtol=4e-3)
     np.testing.assert_allclose(events.peak[:2], [c.peak for c in expected[:2]], rtol=2e-4)
@@ -61,28 +60,14 @@ def test_the_ball_on_the_beam_as_timoshenko_has_it(run):
     assert results.iterations.max() <= 5
 
 
-class TipOfAnArm(SphereOnBeam):
-    """A hinged arm as its tip feels it, mass and mass per length given as Timoshenko's equation
-    wants them: its turn is a free mass m / 3, and its modes, of unit mean square, are 2 at the tip.
-    """
-
-    def frequencies(self, modes):
-        n = np.arange(1, modes + 1)
-        k = np.pi * (n + 0.25)
-        for _ in range(10):  # tan k = tanh k
-            k = np.pi * n + np.arctan(np.tanh(k))
-        return (k / self.length) ** 2 * np.sqrt(self.EI / (2.0 * self.mass_per_length))
-
-
 def test_the_arm_strikes_its_stop_as_its_modes_do(run):
     """The first contact against the modes of a hinged beam. The short ones after it depend on
     phases; what all of them gave is what the arm has turned back with.
     """
     results = run("arm_on_stop", "arm")
     events = results.events["stop"]
-    arm = TipOfAnArm(1.0, 175.0, 0.785 / 2.0, 0.785 / 3.0, 1.0878e10, 1.0)
-    exact = sphere_on_beam(arm, 1.2e-3, 5e-7)
-    first = contacts(exact.time, exact.force)[0]
+    arm = replace(steel_arm(), mass_per_length=0.785)
+    first = point_impact(arm, 1.2e-3, 5e-7).blows[0]
     assert events.peak[0] == pytest.approx(first.peak, rel=5e-3)
     assert events.impulse[0] == pytest.approx(first.impulse, rel=1e-3)
     assert events.end[0] - events.start[0] == pytest.approx(first.end, rel=2e-3)
