@@ -1,142 +1,288 @@
-"""What few modes make of an impact: peak force and rebound over the number of modes.
+"""What few modes make of an impact: peak force, blows and rebound over the number of modes.
 
 Rods of steel, 1 m, on a wall, on an equal one and on one of twice the length, beside d'Alembert's
-waves; Timoshenko's sphere on a beam beside his integral equation. `free`: the first modes of the
-free body alone; Craig and Bampton, Rubin: with what they add for the interfaces; all modes: every
-one of the mesh, the impulse superelement. Modes that do not move the point of contact, half those
-of the beam, are not counted. The contact of rods is as stiff as the step resolves, K = Z / 3.3 h.
-Run as `python benchmarks/why_impulses.py`; it takes a minute.
+waves; Timoshenko's sphere on a beam, and an arm on its stop, beside an integral equation; a hammer
+on the bracket of the gallery, with a soft and with a hard tip, beside all modes that its steps
+resolve. `free`: the first modes of the free body alone; Craig and Bampton, Rubin: with what they
+add for the interfaces; all: the impulse superelement. Modes that do not move the point of contact
+are not counted. Run as `python benchmarks/why_impulses.py [--picture FILE.png]`; it takes about a
+minute.
 """
 
 import os
 
 os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
-from collections.abc import Callable, Iterator
+import argparse
+import warnings
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cache
-from itertools import chain
 
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
 import numpy as np
-from duhamel.preprocess import build
-from duhamel.preprocess.body.body import Method
+from duhamel.solver import Impact
 from duhamel.superelement import Superelement
-from impact.bodies import axial, beam_body, rod_body
-from impact.exact import (
-    Rod,
-    RodImpact,
-    contacts,
-    rod_on_rod,
-    rod_on_wall,
-    sphere_on_beam,
-    timoshenko,
+from impact import exact, models
+from impact.bodies import (
+    Reducible,
+    reducible_arm,
+    reducible_beam,
+    reducible_bracket,
+    reducible_rod,
 )
-from impact.line import Collision, Side, collide
+from impact.exact import History, Rod, steel_arm, timoshenko
+from matplotlib.axes import Axes
 
 ELEMENTS = 160
 """of a rod of 1 m"""
-BEAM_ELEMENTS = 40
+BEAM_ELEMENTS, ARM_ELEMENTS = 40, 80
 COUNTS = (1, 2, 4, 8, 16, 32, 64)
 SPEED = 1.0
-RISE = 3.3
-"""Time constant of the contact of rods, Z / K, in steps."""
-LONGER = 1.3
-"""Time that is looked at, over that of the contact of rods."""
-X, Z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
+METHODS = {"free": "free", "Craig-Bampton": "craig-bampton", "Rubin": "rubin"}
+HELD = {name: METHODS[name] for name in ("Craig-Bampton", "Rubin")}
 ROD = Rod(length=1.0, EA=2.1e11 * 1e-4, mass_per_length=7800.0 * 1e-4)
 LONG = Rod(2.0 * ROD.length, ROD.EA, ROD.mass_per_length)
+ROD_STEP = models.rod_step(ROD, ELEMENTS)
+ROD_RHO_INF = 0.5
+"""With more, ends that go on side by side without a force touch again."""
+STEP, EXACT_STEP = 1e-6, 2e-7
+"""of beams [s]"""
 BEAM_TIMES = {1: 3e-4, 2: 3.6e-3}
-BEAM_STEP = 1e-6
-METHODS: dict[str, Method] = {"free": "modal", "Craig-Bampton": "craig-bampton", "Rubin": "rubin"}
+ARM_TIME = 6e-3
+HAMMER_STEP, HAMMER_TIME = 4e-6, {"soft": 2e-3, "hard": 1e-3}
+TIP_RADIUS = 0.01
+"""of the hard tip of the hammer [m]"""
+TIPS = {
+    "soft": Impact(stiffness=1e6),
+    "hard": Impact(
+        stiffness=4.0 / 3.0 * np.sqrt(TIP_RADIUS) / ((1 - 0.3**2) / 2.1e11 + (1 - 0.33**2) / 7e10),
+        exponent=1.5,
+    ),
+}
+HAMMER_MASS = 0.16
+LEAST_DRAWN = 1e-4
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The largest force [N], the impulse of the first blow [N s], the number of blows, and the
+    speed after them over that before.
+    """
+
+    peak: float
+    first_impulse: float
+    blows: int
+    rebound: float
+
+    @classmethod
+    def of(cls, history: History) -> "Outcome":
+        found = history.blows
+        return cls(
+            max(contact.peak for contact in found),
+            found[0].impulse,
+            len(found),
+            float(history.velocity[-1] / history.velocity[0]),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """An impact by method and number of modes, None for all, and its exact outcome if there is."""
+
+    name: str
+    strike: Callable[[str, int | None], History]
+    exact: Outcome | None
+    methods: Mapping[str, str] = field(default_factory=lambda: METHODS)
+    found: dict[tuple[str, int | None], Outcome] = field(default_factory=dict)
+
+    def outcome(self, method: str, count: int | None) -> Outcome:
+        key = (method if count else "all", count)
+        if key not in self.found:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # that the modes are few is known
+                self.found[key] = Outcome.of(self.strike(method, count))
+        return self.found[key]
+
+    @property
+    def right(self) -> Outcome:
+        return self.exact or self.outcome("all", None)
 
 
 @cache
-def rod_element(rod: Rod, method: Method, count: int | None) -> Superelement:
-    body = rod_body(rod, round(ELEMENTS * rod.length / ROD.length))
-    return build(body) if method == "modal" or count is None else axial(body, method, count)
+def reducible(rod: Rod) -> Reducible:
+    return reducible_rod(rod, round(ELEMENTS * rod.length / ROD.length))
 
 
-def rod_side(rod: Rod, method: Method, count: int | None, speed: float = 0.0) -> Side:
-    """A rod as a contact feels it; all modes for no count."""
-    cached = None if method == "modal" else count
-    side = Side.body(rod_element(rod, method, cached), X, "touch", speed=speed)
-    return side.first(count) if method == "modal" and count is not None else side
+@cache
+def rod_element(rod: Rod, method: str, count: int | None) -> Superelement:
+    return reducible(rod).with_modes(method, count)
 
 
-def rods(struck: Rod | None, exact: RodImpact, method: Method, count: int | None) -> Collision:
-    """A rod on a wall, for None, or on another one."""
-    h = ROD.length / ELEMENTS / ROD.wave_speed
-    K = ROD.impedance / (RISE * h)
-    other = Side.wall() if struck is None else rod_side(struck, method, count)
-    striker = rod_side(ROD, method, count, SPEED)
-    return collide(striker, other, K, 1.0, LONGER * exact.duration, h)
+def wall(method: str, count: int | None) -> History:
+    answer = exact.rod_on_wall(ROD, SPEED)
+    element = rod_element(ROD, method, count)
+    return models.rod_on_wall(ROD, element, answer, SPEED, ROD_STEP, ROD_RHO_INF).strike()
 
 
-def sphere(case: int, method: Method, count: int | None) -> Collision:
-    """Timoshenko's sphere on the beam; of its modes half move the middle."""
-    impact = timoshenko(case)
-    body = beam_body(impact, BEAM_ELEMENTS)
-    truncated = count is not None and method != "modal"
-    element = build(body.with_modes(method, 2 * count) if truncated and count else body)
-    side = Side.body(element, Z, "middle", ("left", "right"))
-    if method == "modal" and count is not None:
-        side = side.first(count)
-    ball = Side.particle(impact.m, impact.speed)
-    return collide(ball, side, impact.K, 1.5, BEAM_TIMES[case], BEAM_STEP)
+def rods(other: Rod) -> Callable[[str, int | None], History]:
+    answer = exact.rod_on_rod(ROD, other, SPEED)
+
+    def strike(method: str, count: int | None) -> History:
+        pair = (rod_element(ROD, method, count), rod_element(other, method, count))
+        return models.rod_on_rod(ROD, pair, answer, SPEED, ROD_STEP, ROD_RHO_INF).strike()
+
+    return strike
 
 
-def told(run: Collision, peak: float, speed: float) -> str:
-    """Peak over the exact one, velocities over the speed, and the number of contacts."""
-    found = contacts(run.time, run.force)
-    largest = max(contact.peak for contact in found)
-    after = f"{run.velocity[-1] / speed:.2f}, {run.struck[-1] / speed:.2f}"
-    return f"{largest / peak:.3f} ({after}; {len(found)})"
+def of_rods(answer: exact.RodImpact) -> Outcome:
+    return Outcome(answer.force, answer.impulse, 1, answer.velocities[0] / SPEED)
+
+
+def sphere(case: int) -> Problem:
+    impact, t_end = timoshenko(case), BEAM_TIMES[case]
+    beam = reducible_beam(impact, BEAM_ELEMENTS)
+
+    def strike(method: str, count: int | None) -> History:
+        element = beam.with_modes(method, count)
+        return models.sphere_on_beam(impact, element, t_end, STEP).strike()
+
+    answer = Outcome.of(exact.point_impact(impact, t_end, EXACT_STEP))
+    return Problem(f"sphere on beam, case {case}", strike, answer)
+
+
+def arm() -> Problem:
+    impact = steel_arm()
+    body = reducible_arm(impact, ARM_ELEMENTS)
+
+    def strike(method: str, count: int | None) -> History:
+        element = body.with_modes(method, count)
+        return models.arm_on_stop(impact, element, ARM_TIME, STEP).strike()
+
+    return Problem(
+        "arm on a stop", strike, Outcome.of(exact.point_impact(impact, ARM_TIME, EXACT_STEP))
+    )
+
+
+def hammers() -> Iterator[Problem]:
+    bracket = reducible_bracket(HAMMER_STEP)
+    for name, tip in TIPS.items():
+        hammer, t_end = models.Hammer(HAMMER_MASS, tip, SPEED), HAMMER_TIME[name]
+
+        def strike(
+            method: str, count: int | None, hammer: models.Hammer = hammer, t_end: float = t_end
+        ) -> History:
+            element = bracket.with_modes(method, count)
+            return models.hammer_on_lug(hammer, element, t_end, HAMMER_STEP).strike()
+
+        # Few free modes cannot be bolted: they have less motions than bolts would hold.
+        yield Problem(f"hammer on the bracket, {name} tip", strike, None, HELD)
+
+
+def problems() -> list[Problem]:
+    return [
+        Problem("rod on a wall", wall, of_rods(exact.rod_on_wall(ROD, SPEED))),
+        Problem("equal rods", rods(ROD), of_rods(exact.rod_on_rod(ROD, ROD, SPEED))),
+        Problem("rods of 1 m and 2 m", rods(LONG), of_rods(exact.rod_on_rod(ROD, LONG, SPEED))),
+        arm(),
+        *hammers(),
+        sphere(1),
+        sphere(2),
+    ]
 
 
 def table(
-    title: str, one: Callable[[Method, int | None], Collision], peak: float, speed: float
-) -> Iterator[str]:
-    """A row for each method, a column for each number of modes; all of them in the first line."""
-    yield f"\n{title}: {told(one('modal', None), peak, speed)} with all modes\n"
-    yield "| modes | " + " | ".join(str(count) for count in COUNTS) + " |"
-    yield "|" + "---|" * (len(COUNTS) + 1)
-    for name, method in METHODS.items():
-        cells = (told(one(method, count), peak, speed) for count in COUNTS)
-        yield f"| {name} | " + " | ".join(cells) + " |"
+    title: str,
+    asked: Sequence[Problem],
+    methods: Collection[str],
+    told: Callable[[Outcome, Outcome], str],
+    right: Callable[[Outcome], str],
+) -> None:
+    """A row for each problem and method, a column for each number of modes, all, and the answer."""
+    head = [title, "", *map(str, COUNTS), "all", "exact"]
+    print("", "| " + " | ".join(head) + " |", "|" + "---|" * len(head), sep="\n")
+    for problem in asked:
+        for name in (name for name in methods if name in problem.methods):
+            outcomes = [problem.outcome(METHODS[name], count) for count in (*COUNTS, None)]
+            cells = [told(outcome, problem.right) for outcome in outcomes]
+            known = right(problem.exact) if problem.exact else ""
+            print("| " + " | ".join([problem.name, name, *cells, known]) + " |", flush=True)
 
 
-def rod_tables() -> Iterator[str]:
-    for title, struck, exact in (
-        ("rod on a wall, -1", None, rod_on_wall(ROD, SPEED)),
-        ("equal rods, 0 and 1", ROD, rod_on_rod(ROD, ROD, SPEED)),
-        ("rods 1:2, 0 and 1/2", LONG, rod_on_rod(ROD, LONG, SPEED)),
-    ):
+def tables(asked: Sequence[Problem]) -> None:
+    one = ("Craig-Bampton",)
+    table(
+        "peak force over the exact one",
+        asked,
+        METHODS,
+        lambda found, right: f"{found.peak / right.peak:.3f}",
+        lambda right: f"{right.peak:.5g} N",
+    )
+    table(
+        "blows", asked, one, lambda found, right: str(found.blows), lambda right: str(right.blows)
+    )
+    table(
+        "impulse of the first blow over the exact one",
+        asked,
+        one,
+        lambda found, right: f"{found.first_impulse / right.first_impulse:.3f}",
+        lambda right: f"{right.first_impulse:.5g} N s",
+    )
+    table(
+        "speed after them over that before",
+        asked,
+        one,
+        lambda found, right: f"{found.rebound:.3f}",
+        lambda right: f"{right.rebound:.3f}",
+    )
 
-        def one(
-            method: Method, count: int | None, struck: Rod | None = struck, exact: RodImpact = exact
-        ) -> Collision:
-            return rods(struck, exact, method, count)
 
-        yield from table(title, one, exact.force, SPEED)
+PICTURED = {4: "4 modes", 16: "16", None: "all, impulses"}
+"""numbers of Craig and Bampton's modes whose forces are drawn"""
 
 
-def beam_tables() -> Iterator[str]:
-    for case in (1, 2):
-        impact = timoshenko(case)
-        exact = sphere_on_beam(impact, BEAM_TIMES[case], 0.5 * BEAM_STEP)
-        found = contacts(exact.time, exact.force)
+def picture(asked: Sequence[Problem], path: str) -> None:
+    """Forces on equal rods over time, and errors of the peak over the number of modes."""
+    figure, (forces, errors) = plt.subplots(1, 2, figsize=(11.0, 4.2), layout="constrained")
+    draw_forces(forces)
+    draw_errors(errors, asked)
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
 
-        def one(method: Method, count: int | None, case: int = case) -> Collision:
-            return sphere(case, method, count)
 
-        rebound = exact.velocity[-1] / impact.speed
-        title = f"sphere on beam, case {case}, {rebound:.4f} after {len(found)}"
-        yield from table(title, one, max(contact.peak for contact in found), impact.speed)
+def draw_forces(axes: Axes) -> None:
+    answer, strike = exact.rod_on_rod(ROD, ROD, SPEED), rods(ROD)
+    for count, label in PICTURED.items():
+        history = strike("craig-bampton", count)
+        axes.plot(1e6 * history.time, 1e-3 * history.force, label=label, linewidth=1.2)
+    edges = 1e6 * np.array([0.0, 0.0, answer.duration, answer.duration])
+    exact_force = 1e-3 * np.array([0.0, answer.force, answer.force, 0.0])
+    axes.plot(edges, exact_force, "k--", label="exact", linewidth=1.2)
+    axes.set(xlabel="time [us]", ylabel="force [kN]", title="equal rods, Craig-Bampton")
+    axes.legend()
+
+
+def draw_errors(axes: Axes, asked: Sequence[Problem]) -> None:
+    for problem in asked:
+        peaks = [problem.outcome("craig-bampton", count).peak for count in COUNTS]
+        error = np.abs(np.array(peaks) / problem.right.peak - 1.0)
+        axes.loglog(COUNTS, np.maximum(error, LEAST_DRAWN), "o-", label=problem.name, markersize=4)
+    axes.set_xticks(COUNTS, [str(count) for count in COUNTS])
+    axes.set(xlabel="modes", ylabel="error of the peak force", title="Craig-Bampton")
+    axes.legend(fontsize=7, loc="lower left")
 
 
 def main() -> None:
-    print("peak force over the exact one (velocities after it; contacts)")
-    for line in chain(rod_tables(), beam_tables()):
-        print(line, flush=True)
+    parser = argparse.ArgumentParser(description="What few modes make of an impact.")
+    parser.add_argument("--picture", help="a file for it")
+    chosen = parser.parse_args()
+    asked = problems()
+    tables(asked)
+    if chosen.picture:
+        picture(asked, chosen.picture)
 
 
 if __name__ == "__main__":

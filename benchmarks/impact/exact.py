@@ -1,13 +1,16 @@
-"""Exact impacts of rods, and of a sphere on a beam; nothing of the package is used.
+"""Exact impacts of rods, of a sphere on a beam and of an arm on a stop; nothing of the package.
 
 Rods: d'Alembert's waves, in B. de Saint-Venant, J. de mathematiques pures et appliquees 12 (1867)
-237-376. Sphere on beam: S. Timoshenko, Zeitschrift fuer Mathematik und Physik 62 (1913) 198-209.
+237-376. Sphere on beam: S. Timoshenko, Zeitschrift fuer Mathematik und Physik 62 (1913) 198-209;
+the arm by his integral equation, with the modes of a beam that is hinged at one end.
 """
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 Array = NDArray[np.float64]
 
@@ -77,6 +80,22 @@ def rod_on_rod(striker: Rod, struck: Rod, speed: float) -> RodImpact:
     return RodImpact(0.5 * Z * speed, duration, after)
 
 
+class PointImpact(Protocol):
+    """A mass m [kg] of one motion meets modes, all at rest, at `speed` [m/s] with F = K d^(3/2)."""
+
+    @property
+    def m(self) -> float: ...
+    @property
+    def K(self) -> float: ...
+    @property
+    def speed(self) -> float: ...
+    @property
+    def weight(self) -> float:
+        """The square of every mode at the point of contact, mass-normalized [1/kg]."""
+
+    def frequencies(self, modes: int) -> Array: ...
+
+
 @dataclass(frozen=True)
 class SphereOnBeam:
     """A sphere of mass m [kg] meets the middle of a simply supported beam at `speed` [m/s].
@@ -90,6 +109,10 @@ class SphereOnBeam:
     m: float
     K: float
     speed: float
+
+    @property
+    def weight(self) -> float:
+        return 2.0 / (self.mass_per_length * self.length)
 
     def frequencies(self, modes: int) -> Array:
         """omega (modes,) [rad/s] of the odd modes, (n pi / l)^2 sqrt(EI / mass_per_length)."""
@@ -115,6 +138,54 @@ def timoshenko(case: int) -> SphereOnBeam:
     )
 
 
+@dataclass(frozen=True)
+class ArmOnStop:
+    """A beam of Euler and Bernoulli turns about a hinge at its root; its tip meets a stop.
+
+    length [m], EI [N m^2], mass_per_length [kg/m]; speed [m/s] of the tip, F = K d^(3/2) on it.
+    The rigid motion is that of a mass m, a third of the arm's, at the tip.
+    """
+
+    length: float
+    EI: float
+    mass_per_length: float
+    K: float
+    speed: float
+
+    @property
+    def m(self) -> float:
+        return self.mass_per_length * self.length / 3.0
+
+    @property
+    def weight(self) -> float:
+        """4 over the mass: tips of beams move by twice the root of the mean square."""
+        return 4.0 / (self.mass_per_length * self.length)
+
+    def frequencies(self, modes: int) -> Array:
+        """omega (modes,) [rad/s], (x / l)^2 sqrt(EI / mass_per_length) with tan x = tanh x."""
+        first, width = 1.25 * np.pi, 0.25 * np.pi
+        guesses = first + np.pi * np.arange(modes)
+
+        def hinged(x: float) -> float:
+            return float(np.sin(x) - np.tanh(x) * np.cos(x))
+
+        x = np.array([brentq(hinged, guess - width, guess + width) for guess in guesses])
+        omega: Array = (x / self.length) ** 2 * np.sqrt(self.EI / self.mass_per_length)
+        return omega
+
+
+def steel_arm() -> ArmOnStop:
+    """1 m of steel, 10 x 10 mm, at 1 rad/s; a ball of 5 mm at its tip, by Hertz, on steel."""
+    E, nu, rho, side, ball = 2.1e11, 0.3, 7800.0, 0.01, 0.005
+    return ArmOnStop(
+        length=1.0,
+        EI=E * side**4 / 12.0,
+        mass_per_length=rho * side**2,
+        K=4.0 / 3.0 * E / (2.0 * (1.0 - nu**2)) * np.sqrt(ball),
+        speed=1.0,
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class History:
     """Force [N] and velocity of the striker [m/s] over time (n,) [s]."""
@@ -123,19 +194,23 @@ class History:
     force: Array
     velocity: Array
 
+    @property
+    def blows(self) -> "list[Contact]":
+        return contacts(self.time, self.force)
 
-def sphere_on_beam(impact: SphereOnBeam, t_end: float, h: float, modes: int = 200) -> History:
+
+def point_impact(impact: PointImpact, t_end: float, h: float, modes: int = 200) -> History:
     """Timoshenko's integral equation, with a force that is linear in time over each step h [s].
 
         d(t) = v t - (1/m) int (t - s) F(s) ds
-                   - sum_n 2 / (mass omega_n) int F(s) sin(omega_n (t - s)) ds,   F = K d^(3/2)
+                   - sum_n weight / omega_n int F(s) sin(omega_n (t - s)) ds,   F = K d^(3/2)
 
-    Over odd n, with the mass of the beam. The integrals of a step are exact, by what modes do under
+    The integrals of a step are exact, by what modes do under
     a linear force; the force at its end follows from Newton's method. The error is that of linear
     interpolation, of second order.
     """
     omega = impact.frequencies(modes)
-    weight = 2.0 / (impact.mass_per_length * impact.length)
+    weight = impact.weight
     move = _Moves.of(omega, h)
     q, rate = np.zeros(modes), np.zeros(modes)
     x, v, force = 0.0, impact.speed, 0.0

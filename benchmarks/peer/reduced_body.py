@@ -32,10 +32,16 @@ class ReducedBody:
     interface: Any
     points: Array
 
-    def add(self, system: System, position: Sequence[float], gravity: Sequence[float]) -> int:
+    def add(
+        self,
+        system: System,
+        position: Sequence[float],
+        gravity: Sequence[float],
+        velocity: Sequence[float] = (0.0, 0.0, 0.0),
+    ) -> int:
         """The number of a body with the origin of its mesh at the position [m]."""
         return self.interface.AddObjectFFRFreducedOrder(
-            system.items, positionRef=position, gravity=gravity
+            system.items, positionRef=position, initialVelocity=list(velocity), gravity=gravity
         )["oFFRFreducedOrder"]
 
     def section(self, x: float) -> Index:

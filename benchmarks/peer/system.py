@@ -25,11 +25,11 @@ class System:
         self._container = exudyn.SystemContainer()  # owns the system, and has to outlive it
         self.items = self._container.AddSystem()
         self._step = step
-        self._settings = settings()
-        newton = self._settings.timeIntegration.newton
+        self.settings = settings()
+        newton = self.settings.timeIntegration.newton
         newton.relativeTolerance = newton.absoluteTolerance = tolerance
         if dense:
-            self._settings.linearSolver.solverType = exudyn.LinearSolverType.EXUdense
+            self.settings.linearSolver.solverType = exudyn.LinearSolverType.EXUdense
         self._stopwatch, self._iterations = Stopwatch(), 0
         self._times, self._tips, self._tip = [np.zeros(1)], [], None
 
@@ -42,11 +42,11 @@ class System:
 
     def march(self, end: float) -> None:
         """Advance to the time `end` [s] by equal steps, none longer than the step."""
-        integration, start = self._settings.timeIntegration, self._times[-1][-1]
+        integration, start = self.settings.timeIntegration, self._times[-1][-1]
         steps = int(np.ceil((end - start) / self._step - 1e-9))
         integration.startTime, integration.endTime, integration.numberOfSteps = start, end, steps
         with self._stopwatch.running():
-            self.items.SolveDynamic(self._settings, updateInitialValues=True)
+            self.items.SolveDynamic(self.settings, updateInitialValues=True)
         self._iterations += self.items.sys["dynamicSolver"].it.newtonStepsCount
         self._times.append(np.linspace(start, end, steps + 1)[1:])
         # Every march stores its initial state too, which is the end of the one before.
