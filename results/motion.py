@@ -1,11 +1,13 @@
 """Motions of bodies, frames, joints and springs, energies and momenta over time."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..superelement.validation import Array
+from .schema import EventRows
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +97,11 @@ class Events:
     """opening speed over closing speed, 0 where that is 0"""
     dissipated: Array
     """energy that it took, friction included [J]"""
+
+    @classmethod
+    def by_owner(cls, rows: EventRows, names: Sequence[str]) -> "dict[str, Events]":
+        """Those of each owner, of which the names are given in the order of their numbers."""
+        return {name: cls(*rows.values[rows.owner == k].T) for k, name in enumerate(names)}
 
     def __len__(self) -> int:
         return len(self.start)

@@ -26,28 +26,39 @@ Index = NDArray[np.int64]
 class Stepping(NamedTuple):
     """The time integration of a run.
 
-    h: step [s]; rule: "consistent" or "paper"; start: "given" or "equilibrium".
+    h: steps [s], all the same or one after the other; rule: "consistent" or "paper"; start: "given"
+    or "equilibrium".
     """
 
-    h: float
+    h: float | Array
     scheme: GeneralizedAlpha
     rule: str
     start: str
 
 
-def stepping(file: str, run: Mapping[str, Any]) -> Stepping:
-    """The time integration by the notes of a run; `RecoveryError` if one of them is missing."""
+def stepping(file: str, run: Mapping[str, Any], times: Array) -> Stepping:
+    """The time integration by the notes of a run, of which all steps are recorded at the times.
+
+    `RecoveryError` if one of the notes is missing.
+    """
     missing = [name for name in ("h", "rho_inf", "rule", "start") if name not in run]
     if missing:
         raise RecoveryError(
             f"{file}: group solver has no attribute {', '.join(missing)}, which fields need"
         )
     return Stepping(
-        float(run["h"]),
+        _steps(float(run["h"]), run.get("contact_h"), times),
         GeneralizedAlpha(float(run["rho_inf"])),
         str(run["rule"]),
         str(run["start"]),
     )
+
+
+def _steps(h: float, contact_h: float | None, times: Array) -> float | Array:
+    """The steps of a run: h, or h and contact_h as they come."""
+    if contact_h is None:
+        return h
+    return np.where(np.diff(times) > 0.5 * (h + contact_h), h, contact_h)
 
 
 class Instants(NamedTuple):

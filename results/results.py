@@ -106,10 +106,7 @@ class Results:
     @property
     def events(self) -> dict[str, Events]:
         """The events of each contact and stop, which are counted whatever was recorded."""
-        owner, values = self._source.events()
-        return {
-            name: Events(*values[owner == k].T) for k, name in enumerate(self._names("event_owner"))
-        }
+        return Events.by_owner(self._source.events(), self._names("event_owner"))
 
     @property
     def energies(self) -> tuple[str, ...]:
@@ -255,7 +252,7 @@ class Results:
         for interface in element.interfaces:
             frame = self.frame(f"{body}.{interface.name}")
             loads.append(interface_loads(R, frame.u, frame.force, interface.rotations))
-        run = stepping(self._source.name, self.solver)
+        run = stepping(self._source.name, self.solver, self.time)
         steps = np.append(when.before, when.after)
         eta = modal_coordinates(element.modes, np.hstack(loads), run, steps)
         return element.recovery, when.of(*np.split(eta, 2)), when

@@ -138,7 +138,7 @@ CRITERIA = {
             "contact",
             "steps of the shortest, from closing to opening",
             "",
-            20.0,
+            40.0,
             20.0,
             "peak forces need 20 for 1 %: take a smaller step",
             least=True,

@@ -111,8 +111,8 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
         degrees_of_freedom=initial.degrees_of_freedom,
         removed=initial.removed.names,
         assembly_error=initial.assembly_error.opening,
-        step=lowered.h,
-        steps=lowered.n_steps,
+        step=lowered.longest_step,
+        steps=lowered.n_steps // lowered.ratio,
         frequencies=frequencies,
         free_frequencies=free,
         memory=_memory(initial),
@@ -121,7 +121,7 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
         contacts=tuple(_contacts(initial)),
         warnings=(
             *initial.warnings,
-            *_warnings(frequencies, free, lowered.h),
+            *_warnings(frequencies, free, lowered.longest_step),
             *_lacks(path, contents, rows),
         ),
         seconds=_seconds(initial),
@@ -189,7 +189,7 @@ def _seconds(initial: InitialState) -> float:
     """The time of all steps [s], by that of the first ones, and the growth of the history."""
     lowered = initial.lowered
     begin = int(initial.state.step[0])
-    n = min(TRIAL, lowered.n_steps - begin)
+    n = min(TRIAL * lowered.ratio, lowered.n_steps - begin)
     if n == 0:
         return 0.0
     writer = make_writer(None, initial, n)

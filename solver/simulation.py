@@ -41,13 +41,19 @@ from .output.keeper import (
 )
 from .output.recorder import NO_ENERGIES, Recorder
 from .output.validity import Judge, check_range, torn
-from .output.writer import check_output, make_writer, read_back, resume_writer
+from .output.writer import (
+    check_output,
+    make_writer,
+    read_back,
+    recorded_every,
+    resume_writer,
+)
+from .phases import Phases
 from .progress import Progress
 from .schema.entry import LARGEST
 from .start.initial import initialize, lower_to_start
 from .start.removed import RemovedRows
 from .step.contacts import is_full
-from .step.loop import advance
 from .step.record import record
 from .step.system import Inputs, Run, State, Workspace
 
@@ -125,7 +131,9 @@ def _resume(model: Model, output: Path, progress: bool, anyway: bool) -> Results
         lowered = lower(model, frozenset(kept.without), identity.horizon)
         if not anyway:
             identity.check_system(lowered)
-        recorded = step % model.settings.output.every == 0 or step == identity.horizon.steps
+        recorded = (
+            step % recorded_every(kept.snapshot, lowered) == 0 or step == identity.horizon.steps
+        )
         if lowered.n_steps < step or (lowered.n_steps == step and not recorded):
             of_state = f"the time of the state, {step * lowered.h:.9g} s"
             least = f"{of_state}, or more" if recorded else f"more than {of_state}"
@@ -171,7 +179,7 @@ def _finish(course: Course, progress: bool) -> Results:
     writer, started = course.writer, time.perf_counter()
     try:
         march(course, progress)
-        writer.note(finished=True, seconds=time.perf_counter() - started)
+        writer.note(finished=True, seconds=time.perf_counter() - started, **_taken(course))
         settle_checkpoint(writer)
         writer.finish()
     except (ConvergenceError, ModelError, OutOfRangeError) as error:
@@ -186,6 +194,11 @@ def _finish(course: Course, progress: bool) -> Results:
     return results
 
 
+def _taken(course: Course) -> dict[str, int]:
+    """A note of the number of steps, where they are of two sizes."""
+    return {"steps": int(course.state.taken[0])} if course.lowered.flight else {}
+
+
 def _warn(lines: Iterable[str], stacklevel: int) -> None:
     for line in lines:
         warnings.warn(line, ValidityWarning, stacklevel=stacklevel)
@@ -194,7 +207,8 @@ def _warn(lines: Iterable[str], stacklevel: int) -> None:
 def march(course: Course, progress: bool = False) -> None:
     """Take the steps of a run that are left, with the rows that it records."""
     lowered, state, work, total = course.lowered, course.state, course.work, course.total
-    begin, done, batch, writer = course.begin(), int(state.step[0]), 16, course.writer
+    begin, done, batch = course.begin(), int(state.step[0]), 16 * lowered.ratio
+    writer = course.writer
     judge, convolution = Judge(lowered), DyadicConvolution(lowered.system.elastic)
     with (
         course.keeper() as keeper,
@@ -202,8 +216,9 @@ def march(course: Course, progress: bool = False) -> None:
         _judged(course, begin, judge),
         Progress("simulating", total, shown=progress) as bar,
     ):
-        run = Run(system=lowered.system, state=state, work=work, output=recorder.output)
+        phases = Phases(lowered, state, work, recorder.output)
         if not course.resumed:
+            run = Run(system=lowered.system, state=state, work=work, output=recorder.output)
             record(run, 0)
             writer.check(judge.values(state, done - begin))
             recorder.keep_start(done)
@@ -213,18 +228,19 @@ def march(course: Course, progress: bool = False) -> None:
         while done < total:
             started = time.perf_counter()
             n = keeper.steps_until_due(done, min(batch, total - done))
-            n = convolution.steps_until_due(done, n)
-            rows = recorder.rows(done + 1, n)
-            taken, residual = advance(run, signals(lowered, done + 1, rows))
+            stride, n = phases.begin(convolution.steps_until_due(done, n))
+            steps = done + stride * np.arange(1, n + 1)
+            rows = recorder.rows(steps, stride)
+            taken, residual, failed = phases.advance(signals(lowered, steps[0], rows, stride))
             full = is_full(state.contacts)  # of events, which the recorder takes
             if time.perf_counter() - judged > writer.pause:
-                writer.check(judge.values(state, done + taken - begin))
+                writer.check(judge.values(state, done + stride * taken - begin))
                 judged = time.perf_counter()
-            recorder.keep(done + 1, rows[:taken])
-            done += taken
-            bar.advance(taken)
+            recorder.keep(steps[:taken], rows[:taken], stride)
+            done += stride * taken
+            bar.advance(stride * taken)
             check_range(lowered, state, done)
-            if taken < len(rows) and not full:
+            if failed and not full:
                 cause = judge.cause(state, done - begin)
                 raise failure(lowered, state, work, done + 1, residual, cause)
             course.removed.check(work, done * lowered.h)
@@ -244,10 +260,12 @@ def _judged(course: Course, begin: int, judge: Judge) -> Iterator[None]:
         course.writer.check(judge.values(course.state, taken))
 
 
-def signals(lowered: LoweredModel, first: int, rows: Index) -> Inputs:
-    """Loads and drives at the steps first, first + 1, ..., which the loop records in the rows."""
+def signals(lowered: LoweredModel, first: int, rows: Index, stride: int = 1) -> Inputs:
+    """Loads and drives at steps from the first on, a stride apart, which the loop records in the
+    rows.
+    """
     n = len(rows)
-    t = lowered.h * np.arange(first, first + n, dtype=np.float64)
+    t = lowered.h * np.arange(first, first + stride * n, stride, dtype=np.float64)
     load = [_bearable(signal.samples(t, lowered.h)) for signal in lowered.load_signals]
     drive = [np.array([signal(t_n) for t_n in t.tolist()]) for signal in lowered.drives]
     return Inputs(load=_columns(load, n), drive=_columns(drive, n), row=rows, ahead=0)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ..results.motion import Events
 from .arrays import Array
 from .checkpoint.carried import Snapshot, carried
 from .checkpoint.moment import Moment
@@ -15,7 +16,8 @@ from .lower.allocation import make_output
 from .model.model import Model
 from .model.settings import Settings
 from .model.signals import Input
-from .output.columns import check_names, views
+from .output.columns import axes_of, check_names, views
+from .output.events import waiting
 from .output.validity import Judge, check_range
 from .simulation import failure, signals
 from .start.initial import initialize, lower_to_start
@@ -59,6 +61,8 @@ class Simulator:
             model = replace(model, settings=settings)
         with about(model.path):
             lowered, source = lower_to_start(model)
+            if lowered.flight is not None:
+                raise ModelError("simulation: contact_step: a Simulator takes steps of one size")
             if source and lowered.system.elastic.kernels.lags.any():
                 raise ModelError("start: a Simulator goes on from recursive history alone")
             check_names(lowered, outputs)
@@ -109,6 +113,12 @@ class Simulator:
     def outputs(self) -> Array:
         """The chosen outputs at the present time (n,)."""
         return self._outputs.copy()
+
+    @property
+    def events(self) -> dict[str, Events]:
+        """The contacts and stops that opened in the last step, by name; each one or none."""
+        names = axes_of(self._lowered)["event_owner"].names
+        return Events.by_owner(waiting(self._state), names)
 
     def step(self, inputs: Any) -> Array:
         """Take a step with the values (n,) of the inputs at its end; return the outputs there."""

@@ -1,6 +1,7 @@
 """Time stepping of modes, one scalar equation each, for kernels and recovered fields."""
 
 from collections.abc import Iterable, Iterator
+from itertools import repeat
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from .validation import Array
 
 def respond(
     modes: Modes,
-    h: float,
+    h: float | Array,
     scheme: GeneralizedAlpha,
     loads: Iterable[Array | float],
     eta: Array | float = 0.0,
@@ -22,24 +23,27 @@ def respond(
         eta'' + 2 zeta omega eta' + omega^2 eta = q
 
     loads: q (m,), or one number for all modes, at the end of each step; there are as many steps.
-    The start is without velocity, at `eta` and with `acceleration` (m,). Source: docs/theory.md,
-    Impulse responses.
+    The start is without velocity, at `eta` and with `acceleration` (m,). h: of all steps, or of
+    each of them (n,). Source: docs/theory.md, Impulse responses, Two step sizes.
     """
     stiffness, damping = modes.omega**2, 2.0 * modes.zeta * modes.omega
     alpha_m, alpha_f, beta, gamma = scheme.alpha_m, scheme.alpha_f, scheme.beta, scheme.gamma
     inertia = scheme.inertia_ratio
-    step_stiffness = inertia + gamma * h * damping + beta * h * h * stiffness
-
     rest = np.zeros_like(modes.omega)
     eta, rate, acceleration = rest + eta, rest, rest + acceleration
-    a = acceleration
+    a, last = acceleration, 0.0
     yield eta
-    for load in loads:
-        eta = eta + h * rate + h * h * (0.5 - beta) * a
-        rate = rate + h * (1 - gamma) * a
+    steps: Iterable[float] = h.tolist() if isinstance(h, np.ndarray) else repeat(h)
+    for load, step in zip(loads, steps, strict=False):
+        if step != last:
+            step_stiffness = inertia + gamma * step * damping + beta * step * step * stiffness
+            a = acceleration * inertia / step_stiffness if last else a
+            last = step
+        eta = eta + step * rate + step * step * (0.5 - beta) * a
+        rate = rate + step * (1 - gamma) * a
         carried = (alpha_m * a - alpha_f * acceleration) / (1 - alpha_f)
         a = (load - stiffness * eta - damping * rate - carried) / step_stiffness
         acceleration = inertia * a + carried
-        eta = eta + beta * h * h * a
-        rate = rate + gamma * h * a
+        eta = eta + beta * step * step * a
+        rate = rate + gamma * step * a
         yield eta

@@ -59,6 +59,7 @@ ABOUT = {
     "solver/start": "the state at t = 0",
     "solver/output": "what is recorded",
     "solver/diagnosis": "why a step failed",
+    "solver/phases": "short and long steps",
     "solver/simulation": "all steps to t_end",
     "solver/inspection": "what a run would be",
     "solver/simulator": "one step at a time",

@@ -70,6 +70,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "start",
         "output",
         "diagnosis",
+        "phases",
         "simulation",
         "inspection",
         "simulator",

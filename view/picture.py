@@ -95,10 +95,11 @@ def draw(time: Array, contents: Sequence[Sequence[Curve]], title: str = "") -> F
     Raises PictureError where units differ.
     """
     figure, axes = panels(len(contents))
+    exponent = _exponent(float(time[-1]))
     with style():
         for axis, curves in zip(axes, contents, strict=True):
-            _fill(axis, time, curves)
-        axes[-1].set_xlabel("time [s]")
+            _fill(axis, time / 10.0**exponent, curves)
+        axes[-1].set_xlabel(f"time [{PREFIXES[exponent]}s]")
         entitle(figure, title)
     return figure
 

@@ -12,6 +12,9 @@ NEGLIGIBLE = 1e-6
 """a component this much smaller than the largest one is rounding, or as good as zero in a picture
 """
 
+JOINED = {"displacement": " seen from "}
+"""what stands between the names of a quantity of two"""
+
 
 @dataclass(frozen=True, eq=False)
 class Curve:
@@ -30,7 +33,8 @@ def curves(results: Results, quantity: str) -> list[Curve]:
     QuantityError names the quantity and lists those there are.
     """
     evaluated = evaluate(results, quantity)
-    title, of = evaluated.kind.replace("_", " "), " seen from ".join(evaluated.names)
+    title = evaluated.kind.replace("_", " ")
+    of = JOINED.get(evaluated.kind, " ").join(evaluated.names)
     values, unit = evaluated.values, evaluated.unit
     if evaluated.axis or not KINDS[evaluated.kind].axes:
         return [Curve((title, of, evaluated.axis), unit, values)]

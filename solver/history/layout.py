@@ -35,7 +35,8 @@ class Stepping(NamedTuple):
     """The time integration of a run: step h [s], scheme, number of steps.
 
     weight: of p_{n+1} against p_n in the convolution, 1, or 1/2 in eq. (55); planned: the number of
-    steps for which the forms of history are chosen, that of the run that this one continues.
+    steps for which the forms of history are chosen, that of the run that this one continues. ratio:
+    of the longest step to h, in flight between contacts; stride: of this step to h.
     """
 
     h: float
@@ -43,6 +44,13 @@ class Stepping(NamedTuple):
     n_steps: int
     weight: float
     planned: int
+    ratio: int = 1
+    stride: int = 1
+
+    @property
+    def in_flight(self) -> "Stepping":
+        """The longest steps."""
+        return self._replace(h=self.h * self.ratio, stride=self.ratio)
 
 
 class _History(NamedTuple):
@@ -170,7 +178,7 @@ def _choose_history(
 ) -> _History:
     """The history that the settings ask for, or the cheapest, for the body of this name."""
     h, n_steps, planned = stepping.h, stepping.n_steps, stepping.planned
-    form: str = settings.history
+    form = "recursive" if stepping.ratio > 1 else str(settings.history)
     wanted = settings.kernel_length
     length = n_steps if wanted is None else round(min(wanted / h, LONGEST))
     if form == "auto":
@@ -179,7 +187,7 @@ def _choose_history(
     if form == "recursive":
         if element.modes is None:
             raise ModelError(
-                f"body {name!r}: history 'recursive' needs modes, "
+                f"body {name!r}: {_what_is_recursive(stepping)} needs modes, "
                 f"and superelement {element.name!r} has none"
             )
         return _by_modes(element, h, stepping.scheme)
@@ -208,6 +216,10 @@ def _whole_blocks(element: Superelement, n_steps: int) -> int:
     """
     steps = power_above(n_steps + 1)
     return steps if element.modes is not None else max(n_steps, min(steps, element.kernel.steps))
+
+
+def _what_is_recursive(stepping: Stepping) -> str:
+    return "contact_step" if stepping.ratio > 1 else "history 'recursive'"
 
 
 def _by_modes(element: Superelement, h: float, scheme: GeneralizedAlpha) -> _History:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ...superelement import GeneralizedAlpha, Superelement
 from ..arrays import Array, as_index, as_rows
-from ..history.layout import Horizon, lay_out_elastic
+from ..history.layout import Horizon, Stepping, lay_out_elastic
 from ..model.contacts import Contact, JointStop
 from ..model.joints import Joint
 from ..model.model import Model
@@ -57,9 +57,22 @@ class LoweredModel:
     truncations: Array
     """error of the kernel of every flexible body where it is cut off, of static displacements"""
 
+    flight: System | None = None
+    """the system in the longest steps, away from contacts; None where all steps are the same"""
+
     @property
     def h(self) -> float:
+        """The shortest step, by which steps are counted."""
         return float(self.system.scheme.h)
+
+    @property
+    def ratio(self) -> int:
+        """Of the longest step to the shortest."""
+        return int(self.system.scheme.ratio)
+
+    @property
+    def longest_step(self) -> float:
+        return self.h * self.ratio
 
     @property
     def measures_lengths(self) -> NDArray[np.bool_]:
@@ -91,7 +104,7 @@ def lower(
     rows = _rows(model, frames, without)
     couplings, drives = lay_out_couplings(
         list(rows.values()),
-        _bristles(model, poses, frames, stepping.h),
+        _bristles(model, poses, frames, stepping),
         [isinstance(coupling, Contact | JointStop) for coupling in model.couplings],
     )
     laws = [law for coupling in rows.values() for row in coupling for law in row.laws]
@@ -117,7 +130,7 @@ def lower(
         model=model,
         system=system,
         scheme=stepping.scheme,
-        n_steps=round_up(model.settings.t_end / stepping.h),
+        n_steps=stepping.ratio * round_up(model.settings.t_end / stepping.in_flight.h),
         horizon=Horizon(stepping.planned, stepping.n_steps),
         without=without,
         poses=[poses[name] for name in model.bodies],
@@ -134,7 +147,18 @@ def lower(
         superelements=[body.superelement for body in model.flexible_bodies.values()],
         compliances=compliances,
         truncations=truncations,
+        flight=_in_flight(model, frames, stepping, system),
     )
+
+
+def _in_flight(
+    model: Model, frames: NumberedFrames, stepping: Stepping, system: System
+) -> System | None:
+    """The system in the longest steps, which shares all that does not depend on the step."""
+    if stepping.ratio == 1:
+        return None
+    elastic, _, _ = lay_out_elastic(model, frames.arrays, stepping.in_flight)
+    return system.replace(scheme=lay_out_scheme(stepping.in_flight), elastic=elastic)
 
 
 def _rows(model: Model, frames: NumberedFrames, without: frozenset[int]) -> dict[str, list[Row]]:
@@ -151,15 +175,16 @@ def _rows(model: Model, frames: NumberedFrames, without: frozenset[int]) -> dict
 
 
 def _bristles(
-    model: Model, poses: Mapping[str, Pose], frames: NumberedFrames, h: float
+    model: Model, poses: Mapping[str, Pose], frames: NumberedFrames, stepping: Stepping
 ) -> list[Bristle | None]:
-    """The friction of each coupling."""
+    """The friction of each coupling, resolved by the longest step in which it acts."""
     bristles = []
     for coupling in model.couplings:
         axis = np.zeros(3)
         if isinstance(coupling, Joint):
             axis = coupling.basis(frames.sides(coupling).pose_a.R)[:, 2]
-        bristles.append(bristle_of(coupling, model, poses, axis, h))
+        acting = stepping if isinstance(coupling, Contact) else stepping.in_flight
+        bristles.append(bristle_of(coupling, model, poses, axis, acting.h))
     return bristles
 
 

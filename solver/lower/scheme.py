@@ -10,6 +10,8 @@ from ..step.system import Newton, Scheme
 
 MOST_STEPS = 1e15
 """of a run: they are counted, and times are multiples of the step, in double precision"""
+WHOLE = 1e-9
+"""relative error of a step that is a whole fraction of another"""
 REUSE = 1e-2
 """ratio of successive corrections above which the matrix is made anew: the cheapest in trials"""
 LARGEST_WITH_CONSTRAINTS = 0.99
@@ -30,19 +32,38 @@ def stepping_of(model: Model, earlier: Horizon | None = None) -> Stepping:
     h = _chosen_or_common("step", settings.step, steps)
     rho_inf = _chosen_or_common("rho_inf", settings.rho_inf, radii, default=0.9)
     _check_damps_multipliers(model, rho_inf)
-    if not settings.t_end / h < MOST_STEPS:
+    shortest = min(h, settings.contact_step or h)
+    if not settings.t_end / shortest < MOST_STEPS:
         raise ModelError(
             f"simulation: t_end: expected less than {MOST_STEPS:g} steps, got {settings.t_end:g} s "
-            f"in steps of {h:g} s"
+            f"in steps of {shortest:g} s"
         )
-    n_steps = round_up(settings.t_end / h)
+    ratio = _ratio(model, h)
+    n_steps = ratio * round_up(settings.t_end / h)
     return Stepping(
-        h=h,
+        h=h / ratio,
         scheme=GeneralizedAlpha(rho_inf),
         n_steps=max(n_steps, earlier.steps if earlier else 0),
         weight=1.0 if settings.rule == "consistent" else 0.5,
         planned=earlier.planned if earlier else n_steps,
+        ratio=ratio,
     )
+
+
+def _ratio(model: Model, h: float) -> int:
+    """Steps in contact to a step h in flight; 1 where all are the same."""
+    short = model.settings.contact_step
+    if short is None:
+        return 1
+    if not model.contacts and not model.stops:
+        raise ModelError("simulation: contact_step: the model has no contacts or stops")
+    ratio = round(h / short)
+    if ratio < 2 or abs(ratio * short - h) > WHOLE * h:
+        raise ModelError(
+            "simulation: contact_step: expected a half, a third, or another whole fraction of the "
+            f"step, {h:.9g} s, got {short:.9g}"
+        )
+    return ratio
 
 
 def round_up(steps: float) -> int:
@@ -62,6 +83,8 @@ def lay_out_scheme(stepping: Stepping) -> Scheme:
         gamma_prime=scheme.gamma_prime(h),
         inertia_ratio=scheme.inertia_ratio,
         weight=stepping.weight,
+        stride=stepping.stride,
+        ratio=stepping.ratio,
     )
 
 

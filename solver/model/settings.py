@@ -115,6 +115,10 @@ class Settings(Entry):
     ends there without an error, for steps of bounded cost; by default it converges within
     max_iterations or fails.
 
+    contact_step [s]: from where a contact or stop may close in the next step until all are open,
+    steps of this size, a whole fraction of `step`. Flexible bodies need modes then, for history is
+    recursive.
+
     start: "given", as the bodies say, or "equilibrium", at rest, or in a `steady_rotation`, under
     gravity and the loads at t = 0, elastic displacements included; positions and joint coordinates
     are then the first guess, and velocities are refused. A steady rotation goes on as it starts
@@ -132,6 +136,7 @@ class Settings(Entry):
 
     t_end: PositiveTime
     step: PositiveTime | None = None
+    contact_step: PositiveTime | None = None
     rho_inf: Fraction | None = None
     rule: Literal["consistent", "paper"] = "consistent"
     history: Literal["auto", "recursive", "direct", "fft"] = "auto"
@@ -149,3 +154,8 @@ class Settings(Entry):
     def validate(self) -> None:
         if self.steady_rotation is not None and self.start != "equilibrium":
             raise self.error("steady_rotation: needs start = 'equilibrium'")
+        if self.contact_step is not None and self.history not in ("auto", "recursive"):
+            raise self.error(
+                "contact_step: needs recursive history, by modes, which hold for any step; "
+                f"got history = {self.history!r}"
+            )

@@ -78,6 +78,10 @@ class Steps(Entry):
         index = int(np.searchsorted(self.times, t, side="right"))
         return self.values[index - 1] if index else 0.0
 
+    @property
+    def jumps(self) -> tuple[float, ...]:
+        return self.times
+
     def samples(self, t: Array, h: float) -> Array:
         jumps = np.diff(self.values, prepend=0.0)
         return sum(
@@ -190,6 +194,10 @@ class Impulse(Entry):
     def __call__(self, t: float) -> float:
         return float("inf") if t == self.at else 0.0
 
+    @property
+    def jumps(self) -> tuple[float, ...]:
+        return (self.at,)
+
     def samples(self, t: Array, h: float) -> Array:
         # The hat function of a step has the area h; that of t = 0 has lost its left half.
         height = self.area / h if self.at >= 0.5 * h else 2.0 * self.area / h
@@ -213,6 +221,10 @@ class Pulse(Entry):
 
     def __call__(self, t: float) -> float:
         return self.value if self.start <= t < self.end else 0.0
+
+    @property
+    def jumps(self) -> tuple[float, ...]:
+        return self.start, self.end
 
     def samples(self, t: Array, h: float) -> Array:
         return self.value * (_step_samples(self.start, t, h) - _step_samples(self.end, t, h))
@@ -255,6 +267,12 @@ class SmoothFunction(Function):
 
     def derivatives(self, t: float) -> tuple[float, float]:
         return float(self.rate(t)), float(self.acceleration(t))
+
+
+def jumps_of(signal: Signal) -> tuple[float, ...]:
+    """The times at which a signal jumps, as far as it says so."""
+    jumps: tuple[float, ...] = getattr(signal, "jumps", ())
+    return jumps
 
 
 def _step_samples(at: float, t: Array, h: float) -> Array:

@@ -11,12 +11,18 @@ from ..step.system import State, Workspace
 COLUMNS = [quantity.attribute for quantity in EVENTS]
 
 
-def taken(state: State) -> EventRows:
-    """The events that wait in a state, which forgets them."""
+def waiting(state: State) -> EventRows:
+    """The events that wait in a state."""
     contacts = state.contacts
     n = int(contacts.n_events[0])
-    contacts.n_events[0] = 0
     return EventRows(contacts.event_contact[:n].copy(), contacts.event[:n].copy())
+
+
+def taken(state: State) -> EventRows:
+    """The same, which the state then forgets."""
+    events = waiting(state)
+    state.contacts.n_events[0] = 0
+    return events
 
 
 def unfinished(lowered: LoweredModel, state: State, work: Workspace) -> EventRows:

@@ -46,7 +46,7 @@ class FileKeeper:
 
     def __init__(self, writer: FileWriter, lowered: LoweredModel, live: Arrays, first: int) -> None:
         interval = lowered.model.settings.checkpoint
-        self._every = interval.every if isinstance(interval, EverySteps) else None
+        self._every = lowered.ratio * interval.every if isinstance(interval, EverySteps) else None
         self._pause = interval.seconds if isinstance(interval, Seconds) else float("inf")
         self._writer, self._lowered, self._live = writer, lowered, live
         self._path = checkpoint_of(writer.place)

@@ -51,20 +51,21 @@ class Recorder:
     def __enter__(self) -> "Recorder":
         return self
 
-    def rows(self, first: int, n: int) -> Index:
-        """Rows of the output for n steps from `first` on, or as many as fit; -1: not recorded."""
-        steps = np.arange(first, first + n)
-        recorded = (steps % self._every == 0) | (steps == self._last)
+    def rows(self, steps: Index, stride: int = 1) -> Index:
+        """Rows of the output for steps a stride apart, or as many as fit; -1: not recorded."""
+        recorded = (steps % (self._every * stride) == 0) | (steps == self._last)
         waiting = self._waiting + np.cumsum(recorded)
         return np.where(recorded, waiting - 1, -1)[waiting <= len(self._steps)]
 
-    def keep(self, first: int, rows: Index) -> None:
-        """Keep the rows of the steps from `first` on, which have been taken."""
+    def keep(self, steps: Index, rows: Index, stride: int = 1) -> None:
+        """Keep the rows of the steps, which have been taken."""
         recorded = rows >= 0
         n = int(recorded.sum())
-        self._steps[self._waiting : self._waiting + n] = first + np.flatnonzero(recorded)
+        self._steps[self._waiting : self._waiting + n] = steps[recorded]
         self._waiting += n
         self._taken += len(rows)
+        regular = recorded & (steps % (self._every * stride) == 0)
+        self._state.recorded[0] += int(regular.sum())
         if self._state.contacts.n_events[0]:
             self._events.append(taken(self._state))
         full = self._waiting == len(self._steps)

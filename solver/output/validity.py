@@ -98,7 +98,7 @@ class Judge:
             "elastic_displacement": np.sqrt(extremes.displacement[self._interfaces]) / self._sizes,
             "spin": np.sqrt(extremes.spin[elastic.body]) / _first(lowered.superelements),
             "joint_turn": self._joint_turns(state),
-            "steps_per_period": 1.0 / (lowered.h * frequencies),
+            "steps_per_period": 1.0 / (lowered.longest_step * frequencies),
             "kernel_error": np.array([e.kernel.error for e in lowered.superelements])
             + lowered.truncations,
             "kernel_band": frequencies / _bands(lowered.superelements),
@@ -120,7 +120,7 @@ class Judge:
         lengths = np.linalg.norm(lever, axis=1) * np.linalg.norm(omega, axis=1)
         off_axis = np.linalg.norm(np.cross(omega, lever), axis=1) > OFF_AXIS * lengths
         counts = np.isin(self._jointed, frames.body[self._hinges][off_axis])
-        turns = lowered.h * np.sqrt(state.extremes.spin[self._jointed]) * counts
+        turns = lowered.longest_step * np.sqrt(state.extremes.spin[self._jointed]) * counts
         return _ratio(turns, BORNE * (1.0 - lowered.scheme.rho_inf))
 
     def _rounding(self, state: State) -> float:
@@ -152,7 +152,7 @@ class Judge:
         """The highest frequency that carries energy in each flexible body [Hz]; nan: none does."""
         lowered, extremes = self._lowered, state.extremes
         system = lowered.system
-        elastic, still = system.elastic, STILL * float(extremes.moved[0]) * taken
+        elastic, still = system.elastic, STILL * float(extremes.moved[0]) * taken / lowered.ratio
         frequencies = []
         for e, b in enumerate(elastic.body.tolist()):
             modes = slice(elastic.modes.range[e], elastic.modes.range[e + 1])
@@ -166,7 +166,8 @@ class Judge:
                 change = extremes.interface_change[dofs] * lengths
                 scale = 0.5 * float(system.bodies.mass[b])
             carries = scale * rate.sum() > still and change.any()  # none yet where a run starts
-            frequencies.append(_highest(rate, change) / lowered.h if carries else np.nan)
+            highest = _highest(rate, change) / lowered.longest_step if carries else np.nan
+            frequencies.append(highest)
         return np.array(frequencies, dtype=np.float64)
 
 

@@ -52,7 +52,8 @@ def make_writer(path: Path | None, initial: InitialState, steps: int) -> Writer:
     lowered, model = initial.lowered, initial.lowered.model
     contents, notes = contents_of(lowered), _notes(initial, steps)
     if path is None:
-        check_memory(contents, steps // model.settings.output.every + 1)
+        every = lowered.ratio * model.settings.output.every
+        check_memory(contents, steps // every + 1)
         return Memory(contents, notes, model.source)
     durable = model.settings.checkpoint is not None
     return FileWriter(path, contents, notes, model.source, rows_of(lowered), durable)
@@ -64,7 +65,8 @@ def resume_writer(path: Path, lowered: LoweredModel, state: StateFile) -> FileWr
     `ResultsError` for a file that does not belong to the state.
     """
     extent = extent_at(state.snapshot, int(state.notes["first"]), lowered)
-    notes = {"steps": lowered.n_steps, "truncation": _truncation(lowered), "finished": False}
+    steps = lowered.n_steps // lowered.ratio
+    notes = {"steps": steps, "truncation": _truncation(lowered), "finished": False}
     contents, source = contents_of(lowered), lowered.model.source
     return FileWriter.resume(path, contents, notes, source, extent, state.run)
 
@@ -86,20 +88,21 @@ def read_back(writer: Writer, model: Model) -> Results:
 
 def rows_of(lowered: LoweredModel) -> int:
     """The number of rows that a run records, first and last step included, or one more."""
-    return lowered.n_steps // lowered.model.settings.output.every + 2
+    return lowered.n_steps // (lowered.ratio * lowered.model.settings.output.every) + 2
+
+
+def recorded_every(state: Snapshot, lowered: LoweredModel) -> int:
+    """The interval of the rows before a state, in steps as the run counts them."""
+    in_flight = bool(state.arrays["state/in_flight"][0])
+    return lowered.model.settings.output.every * (lowered.ratio if in_flight else 1)
 
 
 def extent_at(state: Snapshot, first: int, lowered: LoweredModel) -> Extent:
-    """The rows and events of a run up to a state."""
-    ended = int(state.arrays["state/contacts/ended"].sum())
-    return Extent(rows_up_to(state.step, first, lowered), ended)
-
-
-def rows_up_to(step: int, first: int, lowered: LoweredModel) -> int:
-    """The number of rows from the first step, recorded as the last is in any case, to another."""
-    every = lowered.model.settings.output.every
-    last = first < step == lowered.n_steps and step % every > 0
-    return 1 + step // every - first // every + int(last)
+    """The rows and events of a run up to a state, whose last step is recorded in any case."""
+    arrays, step = state.arrays, state.step
+    last = first < step == lowered.n_steps and step % recorded_every(state, lowered) > 0
+    rows = 1 + int(arrays["state/recorded"][0]) + int(last)
+    return Extent(rows, int(arrays["state/contacts/ended"].sum()))
 
 
 def _superelements(model: Model) -> dict[str, Superelement]:
@@ -118,9 +121,9 @@ def _notes(initial: InitialState, steps: int) -> dict[str, Any]:
     lowered, model = initial.lowered, initial.lowered.model
     start = model.settings.start
     return {
-        "h": lowered.h,
+        "h": lowered.longest_step,
         "rho_inf": lowered.scheme.rho_inf,
-        "steps": steps,
+        "steps": steps // lowered.ratio,
         "rule": model.settings.rule,
         "start": str(start.path if isinstance(start, StartFrom) else start),
         "every": model.settings.output.every,
@@ -134,4 +137,4 @@ def _notes(initial: InitialState, steps: int) -> dict[str, Any]:
         "velocity_correction": initial.velocity_correction,
         "removed": initial.removed.names,
         "truncation": _truncation(lowered),
-    }
+    } | ({"contact_h": lowered.h} if lowered.flight else {})

@@ -57,6 +57,7 @@ def hand_over(lowered: LoweredModel, source: StateFile, state: State, work: Work
     for name in TAKEN_OVER:
         take_over(f"state/{name}", getattr(state, name), kept, numbers)
     state.step[0] = source.snapshot.step
+    state.in_flight[:] = kept["state/in_flight"]
     work.couplings.elapsed[0] = 0.0
     _evaluate(lowered, state, work)
     take_over("state/interfaces", state.interfaces, kept, numbers)

@@ -26,13 +26,15 @@ def penetrations(lowered: LoweredModel, work: Workspace) -> Iterator[str]:
         depth, _ = penetration_of(couplings, row, float(work.couplings.coordinate[row]))
         if depth <= NOTICEABLE * (size if length else 1.0):
             continue
-        if isinstance(coupling, Contact) and depth > _deepest(coupling, size):
-            raise coupling.error(
-                f"starts {depth:.6g} m deep: expected at most the radius of its ball, "
-                f"{coupling.ball:.6g} m, and {DEEPEST:g} of the size of the model, {size:.6g} m"
-            )
+        if isinstance(coupling, Contact):
+            _check(coupling, depth, size)
         yield f"{coupling.owner}: starts {depth:.6g} {'m' if length else 'rad'} deep"
 
 
-def _deepest(contact: Contact, size: float) -> float:
-    return min(contact.ball or size, DEEPEST * size)
+def _check(contact: Contact, depth: float, size: float) -> None:
+    limits = {"a tenth of the size of the model": DEEPEST * size}
+    if contact.ball > 0.0:
+        limits["the radius of its ball"] = contact.ball
+    for name, limit in limits.items():
+        if depth > limit:
+            raise contact.error(f"starts {depth:.6g} m deep: expected at most {name}, {limit:.6g}")

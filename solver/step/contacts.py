@@ -5,7 +5,7 @@ energy where it is engaged (laws/contact.py); the other rows are its friction. A
 exerts nothing, and the derivatives of its rows are not computed.
 """
 
-from ..compiler.marks import compiled
+from ..compiler.marks import compiled, entry
 from ..laws import evaluate_law
 from ..laws.contact import penetration
 from .gaps import has_ends, is_blocked, settled_axis, slip_axis
@@ -34,6 +34,29 @@ def set_closed(couplings: Couplings, j: int, state: State, work: Workspace) -> N
         out.status[j] = 1
         if couplings.friction_of[j] >= 0 and couplings.rows.kind[i] == GAP:
             _set_slip_axis(couplings, j, slip_axis(couplings.rows, i, work), work)
+
+
+@compiled
+def is_closed(couplings: Couplings, work: Workspace) -> bool:
+    """Whether any contact is."""
+    for k in range(len(couplings.contact)):
+        if work.couplings.status[couplings.contact[k]] > 0:
+            return True
+    return False
+
+
+@entry
+def approaches(couplings: Couplings, h: float, state: State, work: Workspace) -> bool:
+    """Whether any contact is closed, or will be after a time h at its present rate."""
+    if is_closed(couplings, work):
+        return True
+    old = state.couplings
+    for k in range(len(couplings.contact)):
+        i = couplings.range[couplings.contact[k]]
+        ahead, _ = penetration_of(couplings, i, old.coordinate[i] + h * old.rate[i])
+        if ahead > 0.0:
+            return True
+    return False
 
 
 @compiled

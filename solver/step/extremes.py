@@ -50,7 +50,8 @@ def follow_extremes(system: System, state: State, work: Workspace) -> None:
     _follow_frames(system.frames, system.elastic, state)
     _follow_spins(state)
     _follow_openings(system.couplings, state, work)
-    _follow_vibration(system.elastic, state, work)
+    if system.scheme.stride == system.scheme.ratio:
+        _follow_vibration(system.elastic, state, work)
     _set_energies(system, state)
     _follow_energies(system, state, work)
 

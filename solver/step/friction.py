@@ -1,15 +1,17 @@
 """Friction on rows of a coupling: a bristle that bends, and slips where it cannot hold.
 
 With the normal force N, the change dc of the coordinate in the step, its rate w at the end and the
-deflection s of the bristle at the start, both of one or two rows,
+deflection s of the bristle at the start, both of one or two rows, the force of the bristle is
+f = stiffness s+ + damping (s+ - s) / h:
 
-    f* = stiffness (s + dc) + damping w
-    |f*| <= mu N:   f = f*                  s+ = s + dc                         sticks
-    else:           f = mu N e, e = f*/|f*|,  s+ = (f - damping w) / stiffness     slips
+    f* = stiffness s + (stiffness + damping / h) dc
+    |f*| <= mu N:   f = f*,                   s+ = s + dc       sticks
+    else:           f = mu N e, e = f*/|f*|,  s+ by the same    slips
 
     mu = sliding + (static - sliding) exp(-(|w| / speed)^2)
 
-and phi = lambda + f + viscous w. What sticks does not creep. Source: docs/theory.md, Contact.
+and phi = lambda + f + viscous w. What sticks does not creep, and what slips takes f (f* - f) /
+(stiffness + damping / h) >= 0. Source: docs/theory.md, Contact.
 """
 
 import math
@@ -61,8 +63,15 @@ def trial_force(couplings: Couplings, r: int, i: int, state: State, work: Worksp
     """f* of row i."""
     friction, out = couplings.friction, work.couplings
     change = out.coordinate[i] - state.couplings.coordinate[i]
-    elastic = friction.stiffness[r] * (state.couplings.bristle[i] + change)
-    return float(elastic + friction.damping[r] * out.rate[i])
+    elastic = friction.stiffness[r] * state.couplings.bristle[i]
+    return float(elastic + _steepness(couplings, r, work) * change)
+
+
+@compiled
+def _steepness(couplings: Couplings, r: int, work: Workspace) -> float:
+    """stiffness + damping / h"""
+    friction = couplings.friction
+    return float(friction.stiffness[r] + friction.damping[r] / work.couplings.elapsed[0])
 
 
 @compiled
@@ -121,7 +130,7 @@ def set_friction_derivative(
 ) -> None:
     """A and Z of the rows with friction of coupling j; the force has
 
-    df = share (1 - e e^T) (stiffness dc + damping dw) + e (mu dN + N mu' d|w|) + viscous dw
+    df = share (1 - e e^T) (stiffness + damping / h) dc + e (mu dN + N mu' d|w|) + viscous dw
 
     with e = 0 and share = 1 where it sticks.
     """
@@ -141,10 +150,10 @@ def set_friction_derivative(
             e_k = trial_force(couplings, r, k, state, work) / max(size, 1e-300) if slides else 0.0
             same = 1.0 if i == k else 0.0
             factor = share * (same - e_i * e_k)
-            by_rate = factor * friction.damping[r] + same * friction.viscous[r]
+            by_rate = same * friction.viscous[r]
             if slides and speed > 0.0:
                 by_rate += e_i * slope * out.rate[k] / speed
-            by_change = factor * friction.stiffness[r]
+            by_change = factor * _steepness(couplings, r, work)
             if slips(couplings.rows.kind[k]):
                 by_rate += 0.5 * h * by_change
                 by_change = 0.0
@@ -161,8 +170,9 @@ def bend_bristle(couplings: Couplings, j: int, first: int, state: State, work: W
     share = 1.0 if size < limit else limit / max(size, 1e-300)
     for i in range(friction.first[r], friction.first[r] + friction.n[r]):
         force = share * trial_force(couplings, r, i, state, work)
-        bristle = (force - friction.damping[r] * out.rate[i]) / friction.stiffness[r]
-        state.couplings.bristle[i] = bristle if holds else 0.0
+        bristle = state.couplings.bristle[i]
+        bend = (force - friction.stiffness[r] * bristle) / _steepness(couplings, r, work)
+        state.couplings.bristle[i] = bristle + bend if holds else 0.0
 
 
 @compiled

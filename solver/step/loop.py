@@ -3,7 +3,7 @@
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
 from .bodies import finish_bodies, predict_bodies
-from .contacts import is_full, release_open, settle_contacts
+from .contacts import approaches, is_closed, is_full, release_open, settle_contacts
 from .couplings import add_coupling_work, expect_coordinates, remember_laws
 from .extremes import follow_extremes
 from .frames import move_frame_velocities, move_frames
@@ -15,17 +15,24 @@ from .observers import follow_coordinates
 from .record import record
 from .system import Inputs, Run, State, System, Workspace
 
+OTHER_SIZE = -1.0
+"""in place of a residual: the next step is one of the other size"""
+
 
 @entry
 def advance(run: Run, inputs: Inputs) -> tuple[int, float]:
     """Take one step per row of the inputs: the number of steps taken, the residual of the last.
 
     Fewer than asked where Newton's method failed, where a body left the range of linear elasticity,
-    which `state.extremes.left` tells, or where the events of contacts are to be taken (`is_full`).
+    which `state.extremes.left` tells, or where the events of contacts are to be taken (`is_full`);
+    of two sizes of steps also where those of the other are due (`OTHER_SIZE`), and where the last,
+    which does not count, closed a contact in flight.
     """
     system, state, work, output = run.system, run.state, run.work, run.output
     n, residual = len(inputs.load), 0.0
     for k in range(n + inputs.ahead):
+        if k > 0 and _is_other_size_due(system, state, work):
+            return k, OTHER_SIZE
         if not state.prepared[0]:
             prepare(system, state, work)
         if k == n:
@@ -38,6 +45,8 @@ def advance(run: Run, inputs: Inputs) -> tuple[int, float]:
         if not converged:
             return k, residual
         _finish(system, state, work)
+        if system.scheme.stride > 1 and is_closed(system.couplings, work):
+            return k, residual
         row = inputs.row[k]
         if row >= 0:
             output.newton_iterations[row] = iterations
@@ -80,4 +89,15 @@ def _finish(system: System, state: State, work: Workspace) -> None:
     settle_contacts(system.couplings, work)
     follow_coordinates(system, state, work)
     follow_extremes(system, state, work)
-    state.step[0] += 1
+    state.step[0] += system.scheme.stride
+    state.taken[0] += 1
+
+
+@compiled
+def _is_other_size_due(system: System, state: State, work: Workspace) -> bool:
+    """Long steps end where a contact may close in the next one, short ones where none may."""
+    scheme = system.scheme
+    if scheme.ratio == 1 or state.step[0] % scheme.ratio != 0:
+        return False
+    longest = scheme.h * (scheme.ratio // scheme.stride)
+    return approaches(system.couplings, longest, state, work) == (scheme.stride > 1)

@@ -61,7 +61,8 @@ def _record_switching(run: Run, j: int, k: int) -> None:
     i, status = couplings.range[j], run.work.couplings.status[j]
     c, r = couplings.contact_of[j], couplings.friction_of[j]
     if r >= 0:
-        output.friction_force[k, r] = lam[couplings.friction.first[r]]
+        row = couplings.friction.first[r]
+        output.friction_force[k, r] = lam[row] if couplings.second[row] == 6 else -lam[row]
         output.friction_state[k, r] = status
     if c < 0:
         return
@@ -70,8 +71,7 @@ def _record_switching(run: Run, j: int, k: int) -> None:
     output.normal_force[k, c] = lam[i]
     output.contact_state[k, c] = status
     for x in range(3):
-        row = i + x
-        output.contact_force[k, c, x] = lam[row] if row < couplings.range[j + 1] else 0.0
+        output.contact_force[k, c, x] = lam[i + x] if i + x < couplings.range[j + 1] else 0.0
     if couplings.rows.kind[i] == GAP:
         slip, n, point = contact_motion(couplings, j, run.work)
         for x in range(3):

@@ -37,6 +37,10 @@ class Scheme(Struct):
     """(1 - alpha_m) / (1 - alpha_f): pseudo-acceleration to acceleration"""
     weight: float
     """of p_{n+1} against p_n in the convolution: 1, or 1/2 in eq. (55)"""
+    stride: int
+    """the step in steps of the shortest size of the run, by which steps are counted"""
+    ratio: int
+    """of the longest step to the shortest; 1: all are the same"""
 
 
 class Newton(Struct):
@@ -458,6 +462,13 @@ class ExtremeState(Struct):
 
 class State(Struct):
     step: Index = array(1)
+    """time, in steps of the shortest size"""
+    taken: Index = array(1)
+    """steps of whatever size"""
+    recorded: Index = array(1)
+    """rows, but for the first, and for a last one that is recorded for that alone"""
+    in_flight: Index = array(1)
+    """1: pseudo-accelerations are those of the longest step"""
     prepared: Index = array(1)
     """1: the next step is prepared, as far as it does not depend on its inputs"""
     bodies: BodyState

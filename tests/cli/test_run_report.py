@@ -4,6 +4,7 @@ import re
 
 import pytest
 from duhamel.cli import app
+from duhamel.results import Results
 
 MODEL = """
 [simulation]
@@ -160,3 +161,60 @@ def test_what_was_not_recorded_is_not_told(quantities, told_of, runner, tmp_path
     assert result.exit_code == 0, result.output
     lines = [line for line in result.stdout.splitlines() if "at the end" in line]
     assert [line.split()[0] for line in lines] == told_of
+
+
+BALL = """
+[simulation]
+t_end = 0.11
+step = 1e-4
+gravity = [0, 0, -10]
+
+[ground]
+frames.floor = {}
+
+[bodies.ball]
+mass = 0.1
+inertia = [1e-5, 1e-5, 1e-5]
+position = [0, 0, 0.03]
+
+[[contacts]]
+name = "floor"
+between = ["ground.floor", "ball"]
+shape = "plane"
+axis = [0, 0, 1]
+ball = 0.02
+stiffness = 6e4
+restitution = 0.5
+
+[[contacts]]
+name = "roof"
+between = ["ground.floor", "ball"]
+shape = "sphere"
+radius = 0.5
+hollow = true
+ball = 0.02
+stiffness = 6e4
+"""
+
+
+def test_each_contact_is_a_line_and_quantities_of_it_can_be_drawn(runner, tmp_path):
+    path = tmp_path / "ball.toml"
+    path.write_text(BALL)
+    result = runner.invoke(app, ["run", str(path)])
+    assert result.exit_code == 0, result.output
+    floor, roof = (line for line in result.stdout.splitlines() if line.startswith("contacts: "))
+    found = re.fullmatch(
+        r"contacts: floor: (\d+) impacts, peak (\S+) N, shortest (\d+) steps", floor
+    )
+    events = Results.read(tmp_path / "ball-results.h5").events["floor"]
+    assert int(found[1]) == len(events) == 2
+    assert float(found[2]) == pytest.approx(events.peak.max(), rel=1e-3)
+    assert int(found[3]) == events.steps.min()
+    assert roof == "contacts: roof: never closed"
+    names = ["gap:floor", "normal_force:floor", "slip:floor:t1", "friction_force:floor"]
+    target = tmp_path / "ball-results.h5"
+    assert runner.invoke(app, ["plot", str(target), *names, "contact_state:roof"]).exit_code == 0
+    refused = runner.invoke(app, ["plot", str(target), "gap:wall"])
+    assert "gap:wall: no contact or stop 'wall'; there are: floor, roof" in refused.stderr
+    refused = runner.invoke(app, ["plot", str(target), "slip:floor:z"])
+    assert "slip:floor:z: expected slip:CONTACT[:t1|t2]" in refused.stderr

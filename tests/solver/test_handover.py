@@ -75,7 +75,9 @@ def test_the_past_is_taken_over_and_not_the_present_alone(coarse, tmp_path):
 
 def test_a_latch_that_opens_lets_the_body_fly_on(coarse, tmp_path):
     """Momentum and spin of the released bodies are those before."""
-    model = replace(machine(coarse, LAST), springs=(), loads=(), gravity=[0, 0, 0])
+    model = replace(
+        machine(coarse, LAST), springs=(), contacts=(), stops=(), loads=(), gravity=[0, 0, 0]
+    )
     start = first_run(model, tmp_path / "first.h5")
     free = replace(model, joints=model.joints[1:2]).with_settings(start=start)
     results = simulate(replace(free, bodies={name: free.bodies[name] for name in ("hub", "beam")}))

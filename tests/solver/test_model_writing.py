@@ -168,9 +168,10 @@ def everything(random_element, tmp_path):
     settings = Settings(
         t_end=1.0 / 3.0,
         step=1e-3,
+        contact_step=1e-5,
         rho_inf=0.8,
         rule="paper",
-        history="direct",
+        history="recursive",
         kernel_length=0.1,
         tolerance=1e-9,
         max_iterations=30,

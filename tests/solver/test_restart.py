@@ -156,7 +156,7 @@ def test_a_run_goes_on_in_the_middle_of_a_contact(coarse, history, between, tmp_
     assert bumps.impacts >= 1
     assert limits.impacts >= 2
     end = {
-        "events": int(bumps.end[0] / H) + 2,
+        "events": int(limits.end[0] / H) + 2,
         "in bump": int(bumps.start[0] / H) + 2,
         "in limit": int(0.5 * (limits.start[1] + limits.end[1]) / H),
     }[between]
@@ -344,7 +344,13 @@ def test_an_end_at_a_state_whose_step_was_not_recorded_is_refused(coarse, tmp_pa
         ({"gravity": [0, -9.8, 0]}, "simulation.gravity: was .*-9.81.*, is .*-9.8"),
         ({"springs": ()}, "springs.coil.*was .* is no longer there"),
         (
-            {"ground_frames": {"pivot": Frame([0, 0, 1]), "wall": Frame([0, 2, 0])}},
+            {
+                "ground_frames": {
+                    "pivot": Frame([0, 0, 1]),
+                    "wall": Frame([0, 2, 0]),
+                    "bumper": Frame([0, 3, 0]),
+                }
+            },
             "ground.frames.pivot.position: was",
         ),
         ({"arm": 0.03}, "bodies.arm.mass: was 0.02, is 0.03"),

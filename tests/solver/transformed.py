@@ -42,6 +42,7 @@ def turned(model, Q, shift):
             replace(s, axis=direction(s.axis), second_axis=direction(s.second_axis))
             for s in model.springs
         ],
+        contacts=[replace(c, axis=direction(c.axis)) for c in model.contacts],
         motions=[replace(m, **turned_axis(m)) for m in model.motions],
         loads=[
             load if load.follower else replace(load, direction=direction(load.direction))
@@ -55,7 +56,7 @@ def turned(model, Q, shift):
 
 
 def reordered(model, order):
-    """Bodies, joints, springs and loads, in the order of `order`, a `random.Random`."""
+    """Bodies, joints, springs, contacts and loads, in the order of `order`, a `random.Random`."""
 
     def shuffled(items):
         return order.sample(list(items), len(items))
@@ -65,6 +66,7 @@ def reordered(model, order):
         bodies=dict(shuffled(model.bodies.items())),
         joints=shuffled(model.joints),
         springs=shuffled(model.springs),
+        contacts=shuffled(model.contacts),
         loads=shuffled(model.loads),
     )
 
@@ -95,7 +97,9 @@ class Units:
 
 
 def rescaled(model, units):
-    """The model in other units; point springs, bushings, and constant and harmonic loads."""
+    """The model in other units, with contacts that have a stiffness, and constant and harmonic
+    loads.
+    """
     a = units.length
 
     def frames(given):
@@ -129,6 +133,25 @@ def rescaled(model, units):
             given, stiffness=per * given.stiffness, damping=per * units.time * given.damping
         )
 
+    def contact(given):
+        impact, per = given.impact, units.force / a ** (given.impact.exponent or 1.0)
+        tangential = {key: getattr(given, f"tangential_{key}") for key in ("stiffness", "damping")}
+        scales = {"stiffness": units.force / a, "damping": units.force / a * units.time}
+        return replace(
+            given,
+            ball=a * given.ball,
+            radius=None if given.radius is None else a * given.radius,
+            impact=replace(
+                impact,
+                stiffness=per * impact.stiffness,
+                slow=units.velocity[0] * impact.slow,
+            ),
+            **{
+                f"tangential_{key}": None if value is None else scales[key] * value
+                for key, value in tangential.items()
+            },
+        )
+
     def load(given):
         unit = units.force if given.type == "force" else units.energy
         return replace(given, direction=unit * given.direction, signal=signal(given.signal))
@@ -142,6 +165,7 @@ def rescaled(model, units):
         model,
         bodies={name: body(given) for name, given in model.bodies.items()},
         springs=[spring(given) for given in model.springs],
+        contacts=[contact(given) for given in model.contacts],
         loads=[load(given) for given in model.loads],
         ground_frames=frames(model.ground_frames),
         gravity=a / units.time**2 * model.gravity,

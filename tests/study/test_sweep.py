@@ -6,6 +6,7 @@ import csv
 
 import h5py
 import pytest
+from duhamel.results import Results
 from duhamel.solver import (
     ConvergenceError,
     ModelError,
@@ -291,3 +292,61 @@ def test_bodies_are_preprocessed(study_file, folder, line_mesh):
                 'body = "model/bar.toml"\nparameters.name = ["a"]\noutputs.x = "max energy:work"'
             )
         )
+
+
+WALL = """
+[[stops]]
+name = "wall"
+joint = "pivot"
+coordinate = "angle"
+range = [-inf, 1e-3]
+stiffness = 4e5
+
+[[stops]]
+name = "never"
+joint = "pivot"
+coordinate = "angle"
+range = [-1, 1]
+stiffness = 4e5
+"""
+
+
+def test_numbers_of_events_are_outputs(study_file):
+    """With the same torque and stop, half the inertia hits as fast again by the root of two."""
+    path = study_file(
+        STUDY.replace("[8, 4, 2]", "[8]").replace('angle = "final angle:hub:z"', EVENTS)
+    )
+    model = path.parent / "model" / "hub.toml"
+    model.write_text(model.read_text() + WALL)
+    run(path)
+    for row in summary(path):
+        case = path.with_suffix("") / f"{row['case']}.h5"
+        events = Results.read(case).events["wall"]
+        assert float(row["impacts"]) == len(events) > 0
+        assert float(row["peak"]) == events.peak.max()
+        assert float(row["shortest"]) == events.steps[events.whole].min()
+        assert float(row["impulse"]) == pytest.approx(events.impulse.sum(), rel=1e-12)
+        assert (row["none"], row["no_peak"]) == ("0.0", "nan")
+
+
+EVENTS = """impacts = "count event:wall"
+peak = "max event:wall:peak"
+shortest = "min event:wall:steps"
+impulse = "sum |event:wall:impulse|"
+none = "count event:never"
+no_peak = "max event:never:peak"
+"""
+
+
+@pytest.mark.parametrize(
+    ("output", "message"),
+    [
+        ("max event:floor:peak", "event:floor:peak: no contact or stop 'floor'; there are: none"),
+        ("sum angle:hub:z", "expected REDUCTION QUANTITY or .* with one of max, min, final"),
+        ("rms event:floor:peak", "with one of max, .*, sum, count, found"),
+    ],
+)
+def test_outputs_of_events_that_there_are_not_are_refused(study_file, output, message):
+    path = study_file(STUDY.replace("final angle:hub:z", output))
+    with pytest.raises(StudyError, match=message):
+        run(path)

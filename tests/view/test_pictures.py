@@ -184,3 +184,17 @@ def test_a_picture_that_cannot_be_written(results, tmp_path):
     with pytest.raises(view.PictureError, match="no folder"):
         view.save(figure, tmp_path / "absent/picture.png")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["disc-results.h5"]
+
+
+def test_short_runs_have_their_time_in_milliseconds(results):
+    curve = view.curves(results, "energy:kinetic")[0]
+    for span, label, factor in ((0.3, "time [s]", 1.0), (4e-3, "time [ms]", 1e3)):
+        time = np.linspace(0.0, span, len(curve.values))
+        (axes,) = view.draw(time, [[curve]]).axes
+        assert axes.get_xlabel() == label
+        np.testing.assert_allclose(axes.lines[0].get_xdata(), factor * time, rtol=1e-14)
+
+
+def test_a_coordinate_is_not_seen_from_anywhere(results):
+    (curve,) = view.curves(results, "coordinate:clamp:angle")
+    assert curve.words == ("coordinate", "clamp angle", "")

@@ -9,15 +9,18 @@ two spherical joints.
 import warnings
 from dataclasses import dataclass, field, replace
 from functools import cache
+from itertools import product
 from tempfile import TemporaryDirectory
 
 import numpy as np
 from duhamel.solver import (
     Constant,
+    Contact,
     ConvergenceError,
     FlexibleBody,
     Frame,
     Harmonic,
+    Impact,
     Joint,
     Load,
     Model,
@@ -97,6 +100,7 @@ class Sketch:
     bodies: dict = field(default_factory=dict)
     joints: list = field(default_factory=list)
     springs: list = field(default_factory=list)
+    contacts: list = field(default_factory=list)
     loads: list = field(default_factory=list)
 
     def place(self, reference):
@@ -109,8 +113,13 @@ class Sketch:
     def frames(self):
         return [f"{name}.{frame}" for name, body in self.bodies.items() for frame in body.frames]
 
+    def is_slim(self, reference):
+        body = self.bodies[reference.partition(".")[0]]
+        return np.linalg.eigvalsh(body.inertia)[0] < 1e-6
+
     def new(self, prefix):
-        return f"{prefix}{len(self.bodies) + len(self.joints) + len(self.springs)}"
+        parts = self.bodies, self.joints, self.springs, self.contacts
+        return f"{prefix}{sum(map(len, parts))}"
 
 
 @st.composite
@@ -160,7 +169,9 @@ def hang(draw, sketch, free):
 
 def link(draw, sketch):
     """A rigid body on spherical joints between frames of two others, which closes a loop."""
-    first, second = draw(pairs(sketch))
+    if (pair := draw(pairs(sketch))) is None:
+        reject()
+    first, second = pair
     A, B = sketch.place(first), sketch.place(second)
     name, middle, length = sketch.new("b"), 0.5 * (A + B), float(np.linalg.norm(B - A))
     frames = {"left": Frame(A - middle), "right": Frame(B - middle)}
@@ -173,7 +184,8 @@ def link(draw, sketch):
 
 def spring(draw, sketch, conservative):
     """A point spring or a bushing between frames of two bodies."""
-    frames = draw(pairs(sketch))
+    if (frames := draw(pairs(sketch))) is None:
+        reject()
     kind = draw(st.sampled_from(["point", "bushing"]))
     n = 1 if kind == "point" else 6
     scale = np.repeat([1.0, 0.01], 3)[:n]
@@ -186,17 +198,49 @@ def spring(draw, sketch, conservative):
     )
 
 
+def contact(draw, sketch, conservative, rubs):
+    """A soft ball that just touches a plane or a sphere on another body, or nearly so.
+
+    Not on bars: about their axes they are too light for any step.
+    """
+    if (pair := draw(pairs(sketch, slim=False))) is None:
+        return
+    first, second = pair
+    gap = sketch.place(second) - sketch.place(first)
+    depth, sphere = draw(between(-0.002, 0.002)), draw(st.booleans())
+    axis = draw(directions())
+    axis = -axis if axis @ gap < 0.0 else axis
+    ball = (np.linalg.norm(gap) if sphere else axis @ gap) + depth
+    size = {"radius": 0.5 * ball} if sphere else {"axis": axis}
+    friction = {}
+    if rubs and not conservative and draw(st.booleans()):
+        friction = {"friction": draw(between(0.1, 1.0)), "tangential_stiffness": 20.0}
+    restitution = 1.0 if conservative else draw(between(0.2, 1.0))
+    sketch.contacts.append(
+        Contact(
+            sketch.new("c"),
+            (first, second),
+            "sphere" if sphere else "plane",
+            max(0.0, 0.5 * ball if sphere else ball),
+            impact=Impact(draw(between(5.0, 50.0)), restitution=restitution),
+            **size,
+            **friction,
+        )
+    )
+
+
 @st.composite
-def pairs(draw, sketch):
-    """Frames of two bodies that are not in one place."""
+def pairs(draw, sketch, slim=True):
+    """Frames of two bodies that are not in one place; slim: bars may be among them."""
 
     def apart(pair):
         first, second = pair
         same = first.partition(".")[0] == second.partition(".")[0]
         return not same and np.linalg.norm(sketch.place(first) - sketch.place(second)) > 0.05
 
-    frames = st.sampled_from(sketch.frames())
-    return draw(st.tuples(frames, frames).filter(apart))
+    frames = [frame for frame in sketch.frames() if slim or not sketch.is_slim(frame)]
+    known = [pair for pair in product(frames, frames) if apart(pair)]
+    return draw(st.sampled_from(known)) if known else None
 
 
 def load(draw, sketch):
@@ -208,11 +252,11 @@ def load(draw, sketch):
 
 
 @st.composite
-def mechanisms(draw, free=False, conservative=False, loops=True, **settings):
+def mechanisms(draw, free=False, conservative=False, loops=True, friction=True, **settings):
     """A model of one to five bodies.
 
     free: of nothing outside it, so that momenta are conserved; conservative: without loads and
-    dampers, so that energy is.
+    dampers, so that energy is; friction: of contacts.
     """
     sketch = Sketch()
     for _ in range(draw(st.integers(1, 4))):
@@ -222,6 +266,8 @@ def mechanisms(draw, free=False, conservative=False, loops=True, **settings):
         link(draw, sketch)
     for _ in range(draw(st.integers(0, 2)) if several else 0):
         spring(draw, sketch, conservative)
+    if several and draw(st.booleans()):
+        contact(draw, sketch, conservative, friction)
     for _ in range(0 if free or conservative else draw(st.integers(0, 2))):
         load(draw, sketch)
     return Model(
@@ -229,6 +275,7 @@ def mechanisms(draw, free=False, conservative=False, loops=True, **settings):
         sketch.joints,
         sketch.loads,
         sketch.springs,
+        contacts=sketch.contacts,
         gravity=np.zeros(3) if free else draw(vectors(10.0)),
         settings=Settings(**{"t_end": STEPS * STEP, "step": STEP, "rho_inf": 0.9} | settings),
     )
@@ -241,7 +288,7 @@ def run(model):
     try:
         return simulate(model)
     except ModelError as error:
-        if "redundant" in str(error):
+        if "redundant" in str(error) or "singular pose" in str(error):
             reject()
         raise
     except OutOfRangeError:

@@ -1,0 +1,120 @@
+"""Two sizes of steps: long ones in flight, short ones where contacts are closed or may close.
+
+At multiples of the long step, while no contact is closed or will be after it at its present rate,
+and no load jumps, steps are long. One that ends in a closed contact, or in which Newton's method
+fails, is taken back, and short ones take its place, up to the next multiple. Which steps are taken
+follows from the state alone, so that a run goes on from any of them to the bit. Source:
+docs/theory.md, Two step sizes.
+"""
+
+import numpy as np
+
+from .checkpoint.carried import Snapshot, carried
+from .lower.lower import LoweredModel
+from .model.signals import jumps_of
+from .start.initial import modes_of
+from .step.contacts import approaches
+from .step.loop import OTHER_SIZE, advance
+from .step.system import Inputs, Output, Run, State, System, Workspace
+
+FEWEST = 16
+"""steps for which inputs are made at once"""
+ROUNDING = 1e-9
+"""of a number of steps"""
+
+
+class Phases:
+    """The steps of a run, which are of one or two sizes."""
+
+    def __init__(
+        self, lowered: LoweredModel, state: State, work: Workspace, output: Output
+    ) -> None:
+        self._lowered, self._state, self._work = lowered, state, work
+        self._live = carried(state=state, work=work)
+        systems = (lowered.system, lowered.flight or lowered.system)
+        self._runs = [Run(system=s, state=state, work=work, output=output) for s in systems]
+        self._most = [FEWEST, FEWEST]
+        self._refused = -1
+        """the step after which a long one was taken back"""
+        jumps = {time for signal in lowered.load_signals for time in jumps_of(signal)}
+        self._jumps = np.array(sorted(jumps), dtype=np.float64) / lowered.h
+        """of loads, in short steps"""
+
+    def begin(self, n: int) -> tuple[int, int]:
+        """The size of the next steps, in short ones, and how many to take before `n` have passed.
+
+        With one size of steps all n.
+        """
+        if self._lowered.flight is None:
+            return 1, n
+        stride = self._lowered.ratio
+        steps = min(n // stride, self._steps_of_flight(int(self._state.step[0])))
+        in_flight = int(steps > 0)
+        if in_flight != self._state.in_flight[0]:
+            change_step(self._lowered, self._state, self._work, in_flight)
+        if in_flight:
+            return stride, min(steps, self._most[1])
+        return 1, min(n, self._most[0])
+
+    def advance(self, inputs: Inputs) -> tuple[int, float, bool]:
+        """Take steps: how many, the residual of the last, and whether Newton's method failed.
+
+        Fewer than there are inputs where it failed, or where other steps are due.
+        """
+        if self._lowered.flight is None:
+            taken, residual = advance(self._runs[0], inputs)
+            return taken, residual, taken < len(inputs.load)
+        in_flight = int(self._state.in_flight[0])
+        before = Snapshot.of(0, self._live) if in_flight else None
+        taken, residual = advance(self._runs[in_flight], inputs)
+        failed = taken < len(inputs.load) and residual != OTHER_SIZE
+        self._most[in_flight] = max(FEWEST, 2 * taken)
+        if failed and before is not None:
+            before.put_back(self._live)
+            advance(self._runs[in_flight], _first(inputs, taken))
+            self._refused, failed = int(self._state.step[0]), False
+        return taken, residual, failed
+
+    def _steps_of_flight(self, step: int) -> int:
+        """Long steps that may follow a step before a load jumps, unless a contact closes first."""
+        lowered = self._lowered
+        if step % lowered.ratio or step == self._refused:
+            return 0
+        h, couplings = lowered.longest_step, lowered.system.couplings
+        if approaches(couplings, h, self._state, self._work):
+            return 0
+        # the samples about a jump, means over short steps, are those of short steps alone
+        ahead = self._jumps[self._jumps > step - 1.0]
+        if not len(ahead):
+            return lowered.n_steps
+        return int(max((ahead[0] - 1.0 - step) / lowered.ratio + ROUNDING, 0.0))
+
+
+def change_step(lowered: LoweredModel, state: State, work: Workspace, in_flight: int) -> None:
+    """Let a state go on with long steps (in_flight = 1) or short ones (0).
+
+    Positions, velocities and accelerations stay, and all loads. The pseudo-acceleration a, which
+    lags behind the acceleration by a part of the step, begins anew: that of a body as its
+    acceleration, with v + h (1/2 - alpha_f) (a - v') as its velocity, which the scheme changes by
+    the mean of the forces alone; that of a mode as the share of its acceleration that a step of the
+    new size keeps, so that modes which it does not resolve do not overshoot.
+    """
+    systems: tuple[System, System | None] = (lowered.system, lowered.flight)
+    old, new = systems[1 - in_flight], systems[in_flight]
+    assert old is not None
+    assert new is not None
+    bodies, modes, interfaces = state.bodies, state.modes, state.interfaces
+    bodies.v[:] += old.scheme.h * (0.5 - old.scheme.alpha_f) * (bodies.a - bodies.v_dot)
+    bodies.a[:] = bodies.v_dot
+    kept = new.scheme.inertia_ratio / new.elastic.modes.step_stiffness
+    modes.a[:] = modes.acceleration * kept
+    for e in range(len(new.elastic.body)):
+        own = slice(new.elastic.modes.range[e], new.elastic.modes.range[e + 1])
+        dofs = slice(new.elastic.dof[e], new.elastic.dof[e + 1])
+        interfaces.a[dofs] = modes_of(lowered, e) @ modes.a[own]
+    work.matrix.current[0] = 0
+    state.in_flight[0] = in_flight
+
+
+def _first(inputs: Inputs, n: int) -> Inputs:
+    return Inputs(load=inputs.load[:n], drive=inputs.drive[:n], row=inputs.row[:n], ahead=0)
