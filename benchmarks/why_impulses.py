@@ -246,7 +246,7 @@ PICTURED = {4: "4 modes", 16: "16", None: "all, impulses"}
 
 def picture(asked: Sequence[Problem], path: str) -> None:
     """Forces on equal rods over time, and errors of the peak over the number of modes."""
-    figure, (forces, errors) = plt.subplots(1, 2, figsize=(11.0, 4.2), layout="constrained")
+    figure, (forces, errors) = plt.subplots(1, 2, figsize=(13.0, 4.2), layout="constrained")
     draw_forces(forces)
     draw_errors(errors, asked)
     figure.savefig(path, dpi=110)
@@ -272,7 +272,7 @@ def draw_errors(axes: Axes, asked: Sequence[Problem]) -> None:
         axes.loglog(COUNTS, np.maximum(error, LEAST_DRAWN), "o-", label=problem.name, markersize=4)
     axes.set_xticks(COUNTS, [str(count) for count in COUNTS])
     axes.set(xlabel="modes", ylabel="error of the peak force", title="Craig-Bampton")
-    axes.legend(fontsize=7, loc="lower left")
+    axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
 
 
 def main() -> None:
