@@ -57,6 +57,12 @@ def finish_history(elastic: Elastic, scheme: Scheme, state: State, work: Workspa
         state.energies.damping[0] += scheme.h * _damping_power(elastic, state, work)
 
 
+SILENT = 1e-140
+"""amplitude of a mode, whose square is still a normal number, that counts as none"""
+BETWEEN = 16
+"""steps between looks for such modes"""
+
+
 @compiled
 def _damping_power(elastic: Elastic, state: State, work: Workspace) -> float:
     """2 zeta omega eta'^2 of all modes, with the mean of their rates over the step.
@@ -132,6 +138,25 @@ def _forced_response(elastic: Elastic, scheme: Scheme, state: State, work: Works
         modes.acceleration[i] += ratio * change[i]
     for i in range(len(change)):
         modes.a[i] += change[i]
+
+
+@compiled
+def quiet_modes(state: State) -> None:
+    """Modes that time stepping has damped out come to rest: below some 1e-308, where they would go
+    on to, arithmetic takes a hundred times as long.
+    """
+    if state.step[0] % BETWEEN == 0:
+        modes = state.modes
+        _quiet(modes.eta)
+        _quiet(modes.rate)
+        _quiet(modes.acceleration)
+        _quiet(modes.a)
+
+
+@compiled
+def _quiet(values: Array) -> None:
+    for i in range(len(values)):
+        values[i] = values[i] if abs(values[i]) > SILENT else 0.0
 
 
 @compiled

@@ -7,7 +7,7 @@ from .contacts import approaches, is_closed, is_full, release_open, settle_conta
 from .couplings import add_coupling_work, expect_coordinates, remember_laws
 from .extremes import follow_extremes
 from .frames import move_frame_velocities, move_frames
-from .history import finish_history, start_history
+from .history import finish_history, quiet_modes, start_history
 from .interfaces import add_elastic_work, finish_interfaces, predict_interfaces
 from .loads import add_load_work
 from .newton import converge, renew
@@ -89,6 +89,7 @@ def _finish(system: System, state: State, work: Workspace) -> None:
     settle_contacts(system.couplings, work)
     follow_coordinates(system, state, work)
     follow_extremes(system, state, work)
+    quiet_modes(state)
     state.step[0] += system.scheme.stride
     state.taken[0] += 1
 

@@ -10,12 +10,15 @@ from duhamel.solver import (
     Constant,
     FlexibleBody,
     Harmonic,
+    Impulse,
     Joint,
     Load,
     Model,
     ModelError,
+    OutputRequest,
     RigidBody,
     Settings,
+    Simulator,
     Start,
     simulate,
 )
@@ -196,3 +199,22 @@ def test_a_step_finer_than_the_modes_hold_for_is_told_once(history, random_eleme
     ) as told:
         simulate(model)
     assert len(told) == 1
+
+
+def test_modes_that_have_died_out_come_to_rest(beam):
+    """Denormal numbers, on which arithmetic is slow, are not what a long run ends with."""
+    blow = Load("force", "beam.tip", [1.0, 1.0, 1.0], Impulse(1e-4, at=0.0))
+    model = Model(
+        {"beam": FlexibleBody(beam.element)},
+        loads=[blow],
+        settings=Settings(t_end=1.0, step=1e-4, rho_inf=0.5, output=OutputRequest(every=10_000)),
+    )
+    simulator = Simulator(model, outputs=[])
+    for _ in range(2000):
+        simulator.step([])
+    state = simulator.save().snapshot.arrays
+    for name in ("eta", "rate", "acceleration", "a"):
+        amplitudes = np.abs(state[f"state/modes/{name}"])
+        assert amplitudes.max() > 1e-20
+        assert (amplitudes == 0.0).any()
+        assert amplitudes[amplitudes > 0.0].min() > 1e-200
