@@ -40,9 +40,8 @@ class BoucWenLaw(ForceLaw):
     rest of the work, (1 - post_yield) k D |c'| |z|^(n+1) (beta + gamma sgn(c' z)) over time, is
     dissipated, and never negative as |gamma| <= beta.
 
-    Sources: Wen (1976), doi 10.1061/JMCEA3.0002106; Ma et al. (2004), doi
-    10.1115/1.1767162 (redundant parameters); Erlicher, Point (2004), doi
-    10.1016/j.crme.2003.12.004 (energies).
+    Sources: Y. K. Wen, J. Eng. Mech. Div. ASCE 102 (1976); F. Ma et al., J. Appl. Mech. 71 (2004)
+    (redundant parameters); S. Erlicher, N. Point, C. R. Mecanique 332 (2004) (energy).
     """
 
     yield_deformation: Positive
