@@ -15,6 +15,8 @@ from .vectors import Vector
 
 START, END, STEPS, PEAK, IMPULSE, CLOSING, OPENING, RESTITUTION, DISSIPATED = range(9)
 """columns of an event, those of results/schema.py"""
+GRAZE = 0.05
+"""peak over the largest of its contact below which nobody asks for the peak"""
 
 
 @compiled
@@ -154,15 +156,26 @@ def _end_contact(state: State, k: int, end: float, opening_speed: float) -> None
     contacts.event_contact[n] = k
     contacts.n_events[0] = n + 1
     contacts.ended[k] += 1
-    shortest = state.extremes.shortest
-    if contacts.whole[k] and (shortest[k] == 0 or contacts.steps[k] < shortest[k]):
-        shortest[k] = contacts.steps[k]
+    if contacts.whole[k]:
+        follow_shortest(state, k)
     event[START], event[END], event[STEPS] = contacts.begin[k], end, contacts.steps[k]
     event[PEAK], event[IMPULSE] = contacts.peak[k], contacts.impulse[k]
     event[CLOSING], event[OPENING] = closing_speed, opening_speed
     event[RESTITUTION] = opening_speed / closing_speed if closing_speed > 0.0 else 0.0
     event[DISSIPATED] = contacts.work[k] - contacts.work_done[k]
     contacts.steps[k] = 0
+
+
+@compiled
+def follow_shortest(state: State, k: int) -> None:
+    """The steps of the shortest time that contact k was closed, but for those that only graze."""
+    contacts, extremes = state.contacts, state.extremes
+    peak, steps = contacts.peak[k], contacts.steps[k]
+    extremes.peak[k] = max(extremes.peak[k], peak)
+    least = GRAZE * extremes.peak[k]
+    first = extremes.shortest[k] == 0 or extremes.shortest_peak[k] < least
+    if peak >= least and (first or steps < extremes.shortest[k]):
+        extremes.shortest[k], extremes.shortest_peak[k] = steps, peak
 
 
 @compiled

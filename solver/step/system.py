@@ -453,7 +453,11 @@ class ExtremeState(Struct):
     returned: Array = array("n_j")
     """energy that each gave back of it"""
     shortest: Index = array("n_k")
-    """steps of the shortest contact from closing to opening, 0: none yet"""
+    """steps of the shortest contact from closing to opening, 0: none yet; grazes do not count"""
+    shortest_peak: Array = array("n_k")
+    """its largest force"""
+    peak: Array = array("n_k")
+    """the largest force of contacts that have ended"""
     depth: Array = array("n_k")
     """penetration"""
     left: Index = array(1)

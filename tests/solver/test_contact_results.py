@@ -25,6 +25,8 @@ from duhamel.solver import (
     simulate,
 )
 from duhamel.solver.lower import allocation
+from duhamel.solver.start.initial import initialize
+from duhamel.solver.step.contacts import follow_shortest
 
 M, R, H, G = 0.1, 0.02, 1e-4, 10.0
 STIFFNESS = M * (np.pi / (40 * H)) ** 2
@@ -265,6 +267,22 @@ def test_too_few_steps_in_a_contact_are_warned_of_by_name():
         simulate(replace(bar, stops=[stiff]))
     assert not simulate(ball()).validity.warnings
     assert np.isnan(simulate(ball(t_end=0.01)).validity.values("contact_steps")["floor"])
+
+
+def test_a_graze_is_no_short_contact():
+    """Contacts whose peak is below 5 % of the largest do not count, whichever came first."""
+    state = initialize(ball()).state
+    for peak, steps, shortest in (
+        (100.0, 50, 50),
+        (4.0, 3, 50),
+        (1e4, 80, 80),
+        (400.0, 7, 80),
+        (600.0, 60, 60),
+        (2e4, 70, 70),
+    ):
+        state.contacts.peak[0], state.contacts.steps[0] = peak, steps
+        follow_shortest(state, 0)
+        assert state.extremes.shortest[0] == shortest
 
 
 def test_energy_that_a_contact_creates_is_of_a_contact():
