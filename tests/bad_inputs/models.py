@@ -36,6 +36,7 @@ type = "revolute"
 between = ["ground", "hub"]
 axis = [0, 0, 1]
 start = {angle = 0.1, angle_rate = 0.2}
+friction = {coefficient = 0.1, radius = 0.01, width = 0.1, preload = 1.0, viscous = 0.1}
 
 [[joints]]
 name = "clamp"
@@ -56,6 +57,49 @@ name = "bush"
 type = "bushing"
 between = ["ground", "ball"]
 stiffness = [9, 9, 9, 7, 7, 7]
+
+[[contacts]]
+name = "touch"
+between = ["ground.post", "ball"]
+shape = "sphere"
+radius = 0.1
+ball = 0.05
+hertz = {E = [2e11, 7e10], nu = [0.3, 0.33]}
+patch = [0, 0.001]
+restitution = 0.5
+slow = 0.02
+friction = {static = 0.3, sliding = 0.2, speed = 0.01}
+tangential_stiffness = 1e5
+tangential_damping = 3.0
+
+[[contacts]]
+name = "rail"
+between = ["ground.post", "ball"]
+shape = "cylinder"
+axis = [0, 0, 1]
+radius = 9.0
+hollow = true
+length = 9.0
+ball = 0.05
+law = {penetration = [0, 1e-3, 3e-3], force = [0, 5, 20]}
+damping = 0.1
+
+[[contacts]]
+name = "cam"
+between = ["hub.rim", "ball"]
+shape = "profile"
+axis = [0, 0, 1]
+points = [[0.1, 0], [0, 0.1], [-0.1, 0], [0, -0.1], [0.1, 0]]
+ball = 0.05
+stiffness = 1e5
+exponent = 1.5
+
+[[stops]]
+name = "end"
+joint = "pivot"
+coordinate = "angle"
+range = [-1.0, 2.0]
+stiffness = 1e3
 
 [[motions]]
 name = "shake"
