@@ -26,7 +26,7 @@ from .values import UNKNOWN, VALUES, Place, changed, declared, dotted, table_kin
 
 REFUSALS = ModelError, ConvergenceError, ResultsError
 
-NAMES = "joint '", "joints: ", "motion '", "body '", "step "
+NAMES = "joint '", "contact '", "joints: ", "motion '", "body '", "step "
 """of the parts that are at odds with a bad value elsewhere"""
 
 FORMS = {
