@@ -21,9 +21,10 @@ from .laws.one_sided import OneSidedLaw
 from .laws.tabulated import TabulatedLaw
 from .laws.user import UserLaw
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
-from .model.contacts import Contact, ForceTable, Hertz, Impact, Stop
+from .model.contacts import Contact, Hertz
 from .model.file import read_model, write_model
 from .model.friction import Coulomb, JointFriction, Stribeck
+from .model.impact import ForceTable, Impact
 from .model.joints import Joint
 from .model.loads import Load
 from .model.model import Model
@@ -44,6 +45,7 @@ from .model.signals import (
     Table,
 )
 from .model.springs import Spring
+from .model.stops import Stop
 from .simulation import simulate, start
 from .simulator import Simulator
 

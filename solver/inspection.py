@@ -13,8 +13,9 @@ from .arrays import Array
 from .errors import about
 from .history.cost import history_costs
 from .lower.lower import LoweredModel
-from .model.contacts import Contact, JointStop
+from .model.contacts import Contact
 from .model.model import Coupling, Model
+from .model.stops import JointStop
 from .output.columns import requested
 from .output.size import check_memory, file_bytes, lack_of_disk
 from .output.writer import check_output, contents_of, make_writer, rows_of

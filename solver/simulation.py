@@ -53,7 +53,7 @@ from .progress import Progress
 from .schema.entry import LARGEST
 from .start.initial import initialize, lower_to_start
 from .start.removed import RemovedRows
-from .step.contacts import is_full
+from .step.events import is_full
 from .step.record import record
 from .step.system import Inputs, Run, State, Workspace
 

@@ -9,16 +9,17 @@ from numpy.typing import NDArray
 from ...superelement import GeneralizedAlpha, Superelement
 from ..arrays import Array, as_index, as_rows
 from ..history.layout import Horizon, Stepping, lay_out_elastic
-from ..model.contacts import Contact, JointStop
+from ..model.contacts import Contact
 from ..model.joints import Joint
 from ..model.model import Model
 from ..model.settings import StartFrom
 from ..model.signals import Signal, SmoothSignal
+from ..model.stops import JointStop
 from ..step.rows import measures_length
 from ..step.system import Bodies, Loads, System
 from .checks import check_assembled, check_masses, check_moments
-from .contacts import Bristle, bristle_of
 from .elimination_order import lay_out_pattern
+from .friction import Bristle, bristle_of
 from .numbering import NumberedFrames, number_frames
 from .placement import Pose, place_bodies
 from .rows import Row, coupling_rows, joint_observers, lay_out_couplings, lay_out_rows

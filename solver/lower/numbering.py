@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..model.bodies import FlexibleBody
-from ..model.contacts import JointStop
 from ..model.model import GROUND, Coupling, Model
 from ..model.motions import PrescribedMotion
+from ..model.stops import JointStop
 from ..step.rotations import quaternion_of
 from ..step.system import Frames
 from .placement import Pose, frame_pose

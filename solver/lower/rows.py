@@ -7,16 +7,18 @@ import numpy as np
 
 from ..arrays import Array, Index, as_index, as_rows
 from ..laws.law import ForceLaw
-from ..model.contacts import Contact, JointStop
+from ..model.contacts import Contact
 from ..model.joints import ABOUT_E3, Joint, basis_about
 from ..model.model import Coupling
 from ..model.motions import PrescribedDisplacement, PrescribedMotion
 from ..model.signals import SmoothSignal
 from ..model.springs import Spring
+from ..model.stops import JointStop
 from ..step.gaps import FirstSlip, Gap, SecondSlip
 from ..step.rows import Angle, Distance, Rotation, Translation
 from ..step.system import Couplings, Friction, Laws, Rows
-from .contacts import SHAPES, Bristle, contact_axes, normal_weights, shape_parameters
+from .contacts import SHAPES, contact_axes, shape_parameters
+from .friction import Bristle, normal_weights
 from .placement import Pose
 
 COINCIDENT = 1e-12

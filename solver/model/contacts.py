@@ -1,4 +1,4 @@
-"""Contacts of a ball with a shape, and stops of joint coordinates.
+"""Contacts of a ball with a shape.
 
 A ball of radius r about the second frame, or a point (r = 0), meets a shape that the first frame
 carries: a plane, or a sphere or cylinder of radius R about it, from outside or, hollow, from
@@ -7,18 +7,15 @@ inside. Force and damping are those of `ContactLaw` (solver/laws/contact.py).
 
 import math
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import Annotated, Any
 
 import numpy as np
 
 from ..arrays import Array
-from ..errors import ModelError
 from ..laws.contact import ContactLaw
 from ..schema.entry import Beside, Entry, entry, one_of
 from ..schema.values import (
     ABSENT,
-    Limits,
     NotNegative,
     Numbers,
     OptionalDirection,
@@ -27,7 +24,7 @@ from ..schema.values import (
     Positive,
 )
 from .friction import AnyCoefficient
-from .joints import Joint
+from .impact import Impact
 
 NO_PATCH: Any = (0.0, 0.0)
 
@@ -85,78 +82,6 @@ class Hertz(Entry):
 
 def _flexibility(E: float, nu: float) -> float:
     return (1.0 - nu**2) / E
-
-
-@entry(eq=True)
-class ForceTable(Entry):
-    """Force [N, N m] over penetration [m, rad]: points from 0 on; straight beyond the last."""
-
-    penetration: Numbers
-    force: Numbers
-
-    def validate(self) -> None:
-        for name, values in (("penetration", self.penetration), ("force", self.force)):
-            if len(values) < 2 or values[0] != 0.0:
-                raise self.error(f"{name}: expected two or more numbers from 0, got {list(values)}")
-            if any(b <= a for a, b in pairwise(values)):
-                raise self.error(f"{name}: expected rising numbers, got {list(values)}")
-        if len(self.penetration) != len(self.force):
-            raise self.error(
-                f"expected as many forces as penetrations, got {len(self.force)} and "
-                f"{len(self.penetration)}"
-            )
-
-
-@entry(eq=True)
-class Impact(Entry):
-    """The force of a contact or stop by its penetration d, and what an impact loses.
-
-    stiffness d^exponent, or `law`, a table; restitution, exact for two free bodies at the speed of
-    each impact, or damping [s/m, s/rad], by which the force is multiplied with 1 + damping d';
-    slow [m/s, rad/s]: slower impacts are damped as this one.
-    """
-
-    stiffness: Positive | None = None
-    exponent: Positive | None = None
-    law: ForceTable | None = None
-    restitution: Positive = 1.0
-    damping: NotNegative = 0.0
-    slow: Positive = 0.01
-
-    def validate(self) -> None:
-        if not self.restitution <= 1.0:
-            raise self.error(
-                f"restitution: expected more than 0 and at most 1, got {self.restitution:g}"
-            )
-        if self.damping > 0.0 and self.restitution < 1.0:
-            raise self.error("expected restitution or damping, got both")
-        if self.exponent is not None and self.stiffness is None:
-            raise self.error("exponent: belongs to a stiffness, got none")
-        if self.exponent is not None and self.exponent < 1.0:
-            raise self.error(f"exponent: expected 1 or more, got {self.exponent:g}")
-
-    def beyond(self, limits: tuple[float, float]) -> ContactLaw:
-        """The law of a coordinate that is free between limits."""
-        return self._law(limits, self.stiffness or 0.0, self.exponent or 1.0)
-
-    def hertzian(self, stiffness: float, patch: float) -> ContactLaw:
-        """The law of a gap whose stiffness [N/m^1.5] follows from materials and radii."""
-        return self._law((0.0, math.inf), stiffness, 1.5, patch)
-
-    def _law(
-        self, limits: tuple[float, float], stiffness: float, exponent: float, patch: float = 0.0
-    ) -> ContactLaw:
-        return ContactLaw(
-            limits,
-            stiffness,
-            exponent,
-            self.restitution,
-            self.slow,
-            self.damping,
-            patch,
-            penetration=self.law.penetration if self.law else (),
-            force=self.law.force if self.law else (),
-        )
 
 
 @entry()
@@ -273,52 +198,3 @@ class Contact(Entry):
             raise self.error(f"patch: expected two radii of at least 0, got {list(self.patch)}")
         if any(self.patch) and self.hertz is None:
             raise self.error("patch: belongs to hertz, got none")
-
-
-@entry()
-class Stop(Entry):
-    """Limits of a joint coordinate, with the force of a contact beyond them.
-
-    coordinate: one that the joint leaves free, or drives; range [m, rad]: its free play, of which
-    one end may be infinite. The gaps of play and backlash are such ranges.
-    """
-
-    label = "stop {name!r}"
-
-    name: str
-    joint: str
-    coordinate: str
-    range: Limits
-    impact: Annotated[Impact, Beside()] = field(default_factory=Impact)
-
-    def validate(self) -> None:
-        if (self.impact.stiffness is None) == (self.impact.law is None):
-            found = "none" if self.impact.law is None else "both"
-            raise self.error(f"expected one of stiffness and law, found {found}")
-
-
-@dataclass(frozen=True)
-class JointStop:
-    """A stop with the joint that it belongs to."""
-
-    stop: Stop
-    joint: Joint
-
-    @property
-    def name(self) -> str:
-        return self.stop.name
-
-    @property
-    def owner(self) -> str:
-        return self.stop.owner
-
-    @property
-    def between(self) -> tuple[str, str]:
-        return self.joint.between
-
-    @property
-    def type(self) -> str:
-        return self.joint.type
-
-    def error(self, message: str) -> ModelError:
-        return self.stop.error(message)

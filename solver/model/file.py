@@ -26,7 +26,7 @@ from ..schema.tables import (
 )
 from ..schema.values import ORIGIN
 from .bodies import Body, FlexibleBody, Frame, RigidBody, Start
-from .contacts import Contact, Stop
+from .contacts import Contact
 from .joints import Joint
 from .loads import Load
 from .model import Model
@@ -34,6 +34,7 @@ from .motions import PrescribedMotion
 from .output_request import OutputRequest
 from .settings import Settings, StartFrom
 from .springs import Spring
+from .stops import Stop
 
 SHORT_ARRAY = re.compile(r"\[\n((?:[^\[\]\n]*,\n)+) *\]")
 """an array of numbers or words as tomli_w writes it, an item a line"""

@@ -9,12 +9,13 @@ from ..errors import ModelError
 from ..schema.entry import Entry, entry
 from ..schema.values import NONE, ORIGIN, Several, Vector
 from .bodies import Body, FlexibleBody, Frame
-from .contacts import Contact, JointStop, Stop
+from .contacts import Contact
 from .joints import Joint
 from .loads import Load
 from .motions import PrescribedMotion
 from .settings import Settings
 from .springs import Spring
+from .stops import JointStop, Stop
 
 GROUND = "ground"
 Coupling = Joint | PrescribedMotion | Spring | Contact | JointStop

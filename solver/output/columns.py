@@ -17,11 +17,12 @@ from ...results.schema import (
 from ..arrays import Array
 from ..errors import ModelError
 from ..lower.lower import LoweredModel
-from ..model.contacts import Contact, JointStop
+from ..model.contacts import Contact
 from ..model.joints import Joint
 from ..model.model import GROUND, Model
 from ..model.motions import PrescribedMotion
 from ..model.springs import Spring
+from ..model.stops import JointStop
 from ..step.system import Output
 
 

@@ -1,4 +1,4 @@
-"""Joints, motions and springs: their wrenches, residuals, derivatives, convective terms, energies.
+"""Joints, motions, springs and contacts: wrenches, residuals, derivatives, energies.
 
 The wrench of a row on its frames is lambda times its gradient, for L + lambda^T phi. The row of a
 joint must vanish, phi = c (less the driven distance; a driven rotation row turns its axis instead).
@@ -8,13 +8,16 @@ The row of a spring obeys
             + laws_i(c_i - rest_i, dc_i/dt) = 0
 
 so that springs enter Newton's matrix like joints, and couple no two bodies but by their multiplier.
+Contacts are such rows as well, which are left out while they are open (contacts.py); rows with
+friction come last in their coupling (friction.py).
 """
 
 import math
 
 from ..compiler.marks import compiled
 from ..laws import evaluate_law, remember_law
-from .contacts import follow_contact, set_closed
+from .contacts import set_closed
+from .events import follow_contact
 from .frames import (
     Pair,
     add_pair_tangent,

@@ -44,7 +44,7 @@ from .vectors import (
 
 BALL, SIDE, SHAPE = 0, 1, 2
 """parameters of a row: radius of the ball, 1 or -1 for a ball inside, then those of the shape"""
-STEEPEST = 1e-3
+SHORTEST = 1e-3
 """length of the projected axis below which it gives no direction"""
 ZERO = (0.0, 0.0, 0.0)
 
@@ -100,7 +100,10 @@ def settled_axis(rows: Rows, i: int, work: Workspace) -> Vector:
 
 @row_kind(length=True)
 class Gap:
-    """c = s(y) - r"""
+    """c = s(y) - r; open, past an end of the shape, by its distance from there as well.
+
+    The gradient is that of s: past an end there is no force.
+    """
 
     number: int
 
@@ -166,7 +169,7 @@ def _across(n: Vector, axis: Vector) -> tuple[Vector, float]:
     """The part p of an axis across n, over its length, and 1 / |p|."""
     p = subtract(axis, scale(dot(n, axis), n))
     length = math.sqrt(dot(p, p))
-    inverse = 1.0 / length if length > STEEPEST else 0.0
+    inverse = 1.0 / length if length > SHORTEST else 0.0
     return scale(inverse, p), inverse
 
 

@@ -3,8 +3,9 @@
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
 from .bodies import finish_bodies, predict_bodies
-from .contacts import approaches, is_closed, is_full, release_open, settle_contacts
+from .contacts import approaches, is_closed, release_open, settle_contacts
 from .couplings import add_coupling_work, expect_coordinates, remember_laws
+from .events import is_full
 from .extremes import follow_extremes
 from .frames import move_frame_velocities, move_frames
 from .history import finish_history, quiet_modes, start_history

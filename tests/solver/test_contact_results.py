@@ -26,7 +26,7 @@ from duhamel.solver import (
 )
 from duhamel.solver.lower import allocation
 from duhamel.solver.start.initial import initialize
-from duhamel.solver.step.contacts import follow_shortest
+from duhamel.solver.step.events import follow_shortest
 
 M, R, H, G = 0.1, 0.02, 1e-4, 10.0
 STIFFNESS = M * (np.pi / (40 * H)) ** 2

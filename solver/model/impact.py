@@ -1,0 +1,80 @@
+"""The force of a contact or a stop by its penetration, and what an impact loses."""
+
+import math
+from itertools import pairwise
+
+from ..laws.contact import ContactLaw
+from ..schema.entry import Entry, entry
+from ..schema.values import NotNegative, Numbers, Positive
+
+
+@entry(eq=True)
+class ForceTable(Entry):
+    """Force [N, N m] over penetration [m, rad]: points from 0 on; straight beyond the last."""
+
+    penetration: Numbers
+    force: Numbers
+
+    def validate(self) -> None:
+        for name, values in (("penetration", self.penetration), ("force", self.force)):
+            if len(values) < 2 or values[0] != 0.0:
+                raise self.error(f"{name}: expected two or more numbers from 0, got {list(values)}")
+            if any(b <= a for a, b in pairwise(values)):
+                raise self.error(f"{name}: expected rising numbers, got {list(values)}")
+        if len(self.penetration) != len(self.force):
+            raise self.error(
+                f"expected as many forces as penetrations, got {len(self.force)} and "
+                f"{len(self.penetration)}"
+            )
+
+
+@entry(eq=True)
+class Impact(Entry):
+    """The force of a contact or stop by its penetration d, and what an impact loses.
+
+    stiffness d^exponent, or `law`, a table; restitution, exact for two free bodies at the speed of
+    each impact, or damping [s/m, s/rad], by which the force is multiplied with 1 + damping d';
+    slow [m/s, rad/s]: slower impacts are damped as this one.
+    """
+
+    stiffness: Positive | None = None
+    exponent: Positive | None = None
+    law: ForceTable | None = None
+    restitution: Positive = 1.0
+    damping: NotNegative = 0.0
+    slow: Positive = 0.01
+
+    def validate(self) -> None:
+        if not self.restitution <= 1.0:
+            raise self.error(
+                f"restitution: expected more than 0 and at most 1, got {self.restitution:g}"
+            )
+        if self.damping > 0.0 and self.restitution < 1.0:
+            raise self.error("expected restitution or damping, got both")
+        if self.exponent is not None and self.stiffness is None:
+            raise self.error("exponent: belongs to a stiffness, got none")
+        if self.exponent is not None and self.exponent < 1.0:
+            raise self.error(f"exponent: expected 1 or more, got {self.exponent:g}")
+
+    def beyond(self, limits: tuple[float, float]) -> ContactLaw:
+        """The law of a coordinate that is free between limits."""
+        return self._law(limits, self.stiffness or 0.0, self.exponent or 1.0)
+
+    def hertzian(self, stiffness: float, patch: float) -> ContactLaw:
+        """The law of a gap whose stiffness [N/m^1.5] follows from materials and radii."""
+        return self._law((0.0, math.inf), stiffness, 1.5, patch)
+
+    def _law(
+        self, limits: tuple[float, float], stiffness: float, exponent: float, patch: float = 0.0
+    ) -> ContactLaw:
+        return ContactLaw(
+            limits,
+            stiffness,
+            exponent,
+            self.restitution,
+            self.slow,
+            self.damping,
+            patch,
+            penetration=self.law.penetration if self.law else (),
+            force=self.law.force if self.law else (),
+        )

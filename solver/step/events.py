@@ -1,0 +1,74 @@
+"""What happens in each contact from closing to opening, counted at every step."""
+
+from ..compiler.marks import compiled
+from .contacts import penetration_of
+from .system import ContactState, Couplings, State, Workspace
+
+START, END, STEPS, PEAK, IMPULSE, CLOSING, OPENING, RESTITUTION, DISSIPATED = range(9)
+"""columns of an event, those of results/schema.py"""
+GRAZE = 0.05
+"""peak over the largest of its contact below which nobody asks for the peak"""
+
+
+@compiled
+def follow_contact(couplings: Couplings, j: int, state: State, work: Workspace) -> None:
+    """Contact j from the start to the end of a step, whose work is counted already."""
+    contacts, old, out = state.contacts, state.couplings, work.couplings
+    k, i, h = couplings.contact_of[j], couplings.range[j], out.elapsed[0]
+    closed, t = out.status[j] > 0, state.step[0] * h
+    if not closed and not contacts.steps[k]:
+        return
+    before, side = penetration_of(couplings, i, old.coordinate[i])
+    after, new_side = penetration_of(couplings, i, out.coordinate[i])
+    crossing = t + h * min(max(before / (before - after), 0.0), 1.0) if before != after else t
+    if closed and not contacts.steps[k]:
+        begins = before <= 0.0  # or else it was closed at the start of the run
+        contacts.begin[k] = crossing if begins else t
+        contacts.closing_speed[k] = max(new_side * old.rate[i], 0.0) if begins else 0.0
+        contacts.whole[k] = int(begins)
+        contacts.work[k] = contacts.work_done[k]
+        contacts.peak[k], contacts.impulse[k] = abs(out.lam_n[i]), 0.0
+    contacts.work_done[k] = state.energies.compliance[j]
+    if closed:
+        contacts.steps[k] += 1
+        contacts.peak[k] = max(contacts.peak[k], abs(old.lam[i]))
+        contacts.impulse[k] += h * abs(old.lam[i])
+        state.extremes.depth[k] = max(state.extremes.depth[k], after)
+    else:
+        _end_contact(state, k, crossing, max(-side * out.rate[i], 0.0))
+
+
+@compiled
+def _end_contact(state: State, k: int, end: float, opening_speed: float) -> None:
+    contacts = state.contacts
+    n, closing_speed = contacts.n_events[0], contacts.closing_speed[k]
+    event = contacts.event[n]
+    contacts.event_contact[n] = k
+    contacts.n_events[0] = n + 1
+    contacts.ended[k] += 1
+    if contacts.whole[k]:
+        follow_shortest(state, k)
+    event[START], event[END], event[STEPS] = contacts.begin[k], end, contacts.steps[k]
+    event[PEAK], event[IMPULSE] = contacts.peak[k], contacts.impulse[k]
+    event[CLOSING], event[OPENING] = closing_speed, opening_speed
+    event[RESTITUTION] = opening_speed / closing_speed if closing_speed > 0.0 else 0.0
+    event[DISSIPATED] = contacts.work[k] - contacts.work_done[k]
+    contacts.steps[k] = 0
+
+
+@compiled
+def follow_shortest(state: State, k: int) -> None:
+    """The steps of the shortest time that contact k was closed, but for those that only graze."""
+    contacts, extremes = state.contacts, state.extremes
+    peak, steps = contacts.peak[k], contacts.steps[k]
+    extremes.peak[k] = max(extremes.peak[k], peak)
+    least = GRAZE * extremes.peak[k]
+    first = extremes.shortest[k] == 0 or extremes.shortest_peak[k] < least
+    if peak >= least and (first or steps < extremes.shortest[k]):
+        extremes.shortest[k], extremes.shortest_peak[k] = steps, peak
+
+
+@compiled
+def is_full(contacts: ContactState) -> bool:
+    """Whether the next step may end more contacts than there is room for."""
+    return bool(contacts.n_events[0] + len(contacts.steps) > len(contacts.event_contact))
