@@ -16,8 +16,8 @@ from .start.jacobian import constraint_jacobian, constraint_rows, coupling_jacob
 from .start.matrices import dense_of, is_small, unit_rows
 from .start.redundancy import describe_rows
 from .step.bodies import accelerate
-from .step.couplings import law_of_row
 from .step.equations import evaluate, linearize
+from .step.force_laws import law_of_row
 from .step.system import State, Workspace
 
 LARGE_TURN = 0.5

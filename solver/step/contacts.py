@@ -6,8 +6,8 @@ exerts nothing, and the derivatives of its rows are not computed.
 """
 
 from ..compiler.marks import compiled, entry
-from ..laws import evaluate_law
 from ..laws.contact import penetration
+from .force_laws import law_of_row
 from .gaps import has_ends, is_blocked, settled_axis, slip_axis
 from .rows import GAP
 from .system import Couplings, State, Workspace
@@ -17,14 +17,8 @@ from .vectors import Vector
 @compiled
 def set_closed(couplings: Couplings, j: int, state: State, work: Workspace) -> None:
     """The status of contact j: closed where the law of its first row stores energy."""
-    laws, out, i = couplings.laws, work.couplings, couplings.range[j]
-    m = laws.range[i]
-    parameters = laws.parameters[laws.first[m] : laws.first[m + 1]]
-    memory = state.couplings.memory[laws.memory[m] : laws.memory[m + 1]]
-    c = out.coordinate[i] - laws.rest[i]
-    _, _, _, energy = evaluate_law(
-        laws.number[m], parameters, memory, out.elapsed[0], c, out.rate[i]
-    )
+    out, i = work.couplings, couplings.range[j]
+    _, _, _, energy = law_of_row(couplings.laws, i, state, work)
     if energy == 0.0:
         out.status[j] = 0
     elif out.status[j] == 0:

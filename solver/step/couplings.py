@@ -15,9 +15,9 @@ friction come last in their coupling (friction.py).
 import math
 
 from ..compiler.marks import compiled
-from ..laws import evaluate_law, remember_law
 from .contacts import set_closed
 from .events import follow_contact
+from .force_laws import law_of_row, law_rounding, set_law_residual
 from .frames import (
     Pair,
     add_pair_tangent,
@@ -35,7 +35,7 @@ from .friction import (
 )
 from .measure import ROUNDING, relative
 from .rows import ROTATION, add_row_tangent, carried_axis, evaluate_row, measures_length, slips
-from .system import Couplings, Frames, Laws, State, System, Workspace
+from .system import Couplings, Frames, State, System, Workspace
 from .vectors import dot, rotate, row, scale, triple
 
 
@@ -68,7 +68,7 @@ def add_coupling_wrenches(couplings: Couplings, state: State, work: Workspace) -
             if contact and not out.status[j]:
                 out.phi[i], out.scale[i] = lam[i], abs(lam[i])
             elif couplings.compliant[i] and i < end:
-                _set_law_residual(couplings.laws, i, first, end, state, work)
+                set_law_residual(couplings.laws, i, first, end, state, work)
         if end < last and (out.status[j] or not contact):
             set_friction_residual(couplings, j, first, state, work)
 
@@ -138,60 +138,6 @@ def _set_constraint_residual(couplings: Couplings, i: int, work: Workspace) -> N
         f, g = couplings.rows.frame_a[i], couplings.rows.frame_b[i]
         b = rotate(work.frames.D, g, row(couplings.rows.b, i))
         out.drive_slope[i] = dot(rotate(work.frames.D, f, ahead), b)
-
-
-@compiled
-def _set_law_residual(
-    laws: Laws, i: int, first: int, last: int, state: State, work: Workspace
-) -> None:
-    """phi of a force law, and the sum of the magnitudes of its terms."""
-    out, lam = work.couplings, state.couplings.lam[i]
-    total, magnitude = lam, abs(lam)
-    for j in range(first, last):
-        elastic = laws.stiffness[i, j - first] * (out.coordinate[j] - laws.rest[j])
-        viscous = laws.damping[i, j - first] * out.rate[j]
-        total += elastic + viscous
-        magnitude += abs(elastic) + abs(viscous)
-    force, _, _, _ = law_of_row(laws, i, state, work)
-    out.phi[i] = total + force
-    out.scale[i] = magnitude + abs(force)
-
-
-@compiled
-def law_of_row(
-    laws: Laws, i: int, state: State, work: Workspace
-) -> tuple[float, float, float, float]:
-    """Force, slopes by coordinate and rate, and energy of the laws of row i alone."""
-    force, slope, rate_slope, energy = 0.0, 0.0, 0.0, 0.0
-    if laws.range[i] == laws.range[i + 1]:
-        return force, slope, rate_slope, energy
-    out = work.couplings
-    c = out.coordinate[i] - laws.rest[i]
-    for m in range(laws.range[i], laws.range[i + 1]):
-        parameters = laws.parameters[laws.first[m] : laws.first[m + 1]]
-        memory = state.couplings.memory[laws.memory[m] : laws.memory[m + 1]]
-        f, by_c, by_rate, stored = evaluate_law(
-            laws.number[m], parameters, memory, out.elapsed[0], c, out.rate[i]
-        )
-        force += f
-        slope += by_c
-        rate_slope += by_rate
-        energy += stored
-    return force, slope, rate_slope, energy
-
-
-@compiled
-def remember_laws(laws: Laws, state: State, work: Workspace) -> None:
-    """Bring the memories of all laws to the end of a step, from where no time has elapsed."""
-    out = work.couplings
-    rows = len(laws.rest) if len(state.couplings.memory) > 0 else 0
-    for i in range(rows):
-        c = out.coordinate[i] - laws.rest[i]
-        for m in range(laws.range[i], laws.range[i + 1]):
-            parameters = laws.parameters[laws.first[m] : laws.first[m + 1]]
-            memory = state.couplings.memory[laws.memory[m] : laws.memory[m + 1]]
-            remember_law(laws.number[m], parameters, memory, out.elapsed[0], c, out.rate[i])
-    out.elapsed[0] = 0.0
 
 
 @compiled
@@ -402,7 +348,7 @@ def relative_coupling_residual(
             elif couplings.compliant[i]:
                 floor = ROUNDING * out.scale[i]
                 if at_rest:
-                    floor += _law_rounding(system, i, couplings.range[j], reach, state, work)
+                    floor += law_rounding(system, i, couplings.range[j], reach, state, work)
                 worst = max(worst, relative(out.phi[i], out.scale[i], floor, tolerance))
             elif measures_length(couplings.rows.kind[i]):
                 worst = max(worst, relative(out.phi[i], length, ROUNDING * reach, tolerance))
@@ -430,23 +376,6 @@ def _forces_beside(system: System, i: int, reach: float, work: Workspace) -> tup
     if reach == 0.0:
         inertia = 0.0
     return scale, ROUNDING * (scale + system.scheme.beta_prime * inertia)
-
-
-@compiled
-def _law_rounding(
-    system: System, i: int, first: int, reach: float, state: State, work: Workspace
-) -> float:
-    """Change of the force law of row i by the rounding of positions; its rows begin at `first`."""
-    couplings, gamma_prime = system.couplings, system.scheme.gamma_prime
-    laws = couplings.laws
-    kind = couplings.rows.kind
-    _, slope, rate_slope, _ = law_of_row(laws, i, state, work)
-    steep = abs(slope) + gamma_prime * abs(rate_slope)
-    total = steep * (reach if measures_length(kind[i]) else 1.0)
-    for j in range(first, min(first + 6, len(kind))):
-        steep = abs(laws.stiffness[i, j - first]) + gamma_prime * abs(laws.damping[i, j - first])
-        total += steep * (reach if measures_length(kind[j]) else 1.0)
-    return ROUNDING * total
 
 
 @compiled

@@ -10,7 +10,8 @@ from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
 from .bodies import rigid_energies, spin_of
 from .contacts import settle_contacts
-from .couplings import remember_laws, spring_energy
+from .couplings import spring_energy
+from .force_laws import remember_laws
 from .observers import start_coordinates
 from .system import Couplings, Elastic, ExtremeState, Frames, State, System, Workspace
 from .vectors import dot, triple

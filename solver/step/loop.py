@@ -4,9 +4,10 @@ from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
 from .bodies import finish_bodies, predict_bodies
 from .contacts import approaches, is_closed, release_open, settle_contacts
-from .couplings import add_coupling_work, expect_coordinates, remember_laws
+from .couplings import add_coupling_work, expect_coordinates
 from .events import is_full
 from .extremes import follow_extremes
+from .force_laws import remember_laws
 from .frames import move_frame_velocities, move_frames
 from .history import finish_history, quiet_modes, start_history
 from .interfaces import add_elastic_work, finish_interfaces, predict_interfaces
