@@ -220,6 +220,31 @@ def test_a_ball_that_slides_begins_to_roll():
     assert abs(losses[0]) > 3.0 * abs(losses[1]) > 9.0 * abs(losses[2])
 
 
+@pytest.mark.parametrize("damping", [0.0, 20.0, 2000.0])
+def test_a_slip_that_begins_in_full_motion_creates_no_energy(damping):
+    """A bristle is bent by its own rate: a contact that closes at 5 m/s stores none of that."""
+    m, r = 0.1, 0.02
+    contact = floor(
+        ball=r,
+        impact=Impact(stiffness=1e6),
+        friction=0.3,
+        tangential_stiffness=1e4,
+        tangential_damping=damping,
+    )
+    model = model_of(
+        {"ball": ball(m, r, position=[0, 0, r + 1e-4], velocity=[5, 0, -1])},
+        contacts=(contact,),
+        **FLOOR,
+        t_end=0.01,
+        step=1e-6,
+    )
+    energy = simulate(model).energy
+    total = energy.kinetic + energy.springs
+    assert total.max() < total[0] * (1.0 + 1e-6)
+    assert np.diff(energy.dissipated).min() > -1e-6 * total[0]
+    assert energy.dissipated[-1] > 0.1 * 0.3 * m * 2.0 * 5.0
+
+
 @pytest.mark.parametrize("shape", ["sphere", "cylinder"])
 def test_a_ball_rolls_down_inside_a_bowl(shape):
     """Without slip: v^2 = 10/7 g (R - r)(1 - cos); the tangents are carried along."""
