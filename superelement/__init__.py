@@ -8,6 +8,7 @@ from .kernel import Kernel, sample_kernel
 from .modes import Modes
 from .recovery import Recovery, von_mises
 from .response import respond
+from .rotation import Rotation
 from .scheme import GeneralizedAlpha
 from .superelement import Provenance, StepWarning, Superelement
 from .validation import SuperelementError
@@ -20,6 +21,7 @@ __all__ = [
     "Modes",
     "Provenance",
     "Recovery",
+    "Rotation",
     "StepWarning",
     "Superelement",
     "SuperelementError",

@@ -10,6 +10,7 @@ from .interface import Interface
 from .kernel import Kernel, sample_kernel
 from .modes import Modes
 from .recovery import Recovery
+from .rotation import Rotation
 from .scheme import GeneralizedAlpha
 from .validation import Array, SuperelementError, check_positive, check_symmetric, checked
 
@@ -60,6 +61,7 @@ class Superelement:
     compliance: Array
     accelerance: Array
     recovery: Recovery | None = None
+    rotation: Rotation | None = None
     provenance: Provenance = field(default_factory=Provenance)
 
     def __post_init__(self) -> None:
@@ -83,6 +85,8 @@ class Superelement:
                 f"modes: phi: expected {n_c} rows, the dofs of interfaces {names}, "
                 f"found {len(self.modes.phi)}"
             )
+        if self.rotation is not None:
+            self._check_rotation(self.rotation, n_c)
         if self.recovery is not None:
             n_modes = 0 if self.modes is None else len(self.modes.omega)
             if self.recovery.phi.shape[2] != n_modes:
@@ -115,6 +119,19 @@ class Superelement:
         apart = np.linalg.norm(points[:, None] - points, axis=2).max()
         bar = np.sqrt(12.0 * np.linalg.eigvalsh(self.J_rot)[-1] / self.mass)
         return float(max(bar, apart))
+
+    def _check_rotation(self, rotation: Rotation, n_c: int) -> None:
+        if len(rotation.A_interface) != n_c:
+            raise SuperelementError(
+                f"rotation: A_interface: expected {n_c} rows, the dofs of the interfaces, "
+                f"found {len(rotation.A_interface)}"
+            )
+        n_modes = 0 if self.modes is None else len(self.modes.omega)
+        if rotation.T.shape[1] != n_modes:
+            raise SuperelementError(
+                f"rotation: T: expected {n_modes} columns, one per mode, "
+                f"found {rotation.T.shape[1]}"
+            )
 
     def interface(self, name: str) -> Interface:
         return self.interfaces[self._index(name)]

@@ -1,0 +1,88 @@
+"""The second order of elastic motion: what a body that turns fast, or bends far, needs beside it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .validation import Array, SuperelementError, checked
+
+INERTIA = 6
+"""changes of the moments of inertia, in the order 11, 22, 33, 23, 13, 12"""
+
+
+@dataclass(frozen=True, eq=False)
+class Rotation:
+    """Changes of inertia, foreshortening and geometric stiffness, quadratic in r coordinates q.
+
+        z = [u; d] = [phi; phi_inertia] eta + 1/2 A(q, q),     q = T eta
+        J = J_0 + mat(d),     Gamma_i = q . gyroscopic_i q'
+
+    u (n_c,): displacements of the interfaces; d (6,): changes of the moments of inertia J_11, J_22,
+    J_33, J_23, J_13, J_12; Gamma (3,): angular momentum of the elastic motion. All in body axes.
+
+    phi_inertia (6, m) [sqrt(kg) m]; T (r, m) [1], whose first `n_low` rows belong to the lowest
+    modes; A_interface (n_c, r, r) [1/(kg m), 1/(kg m^2)] and A_inertia (6, r, r) [1], symmetric in
+    q; gyroscopic (3, r, r) [1]. cubic (k, k, k) and quartic (k, k, k, k), symmetric, both or none:
+    the strain energy beyond 1/2 omega^2 eta^2 in the first k of q,
+
+        W = cubic(q, q, q) / 6 + quartic(q, q, q, q) / 8      [J for q in sqrt(kg) m].
+
+    kappa (candidates,): how much a coordinate that was looked at stiffens the body, relative to the
+    largest, most first.
+    """
+
+    phi_inertia: Array
+    T: Array
+    A_interface: Array
+    A_inertia: Array
+    gyroscopic: Array
+    kappa: Array
+    n_low: int
+    cubic: Array | None = None
+    quartic: Array | None = None
+
+    def __post_init__(self) -> None:
+        T = checked("rotation: T", self.T, ("r", "m"))
+        r, m = T.shape
+        shapes = {
+            "phi_inertia": (INERTIA, m),
+            "A_interface": ("n_c", r, r),
+            "A_inertia": (INERTIA, r, r),
+            "gyroscopic": (3, r, r),
+            "kappa": ("candidates",),
+        }
+        object.__setattr__(self, "T", T)
+        for name, shape in shapes.items():
+            array = checked(f"rotation: {name}", getattr(self, name), shape)
+            object.__setattr__(self, name, array)
+        if (self.cubic is None) != (self.quartic is None):
+            raise SuperelementError("rotation: expected both or none of cubic and quartic")
+        if self.cubic is not None:
+            cubic = checked("rotation: cubic", self.cubic, ("k", "k", "k"))
+            k = len(cubic)
+            quartic = checked("rotation: quartic", self.quartic, (k, k, k, k))
+            if cubic.shape != (k, k, k) or k > r:
+                raise SuperelementError(
+                    f"rotation: cubic: expected shape (k, k, k) with k up to {r}, "
+                    f"found {cubic.shape}"
+                )
+            object.__setattr__(self, "cubic", cubic)
+            object.__setattr__(self, "quartic", quartic)
+        for name in ("A_interface", "A_inertia"):
+            _check_bilinear(name, getattr(self, name))
+        if not 0 <= self.n_low <= r:
+            raise SuperelementError(f"rotation: n_low: expected 0 to {r}, found {self.n_low}")
+
+    @property
+    def r(self) -> int:
+        """The number of coordinates q."""
+        return len(self.T)
+
+
+def _check_bilinear(name: str, A: Array) -> None:
+    defect = np.abs(A - A.transpose(0, 2, 1)).max(initial=0.0)
+    if defect > 1e-8 * np.abs(A).max(initial=0.0):
+        raise SuperelementError(
+            f"rotation: {name}: expected symmetry in the coordinates, found entries that differ by "
+            f"{defect:.3e}"
+        )
