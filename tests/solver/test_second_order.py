@@ -9,15 +9,12 @@ from duhamel.solver import (
     Joint,
     Load,
     Model,
-    ModelError,
     RigidBody,
     Settings,
     Spring,
     Start,
-    simulate,
 )
 
-from .models import model_of
 from .test_tangents import Point, assert_newton_matrix, symmetric
 
 AXIS = np.array([1.0, 2.0, 2.0]) / 3.0
