@@ -1,4 +1,4 @@
-"""The second order of elastic motion: what a body that turns fast, or bends far, needs beside it."""
+"""The second order of elastic motion, which a body needs that turns fast or bends far."""
 
 from dataclasses import dataclass
 

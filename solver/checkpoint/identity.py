@@ -165,6 +165,7 @@ def contents_of(model: Model) -> dict[str, Any]:
 def _flat(key: str, value: Any) -> Iterator[tuple[str, Any]]:
     if isinstance(value, FlexibleBody):
         yield f"{key}.superelement", digest_of(value.superelement)
+        yield f"{key}.second_order", value.rotation is not None
         yield from _flat(key, value.start)
     elif isinstance(value, Entry):
         for field, hint in declared(type(value)):

@@ -9,11 +9,14 @@ from ...files.memory import shortage
 from ...superelement import GeneralizedAlpha, Superelement, SuperelementError
 from ..arrays import Array, Index, as_index
 from ..errors import ModelError
+from ..model.bodies import FlexibleBody
 from ..model.model import Model
 from ..model.settings import Settings
 from ..step.system import Elastic, Frames, Kernels, Modes
 from .cost import cheapest_history
 from .dyadic import power_above
+from .packing import packed
+from .second_order import complete, lay_out_second_order, lengths_of
 from .truncation import truncate, truncation_error
 
 LONGEST = 1e15
@@ -65,23 +68,36 @@ class _History(NamedTuple):
     error: float  # of a kernel that was cut off
     G_0: Array  # (n_c, n_c)
     compliance: Array  # (n_c, n_c) static: the sum of the kernel, or of the modes
+    accelerance: Array  # (n_c, n_c) accelerations under unit loads at rest
 
 
-def lay_out_elastic(
-    model: Model, frames: Frames, stepping: Stepping
-) -> tuple[Elastic, list[Array], Array]:
-    """Number the interface dofs of all flexible bodies, and lay out their histories.
+class Responses(NamedTuple):
+    """Of every flexible body: its static compliance and accelerance (n_dofs, n_dofs).
 
-    Bodies with the same superelement share its data. Also returns their static compliances, and
-    the errors of their kernels where `kernel_length` cuts them off.
+    And the error of its kernel where that is cut off, of static displacements (n_e,).
+    """
+
+    compliances: list[Array]
+    accelerances: list[Array]
+    truncations: Array
+
+
+def lay_out_elastic(model: Model, frames: Frames, stepping: Stepping) -> tuple[Elastic, Responses]:
+    """Number the elastic dofs of all flexible bodies, and lay out their histories.
+
+    Bodies with the same superelement share its data.
     """
     bodies = model.flexible_bodies
-    dofs = np.cumsum([0, *(body.superelement.n_c for body in bodies.values())])
-    active = np.array(sorted(_active_dofs(frames)), dtype=np.int64)
+    dofs = np.cumsum([0, *(body.n_dofs for body in bodies.values())])
+    inner = [
+        np.arange(first + body.superelement.n_c, last)
+        for body, first, last in zip(bodies.values(), dofs[:-1], dofs[1:], strict=True)
+    ]
+    active = np.unique(np.concatenate([_active_dofs(frames), *inner])).astype(np.int64)
     active_range = np.searchsorted(active, dofs)
-    owners = [id(body.superelement) for body in bodies.values()]
+    owners = [id(body.superelement) + (body.rotation is None) for body in bodies.values()]
     histories = _histories(model, owners, np.diff(active_range).tolist(), stepping)
-    G_0, G_0_start = _packed([history.G_0 for history in histories], owners)
+    G_0, G_0_start = packed([history.G_0 for history in histories], owners)
     G_active, G_active_start = active_flexibility(
         [history.G_0 for history in histories], active, active_range, dofs, stepping.weight
     )
@@ -100,11 +116,16 @@ def lay_out_elastic(
         G_0_start=G_0_start,
         G_active=G_active,
         G_active_start=G_active_start,
+        length=np.concatenate([np.empty(0), *map(lengths_of, bodies.values())])[active],
         modes=_lay_out_modes(histories, owners),
         kernels=_lay_out_kernels(histories, owners),
+        second=lay_out_second_order(list(bodies.values())),
     )
-    errors = np.array([history.error for history in histories], dtype=np.float64)
-    return elastic, [history.compliance for history in histories], errors
+    return elastic, Responses(
+        [history.compliance for history in histories],
+        [history.accelerance for history in histories],
+        np.array([history.error for history in histories], dtype=np.float64),
+    )
 
 
 def _histories(
@@ -118,7 +139,7 @@ def _histories(
     for owner, (name, body) in zip(owners, model.flexible_bodies.items(), strict=True):
         if owner not in histories:
             histories[owner] = _choose_history(
-                name, body.superelement, most_active[owner], model.settings, stepping
+                name, body, most_active[owner], model.settings, stepping
             )
     return [histories[owner] for owner in owners]
 
@@ -126,7 +147,7 @@ def _histories(
 def _lay_out_modes(histories: Sequence[_History], owners: Sequence[int]) -> Modes:
     recursions = [history.recursion for history in histories]
     stiffness, damping, step_stiffness = np.hstack([np.empty((3, 0)), *recursions])
-    phi, phi_start = _packed([history.phi for history in histories], owners)
+    phi, phi_start = packed([history.phi for history in histories], owners)
     return Modes(
         range=as_index(np.cumsum([0, *(recursion.shape[1] for recursion in recursions)])),
         stiffness=stiffness.copy(),
@@ -139,8 +160,8 @@ def _lay_out_modes(histories: Sequence[_History], owners: Sequence[int]) -> Mode
 
 
 def _lay_out_kernels(histories: Sequence[_History], owners: Sequence[int]) -> Kernels:
-    g, g_start = _packed([history.g for history in histories], owners)
-    g_initial, _ = _packed([history.g_initial for history in histories], owners)
+    g, g_start = packed([history.g for history in histories], owners)
+    g_initial, _ = packed([history.g_initial for history in histories], owners)
     return Kernels(
         g=g,
         g_initial=g_initial,
@@ -161,7 +182,7 @@ def active_flexibility(
     for e, matrix in enumerate(matrices):
         columns = active[active_range[e] : active_range[e + 1]] - dofs[e]
         blocks.append(weight * matrix[np.ix_(columns, columns)])
-    return _packed(blocks, range(len(blocks)))
+    return packed(blocks, range(len(blocks)))
 
 
 def _active_dofs(frames: Frames) -> list[int]:
@@ -174,9 +195,13 @@ def _active_dofs(frames: Frames) -> list[int]:
 
 
 def _choose_history(
-    name: str, element: Superelement, n_active: int, settings: Settings, stepping: Stepping
+    name: str, body: FlexibleBody, n_active: int, settings: Settings, stepping: Stepping
 ) -> _History:
     """The history that the settings ask for, or the cheapest, for the body of this name."""
+    if body.rotation is not None:
+        _check_second_order(name, settings, stepping)
+        return _by_modes(body, stepping.h, stepping.scheme)
+    element = body.superelement
     h, n_steps, planned = stepping.h, stepping.n_steps, stepping.planned
     form = "recursive" if stepping.ratio > 1 else str(settings.history)
     wanted = settings.kernel_length
@@ -190,7 +215,7 @@ def _choose_history(
                 f"body {name!r}: {_what_is_recursive(stepping)} needs modes, "
                 f"and superelement {element.name!r} has none"
             )
-        return _by_modes(element, h, stepping.scheme)
+        return _by_modes(body, h, stepping.scheme)
     lags = min(n_steps, length) + 1
     if form == "fft" and lags > n_steps:
         lags = _whole_blocks(element, n_steps) + 1
@@ -222,15 +247,40 @@ def _what_is_recursive(stepping: Stepping) -> str:
     return "contact_step" if stepping.ratio > 1 else "history 'recursive'"
 
 
-def _by_modes(element: Superelement, h: float, scheme: GeneralizedAlpha) -> _History:
-    modes = element.modes_for(h)
+def _check_second_order(name: str, settings: Settings, stepping: Stepping) -> None:
+    """`ModelError` for what terms of second order have no place in."""
+    asked = "rule 'paper'" if stepping.weight != 1.0 else ""
+    if settings.history not in ("auto", "recursive"):
+        asked = f"history {str(settings.history)!r}"
+    elif settings.kernel_length is not None:
+        asked = "memory"
+    if asked:
+        raise ModelError(
+            f"body {name!r}: {asked} has no terms of second order: give it second_order = 'off'"
+        )
+
+
+def _by_modes(body: FlexibleBody, h: float, scheme: GeneralizedAlpha) -> _History:
+    modes = complete(body.superelement.modes_for(h), body.rotation)
     stiffness = modes.omega**2
     damping = 2.0 * modes.zeta * modes.omega
     step_stiffness = scheme.inertia_ratio + scheme.gamma * h * damping
     step_stiffness += scheme.beta * h * h * stiffness
     G_0 = (modes.phi * (scheme.beta * h * h / step_stiffness)) @ modes.phi.T
     recursion, empty = np.array([stiffness, damping, step_stiffness]), np.empty(0)
-    return _History(recursion, modes.phi, empty, empty, 0, False, 0.0, G_0, modes.compliance)
+    second = body.rotation
+    return _History(
+        recursion=recursion,
+        phi=modes.phi,
+        g=empty,
+        g_initial=empty,
+        lags=0,
+        by_fft=False,
+        error=0.0,
+        G_0=G_0,
+        compliance=modes.compliance,
+        accelerance=body.superelement.accelerance if second is None else modes.accelerance,
+    )
 
 
 def _by_kernel(element: Superelement, stepping: Stepping, lags: int, by_fft: bool) -> _History:
@@ -260,22 +310,10 @@ def _by_kernel(element: Superelement, stepping: Stepping, lags: int, by_fft: boo
         error=error,
         G_0=g[0],
         compliance=element.compliance,
+        accelerance=element.accelerance,
     )
 
 
 def _reversed_lags(g: Array) -> Array:
     """A kernel (lags, n_c, n_c) as the time loop reads it: (n_c, n_c, lags), last lag first."""
     return np.ascontiguousarray(g[::-1].transpose(1, 2, 0))
-
-
-def _packed(arrays: Sequence[Array], owners: Sequence[int]) -> tuple[Array, Index]:
-    """The arrays one after the other, each owner's once, and the start of each."""
-    starts: dict[int, int] = {}
-    flat: list[Array] = []
-    length = 0
-    for array, owner in zip(arrays, owners, strict=True):
-        if owner not in starts:
-            starts[owner] = length
-            flat.append(array.ravel())
-            length += array.size
-    return np.concatenate([np.empty(0), *flat]), as_index([starts[owner] for owner in owners])

@@ -32,6 +32,8 @@ def sizes_of(system: System, n_steps: int) -> dict[str, int]:
         "n_u": int(elastic.dof[-1]),
         "n_a": len(elastic.active),
         "n_m": len(elastic.modes.stiffness),
+        "n_q": int(elastic.second.r.max(initial=0)),
+        "n_slopes": int(elastic.second.row[-1]),
         "n_p": Window(elastic).capacity(n_steps) if elastic.kernels.lags.any() else 0,
         "n_numbers": pattern.n_numbers,
         "n_unknowns": int(pattern.first[-1]),
@@ -53,6 +55,7 @@ def allocate(lowered: LoweredModel) -> tuple[State, Workspace]:
     for f, pose in enumerate(lowered.frame_poses):
         frames.r[f], frames.D[f] = pose.x, pose.R
     frames.T[:] = np.eye(3)
+    work.bodies.J[:] = lowered.system.bodies.J_rot
     state.past.since[:] = 1
     work.couplings.near[:] = lowered.starts
     state.couplings.memory[:] = lowered.memories

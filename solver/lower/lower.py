@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ...superelement import GeneralizedAlpha, Superelement
 from ..arrays import Array, as_index, as_rows
-from ..history.layout import Horizon, Stepping, lay_out_elastic
+from ..history.layout import Horizon, Responses, Stepping, lay_out_elastic
 from ..model.contacts import Contact
 from ..model.joints import Joint
 from ..model.model import Model
@@ -53,11 +53,8 @@ class LoweredModel:
     drives: list[SmoothSignal]
     load_signals: list[Signal]
     superelements: list[Superelement]
-    compliances: list[Array]
-    """static compliance of every flexible body (n_c, n_c)"""
-    truncations: Array
-    """error of the kernel of every flexible body where it is cut off, of static displacements"""
-
+    responses: Responses
+    """of every flexible body"""
     flight: System | None = None
     """the system in the longest steps, away from contacts; None where all steps are the same"""
 
@@ -115,7 +112,7 @@ def lower(
         check_assembled(model, size, frames)
     check_moments(model, frames, rows)
     check_masses(model)
-    elastic, compliances, truncations = lay_out_elastic(model, frames.arrays, stepping)
+    elastic, responses = lay_out_elastic(model, frames.arrays, stepping)
     system = System(
         scheme=lay_out_scheme(stepping),
         newton=lay_out_newton(model),
@@ -146,8 +143,7 @@ def lower(
         drives=drives,
         load_signals=[load.signal for load in model.loads],
         superelements=[body.superelement for body in model.flexible_bodies.values()],
-        compliances=compliances,
-        truncations=truncations,
+        responses=responses,
         flight=_in_flight(model, frames, stepping, system),
     )
 
@@ -158,7 +154,7 @@ def _in_flight(
     """The system in the longest steps, which shares all that does not depend on the step."""
     if stepping.ratio == 1:
         return None
-    elastic, _, _ = lay_out_elastic(model, frames.arrays, stepping.in_flight)
+    elastic, _ = lay_out_elastic(model, frames.arrays, stepping.in_flight)
     return system.replace(scheme=lay_out_scheme(stepping.in_flight), elastic=elastic)
 
 

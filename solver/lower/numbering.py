@@ -110,8 +110,18 @@ def _arrays(model: Model, frame_names: list[str], n_acting: int) -> Frames:
                 n_active += interface.n_dofs
                 frames.column[f] = n_columns[frames.body[f]]
                 n_columns[frames.body[f]] += interface.n_dofs
+    _skip_inner_dofs(model, frames)
     frames.quaternion_0[:] = np.reshape([quaternion_of(D) for D in frames.D_0], (n, 4))
     return frames
+
+
+def _skip_inner_dofs(model: Model, frames: Frames) -> None:
+    """Dofs of inertia and of q, which are always active, stand behind the interfaces."""
+    inner = {name: b.n_dofs - b.superelement.n_c for name, b in model.flexible_bodies.items()}
+    numbers = [inner.get(name, 0) for name in model.bodies]
+    before = np.cumsum([0, *numbers])
+    loaded = frames.active >= 0
+    frames.active[loaded] += before[frames.body[loaded]]
 
 
 def _first_dofs(model: Model) -> dict[str, int]:
@@ -121,4 +131,5 @@ def _first_dofs(model: Model) -> dict[str, int]:
         for interface in body.superelement.interfaces:
             first[f"{name}.{interface.name}"] = n
             n += interface.n_dofs
+        n += body.n_dofs - body.superelement.n_c
     return first

@@ -3,15 +3,17 @@
 from collections.abc import Mapping
 from dataclasses import field
 from functools import cached_property
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 
-from ...superelement import Superelement
+from ...superelement import Rotation, Superelement
+from ...superelement.rotation import INERTIA
 from ..arrays import Array
 from ..schema.entry import Beside, Entry, entry
 from ..schema.values import ORIGIN, Inertia, Positive, Vector
 
+SecondOrder = Literal["auto", "full", "off"]
 INERTIA_TOLERANCE = 1e-6
 """largest relative excess of a principal inertia over the sum of the other two: that of rounding"""
 
@@ -86,12 +88,33 @@ class RigidBody(Entry):
 class FlexibleBody(Entry):
     """A body that moves as a whole and deforms as its superelement; its frames are its interfaces.
 
-    source: the path of the file of the superelement, "" if there is none.
+    source: the path of the file of the superelement, "" if there is none. second_order: whether its
+    elastic motion has terms of second order, which fast rotation and large loads need: "auto" where
+    the superelement has them, "full" (an error where it has not), or "off".
     """
 
     superelement: Superelement
     start: Annotated[Start, Beside()] = field(default_factory=Start)
     source: str = ""
+    second_order: SecondOrder = "auto"
+
+    def validate(self) -> None:
+        if self.second_order == "full" and self.superelement.rotation is None:
+            raise self.error(
+                f"second_order = 'full': superelement {self.superelement.name!r} has no terms of "
+                "second order: its body file needs [rotation]"
+            )
+
+    @property
+    def rotation(self) -> Rotation | None:
+        """The terms of second order, None where it has none."""
+        return None if self.second_order == "off" else self.superelement.rotation
+
+    @property
+    def n_dofs(self) -> int:
+        """Elastic dofs: of the interfaces, and six of inertia and q of terms of second order."""
+        second = self.rotation
+        return self.superelement.n_c + (0 if second is None else INERTIA + second.r)
 
     @property
     def mass(self) -> float:

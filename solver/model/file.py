@@ -25,7 +25,7 @@ from ..schema.tables import (
     value_of,
 )
 from ..schema.values import ORIGIN
-from .bodies import Body, FlexibleBody, Frame, RigidBody, Start
+from .bodies import Body, FlexibleBody, Frame, RigidBody, SecondOrder, Start
 from .contacts import Contact
 from .joints import Joint
 from .loads import Load
@@ -46,12 +46,15 @@ class _Body(Table):
     """The table of a rigid or a flexible body."""
 
     superelement: Annotated[Path, Field(strict=False)] | None = None
+    second_order: SecondOrder | None = None
 
     @model_validator(mode="after")
     def _rigid_or_flexible(self) -> "_Body":
         keys, brought = present_keys(self), keys_of(RigidBody).keys() - keys_of(Start).keys()
         if self.superelement is not None and (both := [key for key in keys if key in brought]):
             raise ValueError(f"the superelement brings {', '.join(both)}: give either, not both")
+        if self.superelement is None and self.second_order is not None:
+            raise ValueError("second_order belongs to flexible bodies, found no superelement")
         if self.superelement is not None and not str(self.superelement).isprintable():
             raise ValueError(
                 f"superelement: expected a path, found {quoted(str(self.superelement))}"
@@ -156,7 +159,9 @@ def _body(
         source = folder / values["superelement"]
         if source not in superelements:
             superelements[source] = read(source, recovery=False)
-        return FlexibleBody(superelements[source], entry_of(Start, values), str(source))
+        second_order = values.get("second_order", "auto")
+        start = entry_of(Start, values)
+        return FlexibleBody(superelements[source], start, str(source), second_order)
     except ValueError as error:
         raise ModelError(f"bodies.{name}: {error}") from error
 
@@ -213,7 +218,8 @@ def _body_in_file(name: str, body: Body, folder: Path) -> dict[str, Any]:
         return table_in_file(body)
     if not body.source:
         raise ModelError(f"body {name!r}: its superelement is in no file: write it to one first")
-    return {"superelement": _relative(body.source, folder), **table_in_file(body.start)}
+    chosen = {} if body.second_order == "auto" else {"second_order": body.second_order}
+    return {"superelement": _relative(body.source, folder), **chosen, **table_in_file(body.start)}
 
 
 def _relative(path: str, folder: Path) -> str:

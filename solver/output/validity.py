@@ -100,7 +100,7 @@ class Judge:
             "joint_turn": self._joint_turns(state),
             "steps_per_period": 1.0 / (lowered.longest_step * frequencies),
             "kernel_error": np.array([e.kernel.error for e in lowered.superelements])
-            + lowered.truncations,
+            + lowered.responses.truncations,
             "kernel_band": frequencies / _bands(lowered.superelements),
             "energy_balance": _ratio(np.array([balance]), moved),
             "created_energy": _ratio(created, moved),

@@ -77,7 +77,7 @@ def contents_of(lowered: LoweredModel) -> Contents:
 
 
 def _truncation(lowered: LoweredModel) -> float:
-    return float(lowered.truncations.max(initial=0.0))
+    return float(lowered.responses.truncations.max(initial=0.0))
 
 
 def read_back(writer: Writer, model: Model) -> Results:

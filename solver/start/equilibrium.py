@@ -226,11 +226,11 @@ def _at_rest(lowered: LoweredModel) -> System:
     """The system with static compliances in place of instantaneous ones."""
     elastic = lowered.system.elastic
     G_0 = elastic.G_0.copy()
-    for e, compliance in enumerate(lowered.compliances):
+    for e, compliance in enumerate(lowered.responses.compliances):
         start = elastic.G_0_start[e]
         G_0[start : start + compliance.size] = compliance.ravel()
     G_active, _ = active_flexibility(
-        lowered.compliances, elastic.active, elastic.active_range, elastic.dof, 1.0
+        lowered.responses.compliances, elastic.active, elastic.active_range, elastic.dof, 1.0
     )
     scheme = lowered.system.scheme.replace(weight=1.0, gamma_prime=0.0)
     return lowered.system.replace(

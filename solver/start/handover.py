@@ -70,9 +70,11 @@ def hand_over(lowered: LoweredModel, source: StateFile, state: State, work: Work
 
 def _evaluate(lowered: LoweredModel, state: State, work: Workspace) -> None:
     """Evaluate the state as it is, with the forces of springs that belong to it."""
-    system, motion = lowered.system, state.interfaces
+    system, motion, scheme = lowered.system, state.interfaces, lowered.system.scheme
     work.bodies.quaternion_n[:] = state.bodies.quaternion
-    work.interfaces.u_predicted[:], work.interfaces.rate_predicted[:] = motion.u, motion.rate
+    change = motion.acceleration / scheme.beta_prime
+    work.interfaces.u_predicted[:] = motion.u - change
+    work.interfaces.rate_predicted[:] = motion.rate - scheme.gamma_prime * change
     evaluate(system, state, work)
     state.couplings.lam[:] -= work.couplings.phi * system.couplings.compliant
     evaluate(system, state, work)
@@ -110,6 +112,8 @@ def _check_bodies(lowered: LoweredModel, source: StateFile) -> None:
         digest = digest_of(flexible[name].superelement)
         if identity.model[f"bodies.{name}.superelement"] != digest:
             raise StateError(f"body {name!r}: another superelement, which has not the same past")
+        if identity.model[f"bodies.{name}.second_order"] != (flexible[name].rotation is not None):
+            raise StateError(f"body {name!r}: second_order: had terms that it has not now, or none")
     identity.check_kernels(lowered, flexible.keys() & identity.layout.n_e.keys())
 
 

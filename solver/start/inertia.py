@@ -50,10 +50,10 @@ def accelerance_root(lowered: LoweredModel) -> Matrix:
 def _accelerances(lowered: LoweredModel) -> list[Array]:
     elastic = lowered.system.elastic
     accelerances = []
-    for e, element in enumerate(lowered.superelements):
+    for e, accelerance in enumerate(lowered.responses.accelerances):
         begin, end = elastic.active_range[e], elastic.active_range[e + 1]
         dofs = elastic.active[begin:end] - elastic.dof[e]
-        accelerances.append(element.accelerance[np.ix_(dofs, dofs)])
+        accelerances.append(accelerance[np.ix_(dofs, dofs)])
     return accelerances
 
 

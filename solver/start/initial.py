@@ -233,7 +233,7 @@ def _start_history(lowered: LoweredModel, state: State) -> None:
     for e in range(len(elastic.body)):
         dofs = slice(elastic.dof[e], elastic.dof[e + 1])
         p = state.interfaces.p[dofs]
-        state.interfaces.acceleration[dofs] = lowered.superelements[e].accelerance @ p
+        state.interfaces.acceleration[dofs] = lowered.responses.accelerances[e] @ p
         state.interfaces.a[dofs] = state.interfaces.acceleration[dofs]
         modes = slice(elastic.modes.range[e], elastic.modes.range[e + 1])
         if modes.start < modes.stop:
@@ -247,7 +247,7 @@ def _start_loaded(lowered: LoweredModel, state: State) -> None:
     for e in range(len(elastic.body)):
         dofs = slice(elastic.dof[e], elastic.dof[e + 1])
         p = state.interfaces.p[dofs]
-        state.interfaces.u[dofs] = lowered.compliances[e] @ p
+        state.interfaces.u[dofs] = lowered.responses.compliances[e] @ p
         energy = 0.5 * p @ state.interfaces.u[dofs]
         modes = slice(elastic.modes.range[e], elastic.modes.range[e + 1])
         if modes.start < modes.stop:

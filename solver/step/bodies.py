@@ -4,7 +4,8 @@
     h^2 S_rr = h^2 beta' m I                                             on X
                h^2 (beta' J + gamma' (omega~ J - (J omega)~)) T^-1(psi)  on Theta
 
-with delta X = R^T delta x and delta Theta = T(psi) delta psi.
+J and J omega are those of the deformed body, and include its elastic motion, where it has terms of
+second order (second_order.py); with delta X = R^T delta x and delta Theta = T(psi) delta psi.
 
 Source: docs/theory.md, The time step.
 """
@@ -131,7 +132,7 @@ def add_inertia_forces(bodies: Bodies, state: State, work: Workspace) -> None:
     v_dot, terms = state.bodies.v_dot, work.bodies
     for b in range(len(bodies.mass)):
         mass = bodies.mass[b]
-        inertia, gyroscopic = _inertia_moments(bodies, b, state)
+        inertia, gyroscopic = _inertia_moments(b, state, work)
         for i in range(3):
             weight = mass * bodies.gravity[i]
             terms.residual[b, i] = mass * v_dot[b, i] - weight - terms.force[b, i]
@@ -142,18 +143,26 @@ def add_inertia_forces(bodies: Bodies, state: State, work: Workspace) -> None:
 def set_inertia_scales(bodies: Bodies, state: State, work: Workspace) -> None:
     """The force scales of all bodies, so far of inertia and gravity."""
     for b in range(len(bodies.mass)):
-        inertia, gyroscopic = _inertia_moments(bodies, b, state)
+        inertia, gyroscopic = _inertia_moments(b, state, work)
         force = magnitude(row(state.bodies.v_dot, b)) + magnitude(triple(bodies.gravity, 0))
         work.bodies.force_scale[b, 0] = bodies.mass[b] * force
         work.bodies.force_scale[b, 1] = magnitude(inertia) + magnitude(gyroscopic)
 
 
 @compiled
-def _inertia_moments(bodies: Bodies, b: int, state: State) -> tuple[Vector, Vector]:
-    """J omega' and omega x J omega of body b, in body axes."""
+def _inertia_moments(b: int, state: State, work: Workspace) -> tuple[Vector, Vector]:
+    """J omega' + J' omega + Gamma' and omega x (J omega + Gamma) of body b, in body axes."""
     v_dot, omega = state.bodies.v_dot, spin_of(state, b)
-    inertia = rotate(bodies.J_rot, b, (v_dot[b, 3], v_dot[b, 4], v_dot[b, 5]))
-    return inertia, cross(omega, rotate(bodies.J_rot, b, omega))
+    inertia = rotate(work.bodies.J, b, (v_dot[b, 3], v_dot[b, 4], v_dot[b, 5]))
+    inertia = add(inertia, row(work.bodies.relative_moment, b))
+    return inertia, cross(omega, spin_momentum(b, state, work))
+
+
+@compiled
+def spin_momentum(b: int, state: State, work: Workspace) -> Vector:
+    """J omega + Gamma of body b, about its center of mass, in body axes."""
+    rigid = rotate(work.bodies.J, b, spin_of(state, b))
+    return add(rigid, row(work.bodies.relative_momentum, b))
 
 
 @compiled
@@ -164,13 +173,12 @@ def add_inertia(system: System, state: State, work: Workspace) -> None:
     S, D, T = work.matrix.S, work.bodies.inertia, work.bodies.T_inverse
     for b in range(len(bodies.mass)):
         start, stride = pattern.body_block[b, 0], pattern.body_block[b, 1]
-        J = bodies.J_rot[b]
-        omega = spin_of(state, b)
-        spin_momentum = rotate(bodies.J_rot, b, omega)
+        J = work.bodies.J[b]
+        omega, momentum_b = spin_of(state, b), spin_momentum(b, state, work)
         for j in range(3):
             S[start + j * (stride + 1)] += h2 * scheme.beta_prime * bodies.mass[b]
             spin = cross(omega, (J[0, j], J[1, j], J[2, j]))
-            turned = cross(spin_momentum, UNITS[j])
+            turned = cross(momentum_b, UNITS[j])
             for i in range(3):
                 gyroscopic = scheme.gamma_prime * (spin[i] - turned[i])
                 D[i, j] = scheme.beta_prime * J[i, j] + gyroscopic
@@ -255,25 +263,29 @@ def relative_body_residual(
 
 
 @compiled
-def rigid_energies(bodies: Bodies, state: State) -> tuple[float, float]:
-    """Kinetic energy of the rigid motion, and potential energy in gravity."""
+def rigid_energies(bodies: Bodies, state: State, work: Workspace) -> tuple[float, float]:
+    """Kinetic energy of the rigid motion, with what of the elastic motion is linear in omega.
+
+    And potential energy in gravity: 1/2 m v^2 + 1/2 omega . J omega + omega . Gamma, -m x . g.
+    """
     kinetic, potential = 0.0, 0.0
     for b in range(len(bodies.mass)):
         velocity, omega = row(state.bodies.v, b), spin_of(state, b)
         kinetic += 0.5 * bodies.mass[b] * dot(velocity, velocity)
-        kinetic += 0.5 * dot(omega, rotate(bodies.J_rot, b, omega))
+        kinetic += 0.5 * dot(omega, rotate(work.bodies.J, b, omega))
+        kinetic += dot(omega, row(work.bodies.relative_momentum, b))
         potential -= bodies.mass[b] * dot(row(state.bodies.x, b), triple(bodies.gravity, 0))
     return kinetic, potential
 
 
 @compiled
-def momentum(bodies: Bodies, state: State, linear: Array, angular: Array) -> None:
-    """Linear, and angular about the origin, in space: sums of m v and of x x m v + R J omega."""
+def momentum(bodies: Bodies, state: State, work: Workspace, linear: Array, angular: Array) -> None:
+    """In space: sums of m v, and about the origin of x x m v + R (J omega + Gamma)."""
     linear[:] = 0.0
     angular[:] = 0.0
     for b in range(len(bodies.mass)):
         mv = scale(bodies.mass[b], row(state.bodies.v, b))
-        spin = rotate(state.bodies.R, b, rotate(bodies.J_rot, b, spin_of(state, b)))
+        spin = rotate(state.bodies.R, b, spin_momentum(b, state, work))
         about_origin = add(cross(row(state.bodies.x, b), mv), spin)
         for i in range(3):
             linear[i] += mv[i]

@@ -34,6 +34,12 @@ from .frames import (
 )
 from .interfaces import relative_interface_residual, set_compatibility, set_rates, weigh_forces
 from .loads import add_load_scales, add_load_wrenches, linearize_loads
+from .second_order import (
+    add_second_order_residual,
+    add_second_order_rows,
+    add_second_order_tangent,
+    load_second_order,
+)
 from .system import State, System, Workspace
 
 
@@ -48,8 +54,10 @@ def evaluate(system: System, state: State, work: Workspace) -> None:
     add_load_wrenches(system.loads, work)
     add_coupling_wrenches(system.couplings, state, work)
     load_bodies(frames, state, work)
+    load_second_order(system.elastic, state, work)
     add_inertia_forces(system.bodies, state, work)
     set_compatibility(system.elastic, state, work)
+    add_second_order_residual(system.elastic, state, work)
 
 
 @entry
@@ -68,8 +76,10 @@ def linearize(system: System, state: State, work: Workspace) -> None:
 def assemble(system: System, state: State, work: Workspace) -> None:
     """The iteration matrix from K, B and A."""
     assemble_rows(system, work)
+    add_second_order_rows(system, state, work)
     weigh_forces(system, work)
     add_inertia(system, state, work)
+    add_second_order_tangent(system, state, work)
 
 
 @entry

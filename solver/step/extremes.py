@@ -33,7 +33,7 @@ def start_extremes(system: System, state: State, work: Workspace) -> None:
     settle_contacts(system.couplings, work)
     start_coordinates(system.observers, state, work)
     energies, extremes = state.energies, state.extremes
-    _set_energies(system, state)
+    _set_energies(system, state, work)
     extremes.start[0] = _total(state)
     extremes.start[1] = energies.potential[0]
     for j in range(len(extremes.dissipated)):
@@ -53,7 +53,7 @@ def follow_extremes(system: System, state: State, work: Workspace) -> None:
     _follow_openings(system.couplings, state, work)
     if system.scheme.stride == system.scheme.ratio:
         _follow_vibration(system.elastic, state, work)
-    _set_energies(system, state)
+    _set_energies(system, state, work)
     _follow_energies(system, state, work)
 
 
@@ -119,8 +119,8 @@ def _follow_vibration(elastic: Elastic, state: State, work: Workspace) -> None:
 
 
 @compiled
-def _set_energies(system: System, state: State) -> None:
-    kinetic, potential = rigid_energies(system.bodies, state)
+def _set_energies(system: System, state: State, work: Workspace) -> None:
+    kinetic, potential = rigid_energies(system.bodies, state, work)
     state.energies.kinetic[0] = kinetic
     state.energies.potential[0] = potential
 

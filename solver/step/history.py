@@ -13,6 +13,7 @@ p_n and p_{n+1}.
 from ..arrays import Array
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
+from .second_order import add_curvatures, hardening_energy
 from .system import Elastic, Scheme, State, Workspace
 from .vectors import inner
 
@@ -52,6 +53,7 @@ def finish_history(elastic: Elastic, scheme: Scheme, state: State, work: Workspa
             phi, forces = modes.phi[start : start + end - begin], work.modes.load[begin:end]
             for i in range(len(forces)):
                 forces[i] += phi[i] * load
+    add_curvatures(elastic, state)
     _forced_response(elastic, scheme, state, work)
     if modes.damped:
         state.energies.damping[0] += scheme.h * _damping_power(elastic, state, work)
@@ -79,11 +81,14 @@ def _damping_power(elastic: Elastic, state: State, work: Workspace) -> float:
 
 @compiled
 def modal_energy(elastic: Elastic, state: State) -> float:
-    """Kinetic and strain energy of all modes, 1/2 (eta'^2 + omega^2 eta^2)."""
+    """Kinetic and strain energy of all modes, 1/2 (eta'^2 + omega^2 eta^2), and W of bodies."""
     modes, total = state.modes, 0.0
     for i in range(len(modes.eta)):
         total += modes.rate[i] ** 2 + elastic.modes.stiffness[i] * modes.eta[i] ** 2
-    return 0.5 * total
+    total *= 0.5
+    for e in range(len(elastic.body)):
+        total += hardening_energy(elastic, e, state.interfaces.u)
+    return total
 
 
 @compiled

@@ -9,6 +9,7 @@ Source: docs/theory.md, Impulse responses and The time step.
 from ..compiler.marks import compiled
 from ..compiler.memory import copy
 from .measure import ROUNDING, relative
+from .second_order import hardening_energy, linear_change
 from .system import Elastic, Pattern, Scheme, State, System, Workspace
 
 
@@ -34,12 +35,13 @@ def predict_interfaces(scheme: Scheme, state: State, work: Workspace) -> None:
 
 @compiled
 def set_rates(elastic: Elastic, scheme: Scheme, state: State, work: Workspace) -> None:
-    """Rates of active dofs by Newmark's formulas, as those of the bodies."""
+    """Rates and accelerations of active dofs by Newmark's formulas, as those of the bodies."""
     motion, predicted = state.interfaces, work.interfaces
     for i in range(len(elastic.active)):
         k = elastic.active[i]
         change = motion.u[k] - predicted.u_predicted[k]
         motion.rate[k] = predicted.rate_predicted[k] + scheme.gamma_prime * change
+        motion.acceleration[k] = scheme.beta_prime * change
 
 
 @compiled
@@ -131,23 +133,25 @@ def relative_interface_residual(
 ) -> float:
     """The largest residual over the largest motion of the step."""
     residual, tolerance = work.interfaces.residual, system.newton.tolerance
-    worst = 0.0
+    length, worst = system.elastic.length, 0.0
     for i in range(len(residual)):
-        worst = max(worst, relative(residual[i], motion, ROUNDING * reach, tolerance))
+        found = length[i] * residual[i]
+        worst = max(worst, relative(found, motion, ROUNDING * reach, tolerance))
     return worst
 
 
 @compiled
 def add_elastic_work(elastic: Elastic, state: State, work: Workspace) -> None:
     """The work of the interface loads, p . du, with the mean of the loads over the step."""
-    u, p = state.interfaces.u, state.interfaces.p
-    u_n, p_n = work.interfaces.u_n, work.interfaces.p_n
+    p, p_n = state.interfaces.p, work.interfaces.p_n
     for e in range(len(elastic.body)):
         total = 0.0
         for i in range(elastic.active_range[e], elastic.active_range[e + 1]):
             k = elastic.active[i]
-            total += 0.5 * (p[k] + p_n[k]) * (u[k] - u_n[k])
+            total += 0.5 * (p[k] + p_n[k]) * linear_change(elastic, e, k, state, work)
         if elastic.modes.range[e] < elastic.modes.range[e + 1]:
             state.energies.modal[0] += total
+            state.energies.modal[0] += hardening_energy(elastic, e, state.interfaces.u)
+            state.energies.modal[0] -= hardening_energy(elastic, e, work.interfaces.u_n)
         else:
             state.energies.convolved[0] += total

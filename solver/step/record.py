@@ -51,7 +51,7 @@ def record(run: Run, k: int) -> None:
     for w in range(len(system.couplings.switching)):
         _record_switching(run, system.couplings.switching[w], k)
     _record_energies(run, k)
-    momentum(system.bodies, state, output.linear_momentum[k], output.angular_momentum[k])
+    momentum(system.bodies, state, work, output.linear_momentum[k], output.angular_momentum[k])
 
 
 @compiled

@@ -7,7 +7,8 @@ Dimensions: n_b bodies of six coordinates (delta x in space, delta Theta in body
 n_j couplings (joints, motions, springs, contacts) of n_i rows in all, one multiplier each, n_k of
 them contacts and n_r with friction; n_v events of contacts; n_o observers; n_h numbers that force
 laws remember; n_l loads; n_d drives; n_e flexible bodies with n_u interface dofs in all, of which
-n_a are active, and n_m modes; n_p steps whose loads are kept. Frames that carry couplings or loads
+n_a are active, and n_m modes; n_p steps whose loads are kept; n_q coordinates of second order of a
+body at most. Frames that carry couplings or loads
 come before those that are only observed;
 interface dofs of the former are `active`: no others are ever loaded.
 """
@@ -216,8 +217,34 @@ class Kernels(Struct):
     """1: blocks of past loads are convolved by FFT"""
 
 
+class SecondOrder(Struct):
+    """What is quadratic in r coordinates q of each flexible body (second_order.py)."""
+
+    r: Index = array("n_e")
+    """0: none; such bodies have no dofs of inertia either"""
+    J_0: Array = array("n_e", 3, 3)
+    """of the undeformed body"""
+    A: Array = array("n")
+    """(n_c + 6, r, r) of interfaces and inertia, one after the other; bodies may share one"""
+    A_start: Index = array("n_e")
+    gyroscopic: Array = array("n_gyroscopic")
+    """(3, r, r), likewise"""
+    gyroscopic_start: Index = array("n_e")
+    stiff: Index = array("n_e")
+    """the first coordinates that have a strain energy beyond the quadratic one"""
+    cubic: Array = array("n_cubic")
+    cubic_start: Index = array("n_e")
+    quartic: Array = array("n_quartic")
+    quartic_start: Index = array("n_e")
+    row: Index = array("n_e_1")
+    """(n_e + 1,) the first number of the slopes A q of each body"""
+
+
 class Elastic(Struct):
-    """Flexible bodies and their interface dofs."""
+    """Flexible bodies and their elastic dofs.
+
+    Those of the interfaces, and for a body with terms of second order 6 of inertia and r more.
+    """
 
     body: Index = array("n_e")
     of_body: Index = array("n_b")
@@ -236,8 +263,11 @@ class Elastic(Struct):
     G_active: Array = array("n")
     """weight G_0 of the active dofs of every body, one after the other"""
     G_active_start: Index = array("n_e")
+    length: Array = array("n_a")
+    """by which a residual of each active dof is multiplied, to be a length or an angle"""
     modes: Modes
     kernels: Kernels
+    second: SecondOrder
 
 
 class Pattern(Struct):
@@ -307,13 +337,13 @@ class BodyState(Struct):
 
 class InterfaceState(Struct):
     u: Array = array("n_u")
-    """elastic displacements and rotation vectors, body axes"""
+    """elastic displacements and rotation vectors, body axes; changes of inertia and q"""
     rate: Array = array("n_u")
     acceleration: Array = array("n_u")
     a: Array = array("n_u")
     """pseudo-acceleration"""
     p: Array = array("n_u")
-    """interface loads, body axes"""
+    """interface loads, body axes; loads on inertia and q"""
 
 
 class ModalState(Struct):
@@ -506,6 +536,12 @@ class BodyWork(Struct):
     """sums of the magnitudes of forces and of moments"""
     residual: Array = array("n_b", 6)
     """of equilibrium"""
+    J: Array = array("n_b", 3, 3)
+    """moments of inertia of the deformed body"""
+    relative_momentum: Array = array("n_b", 3)
+    """Gamma, angular momentum of the elastic motion"""
+    relative_moment: Array = array("n_b", 3)
+    """J' omega + Gamma'"""
     increment: Array = array(4)
     """quaternion of psi"""
     T_inverse: Array = array(3, 3)
@@ -557,6 +593,17 @@ class InterfaceWork(Struct):
     history: Array = array("n_u")
     """displacements by past loads alone"""
     residual: Array = array("n_a")
+
+
+class SecondOrderWork(Struct):
+    slope: Array = array("n_slopes")
+    """A q (n_c + 6, r) of each body, one after the other"""
+    at_q: Array = array("n_e", 3, "n_q")
+    """h(q, .)"""
+    at_rate: Array = array("n_e", 3, "n_q")
+    """h(q', .)"""
+    by_rate: Array = array("n_e", 3, "n_q")
+    """h(., q')"""
 
 
 class ModalWork(Struct):
@@ -660,6 +707,7 @@ class Workspace(Struct):
     bodies: BodyWork
     frames: FrameWork
     interfaces: InterfaceWork
+    second: SecondOrderWork
     modes: ModalWork
     couplings: CouplingWork
     observers: ObserverWork

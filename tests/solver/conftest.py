@@ -4,6 +4,7 @@ numbers.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import permutations
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from duhamel.preprocess.body.body import Damping
 from duhamel.solver import FlexibleBody, Frame, Joint, Model, Place, RigidBody, Start
 from duhamel.solver.step import rotations
 from duhamel.superelement import GeneralizedAlpha, Interface, Modes, Superelement, sample_kernel
+from duhamel.superelement import Rotation as SecondOrder
 
 from .models import model_of
 
@@ -115,6 +117,7 @@ def random_element() -> Callable[..., Superelement]:
         modes: int = 8,
         steps: int = 200,
         omega: tuple[float, float] = (50.0, 5000.0),
+        second_order: int = 0,
     ) -> Superelement:
         rng = np.random.default_rng(seed)
         interfaces = tuple(
@@ -137,9 +140,34 @@ def random_element() -> Callable[..., Superelement]:
             modes=form,
             compliance=form.phi / form.omega**2 @ form.phi.T,
             accelerance=form.phi @ form.phi.T,
+            rotation=random_second_order(rng, n_c, modes, second_order) if second_order else None,
         )
 
     return make
+
+
+def random_second_order(rng: np.random.Generator, n_c: int, modes: int, r: int) -> SecondOrder:
+    """Terms of second order of random numbers, with a strain energy beyond the quadratic one."""
+    quartic = rng.normal(size=(r, r, r, r))
+    cubic = rng.normal(size=(r, r, r))
+    return SecondOrder(
+        phi_inertia=0.2 * rng.normal(size=(6, modes)),
+        T=rng.normal(size=(r, modes)) / np.sqrt(modes),
+        A_interface=symmetrized(rng.normal(size=(n_c, r, r)), (1, 2)),
+        A_inertia=0.1 * symmetrized(rng.normal(size=(6, r, r)), (1, 2)),
+        gyroscopic=rng.normal(size=(3, r, r)),
+        kappa=np.ones(r),
+        n_low=r,
+        cubic=symmetrized(cubic, (0, 1, 2)),
+        quartic=symmetrized(quartic, (0, 1, 2, 3)),
+    )
+
+
+def symmetrized(A: np.ndarray, axes: tuple[int, ...]) -> np.ndarray:
+    """The mean over all orders of some axes."""
+    orders = list(permutations(axes))
+    fixed = tuple(range(axes[0]))
+    return np.mean([A.transpose(*fixed, *order) for order in orders], axis=0)
 
 
 @pytest.fixture(scope="session")

@@ -1,0 +1,68 @@
+"""Terms of second order of superelements as arrays, with the modes that belong to them."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...superelement import Modes, Rotation
+from ...superelement.rotation import INERTIA
+from ..arrays import Array, as_index
+from ..model.bodies import FlexibleBody
+from ..step.system import SecondOrder
+from .packing import packed
+
+
+def complete(modes: Modes, second: Rotation | None) -> Modes:
+    """Modes at the interfaces, the inertia and the coordinates q of a body: (n_c + 6 + r, m)."""
+    if second is None:
+        return modes
+    return replace(modes, phi=np.vstack([modes.phi, second.phi_inertia, second.T]))
+
+
+def lengths_of(body: FlexibleBody) -> Array:
+    """Factors that make lengths or angles of elastic dofs (n_dofs,): 1 at interfaces."""
+    ones, second = np.ones(body.superelement.n_c), body.rotation
+    if second is None:
+        return ones
+    mass, size = body.mass, body.superelement.size
+    inertia = np.full(INERTIA, 1.0 / (mass * size))
+    return np.concatenate([ones, inertia, np.full(second.r, mass**-0.5)])
+
+
+def lay_out_second_order(bodies: Sequence[FlexibleBody]) -> SecondOrder:
+    """The terms of all flexible bodies; those with the same superelement share them."""
+    terms = [_Terms(body.rotation) for body in bodies]
+    owners = [id(body.rotation) for body in bodies]
+    A, A_start = packed([term.A for term in terms], owners)
+    gyroscopic, gyroscopic_start = packed([term.gyroscopic for term in terms], owners)
+    cubic, cubic_start = packed([term.cubic for term in terms], owners)
+    quartic, quartic_start = packed([term.quartic for term in terms], owners)
+    slopes = [len(term.A) * term.r for term in terms]
+    return SecondOrder(
+        r=as_index([term.r for term in terms]),
+        J_0=np.array([body.inertia for body in bodies], dtype=np.float64).reshape(-1, 3, 3),
+        A=A,
+        A_start=A_start,
+        gyroscopic=gyroscopic,
+        gyroscopic_start=gyroscopic_start,
+        stiff=as_index([len(term.cubic) for term in terms]),
+        cubic=cubic,
+        cubic_start=cubic_start,
+        quartic=quartic,
+        quartic_start=quartic_start,
+        row=as_index(np.cumsum([0, *slopes])),
+    )
+
+
+class _Terms:
+    """The terms of a body; arrays without entries where it has none."""
+
+    def __init__(self, second: Rotation | None) -> None:
+        none = np.empty(0)
+        self.r = 0 if second is None else second.r
+        self.A = none if second is None else np.vstack([second.A_interface, second.A_inertia])
+        self.gyroscopic = none if second is None else second.gyroscopic
+        stiff = None if second is None else second.cubic
+        self.cubic = none if stiff is None else stiff
+        self.quartic = none if second is None or second.quartic is None else second.quartic

@@ -1,0 +1,397 @@
+"""Second order of elastic motion: what fast rotation and large loads do to flexible bodies.
+
+With z = [u; d], the displacements of the interfaces and the change of inertia, quadratic in r
+coordinates q of the body,
+
+    z = y_z + 1/2 A(q, q),  q = y_q,  y = history + G_0 pi,      pi = [p; s(omega); f_q]
+    J = J_0 + mat(d),       Gamma = h(q, q'),       s(omega) . d = 1/2 omega . mat(d) omega
+    f_q = (A q)^T [p; s] - omega' . h(q, .) - omega . (h(q', .) - h(., q')) - dW/dq
+
+and in the moments of the body J' omega + Gamma' + omega x Gamma beside those of J. All of it
+follows from one Lagrangian, 1/2 omega . J omega + omega . Gamma - W(q) beside the linear terms, so
+that it creates no energy. z itself is the unknown of Newton's method, so that couplings and loads,
+which act on z, are as without it; d and q stand behind the interface dofs of their body, in all
+arrays.
+Source: docs/theory.md, Fast rotation.
+"""
+
+from ..arrays import Array
+from ..compiler.marks import compiled
+from .bodies import spin_of
+from .rotations import tangent_inverse
+from .system import Elastic, State, System, Workspace
+from .vectors import UNITS, Vector, cross, triple
+
+INERTIA = 6
+"""numbers of d: changes of J_11, J_22, J_33, J_23, J_13, J_12"""
+
+
+@compiled
+def inertia_loads(omega: Vector) -> tuple[float, float, float, float, float, float]:
+    """s(omega), which does work on d."""
+    x, y, z = omega
+    return 0.5 * x * x, 0.5 * y * y, 0.5 * z * z, y * z, x * z, x * y
+
+
+@compiled
+def inertia_product(d: Array, k: int, a: Vector) -> Vector:
+    """mat(d) a, d being the six numbers from k on."""
+    x, y, z = a
+    return (
+        d[k] * x + d[k + 5] * y + d[k + 4] * z,
+        d[k + 5] * x + d[k + 1] * y + d[k + 3] * z,
+        d[k + 4] * x + d[k + 3] * y + d[k + 2] * z,
+    )
+
+
+@compiled
+def inertia_column(j: int, a: Vector) -> Vector:
+    """Column j of L(a), for which L(a) d = mat(d) a, and which is the gradient of s_j at a."""
+    x, y, z = a
+    if j == 0:
+        return x, 0.0, 0.0
+    if j == 1:
+        return 0.0, y, 0.0
+    if j == 2:
+        return 0.0, 0.0, z
+    if j == 3:
+        return 0.0, z, y
+    if j == 4:
+        return z, 0.0, x
+    return y, x, 0.0
+
+
+@compiled
+def first_coordinate(elastic: Elastic, e: int) -> int:
+    """The first dof of q; those of d are the six before."""
+    return int(elastic.dof[e + 1] - elastic.second.r[e])
+
+
+@compiled
+def add_curvatures(elastic: Elastic, state: State) -> None:
+    """u += 1/2 A(q, q) on all dofs of interfaces and inertia, whose u is y so far."""
+    second, u = elastic.second, state.interfaces.u
+    for e in range(len(second.r)):
+        if second.r[e]:
+            for k in range(elastic.dof[e], first_coordinate(elastic, e)):
+                u[k] += _curvature(elastic, e, k, u)
+
+
+@compiled
+def _curvature(elastic: Elastic, e: int, k: int, u: Array) -> float:
+    """1/2 A_k(q, q)"""
+    r, first = elastic.second.r[e], first_coordinate(elastic, e)
+    start = elastic.second.A_start[e] + (k - elastic.dof[e]) * r * r
+    total = 0.0
+    for i in range(r):
+        row_total = 0.0
+        for j in range(r):
+            row_total += elastic.second.A[start + i * r + j] * u[first + j]
+        total += row_total * u[first + i]
+    return 0.5 * total
+
+
+@compiled
+def load_second_order(elastic: Elastic, state: State, work: Workspace) -> None:
+    """pi behind the interface loads, with A q and what the moments of the bodies need."""
+    second = elastic.second
+    for e in range(len(second.r)):
+        if second.r[e]:
+            _set_slopes(elastic, e, state, work)
+            follow_inertia(elastic, e, state, work)
+            _set_loads(elastic, e, state, work)
+
+
+@compiled
+def _set_slopes(elastic: Elastic, e: int, state: State, work: Workspace) -> None:
+    """`slope` = A q on the active dofs before q."""
+    second, u = elastic.second, state.interfaces.u
+    r, first, dof = second.r[e], first_coordinate(elastic, e), elastic.dof[e]
+    for i in range(elastic.active_range[e], elastic.active_range[e + 1] - r):
+        c = elastic.active[i] - dof
+        out = work.second.slope[second.row[e] + c * r : second.row[e] + (c + 1) * r]
+        out[:] = 0.0
+        for k in range(r):
+            start = second.A_start[e] + (c * r + k) * r
+            _add_scaled(u[first + k], second.A[start : start + r], out)
+
+
+@compiled
+def _add_scaled(factor: float, source: Array, target: Array) -> None:
+    for j in range(len(target)):
+        target[j] += factor * source[j]
+
+
+@compiled
+def follow_inertia(elastic: Elastic, e: int, state: State, work: Workspace) -> None:
+    """J, Gamma and J' omega + Gamma' of the body, with h(q, .), h(q', .) and h(., q')."""
+    second, b = elastic.second, elastic.body[e]
+    u, rate = state.interfaces.u, state.interfaces.rate
+    r, first = second.r[e], first_coordinate(elastic, e)
+    _set_inertia(elastic, e, state, work)
+    turned = inertia_product(rate, first - INERTIA, spin_of(state, b))
+    at_q, at_rate, by_rate = work.second.at_q[e], work.second.at_rate[e], work.second.by_rate[e]
+    for i in range(3):
+        momentum, moment = 0.0, turned[i]
+        for j in range(r):
+            at_q[i, j] = at_rate[i, j] = by_rate[i, j] = 0.0
+        for k in range(r):
+            start = second.gyroscopic_start[e] + (i * r + k) * r
+            by_k = second.gyroscopic[start : start + r]
+            _add_scaled(u[first + k], by_k, at_q[i, :r])
+            _add_scaled(rate[first + k], by_k, at_rate[i, :r])
+            for j in range(r):
+                by_rate[i, k] += by_k[j] * rate[first + j]
+        for j in range(r):
+            momentum += at_q[i, j] * rate[first + j]
+            moment += at_rate[i, j] * rate[first + j]
+            moment += at_q[i, j] * state.interfaces.acceleration[first + j]
+        work.bodies.relative_momentum[b, i] = momentum
+        work.bodies.relative_moment[b, i] = moment
+
+
+@compiled
+def _set_inertia(elastic: Elastic, e: int, state: State, work: Workspace) -> None:
+    """J = J_0 + mat(d)"""
+    d = first_coordinate(elastic, e) - INERTIA
+    J, J_0 = work.bodies.J[elastic.body[e]], elastic.second.J_0[e]
+    for j in range(3):
+        change = inertia_product(state.interfaces.u, d, UNITS[j])
+        for i in range(3):
+            J[i, j] = J_0[i, j] + change[i]
+
+
+@compiled
+def _set_loads(elastic: Elastic, e: int, state: State, work: Workspace) -> None:
+    """s(omega) and f_q"""
+    second, b, p = elastic.second, elastic.body[e], state.interfaces.p
+    r, first, dof = second.r[e], first_coordinate(elastic, e), elastic.dof[e]
+    omega, v_dot = spin_of(state, b), state.bodies.v_dot
+    loads = inertia_loads(omega)
+    for j in range(INERTIA):
+        p[first - INERTIA + j] = loads[j]
+    out = p[first : first + r]
+    at_q, at_rate, by_rate = work.second.at_q[e], work.second.at_rate[e], work.second.by_rate[e]
+    for j in range(r):
+        total = 0.0
+        for i in range(3):
+            total -= v_dot[b, 3 + i] * at_q[i, j] + omega[i] * (at_rate[i, j] - by_rate[i, j])
+        out[j] = total
+    for i in range(elastic.active_range[e], elastic.active_range[e + 1] - r):
+        k = elastic.active[i]
+        start = second.row[e] + (k - dof) * r
+        _add_scaled(p[k], work.second.slope[start : start + r], out)
+    if second.stiff[e]:
+        _subtract_hardening(elastic, e, state.interfaces.u[first : first + r], out)
+
+
+@compiled
+def _subtract_hardening(elastic: Elastic, e: int, q: Array, out: Array) -> None:
+    """out -= dW/dq = cubic(q, q, .) / 2 + quartic(q, q, q, .) / 2"""
+    second = elastic.second
+    n = second.stiff[e]
+    for i in range(n):
+        for j in range(n):
+            cubic = second.cubic_start[e] + (i * n + j) * n
+            product = 0.5 * q[i] * q[j]
+            _add_scaled(-product, second.cubic[cubic : cubic + n], out[:n])
+            for k in range(n):
+                quartic = second.quartic_start[e] + ((i * n + j) * n + k) * n
+                _add_scaled(-product * q[k], second.quartic[quartic : quartic + n], out[:n])
+
+
+@compiled
+def hardening_energy(elastic: Elastic, e: int, u: Array) -> float:
+    """W = cubic(q, q, q) / 6 + quartic(q, q, q, q) / 8 of the q in u."""
+    second, total = elastic.second, 0.0
+    n, q = second.stiff[e], u[first_coordinate(elastic, e) :]
+    for i in range(n):
+        for j in range(n):
+            product = q[i] * q[j]
+            for k in range(n):
+                cubic = second.cubic[second.cubic_start[e] + (i * n + j) * n + k] / 6.0
+                start = second.quartic_start[e] + ((i * n + j) * n + k) * n
+                for m in range(n):
+                    cubic += second.quartic[start + m] * q[m] / 8.0
+                total += product * q[k] * cubic
+    return total
+
+
+@compiled
+def add_second_order_residual(elastic: Elastic, state: State, work: Workspace) -> None:
+    """Compatibility of z: 1/2 A(q, q) joins history + G_0 pi - z."""
+    second, u, residual = elastic.second, state.interfaces.u, work.interfaces.residual
+    for e in range(len(second.r)):
+        r, first = second.r[e], first_coordinate(elastic, e)
+        if r == 0:
+            continue
+        for i in range(elastic.active_range[e], elastic.active_range[e + 1] - r):
+            start = second.row[e] + (elastic.active[i] - elastic.dof[e]) * r
+            for j in range(r):
+                residual[i] += 0.5 * work.second.slope[start + j] * u[first + j]
+
+
+@compiled
+def finish_second_order(elastic: Elastic, state: State, work: Workspace) -> None:
+    """The inertia that belongs to the state at the end of a step."""
+    for e in range(len(elastic.second.r)):
+        if elastic.second.r[e]:
+            follow_inertia(elastic, e, state, work)
+
+
+@compiled
+def linear_change(elastic: Elastic, e: int, k: int, state: State, work: Workspace) -> float:
+    """The change of y at dof k in the step, on which its load does work."""
+    u, u_n = state.interfaces.u, work.interfaces.u_n
+    change = u[k] - u_n[k]
+    if elastic.second.r[e] and k < first_coordinate(elastic, e):
+        change += _curvature(elastic, e, k, u_n) - _curvature(elastic, e, k, u)
+    return float(change)
+
+
+# Newton's matrix
+
+
+@compiled
+def add_second_order_rows(system: System, state: State, work: Workspace) -> None:
+    """The derivatives of s and f_q, in the rows of d and q, before they are weighed by -G_0."""
+    elastic, pattern, S = system.elastic, system.pattern, work.matrix.S
+    for m in range(len(pattern.force_block)):
+        b, start = pattern.force_block[m, 0], pattern.force_block[m, 1]
+        stride, width = pattern.force_block[m, 2], pattern.force_block[m, 3]
+        e = elastic.of_body[b]
+        if e < 0 or elastic.second.r[e] == 0:
+            continue
+        r, begin = elastic.second.r[e], elastic.active_range[e]
+        n = elastic.active_range[e + 1] - begin - r
+        if start == pattern.body_block[b, 0]:
+            _add_own_slopes(system, e, start + 6 * stride, stride, state, work)
+        for i in range(n):
+            source = start + (6 + i) * stride
+            slope = elastic.second.row[e] + (elastic.active[begin + i] - elastic.dof[e]) * r
+            for j in range(r):
+                target = start + (6 + n + j) * stride
+                factor = work.second.slope[slope + j]
+                _add_scaled(factor, S[source : source + width], S[target : target + width])
+
+
+@compiled
+def _add_own_slopes(
+    system: System, e: int, start: int, stride: int, state: State, work: Workspace
+) -> None:
+    """Derivatives of s and f_q by Theta, and of f_q by q where [p; s] does not change.
+
+    start: the first row of active dofs in the diagonal block of the body.
+    """
+    elastic, scheme, S = system.elastic, system.scheme, work.matrix.S
+    second, b, T = elastic.second, elastic.body[e], work.bodies.T_inverse
+    r, n = second.r[e], elastic.active_range[e + 1] - elastic.active_range[e] - second.r[e]
+    omega, v_dot = spin_of(state, b), state.bodies.v_dot
+    tangent_inverse(work.bodies.psi[b], T)
+    for j in range(INERTIA):
+        slope = inertia_column(j, omega)
+        for i in range(3):
+            turned = slope[0] * T[0, i] + slope[1] * T[1, i] + slope[2] * T[2, i]
+            S[start + (n - INERTIA + j) * stride + 3 + i] += scheme.gamma_prime * turned
+    at_q, at_rate, by_rate = work.second.at_q[e], work.second.at_rate[e], work.second.by_rate[e]
+    for j in range(r):
+        target = start + (n + j) * stride
+        for k in range(3):
+            for i in range(3):
+                change = scheme.gamma_prime * (at_rate[i, j] - by_rate[i, j])
+                S[target + 3 + k] -= (scheme.beta_prime * at_q[i, j] + change) * T[i, k]
+        for k in range(r):
+            total = 0.0
+            for i in range(3):
+                here = second.gyroscopic_start[e] + i * r * r
+                h_kj = second.gyroscopic[here + k * r + j]
+                h_jk = second.gyroscopic[here + j * r + k]
+                total += v_dot[b, 3 + i] * h_kj + scheme.gamma_prime * omega[i] * (h_kj - h_jk)
+            S[target + 6 + n + k] -= total
+    p = state.interfaces.p
+    for i in range(elastic.active_range[e], elastic.active_range[e + 1] - r):
+        k = elastic.active[i]
+        A = second.A_start[e] + (k - elastic.dof[e]) * r * r
+        for j in range(r):
+            target = start + (n + j) * stride + 6 + n
+            _add_scaled(p[k], second.A[A + j * r : A + (j + 1) * r], S[target : target + r])
+    if second.stiff[e]:
+        q = state.interfaces.u[first_coordinate(elastic, e) :]
+        _subtract_hardening_slope(elastic, e, q, S, (start + n * stride + 6 + n, stride))
+
+
+@compiled
+def _subtract_hardening_slope(
+    elastic: Elastic, e: int, q: Array, S: Array, block: tuple[int, int]
+) -> None:
+    """S -= d2W/dq2 = cubic(q, ., .) + 3/2 quartic(q, q, ., .), at the block of q."""
+    second, n = elastic.second, elastic.second.stiff[e]
+    for i in range(n):
+        for j in range(n):
+            target = block[0] + j * block[1]
+            cubic = second.cubic_start[e] + (i * n + j) * n
+            _add_scaled(-q[i], second.cubic[cubic : cubic + n], S[target : target + n])
+            for k in range(n):
+                quartic = second.quartic_start[e] + ((i * n + k) * n + j) * n
+                factor = -1.5 * q[i] * q[k]
+                _add_scaled(factor, second.quartic[quartic : quartic + n], S[target : target + n])
+
+
+@compiled
+def add_second_order_tangent(system: System, state: State, work: Workspace) -> None:
+    """-A q in the rows of z, and the derivatives of the moments by d and q, times h^2."""
+    elastic, pattern = system.elastic, system.pattern
+    for e in range(len(elastic.second.r)):
+        if elastic.second.r[e]:
+            block = pattern.body_block[elastic.body[e]]
+            _add_compatibility_slopes(elastic, e, block, work)
+            _add_moment_slopes(system, e, block, state, work)
+
+
+@compiled
+def _add_compatibility_slopes(elastic: Elastic, e: int, block: Array, work: Workspace) -> None:
+    second, S = elastic.second, work.matrix.S
+    r, begin = second.r[e], elastic.active_range[e]
+    n = elastic.active_range[e + 1] - begin - r
+    for i in range(n):
+        target = block[0] + (6 + i) * block[1] + 6 + n
+        slope = second.row[e] + (elastic.active[begin + i] - elastic.dof[e]) * r
+        _add_scaled(-1.0, work.second.slope[slope : slope + r], S[target : target + r])
+
+
+@compiled
+def _add_moment_slopes(system: System, e: int, block: Array, state: State, work: Workspace) -> None:
+    elastic, scheme, S = system.elastic, system.scheme, work.matrix.S
+    second, b = elastic.second, elastic.body[e]
+    r, n = second.r[e], elastic.active_range[e + 1] - elastic.active_range[e] - second.r[e]
+    h2, slope, curvature = scheme.h * scheme.h, scheme.gamma_prime, scheme.beta_prime
+    omega, turning = spin_of(state, b), triple(state.bodies.v_dot[b], 3)
+    T, d = work.bodies.T_inverse, first_coordinate(elastic, e) - INERTIA
+    tangent_inverse(work.bodies.psi[b], T)
+    first = block[0] + 3 * block[1] + 6
+    for j in range(3):
+        turned = inertia_product(state.interfaces.rate, d, (T[0, j], T[1, j], T[2, j]))
+        for i in range(3):
+            S[first + i * block[1] - 3 + j] += h2 * slope * turned[i]
+    for j in range(INERTIA):
+        still, moved = inertia_column(j, turning), inertia_column(j, omega)
+        turned = cross(omega, moved)
+        for i in range(3):
+            total = still[i] + slope * moved[i] + turned[i]
+            S[first + i * block[1] + n - INERTIA + j] += h2 * total
+    at_q, at_rate, by_rate = work.second.at_q[e], work.second.at_rate[e], work.second.by_rate[e]
+    coordinate = first_coordinate(elastic, e)
+    acceleration = state.interfaces.acceleration[coordinate : coordinate + r]
+    for k in range(r):
+        momentum = (
+            by_rate[0, k] + slope * at_q[0, k],
+            by_rate[1, k] + slope * at_q[1, k],
+            by_rate[2, k] + slope * at_q[2, k],
+        )
+        turned = cross(omega, momentum)
+        for i in range(3):
+            start = second.gyroscopic_start[e] + (i * r + k) * r
+            total = turned[i] + slope * (by_rate[i, k] + at_rate[i, k]) + curvature * at_q[i, k]
+            for j in range(r):
+                total += second.gyroscopic[start + j] * acceleration[j]
+            S[first + i * block[1] + n + k] += h2 * total
