@@ -60,6 +60,7 @@ class Reference:
     gravity: np.ndarray = field(default_factory=lambda: np.zeros(3))
     zeta: float = 0.0
     iterations: int = ITERATIONS
+    enough: float = 0.0
 
     def __post_init__(self):
         rho, h = self.rho_inf, self.h
@@ -138,6 +139,8 @@ class Reference:
             change = lu_solve(factors, -np.concatenate([residual, phi / self.d_q]))
             v_dot = v_dot + change[: len(v_dot)]
             lam = lam + change[len(v_dot) :]
+            if self.d_q * np.abs(change[: len(v_dot)]).max() < self.enough:
+                break
         if self.d_q * np.abs(change[: len(v_dot)]).max() > 1e-14:
             raise RuntimeError("the reference did not converge")
         return x_new, R_new, u_new, v_new, v_dot, a, lam

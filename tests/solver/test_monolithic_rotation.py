@@ -23,7 +23,7 @@ from duhamel.superelement import Rotation
 from .models import model_of
 from .monolithic_rotation import RotatingReference
 
-H, STEPS = 2e-3, 300
+H, STEPS = 2e-3, 200
 MODES, LOW, R = 8, 2, 4
 RIM = np.array([0.3, -0.1, 0.2])
 
@@ -120,9 +120,8 @@ def assert_equal_motions(model, element, pivot, lift):
         name: np.abs(found - expected).max() / np.abs(expected).max()
         for name, (found, expected) in pairs.items()
     }
-    print(errors, "largest displacement", np.abs(u).max())
-    assert np.abs(u).max() > 0.02
-    assert max(errors.values()) < 1e-9, errors
+    assert np.abs(u).max() > 0.01
+    assert max(errors.values()) < 1e-10, errors
 
 
 LIFT = np.array([0.3, -0.5, 1.0])

@@ -50,9 +50,7 @@ def kicked(beam, gamma, step=STEP, t_end=T_END):
     model = Model(
         bodies={"beam": FlexibleBody(beam, Start(-root, angular_velocity=gamma * Z))},
         joints=(
-            Joint(
-                "drive", "revolute", ("ground", "beam.root"), Z, angle=Polynomial((0.0, gamma))
-            ),
+            Joint("drive", "revolute", ("ground", "beam.root"), Z, angle=Polynomial((0.0, gamma))),
         ),
         loads=(Load("force", "beam.tip", [0, 1e-4, 1e-4], Pulse(1.0, 0.0, 0.05), follower=True),),
         settings=Settings(
