@@ -108,7 +108,7 @@ def assert_equal_motions(model, element, pivot, lift):
     results = simulate(model)
     torque = 0.3 * results.time
     tip_force = np.outer(torque, lift) / 0.3
-    R, u, v, _ = reference.run(torque, tip_force, spin=hub.start.angular_velocity)
+    _, u, v, _ = reference.run(torque, tip_force, spin=hub.start.angular_velocity)
     found_u = np.hstack([results.frame(f"body.{name}").u for name in ("i0", "i1")])
     pairs = {
         "displacements": (found_u, u),
