@@ -27,7 +27,7 @@ from .straight_beam import along, beam_superelement
 
 X = np.array([1.0, 0.0, 0.0])
 L, DIAMETER, RHO, E = 1.0, 0.02, 7850.0, 2.1e11
-A, I = np.pi * DIAMETER**2 / 4.0, np.pi * DIAMETER**4 / 64.0
+A, I_A = np.pi * DIAMETER**2 / 4.0, np.pi * DIAMETER**4 / 64.0
 DISK = (5.0, 0.05, 0.025)
 """mass, inertia about the shaft, about a diameter"""
 STEP, T_END = 1e-5, 0.5
@@ -38,13 +38,13 @@ N = 24
 def shaft(tmp_path_factory):
     section = {
         "EA": E * A,
-        "EI_y": E * I,
-        "EI_z": E * I,
-        "GJ": E / 2.6 * 2.0 * I,
+        "EI_y": E * I_A,
+        "EI_z": E * I_A,
+        "GJ": E / 2.6 * 2.0 * I_A,
         "mass_per_length": RHO * A,
-        "rotary_inertia_y": RHO * I,
-        "rotary_inertia_z": RHO * I,
-        "polar_inertia_per_length": 2.0 * RHO * I,
+        "rotary_inertia_y": RHO * I_A,
+        "rotary_inertia_z": RHO * I_A,
+        "polar_inertia_per_length": 2.0 * RHO * I_A,
     }
     m, polar, diametral = DISK
     disk = {"interface": "disk", "mass": m, "inertia": [polar, diametral, diametral]}
@@ -88,7 +88,7 @@ def kicked(shaft, spin, t_end=T_END):
     "spin", [300.0, *(pytest.param(s, marks=pytest.mark.validation) for s in (100.0, 600.0))]
 )
 def test_a_shaft_whirls_forwards_and_backwards(shaft, spin):
-    exact = whirl(spin, L, E * I, RHO * A, RHO * I, DISK, 1.0 / 3.0)[:4]
+    exact = whirl(spin, L, E * I_A, RHO * A, RHO * I_A, DISK, 1.0 / 3.0)[:4]
     signal = kicked(shaft, spin)
     found = np.array([frequency(signal, STEP, omega) for omega in exact])
     print(f"{spin} rad/s: {found}, exact {exact}, errors {found / exact - 1.0}")
