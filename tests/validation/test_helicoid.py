@@ -74,6 +74,18 @@ def beams(tmp_path_factory):
     }
 
 
+@pytest.fixture(scope="module")
+def of_second_order(tmp_path_factory):
+    """The whole beam as one superelement that rotation and loads stiffen."""
+    return beam_superelement(
+        tmp_path_factory.mktemp("second"),
+        along(L, ELEMENTS),
+        SECTION,
+        {"root": 0, "tip": ELEMENTS},
+        rotation={"modes": 4},
+    )
+
+
 def ball_on(tip):
     """The parts that Case 5 adds: a body, the joint that holds it to the tip, and the blow."""
     ball = RigidBody(
@@ -176,27 +188,49 @@ def test_the_helicoid_is_that_of_geometrically_exact_beams(beams, case):
     assert (np.array(drifts[:-1]) > 2.5 * np.array(drifts[1:])).all()
 
 
-def test_the_blow_of_case_5_is_that_on_geometrically_exact_beams(beams):
-    loads = CASES["case 4"]
-    reference = exudyn(*loads, tip_mass=TIP_MASS, blow=BLOW)
-    drifts = []
-    for n, part in beams.items():
-        results, height, angle, deflection = motion(part, n, *loads, ball=True)
-        assert np.abs(height - reference["height"]).max() < 5e-3 * np.ptp(reference["height"])
-        assert np.abs(angle - reference["angle"]).max() < 2e-3 * np.ptp(reference["angle"])
-        t = results.time
-        periods = (t <= BLOW.start, (t > BLOW.start) & (t < BLOW.start + 0.02), t > BLOW.start)
-        apart, sizes = (
-            np.abs(deflection - reference["deflection"])[:, 1:],
-            np.abs(reference["deflection"])[:, 1:],
-        )
-        drift = np.array([apart[shown].max(axis=0) / sizes[shown].max(axis=0) for shown in periods])
-        print(
-            f"case 5, {n} superelement(s): until the blow {drift[0]}, 20 ms after {drift[1]}, "
-            f"until 0.4 s {drift[2]}"
-        )
-        drifts.append(drift)
-    found = np.array(drifts)
+def test_one_body_with_its_second_order_drifts_less_than_four_without(beams, of_second_order, case):
+    name, loads, reference = case
+    peaks = np.abs(reference["deflection"]).max(axis=0)[1:]
+    four, one = (
+        np.abs(motion(part, n, *loads)[3] - reference["deflection"]).max(axis=0)[1:] / peaks
+        for part, n in ((beams[4], 4), (of_second_order, 1))
+    )
+    print(f"{name}: drift of y and z with one body of second order {one}, with four bodies {four}")
+    assert (one < 0.5 * four).all()
+
+
+@pytest.fixture(scope="module")
+def blow():
+    """The reference of Case 5."""
+    return exudyn(*CASES["case 4"], tip_mass=TIP_MASS, blow=BLOW)
+
+
+def drifts_of_case_5(part, n, reference):
+    """Of y and z, over the peaks in three periods (3, 2)."""
+    results, height, angle, deflection = motion(part, n, *CASES["case 4"], ball=True)
+    assert np.abs(height - reference["height"]).max() < 5e-3 * np.ptp(reference["height"])
+    assert np.abs(angle - reference["angle"]).max() < 2e-3 * np.ptp(reference["angle"])
+    t = results.time
+    periods = (t <= BLOW.start, (t > BLOW.start) & (t < BLOW.start + 0.02), t > BLOW.start)
+    apart, sizes = (
+        np.abs(deflection - reference["deflection"])[:, 1:],
+        np.abs(reference["deflection"])[:, 1:],
+    )
+    drift = np.array([apart[shown].max(axis=0) / sizes[shown].max(axis=0) for shown in periods])
+    print(
+        f"case 5, {n} superelement(s): until the blow {drift[0]}, 20 ms after {drift[1]}, "
+        f"until 0.4 s {drift[2]}"
+    )
+    return drift
+
+
+def test_in_case_5_too(beams, of_second_order, blow):
+    one, four = drifts_of_case_5(of_second_order, 1, blow), drifts_of_case_5(beams[4], 4, blow)
+    assert (one < 0.5 * four).all()
+
+
+def test_the_blow_of_case_5_is_that_on_geometrically_exact_beams(beams, blow):
+    found = np.array([drifts_of_case_5(part, n, blow) for n, part in beams.items()])
     assert (found[:-1, :2] > 2.5 * found[1:, :2]).all()
     assert (found[-1, :2] < 0.02).all()
     assert (found[-1, 2] < 0.1).all()

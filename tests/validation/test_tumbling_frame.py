@@ -5,6 +5,8 @@ Three beams in three directions, the disk on the second corner. The frame bends 
 the terms of second order exchange energy between the rotation and the vibrations at every instant.
 """
 
+from itertools import pairwise
+
 import meshio
 import numpy as np
 import pytest
@@ -29,7 +31,7 @@ SPIN, T_END = np.array([1.0, -1.5, 1.2]), 4.0
 
 @pytest.fixture(scope="module")
 def frame(tmp_path_factory):
-    legs = zip(CORNERS[:-1], CORNERS[1:], strict=True)
+    legs = pairwise(CORNERS)
     shares = np.arange(PER_LEG)[:, None] / PER_LEG
     points = np.vstack([*(a + shares * (b - a) for a, b in legs), CORNERS[-1:]])
     lines = np.column_stack([np.arange(len(points) - 1), np.arange(1, len(points))])
