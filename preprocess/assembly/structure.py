@@ -51,6 +51,16 @@ class Structure:
     def n_u(self) -> int:
         return int(self.M.shape[0])
 
+    @cached_property
+    def rows(self) -> dict[str, Any]:
+        """The rows of P_C of every interface, by name."""
+        sizes = [6 if interface.rotations else 3 for interface in self.interfaces]
+        first = np.cumsum([0, *sizes])
+        return {
+            interface.name: self.P_C[start : start + size]
+            for interface, start, size in zip(self.interfaces, first, sizes, strict=False)
+        }
+
     @property
     def U(self) -> Array:
         """Rigid modes (n_u, 6) with U^T M U = I."""
