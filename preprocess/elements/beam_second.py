@@ -7,6 +7,7 @@ import numpy as np
 
 from ...superelement.validation import Array
 from ..body.material import Section
+from ..errors import BodyError
 from ..mesh.mesh import IntArray, Mesh
 from ..mesh.nodes import node_dofs
 from .beam import (
@@ -17,7 +18,7 @@ from .beam import (
     local_stiffness,
     section_motion,
 )
-from .inertia import Pieces, cross
+from .inertia import Moved, Pieces, cross
 
 BATCH = 2**22
 """Numbers in the second order strains of a batch of elements."""
@@ -101,6 +102,10 @@ class BeamTensors:
             total += mixed + mixed.transpose(0, 2, 1)
         return total
 
+    def quartic(self, motions: Array, moved: Moved | None) -> tuple[Array, Array]:
+        """`BodyError`: the squares of the slopes of beams would lock against their stretch."""
+        raise BodyError("lines: expected solids for the strain energy of fourth order")
+
     def _batches(self, numbers: int) -> Iterator["BeamTensors"]:
         """Some elements at a time, of each of which so many numbers are made."""
         size = max(1, BATCH // numbers)
@@ -158,7 +163,9 @@ class BeamTensors:
         motion, first, second = (self._fields(left, derivative) for derivative in range(3))
         loads = (local_stiffness(self.L, self.properties) @ d).reshape(len(d), 4, 3, -1)
         return _State(
-            np.concatenate([_rows(self._forces(first, second)), _rows(loads.transpose(2, 1, 0, 3))]),
+            np.concatenate(
+                [_rows(self._forces(first, second)), _rows(loads.transpose(2, 1, 0, 3))]
+            ),
             first[:3],
             motion[3:],
             first[3:],
@@ -203,13 +210,17 @@ def beam_tensors(mesh: Mesh, sections: list[Section], center: Array) -> BeamTens
 def _second_strains(a: _State, b: _State) -> Array:
     """Twice the second order strains (n_rows, r_a, r_b) of two states."""
     ua, wa, ka, sa, da = (_rows_of(x) for x in (a.slope, a.rotation, a.curvature, a.spin, a.ends))
-    ub, wb, kb, sb, db = (_columns_of(x) for x in (b.slope, b.rotation, b.curvature, b.spin, b.ends))
+    ub, wb, kb, sb, db = (
+        _columns_of(x) for x in (b.slope, b.rotation, b.curvature, b.spin, b.ends)
+    )
     e1 = ALONG[:, None, None, None]
     stretch = 0.5 * (cross(wa, cross(wb, e1)) + cross(wb, cross(wa, e1)))
     stretch -= cross(wa, ub) + cross(wb, ua)
     bending = -0.5 * (cross(wa, kb) + cross(wb, ka))
     turning = -HALVED[..., None] * (cross(sa, db) + cross(sb, da))
-    return np.concatenate([part.reshape(-1, *part.shape[-2:]) for part in (stretch, bending, turning)])
+    return np.concatenate(
+        [part.reshape(-1, *part.shape[-2:]) for part in (stretch, bending, turning)]
+    )
 
 
 def _rows_of(x: Array) -> Array:

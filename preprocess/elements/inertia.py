@@ -12,11 +12,17 @@ import numpy as np
 
 from ...superelement.validation import Array
 from ..body.material import STRESSES
+from ..errors import BodyError
+from ..mesh.mesh import IntArray
 
 CROSS = np.zeros((3, 3, 3))
 """(a x b)_i = CROSS_ijk a_j b_k"""
 for _i in range(3):
     CROSS[_i, _i - 2, _i - 1], CROSS[_i, _i - 1, _i - 2] = 1.0, -1.0
+
+
+Moved = tuple[IntArray, Array]
+"""dofs (s, 3) of nodes, and second derivatives (s, 3, r, r) of their displacements."""
 
 
 def vector_of(tensors: Array) -> Array:
@@ -100,7 +106,51 @@ def second_of_products(products: Array) -> Array:
     """
     traces = np.einsum("iikl,ab->abkl", products, np.eye(3))
     tensors = traces - products
-    return vector_of(tensors + tensors.transpose(1, 0, 3, 2))
+    return vector_of(tensors + tensors.transpose(1, 0, 2, 3))
+
+
+@dataclass(frozen=True, eq=False)
+class NodalTensors:
+    """The inertia of nodes with mass M_s (x) I_3 at X (n, 3) [m] from the center of mass, exactly.
+
+    Motions (3 n, r). `name`: that of the file, for messages.
+    """
+
+    name: str
+    M: Any
+    X: Array
+
+    def inertia_loads(self) -> Array:
+        """F (3 n, 6): the first order change of the inertia is F^T u."""
+        return of_moments(np.asarray(self.M @ self.X)).transpose(1, 2, 0).reshape(-1, 6)
+
+    def inertia(self, motions: Array) -> Array:
+        """Q (6, r, r): the second derivative of the inertia by motions."""
+        return second_of_products(self._products(motions))
+
+    def gyroscopic(self, motions: Array) -> Array:
+        """h (3, r, r): the angular momentum h(q, q') of motions."""
+        return np.einsum("iab,abkl->ikl", CROSS, self._products(motions))
+
+    def third(self, u: Array, motions: Array) -> Array:
+        """`BodyError`: masses have no strain energy."""
+        raise self._no_elements()
+
+    def quartic(self, motions: Array, moved: Moved | None) -> tuple[Array, Array]:
+        """`BodyError`: masses have no strain energy."""
+        raise self._no_elements()
+
+    def _no_elements(self) -> BodyError:
+        return BodyError(
+            f"{self.name}: matrices do not tell how loads stiffen a body: expected a mesh"
+        )
+
+    def _products(self, motions: Array) -> Array:
+        """u_ik^T M_s u_jl (3, 3, r, r)."""
+        n, r = self.X.shape[0], motions.shape[1]
+        u = motions.reshape(n, 3 * r)
+        products = (u.T @ (self.M @ u)).reshape(3, r, 3, r)
+        return np.asarray(products.transpose(0, 2, 1, 3))
 
 
 def scalar_mass(M: Any) -> Any | None:

@@ -127,7 +127,7 @@ class KrylovSpace:
         """The same modes, which loads of rotation excite beside those on interfaces: phi (n_c + 6,
         m).
         """
-        rows = sp.csr_array(self._structure.inertia.T)
+        rows = sp.csr_array(self._structure.inertia_loads.T)
         inertia = space_shapes(self.basis, Q)(rows)
         return replace(modes, phi=np.vstack([modes.phi, inertia]))
 
@@ -215,7 +215,8 @@ def _with_rotation(
 
     It takes blocks of the chain until the last changes these responses by less than the tolerance.
     """
-    error, better = 0.0, None
+    error = 0.0
+    better: Modes | None = None
     for W in chain:
         space.add(W)
         modes, Q = modes_of(space.blocks)

@@ -37,8 +37,7 @@ def craig_bampton(structure: Structure, damping: Damping, count: int) -> Reducti
 
     Constraint modes are the rigid motions and what interface loads F that balance themselves do at
     rest. So are they made: frames on averaged facets, and interfaces that do not hold a body, need
-    nothing else. It has n_c - 6 + count elastic modes, and six more from the loads of rotation where
-    they are asked for. Source: R. R. Craig, M. C. C. Bampton, AIAA
+    nothing else. It has n_c - 6 + count elastic modes, and up to six from loads of rotation. Source: R. R. Craig, M. C. C. Bampton, AIAA
     Journal 6 (1968) 1313-1319. `MethodError` for more modes than there are.
     """
     rigid = structure.P_C @ structure.U
@@ -67,7 +66,7 @@ def rubin(structure: Structure, damping: Damping, count: int) -> Reduction:
 
 
 def _statics(structure: Structure) -> tuple[Array, Array]:
-    """Static displacements (n_u, n_c) under interface loads, and those (n_u, 6 or 0) of rotation."""
+    """Static displacements (n_u, n_c) under interface loads, and (n_u, 6 or 0) of rotation."""
     shapes = static_shapes(structure)
     n_c = structure.P_C.shape[0]
     return shapes[:, :n_c], shapes[:, n_c:]
