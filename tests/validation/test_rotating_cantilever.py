@@ -52,7 +52,7 @@ def kicked(beam, gamma, step=STEP, t_end=T_END, unit=1.0):
     """
     root = beam.interface("root").X
     model = Model(
-        bodies={"beam": FlexibleBody(beam, Start(-root, angular_velocity=gamma * Z))},
+        bodies={"beam": FlexibleBody(beam, Start(-root))},
         joints=(
             Joint("drive", "revolute", ("ground", "beam.root"), Z, angle=Polynomial((0.0, gamma))),
         ),

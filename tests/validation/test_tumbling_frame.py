@@ -64,7 +64,7 @@ def frame(tmp_path_factory):
 
 def tumbling(frame, step, position=(0, 0, 0), turn=(0, 0, 0), t_end=T_END, rho_inf=0.9):
     """It starts undeformed, in full rotation: so it is thrown into vibration at once."""
-    start = Start(position, turn, angular_velocity=Rotation.from_rotvec(turn).apply(SPIN))
+    start = Start(position, turn, angular_velocity=SPIN)
     settings = Settings(t_end=t_end, step=step, rho_inf=rho_inf)
     return simulate(Model({"frame": FlexibleBody(frame, start)}, settings=settings))
 
@@ -84,7 +84,7 @@ def test_it_is_thrown_into_vibration(frame):
     assert 0.03 < np.linalg.norm(u[:, :3], axis=1).max() < 0.3
 
 
-@pytest.mark.parametrize("rho_inf", [0.9, 0.5])
+@pytest.mark.parametrize("rho_inf", [0.9, 1.0])
 def test_energy_and_angular_momentum_are_kept_to_second_order(frame, rho_inf):
     steps = 0.02 / 2.0 ** np.arange(5)
     found = np.array([drifts(tumbling(frame, step, rho_inf=rho_inf)) for step in steps])
@@ -96,7 +96,7 @@ def test_energy_and_angular_momentum_are_kept_to_second_order(frame, rho_inf):
 
 
 def test_the_motion_converges_with_the_square_of_the_step(frame):
-    ends = [tumbling(frame, 0.01 / 2**k).frame("frame.far").position[-1] for k in range(4)]
+    ends = [tumbling(frame, 0.0025 / 2**k).frame("frame.far").position[-1] for k in range(4)]
     changes = np.linalg.norm(np.diff(ends, axis=0), axis=1)
     print(f"changes of the far end {changes}")
     np.testing.assert_allclose(np.log2(changes[:-1] / changes[1:]), 2.0, atol=0.3)

@@ -62,7 +62,7 @@ def kicked(shaft, spin, t_end=T_END):
     """y + i z of the disk (n_t,)."""
     start = -shaft.interface("left").X
     model = Model(
-        bodies={"shaft": FlexibleBody(shaft, Start(start, angular_velocity=spin * X))},
+        bodies={"shaft": FlexibleBody(shaft, Start(start))},
         joints=(
             Joint("left", "spherical", ("ground", "shaft.left")),
             Joint("right", "spherical", ("ground.right", "shaft.right")),
