@@ -17,6 +17,8 @@ all, and falls with the square of the length of the superelements. Over tips and
                  largest                 2.0e-3     1.1e-3     2.7e-4     7.6e-5
     two beams    root mean square        4.4e-3     6.3e-4     1.5e-4     4.0e-5
                  largest                 1.4e-2     2.5e-3     6.1e-4     1.7e-4
+
+With [rotation] one superelement a beam is enough: 1.1e-6 L and 1.2e-6 L with steps of 5e-5 s.
 """
 
 import numpy as np
@@ -184,4 +186,4 @@ def test_one_body_of_second_order_is_twice_as_near_as_four_of_first(beams, tmp_p
         f"{beams} soft beam(s), one body of second order each: largest {largest} L, root mean "
         f"square {mean:.1e} L; {results.iterations.mean():.2f} iterations"
     )
-    assert mean < 0.5 * FOUR[beams]
+    assert mean < 0.1 * FOUR[beams]

@@ -130,9 +130,10 @@ FROM_ROOT = {"modes": 4, "soft": "auto", "loaded": ["root"]}
 
 @pytest.mark.parametrize(
     ("step", "tolerance"),
-    [(2e-2, 2e-3), pytest.param(1e-2, 1e-3, marks=pytest.mark.validation)],
+    [(2e-2, 2e-3), (1e-2, 1e-3)],
 )
 def test_one_body_with_its_second_order_is_enough(step, tolerance, tmp_path):
+    """Centripetal accelerations err by (omega h)^2 / 12, a thousandth with the longer step."""
     results = simulate(chain(tmp_path, 1, step, rotation=FROM_ROOT))
     lag = deflection(results, 1)
     root, tip = (results.frame(f"b0.{name}").position for name in ("root", "tip"))
@@ -144,5 +145,5 @@ def test_one_body_with_its_second_order_is_enough(step, tolerance, tmp_path):
         f"{results.iterations.mean():.2f} iterations"
     )
     assert lag.min() == pytest.approx(REFERENCE, rel=tolerance)
-    assert np.abs(lag[results.time > 16.0]).max() < 2e-3
-    assert stretch.mean() == pytest.approx(exact, rel=1e-3)
+    assert np.abs(lag[results.time > 16.0]).max() < 5e-3
+    assert stretch.mean() == pytest.approx(exact, rel=tolerance)
