@@ -1,12 +1,14 @@
 """From a body file's contents to a superelement."""
 
+from dataclasses import replace
 from importlib import metadata
 
 import numpy as np
 
 from ..files import in_one_line
 from ..files.memory import available
-from ..superelement import Provenance, Superelement, sha256
+from ..superelement import Provenance, Rotation, Superelement, sha256
+from .assembly.second_order import SecondOrder, second_order
 from .assembly.structure import Structure, assemble_on
 from .body.body import Body
 from .errors import MemoryShortageError
@@ -14,8 +16,9 @@ from .plausibility import refused_where_singular
 from .progress import Stages, shown_stages
 from .recovery import check_recovery, recover
 from .responses.factor import factorizations
-from .responses.impulse import impulse_responses, require_memory
+from .responses.impulse import ImpulseResponses, impulse_responses, require_memory
 from .responses.static import accelerance, compliance
+from .rotation.reduced import reduced_rotation
 from .sources.reading import read_source
 
 FEWEST = 3
@@ -62,6 +65,10 @@ def _build(body: Body, stages: Stages, summaries: list[str]) -> Superelement:
         check_recovery(body, source)
     with stages.stage("assembly"):
         structure = assemble_on(body, source)
+        second = None
+        if body.rotation is not None:
+            second = second_order(structure, source, body)
+            structure = replace(structure, inertia=second.inertia_loads)
     with stages.stage("impulse"):
         responses = impulse_responses(structure, body, stages)
     with stages.stage("static"):
@@ -77,6 +84,10 @@ def _build(body: Body, stages: Stages, summaries: list[str]) -> Superelement:
     if body.recovery is not None and responses.shapes is not None:
         with stages.stage("recovery"):
             recovery = recover(body, source, structure, responses.shapes)
+    rotation = None
+    if second is not None:
+        with stages.stage("rotation"):
+            rotation = _rotation(structure, second, responses, body)
     return Superelement(
         name=body.name,
         mass=structure.rigid.mass,
@@ -88,6 +99,7 @@ def _build(body: Body, stages: Stages, summaries: list[str]) -> Superelement:
         compliance=H,
         accelerance=B,
         recovery=recovery,
+        rotation=rotation,
         provenance=Provenance(
             body=body.text,
             mesh=", ".join(path.name for path in body.files),
@@ -98,6 +110,16 @@ def _build(body: Body, stages: Stages, summaries: list[str]) -> Superelement:
             timings=stages.seconds,
         ),
     )
+
+
+def _rotation(
+    structure: Structure, second: SecondOrder, responses: ImpulseResponses, body: Body
+) -> Rotation | None:
+    """The second order in the modes of the responses; None where there are none, or none asked."""
+    modes, shapes, asked = responses.modes, responses.shapes, body.rotation
+    if modes is None or shapes is None or asked is None:
+        return None
+    return reduced_rotation(structure, second, modes, shapes, asked)
 
 
 def _versions(summaries: list[str]) -> dict[str, str]:

@@ -8,7 +8,7 @@ from .assembly.source import FieldPoints, Source
 from .assembly.structure import Structure
 from .body.body import Body
 from .errors import MethodError
-from .responses.modal import Shapes
+from .responses.shapes import Shapes
 
 BATCH = 2**10
 """Points at which stresses are made at once, lest strains and stresses of all of them take memory

@@ -1,4 +1,4 @@
-"""The HDF5 file of a superelement, schema version 2; files of version 1 are read too.
+"""The HDF5 file of a superelement, schema version 3; files of versions 1 and 2 are read too.
 
 Written under a temporary name and renamed when whole.
 """
@@ -21,14 +21,19 @@ from .interface import Interface
 from .kernel import Kernel
 from .modes import Modes
 from .recovery import Recovery
+from .rotation import INERTIA, Rotation
 from .scheme import GeneralizedAlpha
 from .superelement import Provenance, Superelement
-from .validation import SuperelementError
+from .validation import Array, SuperelementError
 
 FORMAT = "duhamel-superelement"
-VERSION = 2
-ACCELERANCE = {1: "static/mobility", VERSION: "static/accelerance"}
+VERSION = 3
+ACCELERANCE = {1: "static/mobility", 2: "static/accelerance", VERSION: "static/accelerance"}
 """the dataset of the accelerance, by version: version 1 has it under another name"""
+ROTATES = 3
+"""the version from which on a superelement may have a rotation"""
+FORM = "KM"
+"""two projections of each soft shape, in stiffness and in mass"""
 
 
 def write(path: str | os.PathLike[str], superelement: Superelement) -> None:
@@ -67,7 +72,7 @@ def require_writable(path: str | os.PathLike[str]) -> None:
 
 
 def read(path: str | os.PathLike[str], recovery: bool = True) -> Superelement:
-    """Read and validate a superelement of version 1 or 2; unknown groups are passed over.
+    """Read and validate a superelement of versions 1 to 3; unknown groups are passed over.
 
     recovery: whether to read that too, which for a large body is nearly all of the file and no
     concern of a simulation.
@@ -105,6 +110,8 @@ def _fill(file: h5py.File, body: Superelement) -> None:
         put(modes, "omega", body.modes.omega, "rad/s")
         put(modes, "zeta", body.modes.zeta, "1")
         put(modes, "phi", body.modes.phi, "1/sqrt(kg), 1/(sqrt(kg) m)")
+    if body.rotation is not None:
+        _put_rotation(file, body.rotation)
     put(file, "static/compliance", body.compliance, "m/N, rad/N, rad/(N m)")
     put(file, ACCELERANCE[VERSION], body.accelerance, "1/kg, 1/(kg m), 1/(kg m^2)")
     if body.recovery is not None:
@@ -129,6 +136,20 @@ def _put_kernel(parent: h5py.Group, kernel: Kernel) -> None:
         parent.attrs["band"] = kernel.band
     put(parent, "g", kernel.g, "m/N, rad/N, rad/(N m)")
     put(parent, "g_initial", kernel.g_initial, "m/N, rad/N, rad/(N m)")
+
+
+def _put_rotation(file: h5py.File, rotation: Rotation) -> None:
+    put(file, "modes/phi_inertia", rotation.phi_inertia, "sqrt(kg) m")
+    parent = file.create_group("rotation")
+    parent.attrs.update(n_low=rotation.n_low, n_soft=rotation.n_soft, form=FORM)
+    put(parent, "T", rotation.T, "1")
+    put(parent, "A_interface", rotation.A_interface, "1/(kg m), 1/(kg m^2)")
+    put(parent, "A_inertia", rotation.A_inertia, "1")
+    put(parent, "gyroscopic", rotation.gyroscopic, "1")
+    put(parent, "kappa", rotation.kappa, "1")
+    if rotation.cubic is not None:
+        put(parent, "cubic", rotation.cubic, "1/(sqrt(kg) m s^2)")
+        put(parent, "quartic", rotation.quartic, "1/(kg m^2 s^2)")
 
 
 def _put_recovery(parent: h5py.Group, recovery: Recovery) -> None:
@@ -170,6 +191,7 @@ def _superelement(file: h5py.File, recovery: bool) -> Superelement:
         compliance=numbers(file, "static/compliance", n_c, n_c),
         accelerance=numbers(file, ACCELERANCE[version], n_c, n_c),
         recovery=_recovery(file) if recovery else None,
+        rotation=_rotation(file, n_c) if version >= ROTATES else None,
         provenance=_provenance(file),
     )
     _check_rows(file, body)
@@ -229,6 +251,47 @@ def _modes(file: h5py.File, n_c: int) -> Modes | None:
         phi=numbers(file, "modes/phi", n_c, len(omega)),
         h_min=number(attributes, "h_min") if "h_min" in attributes.attrs else 0.0,
     )
+
+
+def _rotation(file: h5py.File, n_c: int) -> Rotation | None:
+    if "rotation" not in file:
+        if "modes/phi_inertia" in file:
+            raise SuperelementError("group 'rotation' is missing, without which is phi_inertia")
+        return None
+    attributes = group(file, "rotation")
+    expect(attributes, "form", FORM)
+    T = numbers(file, "rotation/T", "r", "m")
+    r, m = T.shape
+    rotation = Rotation(
+        phi_inertia=numbers(file, "modes/phi_inertia", INERTIA, m),
+        T=T,
+        A_interface=numbers(file, "rotation/A_interface", n_c, r, r),
+        A_inertia=numbers(file, "rotation/A_inertia", INERTIA, r, r),
+        gyroscopic=numbers(file, "rotation/gyroscopic", 3, r, r),
+        kappa=numbers(file, "rotation/kappa", "candidates"),
+        n_low=_count(attributes, "n_low"),
+        cubic=_energy(file, "rotation/cubic", 3),
+        quartic=_energy(file, "rotation/quartic", 4),
+    )
+    if rotation.n_low + 2 * (n_soft := _count(attributes, "n_soft")) != r:
+        raise SuperelementError(
+            "rotation/T: expected a row for each of n_low modes and two for each of n_soft shapes, "
+            f"found {r} with n_low = {rotation.n_low}, n_soft = {n_soft}"
+        )
+    return rotation
+
+
+def _count(attributes: h5py.Group, name: str) -> int:
+    found = number(attributes, name)
+    if not found.is_integer():
+        raise SuperelementError(
+            f"attribute {name!r} of group 'rotation': expected a whole number, found {found}"
+        )
+    return int(found)
+
+
+def _energy(file: h5py.File, name: str, order: int) -> Array | None:
+    return numbers(file, name, *["k"] * order) if name in file else None
 
 
 def _recovery(file: h5py.File) -> Recovery | None:

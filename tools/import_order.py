@@ -37,6 +37,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "assembly",
         "sources",
         "responses",
+        "rotation",
         "estimate",
         "recovery",
         "plausibility",

@@ -12,7 +12,14 @@ from ..body.selection import InterfaceSelection
 from ..errors import InterfaceError
 from ..mesh.mesh import NONE, IntArray
 from ..mesh.nodes import Nodes
-from .surface import Surface, mean_motion, mean_motion_of_points
+from .surface import (
+    Fit,
+    Surface,
+    fit_of_points,
+    fit_of_surface,
+    mean_motion,
+    mean_motion_of_points,
+)
 
 LINE = 1e-6
 """Second radius of a set of points over the first, below which they lie on a line and cannot carry
@@ -35,6 +42,7 @@ class Attachment:
     facets: IntArray = field(default_factory=lambda: NONE)
     area: float = 0.0
     rigid: bool = False
+    fit: Fit | None = None
 
     @property
     def rotates(self) -> bool:
@@ -83,7 +91,8 @@ def point_frame(selection: InterfaceSelection, members: IntArray, nodes: Nodes) 
     _check_spread(points)
     X = points.mean(axis=0) if selection.at is None else np.array(selection.at)
     rows = mean_motion_of_points(members, X, nodes)
-    return Attachment(X, rows, members, rigid=selection.kind == "rigid")
+    fit = fit_of_points(members, nodes)
+    return Attachment(X, rows, members, rigid=selection.kind == "rigid", fit=fit)
 
 
 def facet_frame(
@@ -93,7 +102,8 @@ def facet_frame(
     _check_spread(nodes.points[faces.nodes])
     X = faces.centroid if selection.at is None else np.array(selection.at)
     rows = mean_motion(faces, X, nodes)
-    return Attachment(X, rows, faces.nodes, numbers, faces.area, selection.kind == "rigid")
+    rigid, fit = selection.kind == "rigid", fit_of_surface(faces, nodes)
+    return Attachment(X, rows, faces.nodes, numbers, faces.area, rigid, fit)
 
 
 def _check_spread(points: Array) -> None:

@@ -6,6 +6,7 @@ from typing import Any, Protocol
 
 from ...superelement.validation import Array
 from ..body.selection import InterfaceSelection
+from ..elements.inertia import Moved
 from ..mesh.facets import Facets
 from ..mesh.mesh import IntArray, Mesh
 from ..mesh.nodes import Nodes
@@ -61,6 +62,32 @@ class Resolution:
         return self.wavelength / self.spacing
 
 
+class Tensors(Protocol):
+    """The second order of the elements of a body, in motions of the dofs of its source."""
+
+    def inertia_loads(self) -> Array:
+        """F (n_u, 6): the first order change of the inertia is F^T u."""
+        ...
+
+    def inertia(self, motions: Array) -> Array:
+        """Q (6, r, r): the second derivative of the inertia by motions (n_u, r)."""
+        ...
+
+    def gyroscopic(self, motions: Array) -> Array:
+        """h (3, r, r): the angular momentum h(q, q') of motions (n_u, r)."""
+        ...
+
+    def third(self, u: Array, motions: Array) -> Array:
+        """D3(u; psi_k, psi_l) (k, r, r), the third derivative of the strain energy."""
+        ...
+
+    def quartic(self, motions: Array, moved: Moved | None) -> tuple[Array, Array]:
+        """The energy of second order strains (pairs, pairs), and the loads of their stresses (n_u,
+        pairs).
+        """
+        ...
+
+
 class Source(Protocol):
     """A finite element model free in space, without interfaces and masses."""
 
@@ -78,6 +105,13 @@ class Source(Protocol):
         """K [N/m ...] and M [kg ...] (n_u, n_u), sparse and symmetric to the last bit.
 
         `PreprocessError` unless they are those of one free elastic body.
+        """
+        ...
+
+    def tensors(self, M: Any, center: Array) -> Tensors:
+        """The second order of the elements with the mass M of `matrices`, about a center.
+
+        `BodyError` where there are none.
         """
         ...
 

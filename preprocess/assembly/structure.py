@@ -31,8 +31,9 @@ class Structure:
     rigid: the rigid modes about the center of mass; interfaces, and P_C (n_c, n_u) sparse: u_C =
     P_C u, so that P_C^T p is the load of interface forces p; T (3 n, n_u) sparse: the displacements
     of the n points of the source are T u, tied ones included. frames, masses: where interfaces and
-    masses are attached to the source, by name; a mass on an interface has its frame. All in mesh
-    axes.
+    masses are attached to the source, by name; a mass on an interface has its frame.
+    inertia (n_u, 6): F of the change d = F^T u of the moments of inertia, and so the loads of
+    rotation; None where that is not asked for. All in mesh axes.
     """
 
     nodes: Nodes
@@ -44,10 +45,21 @@ class Structure:
     T: Any
     frames: Mapping[str, Attachment]
     masses: Mapping[str, Attachment]
+    inertia: Array | None = None
 
     @property
     def n_u(self) -> int:
         return int(self.M.shape[0])
+
+    @cached_property
+    def rows(self) -> dict[str, Any]:
+        """The rows of P_C of every interface, by name."""
+        sizes = [6 if interface.rotations else 3 for interface in self.interfaces]
+        first = np.cumsum([0, *sizes])
+        return {
+            interface.name: self.P_C[start : start + size]
+            for interface, start, size in zip(self.interfaces, first, sizes, strict=False)
+        }
 
     @property
     def U(self) -> Array:
@@ -58,6 +70,12 @@ class Structure:
     def loads(self) -> Array:
         """P^T P_C^T (n_u, n_c): unit loads at the interfaces, made free of rigid acceleration."""
         return relieve(self.P_C.T.toarray(), self.U, self.M)
+
+    @cached_property
+    def inertia_loads(self) -> Array:
+        """P^T F (n_u, 6): loads of rotation, made free of rigid acceleration; (n_u, 0) without."""
+        F = np.zeros((self.n_u, 0)) if self.inertia is None else self.inertia
+        return relieve(F, self.U, self.M)
 
 
 def assemble_on(body: Body, source: Source) -> Structure:

@@ -73,6 +73,36 @@ def _piece(points: Array, kind: str, facets: IntArray) -> tuple[Array, Array, An
     return np.einsum("kq,fki->fqi", N, corners).reshape(-1, 3), dA.ravel(), table
 
 
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """What turns a fitted frame: nodes at x (n, 3) from the middle, with the moments y (n, 3) [m^3],
+    int N_i x dA, or x [m] of points.
+    """
+
+    middle: Array
+    x: Array
+    y: Array
+
+    @property
+    def inertia(self) -> Array:
+        """int |x|^2 I - x x^T dA (3, 3)."""
+        S = self.x.T @ self.y
+        return np.trace(S) * np.eye(3) - 0.5 * (S + S.T)
+
+
+def fit_of_surface(patch: Surface, nodes: Nodes) -> Fit:
+    """The fit of `mean_motion`."""
+    moments = patch.N.T @ (patch.dA[:, None] * (patch.x - patch.centroid))
+    return Fit(patch.centroid, nodes.points[patch.nodes] - patch.centroid, moments)
+
+
+def fit_of_points(members: IntArray, nodes: Nodes) -> Fit:
+    """The fit of `mean_motion_of_points`."""
+    middle = nodes.points[members].mean(axis=0)
+    x = nodes.points[members] - middle
+    return Fit(middle, x, x)
+
+
 def mean_motion(patch: Surface, X: Array, nodes: Nodes) -> Any:
     """D (6, n_dofs) sparse: the rigid motion about X nearest to that of the surface, q = D u.
 

@@ -17,7 +17,7 @@ from pydantic import (
     model_validator,
 )
 
-from ...inputs import InputError, Table, Vector, is_name, quoted, read_table
+from ...inputs import InputError, Table, Vector, expected, is_name, quoted, read_table
 from ...inputs.names import LONGEST
 from ..errors import BodyError
 from .material import Material, Section
@@ -29,6 +29,8 @@ TRUNCATED: tuple[Method, ...] = ("craig-bampton", "rubin")
 SHORTEST, LONGEST_STEP = 1e-30, 1e6
 """steps [s]"""
 FilePath = Annotated[Path, Field(strict=False)]
+MOST = 32
+"""modes, or soft shapes, of which the inertia and stiffness of a body may depend"""
 
 
 def _as_matrix(value: Any) -> Any:
@@ -203,6 +205,23 @@ class RecoveredFields(Table):
     stress: bool = False
 
 
+class NonlinearCoordinates(Table):
+    """The coordinates q of which interfaces, inertia and stiffness depend beyond the first order.
+
+    modes: the lowest modes that loads or rotation stiffen. soft: shapes of the interfaces `loaded`
+    (all unless given) that add what these modes lack, as many as matter ("auto") or that number.
+    level 2 adds the energy of the fourth order, for thick and curved solids.
+    """
+
+    modes: Annotated[int, Field(ge=1, le=MOST)] = 4
+    soft: Annotated[
+        Literal["auto"] | Annotated[int, Field(ge=0, le=MOST)],
+        expected(f'"auto" or a number from 0 to {MOST}'),
+    ] = "auto"
+    loaded: tuple[str, ...] | None = None
+    level: Annotated[Literal[1, 2], expected("1 or 2")] = 1
+
+
 class Matrices(Table):
     """Files of a finite element model of another program: K [N/m ...], M [kg ...], nodes [m].
 
@@ -253,6 +272,7 @@ class Body(Table):
     impulse: Impulse
     damping: Damping = Damping()
     recovery: RecoveredFields | None = None
+    rotation: NonlinearCoordinates | None = None
     _text: str = PrivateAttr(default="")
 
     @model_validator(mode="after")
@@ -293,6 +313,30 @@ class Body(Table):
                 known = ", ".join(self.interfaces)
                 raise ValueError(
                     f"masses.{name}: no interface {mass.interface!r}; there are: {known}"
+                )
+        return self
+
+    @model_validator(mode="after")
+    def _rotation_of_elements(self) -> Self:
+        if self.rotation is None:
+            return self
+        if self.matrices is not None:
+            raise ValueError(
+                "rotation: needs the elements of a mesh, for how stress stiffens a body is not in "
+                "its [matrices]; found these"
+            )
+        if self.impulse.method == "march":
+            raise ValueError(
+                "rotation: needs modes, which impulse.method march does not find: "
+                "use auto, krylov, modal, craig-bampton or rubin"
+            )
+        if self.rotation.level == 2 and (self.section or self.sections):
+            raise ValueError("rotation.level: expected 1 of lines, found 2, which is for solids")
+        for name in self.rotation.loaded or ():
+            if name not in self.interfaces:
+                raise ValueError(
+                    f"rotation.loaded: no interface {quoted(name)}; "
+                    f"there are: {', '.join(self.interfaces)}"
                 )
         return self
 

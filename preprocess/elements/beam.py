@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss
+from numpy.polynomial.polynomial import polyder, polyval
 
 from ...superelement.validation import Array
 from ..body.material import Section
@@ -11,6 +13,8 @@ from ..mesh.mesh import Mesh
 
 VERTICAL = 1e-3
 """Sine of the angle to e_z below which a beam counts as vertical."""
+STATIONS = (0.5 * (leggauss(4)[0] + 1.0), 0.5 * leggauss(4)[1])
+"""Gauss points in [0, 1] and their weights, exact for the mass and all else of an element."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,10 +48,10 @@ def beam_matrices(mesh: Mesh, sections: list[Section]) -> tuple[Array, Array]:
     Matrix Structural Analysis (1968), ch. 5 and 11; Z. Friedman and J. B. Kosmatka, Computers and
     Structures 47 (1993) 473-481.
     """
-    L, axes = _lengths_and_axes(mesh, sections)
-    properties = _properties(sections, L)
+    L, axes = lengths_and_axes(mesh, sections)
+    properties = beam_properties(sections, L)
     turn = np.kron(np.eye(4), axes)  # (n, 12, 12): mesh axes to local axes, node by node
-    K, M = _local_stiffness(L, properties), _local_mass(L, properties)
+    K, M = local_stiffness(L, properties), _local_mass(L, properties)
     back = turn.transpose(0, 2, 1)
     return back @ K @ turn, back @ M @ turn
 
@@ -58,7 +62,7 @@ def lengths(mesh: Mesh) -> Array:
     return np.asarray(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
 
 
-def _lengths_and_axes(mesh: Mesh, sections: list[Section]) -> tuple[Array, Array]:
+def lengths_and_axes(mesh: Mesh, sections: list[Section]) -> tuple[Array, Array]:
     """Lengths (n,) and local axes (n, 3, 3), whose rows are x, y and z."""
     ends = mesh.points[mesh.cells["line"]]
     along = ends[:, 1] - ends[:, 0]
@@ -90,7 +94,7 @@ def _lengths_and_axes(mesh: Mesh, sections: list[Section]) -> tuple[Array, Array
     return lengths, np.stack([x, y, np.cross(x, y)], axis=1)
 
 
-def _properties(sections: list[Section], L: Array) -> BeamProperties:
+def beam_properties(sections: list[Section], L: Array) -> BeamProperties:
     def column(name: str) -> Array:
         return np.array([getattr(section, name) for section in sections], dtype=float)
 
@@ -122,7 +126,7 @@ ALONG_Y, ALONG_Z = [1, 5, 7, 11], [2, 4, 8, 10]
 SIGNS_Y, SIGNS_Z = np.array([1.0, 1.0, 1.0, 1.0]), np.array([1.0, -1.0, 1.0, -1.0])
 
 
-def _local_stiffness(L: Array, p: BeamProperties) -> Array:
+def local_stiffness(L: Array, p: BeamProperties) -> Array:
     K = np.zeros((len(L), 12, 12))
     bar = np.array([[1.0, -1.0], [-1.0, 1.0]])
     _place(K, STRETCH, (p.EA / L)[:, None, None] * bar)
@@ -170,34 +174,47 @@ def _local_mass(L: Array, p: BeamProperties) -> Array:
 
 
 def _bending_mass(L: Array, mass: Array, rotary: Array, Phi: Array) -> Array:
-    """(n, 4, 4): integral of mass N^T N + rotary T^T T, exact with four Gauss points."""
-    nodes, weights = np.polynomial.legendre.leggauss(4)
+    """(n, 4, 4): integral of mass N^T N + rotary T^T T."""
     M = np.zeros((len(L), 4, 4))
-    for xi, weight in zip(0.5 * (nodes + 1.0), 0.5 * weights, strict=True):
+    for xi, weight in zip(*STATIONS, strict=True):
         N, T = _bending_shapes(xi, L, Phi)
         M += (weight * mass * L)[:, None, None] * N[:, :, None] * N[:, None, :]
         M += (weight * rotary * L)[:, None, None] * T[:, :, None] * T[:, None, :]
     return M
 
 
-def _bending_shapes(xi: float, L: Array, Phi: Array) -> tuple[Array, Array]:
-    """Deflection N and rotation T (n, 4) at xi in [0, 1] under unit deflection and rotation of the
-    ends.
+def section_motion(xi: float, L: Array, p: BeamProperties, derivative: int = 0) -> Array:
+    """Displacement and rotation (n, 6, 12) of the section at xi in [0, 1], in local axes.
+
+    Or a derivative of them by the arc length.
     """
-    N = np.array(
-        [
-            1.0 - 3.0 * xi**2 + 2.0 * xi**3 + Phi * (1.0 - xi),
-            L * (xi - 2.0 * xi**2 + xi**3 + 0.5 * Phi * (xi - xi**2)),
-            3.0 * xi**2 - 2.0 * xi**3 + Phi * xi,
-            L * (xi**3 - xi**2 - 0.5 * Phi * (xi - xi**2)),
-        ]
-    )
-    T = np.array(
-        [
-            6.0 / L * (xi**2 - xi),
-            1.0 - 4.0 * xi + 3.0 * xi**2 + Phi * (1.0 - xi),
-            6.0 / L * (xi - xi**2),
-            3.0 * xi**2 - 2.0 * xi + Phi * xi,
-        ]
-    )
-    return (N / (1.0 + Phi)).T, (T / (1.0 + Phi)).T
+    motion = np.zeros((len(L), 6, 12))
+    ends = polyval(xi, polyder(np.array([[1.0, 0.0], [-1.0, 1.0]]), derivative, axis=0))
+    motion[:, 0, STRETCH] = motion[:, 3, TWIST] = ends / L[:, None] ** derivative
+    N, T = _bending_shapes(xi, L, p.Phi_y, derivative)
+    motion[:, 1, ALONG_Y], motion[:, 5, ALONG_Y] = N * SIGNS_Y, T * SIGNS_Y
+    N, T = _bending_shapes(xi, L, p.Phi_z, derivative)
+    motion[:, 2, ALONG_Z], motion[:, 4, ALONG_Z] = N * SIGNS_Z, -T * SIGNS_Z
+    return motion
+
+
+def _bending_shapes(xi: float, L: Array, Phi: Array, derivative: int = 0) -> tuple[Array, Array]:
+    """Deflection N and rotation T (n, 4) at xi in [0, 1] under unit deflection and rotation of the
+    ends, or a derivative of them by the arc length.
+    """
+    o, one, half = np.zeros_like(L), np.ones_like(L), 0.5 * Phi
+    # By rows the coefficients of 1, xi, xi^2, xi^3.
+    N = [
+        [one + Phi, o, o, o],
+        [-Phi, L * (1.0 + half), Phi, -L * half],
+        [-3.0 * one, -L * (2.0 + half), 3.0 * one, L * (half - 1.0)],
+        [2.0 * one, L, -2.0 * one, L],
+    ]
+    T = [
+        [o, one + Phi, o, o],
+        [-6.0 / L, -4.0 - Phi, 6.0 / L, Phi - 2.0],
+        [6.0 / L, 3.0 * one, -6.0 / L, 3.0 * one],
+    ]
+    scale = ((1.0 + Phi) * L**derivative)[:, None]
+    values, slopes = (polyval(xi, polyder(np.array(c), derivative, axis=0)).T for c in (N, T))
+    return values / scale, slopes / scale

@@ -42,7 +42,7 @@ def solid_matrices(mesh: Mesh, materials: Sequence[Material], owners: IntArray) 
         i, j = np.triu_indices(k)
         NN = N[i] * N[j] * element.weights  # (pairs, q)
         size = max(1, BATCH // (3 * k * q))
-        for material, rows in _batches(mesh.of_kind(owners, kind), size):
+        for material, rows in batched(mesh.of_kind(owners, kind), size):
             C = materials[material].elasticity_tensor.transpose(1, 3, 0, 2).reshape(9, 9)
             cof, det = cofactors(dN, mesh.points[cells[rows]])
             B = physical(dN, cof, det).reshape(len(rows), 3 * k, q)
@@ -64,12 +64,12 @@ def volumes(mesh: Mesh) -> Array:
     for kind, cells in mesh.elements.items():
         element = solid_element(kind)
         dN = element.dN(element.xi)
-        for _, rows in _batches(np.zeros(len(cells), dtype=np.int64), max(1, BATCH // dN.size)):
+        for _, rows in batched(np.zeros(len(cells), dtype=np.int64), max(1, BATCH // dN.size)):
             batches.append(cofactors(dN, mesh.points[cells[rows]])[1] @ element.weights)
     return np.concatenate(batches)
 
 
-def _batches(owners: IntArray, size: int) -> Iterator[tuple[int, IntArray]]:
+def batched(owners: IntArray, size: int) -> Iterator[tuple[int, IntArray]]:
     """Elements of one owner at a time, at most `size` of them: the owner, and which elements."""
     for owner in np.unique(owners).tolist():
         rows = np.flatnonzero(owners == owner)
@@ -83,7 +83,7 @@ def _check_jacobians(mesh: Mesh) -> None:
     for kind, cells in mesh.elements.items():
         element = solid_element(kind)
         dN = element.dN(element.xi)
-        for _, rows in _batches(np.zeros(len(cells), dtype=np.int64), BATCH // dN.size):
+        for _, rows in batched(np.zeros(len(cells), dtype=np.int64), BATCH // dN.size):
             X = mesh.points[cells[rows]]
             lowest.append(cofactors(dN, X)[1].min(axis=1))
             relative.append(lowest[-1] / np.linalg.norm(np.ptp(X, axis=1), axis=1) ** 3)

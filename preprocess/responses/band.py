@@ -22,6 +22,8 @@ COARSER = 5
 """Steps, from h to the coarsest that resolves the band, of which g[0] is looked at."""
 AT_ONCE: Complex = np.zeros(1, dtype=np.complex128)
 """The delay d of g[0] = G(0)."""
+SLOW = 0.5
+"""Share of the first natural frequency up to which loads of rotation are slow."""
 NARROWER = 2.0 ** -np.arange(0.0, 6.25, 0.25)
 """Parts of a band that are tried, each narrower than the one before: quarters of an octave."""
 RESONANCES = 64
@@ -88,12 +90,28 @@ class Band:
                 break
         return part, error
 
+    def slow(self, modes: Modes) -> "Band":
+        """The part of the band in which nothing resonates."""
+        return replace(self, limit=min(self.limit, SLOW * float(modes.frequencies.min())))
+
+    def slow_error(self, modes: Modes, better: Modes) -> float:
+        """The largest error in the slow part of the band, which g[0] does not belong to."""
+        return self.slow(better)._error_inside(modes, better, None)
+
+    def slow_contributions(self, modes: Modes) -> Array:
+        """The error (m,) there that leaving out each mode makes, at most."""
+        slow = self.slow(modes)
+        return slow._contributions(modes, slow._delays(modes)[1:])
+
     def contributions(self, modes: Modes) -> Array:
         """The error (m,) that leaving out each mode makes, at most: |phi_i phi_j| is largest for i
         = j.
         """
+        return self._contributions(modes, self._delays(modes))
+
+    def _contributions(self, modes: Modes, delays: list[Complex]) -> Array:
         largest = np.zeros(len(modes.omega))
-        for delay in self._delays(modes):
+        for delay in delays:
             scale = _scale(self._transfer(modes, delay))
             weight = np.abs(1.0 / dynamic_stiffness(modes, self.h, self.scheme, delay)).max(axis=0)
             largest = np.maximum(largest, (modes.phi**2 / scale[:, None]).max(axis=0) * weight)

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from ...superelement.validation import Array
+from .shapes import at
 
 NEW = 1e-13
 """Share of a vector that must be new; below, rounding has made it."""
@@ -53,10 +54,7 @@ class Basis:
 
     def at(self, rows: Any) -> Array:
         """rows @ V (k, r) for sparse rows (k, n_u), of which V is read only where they touch it."""
-        rows = rows.tocsc()
-        touched = np.flatnonzero(np.diff(rows.indptr))
-        product: Array = rows[:, touched] @ self.V[touched]
-        return product
+        return at(rows, self.V)
 
     def _remainder(self, W: Array, start: int = 0) -> Array:
         """W - V V^T M W, with the columns of V from `start` on."""

@@ -10,7 +10,8 @@ from ..progress import Stages
 from .band import Band
 from .krylov import krylov_modes
 from .march import march_kernel
-from .modal import SMALL, Shapes, elastic_shapes
+from .modal import SMALL, elastic_shapes
+from .shapes import Shapes
 from .truncated import METHODS, RIGHT, truncated_modes
 
 

@@ -1,9 +1,10 @@
 """Impulse responses from the block Krylov space of the time step's own matrix."""
 
 from collections.abc import Callable
-from functools import partial
+from dataclasses import replace
 
 import numpy as np
+import scipy.sparse as sp
 
 from ...files.memory import available
 from ...superelement import GeneralizedAlpha, Modes
@@ -17,8 +18,9 @@ from .basis import Basis
 from .cost import REAL, WORK, basis_bytes
 from .damping import damping_ratios
 from .factor import factorize
-from .modal import Shapes
-from .ritz import elastic_rows, ritz_modes
+from .ritz import ritz_modes, space_shapes
+from .shapes import Shapes
+from .static import slow_chain
 
 LIMIT = 4000
 """Vectors at most: beyond, the dense eigenproblems of the space take minutes and its basis
@@ -37,6 +39,8 @@ than it costs.
 PRUNED = 0.1
 """Share of the tolerance that may be spent on leaving out modes."""
 Watch = Callable[[str], None]
+RitzModes = Callable[[int], tuple[Modes, Array]]
+"""modes of the first blocks of a space, and their coordinates in it"""
 
 
 class KrylovSpace:
@@ -107,12 +111,25 @@ class KrylovSpace:
         self._ends.append(self.basis.columns)
         return True
 
+    def add(self, W: Array) -> None:
+        """Add displacements W (n_u, k) as a block that no other grows from."""
+        self.basis.extend(W)
+        self._ends.append(self.basis.columns)
+
     def ritz(self, blocks: int) -> tuple[Array, Array]:
         """omega (m,) [rad/s] and Q (r, m) of the first blocks, as `ritz_modes` has them."""
         self._reduce_stiffness()
         size = self._ends[blocks] - RIGID
         V = self.basis.V[:, RIGID : RIGID + size]
         return ritz_modes(self._structure, V, self._stiffness[:size, :size])
+
+    def with_rotation(self, modes: Modes, Q: Array) -> Modes:
+        """The same modes, which loads of rotation excite beside those on interfaces: phi (n_c + 6,
+        m).
+        """
+        rows = sp.csr_array(self._structure.inertia_loads.T)
+        inertia = space_shapes(self.basis, Q)(rows)
+        return replace(modes, phi=np.vstack([modes.phi, inertia]))
 
     def _reduce_stiffness(self) -> None:
         """Extend V^T K V, the upper half, by the new columns: many are as quick as a few."""
@@ -137,15 +154,17 @@ def krylov_modes(
     The estimate is the change by the last block, times `SAFETY`, and the contributions of the modes
     left out, a tenth of the tolerance at most. Where the space is exhausted it holds every mode
     that the interfaces can excite, and only the latter remain. With `fields` it includes the
-    displacements and strains of the whole body. `watch` is called with the progress as text.
+    displacements and strains of the whole body; where the structure has loads of rotation, their
+    slow responses. `watch` is called with the progress as text.
     `MethodError` if the tolerance asks for a larger space than `LIMIT` or the memory allows.
     """
+    chain = slow_chain(structure)
     shift, lower = (_shift(damping, band.scheme, h) for h in (band.h, band.coarsest_step))
     space = KrylovSpace(structure, shift, lower if shift > NARROW**2 * lower else None)
 
     def modes_of(blocks: int) -> tuple[Modes, Array]:
         omega, Q = space.ritz(blocks)
-        phi = elastic_rows(space.basis, Q, structure.P_C)
+        phi = space_shapes(space.basis, Q)(structure.P_C)
         return Modes(omega, damping_ratios(damping, omega), phi, band.finest_step), Q
 
     check = 2
@@ -164,7 +183,8 @@ def krylov_modes(
             break
         check = space.blocks + 1 + int(GROWTH * space.blocks)
         room = space.room
-        if space.basis.columns + (check - space.blocks) * structure.P_C.shape[0] > room:
+        more = (check - space.blocks) * structure.P_C.shape[0] + sum(W.shape[1] for W in chain)
+        if space.basis.columns + more > room:
             raise MethodError(
                 f"impulse.method krylov: an error of {tolerance:g} up to {band.limit:g} Hz takes "
                 f"more than the {room} vectors that there is time and memory for, found "
@@ -174,12 +194,38 @@ def krylov_modes(
     else:
         (modes, Q), error = modes_of(space.blocks), 0.0
 
+    if chain:
+        modes, Q, slow_error = _with_rotation(space, chain, modes_of, band, tolerance)
+        error = max(error, slow_error)
     contributions = band.contributions(modes)
     if fields:
         contributions = np.maximum(contributions, band.field_contributions(modes))
+    if chain:
+        slow = band.slow_contributions(space.with_rotation(modes, Q))
+        contributions = np.maximum(contributions, slow)
     kept, lost = _prune(contributions, PRUNED * tolerance)
     modes = Modes(modes.omega[kept], modes.zeta[kept], modes.phi[:, kept], modes.h_min)
-    return modes, partial(elastic_rows, space.basis, Q[:, kept]), error + lost
+    return modes, space_shapes(space.basis, Q[:, kept]), error + lost
+
+
+def _with_rotation(
+    space: KrylovSpace, chain: list[Array], modes_of: RitzModes, band: Band, tolerance: float
+) -> tuple[Modes, Array, float]:
+    """The modes once the space holds slow responses to loads of rotation too, and their error.
+
+    It takes blocks of the chain until the last changes these responses by less than the tolerance.
+    """
+    error = 0.0
+    better: Modes | None = None
+    for W in chain:
+        space.add(W)
+        modes, Q = modes_of(space.blocks)
+        before, better = better, space.with_rotation(modes, Q)
+        if before is not None:
+            error = SAFETY * band.slow_error(before, better)
+            if error <= tolerance:
+                break
+    return modes, Q, error
 
 
 def _shift(damping: Damping, scheme: GeneralizedAlpha, h: float) -> float:

@@ -1,29 +1,21 @@
 """Impulse responses from all elastic modes."""
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 from scipy.linalg import eigh
 
 from ...superelement import Modes
-from ...superelement.validation import Array
 from ..assembly.rigid import project
 from ..assembly.structure import Structure
 from ..body.body import Damping
 from ..errors import MeshError, MethodError
 from .damping import damping_ratios
+from .shapes import Shapes
 
 SMALL = 1000
 """Unknowns up to which all modes are as quick as some."""
 LIMIT = 4000
 """Unknowns up to which all modes are computed; beyond, the dense eigenproblem takes minutes and
 gigabytes.
-"""
-
-Shapes = Callable[[Any], Array]
-"""rows (k, n_u) sparse -> rows @ phi (k, m): mode shapes of chosen dofs, or of what is linear in
-them.
 """
 
 
@@ -59,6 +51,5 @@ def elastic_shapes(structure: Structure, damping: Damping) -> tuple[Modes, Shape
         "im,im->m", shapes, structure.M @ shapes
     )
     omega = np.sqrt(squares)
-    return Modes(
-        omega, damping_ratios(damping, omega), structure.P_C @ shapes
-    ), lambda rows: rows @ shapes
+    modes = Modes(omega, damping_ratios(damping, omega), structure.P_C @ shapes)
+    return modes, Shapes(shapes)

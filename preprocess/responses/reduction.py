@@ -1,7 +1,6 @@
 """A given number of modes, as in other codes: the methods of Craig and Bampton, and of Rubin."""
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from scipy.linalg import null_space
@@ -13,9 +12,9 @@ from ..body.body import Damping
 from .basis import Basis
 from .damping import damping_ratios
 from .held import HeldModes, held_modes
-from .modal import Shapes
-from .ritz import elastic_rows, ritz_modes
-from .static import attachment_modes
+from .ritz import ritz_modes, space_shapes
+from .shapes import Shapes
+from .static import static_shapes
 
 DEPENDENT = 1e-9
 """Motions of the interfaces, relative to the largest, that are rounding."""
@@ -38,17 +37,17 @@ def craig_bampton(structure: Structure, damping: Damping, count: int) -> Reducti
 
     Constraint modes are the rigid motions and what interface loads F that balance themselves do at
     rest. So are they made: frames on averaged facets, and interfaces that do not hold a body, need
-    nothing else. It has n_c - 6 + count elastic modes. Source: R. R. Craig, M. C. C. Bampton, AIAA
+    nothing else. It has n_c - 6 + count elastic modes, and up to six from loads of rotation. Source: R. R. Craig, M. C. C. Bampton, AIAA
     Journal 6 (1968) 1313-1319. `MethodError` for more modes than there are.
     """
     rigid = structure.P_C @ structure.U
-    attachments = attachment_modes(structure)
+    attachments, inertia = _statics(structure)
     balanced = null_space(rigid.T, rcond=DEPENDENT)
     # Interfaces that do not hold a body leave rigid motions, which are no modes to be counted.
     loose = structure.U @ null_space(rigid, rcond=DEPENDENT)
     held = np.vstack([structure.P_C.toarray(), (structure.M @ loose).T])
     fixed = held_modes(structure, held, count, _first_square(structure, attachments))
-    return _reduced(structure, damping, fixed, attachments @ balanced)
+    return _reduced(structure, damping, fixed, np.hstack([attachments @ balanced, inertia]))
 
 
 def rubin(structure: Structure, damping: Damping, count: int) -> Reduction:
@@ -60,10 +59,17 @@ def rubin(structure: Structure, damping: Damping, count: int) -> Reduction:
     the first `count` are the mesh's, and whose static compliance is the mesh's. Source: S. Rubin,
     AIAA Journal 13 (1975) 995-1006. `MethodError` for more modes than there are.
     """
-    attachments = attachment_modes(structure)
+    attachments, inertia = _statics(structure)
     held = (structure.M @ structure.U).T
     free = held_modes(structure, held, count, _first_square(structure, attachments))
-    return _reduced(structure, damping, free, attachments)
+    return _reduced(structure, damping, free, np.hstack([attachments, inertia]))
+
+
+def _statics(structure: Structure) -> tuple[Array, Array]:
+    """Static displacements (n_u, n_c) under interface loads, and (n_u, 6 or 0) of rotation."""
+    shapes = static_shapes(structure)
+    n_c = structure.P_C.shape[0]
+    return shapes[:, :n_c], shapes[:, n_c:]
 
 
 def _reduced(structure: Structure, damping: Damping, normal: HeldModes, static: Array) -> Reduction:
@@ -75,7 +81,7 @@ def _reduced(structure: Structure, damping: Damping, normal: HeldModes, static: 
         basis.extend(motions)
     V = basis.V[:, RIGID:]
     omega, Q = ritz_modes(structure, V, V.T @ (structure.K @ V))
-    shapes = partial(elastic_rows, basis, Q)
+    shapes = space_shapes(basis, Q)
     modes = Modes(omega, damping_ratios(damping, omega), shapes(structure.P_C))
     return Reduction(modes, shapes, float(np.sqrt(normal.squares[-1])) / (2.0 * np.pi))
 

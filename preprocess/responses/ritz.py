@@ -1,7 +1,5 @@
 """Modes of a body in a space of displacements, by Ritz's method."""
 
-from typing import Any
-
 import numpy as np
 from scipy.linalg import eigh
 
@@ -9,6 +7,7 @@ from ...superelement.validation import Array
 from ..assembly.structure import RIGID, Structure
 from ..errors import MeshError
 from .basis import Basis
+from .shapes import Shapes
 
 LOW = 1e-6
 """Eigenvalues, relative to the largest, that drown in its rounding: they are found anew from
@@ -40,7 +39,6 @@ def ritz_modes(structure: Structure, V: Array, stiffness: Array) -> tuple[Array,
     return np.sqrt(squares), Q
 
 
-def elastic_rows(basis: Basis, Q: Array, rows: Any) -> Array:
-    """rows @ V Q (k, m) for sparse rows (k, n_u), and V the basis after its six rigid modes."""
-    shapes: Array = basis.at(rows)[:, RIGID : RIGID + len(Q)] @ Q
-    return shapes
+def space_shapes(basis: Basis, Q: Array) -> Shapes:
+    """V Q (n_u, m), with V the columns of the basis after its six rigid modes."""
+    return Shapes(basis.V[:, RIGID : RIGID + len(Q)], Q)

@@ -9,7 +9,8 @@ from ...superelement.validation import Array
 from ..assembly.rigid import project
 from ..assembly.structure import Structure
 from ..errors import MeshError
-from .factor import factorize
+from .basis import Basis
+from .factor import Solve, factorize
 
 UNDETERMINED = 1e-3
 """Change of the compliance by one step of refinement, relative to its largest entries, that says it
@@ -18,6 +19,10 @@ is rounding.
 ITERATIONS = 200
 """Steps of conjugate gradients; meshes of solids take 60 or so, whatever their size."""
 CONVERGED = 1e-14
+CHAIN = 5
+"""Blocks of slow responses at most: up to half the first frequency each leaves a sixteenth of the
+error.
+"""
 
 
 def compliance(structure: Structure) -> Array:
@@ -29,28 +34,67 @@ def compliance(structure: Structure) -> Array:
 
 
 def attachment_modes(structure: Structure) -> Array:
-    """P K^+ P^T P_C^T (n_u, n_c): static displacements under unit loads, with inertia relief.
+    """P K^+ P^T P_C^T (n_u, n_c): static displacements under unit loads, with inertia relief."""
+    return static_shapes(structure)[:, : structure.P_C.shape[0]]
 
-        u = P K_c^-1 P^T P_C^T,    K_c: K with six statically determinate dofs held
 
-    The loads balance themselves, so nothing reacts where dofs are held, and any six will do. One
-    step of refinement takes out most of the rounding, which a slender body has much of. Source:
-    docs/theory.md, Interfaces. `MeshError` if that step changes the displacements of the
-    interfaces: K has more zero modes than the six rigid ones.
+def static_shapes(structure: Structure) -> Array:
+    """P K^+ P^T [P_C^T, F] (n_u, n_c + 6): those of interfaces, and of rotation if asked for.
+
+    One step of refinement takes out most of the rounding, which a slender body has much of.
+    `MeshError` if that step changes the displacements of the interfaces: K has more zero modes than
+    the six rigid ones.
     """
-    K, U, M, f = structure.K.tocsr(), structure.U, structure.M, structure.loads
+    solve, f = static_solver(structure), np.hstack([structure.loads, structure.inertia_loads])
+    u = solve(f)
+    correction = solve(f - structure.K @ u)
+    change = structure.P_C @ correction[:, : structure.P_C.shape[0]]
+    _check_determined(structure.P_C @ u[:, : len(change)] + change, change)
+    shapes: Array = u + correction
+    return shapes
+
+
+def static_solver(structure: Structure) -> Solve:
+    """f -> u = P K^+ f (n_u, k), for loads that balance themselves.
+
+        u = P K_c^-1 f,    K_c: K with six statically determinate dofs held
+
+    Nothing reacts where dofs are held, so any six will do. Source: docs/theory.md, Interfaces.
+    """
+    K = structure.K.tocsr()
     free = np.setdiff1d(np.arange(structure.n_u), _determinate_dofs(structure))
     solve = factorize(K[free][:, free], "the stiffness with six dofs held")
 
     def response(loads: Array) -> Array:
         u = np.zeros_like(loads)
         u[free] = solve(loads[free])
-        return project(u, U, M)
+        return project(u, structure.U, structure.M)
 
-    u = response(f)
-    correction = response(f - K @ u)
-    _check_determined(structure.P_C @ (u + correction), structure.P_C @ correction)
-    return u + correction
+    return response
+
+
+def refined(structure: Structure, solve: Solve, f: Array) -> Array:
+    """A static response with one step of refinement."""
+    u = solve(f)
+    better: Array = u + solve(f - structure.K @ u)
+    return better
+
+
+def slow_chain(structure: Structure) -> list[Array]:
+    """P K^+ F, P K^+ M K^+ F, ...: up to `CHAIN` blocks (n_u, 6); none without loads of rotation.
+
+    In a space with k of them the changes d = F^T u of inertia under loads F s are right in their
+    first 2 k terms in powers of the squared frequency, the first of which is the response at rest.
+    """
+    if structure.inertia is None:
+        return []
+    solve = static_solver(structure)
+    basis = Basis(structure.M, structure.n_u)
+    basis.extend(structure.U)
+    blocks = [refined(structure, solve, structure.inertia_loads)]
+    while len(blocks) < CHAIN and (new := basis.extend(blocks[-1])):
+        blocks.append(solve(structure.M @ basis.V[:, basis.columns - new :]))
+    return blocks
 
 
 def _check_determined(H: Array, change: Array) -> None:

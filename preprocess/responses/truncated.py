@@ -12,8 +12,9 @@ from ..assembly.structure import Structure
 from ..body.body import Damping
 from .band import Band
 from .krylov import Watch, krylov_modes
-from .modal import SMALL, Shapes, elastic_shapes
+from .modal import SMALL, elastic_shapes
 from .reduction import Reduction, craig_bampton, rubin
+from .shapes import Shapes
 
 RIGHT = 1e-2
 """Error of the transfer function up to which truncated modes count as right."""

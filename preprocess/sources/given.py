@@ -3,10 +3,12 @@
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
+from ...superelement.validation import Array
 from ..assembly.interfaces import Attachment, nodal_frame, point_frame
 from ..assembly.selected import nearest_node, table_nodes
 from ..assembly.source import FieldPoints
 from ..body.selection import InterfaceSelection
+from ..elements.inertia import NodalTensors, scalar_mass
 from ..errors import BodyError
 from ..given.free_body import check_free_body
 from ..given.matrices import GivenModel
@@ -30,6 +32,16 @@ class GivenSource:
     def matrices(self) -> tuple[Any, Any]:
         check_free_body(self.model)
         return self.model.K, self.model.M
+
+    def tensors(self, M: Any, center: Array) -> NodalTensors:
+        """Inertia and momentum, of nodes with three dofs whose mass is the same in all directions."""
+        M_s = None if self.nodes.rotations.any() else scalar_mass(M)
+        if M_s is None:
+            raise BodyError(
+                f"{self.model.name}: expected nodes with three dofs and a mass that is the same in "
+                "all directions: another one does not tell how the inertia changes as the body bends"
+            )
+        return NodalTensors(self.name, M_s, self.nodes.points - center)
 
     def attachment(self, selection: InterfaceSelection) -> Attachment:
         """The dofs of one node, or a frame with six that several carry."""

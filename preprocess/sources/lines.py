@@ -16,6 +16,7 @@ from ..body.body import Body
 from ..body.material import Section
 from ..body.selection import InterfaceSelection
 from ..elements.beam import beam_matrices, lengths
+from ..elements.beam_second import BeamTensors, beam_tensors
 from ..errors import BodyError, InterfaceError
 from ..mesh.connectivity import check_connected
 from ..mesh.mesh import IntArray, Mesh
@@ -56,12 +57,17 @@ class LineSource:
 
     def matrices(self) -> tuple[Any, Any]:
         check_connected(self.mesh)
-        sections = self.sections
-        each = [sections.values[owner] for owner in sections.owners]
-        stiffness, mass = beam_matrices(self.mesh, each)
+        stiffness, mass = beam_matrices(self.mesh, self._section_of_each)
         dofs = node_dofs(self.mesh.cells["line"], 6)
         n_dofs = self.nodes.n_dofs
         return _scatter(stiffness, dofs, n_dofs), _scatter(mass, dofs, n_dofs)
+
+    def tensors(self, M: Any, center: Array) -> BeamTensors:
+        return beam_tensors(self.mesh, self._section_of_each, center)
+
+    @property
+    def _section_of_each(self) -> list[Section]:
+        return [self.sections.values[owner] for owner in self.sections.owners]
 
     def attachment(self, selection: InterfaceSelection) -> Attachment:
         """The dofs of the node nearest to a point, or of the one that a group or shapes select."""

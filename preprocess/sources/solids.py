@@ -22,6 +22,7 @@ from ..body.body import Body
 from ..body.material import Material
 from ..body.selection import InterfaceSelection
 from ..elements.solid import solid_matrices, volumes
+from ..elements.solid_second import SolidTensors
 from ..elements.strain import strain_rows
 from ..errors import BodyError
 from ..mesh.cells import FACETS
@@ -72,6 +73,16 @@ class SolidSource:
         K, M = solid_matrices(self.mesh, self.materials.values, self.materials.owners)
         check_no_mechanism(self.mesh, self.facets)
         return K, M
+
+    def tensors(self, M: Any, center: Array) -> SolidTensors:
+        return SolidTensors(
+            self.name,
+            M[::3, ::3].tocsr(),
+            self.mesh.points - center,
+            self.mesh,
+            self.materials.values,
+            self.materials.owners,
+        )
 
     def attachment(self, selection: InterfaceSelection) -> Attachment:
         """A node with three dofs, or a frame with six that facets or points carry.

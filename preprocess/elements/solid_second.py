@@ -1,0 +1,175 @@
+"""Second order of solids: strain energy to fourth order, inertia to second, of St. Venant and
+Kirchhoff's material.
+
+Pairs of motions count in the order of numpy's triu_indices, for all is symmetric in them.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...superelement.validation import Array
+from ..body.material import STRESSES, Material
+from ..mesh.mesh import IntArray, Mesh
+from .element import cofactors, physical, solid_element
+from .inertia import Moved, NodalTensors
+from .solid import batched
+
+BATCH = 2**19
+"""Numbers in the products of gradients of a batch of elements."""
+
+PLACE = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
+"""The number of a stress in the order of `STRESSES`."""
+
+
+def pairs(r: int) -> IntArray:
+    """The number (r, r) of the pair of two motions."""
+    numbers = np.zeros((r, r), dtype=np.int64)
+    rows, columns = np.triu_indices(r)
+    numbers[rows, columns] = numbers[columns, rows] = np.arange(len(rows))
+    return numbers
+
+
+@dataclass(frozen=True, eq=False)
+class SolidTensors(NodalTensors):
+    """The inertia and the strain energy of solids of St. Venant and Kirchhoff's material.
+
+    `owners` (n_elements,) is the number of each element's material in `materials`.
+    """
+
+    mesh: Mesh
+    materials: Sequence[Material]
+    owners: IntArray
+
+    def third(self, u: Array, motions: Array) -> Array:
+        """D3(u; psi_k, psi_l) (k, r, r): the third derivative of the strain energy.
+
+            D3(a; b, c) = int sigma(a):grad b^T grad c + sigma(b):grad a^T grad c
+                            + sigma(c):grad a^T grad b dV,    sigma(a) = C:sym grad a
+
+        It is the work on `a` of loads that b and c make alone.
+        """
+        r = motions.shape[1]
+        first, second = np.triu_indices(r)
+        total = np.zeros((u.shape[1], len(first)))
+        for part in self._batches(len(first)):
+            H = part.gradients(motions)
+            k, l = H[..., first], H[..., second]
+            stress = part.stresses(_second_strains(k, l))
+            sigma = part.stresses(_strains(H))
+            stress += _turned(l, sigma[..., first]) + _turned(k, sigma[..., second])
+            total += part.columns(u).T @ part.loads(stress)
+        return total[:, pairs(r)]
+
+    def quartic(self, motions: Array, moved: Moved | None) -> tuple[Array, Array]:
+        """The energy of second order strains, and the loads of their stresses, by pairs.
+
+            int e_kl.C e_mn dV (pairs, pairs),   Q (3 n, pairs): Q_kl^T u = int sigma(u).e_kl dV
+
+        e_kl = sym(grad psi_k^T grad psi_l + grad u_kl), u_kl what `moved` says of some nodes.
+        """
+        first, second = np.triu_indices(motions.shape[1])
+        energy, loads = np.zeros((len(first),) * 2), np.zeros((len(motions), len(first)))
+        for part in self._batches(len(first)):
+            H = part.gradients(motions)
+            strain = _second_strains(H[..., first], H[..., second])
+            if moved is not None:
+                strain += _strains(part.gradients_of(_at_nodes(moved, part.dofs, len(motions))))
+            f = part.loads(part.stresses(strain))
+            energy += part.energy(strain)
+            np.add.at(loads, part.dofs.ravel(), f)
+        return energy, loads
+
+    def _batches(self, numbers: int) -> Iterator["_Batch"]:
+        """Some elements of one type and material at a time, of each point so many second strains."""
+        for kind, cells in self.mesh.elements.items():
+            element = solid_element(kind)
+            dN = element.dN(element.xi)
+            size = max(1, BATCH // (9 * numbers * len(element.weights)))
+            for material, rows in batched(self.mesh.of_kind(self.owners, kind), size):
+                cof, det = cofactors(dN, self.mesh.points[cells[rows]])
+                dofs = 3 * cells[rows][:, :, None] + np.arange(3)
+                C = self.materials[material].elasticity
+                yield _Batch(dofs, physical(dN, cof, det), det * element.weights, C)
+
+
+@dataclass(frozen=True, eq=False)
+class _Batch:
+    """Elements of one type and material.
+
+    dofs (n, k, 3) of their nodes; dN (n, k, 3, q) [1/m] and dV (n, q) [m^3] at points of
+    integration; C (6, 6) [Pa]. Gradients (n, 3, q, 3, r): du_i/dx_m at [:, m, :, i]; strains
+    (6, n, q, r) in the order of `STRESSES`, and stresses (n, 3, q, 3, r) placed as gradients.
+    """
+
+    dofs: IntArray
+    dN: Array
+    dV: Array
+    C: Array
+
+    def gradients(self, motions: Array) -> Array:
+        return self.gradients_of(motions[self.dofs])
+
+    def gradients_of(self, u: Array) -> Array:
+        """Gradients of displacements (n, k, 3, r) of the nodes."""
+        n, k, _, r = u.shape
+        q = self.dV.shape[1]
+        slopes = self.dN.reshape(n, k, 3 * q).transpose(0, 2, 1) @ u.reshape(n, k, 3 * r)
+        return slopes.reshape(n, 3, q, 3, r)
+
+    def columns(self, motions: Array) -> Array:
+        """The dofs (3 n k, r) of motions, as `loads` has them."""
+        return motions[self.dofs.ravel()]
+
+    def stresses(self, strains: Array) -> Array:
+        sigma = (self.C @ strains.reshape(6, -1)).reshape(strains.shape)
+        return sigma[PLACE].transpose(2, 0, 3, 1, 4)
+
+    def loads(self, stresses: Array) -> Array:
+        """int stress.grad N dV (3 n k, r) on the dofs of every element."""
+        n, _, q, _, r = stresses.shape
+        weighted = (self.dN * self.dV[:, None, None]).reshape(n, -1, 3 * q)
+        return np.asarray((weighted @ stresses.reshape(n, 3 * q, 3 * r)).reshape(-1, r))
+
+    def energy(self, strains: Array) -> Array:
+        """int e_k.C e_l dV (r, r)."""
+        weighted = (strains * self.dV[..., None]).reshape(6, -1)
+        stress = (self.C @ weighted).reshape(-1, strains.shape[-1])
+        return np.asarray(strains.reshape(stress.shape).T @ stress)
+
+
+def _strains(H: Array) -> Array:
+    """Strains of gradients, shear strains twice the tensor's."""
+    rows = [H[:, m, :, i] if m == i else H[:, m, :, i] + H[:, i, :, m] for m, i in STRESSES]
+    return np.stack(rows)
+
+
+def _second_strains(k: Array, l: Array) -> Array:
+    """sym(grad k^T grad l) as strains, column by column."""
+    rows = []
+    for m, n in STRESSES:
+        product = _product(k, l, m, n)
+        rows.append(product if m == n else product + _product(l, k, m, n))
+    return np.stack(rows)
+
+
+def _product(k: Array, l: Array, m: int, n: int) -> Array:
+    return np.einsum("eqip,eqip->eqp", k[:, m], l[:, n])
+
+
+def _turned(H: Array, sigma: Array) -> Array:
+    """grad u sigma, column by column, as stresses are placed."""
+    return np.einsum("enqip,emqnp->emqip", H, sigma)
+
+
+def _at_nodes(moved: Moved, dofs: IntArray, n_dofs: int) -> Array:
+    """What `moved` says of the nodes with dofs (n, k, 3), by pairs (n, k, 3, pairs), else 0."""
+    at, values = moved
+    r = values.shape[-1]
+    first, second = np.triu_indices(r)
+    row = np.full(n_dofs, len(at) * 3)
+    row[at.ravel()] = np.arange(len(at) * 3)
+    rows = values[..., first, second].reshape(len(at) * 3, -1)
+    table = np.vstack([rows, np.zeros((1, len(first)))])
+    return table[row[dofs]]

@@ -1,0 +1,117 @@
+"""The coordinates of which interfaces, inertia and stiffness depend beyond the first order."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import eigh
+
+from ...superelement import Modes
+from ...superelement.validation import Array
+from ..body.body import NonlinearCoordinates
+from ..mesh.mesh import IntArray
+
+LOOKED_AT = 4
+"""Lowest modes that are looked at for each that is asked for."""
+SOFT = 1e-2
+"""kappa, relative to the largest, from which on loads stiffen a shape."""
+INDEPENDENT = 1e-10
+"""Eigenvalue of the scaled mass matrix of attachments below which one is a sum of others."""
+
+Stiffening = Callable[[Array, Array], Array]
+"""modal coordinates (m, n) of shapes, their squared frequencies (n,) -> kappa (n,)"""
+
+
+@dataclass(frozen=True, eq=False)
+class Coordinates:
+    """Shapes Psi = Phi Y that are orthonormal in mass and orthogonal in stiffness.
+
+    Y (m, n), the first `n_low` of which are modes; squares (n,): Y^T diag(omega^2) Y; kappa
+    (candidates,): of all that were looked at, relative to the largest, most first.
+    """
+
+    Y: Array
+    squares: Array
+    n_low: int
+    kappa: Array
+
+    @property
+    def r(self) -> int:
+        """The number of coordinates q: of modes, and two of each soft shape."""
+        return 2 * len(self.squares) - self.n_low
+
+    @property
+    def by_stiffness(self) -> IntArray:
+        """Where the projections by stiffness of all shapes stand in q."""
+        return np.arange(len(self.squares))
+
+    @property
+    def by_mass(self) -> IntArray:
+        """Where those by mass do, which are the same for modes."""
+        return np.concatenate([np.arange(self.n_low), np.arange(len(self.squares), self.r)])
+
+    def placed(self, A: Array, rows: IntArray) -> Array:
+        """A (k, r, r) from A (k, n, n) of the shapes, in the rows and columns of a projection."""
+        found = np.zeros((len(A), self.r, self.r))
+        found[:, rows[:, None], rows] = A
+        return found
+
+    def projections(self, omega: Array) -> Array:
+        """T (n_low + 2 n_soft, m), q = T eta: of the soft shapes by stiffness, then by mass.
+
+        q_K = diag(squares)^-1 Y^T omega^2 eta,     q_M = Y^T eta
+        """
+        soft = self.Y[:, self.n_low :].T
+        by_stiffness = soft * omega**2 / self.squares[self.n_low :, None]
+        return np.vstack([self.Y[:, : self.n_low].T, by_stiffness, soft])
+
+
+def choose(
+    modes: Modes, asked: NonlinearCoordinates, loaded: IntArray, kappa_of: Stiffening
+) -> Coordinates:
+    """The lowest modes, and soft combinations of the residual attachments of loaded dofs.
+
+        Psi_a = (K^+ - Phi_low omega_low^-2 Phi_low^T) P_C^T
+        G z = omega^2 M z,    G = P_C Psi_a,    M = Psi_a^T M Psi_a,    z^T M z = 1
+
+    of those that loads stiffen: kappa from `SOFT` of the largest on. A stiff one, as the stretch of
+    a bar, would take its stress out of what stiffens the others. Source: docs/theory.md, Fast
+    rotation.
+    """
+    order = np.argsort(modes.omega)[: LOOKED_AT * asked.modes]
+    Y, squares = np.eye(len(modes.omega))[:, order], modes.omega[order] ** 2
+    kappa = kappa_of(Y, squares)
+    low = order[kappa >= SOFT * kappa.max()][: asked.modes]
+    soft, soft_squares = attachments(modes, low, loaded)
+    soft_kappa = kappa_of(soft, soft_squares)
+    every = np.concatenate([kappa, soft_kappa])
+    kept = np.sort(_most(soft_kappa, asked.soft, SOFT * every.max()))
+    return Coordinates(
+        np.hstack([np.eye(len(modes.omega))[:, low], soft[:, kept]]),
+        np.concatenate([modes.omega[low] ** 2, soft_squares[kept]]),
+        len(low),
+        np.sort(every)[::-1] / every.max(),
+    )
+
+
+def attachments(modes: Modes, low: IntArray, loaded: IntArray) -> tuple[Array, Array]:
+    """Modal coordinates (m, k) of the residual attachments of loaded dofs, and their squares (k,).
+
+    In the order of their frequencies.
+    """
+    c = modes.phi[loaded] / modes.omega**2
+    c[:, low] = 0.0
+    scale = 1.0 / np.sqrt(np.maximum((c * c).sum(axis=1), np.finfo(float).tiny))
+    c = scale[:, None] * c
+    mass, Z = eigh(c @ c.T)
+    independent = mass > INDEPENDENT * mass.max(initial=0.0)
+    c = (Z[:, independent] / np.sqrt(mass[independent])).T @ c
+    squares, z = eigh((c * modes.omega**2) @ c.T)
+    return c.T @ z, squares
+
+
+def _most(kappa: Array, asked: int | str, least: float) -> IntArray:
+    """Those with the largest kappa: as many as are asked for, or from `least` on."""
+    if asked == "auto":
+        return np.flatnonzero(kappa >= least)
+    return np.argsort(-kappa, kind="stable")[: int(asked)]

@@ -1,0 +1,103 @@
+"""Changes of inertia, foreshortening and geometric stiffness of a body, in the coordinates q."""
+
+import numpy as np
+import scipy.sparse as sp
+
+from ...superelement import Modes, Rotation
+from ...superelement.validation import Array
+from ..assembly.rigid import relieve
+from ..assembly.second_order import SecondOrder
+from ..assembly.structure import Structure
+from ..body.body import NonlinearCoordinates
+from ..mesh.mesh import NONE, IntArray
+from ..responses.shapes import Shapes
+from ..responses.static import refined, static_solver
+from .coordinates import choose
+from .statics import Statics, statics
+
+
+def reduced_rotation(
+    structure: Structure,
+    second: SecondOrder,
+    modes: Modes,
+    shapes: Shapes,
+    asked: NonlinearCoordinates,
+) -> Rotation:
+    """The second order of a structure with loads of rotation, in coordinates q of its modes.
+
+    What comes from stress is on the projections by stiffness, what comes from inertia on those by
+    mass: one of them for both makes a body that bends far lose its positive inertia, or its
+    accuracy. Source: docs/theory.md, Fast rotation.
+    """
+    fields = statics(structure)
+
+    def kappa_of(Y: Array, squares: Array) -> Array:
+        return fields.stiffening(second, shapes.combined(Y), squares)
+
+    q = choose(modes, asked, _loaded(structure, asked), kappa_of)
+    Psi = shapes.combined(q.Y)
+    stress = _foreshortening(second, fields, Psi, q.squares)
+    n_c = len(modes.phi)
+    cubic, quartic = (
+        _energy(structure, second, Psi, q.squares) if asked.level == 2 else (None, None)
+    )
+    return Rotation(
+        phi_inertia=shapes(sp.csr_array(structure.inertia_loads.T)),
+        T=q.projections(modes.omega),
+        A_interface=q.placed(stress[:n_c], q.by_stiffness),
+        A_inertia=q.placed(stress[n_c:], q.by_stiffness)
+        + q.placed(_symmetric(second.inertia(Psi)), q.by_mass),
+        gyroscopic=q.placed(second.gyroscopic(Psi), q.by_mass),
+        kappa=q.kappa,
+        n_low=q.n_low,
+        cubic=cubic,
+        quartic=quartic,
+    )
+
+
+def _loaded(structure: Structure, asked: NonlinearCoordinates) -> IntArray:
+    """The rows of the interfaces whose loads soft shapes are made for."""
+    rows, start = [NONE], 0
+    for interface in structure.interfaces:
+        if asked.loaded is None or interface.name in asked.loaded:
+            rows.append(np.arange(start, start + interface.n_dofs))
+        start += interface.n_dofs
+    return np.concatenate(rows)
+
+
+def _foreshortening(second: SecondOrder, fields: Statics, Psi: Array, squares: Array) -> Array:
+    """A (n_c + 6, n, n): the second derivative of interfaces and inertia by shapes Psi (n_u, n).
+
+        A_c = -D3(u_c; Psi, Psi),   u_c = K_w^+ f_c,   K_w^+ = K^+ - Psi (Psi^T K Psi)^-1 Psi^T
+
+    and of averaged interfaces what their own measure adds. The same numbers, times a load, are the
+    stiffness that its stress takes away. K_w^+ and not K^+: stress that the shapes carry
+    themselves counts once.
+    """
+    u = fields.u - Psi @ ((Psi.T @ fields.f) / squares[:, None])
+    A = -second.third(u, Psi)
+    own = second.interfaces(Psi)
+    A[: len(own)] += own
+    return _symmetric(A)
+
+
+def _energy(
+    structure: Structure, second: SecondOrder, Psi: Array, squares: Array
+) -> tuple[Array, Array]:
+    """cubic (n, n, n) and quartic (n, n, n, n): with both, the strain energy is never negative."""
+    solve = static_solver(structure)
+
+    def respond(f: Array) -> Array:
+        """K_w^+ P^T f, for loads (n_u, k)."""
+        balanced = relieve(f, structure.U, structure.M)
+        u = refined(structure, solve, balanced)
+        rest: Array = u - Psi @ ((Psi.T @ balanced) / squares[:, None])
+        return rest
+
+    return second.cubic(Psi), second.quartic(Psi, respond)
+
+
+def _symmetric(A: Array) -> Array:
+    """A (k, n, n), of each matrix the mean with its transpose."""
+    mean: Array = 0.5 * (A + A.transpose(0, 2, 1))
+    return mean
