@@ -119,7 +119,15 @@ def lay_out_elastic(model: Model, frames: Frames, stepping: Stepping) -> tuple[E
         length=np.concatenate([np.empty(0), *map(lengths_of, bodies.values())])[active],
         modes=_lay_out_modes(histories, owners),
         kernels=_lay_out_kernels(histories, owners),
-        second=lay_out_second_order(list(bodies.values())),
+        second=lay_out_second_order(
+            list(bodies.values()),
+            [
+                active[begin:end] - first
+                for begin, end, first in zip(
+                    active_range[:-1], active_range[1:], dofs[:-1], strict=True
+                )
+            ],
+        ),
     )
     return elastic, Responses(
         [history.compliance for history in histories],

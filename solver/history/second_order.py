@@ -7,7 +7,7 @@ import numpy as np
 
 from ...superelement import Modes, Rotation
 from ...superelement.rotation import INERTIA
-from ..arrays import Array, as_index
+from ..arrays import Array, Index, as_index
 from ..model.bodies import FlexibleBody
 from ..step.system import SecondOrder
 from .packing import packed
@@ -30,28 +30,36 @@ def lengths_of(body: FlexibleBody) -> Array:
     return np.concatenate([ones, inertia, np.full(second.r, mass**-0.5)])
 
 
-def lay_out_second_order(bodies: Sequence[FlexibleBody]) -> SecondOrder:
-    """The terms of all flexible bodies; those with the same superelement share them."""
+def lay_out_second_order(bodies: Sequence[FlexibleBody], active: Sequence[Index]) -> SecondOrder:
+    """The terms of all flexible bodies; those with the same superelement share them.
+
+    active: of each body the numbers of its active dofs.
+    """
     terms = [_Terms(body.rotation) for body in bodies]
     owners = [id(body.rotation) for body in bodies]
     A, A_start = packed([term.A for term in terms], owners)
-    gyroscopic, gyroscopic_start = packed([term.gyroscopic for term in terms], owners)
+    loaded = [term.of_active(dofs) for term, dofs in zip(terms, active, strict=True)]
+    A_active, A_active_start = packed(loaded, range(len(loaded)))
+    gyroscopic, gyroscopic_start = packed([term.h.transpose(1, 0, 2) for term in terms], owners)
+    turned, _ = packed([term.h.transpose(2, 0, 1) for term in terms], owners)
     cubic, cubic_start = packed([term.cubic for term in terms], owners)
     quartic, quartic_start = packed([term.quartic for term in terms], owners)
-    slopes = [len(term.A) * term.r for term in terms]
     return SecondOrder(
         r=as_index([term.r for term in terms]),
         J_0=np.array([body.inertia for body in bodies], dtype=np.float64).reshape(-1, 3, 3),
         A=A,
         A_start=A_start,
+        A_active=A_active,
+        A_active_start=A_active_start,
         gyroscopic=gyroscopic,
+        turned=turned,
         gyroscopic_start=gyroscopic_start,
         stiff=as_index([len(term.cubic) for term in terms]),
         cubic=cubic,
         cubic_start=cubic_start,
         quartic=quartic,
         quartic_start=quartic_start,
-        row=as_index(np.cumsum([0, *slopes])),
+        row=as_index(np.cumsum([0, *(A.size // max(A.shape[0], 1) for A in loaded)])),
     )
 
 
@@ -61,8 +69,14 @@ class _Terms:
     def __init__(self, second: Rotation | None) -> None:
         none = np.empty(0)
         self.r = 0 if second is None else second.r
-        self.A = none if second is None else np.vstack([second.A_interface, second.A_inertia])
-        self.gyroscopic = none if second is None else second.gyroscopic
+        self.A, self.h = np.empty((0, 0, 0)), np.empty((3, 0, 0))
+        if second is not None:
+            self.A = np.vstack([second.A_interface, second.A_inertia])
+            self.h = second.gyroscopic
         stiff = None if second is None else second.cubic
         self.cubic = none if stiff is None else stiff
         self.quartic = none if second is None or second.quartic is None else second.quartic
+
+    def of_active(self, dofs: Index) -> Array:
+        """A of the active dofs before q (r, n, r)."""
+        return self.A[dofs[dofs < len(self.A)]].transpose(1, 0, 2)

@@ -32,7 +32,7 @@ def sizes_of(system: System, n_steps: int) -> dict[str, int]:
         "n_u": int(elastic.dof[-1]),
         "n_a": len(elastic.active),
         "n_m": len(elastic.modes.stiffness),
-        "n_q": int(elastic.second.r.max(initial=0)),
+        "n_3q": 3 * int(elastic.second.r.max(initial=0)),
         "n_slopes": int(elastic.second.row[-1]),
         "n_p": Window(elastic).capacity(n_steps) if elastic.kernels.lags.any() else 0,
         "n_numbers": pattern.n_numbers,

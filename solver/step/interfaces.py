@@ -11,6 +11,7 @@ from ..compiler.memory import copy
 from .measure import ROUNDING, relative
 from .second_order import hardening_energy, linear_change
 from .system import Elastic, Pattern, Scheme, State, System, Workspace
+from .vectors import inner
 
 
 @compiled
@@ -59,16 +60,17 @@ def finish_interfaces(scheme: Scheme, state: State, work: Workspace) -> None:
 @compiled
 def set_compatibility(elastic: Elastic, state: State, work: Workspace) -> None:
     """residual = history + w G_0 p - u at the active dofs."""
-    u, p = state.interfaces.u, state.interfaces.p
+    u, p = state.interfaces.u, work.interfaces.p_active
+    for i in range(len(p)):
+        p[i] = state.interfaces.p[elastic.active[i]]
     for e in range(len(elastic.body)):
         begin, end = elastic.active_range[e], elastic.active_range[e + 1]
         entry = elastic.G_active_start[e]
         for i in range(begin, end):
-            total = work.interfaces.history[elastic.active[i]] - u[elastic.active[i]]
-            for j in range(begin, end):
-                total += elastic.G_active[entry] * p[elastic.active[j]]
-                entry += 1
-            work.interfaces.residual[i] = total
+            k = elastic.active[i]
+            by_loads = inner(elastic.G_active[entry : entry + end - begin], p[begin:end])
+            work.interfaces.residual[i] = work.interfaces.history[k] + by_loads - u[k]
+            entry += end - begin
 
 
 @compiled

@@ -20,7 +20,7 @@ from ..compiler.marks import compiled
 from .bodies import spin_of
 from .rotations import tangent_inverse
 from .system import Elastic, State, System, Workspace
-from .vectors import UNITS, Vector, cross, triple
+from .vectors import UNITS, Vector, cross, inner, triple
 
 INERTIA = 6
 """numbers of d: changes of J_11, J_22, J_33, J_23, J_13, J_12"""
@@ -104,16 +104,22 @@ def load_second_order(elastic: Elastic, state: State, work: Workspace) -> None:
 
 @compiled
 def _set_slopes(elastic: Elastic, e: int, state: State, work: Workspace) -> None:
-    """`slope` = A q on the active dofs before q."""
-    second, u = elastic.second, state.interfaces.u
-    r, first, dof = second.r[e], first_coordinate(elastic, e), elastic.dof[e]
-    for i in range(elastic.active_range[e], elastic.active_range[e + 1] - r):
-        c = elastic.active[i] - dof
-        out = work.second.slope[second.row[e] + c * r : second.row[e] + (c + 1) * r]
-        out[:] = 0.0
-        for k in range(r):
-            start = second.A_start[e] + (c * r + k) * r
-            _add_scaled(u[first + k], second.A[start : start + r], out)
+    """`slope` = A q"""
+    second = elastic.second
+    r, first = second.r[e], first_coordinate(elastic, e)
+    slope = work.second.slope[second.row[e] : second.row[e + 1]]
+    slope[:] = 0.0
+    _add_products(
+        second.A_active, second.A_active_start[e], state.interfaces.u[first : first + r], slope
+    )
+
+
+@compiled
+def _add_products(A: Array, start: int, q: Array, out: Array) -> None:
+    """out += sum_k q_k A_k, where A_k are as long as `out` and stand one after the other."""
+    n = len(out)
+    for k in range(len(q)):
+        _add_scaled(q[k], A[start + k * n : start + (k + 1) * n], out)
 
 
 @compiled
@@ -126,28 +132,25 @@ def _add_scaled(factor: float, source: Array, target: Array) -> None:
 def follow_inertia(elastic: Elastic, e: int, state: State, work: Workspace) -> None:
     """J, Gamma and J' omega + Gamma' of the body, with h(q, .), h(q', .) and h(., q')."""
     second, b = elastic.second, elastic.body[e]
-    u, rate = state.interfaces.u, state.interfaces.rate
-    r, first = second.r[e], first_coordinate(elastic, e)
+    r, first, start = second.r[e], first_coordinate(elastic, e), second.gyroscopic_start[e]
+    rate = state.interfaces.rate[first : first + r]
+    acceleration = state.interfaces.acceleration[first : first + r]
+    at_q, at_rate = work.second.at_q[e, : 3 * r], work.second.at_rate[e, : 3 * r]
+    by_rate = work.second.by_rate[e, : 3 * r]
+    at_q[:] = 0.0
+    at_rate[:] = 0.0
+    by_rate[:] = 0.0
+    _add_products(second.gyroscopic, start, state.interfaces.u[first : first + r], at_q)
+    _add_products(second.gyroscopic, start, rate, at_rate)
+    _add_products(second.turned, start, rate, by_rate)
     _set_inertia(elastic, e, state, work)
-    turned = inertia_product(rate, first - INERTIA, spin_of(state, b))
-    at_q, at_rate, by_rate = work.second.at_q[e], work.second.at_rate[e], work.second.by_rate[e]
+    turned = inertia_product(state.interfaces.rate, first - INERTIA, spin_of(state, b))
     for i in range(3):
-        momentum, moment = 0.0, turned[i]
-        for j in range(r):
-            at_q[i, j] = at_rate[i, j] = by_rate[i, j] = 0.0
-        for k in range(r):
-            start = second.gyroscopic_start[e] + (i * r + k) * r
-            by_k = second.gyroscopic[start : start + r]
-            _add_scaled(u[first + k], by_k, at_q[i, :r])
-            _add_scaled(rate[first + k], by_k, at_rate[i, :r])
-            for j in range(r):
-                by_rate[i, k] += by_k[j] * rate[first + j]
-        for j in range(r):
-            momentum += at_q[i, j] * rate[first + j]
-            moment += at_rate[i, j] * rate[first + j]
-            moment += at_q[i, j] * state.interfaces.acceleration[first + j]
-        work.bodies.relative_momentum[b, i] = momentum
-        work.bodies.relative_moment[b, i] = moment
+        work.bodies.relative_momentum[b, i] = inner(at_q[i * r : (i + 1) * r], rate)
+        by_motion = inner(at_rate[i * r : (i + 1) * r], rate) + inner(
+            at_q[i * r : (i + 1) * r], acceleration
+        )
+        work.bodies.relative_moment[b, i] = turned[i] + by_motion
 
 
 @compiled
@@ -165,7 +168,7 @@ def _set_inertia(elastic: Elastic, e: int, state: State, work: Workspace) -> Non
 def _set_loads(elastic: Elastic, e: int, state: State, work: Workspace) -> None:
     """s(omega) and f_q"""
     second, b, p = elastic.second, elastic.body[e], state.interfaces.p
-    r, first, dof = second.r[e], first_coordinate(elastic, e), elastic.dof[e]
+    r, first, begin = second.r[e], first_coordinate(elastic, e), elastic.active_range[e]
     omega, v_dot = spin_of(state, b), state.bodies.v_dot
     loads = inertia_loads(omega)
     for j in range(INERTIA):
@@ -175,12 +178,12 @@ def _set_loads(elastic: Elastic, e: int, state: State, work: Workspace) -> None:
     for j in range(r):
         total = 0.0
         for i in range(3):
-            total -= v_dot[b, 3 + i] * at_q[i, j] + omega[i] * (at_rate[i, j] - by_rate[i, j])
+            k = i * r + j
+            total -= v_dot[b, 3 + i] * at_q[k] + omega[i] * (at_rate[k] - by_rate[k])
         out[j] = total
-    for i in range(elastic.active_range[e], elastic.active_range[e + 1] - r):
-        k = elastic.active[i]
-        start = second.row[e] + (k - dof) * r
-        _add_scaled(p[k], work.second.slope[start : start + r], out)
+    for i in range(elastic.active_range[e + 1] - begin - r):
+        start = second.row[e] + i * r
+        _add_scaled(p[elastic.active[begin + i]], work.second.slope[start : start + r], out)
     if second.stiff[e]:
         _subtract_hardening(elastic, e, state.interfaces.u[first : first + r], out)
 
@@ -225,10 +228,9 @@ def add_second_order_residual(elastic: Elastic, state: State, work: Workspace) -
         r, first = second.r[e], first_coordinate(elastic, e)
         if r == 0:
             continue
-        for i in range(elastic.active_range[e], elastic.active_range[e + 1] - r):
-            start = second.row[e] + (elastic.active[i] - elastic.dof[e]) * r
-            for j in range(r):
-                residual[i] += 0.5 * work.second.slope[start + j] * u[first + j]
+        for i in range(elastic.active_range[e + 1] - elastic.active_range[e] - r):
+            slope = work.second.slope[second.row[e] + i * r : second.row[e] + (i + 1) * r]
+            residual[elastic.active_range[e] + i] += 0.5 * inner(slope, u[first : first + r])
 
 
 @compiled
@@ -268,7 +270,7 @@ def add_second_order_rows(system: System, state: State, work: Workspace) -> None
             _add_own_slopes(system, e, start + 6 * stride, stride, state, work)
         for i in range(n):
             source = start + (6 + i) * stride
-            slope = elastic.second.row[e] + (elastic.active[begin + i] - elastic.dof[e]) * r
+            slope = elastic.second.row[e] + i * r
             for j in range(r):
                 target = start + (6 + n + j) * stride
                 factor = work.second.slope[slope + j]
@@ -298,14 +300,13 @@ def _add_own_slopes(
         target = start + (n + j) * stride
         for k in range(3):
             for i in range(3):
-                change = scheme.gamma_prime * (at_rate[i, j] - by_rate[i, j])
-                S[target + 3 + k] -= (scheme.beta_prime * at_q[i, j] + change) * T[i, k]
+                change = scheme.gamma_prime * (at_rate[i * r + j] - by_rate[i * r + j])
+                S[target + 3 + k] -= (scheme.beta_prime * at_q[i * r + j] + change) * T[i, k]
         for k in range(r):
             total = 0.0
             for i in range(3):
-                here = second.gyroscopic_start[e] + i * r * r
-                h_kj = second.gyroscopic[here + k * r + j]
-                h_jk = second.gyroscopic[here + j * r + k]
+                h_kj = second.gyroscopic[second.gyroscopic_start[e] + (k * 3 + i) * r + j]
+                h_jk = second.gyroscopic[second.gyroscopic_start[e] + (j * 3 + i) * r + k]
                 total += v_dot[b, 3 + i] * h_kj + scheme.gamma_prime * omega[i] * (h_kj - h_jk)
             S[target + 6 + n + k] -= total
     p = state.interfaces.p
@@ -355,7 +356,7 @@ def _add_compatibility_slopes(elastic: Elastic, e: int, block: Array, work: Work
     n = elastic.active_range[e + 1] - begin - r
     for i in range(n):
         target = block[0] + (6 + i) * block[1] + 6 + n
-        slope = second.row[e] + (elastic.active[begin + i] - elastic.dof[e]) * r
+        slope = second.row[e] + i * r
         _add_scaled(-1.0, work.second.slope[slope : slope + r], S[target : target + r])
 
 
@@ -384,14 +385,13 @@ def _add_moment_slopes(system: System, e: int, block: Array, state: State, work:
     acceleration = state.interfaces.acceleration[coordinate : coordinate + r]
     for k in range(r):
         momentum = (
-            by_rate[0, k] + slope * at_q[0, k],
-            by_rate[1, k] + slope * at_q[1, k],
-            by_rate[2, k] + slope * at_q[2, k],
+            by_rate[k] + slope * at_q[k],
+            by_rate[r + k] + slope * at_q[r + k],
+            by_rate[2 * r + k] + slope * at_q[2 * r + k],
         )
         turned = cross(omega, momentum)
         for i in range(3):
-            start = second.gyroscopic_start[e] + (i * r + k) * r
-            total = turned[i] + slope * (by_rate[i, k] + at_rate[i, k]) + curvature * at_q[i, k]
-            for j in range(r):
-                total += second.gyroscopic[start + j] * acceleration[j]
+            start, z = second.gyroscopic_start[e] + (k * 3 + i) * r, i * r + k
+            total = turned[i] + slope * (by_rate[z] + at_rate[z]) + curvature * at_q[z]
+            total += inner(second.gyroscopic[start : start + r], acceleration)
             S[first + i * block[1] + n + k] += h2 * total

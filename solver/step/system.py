@@ -227,8 +227,13 @@ class SecondOrder(Struct):
     A: Array = array("n")
     """(n_c + 6, r, r) of interfaces and inertia, one after the other; bodies may share one"""
     A_start: Index = array("n_e")
+    A_active: Array = array("n_active")
+    """(r, n, r) of the n active dofs before q, of every body"""
+    A_active_start: Index = array("n_e")
     gyroscopic: Array = array("n_gyroscopic")
-    """(3, r, r), likewise"""
+    """h as (r, 3, r), from its second index on; bodies may share one"""
+    turned: Array = array("n_gyroscopic")
+    """the same from its third index on"""
     gyroscopic_start: Index = array("n_e")
     stiff: Index = array("n_e")
     """the first coordinates that have a strain energy beyond the quadratic one"""
@@ -237,7 +242,7 @@ class SecondOrder(Struct):
     quartic: Array = array("n_quartic")
     quartic_start: Index = array("n_e")
     row: Index = array("n_e_1")
-    """(n_e + 1,) the first number of the slopes A q of each body"""
+    """(n_e + 1,) the first number of the slopes A q (n, r) of each body"""
 
 
 class Elastic(Struct):
@@ -593,16 +598,17 @@ class InterfaceWork(Struct):
     history: Array = array("n_u")
     """displacements by past loads alone"""
     residual: Array = array("n_a")
+    p_active: Array = array("n_a")
 
 
 class SecondOrderWork(Struct):
     slope: Array = array("n_slopes")
-    """A q (n_c + 6, r) of each body, one after the other"""
-    at_q: Array = array("n_e", 3, "n_q")
-    """h(q, .)"""
-    at_rate: Array = array("n_e", 3, "n_q")
+    """A q (n, r) of the active dofs before q, of every body"""
+    at_q: Array = array("n_e", "n_3q")
+    """h(q, .) (3, r), as the next two"""
+    at_rate: Array = array("n_e", "n_3q")
     """h(q', .)"""
-    by_rate: Array = array("n_e", 3, "n_q")
+    by_rate: Array = array("n_e", "n_3q")
     """h(., q')"""
 
 
