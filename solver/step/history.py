@@ -53,7 +53,7 @@ def finish_history(elastic: Elastic, scheme: Scheme, state: State, work: Workspa
             phi, forces = modes.phi[start : start + end - begin], work.modes.load[begin:end]
             for i in range(len(forces)):
                 forces[i] += phi[i] * load
-    add_curvatures(elastic, state)
+    add_curvatures(elastic, state, work)
     _forced_response(elastic, scheme, state, work)
     if modes.damped:
         state.energies.damping[0] += scheme.h * _damping_power(elastic, state, work)
