@@ -96,8 +96,12 @@ def _add_instantaneous(elastic: Elastic, e: int, weight: float, p: Array, u: Arr
     """u += weight G_0 p on the dofs of body e."""
     first, last = elastic.dof[e], elastic.dof[e + 1]
     n_c = last - first
+    mostly_active = 2 * (elastic.active_range[e + 1] - elastic.active_range[e]) > n_c
     for i in range(first, last):
         start = elastic.G_0_start[e] + (i - first) * n_c - first
+        if mostly_active:  # p is zero elsewhere, and products of whole rows are quick
+            u[i] += weight * inner(elastic.G_0[start + first : start + last], p[first:last])
+            continue
         for c in range(elastic.active_range[e], elastic.active_range[e + 1]):
             k = elastic.active[c]
             u[i] += weight * elastic.G_0[start + k] * p[k]
