@@ -97,7 +97,8 @@ def change_step(lowered: LoweredModel, state: State, work: Workspace, in_flight:
     lags behind the acceleration by a part of the step, begins anew: that of a body as its
     acceleration, with v + h (1/2 - alpha_f) (a - v') as its velocity, which the scheme changes by
     the mean of the forces alone; that of a mode as the share of its acceleration that a step of the
-    new size keeps, so that modes which it does not resolve do not overshoot.
+    new size keeps, so that modes which it does not resolve do not overshoot; that of what
+    interfaces move by terms of second order as its acceleration.
     """
     systems: tuple[System, System | None] = (lowered.system, lowered.flight)
     old, new = systems[1 - in_flight], systems[in_flight]
@@ -111,7 +112,9 @@ def change_step(lowered: LoweredModel, state: State, work: Workspace, in_flight:
     for e in range(len(new.elastic.body)):
         own = slice(new.elastic.modes.range[e], new.elastic.modes.range[e + 1])
         dofs = slice(new.elastic.dof[e], new.elastic.dof[e + 1])
-        interfaces.a[dofs] = modes_of(lowered, e) @ modes.a[own]
+        phi = modes_of(lowered, e)
+        by_rates = interfaces.acceleration[dofs] - phi @ modes.acceleration[own]
+        interfaces.a[dofs] = phi @ modes.a[own] + (by_rates if new.elastic.second.r[e] else 0.0)
     work.matrix.current[0] = 0
     state.in_flight[0] = in_flight
 

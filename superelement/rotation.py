@@ -1,4 +1,4 @@
-"""The second order of elastic motion, which a body needs that turns fast or bends far."""
+"""The second order of elastic motion: what a body that turns fast, or bends far, needs too."""
 
 from dataclasses import dataclass
 
@@ -22,8 +22,10 @@ class Rotation:
 
     phi_inertia (6, m) [sqrt(kg) m]; T (r, m) [1], whose first `n_low` rows belong to the lowest
     modes; A_interface (n_c, r, r) [1/(kg m), 1/(kg m^2)] and A_inertia (6, r, r) [1], symmetric in
-    q; gyroscopic (3, r, r) [1]. cubic (k, k, k) and quartic (k, k, k, k), symmetric, both or none:
-    the strain energy beyond 1/2 omega^2 eta^2 in the first k of q,
+    q; gyroscopic (3, r, r) [1]. The other rows of T belong to soft shapes: first projections by
+    stiffness, which carry stress, then those by mass, which carry inertia. cubic (k, k, k) and
+    quartic (k, k, k, k), symmetric, both or none: the strain energy beyond 1/2 omega^2 eta^2 in the
+    first k of q,
 
         W = cubic(q, q, q) / 6 + quartic(q, q, q, q) / 8      [J for q in sqrt(kg) m].
 
@@ -77,6 +79,21 @@ class Rotation:
     def r(self) -> int:
         """The number of coordinates q."""
         return len(self.T)
+
+    @property
+    def n_soft(self) -> int:
+        """The number of soft shapes, which follow the modes in q: twice, by stiffness and mass."""
+        return (self.r - self.n_low) // 2
+
+    @property
+    def n_stiff(self) -> int:
+        """The number of coordinates that carry stress, the first of q: modes and soft shapes."""
+        return self.n_low + self.n_soft
+
+    @property
+    def by_mass(self) -> Array:
+        """The rows of T (n_stiff, m) that project by mass: modes, and the last n_soft."""
+        return np.vstack([self.T[: self.n_low], self.T[self.n_stiff :]])
 
 
 def _check_bilinear(name: str, A: Array) -> None:

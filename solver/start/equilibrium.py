@@ -1,8 +1,9 @@
 """Equilibrium, static or in steady rotation, of bodies, interfaces and multipliers together.
 
-    f_r(x, R, u, lambda) = J v_dot + v~ J v,     phi = 0,     u = compliance p
+    f_r(x, R, u, lambda) = J v_dot + v~ J v,     phi = 0,     u = compliance p + 1/2 A(q, q)
 
-with all velocities zero, or those of a steady rotation as the scheme steps it (steady.py): omega =
+where u and p are those of inertia and of q too, for bodies with terms of second order; with all
+velocities zero, or those of a steady rotation as the scheme steps it (steady.py): omega =
 R^T Omega, omega' = 0, v and v_dot multiples of x - c. Solved by pseudo-transient continuation:
 implicit steps of the gradient flow M dq/dtau = f, which grow as the residual falls until they are
 Newton's. The flow runs down the potential, so that it tends to stable equilibria; but bodies that
@@ -20,7 +21,8 @@ from ..lower.lower import LoweredModel
 from ..step.elimination import factorize
 from ..step.equations import assemble, evaluate, linearize, set_force_scales
 from ..step.newton import correct
-from ..step.system import State, System, Workspace
+from ..step.second_order import INERTIA, inertia_column
+from ..step.system import Elastic, State, System, Workspace
 from .assembly import drive_rates
 from .steady import SteadyMotion
 
@@ -232,9 +234,11 @@ def _at_rest(lowered: LoweredModel) -> System:
     G_active, _ = active_flexibility(
         lowered.responses.compliances, elastic.active, elastic.active_range, elastic.dof, 1.0
     )
-    scheme = lowered.system.scheme.replace(weight=1.0, gamma_prime=0.0)
+    scheme = lowered.system.scheme.replace(weight=1.0, gamma_prime=0.0, beta_prime=0.0)
+    # what is gyroscopic belongs to rates of q
+    second = elastic.second.replace(gyroscopic=np.zeros_like(elastic.second.gyroscopic))
     return lowered.system.replace(
-        scheme=scheme, elastic=elastic.replace(G_0=G_0, G_active=G_active)
+        scheme=scheme, elastic=elastic.replace(G_0=G_0, G_active=G_active, second=second)
     )
 
 
@@ -252,16 +256,34 @@ def _move(motion: SteadyMotion | None, state: State) -> None:
 
 
 def _add_centrifugal(system: System, motion: SteadyMotion, state: State, work: Workspace) -> None:
-    """S += h^2 d(J v_dot + v~ J v) where v_dot follows x, and omega = R^T Omega follows R."""
-    h2 = system.scheme.h**2
-    for b, (mass, J) in enumerate(zip(system.bodies.mass, system.bodies.J_rot, strict=True)):
+    """S += h^2 d(J v_dot + v~ J v) where v_dot follows x, and omega = R^T Omega follows R.
+
+    And -G_0 d(s, f_q) in the rows of elastic dofs, since s follows omega.
+    """
+    h2, itemsize = system.scheme.h**2, work.matrix.S.itemsize
+    for b, (mass, J) in enumerate(zip(system.bodies.mass, work.bodies.J, strict=True)):
         omega, R = state.bodies.v[b, 3:], state.bodies.R[b]
         start, stride = system.pattern.body_block[b]
-        block = as_strided(
-            work.matrix.S[start:], (6, 6), (stride * work.matrix.S.itemsize, work.matrix.S.itemsize)
-        )
+        n = int(system.pattern.size[system.pattern.body[b]])
+        block = as_strided(work.matrix.S[start:], (n, 6), (stride * itemsize, itemsize))
         block[:3, :3] += h2 * mass * R.T @ motion.acceleration @ R
-        block[3:, 3:] += h2 * (_skew(omega) @ J - _skew(J @ omega)) @ _skew(omega)
+        block[3:6, 3:] += h2 * (_skew(omega) @ J - _skew(J @ omega)) @ _skew(omega)
+        e = int(system.elastic.of_body[b])
+        if e >= 0 and system.elastic.second.r[e]:
+            block[6:, 3:] -= _centrifugal_slopes(system.elastic, e, omega, work) @ _skew(omega)
+
+
+def _centrifugal_slopes(elastic: Elastic, e: int, omega: Array, work: Workspace) -> Array:
+    """G_0 d(p, s, f_q) / d omega of the active dofs of a body with terms of second order (n, 3)."""
+    r, n = int(elastic.second.r[e]), int(np.diff(elastic.active_range)[e])
+    slopes = np.zeros((n, 3))
+    by_omega = np.array([inertia_column(j, tuple(omega)) for j in range(INERTIA)])
+    slopes[n - r - INERTIA : n - r] = by_omega
+    last = int(elastic.second.row[e + 1])
+    slopes[n - r :] = work.second.slope[last - INERTIA * r : last].reshape(INERTIA, r).T @ by_omega
+    first = int(elastic.G_active_start[e])
+    by_loads: Array = elastic.G_active[first : first + n * n].reshape(n, n) @ slopes
+    return by_loads
 
 
 def _relative_residuals(
@@ -281,7 +303,7 @@ def _relative_residuals(
         np.abs(work.bodies.residual[:, :3]).max(axis=1) / forces,
         np.abs(work.bodies.residual[:, 3:]).max(axis=1) / moments,
         np.abs(work.couplings.phi) / np.where(system.couplings.compliant == 1, laws, size),
-        np.abs(work.interfaces.residual) / size,
+        system.elastic.length * np.abs(work.interfaces.residual) / size,
     )
 
 

@@ -39,10 +39,13 @@ def interface_accelerance(lowered: LoweredModel) -> Matrix:
 
 
 def accelerance_root(lowered: LoweredModel) -> Matrix:
-    """A with A A^T = A_el times the mass of each body (n_a, n_a)."""
-    roots = []
-    for accelerance, element in zip(_accelerances(lowered), lowered.superelements, strict=True):
-        values, vectors = np.linalg.eigh(element.mass * accelerance)
+    """A with A A^T = A_el times the mass of each body, all dofs as lengths (n_a, n_a)."""
+    elastic, roots = lowered.system.elastic, []
+    lengths = np.split(elastic.length, elastic.active_range[1:-1])
+    for accelerance, length, element in zip(
+        _accelerances(lowered), lengths, lowered.superelements, strict=False
+    ):
+        values, vectors = np.linalg.eigh(element.mass * length[:, None] * accelerance * length)
         roots.append(vectors * np.sqrt(np.maximum(values, 0.0)))
     return block_diagonal(roots, is_small(lowered.system))
 

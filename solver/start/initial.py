@@ -21,6 +21,7 @@ from ..model.model import Model
 from ..step.equations import convective_terms, evaluate, linearize
 from ..step.extremes import start_extremes
 from ..step.loads import load_vector
+from ..step.second_order import add_curvatures, hardening_energy
 from ..step.system import State, System, Workspace
 from .assembly import Target, assemble_joints, fit_velocities
 from .equilibrium import check_drives, check_steady, solve_equilibrium
@@ -249,6 +250,7 @@ def _start_loaded(lowered: LoweredModel, state: State) -> None:
         p = state.interfaces.p[dofs]
         state.interfaces.u[dofs] = lowered.responses.compliances[e] @ p
         energy = 0.5 * p @ state.interfaces.u[dofs]
+        energy += hardening_energy(elastic, e, state.interfaces.u)
         modes = slice(elastic.modes.range[e], elastic.modes.range[e + 1])
         if modes.start < modes.stop:
             state.energies.modal[0] += energy
@@ -259,6 +261,7 @@ def _start_loaded(lowered: LoweredModel, state: State) -> None:
             G_0 = elastic.G_0[start : start + n_c * n_c].reshape(n_c, n_c)
             state.past.p_rest[dofs] = p
             state.past.u_rest[dofs] = state.interfaces.u[dofs] - G_0 @ p
+    add_curvatures(elastic, state)
 
 
 def modes_of(lowered: LoweredModel, e: int) -> Array:

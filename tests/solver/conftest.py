@@ -163,6 +163,33 @@ def random_second_order(rng: np.random.Generator, n_c: int, modes: int, r: int) 
     )
 
 
+@pytest.fixture(scope="session")
+def with_second_order() -> Callable[..., Superelement]:
+    """A superelement with terms of second order of the size that its body could have."""
+
+    def make(element: Superelement, r: int = 3, seed: int = 1) -> Superelement:
+        assert element.modes is not None
+        second = random_second_order(
+            np.random.default_rng(seed), element.n_c, len(element.modes.omega), r
+        )
+        mass, size = element.mass, element.size
+        thin = np.sqrt(np.linalg.eigvalsh(element.J_rot)[0] / mass) / size
+        return replace(
+            element,
+            rotation=replace(
+                second,
+                phi_inertia=np.sqrt(mass) * size * thin * second.phi_inertia,
+                A_inertia=thin**2 * second.A_inertia,
+                gyroscopic=thin * second.gyroscopic,
+                A_interface=second.A_interface / (mass * size),
+                cubic=None,
+                quartic=None,
+            ),
+        )
+
+    return make
+
+
 def symmetrized(A: np.ndarray, axes: tuple[int, ...]) -> np.ndarray:
     """The mean over all orders of some axes."""
     orders = list(permutations(axes))

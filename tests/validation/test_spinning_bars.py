@@ -61,11 +61,11 @@ def bar(folder, rotation):
 MAKERS = pytest.mark.parametrize("make", [beam, bar])
 
 
-def turning(element, spin, joints=(), start=Start()):
+def turning(element, spin, joints=(), start=None):
     """Results of a few steps of steady rotation about the origin."""
     return simulate(
         Model(
-            bodies={"bar": FlexibleBody(element, start)},
+            bodies={"bar": FlexibleBody(element, start or Start())},
             joints=joints,
             settings=Settings(
                 t_end=0.01,
