@@ -231,6 +231,7 @@ def _times(matrix: Array, tensor: Array) -> Array:
 
 
 def _symmetric(tensor: Array) -> Array:
-    """The mean over all orders of the axes."""
+    """The mean over all orders of the axes, symmetric to the last bit."""
     orders = list(permutations(range(tensor.ndim)))
-    return np.asarray(sum(tensor.transpose(order) for order in orders) / len(orders))
+    mean = sum(tensor.transpose(order) for order in orders) / len(orders)
+    return np.asarray(mean[tuple(np.sort(np.indices(tensor.shape), axis=0))])
