@@ -18,10 +18,11 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from beside_exudyn import ROOT, Entrant, heading, our_run, ours, race, theirs
+from beside_exudyn import ROOT, Entrant, case_1_model, heading, our_run, ours, race, theirs
 from duhamel.preprocess import build, read_body
 from duhamel.preprocess.body.body import NonlinearCoordinates
-from duhamel.solver import Model, read_model
+from duhamel.solver import Model
+from duhamel.superelement import Superelement
 from peer import spin_up
 from peer.run import Run
 
@@ -52,7 +53,7 @@ def spin_up_beside_exudyn(folder: Path, repeats: int) -> None:
 
 def with_and_without(repeats: int) -> None:
     """Case 1, its beam with 12 coordinates and with none."""
-    model = read_model(ROOT / "examples/case1.toml")
+    model = case_1_model()
     body = read_body(ROOT / "meshes/beam/beam.toml")
     rotation = NonlinearCoordinates.model_validate(COORDINATES)
     bodies = {"without": body, "with [rotation]": body.model_copy(update={"rotation": rotation})}
@@ -63,7 +64,7 @@ def with_and_without(repeats: int) -> None:
     race("Case 1", entrants, max(repeats, 7))
 
 
-def with_beam(model: Model, element: object) -> Model:
+def with_beam(model: Model, element: Superelement) -> Model:
     beam = replace(model.bodies["beam"], superelement=element, source="")
     return replace(model, bodies={**model.bodies, "beam": beam})
 
