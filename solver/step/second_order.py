@@ -250,6 +250,18 @@ def finish_second_order(elastic: Elastic, state: State, work: Workspace) -> None
             follow_inertia(elastic, e, state, work)
 
 
+@compiled
+def record_second_order(elastic: Elastic, state: State, out: Array) -> None:
+    """The loads on q of all bodies, as forces where q is a length."""
+    number = 0
+    for e in range(len(elastic.second.r)):
+        r, first = elastic.second.r[e], first_coordinate(elastic, e)
+        begin = elastic.active_range[e + 1] - r
+        for i in range(r):
+            out[number] = state.interfaces.p[first + i] / elastic.length[begin + i]
+            number += 1
+
+
 # Newton's matrix
 
 

@@ -746,6 +746,7 @@ SIZES: dict[str, int | str] = {
     "quaternion": 4,
     "body": "n_b",
     "frame": "n_f",
+    "second_order_coordinate": "n_s",
     "coupling": "n_j",
     "row": "n_i",
     "joint_coordinate": "n_o",
