@@ -3,10 +3,11 @@
     F = I + grad u,   E = (F^T F - I) / 2,   S = lambda tr(E) I + 2 mu E,   P = F S
 
 All elements are alike, their fields of the second order in each direction, with three Gauss points
-a direction. Used for steady rotation and small vibrations about it, and nothing of it is shared
-with the preprocessor.
+a direction. Used for steady rotation, small vibrations about it, and bars turned about an end;
+nothing of it is shared with the preprocessor.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.linalg import eig
 from scipy.sparse.linalg import eigsh, splu
+from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
 
@@ -25,6 +27,13 @@ def _lagrange(xi: Array) -> tuple[Array, Array]:
     """Quadratic shapes on -1, 0, 1 and their slopes at points xi, (q, 3) each."""
     N = np.column_stack([0.5 * xi * (xi - 1.0), 1.0 - xi**2, 0.5 * xi * (xi + 1.0)])
     return N, np.column_stack([xi - 0.5, -2.0 * xi, xi + 0.5])
+
+
+def _generalized_alpha(rho_inf: float) -> tuple[float, float, float, float, float]:
+    """(1 - alpha_f) / (1 - alpha_m), alpha_m, alpha_f, beta and gamma."""
+    alpha_m, alpha_f = (2.0 * rho_inf - 1.0) / (rho_inf + 1.0), rho_inf / (rho_inf + 1.0)
+    beta, gamma = 0.25 * (1.0 - alpha_m + alpha_f) ** 2, 0.5 - alpha_m + alpha_f
+    return (1.0 - alpha_f) / (1.0 - alpha_m), alpha_m, alpha_f, beta, gamma
 
 
 @dataclass(frozen=True)
@@ -149,6 +158,42 @@ class SolidBox:
         shapes = np.zeros((count, u.size), dtype=complex)
         shapes[:, free] = (V @ vectors[: len(G), order]).T
         return values.imag[order], shapes.reshape(count, -1, 3)
+
+    def turned_by(
+        self, angle: Callable[[float], float], step: float, steps: int, rho_inf: float = 0.9
+    ) -> Array:
+        """The middle of the free end (steps + 1, 3) where the face x = 0 turns about z by an angle.
+
+        From rest, by generalized-alpha with all terms at the end of a step.
+        """
+        ratio, alpha_m, alpha_f, beta, gamma = _generalized_alpha(rho_inf)
+        held = np.repeat(self.nodes[:, 0] < 1e-12, 3)
+        free = np.flatnonzero(~held)
+        tip = np.flatnonzero(np.linalg.norm(self.nodes - [self.size[0], 0, 0], axis=1) < 1e-9)[0]
+        M = self.mass[free][:, free]
+        driven = self.mass[free][:, np.flatnonzero(held)]
+        u, v, v_dot, a = np.zeros((4, 3 * len(self.nodes)))
+        path = [self.nodes[tip]]
+        for n in range(1, steps + 1):
+            a_star = (alpha_f * v_dot - alpha_m * a) / (1.0 - alpha_m)
+            moved = u + step * v + step**2 * ((0.5 - beta) * a + beta * a_star)
+            speed = v + step * ((1.0 - gamma) * a + gamma * a_star)
+            u = moved + beta * ratio * step**2 * v_dot
+            turn = Rotation.from_rotvec([0.0, 0.0, angle(n * step)])
+            u[held] = (turn.apply(self.nodes) - self.nodes).ravel()[held]
+            for _ in range(20):
+                v_dot = (u - moved) / (beta * ratio * step**2)
+                f, K = self.forces(u)
+                residual = M @ v_dot[free] + driven @ v_dot[held] + f[free]
+                S = K[free][:, free] + M / (beta * ratio * step**2)
+                change = splu(S.tocsc()).solve(-residual)
+                u[free] += change
+                if np.abs(change).max() < 1e-10 * self.size[0]:
+                    break
+            v_dot = (u - moved) / (beta * ratio * step**2)
+            v, a = speed + gamma * ratio * step * v_dot, a_star + ratio * v_dot
+            path.append(self.nodes[tip] + u.reshape(-1, 3)[tip])
+        return np.array(path)
 
     def flap_and_lag(self, spin: float) -> tuple[Array, Array]:
         """Frequencies of motions out of the plane of rotation, and in it, across the box."""
