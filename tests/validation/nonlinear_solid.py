@@ -41,6 +41,7 @@ class SolidBox:
     """A box from the origin along x, its section centered on the axis.
 
     size (3,) [m], divisions (3,); E, rho: modulus [Pa] and density [kg/m^3]; nu: Poisson's ratio.
+    keeps: which elements stay, by their centers (n, 3) from a corner of the box.
     """
 
     size: tuple[float, float, float]
@@ -48,10 +49,21 @@ class SolidBox:
     E: float
     nu: float
     rho: float
+    keeps: Callable[[Array], NDArray[np.bool_]] | None = None
 
     @cached_property
     def nodes(self) -> Array:
         """(n, 3), numbered with x slowest."""
+        return self._grid[np.unique(self._grid_cells)]
+
+    @cached_property
+    def cells(self) -> NDArray[np.int64]:
+        """(e, 27)"""
+        _, numbers = np.unique(self._grid_cells, return_inverse=True)
+        return numbers.reshape(-1, 27)
+
+    @cached_property
+    def _grid(self) -> Array:
         steps = [
             np.linspace(0.0, s, 2 * d + 1) for s, d in zip(self.size, self.divisions, strict=True)
         ]
@@ -59,12 +71,11 @@ class SolidBox:
         return grid - [0.0, 0.5 * self.size[1], 0.5 * self.size[2]]
 
     @cached_property
-    def cells(self) -> NDArray[np.int64]:
-        """(e, 27)"""
+    def _grid_cells(self) -> NDArray[np.int64]:
         counts = 2 * np.array(self.divisions) + 1
         numbers = np.arange(np.prod(counts)).reshape(counts)
         a, b, c = self.divisions
-        return np.array(
+        cells = np.array(
             [
                 numbers[2 * i : 2 * i + 3, 2 * j : 2 * j + 3, 2 * k : 2 * k + 3].ravel()
                 for i in range(a)
@@ -72,6 +83,10 @@ class SolidBox:
                 for k in range(c)
             ]
         )
+        if self.keeps is None:
+            return cells
+        corner = self._grid.min(axis=0)
+        return cells[self.keeps(self._grid[cells].mean(axis=1) - corner)]
 
     @cached_property
     def _shapes(self) -> tuple[Array, Array, Array]:
@@ -193,6 +208,38 @@ class SolidBox:
             v_dot = (u - moved) / (beta * ratio * step**2)
             v, a = speed + gamma * ratio * step * v_dot, a_star + ratio * v_dot
             path.append(self.nodes[tip] + u.reshape(-1, 3)[tip])
+        return np.array(path)
+
+    def thrown(
+        self, spin: Array, step: float, steps: int, points: Array, rho_inf: float = 0.9
+    ) -> Array:
+        """Nodes at points (k, 3) of the mesh that is thrown with a spin (3,), (steps + 1, k, 3).
+
+        Undeformed at the start and free, its center of mass where it is; steps as above.
+        """
+        ratio, alpha_m, alpha_f, beta, gamma = _generalized_alpha(rho_inf)
+        seen = [np.linalg.norm(self.nodes - point, axis=1).argmin() for point in points]
+        M, u = self.mass, np.zeros(3 * len(self.nodes))
+        weight = np.asarray(M.sum(axis=0))[..., 0::3].ravel()
+        center = weight @ self.nodes / weight.sum()
+        v = np.cross(spin, self.nodes - center).ravel()
+        v_dot = np.zeros_like(v)  # undeformed, and so without forces
+        a, path = v_dot, [self.nodes[seen]]
+        for _ in range(steps):
+            a_star = (alpha_f * v_dot - alpha_m * a) / (1.0 - alpha_m)
+            moved = u + step * v + step**2 * ((0.5 - beta) * a + beta * a_star)
+            speed = v + step * ((1.0 - gamma) * a + gamma * a_star)
+            u = moved + beta * ratio * step**2 * v_dot
+            for _ in range(20):
+                f, K = self.forces(u)
+                residual = M @ (u - moved) / (beta * ratio * step**2) + f
+                change = splu((K + M / (beta * ratio * step**2)).tocsc()).solve(-residual)
+                u = u + change
+                if np.abs(change).max() < 1e-10 * max(self.size):
+                    break
+            v_dot = (u - moved) / (beta * ratio * step**2)
+            v, a = speed + gamma * ratio * step * v_dot, a_star + ratio * v_dot
+            path.append((self.nodes + u.reshape(-1, 3))[seen])
         return np.array(path)
 
     def flap_and_lag(self, spin: float) -> tuple[Array, Array]:
