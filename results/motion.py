@@ -22,6 +22,8 @@ class BodyMotion:
     """(n, 6) velocity in space [m/s], angular velocity in body axes [rad/s]"""
     v_dot: Array
     """(n, 6) their derivatives"""
+    second_order_force: Array
+    """(n, r) loads on the coordinates of second order [N]; r = 0 where a body has none"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,6 +2,9 @@
 
     u(X, t) = phi(X) eta(t),   eta'' + 2 zeta omega eta' + omega^2 eta = phi_C^T p
 
+and for a body with terms of second order by those on inertia and coordinates q too, as the time
+step has them (solver/step/second_order.py): the stress is then that of the bent body; of the
+displacement, what is quadratic in q, as the foreshortening of a beam, is left out. All of it is
 stepped as the run was, whatever the form of its history, so that phi_C eta are the displacements
 that it recorded. It adds no cost to the time loop.
 """
@@ -23,11 +26,15 @@ from .schema import SuperelementFile
 Index = NDArray[np.int64]
 
 
+STARTS = ("given", "equilibrium")
+"""of runs that do not go on from another one, whose modes would not start at rest"""
+
+
 class Stepping(NamedTuple):
     """The time integration of a run.
 
-    h: steps [s], all the same or one after the other; rule: "consistent" or "paper"; start: "given"
-    or "equilibrium".
+    h: steps [s], all the same or one after the other; rule: "consistent" or "paper"; start: one of
+    `STARTS`.
     """
 
     h: float | Array
@@ -122,10 +129,20 @@ def interface_loads(R: Array, u: Array, force: Array, rotations: bool) -> Array:
     return np.hstack([F, apply_tangent(u[:, 3:], _into_body(R, force[:, 3:]))])
 
 
+def second_order_loads(omega: Array, force: Array, mass: float) -> Array:
+    """Loads (n, 6 + r) on inertia and coordinates of second order, s(omega) and f_q.
+
+    omega (n, 3): in body axes; force (n, r): as it is recorded. Source: docs/theory.md.
+    """
+    x, y, z = omega.T
+    on_inertia = [0.5 * x * x, 0.5 * y * y, 0.5 * z * z, y * z, x * z, x * y]
+    return np.hstack([np.column_stack(on_inertia), force / np.sqrt(mass)])
+
+
 def modal_coordinates(modes: Modes, p: Array, run: Stepping, steps: Index) -> Array:
     """Modal coordinates eta (k, m) at some steps (k,).
 
-    p (n, n_c): the interface loads of all steps up to the last of these.
+    p (n, n_dofs): the loads of all steps up to the last of these, on the rows of phi.
 
     A start in equilibrium is at eta = phi_C^T p_0 / omega^2, any other at eta = 0 with the
     acceleration phi_C^T p_0, which is zero in eq. (55), the paper's rule. Source:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..superelement import Recovery, Superelement, SuperelementError, von_mises
+from ..superelement import Modes, Recovery, Superelement, SuperelementError, von_mises
 from ..superelement.validation import Array
 from .errors import RecoveryError
 from .file import FileSource
@@ -22,12 +22,14 @@ from .motion import (
     StopMotion,
 )
 from .recovery import (
+    STARTS,
     Instants,
     in_space,
     instants,
     interface_loads,
     modal_coordinates,
     read_again,
+    second_order_loads,
     stepping,
 )
 from .schema import EVENTS, OWNERS, QUANTITIES, Contents, SuperelementFile, attributes_of
@@ -247,20 +249,37 @@ class Results:
             )
         self._check_recoverable(body, element)
         when = instants(self.time, np.atleast_1d(np.asarray(t, dtype=float)))
-        R = self.body(body).R
-        loads = []
-        for interface in element.interfaces:
-            frame = self.frame(f"{body}.{interface.name}")
-            loads.append(interface_loads(R, frame.u, frame.force, interface.rotations))
+        modes, loads = self._loads(body, element, element.modes)
         run = stepping(self._source.name, self.solver, self.time)
         steps = np.append(when.before, when.after)
-        eta = modal_coordinates(element.modes, np.hstack(loads), run, steps)
+        eta = modal_coordinates(modes, loads, run, steps)
         return element.recovery, when.of(*np.split(eta, 2)), when
+
+    def _loads(self, body: str, element: Superelement, modes: Modes) -> tuple[Modes, Array]:
+        """The loads that drove a body (n, n_dofs), and its modes with the rows that they act on."""
+        motion, loads = self.body(body), []
+        for interface in element.interfaces:
+            frame = self.frame(f"{body}.{interface.name}")
+            loads.append(interface_loads(motion.R, frame.u, frame.force, interface.rotations))
+        if r := motion.second_order_force.shape[1]:
+            if element.rotation is None or element.rotation.r != r:
+                raise RecoveryError(
+                    f"body {body!r}: superelement {element.name!r}: expected {r} coordinates of "
+                    f"second order, as in the run, found {getattr(element.rotation, 'r', 0)}"
+                )
+            modes = element.rotation.complete(modes)
+            omega, force = motion.v[:, 3:], motion.second_order_force
+            loads.append(second_order_loads(omega, force, element.mass))
+        return modes, np.hstack(loads)
 
     def _check_recoverable(self, body: str, element: Superelement) -> None:
         if (every := int(self.solver.get("every", 1))) > 1:
             raise RecoveryError(
                 f"body {body!r}: fields need every step, and the run recorded one in {every}"
+            )
+        if (start := self.solver.get("start", "given")) not in STARTS:
+            raise RecoveryError(
+                f"body {body!r}: fields need a run from its start; this one goes on from {start}"
             )
         recorded = self.recorded
         frames = [f"frames/{body}.{interface.name}" for interface in element.interfaces]

@@ -18,7 +18,7 @@ from ..superelement import sha256
 from ..superelement.validation import Array
 
 FORMAT = "duhamel-results"
-VERSION = 4
+VERSION = 5
 EARLIEST = 3
 """of which all that is there is the same"""
 
@@ -45,6 +45,12 @@ DIMENSIONS = {
         Dimension("axis", "Cartesian axes", entries=("x", "y", "z")),
         Dimension("quaternion", "components of unit quaternions", entries=("w", "x", "y", "z")),
         Dimension("body", "bodies", "bodies"),
+        Dimension(
+            "second_order_coordinate",
+            "coordinates of second order of flexible bodies, as BODY.NUMBER",
+            "bodies",
+            ragged=True,
+        ),
         Dimension("frame", "frames of bodies, as BODY.FRAME", "frames"),
         Dimension("joint", "joints and prescribed motions", "joints"),
         Dimension(
@@ -301,6 +307,13 @@ QUANTITIES = (
         "rad s-2",
         "angular acceleration, in body axes",
         "bodies/v_dot",
+    ),
+    Quantity(
+        "body_second_order_force",
+        ("time", "second_order_coordinate"),
+        ("N", "N"),
+        "force on each coordinate of second order, q over the root of the mass, a length",
+        "bodies/second_order_force",
     ),
     Quantity("frame_position", _FRAME, "m", "origin of the frame, in space", "frames/position"),
     Quantity(

@@ -1,9 +1,10 @@
 """The second order of elastic motion: what a body that turns fast, or bends far, needs too."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .modes import Modes
 from .validation import Array, SuperelementError, checked
 
 INERTIA = 6
@@ -94,6 +95,10 @@ class Rotation:
     def by_mass(self) -> Array:
         """The rows of T (n_stiff, m) that project by mass: modes, and the last n_soft."""
         return np.vstack([self.T[: self.n_low], self.T[self.n_stiff :]])
+
+    def complete(self, modes: Modes) -> Modes:
+        """Modes at the interfaces, the inertia and the coordinates q: phi (n_c + 6 + r, m)."""
+        return replace(modes, phi=np.vstack([modes.phi, self.phi_inertia, self.T]))
 
 
 def _check_bilinear(name: str, A: Array) -> None:

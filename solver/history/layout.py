@@ -16,7 +16,7 @@ from ..step.system import Elastic, Frames, Kernels, Modes
 from .cost import cheapest_history
 from .dyadic import power_above
 from .packing import packed
-from .second_order import complete, lay_out_second_order, lengths_of
+from .second_order import lay_out_second_order, lengths_of
 from .truncation import truncate, truncation_error
 
 LONGEST = 1e15
@@ -269,14 +269,15 @@ def _check_second_order(name: str, settings: Settings, stepping: Stepping) -> No
 
 
 def _by_modes(body: FlexibleBody, h: float, scheme: GeneralizedAlpha) -> _History:
-    modes = complete(body.superelement.modes_for(h), body.rotation)
+    modes, second = body.superelement.modes_for(h), body.rotation
+    if second is not None:
+        modes = second.complete(modes)
     stiffness = modes.omega**2
     damping = 2.0 * modes.zeta * modes.omega
     step_stiffness = scheme.inertia_ratio + scheme.gamma * h * damping
     step_stiffness += scheme.beta * h * h * stiffness
     G_0 = (modes.phi * (scheme.beta * h * h / step_stiffness)) @ modes.phi.T
     recursion, empty = np.array([stiffness, damping, step_stiffness]), np.empty(0)
-    second = body.rotation
     return _History(
         recursion=recursion,
         phi=modes.phi,

@@ -1,23 +1,15 @@
-"""Terms of second order of superelements as arrays, with the modes that belong to them."""
+"""Terms of second order of superelements as arrays."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
-from ...superelement import Modes, Rotation
+from ...superelement import Rotation
 from ...superelement.rotation import INERTIA
 from ..arrays import Array, Index, as_index
 from ..model.bodies import FlexibleBody
 from ..step.system import SecondOrder
 from .packing import packed
-
-
-def complete(modes: Modes, second: Rotation | None) -> Modes:
-    """Modes at the interfaces, the inertia and the coordinates q of a body: (n_c + 6 + r, m)."""
-    if second is None:
-        return modes
-    return replace(modes, phi=np.vstack([modes.phi, second.phi_inertia, second.T]))
 
 
 def lengths_of(body: FlexibleBody) -> Array:

@@ -52,6 +52,12 @@ def axes_of(lowered: LoweredModel) -> dict[str, Axis]:
         "spring": _numbered(model, Spring),
     }
     axes = {key: _axis(entries) for key, entries in owners.items()}
+    numbers = [
+        f"{name}.{i + 1}"
+        for name, r in zip(model.flexible_bodies, lowered.system.elastic.second.r, strict=True)
+        for i in range(int(r))
+    ]
+    axes["second_order_coordinate"] = _axis(list(enumerate(numbers)), [False] * len(numbers))
     lengths = lowered.measures_lengths.tolist()
     ranges = list(pairwise(couplings.range.tolist()))
     for key, ragged in (("joint", "joint_constraint"), ("spring", "spring_component")):

@@ -236,7 +236,8 @@ def _at_rest(lowered: LoweredModel) -> System:
     )
     scheme = lowered.system.scheme.replace(weight=1.0, gamma_prime=0.0, beta_prime=0.0)
     # what is gyroscopic belongs to rates of q
-    second = elastic.second.replace(gyroscopic=np.zeros_like(elastic.second.gyroscopic))
+    none = np.zeros_like(elastic.second.gyroscopic)
+    second = elastic.second.replace(gyroscopic=none, turned=none)
     return lowered.system.replace(
         scheme=scheme, elastic=elastic.replace(G_0=G_0, G_active=G_active, second=second)
     )

@@ -15,6 +15,7 @@ from .gaps import contact_motion
 from .history import modal_energy
 from .rotations import quaternion_exponential, quaternion_product
 from .rows import GAP
+from .second_order import record_second_order
 from .system import Run, State, System, Workspace
 
 
@@ -30,6 +31,7 @@ def record(run: Run, k: int) -> None:
     copy(state.bodies.quaternion, output.body_rotation[k])
     _split(state.bodies.v, output.body_velocity[k], output.body_angular_velocity[k])
     _split(state.bodies.v_dot, output.body_acceleration[k], output.body_angular_acceleration[k])
+    record_second_order(system.elastic, state, output.body_second_order_force[k])
     copy(work.frames.r, output.frame_position[k])
     _split(work.frames.V, output.frame_velocity[k], output.frame_angular_velocity[k])
     _split(work.frames.A, output.frame_acceleration[k], output.frame_angular_acceleration[k])

@@ -464,6 +464,8 @@ class ExtremeState(Struct):
     """squares of their elastic rotations"""
     spin: Array = array("n_b")
     """squares of angular velocities"""
+    inertia_taken: Array = array("n_e")
+    """by elastic motion, of a moment of inertia"""
     opening: Array = array("n_i")
     """of the rows of joints and motions"""
     missed: Array = array("n_o")
@@ -746,6 +748,7 @@ SIZES: dict[str, int | str] = {
     "quaternion": 4,
     "body": "n_b",
     "frame": "n_f",
+    "second_order_coordinate": "n_s",
     "coupling": "n_j",
     "row": "n_i",
     "joint_coordinate": "n_o",

@@ -30,6 +30,7 @@ def test_xarray_finds_dimensions_coordinates_and_units(written):
             "axis": 3,
             "quaternion": 4,
             "body": 2,
+            "second_order_coordinate": 3,
             "frame": 2,
             "joint": 3,
             "joint_constraint": 5,

@@ -26,6 +26,7 @@ def make_contents(
     flexible=1,
     contacts=2,
     stops=2,
+    second_order=3,
     selects=lambda group: True,
 ):
     """Bodies with a frame each, joints with as many constraints as given, springs of one
@@ -36,6 +37,7 @@ def make_contents(
     axes = {
         "body": [f"b{i}" for i in range(bodies)],
         "frame": [f"b{i}.tip" for i in range(bodies)],
+        "second_order_coordinate": [f"b0.{i}" for i in range(second_order)],
         "joint": [f"j{j}" for j in range(n_j)],
         "spring": [f"s{i}" for i in range(springs)],
         "joint_constraint": constraints,
@@ -75,6 +77,7 @@ def make_output(contents, n, seed=0):
         "contact": max(end("contact"), end("stop")),
         "joint_with_friction": end("joint_with_friction"),
         "body": end("body"),
+        "second_order_coordinate": end("second_order_coordinate"),
         "frame": end("frame"),
         "coupling": max(end("joint"), end("spring")),
         "row": max(end("joint_constraint"), end("spring_component")),

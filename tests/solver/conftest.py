@@ -181,7 +181,7 @@ def with_second_order() -> Callable[..., Superelement]:
                 phi_inertia=np.sqrt(mass) * size * thin * second.phi_inertia,
                 A_inertia=thin**2 * second.A_inertia,
                 gyroscopic=thin * second.gyroscopic,
-                A_interface=second.A_interface / (mass * size),
+                A_interface=10.0 * second.A_interface / (mass * size),
                 cubic=None,
                 quartic=None,
             ),

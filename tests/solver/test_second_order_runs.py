@@ -7,13 +7,24 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from duhamel.solver import (
+    FlexibleBody,
+    Harmonic,
+    Joint,
+    Load,
+    Model,
+    RecoveryError,
+    Results,
+    Settings,
     Simulator,
+    Start,
     StateError,
+    SteadyRotation,
     simulate,
 )
 from duhamel.solver.lower.lower import lower
 from duhamel.solver.phases import change_step
 from duhamel.solver.start.initial import initialize
+from duhamel.superelement import Recovery, read, write
 
 from .frameworks import bar
 from .test_contact_step import LENGTH, falling_bar
@@ -55,7 +66,7 @@ def test_a_run_in_parts_is_that_in_one_to_the_bit(element, ends, tmp_path):
 def test_a_state_of_other_terms_is_refused_by_the_key(element, tmp_path):
     model = machine(element)
     in_parts(model, tmp_path / "run.h5", 37)
-    with pytest.raises(StateError, match="bodies.beam.second_order: was True, is False"):
+    with pytest.raises(StateError, match=r"bodies\.beam\.second_order: was True, is False"):
         simulate(without(model), output=tmp_path / "run.h5", resume=True)
     start = first_run(model, tmp_path / "first.h5")
     with pytest.raises(StateError, match="body 'beam': second_order: had terms that it has not"):
@@ -107,3 +118,78 @@ def test_what_rates_add_to_accelerations_survives_a_change_of_steps(thick):
     state.interfaces.acceleration[:] = phi @ state.modes.acceleration + added
     change_step(lowered, state, initial.work, 1)
     np.testing.assert_allclose(state.interfaces.a, phi @ state.modes.a + added, rtol=1e-10)
+
+
+def telling(element):
+    """With points, in single precision or not, whose displacements are the modal coordinates."""
+    m = len(element.modes.omega)
+    points = np.zeros((m // 3, 3))
+    shapes = np.eye(m).reshape(m // 3, 3, m)
+    return replace(element, recovery=Recovery(points, [[0, 1]], shapes, None))
+
+
+def recovered(results, body="beam"):
+    eta = results.displacement(body, results.time)
+    return eta.reshape(len(eta), -1)
+
+
+def assert_recovered(results, element, body="beam"):
+    """What interfaces move by is that of the modes, with what is quadratic in q."""
+    eta = recovered(results, body)
+    q, A = eta @ element.rotation.T.T, element.rotation.A_interface
+    names = [f"{body}.{interface.name}" for interface in element.interfaces]
+    recorded = np.hstack([results.frame(name).u for name in names])
+    quadratic = 0.5 * np.einsum("ckl,nk,nl->nc", A, q, q)
+    linear = eta @ element.modes.phi.T
+    scale = np.abs(recorded).max()
+    assert np.abs(linear + quadratic - recorded).max() < 1e-9 * scale
+    assert np.abs(quadratic).max() > 1e-6 * scale
+
+
+def with_element(model, element, name="beam", **changes):
+    body = replace(model.bodies[name], superelement=element, **changes)
+    return replace(model, bodies={**model.bodies, name: body})
+
+
+def test_fields_are_driven_by_the_loads_of_rotation(element):
+    model = machine(telling(element))
+    assert_recovered(simulate(model), element)
+    with_terms, linear = (recovered(simulate(m)) for m in (model, without(model)))
+    assert np.abs(with_terms - linear).max() > 1e-3 * np.abs(linear).max()
+
+
+def test_so_are_those_of_a_steady_rotation(element):
+    model = Model(
+        {"beam": FlexibleBody(telling(element), Start(position=[0.25, 0, 0]))},
+        [Joint("pivot", "revolute", ("ground", "beam.root"), axis=[0, 0, 1])],
+        [Load("force", "beam.tip", [0, 0, 1], Harmonic(2.0, 30.0, offset=2.0))],
+        settings=Settings(
+            t_end=0.02, step=2e-4, start="equilibrium", steady_rotation=SteadyRotation([0, 0, 30.0])
+        ),
+    )
+    assert_recovered(simulate(model), element)
+
+
+def test_results_that_are_read_know_what_drove_them(element, tmp_path):
+    write(tmp_path / "beam.h5", telling(element))
+    model = with_element(
+        machine(element, steps=20), read(tmp_path / "beam.h5"), source=str(tmp_path / "beam.h5")
+    )
+    for number, run in enumerate((model, without(model))):
+        expected = recovered(simulate(run))
+        path = tmp_path / f"{number}.h5"
+        simulate(run, output=path)
+        np.testing.assert_allclose(recovered(Results.read(path)), expected, rtol=0, atol=1e-15)
+    assert Results.read(tmp_path / "1.h5").body("beam").second_order_force.shape == (21, 0)
+    plain = replace(telling(element), rotation=None)
+    with pytest.raises(RecoveryError, match=r"expected 3 coordinates of second order, .* found 0"):
+        Results.read(tmp_path / "0.h5", superelements={"beam": plain}).displacement("beam", 0.0)
+
+
+def test_fields_of_a_run_that_goes_on_from_another_are_refused(element, tmp_path):
+    """Its modes do not start at rest, and results do not tell how."""
+    model = machine(telling(element), LAST)
+    start = first_run(model, tmp_path / "first.h5")
+    results = simulate(model.with_settings(start=start))
+    with pytest.raises(RecoveryError, match=r"fields need a run from its start; .*first.h5"):
+        results.displacement("beam", results.time[-1])
