@@ -227,11 +227,11 @@ def _lumped(
 
 def _times(matrix: Array, tensor: Array) -> Array:
     """matrix (n, k) times the first axis of a tensor (k, r, r)."""
-    return np.tensordot(matrix, tensor, axes=1)
+    return np.asarray(np.tensordot(matrix, tensor, axes=1))
 
 
 def _symmetric(tensor: Array) -> Array:
     """The mean over all orders of the axes, symmetric to the last bit."""
     orders = list(permutations(range(tensor.ndim)))
-    mean = sum(tensor.transpose(order) for order in orders) / len(orders)
+    mean = np.sum([tensor.transpose(order) for order in orders], axis=0) / len(orders)
     return np.asarray(mean[tuple(np.sort(np.indices(tensor.shape), axis=0))])
