@@ -127,7 +127,7 @@ class _Batch:
 
     def stresses(self, strains: Array) -> Array:
         sigma = (self.C @ strains.reshape(6, -1)).reshape(strains.shape)
-        return sigma[PLACE].transpose(2, 0, 3, 1, 4)
+        return np.asarray(sigma[PLACE].transpose(2, 0, 3, 1, 4))
 
     def loads(self, stresses: Array) -> Array:
         """int stress.grad N dV (3 n k, r) on the dofs of every element."""
@@ -176,7 +176,7 @@ def _works(geometric: Array, left: Array, right: Array) -> Array:
 
 
 def _table(moved: Moved, n_dofs: int) -> tuple[IntArray, Array]:
-    """The row (n_dofs,) of every dof in what `moved` says, by pairs (n_rows, pairs); the last is 0."""
+    """What `moved` says by pairs (n_rows, pairs), then zeros, and the row of each dof (n_dofs,)."""
     dofs, values = moved
     first, second = np.triu_indices(values.shape[-1])
     row = np.full(n_dofs, dofs.size)

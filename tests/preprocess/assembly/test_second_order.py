@@ -1,5 +1,5 @@
 """Bodies to second order: rigid and averaged interfaces and masses in finite rotation, frame
-indifference, and what given matrices tell.
+indifference.
 """
 
 import dataclasses
@@ -7,10 +7,10 @@ import dataclasses
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from duhamel.preprocess import BodyError, assemble
+from duhamel.preprocess import assemble
 from duhamel.preprocess.assembly.rigid import project
 from duhamel.preprocess.assembly.second_order import second_order
-from duhamel.preprocess.elements.inertia import NodalTensors, scalar_mass
+from duhamel.preprocess.elements.inertia import scalar_mass
 from duhamel.preprocess.elements.solid_second import pairs
 from duhamel.preprocess.sources.reading import read_source
 from scipy.spatial.transform import Rotation
@@ -305,23 +305,6 @@ def test_loads_of_second_order_strains_are_the_work_of_the_initial_stress(solid)
     for a, b, c in np.ndindex(3, 3, 3):
         found = work[a, pair[b, c]] + work[b, pair[a, c]] + work[c, pair[a, b]]
         assert found == pytest.approx(D3[a, b, c], abs=1e-11 * np.abs(D3).max())
-
-
-def test_given_matrices_tell_how_the_inertia_changes(solid_body, box):
-    body = solid_body(box("hexahedron", divisions=(2, 1, 1)))
-    source, structure, second = model(body)
-    tensors = NodalTensors(
-        "M", scalar_mass(structure.M), source.nodes.points - structure.rigid.center
-    )
-    motions = elastic(structure, 3)
-    for name in ("inertia", "gyroscopic"):
-        np.testing.assert_array_equal(
-            getattr(tensors, name)(motions), getattr(second, name)(motions)
-        )
-    with pytest.raises(BodyError, match="M: matrices do not tell how loads stiffen"):
-        tensors.third(motions, motions)
-    with pytest.raises(BodyError, match="M: matrices do not tell how loads stiffen"):
-        tensors.quartic(motions, None)
 
 
 def test_a_mass_of_local_axes_tells_nothing():
