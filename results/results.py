@@ -279,7 +279,7 @@ class Results:
             )
         if (start := self.solver.get("start", "given")) not in STARTS:
             raise RecoveryError(
-                f"body {body!r}: fields need a run from its start, and this one goes on from {start}"
+                f"body {body!r}: fields need a run from its start; this one goes on from {start}"
             )
         recorded = self.recorded
         frames = [f"frames/{body}.{interface.name}" for interface in element.interfaces]

@@ -69,11 +69,12 @@ class SolidTensors(NodalTensors):
         """
         first, second = np.triu_indices(motions.shape[1])
         energy, loads = np.zeros((len(first),) * 2), np.zeros((len(motions), len(first)))
+        row, table = (None, None) if moved is None else _table(moved, len(motions))
         for part in self._batches(len(first)):
             H = part.gradients(motions[part.dofs])
             strain = _second_strains(H[..., first], H[..., second])
-            if moved is not None:
-                strain += _strains(part.gradients(_at_nodes(moved, part.dofs, len(motions))))
+            if row is not None and table is not None:
+                strain += _strains(part.gradients(table[row[part.dofs]]))
             f = part.loads(part.stresses(strain))
             energy += part.energy(strain)
             np.add.at(loads, part.dofs.ravel(), f)
@@ -126,7 +127,7 @@ class _Batch:
 
     def stresses(self, strains: Array) -> Array:
         sigma = (self.C @ strains.reshape(6, -1)).reshape(strains.shape)
-        return sigma[PLACE].transpose(2, 0, 3, 1, 4)
+        return np.asarray(sigma[PLACE].transpose(2, 0, 3, 1, 4))
 
     def loads(self, stresses: Array) -> Array:
         """int stress.grad N dV (3 n k, r) on the dofs of every element."""
@@ -174,13 +175,11 @@ def _works(geometric: Array, left: Array, right: Array) -> Array:
     return left.reshape(3 * n * k, -1).T @ rows
 
 
-def _at_nodes(moved: Moved, dofs: IntArray, n_dofs: int) -> Array:
-    """What `moved` says of the nodes with dofs (n, k, 3), by pairs (n, k, 3, pairs), else 0."""
-    at, values = moved
-    r = values.shape[-1]
-    first, second = np.triu_indices(r)
-    row = np.full(n_dofs, len(at) * 3)
-    row[at.ravel()] = np.arange(len(at) * 3)
-    rows = values[..., first, second].reshape(len(at) * 3, -1)
-    table = np.vstack([rows, np.zeros((1, len(first)))])
-    return table[row[dofs]]
+def _table(moved: Moved, n_dofs: int) -> tuple[IntArray, Array]:
+    """What `moved` says by pairs (n_rows, pairs), then zeros, and the row of each dof (n_dofs,)."""
+    dofs, values = moved
+    first, second = np.triu_indices(values.shape[-1])
+    row = np.full(n_dofs, dofs.size)
+    row[dofs.ravel()] = np.arange(dofs.size)
+    rows = values[..., first, second].reshape(-1, len(first))
+    return row, np.vstack([rows, np.zeros((1, len(first)))])

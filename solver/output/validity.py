@@ -1,6 +1,7 @@
 """The validity of a run, from the extremes that its state has counted (results/validity.py)."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...results.validity import CRITERIA, MEND_DEFORMATION, Check, Validity
 from ...superelement import Superelement
@@ -22,7 +23,16 @@ BORNE = 0.7
 """turn of a body on joints in a step over 1 - rho_inf, from which on multipliers may grow"""
 OFF_AXIS = 0.1
 """part of the lever of a joint across the spin, from which on the joint is off its axis"""
-CAUSES = ("elastic_rotation", "elastic_displacement", "spin", "joint_turn")
+CAUSES = (
+    "elastic_rotation",
+    "elastic_displacement",
+    "second_order_rotation",
+    "second_order_displacement",
+    "spin",
+    "spin_turn",
+    "inertia_taken",
+    "joint_turn",
+)
 """criteria beyond whose limits Newton's method may fail"""
 
 
@@ -33,6 +43,10 @@ class Judge:
         self._lowered = lowered
         elastic, frames = lowered.system.elastic, lowered.system.frames
         self._interfaces = np.flatnonzero(frames.dof >= 0)
+        self._second = elastic.second.r > 0
+        """flexible bodies with terms of second order"""
+        self._curved = self._second[elastic.of_body[frames.body[self._interfaces]]]
+        """interfaces of such bodies"""
         self._sizes = elastic.size[elastic.of_body[frames.body[self._interfaces]]]
         self._lengths = np.ones(int(elastic.dof[-1]))
         for f, size in zip(self._interfaces, self._sizes, strict=True):
@@ -49,6 +63,19 @@ class Judge:
         self._jointed = np.unique(frames.body[self._hinges])
         self._angles = np.flatnonzero(lowered.system.observers.kind == ANGLE)
         self.names = tuple(f"{name}:{owner}" for name in CRITERIA for owner in self._named(name))
+
+    @property
+    def _of_order(self) -> dict[str, NDArray[np.bool_]]:
+        """Of the criteria of bodies with or without terms of second order: the owners."""
+        return {
+            "elastic_rotation": ~self._curved,
+            "elastic_displacement": ~self._curved,
+            "second_order_rotation": self._curved,
+            "second_order_displacement": self._curved,
+            "spin": ~self._second,
+            "spin_turn": self._second,
+            "inertia_taken": self._second,
+        }
 
     def values(self, state: State, taken: int) -> Array:
         """The values of all checks after so many steps, in their order."""
@@ -82,6 +109,10 @@ class Judge:
         has_modes = lowered.system.elastic.modes.range.any()
         if criterion == "numerical_dissipation" and not has_modes:
             return []
+        if criterion in self._of_order:
+            chosen = self._of_order[criterion]
+            names = owners[CRITERIA[criterion].owner]
+            return [name for name, applies in zip(names, chosen, strict=True) if applies]
         if criterion == "hertz_radius":
             return [couplings[self._contacts[k]] for k in self._hertzian]
         return owners[CRITERIA[criterion].owner]
@@ -92,11 +123,18 @@ class Judge:
         moved = float(extremes.moved[0])
         frequencies = self._frequencies(state, taken)
         balance = max(0.0, float(extremes.balance[0]) - self._rounding(state))
+        rotation = np.sqrt(extremes.rotation[self._interfaces])
+        displacement = np.sqrt(extremes.displacement[self._interfaces]) / self._sizes
+        spin = np.sqrt(extremes.spin[elastic.body])
         created = np.maximum(extremes.returned - ROUNDING * extremes.stored, 0.0)[self._springs]
         return {
-            "elastic_rotation": np.sqrt(extremes.rotation[self._interfaces]),
-            "elastic_displacement": np.sqrt(extremes.displacement[self._interfaces]) / self._sizes,
-            "spin": np.sqrt(extremes.spin[elastic.body]) / _first(lowered.superelements),
+            "elastic_rotation": rotation[~self._curved],
+            "elastic_displacement": displacement[~self._curved],
+            "second_order_rotation": rotation[self._curved],
+            "second_order_displacement": displacement[self._curved],
+            "spin": (spin / _first(lowered.superelements))[~self._second],
+            "spin_turn": lowered.longest_step * spin[self._second],
+            "inertia_taken": extremes.inertia_taken[self._second],
             "joint_turn": self._joint_turns(state),
             "steps_per_period": 1.0 / (lowered.longest_step * frequencies),
             "kernel_error": np.array([e.kernel.error for e in lowered.superelements])

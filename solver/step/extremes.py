@@ -13,7 +13,7 @@ from .contacts import settle_contacts
 from .couplings import spring_energy
 from .force_laws import remember_laws
 from .observers import start_coordinates
-from .second_order import start_curvatures
+from .second_order import inertia_taken, start_curvatures
 from .system import Couplings, Elastic, ExtremeState, Frames, State, System, Workspace
 from .vectors import dot, triple
 
@@ -52,6 +52,7 @@ def follow_extremes(system: System, state: State, work: Workspace) -> None:
     """Take the state at the end of a step into the extremes."""
     _follow_frames(system.frames, system.elastic, state)
     _follow_spins(state)
+    _follow_inertia(system.elastic, state, work)
     _follow_openings(system.couplings, state, work)
     if system.scheme.stride == system.scheme.ratio:
         _follow_vibration(system.elastic, state, work)
@@ -93,6 +94,14 @@ def _follow_spins(state: State) -> None:
     for b in range(len(spins)):
         omega = spin_of(state, b)
         spins[b] = max(spins[b], dot(omega, omega))
+
+
+@compiled
+def _follow_inertia(elastic: Elastic, state: State, work: Workspace) -> None:
+    taken = state.extremes.inertia_taken
+    for e in range(len(taken)):
+        if elastic.second.r[e]:
+            taken[e] = max(taken[e], inertia_taken(elastic, e, state, work))
 
 
 @compiled

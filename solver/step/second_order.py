@@ -251,6 +251,33 @@ def finish_second_order(elastic: Elastic, state: State, work: Workspace) -> None
 
 
 @compiled
+def inertia_taken(elastic: Elastic, e: int, state: State, work: Workspace) -> float:
+    """The part of a moment of inertia that the elastic motion takes.
+
+    The largest of 1 - pivot of (J - h(q, .) h(q, .)^T) / pivot of J_0, which a turn meets that q'
+    follows freely; at 1 the kinetic energy is no longer positive.
+    """
+    J, J_0, r = work.bodies.J[elastic.body[e]], elastic.second.J_0[e], elastic.second.r[e]
+    at_q, left = work.second.at_q[e], work.bodies.inertia
+    for i in range(3):
+        for j in range(3):
+            taken = inner(at_q[i * r : (i + 1) * r], at_q[j * r : (j + 1) * r])
+            left[i, j] = J[i, j] - taken
+    now, whole = _pivots(left), _pivots(J_0)
+    return 1.0 - min(now[0] / whole[0], now[1] / whole[1], now[2] / whole[2])
+
+
+@compiled
+def _pivots(M: Array) -> Vector:
+    """Those of the elimination of a symmetric matrix (3, 3)."""
+    minor = M[0, 0] * M[1, 1] - M[0, 1] * M[1, 0]
+    determinant = M[2, 2] * minor
+    determinant += M[0, 2] * (M[1, 0] * M[2, 1] - M[1, 1] * M[2, 0])
+    determinant -= M[1, 2] * (M[0, 0] * M[2, 1] - M[0, 1] * M[2, 0])
+    return M[0, 0], minor / M[0, 0], determinant / minor
+
+
+@compiled
 def record_second_order(elastic: Elastic, state: State, out: Array) -> None:
     """The loads on q of all bodies, as forces where q is a length."""
     number = 0

@@ -464,6 +464,8 @@ class ExtremeState(Struct):
     """squares of their elastic rotations"""
     spin: Array = array("n_b")
     """squares of angular velocities"""
+    inertia_taken: Array = array("n_e")
+    """by elastic motion, of a moment of inertia"""
     opening: Array = array("n_i")
     """of the rows of joints and motions"""
     missed: Array = array("n_o")

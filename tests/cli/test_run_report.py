@@ -69,7 +69,7 @@ def test_validity_is_told_with_a_warning_for_each_limit_passed(speed, warned, ru
     assert line.endswith("poor") == warned
     warning = (
         r"warning: body 'beam': spin over the first elastic frequency: 0\.\d+, more than 0\.1: "
-        r"there is no stiffening by rotation: divide the body into several superelements"
+        r"there is no stiffening by rotation: let it have terms of second order, by \[rotation\]"
     )
     assert bool(re.search(warning, result.stderr)) == warned
 

@@ -49,6 +49,13 @@ from .models import model_of
 
 H = 1e-3
 SPARSE = OutputRequest(every=1000)
+OF_SECOND_ORDER = (
+    "second_order_rotation",
+    "second_order_displacement",
+    "spin_turn",
+    "inertia_taken",
+)
+"""criteria of bodies that the bodies here are not"""
 
 
 def one_mode(omega=100.0, zeta=0.0, phi=1.0, h=H):
@@ -116,7 +123,9 @@ def test_the_validity_in_the_file_is_that_in_memory(hub_and_beam, coarse_beam, t
         [check.value for check in read.checks], [check.value for check in memory.checks]
     )
     assert [check.criterion.name for check in read.worst] == [
-        name for name, criterion in CRITERIA.items() if criterion.owner not in ("spring", "contact")
+        name
+        for name, criterion in CRITERIA.items()
+        if criterion.owner not in ("spring", "contact") and name not in OF_SECOND_ORDER
     ]
 
 

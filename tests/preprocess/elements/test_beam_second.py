@@ -101,7 +101,7 @@ def reissner(section, L):
 
 
 def test_the_energy_of_an_element_is_reissners(save, lines):
-    """Of motions that do not turn the element as a whole; those that do have a test of their own."""
+    """Of motions that do not turn the element as a whole; those have a test of their own."""
     L, section = 0.7, Section(**SECTION, **SHEAR)
     mesh = read_mesh(save(lines([[0, 0, 0], [L, 0, 0]])))
     tensors = beam_tensors(mesh, [section], np.zeros(3))
@@ -109,9 +109,9 @@ def test_the_energy_of_an_element_is_reissners(save, lines):
     d[[1, 2, 7, 8]], d[9] = 0.0, -d[3]
     found = tensors.third(d[:, :1], d)[0]
     energy = reissner(section, L)
-    for k, l in np.ndindex(3, 3):
-        expected = refined(energy, [d[:, 0], d[:, k], d[:, l]], 0.005)
-        assert found[k, l] == pytest.approx(expected, abs=1e-6 * np.abs(found).max())
+    for k, j in np.ndindex(3, 3):
+        expected = refined(energy, [d[:, 0], d[:, k], d[:, j]], 0.005)
+        assert found[k, j] == pytest.approx(expected, abs=1e-6 * np.abs(found).max())
 
 
 def sections(structure, second):
@@ -169,9 +169,9 @@ def test_the_inertia_is_that_of_finite_rotations(frame):
     for k in range(3):
         expected = refined(inertia, [motions[:, k]], 1e-2)
         np.testing.assert_allclose(first[:, k], expected, rtol=0, atol=1e-7 * np.abs(first).max())
-        for l in range(3):
-            expected = refined(inertia, [motions[:, k], motions[:, l]], 1e-2)
-            np.testing.assert_allclose(Q[:, k, l], expected, rtol=0, atol=1e-6 * np.abs(Q).max())
+        for j in range(3):
+            expected = refined(inertia, [motions[:, k], motions[:, j]], 1e-2)
+            np.testing.assert_allclose(Q[:, k, j], expected, rtol=0, atol=1e-6 * np.abs(Q).max())
 
 
 def test_the_momentum_is_that_of_finite_rotations(frame):
@@ -179,12 +179,12 @@ def test_the_momentum_is_that_of_finite_rotations(frame):
     structure, second = frame
     motions = elastic(structure, 2)
     h = second.gyroscopic(motions)
-    for k, l in np.ndindex(2, 2):
-        rate = motions[:, l]
+    for k, j in np.ndindex(2, 2):
+        rate = motions[:, j]
         at = [exact_momentum(structure, second, s * motions[:, k], rate) for s in (-1e-3, 0, 1e-3)]
         np.testing.assert_allclose(at[1], 0.0, rtol=0, atol=1e-8 * np.abs(h).max())
         found = (at[2] - at[0]) / 2e-3
-        np.testing.assert_allclose(h[:, k, l], found, rtol=0, atol=1e-5 * np.abs(h).max())
+        np.testing.assert_allclose(h[:, k, j], found, rtol=0, atol=1e-5 * np.abs(h).max())
 
 
 def test_nodes_of_beams_are_frames_as_they_are(frame):

@@ -44,9 +44,9 @@ def test_the_third_derivative_of_the_strain_energy(solid):
     motions = motions_of(solid, 3)
     energy = strain_energy(solid.mesh, solid.materials, solid.owners)
     D3 = solid.third(motions, motions)
-    for k, l, m in ((0, 0, 0), (0, 0, 1), (0, 1, 2), (2, 0, 1), (1, 2, 2)):
-        expected = mixed(energy, [motions[:, k], motions[:, l], motions[:, m]])
-        assert D3[k, l, m] == pytest.approx(expected, abs=1e-10 * np.abs(D3).max())
+    for k, j, m in ((0, 0, 0), (0, 0, 1), (0, 1, 2), (2, 0, 1), (1, 2, 2)):
+        expected = mixed(energy, [motions[:, k], motions[:, j], motions[:, m]])
+        assert D3[k, j, m] == pytest.approx(expected, abs=1e-10 * np.abs(D3).max())
 
 
 def test_the_fourth_derivative_of_the_strain_energy(solid):
@@ -55,11 +55,11 @@ def test_the_fourth_derivative_of_the_strain_energy(solid):
     pairs = solid_second.pairs(4)
     E = solid.quartic(motions, None)[0]
     assert (pairs == pairs.T).all()
-    for k, l, m, n in ((0, 0, 0, 0), (0, 0, 1, 1), (0, 1, 2, 3), (2, 2, 2, 1)):
+    for k, j, m, n in ((0, 0, 0, 0), (0, 0, 1, 1), (0, 1, 2, 3), (2, 2, 2, 1)):
         found = (
-            E[pairs[k, l], pairs[m, n]] + E[pairs[k, m], pairs[l, n]] + E[pairs[k, n], pairs[l, m]]
+            E[pairs[k, j], pairs[m, n]] + E[pairs[k, m], pairs[j, n]] + E[pairs[k, n], pairs[j, m]]
         ) / 3.0
-        expected = quartic_form(energy, [motions[:, i] for i in (k, l, m, n)])
+        expected = quartic_form(energy, [motions[:, i] for i in (k, j, m, n)])
         assert found == pytest.approx(expected, abs=1e-10 * np.abs(E).max())
 
 
@@ -69,9 +69,9 @@ def test_loads_of_second_order_strains_are_the_work_of_the_initial_stress(solid)
     pairs = solid_second.pairs(3)
     work = motions.T @ solid.quartic(motions, None)[1]
     D3 = solid.third(motions, motions)
-    for a, k, l in np.ndindex(3, 3, 3):
-        found = work[a, pairs[k, l]] + work[k, pairs[a, l]] + work[l, pairs[a, k]]
-        assert found == pytest.approx(D3[a, k, l], abs=1e-11 * np.abs(D3).max())
+    for a, k, j in np.ndindex(3, 3, 3):
+        found = work[a, pairs[k, j]] + work[k, pairs[a, j]] + work[j, pairs[a, k]]
+        assert found == pytest.approx(D3[a, k, j], abs=1e-11 * np.abs(D3).max())
 
 
 def test_elements_of_several_types_and_few_at_a_time(solids, monkeypatch):
