@@ -13,7 +13,7 @@ from .contacts import settle_contacts
 from .couplings import spring_energy
 from .force_laws import remember_laws
 from .observers import start_coordinates
-from .second_order import inertia_taken
+from .second_order import inertia_taken, start_curvatures
 from .system import Couplings, Elastic, ExtremeState, Frames, State, System, Workspace
 from .vectors import dot, triple
 
@@ -33,6 +33,7 @@ def start_extremes(system: System, state: State, work: Workspace) -> None:
     remember_laws(system.couplings.laws, state, work)
     settle_contacts(system.couplings, work)
     start_coordinates(system.observers, state, work)
+    start_curvatures(system.elastic, state, work)
     energies, extremes = state.energies, state.extremes
     _set_energies(system, state, work)
     extremes.start[0] = _total(state)

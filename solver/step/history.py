@@ -53,7 +53,7 @@ def finish_history(elastic: Elastic, scheme: Scheme, state: State, work: Workspa
             phi, forces = modes.phi[start : start + end - begin], work.modes.load[begin:end]
             for i in range(len(forces)):
                 forces[i] += phi[i] * load
-    add_curvatures(elastic, state)
+    add_curvatures(elastic, state, work)
     _forced_response(elastic, scheme, state, work)
     if modes.damped:
         state.energies.damping[0] += scheme.h * _damping_power(elastic, state, work)
@@ -96,8 +96,12 @@ def _add_instantaneous(elastic: Elastic, e: int, weight: float, p: Array, u: Arr
     """u += weight G_0 p on the dofs of body e."""
     first, last = elastic.dof[e], elastic.dof[e + 1]
     n_c = last - first
+    mostly_active = 2 * (elastic.active_range[e + 1] - elastic.active_range[e]) > n_c
     for i in range(first, last):
         start = elastic.G_0_start[e] + (i - first) * n_c - first
+        if mostly_active:  # p is zero elsewhere, and products of whole rows are quick
+            u[i] += weight * inner(elastic.G_0[start + first : start + last], p[first:last])
+            continue
         for c in range(elastic.active_range[e], elastic.active_range[e + 1]):
             k = elastic.active[c]
             u[i] += weight * elastic.G_0[start + k] * p[k]

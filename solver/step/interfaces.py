@@ -9,7 +9,7 @@ Source: docs/theory.md, Impulse responses and The time step.
 from ..compiler.marks import compiled
 from ..compiler.memory import copy
 from .measure import ROUNDING, relative
-from .second_order import hardening_energy, linear_change
+from .second_order import hardening_energy
 from .system import Elastic, Pattern, Scheme, State, System, Workspace
 from .vectors import inner
 
@@ -144,13 +144,14 @@ def relative_interface_residual(
 
 @compiled
 def add_elastic_work(elastic: Elastic, state: State, work: Workspace) -> None:
-    """The work of the interface loads, p . du, with the mean of the loads over the step."""
-    p, p_n = state.interfaces.p, work.interfaces.p_n
+    """The work of the loads, p . dy, with their mean over the step; y: u less 1/2 A(q, q)."""
+    u, p = state.interfaces.u, state.interfaces.p
+    u_n, p_n = work.interfaces.u_n, work.interfaces.p_n
     for e in range(len(elastic.body)):
         total = 0.0
         for i in range(elastic.active_range[e], elastic.active_range[e + 1]):
             k = elastic.active[i]
-            total += 0.5 * (p[k] + p_n[k]) * linear_change(elastic, e, k, state, work)
+            total += 0.5 * (p[k] + p_n[k]) * (u[k] - u_n[k] - work.second.bend[k])
         if elastic.modes.range[e] < elastic.modes.range[e + 1]:
             state.energies.modal[0] += total
             state.energies.modal[0] += hardening_energy(elastic, e, state.interfaces.u)

@@ -68,26 +68,35 @@ def first_coordinate(elastic: Elastic, e: int) -> int:
 
 
 @compiled
-def add_curvatures(elastic: Elastic, state: State) -> None:
+def add_curvatures(elastic: Elastic, state: State, work: Workspace) -> None:
     """u += 1/2 A(q, q) on all dofs of interfaces and inertia, whose u is y so far."""
     second, u = elastic.second, state.interfaces.u
+    curvature, bend = work.second.curvature, work.second.bend
     for e in range(len(second.r)):
         if second.r[e]:
             for k in range(elastic.dof[e], first_coordinate(elastic, e)):
-                u[k] += _curvature(elastic, e, k, u)
+                bend[k] = _curvature(elastic, e, k, u) - curvature[k]
+                curvature[k] += bend[k]
+                u[k] += curvature[k]
+
+
+@compiled
+def start_curvatures(elastic: Elastic, state: State, work: Workspace) -> None:
+    """1/2 A(q, q) of the state at the start."""
+    for e in range(len(elastic.second.r)):
+        if elastic.second.r[e]:
+            for k in range(elastic.dof[e], first_coordinate(elastic, e)):
+                work.second.curvature[k] = _curvature(elastic, e, k, state.interfaces.u)
 
 
 @compiled
 def _curvature(elastic: Elastic, e: int, k: int, u: Array) -> float:
     """1/2 A_k(q, q)"""
     r, first = elastic.second.r[e], first_coordinate(elastic, e)
-    start = elastic.second.A_start[e] + (k - elastic.dof[e]) * r * r
+    start, q = elastic.second.A_start[e] + (k - elastic.dof[e]) * r * r, u[first : first + r]
     total = 0.0
     for i in range(r):
-        row_total = 0.0
-        for j in range(r):
-            row_total += elastic.second.A[start + i * r + j] * u[first + j]
-        total += row_total * u[first + i]
+        total += q[i] * inner(elastic.second.A[start + i * r : start + (i + 1) * r], q)
     return 0.5 * total
 
 
@@ -278,16 +287,6 @@ def record_second_order(elastic: Elastic, state: State, out: Array) -> None:
         for i in range(r):
             out[number] = state.interfaces.p[first + i] / elastic.length[begin + i]
             number += 1
-
-
-@compiled
-def linear_change(elastic: Elastic, e: int, k: int, state: State, work: Workspace) -> float:
-    """The change of y at dof k in the step, on which its load does work."""
-    u, u_n = state.interfaces.u, work.interfaces.u_n
-    change = u[k] - u_n[k]
-    if elastic.second.r[e] and k < first_coordinate(elastic, e):
-        change += _curvature(elastic, e, k, u_n) - _curvature(elastic, e, k, u)
-    return float(change)
 
 
 # Newton's matrix

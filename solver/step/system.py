@@ -606,6 +606,10 @@ class InterfaceWork(Struct):
 class SecondOrderWork(Struct):
     slope: Array = array("n_slopes")
     """A q (n, r) of the active dofs before q, of every body"""
+    curvature: Array = array("n_u")
+    """1/2 A(q, q) at the end of the last step"""
+    bend: Array = array("n_u")
+    """its change in that step"""
     at_q: Array = array("n_e", "n_3q")
     """h(q, .) (3, r), as the next two"""
     at_rate: Array = array("n_e", "n_3q")

@@ -560,10 +560,10 @@ def test_the_convective_term_of_every_kind_of_row(make_body):
     point = Point.of(model, seed=4)
     state, work = point.state, point.work
     state.bodies.v_dot[:] = 0.0
-    state.interfaces.acceleration[:] = 0.0
     work.drives.rate[:] = rng.uniform(-2.0, 2.0, len(work.drives.rate))
     work.drives.acceleration[:] = rng.uniform(-2.0, 2.0, len(work.drives.rate))
     point.evaluated()
+    state.interfaces.acceleration[:] = 0.0
     convective_terms(point.system, state, work)
     convective = work.couplings.convective.copy()
 
