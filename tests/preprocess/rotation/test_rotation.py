@@ -123,7 +123,7 @@ def steel_bar(box, solid_body):
 
 
 def test_a_rotating_bar_of_solids_stiffens_as_a_beam(steel_bar):
-    """Its clamped end is held from contracting too, so the square gains what that of a beam does."""
+    """Its clamped end cannot contract either, so the square gains what that of a beam does."""
     element = steel_bar(ROOT)
     unit = np.sqrt(2.1e11 * 0.05**2 / 12.0 / 7800.0)
     spin = 3.0 * unit
