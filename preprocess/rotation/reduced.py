@@ -13,7 +13,7 @@ from ..mesh.mesh import NONE, IntArray
 from ..responses.shapes import Shapes
 from ..responses.static import refined, static_solver
 from .coordinates import choose
-from .statics import Statics, statics
+from .statics import Statics, Stiffening, statics
 
 
 def reduced_rotation(
@@ -30,11 +30,7 @@ def reduced_rotation(
     accuracy. Source: docs/theory.md, Fast rotation.
     """
     fields = statics(structure)
-
-    def kappa_of(Y: Array, squares: Array) -> Array:
-        return fields.stiffening(second, shapes.combined(Y), squares)
-
-    q = choose(modes, asked, _loaded(structure, asked), kappa_of)
+    q = choose(modes, asked, _loaded(structure, asked), Stiffening(fields, second, shapes))
     Psi = shapes.combined(q.Y)
     stress = _foreshortening(second, fields, Psi, q.squares)
     n_c = len(modes.phi)
