@@ -108,7 +108,7 @@ def initialize(
         motion = None if rotation is None else steady_motion(rotation, lowered.system.scheme)
         solve_equilibrium(lowered, motion, state, work)
         check_steady(lowered, motion, state, work)
-        _start_loaded(lowered, state)
+        _start_loaded(lowered, state, work)
     else:
         evaluate(lowered.system, state, work)
         closed = tuple(penetrations(lowered, work))
@@ -242,7 +242,7 @@ def _start_history(lowered: LoweredModel, state: State) -> None:
             state.modes.a[modes] = state.modes.acceleration[modes]
 
 
-def _start_loaded(lowered: LoweredModel, state: State) -> None:
+def _start_loaded(lowered: LoweredModel, state: State, work: Workspace) -> None:
     """Set modes and displacements at rest under the loads, which have always acted."""
     elastic = lowered.system.elastic
     for e in range(len(elastic.body)):
@@ -261,7 +261,7 @@ def _start_loaded(lowered: LoweredModel, state: State) -> None:
             G_0 = elastic.G_0[start : start + n_c * n_c].reshape(n_c, n_c)
             state.past.p_rest[dofs] = p
             state.past.u_rest[dofs] = state.interfaces.u[dofs] - G_0 @ p
-    add_curvatures(elastic, state)
+    add_curvatures(elastic, state, work)
 
 
 def modes_of(lowered: LoweredModel, e: int) -> Array:
