@@ -87,8 +87,8 @@ def peak_frequency(signal: Array, step: float, near: float) -> float:
     time = step * np.arange(len(signal))
     spacing = 2.0 * np.pi / time[-1]
     low, high = near - max(0.1 * near, spacing), near + max(0.1 * near, spacing)
-    for _ in range(4):
-        tried = np.linspace(low, high, 41)
+    for _ in range(5):
+        tried = np.linspace(low, high, 21)
         best = tried[np.abs(np.exp(-1j * np.outer(tried, time)) @ window).argmax()]
-        low, high = best - (high - low) / 20.0, best + (high - low) / 20.0
+        low, high = best - (high - low) / 10.0, best + (high - low) / 10.0
     return float(best)
