@@ -80,15 +80,15 @@ class RotatingBeam:
 
 
 def peak_frequency(signal: Array, step: float, near: float) -> float:
-    """The frequency [rad/s] of the strongest peak of a free vibration (n,) within a tenth of
-    `near`.
+    """The frequency [rad/s] of the strongest peak of a free vibration (n,) within a quarter
+    of `near`.
     """
     window = np.hanning(len(signal)) * (signal - signal.mean())
     time = step * np.arange(len(signal))
     spacing = 2.0 * np.pi / time[-1]
-    low, high = near - max(0.1 * near, spacing), near + max(0.1 * near, spacing)
-    for _ in range(5):
-        tried = np.linspace(low, high, 21)
+    low, high = near - max(0.25 * near, spacing), near + max(0.25 * near, spacing)
+    for _ in range(4):
+        tried = np.linspace(low, high, 41)
         best = tried[np.abs(np.exp(-1j * np.outer(tried, time)) @ window).argmax()]
         low, high = best - (high - low) / 10.0, best + (high - low) / 10.0
     return float(best)

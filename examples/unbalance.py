@@ -72,7 +72,7 @@ class Shaft:
         """M, C, G, K (n, n)"""
         body = preprocess.read_body(BODY)
         section, disk = body.section, body.masses["disk"]
-        polar, diametral, _ = disk.inertia
+        polar, diametral, _ = np.diag(disk.inertia)
         M = section.mass_per_length * self._integral(0)
         M += section.rotary_inertia_y * self._integral(1)
         G = section.polar_inertia_per_length * self._integral(1)
@@ -83,8 +83,8 @@ class Shaft:
         for spring in self.model.springs:
             if spring.name in ("left", "right"):
                 row = 0 if spring.name == "left" else len(K) - 2
-                K[row, row] += np.asarray(spring.stiffness)[1]
-                C[row, row] += np.asarray(spring.damping)[1]
+                K[row, row] += spring.stiffness[1, 1]
+                C[row, row] += spring.damping[1, 1]
         return M, C, G, K
 
     @property
