@@ -131,11 +131,15 @@ def race(first: str, entrants: Sequence[Entrant], repeats: int) -> None:
         print("| " + " | ".join(cells) + " |", flush=True)
 
 
-def case_1(folder: Path, repeats: int) -> None:
+def case_1_model() -> Model:
     beam = ROOT / "meshes/beam/beam.h5"
     if not beam.exists():
         write(beam, build(read_body(beam.with_suffix(".toml"))))
-    model, step = read_model(ROOT / "examples/case1.toml"), CASE_1_BAR.step
+    return read_model(ROOT / "examples/case1.toml")
+
+
+def case_1(folder: Path, repeats: int) -> None:
+    model, step = case_1_model(), CASE_1_BAR.step
     cables = theirs({"ANCF cables": partial(rotor.cables, ELEMENTS, step)})
     exact = theirs({"geometrically exact beams": partial(rotor.exact_beams, ELEMENTS, step)})
     race("beam", [ours(model, "beam.tip"), *cables, *exact], repeats)
@@ -156,7 +160,7 @@ def whole_calls(repeats: int) -> None:
     Ours records everything and ends Newton's method as models do; Exudyn builds its model, solves
     and records one tip, with its fastest beams, as many elements as ours and the loosest tolerance.
     """
-    model, step = read_model(ROOT / "examples/case1.toml"), CASE_1_BAR.step
+    model, step = case_1_model(), CASE_1_BAR.step
     print("", "| Case 1, whole call | steps | CPU, us a step | clock | ratio |", sep="\n")
     print("|---|---|---|---|---|")
     for steps in (500, 5000):

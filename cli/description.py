@@ -6,10 +6,12 @@ import numpy as np
 from rich.table import Table
 from rich.text import Text
 
-from ..superelement import Interface, Kernel, Modes, Provenance, Superelement
+from ..superelement import Interface, Kernel, Modes, Provenance, Rotation, Superelement
 from ..superelement.validation import Array
 
 SHOWN_FREQUENCIES = 10
+SHOWN_SHAPES = 20
+"""of which the stiffening is shown"""
 
 Row = tuple[str, str]
 
@@ -23,6 +25,7 @@ def describe(element: Superelement) -> Table:
         _rigid(element),
         _interfaces(element.interfaces),
         _frequencies(element.modes),
+        _rotation(element.rotation),
         _kernel(element.kernel),
         _provenance(element.provenance),
     )
@@ -65,6 +68,19 @@ def _frequencies(modes: Modes | None) -> Iterator[Row]:
             "damping ratios, free",
             f"{ratios}; at a joint, or clamped, a mode at f: up to {bound}",
         )
+
+
+def _rotation(rotation: Rotation | None) -> Iterator[Row]:
+    if rotation is None:
+        yield "rotation", "none: stiffness and inertia do not depend on rotation and deflection"
+        return
+    energy = "" if rotation.cubic is None else ", and the energy of the fourth order"
+    yield (
+        "rotation",
+        f"r = {rotation.r}: {rotation.n_low} modes, {rotation.n_soft} soft shapes{energy}",
+    )
+    kappa = ", ".join(f"{value:.2g}" for value in rotation.kappa[:SHOWN_SHAPES])
+    yield "  stiffening, relative", kappa
 
 
 def _kernel(kernel: Kernel) -> Iterator[Row]:

@@ -13,6 +13,7 @@ from .arrays import Array
 from .errors import about
 from .history.cost import history_costs
 from .lower.lower import LoweredModel
+from .model.bodies import FlexibleBody
 from .model.contacts import Contact
 from .model.model import Coupling, Model
 from .model.stops import JointStop
@@ -39,7 +40,8 @@ class ModelCheck:
     constraints: their number; removed: redundant ones, in words; degrees_of_freedom: with all
     bodies rigid; assembly_error: the largest opening of a joint as given [m]; step, t_end [s];
     frequencies: of the assembled model about its start [Hz], None where they are not known;
-    free_frequencies: the first of each superelement alone [Hz], by body; contacts: a line for each
+    free_frequencies: the first of each superelement alone [Hz], by body; second_order: of each
+    flexible body, the number of its coordinates, "off" or "none"; contacts: a line for each
     contact and stop, with its gap at the start; seconds: of the time loop;
     memory: of the arrays of the run, results_size: of the results [bytes], with so many rows.
     """
@@ -54,6 +56,7 @@ class ModelCheck:
     steps: int
     frequencies: Array | None
     free_frequencies: dict[str, float]
+    second_order: dict[str, str]
     seconds: float
     memory: int
     rows: int
@@ -67,6 +70,9 @@ class ModelCheck:
     def lines(self) -> Iterator[str]:
         """Lines of text, warnings excluded."""
         yield f"bodies: {self.bodies}, of which {self.flexible} flexible"
+        if self.second_order:
+            listed = ", ".join(f"{name} {terms}" for name, terms in self.second_order.items())
+            yield f"terms of second order, coordinates: {listed}"
         yield f"constraints: {self.constraints}; redundant: {self.removed or 'none'}"
         yield f"degrees of freedom (bodies as rigid): {self.degrees_of_freedom}"
         yield f"largest assembly error: {self.assembly_error:.3g} m"
@@ -116,6 +122,7 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
         steps=lowered.n_steps // lowered.ratio,
         frequencies=frequencies,
         free_frequencies=free,
+        second_order={name: _second_order(b) for name, b in model.flexible_bodies.items()},
         memory=_memory(initial),
         rows=rows,
         results_size=file_bytes(contents, rows),
@@ -131,6 +138,12 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
 
 def _megabytes(size: int) -> str:
     return f"{size / 1e6:.3g} MB"
+
+
+def _second_order(body: FlexibleBody) -> str:
+    if body.rotation is not None:
+        return str(body.rotation.r)
+    return "none" if body.superelement.rotation is None else "off"
 
 
 def _free_frequencies(model: Model) -> dict[str, float]:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from .modes import Modes
+from .rotation import Rotation
 from .scheme import GeneralizedAlpha
 from .superelement import Superelement
 from .validation import Array, SuperelementError
@@ -57,7 +58,7 @@ def require_sound(element: Superelement) -> None:
 
 
 def quick_checks(element: Superelement) -> Iterator[Check]:
-    """Inertia, definiteness of the static matrices, the start of the kernel, and modes against all.
+    """Inertia, definiteness of the static matrices, the start of the kernel, modes, and rotation.
 
     For an elastic body with modes phi_i, omega_i all of these are sums of phi_i phi_i^T with
     positive weights: 1 of the accelerance B, 1 / omega_i^2 of the compliance H, and of the start of
@@ -70,6 +71,8 @@ def quick_checks(element: Superelement) -> Iterator[Check]:
     if element.n_c:
         yield from _start(element)
         yield from _against_modes(element)
+    if element.rotation is not None:
+        yield from _of_rotation(element, element.rotation)
 
 
 def deviation(found: Any, expected: Any, scale: Array) -> float:
@@ -169,6 +172,50 @@ def _against_modes(element: Superelement) -> Iterator[Check]:
         found = getattr(kernel, name)[lags]
         expected = np.einsum("im,km,jm->kij", modes.phi, coefficients, modes.phi, optimize=True)
         yield as_modes(element, f"kernel/{name}", "what the modes give", found, expected)
+
+
+def _of_rotation(element: Superelement, rotation: Rotation) -> Iterator[Check]:
+    """Projections of orthonormal shapes, and changes of inertia that the body has the mass for.
+
+        T_M T_M^T = 1,   T_K T_M^T = 1,   phi_inertia phi_inertia^T <= F^T M^-1 F
+
+    of which the diagonal is 4 J_ii for changes of J_ii, J_kk for those of J_ij.
+    """
+    by_mass = rotation.by_mass
+    for rows, name in ((by_mass, "mass"), (rotation.T[: rotation.n_stiff], "stiffness")):
+        yield Check(
+            "rotation/T",
+            f"projections by {name} that give the shapes back",
+            "a difference from the unit matrix",
+            float(np.abs(rows @ by_mass.T - np.eye(len(rows))).max(initial=0.0)),
+            ROUNDING,
+        )
+    J = element.J_rot.diagonal()
+    share = (rotation.phi_inertia**2).sum(axis=1) / np.concatenate([4.0 * J, J])
+    yield Check(
+        "modes/phi_inertia",
+        "changes of inertia that the mass of the body allows",
+        "an excess, relative to that,",
+        float(max(0.0, share.max() - 1.0)),
+        ROUNDING,
+    )
+    for name in ("cubic", "quartic"):
+        if (tensor := getattr(rotation, name)) is not None:
+            yield _of_energy(f"rotation/{name}", tensor)
+
+
+def _of_energy(where: str, tensor: Array) -> Check:
+    """The derivative of an energy is symmetric in any two of its coordinates."""
+    k = tensor.ndim
+    turned = (np.swapaxes(tensor, axis, (axis + 1) % k) for axis in range(k - 1))
+    largest = max(float(np.abs(tensor).max(initial=0.0)), np.finfo(float).tiny)
+    return Check(
+        where,
+        "the same numbers in any order of the indices",
+        "a difference, relative to the largest,",
+        max(float(np.abs(tensor - other).max(initial=0.0)) for other in turned) / largest,
+        ROUNDING,
+    )
 
 
 def as_modes(element: Superelement, where: str, what: str, found: Any, expected: Any) -> Check:

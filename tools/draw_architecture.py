@@ -40,6 +40,7 @@ ABOUT = {
     "preprocess/assembly": "interfaces, masses, rigid motions",
     "preprocess/sources": "lines, solids or matrices",
     "preprocess/responses": "impulse and static responses, modes",
+    "preprocess/rotation": "second order in a few coordinates",
     "preprocess/estimate": "time and memory to expect",
     "preprocess/recovery": "fields on the surface",
     "preprocess/plausibility": "doubts about units",

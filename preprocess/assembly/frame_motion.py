@@ -45,9 +45,9 @@ class Follower:
 
 def twice_turned(arms: Array, w: Array) -> Array:
     """1/2 (w_k~ w_l~ + w_l~ w_k~) X (3, n, r, r) of arms X (n, 3) and rotations w (3, r)."""
-    k, l = w[:, None, :, None], w[:, None, None, :]
+    first, second = w[:, None, :, None], w[:, None, None, :]
     X = arms.T[:, :, None, None]
-    return 0.5 * (cross(k, cross(l, X)) + cross(l, cross(k, X)))
+    return 0.5 * (cross(first, cross(second, X)) + cross(second, cross(first, X)))
 
 
 @dataclass(frozen=True, eq=False)

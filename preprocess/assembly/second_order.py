@@ -17,7 +17,7 @@ import scipy.sparse as sp
 
 from ...superelement.validation import Array
 from ..body.body import Body
-from ..elements.inertia import Pieces
+from ..elements.inertia import Moved, Pieces
 from ..elements.solid_second import pairs
 from ..mesh.nodes import Nodes, spider
 from .frame_motion import Follower, Frame, frame_of
@@ -38,7 +38,7 @@ class Lumped:
     @property
     def changes(self) -> Array:
         """The first order change of the inertia (6, 3 or 6) by the motion of the frame."""
-        return self.piece.changes()[0][:, : self.frame.rows.shape[0]]
+        return np.asarray(self.piece.changes()[0][:, : self.frame.rows.shape[0]])
 
     @property
     def momenta(self) -> Array:
@@ -162,7 +162,7 @@ class SecondOrder:
             total += follower.work(loads, a, b)
         return total
 
-    def _moved(self, motions: Array) -> tuple[Array, Array] | None:
+    def _moved(self, motions: Array) -> Moved | None:
         """The dofs (n, 3) of followers, and second derivatives (n, 3, r, r) of what they do."""
         if not self.followers:
             return None
@@ -175,17 +175,19 @@ class SecondOrder:
         momenta = self._follow(self.momenta, motions)
         for lumped in self.lumped:
             momenta += _times(lumped.momenta, self._second(lumped.frame, motions))
-        back = -np.linalg.inv(rigid.J_rot)
+        back = np.asarray(-np.linalg.inv(rigid.J_rot))
         return np.concatenate([momenta[:3] / -rigid.mass, _times(back, momenta[3:])])
 
 
 def second_order(structure: Structure, source: Source, body: Body) -> SecondOrder:
     """The second order of a structure that was assembled from `source` and `body`.
 
-    `BodyError` if the matrices of another program tell nothing of it.
+    The matrices of the source are made once more. `BodyError` if those of another program tell
+    nothing of it.
     """
     K, M = source.matrices()
     nodes, center = source.nodes, structure.rigid.center
+    elements = source.tensors(M, center)
     # Nodes with rotations are those of beams, of which none follow others.
     T = sp.eye_array(nodes.n_dofs, format="csr") if nodes.rotations.any() else structure.T
     frames = {
@@ -194,7 +196,7 @@ def second_order(structure: Structure, source: Source, body: Body) -> SecondOrde
     }
     return SecondOrder(
         structure,
-        source.tensors(M, center),
+        elements,
         T,
         K,
         np.asarray(M @ nodes.rigid_motion(center)),
@@ -227,10 +229,11 @@ def _lumped(
 
 def _times(matrix: Array, tensor: Array) -> Array:
     """matrix (n, k) times the first axis of a tensor (k, r, r)."""
-    return np.tensordot(matrix, tensor, axes=1)
+    return np.asarray(np.tensordot(matrix, tensor, axes=1))
 
 
 def _symmetric(tensor: Array) -> Array:
-    """The mean over all orders of the axes."""
+    """The mean over all orders of the axes, symmetric to the last bit."""
     orders = list(permutations(range(tensor.ndim)))
-    return np.asarray(sum(tensor.transpose(order) for order in orders) / len(orders))
+    mean = np.sum([tensor.transpose(order) for order in orders], axis=0) / len(orders)
+    return np.asarray(mean[tuple(np.sort(np.indices(tensor.shape), axis=0))])

@@ -75,8 +75,9 @@ def _piece(points: Array, kind: str, facets: IntArray) -> tuple[Array, Array, An
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """What turns a fitted frame: nodes at x (n, 3) from the middle, with the moments y (n, 3) [m^3],
-    int N_i x dA, or x [m] of points.
+    """What turns a fitted frame: nodes at x (n, 3) [m] from the middle, and their moments y (n, 3).
+
+    y: int N_i x dA [m^3] of a surface, x [m] of points.
     """
 
     middle: Array
@@ -87,12 +88,13 @@ class Fit:
     def inertia(self) -> Array:
         """int |x|^2 I - x x^T dA (3, 3)."""
         S = self.x.T @ self.y
-        return np.trace(S) * np.eye(3) - 0.5 * (S + S.T)
+        return np.asarray(np.trace(S) * np.eye(3) - 0.5 * (S + S.T))
 
 
 def fit_of_surface(patch: Surface, nodes: Nodes) -> Fit:
     """The fit of `mean_motion`."""
-    moments = patch.N.T @ (patch.dA[:, None] * (patch.x - patch.centroid))
+    arms = patch.x - patch.centroid
+    moments = np.asarray(patch.N.T @ (patch.dA[:, None] * arms))
     return Fit(patch.centroid, nodes.points[patch.nodes] - patch.centroid, moments)
 
 

@@ -87,7 +87,7 @@ class BeamTensors:
         with the second order strains e2 of Reissner's beam for what is left of a motion once the
         element (its chord, and its mean twist) is turned back, and for the turn w of the element
 
-            D3(U w; b, c) = -b^T K S c - (S b)^T K c,    S = w~ on displacements, 1/2 w~ on rotations
+            D3(U w; b, c) = -b^T K S c - (S b)^T K c,    S = [w~, 0; 0, 1/2 w~] at each node
 
         which is exact, where Hermite's shapes are not frame indifferent. Shear forces are those of
         equilibrium, Q = -M', so that they are there without shear strains. Source: J. C. Simo,
@@ -147,13 +147,13 @@ class BeamTensors:
     def _at_sections(self, motions: Array) -> tuple[Array, Array]:
         """Displacements and rotations (3, p, r) of the sections."""
         stations = np.tile(motions[self.dofs], (len(STATIONS[0]), 1, 1))
-        fields = (self._section_motions() @ stations).transpose(1, 0, 2)
+        fields = np.transpose(self._section_motions() @ stations, (1, 0, 2))
         return fields[:3], fields[3:]
 
     @property
     def _turn(self) -> Array:
         """(n, 12, 12): mesh axes to local axes."""
-        return np.kron(np.eye(4), self.axes)
+        return np.asarray(np.kron(np.eye(4), self.axes))
 
     def _state(self, motions: Array) -> _State:
         d = self._turn @ motions[self.dofs]
@@ -190,7 +190,7 @@ class BeamTensors:
         p = self.properties
         stiffness = np.stack([p.EA, -p.EI_z, p.EI_y, p.GJ, p.EI_y, p.EI_z]) * self.L
         weighted = np.einsum("g,ie->ige", STATIONS[1], stiffness).reshape(6, -1, 1)
-        return weighted * np.stack([first[0], second[5], second[4], *first[3:]])
+        return np.asarray(weighted * np.stack([first[0], second[5], second[4], *first[3:]]))
 
 
 def beam_tensors(mesh: Mesh, sections: list[Section], center: Array) -> BeamTensors:

@@ -28,7 +28,8 @@ Moved = tuple[IntArray, Array]
 def vector_of(tensors: Array) -> Array:
     """The six numbers (6, ...) of symmetric matrices (3, 3, ...)."""
     rows, columns = np.array(STRESSES).T
-    return tensors[rows, columns]
+    six: Array = tensors[rows, columns]
+    return six
 
 
 def cross(a: Array, b: Array) -> Array:
@@ -75,7 +76,7 @@ class Pieces:
         twice = np.einsum("piak,pajl->ijkl", W, Wj, optimize=True)
         around = np.einsum("piak,pajl->ijkl", W, jW, optimize=True)
         half = 0.5 * (twice + twice.swapaxes(0, 1)) - around
-        return half + half.swapaxes(2, 3)
+        return np.asarray(half + half.swapaxes(2, 3))
 
     def momentum(self, u: Array, w: Array) -> Array:
         """h (3, r, r): the angular momentum h(q, q') of motions u, w (3, p, r).
@@ -86,7 +87,7 @@ class Pieces:
         path = np.einsum("iab,p,apk,bpl->ikl", CROSS, self.mass, u, u, optimize=True)
         spin = np.einsum("iab,apk,bpl->ikl", CROSS, w, jw, optimize=True)
         drift = np.einsum("pij,jab,apk,bpl->ikl", self.inertia, CROSS, w, w, optimize=True)
-        return path + spin - 0.5 * drift
+        return np.asarray(path + spin - 0.5 * drift)
 
 
 def of_moments(moments: Array) -> Array:
@@ -130,7 +131,7 @@ class NodalTensors:
 
     def gyroscopic(self, motions: Array) -> Array:
         """h (3, r, r): the angular momentum h(q, q') of motions."""
-        return np.einsum("iab,abkl->ikl", CROSS, self._products(motions))
+        return np.asarray(np.einsum("iab,abkl->ikl", CROSS, self._products(motions)))
 
     def third(self, u: Array, motions: Array) -> Array:
         """`BodyError`: masses have no strain energy."""

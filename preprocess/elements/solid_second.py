@@ -16,8 +16,8 @@ from .element import cofactors, physical, solid_element
 from .inertia import Moved, NodalTensors
 from .solid import batched
 
-BATCH = 2**19
-"""Numbers in the products of gradients of a batch of elements."""
+BATCH = 2**18
+"""Numbers in the products of gradients of a batch of elements, so that they stay in the cache."""
 
 PLACE = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
 """The number of a stress in the order of `STRESSES`."""
@@ -48,19 +48,17 @@ class SolidTensors(NodalTensors):
             D3(a; b, c) = int sigma(a):grad b^T grad c + sigma(b):grad a^T grad c
                             + sigma(c):grad a^T grad b dV,    sigma(a) = C:sym grad a
 
-        It is the work on `a` of loads that b and c make alone.
+        r^2 numbers of each pair of nodes and direction of `u`, whatever the points of integration.
         """
-        r = motions.shape[1]
-        first, second = np.triu_indices(r)
-        total = np.zeros((u.shape[1], len(first)))
-        for part in self._batches(len(first)):
-            H = part.gradients(motions)
-            k, l = H[..., first], H[..., second]
-            stress = part.stresses(_second_strains(k, l))
-            sigma = part.stresses(_strains(H))
-            stress += _turned(l, sigma[..., first]) + _turned(k, sigma[..., second])
-            total += part.columns(u).T @ part.loads(stress)
-        return total[:, pairs(r)]
+        r, columns = motions.shape[1], u.shape[1] + motions.shape[1]
+        total = np.zeros((u.shape[1], r, r))
+        for part in self._batches(columns):
+            a, b = u[part.dofs], motions[part.dofs]
+            G = part.geometric(np.concatenate([b, a], axis=3))
+            total += _works(G[:, r:], b, b)
+            mixed = _works(G[:, :r], a, b).transpose(1, 0, 2)
+            total += mixed + mixed.transpose(0, 2, 1)
+        return total
 
     def quartic(self, motions: Array, moved: Moved | None) -> tuple[Array, Array]:
         """The energy of second order strains, and the loads of their stresses, by pairs.
@@ -71,22 +69,24 @@ class SolidTensors(NodalTensors):
         """
         first, second = np.triu_indices(motions.shape[1])
         energy, loads = np.zeros((len(first),) * 2), np.zeros((len(motions), len(first)))
+        row, table = (None, None) if moved is None else _table(moved, len(motions))
         for part in self._batches(len(first)):
-            H = part.gradients(motions)
+            H = part.gradients(motions[part.dofs])
             strain = _second_strains(H[..., first], H[..., second])
-            if moved is not None:
-                strain += _strains(part.gradients_of(_at_nodes(moved, part.dofs, len(motions))))
+            if row is not None and table is not None:
+                strain += _strains(part.gradients(table[row[part.dofs]]))
             f = part.loads(part.stresses(strain))
             energy += part.energy(strain)
             np.add.at(loads, part.dofs.ravel(), f)
         return energy, loads
 
-    def _batches(self, numbers: int) -> Iterator["_Batch"]:
-        """Some elements of one type and material at a time, of each point so many second strains."""
+    def _batches(self, columns: int) -> Iterator["_Batch"]:
+        """Some elements of one type and material at a time, for so many columns of strains."""
         for kind, cells in self.mesh.elements.items():
             element = solid_element(kind)
             dN = element.dN(element.xi)
-            size = max(1, BATCH // (9 * numbers * len(element.weights)))
+            per_point = 9 * columns + 6 * len(element.order) ** 2
+            size = max(1, BATCH // (per_point * len(element.weights)))
             for material, rows in batched(self.mesh.of_kind(self.owners, kind), size):
                 cof, det = cofactors(dN, self.mesh.points[cells[rows]])
                 dofs = 3 * cells[rows][:, :, None] + np.arange(3)
@@ -108,23 +108,26 @@ class _Batch:
     dV: Array
     C: Array
 
-    def gradients(self, motions: Array) -> Array:
-        return self.gradients_of(motions[self.dofs])
-
-    def gradients_of(self, u: Array) -> Array:
+    def gradients(self, u: Array) -> Array:
         """Gradients of displacements (n, k, 3, r) of the nodes."""
         n, k, _, r = u.shape
         q = self.dV.shape[1]
         slopes = self.dN.reshape(n, k, 3 * q).transpose(0, 2, 1) @ u.reshape(n, k, 3 * r)
         return slopes.reshape(n, 3, q, 3, r)
 
-    def columns(self, motions: Array) -> Array:
-        """The dofs (3 n k, r) of motions, as `loads` has them."""
-        return motions[self.dofs.ravel()]
+    def geometric(self, u: Array) -> Array:
+        """int grad N.sigma(u) grad N^T dV (n, r, k, k): what the stress of u (n, k, 3, r) makes."""
+        n, k, _, r = u.shape
+        strains = _strains(self.gradients(u)).reshape(6, -1)
+        sigma = (self.C @ strains).reshape(6, n, -1, r).swapaxes(0, 1)
+        slopes = self.dN[:, :, None], (self.dN * self.dV[:, None, None])[:, None]
+        products = [_symmetric(*slopes, i, j) for i, j in STRESSES]
+        G = np.stack(products, axis=3).reshape(n, k * k, -1) @ sigma.reshape(n, -1, r)
+        return np.ascontiguousarray(G.swapaxes(1, 2)).reshape(n, r, k, k)
 
     def stresses(self, strains: Array) -> Array:
         sigma = (self.C @ strains.reshape(6, -1)).reshape(strains.shape)
-        return sigma[PLACE].transpose(2, 0, 3, 1, 4)
+        return np.asarray(sigma[PLACE].transpose(2, 0, 3, 1, 4))
 
     def loads(self, stresses: Array) -> Array:
         """int stress.grad N dV (3 n k, r) on the dofs of every element."""
@@ -145,31 +148,38 @@ def _strains(H: Array) -> Array:
     return np.stack(rows)
 
 
-def _second_strains(k: Array, l: Array) -> Array:
-    """sym(grad k^T grad l) as strains, column by column."""
+def _second_strains(a: Array, b: Array) -> Array:
+    """sym(grad a^T grad b) as strains, column by column."""
     rows = []
     for m, n in STRESSES:
-        product = _product(k, l, m, n)
-        rows.append(product if m == n else product + _product(l, k, m, n))
+        product = _product(a, b, m, n)
+        rows.append(product if m == n else product + _product(b, a, m, n))
     return np.stack(rows)
 
 
-def _product(k: Array, l: Array, m: int, n: int) -> Array:
-    return np.einsum("eqip,eqip->eqp", k[:, m], l[:, n])
+def _product(a: Array, b: Array, m: int, n: int) -> Array:
+    return np.asarray(np.einsum("eqip,eqip->eqp", a[:, m], b[:, n]))
 
 
-def _turned(H: Array, sigma: Array) -> Array:
-    """grad u sigma, column by column, as stresses are placed."""
-    return np.einsum("enqip,emqnp->emqip", H, sigma)
+def _symmetric(a: Array, b: Array, i: int, j: int) -> Array:
+    """a_i b_j, for i /= j with a_j b_i."""
+    product = a[..., i, :] * b[..., j, :]
+    return product if i == j else product + a[..., j, :] * b[..., i, :]
 
 
-def _at_nodes(moved: Moved, dofs: IntArray, n_dofs: int) -> Array:
-    """What `moved` says of the nodes with dofs (n, k, 3), by pairs (n, k, 3, pairs), else 0."""
-    at, values = moved
-    r = values.shape[-1]
-    first, second = np.triu_indices(r)
-    row = np.full(n_dofs, len(at) * 3)
-    row[at.ravel()] = np.arange(len(at) * 3)
-    rows = values[..., first, second].reshape(len(at) * 3, -1)
-    table = np.vstack([rows, np.zeros((1, len(first)))])
-    return table[row[dofs]]
+def _works(geometric: Array, left: Array, right: Array) -> Array:
+    """left^T G right (r_G, r_left, r_right) of G (n, r_G, k, k) and displacements (n, k, 3, r)."""
+    n, k, _, r = right.shape
+    pulled = geometric @ right.reshape(n, 1, k, 3 * r)
+    rows = pulled.reshape(n, -1, 3 * k, r).transpose(1, 0, 2, 3).reshape(-1, 3 * n * k, r)
+    return left.reshape(3 * n * k, -1).T @ rows
+
+
+def _table(moved: Moved, n_dofs: int) -> tuple[IntArray, Array]:
+    """What `moved` says by pairs (n_rows, pairs), then zeros, and the row of each dof (n_dofs,)."""
+    dofs, values = moved
+    first, second = np.triu_indices(values.shape[-1])
+    row = np.full(n_dofs, dofs.size)
+    row[dofs.ravel()] = np.arange(dofs.size)
+    rows = values[..., first, second].reshape(-1, len(first))
+    return row, np.vstack([rows, np.zeros((1, len(first)))])

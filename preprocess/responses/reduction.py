@@ -37,8 +37,9 @@ def craig_bampton(structure: Structure, damping: Damping, count: int) -> Reducti
 
     Constraint modes are the rigid motions and what interface loads F that balance themselves do at
     rest. So are they made: frames on averaged facets, and interfaces that do not hold a body, need
-    nothing else. It has n_c - 6 + count elastic modes, and up to six from loads of rotation. Source: R. R. Craig, M. C. C. Bampton, AIAA
-    Journal 6 (1968) 1313-1319. `MethodError` for more modes than there are.
+    nothing else. It has n_c - 6 + count elastic modes, and up to six from loads of rotation.
+    Source: R. R. Craig, M. C. C. Bampton, AIAA Journal 6 (1968) 1313-1319. `MethodError` for more
+    modes than there are.
     """
     rigid = structure.P_C @ structure.U
     attachments, inertia = _statics(structure)

@@ -34,12 +34,12 @@ class GivenSource:
         return self.model.K, self.model.M
 
     def tensors(self, M: Any, center: Array) -> NodalTensors:
-        """Inertia and momentum, of nodes with three dofs whose mass is the same in all directions."""
+        """Inertia and momentum, where nodes have three dofs of the same mass."""
         M_s = None if self.nodes.rotations.any() else scalar_mass(M)
         if M_s is None:
             raise BodyError(
                 f"{self.model.name}: expected nodes with three dofs and a mass that is the same in "
-                "all directions: another one does not tell how the inertia changes as the body bends"
+                "all directions, found another: it does not tell how the inertia changes"
             )
         return NodalTensors(self.name, M_s, self.nodes.points - center)
 

@@ -124,7 +124,7 @@ def solve_equilibrium(
     if reason:
         # the more specific message, as of a damper that cannot turn
         check_steady(lowered, motion, state, work)
-        raise _failure(lowered, reason, lowered.measures_lengths, work)
+        raise _failure(lowered, reason, state, work)
 
 
 class _Search:
@@ -210,7 +210,7 @@ class _Search:
         set_force_scales(self.system, self.state, self.work)
 
     def _residual(self) -> float:
-        parts = _relative_residuals(self.system, self.lengths, self.work)
+        parts = _relative_residuals(self.system, self.lengths, self.state, self.work)
         return max(float(values.max(initial=0.0)) for values in parts)
 
 
@@ -288,31 +288,45 @@ def _centrifugal_slopes(elastic: Elastic, e: int, omega: Array, work: Workspace)
 
 
 def _relative_residuals(
-    system: System, lengths: NDArray[np.bool_], work: Workspace
+    system: System, lengths: NDArray[np.bool_], state: State, work: Workspace
 ) -> tuple[Array, ...]:
     """Residuals relative to the largest forces and moments in the system, and to its size.
 
-    Of the forces (n_b,) and moments (n_b,) on bodies, the rows (n_rows,) and the active interface
+    Of the forces (n_b,) and moments (n_b,) on bodies, the rows (n_rows,) and the active elastic
     dofs (n_a,).
     """
+    within = _centrifugal_scales(system, state, work)
     forces, size = max(float(work.bodies.force_scale[:, 0].max()), 1e-300), system.bodies.size
     moments = max(float(work.bodies.force_scale[:, 1].max()), forces * 1e-3 * size)
     # the length of a spring that carries nothing is right to rounding alone: laws are measured
     # against all forces
     laws = np.maximum(work.couplings.scale, np.where(lengths, forces, moments))
     return (
-        np.abs(work.bodies.residual[:, :3]).max(axis=1) / forces,
-        np.abs(work.bodies.residual[:, 3:]).max(axis=1) / moments,
+        np.abs(work.bodies.residual[:, :3]).max(axis=1) / (forces + within[0]),
+        np.abs(work.bodies.residual[:, 3:]).max(axis=1) / (moments + within[1]),
         np.abs(work.couplings.phi) / np.where(system.couplings.compliant == 1, laws, size),
         system.elastic.length * np.abs(work.interfaces.residual) / size,
     )
 
 
-def _failure(
-    lowered: LoweredModel, reason: str, lengths: NDArray[np.bool_], work: Workspace
-) -> ModelError:
+def _centrifugal_scales(system: System, state: State, work: Workspace) -> Array:
+    """Centrifugal forces and moments within flexible bodies (2, n_b).
+
+    Where a body turns about its center, and nothing holds it, all that is left is their rounding.
+    """
+    elastic, scales = system.elastic, np.zeros((2, len(system.bodies.mass)))
+    for e, b in enumerate(elastic.body.tolist()):
+        omega = state.bodies.v[b, 3:]
+        scales[0, b] = system.bodies.mass[b] * (omega @ omega) * elastic.size[e]
+        scales[1, b] = np.linalg.norm(omega) * np.linalg.norm(work.bodies.J[b] @ omega)
+    return scales
+
+
+def _failure(lowered: LoweredModel, reason: str, state: State, work: Workspace) -> ModelError:
     """The error where no equilibrium was found: the reason, and the largest residual."""
-    forces, moments, rows, dofs = _relative_residuals(lowered.system, lengths, work)
+    forces, moments, rows, dofs = _relative_residuals(
+        lowered.system, lowered.measures_lengths, state, work
+    )
     bodies = np.maximum(forces, moments)
     elastic = lowered.system.elastic
     for e, b in enumerate(elastic.body.tolist()):

@@ -111,6 +111,35 @@ def test_a_bad_body_file_is_one_line_that_names_the_key(
     refused(folder, ON_MESH.replace(old, new), *names)
 
 
+@pytest.mark.parametrize(
+    ("entries", "names"),
+    [
+        ("modes = 0", ("rotation.modes: ", "found 0")),
+        ("modes = 33", ("rotation.modes: ", "found 33")),
+        ("modes = 2.5", ("rotation.modes: ", "found 2.5")),
+        ('soft = "most"', ('rotation.soft: expected "auto" or a number from 0 to 32, found',)),
+        ("soft = -1", ("rotation.soft: expected", "found -1")),
+        ("level = 3", ("rotation.level: expected 1 or 2, found 3",)),
+        ("level = 2", ("rotation.level: expected 1 of lines, found 2, which is for solids",)),
+        ('loaded = ["rot"]', ("rotation.loaded: no interface 'rot'; there are: root",)),
+        ('loaded = "root"', ("rotation.loaded: ",)),
+        ("mode = 4", ("rotation: unknown key 'mode'; did you mean 'modes'?",)),
+        ('[impulse]\nmethod = "march"', ("rotation: needs modes, which impulse.method march",)),
+    ],
+)
+def test_a_bad_rotation_is_one_line_that_names_the_key(
+    entries: str, names: tuple[str, ...], folder: Path
+) -> None:
+    head, _, impulse = entries.partition("[impulse]")
+    body = ON_MESH.replace("[impulse]", f"[impulse]{impulse}")
+    refused(folder, f"{body}\n[rotation]\n{head}\n", "body.toml: ", *names)
+
+
+def test_matrices_do_not_tell_how_stress_stiffens(folder: Path) -> None:
+    body = BODY.format(source=MATRICES.format(kind="npz"), make="") + "[rotation]\n"
+    refused(folder, body, "body.toml: rotation: needs the elements of a mesh", "[matrices]")
+
+
 def test_memory_that_runs_out_on_the_way_is_one_line(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

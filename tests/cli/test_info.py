@@ -7,6 +7,8 @@ import pytest
 from duhamel.cli import app
 from duhamel.superelement import write
 
+from ..superelement.rotations import any_rotation
+
 
 def cells(output: str) -> dict[str, str]:
     """The table read back: label -> value, with the lines of a folded value joined by a blank."""
@@ -72,6 +74,19 @@ def test_the_provenance_with_the_whole_hash(shown):
 def test_a_body_without_modes_says_so(runner, measured_file):
     table = cells(runner.invoke(app, ["info", str(measured_file)]).stdout)
     assert table["modes"] == "none, so the step and rho_inf of the kernel are fixed"
+
+
+def test_the_second_order_with_what_stiffens_most(runner, element, tmp_path):
+    rotation = any_rotation(0, element.modes, element.J_rot)
+    rotation = replace(rotation, kappa=[1.0, 0.29, 0.0721])
+    write(tmp_path / "blade.h5", replace(element, rotation=rotation))
+    shown = cells(runner.invoke(app, ["info", str(tmp_path / "blade.h5")]).stdout)
+    assert shown["rotation"] == "r = 5: 1 modes, 2 soft shapes"
+    assert shown["stiffening, relative"] == "1, 0.29, 0.072"
+
+
+def test_a_body_without_it_says_so(shown):
+    assert shown["rotation"].startswith("none: stiffness and inertia do not depend on")
 
 
 def test_a_missing_file_is_one_line_on_stderr(runner, tmp_path):

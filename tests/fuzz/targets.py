@@ -3,7 +3,7 @@
 import tomllib
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,7 @@ from scipy.sparse import coo_array, save_npz
 
 from ..bad_inputs.conftest import make_element
 from ..bad_inputs.models import MECHANISM, STEADY
+from ..superelement.rotations import any_rotation
 from . import hdf5
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -52,7 +53,10 @@ def targets(folder: Path) -> dict[str, Target]:
     """All readers by name; files that damaged ones name lie in the folder."""
     (folder / "base.toml").write_text(MECHANISM)
     (folder / "study.toml").write_text(STUDY.replace("parameters.", "# ") + 'table = "input.csv"')
-    write(folder / "beam.h5", make_element())
+    element = make_element()
+    write(folder / "beam.h5", element)
+    rotation = any_rotation(0, element.modes, element.J_rot, level=2)
+    write(folder / "rotating.h5", replace(element, rotation=rotation))
     simulate(read_model(folder / "base.toml"), output=folder / "results.h5")
     meshes = {
         suffix: [path.read_bytes() for path in sorted(DATA.glob(f"*{suffix}"))]
@@ -66,7 +70,10 @@ def targets(folder: Path) -> dict[str, Target]:
         "study table": Target(_read_table, (StudyError,), {".csv": _texts(TABLE)}),
         "body": Target(read_body, refusals, {".toml": bodies}),
         "superelement": Target(
-            read, refusals, {".h5": [(folder / "beam.h5").read_bytes()]}, hdf5.mutated
+            read,
+            refusals,
+            {".h5": [(folder / name).read_bytes() for name in ("beam.h5", "rotating.h5")]},
+            hdf5.mutated,
         ),
         "results": Target(
             _read_results,

@@ -152,7 +152,7 @@ def random_second_order(rng: np.random.Generator, n_c: int, modes: int, r: int) 
     cubic = rng.normal(size=(r, r, r))
     return SecondOrder(
         phi_inertia=0.2 * rng.normal(size=(6, modes)),
-        T=rng.normal(size=(r, modes)) / np.sqrt(modes),
+        T=np.linalg.qr(rng.normal(size=(modes, r)))[0].T,
         A_interface=symmetrized(rng.normal(size=(n_c, r, r)), (1, 2)),
         A_inertia=0.1 * symmetrized(rng.normal(size=(6, r, r)), (1, 2)),
         gyroscopic=rng.normal(size=(3, r, r)),

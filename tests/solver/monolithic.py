@@ -59,6 +59,8 @@ class Reference:
     revolute: bool = True
     gravity: np.ndarray = field(default_factory=lambda: np.zeros(3))
     zeta: float = 0.0
+    iterations: int = ITERATIONS
+    enough: float = 0.0
 
     def __post_init__(self):
         rho, h = self.rho_inf, self.h
@@ -103,17 +105,25 @@ class Reference:
         u = np.zeros(self.n_u)
         v_dot, lam = self._start(x, R, u, v, torque[0], tip_force[0])
         a = v_dot.copy()
-        history = [(R[0], self.P_C @ u, v[:12], self._clamp_wrench(R, u, lam))]
+        history = [(R[0], self.interfaces(u), v[:12], self._clamp_wrench(R, u, lam))]
         for t, f in zip(torque[1:], tip_force[1:], strict=True):
             x, R, u, v, v_dot, a, lam = self._step(x, R, u, v, v_dot, a, lam, t, f)
-            history.append((R[0], self.P_C @ u, v[:12], self._clamp_wrench(R, u, lam)))
+            history.append((R[0], self.interfaces(u), v[:12], self._clamp_wrench(R, u, lam)))
         return [np.array(column) for column in zip(*history, strict=True)]
+
+    def interfaces(self, u):
+        """Displacements of the interfaces (n_c,)."""
+        return self.P_C @ u
+
+    def interface_gradient(self, u):
+        """Of these by u (n_c, n_u)."""
+        return self.P_C
 
     def _step(self, x, R, u, v, v_dot_n, a_n, lam, torque, tip_force):
         h = self.h
         v_dot, lam = np.zeros_like(v_dot_n), lam.copy()
         factors = None
-        for _ in range(ITERATIONS):
+        for _ in range(self.iterations):
             a = (1 - self.alpha_f) * v_dot + self.alpha_f * v_dot_n - self.alpha_m * a_n
             a = a / (1 - self.alpha_m)
             dq = h * v + h * h * ((0.5 - self.beta) * a_n + self.beta * a)
@@ -129,6 +139,8 @@ class Reference:
             change = lu_solve(factors, -np.concatenate([residual, phi / self.d_q]))
             v_dot = v_dot + change[: len(v_dot)]
             lam = lam + change[len(v_dot) :]
+            if self.d_q * np.abs(change[: len(v_dot)]).max() < self.enough:
+                break
         if self.d_q * np.abs(change[: len(v_dot)]).max() > 1e-14:
             raise RuntimeError("the reference did not converge")
         return x_new, R_new, u_new, v_new, v_dot, a, lam
@@ -157,15 +169,15 @@ class Reference:
         """Residuals of equilibrium (12 + n_u,) and of the constraints and the Jacobian B
         of these.
         """
-        u_C = self.P_C @ u
-        phi, B = self._constraints(x, R, u_C)
+        u_C, D = self.interfaces(u), self.interface_gradient(u)
+        phi, B = self._constraints(x, R, u_C, D)
         F = R[1].T @ tip_force
         forces = B.T @ lam
         forces[0:3] += self.m_hub * self.gravity
         forces[3:6] += R[0].T @ [0.0, 0.0, torque]
         forces[6:9] += tip_force + self.m * self.gravity
         forces[9:12] += np.cross(self.X_tip + u_C[6:9], F)
-        forces[12:] += self.P_C[6:9].T @ F
+        forces[12:] += D[6:9].T @ F
         forces = self._filtered(forces)
         inertia = np.concatenate(
             [
@@ -178,7 +190,7 @@ class Reference:
         )
         return inertia - forces, phi, B
 
-    def _constraints(self, x, R, u_C):
+    def _constraints(self, x, R, u_C, D):
         lever, w = self.X_root + u_C[:3], u_C[3:6]
         W = exp(w)
         phi = [x[0]]
@@ -199,7 +211,7 @@ class Reference:
         B_q[i + 3 :, 3:6] = -np.eye(3)
         B_q[i + 3 :, 9:12] = W.T
         B_C[i + 3 :, 3:6] = tangent(w)
-        return np.concatenate(phi), np.hstack([B_q, B_C @ self.P_C])
+        return np.concatenate(phi), np.hstack([B_q, B_C @ D])
 
     def _start(self, x, R, u, v, torque, tip_force):
         """Accelerations and multipliers that satisfy equilibrium and the constraints' second

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import scipy.linalg
+from duhamel.preprocess.body.body import NonlinearCoordinates
 from duhamel.results.validity import CRITERIA
 from duhamel.solver import (
     Constant,
@@ -20,6 +21,8 @@ from duhamel.solver import (
 )
 from duhamel.superelement import GeneralizedAlpha
 from scipy.integrate import solve_bvp
+
+from .conftest import make_beam
 
 L, EI, MASS_PER_LENGTH, EA = 0.5, 5.5, 0.0858, 2.16e7
 
@@ -45,6 +48,24 @@ def elastica(alpha):
     return solved.y[2:, -1]
 
 
+@pytest.fixture(scope="module")
+def curved():
+    """The same beam with terms of second order."""
+    return make_beam(rotation=NonlinearCoordinates())
+
+
+def bent(beam, alpha):
+    """In equilibrium under a dead force across its tip."""
+    return start(
+        Model(
+            {"beam": FlexibleBody(beam.element)},
+            [Joint("clamp", "fixed", ("ground", "beam.root"))],
+            [Load("force", "beam.tip", [0, 1, 0], Constant(alpha * EI / L**2))],
+            settings=Settings(t_end=6e-5, start="equilibrium"),
+        )
+    )
+
+
 @pytest.mark.parametrize(
     ("alpha", "rotation", "displacement", "error"),
     [
@@ -58,14 +79,7 @@ def elastica(alpha):
     ],
 )
 def test_errors_of_a_cantilever_against_the_elastica(beam, alpha, rotation, displacement, error):
-    results = start(
-        Model(
-            {"beam": FlexibleBody(beam.element)},
-            [Joint("clamp", "fixed", ("ground", "beam.root"))],
-            [Load("force", "beam.tip", [0, 1, 0], Constant(alpha * EI / L**2))],
-            settings=Settings(t_end=6e-5, start="equilibrium"),
-        )
-    )
+    results = bent(beam, alpha)
     exact = elastica(alpha)
     found = arm(results)[:2] / L
     deflection = np.linalg.norm(exact - [1.0, 0.0])
@@ -77,6 +91,28 @@ def test_errors_of_a_cantilever_against_the_elastica(beam, alpha, rotation, disp
     assert moved == pytest.approx(displacement, abs=6e-4)
     verdict = CRITERIA["elastic_rotation"].verdict(turned)
     assert verdict == ("good" if error < 0.01 else "fair" if error < 0.035 else "poor")
+
+
+@pytest.mark.parametrize(
+    ("alpha", "rotation", "displacement", "error"),
+    [
+        (0.2, 0.070, 0.010, 3e-4),
+        (0.6, 0.204, 0.029, 0.0021),
+        (1.0, 0.324, 0.046, 0.0051),
+        (2.0, 0.553, 0.079, 0.0127),
+        (4.0, 0.812, 0.115, 0.0217),
+    ],
+)
+def test_errors_with_terms_of_second_order(curved, alpha, rotation, displacement, error):
+    results = bent(curved, alpha)
+    exact, found = elastica(alpha), arm(results)[:2] / L
+    deflection = np.linalg.norm(exact - [1.0, 0.0])
+    assert np.linalg.norm(found - exact) / deflection == pytest.approx(error, abs=2e-4)
+    turned = results.validity.values("second_order_rotation")["beam.root"]
+    moved = results.validity.values("second_order_displacement")["beam.root"]
+    assert turned == pytest.approx(rotation, abs=6e-4)
+    assert moved == pytest.approx(displacement, abs=6e-4)
+    assert error < 0.01 or CRITERIA["second_order_rotation"].verdict(turned) == "poor"
 
 
 def flap(gamma):
@@ -107,6 +143,21 @@ def flap(gamma):
 )
 def test_errors_of_a_rotating_cantilever(beam, ratio, error, precision):
     """Its deflection along the axis; and its stretch, of which a quarter is always missing."""
+    deflection, stretch, results = rotating(beam, ratio)
+    assert deflection == pytest.approx(error, abs=precision)
+    assert results.validity.values("spin")["beam"] == pytest.approx(ratio, rel=1e-9)
+    assert stretch == pytest.approx(-0.25, abs=2e-3)
+
+
+@pytest.mark.parametrize(("ratio", "errors"), [(0.1, (5e-5, 5e-6)), (0.27, (1e-3, 5e-5))])
+def test_they_are_small_with_terms_of_second_order(curved, ratio, errors):
+    deflection, stretch, _ = rotating(curved, ratio)
+    assert abs(deflection) < errors[0]
+    assert abs(stretch) < errors[1]
+
+
+def rotating(beam, ratio):
+    """The relative errors of its deflection and of its stretch, and the results."""
     speed = ratio * beam.element.modes.omega.min()
     force = 1e-3 * EI / L**2
     hub = RigidBody(1e3, [1e4] * 3, {"rim": Frame()})
@@ -124,11 +175,14 @@ def test_errors_of_a_rotating_cantilever(beam, ratio, error, precision):
     results = start(model)
     deflection = arm(results)[2] / (force * L**3 / EI)
     exact = flap(speed / np.sqrt(EI / (MASS_PER_LENGTH * L**4)))
-    assert deflection / exact - 1.0 == pytest.approx(error, abs=precision)
-    assert results.validity.values("spin")["beam"] == pytest.approx(ratio, rel=1e-9)
     straight = start(Model(model.bodies, model.joints, settings=model.settings))
-    stretch = MASS_PER_LENGTH * speed**2 * L**3 / (3.0 * EA)
-    assert (np.linalg.norm(arm(straight)) - L) / stretch == pytest.approx(0.75, abs=2e-3)
+    k = speed * np.sqrt(MASS_PER_LENGTH / EA) * L
+    stretch = L * (np.tan(k) / k - 1.0)
+    return (
+        deflection / exact - 1.0,
+        (np.linalg.norm(arm(straight)) - L) / stretch - 1.0,
+        results,
+    )
 
 
 @pytest.mark.parametrize(("steps", "error"), [(20, 0.008), (10, 0.033), (8, 0.050), (5, 0.12)])

@@ -1,5 +1,7 @@
 """The whole model turned and moved gives the turned and moved result."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from duhamel.solver import (
@@ -74,13 +76,13 @@ def crane(beam):
     )
 
 
-def test_a_model_turned_and_moved_gives_the_turned_and_moved_result(beam):
-    model = crane(beam)
-    here, there = simulate(model), simulate(turned(model, Q, SHIFT))
+def differences(model, shift):
+    """Of motions of the model and of it turned and moved, over the sizes of these."""
+    here, there = simulate(model), simulate(turned(model, Q, shift))
     errors = {}
     for name in model.bodies:
         a, b = here.body(name), there.body(name)
-        errors[f"{name}.x"] = np.abs(b.x - Q.apply(a.x) - SHIFT).max()
+        errors[f"{name}.x"] = np.abs(b.x - Q.apply(a.x) - shift).max()
         rotations = [Rotation.from_quat(motion.R, scalar_first=True) for motion in (a, b)]
         errors[f"{name}.R"] = (rotations[1].inv() * Q * rotations[0]).magnitude().max()
         expected = np.hstack([Q.apply(a.v[:, :3]), a.v[:, 3:]])
@@ -89,10 +91,25 @@ def test_a_model_turned_and_moved_gives_the_turned_and_moved_result(beam):
         a, b = here.frame(name).u, there.frame(name).u
         errors[f"{name}.u"] = np.abs(b - a).max() / np.abs(a).max()
     assert np.abs(here.frame("beam.tip").u).max() > 1e-3
+    return here, there, errors
+
+
+def test_a_model_turned_and_moved_gives_the_turned_and_moved_result(beam):
+    here, there, errors = differences(crane(beam), SHIFT)
     assert max(errors.values()) < 1e-9, errors
     # a force is a position over h^2, and so is its rounding
     a, b = here.joint("pivot").force, there.joint("pivot").force
     assert np.abs(b - Q.apply(a)).max() < 1e-7 * np.abs(a).max()
+
+
+@pytest.mark.parametrize(
+    ("shift", "tolerance"), [(SHIFT, 1e-9), ([600.0, -800.0, 100.0], 1e-6)], ids=["near", "far"]
+)
+def test_so_does_one_of_second_order(beam, with_second_order, shift, tolerance):
+    """Also a kilometer away, where positions are rounded to 1e-13 m."""
+    model = crane(replace(beam, element=with_second_order(beam.element)))
+    _, _, errors = differences(model, np.array(shift))
+    assert max(errors.values()) < tolerance, errors
 
 
 @pytest.mark.parametrize("part", ["kinetic", "elastic", "work"])

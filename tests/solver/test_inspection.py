@@ -50,6 +50,18 @@ def test_the_frequencies_of_a_clamped_beam(beam):
     np.testing.assert_allclose(found[:6], np.repeat(expected, 2), rtol=5e-4)
 
 
+def test_the_order_of_each_flexible_body_is_told(beam, with_second_order):
+    element = with_second_order(beam.element)
+    orders = {"auto": "3", "full": "3", "off": "off"}
+    for second_order, told in orders.items():
+        body = FlexibleBody(element, second_order=second_order)
+        checked = check(model_of(bodies={"b": body}, t_end=0.01))
+        assert f"terms of second order, coordinates: b {told}" in str(checked).splitlines()
+    checked = check(clamped(beam.element))
+    assert "terms of second order, coordinates: beam none" in str(checked).splitlines()
+    assert "second order" not in str(check(model_of(bodies={"ball": ball()}, step=1e-3)))
+
+
 def test_the_frequency_of_a_mass_on_springs():
     """A linear one and the slope of a law beside it, at the deformation of the start."""
     law = TabulatedLaw((-1.0, 0.0, 1.0), (-30.0, 0.0, 70.0))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from duhamel.preprocess import Body, assemble, build, read_body
 from duhamel.preprocess.assembly.rigid import project
-from duhamel.preprocess.body.body import RecoveredFields
+from duhamel.preprocess.body.body import NonlinearCoordinates, RecoveredFields
 from duhamel.preprocess.body.material import Material
 from duhamel.preprocess.recovery import recover
 from duhamel.preprocess.sources.reading import read_source
@@ -360,6 +360,29 @@ def test_a_bar_under_way_carries_the_inertia_of_what_is_beyond(tmp_path):
     np.testing.assert_allclose(
         stress[inner], expected[inner], rtol=0, atol=1e-11 * np.abs(expected).max()
     )
+
+
+def test_a_bar_that_spins_carries_its_centrifugal_load(tmp_path):
+    """About its middle, sigma_xx = rho W^2 (L^2 / 4 - x^2) / 2; elements are as long as l and have
+    the mean of it, of which two meet at a node.
+    """
+    spin, L, n, size = 500.0, 0.3, 6, (0.3, 0.03, 0.02)
+    material = Material(E=2.1e11, nu=0.0, rho=7800.0)
+    _, structure, element = solid(
+        tmp_path / "bar.vtu", (n, 1, 1), size, material, rotation=NonlinearCoordinates()
+    )
+    steady = {"start": "equilibrium", "steady_rotation": SteadyRotation([0, 0, spin])}
+    model = Model({"bar": FlexibleBody(element)}, settings=Settings(t_end=1e-3, **steady))
+    results = simulate(model)
+    x = element.recovery.points[:, 0]
+    inner = np.abs(x) < 0.5 * L - 1e-9
+    expected = 7800.0 * spin**2 * (L**2 / 4.0 - x**2 - (L / n) ** 2 / 3.0) / 2.0
+    for t in (0.0, 1e-3):
+        stress = results.stress("bar", t)[:, 0]
+        assert np.abs(stress - expected)[inner].max() < 1e-4 * expected.max()
+    linear = replace(model.bodies["bar"], second_order="off")
+    without = simulate(replace(model, bodies={"bar": linear})).stress("bar", 1e-3)
+    assert np.abs(without).max() < 1e-9 * expected.max()
 
 
 def test_a_cantilever_in_bending():

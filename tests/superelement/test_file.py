@@ -24,6 +24,8 @@ from duhamel.superelement import (
     write,
 )
 
+from .rotations import any_rotation
+
 
 def assert_identical(found: Any, expected: Any) -> None:
     """Equal to the last bit, in every field of every part."""
@@ -117,6 +119,32 @@ def test_every_field_comes_back_to_the_last_bit(seed, path):
     element = any_element(seed)
     write(path, element)
     assert_identical(read(path), element)
+
+
+def rotating(seed: int, level: int = 1) -> Superelement:
+    """One with modes, and the second order of its motion."""
+    element = any_element(3 * seed + 1)
+    rotation = any_rotation(seed, element.modes, element.J_rot, level)
+    return replace(element, rotation=rotation)
+
+
+@pytest.mark.parametrize("level", [1, 2])
+@pytest.mark.parametrize("seed", range(5))
+def test_the_second_order_comes_back_to_the_last_bit(seed, level, path):
+    element = rotating(seed, level)
+    write(path, element)
+    assert_identical(read(path), element)
+
+
+@pytest.mark.parametrize("version", [1, 2])
+def test_what_earlier_versions_did_not_have_is_passed_over(version, path):
+    element = rotating(0)
+    write(path, element)
+    with h5py.File(path, "r+") as file:
+        file.attrs["version"] = version
+        if version == 1:
+            file.move("static/accelerance", "static/mobility")
+    assert_identical(read(path), replace(element, rotation=None))
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -491,6 +519,75 @@ FAULTS = {
         "attribute 'modes' of group 'provenance/timings': expected numbers",
     ),
 }
+
+
+def removed_from(name, rows):
+    def change(file):
+        kept = file[name][()][rows:]
+        del file[name]
+        file[name] = kept
+
+    return change
+
+
+FAULTS_OF_ROTATION = {
+    "one switch": (without("rotation"), "group 'rotation' is missing, .* phi_inertia$"),
+    "no phi_inertia": (without("modes/phi_inertia"), "dataset 'modes/phi_inertia' is missing"),
+    "no modes": (without("modes"), "dataset 'modes/phi_inertia' is missing"),
+    "no T": (without("rotation/T"), "dataset 'rotation/T' is missing"),
+    "form": (
+        with_attribute("rotation", "form", "K0"),
+        "attribute 'form' of group 'rotation': expected 'KM', found 'K0'",
+    ),
+    "n_soft": (
+        with_attribute("rotation", "n_soft", 1),
+        r"rotation/T: expected a row for each of n_low .*, found 5 with n_low = 1, n_soft = 1",
+    ),
+    "n_low": (
+        with_attribute("rotation", "n_low", 1.5),
+        "attribute 'n_low' of group 'rotation': expected a whole number, found 1.5",
+    ),
+    "n_low negative": (
+        with_attribute("rotation", "n_low", -1),
+        "rotation: n_low: expected 0 to 5, found -1",
+    ),
+    "A_inertia": (
+        removed_from("rotation/A_inertia", 1),
+        r"rotation/A_inertia: expected shape \(6, 5, 5\), found \(5, 5, 5\)",
+    ),
+    "skew": (
+        with_entry("rotation/A_interface", (0, 0, 1), 9.0),
+        "rotation: A_interface: expected symmetry",
+    ),
+    "kappa": (with_entry("rotation/kappa", 0, np.nan), "rotation/kappa: expected finite numbers"),
+    "cubic alone": (without("rotation/quartic"), "rotation: expected both or none of cubic and q"),
+    "T": (
+        with_entry("rotation/T", (4, 0), 0.5),
+        "rotation/T: expected projections by mass that give the shapes back, found a difference",
+    ),
+    "too much inertia": (
+        with_entry("modes/phi_inertia", (0, 0), 9e9),
+        "modes/phi_inertia: expected changes of inertia that the mass of the body allows",
+    ),
+    "cubic": (
+        with_entry("rotation/cubic", (0, 1, 2), 99.0),
+        "rotation/cubic: expected the same numbers in any order of the indices",
+    ),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS_OF_ROTATION)
+def test_each_fault_of_the_second_order_is_one_error(fault, make_element, path):
+    change, message = FAULTS_OF_ROTATION[fault]
+    element = make_element()
+    rotation = any_rotation(0, element.modes, element.J_rot, level=2)
+    write(path, replace(element, rotation=rotation))
+    with h5py.File(path, "r+") as file:
+        change(file)
+    with pytest.raises(SuperelementError, match=message) as caught:
+        read(path)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("fault", FAULTS)

@@ -23,9 +23,10 @@ def solid_superelement(
     material: dict[str, float],
     impulse: dict[str, Any],
     root: str = "average",
+    **settings: Any,
 ) -> Superelement:
     """A box along x with frames root and tip on its ends, of the kind that `root` says and
-    average.
+    average; settings: of the body file.
     """
     mesh, path = box_mesh(kind, size, divisions), folder / f"{kind}-{divisions[0]}.msh"
     mesh = meshio.Mesh(
@@ -38,6 +39,7 @@ def solid_superelement(
         "material": material,
         "interfaces": {"root": {"group": "root", "kind": root}, "tip": {"group": "tip"}},
         "impulse": {"steps": 1000, "method": "krylov", **impulse},
+        **settings,
     }
     return build(Body.model_validate(body))
 

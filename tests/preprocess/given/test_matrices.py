@@ -18,6 +18,8 @@ from duhamel.preprocess import (
     build,
     read_body,
 )
+from duhamel.preprocess.assembly.second_order import second_order
+from duhamel.preprocess.sources.reading import read_source
 from duhamel.preprocess.survey import survey
 from pydantic import ValidationError
 
@@ -177,6 +179,36 @@ def test_rotations_of_solids_and_nodes_without_elements_are_no_unknowns(solid, t
         match=r"nodes.csv: interfaces.tip: nodes: no node 9999 with stiffness or mass",
     ):
         assemble(given(body.matrices, interfaces={"tip": {"nodes": [9999]}}))
+
+
+def test_matrices_of_solids_tell_how_the_inertia_changes(solid, tmp_path):
+    """But not how loads stiffen the body."""
+    model = export(assemble(solid))
+    bodies = solid, given(model.write(tmp_path), interfaces=ends(model))
+    structures = [assemble(body) for body in bodies]
+    mesh, found = (
+        second_order(structure, read_source(body), body)
+        for structure, body in zip(structures, bodies, strict=True)
+    )
+    motions = np.random.default_rng(3).normal(size=(structures[0].n_u, 3))
+    pairs = [
+        (found.inertia_loads, mesh.inertia_loads),
+        (found.inertia(motions), mesh.inertia(motions)),
+        (found.gyroscopic(motions), mesh.gyroscopic(motions)),
+        (found.interfaces(motions), mesh.interfaces(motions)),
+    ]
+    for one, other in pairs:
+        np.testing.assert_allclose(one, other, rtol=0, atol=1e-12 * np.abs(other).max())
+    for energy in (lambda: found.third(motions, motions), lambda: found.quartic(motions, abs)):
+        with pytest.raises(BodyError, match=r"nodes.csv: .* do not tell how loads stiffen a body"):
+            energy()
+
+
+def test_matrices_with_rotations_tell_nothing_of_second_order(beam, tmp_path):
+    model = export(assemble(beam))
+    body = given(model.write(tmp_path), interfaces=ends(model))
+    with pytest.raises(BodyError, match="expected nodes with three dofs and a mass"):
+        second_order(assemble(body), read_source(body), body)
 
 
 def test_nodes_of_three_and_of_six_dofs_in_one_model(solid_body, tmp_path):
