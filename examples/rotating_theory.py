@@ -70,6 +70,12 @@ class RotatingBeam:
         """Of the shapes (n,) [1]."""
         return np.array([shape(1.0) for shape in self._shapes])
 
+    def coning(self, spin: float, load: float) -> float:
+        """The slope at the root [rad] that stays under a load per length [N/m] across the plane."""
+        lift = np.array([shape(XI) for shape in self._shapes]) @ (load * self.length * WEIGHTS)
+        slopes = np.array([shape.deriv()(0.0) for shape in self._shapes]) / self.length
+        return float(slopes @ np.linalg.solve(self.K + spin**2 * self.S, lift))
+
     def flap(self, spin: float) -> Array:
         """Frequencies (n,) [rad/s], lowest first."""
         return np.sqrt(eigh(self.K + spin**2 * self.S, self.M, eigvals_only=True))

@@ -32,7 +32,7 @@ L, AT = 1.0, 1.0 / 3.0
 """of the shaft [m], and where its disk is, over that"""
 ELEMENTS = 30
 """of the reference: none of the superelement"""
-MODES = 4
+MODES = 6
 """of the reference under the unbalance, at rest"""
 SHAPES = [Polynomial(c) for c in ([1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1])]
 """of Hermite, over x / length of an element"""
@@ -162,7 +162,7 @@ def main(folder: Path) -> Whirl:
     found = run_up(model, folder / "unbalance.h5")
     with view.style():
         view.save(curves(found, Shaft(model)), folder / "unbalance.png")
-    assert found.error < 0.01
+    assert found.error < 5e-3
     return found
 
 
