@@ -53,9 +53,10 @@ class Wheel:
 
 @dataclass(frozen=True)
 class Checks:
-    """Relative differences: of the tension from the closed form, over its largest; of the stretch of
-    the tip from the finite element mesh; of the speed from the angular momentum over the inertia of
-    the wheel that is widened as that mesh.
+    """Relative differences.
+
+    tension: from the closed form, over its largest; stretch: of the tip, from the finite element
+    mesh; speed: from the angular momentum over the inertia of that mesh as it is widened.
     """
 
     tension: float
@@ -119,7 +120,7 @@ def compare(found: Wheel) -> Checks:
 def widened(speed: float) -> tuple[float, float]:
     """How far a tip moves out [m], and the inertia about the axis [kg m^2], by the mesh alone:
 
-        K u + P^T lambda = Omega^2 M X,  P u = 0 on average over the bore,   X across the axis
+    K u + P^T lambda = Omega^2 M X,  P u = 0 on average over the bore,   X across the axis
     """
     structure = assemble(preprocess.read_body(BODY))
     X = structure.nodes.points * [1.0, 1.0, 0.0]
@@ -158,12 +159,18 @@ def stresses(results: solver.Results) -> Figure:
 
 
 def report(found: Wheel, checks: Checks) -> None:
-    print(f"speed                       {found.speed[-1]:.2f} rad/s, that of the widened mesh "
-          f"within {checks.speed:.1e}")
-    print(f"tip moves out               {1e6 * found.stretch[-1]:.2f} um, that of the mesh within "
-          f"{checks.stretch:.1e}")
-    print(f"tension along a blade       {1e-6 * found.tension.max():.1f} MPa at 140 mm, that of a bar within "
-          f"{checks.tension:.1e}")
+    print(
+        f"speed                       {found.speed[-1]:.2f} rad/s, that of the widened mesh within "
+        f"{checks.speed:.1e}"
+    )
+    print(
+        f"a tip moves out             {1e6 * found.stretch[-1]:.2f} um, that of the mesh within "
+        f"{checks.stretch:.1e}"
+    )
+    print(
+        f"tension along a blade       {1e-6 * found.tension.max():.1f} MPa at 140 mm, that of a bar "
+        f"within {checks.tension:.1e}"
+    )
 
 
 if __name__ == "__main__":

@@ -59,8 +59,8 @@ class Checks:
     """Relative differences.
 
     droop: of the bending at rest from q L^4 / 8 EI; coning: of the angle of the hinge in steady
-    rotation from that of a rotating beam; rigid: of the first frequency from the formula; beam: of both from those of a
-    rotating beam.
+    rotation from that of a rotating beam; rigid: of the first frequency from the formula; beam: of
+    both from those of a rotating beam.
     """
 
     droop: float
@@ -119,15 +119,13 @@ def kicked(model: solver.Model) -> tuple[Flap, Array]:
 
 
 def ringing(model: solver.Model, spin: float, near: Array) -> tuple[list[float], float]:
-    """Two flap frequencies [rad/s] after a kick in steady rotation, and the angle before it [rad]."""
+    """Flap frequencies [rad/s] after a kick in steady rotation, and the angle before it [rad]."""
     shaft, flap = model.joints
     steady = replace(
         model,
         joints=(replace(shaft, angle=solver.Polynomial((0.0, spin))), flap),
         loads=(solver.Load("force", "blade.tip", Z, solver.Pulse(20.0, 0.01, 0.03)),),
-    ).with_settings(
-        t_end=RINGING, step=STEP, steady_rotation=solver.SteadyRotation(spin * Z)
-    )
+    ).with_settings(t_end=RINGING, step=STEP, steady_rotation=solver.SteadyRotation(spin * Z))
     results = solver.simulate(steady)
     angle = results.joint("flap").coordinates["angle"]
     return [peak_frequency(angle, STEP, f) for f in near], float(angle[0])

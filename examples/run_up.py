@@ -72,9 +72,7 @@ class RunUp:
     @property
     def error(self) -> float:
         """Largest difference over the peak."""
-        return float(
-            np.abs(self.deflection - self.expected).max() / np.abs(self.expected).max()
-        )
+        return float(np.abs(self.deflection - self.expected).max() / np.abs(self.expected).max())
 
 
 def main(folder: Path) -> tuple[Campbell, RunUp]:
@@ -127,7 +125,9 @@ def expected_at(spins: Array) -> Array:
 def frequencies(model: solver.Model, spin: float, near: Array) -> list[float]:
     """Of CURVES [rad/s], after a kick at the tip while the blade turns steadily."""
     (shaft,) = model.joints
-    kick = solver.Load("force", "blade.tip", [0, 1, 1], solver.Pulse(50.0, 1e-3, 2e-3), follower=True)
+    kick = solver.Load(
+        "force", "blade.tip", [0, 1, 1], solver.Pulse(50.0, 1e-3, 2e-3), follower=True
+    )
     steady = replace(
         model,
         joints=(replace(shaft, angle=solver.Polynomial((0.0, spin))),),
@@ -238,7 +238,9 @@ def curves(found: RunUp) -> Figure:
         (without, found.without, red, "without second order"),
     ):
         axes.plot(found.time, 1e3 * deflection, color=color, linewidth=0.8, label=label)
-        axes.plot(found.time, 1e3 * found.expected, color="0.2", linewidth=0.5, label="rotating beam")
+        axes.plot(
+            found.time, 1e3 * found.expected, color="0.2", linewidth=0.5, label="rotating beam"
+        )
         axes.set(title="tip across the plane of rotation", ylabel="[mm]")
         axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, ncols=2)
     spin.set(title="revolutions a second")

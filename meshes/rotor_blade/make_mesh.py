@@ -1,6 +1,6 @@
 """A line of 20 elements along x, 4.75 m long: root and tip, its ends.
 
-    python meshes/rotor_blade/make_mesh.py
+python meshes/rotor_blade/make_mesh.py
 """
 
 from pathlib import Path

@@ -1,6 +1,6 @@
 """A line of 24 elements along x, 1 m long: left and right, its ends, and disk, at a third of it.
 
-    python meshes/shaft/make_mesh.py
+python meshes/shaft/make_mesh.py
 """
 
 from pathlib import Path
