@@ -168,8 +168,8 @@ def report(found: Wheel, checks: Checks) -> None:
         f"{checks.stretch:.1e}"
     )
     print(
-        f"tension along a blade       {1e-6 * found.tension.max():.1f} MPa at 140 mm, that of a bar "
-        f"within {checks.tension:.1e}"
+        f"tension along a blade       {1e-6 * found.tension.max():.1f} MPa at 140 mm, that of a "
+        f"bar within {checks.tension:.1e}"
     )
 
 

@@ -4,7 +4,8 @@
 
 runs examples/soft_pendulum.toml with the terms of second order and without them, and with four
 bodies in the place of the beam, of either kind. The distance is that from four bodies with the
-terms, of which each bends a sixteenth as far. Writes results and a picture to FOLDER, by default out/.
+terms, of which each bends a sixteenth as far. Writes results and a picture to FOLDER, by default
+out/.
 """
 
 import sys

@@ -209,14 +209,13 @@ def curves(found: Whirl, shaft: Shaft) -> Figure:
         label="finite elements in space",
     )
     radius.plot(turning, 1e3 * np.abs(found.without), color=red, label="without second order")
-    radius.set(
-        title="radius of the whirl", ylabel="[mm]", ylim=(0.0, 1.2e3 * np.abs(found.disk).max())
-    )
-    for values, color, label in (
+    highest = 1.3e3 * np.abs(found.disk).max()
+    radius.set(title="radius of the whirl", ylabel="[mm]", ylim=(0.0, highest))
+    for whirl, color, label in (
         (found.disk, blue, "superelement"),
         (found.without, red, "without second order"),
     ):
-        apart.plot(turning, 1e3 * np.abs(values - found.expected), color=color, label=label)
+        apart.plot(turning, 1e3 * np.abs(whirl - found.expected), color=color, label=label)
     apart.set(title="distance from finite elements in space", ylabel="[mm]", xlabel="speed [rad/s]")
     for axes in (radius, apart):
         axes.axvline(found.critical, color="0.8", linewidth=0.8)

@@ -2,9 +2,9 @@
 
     python meshes/disk/make_mesh.py
 
-The disk is a ring of constant thickness. Over the layer of elements next to it a blade goes over from
-the rim, which is round, to a straight prism of constant section; `PLATFORM` is the radius where
-that begins. Blade 1 lies along x.
+The disk is a ring of constant thickness. The first element of a blade goes over from the rim, which
+is round, to a straight prism of constant section, which begins at the radius PLATFORM. Blade 1 lies
+along x.
 """
 
 from collections.abc import Callable
