@@ -17,8 +17,7 @@ import scipy.sparse as sp
 
 from ...superelement.validation import Array
 from ..body.body import Body
-from ..elements.inertia import Moved, Pieces
-from ..elements.solid_second import pairs
+from ..elements.inertia import Moved, Pieces, pairs
 from ..mesh.nodes import Nodes, spider
 from .frame_motion import Follower, Frame, frame_of
 from .interfaces import Attachment

@@ -162,3 +162,11 @@ def scalar_mass(M: Any) -> Any | None:
     off = max(abs(parts[i][j]).max() for i in range(3) for j in range(3) if i != j)
     apart = max(abs(parts[i][i] - M_s).max() for i in range(3))
     return M_s if max(off, apart) <= 1e-10 * abs(M_s).max() else None
+
+
+def pairs(r: int) -> IntArray:
+    """The number (r, r) of the pair of two motions."""
+    numbers = np.zeros((r, r), dtype=np.int64)
+    rows, columns = np.triu_indices(r)
+    numbers[rows, columns] = numbers[columns, rows] = np.arange(len(rows))
+    return numbers

@@ -23,14 +23,6 @@ PLACE = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
 """The number of a stress in the order of `STRESSES`."""
 
 
-def pairs(r: int) -> IntArray:
-    """The number (r, r) of the pair of two motions."""
-    numbers = np.zeros((r, r), dtype=np.int64)
-    rows, columns = np.triu_indices(r)
-    numbers[rows, columns] = numbers[columns, rows] = np.arange(len(rows))
-    return numbers
-
-
 @dataclass(frozen=True, eq=False)
 class SolidTensors(NodalTensors):
     """The inertia and the strain energy of solids of St. Venant and Kirchhoff's material.

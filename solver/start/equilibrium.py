@@ -7,7 +7,8 @@ velocities zero, or those of a steady rotation as the scheme steps it (steady.py
 R^T Omega, omega' = 0, v and v_dot multiples of x - c. Solved by pseudo-transient continuation:
 implicit steps of the gradient flow M dq/dtau = f, which grow as the residual falls until they are
 Newton's. The flow runs down the potential, so that it tends to stable equilibria; but bodies that
-start in an unstable one stay there, without a message.
+start in an unstable one, as straight columns beyond their buckling loads, stay there, without a
+message.
 """
 
 import numpy as np

@@ -178,6 +178,7 @@ def with_second_order() -> Callable[..., Superelement]:
             element,
             rotation=replace(
                 second,
+                T=np.linalg.qr(second.T.T)[0].T,
                 phi_inertia=np.sqrt(mass) * size * thin * second.phi_inertia,
                 A_inertia=thin**2 * second.A_inertia,
                 gyroscopic=thin * second.gyroscopic,

@@ -115,6 +115,23 @@ def test_errors_with_terms_of_second_order(curved, alpha, rotation, displacement
     assert error < 0.01 or CRITERIA["second_order_rotation"].verdict(turned) == "poor"
 
 
+@pytest.mark.parametrize(
+    ("part", "precision"), [(0.5, 1e-5), (0.9, 1e-4), (0.99, 5e-3), (-4.0, 1e-3)]
+)
+def test_a_column_near_its_buckling_load(curved, part, precision):
+    """Clamped, with a small force Q across its tip: w = Q (tan(k L) / k - L) / P, k^2 = P / EI."""
+    P, small = part * np.pi**2 * EI / (4.0 * L**2), 1e-4
+    model = Model(
+        {"beam": FlexibleBody(curved.element)},
+        [Joint("clamp", "fixed", ("ground", "beam.root"))],
+        [Load("force", "beam.tip", [-P, small, 0], Constant(1.0))],
+        settings=Settings(t_end=6e-5, start="equilibrium"),
+    )
+    k = np.sqrt(complex(P / EI))
+    expected = (small * (np.tan(k * L) / k - L) / P).real
+    assert arm(start(model))[1] == pytest.approx(expected, rel=precision)
+
+
 def flap(gamma):
     """Tip of a rotating cantilever under a small force along the axis, over P L^3 / EI.
 

@@ -294,6 +294,35 @@ def test_bodies_are_preprocessed(study_file, folder, line_mesh):
         )
 
 
+ROTATION = """
+[rotation]
+modes = 2
+soft = 0
+"""
+
+
+def test_the_second_order_of_bodies_is_a_parameter(study_file, folder, line_mesh):
+    """Of the body file, and of the model with a superelement that it made."""
+    line_mesh(folder / "model" / "bar.msh", 4)
+    (folder / "model" / "bar.toml").write_text(BODY + ROTATION)
+    path = study_file('body = "model/bar.toml"\nparameters.rotation.modes = [2, 4]')
+    _, rows = run(path)
+    elements = [read(row.case.target) for row in rows]
+    assert [element.rotation.n_low for element in elements] == [2, 4]
+    write(folder / "model" / "parts" / "beam.h5", elements[1])
+    model = folder / "model" / "hub.toml"
+    spun = 'second_order = "auto"\nangular_velocity = [0, 0, 300]\nvelocity'
+    model.write_text(MODEL.replace("velocity", spun))
+    path = study_file(
+        'model = "model/hub.toml"\nparameters.bodies.beam.second_order = ["off", "full"]\n'
+        'outputs.stretch = "max |elastic_displacement:beam.root|"'
+    )
+    run(path)
+    off, full = (row["stretch"] for row in summary(path))
+    assert float(off) == 0.0
+    assert float(full) > 1e-6
+
+
 WALL = """
 [[stops]]
 name = "wall"

@@ -10,8 +10,7 @@ import scipy.sparse as sp
 from duhamel.preprocess import assemble
 from duhamel.preprocess.assembly.rigid import project
 from duhamel.preprocess.assembly.second_order import second_order
-from duhamel.preprocess.elements.inertia import scalar_mass
-from duhamel.preprocess.elements.solid_second import pairs
+from duhamel.preprocess.elements.inertia import pairs, scalar_mass
 from duhamel.preprocess.sources.reading import read_source
 from scipy.spatial.transform import Rotation
 

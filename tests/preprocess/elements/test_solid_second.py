@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from duhamel.preprocess.body.material import Material
-from duhamel.preprocess.elements import solid_second
+from duhamel.preprocess.elements import inertia, solid_second
 from duhamel.preprocess.elements.solid import solid_matrices
 from duhamel.preprocess.elements.solid_second import SolidTensors
 from duhamel.preprocess.mesh.reading import read_mesh
@@ -52,7 +52,7 @@ def test_the_third_derivative_of_the_strain_energy(solid):
 def test_the_fourth_derivative_of_the_strain_energy(solid):
     motions = motions_of(solid, 4)
     energy = strain_energy(solid.mesh, solid.materials, solid.owners)
-    pairs = solid_second.pairs(4)
+    pairs = inertia.pairs(4)
     E = solid.quartic(motions, None)[0]
     assert (pairs == pairs.T).all()
     for k, j, m, n in ((0, 0, 0, 0), (0, 0, 1, 1), (0, 1, 2, 3), (2, 2, 2, 1)):
@@ -66,7 +66,7 @@ def test_the_fourth_derivative_of_the_strain_energy(solid):
 def test_loads_of_second_order_strains_are_the_work_of_the_initial_stress(solid):
     """Q_kl^T u + Q_ul^T psi_k + Q_uk^T psi_l = D3(u; psi_k, psi_l)."""
     motions = motions_of(solid, 3)
-    pairs = solid_second.pairs(3)
+    pairs = inertia.pairs(3)
     work = motions.T @ solid.quartic(motions, None)[1]
     D3 = solid.third(motions, motions)
     for a, k, j in np.ndindex(3, 3, 3):

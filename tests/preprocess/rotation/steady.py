@@ -112,7 +112,9 @@ class Steady:
 
     def solve(self):
         """Newton's method to the steady state."""
-        scale = np.concatenate([np.ones(RIGID), self.squares**-0.5, np.ones(len(self.reactions))])
+        elastic, stiff = self.squares**-0.5, self.element.mass * max(1.0, self.spin @ self.spin)
+        scale = np.concatenate([np.full(RIGID, stiff**-0.5), elastic, 0.0 * self.reactions])
+        scale[RIGID + len(elastic) :] = stiff**0.5
         for _ in range(20):
             K, B = self.stiffness()
             rest = differences(lambda v: self.lagrangian(v, 0.0 * v)[:, None], self.v)[0]

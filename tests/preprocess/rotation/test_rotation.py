@@ -8,9 +8,9 @@ from duhamel.superelement import check, read, write
 from .steady import Steady, Support
 
 FLAP = {3: (4.7973, 23.3203), 6: (7.3604, 26.8093)}
-"""gamma -> sqrt(m L^4 / EI) times the flap frequencies of a rotating cantilever, from the literature
-and, to all digits, from 2 + 8 coordinates of an independent program
-"""
+"""gamma -> the first two flap frequencies of a rotating cantilever, in units of sqrt(EI / m L^4)"""
+STILL = 3.5160
+"""the first at rest"""
 UNIT = {
     "EA": 1e6,
     "EI_y": 1.0,
@@ -107,6 +107,48 @@ def test_krylov_finds_what_rotation_stretches_and_no_load_on_an_interface_does(u
     scale = found["modal"][0].max()
     np.testing.assert_allclose(found["krylov"], found["modal"], atol=1e-6 * scale, rtol=0)
     assert scale > 1e-8
+
+
+@pytest.fixture
+def steel_bar(box, solid_body):
+    """A bar of hexahedra of 1 m, 20 times as long as thick, with rigid ends."""
+
+    def make(rotation):
+        ends = {name: {"group": name, "kind": "rigid"} for name in ("root", "tip")}
+        mesh = box("hexahedron27", (1.0, 0.05, 0.05), (8, 1, 1))
+        impulse = {"step": 1e-5, "steps": 4}
+        return build(solid_body(mesh, rotation=rotation, interfaces=ends, impulse=impulse))
+
+    return make
+
+
+def test_a_rotating_bar_of_solids_stiffens_as_a_beam(steel_bar):
+    """Its clamped end cannot contract either, so the square gains what that of a beam does."""
+    element = steel_bar(ROOT)
+    unit = np.sqrt(2.1e11 * 0.05**2 / 12.0 / 7800.0)
+    spin = 3.0 * unit
+    frequencies = [
+        Steady(element, [Support(0)], [0, 0, w]).solve().frequencies()[0][:2] / unit
+        for w in (0.0, spin)
+    ]
+    still, (lag, flap) = frequencies[0][0], frequencies[1]
+    assert still == pytest.approx(STILL, rel=0.01)
+    assert flap == pytest.approx(np.sqrt(still**2 + FLAP[3][0] ** 2 - STILL**2), rel=2e-3)
+    assert lag == pytest.approx(np.sqrt(flap**2 - 9.0), rel=2e-3)
+
+
+def test_no_strain_energy_is_negative_at_level_2(steel_bar):
+    """1/2 omega^2 q^2 + W, for any deflection however large; with the cubic alone it is."""
+    element = steel_bar({"modes": 4, "loaded": ["root"], "level": 2})
+    rotation = element.rotation
+    squares = ((rotation.by_mass * element.modes.omega) ** 2).sum(axis=1)
+    rng = np.random.default_rng(0)
+    q = rng.normal(size=(4000, rotation.n_stiff)) / np.sqrt(squares)
+    q *= 10.0 ** rng.uniform(-2.0, 8.0, (4000, 1))
+    linear = 0.5 * (squares * q**2).sum(axis=1)
+    cubic = np.einsum("klm,pk,pl,pm->p", rotation.cubic, q, q, q, optimize=True) / 6.0
+    quartic = np.einsum("klmn,pk,pl,pm,pn->p", rotation.quartic, q, q, q, q, optimize=True) / 8.0
+    assert ((linear + cubic + quartic) / linear).min() > 0.0
 
 
 def test_coordinates_are_projections(unit_beam):
