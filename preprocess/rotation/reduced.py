@@ -14,7 +14,7 @@ from ..mesh.mesh import NONE, IntArray
 from ..responses.shapes import Shapes
 from ..responses.static import refined, static_solver
 from .coordinates import Coordinates, choose, lowest
-from .statics import Statics, statics
+from .statics import Statics, Stiffening, statics
 
 
 def reduced_rotation(
@@ -64,11 +64,7 @@ def _chosen(
     loaded = _loaded(second.structure, asked)
     if fields is None:
         return lowest(modes, asked, loaded)
-
-    def kappa_of(Y: Array, squares: Array) -> Array:
-        return fields.stiffening(second, shapes.combined(Y), squares)
-
-    return choose(modes, asked, loaded, kappa_of)
+    return choose(modes, asked, loaded, Stiffening(fields, second, shapes))
 
 
 def _loaded(structure: Structure, asked: NonlinearCoordinates) -> IntArray:
