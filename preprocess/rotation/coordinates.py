@@ -27,7 +27,8 @@ class Coordinates:
     """Shapes Psi = Phi Y that are orthonormal in mass and orthogonal in stiffness.
 
     Y (m, n), the first `n_low` of which are modes; squares (n,): Y^T diag(omega^2) Y; kappa
-    (candidates,): of all that were looked at, relative to the largest, most first.
+    (candidates,): of all that were looked at, relative to the largest, most first; none where
+    stress is unknown.
     """
 
     Y: Array
@@ -91,12 +92,18 @@ def choose(
     if asked.level == 1:
         kept = kept[stiffening.taken(soft[:, kept], soft_squares[kept], Y, squares) <= TAKEN]
     kept = np.sort(kept)
-    return Coordinates(
-        np.hstack([Y, soft[:, kept]]),
-        np.concatenate([squares, soft_squares[kept]]),
-        len(low),
-        kappa / kappa[0],
-    )
+    return _coordinates(modes, low, soft[:, kept], soft_squares[kept], kappa / kappa[0])
+
+
+def lowest(modes: Modes, asked: NonlinearCoordinates, loaded: IntArray) -> Coordinates:
+    """The lowest modes, and as many of the softest attachments as are asked for; "auto" means none.
+
+    For bodies whose stress is unknown.
+    """
+    low = np.argsort(modes.omega)[: asked.modes]
+    soft, squares = attachments(modes, low, loaded)
+    n = 0 if asked.soft == "auto" else asked.soft
+    return _coordinates(modes, low, soft[:, :n], squares[:n], np.zeros(0))
 
 
 def attachments(modes: Modes, low: IntArray, loaded: IntArray) -> tuple[Array, Array]:
@@ -113,6 +120,18 @@ def attachments(modes: Modes, low: IntArray, loaded: IntArray) -> tuple[Array, A
     c = (Z[:, independent] / np.sqrt(mass[independent])).T @ c
     squares, z = eigh((c * modes.omega**2) @ c.T)
     return c.T @ z, squares
+
+
+def _coordinates(
+    modes: Modes, low: IntArray, soft: Array, squares: Array, kappa: Array
+) -> Coordinates:
+    """Of modes `low` and soft shapes (m, n_soft) with their squares (n_soft,)."""
+    return Coordinates(
+        np.hstack([np.eye(len(modes.omega))[:, low], soft]),
+        np.concatenate([modes.omega[low] ** 2, squares]),
+        len(low),
+        kappa,
+    )
 
 
 def _most(kappa: Array, asked: int | str, least: float) -> IntArray:

@@ -15,7 +15,6 @@ from .loads import add_load_work
 from .newton import converge, renew
 from .observers import follow_coordinates
 from .record import record
-from .second_order import finish_second_order
 from .system import Inputs, Run, State, System, Workspace
 
 OTHER_SIZE = -1.0
@@ -85,7 +84,6 @@ def _finish(system: System, state: State, work: Workspace) -> None:
     finish_history(system.elastic, system.scheme, state, work)
     finish_bodies(system.scheme, state)
     finish_interfaces(system.scheme, state, work)
-    finish_second_order(system.elastic, state, work)
     add_elastic_work(system.elastic, state, work)
     add_load_work(system.loads, state, work)
     add_coupling_work(system.couplings, state, work)

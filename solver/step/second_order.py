@@ -69,15 +69,26 @@ def first_coordinate(elastic: Elastic, e: int) -> int:
 
 @compiled
 def add_curvatures(elastic: Elastic, state: State, work: Workspace) -> None:
-    """u += 1/2 A(q, q) on all dofs of interfaces and inertia, whose u is y so far."""
+    """u += 1/2 A(q, q) on all dofs of interfaces and inertia, whose u is y so far.
+
+    `slope` is that of the last evaluation, which q has all but met.
+    """
     second, u = elastic.second, state.interfaces.u
     curvature, bend = work.second.curvature, work.second.bend
     for e in range(len(second.r)):
-        if second.r[e]:
-            for k in range(elastic.dof[e], first_coordinate(elastic, e)):
-                bend[k] = _curvature(elastic, e, k, u) - curvature[k]
-                curvature[k] += bend[k]
-                u[k] += curvature[k]
+        r, first = second.r[e], first_coordinate(elastic, e)
+        if r == 0:
+            continue
+        i, row = elastic.active_range[e], second.row[e]
+        for k in range(elastic.dof[e], first):
+            if elastic.active[i] == k:
+                now = 0.5 * inner(work.second.slope[row : row + r], u[first : first + r])
+                i, row = i + 1, row + r
+            else:
+                now = _curvature(elastic, e, k, u)
+            bend[k] = now - curvature[k]
+            curvature[k] = now
+            u[k] += now
 
 
 @compiled
@@ -107,7 +118,7 @@ def load_second_order(elastic: Elastic, state: State, work: Workspace) -> None:
     for e in range(len(second.r)):
         if second.r[e]:
             _set_slopes(elastic, e, state, work)
-            follow_inertia(elastic, e, state, work)
+            _follow_inertia(elastic, e, state, work)
             _set_loads(elastic, e, state, work)
 
 
@@ -138,7 +149,7 @@ def _add_scaled(factor: float, source: Array, target: Array) -> None:
 
 
 @compiled
-def follow_inertia(elastic: Elastic, e: int, state: State, work: Workspace) -> None:
+def _follow_inertia(elastic: Elastic, e: int, state: State, work: Workspace) -> None:
     """J, Gamma and J' omega + Gamma' of the body, with h(q, .), h(q', .) and h(., q')."""
     second, b = elastic.second, elastic.body[e]
     r, first, start = second.r[e], first_coordinate(elastic, e), second.gyroscopic_start[e]
@@ -240,14 +251,6 @@ def add_second_order_residual(elastic: Elastic, state: State, work: Workspace) -
         for i in range(elastic.active_range[e + 1] - elastic.active_range[e] - r):
             slope = work.second.slope[second.row[e] + i * r : second.row[e] + (i + 1) * r]
             residual[elastic.active_range[e] + i] += 0.5 * inner(slope, u[first : first + r])
-
-
-@compiled
-def finish_second_order(elastic: Elastic, state: State, work: Workspace) -> None:
-    """The inertia that belongs to the state at the end of a step."""
-    for e in range(len(elastic.second.r)):
-        if elastic.second.r[e]:
-            follow_inertia(elastic, e, state, work)
 
 
 @compiled
