@@ -202,6 +202,24 @@ def _of_rotation(element: Superelement, rotation: Rotation) -> Iterator[Check]:
     for name in ("cubic", "quartic"):
         if (tensor := getattr(rotation, name)) is not None:
             yield _of_energy(f"rotation/{name}", tensor)
+    if element.modes is not None and rotation.cubic is not None and rotation.quartic is not None:
+        squares = rotation.by_mass**2 @ element.modes.omega**2
+        yield _bounded(squares, rotation.cubic, rotation.quartic)
+
+
+def _bounded(squares: Array, cubic: Array, quartic: Array) -> Check:
+    """s q^2 / 2 + c q^3 / 6 + d q^4 / 8 >= 0 along each coordinate: c^2 <= 9 s d."""
+    k = np.arange(len(cubic))
+    c, d = cubic[k, k, k], quartic[k, k, k, k]
+    largest = max(float(np.abs(quartic).max(initial=0.0)), np.finfo(float).tiny)
+    missing = float((c**2 / (9.0 * squares[k]) - d).max(initial=0.0))
+    return Check(
+        "rotation/quartic",
+        "no negative strain energy along a coordinate",
+        "too little, relative to the largest,",
+        missing / largest,
+        ROUNDING,
+    )
 
 
 def _of_energy(where: str, tensor: Array) -> Check:

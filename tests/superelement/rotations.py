@@ -25,6 +25,8 @@ def any_rotation(seed: int, modes: Modes, J_rot: Array, level: int = 1) -> Rotat
             for _ in range(order - 1):
                 term = np.multiply.outer(term, factor)
             energy += term
+    # small beside the linear energy, so that their sum is not negative along a coordinate
+    energies[0] *= 0.3 * min(1.0, np.sqrt((Y.T**2 @ modes.omega**2).min()))
     cubic, quartic = energies if level == 2 else (None, None)
     return Rotation(
         phi_inertia=inertia,

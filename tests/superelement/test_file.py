@@ -573,6 +573,14 @@ FAULTS_OF_ROTATION = {
         with_entry("rotation/cubic", (0, 1, 2), 99.0),
         "rotation/cubic: expected the same numbers in any order of the indices",
     ),
+    "cubic too large": (
+        with_entry("rotation/cubic", (0, 0, 0), 1e20),
+        "rotation/quartic: expected no negative strain energy along a coordinate",
+    ),
+    "quartic": (
+        with_entry("rotation/quartic", (1, 1, 1, 1), -1.0),
+        "rotation/quartic: expected no negative strain energy along a coordinate",
+    ),
 }
 
 
