@@ -32,6 +32,8 @@ def reduced_rotation(
     fields = statics(structure)
 
     def kappa_of(Y: Array, squares: Array) -> Array:
+        if len(squares) == 0:
+            return np.zeros(0)
         return fields.stiffening(second, shapes.combined(Y), squares)
 
     q = choose(modes, asked, _loaded(structure, asked), kappa_of)

@@ -194,6 +194,11 @@ def test_a_number_of_soft_shapes_is_those_that_are_stiffened_most(unit_beam):
     np.testing.assert_allclose(share, 1.0, atol=0.3)
 
 
+def test_where_no_interface_is_loaded_there_are_modes_alone(unit_beam):
+    rotation = unit_beam(rotation={"modes": 3, "loaded": []}).rotation
+    assert (rotation.n_low, rotation.n_soft) == (3, 0)
+
+
 def test_inertia_stays_positive_where_a_beam_bends_far(beam, beam_body):
     """The mass matrix [[J, h q], [., 1]] of a slender beam of 10 m, bent by half a meter."""
     section = {**UNIT, "EA": 2.1e7, "EI_y": 1.4e4, "EI_z": 1.4e4}
