@@ -12,6 +12,10 @@ from ..superelement.validation import Array
 SHOWN_FREQUENCIES = 10
 SHOWN_SHAPES = 20
 """of which the stiffening is shown"""
+UNKNOWN_STIFFENING = (
+    "none, for [matrices] know none: slender bodies, as blades, soften as they turn where they "
+    "would stiffen"
+)
 
 Row = tuple[str, str]
 
@@ -80,7 +84,7 @@ def _rotation(rotation: Rotation | None) -> Iterator[Row]:
         f"r = {rotation.r}: {rotation.n_low} modes, {rotation.n_soft} soft shapes{energy}",
     )
     kappa = ", ".join(f"{value:.2g}" for value in rotation.kappa[:SHOWN_SHAPES])
-    yield "  stiffening, relative", kappa
+    yield "  stiffening, relative", kappa if rotation.stiffens else UNKNOWN_STIFFENING
 
 
 def _kernel(kernel: Kernel) -> Iterator[Row]:

@@ -39,7 +39,7 @@ def refused_where_singular() -> Iterator[None]:
 
 
 def doubts_of_body(body: Body) -> Iterator[str]:
-    """Doubts about materials and sections, each by its key."""
+    """Doubts about materials, sections and the rotation of matrices, each by its key."""
     if body.material is not None:
         yield from _of_material("material", body.material)
     if body.section is not None:
@@ -48,6 +48,12 @@ def doubts_of_body(body: Body) -> Iterator[str]:
         yield from _of_material(f"materials.{group}", material)
     for group, section in body.sections.items():
         yield from _of_section(f"sections.{group}", section)
+    if body.rotation is not None and body.matrices is not None:
+        yield (
+            "rotation: [matrices] know no stiffening: slender bodies, as blades, soften as they "
+            "turn where they would stiffen; good for stretch, and for the whirl of stiff rotors "
+            "and shafts well below their first frequency"
+        )
 
 
 def doubts_of_mesh(mesh: Mesh, facets: Facets | None) -> Iterator[str]:

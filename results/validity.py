@@ -95,7 +95,7 @@ CRITERIA = {
             0.03,
             0.1,
             "there is no stiffening by rotation: let it have terms of second order, by [rotation] "
-            "of its body file",
+            "of its body file, which needs its mesh for that",
         ),
         Criterion(
             "spin_turn",

@@ -30,8 +30,8 @@ class Rotation:
 
         W = cubic(q, q, q) / 6 + quartic(q, q, q, q) / 8      [J for q in sqrt(kg) m].
 
-    kappa (candidates,): how much a coordinate that was looked at stiffens the body, relative to the
-    largest, most first.
+    kappa (candidates,): how much loads stiffen the body in a coordinate that was looked at,
+    relative to the largest, most first; empty where it is unknown, so that nothing stiffens.
     """
 
     phi_inertia: Array
@@ -90,6 +90,11 @@ class Rotation:
     def n_stiff(self) -> int:
         """The number of coordinates that carry stress, the first of q: modes and soft shapes."""
         return self.n_low + self.n_soft
+
+    @property
+    def stiffens(self) -> bool:
+        """Whether A has what stress does; the matrices of another program do not tell it."""
+        return len(self.kappa) > 0
 
     @property
     def by_mass(self) -> Array:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 from ...superelement.validation import Array
 from ..body.selection import InterfaceSelection
@@ -64,6 +64,9 @@ class Resolution:
 
 class Tensors(Protocol):
     """The second order of the elements of a body, in motions of the dofs of its source."""
+
+    strain_energy: ClassVar[bool]
+    """whether its derivatives, `third` and `quartic`, are known"""
 
     def inertia_loads(self) -> Array:
         """F (n_u, 6): the first order change of the inertia is F^T u."""

@@ -210,7 +210,8 @@ class NonlinearCoordinates(Table):
 
     modes: the lowest modes that loads or rotation stiffen. soft: shapes of the interfaces `loaded`
     (all unless given) that add what these modes lack, as many as matter ("auto") or that number.
-    level 2 adds the energy of the fourth order, for thick and curved solids.
+    level 2 adds the energy of the fourth order, for thick and curved solids. Of matrices, which do
+    not tell what loads stiffen, the lowest modes, and the softest shapes if a number is given.
     """
 
     modes: Annotated[int, Field(ge=1, le=MOST)] = 4
@@ -320,11 +321,6 @@ class Body(Table):
     def _rotation_of_elements(self) -> Self:
         if self.rotation is None:
             return self
-        if self.matrices is not None:
-            raise ValueError(
-                "rotation: needs the elements of a mesh, for how stress stiffens a body is not in "
-                "its [matrices]; found these"
-            )
         if self.impulse.method == "march":
             raise ValueError(
                 "rotation: needs modes, which impulse.method march does not find: "
@@ -332,6 +328,11 @@ class Body(Table):
             )
         if self.rotation.level == 2 and (self.section or self.sections):
             raise ValueError("rotation.level: expected 1 of lines, found 2, which is for solids")
+        if self.rotation.level == 2 and self.matrices is not None:
+            raise ValueError(
+                "rotation.level: expected 1 of [matrices], found 2, which needs the elements of a "
+                "mesh"
+            )
         for name in self.rotation.loaded or ():
             if name not in self.interfaces:
                 raise ValueError(

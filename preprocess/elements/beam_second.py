@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -55,6 +56,8 @@ class BeamTensors:
     dofs (n, 12); axes (n, 3, 3): local axes as rows; ends (n, 2, 3): positions [m] from the center
     of mass.
     """
+
+    strain_energy: ClassVar[bool] = True
 
     n_dofs: int
     dofs: IntArray

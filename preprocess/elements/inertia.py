@@ -6,7 +6,7 @@ rotation vectors.
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -116,6 +116,8 @@ class NodalTensors:
 
     Motions (3 n, r). `name`: that of the file, for messages.
     """
+
+    strain_energy: ClassVar[bool] = False
 
     name: str
     M: Any

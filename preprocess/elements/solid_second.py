@@ -6,6 +6,7 @@ Pairs of motions count in the order of numpy's triu_indices, for all is symmetri
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -29,6 +30,8 @@ class SolidTensors(NodalTensors):
 
     `owners` (n_elements,) is the number of each element's material in `materials`.
     """
+
+    strain_energy: ClassVar[bool] = True
 
     mesh: Mesh
     materials: Sequence[Material]

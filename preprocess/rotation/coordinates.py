@@ -1,6 +1,5 @@
 """The coordinates of which interfaces, inertia and stiffness depend beyond the first order."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +9,7 @@ from ...superelement import Modes
 from ...superelement.validation import Array
 from ..body.body import NonlinearCoordinates
 from ..mesh.mesh import IntArray
+from .statics import Stiffening
 
 LOOKED_AT = 4
 """Lowest modes that are looked at for each that is asked for."""
@@ -18,8 +18,8 @@ SOFT = 1e-2
 INDEPENDENT = 1e-10
 """Eigenvalue of the scaled mass matrix of attachments below which one is a sum of others."""
 
-Stiffening = Callable[[Array, Array], Array]
-"""modal coordinates (m, n) of shapes, their squared frequencies (n,) -> kappa (n,)"""
+TAKEN = 0.03
+"""The part of the stiffening by a load that a soft shape may take with its stress."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +27,8 @@ class Coordinates:
     """Shapes Psi = Phi Y that are orthonormal in mass and orthogonal in stiffness.
 
     Y (m, n), the first `n_low` of which are modes; squares (n,): Y^T diag(omega^2) Y; kappa
-    (candidates,): of all that were looked at, relative to the largest, most first.
+    (candidates,): of all that were looked at, relative to the largest, most first; none where
+    stress is unknown.
     """
 
     Y: Array
@@ -67,7 +68,7 @@ class Coordinates:
 
 
 def choose(
-    modes: Modes, asked: NonlinearCoordinates, loaded: IntArray, kappa_of: Stiffening
+    modes: Modes, asked: NonlinearCoordinates, loaded: IntArray, stiffening: Stiffening
 ) -> Coordinates:
     """The lowest modes, and soft combinations of the residual attachments of loaded dofs.
 
@@ -75,23 +76,34 @@ def choose(
         G z = omega^2 M z,    G = P_C Psi_a,    M = Psi_a^T M Psi_a,    z^T M z = 1
 
     of those that loads stiffen: kappa from `SOFT` of the largest on. A stiff one, as the stretch of
-    a bar, would take its stress out of what stiffens the others. Source: docs/theory.md, Fast
-    rotation.
+    a bar, would take its stress out of what stiffens the others; so would some of a body that is
+    short or bent, of which `TAKEN` is allowed, unless level 2 has the energy that gives it back.
+    Source: docs/theory.md, Fast rotation.
     """
+    unit = np.eye(len(modes.omega))
     order = np.argsort(modes.omega)[: LOOKED_AT * asked.modes]
-    Y, squares = np.eye(len(modes.omega))[:, order], modes.omega[order] ** 2
-    kappa = kappa_of(Y, squares)
-    low = order[kappa >= SOFT * kappa.max()][: asked.modes]
+    mode_kappa = stiffening.most(unit[:, order], modes.omega[order] ** 2)
+    low = order[mode_kappa >= SOFT * mode_kappa.max()][: asked.modes]
+    Y, squares = unit[:, low], modes.omega[low] ** 2
     soft, soft_squares = attachments(modes, low, loaded)
-    soft_kappa = kappa_of(soft, soft_squares)
-    every = np.concatenate([kappa, soft_kappa])
-    kept = np.sort(_most(soft_kappa, asked.soft, SOFT * every.max()))
-    return Coordinates(
-        np.hstack([np.eye(len(modes.omega))[:, low], soft[:, kept]]),
-        np.concatenate([modes.omega[low] ** 2, soft_squares[kept]]),
-        len(low),
-        np.sort(every)[::-1] / every.max(),
-    )
+    soft_kappa = stiffening.most(soft, soft_squares)
+    kappa = np.sort(np.concatenate([mode_kappa, soft_kappa]))[::-1]
+    kept = _most(soft_kappa, asked.soft, SOFT * kappa[0])
+    if asked.level == 1:
+        kept = kept[stiffening.taken(soft[:, kept], soft_squares[kept], Y, squares) <= TAKEN]
+    kept = np.sort(kept)
+    return _coordinates(modes, low, soft[:, kept], soft_squares[kept], kappa / kappa[0])
+
+
+def lowest(modes: Modes, asked: NonlinearCoordinates, loaded: IntArray) -> Coordinates:
+    """The lowest modes, and as many of the softest attachments as are asked for; "auto" means none.
+
+    For bodies whose stress is unknown.
+    """
+    low = np.argsort(modes.omega)[: asked.modes]
+    soft, squares = attachments(modes, low, loaded)
+    n = 0 if asked.soft == "auto" else asked.soft
+    return _coordinates(modes, low, soft[:, :n], squares[:n], np.zeros(0))
 
 
 def attachments(modes: Modes, low: IntArray, loaded: IntArray) -> tuple[Array, Array]:
@@ -108,6 +120,18 @@ def attachments(modes: Modes, low: IntArray, loaded: IntArray) -> tuple[Array, A
     c = (Z[:, independent] / np.sqrt(mass[independent])).T @ c
     squares, z = eigh((c * modes.omega**2) @ c.T)
     return c.T @ z, squares
+
+
+def _coordinates(
+    modes: Modes, low: IntArray, soft: Array, squares: Array, kappa: Array
+) -> Coordinates:
+    """Of modes `low` and soft shapes (m, n_soft) with their squares (n_soft,)."""
+    return Coordinates(
+        np.hstack([np.eye(len(modes.omega))[:, low], soft]),
+        np.concatenate([modes.omega[low] ** 2, squares]),
+        len(low),
+        kappa,
+    )
 
 
 def _most(kappa: Array, asked: int | str, least: float) -> IntArray:

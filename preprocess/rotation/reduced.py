@@ -4,6 +4,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ...superelement import Modes, Rotation
+from ...superelement.rotation import INERTIA
 from ...superelement.validation import Array
 from ..assembly.rigid import relieve
 from ..assembly.second_order import SecondOrder
@@ -12,8 +13,8 @@ from ..body.body import NonlinearCoordinates
 from ..mesh.mesh import NONE, IntArray
 from ..responses.shapes import Shapes
 from ..responses.static import refined, static_solver
-from .coordinates import choose
-from .statics import Statics, statics
+from .coordinates import Coordinates, choose, lowest
+from .statics import Statics, Stiffening, statics
 
 
 def reduced_rotation(
@@ -27,16 +28,11 @@ def reduced_rotation(
 
     What comes from stress is on the projections by stiffness, what comes from inertia on those by
     mass: one of them for both makes a body that bends far lose its positive inertia, or its
-    accuracy. Source: docs/theory.md, Fast rotation.
+    accuracy. Where the strain energy is unknown, only inertia, and how interfaces are measured, are
+    of second order. Source: docs/theory.md, Fast rotation.
     """
-    fields = statics(structure)
-
-    def kappa_of(Y: Array, squares: Array) -> Array:
-        if len(squares) == 0:
-            return np.zeros(0)
-        return fields.stiffening(second, shapes.combined(Y), squares)
-
-    q = choose(modes, asked, _loaded(structure, asked), kappa_of)
+    fields = statics(structure) if second.elements.strain_energy else None
+    q = _chosen(second, fields, modes, shapes, asked)
     Psi = shapes.combined(q.Y)
     stress = _foreshortening(second, fields, Psi, q.squares)
     n_c = len(modes.phi)
@@ -57,6 +53,20 @@ def reduced_rotation(
     )
 
 
+def _chosen(
+    second: SecondOrder,
+    fields: Statics | None,
+    modes: Modes,
+    shapes: Shapes,
+    asked: NonlinearCoordinates,
+) -> Coordinates:
+    """The coordinates that loads stiffen most; without the fields of loads, the softest."""
+    loaded = _loaded(second.structure, asked)
+    if fields is None:
+        return lowest(modes, asked, loaded)
+    return choose(modes, asked, loaded, Stiffening(fields, second, shapes))
+
+
 def _loaded(structure: Structure, asked: NonlinearCoordinates) -> IntArray:
     """The rows of the interfaces whose loads soft shapes are made for."""
     rows, start = [NONE], 0
@@ -67,19 +77,22 @@ def _loaded(structure: Structure, asked: NonlinearCoordinates) -> IntArray:
     return np.concatenate(rows)
 
 
-def _foreshortening(second: SecondOrder, fields: Statics, Psi: Array, squares: Array) -> Array:
+def _foreshortening(
+    second: SecondOrder, fields: Statics | None, Psi: Array, squares: Array
+) -> Array:
     """A (n_c + 6, n, n): the second derivative of interfaces and inertia by shapes Psi (n_u, n).
 
         A_c = -D3(u_c; Psi, Psi),   u_c = K_w^+ f_c,   K_w^+ = K^+ - Psi (Psi^T K Psi)^-1 Psi^T
 
-    and of averaged interfaces what their own measure adds. The same numbers, times a load, are the
-    stiffness that its stress takes away. K_w^+ and not K^+: stress that the shapes carry
-    themselves counts once.
+    and of averaged interfaces what their own measure adds, which is all that is known without
+    fields. The same numbers, times a load, are the stiffness that its stress takes away. K_w^+ and
+    not K^+: stress that the shapes carry themselves counts once.
     """
-    u = fields.u - Psi @ ((Psi.T @ fields.f) / squares[:, None])
-    A = -second.third(u, Psi)
     own = second.interfaces(Psi)
-    A[: len(own)] += own
+    A = np.concatenate([own, np.zeros((INERTIA, *own.shape[1:]))])
+    if fields is not None:
+        u = fields.u - Psi @ ((Psi.T @ fields.f) / squares[:, None])
+        A -= second.third(u, Psi)
     return _symmetric(A)
 
 

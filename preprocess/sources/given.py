@@ -38,8 +38,9 @@ class GivenSource:
         M_s = None if self.nodes.rotations.any() else scalar_mass(M)
         if M_s is None:
             raise BodyError(
-                f"{self.model.name}: expected nodes with three dofs and a mass that is the same in "
-                "all directions, found another: it does not tell how the inertia changes"
+                f"[rotation]: {self.model.name}: expected nodes with three dofs and a mass that is "
+                "the same in all directions, found another: it does not tell how the inertia "
+                "changes"
             )
         return NodalTensors(self.name, M_s, self.nodes.points - center)
 

@@ -45,7 +45,9 @@ class Judge:
         self._interfaces = np.flatnonzero(frames.dof >= 0)
         self._second = elastic.second.r > 0
         """flexible bodies with terms of second order"""
-        self._curved = self._second[elastic.of_body[frames.body[self._interfaces]]]
+        self._stiffened = self._second & _stiffened(lowered.superelements)
+        """those of them whose stress stiffens them"""
+        self._curved = self._stiffened[elastic.of_body[frames.body[self._interfaces]]]
         """interfaces of such bodies"""
         self._sizes = elastic.size[elastic.of_body[frames.body[self._interfaces]]]
         self._lengths = np.ones(int(elastic.dof[-1]))
@@ -72,7 +74,7 @@ class Judge:
             "elastic_displacement": ~self._curved,
             "second_order_rotation": self._curved,
             "second_order_displacement": self._curved,
-            "spin": ~self._second,
+            "spin": ~self._stiffened,
             "spin_turn": self._second,
             "inertia_taken": self._second,
         }
@@ -132,7 +134,7 @@ class Judge:
             "elastic_displacement": displacement[~self._curved],
             "second_order_rotation": rotation[self._curved],
             "second_order_displacement": displacement[self._curved],
-            "spin": (spin / _first(lowered.superelements))[~self._second],
+            "spin": (spin / _first(lowered.superelements))[~self._stiffened],
             "spin_turn": lowered.longest_step * spin[self._second],
             "inertia_taken": extremes.inertia_taken[self._second],
             "joint_turn": self._joint_turns(state),
@@ -294,6 +296,11 @@ def _hinges(lowered: LoweredModel) -> Index:
 
 def _ratio(values: Array, scale: float) -> Array:
     return values / scale if scale > 0.0 else np.where(values > 0.0, np.inf, 0.0)
+
+
+def _stiffened(elements: list[Superelement]) -> NDArray[np.bool_]:
+    """Of which superelements the terms of second order know what stress does."""
+    return np.array([e.rotation is not None and e.rotation.stiffens for e in elements], bool)
 
 
 def _first(elements: list[Superelement]) -> Array:

@@ -135,9 +135,9 @@ def test_a_bad_rotation_is_one_line_that_names_the_key(
     refused(folder, f"{body}\n[rotation]\n{head}\n", "body.toml: ", *names)
 
 
-def test_matrices_do_not_tell_how_stress_stiffens(folder: Path) -> None:
-    body = BODY.format(source=MATRICES.format(kind="npz"), make="") + "[rotation]\n"
-    refused(folder, body, "body.toml: rotation: needs the elements of a mesh", "[matrices]")
+def test_matrices_have_no_energy_of_the_fourth_order(folder: Path) -> None:
+    body = BODY.format(source=MATRICES.format(kind="npz"), make="") + "[rotation]\nlevel = 2\n"
+    refused(folder, body, "body.toml: rotation.level: expected 1 of [matrices], found 2")
 
 
 def test_memory_that_runs_out_on_the_way_is_one_line(

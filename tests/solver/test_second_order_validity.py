@@ -1,5 +1,7 @@
 """What a run says of its validity where bodies have terms of second order, and where they lack."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from duhamel.preprocess.body.body import NonlinearCoordinates
@@ -33,6 +35,17 @@ def test_bodies_are_judged_by_the_criteria_of_their_order(element, second_order)
     expected, others = (SECOND, FIRST) if second_order == "full" else (FIRST, SECOND)
     assert judged >= {*expected}
     assert not judged & {*others}
+
+
+def test_a_body_whose_stress_is_unknown_is_judged_as_it_stiffens(element):
+    """As one without terms, but for what only their motion has."""
+    unknown = replace(element, rotation=replace(element.rotation, kappa=np.zeros(0)))
+    spin = 1.01 * CRITERIA["spin"].limit * element.modes.omega.min()
+    validity = simulate(spun(unknown, [0.0, 0.0, spin])).validity
+    judged = {check.criterion.name for check in validity.checks}
+    assert judged >= {*FIRST, "spin_turn", "inertia_taken"}
+    assert not judged & {"second_order_rotation", "second_order_displacement"}
+    assert any("no stiffening by rotation" in warning for warning in validity.warnings)
 
 
 @pytest.mark.parametrize(("h", "warned"), [(7.4e-4, False), (7.6e-4, True)])

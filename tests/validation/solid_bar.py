@@ -15,7 +15,12 @@ from ..preprocess.blocks import box_mesh
 Array = NDArray[np.float64]
 
 
-def solid_superelement(
+def solid_superelement(*box: Any, **settings: Any) -> Superelement:
+    """That of a `solid_body`."""
+    return build(solid_body(*box, **settings))
+
+
+def solid_body(
     folder: Path,
     kind: str,
     size: tuple[float, float, float],
@@ -24,7 +29,7 @@ def solid_superelement(
     impulse: dict[str, Any],
     root: str = "average",
     **settings: Any,
-) -> Superelement:
+) -> Body:
     """A box along x with frames root and tip on its ends, of the kind that `root` says and
     average; settings: of the body file.
     """
@@ -41,7 +46,7 @@ def solid_superelement(
         "impulse": {"steps": 1000, "method": "krylov", **impulse},
         **settings,
     }
-    return build(Body.model_validate(body))
+    return Body.model_validate(body)
 
 
 def clamped_modes(bar: Superelement) -> tuple[Array, Array]:

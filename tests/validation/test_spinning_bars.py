@@ -11,6 +11,7 @@ difference k^2 L^2 2/5 is allowed for.
 
 import numpy as np
 import pytest
+from duhamel.preprocess import assemble, build
 from duhamel.solver import (
     FlexibleBody,
     Joint,
@@ -22,8 +23,9 @@ from duhamel.solver import (
     simulate,
 )
 
+from ..preprocess.given.test_matrices import export, given
 from .beam_theory import stretch_of_spinning_bar
-from .solid_bar import solid_superelement
+from .solid_bar import solid_body
 from .straight_beam import along, beam_superelement
 
 Z = np.array([0.0, 0.0, 1.0])
@@ -49,16 +51,31 @@ def beam(folder, rotation):
 
 def bar(folder, rotation):
     """Of hexahedra that do not contract across; with stresses on its surface."""
+    return build(bar_body(folder, rotation=rotation, recovery={"stress": True}))
+
+
+def bar_body(folder, **settings):
     impulse = {"step": 1e-4, "method": "modal", "steps": 1}
-    more = {"rotation": rotation, "recovery": {"stress": True}}
     divisions = (16, 1, 1)
     size = (L, SIDE, SIDE)
-    return solid_superelement(
-        folder, "hexahedron20", size, divisions, MATERIAL, impulse, "rigid", **more
+    return solid_body(
+        folder, "hexahedron20", size, divisions, MATERIAL, impulse, "rigid", **settings
     )
 
 
-MAKERS = pytest.mark.parametrize("make", [beam, bar])
+def bar_of_matrices(folder, rotation):
+    """The same from its matrices, which know no stress."""
+    model = export(assemble(bar_body(folder, interfaces={"root": {"node": [0, 0, 0]}})))
+    x = model.points[:, 0]
+    ends = {
+        name: {"nodes": model.labels[np.isclose(x, place)].tolist(), "kind": "rigid"}
+        for name, place in (("root", 0.0), ("tip", L))
+    }
+    impulse = {"step": 1e-4, "steps": 1}
+    return build(given(model.write(folder), interfaces=ends, impulse=impulse, rotation=rotation))
+
+
+MAKERS = pytest.mark.parametrize("make", [beam, bar, bar_of_matrices])
 
 
 def turning(element, spin, joints=(), start=None):
