@@ -219,7 +219,7 @@ class NonlinearCoordinates(Table):
         Literal["auto"] | Annotated[int, Field(ge=0, le=MOST)],
         expected(f'"auto" or a number from 0 to {MOST}'),
     ] = "auto"
-    loaded: tuple[str, ...] | None = None
+    loaded: Annotated[tuple[str, ...], expected("a list of interfaces")] | None = None
     level: Annotated[Literal[1, 2], expected("1 or 2")] = 1
 
 
