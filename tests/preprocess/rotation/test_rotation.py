@@ -195,6 +195,11 @@ def test_a_number_of_soft_shapes_is_those_that_are_stiffened_most(unit_beam):
     np.testing.assert_allclose(share, 1.0, atol=0.3)
 
 
+def test_where_no_interface_is_loaded_there_are_modes_alone(unit_beam):
+    rotation = unit_beam(rotation={"modes": 3, "loaded": []}).rotation
+    assert (rotation.n_low, rotation.n_soft) == (3, 0)
+
+
 def test_the_coordinates_of_a_body_do_not_depend_on_its_axes(lines, beam_body):
     """A flat beam along x, and the same in other axes."""
     turn = Rotation.from_rotvec([0.5, -1.1, 0.8]).as_matrix()
