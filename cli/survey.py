@@ -30,6 +30,7 @@ def report(survey: Survey) -> Table:
         _rigid(survey),
         _attachments(survey),
         _frequencies(survey),
+        _rotation(survey),
         _cost(survey),
         _doubts(survey),
     ):
@@ -116,6 +117,20 @@ def _frequencies(survey: Survey) -> Iterator[Row]:
     yield (
         f"  shortest {kind} wave [m]",
         f"{wave.wavelength:.4g}, {wave.nodes:.3g} nodes where they are sparse{hint}",
+    )
+
+
+def _rotation(survey: Survey) -> Iterator[Row]:
+    """The coordinates of second order that are asked for, of which those that matter are taken."""
+    asked = survey.body.rotation
+    if asked is None:
+        return
+    names = survey.interfaces if asked.loaded is None else asked.loaded
+    most = sum(found.n_dofs for found in survey.structure.interfaces if found.name in names)
+    soft = most if asked.soft == "auto" else min(asked.soft, most)
+    yield (
+        "[rotation]",
+        f"{asked.modes} modes, up to {soft} soft shapes: r up to {asked.modes + 2 * soft}",
     )
 
 

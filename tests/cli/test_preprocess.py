@@ -125,6 +125,20 @@ def test_a_dry_run_tells_and_draws_and_writes_no_superelement(runner, body_file)
         assert words in result.stdout
 
 
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        ("modes = 3", "3 modes, up to 6 soft shapes: r up to 15"),
+        ("loaded = []", "4 modes, up to 0 soft shapes: r up to 4"),
+        ("soft = 2", "4 modes, up to 2 soft shapes: r up to 8"),
+    ],
+)
+def test_a_dry_run_tells_how_many_coordinates_are_of_second_order(runner, body_file, asked, told):
+    body_file.write_text(f"{body_file.read_text()}\n[rotation]\n{asked}\n")
+    result = runner.invoke(app, ["preprocess", str(body_file), "--dry-run"])
+    assert told in result.stdout, result.output
+
+
 def test_the_picture_of_a_dry_run_goes_where_it_is_sent(runner, body_file):
     target = body_file.with_name("look.pdf")
     result = runner.invoke(app, ["preprocess", str(body_file), "--dry-run", "-o", str(target)])
