@@ -9,7 +9,8 @@ SOURCES := pyproject.toml $(shell find $(PACKAGES) -name '*.py')
 EVERY := test gallery cholmod peer
 LOCK := --quiet --upgrade --generate-hashes --python-version 3.11 --custom-compile-command "make constraints"
 
-CORE := $(patsubst %,solver/step/%.py,rotations rows frames history newton equations interfaces) \
+CORE := $(patsubst %,solver/step/%.py,rotations rows frames history newton equations interfaces \
+  second_order) \
   superelement/interface.py preprocess/responses/krylov.py
 
 # Tests of the compiled code; of what versions of Python differ in; of the equations, quick as plain Python.
