@@ -14,6 +14,7 @@ from .file import FileSource
 from .motion import (
     BodyMotion,
     ContactMotion,
+    CouplerMotion,
     Coupling,
     Energy,
     Events,
@@ -96,6 +97,10 @@ class Results:
     @property
     def springs(self) -> tuple[str, ...]:
         return self._names("spring")
+
+    @property
+    def couplers(self) -> tuple[str, ...]:
+        return self._names("coupler")
 
     @property
     def contacts(self) -> tuple[str, ...]:
@@ -182,6 +187,9 @@ class Results:
 
     def stop(self, name: str) -> StopMotion:
         return StopMotion(**self._of("stops", name), events=self.events[name])
+
+    def coupler(self, name: str) -> CouplerMotion:
+        return CouplerMotion(**self._of("couplers", name))
 
     def unit(self, group: str, owner: str, attribute: str) -> str:
         """The unit of an attribute, as of "joints", "hinge", "angle_rate".

@@ -22,6 +22,7 @@ from .laws.tabulated import TabulatedLaw
 from .laws.user import UserLaw
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
 from .model.contacts import Contact, Hertz
+from .model.couplers import Coupler
 from .model.file import read_model, write_model
 from .model.friction import Coulomb, JointFriction, Stribeck
 from .model.impact import ForceTable, Impact
@@ -55,6 +56,7 @@ __all__ = [
     "Contact",
     "ConvergenceError",
     "Coulomb",
+    "Coupler",
     "DamperLaw",
     "FlexibleBody",
     "ForceLaw",

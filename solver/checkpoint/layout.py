@@ -24,6 +24,7 @@ class Layout(NamedTuple):
     n_i: Ranges
     n_h: Ranges
     n_o: Ranges
+    n_t: Ranges
 
     def numbers(self, earlier: "Layout") -> dict[str, tuple[Index, Index]]:
         """The numbers here and there, by dimension, of what has a name in both.
@@ -48,6 +49,7 @@ def layout_of(lowered: LoweredModel) -> Layout:
         n_m=_ranges(flexible, elastic.modes.range.tolist()),
         n_i=_ranges(lowered.coupling_names, rows),
         n_h=_ranges(lowered.coupling_names, remembered.tolist()),
+        n_t=_ranges(lowered.coupling_names, couplings.terms.range[couplings.range].tolist()),
         n_o=_one_each([f"{joint}.{name}" for joint, name in lowered.observers]),
     )
 

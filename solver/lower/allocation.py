@@ -21,13 +21,14 @@ def sizes_of(system: System, n_steps: int) -> dict[str, int]:
         "n_f": len(system.frames.body),
         "n_j": len(system.couplings.range) - 1,
         "n_i": len(system.couplings.rows.kind),
+        "n_t": len(system.couplings.terms.row),
         "n_o": len(system.observers.kind),
         "n_h": int(system.couplings.laws.memory[-1]),
         "n_k": len(system.couplings.contact),
         "n_r": len(system.couplings.friction.first),
         "n_v": EVENTS + len(system.couplings.contact) if len(system.couplings.contact) else 0,
         "n_l": len(system.loads.frame),
-        "n_d": int(system.couplings.drive.max(initial=-1)) + 1,
+        "n_d": len(system.couplings.driven),
         "n_e": len(elastic.body),
         "n_u": int(elastic.dof[-1]),
         "n_a": len(elastic.active),
@@ -59,6 +60,7 @@ def allocate(lowered: LoweredModel) -> tuple[State, Workspace]:
     work.bodies.J[:] = lowered.system.bodies.J_rot
     state.past.since[:] = 1
     work.couplings.near[:] = lowered.starts
+    work.terms.near[:] = lowered.term_starts
     state.couplings.memory[:] = lowered.memories
     work.couplings.elapsed[:] = np.inf
     state.observers.value[:] = lowered.observer_starts

@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from ..errors import ModelError
 from ..model.contacts import Contact
 from ..model.model import GROUND, Coupling, Model
@@ -26,9 +28,10 @@ def check_assembled(model: Model, size: float, frames: NumberedFrames) -> None:
         gap = sides.gap(joint.basis(sides.pose_a.R))
         opening = [gap[k] for k in joint.kind.translations]
         start = ""
-        if joint.distance is not None:
+        if joint.distance is not None and "distance" not in joint.drawn:
             distance = joint.distance(0.0)
-            opening.append(gap[2] - distance)
+            drawn = np.linalg.norm(gap) if joint.kind.own == "rod" else gap[2]
+            opening.append(float(drawn) - distance)
             start = f", the distance starts at {distance:.6g}"
         worst = max(map(abs, opening), default=0.0)
         if worst > ASSEMBLY_TOLERANCE * size:

@@ -48,8 +48,8 @@ def check_drives(lowered: LoweredModel) -> None:
     """ModelError for a drive that accelerates at t = 0."""
     accelerations = np.array([drive.derivatives(0.0)[1] for drive in lowered.drives])
     accelerates = np.abs(accelerations) > _negligible(lowered)[:, 1]
-    for i, d in enumerate(lowered.system.couplings.drive.tolist()):
-        if d >= 0 and accelerates[d]:
+    for d, i in enumerate(lowered.system.couplings.driven.tolist()):
+        if accelerates[d]:
             raise ModelError(
                 f"{lowered.owner_of(i)}: start = 'equilibrium' takes drives without acceleration "
                 f"at t = 0, got {accelerations[d]:.6g}"
@@ -90,9 +90,12 @@ def check_steady(
     laws = couplings.laws
     resisting = laws.stiffness.any(1) | laws.damping.any(1) | (np.diff(laws.range) > 0)
     inert = (couplings.compliant == 1) & ~resisting
-    rates = np.where(
-        inert, 0.0, np.abs(np.einsum("ij,ij->i", work.couplings.gradient, V_ab) + driven)
-    )
+    along = np.einsum("ij,ij->i", work.couplings.gradient, V_ab)
+    terms = couplings.terms
+    V_ab = np.hstack([V[terms.rows.frame_a], V[terms.rows.frame_b]])
+    by_terms = np.einsum("ij,ij->i", work.terms.gradient, V_ab)
+    np.add.at(along, terms.row, terms.ratio * by_terms)
+    rates = np.where(inert, 0.0, np.abs(along + driven))
     speed = float(np.linalg.norm(Omega))
     allowed = STEADY * np.where(lengths, speed * lowered.system.bodies.size, speed)
     allowed += np.array([*_negligible(lowered)[:, 0], 0.0])[couplings.drive]

@@ -27,7 +27,7 @@ from .assembly import Target, assemble_joints, fit_velocities
 from .equilibrium import check_drives, check_steady, solve_equilibrium
 from .handover import hand_over, predecessor
 from .inertia import interface_accelerance, inverse_inertia
-from .jacobian import constraint_jacobian, constraint_rows
+from .jacobian import constraint_jacobian, constraint_rows, row_rates
 from .matrices import solve
 from .penetration import penetrations
 from .redundancy import count_degrees_of_freedom, redundant_rows
@@ -157,7 +157,7 @@ def _assembly_error(lowered: LoweredModel, state: State, work: Workspace) -> Ass
     evaluate(lowered.system, state, work)
     hard = couplings.compliant == 0
     opening = np.abs(work.couplings.phi) * (hard & lowered.measures_lengths)
-    velocity = np.abs(work.couplings.rate) * (hard & (couplings.drive < 0))
+    velocity = np.abs(row_rates(couplings, work)) * (hard & (couplings.drive < 0))
     return AssemblyError(*_largest(lowered, opening), *_largest(lowered, velocity))
 
 
@@ -281,6 +281,4 @@ def _start_work(system: System, state: State, work: Workspace) -> None:
         loads.vector[m] = load_vector(system.loads, m, work)
         loads.position[m], loads.axes[m] = work.frames.r[f], work.frames.D[f]
     state.drives.value[:] = work.drives.value
-    for i, d in enumerate(system.couplings.drive.tolist()):
-        if d >= 0:
-            state.drives.force[d] = -state.couplings.lam[i] * work.couplings.drive_slope[i]
+    state.drives.force[:] = -state.couplings.lam[system.couplings.driven] * work.drives.slope

@@ -8,6 +8,9 @@ space:
     distance      c = |Delta|               gradient: r_A: -n,  r_B: n,  n = Delta / |Delta|
     angle         c = atan2(a' . b, a . b)  gradient: from those of the two rotation rows;
                                             continued over full turns
+    attitude      c = a(t) . b              as a rotation, of an axis a that follows three drives
+
+Lengths and angles are measured from a zero, which is subtracted from them.
 
 A wrench lambda times the gradient changes, at constant lambda, by lambda times the tangent H (12,
 12) of the row: with N(a, b) = skew(b) skew(a) = a b^T - (a . b) I, d(a x b) = N dtheta_A - N^T
@@ -24,7 +27,7 @@ from ..compiler.marks import compiled
 from .gaps import FirstSlip, Gap, SecondSlip
 from .kinds import KINDS, delta_of, row_kind
 from .system import Rows, Workspace
-from .vectors import UNITS, Vector, add, cross, dot, rotate, row, scale, subtract
+from .vectors import UNITS, Vector, add, cross, dot, rotate, row, scale, subtract, triple
 
 
 @compiled
@@ -60,7 +63,7 @@ class Translation:
             gradient[k] = -a[k]
             gradient[3 + k] = lever[k]
             gradient[6 + k] = a[k]
-        return dot(a, delta)
+        return dot(a, delta) - rows.zero[i]
 
     @staticmethod
     def add_tangent(
@@ -117,7 +120,7 @@ class Distance:
         for k in range(3):
             gradient[k] = -delta[k] * inverse
             gradient[6 + k] = delta[k] * inverse
-        return length
+        return length - rows.zero[i]
 
     @staticmethod
     def add_tangent(
@@ -158,7 +161,7 @@ class Angle:
         by_sine, by_cosine = scale(c, cross(turned, b)), scale(s, cross(a, b))
         normal = scale(1.0 / (s * s + c * c), subtract(by_sine, by_cosine))
         _set_rotation_gradient(normal, gradient)
-        return nearest_angle(math.atan2(s, c), near)
+        return nearest_angle(math.atan2(s, c) - rows.zero[i], near)
 
     @staticmethod
     def add_tangent(
@@ -180,6 +183,35 @@ class Angle:
                 H[9 + k, 9 + j] += factor * value
                 H[3 + k, 9 + j] -= factor * value
                 H[9 + k, 3 + j] -= factor * value
+
+
+@row_kind(length=False)
+class Attitude:
+    """c = a . b, of an axis a in frame A whose components follow three drives."""
+
+    number: int
+
+    @staticmethod
+    def evaluate(
+        rows: Rows, i: int, angle: float, near: float, work: Workspace, gradient: Array
+    ) -> float:
+        a, b = _driven_axes(rows, i, work)
+        _set_rotation_gradient(cross(a, b), gradient)
+        return dot(a, b)
+
+    @staticmethod
+    def add_tangent(
+        rows: Rows, i: int, angle: float, factor: float, work: Workspace, H: Array
+    ) -> None:
+        a, b = _driven_axes(rows, i, work)
+        _add_rotation(a, b, factor, H)
+
+
+@compiled
+def _driven_axes(rows: Rows, i: int, work: Workspace) -> tuple[Vector, Vector]:
+    """a and b in space, of a row whose axis a is driven."""
+    a = rotate(work.frames.D, rows.frame_a[i], triple(work.drives.value, rows.axis[i]))
+    return a, rotate(work.frames.D, rows.frame_b[i], row(rows.b, i))
 
 
 @compiled
@@ -210,6 +242,7 @@ def _add_rotation(a: Vector, b: Vector, factor: float, H: Array) -> None:
 
 LENGTHS = tuple(kind.number for kind in KINDS if kind.length)
 ROTATION, ANGLE, GAP = Rotation.number, Angle.number, Gap.number
+ATTITUDE = Attitude.number
 FIRST_SLIP, SECOND_SLIP = FirstSlip.number, SecondSlip.number
 _evaluate = dispatcher(
     "evaluate_kind",
