@@ -6,6 +6,7 @@ import numpy as np
 
 from ..errors import ModelError
 from ..model.contacts import Contact
+from ..model.joints import Joint
 from ..model.model import GROUND, Coupling, Model
 from ..model.motions import PrescribedDisplacement, PrescribedRotation
 from ..step.rows import measures_length
@@ -73,6 +74,8 @@ def check_moments(model: Model, frames: NumberedFrames, rows: Mapping[str, Seque
                 causes[second] = f"{coupling.owner}, with friction on a ball"
         elif not all(measures_length(row.kind) for row in rows[coupling.name]):
             causes |= dict.fromkeys(side_names(coupling), _described(coupling))
+        elif isinstance(coupling, Joint) and coupling.kind.sided:
+            causes[side_names(coupling)[0]] = f"{_described(coupling)}, whose axis it carries"
     causes |= {load.on: f"torque on {load.on!r}" for load in model.loads if load.kind.moment}
     for frame, cause in causes.items():
         f = frames.number(frame)

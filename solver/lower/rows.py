@@ -17,7 +17,7 @@ from ..model.signals import Constant, SmoothSignal
 from ..model.springs import Spring
 from ..model.stops import JointStop
 from ..step.gaps import FirstSlip, Gap, SecondSlip
-from ..step.rows import Angle, Attitude, Distance, Rotation, Translation
+from ..step.rows import Angle, AngleOfA, Attitude, Distance, Rotation, Translation
 from ..step.system import Couplings, Friction, Laws, Rows, Terms
 from .contacts import SHAPES, contact_axes, shape_parameters
 from .friction import Bristle, normal_weights
@@ -214,17 +214,15 @@ def _driven_angle(
 
 
 def _driven_angles(joint: Joint, sides: Sides) -> list[Row]:
-    """The rows of the driven angles of a universal joint."""
-    rows = joint_observers(joint, sides)
-    return [
-        replace(
-            rows[name],
-            drive=drive,
-            drawn=joint.drawn.get(name),
-            swapped=rows[name].frame_a != sides.frame_a,
-        )
-        for name, drive in joint.drives.items()
-    ]
+    """The rows of the driven angles of a universal joint, all from its first frame."""
+    rows, driven = joint_observers(joint, sides), []
+    for name, drive in joint.drives.items():
+        row = replace(rows[name], drive=drive, drawn=joint.drawn.get(name))
+        if joint.kind.angles[name].by_b:
+            A, B = sides.frame_a, sides.frame_b
+            row = replace(row, kind=AngleOfA.number, frame_a=A, frame_b=B)
+        driven.append(row)
+    return driven
 
 
 def _attitude_rows(attitude: Rotations, A: int, B: int, in_a: Array, in_b: Array) -> list[Row]:

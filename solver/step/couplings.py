@@ -34,12 +34,12 @@ from .friction import (
 )
 from .measure import ROUNDING, relative
 from .rows import (
-    ANGLE,
     ATTITUDE,
     ROTATION,
     add_row_tangent,
     carried_axis,
     evaluate_row,
+    is_angle,
     measures_length,
     slips,
 )
@@ -68,7 +68,7 @@ def driven_angle(couplings: Couplings, i: int, work: Workspace) -> float:
 @compiled
 def _is_measured(kind: int) -> bool:
     """True where a drive is subtracted from the coordinate of a kind of rows."""
-    return measures_length(kind) or kind == ANGLE
+    return measures_length(kind) or is_angle(kind)
 
 
 @compiled
@@ -373,7 +373,7 @@ def relative_coupling_residual(
             else:
                 is_length = measures_length(couplings.rows.kind[i])
                 moved, size = term_scale(couplings, i, motion, reach, work)
-                if couplings.rows.kind[i] == ANGLE:
+                if is_angle(couplings.rows.kind[i]):
                     size += abs(out.coordinate[i])
                 moved += length if is_length else angle
                 size += reach if is_length else 1.0
