@@ -172,9 +172,8 @@ def _rows(model: Model, frames: NumberedFrames, without: frozenset[int]) -> dict
     number = 0
     for coupling in model.couplings:
         rows[coupling.name] = []
-        of_joints = isinstance(coupling, JointCoupler)
-        sides = map(frames.sides, coupling.joints if of_joints else (coupling,))
-        for row in coupling_rows(coupling, tuple(sides)):
+        of_joints = coupling.joints if isinstance(coupling, JointCoupler) else (coupling,)
+        for row in coupling_rows(coupling, [frames.sides(joint) for joint in of_joints]):
             if number not in without:
                 rows[coupling.name].append(row)
             number += 1

@@ -67,10 +67,9 @@ def side_names(coupling: Coupling) -> tuple[str, str]:
 
     The latter is fixed in space at the starting pose of the other side.
     """
-    of_joint = isinstance(coupling, JointStop | JointCoupler)
-    owner = coupling.joint.name if of_joint else coupling.name
+    named = coupling.joint if isinstance(coupling, JointStop | JointCoupler) else coupling
     first, second = (
-        f"{GROUND}.({owner})" if side == GROUND else side for side in between(coupling)
+        f"{GROUND}.({named.name})" if side == GROUND else side for side in between(coupling)
     )
     return first, second
 

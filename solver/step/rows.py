@@ -64,7 +64,7 @@ class Translation:
             gradient[k] = -a[k]
             gradient[3 + k] = lever[k]
             gradient[6 + k] = a[k]
-        return dot(a, delta) - rows.zero[i]
+        return float(dot(a, delta) - rows.zero[i])
 
     @staticmethod
     def add_tangent(
@@ -121,7 +121,7 @@ class Distance:
         for k in range(3):
             gradient[k] = -delta[k] * inverse
             gradient[6 + k] = delta[k] * inverse
-        return length - rows.zero[i]
+        return float(length - rows.zero[i])
 
     @staticmethod
     def add_tangent(
