@@ -11,7 +11,7 @@ import numpy as np
 
 from .checkpoint.carried import Snapshot, carried
 from .lower.lower import LoweredModel
-from .model.signals import jumps_of
+from .model.signals import corners_of
 from .start.initial import modes_of
 from .step.contacts import approaches
 from .step.loop import OTHER_SIZE, advance
@@ -36,7 +36,7 @@ class Phases:
         self._most = [FEWEST, FEWEST]
         self._refused = -1
         """the step after which a long one was taken back"""
-        jumps = {time for signal in lowered.load_signals for time in jumps_of(signal)}
+        jumps = {time for signal in lowered.load_signals for time in corners_of(signal)}
         self._jumps = np.array(sorted(jumps), dtype=np.float64) / lowered.h
         """of loads, in short steps"""
 

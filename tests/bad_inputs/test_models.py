@@ -21,7 +21,7 @@ from duhamel.solver.model import signals
 from duhamel.solver.model.file import _ModelFile
 
 from .messages import complaint
-from .models import DOCUMENTS, LAWS, SIGNALS
+from .models import DOCUMENTS, LAWS, RECORD, SIGNALS
 from .values import UNKNOWN, VALUES, Place, changed, declared, dotted, table_kinds, value_at
 
 REFUSALS = ModelError, ConvergenceError, ResultsError
@@ -61,6 +61,7 @@ def answer(folder: Path, document: Any, place: Place) -> str:
     """What is wrong with the answer to a model: reading it, and running it where it was read."""
     path = folder / "model.toml"
     path.write_text(tomli_w.dumps(document), encoding="utf-8")
+    path.with_name("record.csv").write_text(RECORD, encoding="utf-8")
     names, model = [*(key for key in place if isinstance(key, str)), *NAMES], None
     try:
         model = read_model(path)
