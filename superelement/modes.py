@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .chain import Chain
 from .validation import Array, SuperelementError, check_positive, checked
 
 OVERDAMPED = 1e6
@@ -27,6 +28,7 @@ class Modes:
     zeta: Array
     phi: Array
     h_min: float = 0.0
+    chain: Chain | None = None
 
     def __post_init__(self) -> None:
         omega = checked("modes: omega", self.omega, ("m",))
@@ -47,12 +49,17 @@ class Modes:
             )
         if not (np.isfinite(self.h_min) and self.h_min >= 0.0):
             raise SuperelementError(f"modes: h_min: expected a step >= 0 s, found {self.h_min}")
+        if self.chain is not None and self.chain.amplitude.shape[1:] not in ((), (m,)):
+            raise SuperelementError(
+                f"modes: chain: expected amplitudes of {m} modes, or of all, "
+                f"found shape {self.chain.amplitude.shape}"
+            )
         for name, array in (("omega", omega), ("zeta", zeta), ("phi", phi)):
             object.__setattr__(self, name, array)
 
     @property
     def frequencies(self) -> Array:
-        """Natural frequencies [Hz], in the order of `omega`."""
+        """Natural frequencies [Hz], in the order of `omega`: with a chain, of the relaxed body."""
         return self.omega / (2.0 * np.pi)
 
     @property
