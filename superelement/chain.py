@@ -65,6 +65,12 @@ class Chain:
         c: Complex = 1.0 + (x / (1.0 + x)) @ self.amplitudes(m)
         return c
 
+    def at(self, omega: Array) -> Complex:
+        """The same (m,) of each mode at a frequency of its own, omega (m,) [rad/s]."""
+        x = 1j * np.multiply.outer(self.tau, omega)
+        c: Complex = 1.0 + (self.amplitudes(len(omega)) * (x / (1.0 + x))).sum(axis=0)
+        return c
+
     def stepped(self, h: float, delay: Complex, m: int) -> Complex:
         """The same (n, m) of time stepping by h [s], with d = delay (n,).
 
