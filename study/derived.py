@@ -32,16 +32,27 @@ def own_names(
     return frozenset(names)
 
 
-def definitions(derived: Mapping[str, Any], parameters: Mapping[str, Any]) -> dict[str, Any]:
+def definitions(
+    document: Mapping[str, Any], derived: Mapping[str, Any], parameters: Mapping[str, Any]
+) -> dict[str, Any]:
     """The definitions of the table [derived] by dotted key, in their order."""
     found = dict(leaves(derived))
+    given = [_entries(document, key) for key in parameters]
     for key, definition in found.items():
-        if key in parameters:
+        if _entries(document, key) in given:
             raise StudyError(f"derived.{key}: is a parameter too")
         for text in _texts(definition):
             if not isinstance(text, str | int | float) or isinstance(text, bool):
                 raise StudyError(f"derived.{key}: expected arithmetic, found {quoted(text)}")
     return found
+
+
+def _entries(document: Mapping[str, Any], key: str) -> tuple[str | int, ...]:
+    """A key as `entries` has it, or as it is where the document has none."""
+    try:
+        return entries(document, key)
+    except StudyError:
+        return (key,)
 
 
 @dataclass
@@ -69,7 +80,7 @@ class Derivation:
     def derive(self, definitions: Mapping[str, Any]) -> None:
         """Compute all definitions, each after those that it needs; `StudyError` names the key.
 
-        One that asks for its own key gets the value in the base file, or of a parameter.
+        One that asks for its own key gets the value in the base file.
         """
         self.pending = dict(definitions)
         while self.pending:
@@ -98,9 +109,12 @@ class Derivation:
             if key in self.pending and self._meet(asked, key):
                 self._compute(key)
         first = asked.partition(".")[0]
-        if first not in self.own:
-            return self._at(self.document, asked)
-        return self._at(self.names, asked)
+        if first in self.own:
+            return self._at(self.names, asked)
+        value = self._at(self.document, asked)
+        if isinstance(value, str):  # a path would be relative to another file
+            raise StudyError(f"{asked}: expected numbers, found {quoted(value)}; text has names")
+        return value
 
     def _at(self, table: Mapping[str, Any], asked: str) -> Any:
         if asked.partition(".")[0] not in table:
@@ -116,10 +130,7 @@ class Derivation:
     def _entries(self, key: str) -> tuple[str | int, ...]:
         if key.partition(".")[0] in self.own:
             return tuple(key.split("."))[:1]
-        try:
-            return entries(self.document, key)
-        except StudyError:
-            return (key,)
+        return _entries(self.document, key)
 
 
 def _names(definition: Any) -> Iterator[str]:

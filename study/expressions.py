@@ -6,6 +6,7 @@
 import ast
 import math
 import operator
+import warnings
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -80,7 +81,9 @@ def names_in(text: str) -> Iterator[str]:
 
 def _parsed(text: str) -> ast.expr:
     try:
-        return ast.parse(text.strip(), mode="eval").body
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", SyntaxWarning)  # of code that is no arithmetic anyway
+            return ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, *FAULTS) as error:
         reason = getattr(error, "msg", str(error))
         raise StudyError(f"expected arithmetic, found {quoted(text)}: {reason}") from error

@@ -108,7 +108,7 @@ def _study(file: _StudyFile, path: Path, folder: Path) -> Study:
     points = list(_points(file, table))
     if lacking := shortage(COPIES * len(points) * base.stat().st_size):
         raise StudyError(f"a study of {len(points)} cases of {base} {lacking}")
-    derived = definitions(file.derived, points[0].parameters)
+    derived = definitions(document, file.derived, points[0].parameters)
     own = own_names(document, points[0].parameters, derived)
     plan = _Plan(kind, document, own, derived, path.parent, folder)
     cases = []
