@@ -2,11 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from numbers import Real
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.tri import Triangulation
 
 from ..superelement.validation import Array
 from .errors import PictureError
@@ -82,7 +84,7 @@ def _axis(key: str, values: Sequence[Any]) -> Axis | None:
     texts = list(map(str, values))
     if len(set(texts)) < 2:
         return None
-    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
+    if all(isinstance(value, Real) and not isinstance(value, bool) for value in values):
         return Axis(key, np.array(values, dtype=float))
     return _element(key, values) or _labelled(key, texts)
 
@@ -149,7 +151,9 @@ def _draw_contours(panel: Axes, x: Axis, y: Axis, name: str, values: Array) -> N
     spans = np.ptp(places, axis=0)
     is_plane = len(values) > 3 and np.linalg.matrix_rank((places - places[0]) / spans, 1e-9) == 2
     if is_plane and np.ptp(values) > 0.0:
-        filled: Any = panel.tricontourf(x.values, y.values, values, levels=LEVELS, cmap="viridis")
+        nearest = Triangulation(*((places - places[0]) / spans).T).triangles
+        mesh = Triangulation(x.values, y.values, nearest)
+        filled: Any = panel.tricontourf(mesh, values, levels=LEVELS, cmap="viridis")
     else:
         filled = panel.scatter(x.values, y.values, c=values, cmap="viridis")
     panel.figure.colorbar(filled, ax=panel)
@@ -201,10 +205,18 @@ def _label(panel: Axes, x: Axis, name: str) -> None:
 
 
 def _is_logarithmic(axis: Axis) -> bool:
-    if axis.labels or not len(axis.values):
+    """Whether positive values of a wide range are more evenly spread by their logarithms."""
+    if axis.labels or not len(axis.values) or not axis.values.min() > 0.0:
         return False
-    low, high = float(axis.values.min()), float(axis.values.max())
-    return low > 0.0 and high >= LOG_SPAN * low
+    if axis.values.max() < LOG_SPAN * axis.values.min():
+        return False
+    return _unevenness(np.log(axis.levels)) < _unevenness(axis.levels)
+
+
+def _unevenness(values: Array) -> float:
+    """How far the median lies from the middle, over the range."""
+    low, high = float(values.min()), float(values.max())
+    return abs(float(np.median(values)) - 0.5 * (low + high)) / (high - low)
 
 
 def _position(axis: Axis) -> Array:
