@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
+from dataclasses import replace
 
 from .case import Case
 from .errors import StudyError
@@ -37,7 +38,8 @@ def sweep(
     rows = {case.name: Row(case) for case in study.cases}
 
     def finish(case: Case, report: Report) -> None:
-        rows[case.name] = row = _row(study, case, report)
+        row = replace(_row(study, case, report), reused=case.name in made)
+        rows[case.name] = row
         on_finished(row)
 
     try:
