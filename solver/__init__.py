@@ -28,6 +28,7 @@ from .model.impact import ForceTable, Impact
 from .model.joints import Joint
 from .model.loads import Load
 from .model.model import Model
+from .model.motors import Motor
 from .model.motions import PrescribedDisplacement, PrescribedRotation
 from .model.output_request import OutputRequest
 from .model.settings import Settings, StartFrom, SteadyRotation
@@ -74,6 +75,7 @@ __all__ = [
     "ModelCheck",
     "ModelError",
     "Moment",
+    "Motor",
     "OneSidedLaw",
     "OutOfRangeError",
     "OutputRequest",

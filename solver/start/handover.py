@@ -77,6 +77,7 @@ def _evaluate(lowered: LoweredModel, state: State, work: Workspace) -> None:
     work.interfaces.rate_predicted[:] = motion.rate - scheme.gamma_prime * change
     evaluate(system, state, work)
     state.couplings.lam[:] -= work.couplings.phi * system.couplings.compliant
+    state.couplings.lam[system.couplings.laws.motors.row] = work.motors.torque
     evaluate(system, state, work)
 
 

@@ -147,6 +147,7 @@ def _allocated(lowered: LoweredModel, step: int = 0) -> tuple[State, Workspace]:
     t = lowered.h * np.full(1, step, dtype=np.float64)
     work.loads.value[:] = [signal.samples(t, lowered.h)[0] for signal in lowered.load_signals]
     work.drives.value[:] = [signal(float(t[0])) for signal in lowered.drives]
+    work.motors.value[:] = [signal.samples(t, lowered.h)[0] for signal in lowered.motor_signals]
     for d, drive in enumerate(lowered.drives):
         work.drives.rate[d], work.drives.acceleration[d] = drive.derivatives(float(t[0]))
     return state, work
@@ -194,6 +195,7 @@ def _start_unloaded(lowered: LoweredModel, state: State, work: Workspace) -> Non
     evaluate(system, state, work)
     # phi of a force law is lambda less the force of the law
     state.couplings.lam[:] -= work.couplings.phi * system.couplings.compliant
+    state.couplings.lam[system.couplings.laws.motors.row] = work.motors.torque
     evaluate(system, state, work)
     linearize(system, state, work)
     v_dot, lam = _accelerations(lowered, state, work)

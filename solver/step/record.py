@@ -52,6 +52,7 @@ def record(run: Run, k: int) -> None:
     copy(state.observers.rate, output.joint_rate[k])
     for w in range(len(system.couplings.switching)):
         _record_switching(run, system.couplings.switching[w], k)
+    _record_motors(run, k)
     _record_energies(run, k)
     momentum(system.bodies, state, work, output.linear_momentum[k], output.angular_momentum[k])
 
@@ -81,6 +82,20 @@ def _record_switching(run: Run, j: int, k: int) -> None:
             output.contact_point[k, c, x] = point[x]
         for x in range(2):
             output.contact_slip[k, c, x] = slip[x] if status else 0.0
+
+
+@compiled
+def _record_motors(run: Run, k: int) -> None:
+    state, work, output = run.state, run.work, run.output
+    motors = run.system.couplings.laws.motors
+    for m in range(len(motors.row)):
+        i = motors.row[m]
+        output.motor_torque[k, m] = state.couplings.lam[i]
+        output.motor_reference[k, m] = work.motors.value[3 * m + 1]
+        output.motor_error[k, m] = work.motors.value[3 * m + 1] - work.couplings.coordinate[i]
+        output.motor_power[k, m] = state.couplings.lam[i] * work.couplings.rate[i]
+        output.motor_work[k, m] = state.motors.work[m]
+        output.motor_state[k, m] = work.motors.status[m]
 
 
 @compiled
