@@ -167,6 +167,10 @@ class JointMotor:
         return self.motor.owner
 
     @property
+    def coordinate(self) -> str:
+        return self.motor.coordinate
+
+    @property
     def between(self) -> tuple[str, str]:
         return self.joint.between
 

@@ -26,12 +26,14 @@ from ..step.system import State, System, Workspace
 from .assembly import Target, assemble_joints, fit_velocities
 from .equilibrium import check_drives, check_steady, solve_equilibrium
 from .handover import hand_over, predecessor
+from .full_turns import continue_angles, turn_joints
 from .inertia import interface_accelerance, inverse_inertia
 from .jacobian import constraint_jacobian, constraint_rows
 from .matrices import solve
 from .penetration import penetrations
 from .redundancy import count_degrees_of_freedom, redundant_rows
 from .removed import RemovedRows
+from .servos import check_holding, set_poles
 from .steady import steady_motion
 
 
@@ -101,12 +103,15 @@ def initialize(
         lowered = lower(model, without)
         state, work = _allocated(lowered)
         assemble_joints(lowered, state, work, _targets(lowered, ""))
+    continue_angles(lowered, state, work)
     correction = 0.0
     closed: tuple[str, ...] = ()
     if in_equilibrium:
         rotation = model.settings.steady_rotation
         motion = None if rotation is None else steady_motion(rotation, lowered.system.scheme)
         solve_equilibrium(lowered, motion, state, work)
+        check_holding(lowered, state)
+        turn_joints(lowered, state, work)
         check_steady(lowered, motion, state, work)
         _start_loaded(lowered, state, work)
     else:
@@ -116,6 +121,7 @@ def initialize(
         _start_unloaded(lowered, state, work)
     _start_work(lowered.system, state, work)
     start_extremes(lowered.system, state, work)
+    set_poles(lowered, state, work)
     moved = _moved(lowered, state)
     return InitialState(
         lowered, state, work, error, moved, correction, removed, degrees_of_freedom, closed
@@ -137,6 +143,7 @@ def _go_on(lowered: LoweredModel, source: StateFile) -> InitialState:
         hand_over(lowered, source, state, work)
     _start_work(lowered.system, state, work)
     start_extremes(lowered.system, state, work)
+    set_poles(lowered, state, work)
     closed = AssemblyError(0.0, "", 0.0, "")
     return InitialState(lowered, state, work, closed, 0.0, 0.0, removed, degrees_of_freedom)
 
