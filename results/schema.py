@@ -530,8 +530,20 @@ QUANTITIES = (
     Quantity(
         "motor_torque", _MOTOR, ("N", "N m"), "force or torque on the coordinate", "motors/torque"
     ),
-    Quantity("motor_reference", _MOTOR, ("m", "rad"), "reference", "motors/reference"),
-    Quantity("motor_error", _MOTOR, ("m", "rad"), "reference less coordinate", "motors/error"),
+    Quantity(
+        "motor_reference",
+        _MOTOR,
+        ("m", "rad"),
+        "reference, 0 where no position is followed",
+        "motors/reference",
+    ),
+    Quantity(
+        "motor_error",
+        _MOTOR,
+        ("m", "rad"),
+        "reference less coordinate, 0 where no position is followed",
+        "motors/error",
+    ),
     Quantity("motor_power", _MOTOR, "W", "power that it gives", "motors/power"),
     Quantity("motor_work", _MOTOR, "J", "work since t = 0", "motors/work"),
     Quantity(

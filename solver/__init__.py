@@ -28,8 +28,8 @@ from .model.impact import ForceTable, Impact
 from .model.joints import Joint
 from .model.loads import Load
 from .model.model import Model
-from .model.motors import Motor
 from .model.motions import PrescribedDisplacement, PrescribedRotation
+from .model.motors import Motor
 from .model.output_request import OutputRequest
 from .model.settings import Settings, StartFrom, SteadyRotation
 from .model.signals import (

@@ -261,8 +261,8 @@ def _judged(course: Course, begin: int, judge: Judge) -> Iterator[None]:
 
 
 def signals(lowered: LoweredModel, first: int, rows: Index, stride: int = 1) -> Inputs:
-    """Loads, drives and motors at steps from the first on, a stride apart, which the loop records in the
-    rows.
+    """Loads, drives and motors at steps from the first on, a stride apart, which the loop records
+    in the rows.
     """
     n = len(rows)
     t = lowered.h * np.arange(first, first + stride * n, stride, dtype=np.float64)

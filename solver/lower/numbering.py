@@ -6,8 +6,8 @@ import numpy as np
 
 from ..model.bodies import FlexibleBody
 from ..model.model import GROUND, Coupling, Model
-from ..model.motors import JointMotor
 from ..model.motions import PrescribedMotion
+from ..model.motors import JointMotor
 from ..model.stops import JointStop
 from ..step.rotations import quaternion_of
 from ..step.system import Frames
@@ -67,8 +67,9 @@ def side_names(coupling: Coupling) -> tuple[str, str]:
 
     The latter is fixed in space at the starting pose of the other side.
     """
-    of_joint = isinstance(coupling, JointStop | JointMotor)
-    owner = coupling.joint.name if of_joint else coupling.name
+    owner = coupling.name
+    if isinstance(coupling, JointStop | JointMotor):
+        owner = coupling.joint.name
     first, second = (
         f"{GROUND}.({owner})" if side == GROUND else side for side in between(coupling)
     )

@@ -10,8 +10,8 @@ from ..laws.law import ForceLaw
 from ..model.contacts import Contact
 from ..model.joints import ABOUT_E3, Joint, basis_about
 from ..model.model import Coupling
-from ..model.motors import JointMotor, Motor
 from ..model.motions import PrescribedDisplacement, PrescribedMotion
+from ..model.motors import JointMotor, Motor
 from ..model.signals import SmoothSignal
 from ..model.springs import Spring
 from ..model.stops import JointStop

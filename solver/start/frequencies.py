@@ -4,8 +4,8 @@ With y the motions of bodies over the root of their inertia, and eta the modes o
 
     K (y, eta) = omega^2 (y, eta)   on   C (y, eta) = 0,     K = diag(0, omega_j^2) + D^T S D
 
-C: the derivatives of constraints, D: those of springs with stiffness S. Without the stiffness that
-forces, gravity and spin give.
+C: the derivatives of constraints, D: those of springs and servos with stiffness S. Without the
+stiffness that forces, gravity and spin give.
 """
 
 import math
@@ -62,7 +62,7 @@ def _jacobian(lowered: LoweredModel, state: State, work: Workspace) -> Array:
 
 
 def _stiffness_of_springs(system: System, state: State, work: Workspace) -> Array:
-    """S (n_rows, n_rows) of linear springs and the slopes of force laws; 0 for constraints.
+    """S (n_rows, n_rows) of linear springs, servos and the slopes of force laws; 0 for constraints.
 
     Laws that relax have done so, and those that hysteresis bends have the slope of a reversal.
     """
@@ -77,6 +77,8 @@ def _stiffness_of_springs(system: System, state: State, work: Workspace) -> Arra
         memory = state.couplings.memory[laws.memory[m] : laws.memory[m + 1]]
         law = LAWS[laws.number[m]]
         S[i, i] += law.evaluate(parameters, memory, math.inf, float(deformation[i]), 0.0)[1]
+    motors = laws.motors
+    S[motors.row, motors.row] += motors.stiffness
     return S
 
 

@@ -25,8 +25,8 @@ from ..step.second_order import add_curvatures, hardening_energy
 from ..step.system import State, System, Workspace
 from .assembly import Target, assemble_joints, fit_velocities
 from .equilibrium import check_drives, check_steady, solve_equilibrium
-from .handover import hand_over, predecessor
 from .full_turns import continue_angles, turn_joints
+from .handover import hand_over, predecessor
 from .inertia import interface_accelerance, inverse_inertia
 from .jacobian import constraint_jacobian, constraint_rows
 from .matrices import solve

@@ -1,6 +1,7 @@
 """Motors at the start: what their integrals hold in equilibrium, and the poles of their loops."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..lower.lower import LoweredModel
@@ -23,7 +24,9 @@ class Holding:
     a stiff spring about its reference, whose force is taken into the integral until none is left.
     """
 
-    def __init__(self, system: System, lengths: Array, forces: float, moments: float) -> None:
+    def __init__(
+        self, system: System, lengths: NDArray[np.bool_], forces: float, moments: float
+    ) -> None:
         motors = system.couplings.laws.motors
         self.motors = np.flatnonzero(motors.integral > 0.0)
         own = motors.row[self.motors]

@@ -101,10 +101,10 @@ def settle_motors(state: State, work: Workspace) -> None:
 def have_motors_switched(work: Workspace) -> bool:
     """Whether a motor has come to a limit or left it since the matrix was made."""
     out = work.motors
+    switched = False
     for m in range(len(out.status)):
-        if out.status[m] != out.matrix_status[m]:
-            return True
-    return False
+        switched = switched or out.status[m] != out.matrix_status[m]
+    return switched
 
 
 @compiled

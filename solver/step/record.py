@@ -91,8 +91,12 @@ def _record_motors(run: Run, k: int) -> None:
     for m in range(len(motors.row)):
         i = motors.row[m]
         output.motor_torque[k, m] = state.couplings.lam[i]
-        output.motor_reference[k, m] = work.motors.value[3 * m + 1]
-        output.motor_error[k, m] = work.motors.value[3 * m + 1] - work.couplings.coordinate[i]
+        reference, error = 0.0, 0.0
+        if motors.stiffness[m] > 0.0 or motors.integral[m] > 0.0:
+            reference = work.motors.value[3 * m + 1]
+            error = reference - work.couplings.coordinate[i]
+        output.motor_reference[k, m] = reference
+        output.motor_error[k, m] = error
         output.motor_power[k, m] = state.couplings.lam[i] * work.couplings.rate[i]
         output.motor_work[k, m] = state.motors.work[m]
         output.motor_state[k, m] = work.motors.status[m]
