@@ -43,6 +43,7 @@ from .model.joints import Joint
 from .model.loads import Load
 from .model.model import Model
 from .model.motions import PrescribedDisplacement, PrescribedRotation
+from .model.motors import Motor
 from .model.noise import Noise, ShapedNoise
 from .model.output_request import OutputRequest
 from .model.profiles import (
@@ -93,6 +94,7 @@ __all__ = [
     "ModelError",
     "Moment",
     "Noise",
+    "Motor",
     "OneSidedLaw",
     "OutOfRangeError",
     "OutputRequest",

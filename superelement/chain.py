@@ -52,7 +52,9 @@ class Chain:
 
     def of(self, kept: NDArray[np.int64]) -> "Chain":
         """The chain of some of the modes."""
-        return self if self.amplitude.ndim == 1 else replace(self, amplitude=self.amplitude[:, kept])
+        return (
+            self if self.amplitude.ndim == 1 else replace(self, amplitude=self.amplitude[:, kept])
+        )
 
     def amplitudes(self, m: int) -> Array:
         """a (K, m) of m modes."""

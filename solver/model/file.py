@@ -31,6 +31,7 @@ from .joints import Joint
 from .loads import Load
 from .model import Model
 from .motions import PrescribedMotion
+from .motors import Motor
 from .output_request import OutputRequest
 from .settings import Settings, StartFrom
 from .springs import Spring
@@ -94,6 +95,7 @@ class _ModelFile(Table):
     motions: tuple[_MOTION, ...] = ()
     contacts: tuple[table_of(Contact), ...] = ()  # type: ignore[valid-type]
     stops: tuple[table_of(Stop), ...] = ()  # type: ignore[valid-type]
+    motors: tuple[table_of(Motor), ...] = ()  # type: ignore[valid-type]
 
 
 def read_model(path: str | os.PathLike[str]) -> Model:
@@ -116,7 +118,7 @@ def write_model(path: str | os.PathLike[str], model: Model) -> None:
 
     Superelements, and the run that it starts from, are named by their paths, relative to the new
     file. ModelError names a body whose
-    superelement is in no file, and a load, joint or motion that follows a Python function.
+    superelement is in no file, and a load, joint, motion or motor that follows a Python function.
     """
     path = Path(path)
     with beside(path.parent):
@@ -144,6 +146,7 @@ def _model(file: _ModelFile, text: str, path: Path) -> Model:
         motions=tuple(_motion(present_keys(motion)) for motion in file.motions),
         contacts=value_of(file.contacts),
         stops=value_of(file.stops),
+        motors=value_of(file.motors),
         gravity=gravity,
         ground_frames=value_of(file.ground.frames),
         settings=settings,
@@ -199,7 +202,7 @@ def _document(model: Model, folder: Path) -> dict[str, Any]:
         "bodies": {name: _body_in_file(name, body, folder) for name, body in model.bodies.items()},
         **{
             name: [table_in_file(entry) for entry in getattr(model, name)]
-            for name in ("joints", "springs", "motions", "loads", "contacts", "stops")
+            for name in ("joints", "springs", "motions", "loads", "contacts", "stops", "motors")
         },
     }
     return {key: table for key, table in document.items() if table}
