@@ -15,20 +15,17 @@ from .transforms import IN_G, Series, check, in_g, parse, series
 
 UNASKED = ("acceleration", "force", "normal_force", "elastic_displacement")
 """the kinds of quantities of a table for which none are named"""
-LENGTH = "length"
-"""in the place of an axis: the magnitude of a vector"""
 
 
 @dataclass(frozen=True)
 class Peak:
     """The extremes of one number over time, or over frequency.
 
-    quantity: as `series` takes it, but that an axis may be `length`; base: the unit of the times
-    or frequencies `at_largest` and `at_smallest`, s or Hz.
+    quantity: as outputs of studies take it, |QUANTITY| for the length of a vector; base: the unit
+    of the times or frequencies `at_largest` and `at_smallest`, s or Hz.
     """
 
     quantity: str
-    axis: str
     unit: str
     largest: float
     at_largest: float
@@ -63,19 +60,19 @@ def _of(results: Results, quantity: str, gravities: bool) -> Iterator[Peak]:
     if gravities and made.unit in IN_G:
         made = in_g(made)
     if not made.axes:
-        yield _peak(quantity, made.axis, made, made.values)
+        yield _peak(quantity, made, made.values)
         return
+    within, _ = parse(quantity)
     for axis, column in zip(made.axes, made.values.T, strict=True):
-        yield _peak(quantity, axis, made, column)
+        yield _peak(quantity.replace(within, f"{within}:{axis}"), made, column)
     if made.base == "s":
-        yield _peak(quantity, LENGTH, made, np.linalg.norm(made.values, axis=1))
+        yield _peak(f"|{quantity}|", made, np.linalg.norm(made.values, axis=1))
 
 
-def _peak(quantity: str, axis: str, made: Series, values: Array) -> Peak:
+def _peak(quantity: str, made: Series, values: Array) -> Peak:
     high, low = int(values.argmax()), int(values.argmin())
     return Peak(
         quantity,
-        axis,
         made.unit,
         float(values[high]),
         float(made.abscissa[high]),

@@ -75,8 +75,8 @@ class Transform:
 
     apply: of time, values and arguments; unit: of the result, of the unit and the arguments, with
     `QuantityError` for one that it cannot take; told: in words; numbers: keys, in the order in
-    which they may be given without key; required: how many of them must be given; words: what may be
-    said, by meaning, the first one unless said otherwise.
+    which they may be given without key; required: how many of them must be given; words: what may
+    be said, by meaning, the first one unless said otherwise.
     """
 
     apply: Callable[[Array, Array, Given], Applied]

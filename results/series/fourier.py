@@ -93,7 +93,8 @@ def rms(time: Array, values: Array) -> Array:
     """The root mean square over time, mean included, () or (k,); by trapezoids."""
     time, values = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
     if len(time) == 1:
-        return np.abs(values[0])
+        single: Array = np.abs(values[0])
+        return single
     mean: Array = np.trapezoid(values**2, time, axis=0) / (time[-1] - time[0])
     root: Array = np.sqrt(mean)
     return root

@@ -104,7 +104,7 @@ def shock_spectrum(
     columns = series.values.reshape(len(series.time), -1)
     found = np.array([_extremes(series.step, columns, f, q, response, span) for f in frequencies])
     low, high = found[:, 0], found[:, 1]
-    values = {"maximax": np.maximum(high, -low), "positive": high, "negative": low}[extreme]
+    values = {"maximax": np.maximum(high, np.abs(low)), "positive": high, "negative": low}[extreme]
     return ShockSpectrum(frequencies, values.reshape(len(frequencies), *series.values.shape[1:]), q)
 
 
