@@ -18,9 +18,9 @@ import numpy as np
 from ..arrays import Array
 from ..errors import ModelError
 from ..lower.lower import LoweredModel
+from ..model.curves import Constant, Input
 from ..model.loads import Load
 from ..model.model import GROUND, Model
-from ..model.signals import Constant, Input
 from .pose import Pose
 
 AXES = "xyz"

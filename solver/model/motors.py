@@ -11,8 +11,9 @@ from ...inputs import expected
 from ..errors import ModelError
 from ..schema.entry import Entry, Takes, entry
 from ..schema.values import NotNegative, Positive, PositiveTime, limits
+from .curves import Constant
 from .joints import Joint
-from .signals import AnySignal, Constant, Signal, SmoothSignal
+from .signals import AnySignal, Signal, SmoothSignal
 
 NONE = Constant(0.0)
 

@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array
 from ..checkpoint.carried import Snapshot, carried
 from ..step.system import System
 from .frequencies import Vibrations, spring_slopes, unknowns_of, vibrations
