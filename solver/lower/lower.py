@@ -57,6 +57,8 @@ class LoweredModel:
     drive_starts: Array
     """of the coordinates that drives move, where the bodies are placed"""
     load_signals: list[Signal]
+    motor_signals: list[Signal]
+    """three of each motor: what it gives without an error, its reference, and the rate of that"""
     superelements: list[Superelement]
     responses: Responses
     """of every flexible body"""
@@ -150,6 +152,7 @@ def lower(
         drives=drives,
         drive_starts=np.array([x for row in laid_out for x in _drawn(row)], dtype=float),
         load_signals=[load.signal for load in model.loads],
+        motor_signals=[signal for motor in model.motors for signal in motor.signals],
         superelements=[body.superelement for body in model.flexible_bodies.values()],
         responses=responses,
         flight=_in_flight(model, frames, stepping, system),

@@ -8,6 +8,7 @@ from ..model.bodies import FlexibleBody
 from ..model.couplers import JointCoupler
 from ..model.model import GROUND, Coupling, Model
 from ..model.motions import PrescribedMotion
+from ..model.motors import JointMotor
 from ..model.stops import JointStop
 from ..step.rotations import quaternion_of
 from ..step.system import Frames
@@ -67,9 +68,11 @@ def side_names(coupling: Coupling) -> tuple[str, str]:
 
     The latter is fixed in space at the starting pose of the other side.
     """
-    named = coupling.joint if isinstance(coupling, JointStop | JointCoupler) else coupling
+    owner = coupling.name
+    if isinstance(coupling, JointStop | JointMotor | JointCoupler):
+        owner = coupling.joint.name
     first, second = (
-        f"{GROUND}.({named.name})" if side == GROUND else side for side in between(coupling)
+        f"{GROUND}.({owner})" if side == GROUND else side for side in between(coupling)
     )
     return first, second
 

@@ -17,7 +17,8 @@ import numpy as np
 from ..arrays import Array
 from ..schema.entry import Takes
 from ..schema.forms import Members
-from .signals import SIGNALS, SmoothFunction, SmoothSignal
+from .curves import SmoothFunction
+from .signals import SIGNALS, SmoothSignal, is_smooth
 
 SMALL = 1e-2
 """square of an angle below which functions of it are sums of a few powers"""
@@ -28,7 +29,7 @@ _I, _J, _K = np.eye(3)
 
 def _three_signals(value: Any) -> tuple[SmoothSignal, SmoothSignal, SmoothSignal]:
     first, second, third = value
-    if not all(isinstance(signal, SmoothSignal) for signal in (first, second, third)):
+    if not all(is_smooth(signal) for signal in (first, second, third)):
         raise TypeError
     return first, second, third
 

@@ -21,8 +21,9 @@ import numpy as np
 from ..errors import ModelError
 from ..schema.entry import Entry, entry, one_of
 from ..schema.values import Name, NotZero, SomeNonZero, Words
+from .curves import SmoothFunction
 from .joints import Joint
-from .signals import DrivingSignal, SmoothFunction, SmoothSignal
+from .signals import DrivingSignal, SmoothSignal
 
 NEEDS = {
     "gear": ("teeth", "radii"),

@@ -11,11 +11,11 @@ import tomli_w
 from pydantic import Field, create_model, model_validator
 
 from ...files import renamed_when_whole
-from ...files.outputs import resolved
 from ...inputs import InputError, Table, Vector, quoted, read_table
 from ...superelement import Superelement, read
 from ..errors import ModelError, about
 from ..schema.entry import Entry, filled
+from ..schema.paths import beside, relative
 from ..schema.tables import (
     entry_of,
     keys_of,
@@ -32,6 +32,7 @@ from .joints import Joint
 from .loads import Load
 from .model import Model
 from .motions import PrescribedMotion
+from .motors import Motor
 from .output_request import OutputRequest
 from .settings import Settings, StartFrom
 from .springs import Spring
@@ -40,7 +41,7 @@ from .stops import Stop
 SHORT_ARRAY = re.compile(r"\[\n((?:[^\[\]\n]*,\n)+) *\]")
 """an array of numbers or words as tomli_w writes it, an item a line"""
 LONG = 80
-LISTS = ("joints", "springs", "motions", "loads", "contacts", "stops", "couplers")
+LISTS = ("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers")
 """the arrays of tables, in the order in which they are written"""
 MOTIONS: tuple[type[Entry], ...] = get_args(PrescribedMotion)
 
@@ -98,6 +99,7 @@ class _ModelFile(Table):
     contacts: tuple[table_of(Contact), ...] = ()  # type: ignore[valid-type]
     stops: tuple[table_of(Stop), ...] = ()  # type: ignore[valid-type]
     couplers: tuple[table_of(Coupler), ...] = ()  # type: ignore[valid-type]
+    motors: tuple[table_of(Motor), ...] = ()  # type: ignore[valid-type]
 
 
 def read_model(path: str | os.PathLike[str]) -> Model:
@@ -111,7 +113,7 @@ def read_model(path: str | os.PathLike[str]) -> Model:
         file, text = read_table(path, _ModelFile)
     except InputError as error:
         raise ModelError(str(error)) from error
-    with about(path):
+    with about(path), beside(path.parent):
         return _model(file, text, path)
 
 
@@ -120,10 +122,12 @@ def write_model(path: str | os.PathLike[str], model: Model) -> None:
 
     Superelements, and the run that it starts from, are named by their paths, relative to the new
     file. ModelError names a body whose
-    superelement is in no file, and a load, joint or motion that follows a Python function.
+    superelement is in no file, and a load, joint, motion or motor that follows a Python function.
     """
     path = Path(path)
-    text = SHORT_ARRAY.sub(_on_one_line, tomli_w.dumps(_document(model, path.parent)))
+    with beside(path.parent):
+        document = _document(model, path.parent)
+    text = SHORT_ARRAY.sub(_on_one_line, tomli_w.dumps(document))
     with renamed_when_whole(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
@@ -147,6 +151,7 @@ def _model(file: _ModelFile, text: str, path: Path) -> Model:
         contacts=value_of(file.contacts),
         stops=value_of(file.stops),
         couplers=value_of(file.couplers),
+        motors=value_of(file.motors),
         gravity=gravity,
         ground_frames=value_of(file.ground.frames),
         settings=settings,
@@ -192,7 +197,7 @@ def _distinctive(keys: Mapping[str, Any]) -> list[str]:
 def _document(model: Model, folder: Path) -> dict[str, Any]:
     settings = table_in_file(model.settings)
     if isinstance(start := model.settings.start, StartFrom):
-        settings["start"] = {"from": _relative(start.path, folder)}
+        settings["start"] = {"from": relative(start.path, folder)}
     output = settings.pop("output", {})
     if model.gravity.any():
         settings["gravity"] = model.gravity.tolist()
@@ -222,8 +227,4 @@ def _body_in_file(name: str, body: Body, folder: Path) -> dict[str, Any]:
     if not body.source:
         raise ModelError(f"body {name!r}: its superelement is in no file: write it to one first")
     chosen = {} if body.second_order == "auto" else {"second_order": body.second_order}
-    return {"superelement": _relative(body.source, folder), **chosen, **table_in_file(body.start)}
-
-
-def _relative(path: str, folder: Path) -> str:
-    return Path(os.path.relpath(resolved(Path(path)), resolved(folder))).as_posix()
+    return {"superelement": relative(body.source, folder), **chosen, **table_in_file(body.start)}

@@ -16,18 +16,21 @@ from .couplers import Coupler, JointCoupler
 from .joints import Joint
 from .loads import Load
 from .motions import PrescribedMotion
+from .motors import JointMotor, Motor
 from .settings import Settings
 from .springs import Spring
 from .stops import JointStop, Stop
 
 GROUND = "ground"
-Named = Joint | Spring | PrescribedMotion | Contact | Stop | Coupler
-Coupling = Joint | PrescribedMotion | Spring | Contact | JointStop | JointCoupler
+Named = Joint | Spring | PrescribedMotion | Contact | Stop | Motor | Coupler
+Coupling = Joint | PrescribedMotion | Spring | Contact | JointStop | JointMotor | JointCoupler
 
 
 @entry()
 class Model(Entry):
-    """A mechanism: bodies by name, joints, springs, motions, loads, contacts, stops and couplers.
+    """A mechanism: bodies by name, and what is between them.
+
+    That is joints, springs, motions, loads, contacts, stops, motors and couplers.
 
     Couplings without a name are numbered, as "revolute 2", the second revolute joint.
     gravity (3,) [m/s^2]: the acceleration of a free body; ground_frames: frames fixed in space;
@@ -43,6 +46,7 @@ class Model(Entry):
     _: KW_ONLY
     contacts: Several[Contact] = NONE
     stops: Several[Stop] = NONE
+    motors: Several[Motor] = NONE
     couplers: Several[Coupler] = NONE
     gravity: Vector = ORIGIN
     ground_frames: Mapping[str, Frame] = field(default_factory=dict)
@@ -68,13 +72,14 @@ class Model(Entry):
 
     @property
     def couplings(self) -> tuple[Coupling, ...]:
-        """Joints, motions, springs, contacts, stops and couplers, as the solver numbers them."""
+        """Joints, motions, springs, contacts, stops, motors, couplers, as the solver has them."""
         return (
             *self.joints,
             *self.motions,
             *self.springs,
             *self.contacts,
             *self._joint_stops(),
+            *self._joint_motors(),
             *self._joint_couplers(),
         )
 
@@ -85,6 +90,10 @@ class Model(Entry):
     def _joint_couplers(self) -> Iterator[JointCoupler]:
         joints = {joint.name: joint for joint in self.joints}
         return (JointCoupler.of(coupler, joints) for coupler in self.couplers)
+
+    def _joint_motors(self) -> Iterator[JointMotor]:
+        joints = {joint.name: joint for joint in self.joints}
+        return (JointMotor(motor, joints[motor.joint]) for motor in self.motors)
 
     def with_settings(self, **changes: Any) -> "Model":
         """This mechanism with some of its settings changed."""
@@ -112,6 +121,7 @@ class Model(Entry):
             "motion": self.motions,
             "contact": self.contacts,
             "stop": self.stops,
+            "motor": self.motors,
             "coupler": self.couplers,
         }
 
@@ -148,6 +158,7 @@ class Model(Entry):
 
     def _check_couplings(self) -> None:
         self._check_stops()
+        self._check_motors()
         joined: tuple[Joint | Spring | Contact, ...] = (
             *self.joints,
             *self.springs,
@@ -177,6 +188,14 @@ class Model(Entry):
                     f"coordinate: joint {stop.joint!r} has {', '.join(free) or 'none'}, "
                     f"got {stop.coordinate!r}"
                 )
+
+    def _check_motors(self) -> None:
+        joints = {joint.name: joint for joint in self.joints}
+        for motor in self.motors:
+            if motor.joint not in joints:
+                known = ", ".join(joints) or "none"
+                raise motor.error(f"joint: no joint {motor.joint!r}; there are: {known}")
+            JointMotor(motor, joints[motor.joint]).check()
 
     def _check_loads(self) -> None:
         for load in (*self.motions, *self.loads):

@@ -144,16 +144,16 @@ def _residuals(
     """
     evaluate(lowered.system, state, work)
     linearize(lowered.system, state, work)
-    _follow_turns(lowered, work)
+    follow_turns(lowered.system, work)
     numbers, _ = _split(targets)
     state.observers.value[:] = _coordinates(lowered, state, work)
     gap = state.observers.value[numbers] - goal
     return np.concatenate([work.couplings.phi[constraint_rows(lowered.system)], gap])
 
 
-def _follow_turns(lowered: LoweredModel, work: Workspace) -> None:
+def follow_turns(system: System, work: Workspace) -> None:
     """Constraints on angles are near where they are; angles of force laws, where they start."""
-    hard = constraint_rows(lowered.system)
+    hard = constraint_rows(system)
     work.couplings.near[hard] = work.couplings.coordinate[hard]
     work.terms.near[:] = work.terms.coordinate
 

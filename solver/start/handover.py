@@ -24,11 +24,12 @@ from ..step.equations import evaluate
 from ..step.history import modal_energy
 from ..step.system import State, Workspace
 from .assembly import drive_rates
+from .full_turns import continue_angles
 from .jacobian import row_rates
 
 CLOSED = 1e-6
 """largest opening of a new joint, relative to the size of the model or in rad, and rate of it"""
-TAKEN_OVER = ("bodies", "interfaces", "modes", "past", "couplings", "terms", "observers")
+TAKEN_OVER = ("bodies", "interfaces", "modes", "past", "couplings", "terms", "motors", "observers")
 """records of the state; all others begin anew"""
 
 
@@ -60,6 +61,7 @@ def hand_over(lowered: LoweredModel, source: StateFile, state: State, work: Work
     state.step[0] = source.snapshot.step
     state.in_flight[:] = kept["state/in_flight"]
     work.couplings.elapsed[0] = 0.0
+    continue_angles(lowered, state, work)
     _expect_turns(numbers, state, work)
     _evaluate(lowered, state, work)
     take_over("state/interfaces", state.interfaces, kept, numbers)
@@ -79,6 +81,7 @@ def _evaluate(lowered: LoweredModel, state: State, work: Workspace) -> None:
     work.interfaces.rate_predicted[:] = motion.rate - scheme.gamma_prime * change
     evaluate(system, state, work)
     state.couplings.lam[:] -= work.couplings.phi * system.couplings.compliant
+    state.couplings.lam[system.couplings.laws.motors.row] = work.motors.torque
     evaluate(system, state, work)
 
 
