@@ -134,10 +134,10 @@ class Entry:
 
 def filled(label: str, values: Mapping[str, Any]) -> str:
     """The name of an entry by its fields; text that is not plain is quoted."""
-    if values.get("name") == "" and "{name!r}" in label:
-        kind = f" ({values['type']})" if "type" in values else ""
-        return f"{label.partition(' ')[0]} without a name{kind}"
     plain = {key: dotted([text]) if isinstance(text, str) else text for key, text in values.items()}
+    if values.get("name") == "" and "{name!r}" in label:
+        kind = f" ({plain['type']})" if "type" in values else ""
+        return f"{label.partition(' ')[0]} without a name{kind}"
     return label.format_map(plain)
 
 

@@ -80,7 +80,7 @@ def make_output(contents, n, seed=0):
         "second_order_coordinate": end("second_order_coordinate"),
         "frame": end("frame"),
         "coupling": max(end("joint"), end("spring")),
-        "row": max(end("joint_constraint"), end("spring_component")),
+        "row": max(map(end, ("joint_constraint", "spring_component", "coupler"))),
         "joint_coordinate": end("joint_coordinate"),
     }
     fields = {}
