@@ -37,7 +37,8 @@ def test_names_dimensions_and_units():
         assert quantity.dimensions[0] == "time"
         assert set(quantity.dimensions) <= set(schema.DIMENSIONS)
         assert (quantity.source == "") == (quantity.derive is not None)
-        angular = bool(quantity.owned and (quantity.owned.ragged or quantity.owned.name == "stop"))
+        owned = quantity.owned
+        angular = bool(owned and (owned.ragged or owned.name in ("stop", "motor")))
         assert angular or isinstance(quantity.unit, str)
         assert isinstance(quantity.unit, tuple) or not quantity.owned or not quantity.owned.ragged
         for unit in quantity.unit if isinstance(quantity.unit, tuple) else (quantity.unit,):
