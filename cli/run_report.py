@@ -18,6 +18,8 @@ def report(results: Results) -> Iterator[str]:
     yield f"degrees of freedom (bodies as rigid): {solver['degrees_of_freedom']}"
     if solver["removed"]:
         yield f"redundant constraints removed: {solver['removed']}"
+    if damping := solver.get("damping"):
+        yield f"damping, about the start: {damping}"
     if solver["assembly_error"] > NOTICEABLE:
         opening, joint = solver["assembly_error"], solver["assembly_error_at"]
         yield f"largest assembly error: {opening:.3g} m at {joint}"

@@ -11,7 +11,7 @@ import numpy as np
 
 from .checkpoint.carried import Snapshot, carried
 from .lower.lower import LoweredModel
-from .model.signals import jumps_of
+from .model.signals import corners_of
 from .start.initial import modes_of
 from .step.contacts import approaches
 from .step.loop import OTHER_SIZE, advance
@@ -37,7 +37,7 @@ class Phases:
         self._refused = -1
         """the step after which a long one was taken back"""
         sampled = [*lowered.load_signals, *lowered.motor_signals]
-        jumps = {time for signal in sampled for time in jumps_of(signal)}
+        jumps = {time for signal in sampled for time in corners_of(signal)}
         self._jumps = np.array(sorted(jumps), dtype=np.float64) / lowered.h
         """of loads and motors, in short steps"""
 

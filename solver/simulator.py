@@ -13,9 +13,9 @@ from .checkpoint.moment import Moment
 from .errors import ModelError, about
 from .history.uniform import UniformConvolution
 from .lower.allocation import make_output
+from .model.curves import Input
 from .model.model import Model
 from .model.settings import Settings
-from .model.signals import Input
 from .output.columns import axes_of, check_names, views
 from .output.events import waiting
 from .output.validity import Judge, check_range

@@ -34,6 +34,7 @@ def sizes_of(system: System, n_steps: int) -> dict[str, int]:
         "n_u": int(elastic.dof[-1]),
         "n_a": len(elastic.active),
         "n_m": len(elastic.modes.stiffness),
+        "n_x": len(elastic.modes.chains.amplitude),
         "n_s": int(elastic.second.r.sum()),
         "n_3q": 3 * int(elastic.second.r.max(initial=0)),
         "n_slopes": int(elastic.second.row[-1]),

@@ -11,11 +11,11 @@ import tomli_w
 from pydantic import Field, create_model, model_validator
 
 from ...files import renamed_when_whole
-from ...files.outputs import resolved
 from ...inputs import InputError, Table, Vector, quoted, read_table
 from ...superelement import Superelement, read
 from ..errors import ModelError, about
 from ..schema.entry import Entry
+from ..schema.paths import beside, relative
 from ..schema.tables import (
     entry_of,
     keys_of,
@@ -109,7 +109,7 @@ def read_model(path: str | os.PathLike[str]) -> Model:
         file, text = read_table(path, _ModelFile)
     except InputError as error:
         raise ModelError(str(error)) from error
-    with about(path):
+    with about(path), beside(path.parent):
         return _model(file, text, path)
 
 
@@ -121,7 +121,9 @@ def write_model(path: str | os.PathLike[str], model: Model) -> None:
     superelement is in no file, and a load, joint, motion or motor that follows a Python function.
     """
     path = Path(path)
-    text = SHORT_ARRAY.sub(_on_one_line, tomli_w.dumps(_document(model, path.parent)))
+    with beside(path.parent):
+        document = _document(model, path.parent)
+    text = SHORT_ARRAY.sub(_on_one_line, tomli_w.dumps(document))
     with renamed_when_whole(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
@@ -189,7 +191,7 @@ def _distinctive(keys: Mapping[str, Any]) -> list[str]:
 def _document(model: Model, folder: Path) -> dict[str, Any]:
     settings = table_in_file(model.settings)
     if isinstance(start := model.settings.start, StartFrom):
-        settings["start"] = {"from": _relative(start.path, folder)}
+        settings["start"] = {"from": relative(start.path, folder)}
     output = settings.pop("output", {})
     if model.gravity.any():
         settings["gravity"] = model.gravity.tolist()
@@ -222,8 +224,4 @@ def _body_in_file(name: str, body: Body, folder: Path) -> dict[str, Any]:
     if not body.source:
         raise ModelError(f"body {name!r}: its superelement is in no file: write it to one first")
     chosen = {} if body.second_order == "auto" else {"second_order": body.second_order}
-    return {"superelement": _relative(body.source, folder), **chosen, **table_in_file(body.start)}
-
-
-def _relative(path: str, folder: Path) -> str:
-    return Path(os.path.relpath(resolved(Path(path)), resolved(folder))).as_posix()
+    return {"superelement": relative(body.source, folder), **chosen, **table_in_file(body.start)}

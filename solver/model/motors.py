@@ -11,8 +11,9 @@ from ...inputs import expected
 from ..errors import ModelError
 from ..schema.entry import Entry, Takes, entry
 from ..schema.values import NotNegative, Positive, PositiveTime, limits
+from .curves import Constant, Input
 from .joints import Joint
-from .signals import AnySignal, Constant, Input, Pointwise, Signal, SmoothSignal
+from .signals import AnySignal, Pointwise, Signal, is_smooth
 
 NONE = Constant(0.0)
 
@@ -88,7 +89,7 @@ class Motor(Entry):
         """What it gives without an error, its reference, and the rate of that."""
         feedforward, reference = self.torque or self.force or NONE, self.reference or NONE
         rate = self.reference_rate
-        if isinstance(reference, Input) or not isinstance(reference, SmoothSignal):
+        if isinstance(reference, Input) or not is_smooth(reference):
             return feedforward, reference, rate or NONE
         return feedforward, Values(reference), rate or Rate(reference)
 
@@ -140,17 +141,17 @@ class Motor(Entry):
 class Values(Pointwise):
     """A smooth signal, sampled by its values at the steps, as drives are."""
 
-    signal: SmoothSignal
+    signal: Any
 
     def __call__(self, t: float) -> float:
-        return self.signal(t)
+        return float(self.signal(t))
 
 
 class Rate(Values):
     """The derivative of a smooth signal."""
 
     def __call__(self, t: float) -> float:
-        return self.signal.derivatives(t)[0]
+        return float(self.signal.derivatives(t)[0])
 
 
 @dataclass(frozen=True)

@@ -34,7 +34,7 @@ from .penetration import penetrations
 from .redundancy import count_degrees_of_freedom, redundant_rows
 from .removed import RemovedRows
 from .servos import check_holding, set_poles
-from .steady import steady_motion
+from .steady import SteadyMotion, continuous_motion, steady_motion
 
 
 class AssemblyError(NamedTuple):
@@ -79,13 +79,18 @@ def lower_to_start(model: Model) -> tuple[LoweredModel, StateFile | None]:
 
 
 def initialize(
-    model: Model, lowered: LoweredModel | None = None, source: StateFile | None = None
+    model: Model,
+    lowered: LoweredModel | None = None,
+    source: StateFile | None = None,
+    *,
+    continuous: bool = False,
 ) -> InitialState:
     """A state that satisfies positions, velocities and equilibrium at t = 0.
 
     lowered: the model as `lower` gave it, where the caller has it; source: the state of another run
-    from which it starts, if there is one. What can be checked without compiled code is checked
-    before any of it is called.
+    from which it starts, if there is one; continuous: in a steady rotation as it is, not as the
+    scheme steps it. What can be checked without compiled code is checked before any of it is
+    called.
     """
     lowered = lowered or lower(model)
     if source is not None:
@@ -107,8 +112,7 @@ def initialize(
     correction = 0.0
     closed: tuple[str, ...] = ()
     if in_equilibrium:
-        rotation = model.settings.steady_rotation
-        motion = None if rotation is None else steady_motion(rotation, lowered.system.scheme)
+        motion = _steady_motion(lowered, continuous)
         solve_equilibrium(lowered, motion, state, work)
         check_holding(lowered, state)
         turn_joints(lowered, state, work)
@@ -126,6 +130,15 @@ def initialize(
     return InitialState(
         lowered, state, work, error, moved, correction, removed, degrees_of_freedom, closed
     )
+
+
+def _steady_motion(lowered: LoweredModel, continuous: bool) -> SteadyMotion | None:
+    rotation = lowered.model.settings.steady_rotation
+    if rotation is None:
+        return None
+    if continuous:
+        return continuous_motion(rotation)
+    return steady_motion(rotation, lowered.system.scheme)
 
 
 def _go_on(lowered: LoweredModel, source: StateFile) -> InitialState:

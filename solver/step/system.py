@@ -7,9 +7,10 @@ Dimensions: n_b bodies of six coordinates (delta x in space, delta Theta in body
 n_j couplings (joints, motions, springs, contacts, motors) of n_i rows in all, one multiplier each,
 n_k of them contacts, n_r with friction and n_motors motors; n_v events of contacts; n_o observers;
 n_h numbers that force laws remember; n_l loads; n_d drives; n_e flexible bodies with n_u interface
-dofs in all, of which n_a are active, and n_m modes; n_p steps whose loads are kept; n_q coordinates
-of second order of a body at most. Frames that carry couplings or loads come before those that are
-only observed; interface dofs of the former are `active`: no others are ever loaded.
+dofs in all, of which n_a are active, and n_m modes with n_x springs of chains; n_p steps whose
+loads are kept; n_q coordinates of second order of a body at most. Frames that carry couplings or
+loads come before those that are only observed; interface dofs of the former are `active`: no others
+are ever loaded.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -206,6 +207,30 @@ class Loads(Struct):
     direction: Array = array("n_l", 3)
 
 
+class Chains(Struct):
+    """Maxwell elements beside the stiffness of the modes of bodies, K_e for body e.
+
+    Their springs stand body by body, element by element, one for each mode.
+    """
+
+    body: Index = array("n_chained")
+    """the flexible bodies that have some"""
+    element: Index = array("n_chained_1")
+    """(n_chained + 1,) the elements of each"""
+    spring: Index = array("n_chained")
+    """its first spring"""
+    kept: Array = array("n_elements")
+    """of the stretch of a spring, in a step"""
+    gain: Array = array("n_elements")
+    """stretch per displacement of the mode"""
+    lost: Array = array("n_elements")
+    """h / tau"""
+    amplitude: Array = array("n_x")
+    """stiffness of each spring over that of its mode"""
+    hardening: Array = array("n_m")
+    """sum of gain amplitude of each mode; 0 without a chain"""
+
+
 class Modes(Struct):
     """Scalar recursions that carry the history of bodies with modes."""
 
@@ -216,12 +241,13 @@ class Modes(Struct):
     damping: Array = array("n_m")
     """2 zeta omega"""
     step_stiffness: Array = array("n_m")
-    """inertia_ratio + gamma h damping + beta h^2 stiffness"""
+    """inertia_ratio + gamma h damping + beta h^2 stiffness (1 + hardening)"""
     phi: Array = array("n")
     """(n_c, m) one after the other; bodies may share one"""
     phi_start: Index = array("n_e")
     damped: int
     """1: some mode is damped"""
+    chains: Chains
 
 
 class Kernels(Struct):
@@ -377,6 +403,8 @@ class ModalState(Struct):
     acceleration: Array = array("n_m")
     a: Array = array("n_m")
     """pseudo-acceleration"""
+    stretch: Array = array("n_x")
+    """of the springs of chains"""
 
 
 class PastState(Struct):
@@ -480,7 +508,7 @@ class EnergyState(Struct):
     convolved: Array = array(1)
     """the same on bodies whose kernels are convolved"""
     damping: Array = array(1)
-    """taken by the damping of modes"""
+    """taken by the damping of modes, and of the material"""
     work: Array = array(1)
     """of loads, drives and motors"""
     compliance: Array = array("n_j")
@@ -657,6 +685,8 @@ class ModalWork(Struct):
     load: Array = array("n_m")
     rate_n: Array = array("n_m")
     """at the start of the step"""
+    eta_n: Array = array("n_m")
+    """the same, where a body has a chain; then the move since"""
 
 
 class CouplingWork(Struct):
