@@ -8,8 +8,8 @@ import numpy as np
 from ..files import in_one_line
 from ..files.memory import available
 from ..superelement import Provenance, Rotation, Superelement, sha256
-from .assembly.second_order import SecondOrder, second_order
 from .assembly.losses import lossy_parts
+from .assembly.second_order import SecondOrder, second_order
 from .assembly.structure import Structure, assemble_on
 from .body.body import Body
 from .errors import MemoryShortageError

@@ -239,9 +239,7 @@ class Results:
             self._superelements[body] = read_again(body, self.superelement_files.get(body))
         return self._superelements[body]
 
-    def _recover(
-        self, body: str, t: Any, stress: bool = False
-    ) -> tuple[Recovery, Array, Instants]:
+    def _recover(self, body: str, t: Any, stress: bool = False) -> tuple[Recovery, Array, Instants]:
         """The recovery of a body, and its modal coordinates (k, m) at times t (k,)."""
         element = self.superelement(body)
         if element.recovery is None or element.modes is None:

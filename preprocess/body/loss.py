@@ -40,9 +40,7 @@ def fits_of(body: Body) -> dict[str, Fit | None]:
         return dict.fromkeys(losses)
     widest = fit(max(losses.values()), band)
     assert widest is not None
-    return {
-        name: fitted(loss, band, widest.tau) if loss else None for name, loss in losses.items()
-    }
+    return {name: fitted(loss, band, widest.tau) if loss else None for name, loss in losses.items()}
 
 
 def damping_of(body: Body) -> Damping:

@@ -13,9 +13,7 @@ from ..body.loss import amplitudes, ripple_of
 from .shapes import Shapes
 
 
-def with_losses(
-    body: Body, modes: Modes, shapes: Shapes, parts: Mapping[str, Any] | None
-) -> Modes:
+def with_losses(body: Body, modes: Modes, shapes: Shapes, parts: Mapping[str, Any] | None) -> Modes:
     """The modes, each with a chain of its own by where its strain energy is.
 
         a_ki = sum over groups of a_k phi_i^T K_group phi_i / omega_i^2

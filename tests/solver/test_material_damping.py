@@ -1,4 +1,4 @@
-"""Material damping: exact against the unreduced model, passive, and the same whatever holds a body."""
+"""Material damping: exact against the unreduced model, and the same whatever holds a body."""
 
 import numpy as np
 import pytest

@@ -26,9 +26,7 @@ COMMON = Chain(np.array(TAU), np.array([0.3, 0.02, 0.1]))
 
 def chained(chain=COMMON, zeta=0.01, m=4):
     rng = np.random.default_rng(0)
-    return Modes(
-        np.geomspace(50.0, 4e4, m), np.full(m, zeta), rng.normal(size=(3, m)), chain=chain
-    )
+    return Modes(np.geomspace(50.0, 4e4, m), np.full(m, zeta), rng.normal(size=(3, m)), chain=chain)
 
 
 OF_EACH = Chain(np.array(TAU), np.random.default_rng(1).random((3, 4)))
