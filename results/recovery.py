@@ -144,7 +144,7 @@ def modal_coordinates(
 ) -> Array:
     """Modal coordinates eta (k, m) at some steps (k,), of displacements or of stresses.
 
-    They differ by the springs of a chain, eta + sum_k a_k q_k, where the material has a loss factor.
+    They differ by the springs of a chain, eta + sum_k a_k q_k, of a material with a loss factor.
 
     p (n, n_dofs): the loads of all steps up to the last of these, on the rows of phi.
 
