@@ -44,7 +44,7 @@ class ModelCheck:
     damping: frequencies and ratios of the first of them, none where nothing damps them;
     free_frequencies: the first of each superelement alone [Hz], by body; second_order: of each
     flexible body, the number of its coordinates, "off" or "none"; contacts: a line for each
-    contact and stop, with its gap at the start; seconds: of the time loop;
+    contact and stop, with its gap at the start; motors: a line for each; seconds: of the time loop;
     memory: of the arrays of the run, results_size: of the results [bytes], with so many rows.
     """
 
@@ -65,6 +65,7 @@ class ModelCheck:
     results_size: int
     contacts: tuple[str, ...] = ()
     damping: tuple[DampedMotion, ...] = ()
+    motors: tuple[str, ...] = ()
     warnings: tuple[str, ...] = field(default=())
 
     def __str__(self) -> str:
@@ -84,6 +85,7 @@ class ModelCheck:
         if self.damping:
             yield f"damping, about the start: {damping_in_words(self.damping)}"
         yield from self.contacts
+        yield from self.motors
         yield f"to expect: about {self.seconds:.2g} s, {_megabytes(self.memory)} of memory"
         yield f"results: {self.rows} rows, {_megabytes(self.results_size)}"
 
@@ -135,9 +137,11 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
         rows=rows,
         results_size=file_bytes(contents, rows),
         contacts=tuple(_contacts(initial)),
+        motors=tuple(_motors(initial)),
         warnings=(
             *initial.warnings,
             *_warnings(frequencies, free, lowered.longest_step),
+            *_fast_servos(initial),
             *_lacks(path, contents, rows),
         ),
         seconds=_seconds(initial),
@@ -186,6 +190,30 @@ def _contacts(initial: InitialState) -> Iterator[str]:
         beyond, _ = penetration_of(couplings, row, float(coordinate[row]))
         gap = f"{0.0 - beyond:.4g} {'m' if lowered.measures_lengths[row] else 'rad'}"
         yield f"{coupling.owner}: {_described(coupling)}; gap at the start {gap}"
+
+
+def _motors(initial: InitialState) -> Iterator[str]:
+    lowered, motors = initial.lowered, initial.lowered.system.couplings.laws.motors
+    for m, motor in enumerate(lowered.model.motors):
+        length = bool(lowered.measures_lengths[motors.row[m]])
+        torque = float(initial.state.couplings.lam[motors.row[m]])
+        line = f"{motor.owner}: {motor.coordinate} of joint {motor.joint!r}; "
+        line += f"{torque:.4g} {'N' if length else 'N m'} at the start"
+        if pole := float(initial.state.motors.pole[m]):
+            line += f"; servo of {pole / (2.0 * np.pi):.4g} Hz"
+        yield line
+
+
+def _fast_servos(initial: InitialState) -> Iterator[str]:
+    """A line for each servo whose step is too large, by its fastest pole."""
+    lowered = initial.lowered
+    for motor, pole in zip(lowered.model.motors, initial.state.motors.pole.tolist(), strict=True):
+        turn = pole * lowered.longest_step
+        if turn > 2.0 * np.pi / FEW:
+            yield (
+                f"{motor.owner}: its servo has {2.0 * np.pi / turn:.2g} steps in a period: "
+                f"expected {FEW} or more, simulation.step = {2.0 * np.pi / (FEW * pole):.2g}"
+            )
 
 
 def _described(coupling: Coupling) -> str:

@@ -25,6 +25,8 @@ def sizes_of(system: System, n_steps: int) -> dict[str, int]:
         "n_h": int(system.couplings.laws.memory[-1]),
         "n_k": len(system.couplings.contact),
         "n_r": len(system.couplings.friction.first),
+        "n_motors": len(system.couplings.laws.motors.row),
+        "n_motor_signals": 3 * len(system.couplings.laws.motors.row),
         "n_v": EVENTS + len(system.couplings.contact) if len(system.couplings.contact) else 0,
         "n_l": len(system.loads.frame),
         "n_d": int(system.couplings.drive.max(initial=-1)) + 1,

@@ -4,8 +4,8 @@ With y the motions of bodies over the root of their inertia, and eta the modes o
 
     K (y, eta) = omega^2 (y, eta)   on   C (y, eta) = 0,     K = diag(0, omega_j^2) + D^T S D
 
-C: the derivatives of constraints, D: those of springs with stiffness S. Without the stiffness that
-forces, gravity and spin give.
+C: the derivatives of constraints, D: those of springs and servos with stiffness S. Without the
+stiffness that forces, gravity and spin give.
 """
 
 import math
@@ -86,7 +86,7 @@ def _jacobian(lowered: LoweredModel, state: State, work: Workspace) -> Array:
 
 
 def spring_slopes(system: System, state: State, work: Workspace, rates: bool = False) -> Array:
-    """S (n_rows, n_rows) of linear springs and the slopes of force laws; 0 for constraints.
+    """S (n_rows, n_rows) of linear springs, servos and the slopes of force laws; 0 for constraints.
 
     By deformations, or by their rates. Laws that relax have done so, and those that hysteresis
     bends have the slope of a reversal.
@@ -104,6 +104,8 @@ def spring_slopes(system: System, state: State, work: Workspace, rates: bool = F
         law = LAWS[laws.number[m]]
         slopes = law.evaluate(parameters, memory, math.inf, float(deformation[i]), 0.0)
         S[i, i] += slopes[2 if rates else 1]
+    motors = laws.motors
+    S[motors.row, motors.row] += motors.damping if rates else motors.stiffness
     return S
 
 
