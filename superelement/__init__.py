@@ -8,7 +8,7 @@ from .interface import Interface
 from .kernel import Kernel, sample_kernel
 from .modes import Modes
 from .recovery import Recovery, von_mises
-from .response import respond
+from .response import respond, stressed
 from .rotation import Rotation
 from .scheme import GeneralizedAlpha
 from .superelement import Provenance, StepWarning, Superelement
@@ -33,6 +33,7 @@ __all__ = [
     "respond",
     "sample_kernel",
     "sha256",
+    "stressed",
     "von_mises",
     "write",
 ]
