@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,8 @@ from .motion import (
     Events,
     FrameMotion,
     Momentum,
+    PatternMotion,
+    SensorMotion,
     StopMotion,
 )
 from .recovery import (
@@ -106,6 +109,16 @@ class Results:
         return self._names("stop")
 
     @property
+    def patterns(self) -> tuple[str, ...]:
+        """Load patterns as "BODY.PATTERN"."""
+        return self._names("pattern")
+
+    @property
+    def sensors(self) -> tuple[str, ...]:
+        """Sensors as "BODY.SENSOR"."""
+        return self._names("sensor")
+
+    @property
     def events(self) -> dict[str, Events]:
         """The events of each contact and stop, which are counted whatever was recorded."""
         return Events.by_owner(self._source.events(), self._names("event_owner"))
@@ -182,6 +195,14 @@ class Results:
 
     def stop(self, name: str) -> StopMotion:
         return StopMotion(**self._of("stops", name), events=self.events[name])
+
+    def pattern(self, name: str) -> PatternMotion:
+        """A load pattern as "BODY.PATTERN"."""
+        return PatternMotion(**self._of("patterns", name))
+
+    def sensor(self, name: str) -> SensorMotion:
+        """A sensor as "BODY.SENSOR"."""
+        return SensorMotion(**self._of("sensors", name))
 
     def unit(self, group: str, owner: str, attribute: str) -> str:
         """The unit of an attribute, as of "joints", "hinge", "angle_rate".
@@ -261,6 +282,12 @@ class Results:
         for interface in element.interfaces:
             frame = self.frame(f"{body}.{interface.name}")
             loads.append(interface_loads(motion.R, frame.u, frame.force, interface.rotations))
+        if element.channels is not None:
+            assert element.channels.phi is not None
+            names = [f"{body}.{pattern.name}" for pattern in element.patterns]
+            loads += [self.pattern(name).load[:, None] for name in names]
+            rows = element.channels.phi[: len(names)]
+            modes = replace(modes, phi=np.vstack([modes.phi, rows]))
         if r := motion.second_order_force.shape[1]:
             if element.rotation is None or element.rotation.r != r:
                 raise RecoveryError(
@@ -283,7 +310,9 @@ class Results:
             )
         recorded = self.recorded
         frames = [f"frames/{body}.{interface.name}" for interface in element.interfaces]
-        if missing := [name for name in (f"bodies/{body}", *frames) if name not in recorded]:
+        patterns = [f"patterns/{body}.{pattern.name}" for pattern in element.patterns]
+        needed = (f"bodies/{body}", *frames, *patterns)
+        if missing := [name for name in needed if name not in recorded]:
             raise RecoveryError(
                 f"body {body!r}: fields need {', '.join(missing)}, which the run did not record"
             )

@@ -58,7 +58,8 @@ def truncation_error(
                 modes.zeta * modes.omega**2
             )
         difference += (np.abs(modes.phi) * decay) @ np.abs(modes.phi).T
-    scale = np.sqrt(np.diag(compliance))
+    # load patterns that do not deform the body have neither compliance nor kernel
+    scale = np.sqrt(np.maximum(np.diag(compliance), np.finfo(float).tiny))
     return float((difference / np.outer(scale, scale)).max())
 
 
