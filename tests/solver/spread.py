@@ -2,17 +2,17 @@
 
 from dataclasses import replace
 
+import meshio
 import numpy as np
-from duhamel.preprocess.body.body import Damping
 from duhamel.preprocess.body.loads import LoadPattern
 from duhamel.preprocess.body.sensors import SensorPoint
 from duhamel.superelement import Channels, Pattern
 
-from .conftest import line_mesh, make_beam
+from .conftest import make_beam
 from .monolithic import Reference
 
 LOADS = {
-    "wind": {"force_per_length": [0.3, 1.0, -0.4]},
+    "wind": {"force_per_length": [0.3, 1.0, -0.4], "group": "outer"},
     "pull": {"force_per_length": [1.0, 0.0, 0.0]},
 }
 SENSORS = {
@@ -23,14 +23,33 @@ SENSORS = {
 
 
 def channelled_beam(folder, elements=3, loads=LOADS, sensors=SENSORS, **changes):
-    """The paper's beam in a few elements, with damping, patterns and sensors."""
+    """The paper's beam in a few elements, with patterns and sensors.
+
+    The group "outer" is the half, or the larger part of three, at the tip.
+    """
     return make_beam(
-        mesh=line_mesh(folder / "channelled.msh", elements),
-        damping=Damping.model_validate({"modal": 0.02}),
+        mesh=divided_mesh(folder / "channelled.msh", elements),
         loads={name: LoadPattern.model_validate(load) for name, load in loads.items()},
         sensors={name: SensorPoint.model_validate(sensor) for name, sensor in sensors.items()},
         **changes,
     )
+
+
+def divided_mesh(path, elements):
+    """A bar of 0.5 m along x, in two parts."""
+    points = np.zeros((elements + 1, 3))
+    points[:, 0] = np.linspace(0.0, 0.5, elements + 1)
+    lines = np.stack([np.arange(elements), np.arange(1, elements + 1)], axis=1)
+    inner = elements // 2
+    tags = [np.array([1]), np.full(inner, 2), np.full(elements - inner, 3)]
+    names = {"tip": [1, 0], "inner": [2, 1], "outer": [3, 1]}
+    meshio.Mesh(
+        points,
+        [("vertex", np.array([[elements]])), ("line", lines[:inner]), ("line", lines[inner:])],
+        cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags},
+        field_data={name: np.array(tag) for name, tag in names.items()},
+    ).write(path, file_format="gmsh22", binary=False)
+    return path
 
 
 def with_pattern_of(element, interface, direction):
