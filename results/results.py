@@ -218,8 +218,9 @@ class Results:
         for name, quantity, entries in attributes_of(axes, group, owner):
             if name == attribute:
                 of_entries = quantity.units(axes)
-                if len(of_entries) > 1 and isinstance(entries, int):
-                    of_entries = (of_entries[entries],)
+                if len(of_entries) > 1:
+                    own = slice(entries, entries + 1) if isinstance(entries, int) else entries
+                    of_entries = of_entries[own]
                 units |= dict.fromkeys(of_entries)
         return ", ".join(units)
 
