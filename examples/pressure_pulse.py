@@ -9,7 +9,7 @@ frequency, as in handbooks. Writes results and a picture to FOLDER, by default o
 """
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -57,15 +57,19 @@ class ThinPlate:
         moment = MOMENT * pressure * SIDE**2
         return 6.0 * moment * (1.0 - self.nu) / (self.E * THICKNESS**2)
 
-    def factor(self, time: Array, end: float) -> Array:
-        """Deflection over that at rest, under a load that falls from 1 at t = 0 to 0 at its end.
+    def factor(self, time: Array, rise: float) -> Array:
+        """Deflection over that at rest, under a load that rises to 1 and falls as fast.
+
+        (r(t) - 2 r(t - rise) + r(t - 2 rise)) / rise,   r(t) = t - sin(omega t) / omega, t > 0
 
         Source: J. M. Biggs, Introduction to Structural Dynamics (1964), 2.3.
         """
-        w = self.omega
-        during = 1.0 - np.cos(w * time) + np.sin(w * time) / (w * end) - time / end
-        ramp = (np.sin(w * time) - np.sin(w * (time - end))) / (w * end)
-        return np.where(time < end, during, ramp - np.cos(w * time))
+
+        def ramp(t: Array) -> Array:
+            late = np.maximum(t, 0.0)
+            return late - np.sin(self.omega * late) / self.omega
+
+        return (ramp(time) - 2.0 * ramp(time - rise) + ramp(time - 2.0 * rise)) / rise
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,10 +90,9 @@ class Blow:
     frequency: float
 
     @property
-    def peaks(self) -> tuple[float, float]:
-        """Largest deflection, and that of one degree of freedom, over that at rest."""
-        scale = self.expected.max()
-        return float(self.deflection.max() / scale), float(self.strain.max())
+    def peak(self) -> float:
+        """The largest deflection over that of one degree of freedom."""
+        return float(self.deflection.max() / self.expected.max())
 
 
 def main(folder: Path) -> Blow:
@@ -99,10 +102,11 @@ def main(folder: Path) -> Blow:
     found = blow(model, folder / "pressure-pulse.h5")
     with view.style():
         view.save(curves(found), folder / "pressure-pulse.png")
-    assert abs(found.static[0] - 1.0) < 0.02
-    assert abs(found.static[1] - 1.0) < 0.02
-    assert abs(found.frequency - 1.0) < 0.01
-    assert abs(found.peaks[0] - 1.0) < 0.05
+    # elements in one layer are a little too stiff in bending
+    assert 0.96 < found.static[0] < 1.0
+    assert abs(found.static[1] - 1.0) < 1e-3
+    assert 1.0 < found.frequency < 1.02
+    assert abs(found.peak - 1.0) < 0.05
     return found
 
 
@@ -115,12 +119,12 @@ def blow(model: solver.Model, target: Path) -> Blow:
     material = preprocess.read_body(BODY).material
     plate = ThinPlate(material.E, material.nu, material.rho)
     (load,) = model.loads
-    peak, end = load.signal.values[0], load.signal.times[-1]
+    peak, rise = load.signal.values[1], load.signal.times[1]
     results = solver.simulate(model, output=target)
     middle, gauge = results.sensor("plate.middle"), results.sensor("plate.gauge")
-    time, factor = results.time, plate.factor(results.time, end)
-    still = model.with_settings(start="equilibrium", t_end=model.settings.step)
-    at_rest = solver.simulate(still)
+    time, factor = results.time, plate.factor(results.time, rise)
+    held = replace(model, loads=[replace(load, signal=solver.Constant(peak))])
+    at_rest = solver.simulate(held.with_settings(start="equilibrium", t_end=model.settings.step))
     deflected = -float(clamped(at_rest)[0]) / plate.deflection(peak)
     stretched = float(at_rest.sensor("plate.gauge").value[0, 0]) / plate.strain(peak)
     first = float(solver.check(model).frequencies[0])
@@ -164,7 +168,8 @@ def curves(found: Blow) -> Figure:
 
 def report(found: Blow) -> None:
     print(
-        f"at rest, over thin plates   deflection {found.static[0]:.4f}, strain {found.static[1]:.4f}"
+        f"at rest, over thin plates   deflection {found.static[0]:.4f}, "
+        f"strain {found.static[1]:.4f}"
     )
     print(f"first frequency             {found.frequency:.4f} of that of thin plates")
     print(
