@@ -162,6 +162,7 @@ def curves(found: Blow) -> Figure:
     strain.set(title="strain on the far side", ylabel="[1e-6]", xlabel="time [ms]")
     for axes in (deflection, strain):
         axes.legend(loc="upper right")
+        axes.set_ylim(top=1.7 * axes.get_ylim()[1])
     view.entitle(figure, "A clamped plate under a pressure wave")
     return figure
 
