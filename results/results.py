@@ -20,6 +20,7 @@ from .motion import (
     Events,
     FrameMotion,
     Momentum,
+    MotorMotion,
     PatternMotion,
     SensorMotion,
     StopMotion,
@@ -119,6 +120,10 @@ class Results:
         return self._names("sensor")
 
     @property
+    def motors(self) -> tuple[str, ...]:
+        return self._names("motor")
+
+    @property
     def events(self) -> dict[str, Events]:
         """The events of each contact and stop, which are counted whatever was recorded."""
         return Events.by_owner(self._source.events(), self._names("event_owner"))
@@ -203,6 +208,9 @@ class Results:
     def sensor(self, name: str) -> SensorMotion:
         """A sensor as "BODY.SENSOR"."""
         return SensorMotion(**self._of("sensors", name))
+
+    def motor(self, name: str) -> MotorMotion:
+        return MotorMotion(**self._of("motors", name))
 
     def unit(self, group: str, owner: str, attribute: str) -> str:
         """The unit of an attribute, as of "joints", "hinge", "angle_rate".

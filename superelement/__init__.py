@@ -1,6 +1,7 @@
 """The superelement: an elastic body reduced to its interfaces, and its HDF5 file."""
 
 from .audit import check
+from .chain import Chain
 from .channels import Channels
 from .checks import Check
 from .file import read, require_writable, sha256, write
@@ -17,6 +18,7 @@ from .superelement import Provenance, StepWarning, Superelement
 from .validation import SuperelementError
 
 __all__ = [
+    "Chain",
     "Channels",
     "Check",
     "GeneralizedAlpha",

@@ -16,9 +16,23 @@ import numpy as np
 from ..files import renamed_when_whole
 from ..files.hdf5 import opened
 from ..files.outputs import resolved
+from .chain import Chain
 from .channels import Channels
 from .checks import require_sound
-from .fields import dataset, expect, group, names, number, numbers, put, scalar, text, texts
+from .fields import (
+    dataset,
+    expect,
+    group,
+    names,
+    number,
+    numbers,
+    pair,
+    put,
+    rank,
+    scalar,
+    text,
+    texts,
+)
 from .interface import Interface
 from .kernel import Kernel
 from .modes import Modes
@@ -32,15 +46,12 @@ from .validation import Array, SuperelementError
 
 FORMAT = "duhamel-superelement"
 VERSION = 4
-ACCELERANCE = {
-    1: "static/mobility",
-    2: "static/accelerance",
-    3: "static/accelerance",
-    VERSION: "static/accelerance",
-}
+ACCELERANCE = {1: "static/mobility"} | dict.fromkeys(range(2, VERSION + 1), "static/accelerance")
 """the dataset of the accelerance, by version: version 1 has it under another name"""
 ROTATES = 3
 """the version from which on a superelement may have a rotation"""
+RELAXES = 4
+"""the version from which on modes may have a chain"""
 HAS_CHANNELS = 4
 """the version from which on it may have load patterns and sensors"""
 FORM = "KM"
@@ -121,6 +132,8 @@ def _fill(file: h5py.File, body: Superelement) -> None:
         put(modes, "omega", body.modes.omega, "rad/s")
         put(modes, "zeta", body.modes.zeta, "1")
         put(modes, "phi", body.modes.phi, "1/sqrt(kg), 1/(sqrt(kg) m)")
+        if body.modes.chain is not None:
+            _put_chain(modes.create_group("chain"), body.modes.chain)
     if body.rotation is not None:
         _put_rotation(file, body.rotation)
     if body.channels is not None:
@@ -191,6 +204,17 @@ def _put_channels(parent: h5py.Group, channels: Channels) -> None:
         put(parent, "accelerance", channels.accelerance, "of the same")
 
 
+def _put_chain(parent: h5py.Group, chain: Chain) -> None:
+    put(parent, "tau", chain.tau, "s")
+    put(parent, "amplitude", chain.amplitude, "1")
+    parent.attrs.update(
+        loss_factor=chain.loss_factor,
+        band=np.array(chain.band),
+        reference=chain.reference,
+        ripple=chain.ripple,
+    )
+
+
 def _put_recovery(parent: h5py.Group, recovery: Recovery) -> None:
     put(parent, "points", recovery.points, "m")
     parent.create_dataset("cells", data=recovery.cells)
@@ -219,7 +243,7 @@ def _superelement(file: h5py.File, recovery: bool) -> Superelement:
     expect(file, "units", "SI")
     interfaces = _interfaces(file)
     n_c = sum(interface.n_dofs for interface in interfaces)
-    kernel, modes = _kernel(file, n_c), _modes(file, n_c)
+    kernel = _kernel(file, n_c)
     body = Superelement(
         name=text(file, "name"),
         mass=scalar(file, "rigid/mass"),
@@ -227,7 +251,7 @@ def _superelement(file: h5py.File, recovery: bool) -> Superelement:
         center=numbers(file, "rigid/center", 3),
         interfaces=interfaces,
         kernel=kernel,
-        modes=modes,
+        modes=_modes(file, n_c, version),
         compliance=numbers(file, "static/compliance", n_c, n_c),
         accelerance=numbers(file, ACCELERANCE[version], n_c, n_c),
         recovery=_recovery(file) if recovery else None,
@@ -281,7 +305,7 @@ def _scheme(rho_inf: float) -> GeneralizedAlpha:
         raise SuperelementError(f"kernel: {error}") from error
 
 
-def _modes(file: h5py.File, n_c: int) -> Modes | None:
+def _modes(file: h5py.File, n_c: int, version: int) -> Modes | None:
     if "modes" not in file:
         return None
     attributes = group(file, "modes")
@@ -291,6 +315,25 @@ def _modes(file: h5py.File, n_c: int) -> Modes | None:
         zeta=numbers(file, "modes/zeta", len(omega)),
         phi=numbers(file, "modes/phi", n_c, len(omega)),
         h_min=number(attributes, "h_min") if "h_min" in attributes.attrs else 0.0,
+        chain=_chain(file, len(omega)) if version >= RELAXES else None,
+    )
+
+
+def _chain(file: h5py.File, m: int) -> Chain | None:
+    """The Maxwell elements of m modes; None where there are none."""
+    if "modes/chain" not in file:
+        return None
+    attributes = group(file, "modes/chain")
+    tau = numbers(file, "modes/chain/tau", "k")
+    shape = (len(tau), m)[: max(1, rank(file, "modes/chain/amplitude"))]
+    low, high = pair(attributes, "band")
+    return Chain(
+        tau=tau,
+        amplitude=numbers(file, "modes/chain/amplitude", *shape),
+        loss_factor=number(attributes, "loss_factor"),
+        band=(low, high),
+        reference=number(attributes, "reference"),
+        ripple=number(attributes, "ripple"),
     )
 
 
