@@ -22,6 +22,8 @@ HDF5 = (".h5", ".hdf5")
 """suffixes of superelements"""
 TOML = ".toml"
 """suffix of models"""
+CSV = ".csv"
+"""suffix of summaries of studies"""
 
 BodyFile = Annotated[
     Path, typer.Argument(metavar="BODY.toml", help="Mesh, section or material, interfaces.")
@@ -37,7 +39,8 @@ CheckedFile = Annotated[
     ),
 ]
 ResultsFile = Annotated[
-    Path, typer.Argument(metavar="RESULTS.h5", help="Written by `duhamel run`.")
+    Path,
+    typer.Argument(metavar="FILE", help="RESULTS.h5 of `duhamel run`, or summary.csv of `sweep`."),
 ]
 Panels = Annotated[
     list[str] | None,
@@ -110,6 +113,9 @@ Workers = Annotated[
 Scheduler = Annotated[
     str | None,
     typer.Option(metavar="tcp://HOST:PORT", help="Of a Dask cluster that sees the same files."),
+]
+Plotted = Annotated[
+    bool, typer.Option("--plot", help="Also draw the outputs over the parameters: summary.png.")
 ]
 Force = Annotated[bool, typer.Option("--force", help="Also the cases that are up to date.")]
 Picture = Annotated[
@@ -221,6 +227,7 @@ def sweep(
     workers: Workers = None,
     scheduler: Scheduler = None,
     force: Force = False,
+    plot: Plotted = False,
 ) -> None:
     """Run a model, or preprocess a body, for many values of its parameters.
 
@@ -244,6 +251,8 @@ def sweep(
         typer.echo(one_line(line), err=True)
     seconds = perf_counter() - start
     typer.echo(one_line(f"{plan.summary}: {len(rows)} cases, {told(rows)}, {seconds:.1f} s"))
+    if plot:
+        _plot_summary(plan.summary, [], None, None)
     if failed:
         raise typer.Exit(1)
 
@@ -258,11 +267,16 @@ def plot(
 ) -> None:
     """Draw results over time: RESULTS.png beside the results file, unless given.
 
+    Of a study, summary.csv, draw the outputs, or those that are named, over its parameters.
+
     Each argument is a panel: a quantity, or several joined by commas. Without arguments: how fast
     the bodies turn, how far the flexible ones bend, the energies and their balance. A quantity that
     does not exist lists those that do. What is made of quantities, in quotes: srs(QUANTITY),
     fourier, psd, cumulative_rms, octaves, cfc, lowpass, highpass, bandpass, g.
     """
+    if results_file.suffix.lower() == CSV:
+        _plot_summary(results_file, quantities or [], output, title)
+        return
     from .. import view
     from ..files.outputs import clash
     from ..results import Results
@@ -279,6 +293,20 @@ def plot(
             panels.append([curve for curves in named for curve in curves])
         heading = results_file.stem if title is None else title
         view.save(view.draw(results.time, panels or view.overview(results), heading), target)
+    typer.echo(one_line(target))
+
+
+def _plot_summary(summary: Path, names: list[str], output: Path | None, title: str | None) -> None:
+    """Draw the summary of a study: SUMMARY.png beside it, unless given."""
+    from .. import study, view
+    from ..files.outputs import clash
+    from .variation import draw
+
+    target = output or summary.with_suffix(".png")
+    with errors_in_one_line(study, view):
+        if found := clash([target], {summary: "the summary"}):
+            raise view.PictureError(f"{found}, which the picture would replace")
+        draw(summary, [name for text in names for name in text.split(",")], target, title)
     typer.echo(one_line(target))
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from ..files import in_one_line
 from ..files.memory import available
 from ..superelement import Provenance, Rotation, Superelement, sha256
+from .assembly.losses import lossy_parts
 from .assembly.second_order import SecondOrder, second_order
 from .assembly.structure import Structure, assemble_on
 from .body.body import Body
@@ -69,8 +70,9 @@ def _build(body: Body, stages: Stages, summaries: list[str]) -> Superelement:
         if body.rotation is not None:
             second = second_order(structure, source, body)
             structure = replace(structure, inertia=second.inertia_loads)
+        parts = lossy_parts(body, source, structure)
     with stages.stage("impulse"):
-        responses = impulse_responses(structure, body, stages)
+        responses = impulse_responses(structure, body, stages, parts)
     with stages.stage("static"):
         # Modes say it without another factorization; and steps start as their modes do, not as the
         # whole mesh would.

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
+from dataclasses import replace
 
 from ..results import SeriesError
 from .case import Case
@@ -38,7 +39,8 @@ def sweep(
     rows = {case.name: Row(case) for case in study.cases}
 
     def finish(case: Case, report: Report) -> None:
-        rows[case.name] = row = _row(study, case, report)
+        row = replace(_row(study, case, report), reused=case.name in made)
+        rows[case.name] = row
         on_finished(row)
 
     try:

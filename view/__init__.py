@@ -6,6 +6,7 @@ from .overview import overview
 from .picture import COLORS, draw, entitle, panels, save, style
 from .quantities import Curve, curves
 from .scene import Marker, Patch, Scene, draw_scene
+from .variation import draw_variation
 
 __all__ = [
     "COLORS",
@@ -23,6 +24,7 @@ __all__ = [
     "draw",
     "draw_fields",
     "draw_scene",
+    "draw_variation",
     "entitle",
     "overview",
     "panels",
