@@ -38,7 +38,11 @@ def shelf() -> None:
     mesh_lines: list[tuple[int, int]] = []
     starts: dict[frozenset[int], int] = {}
     faces = []
-    for i, k, across, up in ((0, 0, THROUGH, DOWN), (0, 1, THROUGH, THROUGH), (1, 1, ALONG, THROUGH)):
+    for i, k, across, up in (
+        (0, 0, THROUGH, DOWN),
+        (0, 1, THROUGH, THROUGH),
+        (1, 1, ALONG, THROUGH),
+    ):
         corners = [(i, k), (i + 1, k), (i + 1, k + 1), (i, k + 1)]
         sides = [
             line(a, b, n)
