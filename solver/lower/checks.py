@@ -76,7 +76,7 @@ def check_moments(model: Model, frames: NumberedFrames, rows: Mapping[str, Seque
             causes |= dict.fromkeys(side_names(coupling), _described(coupling))
         elif isinstance(coupling, Joint) and coupling.kind.sided:
             causes[side_names(coupling)[0]] = f"{_described(coupling)}, whose axis it carries"
-    causes |= {load.on: f"torque on {load.on!r}" for load in model.loads if load.kind.moment}
+    causes |= {load.on: f"torque on {load.on!r}" for load in model.frame_loads if load.kind.moment}
     for frame, cause in causes.items():
         f = frames.number(frame)
         if frames.arrays.dof[f] >= 0 and not frames.arrays.rotations[f]:

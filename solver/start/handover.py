@@ -89,7 +89,7 @@ def _expect_turns(
     numbers: Mapping[str, tuple[Index, Index]], state: State, work: Workspace
 ) -> None:
     """Angles of couplings that were there go on with their turns."""
-    rows, terms = numbers["n_i"][0], numbers["n_t"][0]
+    rows, terms = numbers["n_i"][0], numbers["n_terms"][0]
     work.couplings.near[rows] = state.couplings.coordinate[rows]
     work.terms.near[terms] = state.terms.coordinate[terms]
 
