@@ -146,11 +146,11 @@ def test_a_run_goes_on_with_its_gear_and_with_one_that_is_new(tmp_path):
 
 def test_a_simulator_goes_back_with_a_coupler():
     simulator = Simulator(lever(settings=settings()), outputs=["joints/q/angle"])
-    before = [simulator.step() for _ in range(20)]
+    before = [simulator.step({}) for _ in range(20)]
     moment = simulator.save()
-    after = [np.copy(simulator.step()) for _ in range(20)]
+    after = [np.copy(simulator.step({})) for _ in range(20)]
     simulator.restore(moment)
-    again = [np.copy(simulator.step()) for _ in range(20)]
+    again = [np.copy(simulator.step({})) for _ in range(20)]
     assert before
     np.testing.assert_array_equal(after, again)
 
