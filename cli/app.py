@@ -159,6 +159,8 @@ def preprocess(
     if dry_run:
         _survey(body_file, output)
         return
+    from .description import loss_in_words
+
     target = output or body_file.with_suffix(".h5")
     with errors_in_one_line(files, preprocess, superelement):
         body = preprocess.read_body(body_file)
@@ -170,6 +172,8 @@ def preprocess(
         element = preprocess.build(body, progress=True)
     with errors_in_one_line(superelement):
         superelement.write(target, element)
+    if element.modes is not None and element.modes.chain is not None:
+        typer.echo(one_line(f"loss factor: {loss_in_words(element.modes, element.modes.chain)}"))
     megabytes = target.stat().st_size / 1e6
     seconds = perf_counter() - start
     if body.impulse.modes is not None:
