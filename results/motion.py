@@ -219,10 +219,10 @@ class Energy:
 
     kinetic (of the rigid motion), elastic (vibration included), springs (contacts too), potential
     (gravity), work (of loads, drives and motors), dissipated (by dampers, contacts, friction and
-    modal damping), numerical (taken by time stepping from the modes); balance: the sum of all but work,
-    less work and less its value at t = 0. elastic of a body whose kernel is convolved is the work
-    of its interface loads, with what damping and time stepping have taken of it. Where it falls
-    below zero, or numerical does, the convolution has created energy.
+    modal damping), numerical (taken by time stepping from the modes); balance: the sum of all but
+    work, less work and less its value at t = 0. elastic of a body whose kernel is convolved is the
+    work of its interface loads, with what damping and time stepping have taken of it. Where it
+    falls below zero, or numerical does, the convolution has created energy.
     """
 
     kinetic: Array

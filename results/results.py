@@ -242,7 +242,7 @@ class Results:
 
     def stress(self, body: str, t: Any) -> Array:
         """Stresses xx, yy, zz, yz, xz, xy there, (p, 6) or (k, p, 6), in body axes [Pa]."""
-        recovery, eta, _ = self._recover(body, t)
+        recovery, eta, _ = self._recover(body, t, stress=True)
         try:
             return recovery.stresses(eta).reshape(*np.shape(t), -1, 6)
         except SuperelementError as error:
@@ -269,7 +269,7 @@ class Results:
             self._superelements[body] = read_again(body, self.superelement_files.get(body))
         return self._superelements[body]
 
-    def _recover(self, body: str, t: Any) -> tuple[Recovery, Array, Instants]:
+    def _recover(self, body: str, t: Any, stress: bool = False) -> tuple[Recovery, Array, Instants]:
         """The recovery of a body, and its modal coordinates (k, m) at times t (k,)."""
         element = self.superelement(body)
         if element.recovery is None or element.modes is None:
@@ -282,7 +282,7 @@ class Results:
         modes, loads = self._loads(body, element, element.modes)
         run = stepping(self._source.name, self.solver, self.time)
         steps = np.append(when.before, when.after)
-        eta = modal_coordinates(modes, loads, run, steps)
+        eta = modal_coordinates(modes, loads, run, steps, stress)
         return element.recovery, when.of(*np.split(eta, 2)), when
 
     def _loads(self, body: str, element: Superelement, modes: Modes) -> tuple[Modes, Array]:

@@ -10,7 +10,7 @@ from .kernel import Kernel, sample_kernel
 from .modes import Modes
 from .pattern import Pattern
 from .recovery import Recovery, von_mises
-from .response import respond
+from .response import respond, stressed
 from .rotation import Rotation
 from .scheme import GeneralizedAlpha
 from .sensor import Sensor
@@ -39,6 +39,7 @@ __all__ = [
     "respond",
     "sample_kernel",
     "sha256",
+    "stressed",
     "von_mises",
     "write",
 ]

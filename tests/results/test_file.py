@@ -202,12 +202,14 @@ def test_another_version_or_format_is_refused_in_one_line(change, message, tmp_p
 
 @pytest.mark.parametrize("version", [3, 4, 5])
 def test_earlier_versions_are_read_whose_bodies_have_no_second_order(version, tmp_path):
-    path, contents = tmp_path / "out.h5", make_contents(second_order=0)
+    path, contents = tmp_path / "out.h5", make_contents(second_order=0, motors=0)
     write(path, contents, make_output(contents, 2), (2,)).finish()
     with h5py.File(path, "a") as file:
         file.attrs["version"] = version
+        assert "motor_torque" not in file
         assert "body_second_order_force" not in file
     assert Results.read(path).body("b0").second_order_force.shape == (2, 0)
+    assert Results.read(path).motors == ()
 
 
 def test_an_earlier_file_stays_until_the_run_has_ended_well(tmp_path):
