@@ -15,6 +15,8 @@ from .transforms import IN_G, Series, check, in_g, parse, series
 
 UNASKED = ("acceleration", "force", "normal_force", "elastic_displacement")
 """the kinds of quantities of a table for which none are named"""
+NEGLIGIBLE = 1e-6
+"""a component this much smaller than the largest one of a vector is rounding, and left out"""
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,7 @@ def peaks(
     """The peaks of quantities, or of what is made of them, as "srs(acceleration:hub:z)".
 
     In names `*` stands for anything: "acceleration:bracket.*:z". Of a vector without axis each
-    axis has a peak, and over time its length. The peaks of each argument are ordered, the largest
+    axis has a peak, unless it is rounding, and over time its length. The peaks of each argument are ordered, the largest
     one first, which is the place of it; those of all times, without quantities, of accelerations,
     forces and elastic displacements. gravities: accelerations in g.
     """
@@ -63,7 +65,10 @@ def _of(results: Results, quantity: str, gravities: bool) -> Iterator[Peak]:
         yield _peak(quantity, made, made.values)
         return
     within, _ = parse(quantity)
-    for axis, column in zip(made.axes, made.values.T, strict=True):
+    sizes = np.abs(made.values).max(axis=0)
+    for axis, column, size in zip(made.axes, made.values.T, sizes, strict=True):
+        if 0.0 < size < NEGLIGIBLE * sizes.max():
+            continue
         yield _peak(quantity.replace(within, f"{within}:{axis}"), made, column)
     if made.base == "s":
         yield _peak(f"|{quantity}|", made, np.linalg.norm(made.values, axis=1))
