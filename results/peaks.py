@@ -46,9 +46,9 @@ def peaks(
     """The peaks of quantities, or of what is made of them, as "srs(acceleration:hub:z)".
 
     In names `*` stands for anything: "acceleration:bracket.*:z". Of a vector without axis each
-    axis has a peak, unless it is rounding, and over time its length. The peaks of each argument are ordered, the largest
-    one first, which is the place of it; those of all times, without quantities, of accelerations,
-    forces and elastic displacements. gravities: accelerations in g.
+    axis has a peak, unless it is rounding, and over time its length. Those of each argument are
+    ordered: the largest one comes first, which is its place. Without quantities: accelerations,
+    forces and elastic displacements of all. gravities: accelerations in g.
     """
     found: list[Peak] = []
     for quantity in quantities or _unasked(results):
