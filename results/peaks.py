@@ -15,6 +15,9 @@ from .transforms import IN_G, Series, check, in_g, parse, series
 
 UNASKED = ("acceleration", "force", "normal_force", "elastic_displacement")
 """the kinds of quantities of a table for which none are named"""
+STRESS = "von_mises:"
+AT_ONCE = 1000
+"""times at which stresses are in memory"""
 NEGLIGIBLE = 1e-6
 """a component this much smaller than the largest one of a vector is rounding, and left out"""
 
@@ -23,8 +26,9 @@ NEGLIGIBLE = 1e-6
 class Peak:
     """The extremes of one number over time, or over frequency.
 
-    quantity: as outputs of studies take it, |QUANTITY| for the length of a vector; base: the unit
-    of the times or frequencies `at_largest` and `at_smallest`, s or Hz.
+    quantity: as outputs of studies take it, |QUANTITY| for the length of a vector, or
+    von_mises:BODY; base: the unit of the times or frequencies `at_largest` and `at_smallest`, s or
+    Hz.
     """
 
     quantity: str
@@ -34,6 +38,8 @@ class Peak:
     smallest: float
     at_smallest: float
     base: str
+    place: tuple[float, ...] | None = None
+    """of a stress: the point of the surface, in body axes [m]"""
 
     @property
     def magnitude(self) -> float:
@@ -48,13 +54,37 @@ def peaks(
     In names `*` stands for anything: "acceleration:bracket.*:z". Of a vector without axis each
     axis has a peak, unless it is rounding, and over time its length. Those of each argument are
     ordered: the largest one comes first, which is its place. Without quantities: accelerations,
-    forces and elastic displacements of all. gravities: accelerations in g.
+    forces and elastic displacements of all. "von_mises:BODY": the largest equivalent stress on the
+    surface, and its point; `RecoveryError` without recovery. gravities: accelerations in g.
     """
     found: list[Peak] = []
     for quantity in quantities or _unasked(results):
+        if quantity.startswith(STRESS):
+            found.append(_stress(results, quantity))
+            continue
         alike = [peak for one in _named(results, quantity) for peak in _of(results, one, gravities)]
         found += sorted(alike, key=lambda peak: -peak.magnitude)
     return tuple(found)
+
+
+def _stress(results: Results, quantity: str) -> Peak:
+    """The extremes over time of the largest stress on a body, and the point of the largest."""
+    body = quantity.removeprefix(STRESS)
+    if body not in results.superelement_files:
+        known = ", ".join(results.superelement_files) or "none"
+        raise QuantityError(f"{quantity}: no flexible body {body!r}; there are: {known}")
+    time = results.time
+    largest, points = np.zeros(len(time)), np.zeros(len(time), dtype=np.int64)
+    for start in range(0, len(time), AT_ONCE):
+        rows = slice(start, start + AT_ONCE)
+        stress = results.von_mises(body, time[rows])
+        points[rows] = stress.argmax(axis=1)
+        largest[rows] = stress.max(axis=1)
+    high, low = int(largest.argmax()), int(largest.argmin())
+    recovery = results.superelement(body).recovery
+    place = None if recovery is None else tuple(recovery.points[points[high]].tolist())
+    extremes = float(largest[high]), float(time[high]), float(largest[low]), float(time[low])
+    return Peak(quantity, "Pa", *extremes, "s", place)
 
 
 def _of(results: Results, quantity: str, gravities: bool) -> Iterator[Peak]:
