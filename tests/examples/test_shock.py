@@ -11,7 +11,7 @@ G = 9.80665
 
 
 def test_a_drop_makes_the_half_sine_of_50_g(example):
-    """It comes with sqrt(2 g h). Slow oscillators have the velocity that it feels, its weight too."""
+    """It comes with sqrt(2 g h). Slow oscillators have the velocity that it feels."""
     example("base_shock").ensure_superelement()
     results = simulate(read_model(EXAMPLES / "drop.toml"))
     time, carriage = results.time, results.body("carriage")
