@@ -322,6 +322,7 @@ def peaks(
 
     Without arguments: of all accelerations, forces and elastic displacements that were recorded. A
     star in a name stands for anything: 'acceleration:bracket.*:z'. The largest one comes first.
+    von_mises:BODY is the largest stress on the surface of a body, with its place.
     """
     from rich.console import Console
 
