@@ -155,10 +155,11 @@ def preprocess(
         body = preprocess.read_body(body_file)
         superelement.require_writable(target)
         files.require_no_input(target, [body_file, *preprocess.files_of(body)])
-    for doubt in preprocess.doubts_of_body(body):
-        typer.echo(one_line(f"warning: {body_file}: {doubt}"), err=True)
+    doubts = list(preprocess.doubts_of_body(body))
     with errors_in_one_line(preprocess, superelement, about=body_file):
-        element = preprocess.build(body, progress=True)
+        element = preprocess.build(body, progress=True, told=doubts.append)
+    for doubt in doubts:
+        typer.echo(one_line(f"warning: {body_file}: {doubt}"), err=True)
     with errors_in_one_line(superelement):
         superelement.write(target, element)
     megabytes = target.stat().st_size / 1e6
