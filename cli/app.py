@@ -203,6 +203,9 @@ def run(
     target = output or _results_of(model_file)
     with errors_in_one_line(solver, superelement):
         model = solver.read_model(model_file)
+        for doubt in solver.doubts(model):
+            if doubt.severe:
+                typer.echo(one_line(f"warning: {model_file}: {doubt.text}"), err=True)
         results = solver.simulate(model, output=target, progress=True, resume=resume, anyway=anyway)
     for line in report(results):
         typer.echo(one_line(line))

@@ -132,7 +132,8 @@ def doubts_of_frequencies(body: Body, first: float) -> Iterator[str]:
     if first > 0.5 / step:
         yield (
             f"impulse.step = {step:g} s: its Nyquist frequency, {0.5 / step:.4g} Hz, is below the "
-            f"first elastic frequency, {first:.4g} Hz: expected {0.05 / first:.2g} s or less"
+            f"first elastic frequency, {first:.4g} Hz when free: expected {0.05 / first:.2g} s or "
+            "less"
         )
     elif band is not None and band < first:
         yield (

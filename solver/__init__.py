@@ -46,6 +46,7 @@ from .model.signals import (
 )
 from .model.springs import Spring
 from .model.stops import Stop
+from .plausibility import Doubt, doubts
 from .simulation import simulate, start
 from .simulator import Simulator
 
@@ -56,6 +57,7 @@ __all__ = [
     "ConvergenceError",
     "Coulomb",
     "DamperLaw",
+    "Doubt",
     "FlexibleBody",
     "ForceLaw",
     "ForceTable",
@@ -105,6 +107,7 @@ __all__ = [
     "ValidityWarning",
     "check",
     "check_law",
+    "doubts",
     "read_model",
     "simulate",
     "start",

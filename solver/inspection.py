@@ -20,6 +20,7 @@ from .model.stops import JointStop
 from .output.columns import requested
 from .output.size import check_memory, file_bytes, lack_of_disk
 from .output.writer import check_output, contents_of, make_writer, rows_of
+from .plausibility import doubts
 from .simulation import Course, march
 from .start.frequencies import natural_frequencies
 from .start.initial import InitialState, initialize, lower_to_start
@@ -131,6 +132,7 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
             *initial.warnings,
             *_warnings(frequencies, free, lowered.longest_step),
             *_lacks(path, contents, rows),
+            *(doubt.text for doubt in doubts(model)),
         ),
         seconds=_seconds(initial),
     )

@@ -282,7 +282,7 @@ def _axes_of_the_mesh(axes: Axes, view: View) -> None:
 
 
 def _axes_of_sections(axes: Axes, sections: Sequence[Cross], view: View) -> None:
-    """Arrows along local y and z, dashed, as long as they are seen; those in the middle are named."""
+    """Dashed lines along local y and z, as long as they are seen; a middle one has names."""
     for number, section in enumerate(sections):
         point = view.on_paper(section.point)
         for direction, (name, shade) in zip((section.y, section.z), AXES[1:], strict=True):

@@ -94,14 +94,14 @@ def on_mesh(body: Body) -> list[str]:
     return list(doubts_of_source(body, read_source(body)))
 
 
-MESHES = sorted((Path(__file__).parents[2] / "meshes").glob("*/*.toml"))
+ROOT = Path(__file__).parents[2] / "meshes"
+MESHES = sorted(set(ROOT.glob("*/*.toml")) - {ROOT / "connecting_rod/fine.toml"})
+"""but for the one whose mesh an example makes"""
 
 
 @pytest.mark.parametrize("path", MESHES, ids=lambda path: f"{path.parent.name}/{path.stem}")
 def test_no_body_of_the_repository_is_doubted(path):
     body = read_body(path)
-    if not body.mesh.is_file():
-        pytest.skip("made by its example")
     assert [*of_body(body), *on_mesh(body)] == []
 
 
