@@ -46,8 +46,14 @@ Panels = Annotated[
     list[str] | None,
     typer.Argument(
         metavar="QUANTITY[,QUANTITY]",
-        help="A panel each, as angular_velocity:hub:z.",
+        help="A panel each, as angular_velocity:hub:z, or 'srs(acceleration:hub:z, q=10)'.",
         show_default=False,
+    ),
+]
+Quantities = Annotated[
+    list[str] | None,
+    typer.Argument(
+        metavar="QUANTITY", help="As acceleration:hub:z, or 'acceleration:*'.", show_default=False
     ),
 ]
 Output = Annotated[
@@ -119,6 +125,9 @@ Title = Annotated[
     str | None,
     typer.Option(metavar="TEXT", help="Above the picture: the name of the file, unless given."),
 ]
+
+
+Gravities = Annotated[bool, typer.Option("--g", help="Accelerations in g = 9.80665 m/s².")]
 
 
 def _tell_version(asked: bool) -> None:
@@ -258,6 +267,7 @@ def plot(
     quantities: Panels = None,
     output: Picture = None,
     title: Title = None,
+    gravities: Gravities = False,
 ) -> None:
     """Draw results over time: RESULTS.png beside the results file, unless given.
 
@@ -265,7 +275,8 @@ def plot(
 
     Each argument is a panel: a quantity, or several joined by commas. Without arguments: how fast
     the bodies turn, how far the flexible ones bend, the energies and their balance. A quantity that
-    does not exist lists those that do.
+    does not exist lists those that do. What is made of quantities, in quotes: srs(QUANTITY),
+    fourier, psd, cumulative_rms, octaves, cfc, lowpass, highpass, bandpass, g.
     """
     if results_file.suffix.lower() == CSV:
         _plot_summary(results_file, quantities or [], output, title)
@@ -273,6 +284,7 @@ def plot(
     from .. import view
     from ..files.outputs import clash
     from ..results import Results
+    from ..results.transforms import split
 
     with errors_in_one_line(view):
         results = Results.read(results_file)
@@ -281,7 +293,7 @@ def plot(
             raise view.PictureError(f"{found}, which the picture would replace")
         panels = []
         for panel in quantities or ():
-            named = [view.curves(results, quantity) for quantity in panel.split(",")]
+            named = [view.curves(results, quantity, gravities) for quantity in split(panel)]
             panels.append([curve for curves in named for curve in curves])
         heading = results_file.stem if title is None else title
         view.save(view.draw(results.time, panels or view.overview(results), heading), target)
@@ -300,6 +312,26 @@ def _plot_summary(summary: Path, names: list[str], output: Path | None, title: s
             raise view.PictureError(f"{found}, which the picture would replace")
         draw(summary, [name for text in names for name in text.split(",")], target, title)
     typer.echo(one_line(target))
+
+
+@app.command()
+def peaks(
+    results_file: ResultsFile, quantities: Quantities = None, gravities: Gravities = False
+) -> None:
+    """Tell the largest and smallest values of quantities, when they occur, and where.
+
+    Without arguments: of all accelerations, forces and elastic displacements that were recorded. A
+    star in a name stands for anything: 'acceleration:bracket.*:z'. The largest one comes first.
+    """
+    from rich.console import Console
+
+    from .. import results
+    from .peaks import peaks_table
+
+    with errors_in_one_line(results):
+        read = results.Results.read(results_file)
+        found = results.peaks(read, quantities or (), gravities)
+    Console().print(peaks_table(results_file.stem, found))
 
 
 @app.command()

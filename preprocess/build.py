@@ -9,6 +9,7 @@ import numpy as np
 from ..files import in_one_line
 from ..files.memory import available
 from ..superelement import Provenance, Rotation, Superelement, sha256
+from .assembly.losses import lossy_parts
 from .assembly.second_order import SecondOrder, second_order
 from .assembly.structure import Structure, assemble_on
 from .body.body import Body
@@ -78,8 +79,9 @@ def _build(body: Body, stages: Stages, summaries: list[str], told: Told) -> Supe
         if body.rotation is not None:
             second = second_order(structure, source, body)
             structure = replace(structure, inertia=second.inertia_loads)
+        parts = lossy_parts(body, source, structure)
     with stages.stage("impulse"):
-        responses = impulse_responses(structure, body, stages)
+        responses = impulse_responses(structure, body, stages, parts)
         for doubt in _doubts_of_modes(body, responses):
             told(doubt)
     with stages.stage("static"):

@@ -19,6 +19,7 @@ from .motion import (
     Events,
     FrameMotion,
     Momentum,
+    MotorMotion,
     StopMotion,
 )
 from .recovery import (
@@ -106,6 +107,10 @@ class Results:
         return self._names("stop")
 
     @property
+    def motors(self) -> tuple[str, ...]:
+        return self._names("motor")
+
+    @property
     def events(self) -> dict[str, Events]:
         """The events of each contact and stop, which are counted whatever was recorded."""
         return Events.by_owner(self._source.events(), self._names("event_owner"))
@@ -182,6 +187,9 @@ class Results:
 
     def stop(self, name: str) -> StopMotion:
         return StopMotion(**self._of("stops", name), events=self.events[name])
+
+    def motor(self, name: str) -> MotorMotion:
+        return MotorMotion(**self._of("motors", name))
 
     def unit(self, group: str, owner: str, attribute: str) -> str:
         """The unit of an attribute, as of "joints", "hinge", "angle_rate".

@@ -18,7 +18,7 @@ from ..superelement import sha256
 from ..superelement.validation import Array
 
 FORMAT = "duhamel-results"
-VERSION = 5
+VERSION = 6
 EARLIEST = 3
 """of which all that is there is the same"""
 
@@ -70,6 +70,7 @@ DIMENSIONS = {
         Dimension("tangent_axis", "tangents of a contact", entries=("t1", "t2")),
         Dimension("contact", "contacts", "contacts"),
         Dimension("stop", "stops of joint coordinates", "stops"),
+        Dimension("motor", "motors on joint coordinates", "motors"),
         Dimension(
             "joint_with_friction", "joints with friction, as JOINT.friction", "joints", ragged=True
         ),
@@ -277,7 +278,7 @@ _JOINT, _CONSTRAINT = ("time", "joint", "axis"), ("time", "joint_constraint")
 _SPRING, _COMPONENT = ("time", "spring", "axis"), ("time", "spring_component")
 _TIME, _VECTOR = ("time",), ("time", "axis")
 _COORDINATE, _RUBBING = ("time", "joint_coordinate"), ("time", "joint_with_friction")
-_CONTACT, _STOP = ("time", "contact"), ("time", "stop")
+_CONTACT, _STOP, _MOTOR = ("time", "contact"), ("time", "stop"), ("time", "motor")
 
 
 def _energy(name: str, column: str, description: str, **more: Any) -> Quantity:
@@ -526,11 +527,38 @@ QUANTITIES = (
         "contact_state",
         integer=True,
     ),
+    Quantity(
+        "motor_torque", _MOTOR, ("N", "N m"), "force or torque on the coordinate", "motors/torque"
+    ),
+    Quantity(
+        "motor_reference",
+        _MOTOR,
+        ("m", "rad"),
+        "reference, 0 where no position is followed",
+        "motors/reference",
+    ),
+    Quantity(
+        "motor_error",
+        _MOTOR,
+        ("m", "rad"),
+        "reference less coordinate, 0 where no position is followed",
+        "motors/error",
+    ),
+    Quantity("motor_power", _MOTOR, "W", "power that it gives", "motors/power"),
+    Quantity("motor_work", _MOTOR, "J", "work since t = 0", "motors/work"),
+    Quantity(
+        "motor_state",
+        _MOTOR,
+        "1",
+        "-1 at the lower limit, 1 at the upper one, 0 between them",
+        "motors/state",
+        integer=True,
+    ),
     _energy("kinetic_energy", "kinetic", "kinetic energy of the rigid motions"),
     _energy("elastic_energy", "elastic", "elastic energy of flexible bodies, vibration included"),
     _energy("spring_energy", "springs", "energy stored in springs, contacts and friction"),
     _energy("potential_energy", "potential", "potential energy of gravity"),
-    _energy("external_work", "work", "work of loads and drives since t = 0"),
+    _energy("external_work", "work", "work of loads, drives and motors since t = 0"),
     _energy(
         "dissipated_energy",
         "dissipated",
@@ -638,6 +666,7 @@ OWNERS = {
     "springs": "spring",
     "contacts": "contact",
     "stops": "stop",
+    "motors": "motor",
 }
 """the dimension of the owners of a group"""
 

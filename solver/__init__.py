@@ -21,17 +21,9 @@ from .laws.one_sided import OneSidedLaw
 from .laws.tabulated import TabulatedLaw
 from .laws.user import UserLaw
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
+from .model.composed import Delayed, Product, Sum
 from .model.contacts import Contact, Hertz
-from .model.file import read_model, write_model
-from .model.friction import Coulomb, JointFriction, Stribeck
-from .model.impact import ForceTable, Impact
-from .model.joints import Joint
-from .model.loads import Load
-from .model.model import Model
-from .model.motions import PrescribedDisplacement, PrescribedRotation
-from .model.output_request import OutputRequest
-from .model.settings import Settings, StartFrom, SteadyRotation
-from .model.signals import (
+from .model.curves import (
     Constant,
     Function,
     Harmonic,
@@ -44,6 +36,28 @@ from .model.signals import (
     Steps,
     Table,
 )
+from .model.file import read_model, write_model
+from .model.friction import Coulomb, JointFriction, Stribeck
+from .model.impact import ForceTable, Impact
+from .model.joints import Joint
+from .model.loads import Load
+from .model.model import Model
+from .model.motions import PrescribedDisplacement, PrescribedRotation
+from .model.motors import Motor
+from .model.noise import Noise, ShapedNoise
+from .model.output_request import OutputRequest
+from .model.profiles import (
+    Chirp,
+    HalfSine,
+    Haversine,
+    LogarithmicChirp,
+    Sawtooth,
+    SmoothStep,
+    Trapezoid,
+    Window,
+)
+from .model.recorded import Recorded, RecordedSpline
+from .model.settings import Settings, StartFrom, SteadyRotation
 from .model.springs import Spring
 from .model.stops import Stop
 from .plausibility import Doubt, doubts
@@ -52,18 +66,22 @@ from .simulator import Simulator
 
 __all__ = [
     "BoucWenLaw",
+    "Chirp",
     "Constant",
     "Contact",
     "ConvergenceError",
     "Coulomb",
     "DamperLaw",
+    "Delayed",
     "Doubt",
     "FlexibleBody",
     "ForceLaw",
     "ForceTable",
     "Frame",
     "Function",
+    "HalfSine",
     "Harmonic",
+    "Haversine",
     "Hertz",
     "Impact",
     "Impulse",
@@ -71,11 +89,14 @@ __all__ = [
     "Joint",
     "JointFriction",
     "Load",
+    "LogarithmicChirp",
     "MaxwellLaw",
     "Model",
     "ModelCheck",
     "ModelError",
     "Moment",
+    "Motor",
+    "Noise",
     "OneSidedLaw",
     "OutOfRangeError",
     "OutputRequest",
@@ -83,14 +104,20 @@ __all__ = [
     "Polynomial",
     "PrescribedDisplacement",
     "PrescribedRotation",
+    "Product",
     "Pulse",
+    "Recorded",
+    "RecordedSpline",
     "RecoveryError",
     "Results",
     "ResultsError",
     "RigidBody",
+    "Sawtooth",
     "Settings",
+    "ShapedNoise",
     "Simulator",
     "SmoothFunction",
+    "SmoothStep",
     "Spline",
     "Spring",
     "Start",
@@ -100,11 +127,14 @@ __all__ = [
     "Steps",
     "Stop",
     "Stribeck",
+    "Sum",
     "Table",
     "TabulatedDamperLaw",
     "TabulatedLaw",
+    "Trapezoid",
     "UserLaw",
     "ValidityWarning",
+    "Window",
     "check",
     "check_law",
     "doubts",

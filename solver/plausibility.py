@@ -12,10 +12,13 @@ from .arrays import Array
 from .errors import about
 from .lower.scheme import stepping_of
 from .model.bodies import Body, FlexibleBody
+from .model.curves import Constant, Harmonic, Polynomial
 from .model.joints import Joint
 from .model.model import Model
 from .model.motions import PrescribedRotation
-from .model.signals import Constant, Harmonic, Polynomial, Signal
+from .model.noise import Noise, ShapedNoise
+from .model.profiles import Chirp, HalfSine, LogarithmicChirp, Sawtooth, Trapezoid
+from .model.signals import Signal, parts_of
 
 TURN = 2.0 * np.pi
 OTHER_UNITS = {
@@ -42,6 +45,10 @@ ABOVE = 10.0
 """First frequency of a free body over the Nyquist frequency of the step."""
 FEWEST = 4.0
 """Steps in a period of a signal."""
+
+
+PULSES = (HalfSine, Trapezoid, Sawtooth)
+WITH_PHASE = (Harmonic, Chirp, LogarithmicChirp)
 
 
 class Doubt(NamedTuple):
@@ -204,35 +211,60 @@ def _length(vector: Array) -> float:
 
 
 def _of_signals(model: Model, h: float) -> Iterator[Doubt]:
-    """Doubts about oscillations that the step does not resolve, and phases in degrees."""
+    """Doubts about signals that the step does not resolve, and phases in degrees."""
     for key, signal in _signals(model):
-        if not isinstance(signal, Harmonic):
-            continue
-        frequency = abs(signal.frequency)
-        if frequency * h * FEWEST > 1.0:
-            yield Doubt(
-                f"{key}.frequency = {signal.frequency:g} Hz has {1.0 / (frequency * h):.2g} steps "
-                f"of {h:g} s in a period, expected {FEWEST:g} or more: is it in rad/s or rpm?",
-                severe=True,
-            )
-        if abs(signal.phase) > TURN:
-            yield Doubt(
-                f"{key}.phase is {signal.phase:g} rad, usual is one turn at most: is it in degrees?"
-            )
+        for part in _within(signal):
+            yield from _of_signal(key, part, h)
+
+
+def _of_signal(key: str, signal: Signal, h: float) -> Iterator[Doubt]:
+    if (highest := _highest(signal)) * h * FEWEST > 1.0:
+        yield Doubt(
+            f"{key}: its highest frequency, {highest:g} Hz, has {1.0 / (highest * h):.2g} steps of "
+            f"{h:g} s in a period, expected {FEWEST:g} or more: is it in rad/s or rpm?",
+            severe=True,
+        )
+    if isinstance(signal, PULSES) and signal.duration < FEWEST * h:
+        yield Doubt(
+            f"{key}: a pulse of {signal.duration:g} s has {signal.duration / h:.2g} steps of "
+            f"{h:g} s, expected {FEWEST:g} or more: it acts as an impulse"
+        )
+    if isinstance(signal, WITH_PHASE) and abs(signal.phase) > TURN:
+        yield Doubt(
+            f"{key}.phase is {signal.phase:g} rad, usual is one turn at most: is it in degrees?"
+        )
+
+
+def _within(signal: Signal) -> Iterator[Signal]:
+    """A signal, and those that it is composed of."""
+    yield signal
+    for part in parts_of(signal):
+        yield from _within(part)
+
+
+def _highest(signal: Signal) -> float:
+    """The highest frequency [Hz] of a signal that names one, 0 of others."""
+    if isinstance(signal, Harmonic):
+        return abs(signal.frequency)
+    if isinstance(signal, Chirp | LogarithmicChirp):
+        return max(map(abs, signal.frequencies))
+    if isinstance(signal, Noise):
+        return max(signal.band)
+    if isinstance(signal, ShapedNoise):
+        return max(frequency for frequency, _ in signal.spectrum)
+    return 0.0
 
 
 def _signals(model: Model) -> Iterator[tuple[str, Signal]]:
     """All signals with their keys."""
     for number, load in enumerate(model.loads):
         yield f"loads.{number}.signal", load.signal
-    for joint in model.joints:
-        for coordinate, signal in joint.drives.items():
-            yield f"joints.{joint.name}.{coordinate}", signal
-    for motion in model.motions:
-        if isinstance(motion, PrescribedRotation):
-            yield f"motions.{motion.name}.angle", motion.angle
-        else:
-            yield f"motions.{motion.name}.displacement", motion.displacement
+    owners = (("joints", model.joints), ("motions", model.motions), ("motors", model.motors))
+    for table, entries in owners:
+        for entry in entries:
+            for key, signal in vars(entry).items():
+                if isinstance(signal, Signal):
+                    yield f"{table}.{entry.name}.{key}", signal
 
 
 def _of_step(model: Model, h: float) -> Iterator[Doubt]:

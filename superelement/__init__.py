@@ -1,6 +1,7 @@
 """The superelement: an elastic body reduced to its interfaces, and its HDF5 file."""
 
 from .audit import check
+from .chain import Chain
 from .checks import Check
 from .file import read, require_writable, sha256, write
 from .interface import Interface
@@ -14,6 +15,7 @@ from .superelement import Provenance, StepWarning, Superelement
 from .validation import SuperelementError
 
 __all__ = [
+    "Chain",
     "Check",
     "GeneralizedAlpha",
     "Interface",

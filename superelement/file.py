@@ -1,4 +1,4 @@
-"""The HDF5 file of a superelement, schema version 3; files of versions 1 and 2 are read too.
+"""The HDF5 file of a superelement, schema version 4; files of versions 1 to 3 are read too.
 
 Written under a temporary name and renamed when whole.
 """
@@ -15,8 +15,22 @@ import numpy as np
 from ..files import renamed_when_whole
 from ..files.hdf5 import opened
 from ..files.outputs import resolved
+from .chain import Chain
 from .checks import require_sound
-from .fields import dataset, expect, group, names, number, numbers, put, scalar, text, texts
+from .fields import (
+    dataset,
+    expect,
+    group,
+    names,
+    number,
+    numbers,
+    pair,
+    put,
+    rank,
+    scalar,
+    text,
+    texts,
+)
 from .interface import Interface
 from .kernel import Kernel
 from .modes import Modes
@@ -27,11 +41,13 @@ from .superelement import Provenance, Superelement
 from .validation import Array, SuperelementError
 
 FORMAT = "duhamel-superelement"
-VERSION = 3
-ACCELERANCE = {1: "static/mobility", 2: "static/accelerance", VERSION: "static/accelerance"}
+VERSION = 4
+ACCELERANCE = {1: "static/mobility"} | dict.fromkeys(range(2, VERSION + 1), "static/accelerance")
 """the dataset of the accelerance, by version: version 1 has it under another name"""
 ROTATES = 3
 """the version from which on a superelement may have a rotation"""
+RELAXES = 4
+"""the version from which on modes may have a chain"""
 FORM = "KM"
 """two projections of each soft shape, in stiffness and in mass"""
 
@@ -72,7 +88,7 @@ def require_writable(path: str | os.PathLike[str]) -> None:
 
 
 def read(path: str | os.PathLike[str], recovery: bool = True) -> Superelement:
-    """Read and validate a superelement of versions 1 to 3; unknown groups are passed over.
+    """Read and validate a superelement of versions 1 to 4; unknown groups are passed over.
 
     recovery: whether to read that too, which for a large body is nearly all of the file and no
     concern of a simulation.
@@ -110,6 +126,8 @@ def _fill(file: h5py.File, body: Superelement) -> None:
         put(modes, "omega", body.modes.omega, "rad/s")
         put(modes, "zeta", body.modes.zeta, "1")
         put(modes, "phi", body.modes.phi, "1/sqrt(kg), 1/(sqrt(kg) m)")
+        if body.modes.chain is not None:
+            _put_chain(modes.create_group("chain"), body.modes.chain)
     if body.rotation is not None:
         _put_rotation(file, body.rotation)
     put(file, "static/compliance", body.compliance, "m/N, rad/N, rad/(N m)")
@@ -152,6 +170,17 @@ def _put_rotation(file: h5py.File, rotation: Rotation) -> None:
         put(parent, "quartic", rotation.quartic, "1/(kg m^2 s^2)")
 
 
+def _put_chain(parent: h5py.Group, chain: Chain) -> None:
+    put(parent, "tau", chain.tau, "s")
+    put(parent, "amplitude", chain.amplitude, "1")
+    parent.attrs.update(
+        loss_factor=chain.loss_factor,
+        band=np.array(chain.band),
+        reference=chain.reference,
+        ripple=chain.ripple,
+    )
+
+
 def _put_recovery(parent: h5py.Group, recovery: Recovery) -> None:
     put(parent, "points", recovery.points, "m")
     parent.create_dataset("cells", data=recovery.cells)
@@ -187,7 +216,7 @@ def _superelement(file: h5py.File, recovery: bool) -> Superelement:
         center=numbers(file, "rigid/center", 3),
         interfaces=interfaces,
         kernel=_kernel(file, n_c),
-        modes=_modes(file, n_c),
+        modes=_modes(file, n_c, version),
         compliance=numbers(file, "static/compliance", n_c, n_c),
         accelerance=numbers(file, ACCELERANCE[version], n_c, n_c),
         recovery=_recovery(file) if recovery else None,
@@ -240,7 +269,7 @@ def _scheme(rho_inf: float) -> GeneralizedAlpha:
         raise SuperelementError(f"kernel: {error}") from error
 
 
-def _modes(file: h5py.File, n_c: int) -> Modes | None:
+def _modes(file: h5py.File, n_c: int, version: int) -> Modes | None:
     if "modes" not in file:
         return None
     attributes = group(file, "modes")
@@ -250,6 +279,25 @@ def _modes(file: h5py.File, n_c: int) -> Modes | None:
         zeta=numbers(file, "modes/zeta", len(omega)),
         phi=numbers(file, "modes/phi", n_c, len(omega)),
         h_min=number(attributes, "h_min") if "h_min" in attributes.attrs else 0.0,
+        chain=_chain(file, len(omega)) if version >= RELAXES else None,
+    )
+
+
+def _chain(file: h5py.File, m: int) -> Chain | None:
+    """The Maxwell elements of m modes; None where there are none."""
+    if "modes/chain" not in file:
+        return None
+    attributes = group(file, "modes/chain")
+    tau = numbers(file, "modes/chain/tau", "k")
+    shape = (len(tau), m)[: max(1, rank(file, "modes/chain/amplitude"))]
+    low, high = pair(attributes, "band")
+    return Chain(
+        tau=tau,
+        amplitude=numbers(file, "modes/chain/amplitude", *shape),
+        loss_factor=number(attributes, "loss_factor"),
+        band=(low, high),
+        reference=number(attributes, "reference"),
+        ripple=number(attributes, "ripple"),
     )
 
 

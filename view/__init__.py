@@ -1,6 +1,6 @@
 """Pictures of results and bodies."""
 
-from .errors import PictureError, QuantityError, ResultsError
+from .errors import PictureError, QuantityError, ResultsError, SeriesError, SeriesWarning
 from .fields import Field, draw_fields
 from .overview import overview
 from .picture import COLORS, draw, entitle, panels, save, style
@@ -19,6 +19,8 @@ __all__ = [
     "QuantityError",
     "ResultsError",
     "Scene",
+    "SeriesError",
+    "SeriesWarning",
     "curves",
     "draw",
     "draw_fields",

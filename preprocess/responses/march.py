@@ -8,7 +8,7 @@ from ...superelement import GeneralizedAlpha, Kernel
 from ...superelement.validation import Array
 from ..assembly.rigid import project
 from ..assembly.structure import Structure
-from ..body.body import Damping
+from ..body.damping import Damping
 from .damping import damping_matrix
 from .factor import factorize
 from .static import initial_accelerations

@@ -8,9 +8,9 @@ from scipy.linalg import null_space
 from ...superelement import Modes
 from ...superelement.validation import Array
 from ..assembly.structure import RIGID, Structure
-from ..body.body import Damping
+from ..body.damping import Damping
 from .basis import Basis
-from .damping import damping_ratios
+from .damping import damped_modes
 from .held import HeldModes, held_modes
 from .ritz import ritz_modes, space_shapes
 from .shapes import Shapes
@@ -83,7 +83,7 @@ def _reduced(structure: Structure, damping: Damping, normal: HeldModes, static: 
     V = basis.V[:, RIGID:]
     omega, Q = ritz_modes(structure, V, V.T @ (structure.K @ V))
     shapes = space_shapes(basis, Q)
-    modes = Modes(omega, damping_ratios(damping, omega), shapes(structure.P_C))
+    modes = damped_modes(damping, omega, shapes(structure.P_C))
     return Reduction(modes, shapes, float(np.sqrt(normal.squares[-1])) / (2.0 * np.pi))
 
 

@@ -17,9 +17,13 @@ from ..mesh.nodes import Nodes
 
 @dataclass(frozen=True, eq=False)
 class GivenSource:
-    """Stiffness and mass without elements; nodes have three dofs or six."""
+    """Stiffness and mass without elements; nodes have three dofs or six.
+
+    stiffening: by which K is divided, to be that of a material with a loss factor at long times.
+    """
 
     model: GivenModel
+    stiffening: float = 1.0
 
     @property
     def name(self) -> str:
@@ -31,7 +35,8 @@ class GivenSource:
 
     def matrices(self) -> tuple[Any, Any]:
         check_free_body(self.model)
-        return self.model.K, self.model.M
+        K = self.model.K if self.stiffening == 1.0 else self.model.K / self.stiffening
+        return K, self.model.M
 
     def tensors(self, M: Any, center: Array) -> NodalTensors:
         """Inertia and momentum, where nodes have three dofs of the same mass."""

@@ -6,13 +6,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ...files.memory import shortage
-from ...superelement import GeneralizedAlpha, Superelement, SuperelementError
+from ...superelement import Chain, GeneralizedAlpha, Superelement, SuperelementError
 from ..arrays import Array, Index, as_index
 from ..errors import ModelError
 from ..model.bodies import FlexibleBody
 from ..model.model import Model
 from ..model.settings import Settings
 from ..step.system import Elastic, Frames, Kernels, Modes
+from .chains import hardening_of, lay_out_chains
 from .cost import cheapest_history
 from .dyadic import power_above
 from .packing import packed
@@ -69,6 +70,7 @@ class _History(NamedTuple):
     G_0: Array  # (n_c, n_c)
     compliance: Array  # (n_c, n_c) static: the sum of the kernel, or of the modes
     accelerance: Array  # (n_c, n_c) accelerations under unit loads at rest
+    chain: Chain | None = None  # of the modes
 
 
 class Responses(NamedTuple):
@@ -117,7 +119,7 @@ def lay_out_elastic(model: Model, frames: Frames, stepping: Stepping) -> tuple[E
         G_active=G_active,
         G_active_start=G_active_start,
         length=np.concatenate([np.empty(0), *map(lengths_of, bodies.values())])[active],
-        modes=_lay_out_modes(histories, owners),
+        modes=_lay_out_modes(histories, owners, stepping.h),
         kernels=_lay_out_kernels(histories, owners),
         second=lay_out_second_order(
             list(bodies.values()),
@@ -152,7 +154,7 @@ def _histories(
     return [histories[owner] for owner in owners]
 
 
-def _lay_out_modes(histories: Sequence[_History], owners: Sequence[int]) -> Modes:
+def _lay_out_modes(histories: Sequence[_History], owners: Sequence[int], h: float) -> Modes:
     recursions = [history.recursion for history in histories]
     stiffness, damping, step_stiffness = np.hstack([np.empty((3, 0)), *recursions])
     phi, phi_start = packed([history.phi for history in histories], owners)
@@ -164,6 +166,11 @@ def _lay_out_modes(histories: Sequence[_History], owners: Sequence[int]) -> Mode
         phi=phi,
         phi_start=phi_start,
         damped=int(damping.any()),
+        chains=lay_out_chains(
+            [history.chain for history in histories],
+            [recursion.shape[1] for recursion in recursions],
+            h,
+        ),
     )
 
 
@@ -275,7 +282,8 @@ def _by_modes(body: FlexibleBody, h: float, scheme: GeneralizedAlpha) -> _Histor
     stiffness = modes.omega**2
     damping = 2.0 * modes.zeta * modes.omega
     step_stiffness = scheme.inertia_ratio + scheme.gamma * h * damping
-    step_stiffness += scheme.beta * h * h * stiffness
+    hardened = stiffness * (1.0 + hardening_of(modes.chain, h, len(stiffness)))
+    step_stiffness += scheme.beta * h * h * hardened
     G_0 = (modes.phi * (scheme.beta * h * h / step_stiffness)) @ modes.phi.T
     recursion, empty = np.array([stiffness, damping, step_stiffness]), np.empty(0)
     return _History(
@@ -289,6 +297,7 @@ def _by_modes(body: FlexibleBody, h: float, scheme: GeneralizedAlpha) -> _Histor
         G_0=G_0,
         compliance=modes.compliance,
         accelerance=body.superelement.accelerance if second is None else modes.accelerance,
+        chain=modes.chain,
     )
 
 

@@ -52,6 +52,8 @@ class LoweredModel:
     """of the force laws, before the start"""
     drives: list[SmoothSignal]
     load_signals: list[Signal]
+    motor_signals: list[Signal]
+    """three of each motor: what it gives without an error, its reference, and the rate of that"""
     superelements: list[Superelement]
     responses: Responses
     """of every flexible body"""
@@ -142,6 +144,7 @@ def lower(
         memories=np.array([number for law in laws for number in law.memories()], dtype=float),
         drives=drives,
         load_signals=[load.signal for load in model.loads],
+        motor_signals=[signal for motor in model.motors for signal in motor.signals],
         superelements=[body.superelement for body in model.flexible_bodies.values()],
         responses=responses,
         flight=_in_flight(model, frames, stepping, system),

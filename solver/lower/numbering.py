@@ -7,6 +7,7 @@ import numpy as np
 from ..model.bodies import FlexibleBody
 from ..model.model import GROUND, Coupling, Model
 from ..model.motions import PrescribedMotion
+from ..model.motors import JointMotor
 from ..model.stops import JointStop
 from ..step.rotations import quaternion_of
 from ..step.system import Frames
@@ -66,7 +67,9 @@ def side_names(coupling: Coupling) -> tuple[str, str]:
 
     The latter is fixed in space at the starting pose of the other side.
     """
-    owner = coupling.joint.name if isinstance(coupling, JointStop) else coupling.name
+    owner = coupling.name
+    if isinstance(coupling, JointStop | JointMotor):
+        owner = coupling.joint.name
     first, second = (
         f"{GROUND}.({owner})" if side == GROUND else side for side in between(coupling)
     )

@@ -11,11 +11,11 @@ import tomli_w
 from pydantic import Field, create_model, model_validator
 
 from ...files import renamed_when_whole
-from ...files.outputs import resolved
 from ...inputs import InputError, Table, Vector, quoted, read_table
 from ...superelement import Superelement, read
 from ..errors import ModelError, about
 from ..schema.entry import Entry
+from ..schema.paths import beside, relative
 from ..schema.tables import (
     entry_of,
     keys_of,
@@ -31,6 +31,7 @@ from .joints import Joint
 from .loads import Load
 from .model import Model
 from .motions import PrescribedMotion
+from .motors import Motor
 from .output_request import OutputRequest
 from .settings import Settings, StartFrom
 from .springs import Spring
@@ -94,6 +95,7 @@ class _ModelFile(Table):
     motions: tuple[_MOTION, ...] = ()
     contacts: tuple[table_of(Contact), ...] = ()  # type: ignore[valid-type]
     stops: tuple[table_of(Stop), ...] = ()  # type: ignore[valid-type]
+    motors: tuple[table_of(Motor), ...] = ()  # type: ignore[valid-type]
 
 
 def read_model(path: str | os.PathLike[str]) -> Model:
@@ -107,7 +109,7 @@ def read_model(path: str | os.PathLike[str]) -> Model:
         file, text = read_table(path, _ModelFile)
     except InputError as error:
         raise ModelError(str(error)) from error
-    with about(path):
+    with about(path), beside(path.parent):
         return _model(file, text, path)
 
 
@@ -116,10 +118,12 @@ def write_model(path: str | os.PathLike[str], model: Model) -> None:
 
     Superelements, and the run that it starts from, are named by their paths, relative to the new
     file. ModelError names a body whose
-    superelement is in no file, and a load, joint or motion that follows a Python function.
+    superelement is in no file, and a load, joint, motion or motor that follows a Python function.
     """
     path = Path(path)
-    text = SHORT_ARRAY.sub(_on_one_line, tomli_w.dumps(_document(model, path.parent)))
+    with beside(path.parent):
+        document = _document(model, path.parent)
+    text = SHORT_ARRAY.sub(_on_one_line, tomli_w.dumps(document))
     with renamed_when_whole(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
@@ -142,6 +146,7 @@ def _model(file: _ModelFile, text: str, path: Path) -> Model:
         motions=tuple(_motion(present_keys(motion)) for motion in file.motions),
         contacts=value_of(file.contacts),
         stops=value_of(file.stops),
+        motors=value_of(file.motors),
         gravity=gravity,
         ground_frames=value_of(file.ground.frames),
         settings=settings,
@@ -186,7 +191,7 @@ def _distinctive(keys: Mapping[str, Any]) -> list[str]:
 def _document(model: Model, folder: Path) -> dict[str, Any]:
     settings = table_in_file(model.settings)
     if isinstance(start := model.settings.start, StartFrom):
-        settings["start"] = {"from": _relative(start.path, folder)}
+        settings["start"] = {"from": relative(start.path, folder)}
     output = settings.pop("output", {})
     if model.gravity.any():
         settings["gravity"] = model.gravity.tolist()
@@ -197,7 +202,7 @@ def _document(model: Model, folder: Path) -> dict[str, Any]:
         "bodies": {name: _body_in_file(name, body, folder) for name, body in model.bodies.items()},
         **{
             name: [table_in_file(entry) for entry in getattr(model, name)]
-            for name in ("joints", "springs", "motions", "loads", "contacts", "stops")
+            for name in ("joints", "springs", "motions", "loads", "contacts", "stops", "motors")
         },
     }
     return {key: table for key, table in document.items() if table}
@@ -219,8 +224,4 @@ def _body_in_file(name: str, body: Body, folder: Path) -> dict[str, Any]:
     if not body.source:
         raise ModelError(f"body {name!r}: its superelement is in no file: write it to one first")
     chosen = {} if body.second_order == "auto" else {"second_order": body.second_order}
-    return {"superelement": _relative(body.source, folder), **chosen, **table_in_file(body.start)}
-
-
-def _relative(path: str, folder: Path) -> str:
-    return Path(os.path.relpath(resolved(Path(path)), resolved(folder))).as_posix()
+    return {"superelement": relative(body.source, folder), **chosen, **table_in_file(body.start)}

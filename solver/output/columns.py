@@ -90,6 +90,10 @@ def _switching_axes(lowered: LoweredModel) -> dict[str, Axis]:
         "contact": _axis([(int(couplings.contact_of[j]), name) for j, name in contacts]),
         "stop": _axis([(int(couplings.contact_of[j]), name) for j, name in stops], turns(stops)),
         "joint_with_friction": _axis(friction, [bool(angular[first[r]]) for r, _ in friction]),
+        "motor": _axis(
+            list(enumerate(motor.name for motor in model.motors)),
+            angular[couplings.laws.motors.row].tolist(),
+        ),
         "event_owner": _axis([*contacts, *stops], turns([*contacts, *stops])),
     }
 

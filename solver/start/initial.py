@@ -25,6 +25,7 @@ from ..step.second_order import add_curvatures, hardening_energy
 from ..step.system import State, System, Workspace
 from .assembly import Target, assemble_joints, fit_velocities
 from .equilibrium import check_drives, check_steady, solve_equilibrium
+from .full_turns import continue_angles, turn_joints
 from .handover import hand_over, predecessor
 from .inertia import interface_accelerance, inverse_inertia
 from .jacobian import constraint_jacobian, constraint_rows
@@ -32,7 +33,8 @@ from .matrices import solve
 from .penetration import penetrations
 from .redundancy import count_degrees_of_freedom, redundant_rows
 from .removed import RemovedRows
-from .steady import steady_motion
+from .servos import check_holding, set_poles
+from .steady import SteadyMotion, continuous_motion, steady_motion
 
 
 class AssemblyError(NamedTuple):
@@ -77,13 +79,18 @@ def lower_to_start(model: Model) -> tuple[LoweredModel, StateFile | None]:
 
 
 def initialize(
-    model: Model, lowered: LoweredModel | None = None, source: StateFile | None = None
+    model: Model,
+    lowered: LoweredModel | None = None,
+    source: StateFile | None = None,
+    *,
+    continuous: bool = False,
 ) -> InitialState:
     """A state that satisfies positions, velocities and equilibrium at t = 0.
 
     lowered: the model as `lower` gave it, where the caller has it; source: the state of another run
-    from which it starts, if there is one. What can be checked without compiled code is checked
-    before any of it is called.
+    from which it starts, if there is one; continuous: in a steady rotation as it is, not as the
+    scheme steps it. What can be checked without compiled code is checked before any of it is
+    called.
     """
     lowered = lowered or lower(model)
     if source is not None:
@@ -101,12 +108,14 @@ def initialize(
         lowered = lower(model, without)
         state, work = _allocated(lowered)
         assemble_joints(lowered, state, work, _targets(lowered, ""))
+    continue_angles(lowered, state, work)
     correction = 0.0
     closed: tuple[str, ...] = ()
     if in_equilibrium:
-        rotation = model.settings.steady_rotation
-        motion = None if rotation is None else steady_motion(rotation, lowered.system.scheme)
+        motion = _steady_motion(lowered, continuous)
         solve_equilibrium(lowered, motion, state, work)
+        check_holding(lowered, state)
+        turn_joints(lowered, state, work)
         check_steady(lowered, motion, state, work)
         _start_loaded(lowered, state, work)
     else:
@@ -116,10 +125,20 @@ def initialize(
         _start_unloaded(lowered, state, work)
     _start_work(lowered.system, state, work)
     start_extremes(lowered.system, state, work)
+    set_poles(lowered, state, work)
     moved = _moved(lowered, state)
     return InitialState(
         lowered, state, work, error, moved, correction, removed, degrees_of_freedom, closed
     )
+
+
+def _steady_motion(lowered: LoweredModel, continuous: bool) -> SteadyMotion | None:
+    rotation = lowered.model.settings.steady_rotation
+    if rotation is None:
+        return None
+    if continuous:
+        return continuous_motion(rotation)
+    return steady_motion(rotation, lowered.system.scheme)
 
 
 def _go_on(lowered: LoweredModel, source: StateFile) -> InitialState:
@@ -137,6 +156,7 @@ def _go_on(lowered: LoweredModel, source: StateFile) -> InitialState:
         hand_over(lowered, source, state, work)
     _start_work(lowered.system, state, work)
     start_extremes(lowered.system, state, work)
+    set_poles(lowered, state, work)
     closed = AssemblyError(0.0, "", 0.0, "")
     return InitialState(lowered, state, work, closed, 0.0, 0.0, removed, degrees_of_freedom)
 
@@ -147,6 +167,7 @@ def _allocated(lowered: LoweredModel, step: int = 0) -> tuple[State, Workspace]:
     t = lowered.h * np.full(1, step, dtype=np.float64)
     work.loads.value[:] = [signal.samples(t, lowered.h)[0] for signal in lowered.load_signals]
     work.drives.value[:] = [signal(float(t[0])) for signal in lowered.drives]
+    work.motors.value[:] = [signal.samples(t, lowered.h)[0] for signal in lowered.motor_signals]
     for d, drive in enumerate(lowered.drives):
         work.drives.rate[d], work.drives.acceleration[d] = drive.derivatives(float(t[0]))
     return state, work
@@ -194,6 +215,7 @@ def _start_unloaded(lowered: LoweredModel, state: State, work: Workspace) -> Non
     evaluate(system, state, work)
     # phi of a force law is lambda less the force of the law
     state.couplings.lam[:] -= work.couplings.phi * system.couplings.compliant
+    state.couplings.lam[system.couplings.laws.motors.row] = work.motors.torque
     evaluate(system, state, work)
     linearize(system, state, work)
     v_dot, lam = _accelerations(lowered, state, work)

@@ -13,6 +13,7 @@ p_n and p_{n+1}.
 from ..arrays import Array
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
+from .chains import chain_energy, hold_chains, stretch_chains
 from .second_order import add_curvatures, hardening_energy
 from .system import Elastic, Scheme, State, Workspace
 from .vectors import inner
@@ -55,6 +56,8 @@ def finish_history(elastic: Elastic, scheme: Scheme, state: State, work: Workspa
                 forces[i] += phi[i] * load
     add_curvatures(elastic, state, work)
     _forced_response(elastic, scheme, state, work)
+    if len(modes.chains.body):
+        state.energies.damping[0] += stretch_chains(elastic, state, work)
     if modes.damped:
         state.energies.damping[0] += scheme.h * _damping_power(elastic, state, work)
 
@@ -81,11 +84,11 @@ def _damping_power(elastic: Elastic, state: State, work: Workspace) -> float:
 
 @compiled
 def modal_energy(elastic: Elastic, state: State) -> float:
-    """Kinetic and strain energy of all modes, 1/2 (eta'^2 + omega^2 eta^2), and W of bodies."""
+    """Kinetic and strain energy of all modes, 1/2 (eta'^2 + omega^2 eta^2), of chains, and W."""
     modes, total = state.modes, 0.0
     for i in range(len(modes.eta)):
         total += modes.rate[i] ** 2 + elastic.modes.stiffness[i] * modes.eta[i] ** 2
-    total *= 0.5
+    total = 0.5 * total + chain_energy(elastic, state)
     for e in range(len(elastic.body)):
         total += hardening_energy(elastic, e, state.interfaces.u)
     return total
@@ -121,6 +124,9 @@ def _free_response(elastic: Elastic, scheme: Scheme, state: State, work: Workspa
         carried = kept * modes.a[i] - lost * modes.acceleration[i]
         force = data.stiffness[i] * eta + data.damping[i] * rate + carried
         a[i] = -force / data.step_stiffness[i]
+    if len(data.chains.body):
+        copy(modes.eta, work.modes.eta_n)
+        hold_chains(elastic, scheme, state, work)
     for i in range(len(a)):
         mean = (0.5 - beta) * modes.a[i] + beta * a[i]
         modes.eta[i] += h * modes.rate[i] + h * h * mean
@@ -160,6 +166,7 @@ def quiet_modes(state: State) -> None:
         _quiet(modes.rate)
         _quiet(modes.acceleration)
         _quiet(modes.a)
+        _quiet(modes.stretch)
 
 
 @compiled

@@ -42,6 +42,7 @@ def advance(run: Run, inputs: Inputs) -> tuple[int, float]:
         state.prepared[0] = 0
         copy(inputs.load[k], work.loads.value)
         copy(inputs.drive[k], work.drives.value)
+        copy(inputs.motor[k], work.motors.value)
         work.couplings.elapsed[0] = system.scheme.h
         iterations, residual, converged = converge(system, state, work)
         if not converged:

@@ -52,6 +52,7 @@ def record(run: Run, k: int) -> None:
     copy(state.observers.rate, output.joint_rate[k])
     for w in range(len(system.couplings.switching)):
         _record_switching(run, system.couplings.switching[w], k)
+    _record_motors(run, k)
     _record_energies(run, k)
     momentum(system.bodies, state, work, output.linear_momentum[k], output.angular_momentum[k])
 
@@ -81,6 +82,24 @@ def _record_switching(run: Run, j: int, k: int) -> None:
             output.contact_point[k, c, x] = point[x]
         for x in range(2):
             output.contact_slip[k, c, x] = slip[x] if status else 0.0
+
+
+@compiled
+def _record_motors(run: Run, k: int) -> None:
+    state, work, output = run.state, run.work, run.output
+    motors = run.system.couplings.laws.motors
+    for m in range(len(motors.row)):
+        i = motors.row[m]
+        output.motor_torque[k, m] = state.couplings.lam[i]
+        reference, error = 0.0, 0.0
+        if motors.stiffness[m] > 0.0 or motors.integral[m] > 0.0:
+            reference = work.motors.value[3 * m + 1]
+            error = reference - work.couplings.coordinate[i]
+        output.motor_reference[k, m] = reference
+        output.motor_error[k, m] = error
+        output.motor_power[k, m] = state.couplings.lam[i] * work.couplings.rate[i]
+        output.motor_work[k, m] = state.motors.work[m]
+        output.motor_state[k, m] = work.motors.status[m]
 
 
 @compiled

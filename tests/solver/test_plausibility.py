@@ -5,22 +5,28 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from duhamel.solver import (
+    Chirp,
     Constant,
     FlexibleBody,
     Frame,
+    HalfSine,
     Harmonic,
     Joint,
     Load,
+    LogarithmicChirp,
     Model,
+    Noise,
     Polynomial,
     PrescribedDisplacement,
     PrescribedRotation,
     RigidBody,
     Settings,
+    ShapedNoise,
     Spline,
     Spring,
     Start,
     Stop,
+    Sum,
     check,
     doubts,
 )
@@ -176,7 +182,32 @@ def test_oscillations_that_the_step_does_not_resolve_are_doubted(key, frequency,
         },
     }
     found = told(model(**parts[key]), severe=True)
-    only(found, f"{key}.frequency = 251 Hz has 4 steps" if doubted else "")
+    only(found, f"{key}: its highest frequency, 251 Hz, has 4 steps" if doubted else "")
+
+
+@pytest.mark.parametrize(("frequency", "doubted"), [(249.0, False), (251.0, True)])
+@pytest.mark.parametrize(
+    "signal",
+    [
+        lambda f: Chirp(1.0, [1.0, f], [0.0, 1.0]),
+        lambda f: LogarithmicChirp(1.0, [1.0, f], [0.0, 1.0]),
+        lambda f: Noise(1.0, [1.0, f], 1.0),
+        lambda f: ShapedNoise([[1.0, 1.0], [f, 2.0]], 1.0),
+        lambda f: Sum([Constant(1.0), Harmonic(1.0, f)]),
+    ],
+    ids=["chirp", "logarithmic", "noise", "shaped", "sum"],
+)
+def test_the_highest_frequency_of_a_band_counts(signal, frequency, doubted):
+    load = Load("force", "hub", [1, 0, 0], signal(frequency))
+    found = told(model(loads=[load]), severe=True)
+    only(found, "loads.0.signal: its highest frequency, 251 Hz" if doubted else "")
+
+
+@pytest.mark.parametrize(("duration", "doubted"), [(4.1e-3, False), (3.9e-3, True)])
+def test_pulses_of_few_steps_are_doubted(duration, doubted):
+    load = Load("force", "hub", [1, 0, 0], HalfSine(1.0, duration))
+    found = told(model(loads=[load]), severe=False)
+    only(found, "loads.0.signal: a pulse of 0.0039 s has 3.9 steps of 0.001 s" if doubted else "")
 
 
 @pytest.mark.parametrize(("phase", "doubted"), [(6.28, False), (90.0, True)])
