@@ -71,11 +71,7 @@ def evaluate(text: str, look_up: LookUp) -> Any:
         raise StudyError(f"{error}, in {quoted(text)}") from error
     except FAULTS as error:
         raise StudyError(f"expected arithmetic, found {quoted(text)}: {error}") from error
-    if isinstance(value, int):
-        is_known = abs(value) <= LARGEST
-    else:
-        is_known = math.isfinite(value)
-    if not is_known:
+    if not (abs(value) <= LARGEST if isinstance(value, int) else math.isfinite(value)):
         raise StudyError(f"expected a finite number, found {quoted(value)} of {quoted(text)}")
     return value
 

@@ -110,7 +110,8 @@ def _study(file: _StudyFile, path: Path, folder: Path) -> Study:
     if lacking := shortage(COPIES * len(points) * base.stat().st_size):
         raise StudyError(f"a study of {len(points)} cases of {base} {lacking}")
     derived = definitions(document, file.derived, points[0].parameters)
-    own = own_names(document, points[0].parameters, derived)
+    place = "parameters." if table is None else f"{table}: column "
+    own = own_names(document, points[0].parameters, derived, place)
     plan = _Plan(kind, document, own, derived, path.parent, folder)
     cases = []
     for point in points:
