@@ -17,6 +17,7 @@ from .errors import MemoryShortageError
 from .plausibility import doubts_of_frequencies, doubts_of_source, refused_where_singular
 from .progress import Stages, shown_stages
 from .recovery import check_recovery, recover
+from .responses.channels import channels_of, of_interfaces
 from .responses.factor import factorizations
 from .responses.impulse import ImpulseResponses, impulse_responses, require_memory
 from .responses.static import accelerance, compliance
@@ -80,8 +81,9 @@ def _build(body: Body, stages: Stages, summaries: list[str], told: Told) -> Supe
             second = second_order(structure, source, body)
             structure = replace(structure, inertia=second.inertia_loads)
         parts = lossy_parts(body, source, structure)
+    wide = structure.with_channels()
     with stages.stage("impulse"):
-        responses = impulse_responses(structure, body, stages, parts)
+        responses = impulse_responses(wide, body, stages, parts)
         for doubt in _doubts_of_modes(body, responses):
             told(doubt)
     with stages.stage("static"):
@@ -89,10 +91,14 @@ def _build(body: Body, stages: Stages, summaries: list[str], told: Told) -> Supe
         # whole mesh would.
         modes = responses.modes
         H, B = (
-            (compliance(structure), accelerance(structure))
+            (compliance(wide), accelerance(wide))
             if modes is None
             else (modes.compliance, modes.accelerance)
         )
+    channels = None
+    if structure.channels is not None:
+        channels = channels_of(structure.channels, structure.n_c, responses, H, B)
+        responses, H, B = of_interfaces(structure.n_c, responses, H, B)
     recovery = None
     if body.recovery is not None and responses.shapes is not None:
         with stages.stage("recovery"):
@@ -113,6 +119,7 @@ def _build(body: Body, stages: Stages, summaries: list[str], told: Told) -> Supe
         accelerance=B,
         recovery=recovery,
         rotation=rotation,
+        channels=channels,
         provenance=Provenance(
             body=body.text,
             mesh=", ".join(path.name for path in body.files),

@@ -120,6 +120,12 @@ def _check_linear(initial: InitialState) -> None:
             owner = lowered.model.couplings[j].owner
             raise ModelError(f"{owner}: friction sticks or slips, and has no linear equations")
     laws = couplings.laws
+    for motor in lowered.model.motors:
+        if motor.integral > 0.0:
+            raise motor.error(
+                "integral: linear equations take stiffness and damping of motors alone, got "
+                f"{motor.integral:g}"
+            )
     for m, i in enumerate(np.repeat(np.arange(len(laws.rest)), np.diff(laws.range)).tolist()):
         law = LAWS[laws.number[m]]
         if laws.memory[m + 1] > laws.memory[m] and law is not MaxwellLaw:
