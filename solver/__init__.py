@@ -61,6 +61,7 @@ from .model.recorded import Recorded, RecordedSpline
 from .model.settings import Settings, StartFrom, SteadyRotation
 from .model.springs import Spring
 from .model.stops import Stop
+from .plausibility import Doubt, doubts
 from .simulation import simulate, start
 from .simulator import Simulator
 
@@ -74,6 +75,7 @@ __all__ = [
     "Coupler",
     "DamperLaw",
     "Delayed",
+    "Doubt",
     "FlexibleBody",
     "ForceLaw",
     "ForceTable",
@@ -138,6 +140,7 @@ __all__ = [
     "Window",
     "check",
     "check_law",
+    "doubts",
     "read_model",
     "simulate",
     "start",

@@ -69,7 +69,7 @@ class LoweredModel:
     @property
     def loads(self) -> tuple[AnyLoad, ...]:
         """The loads in the order of their signals: those on frames first."""
-        return (*self.model.frame_loads, *self.model.pattern_loads)
+        return _loads_of(self.model)
 
     @property
     def h(self) -> float:
@@ -159,7 +159,7 @@ def lower(
         term_starts=np.array([t.row.start for r in laid_out for t in r.terms], dtype=float),
         drives=drives,
         drive_starts=np.array([x for row in laid_out for x in _drawn(row)], dtype=float),
-        load_signals=[load.signal for load in (*model.frame_loads, *model.pattern_loads)],
+        load_signals=[load.signal for load in _loads_of(model)],
         motor_signals=[signal for motor in model.motors for signal in motor.signals],
         superelements=[body.superelement for body in model.flexible_bodies.values()],
         responses=responses,
@@ -227,6 +227,11 @@ def _lay_out_bodies(model: Model, size: float) -> Bodies:
         gravity=model.gravity.copy(),
         size=size,
     )
+
+
+def _loads_of(model: Model) -> tuple[AnyLoad, ...]:
+    on_frames: tuple[AnyLoad, ...] = model.frame_loads
+    return on_frames + model.pattern_loads
 
 
 def _lay_out_patterns(model: Model, elastic: Elastic) -> LoadPatterns:

@@ -91,8 +91,9 @@ def _kind_of_load(table: Any) -> str:
 
 PATTERN = "pattern"
 """the type of loads that are no `Load` on a frame"""
+_TYPE: Any = (Literal["pattern"], ...)
 _PATTERN_LOAD: Any = create_model(
-    "PatternLoad", __base__=EntryTable, type=(Literal["pattern"], ...), **keys_of(PatternLoad)
+    "PatternLoad", __base__=EntryTable, type=_TYPE, **keys_of(PatternLoad)
 )
 _PATTERN_LOAD.entry = PatternLoad
 _LOAD: Any = Annotated[

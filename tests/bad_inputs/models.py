@@ -131,6 +131,12 @@ on = "hub"
 direction = [0, 0, 1]
 signal = 1.0
 follower = false
+
+[[loads]]
+type = "pattern"
+body = "beam"
+pattern = "wind"
+signal = 2.0
 """
 
 STEADY = """

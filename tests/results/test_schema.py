@@ -44,7 +44,8 @@ def test_names_dimensions_and_units():
         assert angular or isinstance(quantity.unit, str)
         assert isinstance(quantity.unit, tuple) or not quantity.owned or not quantity.owned.ragged
         for unit in quantity.unit if isinstance(quantity.unit, tuple) else (quantity.unit,):
-            assert re.fullmatch(r"1|(kg|m2?|N|J|W|rad|s)( (m2?|s))?( ?s-[12])?", unit), unit
+            known = r"1|s-[12]|(kg|m2?|N|J|W|Pa|rad|s)( (m2?|s))?( ?s-[12])?"
+            assert re.fullmatch(known, unit), unit
 
 
 @pytest.mark.parametrize(
@@ -54,6 +55,8 @@ def test_names_dimensions_and_units():
         ("frames", motion.FrameMotion),
         ("energy", motion.Energy),
         ("motors", motion.MotorMotion),
+        ("patterns", motion.PatternMotion),
+        ("sensors", motion.SensorMotion),
         ("events", motion.Events),
         ("momentum", motion.Momentum),
     ],
