@@ -20,6 +20,11 @@ from .laws.maxwell import MaxwellLaw
 from .laws.one_sided import OneSidedLaw
 from .laws.tabulated import TabulatedLaw
 from .laws.user import UserLaw
+from .linear.campbell import Campbell, campbell
+from .linear.frf import FrequencyResponse
+from .linear.linearize import LinearModel, linearize
+from .linear.modes import LinearModes
+from .linear.state_space import StateSpace
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
 from .model.contacts import Contact, Hertz
 from .model.file import read_model, write_model
@@ -51,6 +56,7 @@ from .simulator import Simulator
 
 __all__ = [
     "BoucWenLaw",
+    "Campbell",
     "Constant",
     "Contact",
     "ConvergenceError",
@@ -60,6 +66,7 @@ __all__ = [
     "ForceLaw",
     "ForceTable",
     "Frame",
+    "FrequencyResponse",
     "Function",
     "Harmonic",
     "Hertz",
@@ -68,6 +75,8 @@ __all__ = [
     "Input",
     "Joint",
     "JointFriction",
+    "LinearModel",
+    "LinearModes",
     "Load",
     "MaxwellLaw",
     "Model",
@@ -94,6 +103,7 @@ __all__ = [
     "Start",
     "StartFrom",
     "StateError",
+    "StateSpace",
     "SteadyRotation",
     "Steps",
     "Stop",
@@ -103,8 +113,10 @@ __all__ = [
     "TabulatedLaw",
     "UserLaw",
     "ValidityWarning",
+    "campbell",
     "check",
     "check_law",
+    "linearize",
     "read_model",
     "simulate",
     "start",

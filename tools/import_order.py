@@ -75,6 +75,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "simulation",
         "inspection",
         "simulator",
+        "linear",
         "__init__",
     ),
 }

@@ -10,22 +10,33 @@ so Newton's matrix of a step in the frequency domain. Modes of bodies, of any nu
 are summed exactly in H and leave no rounding in the slow motions.
 """
 
+import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
-from scipy.linalg import block_diag, lu_factor, lu_solve
 
 from ..arrays import Array, Index
 from ..errors import ModelError
 from ..laws.law import LAWS
 from ..laws.maxwell import MaxwellLaw
-from .flexibility import FlexibleTransfer, Matrix, ModalBody, bends, flexible_bodies
+from .blocks import diagonal_blocks
+from .flexibility import (
+    FlexibleTransfer,
+    KernelBody,
+    Matrix,
+    ModalBody,
+    StaticBody,
+    bends,
+    flexible_bodies,
+)
 from .pose import Pose
 from .tangent import Sizes, Tangent, tangent_of
 
+Bodies = Literal["dynamic", "static", "rigid"]
+"""how flexible bodies deform"""
 SINGULAR = 1e-13
 """reciprocal condition, rows and columns scaled, below which equations count as singular"""
 
@@ -46,13 +57,6 @@ class Relaxation:
         """kappa s tau / (1 + s tau)"""
         values: Matrix = self.kappa * (s * self.tau) / (1.0 + s * self.tau)
         return values
-
-
-@dataclass(frozen=True, eq=False)
-class Forcing:
-    """Derivatives of [r; pi; phi] by inputs (n_r + n_a + n_i, n_in)."""
-
-    values: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +89,7 @@ class Equations:
     def modal_bodies(self) -> list[ModalBody]:
         """All flexible bodies; `ModelError` for one that is known by a kernel alone."""
         for body in self.bodies:
-            if not isinstance(body, ModalBody):
+            if isinstance(body, KernelBody):
                 raise ModelError(
                     f"body {body.name!r}: superelement {body.element.name!r} has no modes, only a "
                     "kernel: frequency responses take it, modes and state space do not"
@@ -99,6 +103,19 @@ class Equations:
         # bend leads from q to the other dofs alone: its square vanishes
         return np.eye(len(bend)) + bend
 
+    def with_bodies(self, bodies: Bodies) -> "Equations":
+        """The same with bodies that deform as given: "dynamic", "static" or "rigid"."""
+        if bodies == "dynamic":
+            return self
+        if bodies not in ("static", "rigid"):
+            raise ModelError(f"bodies: expected dynamic, static or rigid, got {bodies!r}")
+        factor = 1.0 if bodies == "static" else 0.0
+        static = [
+            StaticBody(body.name, factor * np.asarray(body.transfer(0.0)).real, body.active)
+            for body in self.bodies
+        ]
+        return replace(self, bodies=static)
+
     def transfers(self, s: complex) -> list[Matrix]:
         """H of every body, of all its dofs by the active ones."""
         return [body.transfer(s) for body in self.bodies]
@@ -106,11 +123,11 @@ class Equations:
     def flexibility(self, transfers: Sequence[Matrix]) -> Matrix:
         """H (n_a, n_a) of the active dofs of all bodies."""
         blocks = [H[body.active] for H, body in zip(transfers, self.bodies, strict=True)]
-        return np.asarray(block_diag(np.zeros((0, 0)), *blocks))
+        return np.asarray(diagonal_blocks(blocks))
 
     def elastic_dofs(self, s: complex, pi: Any) -> Any:
         """Displacements of all elastic dofs (n_u, n) under loads pi on the active ones."""
-        return self.bends @ block_diag(np.zeros((0, 0)), *self.transfers(s)) @ pi
+        return self.bends @ diagonal_blocks(self.transfers(s)) @ pi
 
     def dynamic(self, s: complex) -> Matrix:
         """D = K + s C + s^2 M, with the relaxation of laws (n_r + n_a + n_i, n_r + n_a)."""
@@ -140,7 +157,9 @@ class Factors:
         self.rows = _scales(matrix, 1)
         self.columns = _scales(self.rows[:, None] * matrix, 0)
         scaled = self.rows[:, None] * matrix * self.columns
-        with np.errstate(all="ignore"):
+        from scipy.linalg import LinAlgWarning, lu_factor
+
+        with warnings.catch_warnings(action="ignore", category=LinAlgWarning):
             self.lu = lu_factor(scaled, check_finite=False)
         pivots = np.abs(np.diag(self.lu[0]))
         self.conditioned = bool(pivots.min(initial=1.0) > SINGULAR * pivots.max(initial=1.0))
@@ -153,6 +172,8 @@ class Factors:
         sizes = self.equations.sizes
         right = b.astype(np.result_type(b.dtype, pi.dtype, self.H.dtype))
         right[sizes.active] += self.H @ pi
+        from scipy.linalg import lu_solve
+
         x = self.columns[:, None] * lu_solve(
             self.lu, self.rows[:, None] * right, check_finite=False
         )

@@ -7,6 +7,7 @@ frequency s: d with sigma(d) = s^2, so that what the scheme does to frequencies 
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,16 +46,13 @@ class ModalBody:
 
     def step(self, s: complex) -> Matrix:
         """s^2 + 2 zeta omega s + omega^2 of every mode (m,), real for a real s."""
-        values: Matrix = s * s + self.damping * s + self.stiffness
-        return values
+        values: Any = s * s + self.damping * s + self.stiffness
+        return values  # type: ignore[no-any-return]
 
     def transfer(self, s: complex) -> Matrix:
         """Displacements of all elastic dofs per load on the active ones (n_dofs, n_active)."""
         values: Matrix = (self.phi / self.step(s)) @ self.phi_active.T
         return values
-
-    def static(self) -> Matrix:
-        return self.transfer(0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,8 +67,8 @@ class KernelBody:
         if s == 0.0:
             return self.static()
         kernel = self.element.kernel
-        d = _delay(kernel, s)
         self._check(kernel)
+        d = _delay(kernel, s)
         powers = d ** np.arange(len(kernel.g))
         values: Matrix = np.tensordot(powers, kernel.g[:, :, self.active], axes=1)
         return values
@@ -89,7 +87,19 @@ class KernelBody:
             )
 
 
-FlexibleTransfer = ModalBody | KernelBody
+@dataclass(frozen=True, eq=False)
+class StaticBody:
+    """A flexible body by its static compliance (n_dofs, n_active) alone; rigid where that is 0."""
+
+    name: str
+    compliance: Array
+    active: Index
+
+    def transfer(self, s: complex) -> Matrix:
+        return self.compliance
+
+
+FlexibleTransfer = ModalBody | KernelBody | StaticBody
 
 
 def _delay(kernel: Kernel, s: complex) -> complex:

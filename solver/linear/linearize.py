@@ -3,19 +3,21 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from ..arrays import Array
 from ..errors import ModelError, about
 from ..model.model import Model
 from ..model.settings import SteadyRotation
-from .equations import Equations, equations_of
+from .equations import Bodies, Equations, equations_of
 from .frf import FrequencyResponse, frequency_response, static_response
 from .inputs import Channel, channels, with_loads
-from .modes import FirstOrder, Modes, modes_of
+from .modes import FirstOrder, LinearModes, modes_of
+from .motion import Motion, motion_of
 from .pose import pose_of
 from .state_space import StateSpace, state_space_of
+from .steady import check_constant
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +34,9 @@ class LinearModel:
     @cached_property
     def equations(self) -> Equations:
         with about(self.model.path):
-            return equations_of(pose_of(self.model, self.rotation))
+            equations = equations_of(pose_of(self.model, self.rotation))
+            check_constant(equations)
+            return equations
 
     @cached_property
     def first_order(self) -> FirstOrder:
@@ -44,7 +48,7 @@ class LinearModel:
         """The speed of the steady rotation [rad/s]."""
         return self.equations.pose.speed
 
-    def modes(self, n: int | None = None) -> Modes:
+    def modes(self, n: int | None = None) -> LinearModes:
         """The first n modes by frequency, or all.
 
         ModelError for a body that is known by a kernel alone.
@@ -52,18 +56,29 @@ class LinearModel:
         with about(self.model.path):
             return modes_of(self.first_order, n)
 
+    def motion(self, y: Any) -> Motion:
+        """Motions of bodies and frames in motions y (n_y, k), as `LinearModes.y`."""
+        return motion_of(self.first_order, y)
+
     def frf(
-        self, inputs: Sequence[str], outputs: Sequence[str], frequencies: Array
+        self,
+        inputs: Sequence[str],
+        outputs: Sequence[str],
+        frequencies: Any,
+        bodies: Bodies = "dynamic",
     ) -> FrequencyResponse:
         """Frequency responses of outputs, as `plot` names them, to inputs.
 
         frequencies (n,) [Hz]. inputs: "load:1", "force:FRAME:x", "torque:FRAME:x", "drive:JOINT",
-        or the name of an `Input`. ModelError for an input, QuantityError for an output that there
-        is not, and ModelError for a frequency without damping at which the model resonates.
+        or the name of an `Input`. bodies: "dynamic", with all their modes, "static", as springs
+        without inertia of their own deformation, or "rigid". ModelError for an input, QuantityError
+        for an output that there is not, and ModelError for a frequency without damping at which the
+        model resonates.
         """
         with about(self.model.path):
             equations, found = self._with(inputs)
-            return frequency_response(equations, found, outputs, np.asarray(frequencies))
+            equations = equations.with_bodies(bodies)
+            return frequency_response(equations, found, outputs, np.asarray(frequencies, float))
 
     def static(self, inputs: Sequence[str], outputs: Sequence[str]) -> FrequencyResponse:
         """Static influence coefficients: responses at 0 Hz, real.

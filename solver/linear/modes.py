@@ -16,20 +16,22 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag, eig, qr
 
 from ..arrays import Array
 from ..errors import ModelError
 from ..start.inertia import inverse_root
 from ..start.matrices import dense_of
+from .blocks import diagonal_blocks
 from .equations import Equations
 from .flexibility import ModalBody
 
 Complex = NDArray[np.complex128]
-SHIFT = 1e-3
+SHIFT = 0.03
 """sigma over a frequency of the model"""
-ZERO = 1e-4
+ZERO = 3e-5
 """of sigma: eigenvalues below are motions that nothing resists"""
+SLOW, ITERATIONS = 3.0, 12
+"""eigenvalues below so many sigma are iterated together, so often"""
 LARGEST = 1500
 """states up to which all modes are found at once"""
 
@@ -44,12 +46,12 @@ class FirstOrder:
         self.equations = equations
         self.bodies: list[ModalBody] = equations.modal_bodies
         t = equations.tangent
-        self.phi = block_diag(np.zeros((0, 0)), *(body.phi_active for body in self.bodies))
+        self.phi = diagonal_blocks([body.phi_active for body in self.bodies])
         self.stiffness = _joined([body.stiffness for body in self.bodies])
         self.damping = _joined([body.damping for body in self.bodies])
         # z = phi eta + bend z
         Z = self.phi + t.bend @ self.phi
-        self.embed = block_diag(np.eye(t.sizes.n_r), Z)
+        self.embed = diagonal_blocks([np.eye(t.sizes.n_r), Z])
         self.basis, self.coordinates = self._basis()
         self.n_free = self.basis.shape[1]
         self.n_e = len(equations.relaxation.row)
@@ -62,20 +64,20 @@ class FirstOrder:
     @property
     def n(self) -> int:
         """The number of states."""
-        return 2 * self.n_free + self.n_e
+        return int(2 * self.n_free + self.n_e)
 
     def _basis(self) -> tuple[Array, Array]:
         """The basis, orthonormal in the rigid inertia and that of the modes, and its inverse."""
         system, t = self.equations.pose.system, self.equations.tangent
         root = dense_of(inverse_root(system))
-        scale = block_diag(root, np.eye(len(self.stiffness)))
+        scale = diagonal_blocks([root, np.eye(len(self.stiffness))])
         hard = system.couplings.compliant == 0
         B = t.gradients[hard] @ self.embed @ scale
         length = np.linalg.norm(B, axis=1)
         B /= np.where(length > 0.0, length, 1.0)[:, None]
-        Q, _ = qr(B.T)
+        Q, _ = np.linalg.qr(B.T, mode="complete")
         free: Array = Q[:, len(B) :]
-        inverse = block_diag(np.linalg.inv(root), np.eye(len(self.stiffness)))
+        inverse = diagonal_blocks([np.linalg.inv(root), np.eye(len(self.stiffness))])
         return scale @ free, free.T @ inverse
 
     def _frequency(self) -> float:
@@ -91,6 +93,10 @@ class FirstOrder:
         largest = float(np.sqrt(np.abs(reduced).max(initial=0.0)))
         spin = self.equations.pose.speed
         return max(largest, spin) or 1.0
+
+    def is_zero(self, value: complex) -> bool:
+        """Whether an eigenvalue is that of a motion that nothing resists."""
+        return bool(abs(value) < ZERO * self.sigma)
 
     def solve(self, y: Any, v: Any, e: Any) -> "States":
         """(A - sigma)^-1 of a state: positions, rates, dampers, multipliers."""
@@ -155,7 +161,7 @@ def _joined(arrays: list[Array]) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Modes:
+class LinearModes:
     """Modes of a linear model, in the order of their frequencies.
 
     values (n,): eigenvalues [rad/s], one of each complex pair, and real ones; those of motions that
@@ -189,30 +195,30 @@ class Modes:
         return int((self.values == 0.0).sum())
 
     @property
-    def unstable(self) -> Array:
+    def unstable(self) -> NDArray[np.bool_]:
         """True of modes that grow (n,)."""
-        growing: Array = self.values.real > 1e-9 * np.abs(self.values)
+        growing: NDArray[np.bool_] = self.values.real > 1e-9 * np.abs(self.values)
         return growing
 
 
-def modes_of(form: FirstOrder, n: int | None) -> Modes:
+def modes_of(form: FirstOrder, n: int | None) -> LinearModes:
     """The first n modes, or all; `ModelError` where all are too many."""
     values, x = _eigenvalues(form, n)
-    zeros = np.abs(values) < ZERO * form.sigma
+    zeros = np.array([form.is_zero(value) for value in values.tolist()], dtype=bool)
     upper = (values.imag > 0.0) | (values.imag == 0.0)
     chosen = np.flatnonzero(upper & ~zeros)
     chosen = chosen[np.lexsort((values[chosen].real, np.abs(values[chosen])))]
-    still = _motions_without_resistance(form, x[:, zeros], int(zeros.sum()))
+    still = _motions_without_resistance(form, values)
     values, x = values[chosen], x[:, chosen]
     states = form.solve(*form.split(x * (values - form.sigma)))
-    found = Modes(
+    found = LinearModes(
         np.concatenate([np.zeros(still.shape[1]), values]),
         np.hstack([still, states.y]),
         np.hstack([np.zeros((len(states.lam), still.shape[1])), states.lam]),
     )
     if n is None or n >= len(found):
         return found
-    return Modes(found.values[:n], found.y[:, :n], found.lam[:, :n])
+    return LinearModes(found.values[:n], found.y[:, :n], found.lam[:, :n])
 
 
 def _eigenvalues(form: FirstOrder, n: int | None) -> tuple[Complex, Complex]:
@@ -221,7 +227,7 @@ def _eigenvalues(form: FirstOrder, n: int | None) -> tuple[Complex, Complex]:
             raise ModelError(
                 f"{form.n} states: expected at most {LARGEST} to find all modes, ask for fewer"
             )
-        mu, x = eig(form.matrix, check_finite=False)
+        mu, x = np.linalg.eig(form.matrix)
     else:
         from scipy.sparse.linalg import LinearOperator, eigs
 
@@ -229,26 +235,42 @@ def _eigenvalues(form: FirstOrder, n: int | None) -> tuple[Complex, Complex]:
             (form.n, form.n), matvec=lambda x: form.apply(x.reshape(-1, 1))[:, 0], dtype=float
         )
         mu, x = eigs(operator, 2 * n + 24, v0=np.ones(form.n))
-    return form.sigma + 1.0 / mu, x
+    return (form.sigma + 1.0 / mu).astype(np.complex128), x.astype(np.complex128)
 
 
-def _motions_without_resistance(form: FirstOrder, x: Complex, n: int) -> Complex:
-    """Real motions y, one for each pair of zero eigenvalues, or for each single one.
+def _motions_without_resistance(form: FirstOrder, values: Complex) -> Array:
+    """Real motions y (n_y, k) that nothing resists, from the eigenvalues that were found.
 
-    A free motion has two, position and velocity, with one eigenvector between them; a rigid body
-    that only dampers hold has one.
+    A free motion has two zero eigenvalues, for position and velocity, with one eigenvector between
+    them, which no eigenvalue solver tells well; the invariant subspace of all of them is certain.
     """
-    if n == 0:
-        return np.zeros((len(form.basis), 0), dtype=np.complex128)
-    n_free = form.n_free
-    y = np.hstack([x[:n_free].real, x[:n_free].imag])
-    U, size, _ = np.linalg.svd(y, full_matrices=False)
-    kept = int((size > 1e-3 * size[0]).sum())
-    still: Complex = (form.basis @ U[:, :kept]).astype(np.complex128)
+    from scipy.linalg import schur
+
+    def is_zero(real: float, imaginary: float) -> bool:
+        return form.is_zero(form.sigma + 1.0 / complex(real, imaginary))
+
+    if not any(form.is_zero(value) for value in values.tolist()):
+        return np.zeros((len(form.basis), 0))
+    if form.n <= LARGEST:
+        _, U, p = schur(form.matrix, sort=is_zero)
+    else:
+        slow = _slow_subspace(form, int((np.abs(values) < SLOW * form.sigma).sum()))
+        _, U, p = schur(slow.T @ form.apply(slow), sort=is_zero)
+        U = slow @ U
+    directions, size, _ = np.linalg.svd(U[: form.n_free, :p], full_matrices=False)
+    still: Array = form.basis @ directions[:, size > 1e-3]
     return still
+
+
+def _slow_subspace(form: FirstOrder, p: int) -> Array:
+    """The invariant subspace (n, p) of the p slowest eigenvalues, by iteration."""
+    X = np.random.default_rng(0).normal(size=(form.n, p))
+    for _ in range(ITERATIONS):
+        X, _ = np.linalg.qr(form.apply(X))
+    return X
 
 
 def frames_of(form: FirstOrder, y: Any) -> Any:
     """Elastic displacements of all dofs (n_u, k) of motions y."""
-    n_r, phi = form.equations.sizes.n_r, block_diag(np.zeros((0, 0)), *(b.phi for b in form.bodies))
+    n_r, phi = form.equations.sizes.n_r, diagonal_blocks([b.phi for b in form.bodies])
     return form.equations.bends @ phi @ y[n_r:]

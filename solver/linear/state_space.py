@@ -12,13 +12,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.linalg import block_diag, eig, schur, solve_sylvester
 
 from ..arrays import Array
 from ..errors import ModelError
+from .blocks import diagonal_blocks
 from .frf import observed
 from .inputs import Channel, forcing
-from .modes import LARGEST, ZERO, FirstOrder, States, frames_of
+from .modes import LARGEST, FirstOrder, States, frames_of
 from .outputs import Observation, observe
 
 
@@ -72,7 +72,7 @@ def state_space_of(
         parts.append(_real(block, b, c))
     A, B, C = ([part[k] for part in parts] for k in range(3))
     return StateSpace(
-        np.asarray(block_diag(np.zeros((0, 0)), *A)),
+        np.asarray(diagonal_blocks(A)),
         np.vstack([np.zeros((0, len(inputs))), *B]),
         np.hstack([np.zeros((len(observation.names), 0)), *C]),
         D,
@@ -83,9 +83,10 @@ def state_space_of(
 
 def _blocks(form: FirstOrder, modes: int | None) -> list[_Block]:
     """The motions that nothing resists, then each mode."""
+    from scipy.linalg import eig, schur, solve_sylvester
 
     def is_zero(real: float, imaginary: float) -> bool:
-        return bool(abs(form.sigma + 1.0 / complex(real, imaginary)) < ZERO * form.sigma)
+        return form.is_zero(form.sigma + 1.0 / complex(real, imaginary))
 
     T, U, p = schur(form.matrix, sort=is_zero)
     X = solve_sylvester(T[:p, :p], -T[p:, p:], -T[:p, p:])
