@@ -2,6 +2,14 @@
 
 from .errors import PictureError, QuantityError, ResultsError
 from .fields import Field, draw_fields
+from .linear import (
+    CampbellLine,
+    ModeShape,
+    ResponseCurve,
+    draw_campbell,
+    draw_response,
+    draw_shapes,
+)
 from .overview import overview
 from .picture import COLORS, draw, entitle, panels, save, style
 from .quantities import Curve, curves
@@ -9,18 +17,24 @@ from .scene import Marker, Patch, Scene, draw_scene
 
 __all__ = [
     "COLORS",
+    "CampbellLine",
     "Curve",
     "Field",
     "Marker",
+    "ModeShape",
     "Patch",
     "PictureError",
     "QuantityError",
+    "ResponseCurve",
     "ResultsError",
     "Scene",
     "curves",
     "draw",
+    "draw_campbell",
     "draw_fields",
+    "draw_response",
     "draw_scene",
+    "draw_shapes",
     "entitle",
     "overview",
     "panels",

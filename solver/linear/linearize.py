@@ -11,13 +11,18 @@ from ..errors import ModelError, about
 from ..model.model import Model
 from ..model.settings import SteadyRotation
 from .equations import Bodies, Equations, equations_of
+from .flexibility import KernelBody
 from .frf import FrequencyResponse, frequency_response, static_response
 from .inputs import Channel, channels, with_loads
-from .modes import FirstOrder, LinearModes, modes_of
+from .modes import LARGEST, FirstOrder, LinearModes, modes_of
 from .motion import Motion, motion_of
 from .pose import pose_of
+from .shapes import Shape, shapes_of
 from .state_space import StateSpace, state_space_of
 from .steady import check_constant
+
+FEW = 60
+"""modes of a model that has too many for all"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,9 +61,19 @@ class LinearModel:
         with about(self.model.path):
             return modes_of(self.first_order, n)
 
+    def known_modes(self) -> LinearModes | None:
+        """The first modes; None where a body is known by a kernel alone."""
+        if any(isinstance(body, KernelBody) for body in self.equations.bodies):
+            return None
+        return self.modes(None if self.first_order.n <= LARGEST else FEW)
+
     def motion(self, y: Any) -> Motion:
         """Motions of bodies and frames in motions y (n_y, k), as `LinearModes.y`."""
         return motion_of(self.first_order, y)
+
+    def shapes(self, y: Any) -> list[Shape]:
+        """The bodies as lines in one motion y (n_y,), a column of `LinearModes.y`."""
+        return shapes_of(self.first_order, y)
 
     def frf(
         self,
