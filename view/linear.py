@@ -73,7 +73,7 @@ def draw_campbell(
     with style():
         highest = max(float(np.nanmax(line.frequencies)) for line in lines)
         named: set[str] = set()
-        for k, line in enumerate(lines):
+        for line in lines:
             label = line.whirl if line.whirl not in named else None
             label = {"none": "no whirl"}.get(line.whirl, line.whirl) if label else None
             named.add(line.whirl)

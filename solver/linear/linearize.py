@@ -38,15 +38,13 @@ class LinearModel:
 
     @cached_property
     def equations(self) -> Equations:
-        with about(self.model.path):
-            equations = equations_of(pose_of(self.model, self.rotation))
-            check_constant(equations)
-            return equations
+        equations = equations_of(pose_of(self.model, self.rotation))
+        check_constant(equations)
+        return equations
 
     @cached_property
     def first_order(self) -> FirstOrder:
-        with about(self.model.path):
-            return FirstOrder(self.equations)
+        return FirstOrder(self.equations)
 
     @property
     def spin(self) -> float:
@@ -128,13 +126,15 @@ class LinearModel:
 def linearize(model: Model, rotation: SteadyRotation | None = None) -> LinearModel:
     """The linear equations of a model about the equilibrium nearest to its start.
 
-    Under gravity and the loads at t = 0, at rest, or in the steady rotation of its settings, or in
-    `rotation`. Velocities of the start count for nothing. `ModelError` where there is no such
+    At rest, in the steady rotation of its settings, or in `rotation`; under gravity, and under the
+    loads at t = 0 where the model starts in equilibrium: where it starts as given, they begin
+    then, and count for nothing. Velocities of the start count for nothing. `ModelError` where there is no such
     equilibrium, and for friction that acts, for laws with a memory other than Maxwell's, and for a
     steady rotation in which the equations are not constant.
     """
     linear = LinearModel(model, rotation)
     if not isinstance(model, Model):
         raise ModelError(f"linearize: expected a Model, got {model!r}")
-    _ = linear.equations
+    with about(model.path):
+        _ = linear.equations
     return linear

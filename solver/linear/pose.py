@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..errors import ModelError, about
+from ..errors import ModelError
 from ..laws.law import LAWS
 from ..laws.maxwell import MaxwellLaw
 from ..lower.lower import LoweredModel, lower
@@ -14,6 +14,7 @@ from ..model.joints import Joint
 from ..model.model import Model
 from ..model.output_request import OutputRequest
 from ..model.settings import StartFrom, SteadyRotation
+from ..model.signals import Constant
 from ..start.initial import InitialState, initialize
 from ..step.equations import evaluate
 from ..step.system import State, System, Workspace
@@ -57,16 +58,16 @@ class Pose:
 
 
 def pose_of(model: Model, rotation: SteadyRotation | None = None) -> Pose:
-    """The equilibrium of a model nearest to its start, under gravity and the loads at t = 0.
+    """The equilibrium of a model nearest to its start, under gravity.
 
-    rotation: in place of the steady rotation of its settings. Velocities of the start count for
+    And under the loads at t = 0 where the model starts in equilibrium; where it starts as given,
+    they begin then, and count for nothing. rotation: in place of the steady rotation of its settings. Velocities of the start count for
     nothing. `ModelError` where there is none, and for what has no linear equations: friction that
     acts, and laws with a memory but Maxwell's.
     """
     model = _at_rest(model, rotation)
-    with about(model.path):
-        initial = initialize(model, lower(model), continuous=True)
-        _check_linear(initial)
+    initial = initialize(model, lower(model), continuous=True)
+    _check_linear(initial)
     rotation = model.settings.steady_rotation or SteadyRotation(np.zeros(3))
     return Pose(
         initial.lowered,
@@ -100,8 +101,13 @@ def _at_rest(model: Model, rotation: SteadyRotation | None) -> Model:
         name: replace(body, start=replace(body.start, velocity=zero, angular_velocity=zero))
         for name, body in model.bodies.items()
     }
+    loads = model.loads
+    if settings.start != "equilibrium":
+        loads = tuple(replace(load, signal=Constant(0.0)) for load in loads)
     joints = tuple(_without_rates(joint) for joint in model.joints)
-    return replace(model, bodies=bodies, joints=joints, settings=replace(settings, **changes))
+    return replace(
+        model, bodies=bodies, joints=joints, loads=loads, settings=replace(settings, **changes)
+    )
 
 
 def _without_rates(joint: Joint) -> Joint:
