@@ -19,6 +19,11 @@ from ..start.initial import InitialState, initialize
 from ..step.equations import evaluate
 from ..step.system import State, System, Workspace
 
+BESIDE = 1e-6
+"""relative change of a deformation, and a rate, beside which slopes are compared"""
+JUMP = 1e-2
+"""relative change of a slope that counts as a jump"""
+
 
 @dataclass(frozen=True, eq=False)
 class Pose:
@@ -92,8 +97,12 @@ def _at_rest(model: Model, rotation: SteadyRotation | None) -> Model:
         "rule": "consistent",
         "output": OutputRequest(),
     }
-    if all(body.superelement.modes is not None for body in model.flexible_bodies.values()):
-        changes |= {"history": "recursive", "kernel_length": None}
+    elements = [body.superelement for body in model.flexible_bodies.values()]
+    kernels = [element.kernel.length for element in elements if element.modes is None]
+    # how long a run would be is no matter here, but the kernels of one must be as long
+    changes |= {"t_end": min([settings.t_end, *kernels]), "kernel_length": None}
+    if not kernels:
+        changes |= {"history": "recursive"}
     if rotation is not None:
         changes["steady_rotation"] = rotation
     zero = np.zeros(3)
@@ -117,6 +126,35 @@ def _without_rates(joint: Joint) -> Joint:
     return replace(joint, start=kept)
 
 
+def _is_open(initial: InitialState, i: int) -> bool:
+    """Whether a row belongs to an open contact or stop."""
+    j = initial.lowered.coupling_of(i)
+    contact = initial.lowered.system.couplings.contact_of[j] >= 0
+    return bool(contact and not initial.work.couplings.status[j])
+
+
+def _check_slopes(initial: InitialState, m: int, i: int) -> None:
+    """`ModelError` for a law whose slope jumps at rest, where no tangent is right."""
+    lowered, work = initial.lowered, initial.work
+    laws = lowered.system.couplings.laws
+    law = LAWS[laws.number[m]]
+    parameters = laws.parameters[laws.first[m] : laws.first[m + 1]]
+    memory = initial.state.couplings.memory[laws.memory[m] : laws.memory[m + 1]]
+    c = float(work.couplings.coordinate[i] - laws.rest[i])
+    near = BESIDE * max(abs(c), BESIDE)
+    for moves in ((near, 0.0), (0.0, BESIDE)):
+        slopes = [
+            law.evaluate(parameters, memory, np.inf, c + way * moves[0], way * moves[1])[1:3]
+            for way in (-1.0, 1.0)
+        ]
+        for before, after in zip(*slopes, strict=True):
+            if abs(after - before) > JUMP * max(abs(after), abs(before)):
+                raise ModelError(
+                    f"{lowered.owner_of(i)}: the slope of {law.__name__} jumps at rest, "
+                    f"from {before:.6g} to {after:.6g}"
+                )
+
+
 def _check_linear(initial: InitialState) -> None:
     """`ModelError` for friction that acts, and for laws whose slope depends on their past."""
     lowered, couplings = initial.lowered, initial.lowered.system.couplings
@@ -133,3 +171,5 @@ def _check_linear(initial: InitialState) -> None:
                 f"{lowered.owner_of(i)}: {law.__name__} depends on its past, and has no linear "
                 "equations"
             )
+        if not _is_open(initial, i):
+            _check_slopes(initial, m, i)
