@@ -19,7 +19,7 @@ from .linearize import LinearModel, linearize
 from .modes import LARGEST
 from .motion import Motion
 
-STILL = 1e-6
+STILL = 1e-8
 """of the largest spin, at which pairs of modes at rest are told apart"""
 ON_AXIS = 1e-3
 """distance from the axis, relative to the size of the model, of points that whirl with it"""

@@ -128,9 +128,9 @@ def linearize(model: Model, rotation: SteadyRotation | None = None) -> LinearMod
 
     At rest, in the steady rotation of its settings, or in `rotation`; under gravity, and under the
     loads at t = 0 where the model starts in equilibrium: where it starts as given, they begin
-    then, and count for nothing. Velocities of the start count for nothing. `ModelError` where there is no such
-    equilibrium, and for friction that acts, for laws with a memory other than Maxwell's, and for a
-    steady rotation in which the equations are not constant.
+    then, and count for nothing, as velocities do. `ModelError` where there is no such equilibrium,
+    for friction that acts, for laws with a memory other than Maxwell's or with a kink there, and
+    for a steady rotation in which the equations are not constant.
     """
     linear = LinearModel(model, rotation)
     if not isinstance(model, Model):

@@ -32,6 +32,8 @@ ZERO = 3e-5
 """of sigma: eigenvalues below are motions that nothing resists"""
 SLOW, ITERATIONS = 3.0, 12
 """eigenvalues below so many sigma are iterated together, so often"""
+GROWTH = 1e-6
+"""of the size of an eigenvalue: a growth that is not rounding, which pairs that coincide have"""
 LARGEST = 1500
 """states up to which all modes are found at once"""
 
@@ -197,7 +199,7 @@ class LinearModes:
     @property
     def unstable(self) -> NDArray[np.bool_]:
         """True of modes that grow (n,)."""
-        growing: NDArray[np.bool_] = self.values.real > 1e-9 * np.abs(self.values)
+        growing: NDArray[np.bool_] = self.values.real > GROWTH * np.abs(self.values)
         return growing
 
 

@@ -102,7 +102,8 @@ def _names(one: Evaluated, quantity: str) -> list[str]:
 
 def _derivatives(values: Array, directions: Sequence[_Direction]) -> Array:
     """By differences of the rows after the first (n_components, n_directions)."""
-    rows = values[1:].reshape(len(directions), len(POINTS), -1)
+    # less the first row, so that what does not move has no derivative at all
+    rows = (values[1:] - values[0]).reshape(len(directions), len(POINTS), -1)
     sizes = np.array([direction.size for direction in directions])
     derivatives: Array = np.einsum("p,dpc->cd", WEIGHTS, rows) / sizes
     return derivatives

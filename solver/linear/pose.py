@@ -7,6 +7,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import ModelError
+from ..laws.contact import ContactLaw
 from ..laws.law import LAWS
 from ..laws.maxwell import MaxwellLaw
 from ..lower.lower import LoweredModel, lower
@@ -66,9 +67,9 @@ def pose_of(model: Model, rotation: SteadyRotation | None = None) -> Pose:
     """The equilibrium of a model nearest to its start, under gravity.
 
     And under the loads at t = 0 where the model starts in equilibrium; where it starts as given,
-    they begin then, and count for nothing. rotation: in place of the steady rotation of its settings. Velocities of the start count for
-    nothing. `ModelError` where there is none, and for what has no linear equations: friction that
-    acts, and laws with a memory but Maxwell's.
+    they begin then, and count for nothing, as velocities do. rotation: in place of the steady
+    rotation of its settings. `ModelError` where there is none, and for what has no linear
+    equations: friction that acts, laws with a memory but Maxwell's, laws with a kink there.
     """
     model = _at_rest(model, rotation)
     initial = initialize(model, lower(model), continuous=True)
@@ -166,7 +167,7 @@ def _check_linear(initial: InitialState) -> None:
     laws = couplings.laws
     for m, i in enumerate(np.repeat(np.arange(len(laws.rest)), np.diff(laws.range)).tolist()):
         law = LAWS[laws.number[m]]
-        if laws.memory[m + 1] > laws.memory[m] and law is not MaxwellLaw:
+        if laws.memory[m + 1] > laws.memory[m] and law not in (MaxwellLaw, ContactLaw):
             raise ModelError(
                 f"{lowered.owner_of(i)}: {law.__name__} depends on its past, and has no linear "
                 "equations"

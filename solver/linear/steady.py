@@ -20,6 +20,9 @@ TURN = 1.0
 ALIKE = 1e-6
 """relative difference that counts as none"""
 
+LEAST = 1e-4
+"""of the farthest motion, below which motions are rounding"""
+
 
 def check_constant(equations: Equations) -> None:
     """`ModelError` where forces or coefficients of a steady rotation change with its angle."""
@@ -35,7 +38,8 @@ def check_constant(equations: Equations) -> None:
     for array, old in zip(arrays, saved, strict=True):
         array[:] = old
     pose.evaluate(pose.system)
-    if not balanced or np.abs(after - before).max() > ALIKE * np.abs(before).max():
+    size = _sizes(before, pose.system.bodies.size)
+    if not balanced or (np.abs(after - before) > ALIKE * np.outer(size, size)).any():
         what = "its stiffness, damping or constraints change" if balanced else "forces change"
         raise ModelError(
             f"steady rotation of {pose.angular_velocity.tolist()} rad/s: {what} with the angle, "
@@ -48,16 +52,15 @@ def _rigid_response(equations: Equations) -> Any:
     sizes = equations.sizes
     forcing = np.zeros((sizes.n_r + sizes.n_a + sizes.n_i, sizes.n_r))
     forcing[sizes.rigid] = -np.eye(sizes.n_r)
-    scale = np.sqrt(np.repeat(_inertia(equations.pose), 3))
-    xi = equations.factorized(0.37 * equations.pose.speed).forced(forcing).xi
-    return scale[:, None] * xi * scale
+    return equations.factorized(0.37 * equations.pose.speed).forced(forcing).xi
 
 
-def _inertia(pose: Pose) -> Array:
-    """Mass and mean moment of inertia of every body (2 n_b,)."""
-    bodies = pose.system.bodies
-    moments = np.trace(bodies.J_rot, axis1=1, axis2=2) / 3.0
-    return np.column_stack([bodies.mass, moments]).ravel()
+def _sizes(response: Any, length: float) -> Array:
+    """How far coordinates move (n_r,), each at least a little of the farthest."""
+    moved = np.sqrt(np.abs(np.diag(response))).reshape(-1, 2, 3)
+    weight = np.array([1.0, length])[None, :, None]
+    moved = np.maximum(moved, LEAST * (weight * moved).max() / weight)
+    return moved.ravel()
 
 
 def _turn(pose: Pose) -> None:
