@@ -24,6 +24,8 @@ NEAR = 41
 """frequencies within the width of each resonance"""
 NARROW = 1e-4
 """ratio of damping from which a resonance counts as so wide"""
+ROUNDING = 1e-9
+"""damping ratio that counts as none"""
 SHOWN = 12
 """modes that are drawn"""
 

@@ -17,6 +17,10 @@ EYE = np.array([1.0, -1.35, 0.8])
 """direction towards the eye"""
 SWING = 0.15
 """the largest motion of a shape, relative to the size of the mechanism"""
+NOTHING = 1e-12
+"""of the largest response: those below are rounding, and are not drawn"""
+LEGEND_LINE = 0.17
+"""[inch]"""
 MARKS = {"forward": "-", "backward": "--", "none": ":"}
 """lines of the kinds of whirl"""
 
@@ -33,17 +37,26 @@ class ResponseCurve:
 def draw_response(frequencies: Array, curves: Sequence[ResponseCurve], title: str = "") -> Figure:
     """Magnitudes and phases over frequencies (n,) [Hz]."""
     figure, (size, phase) = panels(2)
+    seen = [curve for curve in curves if np.abs(curve.values).max(initial=0.0) > 0.0]
+    largest = max((float(np.abs(curve.values).max()) for curve in seen), default=1.0)
+    seen = [curve for curve in seen if np.abs(curve.values).max() > NOTHING * largest]
+    figure.set_figheight(2.0 * PANEL_HEIGHT + LEGEND_LINE * len(seen))
     with style():
-        for curve in curves:
-            size.loglog(frequencies, np.abs(curve.values), label=f"{curve.name} [{curve.unit}]")
-            phase.semilogx(frequencies, np.degrees(np.angle(curve.values)))
+        for curve in seen:
+            name = f"{curve.name} [{curve.unit}]"
+            size.loglog(frequencies, np.abs(curve.values), label=name)
+            degrees = np.degrees(np.angle(curve.values))
+            # both are one phase, and rounding would go from one to the other
+            phase.semilogx(frequencies, np.where(degrees < -179.9, 180.0, degrees))
         size.set_ylabel("magnitude")
-        for text in size.legend(loc="upper left", bbox_to_anchor=(0.0, 1.16), ncols=2).get_texts():
-            text.set_parse_math(False)
         phase.set_ylabel("phase [°]")
         phase.set_ylim(-190.0, 190.0)
         phase.set_yticks([-180.0, -90.0, 0.0, 90.0, 180.0])
         phase.set_xlabel("frequency [Hz]")
+        if seen:
+            legend = figure.legend(loc="outside lower left", ncols=1)
+            for text in legend.get_texts():
+                text.set_parse_math(False)
         entitle(figure, title)
     return figure
 
