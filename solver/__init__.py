@@ -26,17 +26,9 @@ from .linear.linearize import LinearModel, linearize
 from .linear.modes import LinearModes
 from .linear.state_space import StateSpace
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
+from .model.composed import Delayed, Product, Sum
 from .model.contacts import Contact, Hertz
-from .model.file import read_model, write_model
-from .model.friction import Coulomb, JointFriction, Stribeck
-from .model.impact import ForceTable, Impact
-from .model.joints import Joint
-from .model.loads import Load
-from .model.model import Model
-from .model.motions import PrescribedDisplacement, PrescribedRotation
-from .model.output_request import OutputRequest
-from .model.settings import Settings, StartFrom, SteadyRotation
-from .model.signals import (
+from .model.curves import (
     Constant,
     Function,
     Harmonic,
@@ -49,6 +41,28 @@ from .model.signals import (
     Steps,
     Table,
 )
+from .model.file import read_model, write_model
+from .model.friction import Coulomb, JointFriction, Stribeck
+from .model.impact import ForceTable, Impact
+from .model.joints import Joint
+from .model.loads import Load, PatternLoad
+from .model.model import Model
+from .model.motions import PrescribedDisplacement, PrescribedRotation
+from .model.motors import Motor
+from .model.noise import Noise, ShapedNoise
+from .model.output_request import OutputRequest
+from .model.profiles import (
+    Chirp,
+    HalfSine,
+    Haversine,
+    LogarithmicChirp,
+    Sawtooth,
+    SmoothStep,
+    Trapezoid,
+    Window,
+)
+from .model.recorded import Recorded, RecordedSpline
+from .model.settings import Settings, StartFrom, SteadyRotation
 from .model.springs import Spring
 from .model.stops import Stop
 from .simulation import simulate, start
@@ -57,18 +71,22 @@ from .simulator import Simulator
 __all__ = [
     "BoucWenLaw",
     "Campbell",
+    "Chirp",
     "Constant",
     "Contact",
     "ConvergenceError",
     "Coulomb",
     "DamperLaw",
+    "Delayed",
     "FlexibleBody",
     "ForceLaw",
     "ForceTable",
     "Frame",
     "FrequencyResponse",
     "Function",
+    "HalfSine",
     "Harmonic",
+    "Haversine",
     "Hertz",
     "Impact",
     "Impulse",
@@ -78,26 +96,36 @@ __all__ = [
     "LinearModel",
     "LinearModes",
     "Load",
+    "LogarithmicChirp",
     "MaxwellLaw",
     "Model",
     "ModelCheck",
     "ModelError",
     "Moment",
+    "Motor",
+    "Noise",
     "OneSidedLaw",
     "OutOfRangeError",
     "OutputRequest",
+    "PatternLoad",
     "Place",
     "Polynomial",
     "PrescribedDisplacement",
     "PrescribedRotation",
+    "Product",
     "Pulse",
+    "Recorded",
+    "RecordedSpline",
     "RecoveryError",
     "Results",
     "ResultsError",
     "RigidBody",
+    "Sawtooth",
     "Settings",
+    "ShapedNoise",
     "Simulator",
     "SmoothFunction",
+    "SmoothStep",
     "Spline",
     "Spring",
     "Start",
@@ -108,11 +136,14 @@ __all__ = [
     "Steps",
     "Stop",
     "Stribeck",
+    "Sum",
     "Table",
     "TabulatedDamperLaw",
     "TabulatedLaw",
+    "Trapezoid",
     "UserLaw",
     "ValidityWarning",
+    "Window",
     "campbell",
     "check",
     "check_law",

@@ -11,7 +11,7 @@ import numpy as np
 
 from .checkpoint.carried import Snapshot, carried
 from .lower.lower import LoweredModel
-from .model.signals import jumps_of
+from .model.signals import corners_of
 from .start.initial import modes_of
 from .step.contacts import approaches
 from .step.loop import OTHER_SIZE, advance
@@ -36,9 +36,10 @@ class Phases:
         self._most = [FEWEST, FEWEST]
         self._refused = -1
         """the step after which a long one was taken back"""
-        jumps = {time for signal in lowered.load_signals for time in jumps_of(signal)}
+        sampled = [*lowered.load_signals, *lowered.motor_signals]
+        jumps = {time for signal in sampled for time in corners_of(signal)}
         self._jumps = np.array(sorted(jumps), dtype=np.float64) / lowered.h
-        """of loads, in short steps"""
+        """of loads and motors, in short steps"""
 
     def begin(self, n: int) -> tuple[int, int]:
         """The size of the next steps, in short ones, and how many to take before `n` have passed.
@@ -120,4 +121,10 @@ def change_step(lowered: LoweredModel, state: State, work: Workspace, in_flight:
 
 
 def _first(inputs: Inputs, n: int) -> Inputs:
-    return Inputs(load=inputs.load[:n], drive=inputs.drive[:n], row=inputs.row[:n], ahead=0)
+    return Inputs(
+        load=inputs.load[:n],
+        drive=inputs.drive[:n],
+        motor=inputs.motor[:n],
+        row=inputs.row[:n],
+        ahead=0,
+    )

@@ -34,33 +34,58 @@ def matching(document: Mapping[str, Any], patterns: Sequence[str]) -> Iterator[t
 
 
 def replaced(document: Mapping[str, Any], key: str, value: Any) -> dict[str, Any]:
-    """A copy of the document with another value at a key.
+    """A copy of the document with another value at a key; `StudyError` as of `put`."""
+    changed = deepcopy(dict(document))
+    put(changed, key, value)
+    return changed
+
+
+def put(document: dict[str, Any], key: str, value: Any) -> None:
+    """Give a key of the document a copy of another value.
 
     `StudyError` lists the known keys if it has no such key.
     """
-    changed = deepcopy(dict(document))
-    table: Any = changed
-    *path, last = key.split(".")
+    path, _, last = key.rpartition(".")
+    table = value_at(document, path) if path else document
+    table[_entry(table, last, path)] = deepcopy(value)
+
+
+def value_at(document: Mapping[str, Any], key: str) -> Any:
+    """The value at a key; `StudyError` lists the known keys if there is no such key."""
+    table: Any = document
+    for entry in entries(document, key):
+        table = table[entry]
+    return table
+
+
+def entries(document: Mapping[str, Any], key: str) -> tuple[str | int, ...]:
+    """The keys and numbers, one inside the other, that a dotted key stands for.
+
+    The same for an entry by its name and by its number. `StudyError` as of `value_at`.
+    """
+    table: Any = document
+    found: list[str | int] = []
+    path = key.split(".")
     for depth, name in enumerate(path):
-        table = table[_entry(table, name, ".".join(path[:depth]))]
-    table[_entry(table, last, ".".join(path))] = value
-    return changed
+        found.append(_entry(table, name, ".".join(path[:depth])))
+        table = table[found[-1]]
+    return tuple(found)
 
 
 def _entry(table: Any, name: str, path: str) -> Any:
     """The key or the number of an entry of a table, or of an array of tables, at a path."""
-    entries: dict[str, Any] = {}
+    known: dict[str, Any] = {}
     if isinstance(table, dict):
-        entries = {key: key for key in table}
+        known = {key: key for key in table}
     elif isinstance(table, list):
-        entries = {str(number): number for number in range(len(table))}
-        entries |= {entry["name"]: number for number, entry in enumerate(table) if _has_name(entry)}
-    if name not in entries:
+        known = {str(number): number for number in range(len(table))}
+        known |= {entry["name"]: number for number, entry in enumerate(table) if _has_name(entry)}
+    if name not in known:
         raise StudyError(
             f"no {quoted(name)} in {path or 'the file'}; "
-            f"there are: {', '.join(map(_shown, entries)) or 'no keys'}"
+            f"there are: {', '.join(map(_shown, known)) or 'no keys'}"
         )
-    return entries[name]
+    return known[name]
 
 
 def _shown(key: str) -> str:

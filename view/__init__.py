@@ -1,6 +1,6 @@
 """Pictures of results and bodies."""
 
-from .errors import PictureError, QuantityError, ResultsError
+from .errors import PictureError, QuantityError, ResultsError, SeriesError, SeriesWarning
 from .fields import Field, draw_fields
 from .linear import (
     CampbellLine,
@@ -14,6 +14,7 @@ from .overview import overview
 from .picture import COLORS, draw, entitle, panels, save, style
 from .quantities import Curve, curves
 from .scene import Marker, Patch, Scene, draw_scene
+from .variation import draw_variation
 
 __all__ = [
     "COLORS",
@@ -28,6 +29,8 @@ __all__ = [
     "ResponseCurve",
     "ResultsError",
     "Scene",
+    "SeriesError",
+    "SeriesWarning",
     "curves",
     "draw",
     "draw_campbell",
@@ -35,6 +38,7 @@ __all__ = [
     "draw_response",
     "draw_scene",
     "draw_shapes",
+    "draw_variation",
     "entitle",
     "overview",
     "panels",

@@ -23,6 +23,7 @@ from ..laws.law import LAWS
 from ..lower.lower import LoweredModel
 from ..model.bodies import FlexibleBody
 from ..model.model import Model
+from ..model.recorded import Recorded, RecordedSpline
 from ..schema.entry import Beside, Entry, note
 from ..schema.tables import declared, key_of
 from ..step.system import Laws
@@ -167,6 +168,9 @@ def _flat(key: str, value: Any) -> Iterator[tuple[str, Any]]:
         yield f"{key}.superelement", digest_of(value.superelement)
         yield f"{key}.second_order", value.rotation is not None
         yield from _flat(key, value.start)
+    elif isinstance(value, Recorded | RecordedSpline):
+        # wherever the file is, and whatever else is in it
+        yield f"{key}.file", f"{type(value).__name__} {digest_of(value.points)}"
     elif isinstance(value, Entry):
         for field, hint in declared(type(value)):
             below = key if note(hint, Beside) else f"{key}.{key_of(field, hint)}"

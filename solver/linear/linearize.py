@@ -14,7 +14,7 @@ from .equations import Bodies, Equations, equations_of
 from .flexibility import KernelBody
 from .frf import FrequencyResponse, frequency_response, static_response
 from .inputs import Channel, channels, with_loads
-from .modes import LARGEST, FirstOrder, LinearModes, modes_of
+from .modes import LARGEST, FirstOrder, LinearModes, modes_of, with_chains
 from .motion import Motion, motion_of
 from .pose import pose_of
 from .shapes import Shape, shapes_of
@@ -44,7 +44,7 @@ class LinearModel:
 
     @cached_property
     def first_order(self) -> FirstOrder:
-        return FirstOrder(self.equations)
+        return FirstOrder(self.equations.relaxed)
 
     @property
     def spin(self) -> float:
@@ -57,7 +57,10 @@ class LinearModel:
         ModelError for a body that is known by a kernel alone.
         """
         with about(self.model.path):
-            return modes_of(self.first_order, n)
+            found = modes_of(self.first_order, n)
+            if self.equations.is_chained:
+                found = with_chains(self.equations, self.first_order, found)
+            return found
 
     def known_modes(self) -> LinearModes | None:
         """The first modes; None where a body is known by a kernel alone."""

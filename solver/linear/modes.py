@@ -17,12 +17,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array
+from ..arrays import Array, Index
 from ..errors import ModelError
 from ..start.inertia import inverse_root
 from ..start.matrices import dense_of
 from .blocks import diagonal_blocks
-from .equations import Equations
+from .equations import Equations, Forcing
 from .flexibility import ModalBody
 
 Complex = NDArray[np.complex128]
@@ -32,6 +32,8 @@ ZERO = 3e-5
 """of sigma: eigenvalues below are motions that nothing resists"""
 SLOW, ITERATIONS = 3.0, 12
 """eigenvalues below so many sigma are iterated together, so often"""
+BESIDE, CONVERGED = 1e-5, 1e-12
+"""relative changes of s: of differences, and the last of an iteration"""
 GROWTH = 1e-6
 """of the size of an eigenvalue: a growth that is not rounding, which pairs that coincide have"""
 LARGEST = 1500
@@ -48,7 +50,8 @@ class FirstOrder:
         self.equations = equations
         self.bodies: list[ModalBody] = equations.modal_bodies
         t = equations.tangent
-        self.phi = diagonal_blocks([body.phi_active for body in self.bodies])
+        self.loading = diagonal_blocks([body.phi_loaded for body in self.bodies])
+        self.phi = self.loading[equations.acting]
         self.stiffness = _joined([body.stiffness for body in self.bodies])
         self.damping = _joined([body.damping for body in self.bodies])
         # z = phi eta + bend z
@@ -56,7 +59,8 @@ class FirstOrder:
         self.embed = diagonal_blocks([np.eye(t.sizes.n_r), Z])
         self.basis, self.coordinates = self._basis()
         self.n_free = self.basis.shape[1]
-        self.n_e = len(equations.relaxation.row)
+        self.chains = _chains(self.bodies)
+        self.n_e = sum(self._dampers)
         self.sigma = SHIFT * self._frequency()
         self.factors = equations.factorized(self.sigma)
         if not self.factors.conditioned:
@@ -100,27 +104,68 @@ class FirstOrder:
         """Whether an eigenvalue is that of a motion that nothing resists."""
         return bool(abs(value) < ZERO * self.sigma)
 
+    @property
+    def _dampers(self) -> tuple[int, int, int]:
+        """Numbers of branches of laws, of integrals of motors, and of springs of chains."""
+        equations = self.equations
+        return len(equations.relaxation.row), len(equations.integrals.row), len(self.chains.mode)
+
     def solve(self, y: Any, v: Any, e: Any) -> "States":
         """(A - sigma)^-1 of a state: positions, rates, dampers, multipliers."""
-        t, sigma, relaxation = self.equations.tangent, self.sigma, self.equations.relaxation
+        t, sigma = self.equations.tangent, self.sigma
+        relaxation, integrals, chains = (
+            self.equations.relaxation,
+            self.equations.integrals,
+            self.chains,
+        )
         sizes, n_r = t.sizes, t.sizes.n_r
+        e_law, e_motor, e_chain = np.split(e, np.cumsum(self._dampers)[:2])
         Y, V = self.embed @ y, self.embed @ v
         known = t.M @ (sigma * Y + V) + t.C @ Y
         b = np.zeros((len(known), y.shape[1]), dtype=known.dtype)
         b[sizes.rigid], b[sizes.rows] = -known[sizes.rigid], -known[sizes.rows]
         decay = 1.0 + sigma * relaxation.tau
-        pull = (relaxation.kappa * relaxation.tau / decay)[:, None] * e
+        pull = (relaxation.kappa * relaxation.tau / decay)[:, None] * e_law
         np.add.at(b, sizes.rows.start + relaxation.row, -pull)
-        pi = known[sizes.active]
-        d = (sigma * sigma + self.damping * sigma + self.stiffness)[:, None]
+        b[sizes.rows.start + integrals.row] += (integrals.gain / sigma)[:, None] * e_motor
+        pi = self.equations.spread(known[sizes.active])
         modal = -(sigma + self.damping)[:, None] * y[n_r:] - v[n_r:]
+        slack = 1.0 + sigma * chains.tau
+        np.add.at(modal, chains.mode, -(chains.kappa * chains.tau / slack)[:, None] * e_chain)
+        d = self.step(sigma)[:, None]
         b[sizes.active] = self.phi @ (modal / d)
         found = self.factors.solve(b, pi)
-        eta = (self.phi.T @ found.pi + modal) / d
+        eta = (self.loading.T @ found.pi + modal) / d
+        strain = np.vstack([found.xi, found.z])
+        relaxed = relaxation.gradient @ strain - relaxation.tau[:, None] * e_law
+        summed = (integrals.gradient @ strain - e_motor) / sigma
+        chained = (eta[chains.mode] - chains.tau[:, None] * e_chain) / slack[:, None]
         q = np.vstack([found.xi, eta])
-        strain = relaxation.gradient @ np.vstack([found.xi, found.z])
-        e_new = (strain - relaxation.tau[:, None] * e) / decay[:, None]
+        e_new = np.vstack([relaxed / decay[:, None], summed, chained])
         return States(q, sigma * q + y, e_new, found.lam)
+
+    def forced(self, forces: Forcing) -> Any:
+        """The state (n, n_in) under unit inputs at the frequency sigma."""
+        relaxation, integrals, sigma = (
+            self.equations.relaxation,
+            self.equations.integrals,
+            self.sigma,
+        )
+        found = self.factors.forced(forces)
+        eta = (self.loading.T @ found.pi) / self.step(sigma)[:, None]
+        y, strain = np.vstack([found.xi, eta]), np.vstack([found.xi, found.z])
+        e = np.vstack(
+            [
+                (relaxation.gradient @ strain) / (1.0 + sigma * relaxation.tau)[:, None],
+                integrals.gradient @ strain / sigma,
+                eta[self.chains.mode] / (1.0 + sigma * self.chains.tau)[:, None],
+            ]
+        )
+        return self.joined(States(y, sigma * y, e, found.lam))
+
+    def step(self, s: complex) -> Any:
+        """s^2 + 2 zeta omega s + omega^2 c(s) of the modes of all bodies."""
+        return _joined([body.step(s) for body in self.bodies])
 
     def split(self, x: Any) -> tuple[Any, Any, Any]:
         """Positions, rates and dampers of states (n, k)."""
@@ -143,6 +188,27 @@ class FirstOrder:
 
 
 @dataclass(frozen=True, eq=False)
+class Chains:
+    """The springs of the chains of all bodies: their modes, tau, and kappa = omega^2 a (n_x,)."""
+
+    mode: Index
+    tau: Array
+    kappa: Array
+
+
+def _chains(bodies: list[ModalBody]) -> Chains:
+    modes, tau, kappa, first = [np.empty(0)], [np.empty(0)], [np.empty(0)], 0
+    for body in bodies:
+        modes.append(np.tile(first + np.arange(body.m), len(body.tau)))
+        tau.append(np.repeat(body.tau, body.m))
+        kappa.append((body.stiffness * body.amplitude).ravel())
+        first += body.m
+    return Chains(
+        np.concatenate(modes).astype(np.int64), np.concatenate(tau), np.concatenate(kappa)
+    )
+
+
+@dataclass(frozen=True, eq=False)
 class States:
     """Positions y, rates v, dampers e and multipliers, a column for each state."""
 
@@ -158,7 +224,7 @@ def _inverse_inertia(form: FirstOrder) -> Array:
     return inverse
 
 
-def _joined(arrays: list[Array]) -> Array:
+def _joined(arrays: list[Any]) -> Any:
     return np.concatenate([np.empty(0), *arrays])
 
 
@@ -204,7 +270,10 @@ class LinearModes:
 
 
 def modes_of(form: FirstOrder, n: int | None) -> LinearModes:
-    """The first n modes, or all; `ModelError` where all are too many."""
+    """The first n modes, or all; `ModelError` where all are too many.
+
+    form: without chains of materials.
+    """
     values, x = _eigenvalues(form, n)
     zeros = np.array([form.is_zero(value) for value in values.tolist()], dtype=bool)
     upper = (values.imag > 0.0) | (values.imag == 0.0)
@@ -276,3 +345,39 @@ def frames_of(form: FirstOrder, y: Any) -> Any:
     """Elastic displacements of all dofs (n_u, k) of motions y."""
     n_r, phi = form.equations.sizes.n_r, diagonal_blocks([b.phi for b in form.bodies])
     return form.equations.bends @ phi @ y[n_r:]
+
+
+def with_chains(equations: Equations, form: FirstOrder, found: LinearModes) -> LinearModes:
+    """Modes of bodies whose materials have chains, from those without.
+
+    By inverse iteration on the small equations D(s) x = 0, which have no motions of the chains
+    alone. Source: A. Ruhe, SIAM Journal on Numerical Analysis 10 (1973) 674-689.
+    """
+    chained = FirstOrder(equations)
+    values, y, lam = found.values.copy(), found.y.copy(), found.lam.copy()
+    for k in np.flatnonzero(values != 0.0).tolist():
+        x = np.concatenate([form.embed @ y[:, k], lam[:, k]])
+        s, x = _iterated(equations, complex(values[k]), x)
+        values[k] = s
+        sizes, factors = equations.sizes, equations.factorized(s)
+        pi = factors.own_loads(x[:, None])
+        eta = (chained.loading.T @ pi)[:, 0] / chained.step(s)
+        y[:, k] = np.concatenate([x[sizes.rigid], eta])
+        lam[:, k] = x[sizes.rows]
+    order = np.lexsort((values.real, np.abs(values)))
+    return LinearModes(values[order], y[:, order], lam[:, order])
+
+
+def _iterated(equations: Equations, s: complex, x: Complex) -> tuple[complex, Complex]:
+    """Inverse iteration of Newton's kind: (s, x) with D(s) x = 0."""
+    for _ in range(ITERATIONS):
+        factors = equations.factorized(s)
+        h = BESIDE * abs(s)
+        ahead, behind = (equations.factorized(s + change).matrix for change in (h, -h))
+        x = x / np.linalg.norm(x * factors.weight)
+        moved = factors.backward((ahead - behind) @ x / (2.0 * h))
+        share = np.vdot(x * factors.weight, moved * factors.weight)
+        s, x = s - 1.0 / complex(share), moved / share
+        if abs(1.0 / share) <= CONVERGED * abs(s):
+            break
+    return s, x

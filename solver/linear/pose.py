@@ -11,11 +11,12 @@ from ..laws.contact import ContactLaw
 from ..laws.law import LAWS
 from ..laws.maxwell import MaxwellLaw
 from ..lower.lower import LoweredModel, lower
+from ..model.curves import Constant
 from ..model.joints import Joint
 from ..model.model import Model
+from ..model.motors import Motor
 from ..model.output_request import OutputRequest
 from ..model.settings import StartFrom, SteadyRotation
-from ..model.signals import Constant
 from ..start.initial import InitialState, initialize
 from ..step.equations import evaluate
 from ..step.system import State, System, Workspace
@@ -111,13 +112,25 @@ def _at_rest(model: Model, rotation: SteadyRotation | None) -> Model:
         name: replace(body, start=replace(body.start, velocity=zero, angular_velocity=zero))
         for name, body in model.bodies.items()
     }
-    loads = model.loads
+    loads, motors = model.loads, model.motors
     if settings.start != "equilibrium":
         loads = tuple(replace(load, signal=Constant(0.0)) for load in loads)
+        motors = tuple(_without_torque(motor) for motor in motors)
     joints = tuple(_without_rates(joint) for joint in model.joints)
     return replace(
-        model, bodies=bodies, joints=joints, loads=loads, settings=replace(settings, **changes)
+        model,
+        bodies=bodies,
+        joints=joints,
+        loads=loads,
+        motors=motors,
+        settings=replace(settings, **changes),
     )
+
+
+def _without_torque(motor: Motor) -> Motor:
+    """The motor with what it gives without an error at zero, as loads are."""
+    torque = None if motor.torque is None else Constant(0.0)
+    return replace(motor, torque=torque, force=None if motor.force is None else Constant(0.0))
 
 
 def _without_rates(joint: Joint) -> Joint:
@@ -165,6 +178,12 @@ def _check_linear(initial: InitialState) -> None:
             owner = lowered.model.couplings[j].owner
             raise ModelError(f"{owner}: friction sticks or slips, and has no linear equations")
     laws = couplings.laws
+    for motor in lowered.model.motors:
+        if motor.integral > 0.0:
+            raise motor.error(
+                "integral: linear equations take stiffness and damping of motors alone, got "
+                f"{motor.integral:g}"
+            )
     for m, i in enumerate(np.repeat(np.arange(len(laws.rest)), np.diff(laws.range)).tolist()):
         law = LAWS[laws.number[m]]
         if laws.memory[m + 1] > laws.memory[m] and law not in (MaxwellLaw, ContactLaw):

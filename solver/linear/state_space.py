@@ -18,7 +18,7 @@ from ..errors import ModelError
 from .blocks import diagonal_blocks
 from .frf import observed
 from .inputs import Channel, forcing
-from .modes import LARGEST, FirstOrder, States, frames_of
+from .modes import LARGEST, FirstOrder, frames_of
 from .outputs import Observation, observe
 
 
@@ -62,7 +62,7 @@ def state_space_of(
         raise ModelError(f"{form.n} states: expected at most {LARGEST} for a state space")
     observation = observe(form.equations, quantities, inputs)
     forces = forcing(form.equations.pose, inputs)
-    response = _response(form, forces)
+    response = form.forced(forces)
     D = observed(form.factors, observation, forces)
     parts = []
     for block in _blocks(form, modes):
@@ -107,18 +107,6 @@ def _blocks(form: FirstOrder, modes: int | None) -> list[_Block]:
         value = values[k] if paired else values[k].real
         blocks.append(_Block(np.array([[value]]), x[:, None], y[None], paired))
     return blocks
-
-
-def _response(form: FirstOrder, forces: Array) -> Array:
-    """The state (n, n_in) under unit inputs at the frequency sigma."""
-    relaxation, sigma = form.equations.relaxation, form.sigma
-    found = form.factors.forced(forces)
-    d = sigma * sigma + form.damping * sigma + form.stiffness
-    y = np.vstack([found.xi, (form.phi.T @ found.pi) / d[:, None]])
-    strain = relaxation.gradient @ np.vstack([found.xi, found.z])
-    e = strain / (1.0 + sigma * relaxation.tau)[:, None]
-    joined: Array = form.joined(States(y, sigma * y, e, found.lam))
-    return joined
 
 
 def _outputs(form: FirstOrder, observation: Observation, block: _Block) -> Any:

@@ -11,7 +11,7 @@ import numpy as np
 from ..arrays import Array
 from ..errors import ModelError
 from ..step.rotations import quaternion_exponential, quaternion_matrix, quaternion_product
-from .equations import Equations, equations_of
+from .equations import Equations, Forcing, equations_of
 from .pose import Pose
 from .tangent import tangent_of
 
@@ -50,8 +50,9 @@ def check_constant(equations: Equations) -> None:
 def _rigid_response(equations: Equations) -> Any:
     """Motions of bodies (n_r, n_r) under unit wrenches in their axes, at a real frequency."""
     sizes = equations.sizes
-    forcing = np.zeros((sizes.n_r + sizes.n_a + sizes.n_i, sizes.n_r))
-    forcing[sizes.rigid] = -np.eye(sizes.n_r)
+    n_l = len(equations.pose.system.elastic.loaded)
+    wrenches = -np.eye(sizes.n_r)
+    forcing = Forcing(wrenches, np.zeros((n_l, sizes.n_r)), np.zeros((sizes.n_i, sizes.n_r)))
     return equations.factorized(0.37 * equations.pose.speed).forced(forcing).xi
 
 
@@ -59,8 +60,8 @@ def _sizes(response: Any, length: float) -> Array:
     """How far coordinates move (n_r,), each at least a little of the farthest."""
     moved = np.sqrt(np.abs(np.diag(response))).reshape(-1, 2, 3)
     weight = np.array([1.0, length])[None, :, None]
-    moved = np.maximum(moved, LEAST * (weight * moved).max() / weight)
-    return moved.ravel()
+    sizes: Array = np.maximum(moved, LEAST * (weight * moved).max() / weight).ravel()
+    return sizes
 
 
 def _turn(pose: Pose) -> None:
@@ -92,7 +93,7 @@ def _balance(equations: Equations) -> bool:
     hard = np.flatnonzero(system.couplings.compliant == 0)
     by_rows = tangent_of(pose).by_rows[:, hard]
     pose.evaluate(system)
-    H: Any = equations.flexibility(equations.transfers(0.0))
+    H: Any = equations.flexibility(equations.transfers(0.0))[:, equations.acting]
     missing = np.concatenate(
         [_in_bodies(pose), _stiffness_scale(pose) * (H @ (state.interfaces.p[active] - loads))]
     )

@@ -11,12 +11,13 @@ from ..model.contacts import Contact
 from ..model.joints import ABOUT_E3, Joint, basis_about
 from ..model.model import Coupling
 from ..model.motions import PrescribedDisplacement, PrescribedMotion
+from ..model.motors import JointMotor, Motor
 from ..model.signals import SmoothSignal
 from ..model.springs import Spring
 from ..model.stops import JointStop
 from ..step.gaps import FirstSlip, Gap, SecondSlip
 from ..step.rows import Angle, Distance, Rotation, Translation
-from ..step.system import Couplings, Friction, Laws, Rows
+from ..step.system import Couplings, Friction, Laws, Motors, Rows
 from .contacts import SHAPES, contact_axes, shape_parameters
 from .friction import Bristle, normal_weights
 from .placement import Pose
@@ -50,11 +51,13 @@ class Row:
     """weight and group in the normal force of friction"""
     rubs: bool = False
     """has friction"""
+    motor: Motor | None = None
 
     @property
     def compliant(self) -> bool:
         """Obeys a law, and is no constraint."""
-        return self.stiffness is not None or bool(self.laws) or self.rubs
+        follows_law = self.stiffness is not None or bool(self.laws) or self.motor is not None
+        return follows_law or self.rubs
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +90,8 @@ def coupling_rows(coupling: Coupling, sides: Sides) -> list[Row]:
         return contact_rows(coupling, sides)
     if isinstance(coupling, JointStop):
         return stop_rows(coupling, sides)
+    if isinstance(coupling, JointMotor):
+        return motor_rows(coupling, sides)
     if isinstance(coupling, Joint):
         return joint_rows(coupling, sides)
     if isinstance(coupling, Spring):
@@ -224,6 +229,12 @@ def stop_rows(coupling: JointStop, sides: Sides) -> list[Row]:
     return [replace(row, laws=(law,), swapped=row.frame_a != sides.frame_a)]
 
 
+def motor_rows(coupling: JointMotor, sides: Sides) -> list[Row]:
+    """The joint coordinate with its motor."""
+    row = joint_observers(coupling.joint, sides)[coupling.motor.coordinate]
+    return [replace(row, motor=coupling.motor, swapped=row.frame_a != sides.frame_a)]
+
+
 def lay_out_rows(rows: Sequence[Row]) -> Rows:
     return Rows(
         kind=as_index([row.kind for row in rows]),
@@ -302,6 +313,24 @@ def _lay_out_laws(rows: Sequence[Row]) -> Laws:
         first=as_index(np.cumsum([0, *map(len, parameters)])),
         parameters=np.array([number for numbers in parameters for number in numbers], dtype=float),
         memory=as_index(np.cumsum([0, *(len(law.memories()) for law in laws)])),
+        motor=_numbers([row.motor is not None for row in rows]),
+        motors=_lay_out_motors(rows),
+    )
+
+
+def _lay_out_motors(rows: Sequence[Row]) -> Motors:
+    motors = [row.motor for row in rows if row.motor is not None]
+    limits = [(-np.inf, np.inf) if motor.limit is None else motor.limit for motor in motors]
+    speeds = [np.inf if motor.speed is None else motor.speed for motor in motors]
+    return Motors(
+        row=as_index([i for i, row in enumerate(rows) if row.motor is not None]),
+        stiffness=np.array([motor.stiffness for motor in motors], dtype=float),
+        damping=np.array([motor.damping for motor in motors], dtype=float),
+        integral=np.array([motor.integral for motor in motors], dtype=float),
+        lower=np.array([lower for lower, _ in limits], dtype=float),
+        upper=np.array([upper for _, upper in limits], dtype=float),
+        speed=np.array(speeds, dtype=float),
+        tracking=np.array([motor.tracking for motor in motors], dtype=float),
     )
 
 

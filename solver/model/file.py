@@ -5,18 +5,19 @@ import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any, Literal, get_args
 
 import tomli_w
-from pydantic import Field, create_model, model_validator
+from pydantic import Discriminator, Field, Tag, create_model, model_validator
 
 from ...files import renamed_when_whole
-from ...files.outputs import resolved
 from ...inputs import InputError, Table, Vector, quoted, read_table
 from ...superelement import Superelement, read
 from ..errors import ModelError, about
 from ..schema.entry import Entry
+from ..schema.paths import beside, relative
 from ..schema.tables import (
+    EntryTable,
     entry_of,
     keys_of,
     present_keys,
@@ -28,9 +29,10 @@ from ..schema.values import ORIGIN
 from .bodies import Body, FlexibleBody, Frame, RigidBody, SecondOrder, Start
 from .contacts import Contact
 from .joints import Joint
-from .loads import Load
+from .loads import Load, PatternLoad
 from .model import Model
 from .motions import PrescribedMotion
+from .motors import Motor
 from .output_request import OutputRequest
 from .settings import Settings, StartFrom
 from .springs import Spring
@@ -79,6 +81,23 @@ _SETTINGS = {key: kind for key, kind in keys_of(Settings).items() if key != "out
 _SIMULATION: Any = create_model("Simulation", __base__=Table, **_SETTINGS, gravity=(Vector, ORIGIN))
 
 
+def _kind_of_load(table: Any) -> str:
+    pattern = isinstance(table, Mapping) and table.get("type") == PATTERN
+    return "(pattern)" if pattern or isinstance(table, _PATTERN_LOAD) else "(frame)"
+
+
+PATTERN = "pattern"
+"""the type of loads that are no `Load` on a frame"""
+_PATTERN_LOAD: Any = create_model(
+    "PatternLoad", __base__=EntryTable, type=(Literal["pattern"], ...), **keys_of(PatternLoad)
+)
+_PATTERN_LOAD.entry = PatternLoad
+_LOAD: Any = Annotated[
+    Annotated[table_of(Load), Tag("(frame)")] | Annotated[_PATTERN_LOAD, Tag("(pattern)")],
+    Discriminator(_kind_of_load),
+]
+
+
 class _Ground(Table):
     frames: dict[str, table_of(Frame)] = Field(default_factory=dict)  # type: ignore[valid-type]
 
@@ -89,11 +108,12 @@ class _ModelFile(Table):
     bodies: dict[str, _BODY] = Field(min_length=1)
     ground: _Ground = _Ground()
     joints: tuple[table_of(Joint), ...] = ()  # type: ignore[valid-type]
-    loads: tuple[table_of(Load), ...] = ()  # type: ignore[valid-type]
+    loads: tuple[_LOAD, ...] = ()
     springs: tuple[table_of(Spring), ...] = ()  # type: ignore[valid-type]
     motions: tuple[_MOTION, ...] = ()
     contacts: tuple[table_of(Contact), ...] = ()  # type: ignore[valid-type]
     stops: tuple[table_of(Stop), ...] = ()  # type: ignore[valid-type]
+    motors: tuple[table_of(Motor), ...] = ()  # type: ignore[valid-type]
 
 
 def read_model(path: str | os.PathLike[str]) -> Model:
@@ -107,7 +127,7 @@ def read_model(path: str | os.PathLike[str]) -> Model:
         file, text = read_table(path, _ModelFile)
     except InputError as error:
         raise ModelError(str(error)) from error
-    with about(path):
+    with about(path), beside(path.parent):
         return _model(file, text, path)
 
 
@@ -116,10 +136,12 @@ def write_model(path: str | os.PathLike[str], model: Model) -> None:
 
     Superelements, and the run that it starts from, are named by their paths, relative to the new
     file. ModelError names a body whose
-    superelement is in no file, and a load, joint or motion that follows a Python function.
+    superelement is in no file, and a load, joint, motion or motor that follows a Python function.
     """
     path = Path(path)
-    text = SHORT_ARRAY.sub(_on_one_line, tomli_w.dumps(_document(model, path.parent)))
+    with beside(path.parent):
+        document = _document(model, path.parent)
+    text = SHORT_ARRAY.sub(_on_one_line, tomli_w.dumps(document))
     with renamed_when_whole(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
@@ -142,6 +164,7 @@ def _model(file: _ModelFile, text: str, path: Path) -> Model:
         motions=tuple(_motion(present_keys(motion)) for motion in file.motions),
         contacts=value_of(file.contacts),
         stops=value_of(file.stops),
+        motors=value_of(file.motors),
         gravity=gravity,
         ground_frames=value_of(file.ground.frames),
         settings=settings,
@@ -186,7 +209,7 @@ def _distinctive(keys: Mapping[str, Any]) -> list[str]:
 def _document(model: Model, folder: Path) -> dict[str, Any]:
     settings = table_in_file(model.settings)
     if isinstance(start := model.settings.start, StartFrom):
-        settings["start"] = {"from": _relative(start.path, folder)}
+        settings["start"] = {"from": relative(start.path, folder)}
     output = settings.pop("output", {})
     if model.gravity.any():
         settings["gravity"] = model.gravity.tolist()
@@ -196,8 +219,8 @@ def _document(model: Model, folder: Path) -> dict[str, Any]:
         "ground": {"frames": _frames(model.ground_frames)} if model.ground_frames else {},
         "bodies": {name: _body_in_file(name, body, folder) for name, body in model.bodies.items()},
         **{
-            name: [table_in_file(entry) for entry in getattr(model, name)]
-            for name in ("joints", "springs", "motions", "loads", "contacts", "stops")
+            name: [_entry_in_file(entry) for entry in getattr(model, name)]
+            for name in ("joints", "springs", "motions", "loads", "contacts", "stops", "motors")
         },
     }
     return {key: table for key, table in document.items() if table}
@@ -207,6 +230,11 @@ def _on_one_line(array: re.Match[str]) -> str:
     """An array of numbers or words as users write it, if it is not long."""
     items = ", ".join(line.strip().removesuffix(",") for line in array[1].splitlines())
     return f"[{items}]" if len(items) < LONG else array[0]
+
+
+def _entry_in_file(entry: Entry) -> dict[str, Any]:
+    kind = {"type": PATTERN} if isinstance(entry, PatternLoad) else {}
+    return kind | table_in_file(entry)
 
 
 def _frames(frames: Mapping[str, Frame]) -> dict[str, Any]:
@@ -219,8 +247,4 @@ def _body_in_file(name: str, body: Body, folder: Path) -> dict[str, Any]:
     if not body.source:
         raise ModelError(f"body {name!r}: its superelement is in no file: write it to one first")
     chosen = {} if body.second_order == "auto" else {"second_order": body.second_order}
-    return {"superelement": _relative(body.source, folder), **chosen, **table_in_file(body.start)}
-
-
-def _relative(path: str, folder: Path) -> str:
-    return Path(os.path.relpath(resolved(Path(path)), resolved(folder))).as_posix()
+    return {"superelement": relative(body.source, folder), **chosen, **table_in_file(body.start)}

@@ -11,19 +11,20 @@ from ..schema.values import NONE, ORIGIN, Several, Vector
 from .bodies import Body, FlexibleBody, Frame
 from .contacts import Contact
 from .joints import Joint
-from .loads import Load
+from .loads import AnyLoad, Load, PatternLoad
 from .motions import PrescribedMotion
+from .motors import JointMotor, Motor
 from .settings import Settings
 from .springs import Spring
 from .stops import JointStop, Stop
 
 GROUND = "ground"
-Coupling = Joint | PrescribedMotion | Spring | Contact | JointStop
+Coupling = Joint | PrescribedMotion | Spring | Contact | JointStop | JointMotor
 
 
 @entry()
 class Model(Entry):
-    """A mechanism: bodies by name, joints, springs, motions, loads, contacts and stops.
+    """A mechanism: bodies by name, joints, springs, motions, loads, contacts, stops and motors.
 
     gravity (3,) [m/s^2]: the acceleration of a free body; ground_frames: frames fixed in space;
     settings: how to integrate its motion, by default for one second; source, path: the text of the
@@ -32,12 +33,13 @@ class Model(Entry):
 
     bodies: Mapping[str, Body]
     joints: Several[Joint] = NONE
-    loads: Several[Load] = NONE
+    loads: Several[AnyLoad] = NONE
     springs: Several[Spring] = NONE
     motions: Several[PrescribedMotion] = NONE
     _: KW_ONLY
     contacts: Several[Contact] = NONE
     stops: Several[Stop] = NONE
+    motors: Several[Motor] = NONE
     gravity: Vector = ORIGIN
     ground_frames: Mapping[str, Frame] = field(default_factory=dict)
     settings: Settings = field(default_factory=lambda: Settings(t_end=1.0))
@@ -60,13 +62,34 @@ class Model(Entry):
         return {name: body for name, body in self.bodies.items() if isinstance(body, FlexibleBody)}
 
     @property
+    def frame_loads(self) -> tuple[Load, ...]:
+        """The loads on frames."""
+        return tuple(load for load in self.loads if isinstance(load, Load))
+
+    @property
+    def pattern_loads(self) -> tuple[PatternLoad, ...]:
+        """The load patterns on flexible bodies."""
+        return tuple(load for load in self.loads if isinstance(load, PatternLoad))
+
+    @property
     def couplings(self) -> tuple[Coupling, ...]:
-        """Joints, motions, springs, contacts and stops, as the solver numbers them."""
-        return (*self.joints, *self.motions, *self.springs, *self.contacts, *self._joint_stops())
+        """Joints, motions, springs, contacts, stops and motors, as the solver numbers them."""
+        return (
+            *self.joints,
+            *self.motions,
+            *self.springs,
+            *self.contacts,
+            *self._joint_stops(),
+            *self._joint_motors(),
+        )
 
     def _joint_stops(self) -> Iterator[JointStop]:
         joints = {joint.name: joint for joint in self.joints}
         return (JointStop(stop, joints[stop.joint]) for stop in self.stops)
+
+    def _joint_motors(self) -> Iterator[JointMotor]:
+        joints = {joint.name: joint for joint in self.joints}
+        return (JointMotor(motor, joints[motor.joint]) for motor in self.motors)
 
     def with_settings(self, **changes: Any) -> "Model":
         """This mechanism with some of its settings changed."""
@@ -86,12 +109,14 @@ class Model(Entry):
                     raise ModelError(f"body {name!r}: a frame cannot be named {quoted(frame)}")
 
     def _check_names(self) -> None:
-        groups: dict[str, tuple[Joint | Spring | PrescribedMotion | Contact | Stop, ...]] = {
+        Named = Joint | Spring | PrescribedMotion | Contact | Stop | Motor
+        groups: dict[str, tuple[Named, ...]] = {
             "joint": self.joints,
             "spring": self.springs,
             "motion": self.motions,
             "contact": self.contacts,
             "stop": self.stops,
+            "motor": self.motors,
         }
         names: set[str] = set()
         for kind, couplings in groups.items():
@@ -100,8 +125,8 @@ class Model(Entry):
                     raise ModelError(f"{kind}s: a {kind} cannot be named {quoted(coupling.name)}")
                 if coupling.name in names:
                     raise ModelError(
-                        "joints, springs, motions, contacts, stops: expected different names, "
-                        f"got {coupling.name!r} more than once"
+                        "joints, springs, motions, contacts, stops, motors: expected different "
+                        f"names, got {coupling.name!r} more than once"
                     )
                 names.add(coupling.name)
 
@@ -117,6 +142,7 @@ class Model(Entry):
 
     def _check_couplings(self) -> None:
         self._check_stops()
+        self._check_motors()
         joined: tuple[Joint | Spring | Contact, ...] = (
             *self.joints,
             *self.springs,
@@ -143,11 +169,25 @@ class Model(Entry):
                     f"got {stop.coordinate!r}"
                 )
 
+    def _check_motors(self) -> None:
+        joints = {joint.name: joint for joint in self.joints}
+        for motor in self.motors:
+            if motor.joint not in joints:
+                known = ", ".join(joints) or "none"
+                raise motor.error(f"joint: no joint {motor.joint!r}; there are: {known}")
+            JointMotor(motor, joints[motor.joint]).check()
+
     def _check_loads(self) -> None:
-        for load in (*self.motions, *self.loads):
+        for load in (*self.motions, *self.frame_loads):
             self._check_frame(load.owner, load.on)
             if load.on.partition(".")[0] == GROUND:
                 raise load.error(f"expected a frame of a body, got {load.on!r}")
+        flexible = self.flexible_bodies
+        for spread in self.pattern_loads:
+            if spread.body not in flexible:
+                known = ", ".join(flexible) or "none"
+                raise spread.error(f"no flexible body {spread.body!r}; there are: {known}")
+            spread.pattern_of(flexible[spread.body].superelement)
 
     def _check_equilibrium(self) -> None:
         """ModelError for a velocity, for equilibrium has none but those of a steady rotation."""

@@ -1,22 +1,20 @@
-"""Functions of time that drive loads and joints.
+"""Functions of time that drive loads and joints: what they have in common.
 
 A signal is called with a time, `signal(t)`, and is sampled for the integrator at the time steps.
-At its jumps, the samples are its means over the hat functions of the time grid, so that the area
-under a load is exact wherever the jump falls between two steps; elsewhere they are its values.
+About its corners, its jumps among them, the samples are its means over the hat functions of the
+time grid, so that the area under a load is exact wherever they fall between two steps; elsewhere
+they are its values. The signals themselves are in curves.py, profiles.py, noise.py, recorded.py and
+composed.py.
 """
 
 from collections.abc import Callable
-from dataclasses import field
-from itertools import pairwise
 from typing import Annotated, Any, Protocol, runtime_checkable
 
 import numpy as np
 
 from ..arrays import Array
-from ..errors import ModelError
-from ..schema.entry import Entry, Key, Takes, entry
+from ..schema.entry import Takes
 from ..schema.forms import Family
-from ..schema.values import Numbers, SomeNumbers
 
 
 @runtime_checkable
@@ -40,7 +38,7 @@ SIGNALS = Family("signal")
 
 
 class Pointwise:
-    """Signals without jumps: a sample is a value."""
+    """Signals that are sampled by their values."""
 
     def __call__(self, t: float) -> float:
         raise NotImplementedError
@@ -49,224 +47,31 @@ class Pointwise:
         return np.array([self(time) for time in t.tolist()])
 
 
-@SIGNALS.bare_number
-@entry(eq=True)
-class Constant(Pointwise, Entry):
-    """A constant value."""
-
-    value: float
-
-    def __call__(self, t: float) -> float:
-        return self.value
-
-    def derivatives(self, t: float) -> tuple[float, float]:
-        return 0.0, 0.0
+# What signals may say beyond the protocol, and what is taken for granted where they do not.
 
 
-@SIGNALS.in_files("times")
-@entry(eq=True)
-class Steps(Entry):
-    """values[i] from times[i] on, 0 before the first."""
-
-    times: Numbers
-    values: Numbers
-
-    def validate(self) -> None:
-        _check_table(self.times, self.values)
-
-    def __call__(self, t: float) -> float:
-        index = int(np.searchsorted(self.times, t, side="right"))
-        return self.values[index - 1] if index else 0.0
-
-    @property
-    def jumps(self) -> tuple[float, ...]:
-        return self.times
-
-    def samples(self, t: Array, h: float) -> Array:
-        jumps = np.diff(self.values, prepend=0.0)
-        return sum(
-            (
-                jump * _step_samples(time, t, h)
-                for time, jump in zip(self.times, jumps, strict=True)
-            ),
-            np.zeros_like(t),
-        )
-
-
-@SIGNALS.in_files("times", flag="linear")
-@entry(eq=True)
-class Table(Pointwise, Entry):
-    """Linear between the points (times, values), constant outside."""
-
-    times: Numbers
-    values: Numbers
-
-    def validate(self) -> None:
-        _check_table(self.times, self.values)
-
-    def __call__(self, t: float) -> float:
-        return float(np.interp(t, self.times, self.values))
-
-
-@SIGNALS.in_files("times", flag="spline")
-@entry(eq=True)
-class Spline(Pointwise, Entry):
-    """The natural cubic spline through the points (times, values), for measured motions.
-
-    It is the smoothest curve through them. Its second derivative is zero at both ends, beyond which
-    it goes on straight, so that it drives joints without jumps of velocity or acceleration.
-    """
-
-    times: Numbers
-    values: Numbers
-    _pieces: Any = field(init=False, repr=False, compare=False)
-
-    def validate(self) -> None:
-        from scipy.interpolate import CubicSpline
-
-        _check_table(self.times, self.values)
-        if len(self.times) < 2:
-            raise ModelError(f"a spline needs two or more points, got {len(self.times)}")
-        object.__setattr__(self, "_pieces", CubicSpline(self.times, self.values, bc_type="natural"))
-
-    def __call__(self, t: float) -> float:
-        return float(self.samples(np.array(t), 0.0))
-
-    def samples(self, t: Array, h: float) -> Array:
-        within = np.clip(t, self.times[0], self.times[-1])
-        values: Array = self._pieces(within) + self._pieces(within, 1) * (t - within)
+def values_of(signal: Signal, t: Array) -> Array:
+    """The values at times t, of any shape."""
+    if hasattr(signal, "values_at"):
+        values: Array = signal.values_at(t)
         return values
-
-    def derivatives(self, t: float) -> tuple[float, float]:
-        within = float(np.clip(t, self.times[0], self.times[-1]))
-        return float(self._pieces(within, 1)), float(self._pieces(within, 2))
+    return np.array([signal(time) for time in t.ravel().tolist()]).reshape(t.shape)
 
 
-@SIGNALS.in_files("amplitude")
-@entry(eq=True)
-class Harmonic(Pointwise, Entry):
-    """offset + amplitude sin(2 pi frequency t + phase), frequency in Hz, phase in rad."""
-
-    amplitude: float
-    frequency: float
-    phase: float = 0.0
-    offset: float = 0.0
-
-    def __call__(self, t: float) -> float:
-        return float(
-            self.offset + self.amplitude * np.sin(2.0 * np.pi * self.frequency * t + self.phase)
-        )
-
-    def derivatives(self, t: float) -> tuple[float, float]:
-        omega = 2.0 * np.pi * self.frequency
-        angle = omega * t + self.phase
-        rate = self.amplitude * omega * np.cos(angle)
-        return float(rate), float(-self.amplitude * omega**2 * np.sin(angle))
+def parts_of(signal: Signal) -> tuple[Signal, ...]:
+    """The signals that a signal is composed of; none of a signal that stands for itself."""
+    parts: tuple[Signal, ...] = getattr(signal, "parts", ())
+    return parts
 
 
-@SIGNALS.in_files("polynomial")
-@entry(eq=True)
-class Polynomial(Pointwise, Entry):
-    """c_0 + c_1 t + c_2 t^2 + ..."""
-
-    coefficients: Annotated[SomeNumbers, Key("polynomial")]
-
-    def __call__(self, t: float) -> float:
-        return float(np.polynomial.Polynomial(self.coefficients)(t))
-
-    def derivatives(self, t: float) -> tuple[float, float]:
-        polynomial = np.polynomial.Polynomial(self.coefficients)
-        return float(polynomial.deriv(1)(t)), float(polynomial.deriv(2)(t))
+def is_any(signal: Signal, kind: type) -> bool:
+    """True for a signal of a kind, or one with such a part."""
+    return isinstance(signal, kind) or any(is_any(part, kind) for part in parts_of(signal))
 
 
-@SIGNALS.in_files("impulse")
-@entry(eq=True)
-class Impulse(Entry):
-    """A given area (an impulse [N s] of a force) at the step nearest to time `at`."""
-
-    area: Annotated[float, Key("impulse")]
-    at: float
-
-    def validate(self) -> None:
-        if self.at < 0.0:
-            raise ModelError(f"an impulse must act at t >= 0, got at = {self.at}")
-
-    def __call__(self, t: float) -> float:
-        return float("inf") if t == self.at else 0.0
-
-    @property
-    def jumps(self) -> tuple[float, ...]:
-        return (self.at,)
-
-    def samples(self, t: Array, h: float) -> Array:
-        # The hat function of a step has the area h; that of t = 0 has lost its left half.
-        height = self.area / h if self.at >= 0.5 * h else 2.0 * self.area / h
-        return np.where(np.round(t / h) == np.round(self.at / h), height, 0.0)
-
-
-@SIGNALS.in_files("pulse")
-@entry(eq=True)
-class Pulse(Entry):
-    """A rectangle: `value` from `start` to `end`, 0 elsewhere."""
-
-    value: Annotated[float, Key("pulse")]
-    start: Annotated[float, Key("from")]
-    end: Annotated[float, Key("to")]
-
-    def validate(self) -> None:
-        if not self.start < self.end:
-            raise ModelError(
-                f"a pulse must end after it starts, got start = {self.start}, end = {self.end}"
-            )
-
-    def __call__(self, t: float) -> float:
-        return self.value if self.start <= t < self.end else 0.0
-
-    @property
-    def jumps(self) -> tuple[float, ...]:
-        return self.start, self.end
-
-    def samples(self, t: Array, h: float) -> Array:
-        return self.value * (_step_samples(self.start, t, h) - _step_samples(self.end, t, h))
-
-
-@SIGNALS.in_files("input")
-@entry(eq=True)
-class Input(Pointwise, Entry):
-    """A signal whose values a `Simulator` receives step by step, by its name.
-
-    value: at t = 0, and always in `simulate`.
-    """
-
-    name: Annotated[str, Key("input")]
-    value: float = 0.0
-
-    def __call__(self, t: float) -> float:
-        return self.value
-
-    def derivatives(self, t: float) -> tuple[float, float]:
-        return 0.0, 0.0
-
-
-@entry(eq=True)
-class Function(Pointwise, Entry):
-    """Any Python function of time, sampled at the steps, its jumps included."""
-
-    function: Callable[[float], float]
-
-    def __call__(self, t: float) -> float:
-        return float(self.function(t))
-
-
-@entry(eq=True)
-class SmoothFunction(Function):
-    """A Python function of time with its first and second derivative; it can drive joints."""
-
-    rate: Callable[[float], float]
-    acceleration: Callable[[float], float]
-
-    def derivatives(self, t: float) -> tuple[float, float]:
-        return float(self.rate(t)), float(self.acceleration(t))
+def is_smooth(signal: Any) -> bool:
+    """True for a `SmoothSignal` whose parts are smooth too."""
+    return isinstance(signal, SmoothSignal) and all(map(is_smooth, parts_of(signal)))
 
 
 def jumps_of(signal: Signal) -> tuple[float, ...]:
@@ -275,49 +80,43 @@ def jumps_of(signal: Signal) -> tuple[float, ...]:
     return jumps
 
 
-def _step_samples(at: float, t: Array, h: float) -> Array:
-    """Means of the unit step at time `at` over the hat functions of the time grid.
-
-    They are centered at t, of half width h, and cut off at t = 0.
-    """
-    s = np.clip((t - at) / h, -1.0, 1.0)
-    # the integral of the hat from -1 to s
-    mean = np.where(s < 0.0, 0.5 * (1.0 + s) ** 2, 1.0 - 0.5 * (1.0 - s) ** 2)
-    first = t < 0.5 * h
-    after = np.clip(1.0 - at / h, 0.0, 1.0)
-    return np.where(first, after**2 if at > 0.0 else 1.0, mean)
+def corners_of(signal: Signal) -> tuple[float, ...]:
+    """The times about which samples are means: jumps, and the ends of profiles."""
+    corners: tuple[float, ...] = getattr(signal, "corners", jumps_of(signal))
+    return corners
 
 
-def _check_table(times: tuple[float, ...], values: tuple[float, ...]) -> None:
-    if len(times) != len(values) or not times:
-        raise ModelError(
-            f"a signal needs as many values as times, got {len(times)} times and {len(values)} "
-            "values"
-        )
-    if any(later <= earlier for earlier, later in pairwise(times)):
-        raise ModelError(f"the times of a signal must increase, got {list(times)}")
+def breaks_of(signal: Signal) -> tuple[float, ...]:
+    """The times at which a signal or one of its derivatives jumps, as far as it says so."""
+    breaks: tuple[float, ...] = getattr(signal, "breaks", corners_of(signal))
+    return breaks
 
 
 def _class_name(value: Any) -> str:
     return type(value).__name__.lower()
 
 
-def _is_a(kind: type) -> Callable[[Any], Any]:
+def _that(holds: Callable[[Any], bool]) -> Callable[[Any], Any]:
     def store(value: Any) -> Any:
-        if not isinstance(value, kind):
+        if not holds(value):
             raise TypeError
         return value
 
     return store
 
 
-AnySignal = Annotated[Signal, SIGNALS, Takes("a signal such as Constant", _is_a(Signal), Any)]
+def _is_signal(value: Any) -> bool:
+    return isinstance(value, Signal)
+
+
+AnySignal = Annotated[Signal, SIGNALS, Takes("a signal such as Constant", _that(_is_signal), Any)]
 DrivingSignal = Annotated[
     SmoothSignal,
     SIGNALS,
     Takes(
-        "a smooth signal (constant, harmonic, polynomial, spline)",
-        _is_a(SmoothSignal),
+        "a smooth signal (constant, harmonic, polynomial, spline, smooth step, chirp, noise, or of "
+        "such parts)",
+        _that(is_smooth),
         Any,
         found=_class_name,
     ),

@@ -48,6 +48,10 @@ class JointStop:
         return self.stop.owner
 
     @property
+    def coordinate(self) -> str:
+        return self.stop.coordinate
+
+    @property
     def between(self) -> tuple[str, str]:
         return self.joint.between
 

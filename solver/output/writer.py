@@ -17,6 +17,7 @@ from ..errors import ResultsError
 from ..lower.lower import LoweredModel
 from ..model.model import Model
 from ..model.settings import StartFrom
+from ..start.damping import damping_of
 from ..start.initial import InitialState
 from .columns import requested
 from .size import check_memory
@@ -137,4 +138,5 @@ def _notes(initial: InitialState, steps: int) -> dict[str, Any]:
         "velocity_correction": initial.velocity_correction,
         "removed": initial.removed.names,
         "truncation": _truncation(lowered),
+        "damping": damping_of(initial),
     } | ({"contact_h": lowered.h} if lowered.flight else {})

@@ -24,10 +24,11 @@ from ..step.equations import evaluate
 from ..step.history import modal_energy
 from ..step.system import State, Workspace
 from .assembly import drive_rates
+from .full_turns import continue_angles
 
 CLOSED = 1e-6
 """largest opening of a new joint, relative to the size of the model or in rad, and rate of it"""
-TAKEN_OVER = ("bodies", "interfaces", "modes", "past", "couplings", "observers")
+TAKEN_OVER = ("bodies", "interfaces", "modes", "past", "couplings", "motors", "observers")
 """records of the state; all others begin anew"""
 
 
@@ -59,6 +60,9 @@ def hand_over(lowered: LoweredModel, source: StateFile, state: State, work: Work
     state.step[0] = source.snapshot.step
     state.in_flight[:] = kept["state/in_flight"]
     work.couplings.elapsed[0] = 0.0
+    continue_angles(lowered, state, work)
+    here = numbers["n_i"][0]
+    work.couplings.near[here] = state.couplings.coordinate[here]
     _evaluate(lowered, state, work)
     take_over("state/interfaces", state.interfaces, kept, numbers)
     state.energies.modal[0] = modal_energy(lowered.system.elastic, state)
@@ -77,6 +81,7 @@ def _evaluate(lowered: LoweredModel, state: State, work: Workspace) -> None:
     work.interfaces.rate_predicted[:] = motion.rate - scheme.gamma_prime * change
     evaluate(system, state, work)
     state.couplings.lam[:] -= work.couplings.phi * system.couplings.compliant
+    state.couplings.lam[system.couplings.laws.motors.row] = work.motors.torque
     evaluate(system, state, work)
 
 

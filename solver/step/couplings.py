@@ -1,4 +1,4 @@
-"""Joints, motions, springs and contacts: wrenches, residuals, derivatives, energies.
+"""Joints, motions, springs, motors and contacts: wrenches, residuals, derivatives, energies.
 
 The wrench of a row on its frames is lambda times its gradient, for L + lambda^T phi. The row of a
 joint must vanish, phi = c (less the driven distance; a driven rotation row turns its axis instead).
@@ -416,14 +416,21 @@ def set_convective(system: System, state: State, work: Workspace) -> None:
 
 @compiled
 def add_coupling_work(couplings: Couplings, state: State, work: Workspace) -> None:
-    """Work of springs and dampers on the bodies, lambda dc, and of drives, -lambda dphi/ds ds."""
+    """Work of springs, dampers and motors on the bodies, lambda dc, and of drives, -lambda dphi/ds
+    ds.
+    """
     out, old, drives = work.couplings, state.couplings, state.drives
     for j in range(len(couplings.range) - 1):
         for i in range(couplings.range[j], couplings.range[j + 1]):
             if couplings.compliant[i]:
                 change = out.coordinate[i] - old.coordinate[i]
                 mean = 0.5 * (old.lam[i] + out.lam_n[i])
-                state.energies.compliance[j] += mean * change
+                m = couplings.laws.motor[i]
+                if m >= 0:
+                    state.motors.work[m] += mean * change
+                    state.energies.work[0] += mean * change
+                else:
+                    state.energies.compliance[j] += mean * change
         if couplings.friction_of[j] >= 0:
             bend_bristle(couplings, j, couplings.range[j], state, work)
         if couplings.contact_of[j] >= 0:

@@ -155,8 +155,38 @@ SIGNALS: dict[str, dict[str, Any]] = {
     "Impulse": {"impulse": 1, "at": 0.001},
     "Pulse": {"pulse": 1, "from": 0.001, "to": 0.002},
     "Input": {"input": "motor", "value": 1},
+    "SmoothStep": {"smooth_step": [0, 1], "over": [0, 0.001]},
+    "Haversine": {"smooth_step": [0, 1], "over": [0, 0.001], "haversine": True},
+    "HalfSine": {"half_sine": 1, "duration": 0.001, "from": 0.001},
+    "Trapezoid": {"trapezoid": 1, "duration": 0.001, "rise": 0.0001, "fall": 0, "from": 0},
+    "Sawtooth": {"sawtooth": 1, "duration": 0.001, "from": 0},
+    "Window": {"window": [0, 0.003], "rise": 0.001, "fall": 0.001},
+    "Chirp": {"chirp": 1, "frequencies": [5, 50], "over": [0, 1], "phase": 0},
+    "LogarithmicChirp": {
+        "chirp": 1,
+        "frequencies": [5, 50],
+        "over": [0, 1],
+        "logarithmic": True,
+    },
+    "Noise": {"noise": 1, "band": [5, 50], "period": 1, "seed": 3},
+    "ShapedNoise": {"spectrum": [[5, 1], [50, 2]], "period": 1, "seed": 3},
+    "Recorded": {
+        "file": "record.csv",
+        "column": "a",
+        "scale": 2,
+        "time": 1,
+        "time_scale": 1,
+        "shift": 0,
+    },
+    "RecordedSpline": {"file": "record.csv", "column": 2, "spline": True},
+    "Sum": {"sum": [1, {"amplitude": 1, "frequency": 2}]},
+    "Product": {"product": [2, {"half_sine": 1, "duration": 0.001}]},
+    "Delayed": {"delay": 0.001, "of": {"half_sine": 1, "duration": 0.001}},
 }
 """by class: each form of signal in a file"""
+
+RECORD = "t,a\n0,1\n0.002,3\n"
+"""record.csv, beside the models"""
 
 LAWS: dict[str, dict[str, Any]] = {
     "TabulatedLaw": {"deformation": [-1, 0, 1], "force": [-1, 0, 1]},

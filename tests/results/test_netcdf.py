@@ -40,6 +40,7 @@ def test_xarray_finds_dimensions_coordinates_and_units(written):
             "flexible_body": 1,
             "contact": 2,
             "stop": 2,
+            "motor": 2,
             "contact_axis": 3,
             "tangent_axis": 2,
             "joint_with_friction": 1,

@@ -37,11 +37,12 @@ def test_names_dimensions_and_units():
         assert quantity.dimensions[0] == "time"
         assert set(quantity.dimensions) <= set(schema.DIMENSIONS)
         assert (quantity.source == "") == (quantity.derive is not None)
-        angular = bool(quantity.owned and (quantity.owned.ragged or quantity.owned.name == "stop"))
+        owned = quantity.owned
+        angular = bool(owned and (owned.ragged or owned.name in ("stop", "motor")))
         assert angular or isinstance(quantity.unit, str)
         assert isinstance(quantity.unit, tuple) or not quantity.owned or not quantity.owned.ragged
         for unit in quantity.unit if isinstance(quantity.unit, tuple) else (quantity.unit,):
-            assert re.fullmatch(r"1|(kg|m2?|N|J|rad|s)( (m2?|s))?( ?s-[12])?", unit), unit
+            assert re.fullmatch(r"1|(kg|m2?|N|J|W|rad|s)( (m2?|s))?( ?s-[12])?", unit), unit
 
 
 @pytest.mark.parametrize(
@@ -50,6 +51,7 @@ def test_names_dimensions_and_units():
         ("bodies", motion.BodyMotion),
         ("frames", motion.FrameMotion),
         ("energy", motion.Energy),
+        ("motors", motion.MotorMotion),
         ("events", motion.Events),
         ("momentum", motion.Momentum),
     ],

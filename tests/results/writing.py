@@ -26,6 +26,7 @@ def make_contents(
     flexible=1,
     contacts=2,
     stops=2,
+    motors=2,
     second_order=3,
     selects=lambda group: True,
 ):
@@ -45,6 +46,7 @@ def make_contents(
         "joint_coordinate": [f"j{n_j - 1}.angle_{i}" for i in range(coordinates if joints else 0)],
         "contact": [f"k{k}" for k in range(contacts)],
         "stop": [f"e{k}" for k in range(stops)],
+        "motor": [f"m{k}" for k in range(motors)],
         "joint_with_friction": [f"j{n_j - 1}.friction"] if joints else [],
         "event_owner": [f"k{k}" for k in range(contacts)] + [f"e{k}" for k in range(stops)],
     }
@@ -75,6 +77,7 @@ def make_output(contents, n, seed=0):
         "contact_axis": 3,
         "tangent_axis": 2,
         "contact": max(end("contact"), end("stop")),
+        "motor": end("motor"),
         "joint_with_friction": end("joint_with_friction"),
         "body": end("body"),
         "second_order_coordinate": end("second_order_coordinate"),

@@ -10,33 +10,48 @@ from pathlib import Path
 import numpy as np
 import pytest
 from duhamel.solver import (
+    Chirp,
     Constant,
+    Delayed,
     FlexibleBody,
     Frame,
     Function,
+    HalfSine,
     Harmonic,
+    Haversine,
     Impulse,
     Input,
     Joint,
     Load,
+    LogarithmicChirp,
     Model,
     ModelError,
+    Noise,
     OutputRequest,
     Place,
     Polynomial,
     PrescribedDisplacement,
     PrescribedRotation,
+    Product,
     Pulse,
+    Recorded,
+    RecordedSpline,
     RigidBody,
+    Sawtooth,
     Settings,
+    ShapedNoise,
     SmoothFunction,
+    SmoothStep,
     Spline,
     Spring,
     Start,
     SteadyRotation,
     Steps,
+    Sum,
     Table,
     TabulatedLaw,
+    Trapezoid,
+    Window,
     read_model,
     write_model,
 )
@@ -60,6 +75,19 @@ SIGNALS = (
     Impulse(1e-3, 0.02),
     Pulse(5.0, 0.1, 0.2),
     Input("motor", 0.5),
+    SmoothStep((0.0, 1.0 / 3.0), (0.1, 0.2)),
+    Haversine((0.0, 1.0 / 3.0), (0.1, 0.2)),
+    HalfSine(490.0, 6e-3),
+    Trapezoid(1.0, 0.1, 1.0 / 30.0, 0.02, 0.1),
+    Sawtooth(1.0, 0.1, 0.2),
+    Window((0.0, 1.0), 1.0 / 3.0, 0.5),
+    Chirp(1.0, (5.0, 500.0 / 3.0), (0.0, 1.0), 0.1),
+    LogarithmicChirp(1.0, (5.0, 500.0 / 3.0), (0.0, 1.0), 0.1),
+    Noise(0.1, (5.0, 50.0), 1.0 / 3.0, 5),
+    ShapedNoise(((5.0, 0.1), (50.0, 1.0 / 3.0)), 1.0),
+    Sum((Constant(1.0), Sum((Harmonic(0.1, 3.0), Impulse(1.0, 0.1))))),
+    Product((Constant(1.0 / 3.0), Table(*POINTS), Window((0.0, 1.0), 0.1, 0.5))),
+    Delayed(1.0 / 3.0, Spline(*POINTS)),
 )
 
 
@@ -125,6 +153,10 @@ def everything(random_element, tmp_path):
     """
     rng = np.random.default_rng(0)
     write(tmp_path / "e.h5", random_element(1, (True, False)))
+    sheet = tmp_path / "records" / "shaker.csv"
+    sheet.parent.mkdir()
+    sheet.write_text("t,ax\n0,1\n0.3,2\n")
+    recorded = Recorded(sheet, "ax", 9.81), RecordedSpline(sheet, 2, 1.0, "t", 1e-3, 0.1)
     element = random_element(1, (True, False))
     names = [f"b{k}" for k in range(len(JOINT_TYPES) + 1)]
     bodies = {name: body(k, position=rng.normal(size=3)) for k, name in enumerate(names)}
@@ -163,7 +195,7 @@ def everything(random_element, tmp_path):
     kinds = list(LOAD_KINDS)
     loads = [
         Load(kinds[k % 2], "b0.f", rng.normal(size=3), signal, follower=k % 3 == 0)
-        for k, signal in enumerate(SIGNALS)
+        for k, signal in enumerate([*SIGNALS, *recorded])
     ]
     settings = Settings(
         t_end=1.0 / 3.0,
@@ -262,4 +294,4 @@ def test_a_file_is_whole_or_not_there(everything, tmp_path, monkeypatch):
     monkeypatch.setattr(Path, "write_text", full)
     with pytest.raises(OSError, match="no space left"):
         write_model(tmp_path / "model.toml", everything)
-    assert [path.name for path in tmp_path.iterdir()] == ["e.h5"]
+    assert {path.name for path in tmp_path.iterdir()} == {"e.h5", "records"}

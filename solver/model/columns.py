@@ -1,0 +1,120 @@
+"""Columns of numbers in text files: CSV, or separated by semicolons, tabs or blanks."""
+
+import csv
+import math
+import os
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from ...inputs import InputError, quoted
+from ...inputs.text import read_text
+from ..arrays import Array
+from ..errors import ModelError
+
+SEPARATORS = (";", "\t", ",")
+"""tried in this order; else blanks"""
+SHOWN = 12
+"""columns that a message lists"""
+
+
+class _Sheet(NamedTuple):
+    """The rows of a file as text, with the numbers of their lines, from 1 on."""
+
+    names: tuple[str, ...]
+    rows: tuple[tuple[int, tuple[str, ...]], ...]
+    decimal_comma: bool
+
+
+def number_of_column(path: str, column: str | int) -> int:
+    """The index of a column that is given by its name, or its number from 1 on."""
+    sheet = _sheet(path)
+    width = max(len(sheet.names), len(sheet.rows[0][1]) if sheet.rows else 0)
+    if isinstance(column, int):
+        if not 1 <= column <= width:
+            raise ModelError(f"file: {path}: no column {column}; there are {width}, from 1 on")
+        return column - 1
+    if column not in sheet.names:
+        listed = ", ".join(map(quoted, sheet.names[:SHOWN])) or "none with a name"
+        more = ", ..." if len(sheet.names) > SHOWN else ""
+        raise ModelError(f"file: {path}: no column {quoted(column)}; there are: {listed}{more}")
+    if sheet.names.count(column) > 1:
+        raise ModelError(f"file: {path}: more than one column is named {quoted(column)}")
+    return sheet.names.index(column)
+
+
+def column_of(path: str, column: str | int, increasing: bool = False) -> Array:
+    """The numbers of a column (n,); ModelError names the file, the line and the column."""
+    sheet, k = _sheet(path), number_of_column(path, column)
+    numbers = np.empty(len(sheet.rows))
+    before = -math.inf
+    for n, (line, cells) in enumerate(sheet.rows):
+        cell = cells[k] if k < len(cells) else ""
+        number = _number(cell, sheet.decimal_comma)
+        if not math.isfinite(number):
+            found = quoted(cell) if cell else "nothing"
+            raise ModelError(f"{_where(path, line, column)}: expected a number, found {found}")
+        if increasing and number <= before:
+            raise ModelError(
+                f"{_where(path, line, column)}: times must increase, found {number:.9g} after "
+                f"{before:.9g}"
+            )
+        numbers[n] = before = number
+    return numbers
+
+
+def _where(path: str, line: int, column: str | int) -> str:
+    return f"file: {path}: line {line}, column {quoted(column)}"
+
+
+def _number(cell: str, decimal_comma: bool) -> float:
+    """The number in a cell; no number (nan) for other text."""
+    try:
+        return float(cell.replace(",", ".") if decimal_comma else cell)
+    except ValueError:
+        return math.nan
+
+
+def _sheet(path: str) -> _Sheet:
+    try:
+        status = os.stat(path)
+        return _read(path, status.st_mtime_ns, status.st_size)
+    except OSError as error:
+        raise ModelError(f"file: {path}: not a readable file: {error.strerror or error}") from error
+    except InputError as error:
+        raise ModelError(f"file: {error}") from error
+    except csv.Error as error:
+        raise ModelError(f"file: {path}: not a table: {error}") from error
+
+
+@lru_cache(maxsize=4)
+def _read(path: str, changed: int, size: int) -> _Sheet:
+    """The rows of a file of this size that was changed at this time."""
+    lines = _lines(read_text(path).removeprefix("\ufeff"))
+    if not lines:
+        raise InputError(f"{path}: expected rows of numbers, found none")
+    text = "\n".join(line for _, line in lines[:2])
+    separator = next((mark for mark in SEPARATORS if mark in text), " ")
+    comma = separator != "," and any("," in line for _, line in lines[1:3])
+    rows = tuple(_cells(lines, separator))
+    _, first = rows[0]
+    if any(math.isfinite(_number(cell, comma)) for cell in first):
+        return _Sheet((), rows, comma)
+    return _Sheet(first, rows[1:], comma)
+
+
+def _lines(text: str) -> list[tuple[int, str]]:
+    """Lines that are neither empty nor comments, with their numbers."""
+    numbered = enumerate(text.splitlines(), start=1)
+    return [(n, line) for n, line in numbered if line.strip() and not line.lstrip().startswith("#")]
+
+
+def _cells(lines: list[tuple[int, str]], separator: str) -> Iterator[tuple[int, tuple[str, ...]]]:
+    if separator == " ":
+        yield from ((n, tuple(line.split())) for n, line in lines)
+        return
+    rows = csv.reader((line for _, line in lines), delimiter=separator, skipinitialspace=True)
+    for (n, _), cells in zip(lines, rows, strict=False):
+        yield n, tuple(cell.strip() for cell in cells)

@@ -1,0 +1,209 @@
+"""Signals that are composed of others: sums, products, and signals that come later."""
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..errors import ModelError
+from ..schema.entry import Entry, Key, Takes, entry
+from ..schema.forms import Members
+from .curves import Impulse, Input
+from .sampling import samples_of
+from .signals import (
+    SIGNALS,
+    AnySignal,
+    Signal,
+    breaks_of,
+    corners_of,
+    is_any,
+    jumps_of,
+    parts_of,
+    values_of,
+)
+
+
+def _signals(value: Any) -> tuple[Signal, ...]:
+    parts = tuple(value)
+    if len(parts) < 1 or not all(isinstance(part, Signal) for part in parts):
+        raise ValueError
+    return parts
+
+
+if TYPE_CHECKING:
+
+    class Parts:
+        """One or more signals; a tuple."""
+
+        def __get__(self, owner: Any, kind: Any = None) -> tuple[Signal, ...]: ...
+        def __set__(self, owner: Any, value: Iterable[Signal]) -> None: ...
+
+else:
+    Parts = Annotated[
+        tuple[Signal, ...], Members(SIGNALS), Takes("a list of signals", _signals, Any)
+    ]
+
+
+class _Composed:
+    """What follows from the parts."""
+
+    @property
+    def parts(self) -> tuple[Signal, ...]:
+        raise NotImplementedError
+
+    @property
+    def jumps(self) -> tuple[float, ...]:
+        return self._times(jumps_of)
+
+    @property
+    def corners(self) -> tuple[float, ...]:
+        return self._times(corners_of)
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        return self._times(breaks_of)
+
+    def _times(self, times: Any) -> tuple[float, ...]:
+        return tuple(sorted({time for part in self.parts for time in times(part)}))
+
+    def values_at(self, t: Array) -> Array:
+        raise NotImplementedError
+
+    def __call__(self, t: float) -> float:
+        return float(self.values_at(np.array(t)))
+
+    def samples(self, t: Array, h: float) -> Array:
+        signal: Any = self
+        return samples_of(signal, t, h)
+
+
+@SIGNALS.in_files("sum")
+@entry(eq=True)
+class Sum(_Composed, Entry):
+    """The sum of signals."""
+
+    signals: Annotated[Parts, Key("sum")]
+
+    def validate(self) -> None:
+        _refuse(self, "a sum", Input)
+
+    @property
+    def parts(self) -> tuple[Signal, ...]:
+        return self.signals
+
+    def values_at(self, t: Array) -> Array:
+        return sum((values_of(part, t) for part in self.parts), np.zeros(t.shape))
+
+    def samples(self, t: Array, h: float) -> Array:
+        return sum((part.samples(t, h) for part in self.parts), np.zeros(t.shape))
+
+    def slope(self, t: float) -> float:
+        return sum(slope_of(part, t) for part in self.parts)
+
+    def derivatives(self, t: float) -> tuple[float, float]:
+        rates, accelerations = zip(*(_derivatives(part, t) for part in self.parts), strict=True)
+        return sum(rates), sum(accelerations)
+
+    def antiderivatives(self, t: Array) -> tuple[Array, Array]:
+        parts: Any = self.parts
+        once, twice = zip(*(part.antiderivatives(t) for part in parts), strict=True)
+        return sum(once), sum(twice)
+
+
+@SIGNALS.in_files("product")
+@entry(eq=True)
+class Product(_Composed, Entry):
+    """The product of signals, as of one and a window, or a number."""
+
+    signals: Annotated[Parts, Key("product")]
+
+    def validate(self) -> None:
+        _refuse(self, "a product", Input, Impulse)
+
+    @property
+    def parts(self) -> tuple[Signal, ...]:
+        return self.signals
+
+    def values_at(self, t: Array) -> Array:
+        product = np.ones(t.shape)
+        for part in self.parts:
+            product = product * values_of(part, t)
+        return product
+
+    def slope(self, t: float) -> float:
+        value, rate = 1.0, 0.0
+        for part in self.parts:
+            factor = part(t)
+            value, rate = value * factor, rate * factor + value * slope_of(part, t)
+        return rate
+
+    def derivatives(self, t: float) -> tuple[float, float]:
+        value, rate, acceleration = 1.0, 0.0, 0.0
+        for part in self.parts:
+            factor, (first, second) = part(t), _derivatives(part, t)
+            acceleration = acceleration * factor + 2.0 * rate * first + value * second
+            rate = rate * factor + value * first
+            value = value * factor
+        return rate, acceleration
+
+
+@SIGNALS.in_files("delay")
+@entry(eq=True)
+class Delayed(_Composed, Entry):
+    """A signal that comes later by `delay` [s], or earlier where that is below zero."""
+
+    delay: float
+    signal: Annotated[AnySignal, Key("of")]
+
+    def validate(self) -> None:
+        _refuse(self, "a delay", Input, Impulse)
+
+    @property
+    def parts(self) -> tuple[Signal, ...]:
+        return (self.signal,)
+
+    def _times(self, times: Any) -> tuple[float, ...]:
+        return tuple(time + self.delay for time in times(self.signal))
+
+    def values_at(self, t: Array) -> Array:
+        return values_of(self.signal, t - self.delay)
+
+    def slope(self, t: float) -> float:
+        return slope_of(self.signal, t - self.delay)
+
+    def derivatives(self, t: float) -> tuple[float, float]:
+        return _derivatives(self.signal, t - self.delay)
+
+    def antiderivatives(self, t: Array) -> tuple[Array, Array]:
+        signal: Any = self.signal
+        once, twice = signal.antiderivatives(t - self.delay)
+        return once, twice
+
+
+def slope_of(signal: Signal, t: float) -> float:
+    """The derivative of a signal without jumps, at a corner that after it."""
+    given: Any = signal
+    return float(given.slope(t) if hasattr(given, "slope") else given.derivatives(t)[0])
+
+
+def has_slope(signal: Signal) -> bool:
+    """True for a signal that is continuous, and says how fast it changes."""
+    parts = parts_of(signal)
+    if jumps_of(signal):
+        return False
+    if parts:
+        return all(map(has_slope, parts))
+    return hasattr(signal, "slope") or hasattr(signal, "derivatives")
+
+
+def _derivatives(signal: Any, t: float) -> tuple[float, float]:
+    rate, acceleration = signal.derivatives(t)
+    return rate, acceleration
+
+
+def _refuse(signal: Signal, what: str, *kinds: type) -> None:
+    for kind in kinds:
+        if is_any(signal, kind):
+            name = {Input: "an input", Impulse: "an impulse"}[kind]
+            raise ModelError(f"{what} takes no {name.split()[1]}: {name} stands for itself alone")

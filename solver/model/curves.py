@@ -1,0 +1,330 @@
+"""Signals of simple curves: constants, steps, tables, splines, harmonics, polynomials, pulses."""
+
+from collections.abc import Callable
+from dataclasses import field
+from functools import cached_property
+from itertools import pairwise
+from typing import Annotated, Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..errors import ModelError
+from ..schema.entry import Entry, Key, entry
+from ..schema.values import Numbers, SomeNumbers
+from . import pieces
+from .harmonics import harmonic_integrals
+from .pieces import Pieces
+from .signals import SIGNALS, Pointwise
+
+
+class Piecewise:
+    """Signals that are polynomials between times."""
+
+    @property
+    def pieces(self) -> Pieces:
+        raise NotImplementedError
+
+    @cached_property
+    def _integrals(self) -> tuple[Pieces, Pieces]:
+        once = self.pieces.antiderivative()
+        return once, once.antiderivative()
+
+    def values_at(self, t: Array) -> Array:
+        return self.pieces(t)
+
+    def antiderivatives(self, t: Array) -> tuple[Array, Array]:
+        """A first and a second antiderivative at times t, of any shape."""
+        once, twice = self._integrals
+        return once(t), twice(t)
+
+
+@SIGNALS.bare_number
+@entry(eq=True)
+class Constant(Pointwise, Entry):
+    """A constant value."""
+
+    value: float
+
+    def __call__(self, t: float) -> float:
+        return self.value
+
+    def values_at(self, t: Array) -> Array:
+        return np.full(t.shape, self.value)
+
+    def antiderivatives(self, t: Array) -> tuple[Array, Array]:
+        return self.value * t, 0.5 * self.value * t**2
+
+    def derivatives(self, t: float) -> tuple[float, float]:
+        return 0.0, 0.0
+
+
+@SIGNALS.in_files("times")
+@entry(eq=True)
+class Steps(Piecewise, Entry):
+    """values[i] from times[i] on, 0 before the first."""
+
+    times: Numbers
+    values: Numbers
+
+    def validate(self) -> None:
+        _check_table(self.times, self.values)
+
+    def __call__(self, t: float) -> float:
+        index = int(np.searchsorted(self.times, t, side="right"))
+        return self.values[index - 1] if index else 0.0
+
+    @property
+    def jumps(self) -> tuple[float, ...]:
+        return self.times
+
+    @cached_property
+    def pieces(self) -> Pieces:
+        return pieces.steps(self.times, self.values)
+
+    def samples(self, t: Array, h: float) -> Array:
+        jumps = np.diff(self.values, prepend=0.0)
+        return sum(
+            (
+                jump * _step_samples(time, t, h)
+                for time, jump in zip(self.times, jumps, strict=True)
+            ),
+            np.zeros_like(t),
+        )
+
+
+@SIGNALS.in_files("times", flag="linear")
+@entry(eq=True)
+class Table(Piecewise, Pointwise, Entry):
+    """Linear between the points (times, values), constant outside."""
+
+    times: Numbers
+    values: Numbers
+
+    def validate(self) -> None:
+        _check_table(self.times, self.values)
+
+    def __call__(self, t: float) -> float:
+        return float(np.interp(t, self.times, self.values))
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        return self.times
+
+    @cached_property
+    def pieces(self) -> Pieces:
+        return pieces.lines(self.times, self.values)
+
+    def slope(self, t: float) -> float:
+        """The derivative, at a point that after it."""
+        return float(self.pieces.derivative()(np.array(t)))
+
+
+@SIGNALS.in_files("times", flag="spline")
+@entry(eq=True)
+class Spline(Piecewise, Pointwise, Entry):
+    """The natural cubic spline through the points (times, values), for measured motions.
+
+    It is the smoothest curve through them. Its second derivative is zero at both ends, beyond which
+    it goes on straight, so that it drives joints without jumps of velocity or acceleration.
+    """
+
+    times: Numbers
+    values: Numbers
+    _spline: Any = field(init=False, repr=False, compare=False)
+
+    def validate(self) -> None:
+        from scipy.interpolate import CubicSpline
+
+        _check_table(self.times, self.values)
+        if len(self.times) < 2:
+            raise ModelError(f"a spline needs two or more points, got {len(self.times)}")
+        object.__setattr__(self, "_spline", CubicSpline(self.times, self.values, bc_type="natural"))
+
+    def __call__(self, t: float) -> float:
+        return float(self.samples(np.array(t), 0.0))
+
+    def samples(self, t: Array, h: float) -> Array:
+        within = np.clip(t, self.times[0], self.times[-1])
+        values: Array = self._spline(within) + self._spline(within, 1) * (t - within)
+        return values
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        return self.times
+
+    @cached_property
+    def pieces(self) -> Pieces:
+        return pieces.cubics(self.times, self._spline.c)
+
+    def derivatives(self, t: float) -> tuple[float, float]:
+        within = float(np.clip(t, self.times[0], self.times[-1]))
+        return float(self._spline(within, 1)), float(self._spline(within, 2))
+
+
+@SIGNALS.in_files("amplitude")
+@entry(eq=True)
+class Harmonic(Pointwise, Entry):
+    """offset + amplitude sin(2 pi frequency t + phase), frequency in Hz, phase in rad."""
+
+    amplitude: float
+    frequency: float
+    phase: float = 0.0
+    offset: float = 0.0
+
+    def __call__(self, t: float) -> float:
+        return float(
+            self.offset + self.amplitude * np.sin(2.0 * np.pi * self.frequency * t + self.phase)
+        )
+
+    def derivatives(self, t: float) -> tuple[float, float]:
+        omega = 2.0 * np.pi * self.frequency
+        angle = omega * t + self.phase
+        rate = self.amplitude * omega * np.cos(angle)
+        return float(rate), float(-self.amplitude * omega**2 * np.sin(angle))
+
+    def values_at(self, t: Array) -> Array:
+        return self.offset + self.amplitude * np.sin(2.0 * np.pi * self.frequency * t + self.phase)
+
+    def antiderivatives(self, t: Array) -> tuple[Array, Array]:
+        once, twice = harmonic_integrals(t, 2.0 * np.pi * self.frequency, self.phase)
+        return (
+            self.offset * t + self.amplitude * once,
+            0.5 * self.offset * t**2 + self.amplitude * twice,
+        )
+
+
+@SIGNALS.in_files("polynomial")
+@entry(eq=True)
+class Polynomial(Piecewise, Pointwise, Entry):
+    """c_0 + c_1 t + c_2 t^2 + ..."""
+
+    coefficients: Annotated[SomeNumbers, Key("polynomial")]
+
+    def __call__(self, t: float) -> float:
+        return float(np.polynomial.Polynomial(self.coefficients)(t))
+
+    def derivatives(self, t: float) -> tuple[float, float]:
+        polynomial = np.polynomial.Polynomial(self.coefficients)
+        return float(polynomial.deriv(1)(t)), float(polynomial.deriv(2)(t))
+
+    @cached_property
+    def pieces(self) -> Pieces:
+        return Pieces([0.0], np.array([self.coefficients, self.coefficients]))
+
+
+@SIGNALS.in_files("impulse")
+@entry(eq=True)
+class Impulse(Entry):
+    """A given area (an impulse [N s] of a force) at the step nearest to time `at`."""
+
+    area: Annotated[float, Key("impulse")]
+    at: float
+
+    def validate(self) -> None:
+        if self.at < 0.0:
+            raise ModelError(f"an impulse must act at t >= 0, got at = {self.at}")
+
+    def __call__(self, t: float) -> float:
+        return float("inf") if t == self.at else 0.0
+
+    @property
+    def jumps(self) -> tuple[float, ...]:
+        return (self.at,)
+
+    def samples(self, t: Array, h: float) -> Array:
+        # The hat function of a step has the area h; that of t = 0 has lost its left half.
+        height = self.area / h if self.at >= 0.5 * h else 2.0 * self.area / h
+        return np.where(np.round(t / h) == np.round(self.at / h), height, 0.0)
+
+
+@SIGNALS.in_files("pulse")
+@entry(eq=True)
+class Pulse(Piecewise, Entry):
+    """A rectangle: `value` from `start` to `end`, 0 elsewhere."""
+
+    value: Annotated[float, Key("pulse")]
+    start: Annotated[float, Key("from")]
+    end: Annotated[float, Key("to")]
+
+    def validate(self) -> None:
+        if not self.start < self.end:
+            raise ModelError(
+                f"a pulse must end after it starts, got start = {self.start}, end = {self.end}"
+            )
+
+    def __call__(self, t: float) -> float:
+        return self.value if self.start <= t < self.end else 0.0
+
+    @property
+    def jumps(self) -> tuple[float, ...]:
+        return self.start, self.end
+
+    @cached_property
+    def pieces(self) -> Pieces:
+        return pieces.steps([self.start, self.end], [self.value, 0.0])
+
+    def samples(self, t: Array, h: float) -> Array:
+        return self.value * (_step_samples(self.start, t, h) - _step_samples(self.end, t, h))
+
+
+@SIGNALS.in_files("input")
+@entry(eq=True)
+class Input(Pointwise, Entry):
+    """A signal whose values a `Simulator` receives step by step, by its name.
+
+    value: at t = 0, and always in `simulate`.
+    """
+
+    name: Annotated[str, Key("input")]
+    value: float = 0.0
+
+    def __call__(self, t: float) -> float:
+        return self.value
+
+    def derivatives(self, t: float) -> tuple[float, float]:
+        return 0.0, 0.0
+
+
+@entry(eq=True)
+class Function(Pointwise, Entry):
+    """Any Python function of time, sampled at the steps, its jumps included."""
+
+    function: Callable[[float], float]
+
+    def __call__(self, t: float) -> float:
+        return float(self.function(t))
+
+
+@entry(eq=True)
+class SmoothFunction(Function):
+    """A Python function of time with its first and second derivative; it can drive joints."""
+
+    rate: Callable[[float], float]
+    acceleration: Callable[[float], float]
+
+    def derivatives(self, t: float) -> tuple[float, float]:
+        return float(self.rate(t)), float(self.acceleration(t))
+
+
+def _step_samples(at: float, t: Array, h: float) -> Array:
+    """Means of the unit step at time `at` over the hat functions of the time grid.
+
+    They are centered at t, of half width h, and cut off at t = 0.
+    """
+    s = np.clip((t - at) / h, -1.0, 1.0)
+    # the integral of the hat from -1 to s
+    mean = np.where(s < 0.0, 0.5 * (1.0 + s) ** 2, 1.0 - 0.5 * (1.0 - s) ** 2)
+    first = t < 0.5 * h
+    after = np.clip(1.0 - at / h, 0.0, 1.0)
+    return np.where(first, after**2 if at > 0.0 else 1.0, mean)
+
+
+def _check_table(times: tuple[float, ...], values: tuple[float, ...]) -> None:
+    if len(times) != len(values) or not times:
+        raise ModelError(
+            f"a signal needs as many values as times, got {len(times)} times and {len(values)} "
+            "values"
+        )
+    if any(later <= earlier for earlier, later in pairwise(times)):
+        raise ModelError(f"the times of a signal must increase, got {list(times)}")

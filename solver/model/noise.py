@@ -1,0 +1,171 @@
+"""Band-limited noise of a given power spectral density."""
+
+from typing import Annotated, Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..errors import ModelError
+from ..schema.entry import Entry, Key, Takes, entry
+from ..schema.values import NotNegative, Positive, points
+from .harmonics import harmonic_integrals
+from .profiles import Frequencies
+from .signals import SIGNALS, Pointwise
+
+MOST = 100_000
+"""lines of a spectrum"""
+BLOCK = 1 << 18
+"""sines that are computed at once"""
+
+
+def _seed(value: Any) -> int:
+    seed = int(value)
+    if isinstance(value, bool) or seed != value or not 0 <= seed < 2**63:
+        raise ValueError
+    return seed
+
+
+def _spectrum(value: Any) -> tuple[tuple[float, float], ...]:
+    pairs = points(value)
+    if len(pairs) < 2 or not (pairs > 0.0).all() or not (np.diff(pairs[:, 0]) > 0.0).all():
+        raise ValueError
+    return tuple((f, density) for f, density in pairs.tolist())
+
+
+Seed = Annotated[int, Takes("an integer of at least 0", _seed, int)]
+Spectrum = Annotated[
+    tuple[tuple[float, float], ...],
+    Takes(
+        "two or more pairs of a frequency and a density, all positive, of increasing frequencies",
+        _spectrum,
+        tuple[tuple[float, float], ...],
+    ),
+]
+
+
+class _Lines(Pointwise):
+    """A sum of harmonics at the multiples of 1 / period within a band, of random phases.
+
+        f(t) = sum_k sqrt(2 S_k) cos(2 pi k t / period + phi_k)
+
+    S_k is the part of the density in (k - 1/2 .. k + 1/2) / period, so that the mean square over a
+    period is the integral of the density.
+    """
+
+    period: float
+    seed: int
+
+    def _cumulative(self, f: Array) -> Array:
+        """The integral of the density from the lower end of the band to f [Hz]."""
+        raise NotImplementedError
+
+    def _band(self) -> tuple[float, float]:
+        raise NotImplementedError
+
+    def validate(self) -> None:
+        first, last = self._band()
+        if not first < last:
+            raise ModelError(f"noise: band: expected increasing frequencies, got {[first, last]}")
+        n = (last - first) * self.period
+        if not 1.0 <= n <= MOST:
+            raise ModelError(
+                f"noise: expected 1 to {MOST} lines, a period times the width of the band, "
+                f"got {n:.6g}: a period of {self.period:g} s, a band of {last - first:g} Hz"
+            )
+        lines = np.arange(np.floor(first * self.period + 0.5), np.floor(last * self.period) + 2.0)
+        edges = np.clip(np.append(lines - 0.5, lines[-1] + 0.5) / self.period, first, last)
+        squares = np.diff(self._cumulative(edges))
+        kept = (squares > 0.0) & (lines > 0.0)
+        # the bits of a PCG64 are the same in all versions of numpy, its distributions are not
+        bits = np.random.PCG64(self.seed).random_raw(len(lines))[kept]
+        phases = 2.0 * np.pi * (bits >> np.uint64(11)).astype(np.float64) * 2.0**-53
+        object.__setattr__(self, "_amplitudes", np.sqrt(2.0 * squares[kept]))
+        object.__setattr__(self, "_omegas", 2.0 * np.pi * lines[kept] / self.period)
+        object.__setattr__(self, "_phases", phases + 0.5 * np.pi)
+
+    @property
+    def rms(self) -> float:
+        """The root of the mean square."""
+        return float(np.sqrt(0.5 * (self._amplitudes**2).sum()))
+
+    def __call__(self, t: float) -> float:
+        return float(self.values_at(np.array(t)))
+
+    def samples(self, t: Array, h: float) -> Array:
+        return self.values_at(t)
+
+    def values_at(self, t: Array) -> Array:
+        return self._sum(t, lambda times: (np.sin(self._omegas * times + self._phases),))[0]
+
+    def derivatives(self, t: float) -> tuple[float, float]:
+        angles, omegas = self._omegas * t + self._phases, self._omegas
+        rate = (self._amplitudes * omegas * np.cos(angles)).sum()
+        return float(rate), float(-(self._amplitudes * omegas**2 * np.sin(angles)).sum())
+
+    def antiderivatives(self, t: Array) -> tuple[Array, Array]:
+        once, twice = self._sum(
+            t, lambda times: harmonic_integrals(times, self._omegas, self._phases)
+        )
+        return once, twice
+
+    def _sum(self, t: Array, terms: Any) -> list[Array]:
+        """Sums over the lines of functions of a time and a line, at times of any shape."""
+        flat, rows = t.reshape(-1, 1), max(BLOCK // len(self._omegas), 1)
+        blocks = [flat[k : k + rows] for k in range(0, max(len(flat), 1), rows)]
+        sums = [[(self._amplitudes * f).sum(axis=1) for f in terms(block)] for block in blocks]
+        return [np.concatenate(parts).reshape(t.shape) for parts in zip(*sums, strict=True)]
+
+
+@SIGNALS.in_files("noise")
+@entry(eq=True)
+class Noise(_Lines, Entry):
+    """Noise of a constant power spectral density within a band.
+
+    density: one-sided, the square of the unit per Hz; band [Hz]; period: the time after which it
+    repeats itself [s], best longer than the run; seed: another one, another noise of the same kind.
+    """
+
+    density: Annotated[NotNegative, Key("noise")]
+    band: Frequencies
+    period: Positive
+    seed: Seed = 0
+
+    def _band(self) -> tuple[float, float]:
+        return self.band
+
+    def _cumulative(self, f: Array) -> Array:
+        return self.density * (f - self.band[0])
+
+
+@SIGNALS.in_files("spectrum")
+@entry(eq=True)
+class ShapedNoise(_Lines, Entry):
+    """Noise of a power spectral density given at some frequencies.
+
+    spectrum: pairs of a frequency [Hz] and the one-sided density there, the square of the unit per
+    Hz, straight between them where both are logarithmic, zero outside. period, seed: as of `Noise`.
+    """
+
+    spectrum: Spectrum
+    period: Positive
+    seed: Seed = 0
+
+    def _band(self) -> tuple[float, float]:
+        return self.spectrum[0][0], self.spectrum[-1][0]
+
+    def _cumulative(self, f: Array) -> Array:
+        corners, densities = np.array(self.spectrum).T
+        slopes = np.diff(np.log(densities)) / np.diff(np.log(corners))
+        i = np.clip(np.searchsorted(corners, f, side="right") - 1, 0, len(slopes) - 1)
+        whole = densities[:-1] * _power(corners[1:], corners[:-1], slopes)
+        before = np.concatenate([np.zeros(1), np.cumsum(whole)])
+        return before[i] + densities[i] * _power(f, corners[i], slopes[i])
+
+
+def _power(f: Array, corner: Array, slope: Array) -> Array:
+    """The integral of (f / corner)^slope from the corner to f."""
+    logarithm, n = np.log(f / corner), slope + 1.0
+    near = np.abs(n * logarithm) < 1e-12
+    safe = np.where(near, 1.0, n)
+    power: Array = corner * np.where(near, logarithm, np.expm1(safe * logarithm) / safe)
+    return power

@@ -1,0 +1,327 @@
+"""Profiles: smooth steps, pulses and windows, each over a given time, and chirps.
+
+Their samples are their means over the hat functions of the time grid, so that the area under a load
+is exact however short they are. Ones without jumps of velocity have `derivatives`, and drive.
+"""
+
+from typing import Annotated, Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..errors import ModelError
+from ..schema.entry import LARGEST, Entry, Key, Takes, entry
+from ..schema.values import NotNegative, Positive
+from .sampling import samples_of
+from .shapes import Shape, half_wave, quintic, raised_cosine, ramp, rise
+from .signals import SIGNALS, Pointwise
+
+
+def _pair(value: Any) -> tuple[float, float]:
+    first, second = map(float, value)
+    if isinstance(value, str) or not max(abs(first), abs(second)) <= LARGEST:
+        raise ValueError
+    return first, second
+
+
+def _span(value: Any) -> tuple[float, float]:
+    start, end = _pair(value)
+    if not start < end:
+        raise ValueError
+    return start, end
+
+
+def _positive_pair(value: Any) -> tuple[float, float]:
+    first, second = _pair(value)
+    if not min(first, second) > 0.0:
+        raise ValueError
+    return first, second
+
+
+_IN_FILE = tuple[float, float]
+FromTo = Annotated[tuple[float, float], Takes("two numbers, from and to", _pair, _IN_FILE)]
+Span = Annotated[tuple[float, float], Takes("two times, start and end", _span, _IN_FILE)]
+Frequencies = Annotated[
+    tuple[float, float], Takes("two positive frequencies, from and to", _positive_pair, _IN_FILE)
+]
+
+
+class Profile:
+    """A signal that changes between a few times, its corners, alone."""
+
+    def terms(self, t: Array) -> Array:
+        """Values, first and second derivatives, first and second antiderivatives (5, ...)."""
+        raise NotImplementedError
+
+    def __call__(self, t: float) -> float:
+        return float(self.terms(np.array(t))[0])
+
+    def values_at(self, t: Array) -> Array:
+        values: Array = self.terms(t)[0]
+        return values
+
+    def antiderivatives(self, t: Array) -> tuple[Array, Array]:
+        """A first and a second antiderivative at times t, of any shape."""
+        *_, once, twice = self.terms(t)
+        return once, twice
+
+    def slope(self, t: float) -> float:
+        """The derivative, at a corner that after it."""
+        return float(self.terms(np.array(t))[1])
+
+    def samples(self, t: Array, h: float) -> Array:
+        signal: Any = self
+        return samples_of(signal, t, h)
+
+
+class SmoothProfile(Profile):
+    """A profile without jumps of its derivative, which can drive joints."""
+
+    def derivatives(self, t: float) -> tuple[float, float]:
+        _, rate, acceleration, *_ = self.terms(np.array(t)).tolist()
+        return rate, acceleration
+
+
+class _Step(SmoothProfile):
+    """From one value to another, over a time."""
+
+    shape: Shape
+    values: tuple[float, float]
+    over: tuple[float, float]
+
+    @property
+    def corners(self) -> tuple[float, ...]:
+        return self.over
+
+    def terms(self, t: Array) -> Array:
+        (before, after), (start, end) = self.values, self.over
+        terms = (after - before) * rise(self.shape, t, start, end - start)
+        terms[0] += before
+        terms[3] += before * t
+        terms[4] += 0.5 * before * t**2
+        return terms
+
+
+@SIGNALS.in_files("smooth_step")
+@entry(eq=True)
+class SmoothStep(_Step, Entry):
+    """From one value to another over a time, by 10 x^3 - 15 x^4 + 6 x^5.
+
+    Rate and acceleration are zero at both ends; the largest rate is 15/8, the largest acceleration
+    10/sqrt(3) times the change over the duration, and over its square.
+    """
+
+    values: Annotated[FromTo, Key("smooth_step")]
+    over: Span
+
+    shape = staticmethod(quintic)
+
+
+@SIGNALS.in_files("smooth_step", flag="haversine")
+@entry(eq=True)
+class Haversine(_Step, Entry):
+    """From one value to another over a time, by (1 - cos(pi x)) / 2.
+
+    The rate is zero at both ends, where the acceleration jumps.
+    """
+
+    values: Annotated[FromTo, Key("smooth_step")]
+    over: Span
+
+    shape = staticmethod(raised_cosine)
+
+
+@SIGNALS.in_files("half_sine")
+@entry(eq=True)
+class HalfSine(Profile, Entry):
+    """peak sin(pi (t - start) / duration) from `start` on for `duration`, 0 elsewhere."""
+
+    peak: Annotated[float, Key("half_sine")]
+    duration: Positive
+    start: Annotated[float, Key("from")] = 0.0
+
+    @property
+    def corners(self) -> tuple[float, ...]:
+        return self.start, self.start + self.duration
+
+    def terms(self, t: Array) -> Array:
+        return self.peak * rise(half_wave, t, self.start, self.duration)
+
+
+@SIGNALS.in_files("trapezoid")
+@entry(eq=True)
+class Trapezoid(Profile, Entry):
+    """A pulse that rises to `peak` in `rise`, and falls to 0 in the last `fall` of its duration."""
+
+    peak: Annotated[float, Key("trapezoid")]
+    duration: Positive
+    rise: NotNegative
+    fall: NotNegative
+    start: Annotated[float, Key("from")] = 0.0
+
+    def validate(self) -> None:
+        _check_flanks("a trapezoid", self.duration, self.rise, self.fall)
+
+    @property
+    def corners(self) -> tuple[float, ...]:
+        end = self.start + self.duration
+        return self.start, self.start + self.rise, end - self.fall, end
+
+    @property
+    def jumps(self) -> tuple[float, ...]:
+        ends = ((self.start, self.rise), (self.start + self.duration, self.fall))
+        return tuple(time for time, flank in ends if flank == 0.0)
+
+    def terms(self, t: Array) -> Array:
+        return self.peak * _between(ramp, t, self)
+
+
+@SIGNALS.in_files("sawtooth")
+@entry(eq=True)
+class Sawtooth(Profile, Entry):
+    """A terminal-peak sawtooth: from 0 straight to `peak` at the end of `duration`, then 0."""
+
+    peak: Annotated[float, Key("sawtooth")]
+    duration: Positive
+    start: Annotated[float, Key("from")] = 0.0
+
+    @property
+    def corners(self) -> tuple[float, ...]:
+        return self.start, self.start + self.duration
+
+    @property
+    def jumps(self) -> tuple[float, ...]:
+        return (self.start + self.duration,)
+
+    def terms(self, t: Array) -> Array:
+        end = self.start + self.duration
+        terms: Array = rise(ramp, t, self.start, self.duration) - rise(ramp, t, end, 0.0)
+        return self.peak * terms
+
+
+@SIGNALS.in_files("window")
+@entry(eq=True)
+class Window(SmoothProfile, Entry):
+    """1 over a time, 0 elsewhere, with smooth steps within it, as a factor of a product.
+
+    rise, fall: their durations [s].
+    """
+
+    over: Annotated[Span, Key("window")]
+    rise: Positive
+    fall: Positive
+
+    def validate(self) -> None:
+        _check_flanks("a window", self.duration, self.rise, self.fall)
+
+    @property
+    def start(self) -> float:
+        return self.over[0]
+
+    @property
+    def duration(self) -> float:
+        return self.over[1] - self.over[0]
+
+    @property
+    def corners(self) -> tuple[float, ...]:
+        start, end = self.over
+        return start, start + self.rise, end - self.fall, end
+
+    def terms(self, t: Array) -> Array:
+        return _between(quintic, t, self)
+
+
+def _between(shape: Shape, t: Array, pulse: "Trapezoid | Window") -> Array:
+    """Up at the start of a pulse, down at its end."""
+    down = pulse.start + pulse.duration - pulse.fall
+    terms: Array = rise(shape, t, pulse.start, pulse.rise) - rise(shape, t, down, pulse.fall)
+    return terms
+
+
+def _check_flanks(what: str, duration: float, rise: float, fall: float) -> None:
+    if rise + fall > duration * (1.0 + 1e-12):
+        raise ModelError(
+            f"{what} must last as long as its rise and fall, got duration = {duration}, "
+            f"rise = {rise}, fall = {fall}"
+        )
+
+
+class _Chirp(Pointwise):
+    """amplitude sin(angle(t)), of a frequency that changes over a time and is constant outside."""
+
+    amplitude: float
+    frequencies: tuple[float, float]
+    over: tuple[float, float]
+    phase: float
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        return self.over
+
+    def __call__(self, t: float) -> float:
+        return float(self.values_at(np.array(t)))
+
+    def values_at(self, t: Array) -> Array:
+        values: Array = self.amplitude * np.sin(self._angles(t)[0])
+        return values
+
+    def derivatives(self, t: float) -> tuple[float, float]:
+        angle, omega, change = (float(values) for values in self._angles(np.array(t)))
+        sine, cosine = np.sin(angle), np.cos(angle)
+        rate = self.amplitude * omega * cosine
+        return float(rate), float(self.amplitude * (change * cosine - omega**2 * sine))
+
+    def _angles(self, t: Array) -> tuple[Array, Array, Array]:
+        """The angle [rad], its rate and its acceleration."""
+        (start, end), (first, last) = self.over, self.frequencies
+        within, beyond = np.clip(t, start, end) - start, np.maximum(t - end, 0.0)
+        turns, frequency, change = self._sweep(within)
+        turns = turns + first * np.minimum(t - start, 0.0) + last * beyond
+        inside = (t >= start) & (t < end)
+        rates = frequency, np.where(inside, change, 0.0)
+        omega, acceleration = (2.0 * np.pi * values for values in rates)
+        return 2.0 * np.pi * turns + self.phase, omega, acceleration
+
+    def _sweep(self, x: Array) -> tuple[Array, Array, Array]:
+        """Turns, frequency [Hz] and its change a time x after the start."""
+        raise NotImplementedError
+
+
+@SIGNALS.in_files("chirp")
+@entry(eq=True)
+class Chirp(_Chirp, Entry):
+    """A sine whose frequency [Hz] changes in proportion to time, over a time; constant outside.
+
+    phase: at the start of that [rad].
+    """
+
+    amplitude: Annotated[float, Key("chirp")]
+    frequencies: Frequencies
+    over: Span
+    phase: float = 0.0
+
+    def _sweep(self, x: Array) -> tuple[Array, Array, Array]:
+        (start, end), (first, last) = self.over, self.frequencies
+        change = (last - first) / (end - start)
+        return (first + 0.5 * change * x) * x, first + change * x, np.full(x.shape, change)
+
+
+@SIGNALS.in_files("chirp", flag="logarithmic")
+@entry(eq=True)
+class LogarithmicChirp(_Chirp, Entry):
+    """A sine whose frequency [Hz] changes by so many octaves a second; constant outside.
+
+    phase: at the start of that [rad].
+    """
+
+    amplitude: Annotated[float, Key("chirp")]
+    frequencies: Frequencies
+    over: Span
+    phase: float = 0.0
+
+    def _sweep(self, x: Array) -> tuple[Array, Array, Array]:
+        (start, end), (first, last) = self.over, self.frequencies
+        rate = np.log(last / first) / (end - start)
+        frequency = first * np.exp(rate * x)
+        turns = first * np.expm1(rate * x) / rate if rate != 0.0 else first * x
+        return turns, frequency, rate * frequency

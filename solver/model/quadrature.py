@@ -1,0 +1,119 @@
+"""First and second integrals of signals from t = 0: in closed form, or by quadrature.
+
+Signals that have `antiderivatives`, and compositions of such, are integrated in closed form.
+Others, as products, are series of Legendre polynomials between their breaks, on panels that are
+halved until the series has converged to `TOLERANCE` of the largest value so far. Panels begin at
+t = 0 and do not depend on the times that are asked for.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from ..arrays import Array
+from ..errors import ModelError
+from .signals import Signal, breaks_of, parts_of, values_of
+
+TOLERANCE = 1e-14
+"""of the last coefficients of a panel, relative to the largest value so far"""
+ROUNDING = 1e-8
+"""the same, below which coefficients that no halving makes smaller are rounding errors"""
+ORDER = 20
+"""points of a panel"""
+TAIL = 4
+"""coefficients that must have vanished"""
+LONGEST = 1.0
+"""of a panel [s]"""
+DEEPEST = 40
+"""times that a panel is halved, where the signal jumps without saying so"""
+MOST = 100_000
+"""panels between two breaks"""
+_POINTS, _WEIGHTS = legendre.leggauss(ORDER)
+_TO_SERIES = legendre.legvander(_POINTS, ORDER - 1).T * _WEIGHTS * (np.arange(ORDER) + 0.5)[:, None]
+"""from values at the points to coefficients"""
+
+
+def is_closed(signal: Signal) -> bool:
+    """True for signals whose integrals have a closed form."""
+    return hasattr(signal, "antiderivatives") and all(map(is_closed, parts_of(signal)))
+
+
+class Integrals:
+    """The first and second integral of a signal from t = 0."""
+
+    def __init__(self, signal: Signal) -> None:
+        self._antiderivatives: Any = getattr(signal, "antiderivatives", None)
+        if not is_closed(signal):
+            self._antiderivatives = _Panels(signal)
+        first, second = self._antiderivatives(np.zeros(1))
+        self._first, self._second = float(first[0]), float(second[0])
+
+    def __call__(self, t: Array) -> tuple[Array, Array]:
+        """Both at times t (n,) of at least 0."""
+        first, second = self._antiderivatives(t)
+        return first - self._first, second - self._second - self._first * t
+
+
+class _Panels:
+    """Both integrals as series on panels, which are made as far as they are asked for."""
+
+    def __init__(self, signal: Signal) -> None:
+        self._signal = signal
+        self._breaks = np.unique([b for b in breaks_of(signal) if b > 0.0])
+        self._largest = 0.0
+        self._ends: list[float] = [0.0]
+        self._series: list[Array] = []
+        """of the second integral, without what has gathered before a panel"""
+        self._gathered: list[tuple[float, float]] = [(0.0, 0.0)]
+        """both integrals at the starts of panels"""
+
+    def __call__(self, t: Array) -> tuple[Array, Array]:
+        while self._ends[-1] <= t.max(initial=0.0):
+            self._extend()
+        ends, gathered = np.array(self._ends), np.array(self._gathered)
+        i = np.searchsorted(ends, t, side="right") - 1
+        length = ends[i + 1] - ends[i]
+        x = 2.0 * (t - ends[i]) / length - 1.0
+        series = np.array(self._series)[i].T
+        once = 0.5 * length * legendre.legval(x, legendre.legint(series, lbnd=-1), tensor=False)
+        twice = legendre.legint(legendre.legint(series, lbnd=-1), lbnd=-1)
+        second = 0.25 * length**2 * legendre.legval(x, twice, tensor=False)
+        first = gathered[i, 0] + once
+        return first, gathered[i, 1] + gathered[i, 0] * (t - ends[i]) + second
+
+    def _extend(self) -> None:
+        """Panels up to the next break, or the next multiple of the longest."""
+        start = self._ends[-1]
+        end = (np.floor(start / LONGEST) + 1.0) * LONGEST
+        k = int(np.searchsorted(self._breaks, start, side="right"))
+        if k < len(self._breaks):
+            end = min(end, float(self._breaks[k]))
+        self._divide(start, float(end), 0, np.inf, len(self._series) + MOST)
+
+    def _divide(self, start: float, end: float, depth: int, before: float, most: int) -> None:
+        """Panels from start to end; before: the last coefficients of the whole that they are of."""
+        middle = 0.5 * (start + end)
+        values = values_of(self._signal, middle + 0.5 * (end - start) * _POINTS)
+        if not np.isfinite(values).all() or len(self._series) >= most:
+            raise ModelError(f"this signal cannot be integrated about t = {middle:.6g} s")
+        series: Array = _TO_SERIES @ values
+        self._largest = max(self._largest, float(np.abs(values).max()))
+        tail = float(np.abs(series[-TAIL:]).max())
+        rounded = 0.1 * before < tail <= ROUNDING * self._largest
+        converged = tail <= TOLERANCE * self._largest or rounded
+        if not converged and depth < DEEPEST and start < middle < end:
+            self._divide(start, middle, depth + 1, tail, most)
+            self._divide(middle, end, depth + 1, tail, most)
+            return
+        self._add(end, series)
+
+    def _add(self, end: float, series: Array) -> None:
+        start, (first, second) = self._ends[-1], self._gathered[-1]
+        length = end - start
+        once = 0.5 * length * 2.0 * series[0]
+        # int int of P_0 is 2, of P_1 -2/3 over the panel, of higher ones 0
+        twice = 0.25 * length**2 * (2.0 * series[0] - 2.0 / 3.0 * series[1])
+        self._ends.append(end)
+        self._series.append(series)
+        self._gathered.append((first + once, second + first * length + twice))

@@ -1,0 +1,123 @@
+"""Signals that were recorded: columns of text files, as of CSV."""
+
+from functools import cached_property
+from typing import Annotated, Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..errors import ModelError
+from ..schema.entry import Entry, Takes, entry
+from ..schema.paths import FilePath
+from ..schema.values import Positive
+from .columns import column_of, number_of_column
+from .curves import Piecewise, Spline, Table
+from .pieces import Pieces
+from .signals import SIGNALS, Pointwise
+
+
+def _column(value: Any) -> str | int:
+    if isinstance(value, bool) or not isinstance(value, str | int):
+        raise TypeError
+    if value == "" or (isinstance(value, str) and not value.isprintable()):
+        raise ValueError
+    return value
+
+
+Column = Annotated[str | int, Takes("the name of a column, or its number, from 1 on", _column, Any)]
+
+
+class _Recorded(Piecewise, Pointwise):
+    """A column over another: scale x column at the times time_scale x time + shift."""
+
+    file: str
+    column: str | int
+    time: str | int
+    scale: float
+    time_scale: float
+    shift: float
+
+    def validate(self) -> None:
+        if number_of_column(self.file, self.time) == number_of_column(self.file, self.column):
+            raise ModelError(f"file: {self.file}: time and column are both {self.column!r}")
+        times = column_of(self.file, self.time, increasing=True)
+        if len(times) < 2:
+            raise ModelError(f"file: {self.file}: expected two or more rows, found {len(times)}")
+        values = column_of(self.file, self.column)
+        at, scaled = self.time_scale * times + self.shift, self.scale * values
+        if not (np.diff(at) > 0.0).all() or not np.isfinite(scaled).all():
+            raise ModelError(f"file: {self.file}: scale, time_scale or shift are too large")
+        # kept, so that the signal stays as it was read
+        object.__setattr__(self, "points", (at, scaled))
+
+    points: tuple[Array, Array]
+    """times [s] and values (n,)"""
+
+    @cached_property
+    def curve(self) -> Table | Spline:
+        raise NotImplementedError
+
+    @property
+    def end(self) -> float:
+        """The time of the last row."""
+        return float(self.points[0][-1])
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        return self.curve.breaks
+
+    @property
+    def pieces(self) -> Pieces:
+        return self.curve.pieces
+
+    def __call__(self, t: float) -> float:
+        return self.curve(t)
+
+
+@SIGNALS.in_files("file")
+@entry(eq=True)
+class Recorded(_Recorded, Entry):
+    """A column of a text file over its time, linear between the rows, constant outside.
+
+        f = scale x column    at    time_scale x time + shift
+
+    file: its columns are separated by commas, semicolons, tabs or blanks, its first line may name
+    them, and # begins a comment; column, time: a name, or a number from 1 on; time is the first.
+    """
+
+    file: FilePath
+    column: Column
+    scale: float = 1.0
+    time: Column = 1
+    time_scale: Positive = 1.0
+    shift: float = 0.0
+
+    @cached_property
+    def curve(self) -> Table:
+        times, values = self.points
+        return Table(times, values)
+
+    def slope(self, t: float) -> float:
+        """The derivative, at a point that after it."""
+        return self.curve.slope(t)
+
+
+@SIGNALS.in_files("file", flag="spline")
+@entry(eq=True)
+class RecordedSpline(_Recorded, Entry):
+    """The natural cubic spline through a column of a text file; see `Recorded` and `Spline`."""
+
+    file: FilePath
+    column: Column
+    scale: float = 1.0
+    time: Column = 1
+    time_scale: Positive = 1.0
+    shift: float = 0.0
+
+    @cached_property
+    def curve(self) -> Spline:
+        times, values = self.points
+        return Spline(times, values)
+
+    def derivatives(self, t: float) -> tuple[float, float]:
+        return self.curve.derivatives(t)

@@ -1,0 +1,61 @@
+"""Means of signals over the hat functions of the time grid.
+
+    m_n = int f(t) w_n(t) dt / int w_n(t) dt,     w_n(t) = max(1 - |t - t_n| / h, 0),  t >= 0
+
+The sum of h m_n is the area under f, to rounding, however short it is and wherever it begins.
+"""
+
+import numpy as np
+
+from ..arrays import Array
+from .signals import Signal, breaks_of, corners_of, values_of
+
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
+"""of Gauss' rule in each piece of half a hat, between the breaks of the signal"""
+NEAR = 8.0
+"""steps about a corner within which samples are means"""
+
+
+def samples_of(signal: Signal, t: Array, h: float) -> Array:
+    """Values at the steps t (n,), but for those near corners, which are means."""
+    near = _are_near(corners_of(signal), t, h)
+    samples = np.empty(len(t))
+    samples[near] = means(signal, t[near], h)
+    samples[~near] = values_of(signal, t[~near])
+    return samples
+
+
+def _are_near(corners: tuple[float, ...], t: Array, h: float) -> Array:
+    """True for the steps near a corner (n,)."""
+    ends = np.sort(np.array(corners, dtype=np.float64))
+    first = np.searchsorted(ends, t - NEAR * h)
+    after = np.searchsorted(ends, t + NEAR * h, side="right")
+    near: Array = after > first
+    return near
+
+
+def means(signal: Signal, t: Array, h: float) -> Array:
+    """Means over the hats about the steps t (n,), that of t = 0 without its left half."""
+    starts = np.stack([np.maximum(t - h, 0.0), t], axis=1).ravel()
+    ends = np.stack([t, t + h], axis=1).ravel()
+    a, b, half = _pieces(starts, ends, np.sort(np.array(breaks_of(signal), dtype=np.float64)))
+    at = 0.5 * (a + b)[:, None] + 0.5 * (b - a)[:, None] * NODES
+    hat = np.maximum(1.0 - np.abs(at - t[half // 2][:, None]) / h, 0.0)
+    areas = 0.5 * (b - a) * (values_of(signal, at) * hat * WEIGHTS).sum(axis=1)
+    first = np.searchsorted(half, 2 * np.arange(len(t)))
+    total: Array = np.add.reduceat(areas, first) if len(t) else areas
+    return total / np.where(t < 0.5 * h, 0.5 * h, h)
+
+
+def _pieces(starts: Array, ends: Array, breaks: Array) -> tuple[Array, Array, Array]:
+    """Intervals cut at the breaks within: starts, ends, and the numbers of the intervals."""
+    first = np.searchsorted(breaks, starts, side="right")
+    inner = np.maximum(np.searchsorted(breaks, ends, side="left") - first, 0)
+    number = np.repeat(np.arange(len(starts)), inner + 1)
+    place = np.arange(len(number)) - np.repeat(np.cumsum(inner + 1) - inner - 1, inner + 1)
+    padded = np.append(breaks, np.inf)
+    cut = np.minimum(first[number] + place, len(breaks))
+    before = np.maximum(cut - 1, 0)
+    a = np.where(place == 0, starts[number], padded[before])
+    b = np.where(place == inner[number], ends[number], padded[cut])
+    return a, b, number
