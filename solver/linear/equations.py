@@ -214,7 +214,6 @@ class Factors:
         matrix = np.hstack([self.D, by_rows]).astype(np.result_type(self.D.dtype, self.H.dtype))
         matrix[sizes.active] = -self.H[:, equations.acting] @ matrix[sizes.active]
         matrix[sizes.active, sizes.active] += np.eye(sizes.n_a) - t.bend
-        self.matrix = matrix
         self.rows = _scales(matrix, 1)
         self.columns = _scales(self.rows[:, None] * matrix, 0)
         scaled = self.rows[:, None] * matrix * self.columns
@@ -251,11 +250,6 @@ class Factors:
         sizes, by_rows = self.equations.sizes, self.equations.tangent.by_rows
         own = self.D[sizes.active] @ x[sizes.moving] + by_rows[sizes.active] @ x[sizes.rows]
         return self.equations.spread(own)
-
-    @property
-    def weight(self) -> Array:
-        """By which unknowns count alike."""
-        return 1.0 / self.columns
 
     def forced(self, forcing: Forcing) -> Response:
         """Amplitudes by unit inputs."""

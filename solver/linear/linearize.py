@@ -59,7 +59,7 @@ class LinearModel:
         with about(self.model.path):
             found = modes_of(self.first_order, n)
             if self.equations.is_chained:
-                found = with_chains(self.equations, self.first_order, found)
+                found = with_chains(self.equations, found)
             return found
 
     def known_modes(self) -> LinearModes | None:

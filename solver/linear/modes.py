@@ -10,6 +10,7 @@ is applied by the small equations at the real frequency sigma, in which the mode
 summed exactly. sigma lies far below the first elastic frequency.
 """
 
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -32,8 +33,8 @@ ZERO = 3e-5
 """of sigma: eigenvalues below are motions that nothing resists"""
 SLOW, ITERATIONS = 3.0, 12
 """eigenvalues below so many sigma are iterated together, so often"""
-BESIDE, CONVERGED = 1e-5, 1e-12
-"""relative changes of s: of differences, and the last of an iteration"""
+CONVERGED = 1e-12
+"""relative change of an eigenvalue that ends an iteration"""
 GROWTH = 1e-6
 """of the size of an eigenvalue: a growth that is not rounding, which pairs that coincide have"""
 LARGEST = 1500
@@ -61,7 +62,7 @@ class FirstOrder:
         self.n_free = self.basis.shape[1]
         self.chains = _chains(self.bodies)
         self.n_e = sum(self._dampers)
-        self.sigma = SHIFT * self._frequency()
+        self.sigma: Any = SHIFT * self._frequency()
         self.factors = equations.factorized(self.sigma)
         if not self.factors.conditioned:
             self.sigma *= 1.37
@@ -103,6 +104,12 @@ class FirstOrder:
     def is_zero(self, value: complex) -> bool:
         """Whether an eigenvalue is that of a motion that nothing resists."""
         return bool(abs(value) < ZERO * self.sigma)
+
+    def at(self, sigma: complex) -> "FirstOrder":
+        """The same with another sigma."""
+        other = copy(self)
+        other.sigma, other.factors = sigma, self.equations.factorized(sigma)
+        return other
 
     @property
     def _dampers(self) -> tuple[int, int, int]:
@@ -347,37 +354,37 @@ def frames_of(form: FirstOrder, y: Any) -> Any:
     return form.equations.bends @ phi @ y[n_r:]
 
 
-def with_chains(equations: Equations, form: FirstOrder, found: LinearModes) -> LinearModes:
+def with_chains(equations: Equations, found: LinearModes) -> LinearModes:
     """Modes of bodies whose materials have chains, from those without.
 
-    By inverse iteration on the small equations D(s) x = 0, which have no motions of the chains
-    alone. Source: A. Ruhe, SIAM Journal on Numerical Analysis 10 (1973) 674-689.
+    By inverse iteration at a complex shift that follows the eigenvalue, from each of them: so the
+    many motions of the chains alone, which only decay, are left out.
     """
-    chained = FirstOrder(equations)
+    form = FirstOrder(equations)
     values, y, lam = found.values.copy(), found.y.copy(), found.lam.copy()
     for k in np.flatnonzero(values != 0.0).tolist():
-        x = np.concatenate([form.embed @ y[:, k], lam[:, k]])
-        s, x = _iterated(equations, complex(values[k]), x)
-        values[k] = s
-        sizes, factors = equations.sizes, equations.factorized(s)
-        pi = factors.own_loads(x[:, None])
-        eta = (chained.loading.T @ pi)[:, 0] / chained.step(s)
-        y[:, k] = np.concatenate([x[sizes.rigid], eta])
-        lam[:, k] = x[sizes.rows]
+        values[k], states = _followed(form, complex(values[k]), y[:, k : k + 1])
+        y[:, k], lam[:, k] = states.y[:, 0], states.lam[:, 0]
     order = np.lexsort((values.real, np.abs(values)))
     return LinearModes(values[order], y[:, order], lam[:, order])
 
 
-def _iterated(equations: Equations, s: complex, x: Complex) -> tuple[complex, Complex]:
-    """Inverse iteration of Newton's kind: (s, x) with D(s) x = 0."""
+def _followed(form: FirstOrder, s: complex, y: Complex) -> tuple[complex, "States"]:
+    """The eigenvalue that inverse iteration leads to, and its motion."""
+    n_r, chains = form.equations.sizes.n_r, form.chains
+    e = np.zeros((form.n_e, 1), dtype=np.complex128)
+    n_x = len(chains.mode)
+    e[form.n_e - n_x :] = y[n_r + chains.mode] / (1.0 + s * chains.tau)[:, None]
+    states = States(y, s * y, e, np.zeros((form.equations.sizes.n_i, 1)))
     for _ in range(ITERATIONS):
-        factors = equations.factorized(s)
-        h = BESIDE * abs(s)
-        ahead, behind = (equations.factorized(s + change).matrix for change in (h, -h))
-        x = x / np.linalg.norm(x * factors.weight)
-        moved = factors.backward((ahead - behind) @ x / (2.0 * h))
-        share = np.vdot(x * factors.weight, moved * factors.weight)
-        s, x = s - 1.0 / complex(share), moved / share
-        if abs(1.0 / share) <= CONVERGED * abs(s):
+        a = form.coordinates @ states.y
+        moved = form.at(s).solve(states.y, states.v, states.e)
+        factor = complex(np.vdot(a, form.coordinates @ moved.y) / np.vdot(a, a))
+        if not np.isfinite(factor) or factor == 0.0:
             break
-    return s, x
+        s += 1.0 / factor
+        parts = (moved.y, moved.v, moved.e, moved.lam)
+        states = States(*(part / factor for part in parts))
+        if abs(1.0 / factor) <= CONVERGED * abs(s):
+            break
+    return s, states

@@ -178,12 +178,9 @@ def _check_linear(initial: InitialState) -> None:
             owner = lowered.model.couplings[j].owner
             raise ModelError(f"{owner}: friction sticks or slips, and has no linear equations")
     laws = couplings.laws
-    for motor in lowered.model.motors:
-        if motor.integral > 0.0:
-            raise motor.error(
-                "integral: linear equations take stiffness and damping of motors alone, got "
-                f"{motor.integral:g}"
-            )
+    for motor, limited in zip(lowered.model.motors, initial.work.motors.status, strict=True):
+        if limited:
+            raise motor.error("it is at its limit, and has no linear equations")
     for m, i in enumerate(np.repeat(np.arange(len(laws.rest)), np.diff(laws.range)).tolist()):
         law = LAWS[laws.number[m]]
         if laws.memory[m + 1] > laws.memory[m] and law not in (MaxwellLaw, ContactLaw):

@@ -16,6 +16,7 @@ from duhamel.solver import (
     MaxwellLaw,
     Model,
     ModelError,
+    Motor,
     RigidBody,
     Settings,
     Spring,
@@ -345,3 +346,47 @@ def test_a_law_with_a_kink_at_rest_is_refused():
         linearize(oscillator(DamperLaw(4.0, 1.0)))
     with pytest.raises(ModelError, match="the slope of TabulatedLaw jumps at rest, from 3 to 8"):
         linearize(oscillator(TabulatedLaw((-1.0, 0.0, 1.0), (-3.0, 0.0, 8.0))))
+
+
+@pytest.fixture(scope="module")
+def lossy(tmp_path_factory):
+    damping = {"loss_factor": 0.02, "band": [5.0, 3000.0]}
+    return make_line(tmp_path_factory.mktemp("lossy"), 1.0, 8, damping=damping)
+
+
+def test_a_material_gives_every_mode_half_its_loss_factor(lossy):
+    """Whatever holds the beam, in the band; the modes are found without those of the chain."""
+    for joints in ((), (CLAMP,), (Joint("pin", "revolute", ("ground", "beam.root"), Z),)):
+        found = linearize(held(lossy, *joints)).modes(14)
+        inside = (found.frequencies > 10.0) & (found.frequencies < 2000.0)
+        assert inside.sum() >= 5
+        np.testing.assert_allclose(found.ratios[inside], 0.01, rtol=0.04)
+
+
+def test_a_chain_in_state_space_is_that_of_the_responses(lossy):
+    linear = linearize(held(lossy, CLAMP))
+    asked = ["force:beam.tip:y"], ["position:beam.tip:y", "velocity:beam.tip:y"]
+    found = linear.state_space(*asked)
+    frequencies = np.array([1.0, 17.0, 300.0])
+    expected = linear.frf(*asked, frequencies).values
+    for k, frequency in enumerate(frequencies):
+        away = 2j * np.pi * frequency * np.eye(len(found.A)) - found.A
+        G = found.C @ np.linalg.solve(away, found.B) + found.D
+        np.testing.assert_allclose(G, expected[k], rtol=1e-5)
+
+
+def test_a_servo_on_a_joint():
+    """J s^2 + d s + k + I / s on a rigid arm, and the response to what the motor gives."""
+    J, k, d, integral = 0.53, 40.0, 2.0, 25.0
+    arm = pendulum(gravity=0.0)
+    motor = Motor("servo", "hinge", "angle", stiffness=k, damping=d, integral=integral)
+    linear = linearize(replace(arm, motors=(motor,)))
+    expected = np.roots([J, d, k, integral])
+    expected = expected[expected.imag >= 0.0]
+    found = linear.modes()
+    np.testing.assert_allclose(np.sort(found.values), np.sort(expected), rtol=1e-9)
+    s = 2j * np.pi * 1.3
+    given = linear.frf(["motor:servo", "torque:body:z"], ["angle:body:z"], [0.0, 1.3]).values
+    G = s / (J * s**3 + d * s**2 + k * s + integral)
+    np.testing.assert_allclose(given[1, 0], [G, G], rtol=1e-9)
+    np.testing.assert_allclose(given[0, 0], [0.0, 0.0], atol=1e-12)
