@@ -28,6 +28,7 @@ from .linear.state_space import StateSpace
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
 from .model.composed import Delayed, Product, Sum
 from .model.contacts import Contact, Hertz
+from .model.couplers import Coupler
 from .model.curves import (
     Constant,
     Function,
@@ -65,6 +66,7 @@ from .model.recorded import Recorded, RecordedSpline
 from .model.settings import Settings, StartFrom, SteadyRotation
 from .model.springs import Spring
 from .model.stops import Stop
+from .plausibility import Doubt, doubts
 from .simulation import simulate, start
 from .simulator import Simulator
 
@@ -76,8 +78,10 @@ __all__ = [
     "Contact",
     "ConvergenceError",
     "Coulomb",
+    "Coupler",
     "DamperLaw",
     "Delayed",
+    "Doubt",
     "FlexibleBody",
     "ForceLaw",
     "ForceTable",
@@ -147,7 +151,11 @@ __all__ = [
     "campbell",
     "check",
     "check_law",
+<<<<<<< HEAD
     "linearize",
+=======
+    "doubts",
+>>>>>>> main
     "read_model",
     "simulate",
     "start",

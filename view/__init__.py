@@ -13,12 +13,13 @@ from .linear import (
 from .overview import overview
 from .picture import COLORS, draw, entitle, panels, save, style
 from .quantities import Curve, curves
-from .scene import Marker, Patch, Scene, draw_scene
+from .scene import Cross, Marker, Patch, Scene, draw_scene
 from .variation import draw_variation
 
 __all__ = [
     "COLORS",
     "CampbellLine",
+    "Cross",
     "Curve",
     "Field",
     "Marker",
