@@ -9,13 +9,16 @@ from rich.text import Text
 from ..preprocess.assembly.interfaces import Attachment
 from ..preprocess.survey import Survey
 from ..superelement.validation import Array
-from ..view import Marker, Patch, Scene
+from ..view import Cross, Marker, Patch, Scene
 
 EXACT = "from the mesh itself"
 ESTIMATED = (
     "upper bounds, by fields that are quadratic splines in space: a few per cent high for compact "
     "bodies, up to a quarter where thin walls meet"
 )
+
+CROSSES = 5
+"""lines of beams whose local axes are drawn"""
 
 Row = tuple[str, str]
 
@@ -56,9 +59,17 @@ def scene(survey: Survey) -> Scene:
         Marker(name, np.array(sensor.point), has_axes=False) for name, sensor in survey.body.sensors.items()
     ]
     if facets is None:
-        return Scene(lines=mesh.points[mesh.cells["line"]], markers=markers, masses=masses)
+        lines = mesh.points[mesh.cells["line"]]
+        return Scene(lines=lines, markers=markers, masses=masses, sections=_crosses(survey))
     patches = [Patch(polygons, owners) for polygons, owners in survey.boundary()]
     return Scene(patches, markers=markers, masses=masses)
+
+
+def _crosses(survey: Survey) -> list[Cross]:
+    """The local axes of some lines, evenly among them."""
+    points, axes = survey.section_axes()
+    some = np.unique(np.linspace(0, len(points) - 1, CROSSES).round().astype(int))
+    return [Cross(points[i], axes[i, 1], axes[i, 2]) for i in some.tolist()]
 
 
 def _mesh(survey: Survey) -> Iterator[Row]:

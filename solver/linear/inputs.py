@@ -126,7 +126,9 @@ def _drives(lowered: LoweredModel) -> dict[str, int]:
     couplings = lowered.system.couplings
     ranges = pairwise(couplings.range.tolist())
     for name, (first, last) in zip(lowered.coupling_names, ranges, strict=True):
-        numbers = dict.fromkeys(d for d in couplings.drive[first:last].tolist() if d >= 0)
+        # those of an attitude are components of axes, and no inputs by themselves
+        driven = couplings.drive[first:last][couplings.rows.axis[first:last] < 0]
+        numbers = dict.fromkeys(d for d in driven.tolist() if d >= 0)
         for k, d in enumerate(numbers, 1):
             found[name if len(numbers) == 1 else f"{name}.{k}"] = d
     return found

@@ -16,6 +16,8 @@ from duhamel.solver.step.system import Output
 
 from .writing import batch, make_contents, make_output
 
+MIXED = ("stop", "motor", "coupler")
+"""dimensions of which some entries are lengths, others angles"""
 DOCUMENT = Path(__file__).parents[2] / "docs" / "file-formats.md"
 
 
@@ -38,7 +40,7 @@ def test_names_dimensions_and_units():
         assert set(quantity.dimensions) <= set(schema.DIMENSIONS)
         assert (quantity.source == "") == (quantity.derive is not None)
         owned = quantity.owned
-        angular = bool(owned and (owned.ragged or owned.name in ("stop", "motor")))
+        angular = bool(owned and (owned.ragged or owned.name in MIXED))
         assert angular or isinstance(quantity.unit, str)
         assert isinstance(quantity.unit, tuple) or not quantity.owned or not quantity.owned.ragged
         for unit in quantity.unit if isinstance(quantity.unit, tuple) else (quantity.unit,):

@@ -89,7 +89,7 @@ def make_output(contents, n, seed=0):
         "coupling": max(end("joint"), end("spring")),
         "pattern": end("pattern"),
         "sensor_channel": end("sensor_channel"),
-        "row": max(end("joint_constraint"), end("spring_component")),
+        "row": max(map(end, ("joint_constraint", "spring_component", "coupler"))),
         "joint_coordinate": end("joint_coordinate"),
     }
     fields = {}
