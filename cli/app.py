@@ -159,6 +159,8 @@ def preprocess(
     if dry_run:
         _survey(body_file, output)
         return
+    from .description import loss_in_words
+
     target = output or body_file.with_suffix(".h5")
     with errors_in_one_line(files, preprocess, superelement):
         body = preprocess.read_body(body_file)
@@ -171,6 +173,8 @@ def preprocess(
         typer.echo(one_line(f"warning: {body_file}: {doubt}"), err=True)
     with errors_in_one_line(superelement):
         superelement.write(target, element)
+    if element.modes is not None and element.modes.chain is not None:
+        typer.echo(one_line(f"loss factor: {loss_in_words(element.modes, element.modes.chain)}"))
     megabytes = target.stat().st_size / 1e6
     seconds = perf_counter() - start
     if body.impulse.modes is not None:
@@ -322,6 +326,7 @@ def peaks(
 
     Without arguments: of all accelerations, forces and elastic displacements that were recorded. A
     star in a name stands for anything: 'acceleration:bracket.*:z'. The largest one comes first.
+    von_mises:BODY is the largest stress on the surface of a body, with its place.
     """
     from rich.console import Console
 

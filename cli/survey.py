@@ -32,6 +32,7 @@ def report(survey: Survey) -> Table:
         _mesh(survey),
         _rigid(survey),
         _attachments(survey),
+        _channels(survey),
         _frequencies(survey),
         _rotation(survey),
         _cost(survey),
@@ -53,6 +54,9 @@ def scene(survey: Survey) -> Scene:
     masses = [
         Marker(f"{name} {survey.body.masses[name].mass:.3g} kg", attachment.X, has_axes=False)
         for name, attachment in survey.masses.items()
+    ]
+    masses += [
+        Marker(name, np.array(sensor.point), has_axes=False) for name, sensor in survey.body.sensors.items()
     ]
     if facets is None:
         lines = mesh.points[mesh.cells["line"]]
@@ -86,6 +90,18 @@ def _rigid(survey: Survey) -> Iterator[Row]:
     for share in survey.shares:
         label = f"  {share.group}" if share.group else "  all elements"
         yield label, f"{share.mass:.6g} kg, {share.extent:.6g} {unit}, {share.elements} elements"
+
+
+def _channels(survey: Survey) -> Iterator[Row]:
+    channels = survey.structure.channels
+    if channels is None:
+        return
+    for pattern in channels.patterns:
+        force, moment = _line(pattern.force), _line(pattern.moment)
+        yield f"load {pattern.name}", f"{force} N, {moment} N m about the center of mass"
+    for sensor in channels.sensors:
+        place = _line(sensor.X + survey.structure.rigid.center)
+        yield f"sensor {sensor.name}", f"{sensor.kind} at {place} m"
 
 
 def _attachments(survey: Survey) -> Iterator[Row]:

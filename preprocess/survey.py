@@ -123,4 +123,5 @@ def _cost(body: Body, structure: Structure) -> Cost | None:
     """Time and memory of the method for large bodies; None for small ones and other methods."""
     if body.impulse.method in ("modal", "march") or structure.n_u <= SMALL:
         return None
-    return krylov_cost(structure.n_u, structure.K.nnz, structure.P_C.shape[0], body.impulse.steps)
+    n_c = structure.with_channels().P_C.shape[0]
+    return krylov_cost(structure.n_u, structure.K.nnz, n_c, body.impulse.steps)

@@ -23,6 +23,7 @@ from .laws.user import UserLaw
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
 from .model.composed import Delayed, Product, Sum
 from .model.contacts import Contact, Hertz
+from .model.couplers import Coupler
 from .model.curves import (
     Constant,
     Function,
@@ -71,6 +72,7 @@ __all__ = [
     "Contact",
     "ConvergenceError",
     "Coulomb",
+    "Coupler",
     "DamperLaw",
     "Delayed",
     "Doubt",
