@@ -16,6 +16,7 @@ from .errors import MemoryShortageError
 from .plausibility import refused_where_singular
 from .progress import Stages, shown_stages
 from .recovery import check_recovery, recover
+from .responses.channels import channels_of, of_interfaces
 from .responses.factor import factorizations
 from .responses.impulse import ImpulseResponses, impulse_responses, require_memory
 from .responses.static import accelerance, compliance
@@ -71,17 +72,22 @@ def _build(body: Body, stages: Stages, summaries: list[str]) -> Superelement:
             second = second_order(structure, source, body)
             structure = replace(structure, inertia=second.inertia_loads)
         parts = lossy_parts(body, source, structure)
+    wide = structure.with_channels()
     with stages.stage("impulse"):
-        responses = impulse_responses(structure, body, stages, parts)
+        responses = impulse_responses(wide, body, stages, parts)
     with stages.stage("static"):
         # Modes say it without another factorization; and steps start as their modes do, not as the
         # whole mesh would.
         modes = responses.modes
         H, B = (
-            (compliance(structure), accelerance(structure))
+            (compliance(wide), accelerance(wide))
             if modes is None
             else (modes.compliance, modes.accelerance)
         )
+    channels = None
+    if structure.channels is not None:
+        channels = channels_of(structure.channels, structure.n_c, responses, H, B)
+        responses, H, B = of_interfaces(structure.n_c, responses, H, B)
     recovery = None
     if body.recovery is not None and responses.shapes is not None:
         with stages.stage("recovery"):
@@ -102,6 +108,7 @@ def _build(body: Body, stages: Stages, summaries: list[str]) -> Superelement:
         accelerance=B,
         recovery=recovery,
         rotation=rotation,
+        channels=channels,
         provenance=Provenance(
             body=body.text,
             mesh=", ".join(path.name for path in body.files),

@@ -138,6 +138,32 @@ class Events:
 
 
 @dataclass(frozen=True, eq=False)
+class PatternMotion:
+    """A load pattern of a body over time."""
+
+    load: Array
+    """(n,) its amplitude"""
+    displacement: Array
+    """(n,) the elastic displacement that the amplitude does work on, int t . u dA [J]"""
+
+
+@dataclass(frozen=True, eq=False)
+class SensorMotion:
+    """What a sensor reads: of a point (n, 3), of a strain gauge (n, 1), stresses (n, 6).
+
+    In body axes; stresses in the order xx, yy, zz, yz, xz, xy.
+    """
+
+    value: Array
+    """elastic displacement [m], strain [1] or stress [Pa]"""
+    rate: Array
+    """its derivative by time"""
+    acceleration: Array
+    """of a point that in space, as an accelerometer reads it without gravity [m/s^2]; of a gauge
+    the second derivative"""
+
+
+@dataclass(frozen=True, eq=False)
 class ContactMotion:
     """What happens between the ball and the shape of a contact."""
 

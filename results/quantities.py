@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..superelement.sensor import KINDS as KINDS_OF_SENSORS
 from ..superelement.validation import Array
 from .errors import QuantityError
 from .motion import ContactMotion, Coupling, MotorMotion, StopMotion
@@ -20,6 +21,7 @@ from .rotations import inverse, product, rotate, twists
 
 AXES = ("x", "y", "z")
 TANGENTS = ("t1", "t2")
+STRESSES = KINDS_OF_SENSORS["stress"]
 
 
 def position(results: Results, name: str) -> Array:
@@ -148,6 +150,32 @@ def _contact_unit(results: Results, contact: str, attribute: str) -> str:
     return results.unit("stops" if contact in results.stops else "contacts", contact, attribute)
 
 
+def strain(results: Results, sensor: str) -> Array:
+    """The strain of a gauge (n,)."""
+    return _reading(results, sensor, "strain")[:, 0]
+
+
+def stress(results: Results, sensor: str) -> Array:
+    """The stresses of a sensor, in the axes of its body (n, 6) [Pa]."""
+    return _reading(results, sensor, "stress")
+
+
+def sensor_displacement(results: Results, sensor: str) -> Array:
+    """Elastic displacement of a sensor's point, in the axes of its body [m]."""
+    return _reading(results, sensor, "motion")
+
+
+def sensor_acceleration(results: Results, sensor: str) -> Array:
+    """Acceleration in space of a sensor's point, in the axes of its body [m/s^2]."""
+    _reading(results, sensor, "motion")
+    return results.sensor(sensor).acceleration
+
+
+def pattern_load(results: Results, pattern: str) -> Array:
+    """The amplitude of a load pattern (n,)."""
+    return results.pattern(_known("load pattern", pattern, sorted(results.patterns))).load
+
+
 def motor_torque(results: Results, motor: str) -> Array:
     """The torque of a motor, or its force, on its coordinate (n,) [N m, N]."""
     return _motor(results, motor).torque
@@ -235,6 +263,11 @@ KINDS = {
     "friction_force": Kind(friction_force, "N", ("CONTACT",), axes=TANGENTS),
     "slip": Kind(slip, "m/s", ("CONTACT",), axes=TANGENTS),
     "contact_state": Kind(contact_state, "1", ("CONTACT|STOP",), axes=()),
+    "strain": Kind(strain, "1", ("SENSOR",), axes=()),
+    "stress": Kind(stress, "Pa", ("SENSOR",), axes=STRESSES),
+    "sensor_displacement": Kind(sensor_displacement, "m", ("SENSOR",)),
+    "sensor_acceleration": Kind(sensor_acceleration, "m/s²", ("SENSOR",)),
+    "pattern_load": Kind(pattern_load, "1", ("PATTERN",), axes=()),
     "motor_torque": Kind(motor_torque, motor_torque_unit, ("MOTOR",), axes=()),
     "motor_reference": Kind(motor_reference, motor_angle_unit, ("MOTOR",), axes=()),
     "motor_error": Kind(motor_error, motor_angle_unit, ("MOTOR",), axes=()),
@@ -311,6 +344,17 @@ def _coupling(results: Results, name: str) -> Coupling:
 def _contact(results: Results, name: str) -> ContactMotion | StopMotion:
     known = (*sorted(results.contacts), *sorted(results.stops))
     return results.contact(_known("contact or stop", name, known))
+
+
+def _reading(results: Results, name: str, kind: str) -> Array:
+    """The values of a sensor of a kind (n, channels)."""
+    value = results.sensor(_known("sensor", name, sorted(results.sensors))).value
+    (found,) = (
+        own for own, channels in KINDS_OF_SENSORS.items() if len(channels) == value.shape[1]
+    )
+    if found != kind:
+        raise QuantityError(f"sensor {name!r} reads {found}, not {kind}")
+    return value
 
 
 def _touching(results: Results, name: str) -> ContactMotion:

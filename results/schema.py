@@ -74,6 +74,14 @@ DIMENSIONS = {
         Dimension(
             "joint_with_friction", "joints with friction, as JOINT.friction", "joints", ragged=True
         ),
+        Dimension("pattern", "load patterns of flexible bodies, as BODY.PATTERN", "patterns"),
+        Dimension("sensor", "sensors of flexible bodies, as BODY.SENSOR", "sensors"),
+        Dimension(
+            "sensor_channel",
+            "channels of sensors, as BODY.SENSOR.CHANNEL",
+            "sensors",
+            ragged=True,
+        ),
         Dimension("event", "times that a contact or stop was closed, in the order of their ends"),
         Dimension("event_owner", "contacts and stops whose events are counted"),
         Dimension("flexible_body", "bodies with superelements"),
@@ -88,12 +96,13 @@ _FIXED = {name: dimension.entries for name, dimension in DIMENSIONS.items() if d
 class Axis:
     """The entries of a dimension.
 
-    angular: True for each that is an angle or belongs to one, where some may be; rows: of each
-    in the arrays of the time loop, which a file does not keep.
+    angular: True for each that is an angle or belongs to one, where some may be; of channels of
+    sensors the number of its unit; rows: of each in the arrays of the time loop, which a file does
+    not keep.
     """
 
     names: tuple[str, ...]
-    angular: tuple[bool, ...] = ()
+    angular: tuple[int, ...] = ()
     rows: tuple[int, ...] = ()
     _ranges: dict[str, tuple[int, int]] = field(
         default_factory=dict, init=False, repr=False, compare=False
@@ -215,7 +224,7 @@ class Quantity:
 
     name: str
     dimensions: tuple[str, ...]
-    unit: str | tuple[str, str]
+    unit: str | tuple[str, ...]
     description: str
     key: str
     source: str = ""
@@ -278,6 +287,7 @@ _JOINT, _CONSTRAINT = ("time", "joint", "axis"), ("time", "joint_constraint")
 _SPRING, _COMPONENT = ("time", "spring", "axis"), ("time", "spring_component")
 _TIME, _VECTOR = ("time",), ("time", "axis")
 _COORDINATE, _RUBBING = ("time", "joint_coordinate"), ("time", "joint_with_friction")
+_PATTERN, _CHANNEL = ("time", "pattern"), ("time", "sensor_channel")
 _CONTACT, _STOP, _MOTOR = ("time", "contact"), ("time", "stop"), ("time", "motor")
 
 
@@ -527,6 +537,35 @@ QUANTITIES = (
         "contact_state",
         integer=True,
     ),
+    Quantity("pattern_load", _PATTERN, "1", "amplitude of each load pattern", "patterns/load"),
+    Quantity(
+        "pattern_displacement",
+        _PATTERN,
+        "J",
+        "elastic displacement that the amplitude 1 does work on",
+        "patterns/displacement",
+    ),
+    Quantity(
+        "sensor_value",
+        _CHANNEL,
+        ("m", "1", "Pa"),
+        "elastic displacement, strain or stress, in body axes",
+        "sensors/value",
+    ),
+    Quantity(
+        "sensor_rate",
+        _CHANNEL,
+        ("m s-1", "s-1", "Pa s-1"),
+        "rate of the same",
+        "sensors/rate",
+    ),
+    Quantity(
+        "sensor_acceleration",
+        _CHANNEL,
+        ("m s-2", "s-2", "Pa s-2"),
+        "acceleration in space of a point, in body axes; second derivative of strain or stress",
+        "sensors/acceleration",
+    ),
     Quantity(
         "motor_torque", _MOTOR, ("N", "N m"), "force or torque on the coordinate", "motors/torque"
     ),
@@ -616,7 +655,7 @@ SOURCES = (
 """further arrays of the time loop, from which quantities are derived"""
 
 
-def _event(name: str, unit: str | tuple[str, str], description: str, **more: Any) -> Quantity:
+def _event(name: str, unit: str | tuple[str, ...], description: str, **more: Any) -> Quantity:
     return Quantity(f"event_{name}", ("event",), unit, description, f"events/{name}", **more)
 
 
@@ -666,6 +705,8 @@ OWNERS = {
     "springs": "spring",
     "contacts": "contact",
     "stops": "stop",
+    "patterns": "pattern",
+    "sensors": "sensor",
     "motors": "motor",
 }
 """the dimension of the owners of a group"""

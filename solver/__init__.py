@@ -40,7 +40,7 @@ from .model.file import read_model, write_model
 from .model.friction import Coulomb, JointFriction, Stribeck
 from .model.impact import ForceTable, Impact
 from .model.joints import Joint
-from .model.loads import Load
+from .model.loads import Load, PatternLoad
 from .model.model import Model
 from .model.motions import PrescribedDisplacement, PrescribedRotation
 from .model.motors import Motor
@@ -98,6 +98,7 @@ __all__ = [
     "OneSidedLaw",
     "OutOfRangeError",
     "OutputRequest",
+    "PatternLoad",
     "Place",
     "Polynomial",
     "PrescribedDisplacement",

@@ -255,7 +255,7 @@ def _history_cost(lowered: LoweredModel) -> float:
     cost = 0.0
     for e in np.flatnonzero(elastic.kernels.lags).tolist():
         n_c, lags = int(elastic.dof[e + 1] - elastic.dof[e]), int(elastic.kernels.lags[e])
-        n_active = int(elastic.active_range[e + 1] - elastic.active_range[e])
+        n_active = int(elastic.loaded_range[e + 1] - elastic.loaded_range[e])
         costs = history_costs(n_c, n_active, None, lowered.n_steps, lags)
         cost += costs["fft" if elastic.kernels.by_fft[e] else "direct"]
     return cost

@@ -1,6 +1,6 @@
 """Maxwell elements beside the stiffness of a body: a material that loses energy."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,12 +49,6 @@ class Chain:
             )
         object.__setattr__(self, "tau", tau)
         object.__setattr__(self, "amplitude", a)
-
-    def of(self, kept: NDArray[np.int64]) -> "Chain":
-        """The chain of some of the modes."""
-        return (
-            self if self.amplitude.ndim == 1 else replace(self, amplitude=self.amplitude[:, kept])
-        )
 
     def amplitudes(self, m: int) -> Array:
         """a (K, m) of m modes."""

@@ -21,7 +21,7 @@ MOST_DECADES = 6.0
 STEEP = 0.62
 """height of four-coordinate paper over its width, where decades are as long up as across"""
 RULED: dict[str, Any] = {"color": "0.85", "linewidth": 0.5, "zorder": 0.5}
-LABEL: dict[str, Any] = {"fontsize": 6.5, "color": "0.4", "ha": "center", "va": "center"}
+LABEL: dict[str, Any] = {"fontsize": 6.5, "color": "0.4", "ha": "center", "zorder": 0.7}
 GROUND: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
 """what a label stands on"""
 
@@ -98,14 +98,14 @@ def _rule(axes: Axes, curves: Sequence[Curve], low: float, high: float) -> None:
     force, unit = (1.0, "rad/s²") if turns else (GRAVITY, "g")
     for a in _decades(2.0 * math.pi * left * low / force, 2.0 * math.pi * right * high / force):
         axes.plot(across, a * force / (2.0 * math.pi * across), **RULED)
-        f = min(0.9 * right, a * force / (2.0 * math.pi * 1.12 * low))
+        f = min(right / 1.35, a * force / (2.0 * math.pi * 1.12 * low))
         _label(axes, f, a * force / (2.0 * math.pi * f), f"{_written(a)} {unit}", -1.0)
     length, unit = (1.0, "rad") if turns else (1e-3, "mm")
     for d in _decades(
         low / (2.0 * math.pi * right * length), high / (2.0 * math.pi * left * length)
     ):
         axes.plot(across, 2.0 * math.pi * across * d * length, **RULED)
-        f = min(0.9 * right, high / 1.12 / (2.0 * math.pi * d * length))
+        f = min(right / 1.35, high / 1.12 / (2.0 * math.pi * d * length))
         _label(axes, f, 2.0 * math.pi * f * d * length, f"{_written(d)} {unit}", 1.0)
 
 
@@ -126,10 +126,11 @@ def _label(axes: Axes, x: float, y: float, text: str, slope: float) -> None:
         rotation=math.degrees(math.atan2(slope * y, x)),
         transform_rotates_text=True,
         rotation_mode="anchor",
+        va="center",
         bbox=GROUND,
         **LABEL,
     )
 
 
 def _written(value: float, _: object = None) -> str:
-    return f"{value:.10g}" if 1e-3 <= abs(value) < 1e5 else f"{value:.0e}"
+    return f"{value:g}"

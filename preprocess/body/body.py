@@ -20,8 +20,10 @@ from ...inputs import InputError, Table, Vector, expected, is_name, quoted, read
 from ...inputs.names import LONGEST
 from ..errors import BodyError
 from .damping import Damping, check_fit
+from .loads import LoadPattern
 from .material import Material, Section
 from .selection import InterfaceSelection, Selection
+from .sensors import SensorPoint
 
 Method = Literal["auto", "modal", "march", "krylov", "craig-bampton", "rubin"]
 TRUNCATED: tuple[Method, ...] = ("craig-bampton", "rubin")
@@ -225,6 +227,8 @@ class Body(Table):
     materials: dict[str, Material] = Field(default_factory=dict)
     interfaces: dict[str, InterfaceSelection] = Field(min_length=1)
     masses: dict[str, PointMass] = Field(default_factory=dict)
+    loads: dict[str, LoadPattern] = Field(default_factory=dict)
+    sensors: dict[str, SensorPoint] = Field(default_factory=dict)
     impulse: Impulse
     damping: Damping = Damping()
     recovery: RecoveredFields | None = None
@@ -250,13 +254,21 @@ class Body(Table):
             )
         if not (0 < len(self.name) <= LONGEST and self.name.isprintable()):
             raise ValueError(f"name: expected 1 to {LONGEST} characters, found {quoted(self.name)}")
-        for table in ("interfaces", "masses"):
+        for table in ("interfaces", "masses", "loads", "sensors"):
             for name in getattr(self, table):
                 if not is_name(name):
                     raise ValueError(
                         f"{table}: expected a name of 1 to {LONGEST} characters without '/' and "
                         f"'.', found {quoted(name)}"
                     )
+        for table in ("loads", "sensors"):
+            for name in getattr(self, table):
+                if name in self.interfaces:
+                    raise ValueError(f"{table}: {quoted(name)} is the name of an interface")
+        if self.loads and self.matrices is not None:
+            raise ValueError(
+                "loads: expected a mesh, found [matrices], which tell neither surfaces nor volumes"
+            )
         for table, selections in (("interfaces", self.interfaces), ("masses", self.masses)):
             for name, selection in selections.items():
                 if selection.nodes is not None and self.matrices is None:

@@ -73,8 +73,9 @@ def stiffening(found: Fit, reference: float) -> float:
 
 def _times(band: tuple[float, float], n: int, overhang: float) -> Array:
     """n times from the upper end of a band to the lower one, and so far beyond both."""
-    ends = np.log(1.0 / (2.0 * np.pi * np.array(band[::-1]))) + np.array([-overhang, overhang])
-    if n == 1 or ends[0] >= ends[1]:
-        return np.exp(np.full(n, ends.mean()) + 1e-3 * np.arange(n))
-    times: Array = np.exp(np.linspace(*ends, n))
+    low, high = (1.0 / (2.0 * np.pi * frequency) for frequency in band[::-1])
+    first, last = low * np.exp(-overhang), high * np.exp(overhang)
+    if n == 1 or first >= last:
+        first, last = np.sqrt(low * high) * np.array([1.0, 1.0 + 1e-3 * n])
+    times: Array = np.geomspace(first, last, n)
     return times

@@ -41,12 +41,13 @@ def craig_bampton(structure: Structure, damping: Damping, count: int) -> Reducti
     Source: R. R. Craig, M. C. C. Bampton, AIAA Journal 6 (1968) 1313-1319. `MethodError` for more
     modes than there are.
     """
+    n_c = structure.n_c
     rigid = structure.P_C @ structure.U
     attachments, inertia = _statics(structure)
     balanced = null_space(rigid.T, rcond=DEPENDENT)
     # Interfaces that do not hold a body leave rigid motions, which are no modes to be counted.
-    loose = structure.U @ null_space(rigid, rcond=DEPENDENT)
-    held = np.vstack([structure.P_C.toarray(), (structure.M @ loose).T])
+    loose = structure.U @ null_space(rigid[:n_c], rcond=DEPENDENT)
+    held = np.vstack([structure.P_C[:n_c].toarray(), (structure.M @ loose).T])
     fixed = held_modes(structure, held, count, _first_square(structure, attachments))
     return _reduced(structure, damping, fixed, np.hstack([attachments @ balanced, inertia]))
 

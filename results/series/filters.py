@@ -14,8 +14,8 @@ SAMPLING = 10.0
 """samples in a period of the class, at least: SAE J211"""
 CORNER = 2.0775
 """of a pass over the class: 5/3 / (sqrt 2 - 1)^(1/4), so that two passes have -3 dB at 5/3"""
-MIRRORED, FEWEST = 0.01, 100
-"""what is added at either end: seconds, and samples at least (ISO 6487)"""
+MIRRORED, FEWEST, PERIODS = 0.01, 100, 3
+"""what is added at either end, at least: seconds, samples (ISO 6487), and periods of the corner"""
 BOTH_PASSES = math.sqrt(2.0) - 1.0
 """(f / corner)^(2 order) of a pass where two passes have -3 dB"""
 KINDS = ("lowpass", "highpass", "bandpass")
@@ -26,9 +26,9 @@ def cfc(time: Array, values: Array, channel_class: float) -> Sampled:
     """A series filtered as the channel class 60, 180, 600 or 1000 of SAE J211 (CFC).
 
     Two poles, forwards and backwards, with the coefficients of the standard; -3 dB at 5/3 of the
-    class, in Hz. Before, each end is continued by its mirror image in the last sample, over 10 ms
-    and 100 samples at least. `SeriesError` for other classes, and for less than ten samples in a
-    period of the class. Source: SAE J211-1, Appendix C; ISO 6487.
+    class, in Hz. Before, each end is continued by its mirror image in the last sample, over 10 ms,
+    100 samples and three periods at least. `SeriesError` for other classes, and for less than ten
+    samples in a period of the class. Source: SAE J211-1, Appendix C; ISO 6487.
 
         w = tan(pi 2.0775 CFC h)
         (1 + sqrt(2) w + w^2) y_k = w^2 (x_k + 2 x_{k-1} + x_{k-2}) + 2 (1 - w^2) y_{k-1}
@@ -48,7 +48,7 @@ def cfc(time: Array, values: Array, channel_class: float) -> Sampled:
     whole = 1.0 + math.sqrt(2.0) * w + w**2
     b = np.array([1.0, 2.0, 1.0]) * w**2 / whole
     a = np.array([1.0, -2.0 * (1.0 - w**2) / whole, (1.0 - math.sqrt(2.0) * w + w**2) / whole])
-    return _both_ways(series, np.concatenate([b, a])[None])
+    return _both_ways(series, np.concatenate([b, a])[None], channel_class)
 
 
 def butterworth(
@@ -82,7 +82,7 @@ def butterworth(
         butter(order, _of_one_pass(corner, side, order, series.step), side, output="sos")
         for corner, side in zip(corners, passes, strict=True)
     ]
-    return _both_ways(series, np.concatenate(sections))
+    return _both_ways(series, np.concatenate(sections), corners[0])
 
 
 def _of_one_pass(corner: float, side: str, order: int, step: float) -> float:
@@ -92,11 +92,14 @@ def _of_one_pass(corner: float, side: str, order: int, step: float) -> float:
     return 2.0 / math.pi * math.atan(analog)
 
 
-def _both_ways(series: Sampled, sections: Array) -> Sampled:
-    """Filtered by second order sections forwards and backwards, the ends continued by mirrors."""
+def _both_ways(series: Sampled, sections: Array, lowest: float) -> Sampled:
+    """Filtered by second order sections forwards and backwards, the ends continued by mirrors.
+
+    lowest: the lowest corner [Hz].
+    """
     from scipy.signal import sosfiltfilt
 
-    added = max(FEWEST, math.ceil(MIRRORED / series.step))
+    added = max(FEWEST, math.ceil(max(MIRRORED, PERIODS / lowest) / series.step))
     filtered = sosfiltfilt(
         sections, series.values, axis=0, padtype="odd", padlen=min(added, len(series.time) - 1)
     )

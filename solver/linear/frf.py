@@ -74,9 +74,7 @@ def _named(
     )
 
 
-def amplitudes(
-    equations: Equations, observation: Observation, forces: Array, s: complex
-) -> Any:
+def amplitudes(equations: Equations, observation: Observation, forces: Array, s: complex) -> Any:
     """Outputs (n_out, n_in) per unit of inputs at a complex frequency, real at a real one."""
     factors = equations.factorized(s)
     if not factors.conditioned:

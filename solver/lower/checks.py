@@ -70,7 +70,7 @@ def check_moments(model: Model, frames: NumberedFrames, rows: Mapping[str, Seque
                 causes[second] = f"{coupling.owner}, with friction on a ball"
         elif not all(measures_length(row.kind) for row in rows[coupling.name]):
             causes |= dict.fromkeys(side_names(coupling), _described(coupling))
-    causes |= {load.on: f"torque on {load.on!r}" for load in model.loads if load.kind.moment}
+    causes |= {load.on: f"torque on {load.on!r}" for load in model.frame_loads if load.kind.moment}
     for frame, cause in causes.items():
         f = frames.number(frame)
         if frames.arrays.dof[f] >= 0 and not frames.arrays.rotations[f]:

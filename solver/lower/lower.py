@@ -11,12 +11,13 @@ from ..arrays import Array, as_index, as_rows
 from ..history.layout import Horizon, Responses, Stepping, lay_out_elastic
 from ..model.contacts import Contact
 from ..model.joints import Joint
+from ..model.loads import AnyLoad
 from ..model.model import Model
 from ..model.settings import StartFrom
 from ..model.signals import Signal, SmoothSignal
 from ..model.stops import JointStop
 from ..step.rows import measures_length
-from ..step.system import Bodies, Loads, System
+from ..step.system import Bodies, Elastic, LoadPatterns, Loads, Sensors, System
 from .checks import check_assembled, check_masses, check_moments
 from .elimination_order import lay_out_pattern
 from .friction import Bristle, bristle_of
@@ -59,6 +60,11 @@ class LoweredModel:
     """of every flexible body"""
     flight: System | None = None
     """the system in the longest steps, away from contacts; None where all steps are the same"""
+
+    @property
+    def loads(self) -> tuple[AnyLoad, ...]:
+        """The loads in the order of their signals: those on frames first."""
+        return (*self.model.frame_loads, *self.model.pattern_loads)
 
     @property
     def h(self) -> float:
@@ -123,6 +129,8 @@ def lower(
         couplings=couplings,
         observers=lay_out_rows(list(observers.values())),
         loads=_lay_out_loads(model, frames),
+        patterns=_lay_out_patterns(model, elastic),
+        sensors=_lay_out_sensors(model, elastic),
         elastic=elastic,
         pattern=lay_out_pattern(len(model.bodies), frames.arrays, couplings, elastic),
     )
@@ -143,7 +151,7 @@ def lower(
         starts=np.array([row.start for rows_ in rows.values() for row in rows_], dtype=float),
         memories=np.array([number for law in laws for number in law.memories()], dtype=float),
         drives=drives,
-        load_signals=[load.signal for load in model.loads],
+        load_signals=[load.signal for load in (*model.frame_loads, *model.pattern_loads)],
         motor_signals=[signal for motor in model.motors for signal in motor.signals],
         superelements=[body.superelement for body in model.flexible_bodies.values()],
         responses=responses,
@@ -207,11 +215,53 @@ def _lay_out_bodies(model: Model, size: float) -> Bodies:
     )
 
 
+def _lay_out_patterns(model: Model, elastic: Elastic) -> LoadPatterns:
+    names = list(model.bodies)
+    dofs = dict(zip(pattern_names(model), elastic.pattern_dof.tolist(), strict=True))
+    loads = model.pattern_loads
+    patterns = [load.pattern_of(model.flexible_bodies[load.body].superelement) for load in loads]
+    first = len(model.frame_loads)
+    return LoadPatterns(
+        body=as_index([names.index(load.body) for load in loads]),
+        dof=as_index([dofs[load.owner_of_pattern] for load in loads]),
+        signal=as_index(range(first, first + len(loads))),
+        force=as_rows([pattern.force for pattern in patterns]),
+        moment=as_rows([pattern.moment for pattern in patterns]),
+    )
+
+
+def pattern_names(model: Model) -> list[str]:
+    """All load patterns as BODY.PATTERN, in the order of their dofs."""
+    return [
+        f"{name}.{pattern.name}"
+        for name, body in model.flexible_bodies.items()
+        for pattern in body.superelement.patterns
+    ]
+
+
+def _lay_out_sensors(model: Model, elastic: Elastic) -> Sensors:
+    rows: list[tuple[int, int, int]] = []
+    places = []
+    for e, body in enumerate(model.flexible_bodies.values()):
+        element = body.superelement
+        dof = int(elastic.dof[e]) + element.n_c + len(element.patterns)
+        for sensor in element.sensors:
+            for c in range(len(sensor.channels)):
+                axis = c if sensor.kind == "motion" else -1
+                rows.append((int(elastic.body[e]), dof, axis))
+                places.append(sensor.X)
+                dof += 1
+    bodies, dofs, axes = zip(*rows, strict=True) if rows else ((), (), ())
+    return Sensors(
+        body=as_index(bodies), dof=as_index(dofs), axis=as_index(axes), X=as_rows(places)
+    )
+
+
 def _lay_out_loads(model: Model, frames: NumberedFrames) -> Loads:
     return Loads(
-        frame=as_index([frames.number(load.on) for load in model.loads]),
-        kind=as_index([load.kind.number for load in model.loads]),
-        moment=as_index([load.kind.moment for load in model.loads]),
-        follower=as_index([load.follower for load in model.loads]),
-        direction=as_rows([load.direction for load in model.loads]),
+        frame=as_index([frames.number(load.on) for load in model.frame_loads]),
+        kind=as_index([load.kind.number for load in model.frame_loads]),
+        moment=as_index([load.kind.moment for load in model.frame_loads]),
+        follower=as_index([load.follower for load in model.frame_loads]),
+        direction=as_rows([load.direction for load in model.frame_loads]),
     )

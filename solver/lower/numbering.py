@@ -47,7 +47,7 @@ def number_frames(model: Model, poses: dict[str, Pose]) -> NumberedFrames:
             side_names(coupling), (first, second), (second, first), strict=True
         ):
             named[name] = frame_pose(model, poses, other if side == GROUND else side)
-    for load in model.loads:
+    for load in model.frame_loads:
         named[load.on] = frame_pose(model, poses, load.on)
     n_acting = len(named)
     for body in model.bodies:
@@ -120,7 +120,7 @@ def _arrays(model: Model, frame_names: list[str], n_acting: int) -> Frames:
 
 def _skip_inner_dofs(model: Model, frames: Frames) -> None:
     """Dofs of inertia and of q, which are always active, stand behind the interfaces."""
-    inner = {name: b.n_dofs - b.superelement.n_c for name, b in model.flexible_bodies.items()}
+    inner = {name: body.n_inner for name, body in model.flexible_bodies.items()}
     numbers = [inner.get(name, 0) for name in model.bodies]
     before = np.cumsum([0, *numbers])
     loaded = frames.active >= 0

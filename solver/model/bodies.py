@@ -111,10 +111,20 @@ class FlexibleBody(Entry):
         return None if self.second_order == "off" else self.superelement.rotation
 
     @property
-    def n_dofs(self) -> int:
-        """Elastic dofs: of the interfaces, and six of inertia and q of terms of second order."""
+    def n_outer(self) -> int:
+        """Elastic dofs of the interfaces, then of load patterns, then of sensors."""
+        return self.superelement.n_c + self.superelement.n_channels
+
+    @property
+    def n_inner(self) -> int:
+        """Those of terms of second order, six of inertia and q, which follow."""
         second = self.rotation
-        return self.superelement.n_c + (0 if second is None else INERTIA + second.r)
+        return 0 if second is None else INERTIA + second.r
+
+    @property
+    def n_dofs(self) -> int:
+        """All elastic dofs."""
+        return self.n_outer + self.n_inner
 
     @property
     def mass(self) -> float:

@@ -5,10 +5,10 @@ import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any, Literal, get_args
 
 import tomli_w
-from pydantic import Field, create_model, model_validator
+from pydantic import Discriminator, Field, Tag, create_model, model_validator
 
 from ...files import renamed_when_whole
 from ...inputs import InputError, Table, Vector, quoted, read_table
@@ -17,6 +17,7 @@ from ..errors import ModelError, about
 from ..schema.entry import Entry
 from ..schema.paths import beside, relative
 from ..schema.tables import (
+    EntryTable,
     entry_of,
     keys_of,
     present_keys,
@@ -28,7 +29,7 @@ from ..schema.values import ORIGIN
 from .bodies import Body, FlexibleBody, Frame, RigidBody, SecondOrder, Start
 from .contacts import Contact
 from .joints import Joint
-from .loads import Load
+from .loads import Load, PatternLoad
 from .model import Model
 from .motions import PrescribedMotion
 from .motors import Motor
@@ -80,6 +81,23 @@ _SETTINGS = {key: kind for key, kind in keys_of(Settings).items() if key != "out
 _SIMULATION: Any = create_model("Simulation", __base__=Table, **_SETTINGS, gravity=(Vector, ORIGIN))
 
 
+def _kind_of_load(table: Any) -> str:
+    pattern = isinstance(table, Mapping) and table.get("type") == PATTERN
+    return "(pattern)" if pattern or isinstance(table, _PATTERN_LOAD) else "(frame)"
+
+
+PATTERN = "pattern"
+"""the type of loads that are no `Load` on a frame"""
+_PATTERN_LOAD: Any = create_model(
+    "PatternLoad", __base__=EntryTable, type=(Literal["pattern"], ...), **keys_of(PatternLoad)
+)
+_PATTERN_LOAD.entry = PatternLoad
+_LOAD: Any = Annotated[
+    Annotated[table_of(Load), Tag("(frame)")] | Annotated[_PATTERN_LOAD, Tag("(pattern)")],
+    Discriminator(_kind_of_load),
+]
+
+
 class _Ground(Table):
     frames: dict[str, table_of(Frame)] = Field(default_factory=dict)  # type: ignore[valid-type]
 
@@ -90,7 +108,7 @@ class _ModelFile(Table):
     bodies: dict[str, _BODY] = Field(min_length=1)
     ground: _Ground = _Ground()
     joints: tuple[table_of(Joint), ...] = ()  # type: ignore[valid-type]
-    loads: tuple[table_of(Load), ...] = ()  # type: ignore[valid-type]
+    loads: tuple[_LOAD, ...] = ()
     springs: tuple[table_of(Spring), ...] = ()  # type: ignore[valid-type]
     motions: tuple[_MOTION, ...] = ()
     contacts: tuple[table_of(Contact), ...] = ()  # type: ignore[valid-type]
@@ -201,7 +219,7 @@ def _document(model: Model, folder: Path) -> dict[str, Any]:
         "ground": {"frames": _frames(model.ground_frames)} if model.ground_frames else {},
         "bodies": {name: _body_in_file(name, body, folder) for name, body in model.bodies.items()},
         **{
-            name: [table_in_file(entry) for entry in getattr(model, name)]
+            name: [_entry_in_file(entry) for entry in getattr(model, name)]
             for name in ("joints", "springs", "motions", "loads", "contacts", "stops", "motors")
         },
     }
@@ -212,6 +230,11 @@ def _on_one_line(array: re.Match[str]) -> str:
     """An array of numbers or words as users write it, if it is not long."""
     items = ", ".join(line.strip().removesuffix(",") for line in array[1].splitlines())
     return f"[{items}]" if len(items) < LONG else array[0]
+
+
+def _entry_in_file(entry: Entry) -> dict[str, Any]:
+    kind = {"type": PATTERN} if isinstance(entry, PatternLoad) else {}
+    return kind | table_in_file(entry)
 
 
 def _frames(frames: Mapping[str, Frame]) -> dict[str, Any]:

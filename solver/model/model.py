@@ -11,7 +11,7 @@ from ..schema.values import NONE, ORIGIN, Several, Vector
 from .bodies import Body, FlexibleBody, Frame
 from .contacts import Contact
 from .joints import Joint
-from .loads import Load
+from .loads import AnyLoad, Load, PatternLoad
 from .motions import PrescribedMotion
 from .motors import JointMotor, Motor
 from .settings import Settings
@@ -33,7 +33,7 @@ class Model(Entry):
 
     bodies: Mapping[str, Body]
     joints: Several[Joint] = NONE
-    loads: Several[Load] = NONE
+    loads: Several[AnyLoad] = NONE
     springs: Several[Spring] = NONE
     motions: Several[PrescribedMotion] = NONE
     _: KW_ONLY
@@ -60,6 +60,16 @@ class Model(Entry):
     @property
     def flexible_bodies(self) -> dict[str, FlexibleBody]:
         return {name: body for name, body in self.bodies.items() if isinstance(body, FlexibleBody)}
+
+    @property
+    def frame_loads(self) -> tuple[Load, ...]:
+        """The loads on frames."""
+        return tuple(load for load in self.loads if isinstance(load, Load))
+
+    @property
+    def pattern_loads(self) -> tuple[PatternLoad, ...]:
+        """The load patterns on flexible bodies."""
+        return tuple(load for load in self.loads if isinstance(load, PatternLoad))
 
     @property
     def couplings(self) -> tuple[Coupling, ...]:
@@ -168,10 +178,16 @@ class Model(Entry):
             JointMotor(motor, joints[motor.joint]).check()
 
     def _check_loads(self) -> None:
-        for load in (*self.motions, *self.loads):
+        for load in (*self.motions, *self.frame_loads):
             self._check_frame(load.owner, load.on)
             if load.on.partition(".")[0] == GROUND:
                 raise load.error(f"expected a frame of a body, got {load.on!r}")
+        flexible = self.flexible_bodies
+        for spread in self.pattern_loads:
+            if spread.body not in flexible:
+                known = ", ".join(flexible) or "none"
+                raise spread.error(f"no flexible body {spread.body!r}; there are: {known}")
+            spread.pattern_of(flexible[spread.body].superelement)
 
     def _check_equilibrium(self) -> None:
         """ModelError for a velocity, for equilibrium has none but those of a steady rotation."""

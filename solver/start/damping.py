@@ -2,8 +2,8 @@
 
     A(s) v = 0,   A(s) = s^2 + s (C + D^T S' D) + K + diag(0, omega_j^2 (c_j(s) - 1))
 
-in the unknowns of frequencies.py: C the damping of modes, S' that of dampers, c the Maxwell elements
-of materials.
+in the unknowns of frequencies.py: C the damping of modes, S' that of dampers, c the Maxwell
+elements of materials.
 """
 
 from collections.abc import Sequence
@@ -99,15 +99,15 @@ class _Problem:
 
     def solve(self, j: int) -> complex | None:
         """s of the damped vibration that is nearest to undamped vibration j; None where none is."""
-        unit = np.eye(len(self.omega))[j]
-        s, v = 1j * complex(self.omega[j]), unit.astype(np.complex128)
+        s, v = 1j * complex(self.omega[j]), np.zeros(len(self.omega), dtype=np.complex128)
+        v[j] = 1.0
         for _ in range(ITERATIONS):
             A, slope = self._matrices(s)
             try:
                 x = np.linalg.solve(A, slope @ v)
             except np.linalg.LinAlgError:
                 return s
-            change = 1.0 / x[j]
+            change = 1.0 / complex(x[j])
             s, v = s - change, x / x[j]
             if abs(change) <= CONVERGED * abs(s):
                 return s

@@ -21,13 +21,14 @@ from ..model.model import Model
 from ..step.equations import convective_terms, evaluate, linearize
 from ..step.extremes import start_extremes
 from ..step.loads import load_vector
+from ..step.patterns import keep_pattern
 from ..step.second_order import add_curvatures, hardening_energy
 from ..step.system import State, System, Workspace
 from .assembly import Target, assemble_joints, fit_velocities
 from .equilibrium import check_drives, check_steady, solve_equilibrium
 from .full_turns import continue_angles, turn_joints
 from .handover import hand_over, predecessor
-from .inertia import interface_accelerance, inverse_inertia
+from .inertia import elastic_accelerations, interface_accelerance, inverse_inertia
 from .jacobian import constraint_jacobian, constraint_rows
 from .matrices import solve
 from .penetration import penetrations
@@ -232,14 +233,17 @@ def _accelerations(lowered: LoweredModel, state: State, work: Workspace) -> tupl
     hard = constraint_rows(system)
     B_r, B_a = constraint_jacobian(system, state, work)
     A_el = interface_accelerance(lowered)
-    p = state.interfaces.p[system.elastic.active]
     inverse = inverse_inertia(system)
     # with v_dot = 0 the residual of equilibrium is v~ J v - f_r
     free = -inverse @ work.bodies.residual.ravel()
     lam = np.zeros(len(state.couplings.lam))
     if len(hard):
         convective_terms(system, state, work)
-        gap = work.couplings.convective[hard] + B_a @ (A_el @ p) + B_r @ free
+        gap = (
+            work.couplings.convective[hard]
+            + B_a @ elastic_accelerations(lowered, state.interfaces.p)
+            + B_r @ free
+        )
         schur = B_r @ inverse @ B_r.T + B_a @ A_el @ B_a.T
         scale = 1.0 / np.sqrt(np.maximum(schur.diagonal(), 1e-300))
         lam[hard] = -scale * solve(scale[:, None] * schur * scale, scale * gap)
@@ -298,10 +302,12 @@ def modes_of(lowered: LoweredModel, e: int) -> Array:
 def _start_work(system: System, state: State, work: Workspace) -> None:
     """Loads, drives and their forces at t = 0, from which their work is counted."""
     loads = state.loads
-    loads.value[:] = work.loads.value
+    loads.value[:] = work.loads.value[: len(loads.value)]
     for m, f in enumerate(system.loads.frame.tolist()):
         loads.vector[m] = load_vector(system.loads, m, work)
         loads.position[m], loads.axes[m] = work.frames.r[f], work.frames.D[f]
+    for t in range(len(system.patterns.body)):
+        keep_pattern(system.patterns, t, state, work)
     state.drives.value[:] = work.drives.value
     for i, d in enumerate(system.couplings.drive.tolist()):
         if d >= 0:

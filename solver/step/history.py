@@ -45,8 +45,8 @@ def finish_history(elastic: Elastic, scheme: Scheme, state: State, work: Workspa
         _add_instantaneous(elastic, e, weight, p, state.interfaces.u)
         first = elastic.dof[e]
         begin, end = modes.range[e], modes.range[e + 1]
-        for c in range(elastic.active_range[e], elastic.active_range[e + 1]):
-            k = elastic.active[c]
+        for c in range(elastic.loaded_range[e], elastic.loaded_range[e + 1]):
+            k = elastic.loaded[c]
             load = weight * p[k] + (1.0 - weight) * p_n[k]
             if begin == end:
                 past.p[k, state.step[0] + 1 - past.first[0]] = load - past.p_rest[k]
@@ -99,14 +99,14 @@ def _add_instantaneous(elastic: Elastic, e: int, weight: float, p: Array, u: Arr
     """u += weight G_0 p on the dofs of body e."""
     first, last = elastic.dof[e], elastic.dof[e + 1]
     n_c = last - first
-    mostly_active = 2 * (elastic.active_range[e + 1] - elastic.active_range[e]) > n_c
+    mostly_loaded = 2 * (elastic.loaded_range[e + 1] - elastic.loaded_range[e]) > n_c
     for i in range(first, last):
         start = elastic.G_0_start[e] + (i - first) * n_c - first
-        if mostly_active:  # p is zero elsewhere, and products of whole rows are quick
+        if mostly_loaded:  # p is zero elsewhere, and products of whole rows are quick
             u[i] += weight * inner(elastic.G_0[start + first : start + last], p[first:last])
             continue
-        for c in range(elastic.active_range[e], elastic.active_range[e + 1]):
-            k = elastic.active[c]
+        for c in range(elastic.loaded_range[e], elastic.loaded_range[e + 1]):
+            k = elastic.loaded[c]
             u[i] += weight * elastic.G_0[start + k] * p[k]
 
 
@@ -197,8 +197,8 @@ def _convolve(elastic: Elastic, e: int, n: int, state: State, out: Array) -> Non
     since = max(past.since[e], n - lags + 1)
     for i in range(n_c):
         total = past.u_rest[first + i] + past.u_ahead[first + i, n - n_0]
-        for c in range(elastic.active_range[e], elastic.active_range[e + 1]):
-            k = elastic.active[c]
+        for c in range(elastic.loaded_range[e], elastic.loaded_range[e + 1]):
+            k = elastic.loaded[c]
             if n < lags:
                 initial = start + (n * n_c + i) * n_c + k - first
                 total += kernels.g_initial[initial] * past.p_start[k]

@@ -14,6 +14,7 @@ from .interfaces import add_elastic_work, finish_interfaces, predict_interfaces
 from .loads import add_load_work
 from .newton import converge, renew
 from .observers import follow_coordinates
+from .patterns import add_pattern_work
 from .record import record
 from .system import Inputs, Run, State, System, Workspace
 
@@ -87,6 +88,7 @@ def _finish(system: System, state: State, work: Workspace) -> None:
     finish_interfaces(system.scheme, state, work)
     add_elastic_work(system.elastic, state, work)
     add_load_work(system.loads, state, work)
+    add_pattern_work(system.patterns, state, work)
     add_coupling_work(system.couplings, state, work)
     remember_laws(system.couplings.laws, state, work)
     settle_contacts(system.couplings, work)

@@ -13,6 +13,7 @@ from .frames import (
 )
 from .gaps import contact_motion
 from .history import modal_energy
+from .readings import record_readings
 from .rotations import quaternion_exponential, quaternion_product
 from .rows import GAP
 from .second_order import record_second_order
@@ -32,6 +33,10 @@ def record(run: Run, k: int) -> None:
     _split(state.bodies.v, output.body_velocity[k], output.body_angular_velocity[k])
     _split(state.bodies.v_dot, output.body_acceleration[k], output.body_angular_acceleration[k])
     record_second_order(system.elastic, state, output.body_second_order_force[k])
+    record_readings(system.sensors, state, output, k)
+    for g in range(len(system.elastic.pattern_dof)):
+        output.pattern_load[k, g] = state.interfaces.p[system.elastic.pattern_dof[g]]
+        output.pattern_displacement[k, g] = state.interfaces.u[system.elastic.pattern_dof[g]]
     copy(work.frames.r, output.frame_position[k])
     _split(work.frames.V, output.frame_velocity[k], output.frame_angular_velocity[k])
     _split(work.frames.A, output.frame_acceleration[k], output.frame_angular_acceleration[k])

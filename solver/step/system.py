@@ -6,7 +6,8 @@ loads. These declarations alone list the arrays; `Struct.allocate` makes them.
 Dimensions: n_b bodies of six coordinates (delta x in space, delta Theta in body axes); n_f frames;
 n_j couplings (joints, motions, springs, contacts, motors) of n_i rows in all, one multiplier each,
 n_k of them contacts, n_r with friction and n_motors motors; n_v events of contacts; n_o observers;
-n_h numbers that force laws remember; n_l loads; n_d drives; n_e flexible bodies with n_u interface
+n_h numbers that force laws remember; n_l loads on frames, n_t load
+patterns, n_y signals of both; n_z channels of sensors; n_d drives; n_e flexible bodies with n_u interface
 dofs in all, of which n_a are active, and n_m modes with n_x springs of chains; n_p steps whose
 loads are kept; n_q coordinates of second order of a body at most. Frames that carry couplings or
 loads come before those that are only observed; interface dofs of the former are `active`: no others
@@ -207,6 +208,32 @@ class Loads(Struct):
     direction: Array = array("n_l", 3)
 
 
+class LoadPatterns(Struct):
+    """Loads that are spread over flexible bodies (patterns.py)."""
+
+    body: Index = array("n_t")
+    dof: Index = array("n_t")
+    """of each, in u"""
+    signal: Index = array("n_t")
+    """the number of its amplitude among the values of loads"""
+    force: Array = array("n_t", 3)
+    """resultant at the amplitude 1, in body axes"""
+    moment: Array = array("n_t", 3)
+    """the same about the center of mass"""
+
+
+class Sensors(Struct):
+    """Channels of sensors in flexible bodies (readings.py)."""
+
+    body: Index = array("n_z")
+    dof: Index = array("n_z")
+    """of each, in u"""
+    axis: Index = array("n_z")
+    """of a point, 0 to 2 one after the other; -1: of a gauge"""
+    X: Array = array("n_z", 3)
+    """place of the sensor, from the center of mass in body axes"""
+
+
 class Chains(Struct):
     """Maxwell elements beside the stiffness of the modes of bodies, K_e for body e.
 
@@ -308,6 +335,12 @@ class Elastic(Struct):
     """the dofs that can be loaded"""
     active_range: Index = array("n_e_1")
     """(n_e + 1,) those of each flexible body in `active`"""
+    loaded: Index = array("n_loaded")
+    """the active dofs of each flexible body, and those of its patterns that carry loads"""
+    loaded_range: Index = array("n_e_1")
+    """(n_e + 1,) those of each flexible body in `loaded`"""
+    pattern_dof: Index = array("n_g")
+    """the dofs of all load patterns, whether they carry loads or not"""
     G_0: Array = array("n")
     """instantaneous compliances (n_c, n_c) one after the other"""
     G_0_start: Index = array("n_e")
@@ -368,6 +401,8 @@ class System(Struct):
     observers: Rows
     """joint coordinates that are only observed"""
     loads: Loads
+    patterns: LoadPatterns
+    sensors: Sensors
     elastic: Elastic
     pattern: Pattern
 
@@ -478,6 +513,17 @@ class LoadState(Struct):
     axes: Array = array("n_l", 3, 3)
 
 
+class PatternState(Struct):
+    """Load patterns at the last step, for their work."""
+
+    value: Array = array("n_t")
+    wrench: Array = array("n_t", 6)
+    """force and moment about the center of mass, in space"""
+    position: Array = array("n_t", 3)
+    """of the body"""
+    axes: Array = array("n_t", 3, 3)
+
+
 class MotorState(Struct):
     """Motors at the last step."""
 
@@ -580,6 +626,7 @@ class State(Struct):
     contacts: ContactState
     observers: ObserverState
     loads: LoadState
+    patterns: PatternState
     drives: DriveState
     motors: MotorState
     energies: EnergyState
@@ -743,8 +790,8 @@ class ObserverWork(Struct):
 
 
 class LoadWork(Struct):
-    value: Array = array("n_l")
-    """of the signals at the end of the step"""
+    value: Array = array("n_y")
+    """of the signals at the end of the step, those of patterns last"""
     tangent: Array = array(3, 6)
     """derivative of a load by (delta r, delta theta) of its frame, in space"""
     motion: Array = array(3)
@@ -815,7 +862,7 @@ class Workspace(Struct):
 class Inputs(Struct):
     """Signals at the next steps, and the rows of the output that record them."""
 
-    load: Array = array("n", "n_l")
+    load: Array = array("n", "n_y")
     drive: Array = array("n", "n_d")
     motor: Array = array("n", "n_motor_signals")
     row: Index = array("n")
@@ -838,6 +885,8 @@ SIZES: dict[str, int | str] = {
     "contact_axis": 3,
     "tangent_axis": 2,
     "joint_with_friction": "n_r",
+    "pattern": "n_g",
+    "sensor_channel": "n_z",
     "motor": "n_motors",
 }
 """dimensions of results as dimensions of a step"""
