@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...superelement import Kernel, Superelement
+from ...superelement import Chain, Kernel, Superelement
 from ..arrays import Array, Index
 from ..errors import ModelError
 from ..model.bodies import FlexibleBody
@@ -107,6 +107,20 @@ def _delay(kernel: Kernel, s: complex) -> complex:
     return complex(d[0])
 
 
+@dataclass(frozen=True, eq=False)
+class LossyBody(ModalBody):
+    """A body whose material loses energy: omega^2 c(s) in the place of omega^2."""
+
+    chain: Chain
+
+    def step(self, s: complex) -> Matrix:
+        """s^2 + 2 zeta omega s + omega^2 (1 + sum_k a_k s tau_k / (1 + s tau_k)) (m,)"""
+        share = s * self.chain.tau / (1.0 + s * self.chain.tau)
+        c = 1.0 + share @ self.chain.amplitudes(self.m)
+        values: Matrix = s * s + self.damping * s + self.stiffness * c
+        return values
+
+
 def flexible_bodies(pose: Pose) -> list[FlexibleTransfer]:
     """The transfer functions of all flexible bodies of a pose, in the order of the solver."""
     elastic = pose.system.elastic
@@ -123,7 +137,8 @@ def _flexible_body(name: str, body: FlexibleBody, active: Index) -> FlexibleTran
         return KernelBody(name, body.superelement, active)
     if body.rotation is not None:
         modes = body.rotation.complete(modes)
-    return ModalBody(name, modes.omega**2, 2.0 * modes.zeta * modes.omega, modes.phi, active)
+    data = name, modes.omega**2, 2.0 * modes.zeta * modes.omega, modes.phi, active
+    return ModalBody(*data) if modes.chain is None else LossyBody(*data, modes.chain)
 
 
 def bends(pose: Pose) -> Array:

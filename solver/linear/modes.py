@@ -10,6 +10,7 @@ is applied by the small equations at the real frequency sigma, in which the mode
 summed exactly. sigma lies far below the first elastic frequency.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -18,12 +19,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag, eig, qr
 
-from ..arrays import Array
+from ..arrays import Array, Index
 from ..errors import ModelError
 from ..start.inertia import inverse_root
 from ..start.matrices import dense_of
 from .equations import Equations
-from .flexibility import ModalBody
+from .flexibility import LossyBody, ModalBody
 
 Complex = NDArray[np.complex128]
 SHIFT = 1e-3
@@ -52,7 +53,9 @@ class FirstOrder:
         self.embed = block_diag(np.eye(t.sizes.n_r), Z)
         self.basis, self.coordinates = self._basis()
         self.n_free = self.basis.shape[1]
-        self.n_e = len(equations.relaxation.row)
+        self.springs = springs_of(self.bodies)
+        self.n_laws = len(equations.relaxation.row)
+        self.n_e = self.n_laws + len(self.springs.tau)
         self.sigma = SHIFT * self._frequency()
         self.factors = equations.factorized(self.sigma)
         if not self.factors.conditioned:
@@ -101,18 +104,25 @@ class FirstOrder:
         b = np.zeros((len(known), y.shape[1]), dtype=known.dtype)
         b[sizes.rigid], b[sizes.rows] = -known[sizes.rigid], -known[sizes.rows]
         decay = 1.0 + sigma * relaxation.tau
-        pull = (relaxation.kappa * relaxation.tau / decay)[:, None] * e
+        springs, n_e = self.springs, self.n_laws
+        pull = (relaxation.kappa * relaxation.tau / decay)[:, None] * e[:n_e]
         np.add.at(b, sizes.rows.start + relaxation.row, -pull)
         pi = known[sizes.active]
-        d = (sigma * sigma + self.damping * sigma + self.stiffness)[:, None]
+        d = self.step(sigma)[:, None]
         modal = -(sigma + self.damping)[:, None] * y[n_r:] - v[n_r:]
+        modal = modal - self.stiffness[:, None] * springs.held(sigma, y[n_r:], e[n_e:])
         b[sizes.active] = self.phi @ (modal / d)
         found = self.factors.solve(b, pi)
         eta = (self.phi.T @ found.pi + modal) / d
         q = np.vstack([found.xi, eta])
         strain = relaxation.gradient @ np.vstack([found.xi, found.z])
-        e_new = (strain - relaxation.tau[:, None] * e) / decay[:, None]
-        return States(q, sigma * q + y, e_new, found.lam)
+        dampers = (strain - relaxation.tau[:, None] * e[:n_e]) / decay[:, None]
+        stretch = springs.stretch(sigma, sigma * eta + y[n_r:], e[n_e:])
+        return States(q, sigma * q + y, np.vstack([dampers, stretch]), found.lam)
+
+    def step(self, s: complex) -> Any:
+        """The dynamic stiffness of every mode of every body."""
+        return _joined([body.step(s) for body in self.bodies])
 
     def split(self, x: Any) -> tuple[Any, Any, Any]:
         """Positions, rates and dampers of states (n, k)."""
@@ -132,6 +142,47 @@ class FirstOrder:
         """(A - sigma)^-1 (n, n)."""
         matrix: Array = self.apply(np.eye(self.n))
         return matrix
+
+
+@dataclass(frozen=True, eq=False)
+class ChainSprings:
+    """Springs q' = eta' - q / tau of chains, one for each element and mode.
+
+    mode (n,) its number among all m modes, tau (n,), amplitude (n,).
+    """
+
+    m: int
+    mode: Index
+    tau: Array
+    amplitude: Array
+
+    def held(self, sigma: float, y: Any, q: Any) -> Any:
+        """sum a q of every mode (m, k) by a state of positions y and springs q."""
+        share = (self.amplitude * self.tau / (1.0 + sigma * self.tau))[:, None]
+        total = np.zeros((self.m, y.shape[1]), dtype=np.result_type(y, q))
+        np.add.at(total, self.mode, share * (y[self.mode] - q))
+        return total
+
+    def stretch(self, sigma: float, rate: Any, q: Any) -> Any:
+        """q (n, k) of rates of the modes (m, k), from a state q."""
+        return (self.tau / (1.0 + sigma * self.tau))[:, None] * (rate[self.mode] - q)
+
+
+def springs_of(bodies: Sequence[ModalBody]) -> ChainSprings:
+    mode, tau, amplitude, first = [np.empty(0)], [np.empty(0)], [np.empty(0)], 0
+    for body in bodies:
+        if isinstance(body, LossyBody):
+            n = len(body.chain.tau)
+            mode.append(np.tile(np.arange(first, first + body.m), n))
+            tau.append(np.repeat(body.chain.tau, body.m))
+            amplitude.append(body.chain.amplitudes(body.m).ravel())
+        first += body.m
+    return ChainSprings(
+        first,
+        np.concatenate(mode).astype(np.int64),
+        np.concatenate(tau),
+        np.concatenate(amplitude),
+    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -112,10 +112,13 @@ def _response(form: FirstOrder, forces: Array) -> Array:
     """The state (n, n_in) under unit inputs at the frequency sigma."""
     relaxation, sigma = form.equations.relaxation, form.sigma
     found = form.factors.forced(forces)
-    d = sigma * sigma + form.damping * sigma + form.stiffness
+    d, springs = form.step(sigma), form.springs
     y = np.vstack([found.xi, (form.phi.T @ found.pi) / d[:, None]])
     strain = relaxation.gradient @ np.vstack([found.xi, found.z])
-    e = strain / (1.0 + sigma * relaxation.tau)[:, None]
+    dampers = strain / (1.0 + sigma * relaxation.tau)[:, None]
+    rate = sigma * y[form.equations.sizes.n_r :]
+    stretch = springs.stretch(sigma, rate, np.zeros((len(springs.tau), y.shape[1])))
+    e = np.vstack([dampers, stretch])
     joined: Array = form.joined(States(y, sigma * y, e, found.lam))
     return joined
 

@@ -6,11 +6,12 @@ loads. These declarations alone list the arrays; `Struct.allocate` makes them.
 Dimensions: n_b bodies of six coordinates (delta x in space, delta Theta in body axes); n_f frames;
 n_j couplings (joints, motions, springs, contacts, motors) of n_i rows in all, one multiplier each,
 n_k of them contacts, n_r with friction and n_motors motors; n_v events of contacts; n_o observers;
-n_h numbers that force laws remember; n_l loads on frames, n_t load
-patterns, n_y signals of both; n_z channels of sensors; n_d drives; n_e flexible bodies with n_u interface
-dofs in all, of which n_a are active, and n_m modes with n_x springs of chains; n_p steps whose
-loads are kept; n_q coordinates of second order of a body at most. Frames that carry couplings or
-loads come before those that are only observed; interface dofs of the former are `active`: no others
+n_h numbers that force laws remember; n_l loads on frames, n_t load patterns, n_y signals of both;
+n_z channels of sensors; n_d drives; n_e flexible bodies with n_u interface dofs in all, of which
+n_a are active, and n_m modes with n_x springs of chains; n_p steps whose loads are kept; n_q
+coordinates of second order of a body at most. Frames that carry couplings or loads come before
+those that are only observed;
+interface dofs of the former are `active`: no others
 are ever loaded.
 """
 

@@ -4,7 +4,17 @@ import numpy as np
 import pytest
 from duhamel.preprocess import read_body
 from duhamel.preprocess.body.damping import Damping
-from duhamel.solver import Constant, FlexibleBody, Function, Joint, Load, Table, check, simulate
+from duhamel.solver import (
+    Constant,
+    FlexibleBody,
+    Function,
+    Joint,
+    Load,
+    Table,
+    check,
+    simulate,
+)
+from duhamel.solver.linear.linearize import linearize
 from scipy.linalg import eigh
 
 from .conftest import BEAM, line_mesh, make_beam
@@ -210,3 +220,29 @@ def test_stresses_follow_the_springs_of_the_chain(lossy):
     found = results.stress("beam", results.time)[:, :, :3]
     assert np.abs(found - expected).max() < 1e-4 * np.abs(expected).max()
     assert np.abs(found - u).max() > 0.05 * np.abs(u).max()
+
+
+def test_the_linear_model_has_the_springs_of_the_chain(lossy):
+    """Modes, frequency responses and state space, against the mesh and against each other."""
+    joints = [Joint("hold", "fixed", ("ground", "beam.root"))]
+    model = model_of(
+        bodies={"beam": FlexibleBody(lossy.element)}, joints=joints, t_end=0.01, step=1e-4
+    )
+    linear = linearize(model)
+    values = linear.modes().values
+    expected = poles_of_the_mesh(lossy, range(6))
+    for pole in expected[:6]:
+        assert np.abs(values - pole).min() < 1e-8 * abs(pole)
+    structure, chain = lossy.structure, lossy.element.modes.chain
+    K, M = structure.K.toarray()[6:, 6:], structure.M.toarray()[6:, 6:]
+    f = np.array([5.0, 20.0, 300.0, 2000.0])
+    found = linear.frf(["force:beam.tip:y"], ["position:beam.tip:y"], f)
+    space = linear.state_space(["force:beam.tip:y"], ["position:beam.tip:y"])
+    P = structure.P_C.toarray()[:, 6:]
+    for k, w in enumerate(2 * np.pi * f):
+        c = chain.factor(np.array([w]), 1)[0, 0]
+        G = (P @ np.linalg.solve(c * K - w**2 * M, P.T))[7, 7]
+        assert found.values[k, 0, 0] == pytest.approx(G, rel=1e-7)
+        inside = np.linalg.solve(1j * w * np.eye(len(space.A)) - space.A, space.B)
+        # Many springs nearly have the same motion, whose eigenvectors carry rounding.
+        assert (space.C @ inside + space.D)[0, 0] == pytest.approx(G, rel=1e-4)
