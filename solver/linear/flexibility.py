@@ -7,6 +7,7 @@ frequency s: d with sigma(d) = s^2, so that what the scheme does to frequencies 
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,8 +118,8 @@ class LossyBody(ModalBody):
         """s^2 + 2 zeta omega s + omega^2 (1 + sum_k a_k s tau_k / (1 + s tau_k)) (m,)"""
         share = s * self.chain.tau / (1.0 + s * self.chain.tau)
         c = 1.0 + share @ self.chain.amplitudes(self.m)
-        values: Matrix = s * s + self.damping * s + self.stiffness * c
-        return values
+        values: Any = s * s + self.damping * s + self.stiffness * c
+        return values  # type: ignore[no-any-return]
 
 
 def flexible_bodies(pose: Pose) -> list[FlexibleTransfer]:

@@ -1,5 +1,7 @@
 """Material damping: exact against the unreduced model, and the same whatever holds a body."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from duhamel.preprocess import read_body
@@ -10,11 +12,14 @@ from duhamel.solver import (
     Function,
     Joint,
     Load,
+    RigidBody,
+    Spring,
     Table,
     check,
     simulate,
 )
 from duhamel.solver.linear.linearize import linearize
+from duhamel.solver.start.damping import damping_in_words
 from scipy.linalg import eigh
 
 from .conftest import BEAM, line_mesh, make_beam
@@ -121,6 +126,42 @@ def test_every_mode_has_half_the_loss_factor_whatever_holds_the_body(lossy, held
     # The fit is one of undamped vibrations: what decays sees the chain elsewhere, by its loss.
     ripple = lossy.element.modes.chain.ripple
     np.testing.assert_allclose(2 * ratios[inside], 0.1, rtol=ripple + 0.1 / 2)
+
+
+def test_modal_ratios_of_the_free_body_are_less_where_it_is_clamped():
+    """docs/validity.md has the numbers."""
+    beam = make_beam(damping=Damping.model_validate({"modal": 0.02}))
+    model = model_of(
+        bodies={"beam": FlexibleBody(beam.element)},
+        joints=[Joint("hold", "fixed", ("ground", "beam.root"))],
+        t_end=0.01,
+        step=1e-4,
+    )
+    found = check(model)
+    ratios = [round(100 * motion.ratio, 2) for motion in found.damping]
+    assert ratios == [0.14, 0.14, 1.28, 1.28, 1.65, 1.65]
+    line = f"damping, about the start: {damping_in_words(found.damping)}"
+    assert line in str(found).splitlines()
+    assert simulate(model).solver["damping"] == damping_in_words(found.damping)
+
+
+def test_dampers_are_in_the_damping_of_the_assembled_model():
+    """A mass on a spring, and nothing without one."""
+    spring = Spring("coil", "point", ("ground", "block"), stiffness=400.0, damping=2.0)
+    for coefficient, expected in ((2.0, 0.05), (0.0, None)):
+        model = model_of(
+            bodies={"block": RigidBody(1.0, [1.0, 1.0, 1.0])},
+            joints=[Joint("guide", "prismatic", ("ground", "block"), [1, 0, 0])],
+            springs=[replace(spring, damping=coefficient)],
+            t_end=0.01,
+            step=1e-3,
+        )
+        found = check(model).damping
+        if expected is None:
+            assert found == ()
+        else:
+            assert found[0].ratio == pytest.approx(expected, rel=1e-9)
+            assert found[0].frequency == pytest.approx(20 * np.sqrt(1 - 0.05**2) / (2 * np.pi))
 
 
 def pushed(element, joints=(), **settings):
