@@ -28,6 +28,7 @@ def describe(element: Superelement) -> Table:
     sections = (
         _rigid(element),
         _interfaces(element.interfaces),
+        _channels(element),
         _frequencies(element.modes),
         _rotation(element.rotation),
         _kernel(element.kernel),
@@ -52,6 +53,18 @@ def _interfaces(interfaces: tuple[Interface, ...]) -> Iterator[Row]:
     yield "interfaces", f"{len(interfaces)}, positions [m] from the center of mass"
     for interface in interfaces:
         yield f"  {interface.name}", f"{_line(interface.X)}   {interface.n_dofs} dofs"
+
+
+def _channels(element: Superelement) -> Iterator[Row]:
+    if element.patterns:
+        yield "load patterns", f"{len(element.patterns)}, resultants at the amplitude 1"
+    for pattern in element.patterns:
+        force, moment = _line(pattern.force), _line(pattern.moment)
+        yield f"  {pattern.name}", f"{force} N   {moment} N m about the center of mass"
+    if element.sensors:
+        yield "sensors", f"{len(element.sensors)}, positions [m] from the center of mass"
+    for sensor in element.sensors:
+        yield f"  {sensor.name}", f"{_line(sensor.X)}   {sensor.kind}"
 
 
 def _frequencies(modes: Modes | None) -> Iterator[Row]:

@@ -23,6 +23,7 @@ from .laws.user import UserLaw
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
 from .model.composed import Delayed, Product, Sum
 from .model.contacts import Contact, Hertz
+from .model.couplers import Coupler
 from .model.curves import (
     Constant,
     Function,
@@ -60,6 +61,7 @@ from .model.recorded import Recorded, RecordedSpline
 from .model.settings import Settings, StartFrom, SteadyRotation
 from .model.springs import Spring
 from .model.stops import Stop
+from .plausibility import Doubt, doubts
 from .simulation import simulate, start
 from .simulator import Simulator
 
@@ -70,8 +72,10 @@ __all__ = [
     "Contact",
     "ConvergenceError",
     "Coulomb",
+    "Coupler",
     "DamperLaw",
     "Delayed",
+    "Doubt",
     "FlexibleBody",
     "ForceLaw",
     "ForceTable",
@@ -136,6 +140,7 @@ __all__ = [
     "Window",
     "check",
     "check_law",
+    "doubts",
     "read_model",
     "simulate",
     "start",

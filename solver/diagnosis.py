@@ -71,9 +71,8 @@ def _input(failure: Failure) -> str:
     for load, value in zip(lowered.loads, work.loads.value.tolist(), strict=True):
         if not math.isfinite(value):
             return f"{load.owner}: its signal is {_sample(load.signal, t)} at this time"
-    rows = lowered.system.couplings.drive.tolist()
     for d, value in enumerate(work.drives.value.tolist()):
-        i = rows.index(d)
+        i = int(lowered.system.couplings.driven[d])
         size, unit = _size_of(lowered, i)
         change = value - float(state.drives.value[d])
         if not math.isfinite(value):

@@ -5,11 +5,12 @@ from .fields import Field, draw_fields
 from .overview import overview
 from .picture import COLORS, draw, entitle, panels, save, style
 from .quantities import Curve, curves
-from .scene import Marker, Patch, Scene, draw_scene
+from .scene import Cross, Marker, Patch, Scene, draw_scene
 from .variation import draw_variation
 
 __all__ = [
     "COLORS",
+    "Cross",
     "Curve",
     "Field",
     "Marker",

@@ -72,12 +72,12 @@ class KernelBody:
         kernel = self.element.kernel
         d = _delay(kernel, s)
         self._check(kernel)
-        powers = d ** np.arange(len(kernel.g))
-        values: Matrix = np.tensordot(powers, kernel.g[:, :, self.active], axes=1)
+        g, powers = self.element.complete_kernel.g, d ** np.arange(len(kernel.g))
+        values: Matrix = np.tensordot(powers, g[:, :, self.active], axes=1)
         return values
 
     def static(self) -> Matrix:
-        return self.element.compliance[:, self.active]
+        return self.element.complete_compliance[:, self.active]
 
     def _check(self, kernel: Kernel) -> None:
         largest = np.abs(kernel.g).max()
@@ -134,6 +134,8 @@ def flexible_bodies(pose: Pose) -> list[FlexibleTransfer]:
 
 def _flexible_body(name: str, body: FlexibleBody, active: Index) -> FlexibleTransfer:
     modes = body.superelement.modes
+    if modes is not None:
+        modes = body.superelement.complete_modes(modes)
     if modes is None:
         return KernelBody(name, body.superelement, active)
     if body.rotation is not None:

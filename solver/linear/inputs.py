@@ -19,7 +19,7 @@ from ..arrays import Array
 from ..errors import ModelError
 from ..lower.lower import LoweredModel
 from ..model.curves import Constant, Input
-from ..model.loads import Load
+from ..model.loads import AnyLoad, Load, PatternLoad
 from ..model.model import GROUND, Model
 from .pose import Pose
 
@@ -61,7 +61,7 @@ def _unit_load(model: Model, name: str) -> Load:
 
 def channels(model: Model, lowered: LoweredModel, names: Sequence[str]) -> list[Channel]:
     """The inputs of such names; model: as given, whose loads come before the unit loads."""
-    found, added = [], len(model.loads)
+    found, added = [], len(model.frame_loads)
     for name in names:
         if _is_unit_load(name):
             found.append(Channel(name, (added,), unit=UNITS[name.partition(":")[0]]))
@@ -77,7 +77,8 @@ def _channel(model: Model, lowered: LoweredModel, name: str) -> Channel:
         number = int(rest) if rest.isdecimal() else 0
         if not 1 <= number <= len(model.loads):
             raise ModelError(f"{name}: expected load:1 to load:{len(model.loads)}, by their order")
-        return Channel(name, (number - 1,), unit=UNITS[model.loads[number - 1].type])
+        load = _on_a_frame(model.loads[number - 1], name)
+        return Channel(name, (_number(model, load),), unit=UNITS[load.type])
     drives = _drives(lowered)
     if kind == "drive":
         if rest not in drives:
@@ -85,7 +86,8 @@ def _channel(model: Model, lowered: LoweredModel, name: str) -> Channel:
                 f"{name}: nothing drives {rest!r}; driven are: {', '.join(drives) or 'none'}"
             )
         return Channel(name, drives=(drives[rest],))
-    loads = tuple(m for m, load in enumerate(model.loads) if _is_input(load.signal, name))
+    fed = [load for load in model.loads if _is_input(load.signal, name)]
+    loads = tuple(_number(model, _on_a_frame(load, name)) for load in fed)
     moved = tuple(d for d, drive in enumerate(lowered.drives) if _is_input(drive, name))
     if not loads and not moved:
         raise ModelError(
@@ -93,6 +95,18 @@ def _channel(model: Model, lowered: LoweredModel, name: str) -> Channel:
             "force:FRAME:x|y|z, torque:FRAME:x|y|z"
         )
     return Channel(name, loads, moved)
+
+
+def _on_a_frame(load: AnyLoad, name: str) -> Load:
+    """A load on a frame; `ModelError` for a load pattern, which is no input yet."""
+    if isinstance(load, PatternLoad):
+        raise ModelError(f"{name}: {load.owner}: linear analysis takes loads on frames as inputs")
+    return load
+
+
+def _number(model: Model, load: Load) -> int:
+    """The number of a load among those on frames, as the solver has them."""
+    return next(m for m, other in enumerate(model.frame_loads) if other is load)
 
 
 def _is_input(signal: object, name: str) -> bool:
@@ -112,7 +126,9 @@ def _drives(lowered: LoweredModel) -> dict[str, int]:
     couplings = lowered.system.couplings
     ranges = pairwise(couplings.range.tolist())
     for name, (first, last) in zip(lowered.coupling_names, ranges, strict=True):
-        numbers = dict.fromkeys(d for d in couplings.drive[first:last].tolist() if d >= 0)
+        # those of an attitude are components of axes, and no inputs by themselves
+        driven = couplings.drive[first:last][couplings.rows.axis[first:last] < 0]
+        numbers = dict.fromkeys(d for d in driven.tolist() if d >= 0)
         for k, d in enumerate(numbers, 1):
             found[name if len(numbers) == 1 else f"{name}.{k}"] = d
     return found

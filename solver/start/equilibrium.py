@@ -24,7 +24,7 @@ from ..step.equations import assemble, evaluate, linearize, set_force_scales
 from ..step.newton import correct
 from ..step.second_order import INERTIA, inertia_column
 from ..step.system import Elastic, Motors, State, System, Workspace
-from .assembly import drive_rates
+from .assembly import drive_rates, follow_turns
 from .servos import Holding
 from .steady import SteadyMotion
 
@@ -49,8 +49,8 @@ def check_drives(lowered: LoweredModel) -> None:
     """ModelError for a drive that accelerates at t = 0."""
     accelerations = np.array([drive.derivatives(0.0)[1] for drive in lowered.drives])
     accelerates = np.abs(accelerations) > _negligible(lowered)[:, 1]
-    for i, d in enumerate(lowered.system.couplings.drive.tolist()):
-        if d >= 0 and accelerates[d]:
+    for d, i in enumerate(lowered.system.couplings.driven.tolist()):
+        if accelerates[d]:
             raise ModelError(
                 f"{lowered.owner_of(i)}: start = 'equilibrium' takes drives without acceleration "
                 f"at t = 0, got {accelerations[d]:.6g}"
@@ -93,9 +93,12 @@ def check_steady(
     resisting = laws.stiffness.any(1) | laws.damping.any(1) | (np.diff(laws.range) > 0)
     resisting |= np.isin(laws.motor, _servos(laws.motors))
     inert = (couplings.compliant == 1) & ~resisting
-    rates = np.where(
-        inert, 0.0, np.abs(np.einsum("ij,ij->i", work.couplings.gradient, V_ab) + driven)
-    )
+    along = np.einsum("ij,ij->i", work.couplings.gradient, V_ab)
+    terms = couplings.terms
+    V_ab = np.hstack([V[terms.rows.frame_a], V[terms.rows.frame_b]])
+    by_terms = np.einsum("ij,ij->i", work.terms.gradient, V_ab)
+    np.add.at(along, terms.row, terms.ratio * by_terms)
+    rates = np.where(inert, 0.0, np.abs(along + driven))
     speed = float(np.linalg.norm(Omega))
     allowed = STEADY * np.where(lengths, speed * lowered.system.bodies.size, speed)
     allowed += np.array([*_negligible(lowered)[:, 0], 0.0])[couplings.drive]
@@ -205,7 +208,8 @@ class _Search:
         return f"relative residual {best:.3e} after {MAX_ITERATIONS} steps"
 
     def _continue_angles(self) -> None:
-        """Let the angles that motors act on go on over full turns."""
+        """Let the angles of constraints, and those that motors act on, go on over full turns."""
+        follow_turns(self.system, self.work)
         rows, work = self.system.couplings.laws.motors.row, self.work.couplings
         work.near[rows] = work.coordinate[rows]
 

@@ -286,4 +286,4 @@ def test_the_linear_model_has_the_springs_of_the_chain(lossy):
         assert found.values[k, 0, 0] == pytest.approx(G, rel=1e-7)
         inside = np.linalg.solve(1j * w * np.eye(len(space.A)) - space.A, space.B)
         # Many springs nearly have the same motion, whose eigenvectors carry rounding.
-        assert (space.C @ inside + space.D)[0, 0] == pytest.approx(G, rel=1e-4)
+        assert (space.C @ inside + space.D)[0, 0] == pytest.approx(G, rel=1e-3)
