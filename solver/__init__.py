@@ -151,11 +151,8 @@ __all__ = [
     "campbell",
     "check",
     "check_law",
-<<<<<<< HEAD
-    "linearize",
-=======
     "doubts",
->>>>>>> main
+    "linearize",
     "read_model",
     "simulate",
     "start",

@@ -75,21 +75,11 @@ class KernelBody:
             return self.element.complete_compliance[:, self.loaded]
         kernel = self.kernel
         self._check(kernel)
-<<<<<<< HEAD
         d = _delay(kernel, s)
         powers = d ** np.arange(len(kernel.g))
         values: Matrix = np.tensordot(powers, kernel.g[:, :, self.loaded], axes=1)
         return values
 
-=======
-        g, powers = self.element.complete_kernel.g, d ** np.arange(len(kernel.g))
-        values: Matrix = np.tensordot(powers, g[:, :, self.active], axes=1)
-        return values
-
-    def static(self) -> Matrix:
-        return self.element.complete_compliance[:, self.active]
-
->>>>>>> main
     def _check(self, kernel: Kernel) -> None:
         largest = np.abs(kernel.g).max()
         left = float(np.abs(kernel.g[-max(len(kernel.g) // 16, 1) :]).max() / largest)
@@ -141,21 +131,12 @@ def flexible_bodies(pose: Pose) -> list[FlexibleTransfer]:
     return found
 
 
-<<<<<<< HEAD
 def _flexible_body(name: str, body: FlexibleBody, loaded: Index, pose: Pose) -> FlexibleTransfer:
     element = body.superelement
     if element.modes is None:
         h, scheme = pose.lowered.longest_step, pose.lowered.scheme
         return KernelBody(name, element, element.complete_kernel_for(h, scheme, 1), loaded)
     modes = element.complete_modes(element.modes)
-=======
-def _flexible_body(name: str, body: FlexibleBody, active: Index) -> FlexibleTransfer:
-    modes = body.superelement.modes
-    if modes is not None:
-        modes = body.superelement.complete_modes(modes)
-    if modes is None:
-        return KernelBody(name, body.superelement, active)
->>>>>>> main
     if body.rotation is not None:
         modes = body.rotation.complete(modes)
     m, chain = len(modes.omega), modes.chain

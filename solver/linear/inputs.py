@@ -20,8 +20,9 @@ from ..arrays import Array
 from ..errors import ModelError
 from ..lower.lower import LoweredModel
 from ..model.curves import Constant, Input
-from ..model.loads import AnyLoad, Load, PatternLoad
+from ..model.loads import Load
 from ..model.model import GROUND, Model
+from ..step.rows import ATTITUDE
 from .equations import Forcing
 from .pose import Pose
 
@@ -80,31 +81,22 @@ def _channel(model: Model, lowered: LoweredModel, name: str) -> Channel:
         number = int(rest) if rest.isdecimal() else 0
         if not 1 <= number <= len(model.loads):
             raise ModelError(f"{name}: expected load:1 to load:{len(model.loads)}, by their order")
-<<<<<<< HEAD
         load = model.loads[number - 1]
         unit = UNITS[load.type] if isinstance(load, Load) else ""
         return Channel(name, (_numbers(model, lowered)[number - 1],), unit=unit)
     if kind == "motor":
         return _motor(model, name, rest)
-=======
-        load = _on_a_frame(model.loads[number - 1], name)
-        return Channel(name, (_number(model, load),), unit=UNITS[load.type])
->>>>>>> main
     drives = _drives(lowered)
     if kind == "drive":
         if rest not in drives:
             raise ModelError(
-                f"{name}: nothing drives {rest!r}; driven are: {', '.join(drives) or 'none'}"
+                f"{name}: nothing drives {rest!r}, or an attitude; driven are: "
+                f"{', '.join(drives) or 'none'}"
             )
         return Channel(name, drives=(drives[rest],))
-<<<<<<< HEAD
     numbers = _numbers(model, lowered)
     loads = tuple(numbers[m] for m, load in enumerate(model.loads) if _is_input(load.signal, name))
     motors = tuple(_motors_of(model, name))
-=======
-    fed = [load for load in model.loads if _is_input(load.signal, name)]
-    loads = tuple(_number(model, _on_a_frame(load, name)) for load in fed)
->>>>>>> main
     moved = tuple(d for d, drive in enumerate(lowered.drives) if _is_input(drive, name))
     if not loads and not moved and not motors:
         raise ModelError(
@@ -140,18 +132,6 @@ def _motors_of(model: Model, name: str) -> Iterator[int]:
             )
 
 
-def _on_a_frame(load: AnyLoad, name: str) -> Load:
-    """A load on a frame; `ModelError` for a load pattern, which is no input yet."""
-    if isinstance(load, PatternLoad):
-        raise ModelError(f"{name}: {load.owner}: linear analysis takes loads on frames as inputs")
-    return load
-
-
-def _number(model: Model, load: Load) -> int:
-    """The number of a load among those on frames, as the solver has them."""
-    return next(m for m, other in enumerate(model.frame_loads) if other is load)
-
-
 def _is_input(signal: object, name: str) -> bool:
     return isinstance(signal, Input) and signal.name == name
 
@@ -166,14 +146,17 @@ def _known(model: Model, lowered: LoweredModel) -> list[str]:
 
 
 def _drives(lowered: LoweredModel) -> dict[str, int]:
-    """Numbers of drives by joint or motion, with .1, .2 where one has several."""
+    """Numbers of drives by joint or motion, with .1, .2 where one has several.
+
+    Without attitudes, whose drives are the axes that they turn.
+    """
     found: dict[str, int] = {}
     couplings = lowered.system.couplings
     ranges = pairwise(couplings.range.tolist())
     for name, (first, last) in zip(lowered.coupling_names, ranges, strict=True):
-        # those of an attitude are components of axes, and no inputs by themselves
-        driven = couplings.drive[first:last][couplings.rows.axis[first:last] < 0]
-        numbers = dict.fromkeys(d for d in driven.tolist() if d >= 0)
+        if (couplings.rows.kind[first:last] == ATTITUDE).any():
+            continue
+        numbers = dict.fromkeys(d for d in couplings.drive[first:last].tolist() if d >= 0)
         for k, d in enumerate(numbers, 1):
             found[name if len(numbers) == 1 else f"{name}.{k}"] = d
     return found

@@ -312,7 +312,7 @@ def test_inputs_and_outputs_that_there_are_not(line):
     for name, message in {
         "gas": "gas: no such input; there are: none, and force:FRAME",
         "load:1": "load:1: expected load:1 to load:0",
-        "drive:clamp": "drive:clamp: nothing drives 'clamp'; driven are: none",
+        "drive:clamp": "drive:clamp: nothing drives 'clamp', or an attitude; driven are: none",
         "force:beam.tip": "force:beam.tip: expected force:BODY|FRAME:x|y|z",
         "force:bean.tip:x": "force:bean.tip:x: no body or frame 'bean.tip'",
     }.items():
