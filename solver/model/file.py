@@ -5,10 +5,10 @@ import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, get_args
 
 import tomli_w
-from pydantic import Discriminator, Field, Tag, create_model, model_validator
+from pydantic import Field, create_model, model_validator
 
 from ...files import renamed_when_whole
 from ...inputs import InputError, Table, Vector, quoted, read_table
@@ -17,7 +17,6 @@ from ..errors import ModelError, about
 from ..schema.entry import Entry, filled
 from ..schema.paths import beside, relative
 from ..schema.tables import (
-    EntryTable,
     entry_of,
     keys_of,
     present_keys,
@@ -30,7 +29,7 @@ from .bodies import Body, FlexibleBody, Frame, RigidBody, SecondOrder, Start
 from .contacts import Contact
 from .couplers import Coupler
 from .joints import Joint
-from .loads import Load, PatternLoad
+from .loads import AnyLoad, Load, PatternLoad
 from .model import Model
 from .motions import PrescribedMotion
 from .motors import Motor
@@ -84,22 +83,13 @@ _SETTINGS = {key: kind for key, kind in keys_of(Settings).items() if key != "out
 _SIMULATION: Any = create_model("Simulation", __base__=Table, **_SETTINGS, gravity=(Vector, ORIGIN))
 
 
-def _kind_of_load(table: Any) -> str:
-    pattern = isinstance(table, Mapping) and table.get("type") == PATTERN
-    return "(pattern)" if pattern or isinstance(table, _PATTERN_LOAD) else "(frame)"
-
-
 PATTERN = "pattern"
 """the type of loads that are no `Load` on a frame"""
-_TYPE: Any = (Literal["pattern"], ...)
-_PATTERN_LOAD: Any = create_model(
-    "PatternLoad", __base__=EntryTable, type=_TYPE, **keys_of(PatternLoad)
+_LOAD: Any = create_model(
+    "Load",
+    __base__=Table,
+    **{**_optional(keys_of(Load) | keys_of(PatternLoad)), "type": (str, ...)},
 )
-_PATTERN_LOAD.entry = PatternLoad
-_LOAD: Any = Annotated[
-    Annotated[table_of(Load), Tag("(frame)")] | Annotated[_PATTERN_LOAD, Tag("(pattern)")],
-    Discriminator(_kind_of_load),
-]
 
 
 class _Ground(Table):
@@ -164,7 +154,7 @@ def _model(file: _ModelFile, text: str, path: Path) -> Model:
             for name, body in file.bodies.items()
         },
         joints=value_of(file.joints),
-        loads=value_of(file.loads),
+        loads=tuple(_load(n, present_keys(load)) for n, load in enumerate(file.loads)),
         springs=value_of(file.springs),
         motions=tuple(_motion(present_keys(motion)) for motion in file.motions),
         contacts=value_of(file.contacts),
@@ -193,6 +183,23 @@ def _body(
         return FlexibleBody(superelements[source], start, str(source), second_order)
     except ValueError as error:
         raise ModelError(f"bodies.{name}: {error}") from error
+
+
+def _load(number: int, values: dict[str, Any]) -> AnyLoad:
+    """A load on a frame, or a load pattern, by its type; number: its place in the file, from 0."""
+    kind = values["type"]
+    own: type[AnyLoad] = PatternLoad if kind == PATTERN else Load
+    keys = {"type": (str, ...), **keys_of(own)}
+    for key in values:
+        if key not in keys:
+            raise ModelError(
+                f"loads.{number}: unknown key {quoted(key)} of a load of type {quoted(kind)}; "
+                f"known are {', '.join(keys)}"
+            )
+    for key, (_, default) in keys.items():
+        if default is ... and key not in values:
+            raise ModelError(f"loads.{number}.{key}: missing")
+    return entry_of(own, values)
 
 
 def _motion(values: dict[str, Any]) -> Any:

@@ -60,7 +60,7 @@ from duhamel.solver.model.joints import JOINT_TYPES
 from duhamel.solver.model.loads import LOAD_KINDS
 from duhamel.solver.model.motions import PrescribedMotion
 from duhamel.solver.model.springs import SPRING_TYPES
-from duhamel.superelement import Interface, Superelement, write
+from duhamel.superelement import Channels, Interface, Pattern, Superelement, write
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 MODELS = [path for path in sorted(EXAMPLES.glob("*.toml")) if "[bodies" in path.read_text()]
@@ -131,6 +131,11 @@ def test_the_examples_come_back_as_they_were(source, random_element, with_second
         made = with_second_order(random_element(number, (True,) * len(names), steps=10))
         named = zip(made.interfaces, sorted(names), strict=True)
         interfaces = tuple(Interface(name, old.X, True) for old, name in named)
+        patterns = [load["pattern"] for load in document.get("loads", []) if "pattern" in load]
+        if patterns:
+            phi = np.zeros((len(patterns), len(made.modes.omega)))
+            spread = tuple(Pattern(name, np.zeros(3), np.zeros(3)) for name in patterns)
+            made = replace(made, channels=Channels(spread, (), phi))
         element.parent.mkdir(parents=True, exist_ok=True)
         write(element, replace(made, interfaces=interfaces))
     model = read_model(path)
