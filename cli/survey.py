@@ -56,7 +56,8 @@ def scene(survey: Survey) -> Scene:
         for name, attachment in survey.masses.items()
     ]
     masses += [
-        Marker(name, np.array(sensor.point), has_axes=False) for name, sensor in survey.body.sensors.items()
+        Marker(name, np.array(sensor.point), has_axes=False)
+        for name, sensor in survey.body.sensors.items()
     ]
     if facets is None:
         lines = mesh.points[mesh.cells["line"]]
