@@ -8,8 +8,7 @@ gimbal lock is for the angles themselves. Source: docs/theory.md, Frames, joints
 """
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -17,8 +16,7 @@ import numpy as np
 from ..arrays import Array
 from ..schema.entry import Takes
 from ..schema.forms import Members
-from .curves import SmoothFunction
-from .signals import SIGNALS, SmoothSignal, is_smooth
+from .signals import SIGNALS, SmoothSignal, is_smooth, values_of
 
 SMALL = 1e-2
 """square of an angle below which functions of it are sums of a few powers"""
@@ -47,6 +45,8 @@ class Attitude:
 
     signals: tuple[SmoothSignal, SmoothSignal, SmoothSignal]
     form: Literal["vector", "angles"]
+    _last: dict[bytes, Array] = field(default_factory=dict, repr=False, compare=False)
+    """the last sampled rotations, which nine components share"""
 
     def rotation(self, t: float) -> Moving:
         """R, R' and R'' (3, 3) at time t [s]."""
@@ -58,16 +58,60 @@ class Attitude:
         )
         return _product(_product(first, second), third)
 
+    def samples(self, t: Array) -> Array:
+        """R (n, 3, 3) at times t (n,)."""
+        if (key := t.tobytes()) not in self._last:
+            values = np.stack([values_of(signal, t) for signal in self.signals], axis=1)
+            self._last.clear()
+            self._last[key] = _rotations(values, self.form)
+        return self._last[key]
+
     def axis(self, i: int, basis: Array) -> tuple[SmoothSignal, SmoothSignal, SmoothSignal]:
         """The components of R(t) e_i in axes in which e1, e2, e3 are the columns of `basis`."""
-        first, second, third = (self._component(i, basis[m]) for m in range(3))
+        first, second, third = (Component(self, i, basis[m]) for m in range(3))
         return first, second, third
 
-    def _component(self, i: int, row: Array) -> SmoothSignal:
-        def derivative(k: int) -> Callable[[float], float]:
-            return lambda t: float(row @ self.rotation(t)[k][:, i])
 
-        return SmoothFunction(derivative(0), derivative(1), derivative(2))
+@dataclass(frozen=True, eq=False)
+class Component:
+    """row . R(t) e_i, a signal."""
+
+    attitude: Attitude
+    i: int
+    row: Array
+
+    def __call__(self, t: float) -> float:
+        return float(self.row @ self.attitude.rotation(t)[0][:, self.i])
+
+    def samples(self, t: Array, h: float) -> Array:
+        values: Array = self.attitude.samples(t)[..., self.i] @ self.row
+        return values
+
+    def derivatives(self, t: float) -> tuple[float, float]:
+        _, rate, acceleration = self.attitude.rotation(t)
+        return float(self.row @ rate[:, self.i]), float(self.row @ acceleration[:, self.i])
+
+
+def _rotations(values: Array, form: str) -> Array:
+    """R (n, 3, 3) of rotation vectors or angles (n, 3)."""
+    if form == "vector":
+        W = np.array([_skew(w) for w in values]).reshape(-1, 3, 3)
+        a = np.linalg.norm(values, axis=1)[:, None, None]
+        half = np.sinc(0.5 * a / np.pi)
+        R: Array = np.eye(3) + np.sinc(a / np.pi) * W + 0.5 * half**2 * (W @ W)
+        return R
+    first, second, third = (
+        _turns(axis, angles) for axis, angles in zip((_I, _J, _K), values.T, strict=True)
+    )
+    product: Array = first @ second @ third
+    return product
+
+
+def _turns(axis: Array, angles: Array) -> Array:
+    """exp(angle axis~) (n, 3, 3)."""
+    S, P, a = _skew(axis), np.eye(3) - np.outer(axis, axis), angles[:, None, None]
+    R: Array = np.outer(axis, axis) + np.cos(a) * P + np.sin(a) * S
+    return R
 
 
 def _product(A: Moving, B: Moving) -> Moving:

@@ -21,9 +21,9 @@ import numpy as np
 from ..errors import ModelError
 from ..schema.entry import Entry, entry, one_of
 from ..schema.values import Name, NotZero, SomeNonZero, Words
-from .curves import SmoothFunction
+from .curves import Input, SmoothFunction
 from .joints import Joint
-from .signals import DrivingSignal, SmoothSignal
+from .signals import DrivingSignal, SmoothSignal, is_any
 
 NEEDS = {
     "gear": ("teeth", "radii"),
@@ -66,6 +66,8 @@ class Coupler(Entry):
         if len(given) != 1 or given[0] not in NEEDS[self.type]:
             needs, found = " or ".join(NEEDS[self.type]), " and ".join(given) or "none"
             raise self.error(f"a {self.type} coupler takes {needs}, found {found}")
+        if self.offset is not None and is_any(self.offset, Input):
+            raise self.error("offset: takes no input of a Simulator: let one drive a joint")
         if self.internal and self.type != "gear":
             raise self.error(f"internal belongs to gears, found type = {self.type!r}")
         if self.type != "linear" and len(self.joints) != 2:

@@ -25,8 +25,9 @@ from ..arrays import Array
 from ..schema.entry import Entry, entry, one_of
 from ..schema.values import ABSENT, Name, NotZero, NumbersByName, OptionalDirection, Pair
 from .attitude import Attitude, Attitudes
+from .curves import Input
 from .friction import JointFriction
-from .signals import DrivingSignal, SmoothSignal
+from .signals import DrivingSignal, SmoothSignal, is_any
 
 
 @dataclass(frozen=True)
@@ -227,6 +228,9 @@ class Joint(Entry):
             if name not in self.kind.drives:
                 takes = " and ".join(self.kind.drives) or "nothing"
                 raise self.error(f"a {self.type} joint is driven by {takes}, got {name}")
+        for key in attitudes:
+            if any(is_any(signal, Input) for signal in getattr(self, key) or ()):
+                raise self.error(f"{key}: takes no input of a Simulator: prescribe it beforehand")
         if len(given) > 1 and self.kind.own == "screw":
             raise self.error("a screw is driven by angle or distance, got both")
         if len(given) > 1 and self.type == "spherical":

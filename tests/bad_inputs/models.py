@@ -44,6 +44,7 @@ type = "fixed"
 between = ["hub.rim", "beam.root"]
 
 [[joints]]
+name = "glide"
 type = "point_on_plane"
 between = ["ground", "ball"]
 axis = [0, 1, 0]
@@ -108,8 +109,9 @@ range = [-1.0, 2.0]
 stiffness = 1e3
 
 [[couplers]]
+name = "mix"
 type = "linear"
-joints = ["point_on_plane 1.second_distance"]
+joints = ["glide.second_distance"]
 ratios = [2.0]
 offset = {polynomial = [0, 1e-3]}
 

@@ -7,6 +7,7 @@ from duhamel.solver import (
     Coupler,
     Frame,
     Harmonic,
+    Input,
     Joint,
     Model,
     ModelError,
@@ -211,6 +212,7 @@ def test_the_derivatives_of_an_attitude(form, size):
     values = np.array([signal(0.37) for signal in signals])
     known = Rotation.from_rotvec(values) if form == "vector" else Rotation.from_euler("XYZ", values)
     np.testing.assert_allclose(R, known.as_matrix(), atol=1e-13)
+    np.testing.assert_allclose(attitude.samples(np.array([0.1, 0.37]))[1], R, atol=1e-13)
 
 
 @pytest.mark.parametrize("tilt", [0.5, 2.0])
@@ -277,6 +279,9 @@ def test_a_spherical_joint_follows_one_kind_of_signals():
         Joint("j", "spherical", ["ground", "b"], rotation_vector=three, cardan_angles=three)
     with pytest.raises(ModelError, match="rotation_vector: expected three smooth signals"):
         Joint("j", "spherical", ["ground", "b"], rotation_vector=three[:2])
+    told = [Constant(0.0), Input("pitch"), Constant(0.0)]
+    with pytest.raises(ModelError, match="cardan_angles: takes no input"):
+        Joint("j", "spherical", ["ground", "b"], cardan_angles=told)
     with pytest.raises(ModelError, match="a fixed joint is driven by nothing"):
         Joint("j", "fixed", ["ground", "b"], rotation_vector=three)
 
