@@ -7,10 +7,10 @@ import pytest
 from duhamel.cli import app
 
 PENDULUM = """
-gravity = [0, -9.81, 0]
 [simulation]
 t_end = 1.0
 step = 1e-3
+gravity = [0, -9.81, 0]
 [bodies.arm]
 mass = 2.0
 inertia = [0.01, 0.02, 0.03]
@@ -64,7 +64,7 @@ def test_modes_are_printed_and_drawn(runner, pendulum, tmp_path):
     assert f"{FREQUENCY:.6g}" in result.stdout
     assert target.exists()
     run(runner, "modes", pendulum, "-o", tmp_path / "modes.csv")
-    rows = list(csv.DictReader((tmp_path / "modes.csv").open()))
+    rows = list(csv.DictReader((tmp_path / "modes.csv").read_text().splitlines()))
     assert float(rows[0]["frequency_Hz"]) == pytest.approx(FREQUENCY, rel=1e-12)
 
 
@@ -72,7 +72,7 @@ def test_frequency_responses_are_written(runner, pendulum, tmp_path):
     target = tmp_path / "frf.csv"
     asked = ("--from", "load:1", "--to", "coordinate:hinge:angle", "--band", 1, 10)
     run(runner, "frf", pendulum, *asked, "-o", target)
-    header, *rows = csv.reader(target.open())
+    header, *rows = csv.reader(target.read_text().splitlines())
     assert header[1] == "coordinate:hinge:angle by load:1 [rad / N m]"
     f, size, _ = np.array(rows, dtype=float).T
     np.testing.assert_allclose(size, np.abs(1 / (9.81 - 0.53 * (2 * np.pi * f) ** 2)), rtol=1e-9)
