@@ -24,6 +24,7 @@ from ..step.elimination import factorize
 from ..step.equations import assemble, evaluate, linearize, set_force_scales
 from ..step.force_laws import law_rounding
 from ..step.newton import correct
+from ..step.rows import measures_length
 from ..step.second_order import INERTIA, inertia_column
 from ..step.system import Elastic, Motors, State, System, Workspace
 from .assembly import drive_rates, follow_turns
@@ -39,6 +40,8 @@ STEADY = 1e-8
 """largest rate of a coordinate, relative to that of the rotation, that counts as none"""
 SAMPLES = 65
 """times at which drives are sampled for their largest rates"""
+UNLOADED = 1e-3
+"""error of a servo that TOLERANCE of is its rounding"""
 FIRST_STEP = 0.05
 """length of the first step, relative to the size of the model"""
 LARGEST = 1e200
@@ -368,10 +371,29 @@ def _relative_residuals(
 
 
 def _largest_forces(system: System, work: Workspace, least: float = 0.0) -> tuple[float, float]:
-    """The largest sums of forces and of moments on a body; moments at least of small levers."""
-    forces = max(float(work.bodies.force_scale[:, 0].max()), least, 1e-300)
-    levered = forces * 1e-3 * system.bodies.size
+    """The largest sums of forces and of moments on a body; moments at least of small levers.
+
+    And those by which servos would answer to `UNLOADED`, where nothing loads them.
+    """
+    lengths, answers = _answers(system, work)
+    forces = max(
+        float(work.bodies.force_scale[:, 0].max()), answers[lengths].max(initial=1e-300), least
+    )
+    levered = max(forces * 1e-3 * system.bodies.size, answers[~lengths].max(initial=0.0))
     return forces, max(float(work.bodies.force_scale[:, 1].max()), levered)
+
+
+def _answers(system: System, work: Workspace) -> tuple[NDArray[np.bool_], Array]:
+    """Of each motor, if its coordinate is a length, and the force by which it answers to an error
+    of `UNLOADED` of the size of the model, of 1 rad, or of the rate.
+    """
+    motors, rows = system.couplings.laws.motors, system.couplings.rows.kind
+    lengths = np.array([measures_length(kind) for kind in rows[motors.row].tolist()], dtype=bool)
+    reach = np.where(lengths, system.bodies.size, 1.0)
+    reach = np.maximum(reach, np.abs(work.couplings.coordinate[motors.row]))
+    rate = np.abs(work.couplings.rate[motors.row])
+    answers: Array = UNLOADED * (motors.stiffness * reach + motors.damping * rate)
+    return lengths, answers
 
 
 def _centrifugal_scales(system: System, state: State, work: Workspace) -> Array:
