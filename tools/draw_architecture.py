@@ -65,6 +65,7 @@ ABOUT = {
     "solver/plausibility": "doubts about models",
     "solver/inspection": "what a run would be",
     "solver/simulator": "one step at a time",
+    "solver/linear": "modes, responses",
 }
 """What a package or room holds, in a few words."""
 

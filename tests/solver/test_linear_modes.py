@@ -7,6 +7,7 @@ import pytest
 from duhamel.preprocess import Body, build
 from duhamel.solver import (
     BoucWenLaw,
+    Coupler,
     DamperLaw,
     FlexibleBody,
     Frame,
@@ -390,3 +391,22 @@ def test_a_servo_on_a_joint():
     G = s / (J * s**3 + d * s**2 + k * s + integral)
     np.testing.assert_allclose(given[1, 0], [G, G], rtol=1e-9)
     np.testing.assert_allclose(given[0, 0], [0.0, 0.0], atol=1e-12)
+
+
+def test_a_gear_carries_the_inertia_of_its_wheel_over():
+    """J_1 + (z_1 / z_2)^2 J_2 on a torsion spring of the first wheel."""
+    J_1, J_2, k = 0.02, 0.3, 8.0
+    bodies = {
+        "a": RigidBody(1.0, [J_1] * 3),
+        "b": RigidBody(1.0, [J_2] * 3, start=Start([0.5, 0, 0])),
+    }
+    joints = (
+        Joint("first", "revolute", ("ground", "a"), Z),
+        Joint("second", "revolute", ("ground", "b"), Z),
+    )
+    spring = Spring("s", "torsion", ("ground", "a"), Z, stiffness=k)
+    gear = Coupler("gear", "gear", ["first", "second"], teeth=[20, 50])
+    model = model_of(bodies, joints, springs=(spring,), couplers=(gear,), step=1e-3)
+    found = linearize(model).modes()
+    omega = np.sqrt(k / (J_1 + (20 / 50) ** 2 * J_2))
+    np.testing.assert_allclose(found.values, [1j * omega], rtol=1e-10, atol=1e-10)

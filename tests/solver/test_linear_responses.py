@@ -17,6 +17,7 @@ from duhamel.solver import (
     MaxwellLaw,
     Model,
     ModelError,
+    PatternLoad,
     PrescribedDisplacement,
     RigidBody,
     Settings,
@@ -327,3 +328,35 @@ def test_inputs_and_outputs_that_there_are_not(line):
 def test_free_motions_have_no_static_response(line):
     with pytest.raises(ModelError, match="no response at 0 Hz: the model resonates"):
         linearize(held(line)).static(["force:beam.tip:x"], ["position:beam.tip:x"])
+
+
+def test_a_pattern_of_loads_and_sensors_inside_the_body(tmp_path):
+    """q L^4 / (8 EI) at the tip and q L^2 / 2 in the clamp, of a beam under a uniform load."""
+    element = make_line(
+        tmp_path,
+        1.0,
+        8,
+        loads={"wind": {"force_per_length": [0.0, 1.0, 0.0]}},
+        sensors={
+            "end": {"point": [1.0, 0.0, 0.0]},
+            "gauge": {"point": [0.001, 0.01, 0.0], "direction": [1, 0, 0]},
+        },
+    )
+    loads = (
+        PatternLoad("beam", "wind", Constant(0.0)),
+        Load("force", "beam.tip", [0, 1.0, 0], Constant(0.0)),
+    )
+    linear = linearize(held(element, CLAMP, loads=loads))
+    inputs = ["load:1", "load:2", "force:beam.tip:y"]
+    outputs = ["position:beam.tip:y", "moment:clamp:z", "sensor_displacement:beam.end:y"]
+    found = linear.static(inputs, [*outputs, "strain:beam.gauge"]).values[0].real
+    np.testing.assert_allclose(found[0], [1.0 / 240.0, 1.0 / 90.0, 1.0 / 90.0], rtol=1e-6)
+    np.testing.assert_allclose(np.abs(found[1]), [0.5, 1.0, 1.0], rtol=1e-6)
+    np.testing.assert_allclose(found[3, 1], -0.01 * 0.999 / 30.0, rtol=1e-4)
+    frequency = 7.0
+    outputs = ["acceleration:beam.tip:y", "sensor_acceleration:beam.end:y"]
+    both = linear.frf(["load:1"], outputs, [frequency]).values[0, :, 0]
+    np.testing.assert_allclose(both[0], both[1], rtol=1e-6)
+    state_space = linear.state_space(["load:1"], outputs)
+    s = 2j * np.pi * frequency
+    np.testing.assert_allclose(transfer(state_space, [s])[0, :, 0], both, rtol=1e-5)

@@ -18,6 +18,7 @@ from duhamel.solver import (
     Settings,
     Start,
     SteadyRotation,
+    linearize,
     simulate,
 )
 
@@ -93,3 +94,20 @@ def test_a_shaft_whirls_forwards_and_backwards(shaft, spin):
     found = np.array([frequency(signal, STEP, omega) for omega in exact])
     print(f"{spin} rad/s: {found}, exact {exact}, errors {found / exact - 1.0}")
     np.testing.assert_allclose(found, exact, rtol=1e-3)
+
+
+@pytest.mark.parametrize("spin", [0.0, 100.0, 600.0])
+def test_linear_analysis_has_the_whirl(shaft, spin):
+    exact = whirl(spin, L, E * I_A, RHO * A, RHO * I_A, DISK, 1.0 / 3.0)[:4]
+    model = Model(
+        bodies={"shaft": FlexibleBody(shaft, Start(-shaft.interface("left").X))},
+        joints=(
+            Joint("left", "spherical", ("ground", "shaft.left")),
+            Joint("right", "spherical", ("ground.right", "shaft.right")),
+        ),
+        ground_frames={"right": Frame([L, 0, 0])},
+        settings=Settings(t_end=T_END, step=STEP, rho_inf=0.9),
+    )
+    found = linearize(model, SteadyRotation(spin * X)).modes().values.imag
+    for omega in np.abs(exact - spin):
+        assert np.abs(found - omega).min() < 1e-5 * max(omega, spin)

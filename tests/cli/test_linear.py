@@ -1,0 +1,102 @@
+"""`duhamel modes`, `duhamel frf` and `duhamel campbell`: what they print and write."""
+
+import csv
+
+import numpy as np
+import pytest
+from duhamel.cli import app
+
+PENDULUM = """
+[simulation]
+t_end = 1.0
+step = 1e-3
+gravity = [0, -9.81, 0]
+[bodies.arm]
+mass = 2.0
+inertia = [0.01, 0.02, 0.03]
+position = [0, -0.5, 0]
+frames.pivot = {position = [0, 0.5, 0]}
+[[joints]]
+name = "hinge"
+type = "revolute"
+between = ["ground", "arm.pivot"]
+axis = [0, 0, 1]
+[[loads]]
+type = "torque"
+on = "arm"
+direction = [0, 0, 1]
+signal = 1.0
+"""
+ROTOR = """
+[simulation]
+t_end = 1.0
+step = 1e-3
+start = "equilibrium"
+steady_rotation = {angular_velocity = [0, 0, 1]}
+[bodies.disk]
+mass = 2.0
+inertia = [0.02, 0.02, 0.04]
+[[springs]]
+name = "bearing"
+type = "bushing"
+between = ["ground", "disk"]
+stiffness = [2e4, 2e4, 2e4, 0, 0, 0]
+"""
+FREQUENCY = np.sqrt(9.81 / 0.53) / (2.0 * np.pi)
+
+
+@pytest.fixture
+def pendulum(tmp_path):
+    file = tmp_path / "pendulum.toml"
+    file.write_text(PENDULUM)
+    return file
+
+
+def run(runner, *arguments, code=0):
+    result = runner.invoke(app, [str(argument) for argument in arguments])
+    assert result.exit_code == code, result.output
+    return result
+
+
+def test_modes_are_printed_and_drawn(runner, pendulum, tmp_path):
+    target = tmp_path / "modes.png"
+    result = run(runner, "modes", pendulum, "-o", target)
+    assert f"{FREQUENCY:.6g}" in result.stdout
+    assert target.exists()
+    run(runner, "modes", pendulum, "-o", tmp_path / "modes.csv")
+    rows = list(csv.DictReader((tmp_path / "modes.csv").read_text().splitlines()))
+    assert float(rows[0]["frequency_Hz"]) == pytest.approx(FREQUENCY, rel=1e-12)
+
+
+def test_frequency_responses_are_written(runner, pendulum, tmp_path):
+    target = tmp_path / "frf.csv"
+    asked = ("--from", "load:1", "--to", "coordinate:hinge:angle", "--band", 1, 10)
+    run(runner, "frf", pendulum, *asked, "-o", target)
+    header, *rows = csv.reader(target.read_text().splitlines())
+    assert header[1] == "coordinate:hinge:angle by load:1 [rad / N m]"
+    f, size, _ = np.array(rows, dtype=float).T
+    np.testing.assert_allclose(size, np.abs(1 / (9.81 - 0.53 * (2 * np.pi * f) ** 2)), rtol=1e-9)
+    run(runner, "frf", pendulum, *asked, "--bodies", "dynamic", "--bodies", "rigid")
+    assert (tmp_path / "pendulum-frf.png").exists()
+    result = run(runner, "frf", pendulum, *asked[:4], "--static")
+    assert f"{1 / 9.81:.9g}" in result.stdout
+
+
+def test_a_campbell_diagram_is_printed_and_drawn(runner, tmp_path):
+    file = tmp_path / "rotor.toml"
+    file.write_text(ROTOR)
+    result = run(runner, "campbell", file, "--spin", 0, 200, 5, "-n", 4)
+    assert "1x meets line" in result.stdout
+    assert "100 rad/s" in result.stdout  # sqrt(2e4 / 2)
+    assert (tmp_path / "rotor-campbell.png").exists()
+
+
+def test_what_cannot_be_done_is_told_in_one_line(runner, pendulum, tmp_path):
+    asked = ("--to", "coordinate:hinge:angle", "--band", 1, 10)
+    result = run(runner, "frf", pendulum, "--from", "load:2", *asked, code=1)
+    assert "error: " in result.stderr
+    assert "load:2: expected load:1 to load:1" in result.stderr
+    result = run(runner, "campbell", pendulum, "--spin", 0, 200, 5, code=1)
+    assert "a Campbell diagram needs the axis of a steady_rotation" in result.stderr
+    result = run(runner, "modes", pendulum, "-o", pendulum, code=1)
+    assert "would replace" in result.stderr
