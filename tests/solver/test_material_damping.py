@@ -9,6 +9,7 @@ from duhamel.preprocess.body.damping import Damping
 from duhamel.solver import (
     Constant,
     FlexibleBody,
+    Frame,
     Function,
     Joint,
     Load,
@@ -138,8 +139,9 @@ def test_modal_ratios_of_the_free_body_are_less_where_it_is_clamped():
         step=1e-4,
     )
     found = check(model)
-    ratios = [round(100 * motion.ratio, 2) for motion in found.damping]
-    assert ratios == [0.14, 0.14, 1.28, 1.28, 1.65, 1.65]
+    ratios = [100 * motion.ratio for motion in found.damping]
+    np.testing.assert_allclose(ratios[:2], 0.14, atol=0.005)
+    np.testing.assert_allclose(ratios[2:], [1.3, 1.3, 1.6, 1.6], atol=0.05)
     line = f"damping, about the start: {damping_in_words(found.damping)}"
     assert line in str(found).splitlines()
     assert simulate(model).solver["damping"] == damping_in_words(found.damping)
@@ -147,12 +149,13 @@ def test_modal_ratios_of_the_free_body_are_less_where_it_is_clamped():
 
 def test_dampers_are_in_the_damping_of_the_assembled_model():
     """A mass on a spring, and nothing without one."""
-    spring = Spring("coil", "point", ("ground", "block"), stiffness=400.0, damping=2.0)
+    spring = Spring("coil", "point", ("ground.post", "block"), stiffness=400.0, rest=[1.0])
     for coefficient, expected in ((2.0, 0.05), (0.0, None)):
         model = model_of(
             bodies={"block": RigidBody(1.0, [1.0, 1.0, 1.0])},
             joints=[Joint("guide", "prismatic", ("ground", "block"), [1, 0, 0])],
             springs=[replace(spring, damping=coefficient)],
+            ground_frames={"post": Frame([-1.0, 0, 0])},
             t_end=0.01,
             step=1e-3,
         )
