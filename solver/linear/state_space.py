@@ -58,6 +58,13 @@ def state_space_of(
                 f"{channel.name}: a drive moves its joint at once: state space takes loads, "
                 "frequency responses take drives"
             )
+    if len(form.springs.tau):
+        # Its springs nearly have the same motion, one for each mode: coordinates of their own
+        # would carry errors of a hundredth.
+        raise ModelError(
+            "state space: a body has a loss factor, expected modal damping or Rayleigh's; modes "
+            "and frequency responses take it"
+        )
     if form.n > LARGEST:
         raise ModelError(f"{form.n} states: expected at most {LARGEST} for a state space")
     observation = observe(form.equations, quantities, inputs)
@@ -112,13 +119,10 @@ def _response(form: FirstOrder, forces: Array) -> Array:
     """The state (n, n_in) under unit inputs at the frequency sigma."""
     relaxation, sigma = form.equations.relaxation, form.sigma
     found = form.factors.forced(forces)
-    d, springs = form.step(sigma), form.springs
+    d = sigma * sigma + form.damping * sigma + form.stiffness
     y = np.vstack([found.xi, (form.phi.T @ found.pi) / d[:, None]])
     strain = relaxation.gradient @ np.vstack([found.xi, found.z])
-    dampers = strain / (1.0 + sigma * relaxation.tau)[:, None]
-    rate = sigma * y[form.equations.sizes.n_r :]
-    stretch = springs.stretch(sigma, rate, np.zeros((len(springs.tau), y.shape[1])))
-    e = np.vstack([dampers, stretch])
+    e = strain / (1.0 + sigma * relaxation.tau)[:, None]
     joined: Array = form.joined(States(y, sigma * y, e, found.lam))
     return joined
 
