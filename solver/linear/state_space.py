@@ -58,6 +58,13 @@ def state_space_of(
                 f"{channel.name}: a drive moves its joint at once: state space takes loads, "
                 "frequency responses take drives"
             )
+    if len(form.chains.mode):
+        # Springs of one element nearly have the same motion in all modes: in coordinates of their
+        # own, responses were wrong by a hundredth.
+        raise ModelError(
+            "state space: a body has a loss factor, expected modal damping or Rayleigh's; modes "
+            "and frequency responses take it"
+        )
     if form.n > LARGEST:
         raise ModelError(f"{form.n} states: expected at most {LARGEST} for a state space")
     observation = observe(form.equations, quantities, inputs)

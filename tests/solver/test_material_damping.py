@@ -9,9 +9,11 @@ from duhamel.preprocess.body.damping import Damping
 from duhamel.solver import (
     Constant,
     FlexibleBody,
+    Frame,
     Function,
     Joint,
     Load,
+    ModelError,
     RigidBody,
     Spring,
     Table,
@@ -138,8 +140,9 @@ def test_modal_ratios_of_the_free_body_are_less_where_it_is_clamped():
         step=1e-4,
     )
     found = check(model)
-    ratios = [round(100 * motion.ratio, 2) for motion in found.damping]
-    assert ratios == [0.14, 0.14, 1.28, 1.28, 1.65, 1.65]
+    ratios = [100 * motion.ratio for motion in found.damping]
+    np.testing.assert_allclose(ratios[:2], 0.14, atol=0.005)
+    np.testing.assert_allclose(ratios[2:], [1.3, 1.3, 1.6, 1.6], atol=0.05)
     line = f"damping, about the start: {damping_in_words(found.damping)}"
     assert line in str(found).splitlines()
     assert simulate(model).solver["damping"] == damping_in_words(found.damping)
@@ -147,12 +150,13 @@ def test_modal_ratios_of_the_free_body_are_less_where_it_is_clamped():
 
 def test_dampers_are_in_the_damping_of_the_assembled_model():
     """A mass on a spring, and nothing without one."""
-    spring = Spring("coil", "point", ("ground", "block"), stiffness=400.0, damping=2.0)
+    spring = Spring("coil", "point", ("ground.post", "block"), stiffness=400.0, rest=[1.0])
     for coefficient, expected in ((2.0, 0.05), (0.0, None)):
         model = model_of(
             bodies={"block": RigidBody(1.0, [1.0, 1.0, 1.0])},
             joints=[Joint("guide", "prismatic", ("ground", "block"), [1, 0, 0])],
             springs=[replace(spring, damping=coefficient)],
+            ground_frames={"post": Frame([-1.0, 0, 0])},
             t_end=0.01,
             step=1e-3,
         )
@@ -264,7 +268,7 @@ def test_stresses_follow_the_springs_of_the_chain(lossy):
 
 
 def test_the_linear_model_has_the_springs_of_the_chain(lossy):
-    """Modes, frequency responses and state space, against the mesh and against each other."""
+    """Modes and frequency responses, against the mesh; a state space is refused."""
     joints = [Joint("hold", "fixed", ("ground", "beam.root"))]
     model = model_of(
         bodies={"beam": FlexibleBody(lossy.element)}, joints=joints, t_end=0.01, step=1e-4
@@ -278,12 +282,10 @@ def test_the_linear_model_has_the_springs_of_the_chain(lossy):
     K, M = structure.K.toarray()[6:, 6:], structure.M.toarray()[6:, 6:]
     f = np.array([5.0, 20.0, 300.0, 2000.0])
     found = linear.frf(["force:beam.tip:y"], ["position:beam.tip:y"], f)
-    space = linear.state_space(["force:beam.tip:y"], ["position:beam.tip:y"])
     P = structure.P_C.toarray()[:, 6:]
     for k, w in enumerate(2 * np.pi * f):
         c = chain.factor(np.array([w]), 1)[0, 0]
         G = (P @ np.linalg.solve(c * K - w**2 * M, P.T))[7, 7]
         assert found.values[k, 0, 0] == pytest.approx(G, rel=1e-7)
-        inside = np.linalg.solve(1j * w * np.eye(len(space.A)) - space.A, space.B)
-        # Many springs nearly have the same motion, whose eigenvectors carry rounding.
-        assert (space.C @ inside + space.D)[0, 0] == pytest.approx(G, rel=1e-3)
+    with pytest.raises(ModelError, match=r"state space: a body has a loss factor, expected modal"):
+        linear.state_space(["force:beam.tip:y"], ["position:beam.tip:y"])
