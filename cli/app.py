@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from . import linear
 from .failures import Commands, errors_in_one_line, one_line
 
 app = typer.Typer(
@@ -159,17 +160,22 @@ def preprocess(
     if dry_run:
         _survey(body_file, output)
         return
+    from .description import loss_in_words
+
     target = output or body_file.with_suffix(".h5")
     with errors_in_one_line(files, preprocess, superelement):
         body = preprocess.read_body(body_file)
         superelement.require_writable(target)
         files.require_no_input(target, [body_file, *preprocess.files_of(body)])
-    for doubt in preprocess.doubts_of_body(body):
-        typer.echo(one_line(f"warning: {body_file}: {doubt}"), err=True)
+    doubts = list(preprocess.doubts_of_body(body))
     with errors_in_one_line(preprocess, superelement, about=body_file):
-        element = preprocess.build(body, progress=True)
+        element = preprocess.build(body, progress=True, told=doubts.append)
+    for doubt in doubts:
+        typer.echo(one_line(f"warning: {body_file}: {doubt}"), err=True)
     with errors_in_one_line(superelement):
         superelement.write(target, element)
+    if element.modes is not None and element.modes.chain is not None:
+        typer.echo(one_line(f"loss factor: {loss_in_words(element.modes, element.modes.chain)}"))
     megabytes = target.stat().st_size / 1e6
     seconds = perf_counter() - start
     if body.impulse.modes is not None:
@@ -211,6 +217,9 @@ def run(
     target = output or _results_of(model_file)
     with errors_in_one_line(solver, superelement):
         model = solver.read_model(model_file)
+        for doubt in solver.doubts(model):
+            if doubt.severe:
+                typer.echo(one_line(f"warning: {model_file}: {doubt.text}"), err=True)
         results = solver.simulate(model, output=target, progress=True, resume=resume, anyway=anyway)
     for line in report(results):
         typer.echo(one_line(line))
@@ -318,6 +327,7 @@ def peaks(
 
     Without arguments: of all accelerations, forces and elastic displacements that were recorded. A
     star in a name stands for anything: 'acceleration:bracket.*:z'. The largest one comes first.
+    von_mises:BODY is the largest stress on the surface of a body, with its place.
     """
     from rich.console import Console
 
@@ -392,3 +402,7 @@ def _check_superelement(file: Path) -> None:
     if failed:
         raise typer.Exit(1)
     typer.echo(one_line(f"{file}: {len(checks)} checks hold"))
+
+
+for command in (linear.modes, linear.frf, linear.campbell):
+    app.command()(command)

@@ -17,7 +17,7 @@ def peaks_table(name: str, peaks: Sequence[Peak]) -> Table:
         table.add_column(heading, justify="right", no_wrap=True)
     for peak in peaks:
         table.add_row(
-            Text(peak.quantity),
+            Text(peak.quantity + _place(peak)),
             Text(peak.unit),
             f"{peak.largest:.4g}",
             f"{peak.at_largest:.5g} {peak.base}",
@@ -25,3 +25,10 @@ def peaks_table(name: str, peaks: Sequence[Peak]) -> Table:
             f"{peak.at_smallest:.5g} {peak.base}",
         )
     return table
+
+
+def _place(peak: Peak) -> str:
+    """In body axes [m]."""
+    if peak.place is None:
+        return ""
+    return f" at ({', '.join(f'{x:.4g}' for x in peak.place)}) m"

@@ -196,6 +196,15 @@ class StopMotion:
 
 
 @dataclass(frozen=True, eq=False)
+class CouplerMotion:
+    """What a coupler does between joint coordinates."""
+
+    force: Array
+    """(n,) on the first coordinate, a moment on an angle [N, N m]; on each other one times its
+    ratio over the first"""
+
+
+@dataclass(frozen=True, eq=False)
 class MotorMotion:
     """What a motor does."""
 

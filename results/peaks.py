@@ -1,6 +1,7 @@
 """Tables of peaks: the largest and smallest values of quantities, when, and where."""
 
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from itertools import product
@@ -13,16 +14,32 @@ from .quantities import KINDS
 from .results import Results
 from .transforms import IN_G, Series, check, in_g, parse, series
 
-UNASKED = ("acceleration", "force", "normal_force", "elastic_displacement")
+UNASKED = (
+    "acceleration",
+    "sensor_acceleration",
+    "force",
+    "normal_force",
+    "elastic_displacement",
+    "strain",
+    "stress",
+)
 """the kinds of quantities of a table for which none are named"""
+SPACE = 3
+"""components of a vector, at most: stresses have more, and no length"""
+STRESS = "von_mises:"
+AT_ONCE = 1000
+"""times at which stresses are in memory"""
+NEGLIGIBLE = 1e-6
+"""a component this much smaller than the largest one of a vector is rounding, and left out"""
 
 
 @dataclass(frozen=True)
 class Peak:
     """The extremes of one number over time, or over frequency.
 
-    quantity: as outputs of studies take it, |QUANTITY| for the length of a vector; base: the unit
-    of the times or frequencies `at_largest` and `at_smallest`, s or Hz.
+    quantity: as outputs of studies take it, |QUANTITY| for the length of a vector, or
+    von_mises:BODY; base: the unit of the times or frequencies `at_largest` and `at_smallest`, s or
+    Hz.
     """
 
     quantity: str
@@ -32,6 +49,8 @@ class Peak:
     smallest: float
     at_smallest: float
     base: str
+    place: tuple[float, ...] | None = None
+    """of a stress: the point of the surface, in body axes [m]"""
 
     @property
     def magnitude(self) -> float:
@@ -44,15 +63,59 @@ def peaks(
     """The peaks of quantities, or of what is made of them, as "srs(acceleration:hub:z)".
 
     In names `*` stands for anything: "acceleration:bracket.*:z". Of a vector without axis each
-    axis has a peak, and over time its length. The peaks of each argument are ordered, the largest
-    one first, which is the place of it; those of all times, without quantities, of accelerations,
-    forces and elastic displacements. gravities: accelerations in g.
+    axis has a peak, unless it is rounding, and over time its length. Those of each argument are
+    ordered: the largest one comes first, which is its place. Without quantities: accelerations,
+    forces and elastic displacements of all. "von_mises:BODY": the largest equivalent stress on the
+    surface, and its point; `RecoveryError` without recovery. gravities: accelerations in g.
+    """
+    quantities = tuple(quantities)
+    if not quantities:
+        return _unasked(results, gravities)
+    found: list[Peak] = []
+    for quantity in quantities:
+        if quantity.startswith(STRESS):
+            found.append(_stress(results, quantity))
+        else:
+            found += _alike(results, quantity, gravities)
+    return tuple(found)
+
+
+def _alike(results: Results, quantity: str, gravities: bool) -> list[Peak]:
+    """The peaks of a quantity, or of all that it stands for that have it, as sensors of a kind.
+
+    The largest one comes first.
     """
     found: list[Peak] = []
-    for quantity in quantities or _unasked(results):
-        alike = [peak for one in _named(results, quantity) for peak in _of(results, one, gravities)]
-        found += sorted(alike, key=lambda peak: -peak.magnitude)
-    return tuple(found)
+    names = _named(results, quantity)
+    lacking: QuantityError | None = None
+    for name in names:
+        try:
+            found += _of(results, name, gravities)
+        except QuantityError as error:
+            lacking = error
+    if lacking is not None and not found:
+        raise lacking
+    return sorted(found, key=lambda peak: -peak.magnitude)
+
+
+def _stress(results: Results, quantity: str) -> Peak:
+    """The extremes over time of the largest stress on a body, and the point of the largest."""
+    body = quantity.removeprefix(STRESS)
+    if body not in results.superelement_files:
+        known = ", ".join(results.superelement_files) or "none"
+        raise QuantityError(f"{quantity}: no flexible body {body!r}; there are: {known}")
+    time = results.time
+    largest, points = np.zeros(len(time)), np.zeros(len(time), dtype=np.int64)
+    for start in range(0, len(time), AT_ONCE):
+        rows = slice(start, start + AT_ONCE)
+        stress = results.von_mises(body, time[rows])
+        points[rows] = stress.argmax(axis=1)
+        largest[rows] = stress.max(axis=1)
+    high, low = int(largest.argmax()), int(largest.argmin())
+    recovery = results.superelement(body).recovery
+    place = None if recovery is None else tuple(recovery.points[points[high]].tolist())
+    extremes = float(largest[high]), float(time[high]), float(largest[low]), float(time[low])
+    return Peak(quantity, "Pa", *extremes, "s", place)
 
 
 def _of(results: Results, quantity: str, gravities: bool) -> Iterator[Peak]:
@@ -63,9 +126,12 @@ def _of(results: Results, quantity: str, gravities: bool) -> Iterator[Peak]:
         yield _peak(quantity, made, made.values)
         return
     within, _ = parse(quantity)
-    for axis, column in zip(made.axes, made.values.T, strict=True):
+    sizes = np.abs(made.values).max(axis=0)
+    for axis, column, size in zip(made.axes, made.values.T, sizes, strict=True):
+        if 0.0 < size < NEGLIGIBLE * sizes.max():
+            continue
         yield _peak(quantity.replace(within, f"{within}:{axis}"), made, column)
-    if made.base == "s":
+    if made.base == "s" and len(made.axes) <= SPACE:
         yield _peak(f"|{quantity}|", made, np.linalg.norm(made.values, axis=1))
 
 
@@ -82,16 +148,16 @@ def _peak(quantity: str, made: Series, values: Array) -> Peak:
     )
 
 
-def _unasked(results: Results) -> list[str]:
-    """The kinds that are looked at unasked, of all that the run recorded of them."""
-    found = []
+def _unasked(results: Results, gravities: bool) -> tuple[Peak, ...]:
+    """Those of the kinds that are looked at unasked, of all that the run recorded of them."""
+    found: list[Peak] = []
     for kind in UNASKED:
-        pattern = ":".join([kind, *("*" for _ in KINDS[kind].names)])
-        if _matching(results, pattern):
-            found.append(pattern)
+        with suppress(QuantityError):
+            everything = ":".join([kind, *("*" for _ in KINDS[kind].names)])
+            found += _alike(results, everything, gravities)
     if not found:
         raise QuantityError("there is nothing of which peaks are told unasked: name quantities")
-    return found
+    return tuple(found)
 
 
 def _named(results: Results, text: str) -> list[str]:

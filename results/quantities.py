@@ -138,6 +138,15 @@ def contact_state(results: Results, contact: str) -> Array:
     return _contact(results, contact).state
 
 
+def coupler_force(results: Results, coupler: str) -> Array:
+    """Force or moment of a coupler on its first coordinate (n,)."""
+    return results.coupler(_known("coupler", coupler, results.couplers)).force
+
+
+def coupler_force_unit(results: Results, coupler: str) -> str:
+    return results.unit("couplers", coupler, "force")
+
+
 def gap_unit(results: Results, contact: str) -> str:
     return _contact_unit(results, contact, "gap")
 
@@ -258,6 +267,7 @@ KINDS = {
     "force": Kind(force, "N", ("JOINT|SPRING",)),
     "moment": Kind(moment, "N m", ("JOINT|SPRING",)),
     "coordinate": Kind(coordinate, coordinate_unit, ("JOINT", "COORDINATE"), axes=()),
+    "coupler_force": Kind(coupler_force, coupler_force_unit, ("COUPLER",), axes=()),
     "gap": Kind(gap, gap_unit, ("CONTACT|STOP",), axes=()),
     "normal_force": Kind(normal_force, normal_force_unit, ("CONTACT|STOP",), axes=()),
     "friction_force": Kind(friction_force, "N", ("CONTACT",), axes=TANGENTS),

@@ -15,6 +15,7 @@ from .file import FileSource
 from .motion import (
     BodyMotion,
     ContactMotion,
+    CouplerMotion,
     Coupling,
     Energy,
     Events,
@@ -100,6 +101,10 @@ class Results:
     @property
     def springs(self) -> tuple[str, ...]:
         return self._names("spring")
+
+    @property
+    def couplers(self) -> tuple[str, ...]:
+        return self._names("coupler")
 
     @property
     def contacts(self) -> tuple[str, ...]:
@@ -200,6 +205,9 @@ class Results:
 
     def stop(self, name: str) -> StopMotion:
         return StopMotion(**self._of("stops", name), events=self.events[name])
+
+    def coupler(self, name: str) -> CouplerMotion:
+        return CouplerMotion(**self._of("couplers", name))
 
     def pattern(self, name: str) -> PatternMotion:
         """A load pattern as "BODY.PATTERN"."""

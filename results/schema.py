@@ -62,6 +62,7 @@ DIMENSIONS = {
             "joints",
             ragged=True,
         ),
+        Dimension("coupler", "couplers of joint coordinates", "couplers"),
         Dimension("spring", "springs", "springs"),
         Dimension(
             "spring_component", "components of springs, as SPRING.NUMBER", "springs", ragged=True
@@ -284,6 +285,7 @@ def _together(rows: Sequence[int]) -> Any:
 _BODY, _TURN = ("time", "body", "axis"), ("time", "body", "quaternion")
 _FRAME, _FRAME_TURN = ("time", "frame", "axis"), ("time", "frame", "quaternion")
 _JOINT, _CONSTRAINT = ("time", "joint", "axis"), ("time", "joint_constraint")
+_COUPLER = ("time", "coupler")
 _SPRING, _COMPONENT = ("time", "spring", "axis"), ("time", "spring_component")
 _TIME, _VECTOR = ("time",), ("time", "axis")
 _COORDINATE, _RUBBING = ("time", "joint_coordinate"), ("time", "joint_with_friction")
@@ -423,6 +425,14 @@ QUANTITIES = (
         ("m s-1", "rad s-1"),
         "rate of each coordinate",
         "joints/{}_rate",
+    ),
+    Quantity(
+        "coupler_force",
+        _COUPLER,
+        ("N", "N m"),
+        "on the first coordinate; on each other one times its ratio over the first",
+        "couplers/force",
+        source="multiplier",
     ),
     Quantity(
         "spring_force",
@@ -682,6 +692,7 @@ SHARED = {
     "spring": "coupling",
     "joint_constraint": "row",
     "spring_component": "row",
+    "coupler": "row",
 }
 """dimensions that couplings share in the time loop"""
 
@@ -703,6 +714,7 @@ OWNERS = {
     "frames": "frame",
     "joints": "joint",
     "springs": "spring",
+    "couplers": "coupler",
     "contacts": "contact",
     "stops": "stop",
     "patterns": "pattern",

@@ -20,9 +20,15 @@ from .laws.maxwell import MaxwellLaw
 from .laws.one_sided import OneSidedLaw
 from .laws.tabulated import TabulatedLaw
 from .laws.user import UserLaw
+from .linear.campbell import Campbell, campbell
+from .linear.frf import FrequencyResponse
+from .linear.linearize import LinearModel, linearize
+from .linear.modes import LinearModes
+from .linear.state_space import StateSpace
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
 from .model.composed import Delayed, Product, Sum
 from .model.contacts import Contact, Hertz
+from .model.couplers import Coupler
 from .model.curves import (
     Constant,
     Function,
@@ -60,22 +66,27 @@ from .model.recorded import Recorded, RecordedSpline
 from .model.settings import Settings, StartFrom, SteadyRotation
 from .model.springs import Spring
 from .model.stops import Stop
+from .plausibility import Doubt, doubts
 from .simulation import simulate, start
 from .simulator import Simulator
 
 __all__ = [
     "BoucWenLaw",
+    "Campbell",
     "Chirp",
     "Constant",
     "Contact",
     "ConvergenceError",
     "Coulomb",
+    "Coupler",
     "DamperLaw",
     "Delayed",
+    "Doubt",
     "FlexibleBody",
     "ForceLaw",
     "ForceTable",
     "Frame",
+    "FrequencyResponse",
     "Function",
     "HalfSine",
     "Harmonic",
@@ -86,6 +97,8 @@ __all__ = [
     "Input",
     "Joint",
     "JointFriction",
+    "LinearModel",
+    "LinearModes",
     "Load",
     "LogarithmicChirp",
     "MaxwellLaw",
@@ -122,6 +135,7 @@ __all__ = [
     "Start",
     "StartFrom",
     "StateError",
+    "StateSpace",
     "SteadyRotation",
     "Steps",
     "Stop",
@@ -134,8 +148,11 @@ __all__ = [
     "UserLaw",
     "ValidityWarning",
     "Window",
+    "campbell",
     "check",
     "check_law",
+    "doubts",
+    "linearize",
     "read_model",
     "simulate",
     "start",

@@ -76,9 +76,8 @@ def _input(failure: Failure) -> str:
         if not np.isfinite(values).all():
             key = MOTOR_SIGNALS[int(np.argmin(np.isfinite(values)))]
             return f"{motor.owner}: its {key} is no number at this time"
-    rows = lowered.system.couplings.drive.tolist()
     for d, value in enumerate(work.drives.value.tolist()):
-        i = rows.index(d)
+        i = int(lowered.system.couplings.driven[d])
         size, unit = _size_of(lowered, i)
         change = value - float(state.drives.value[d])
         if not math.isfinite(value):

@@ -20,6 +20,7 @@ from .model.stops import JointStop
 from .output.columns import requested
 from .output.size import check_memory, file_bytes, lack_of_disk
 from .output.writer import check_output, contents_of, make_writer, rows_of
+from .plausibility import doubts
 from .simulation import Course, march
 from .start.damping import DampedMotion, damped_motions, damping_in_words
 from .start.frequencies import vibrations
@@ -143,6 +144,7 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
             *_warnings(frequencies, free, lowered.longest_step),
             *_fast_servos(initial),
             *_lacks(path, contents, rows),
+            *(doubt.text for doubt in doubts(model)),
         ),
         seconds=_seconds(initial),
     )

@@ -4,30 +4,33 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..inputs import quoted
+from ..inputs import dotted, quoted
 from .errors import StudyError
 from .expressions import RESERVED, evaluate, names_in
 from .keys import entries, leaves, value_at
 
 
 def own_names(
-    document: Mapping[str, Any], parameters: Mapping[str, Any], derived: Mapping[str, Any]
+    document: Mapping[str, Any],
+    parameters: Mapping[str, Any],
+    derived: Mapping[str, Any],
+    place: str,
 ) -> frozenset[str]:
     """The names without a dot that are no key of the base file, but stand for a value.
 
-    derived: definitions by dotted key. `StudyError` for one that no definition uses: it is a key
-    that is spelled wrong.
+    derived: definitions by dotted key; place: that of the parameters, for messages. `StudyError`
+    for a name that no definition uses: it is a key that is spelled wrong.
     """
     names = [key for key in (*parameters, *derived) if "." not in key and key not in document]
     used = {name for definition in derived.values() for name in _names(definition)}
     for name in names:
-        where = "parameters" if name in parameters else "derived"
+        where = f"{place if name in parameters else 'derived.'}{dotted([name])}"
         if not name.isidentifier() or name in RESERVED:
-            raise StudyError(f"{where}.{name}: expected a word that is no function as a name")
+            raise StudyError(f"{where}: expected a word that is no function as a name")
         if name not in used:
             raise StudyError(
-                f"{where}.{name}: no key of the base file, and no name that [derived] uses; "
-                f"keys are {', '.join(document)}"
+                f"{where}: no key of the base file, and no name that [derived] uses; "
+                f"keys are {', '.join(dotted([key]) for key in document)}"
             )
     return frozenset(names)
 
@@ -40,10 +43,12 @@ def definitions(
     given = [_entries(document, key) for key in parameters]
     for key, definition in found.items():
         if _entries(document, key) in given:
-            raise StudyError(f"derived.{key}: is a parameter too")
+            raise StudyError(f"derived.{dotted([key])}: is a parameter too")
         for text in _texts(definition):
             if not isinstance(text, str | int | float) or isinstance(text, bool):
-                raise StudyError(f"derived.{key}: expected arithmetic, found {quoted(text)}")
+                raise StudyError(
+                    f"derived.{dotted([key])}: expected arithmetic, found {quoted(text)}"
+                )
     return found
 
 
@@ -92,7 +97,7 @@ class Derivation:
         try:
             self.give(key, self._value(definition))
         except StudyError as error:
-            raise StudyError(f"derived.{key}: {error}") from error
+            raise StudyError(f"derived.{dotted([key])}: {error}") from error
         self.begun.pop()
 
     def _value(self, part: Any) -> Any:
@@ -118,7 +123,7 @@ class Derivation:
 
     def _at(self, table: Mapping[str, Any], asked: str) -> Any:
         if asked.partition(".")[0] not in table:
-            known = ", ".join([*sorted(self.own), *self.document])
+            known = ", ".join(dotted([name]) for name in (*sorted(self.own), *self.document))
             raise StudyError(f"no {quoted(asked)}; there are: {known}")
         return value_at(table, asked)
 

@@ -47,6 +47,10 @@ FUNCTIONS: dict[str, Callable[..., Number]] = {
         *(abs, min, max, round, math.floor, math.ceil),
     )
 }
+LONGEST = 1000
+"""characters of an expression"""
+LARGEST = 2**63 - 1
+"""integer of TOML"""
 RESERVED = frozenset({*CONSTANTS, *FUNCTIONS})
 """words that are no names of parameters"""
 FAULTS = (ArithmeticError, ValueError, TypeError, RecursionError, MemoryError)
@@ -67,8 +71,8 @@ def evaluate(text: str, look_up: LookUp) -> Any:
         raise StudyError(f"{error}, in {quoted(text)}") from error
     except FAULTS as error:
         raise StudyError(f"expected arithmetic, found {quoted(text)}: {error}") from error
-    if not math.isfinite(value):
-        raise StudyError(f"expected a finite number, found {value} of {quoted(text)}")
+    if not (abs(value) <= LARGEST if isinstance(value, int) else math.isfinite(value)):
+        raise StudyError(f"expected a finite number, found {quoted(value)} of {quoted(text)}")
     return value
 
 
@@ -80,6 +84,8 @@ def names_in(text: str) -> Iterator[str]:
 
 
 def _parsed(text: str) -> ast.expr:
+    if len(text) > LONGEST:
+        raise StudyError(f"expected at most {LONGEST} characters, found {len(text)}")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SyntaxWarning)  # of code that is no arithmetic anyway

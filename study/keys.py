@@ -4,7 +4,7 @@ A name in a dotted key is a key of a table, the `name` of an entry of an array o
 number of an entry, from 0.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from fnmatch import fnmatchcase
 from typing import Any
@@ -25,19 +25,46 @@ def leaves(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, An
 def matching(document: Mapping[str, Any], patterns: Sequence[str]) -> Iterator[tuple[str, str]]:
     """The texts whose keys match one of the patterns, such as "bodies.*.superelement".
 
-    In the order of the patterns.
+    In the order of the patterns; entries of arrays by their numbers.
     """
     for pattern in patterns:
-        for key, value in leaves(document):
-            if isinstance(value, str) and fnmatchcase(key, pattern):
-                yield key, value
+        for key, text in _texts(document, ""):
+            if fnmatchcase(key, pattern):
+                yield key, text
 
 
-def replaced(document: Mapping[str, Any], key: str, value: Any) -> dict[str, Any]:
-    """A copy of the document with another value at a key; `StudyError` as of `put`."""
-    changed = deepcopy(dict(document))
-    put(changed, key, value)
-    return changed
+def with_texts(value: Any, key: str, patterns: Sequence[str], change: Callable[[str], str]) -> Any:
+    """A copy of the value at a key, in which texts whose keys match a pattern are changed."""
+    if isinstance(value, str):
+        return change(value) if any(fnmatchcase(key, pattern) for pattern in patterns) else value
+    if isinstance(value, Mapping):
+        return {
+            name: with_texts(entry, below(key, name), patterns, change)
+            for name, entry in value.items()
+        }
+    if isinstance(value, list):
+        return [
+            with_texts(entry, below(key, number), patterns, change)
+            for number, entry in enumerate(value)
+        ]
+    return value
+
+
+def below(key: str, name: str | int) -> str:
+    """The dotted key of an entry of the value at a key, "" for the document."""
+    return f"{key}.{name}" if key else str(name)
+
+
+def _texts(value: Any, key: str) -> Iterator[tuple[str, str]]:
+    """The texts in a value by dotted key."""
+    if isinstance(value, str):
+        yield key, value
+    elif isinstance(value, Mapping):
+        for name, entry in value.items():
+            yield from _texts(entry, below(key, name))
+    elif isinstance(value, list):
+        for number, entry in enumerate(value):
+            yield from _texts(entry, below(key, number))
 
 
 def put(document: dict[str, Any], key: str, value: Any) -> None:

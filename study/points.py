@@ -10,7 +10,7 @@ from math import prod
 from pathlib import Path
 from typing import Any
 
-from ..inputs import InputError, parse_toml, quoted, read_text
+from ..inputs import InputError, dotted, parse_toml, quoted, read_text
 from .errors import StudyError
 from .keys import leaves
 from .samples import MOST_CASES, Design, is_distribution, sampled
@@ -32,9 +32,13 @@ def grid(parameters: Mapping[str, Any]) -> Iterator[Point]:
     axes = dict(leaves(parameters))
     for key, values in axes.items():
         if not isinstance(values, list) or not values:
-            raise StudyError(f"parameters.{key}: expected a list of values, found {quoted(values)}")
+            raise StudyError(
+                f"parameters.{dotted([key])}: expected a list of values, found {quoted(values)}"
+            )
         if is_distribution(key, values) and not key.endswith(".normal"):
-            raise StudyError(f"parameters.{key}: a distribution wants samples: expected [design]")
+            raise StudyError(
+                f"parameters.{dotted([key])}: a distribution wants samples: expected [design]"
+            )
     if (cases := prod(map(len, axes.values()))) > MOST_CASES:
         raise StudyError(f"parameters: expected at most {MOST_CASES} cases, found {cases:.6g}")
     if not axes:

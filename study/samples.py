@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field
 
-from ..inputs import Table, quoted
+from ..inputs import Table, dotted, quoted
 from ..superelement.validation import Array
 from .errors import StudyError
 from .keys import leaves
@@ -71,7 +71,9 @@ def sampled(parameters: Mapping[str, Any], design: Design) -> Iterator[dict[str,
         raise StudyError("parameters: expected distributions by dotted key, found none")
     keys = [key for key, _ in axes]
     if repeated := {key for key in keys if keys.count(key) > 1}:
-        raise StudyError(f"parameters.{min(repeated)}: expected one distribution, found several")
+        raise StudyError(
+            f"parameters.{dotted([min(repeated)])}: expected one distribution, found several"
+        )
     points = _points(design, len(axes))
     columns = [values_of(p) for (_, values_of), p in zip(axes, points.T, strict=True)]
     for row in zip(*columns, strict=True):
@@ -89,14 +91,16 @@ def _axis(key: str, value: Any) -> tuple[str, Callable[[Array], list[Any]]]:
     """A parameter, and its values at probabilities (n,)."""
     if not isinstance(value, list) or not value:
         raise StudyError(
-            f"parameters.{key}: expected one of {', '.join(DISTRIBUTIONS)}, or a list of values, "
-            f"found {quoted(value)}"
+            f"parameters.{dotted([key])}: expected one of {', '.join(DISTRIBUTIONS)}, "
+            f"or a list of values, found {quoted(value)}"
         )
     if not is_distribution(key, value):
         return key, lambda p: [value[i] for i in np.floor(len(value) * p).astype(int)]
     key, _, name = key.rpartition(".")
     if not _is_valid(name, *value):
-        raise StudyError(f"parameters.{key}.{name}: expected {EXPECTED[name]}, found {value}")
+        raise StudyError(
+            f"parameters.{dotted([key])}.{name}: expected {EXPECTED[name]}, found {value}"
+        )
     first, second = map(float, value)
     return key, lambda p: DISTRIBUTIONS[name](first, second, p).tolist()
 

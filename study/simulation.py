@@ -1,5 +1,6 @@
 """Studies of a model file: a case is a run."""
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +12,7 @@ from ..solver import (
     ModelError,
     OutOfRangeError,
     StateError,
+    doubts,
     read_model,
     simulate,
     start,
@@ -22,11 +24,13 @@ from .keys import matching
 from .outputs import check, values
 
 SUPERELEMENTS = "bodies.*.superelement"
+RECORDED = "*.file"
+"""signals that are columns of files"""
 
 
 @dataclass(frozen=True)
 class Simulation:
-    paths: ClassVar[tuple[str, ...]] = (SUPERELEMENTS, "simulation.start.from")
+    paths: ClassVar[tuple[str, ...]] = (SUPERELEMENTS, "simulation.start.from", RECORDED)
     columns: ClassVar[tuple[str, ...]] = ("seconds", "steps", "iterations")
 
     @property
@@ -50,7 +54,11 @@ class Simulation:
         check(start(read_model(base)), outputs)
 
     def make(self, case: Case) -> None:
-        simulate(read_model(case.source), output=case.target)
+        model = read_model(case.source)
+        for doubt in doubts(model):
+            if doubt.severe:
+                warnings.warn(doubt.text, stacklevel=2)
+        simulate(model, output=case.target)
 
     def is_made(self, case: Case) -> bool:
         try:
@@ -58,7 +66,8 @@ class Simulation:
             files = results.superelement_files
             made_from = {body: file.digest for body, file in files.items()}
             finished = bool(results.solver["finished"])
-            return finished and (results.model, made_from) == (case.text, _superelements(case))
+            is_same = (results.model, made_from) == (case.text, _superelements(case))
+            return finished and is_same and not _has_newer_columns(case)
         except (ResultsError, OSError, KeyError):  # missing, damaged, or of another version
             return False
 
@@ -78,3 +87,10 @@ def _superelements(case: Case) -> dict[str, str]:
     """The digests of the superelements by body, as results files keep them."""
     named = matching(case.document, [SUPERELEMENTS])
     return {key.split(".")[1]: digest(case.folder / path) for key, path in named}
+
+
+def _has_newer_columns(case: Case) -> bool:
+    """Whether a file of recorded signals has changed since the results were written."""
+    made = case.target.stat().st_mtime_ns
+    files = [case.folder / path for _, path in matching(case.document, [RECORDED])]
+    return any(file.stat().st_mtime_ns > made for file in files)

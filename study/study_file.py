@@ -5,7 +5,6 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from copy import deepcopy
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -17,7 +16,7 @@ from ..inputs import InputError, Table, read_table, read_toml
 from .case import Case, Kind
 from .derived import Derivation, definitions, own_names
 from .errors import StudyError
-from .keys import matching, put, replaced
+from .keys import matching, put, with_texts
 from .points import Point, grid, rows, samples
 from .samples import Design
 
@@ -103,13 +102,16 @@ def check_outputs(study: Study) -> None:
 
 def _study(file: _StudyFile, path: Path, folder: Path) -> Study:
     kind, base = _kind_and_base(file, path.parent)
-    document = _relocated(_document(base), kind.paths, base.parent, folder)
+    document = with_texts(
+        _document(base), "", kind.paths, lambda text: _relative(base.parent / text, folder)
+    )
     table = None if file.table is None else path.parent / file.table
     points = list(_points(file, table))
     if lacking := shortage(COPIES * len(points) * base.stat().st_size):
         raise StudyError(f"a study of {len(points)} cases of {base} {lacking}")
     derived = definitions(document, file.derived, points[0].parameters)
-    own = own_names(document, points[0].parameters, derived)
+    place = "parameters." if table is None else f"{table}: column "
+    own = own_names(document, points[0].parameters, derived, place)
     plan = _Plan(kind, document, own, derived, path.parent, folder)
     cases = []
     for point in points:
@@ -141,19 +143,17 @@ class _Plan:
     home: Path
     folder: Path
 
-    def is_path(self, key: str, value: Any) -> bool:
-        patterns = self.kind.paths
-        return isinstance(value, str) and any(fnmatchcase(key, pattern) for pattern in patterns)
+    def put(self, document: dict[str, Any], key: str, value: Any) -> None:
+        """Give a key a value, whose paths are relative to the study file."""
+        put(document, key, with_texts(value, key, self.kind.paths, self._moved))
+
+    def _moved(self, path: str) -> str:
+        return _relative(self.home / path, self.folder)
 
 
 def _varied(plan: _Plan, point: Point) -> dict[str, Any]:
     """The base document with the parameters of a point, and what is derived from them."""
-
-    def put_path(document: dict[str, Any], key: str, value: Any) -> None:
-        is_path = plan.is_path(key, value)
-        put(document, key, _relative(plan.home / value, plan.folder) if is_path else value)
-
-    derivation = Derivation(deepcopy(dict(plan.document)), plan.own, put_path)
+    derivation = Derivation(deepcopy(dict(plan.document)), plan.own, plan.put)
     for key, value in point.parameters.items():
         derivation.give(key, value)
     derivation.derive(plan.derived)
@@ -185,15 +185,6 @@ def _document(base: Path) -> dict[str, Any]:
         return read_toml(base)
     except InputError as error:
         raise StudyError(str(error)) from error
-
-
-def _relocated(
-    document: dict[str, Any], paths: tuple[str, ...], old: Path, new: Path
-) -> dict[str, Any]:
-    """The document with its paths relative to another folder."""
-    for key, value in matching(document, paths):
-        document = replaced(document, key, _relative(old / value, new))
-    return document
 
 
 def _relative(path: Path, folder: Path) -> str:

@@ -143,7 +143,8 @@ class Superelement:
     def _check_channels(self, channels: Channels, n_c: int) -> None:
         channels.check_sizes(n_c, self.modes)
         taken = {interface.name for interface in self.interfaces}
-        names = [entry.name for entry in (*channels.patterns, *channels.sensors)]
+        names = [pattern.name for pattern in channels.patterns]
+        names += [sensor.name for sensor in channels.sensors]
         if both := [name for name in names if name in taken]:
             raise SuperelementError(
                 f"patterns, sensors: expected other names than those of interfaces, found {both[0]}"
@@ -167,6 +168,13 @@ class Superelement:
     def complete_modes(self, modes: Modes) -> Modes:
         """Modes at interfaces and channels: phi (n_c + n_channels, m)."""
         return modes if self.channels is None else self.channels.complete(modes)
+
+    @property
+    def complete_kernel(self) -> Kernel:
+        """The stored kernel of interfaces and channels, of a body without modes."""
+        if self.channels is None or self.channels.kernel is None:
+            return self.kernel
+        return self.channels.kernel
 
     @property
     def complete_compliance(self) -> Array:
@@ -214,8 +222,7 @@ class Superelement:
         if self.modes is not None:
             modes = self.complete_modes(self.modes_for(h))
             return sample_kernel(modes, h, scheme, steps, self.kernel.error, self.kernel.band)
-        assert channels.kernel is not None
-        return self._fitting(channels.kernel, h, scheme, steps)
+        return self._fitting(self.complete_kernel, h, scheme, steps)
 
     def _fitting(self, stored: Kernel, h: float, scheme: GeneralizedAlpha, steps: int) -> Kernel:
         same = np.isclose(stored.h, h, rtol=1e-12, atol=0.0) and stored.scheme == scheme

@@ -73,8 +73,10 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "diagnosis",
         "phases",
         "simulation",
+        "plausibility",
         "inspection",
         "simulator",
+        "linear",
         "__init__",
     ),
 }

@@ -78,7 +78,8 @@ class Beams:
 
     def _motion(self, place: SectionPoint, derivative: int) -> Array:
         """Motion of the section, or its derivative along the line (6, 12), in local axes."""
-        return section_motion(place.xi, self._L, self._properties, derivative)[place.line]
+        motions: Array = section_motion(place.xi, self._L, self._properties, derivative)
+        return np.asarray(motions[place.line])
 
     def _spread(self, local: Array, line: int) -> Any:
         """Rows (r, 6 n) from those (r, 12) by the local dofs of one line."""

@@ -17,7 +17,7 @@ from ..body.loads import LoadPattern
 from ..body.material import Section
 from ..body.selection import InterfaceSelection
 from ..body.sensors import SensorPoint
-from ..elements.beam import beam_matrices, lengths
+from ..elements.beam import beam_matrices, lengths, lengths_and_axes
 from ..elements.beam_force import line_forces
 from ..elements.beam_second import BeamTensors, beam_tensors
 from ..elements.section_point import Beams
@@ -74,6 +74,11 @@ class LineSource:
     def _section_of_each(self) -> list[Section]:
         return [self.sections.values[owner] for owner in self.sections.owners]
 
+    def section_axes(self) -> tuple[Array, Array]:
+        """Middles (n, 3) of the lines, and their local axes x, y, z as rows (n, 3, 3)."""
+        middles: Array = self.mesh.points[self.mesh.cells["line"]].mean(axis=1)
+        return middles, lengths_and_axes(self.mesh, self._section_of_each)[1]
+
     def attachment(self, selection: InterfaceSelection) -> Attachment:
         """The dofs of the node nearest to a point, or of the one that a group or shapes select."""
         mesh = self.mesh
@@ -114,7 +119,8 @@ class LineSource:
         d = unit_vector(sensor.direction)
         if sensor.length is None:
             return beams.strain_rows(beams.locate(point), d), point
-        return stretch_rows(lambda x: beams.displacement_rows(beams.locate(x)), sensor), point
+        size = self.mesh.size
+        return stretch_rows(lambda x: beams.displacement_rows(beams.locate(x)), sensor, size), point
 
     def check_fields(self, stress: bool) -> None:
         if stress:

@@ -102,8 +102,13 @@ def shock_spectrum(
     series = sampled(time, acceleration)
     frequencies = _frequencies(series, frequencies)
     columns = series.values.reshape(len(series.time), -1)
-    found = np.array([_extremes(series.step, columns, f, q, response, span) for f in frequencies])
-    low, high = found[:, 0], found[:, 1]
+    found = np.array(
+        [
+            [_extremes(series.step, column, f, q, response, span) for column in columns.T]
+            for f in frequencies.tolist()
+        ]
+    )
+    low, high = found[..., 0], found[..., 1]
     values = {"maximax": np.maximum(high, np.abs(low)), "positive": high, "negative": low}[extreme]
     return ShockSpectrum(frequencies, values.reshape(len(frequencies), *series.values.shape[1:]), q)
 
@@ -130,9 +135,9 @@ def _frequencies(series: Sampled, frequencies: Array | None) -> Array:
 
 
 def _extremes(
-    step: float, columns: Array, frequency: float, q: float, response: str, span: str
-) -> Array:
-    """Smallest and largest response (2, k) of the oscillators of one frequency."""
+    step: float, base: Array, frequency: float, q: float, response: str, span: str
+) -> tuple[float, float]:
+    """Smallest and largest response of an oscillator on a base (n,), with that at the start, 0."""
     omega, zeta = 2.0 * math.pi * frequency, 0.5 / q
     damped = omega * math.sqrt(1.0 - zeta**2)
     pole = complex(-zeta * omega, damped)
@@ -144,17 +149,17 @@ def _extremes(
         "displacement": -1.0,
     }[response] / damped
     fine = max(1, math.ceil(RESOLVED * frequency * step))
-    motion = factor * _oscillate(step / fine, _refined(columns, fine), pole)
-    found = np.zeros((2, columns.shape[1]))
+    motion = factor * _oscillate(step / fine, _refined(base, fine), pole)
+    seen = [np.zeros(1)]
     if span != "residual":
-        found = _widened(found, motion.imag)
+        seen.append(motion.imag)
     if span != "primary":
-        found = _widened(found, _ringing(motion[-1], pole))
-    return found
+        seen.append(_ringing(complex(motion[-1]), pole))
+    return min(float(s.min()) for s in seen), max(float(s.max()) for s in seen)
 
 
-def _oscillate(step: float, columns: Array, pole: complex) -> Complex:
-    """w (n, k) of w' = pole w - a from rest, exact for a (n, k) that is a line between samples.
+def _oscillate(step: float, base: Array, pole: complex) -> Complex:
+    """w (n,) of w' = pole w - a from rest, exact for a (n,) that is a line between samples.
 
     w_{k+1} = e^p w_k - h [phi_1 a_k + phi_2 (a_{k+1} - a_k)],    p = pole h
     """
@@ -164,8 +169,8 @@ def _oscillate(step: float, columns: Array, pole: complex) -> Complex:
     ahead = -step * _phi_2(p)
     behind = -step * complex(np.expm1(p)) / p - ahead
     numerator, denominator = np.array([ahead, behind]), np.array([1.0, -np.exp(p)])
-    at_rest = -ahead * columns[:1]
-    found: Complex = lfilter(numerator, denominator, columns, axis=0, zi=at_rest)[0]
+    at_rest = -ahead * base[:1]
+    found: Complex = lfilter(numerator, denominator, base, zi=at_rest)[0]
     return found
 
 
@@ -180,31 +185,24 @@ def _phi_2(p: complex) -> complex:
     return total
 
 
-def _refined(columns: Array, factor: int) -> Array:
-    """Lines (n, k) with `factor` steps between the samples."""
+def _refined(base: Array, factor: int) -> Array:
+    """The line through samples, with `factor` steps between them."""
     if factor == 1:
-        return columns
-    weights = np.arange(factor)[:, None] / factor
-    between = columns[:-1, None] + weights * np.diff(columns, axis=0)[:, None]
-    return np.concatenate([between.reshape(-1, columns.shape[1]), columns[-1:]])
+        return base
+    weights = np.arange(factor) / factor
+    between = base[:-1, None] + weights * np.diff(base)[:, None]
+    return np.append(between, base[-1])
 
 
-def _ringing(motion: Complex, pole: complex) -> Array:
-    """The first extremes (2, k) of Im(m e^(pole t)), t >= 0, which are the largest of each sign.
+def _ringing(motion: complex, pole: complex) -> Array:
+    """The first two extremes of Im(m e^(pole t)), t >= 0, which are the largest of each sign.
 
     They are where its rate Im(pole m e^(pole t)) vanishes: arg(pole m) + damped t = n pi.
     """
-    phase = np.angle(pole * motion)
-    first = np.mod(-phase, np.pi) / pole.imag
-    times = np.stack([first, first + math.pi / pole.imag])
+    first = float(np.mod(-np.angle(pole * motion), np.pi)) / pole.imag
+    times = np.array([first, first + math.pi / pole.imag])
     found: Array = (motion * np.exp(pole * times)).imag
     return found
-
-
-def _widened(extremes: Array, values: Array) -> Array:
-    """Smallest and largest (2, k) of these and of values (n, k)."""
-    low, high = values.min(axis=0), values.max(axis=0)
-    return np.stack([np.minimum(extremes[0], low), np.maximum(extremes[1], high)])
 
 
 def _check_choices(response: str, extreme: str, span: str) -> None:

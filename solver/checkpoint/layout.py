@@ -26,6 +26,7 @@ class Layout(NamedTuple):
     n_i: Ranges
     n_h: Ranges
     n_o: Ranges
+    n_terms: Ranges
     n_motors: Ranges
 
     def numbers(self, earlier: "Layout") -> dict[str, tuple[Index, Index]]:
@@ -52,6 +53,7 @@ def layout_of(lowered: LoweredModel) -> Layout:
         n_x=_ranges(flexible, _springs(elastic)),
         n_i=_ranges(lowered.coupling_names, rows),
         n_h=_ranges(lowered.coupling_names, remembered.tolist()),
+        n_terms=_ranges(lowered.coupling_names, couplings.terms.range[couplings.range].tolist()),
         n_o=_one_each([f"{joint}.{name}" for joint, name in lowered.observers]),
         n_motors=_one_each([motor.name for motor in lowered.model.motors]),
     )

@@ -10,6 +10,7 @@ from ...superelement import GeneralizedAlpha, Superelement
 from ..arrays import Array, as_index, as_rows
 from ..history.layout import Horizon, Responses, Stepping, lay_out_elastic
 from ..model.contacts import Contact
+from ..model.couplers import JointCoupler
 from ..model.joints import Joint
 from ..model.loads import AnyLoad
 from ..model.model import Model
@@ -51,7 +52,11 @@ class LoweredModel:
     """coordinates of all rows, to which angles are then the nearest"""
     memories: Array
     """of the force laws, before the start"""
+    term_starts: Array
+    """of all terms, likewise"""
     drives: list[SmoothSignal]
+    drive_starts: Array
+    """of the coordinates that drives move, where the bodies are placed"""
     load_signals: list[Signal]
     motor_signals: list[Signal]
     """three of each motor: what it gives without an error, its reference, and the rate of that"""
@@ -64,7 +69,7 @@ class LoweredModel:
     @property
     def loads(self) -> tuple[AnyLoad, ...]:
         """The loads in the order of their signals: those on frames first."""
-        return (*self.model.frame_loads, *self.model.pattern_loads)
+        return _loads_of(self.model)
 
     @property
     def h(self) -> float:
@@ -113,7 +118,8 @@ def lower(
         _bristles(model, poses, frames, stepping),
         [isinstance(coupling, Contact | JointStop) for coupling in model.couplings],
     )
-    laws = [law for coupling in rows.values() for row in coupling for law in row.laws]
+    laid_out = [row for coupling in rows.values() for row in coupling]
+    laws = [law for row in laid_out for law in row.laws]
     observers = _observers(model, frames)
     size = model_size(model, poses, frames)
     if not (model.settings.assemble or isinstance(model.settings.start, StartFrom)):
@@ -148,10 +154,12 @@ def lower(
         coupling_names=list(rows),
         observers=list(observers),
         observer_starts=np.array([row.start for row in observers.values()]),
-        starts=np.array([row.start for rows_ in rows.values() for row in rows_], dtype=float),
+        starts=np.array([row.start for row in laid_out], dtype=float),
         memories=np.array([number for law in laws for number in law.memories()], dtype=float),
+        term_starts=np.array([t.row.start for r in laid_out for t in r.terms], dtype=float),
         drives=drives,
-        load_signals=[load.signal for load in (*model.frame_loads, *model.pattern_loads)],
+        drive_starts=np.array([x for row in laid_out for x in _drawn(row)], dtype=float),
+        load_signals=[load.signal for load in _loads_of(model)],
         motor_signals=[signal for motor in model.motors for signal in motor.signals],
         superelements=[body.superelement for body in model.flexible_bodies.values()],
         responses=responses,
@@ -175,11 +183,17 @@ def _rows(model: Model, frames: NumberedFrames, without: frozenset[int]) -> dict
     number = 0
     for coupling in model.couplings:
         rows[coupling.name] = []
-        for row in coupling_rows(coupling, frames.sides(coupling)):
+        of_joints = coupling.joints if isinstance(coupling, JointCoupler) else (coupling,)
+        for row in coupling_rows(coupling, [frames.sides(joint) for joint in of_joints]):
             if number not in without:
                 rows[coupling.name].append(row)
             number += 1
     return rows
+
+
+def _drawn(row: Row) -> list[float]:
+    """The values of the drives of a row where the bodies are placed."""
+    return [drive(0.0) if row.drawn is None else row.drawn for drive in row.drives]
 
 
 def _bristles(
@@ -213,6 +227,11 @@ def _lay_out_bodies(model: Model, size: float) -> Bodies:
         gravity=model.gravity.copy(),
         size=size,
     )
+
+
+def _loads_of(model: Model) -> tuple[AnyLoad, ...]:
+    on_frames: tuple[AnyLoad, ...] = model.frame_loads
+    return on_frames + model.pattern_loads
 
 
 def _lay_out_patterns(model: Model, elastic: Elastic) -> LoadPatterns:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..model.bodies import FlexibleBody
+from ..model.couplers import JointCoupler
 from ..model.model import GROUND, Coupling, Model
 from ..model.motions import PrescribedMotion
 from ..model.motors import JointMotor
@@ -68,7 +69,7 @@ def side_names(coupling: Coupling) -> tuple[str, str]:
     The latter is fixed in space at the starting pose of the other side.
     """
     owner = coupling.name
-    if isinstance(coupling, JointStop | JointMotor):
+    if isinstance(coupling, JointStop | JointMotor | JointCoupler):
         owner = coupling.joint.name
     first, second = (
         f"{GROUND}.({owner})" if side == GROUND else side for side in between(coupling)

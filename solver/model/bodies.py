@@ -11,7 +11,7 @@ from ...superelement import Rotation, Superelement
 from ...superelement.rotation import INERTIA
 from ..arrays import Array
 from ..schema.entry import Beside, Entry, entry
-from ..schema.values import ORIGIN, Inertia, Positive, Vector
+from ..schema.values import ORIGIN, Inertia, Name, Positive, Vector
 
 SecondOrder = Literal["auto", "full", "off"]
 INERTIA_TOLERANCE = 1e-6
@@ -33,10 +33,11 @@ class Frame(Entry):
 class Place(Entry):
     """The start of a body by a frame: `frame` of the body coincides with `on` of another.
 
-    Axes included; `on` is "BODY.FRAME".
+    Axes included; `on` is "BODY.FRAME", or "BODY" for its center of mass. `frame` "" is the center
+    of mass of the body itself, with body axes.
     """
 
-    frame: str
+    frame: Name
     on: str
 
 

@@ -14,7 +14,7 @@ from ...files import renamed_when_whole
 from ...inputs import InputError, Table, Vector, quoted, read_table
 from ...superelement import Superelement, read
 from ..errors import ModelError, about
-from ..schema.entry import Entry
+from ..schema.entry import Entry, filled
 from ..schema.paths import beside, relative
 from ..schema.tables import (
     EntryTable,
@@ -28,6 +28,7 @@ from ..schema.tables import (
 from ..schema.values import ORIGIN
 from .bodies import Body, FlexibleBody, Frame, RigidBody, SecondOrder, Start
 from .contacts import Contact
+from .couplers import Coupler
 from .joints import Joint
 from .loads import Load, PatternLoad
 from .model import Model
@@ -41,6 +42,8 @@ from .stops import Stop
 SHORT_ARRAY = re.compile(r"\[\n((?:[^\[\]\n]*,\n)+) *\]")
 """an array of numbers or words as tomli_w writes it, an item a line"""
 LONG = 80
+LISTS = ("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers")
+"""the arrays of tables, in the order in which they are written"""
 MOTIONS: tuple[type[Entry], ...] = get_args(PrescribedMotion)
 
 
@@ -75,7 +78,7 @@ _MOTION: Any = create_model(
     "Motion",
     __base__=Table,
     **_optional({key: kind for motion in MOTIONS for key, kind in keys_of(motion).items()})
-    | {"name": (str, ...), "on": (str, ...)},
+    | {"name": (str, ""), "on": (str, ...)},
 )
 _SETTINGS = {key: kind for key, kind in keys_of(Settings).items() if key != "output"}
 _SIMULATION: Any = create_model("Simulation", __base__=Table, **_SETTINGS, gravity=(Vector, ORIGIN))
@@ -88,8 +91,9 @@ def _kind_of_load(table: Any) -> str:
 
 PATTERN = "pattern"
 """the type of loads that are no `Load` on a frame"""
+_TYPE: Any = (Literal["pattern"], ...)
 _PATTERN_LOAD: Any = create_model(
-    "PatternLoad", __base__=EntryTable, type=(Literal["pattern"], ...), **keys_of(PatternLoad)
+    "PatternLoad", __base__=EntryTable, type=_TYPE, **keys_of(PatternLoad)
 )
 _PATTERN_LOAD.entry = PatternLoad
 _LOAD: Any = Annotated[
@@ -113,6 +117,7 @@ class _ModelFile(Table):
     motions: tuple[_MOTION, ...] = ()
     contacts: tuple[table_of(Contact), ...] = ()  # type: ignore[valid-type]
     stops: tuple[table_of(Stop), ...] = ()  # type: ignore[valid-type]
+    couplers: tuple[table_of(Coupler), ...] = ()  # type: ignore[valid-type]
     motors: tuple[table_of(Motor), ...] = ()  # type: ignore[valid-type]
 
 
@@ -164,6 +169,7 @@ def _model(file: _ModelFile, text: str, path: Path) -> Model:
         motions=tuple(_motion(present_keys(motion)) for motion in file.motions),
         contacts=value_of(file.contacts),
         stops=value_of(file.stops),
+        couplers=value_of(file.couplers),
         motors=value_of(file.motors),
         gravity=gravity,
         ground_frames=value_of(file.ground.frames),
@@ -191,13 +197,14 @@ def _body(
 
 def _motion(values: dict[str, Any]) -> Any:
     """A motion of the kind that has these keys."""
+    values = {"name": ""} | values
     for kind in MOTIONS:
         if values.keys() == keys_of(kind).keys():
             return entry_of(kind, values)
     choices = [" and ".join(_distinctive(keys_of(kind))) for kind in MOTIONS]
     present = " and ".join(_distinctive(values)) or "none"
     raise ModelError(
-        f"motion {values['name']!r}: expected {', or '.join(choices)}, found {present}"
+        f"{filled(MOTIONS[0].label, values)}: expected {', or '.join(choices)}, found {present}"
     )
 
 
@@ -218,10 +225,7 @@ def _document(model: Model, folder: Path) -> dict[str, Any]:
         "output": output,
         "ground": {"frames": _frames(model.ground_frames)} if model.ground_frames else {},
         "bodies": {name: _body_in_file(name, body, folder) for name, body in model.bodies.items()},
-        **{
-            name: [_entry_in_file(entry) for entry in getattr(model, name)]
-            for name in ("joints", "springs", "motions", "loads", "contacts", "stops", "motors")
-        },
+        **{name: [_entry_in_file(entry) for entry in getattr(model, name)] for name in LISTS},
     }
     return {key: table for key, table in document.items() if table}
 

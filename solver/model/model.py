@@ -1,5 +1,7 @@
 """A mechanism of bodies, joints, springs, motions and loads, checked when made."""
 
+import itertools
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import KW_ONLY, field, replace
 from typing import Any
@@ -10,6 +12,7 @@ from ..schema.entry import Entry, entry
 from ..schema.values import NONE, ORIGIN, Several, Vector
 from .bodies import Body, FlexibleBody, Frame
 from .contacts import Contact
+from .couplers import Coupler, JointCoupler
 from .joints import Joint
 from .loads import AnyLoad, Load, PatternLoad
 from .motions import PrescribedMotion
@@ -19,13 +22,17 @@ from .springs import Spring
 from .stops import JointStop, Stop
 
 GROUND = "ground"
-Coupling = Joint | PrescribedMotion | Spring | Contact | JointStop | JointMotor
+Named = Joint | Spring | PrescribedMotion | Contact | Stop | Motor | Coupler
+Coupling = Joint | PrescribedMotion | Spring | Contact | JointStop | JointMotor | JointCoupler
 
 
 @entry()
 class Model(Entry):
-    """A mechanism: bodies by name, joints, springs, motions, loads, contacts, stops and motors.
+    """A mechanism: bodies by name, and what is between them.
 
+    That is joints, springs, motions, loads, contacts, stops, motors and couplers.
+
+    Couplings without a name are numbered, as "revolute 2", the second revolute joint.
     gravity (3,) [m/s^2]: the acceleration of a free body; ground_frames: frames fixed in space;
     settings: how to integrate its motion, by default for one second; source, path: the text of the
     model file and its name, if there is one.
@@ -40,6 +47,7 @@ class Model(Entry):
     contacts: Several[Contact] = NONE
     stops: Several[Stop] = NONE
     motors: Several[Motor] = NONE
+    couplers: Several[Coupler] = NONE
     gravity: Vector = ORIGIN
     ground_frames: Mapping[str, Frame] = field(default_factory=dict)
     settings: Settings = field(default_factory=lambda: Settings(t_end=1.0))
@@ -50,6 +58,7 @@ class Model(Entry):
         if not isinstance(self.settings, Settings):
             raise ModelError(f"settings: expected Settings, got {self.settings!r}")
         self._check_bodies()
+        self._name()
         self._check_names()
         self._check_starts()
         self._check_couplings()
@@ -73,7 +82,7 @@ class Model(Entry):
 
     @property
     def couplings(self) -> tuple[Coupling, ...]:
-        """Joints, motions, springs, contacts, stops and motors, as the solver numbers them."""
+        """Joints, motions, springs, contacts, stops, motors, couplers, as the solver has them."""
         return (
             *self.joints,
             *self.motions,
@@ -81,11 +90,16 @@ class Model(Entry):
             *self.contacts,
             *self._joint_stops(),
             *self._joint_motors(),
+            *self._joint_couplers(),
         )
 
     def _joint_stops(self) -> Iterator[JointStop]:
         joints = {joint.name: joint for joint in self.joints}
         return (JointStop(stop, joints[stop.joint]) for stop in self.stops)
+
+    def _joint_couplers(self) -> Iterator[JointCoupler]:
+        joints = {joint.name: joint for joint in self.joints}
+        return (JointCoupler.of(coupler, joints) for coupler in self.couplers)
 
     def _joint_motors(self) -> Iterator[JointMotor]:
         joints = {joint.name: joint for joint in self.joints}
@@ -108,16 +122,28 @@ class Model(Entry):
                 if not is_name(frame):
                     raise ModelError(f"body {name!r}: a frame cannot be named {quoted(frame)}")
 
-    def _check_names(self) -> None:
-        Named = Joint | Spring | PrescribedMotion | Contact | Stop | Motor
-        groups: dict[str, tuple[Named, ...]] = {
+    @property
+    def _named(self) -> dict[str, tuple[Named, ...]]:
+        """What has a name that no other has, by kind."""
+        return {
             "joint": self.joints,
             "spring": self.springs,
             "motion": self.motions,
             "contact": self.contacts,
             "stop": self.stops,
             "motor": self.motors,
+            "coupler": self.couplers,
         }
+
+    def _name(self) -> None:
+        """Number what has no name."""
+        taken = {entry.name for entries in self._named.values() for entry in entries}
+        for kind, entries in self._named.items():
+            if any(entry.name == "" for entry in entries):
+                object.__setattr__(self, f"{kind}s", numbered(kind, entries, taken))
+
+    def _check_names(self) -> None:
+        groups = self._named
         names: set[str] = set()
         for kind, couplings in groups.items():
             for coupling in couplings:
@@ -125,8 +151,8 @@ class Model(Entry):
                     raise ModelError(f"{kind}s: a {kind} cannot be named {quoted(coupling.name)}")
                 if coupling.name in names:
                     raise ModelError(
-                        "joints, springs, motions, contacts, stops, motors: expected different "
-                        f"names, got {coupling.name!r} more than once"
+                        f"{', '.join(f'{kind}s' for kind in groups)}: expected different names, "
+                        f"got {coupling.name!r} more than once"
                     )
                 names.add(coupling.name)
 
@@ -135,10 +161,10 @@ class Model(Entry):
             if (place := body.start.place) is None:
                 continue
             owner = f"body {name!r}: place"
-            if not place.frame:
-                raise ModelError(f"{owner}: expected the name of one of its frames, got ''")
-            self._check_frame(owner, f"{name}.{place.frame}")
-            self._check_frame(owner, place.on)
+            if place.frame:
+                self._check_frame(owner, f"{name}.{place.frame}")
+            if place.on not in self.bodies:
+                self._check_frame(owner, place.on)
 
     def _check_couplings(self) -> None:
         self._check_stops()
@@ -155,6 +181,10 @@ class Model(Entry):
             if first.partition(".")[0] == second.partition(".")[0]:
                 raise coupling.error(f"expected frames of two bodies, got {[first, second]}")
 
+        joints = {joint.name: joint for joint in self.joints}
+        for coupler in self.couplers:
+            JointCoupler.of(coupler, joints)
+
     def _check_stops(self) -> None:
         joints = {joint.name: joint for joint in self.joints}
         for stop in self.stops:
@@ -162,7 +192,7 @@ class Model(Entry):
                 known = ", ".join(joints) or "none"
                 raise stop.error(f"joint: no joint {stop.joint!r}; there are: {known}")
             kind = joints[stop.joint].kind
-            free = (*kind.distances, *kind.angles)
+            free = kind.coordinates
             if stop.coordinate not in free:
                 raise stop.error(
                     f"coordinate: joint {stop.joint!r} has {', '.join(free) or 'none'}, "
@@ -221,3 +251,22 @@ class Model(Entry):
                 f"{owner}: {body!r} is flexible: name one of its interfaces "
                 f"({', '.join(frames)}) as {body}.INTERFACE"
             )
+
+
+def numbered(kind: str, entries: tuple[Any, ...], taken: set[str]) -> tuple[Any, ...]:
+    """Entries with a name each: joints and couplers by type and number, others by their kind.
+
+    The number is that among those of the type; where another has the name, the next that is free.
+    """
+    counts: Counter[str] = Counter()
+    named = []
+    for item in entries:
+        prefix = item.type if kind in ("joint", "coupler") else kind
+        counts[prefix] += 1
+        if item.name == "":
+            numbers = itertools.count(counts[prefix])
+            name = next(n for k in numbers if (n := f"{prefix} {k}") not in taken)
+            taken.add(name)
+            item = replace(item, name=name)
+        named.append(item)
+    return tuple(named)

@@ -2,7 +2,7 @@
 
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
-from ..schema.values import Direction
+from ..schema.values import Direction, Name
 from .signals import DrivingSignal, SmoothSignal
 
 ROUNDING = 1e-12
@@ -23,7 +23,7 @@ class PrescribedDisplacement(Entry):
 
     label = "motion {name!r}"
 
-    name: str
+    name: Name
     on: str
     direction: Direction
     displacement: DrivingSignal
@@ -44,7 +44,7 @@ class PrescribedRotation(Entry):
 
     label = "motion {name!r}"
 
-    name: str
+    name: Name
     on: str
     axis: Direction
     angle: DrivingSignal

@@ -10,7 +10,7 @@ from pydantic import AllowInfNan
 from ...inputs import expected
 from ..errors import ModelError
 from ..schema.entry import Entry, Takes, entry
-from ..schema.values import NotNegative, Positive, PositiveTime, limits
+from ..schema.values import Name, NotNegative, Positive, PositiveTime, limits
 from .curves import Constant, Input
 from .joints import Joint
 from .signals import AnySignal, Pointwise, Signal, is_smooth
@@ -66,7 +66,7 @@ class Motor(Entry):
 
     label = "motor {name!r}"
 
-    name: str
+    name: Name
     joint: str
     coordinate: str
     torque: AnySignal | None = None
@@ -189,7 +189,7 @@ class JointMotor:
         kind.
         """
         motor, kind = self.motor, self.joint.kind
-        free = (*kind.distances, *kind.angles)
+        free = kind.coordinates
         if motor.coordinate not in free:
             raise self.error(
                 f"coordinate: joint {motor.joint!r} has {', '.join(free) or 'none'}, "

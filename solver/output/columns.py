@@ -19,6 +19,7 @@ from ..arrays import Array
 from ..errors import ModelError
 from ..lower.lower import LoweredModel, pattern_names
 from ..model.contacts import Contact
+from ..model.couplers import JointCoupler
 from ..model.joints import Joint
 from ..model.model import GROUND, Model
 from ..model.motions import PrescribedMotion
@@ -75,6 +76,8 @@ def axes_of(lowered: LoweredModel) -> dict[str, Axis]:
     joints = {joint.name: joint.kind for joint in model.joints}
     angular = [joints[joint].unit(name) == "rad" for joint, name in lowered.observers]
     axes["joint_coordinate"] = _axis(list(enumerate(names)), angular)
+    couplers = [(int(couplings.range[j]), name) for j, name in _numbered(model, JointCoupler)]
+    axes["coupler"] = _axis(couplers, [not lengths[row] for row, _ in couplers])
     return axes | _switching_axes(lowered) | _channel_axes(model)
 
 

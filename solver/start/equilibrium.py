@@ -19,13 +19,15 @@ from ..arrays import Array, Index
 from ..errors import ModelError
 from ..history.layout import active_flexibility
 from ..lower.lower import LoweredModel
+from ..step.bodies import largest_coordinate
 from ..step.elimination import factorize
 from ..step.equations import assemble, evaluate, linearize, set_force_scales
+from ..step.force_laws import law_rounding
 from ..step.newton import correct
 from ..step.rows import measures_length
 from ..step.second_order import INERTIA, inertia_column
 from ..step.system import Elastic, Motors, State, System, Workspace
-from .assembly import drive_rates
+from .assembly import drive_rates, follow_turns
 from .servos import Holding
 from .steady import SteadyMotion
 
@@ -52,8 +54,8 @@ def check_drives(lowered: LoweredModel) -> None:
     """ModelError for a drive that accelerates at t = 0."""
     accelerations = np.array([drive.derivatives(0.0)[1] for drive in lowered.drives])
     accelerates = np.abs(accelerations) > _negligible(lowered)[:, 1]
-    for i, d in enumerate(lowered.system.couplings.drive.tolist()):
-        if d >= 0 and accelerates[d]:
+    for d, i in enumerate(lowered.system.couplings.driven.tolist()):
+        if accelerates[d]:
             raise ModelError(
                 f"{lowered.owner_of(i)}: start = 'equilibrium' takes drives without acceleration "
                 f"at t = 0, got {accelerations[d]:.6g}"
@@ -96,9 +98,12 @@ def check_steady(
     resisting = laws.stiffness.any(1) | laws.damping.any(1) | (np.diff(laws.range) > 0)
     resisting |= np.isin(laws.motor, _servos(laws.motors))
     inert = (couplings.compliant == 1) & ~resisting
-    rates = np.where(
-        inert, 0.0, np.abs(np.einsum("ij,ij->i", work.couplings.gradient, V_ab) + driven)
-    )
+    along = np.einsum("ij,ij->i", work.couplings.gradient, V_ab)
+    terms = couplings.terms
+    V_ab = np.hstack([V[terms.rows.frame_a], V[terms.rows.frame_b]])
+    by_terms = np.einsum("ij,ij->i", work.terms.gradient, V_ab)
+    np.add.at(along, terms.row, terms.ratio * by_terms)
+    rates = np.where(inert, 0.0, np.abs(along + driven))
     speed = float(np.linalg.norm(Omega))
     allowed = STEADY * np.where(lengths, speed * lowered.system.bodies.size, speed)
     allowed += np.array([*_negligible(lowered)[:, 0], 0.0])[couplings.drive]
@@ -188,7 +193,7 @@ class _Search:
         beta = pull / (FIRST_STEP * self.system.bodies.size) if pull > 0.0 else 1.0
         residual, best, idle, singular = self._residual(), np.inf, 0, 0
         for _ in range(MAX_ITERATIONS):
-            if residual <= TOLERANCE or (idle > 5 and best <= ACCEPTED):
+            if residual <= TOLERANCE or (idle > 5 and (best <= ACCEPTED or self._is_rounding())):
                 return ""
             saved = self.saved()
             if not self._step(beta):
@@ -208,7 +213,8 @@ class _Search:
         return f"relative residual {best:.3e} after {MAX_ITERATIONS} steps"
 
     def _continue_angles(self) -> None:
-        """Let the angles that motors act on go on over full turns."""
+        """Let the angles of constraints, and those that motors act on, go on over full turns."""
+        follow_turns(self.system, self.work)
         rows, work = self.system.couplings.laws.motors.row, self.work.couplings
         work.near[rows] = work.coordinate[rows]
 
@@ -248,9 +254,22 @@ class _Search:
         evaluate(self.system, self.state, self.work)
         set_force_scales(self.system, self.state, self.work)
 
-    def _residual(self) -> float:
-        parts = _relative_residuals(self.system, self.lengths, self.state, self.work)
+    def _residual(self, least: float = 0.0) -> float:
+        parts = _relative_residuals(self.system, self.lengths, self.state, self.work, least)
         return max(float(values.max(initial=0.0)) for values in parts)
+
+    def _is_rounding(self) -> bool:
+        """Whether all that is left are forces of laws by the rounding of positions.
+
+        So it is where nothing is loaded, far from the origin.
+        """
+        couplings, reach = self.system.couplings, largest_coordinate(self.system.bodies, self.state)
+        first = np.repeat(couplings.range[:-1], np.diff(couplings.range)).tolist()
+        forces = [
+            law_rounding(self.system, i, first[i], reach, self.state, self.work)
+            for i in np.flatnonzero(couplings.compliant).tolist()
+        ]
+        return self._residual(max(forces, default=0.0) / TOLERANCE) <= TOLERANCE
 
 
 def _free_groups(system: System) -> list[Index]:
@@ -327,15 +346,19 @@ def _centrifugal_slopes(elastic: Elastic, e: int, omega: Array, work: Workspace)
 
 
 def _relative_residuals(
-    system: System, lengths: NDArray[np.bool_], state: State, work: Workspace
+    system: System,
+    lengths: NDArray[np.bool_],
+    state: State,
+    work: Workspace,
+    least: float = 0.0,
 ) -> tuple[Array, ...]:
     """Residuals relative to the largest forces and moments in the system, and to its size.
 
     Of the forces (n_b,) and moments (n_b,) on bodies, the rows (n_rows,) and the active elastic
-    dofs (n_a,).
+    dofs (n_a,). least: a force [N] below which none counts as the largest.
     """
     within, size = _centrifugal_scales(system, state, work), system.bodies.size
-    forces, moments = _largest_forces(system, work)
+    forces, moments = _largest_forces(system, work, least)
     # the length of a spring that carries nothing is right to rounding alone: laws are measured
     # against all forces
     laws = np.maximum(work.couplings.scale, np.where(lengths, forces, moments))
@@ -347,15 +370,17 @@ def _relative_residuals(
     )
 
 
-def _largest_forces(system: System, work: Workspace) -> tuple[float, float]:
+def _largest_forces(system: System, work: Workspace, least: float = 0.0) -> tuple[float, float]:
     """The largest sums of forces and of moments on a body; moments at least of small levers.
 
     And those by which servos would answer to `UNLOADED`, where nothing loads them.
     """
     lengths, answers = _answers(system, work)
-    forces = max(float(work.bodies.force_scale[:, 0].max()), answers[lengths].max(initial=1e-300))
-    least = max(forces * 1e-3 * system.bodies.size, answers[~lengths].max(initial=0.0))
-    return forces, max(float(work.bodies.force_scale[:, 1].max()), least)
+    forces = max(
+        float(work.bodies.force_scale[:, 0].max()), answers[lengths].max(initial=1e-300), least
+    )
+    levered = max(forces * 1e-3 * system.bodies.size, answers[~lengths].max(initial=0.0))
+    return forces, max(float(work.bodies.force_scale[:, 1].max()), levered)
 
 
 def _answers(system: System, work: Workspace) -> tuple[NDArray[np.bool_], Array]:

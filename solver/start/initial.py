@@ -29,7 +29,7 @@ from .equilibrium import check_drives, check_steady, solve_equilibrium
 from .full_turns import continue_angles, turn_joints
 from .handover import hand_over, predecessor
 from .inertia import elastic_accelerations, interface_accelerance, inverse_inertia
-from .jacobian import constraint_jacobian, constraint_rows
+from .jacobian import constraint_jacobian, constraint_rows, row_rates
 from .matrices import solve
 from .penetration import penetrations
 from .redundancy import count_degrees_of_freedom, redundant_rows
@@ -179,7 +179,7 @@ def _assembly_error(lowered: LoweredModel, state: State, work: Workspace) -> Ass
     evaluate(lowered.system, state, work)
     hard = couplings.compliant == 0
     opening = np.abs(work.couplings.phi) * (hard & lowered.measures_lengths)
-    velocity = np.abs(work.couplings.rate) * (hard & (couplings.drive < 0))
+    velocity = np.abs(row_rates(couplings, work)) * (hard & (couplings.drive < 0))
     return AssemblyError(*_largest(lowered, opening), *_largest(lowered, velocity))
 
 
@@ -309,6 +309,4 @@ def _start_work(system: System, state: State, work: Workspace) -> None:
     for t in range(len(system.patterns.body)):
         keep_pattern(system.patterns, t, state, work)
     state.drives.value[:] = work.drives.value
-    for i, d in enumerate(system.couplings.drive.tolist()):
-        if d >= 0:
-            state.drives.force[d] = -state.couplings.lam[i] * work.couplings.drive_slope[i]
+    state.drives.force[:] = -state.couplings.lam[system.couplings.driven] * work.drives.slope

@@ -7,10 +7,11 @@ Dimensions: n_b bodies of six coordinates (delta x in space, delta Theta in body
 n_j couplings (joints, motions, springs, contacts, motors) of n_i rows in all, one multiplier each,
 n_k of them contacts, n_r with friction and n_motors motors; n_v events of contacts; n_o observers;
 n_h numbers that force laws remember; n_l loads on frames, n_t load patterns, n_y signals of both;
-n_z channels of sensors; n_d drives; n_e flexible bodies with n_u interface dofs in all, of which
-n_a are active, and n_m modes with n_x springs of chains; n_p steps whose loads are kept; n_q
-coordinates of second order of a body at most. Frames that carry couplings or loads come before
-those that are only observed; interface dofs of the former are `active`: no others are ever loaded.
+n_g patterns that bodies have, n_z channels of sensors; n_d drives; n_e flexible bodies with n_u
+elastic dofs in all, of which n_a are active, and n_m modes with n_x springs of chains; n_p steps
+whose loads are kept; n_q coordinates of second order of a body at most. Frames that carry couplings
+or loads come before those that are only observed; interface dofs of the former are `active`: no
+others but those of patterns are ever loaded.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -100,6 +101,10 @@ class Rows(Struct):
     first: Index = array("n_1")
     """(n + 1,) the first of the parameters of each row"""
     parameters: Array = array("n_parameters")
+    zero: Array = array("n")
+    """of a length or an angle: what its coordinate is measured from"""
+    axis: Index = array("n")
+    """the first of three drives that are the components of a in the axes of A; -1: a is fixed"""
 
 
 class Motors(Struct):
@@ -170,12 +175,28 @@ class Friction(Struct):
     group: Index = array("n_i")
 
 
+class Terms(Struct):
+    """Coordinates of other pairs of frames that join the constraints of some rows (terms.py)."""
+
+    rows: Rows
+    ratio: Array = array("n_terms")
+    row: Index = array("n_terms")
+    """the row that each joins"""
+    number: Index = array("n_terms")
+    """the same among the rows of its coupling"""
+    own: Index = array("n_terms")
+    """the coupling if the term is between its own frames, -1: between others"""
+    range: Index = array("n_i_1")
+    """(n_i + 1,) the terms of each row"""
+
+
 class Couplings(Struct):
     """Joints, motions, springs and contacts: rows with a multiplier that keeps them at 0 or obeys a
     law.
     """
 
     rows: Rows
+    terms: Terms
     laws: Laws
     friction: Friction
     friction_of: Index = array("n_j")
@@ -192,7 +213,9 @@ class Couplings(Struct):
     second: Index = array("n_i")
     """offset in the gradient of the second frame that the coupling names: 6, or 0 if it is A"""
     drive: Index = array("n_i")
-    """the drive of the row, -1: none"""
+    """the first drive of the row, -1: none"""
+    driven: Index = array("n_d")
+    """the row of each drive"""
     compliant: Index = array("n_i")
     """1: obeys a law"""
 
@@ -387,6 +410,8 @@ class Pattern(Struct):
     """first number and row distance of the diagonal block"""
     coupling_block: Index = array("n_j", 7, 2)
     """of the blocks (A, B), (B, A), (A, j), (j, A), (B, j), (j, B), (j, j)"""
+    term_block: Index = array("n_terms", 6, 2)
+    """of the first six of these, for the frames of each term"""
     force_block: Index = array("n_blocks", 4)
     """blocks in the rows of bodies: body, first number, row distance, width"""
 
@@ -469,6 +494,12 @@ class CouplingState(Struct):
     """deflection in friction"""
     memory: Array = array("n_h")
     """what force laws remember, one after the other"""
+
+
+class TermState(Struct):
+    coordinate: Array = array("n_terms")
+    """those of the last step"""
+    rate: Array = array("n_terms")
 
 
 class ContactState(Struct):
@@ -622,6 +653,7 @@ class State(Struct):
     modes: ModalState
     past: PastState
     couplings: CouplingState
+    terms: TermState
     contacts: ContactState
     observers: ObserverState
     loads: LoadState
@@ -763,8 +795,6 @@ class CouplingWork(Struct):
     """second derivative of the coordinate, less the drive, where no body accelerates"""
     wrench: Array = array("n_j", 6)
     """on the second frame, in space"""
-    drive_slope: Array = array("n_i")
-    """d phi / d drive"""
     B: Array = array("n_i", 24)
     """derivative of the coordinates by those of frames A and B"""
     B_rate: Array = array("n_i", 24)
@@ -779,6 +809,15 @@ class CouplingWork(Struct):
     """derivative of a rate by (r, theta) of two frames"""
     slope_gradient: Array = array(12)
     """gradient of a driven row whose axis is a quarter turn ahead"""
+
+
+class TermWork(Struct):
+    near: Array = array("n_terms")
+    """expected coordinates, to which angles are the nearest"""
+    coordinate: Array = array("n_terms")
+    rate: Array = array("n_terms")
+    gradient: Array = array("n_terms", 12)
+    B: Array = array("n_terms", 24)
 
 
 class ObserverWork(Struct):
@@ -803,6 +842,8 @@ class DriveWork(Struct):
     rate: Array = array("n_d")
     """at the start of a run"""
     acceleration: Array = array("n_d")
+    slope: Array = array("n_d")
+    """d phi / d drive"""
 
 
 class MotorWork(Struct):
@@ -848,6 +889,7 @@ class Workspace(Struct):
     second: SecondOrderWork
     modes: ModalWork
     couplings: CouplingWork
+    terms: TermWork
     observers: ObserverWork
     loads: LoadWork
     drives: DriveWork

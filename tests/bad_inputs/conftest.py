@@ -5,9 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from duhamel.superelement import (
+    Channels,
     GeneralizedAlpha,
     Interface,
     Modes,
+    Pattern,
     Superelement,
     read,
     sample_kernel,
@@ -30,6 +32,7 @@ def make_element() -> Superelement:
         modes=modes,
         compliance=modes.phi / modes.omega**2 @ modes.phi.T,
         accelerance=modes.phi @ modes.phi.T,
+        channels=Channels((Pattern("wind", [1, 0, 0], [0, 0, 0]),), (), [[0.1, 0.2, 0.3]]),
     )
 
 

@@ -90,7 +90,7 @@ def test_peaks_are_a_table(runner, results_file):
     assert result.exit_code == 0, result.output
     rows = [line.split() for line in result.stdout.splitlines()]
     assert ["velocity:beam:x", "m/s", "2", "0", "s", "2", "0", "s"] in rows
-    assert rows[2][0] == "|velocity:beam|" or rows[2][0] == "velocity:beam:x"
+    assert ["|velocity:beam|", "m/s", "2", "0", "s", "2", "0", "s"] in rows
     failed = runner.invoke(app, ["peaks", str(results_file), "velocity:hub"])
     assert failed.exit_code == 1
     assert failed.stderr.startswith("error: velocity:hub: no body or frame 'hub'")

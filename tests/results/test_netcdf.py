@@ -44,6 +44,9 @@ def test_xarray_finds_dimensions_coordinates_and_units(written):
             "contact_axis": 3,
             "tangent_axis": 2,
             "joint_with_friction": 1,
+            "pattern": 2,
+            "sensor": 3,
+            "sensor_channel": 3,
             "event": 9,
             "event_owner": 4,
         }

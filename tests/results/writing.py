@@ -28,6 +28,7 @@ def make_contents(
     stops=2,
     motors=2,
     second_order=3,
+    sensors=3,
     selects=lambda group: True,
 ):
     """Bodies with a frame each, joints with as many constraints as given, springs of one
@@ -48,6 +49,9 @@ def make_contents(
         "stop": [f"e{k}" for k in range(stops)],
         "motor": [f"m{k}" for k in range(motors)],
         "joint_with_friction": [f"j{n_j - 1}.friction"] if joints else [],
+        "pattern": [f"b0.p{i}" for i in range(min(sensors, 2))],
+        "sensor": [f"b0.g{i}" for i in range(sensors)],
+        "sensor_channel": [f"b0.g{i}.strain" for i in range(sensors)],
         "event_owner": [f"k{k}" for k in range(contacts)] + [f"e{k}" for k in range(stops)],
     }
     first = {"frame": 1, "spring": n_j, "spring_component": n, "stop": contacts}
@@ -83,7 +87,9 @@ def make_output(contents, n, seed=0):
         "second_order_coordinate": end("second_order_coordinate"),
         "frame": end("frame"),
         "coupling": max(end("joint"), end("spring")),
-        "row": max(end("joint_constraint"), end("spring_component")),
+        "pattern": end("pattern"),
+        "sensor_channel": end("sensor_channel"),
+        "row": max(map(end, ("joint_constraint", "spring_component", "coupler"))),
         "joint_coordinate": end("joint_coordinate"),
     }
     fields = {}

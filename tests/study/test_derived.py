@@ -57,6 +57,23 @@ def test_names_stand_for_text_and_paths(study_file):
     assert found["bodies"]["beam"]["superelement"] == "../parts/a.h5"
 
 
+def test_files_of_signals_are_where_the_file_that_names_them_says(study_file, folder):
+    """Those of the base model beside it, those of parameters beside the study."""
+    columns = "0, 0\n1, 2\n"
+    (folder / "model" / "base.csv").write_text(columns)
+    (folder / "own.csv").write_text(columns)
+    base = folder / "model" / "hub.toml"
+    signal = 'signal = {file = "base.csv", column = 2}'
+    base.write_text(base.read_text().replace("signal = 8", signal))
+    text = 'parameters.loads.0.signal = [{file = "own.csv", column = 2}, 1]'
+    study = read_study(study_file(MODEL_LINE + text))
+    assert study.cases[0].document["loads"][0]["signal"]["file"] == "../own.csv"
+    text = "parameters.simulation.step = [1e-3]"
+    study = read_study(study_file(MODEL_LINE + text))
+    assert study.cases[0].document["loads"][0]["signal"]["file"] == "../model/base.csv"
+    assert folder / "torques" / "../model/base.csv" in study.inputs
+
+
 def test_samples_and_tables_have_names_too(study_file, folder):
     text = '[derived]\nloads.0.signal = "2 * c"\n[design]\nsamples = 4\n[parameters]\nc = '
     cases = read_study(study_file(MODEL_LINE + text + "{uniform = [1, 2]}")).cases
