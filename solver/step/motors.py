@@ -8,10 +8,10 @@ With the error e = r - c of the coordinate c,
 z is stepped by the trapezoidal rule, of which the end of the step is solved here in closed form, so
 that tau is a function of c and dc/dt alone, and its exact slopes are part of Newton's matrix.
 
-Whether a motor is at a limit is judged by its multiplier, which v moves by a part of the way:
-w = lambda + SHARE (v - lambda). A solution has lambda = tau, and there w and v tell the same; but
-Newton's method, which may go to and fro for ever between two limits by v, comes from a limit to the
-servo first. (An active set by multipliers: Hintermueller, Ito, Kunisch, SIAM J. Optim. 13, 2002.)
+Whether a motor is at a limit is judged by its multiplier, which v moves by half of the range at
+most. A solution has lambda = tau, and there this and v tell the same; but Newton's method, which
+may go to and fro for ever between two limits by v, comes from a limit to the servo first. (An
+active set by multipliers: Hintermueller, Ito, Kunisch, SIAM J. Optim. 13, 2002.)
 """
 
 import math
@@ -19,9 +19,6 @@ import math
 from ..compiler.marks import compiled
 from ..compiler.memory import copy
 from .system import Motors, State, Workspace
-
-SHARE = 1e-3
-"""of the way from the multiplier to what the servo asks for, by which limits are judged"""
 
 
 @compiled
@@ -64,7 +61,7 @@ def _step(work: Workspace) -> float:
 def _status(v: float, lam: float, lower: float, upper: float) -> int:
     """-1, 1: at the lower or upper limit; 0: between them."""
     half = 0.5 * (upper - lower)
-    w = lam + min(max(SHARE * (v - lam), -half), half)
+    w = lam + min(max(v - lam, -half), half)
     if w > upper:
         return 1
     return -1 if w < lower else 0

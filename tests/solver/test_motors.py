@@ -567,13 +567,13 @@ def test_a_check_tells_the_frequency_of_a_servo():
 
 
 def test_linear_equations_have_the_servo():
-    """Poles of J s^2 + damping s + stiffness; an integral is refused by name."""
-    gains = {"stiffness": J * 400.0, "damping": J * 4.0}
-    modes = linearize(wheel(servo(**gains))).modes()
-    (s,) = modes.values[modes.values.imag > 0.0]
-    np.testing.assert_allclose([s.real, abs(s)], [-2.0, 20.0], rtol=1e-9)
-    with pytest.raises(ModelError, match=r"motor 'servo': integral: linear equations take"):
-        linearize(wheel(servo(**gains, integral=1.0)))
+    """Poles of J s^3 + damping s^2 + stiffness s + integral."""
+    gains = {"stiffness": J * 400.0, "damping": J * 4.0, "integral": J * 500.0}
+    values = linearize(wheel(servo(**gains))).modes().values
+    (s,) = values[values.imag > 0.0]
+    poles = np.roots([1.0, 4.0, 400.0, 500.0])
+    (expected,) = poles[poles.imag > 0.0]
+    np.testing.assert_allclose([s.real, s.imag], [expected.real, expected.imag], rtol=1e-9)
 
 
 def test_a_reference_that_is_no_number_is_named():
