@@ -3,8 +3,8 @@
     python examples/campbell.py [FOLDER]
 
 Four lines, two with the spin and two against it: the disk moves across, and tilts with its
-gyroscopic moment. The forward tilt never meets the spin, for the disk is thin: its inertia about the
-shaft is twice that about a diameter. Writes the picture and a table to FOLDER, by default out/.
+gyroscopic moment. The forward tilt never meets the spin, for the disk is thin: its inertia about
+the shaft is twice that about a diameter. Writes the picture to FOLDER, by default out/.
 """
 
 import sys
