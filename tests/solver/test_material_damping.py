@@ -51,7 +51,7 @@ def test_a_lossy_beam_swings_like_its_unreduced_model_with_a_chain_at_every_node
         Load("torque", "hub", [0, 0, 0.2], PULSE),
         Load("force", "beam.tip", [0.3, 0.0, 1.0], Constant(0.5)),
     )
-    settings = {"loads": loads, "t_end": 600 * H, "step": H, "rho_inf": rho_inf}
+    settings = {"loads": loads, "t_end": 250 * H, "step": H, "rho_inf": rho_inf}
     model = hub_and_beam(lossy, 0.5, "spherical", (1.0, 2.0, 5.0), **settings)
     hub, chain = model.bodies["hub"], lossy.element.modes.chain
     reference = Reference(
