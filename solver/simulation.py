@@ -28,6 +28,7 @@ from .errors import (
 from .history.dyadic import DyadicConvolution
 from .lower.allocation import allocate
 from .lower.lower import LoweredModel, lower
+from .model.drives import drive_values
 from .model.model import Model
 from .model.settings import Settings
 from .output.columns import requested
@@ -267,7 +268,7 @@ def signals(lowered: LoweredModel, first: int, rows: Index, stride: int = 1) -> 
     n = len(rows)
     t = lowered.h * np.arange(first, first + stride * n, stride, dtype=np.float64)
     load = [_bearable(signal.samples(t, lowered.h)) for signal in lowered.load_signals]
-    drive = [np.array([signal(t_n) for t_n in t.tolist()]) for signal in lowered.drives]
+    drive = [drive_values(signal, t) for signal in lowered.drives]
     return Inputs(load=_columns(load, n), drive=_columns(drive, n), row=rows, ahead=0)
 
 

@@ -8,7 +8,7 @@ from ..model.model import GROUND, Coupling, Model
 from ..model.motions import PrescribedDisplacement, PrescribedRotation
 from ..step.rows import measures_length
 from .numbering import NumberedFrames, side_names
-from .rows import Row
+from .rows import Row, joint_drives
 
 ASSEMBLY_TOLERANCE = 1e-3
 """largest opening of a joint, relative to the size of the model, that is closed unasked"""
@@ -26,8 +26,9 @@ def check_assembled(model: Model, size: float, frames: NumberedFrames) -> None:
         gap = sides.gap(joint.basis(sides.pose_a.R))
         opening = [gap[k] for k in joint.kind.translations]
         start = ""
-        if joint.distance is not None:
-            distance = joint.distance(0.0)
+        drive = joint_drives(joint, sides).get("distance")
+        if drive is not None:
+            distance = drive(0.0)
             opening.append(gap[2] - distance)
             start = f", the distance starts at {distance:.6g}"
         worst = max(map(abs, opening), default=0.0)

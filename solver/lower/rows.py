@@ -8,6 +8,7 @@ import numpy as np
 from ..arrays import Array, Index, as_index, as_rows
 from ..laws.law import ForceLaw
 from ..model.contacts import Contact
+from ..model.drives import IntegratedDrive
 from ..model.joints import ABOUT_E3, Joint, basis_about
 from ..model.model import Coupling
 from ..model.motions import PrescribedDisplacement, PrescribedMotion
@@ -102,7 +103,8 @@ def joint_rows(joint: Joint, sides: Sides) -> list[Row]:
     """
     kind, rotations = joint.kind, joint.kind.rotations
     basis = joint.basis(sides.pose_a.R)
-    turned = sides.fixed_a and joint.distance is None and joint.angle is None
+    drives = joint_drives(joint, sides)
+    turned = sides.fixed_a and not drives
     if turned:
         sides, rotations = sides.swapped(), tuple((j, i) for i, j in rotations)
     in_a, in_b = sides.carried(basis)
@@ -112,15 +114,24 @@ def joint_rows(joint: Joint, sides: Sides) -> list[Row]:
     if joint.friction is not None:
         weights = normal_weights(joint, joint.friction)
         rows = [replace(row, normal=n) for row, n in zip(rows, weights, strict=True)]
-    if joint.distance is not None:
-        rows.append(Row(Translation.number, A, B, in_a[:, 2], drive=joint.distance))
-    if joint.angle is not None:
-        rows.append(_driven_angle(A, B, in_a, in_b, joint.angle))
+    if "distance" in drives:
+        rows.append(Row(Translation.number, A, B, in_a[:, 2], drive=drives["distance"]))
+    if "angle" in drives:
+        rows.append(_driven_angle(A, B, in_a, in_b, drives["angle"]))
     if joint.friction is not None and joint.type == "revolute":
         rows.append(Row(Angle.number, A, B, in_a[:, 0], in_a[:, 1], in_b[:, 0], rubs=True))
     elif joint.friction is not None:
         rows.append(Row(Translation.number, A, B, in_a[:, 2], rubs=True))
     return [replace(row, swapped=turned) for row in rows]
+
+
+def joint_drives(joint: Joint, sides: Sides) -> dict[str, SmoothSignal]:
+    """The signals of driven coordinates; a distance that is integrated starts where it is."""
+    drives = joint.drives
+    distance = drives.get("distance")
+    if isinstance(distance, IntegratedDrive):
+        drives["distance"] = distance.starting_at(float(sides.gap(joint.basis(sides.pose_a.R))[2]))
+    return drives
 
 
 def _driven_angle(A: int, B: int, in_a: Array, in_b: Array, angle: SmoothSignal) -> Row:
@@ -141,7 +152,7 @@ def joint_observers(joint: Joint, sides: Sides) -> dict[str, Row]:
         for name, k in joint.kind.distances.items()
     }
     for name, angle in joint.kind.angles.items():
-        start = joint.angle(0.0) if joint.angle is not None and name == "angle" else 0.0
+        start = joint.drives[name](0.0) if name in joint.drives else 0.0
         axes, other, A, B = in_a, in_b, sides.frame_a, sides.frame_b
         if angle.by_b:
             axes, other, A, B = other, axes, B, A
@@ -166,12 +177,12 @@ def motion_rows(motion: PrescribedMotion, sides: Sides) -> list[Row]:
                 A,
                 B,
                 sides.pose_a.R.T @ motion.direction,
-                drive=motion.displacement,
+                drive=motion.drive,
             )
         ]
     in_a, in_b = sides.carried(basis_about(motion.axis, sides.pose_a.R))
     rows = [Row(Rotation.number, A, B, in_a[:, i], b=in_b[:, j]) for i, j in ABOUT_E3]
-    return [*rows, _driven_angle(A, B, in_a, in_b, motion.angle)]
+    return [*rows, _driven_angle(A, B, in_a, in_b, motion.drive)]
 
 
 def spring_rows(spring: Spring, sides: Sides) -> list[Row]:

@@ -5,7 +5,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any
 
 import tomli_w
 from pydantic import Field, create_model, model_validator
@@ -14,7 +14,6 @@ from ...files import renamed_when_whole
 from ...inputs import InputError, Table, Vector, quoted, read_table
 from ...superelement import Superelement, read
 from ..errors import ModelError, about
-from ..schema.entry import Entry
 from ..schema.paths import beside, relative
 from ..schema.tables import (
     entry_of,
@@ -30,7 +29,7 @@ from .contacts import Contact
 from .joints import Joint
 from .loads import Load
 from .model import Model
-from .motions import PrescribedMotion
+from .motions import PrescribedDisplacement, PrescribedRotation
 from .output_request import OutputRequest
 from .settings import Settings, StartFrom
 from .springs import Spring
@@ -39,7 +38,7 @@ from .stops import Stop
 SHORT_ARRAY = re.compile(r"\[\n((?:[^\[\]\n]*,\n)+) *\]")
 """an array of numbers or words as tomli_w writes it, an item a line"""
 LONG = 80
-MOTIONS: tuple[type[Entry], ...] = get_args(PrescribedMotion)
+MOTIONS = PrescribedDisplacement, PrescribedRotation
 
 
 class _Body(Table):
@@ -171,18 +170,17 @@ def _body(
 def _motion(values: dict[str, Any]) -> Any:
     """A motion of the kind that has these keys."""
     for kind in MOTIONS:
-        if values.keys() == keys_of(kind).keys():
+        known = keys_of(kind)
+        needed = {key for key, (_, default) in known.items() if default is ...}
+        driven = any(key in values for key in kind.keys)
+        if driven and needed <= values.keys() <= known.keys():
             return entry_of(kind, values)
-    choices = [" and ".join(_distinctive(keys_of(kind))) for kind in MOTIONS]
-    present = " and ".join(_distinctive(values)) or "none"
+    present = " and ".join(key for key in values if key not in ("name", "on", "start")) or "none"
     raise ModelError(
-        f"motion {values['name']!r}: expected {', or '.join(choices)}, found {present}"
+        f"motion {values['name']!r}: expected direction and displacement, or axis and angle, "
+        f"found {present}; instead of the displacement or the angle its (angular_)velocity or "
+        "(angular_)acceleration"
     )
-
-
-def _distinctive(keys: Mapping[str, Any]) -> list[str]:
-    """The keys that tell motions apart."""
-    return [key for key in keys if key not in ("name", "on")]
 
 
 def _document(model: Model, folder: Path) -> dict[str, Any]:

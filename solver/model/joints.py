@@ -19,8 +19,9 @@ import numpy as np
 from ..arrays import Array
 from ..schema.entry import Entry, entry, one_of
 from ..schema.values import ABSENT, NumbersByName, OptionalDirection, Pair
+from .drives import LENGTH, TURN, DriveKeys, IntegratedDrive, drive_of
 from .friction import JointFriction
-from .signals import DrivingSignal, SmoothSignal
+from .signals import AnySignal, DrivingSignal, SmoothSignal
 
 
 @dataclass(frozen=True)
@@ -91,6 +92,8 @@ JOINT_TYPES = {
     ),
 }
 
+DRIVES = {"angle": DriveKeys("angle", *TURN), "distance": DriveKeys("distance", *LENGTH)}
+"""coordinates that joints may drive, with the keys that do so"""
 FRICTION_COORDINATES = {"revolute": "angle", "prismatic": "distance"}
 """joints that have friction, on these coordinates"""
 
@@ -104,9 +107,12 @@ class Joint(Entry):
     normal of a planar one, the axis fixed in the first frame of a universal joint, whose
     `second_axis` is fixed in the second. A planar joint slides along the x axis of its first frame,
     projected on the plane (its y axis where x is within 26 degrees of the normal), and across it.
-    `angle` [rad] and `distance` [m] drive a joint; the start is at angle(0). `start` gives free
-    coordinates or their rates values at t = 0 other than those of the starts of the bodies: angle,
-    angle_rate, distance, ... `friction` of a revolute or prismatic joint.
+    `angle` [rad] and `distance` [m] drive a joint; the start is at angle(0). So do their integrands
+    `angular_velocity` or `angular_acceleration`, and `velocity` or `acceleration`; the coordinate
+    then starts where the bodies are placed. `start` gives free coordinates or their rates values
+    at t = 0 other than those of the starts of the bodies: angle, angle_rate, distance, ...; and to
+    a coordinate that is driven by its acceleration its rate. `friction` of a revolute or prismatic
+    joint.
     """
 
     label = "joint {name!r}"
@@ -120,6 +126,10 @@ class Joint(Entry):
     distance: DrivingSignal | None = None
     start: NumbersByName = field(default_factory=dict)
     friction: JointFriction | None = None
+    velocity: AnySignal | None = None
+    acceleration: AnySignal | None = None
+    angular_velocity: AnySignal | None = None
+    angular_acceleration: AnySignal | None = None
 
     @property
     def kind(self) -> JointType:
@@ -128,7 +138,7 @@ class Joint(Entry):
     @property
     def drives(self) -> dict[str, SmoothSignal]:
         """The signals of the coordinates that follow one."""
-        signals = {"angle": self.angle, "distance": self.distance}
+        signals = {name: drive_of(self, keys) for name, keys in DRIVES.items()}
         return {name: signal for name, signal in signals.items() if signal is not None}
 
     def validate(self) -> None:
@@ -142,7 +152,8 @@ class Joint(Entry):
         for name in self.drives:
             if name not in self.kind.drives:
                 takes = " and ".join(self.kind.drives) or "nothing"
-                raise self.error(f"a {self.type} joint is driven by {takes}, got {name}")
+                given = next(key for key in DRIVES[name] if getattr(self, key) is not None)
+                raise self.error(f"a {self.type} joint is driven by {takes}, got {given}")
         for name in self.start:
             self._check_start(name)
         if self.friction is not None:
@@ -164,7 +175,9 @@ class Joint(Entry):
         if name not in known:
             takes = ", ".join(known) or "nothing"
             raise self.error(f"start: a {self.type} joint takes {takes}, got {name!r}")
-        if name.removesuffix("_rate") in self.drives:
+        drive = self.drives.get(name.removesuffix("_rate"))
+        by_acceleration = isinstance(drive, IntegratedDrive) and drive.order == 2
+        if drive is not None and not (by_acceleration and name.endswith("_rate")):
             raise self.error(f"start: {name} is driven")
 
     def basis(self, D: Array) -> Array:

@@ -1,9 +1,13 @@
 """Prescribed motions of a frame: a displacement or a rotation that follows a signal."""
 
+from dataclasses import field
+from typing import ClassVar
+
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
-from ..schema.values import Direction
-from .signals import DrivingSignal, SmoothSignal
+from ..schema.values import Direction, NumbersByName
+from .drives import LENGTH, TURN, DriveKeys, IntegratedDrive, drive_of
+from .signals import AnySignal, DrivingSignal, SmoothSignal
 
 ROUNDING = 1e-12
 """value at t = 0, relative to those at some later times, that counts as none"""
@@ -18,18 +22,28 @@ class PrescribedDisplacement(Entry):
         direction . (r(t) - r(0)) = displacement(t) [m],    displacement(0) = 0
 
     for the origin r of the frame `on`. One constraint: the frame moves freely across `direction`
-    (3,), in space. Three of them make up a path.
+    (3,), in space. Three of them make up a path. Instead of the displacement its `velocity` or its
+    `acceleration` may be given; start: {"displacement_rate": ...} with the latter.
     """
 
     label = "motion {name!r}"
+    keys: ClassVar[DriveKeys] = DriveKeys("displacement", *LENGTH)
+    unit: ClassVar[str] = "m"
 
     name: str
     on: str
     direction: Direction
-    displacement: DrivingSignal
+    displacement: DrivingSignal | None = None
+    velocity: AnySignal | None = None
+    acceleration: AnySignal | None = None
+    start: NumbersByName = field(default_factory=dict)
 
     def validate(self) -> None:
-        _check_from_rest(f"{self.owner}: displacement", self.displacement)
+        _check(self)
+
+    @property
+    def drive(self) -> SmoothSignal:
+        return _drive(self)
 
 
 @entry()
@@ -39,21 +53,50 @@ class PrescribedRotation(Entry):
         D(t) = exp(angle(t) axis~) D(0),    angle(0) = 0 [rad]
 
     for the axes D of the frame `on`, in space. Three constraints: the whole orientation is
-    prescribed, and `axis` (3,), in space, keeps its direction.
+    prescribed, and `axis` (3,), in space, keeps its direction. Instead of the angle its
+    `angular_velocity` or its `angular_acceleration` may be given; start: {"angle_rate": ...} with
+    the latter.
     """
 
     label = "motion {name!r}"
+    keys: ClassVar[DriveKeys] = DriveKeys("angle", *TURN)
+    unit: ClassVar[str] = "rad"
 
     name: str
     on: str
     axis: Direction
-    angle: DrivingSignal
+    angle: DrivingSignal | None = None
+    angular_velocity: AnySignal | None = None
+    angular_acceleration: AnySignal | None = None
+    start: NumbersByName = field(default_factory=dict)
 
     def validate(self) -> None:
-        _check_from_rest(f"{self.owner}: angle", self.angle)
+        _check(self)
+
+    @property
+    def drive(self) -> SmoothSignal:
+        return _drive(self)
 
 
 PrescribedMotion = PrescribedDisplacement | PrescribedRotation
+
+
+def _drive(motion: PrescribedMotion) -> SmoothSignal:
+    drive = drive_of(motion, motion.keys)
+    if drive is None:
+        raise motion.error(f"expected one of {', '.join(motion.keys)}, found none")
+    return drive
+
+
+def _check(motion: PrescribedMotion) -> None:
+    drive, keys = _drive(motion), motion.keys
+    if not isinstance(drive, IntegratedDrive):
+        _check_from_rest(f"{motion.owner}: {keys.coordinate}", drive)
+    takes = (keys.rate,) if isinstance(drive, IntegratedDrive) and drive.order == 2 else ()
+    for name in motion.start:
+        if name not in takes:
+            known = f"takes {keys.rate} with {keys.acceleration} alone"
+            raise motion.error(f"start: {known}, got {name!r}")
 
 
 def _check_from_rest(name: str, signal: SmoothSignal) -> None:

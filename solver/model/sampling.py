@@ -6,8 +6,9 @@ The sum of h m_n is the area under f, to rounding, however short it is and where
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..arrays import Array
+from ..arrays import Array, Index, as_index
 from .signals import Signal, breaks_of, corners_of, values_of
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
@@ -25,12 +26,12 @@ def samples_of(signal: Signal, t: Array, h: float) -> Array:
     return samples
 
 
-def _are_near(corners: tuple[float, ...], t: Array, h: float) -> Array:
+def _are_near(corners: tuple[float, ...], t: Array, h: float) -> NDArray[np.bool_]:
     """True for the steps near a corner (n,)."""
     ends = np.sort(np.array(corners, dtype=np.float64))
     first = np.searchsorted(ends, t - NEAR * h)
     after = np.searchsorted(ends, t + NEAR * h, side="right")
-    near: Array = after > first
+    near: NDArray[np.bool_] = after > first
     return near
 
 
@@ -47,11 +48,11 @@ def means(signal: Signal, t: Array, h: float) -> Array:
     return total / np.where(t < 0.5 * h, 0.5 * h, h)
 
 
-def _pieces(starts: Array, ends: Array, breaks: Array) -> tuple[Array, Array, Array]:
+def _pieces(starts: Array, ends: Array, breaks: Array) -> tuple[Array, Array, Index]:
     """Intervals cut at the breaks within: starts, ends, and the numbers of the intervals."""
     first = np.searchsorted(breaks, starts, side="right")
     inner = np.maximum(np.searchsorted(breaks, ends, side="left") - first, 0)
-    number = np.repeat(np.arange(len(starts)), inner + 1)
+    number = as_index(np.repeat(np.arange(len(starts)), inner + 1))
     place = np.arange(len(number)) - np.repeat(np.cumsum(inner + 1) - inner - 1, inner + 1)
     padded = np.append(breaks, np.inf)
     cut = np.minimum(first[number] + place, len(breaks))

@@ -1,6 +1,7 @@
 """Profiles, noise, recorded and composed signals: values, derivatives, integrals, areas."""
 
 import re
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -117,7 +118,7 @@ def test_integrals_are_those_of_the_values(signal):
         cuts = [0.0, *sorted(b for b in breaks_of(signal) if 0.0 < b < end), end]
         rounds = {"epsabs": 1e-13, "epsrel": 1e-13, "limit": 200}
         expected = [
-            sum(quad(f, a, b, **rounds)[0] for a, b in zip(cuts, cuts[1:], strict=False))
+            sum(quad(f, a, b, **rounds)[0] for a, b in pairwise(cuts))
             for f in (signal, lambda s, end=end: (end - s) * signal(s))
         ]
         assert (once[k], twice[k]) == pytest.approx(expected, rel=1e-11, abs=1e-12)
