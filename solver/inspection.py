@@ -18,6 +18,7 @@ from .model.contacts import Contact
 from .model.model import Coupling, Model
 from .model.stops import JointStop
 from .output.columns import requested
+from .output.inputs import drifts, signal_warnings
 from .output.size import check_memory, file_bytes, lack_of_disk
 from .output.writer import check_output, contents_of, make_writer, rows_of
 from .simulation import Course, march
@@ -42,7 +43,8 @@ class ModelCheck:
     frequencies: of the assembled model about its start [Hz], None where they are not known;
     free_frequencies: the first of each superelement alone [Hz], by body; second_order: of each
     flexible body, the number of its coordinates, "off" or "none"; contacts: a line for each
-    contact and stop, with its gap at the start; seconds: of the time loop;
+    contact and stop, with its gap at the start; drifts: a line for each coordinate that is driven
+    by its velocity or acceleration, where it ends; seconds: of the time loop;
     memory: of the arrays of the run, results_size: of the results [bytes], with so many rows.
     """
 
@@ -62,6 +64,7 @@ class ModelCheck:
     rows: int
     results_size: int
     contacts: tuple[str, ...] = ()
+    drifts: tuple[str, ...] = ()
     warnings: tuple[str, ...] = field(default=())
 
     def __str__(self) -> str:
@@ -79,6 +82,7 @@ class ModelCheck:
         yield f"steps: {self.steps} of {self.step:g} s"
         yield self._line_of_frequencies()
         yield from self.contacts
+        yield from self.drifts
         yield f"to expect: about {self.seconds:.2g} s, {_megabytes(self.memory)} of memory"
         yield f"results: {self.rows} rows, {_megabytes(self.results_size)}"
 
@@ -127,8 +131,10 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
         rows=rows,
         results_size=file_bytes(contents, rows),
         contacts=tuple(_contacts(initial)),
+        drifts=tuple(map(str, drifts(lowered, lowered.h * lowered.n_steps))),
         warnings=(
             *initial.warnings,
+            *signal_warnings(lowered),
             *_warnings(frequencies, free, lowered.longest_step),
             *_lacks(path, contents, rows),
         ),

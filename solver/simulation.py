@@ -32,6 +32,7 @@ from .model.drives import drive_values
 from .model.model import Model
 from .model.settings import Settings
 from .output.columns import requested
+from .output.inputs import signal_warnings
 from .output.keeper import (
     FileKeeper,
     NoKeeper,
@@ -114,7 +115,7 @@ def _run(model: Model, output: Path | None, progress: bool, steps: int | None = 
         initial = initialize(model, lowered, source)
         total = initial.lowered.n_steps if steps is None else steps
         check_range(initial.lowered, initial.state, 0)
-        _warn(initial.warnings, stacklevel=4)
+        _warn((*initial.warnings, *signal_warnings(initial.lowered)), stacklevel=4)
         writer = make_writer(output, initial, total)
         forget_checkpoint(writer)
     course = Course(initial.lowered, initial.state, initial.work, initial.removed, writer, total)

@@ -28,9 +28,22 @@ def matching(document: Mapping[str, Any], patterns: Sequence[str]) -> Iterator[t
     In the order of the patterns.
     """
     for pattern in patterns:
-        for key, value in leaves(document):
+        for key, value in _with_arrays(document):
             if isinstance(value, str) and fnmatchcase(key, pattern):
                 yield key, value
+
+
+def _with_arrays(part: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """The values of a document, also in arrays of tables, whose entries have numbers."""
+    if isinstance(part, Mapping):
+        items = [(str(key), value) for key, value in part.items()]
+    elif isinstance(part, list) and any(isinstance(item, Mapping) for item in part):
+        items = [(str(number), item) for number, item in enumerate(part)]
+    else:
+        yield prefix.removesuffix("."), part
+        return
+    for key, value in items:
+        yield from _with_arrays(value, f"{prefix}{key}.")
 
 
 def replaced(document: Mapping[str, Any], key: str, value: Any) -> dict[str, Any]:

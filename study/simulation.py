@@ -22,11 +22,13 @@ from .keys import matching
 from .outputs import check, values
 
 SUPERELEMENTS = "bodies.*.superelement"
+RECORDS = "loads.*.file", "motions.*.file", "joints.*.file", "motors.*.file"
+"""files of recorded signals"""
 
 
 @dataclass(frozen=True)
 class Simulation:
-    paths: ClassVar[tuple[str, ...]] = (SUPERELEMENTS, "simulation.start.from")
+    paths: ClassVar[tuple[str, ...]] = (SUPERELEMENTS, "simulation.start.from", *RECORDS)
     columns: ClassVar[tuple[str, ...]] = ("seconds", "steps", "iterations")
 
     @property
@@ -58,7 +60,9 @@ class Simulation:
             files = results.superelement_files
             made_from = {body: file.digest for body, file in files.items()}
             finished = bool(results.solver["finished"])
-            return finished and (results.model, made_from) == (case.text, _superelements(case))
+            if not finished or results.solver.get("records", "") != _records(case):
+                return False
+            return (results.model, made_from) == (case.text, _superelements(case))
         except (ResultsError, OSError, KeyError):  # missing, damaged, or of another version
             return False
 
@@ -78,3 +82,9 @@ def _superelements(case: Case) -> dict[str, str]:
     """The digests of the superelements by body, as results files keep them."""
     named = matching(case.document, [SUPERELEMENTS])
     return {key.split(".")[1]: digest(case.folder / path) for key, path in named}
+
+
+def _records(case: Case) -> str:
+    """The digests of the files of recorded signals, as the notes of a run keep them."""
+    named = {digest(case.folder / path) for _, path in matching(case.document, RECORDS)}
+    return " ".join(sorted(named))

@@ -93,6 +93,11 @@ class _Noise(Pointwise):
         object.__setattr__(self, "lines", sines)
 
     @property
+    def highest_frequency(self) -> float:
+        """[Hz]"""
+        return self._band()[1]
+
+    @property
     def rms(self) -> float:
         """The root of the mean square."""
         return float(np.sqrt(0.5 * (self.lines.amplitude**2).sum()))

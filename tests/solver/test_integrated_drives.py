@@ -56,7 +56,7 @@ def pushed(h=1e-3, t_end=0.1, body=BODY, settings=None, **drive):
 
 def test_a_kick_leaves_the_velocity_that_is_its_area():
     """Of six steps, that begin between two: positions to rounding, and the speed after it."""
-    run = simulate(pushed(acceleration=KICK))
+    run = simulate(pushed(acceleration=KICK, settings={"rho_inf": 0.5}))
     speed, end = 490.0 * 6e-3 * 2.0 / np.pi, 7.3e-3
     t = run.time[run.time > end]
     moved = speed * (t - end) + 490.0 * 6e-3**2 / np.pi
@@ -156,16 +156,16 @@ def test_a_product_and_a_record_drive_by_quadrature_and_by_pieces(tmp_path):
     (tmp_path / "wave.csv").write_text(rows)
     record = Recorded(tmp_path / "wave.csv", 2)
     run = simulate(pushed(t_end=1.0, acceleration=record))
-    np.testing.assert_allclose(run.body("block").x @ AXIS, expected, rtol=0, atol=2e-6)
+    np.testing.assert_allclose(run.body("block").x @ AXIS, expected, rtol=0, atol=3e-6)
 
 
-def test_what_is_left_at_the_end_is_stated(capsys):
+def test_what_is_left_at_the_end_is_stated():
     model = pushed(acceleration=KICK, t_end=0.1)
     speed = 490.0 * 6e-3 * 2.0 / np.pi
     (line,) = (line for line in check(model).lines() if "push" in line)
     for text in (line, simulate(model).solver["drift"]):
         assert text.startswith("motion 'push', driven by its acceleration: at t = 0.1 s")
-        moved, rate = map(float, re.findall(r"(\S+) m", text))[1:]
+        moved, rate = (float(number) for number in re.findall(r"(\S+) m(?!o)", text))
         assert rate == pytest.approx(speed, rel=1e-3)
         assert moved == pytest.approx(speed * (0.1 - 4.3e-3), rel=1e-3)
 
@@ -308,5 +308,6 @@ def test_the_area_that_steps_miss_is_told():
             warnings.simplefilter("always")
             simulate(model)
         assert bool(caught) == warned
-        assert warned == bool(check(model).warnings)
-    assert "load (force) on 'block': its signal has an area of 0.127" in str(caught or table)
+        assert [str(warning.message) for warning in caught] == list(check(model).warnings)
+        if warned:
+            assert "load (force) on 'block': its signal has an area of 0.127" in str(caught[0])
