@@ -125,7 +125,7 @@ class _Noise(Pointwise):
 
     def _sum(self, t: Array, terms: Any) -> list[Array]:
         """Sums over the lines of functions of a time and a line, at times of any shape."""
-        flat, rows = t.reshape(-1, 1), max(BLOCK // len(self.lines.omega), 1)
+        flat, rows = t.reshape(-1, 1), max(BLOCK // max(len(self.lines.omega), 1), 1)
         blocks = [flat[k : k + rows] for k in range(0, max(len(flat), 1), rows)]
         sums = [[(self.lines.amplitude * f).sum(axis=1) for f in terms(block)] for block in blocks]
         return [np.concatenate(parts).reshape(t.shape) for parts in zip(*sums, strict=True)]
