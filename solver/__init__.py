@@ -42,7 +42,7 @@ from .model.impact import ForceTable, Impact
 from .model.joints import Joint
 from .model.loads import Load
 from .model.model import Model
-from .model.motions import PrescribedDisplacement, PrescribedRotation
+from .model.motions import PrescribedDisplacement, PrescribedOrientation, PrescribedRotation
 from .model.noise import Noise, ShapedNoise
 from .model.output_request import OutputRequest
 from .model.profiles import (
@@ -99,6 +99,7 @@ __all__ = [
     "Place",
     "Polynomial",
     "PrescribedDisplacement",
+    "PrescribedOrientation",
     "PrescribedRotation",
     "Product",
     "Pulse",

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from ..errors import ModelError
 from ..model.contacts import Contact
 from ..model.model import GROUND, Coupling, Model
-from ..model.motions import PrescribedDisplacement, PrescribedRotation
+from ..model.motions import PrescribedMotion
 from ..step.rows import measures_length
 from .numbering import NumberedFrames, side_names
 from .rows import Row, joint_drives
@@ -82,6 +82,6 @@ def check_moments(model: Model, frames: NumberedFrames, rows: Mapping[str, Seque
 
 def _described(coupling: Coupling) -> str:
     """A coupling as messages name it, with its type if it has one."""
-    if isinstance(coupling, PrescribedDisplacement | PrescribedRotation | Contact):
+    if isinstance(coupling, PrescribedMotion | Contact):
         return coupling.owner
     return f"{coupling.owner} ({coupling.type})"

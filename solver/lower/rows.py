@@ -11,7 +11,8 @@ from ..model.contacts import Contact
 from ..model.drives import IntegratedDrive
 from ..model.joints import ABOUT_E3, Joint, basis_about
 from ..model.model import Coupling
-from ..model.motions import PrescribedDisplacement, PrescribedMotion
+from ..model.motions import PrescribedDisplacement, PrescribedMotion, PrescribedOrientation
+from ..model.orientations import OrientationDrive
 from ..model.signals import SmoothSignal
 from ..model.springs import Spring
 from ..model.stops import JointStop
@@ -180,9 +181,29 @@ def motion_rows(motion: PrescribedMotion, sides: Sides) -> list[Row]:
                 drive=motion.drive,
             )
         ]
+    if isinstance(motion, PrescribedOrientation):
+        return _oriented(motion, sides)
     in_a, in_b = sides.carried(basis_about(motion.axis, sides.pose_a.R))
     rows = [Row(Rotation.number, A, B, in_a[:, i], b=in_b[:, j]) for i, j in ABOUT_E3]
     return [*rows, _driven_angle(A, B, in_a, in_b, motion.drive)]
+
+
+def _oriented(motion: PrescribedOrientation, sides: Sides) -> list[Row]:
+    """The rows of an orientation, see solver/model/orientations.py."""
+    in_a, in_b = sides.carried(np.eye(3))
+    A, B, angles = sides.frame_a, sides.frame_b, motion.drives
+    return [
+        Row(
+            Rotation.number,
+            A,
+            B,
+            in_a[:, (j + 1) % 3],
+            -in_a[:, j],
+            in_b[:, j],
+            drive=OrientationDrive(angles, j, motion.owner),
+        )
+        for j in range(3)
+    ]
 
 
 def spring_rows(spring: Spring, sides: Sides) -> list[Row]:

@@ -6,10 +6,10 @@ The integrals are those of quadrature.py, exact to rounding, so that a coordinat
 signal takes it: what is left at the end of a recorded acceleration is drift, which `Drift` states.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from ..errors import ModelError
 from .composed import has_slope, slope_of
 from .curves import Impulse, Input
 from .quadrature import Integrals
-from .signals import Signal, SmoothSignal, is_any, jumps_of, parts_of, values_of
+from .signals import Pointwise, Signal, SmoothSignal, is_any, jumps_of, parts_of, values_of
 
 
 class DriveKeys(NamedTuple):
@@ -82,33 +82,33 @@ class IntegratedDrive:
         return self.rate + float(self._integrals(np.array([t]))[0][0]), self.signal(t)
 
 
-def drive_of(
-    owner: _Driven, keys: DriveKeys, check: Callable[[SmoothSignal], None] | None = None
-) -> SmoothSignal | None:
-    """The signal of a coordinate that follows one, by whichever of its keys; None if it does not.
-
-    check: of a signal of the coordinate itself. ModelError for more than one, and for signals that
-    have no integral.
-    """
+def given_drive(owner: _Driven, keys: DriveKeys) -> tuple[str, Any]:
+    """The one key that is given, and its value; "" and None if none is."""
     given = {key: getattr(owner, key) for key in keys if getattr(owner, key) is not None}
-    if not given:
-        return None
     if len(given) > 1:
         raise owner.error(f"expected one of {', '.join(keys)}, found {' and '.join(given)}")
-    ((key, signal),) = given.items()
+    return next(iter(given.items()), ("", None))
+
+
+def drive_of(owner: _Driven, keys: DriveKeys) -> SmoothSignal | None:
+    """The signal of a coordinate that follows one, by whichever of its keys; None if it does not.
+
+    ModelError for more than one, and for signals that have no integral.
+    """
+    key, signal = given_drive(owner, keys)
+    if signal is None:
+        return None
     if key == keys.coordinate:
-        if check is not None:
-            check(signal)
         driving: SmoothSignal = signal
         return driving
     order = keys.index(key)
-    if reason := _refusal(signal, order):
+    if reason := refusal(signal, order):
         raise owner.error(f"{key}: {reason}")
     rate = owner.start.get(keys.rate, 0.0) if order == 2 else 0.0
     return IntegratedDrive(signal, order, rate=rate)
 
 
-def _refusal(signal: Signal, order: int) -> str:
+def refusal(signal: Signal, order: int) -> str:
     """Why the velocity (order 1) or acceleration (2) of a coordinate cannot follow a signal."""
     if is_any(signal, Input):
         return "an input is known only when its step is due: drive the coordinate itself by it"
@@ -156,6 +156,6 @@ def drive_values(drive: SmoothSignal, t: Array) -> Array:
     """The values of a drive at the steps t (n,)."""
     if isinstance(drive, IntegratedDrive):
         return drive.values_at(t)
-    if hasattr(drive, "values_at") and parts_of(drive):
+    if hasattr(drive, "values_at") and (parts_of(drive) or not isinstance(drive, Pointwise)):
         return values_of(drive, t)
     return np.array([drive(time) for time in t.tolist()])

@@ -29,7 +29,7 @@ from .contacts import Contact
 from .joints import Joint
 from .loads import Load
 from .model import Model
-from .motions import PrescribedDisplacement, PrescribedRotation
+from .motions import PrescribedDisplacement, PrescribedOrientation, PrescribedRotation
 from .output_request import OutputRequest
 from .settings import Settings, StartFrom
 from .springs import Spring
@@ -38,7 +38,7 @@ from .stops import Stop
 SHORT_ARRAY = re.compile(r"\[\n((?:[^\[\]\n]*,\n)+) *\]")
 """an array of numbers or words as tomli_w writes it, an item a line"""
 LONG = 80
-MOTIONS = PrescribedDisplacement, PrescribedRotation
+MOTIONS = PrescribedDisplacement, PrescribedRotation, PrescribedOrientation
 
 
 class _Body(Table):
@@ -178,8 +178,8 @@ def _motion(values: dict[str, Any]) -> Any:
     present = " and ".join(key for key in values if key not in ("name", "on", "start")) or "none"
     raise ModelError(
         f"motion {values['name']!r}: expected direction and displacement, or axis and angle, "
-        f"found {present}; instead of the displacement or the angle its (angular_)velocity or "
-        "(angular_)acceleration"
+        f"found {present}; or angles of three signals; instead of displacement, angle or angles "
+        "their velocity or acceleration"
     )
 
 

@@ -1,13 +1,15 @@
 """Prescribed motions of a frame: a displacement or a rotation that follows a signal."""
 
+from collections.abc import Mapping
 from dataclasses import field
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
-from ..schema.values import Direction, NumbersByName
-from .drives import LENGTH, TURN, DriveKeys, IntegratedDrive, drive_of
-from .signals import AnySignal, DrivingSignal, SmoothSignal
+from ..schema.values import ABSENT, Direction, NumbersByName
+from .composed import OptionalParts
+from .drives import LENGTH, TURN, DriveKeys, IntegratedDrive, drive_of, given_drive, refusal
+from .signals import AnySignal, DrivingSignal, SmoothSignal, is_smooth
 
 ROUNDING = 1e-12
 """value at t = 0, relative to those at some later times, that counts as none"""
@@ -78,17 +80,64 @@ class PrescribedRotation(Entry):
         return _drive(self)
 
 
-PrescribedMotion = PrescribedDisplacement | PrescribedRotation
+@entry()
+class PrescribedOrientation(Entry):
+    """Rotations about all three axes of space that follow signals, each of up to 1 rad.
+
+        D(t) = R_z(angles[2]) R_y(angles[1]) R_x(angles[0]) D(0),    angles(0) = 0 [rad]
+
+    for the axes D of the frame `on`. Three constraints. Instead of the three angles their rates,
+    `angular_velocities`, or those of the rates, `angular_accelerations`, may be given; for small
+    angles they are those of the frame about x, y and z.
+    """
+
+    label = "motion {name!r}"
+    keys: ClassVar[DriveKeys] = DriveKeys("angles", "angular_velocities", "angular_accelerations")
+
+    name: str
+    on: str
+    angles: OptionalParts = ABSENT
+    angular_velocities: OptionalParts = ABSENT
+    angular_accelerations: OptionalParts = ABSENT
+    start: ClassVar[Mapping[str, float]] = {}
+
+    def validate(self) -> None:
+        for name, angle in zip("xyz", self.drives, strict=True):
+            if not isinstance(angle, IntegratedDrive):
+                _check_from_rest(f"{self.owner}: angles: {name}", angle)
+
+    @property
+    def drives(self) -> tuple[SmoothSignal, SmoothSignal, SmoothSignal]:
+        """The angles about x, y and z."""
+        key, signals = given_drive(self, self.keys)
+        if not signals or len(signals) != 3:
+            found = f"{len(signals)} {key}" if signals else "none"
+            raise self.error(f"expected three signals, {', '.join(self.keys)}, found {found}")
+        x, y, z = (self._angle(key, signal) for signal in signals)
+        return x, y, z
+
+    def _angle(self, key: str, signal: Any) -> SmoothSignal:
+        order = self.keys.index(key)
+        reason = refusal(signal, order) if order else ""
+        if order == 0 and not is_smooth(signal):
+            reason = f"expected smooth signals, found {type(signal).__name__.lower()}"
+        if reason:
+            raise self.error(f"{key}: {reason}")
+        drive: SmoothSignal = IntegratedDrive(signal, order) if order else signal
+        return drive
 
 
-def _drive(motion: PrescribedMotion) -> SmoothSignal:
+PrescribedMotion = PrescribedDisplacement | PrescribedRotation | PrescribedOrientation
+
+
+def _drive(motion: PrescribedDisplacement | PrescribedRotation) -> SmoothSignal:
     drive = drive_of(motion, motion.keys)
     if drive is None:
         raise motion.error(f"expected one of {', '.join(motion.keys)}, found none")
     return drive
 
 
-def _check(motion: PrescribedMotion) -> None:
+def _check(motion: PrescribedDisplacement | PrescribedRotation) -> None:
     drive, keys = _drive(motion), motion.keys
     if not isinstance(drive, IntegratedDrive):
         _check_from_rest(f"{motion.owner}: {keys.coordinate}", drive)

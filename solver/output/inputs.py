@@ -8,9 +8,10 @@ from ..lower.lower import LoweredModel
 from ..model.curves import Impulse, Input
 from ..model.drives import Drift, IntegratedDrive, drift_of
 from ..model.loads import Load
+from ..model.orientations import OrientationDrive
 from ..model.quadrature import Integrals
 from ..model.recorded import Recorded, RecordedSpline
-from ..model.signals import Signal, breaks_of, corners_of, is_any, parts_of, values_of
+from ..model.signals import Signal, SmoothSignal, breaks_of, corners_of, is_any, parts_of, values_of
 
 MISSED = 0.01
 """of the area under the size of a load"""
@@ -26,9 +27,23 @@ def drifts(lowered: LoweredModel, t_end: float) -> Iterator[Drift]:
     """Where coordinates end that are driven by their velocity or acceleration."""
     lengths = lowered.measures_lengths
     for i, d in enumerate(lowered.system.couplings.drive.tolist()):
-        drive = lowered.drives[d] if d >= 0 else None
-        if isinstance(drive, IntegratedDrive):
-            yield drift_of(drive, lowered.owner_of(i), "m" if lengths[i] else "rad", t_end)
+        unit = "m" if lengths[i] else "rad"
+        for about, drive in _followed(lowered, d):
+            if isinstance(drive, IntegratedDrive):
+                yield drift_of(drive, lowered.owner_of(i) + about, unit, t_end)
+
+
+def _followed(lowered: LoweredModel, d: int) -> Iterator[tuple[str, SmoothSignal]]:
+    """The drive of this number, if there is one; of an orientation, whose first row it is, three.
+
+    Each with what names it beside its owner.
+    """
+    drive = lowered.drives[d] if d >= 0 else None
+    if isinstance(drive, OrientationDrive):
+        named = zip((" about x", " about y", " about z"), drive.angles, strict=True)
+        yield from named if drive.row == 0 else ()
+    elif drive is not None:
+        yield "", drive
 
 
 def signal_warnings(lowered: LoweredModel) -> Iterator[str]:
@@ -37,10 +52,9 @@ def signal_warnings(lowered: LoweredModel) -> Iterator[str]:
         yield from _missed_area(load, lowered)
         yield from _warnings(f"{load.owner}: its signal", load.signal, lowered)
     for i, d in enumerate(lowered.system.couplings.drive.tolist()):
-        if d >= 0:
-            drive = lowered.drives[d]
+        for about, drive in _followed(lowered, d):
             signal = drive.signal if isinstance(drive, IntegratedDrive) else drive
-            yield from _warnings(f"{lowered.owner_of(i)}: its drive", signal, lowered)
+            yield from _warnings(f"{lowered.owner_of(i)}: its drive{about}", signal, lowered)
 
 
 def _missed_area(load: Load, lowered: LoweredModel) -> Iterator[str]:

@@ -19,6 +19,7 @@ from duhamel.solver import (
     Noise,
     Polynomial,
     PrescribedDisplacement,
+    PrescribedOrientation,
     PrescribedRotation,
     Product,
     Pulse,
@@ -39,6 +40,8 @@ from duhamel.solver import (
     start,
     write_model,
 )
+from duhamel.solver.model.orientations import OrientationDrive
+from scipy.spatial.transform import Rotation
 
 AXIS = np.array([1.0, 2.0, 2.0]) / 3.0
 BODY = RigidBody(2.0, [0.1, 0.2, 0.3])
@@ -311,3 +314,81 @@ def test_the_area_that_steps_miss_is_told():
         assert [str(warning.message) for warning in caught] == list(check(model).warnings)
         if warned:
             assert "load (force) on 'block': its signal has an area of 0.127" in str(caught[0])
+
+
+def tilted(t_end=1.0, h=1e-3, settings=None, **drive):
+    place = Start(position=[1000.0, -3.0, 2.0], rotation=[0.4, 0.1, -0.3])
+    return Model(
+        {"table": RigidBody(2.0, [0.1, 0.2, 0.3], {"rim": Frame([0.3, 0, 0], [0, 1, 0])}, place)},
+        motions=[
+            PrescribedOrientation("tilt", "table.rim", **drive),
+            *(
+                PrescribedDisplacement(f"hold{k}", "table.rim", np.eye(3)[k], Constant(0.0))
+                for k in range(3)
+            ),
+        ],
+        settings=Settings(t_end=t_end, step=h, **(settings or {})),
+    )
+
+
+def test_a_frame_turns_about_three_axes():
+    """A kilometre away, from an oblique start: R_z R_y R_x, to rounding."""
+    roll, pitch, yaw = Harmonic(0.7, 1.0), Harmonic(0.9, 1.3), Harmonic(-0.8, 0.7)
+    run = simulate(tilted(angles=[roll, pitch, yaw]))
+    angles = np.array([[f(t) for f in (yaw, pitch, roll)] for t in run.time.tolist()])
+    turns = Rotation.from_euler("ZYX", angles).as_matrix()
+    np.testing.assert_allclose(run.body("table").R, turns @ run.body("table").R[0], atol=3e-12)
+    spin = Rotation.from_matrix(turns[2:] @ turns[:-2].transpose(0, 2, 1)).as_rotvec() / 2e-3
+    moving = run.body("table").R[0].T @ np.array([0.0, 0.0, 0.0])
+    omega = np.einsum("nij,nj->ni", run.body("table").R, run.body("table").v[:, 3:] + moving)
+    np.testing.assert_allclose(omega[100:-1], spin[99:], atol=1e-3)
+
+
+def test_three_angles_by_their_accelerations_are_those_by_angles():
+    twice = (2.0 * np.pi) ** 2
+    wave = Harmonic(0.1 * twice, 1.0, np.pi / 2)
+    motion = SmoothFunction(
+        lambda t: 0.1 * (1.0 - np.cos(2 * np.pi * t)),
+        lambda t: 0.2 * np.pi * np.sin(2 * np.pi * t),
+        lambda t: 0.1 * twice * np.cos(2 * np.pi * t),
+    )
+    by_angle = simulate(tilted(0.5, angles=[motion, Constant(0.0), motion]))
+    by_acceleration = simulate(tilted(0.5, angular_accelerations=[wave, Constant(0.0), wave]))
+    np.testing.assert_allclose(
+        by_acceleration.body("table").R, by_angle.body("table").R, rtol=0, atol=1e-12
+    )
+    np.testing.assert_allclose(
+        by_acceleration.body("table").v[0], by_angle.body("table").v[0], atol=1e-12
+    )
+    lines = by_acceleration.solver["drift"].splitlines()
+    assert [line.split(",")[0] for line in lines] == [f"motion 'tilt' about {k}" for k in "xyz"]
+
+
+def test_the_drives_of_an_orientation_have_their_derivatives():
+    angles = (Harmonic(0.7, 1.0), Harmonic(0.9, 1.3), Harmonic(-0.8, 0.7))
+    for row in range(3):
+        drive, d = OrientationDrive(angles, row, ""), 1e-4
+        t = np.linspace(0.05, 2.0, 31)
+        before, at, after = (drive.values_at(t + k * d) for k in (-1, 0, 1))
+        found = np.array([drive.derivatives(time) for time in t.tolist()]).T
+        np.testing.assert_allclose(found[0], (after - before) / (2 * d), atol=1e-5)
+        np.testing.assert_allclose(found[1], (after + before - 2 * at) / d**2, atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("drive", "message"),
+    [
+        ({}, "expected three signals, angles, angular_velocities, .*found none"),
+        ({"angles": [Constant(0.0)]}, "expected three signals, .*, found 1 angles"),
+        ({"angles": [Constant(0.0)] * 2 + [KICK]}, "angles: expected smooth signals, found halfs"),
+        ({"angles": [Constant(0.0)] * 2 + [Constant(0.1)]}, "angles: z: expected 0 at t = 0"),
+        ({"angular_velocities": [Pulse(1, 0, 1)] * 3}, "angular_velocities: .*without jumps"),
+        (
+            {"angular_velocities": [Constant(0.0), Constant(3.0), Constant(0.0)]},
+            r"angles: expected at most 1 rad, got 1.00\d* about y at t = 0.33",
+        ),
+    ],
+)
+def test_orientations_that_cannot_be_are_refused(drive, message):
+    with pytest.raises(ModelError, match="motion 'tilt': " + message):
+        simulate(tilted(**drive))
