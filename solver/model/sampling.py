@@ -15,10 +15,12 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 """of Gauss' rule in each piece of half a hat, between the breaks of the signal"""
 NEAR = 8.0
 """steps about a corner within which samples are means"""
+FAR = 1000.0
+"""steps between two corners from which on values have the same area, to 1e-6"""
 
 
 def samples_of(signal: Signal, t: Array, h: float) -> Array:
-    """Values at the steps t (n,), but for those near corners, which are means."""
+    """Values at the steps t (n,), but near corners and within pulses means."""
     near = _are_near(corners_of(signal), t, h)
     samples = np.empty(len(t))
     samples[near] = means(signal, t[near], h)
@@ -27,11 +29,14 @@ def samples_of(signal: Signal, t: Array, h: float) -> Array:
 
 
 def _are_near(corners: tuple[float, ...], t: Array, h: float) -> NDArray[np.bool_]:
-    """True for the steps near a corner (n,)."""
+    """True for the steps near a corner, or between two that are not far from one another (n,)."""
     ends = np.sort(np.array(corners, dtype=np.float64))
     first = np.searchsorted(ends, t - NEAR * h)
     after = np.searchsorted(ends, t + NEAR * h, side="right")
-    near: NDArray[np.bool_] = after > first
+    is_short = np.append(np.diff(ends) < FAR * h, False)
+    before = np.searchsorted(ends, t, side="right") - 1
+    between = (before >= 0) & is_short[before] if len(ends) else np.zeros(len(t), dtype=bool)
+    near: NDArray[np.bool_] = (after > first) | between
     return near
 
 

@@ -147,9 +147,9 @@ def area(samples, h):
 
 
 @pytest.mark.parametrize("start", [0.0, 0.05, 0.0537, 0.0571])
-@pytest.mark.parametrize("duration", [2e-4, 3.3e-3, 0.02, 0.031])
+@pytest.mark.parametrize("duration", [2e-4, 3.3e-3, 0.02, 0.031, 0.53])
 def test_the_area_of_a_pulse_is_exact_however_short(start, duration):
-    """Of some steps, one, or a part of one: of h = 0.01."""
+    """Of many steps, some, one, or a part of one: of h = 0.01."""
     swept = Product((Chirp(1.0, (1.0, 40.0), (0.0, 2.0), 1.0), HalfSine(3.0, duration, start)))
     for signal, expected in (
         (HalfSine(3.0, duration, start), 6.0 / np.pi * duration),

@@ -13,6 +13,7 @@ from duhamel.solver import (
     Frame,
     HalfSine,
     Harmonic,
+    Impact,
     Impulse,
     Input,
     Joint,
@@ -160,7 +161,7 @@ def test_a_product_and_a_record_drive_by_quadrature_and_by_pieces(tmp_path):
     run = simulate(pushed(t_end=1.0, acceleration=wave))
     np.testing.assert_allclose(run.body("block").x @ AXIS, expected, rtol=0, atol=2e-13)
     times = np.linspace(0.0, 1.0, 2001)
-    rows = "\n".join(f"{t},{wave(t)!r}" for t in times.tolist())
+    rows = "\n".join(f"{t},{float(wave(t))!r}" for t in times.tolist())
     (tmp_path / "wave.csv").write_text(rows)
     record = Recorded(tmp_path / "wave.csv", 2)
     run = simulate(pushed(t_end=1.0, acceleration=record))
@@ -401,7 +402,9 @@ def test_orientations_that_cannot_be_are_refused(drive, message):
 
 def test_a_restart_goes_on_to_the_bit_and_knows_the_numbers_of_its_record(tmp_path):
     """Wherever the file is; not with another number in it."""
-    rows = "\n".join(f"{t},{np.sin(40.0 * t)!r}" for t in np.linspace(0.0, 0.2, 101).tolist())
+    rows = "\n".join(
+        f"{t},{float(np.sin(40.0 * t))!r}" for t in np.linspace(0.0, 0.2, 101).tolist()
+    )
     places = {name: tmp_path / f"{name}.csv" for name in ("here", "there", "changed")}
     for name, path in places.items():
         path.write_text(rows if name != "changed" else rows + "\n0.3,9")
@@ -414,7 +417,7 @@ def test_a_restart_goes_on_to_the_bit_and_knows_the_numbers_of_its_record(tmp_pa
 
     target = tmp_path / "run.h5"
     simulate(model("here", 0.1), output=target)
-    with pytest.raises(StateError, match=r"motions\.push\.acceleration\.product\.1\.file: was"):
+    with pytest.raises(StateError, match=r"loads\.1\.signal\.product\.1\.file: was"):
         simulate(model("changed", 0.15), output=target, resume=True)
     simulate(model("there", 0.15), output=target, resume=True)
     resumed, whole = Results.read(target), simulate(model("here", 0.15))
@@ -435,7 +438,16 @@ def test_a_pulse_in_flight_keeps_its_momentum(long):
     away = RigidBody(1.0, [0.1, 0.1, 0.1], {"tip": Frame()}, Start(position=[0, 0, 9.0]))
     model = Model(
         {"ball": away},
-        contacts=[Contact("floor", ("ground.wall", "ball.tip"), "plane", [0, 0, 1], stiffness=1e6)],
+        contacts=[
+            Contact(
+                "floor",
+                ("ground.wall", "ball.tip"),
+                "plane",
+                ball=0.1,
+                axis=[0, 0, 1],
+                impact=Impact(stiffness=1e6),
+            )
+        ],
         loads=[Load("force", "ball", [1, 0, 0], HalfSine(1000.0, 2.3e-3, 0.0113))],
         ground_frames={"wall": Frame()},
         settings=Settings(t_end=0.1, step=long, contact_step=1e-4, rho_inf=0.5),
