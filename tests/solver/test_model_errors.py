@@ -166,7 +166,7 @@ MADE = {
     ),
     "a drive that jumps": (
         lambda: Joint("j", "revolute", ("a", "b"), [0, 0, 1], angle=Steps((0.0,), (1.0,))),
-        "joint 'j': angle: expected a smooth signal (constant, harmonic, polynomial, spline), "
+        "joint 'j': angle: expected a smooth signal (constant, harmonic, polynomial, spline, smooth step, chirp, noise, or of such parts), "
         "got steps",
     ),
     "a load of an unknown type": (
