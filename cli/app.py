@@ -22,6 +22,8 @@ HDF5 = (".h5", ".hdf5")
 """suffixes of superelements"""
 TOML = ".toml"
 """suffix of models"""
+CSV = ".csv"
+"""suffix of summaries of studies"""
 
 BodyFile = Annotated[
     Path, typer.Argument(metavar="BODY.toml", help="Mesh, section or material, interfaces.")
@@ -37,14 +39,21 @@ CheckedFile = Annotated[
     ),
 ]
 ResultsFile = Annotated[
-    Path, typer.Argument(metavar="RESULTS.h5", help="Written by `duhamel run`.")
+    Path,
+    typer.Argument(metavar="FILE", help="RESULTS.h5 of `duhamel run`, or summary.csv of `sweep`."),
 ]
 Panels = Annotated[
     list[str] | None,
     typer.Argument(
         metavar="QUANTITY[,QUANTITY]",
-        help="A panel each, as angular_velocity:hub:z.",
+        help="A panel each, as angular_velocity:hub:z, or 'srs(acceleration:hub:z, q=10)'.",
         show_default=False,
+    ),
+]
+Quantities = Annotated[
+    list[str] | None,
+    typer.Argument(
+        metavar="QUANTITY", help="As acceleration:hub:z, or 'acceleration:*'.", show_default=False
     ),
 ]
 Output = Annotated[
@@ -105,6 +114,9 @@ Scheduler = Annotated[
     str | None,
     typer.Option(metavar="tcp://HOST:PORT", help="Of a Dask cluster that sees the same files."),
 ]
+Plotted = Annotated[
+    bool, typer.Option("--plot", help="Also draw the outputs over the parameters: summary.png.")
+]
 Force = Annotated[bool, typer.Option("--force", help="Also the cases that are up to date.")]
 Picture = Annotated[
     Path | None, typer.Option("--output", "-o", metavar="FILE.png", show_default=False)
@@ -113,6 +125,9 @@ Title = Annotated[
     str | None,
     typer.Option(metavar="TEXT", help="Above the picture: the name of the file, unless given."),
 ]
+
+
+Gravities = Annotated[bool, typer.Option("--g", help="Accelerations in g = 9.80665 m/s².")]
 
 
 def _tell_version(asked: bool) -> None:
@@ -144,17 +159,22 @@ def preprocess(
     if dry_run:
         _survey(body_file, output)
         return
+    from .description import loss_in_words
+
     target = output or body_file.with_suffix(".h5")
     with errors_in_one_line(files, preprocess, superelement):
         body = preprocess.read_body(body_file)
         superelement.require_writable(target)
         files.require_no_input(target, [body_file, *preprocess.files_of(body)])
-    for doubt in preprocess.doubts_of_body(body):
-        typer.echo(one_line(f"warning: {body_file}: {doubt}"), err=True)
+    doubts = list(preprocess.doubts_of_body(body))
     with errors_in_one_line(preprocess, superelement, about=body_file):
-        element = preprocess.build(body, progress=True)
+        element = preprocess.build(body, progress=True, told=doubts.append)
+    for doubt in doubts:
+        typer.echo(one_line(f"warning: {body_file}: {doubt}"), err=True)
     with errors_in_one_line(superelement):
         superelement.write(target, element)
+    if element.modes is not None and element.modes.chain is not None:
+        typer.echo(one_line(f"loss factor: {loss_in_words(element.modes, element.modes.chain)}"))
     megabytes = target.stat().st_size / 1e6
     seconds = perf_counter() - start
     if body.impulse.modes is not None:
@@ -196,6 +216,9 @@ def run(
     target = output or _results_of(model_file)
     with errors_in_one_line(solver, superelement):
         model = solver.read_model(model_file)
+        for doubt in solver.doubts(model):
+            if doubt.severe:
+                typer.echo(one_line(f"warning: {model_file}: {doubt.text}"), err=True)
         results = solver.simulate(model, output=target, progress=True, resume=resume, anyway=anyway)
     for line in report(results):
         typer.echo(one_line(line))
@@ -212,6 +235,7 @@ def sweep(
     workers: Workers = None,
     scheduler: Scheduler = None,
     force: Force = False,
+    plot: Plotted = False,
 ) -> None:
     """Run a model, or preprocess a body, for many values of its parameters.
 
@@ -235,6 +259,8 @@ def sweep(
         typer.echo(one_line(line), err=True)
     seconds = perf_counter() - start
     typer.echo(one_line(f"{plan.summary}: {len(rows)} cases, {told(rows)}, {seconds:.1f} s"))
+    if plot:
+        _plot_summary(plan.summary, [], None, None)
     if failed:
         raise typer.Exit(1)
 
@@ -245,16 +271,24 @@ def plot(
     quantities: Panels = None,
     output: Picture = None,
     title: Title = None,
+    gravities: Gravities = False,
 ) -> None:
     """Draw results over time: RESULTS.png beside the results file, unless given.
 
+    Of a study, summary.csv, draw the outputs, or those that are named, over its parameters.
+
     Each argument is a panel: a quantity, or several joined by commas. Without arguments: how fast
     the bodies turn, how far the flexible ones bend, the energies and their balance. A quantity that
-    does not exist lists those that do.
+    does not exist lists those that do. What is made of quantities, in quotes: srs(QUANTITY),
+    fourier, psd, cumulative_rms, octaves, cfc, lowpass, highpass, bandpass, g.
     """
+    if results_file.suffix.lower() == CSV:
+        _plot_summary(results_file, quantities or [], output, title)
+        return
     from .. import view
     from ..files.outputs import clash
     from ..results import Results
+    from ..results.transforms import split
 
     with errors_in_one_line(view):
         results = Results.read(results_file)
@@ -263,11 +297,46 @@ def plot(
             raise view.PictureError(f"{found}, which the picture would replace")
         panels = []
         for panel in quantities or ():
-            named = [view.curves(results, quantity) for quantity in panel.split(",")]
+            named = [view.curves(results, quantity, gravities) for quantity in split(panel)]
             panels.append([curve for curves in named for curve in curves])
         heading = results_file.stem if title is None else title
         view.save(view.draw(results.time, panels or view.overview(results), heading), target)
     typer.echo(one_line(target))
+
+
+def _plot_summary(summary: Path, names: list[str], output: Path | None, title: str | None) -> None:
+    """Draw the summary of a study: SUMMARY.png beside it, unless given."""
+    from .. import study, view
+    from ..files.outputs import clash
+    from .variation import draw
+
+    target = output or summary.with_suffix(".png")
+    with errors_in_one_line(study, view):
+        if found := clash([target], {summary: "the summary"}):
+            raise view.PictureError(f"{found}, which the picture would replace")
+        draw(summary, [name for text in names for name in text.split(",")], target, title)
+    typer.echo(one_line(target))
+
+
+@app.command()
+def peaks(
+    results_file: ResultsFile, quantities: Quantities = None, gravities: Gravities = False
+) -> None:
+    """Tell the largest and smallest values of quantities, when they occur, and where.
+
+    Without arguments: of all accelerations, forces and elastic displacements that were recorded. A
+    star in a name stands for anything: 'acceleration:bracket.*:z'. The largest one comes first.
+    von_mises:BODY is the largest stress on the surface of a body, with its place.
+    """
+    from rich.console import Console
+
+    from .. import results
+    from .peaks import peaks_table
+
+    with errors_in_one_line(results):
+        read = results.Results.read(results_file)
+        found = results.peaks(read, quantities or (), gravities)
+    Console().print(peaks_table(results_file.stem, found))
 
 
 @app.command()

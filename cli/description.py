@@ -6,7 +6,7 @@ import numpy as np
 from rich.table import Table
 from rich.text import Text
 
-from ..superelement import Interface, Kernel, Modes, Provenance, Rotation, Superelement
+from ..superelement import Chain, Interface, Kernel, Modes, Provenance, Rotation, Superelement
 from ..superelement.validation import Array
 
 SHOWN_FREQUENCIES = 10
@@ -28,6 +28,7 @@ def describe(element: Superelement) -> Table:
     sections = (
         _rigid(element),
         _interfaces(element.interfaces),
+        _channels(element),
         _frequencies(element.modes),
         _rotation(element.rotation),
         _kernel(element.kernel),
@@ -54,16 +55,30 @@ def _interfaces(interfaces: tuple[Interface, ...]) -> Iterator[Row]:
         yield f"  {interface.name}", f"{_line(interface.X)}   {interface.n_dofs} dofs"
 
 
+def _channels(element: Superelement) -> Iterator[Row]:
+    if element.patterns:
+        yield "load patterns", f"{len(element.patterns)}, resultants at the amplitude 1"
+    for pattern in element.patterns:
+        force, moment = _line(pattern.force), _line(pattern.moment)
+        yield f"  {pattern.name}", f"{force} N   {moment} N m about the center of mass"
+    if element.sensors:
+        yield "sensors", f"{len(element.sensors)}, positions [m] from the center of mass"
+    for sensor in element.sensors:
+        yield f"  {sensor.name}", f"{_line(sensor.X)}   {sensor.kind}"
+
+
 def _frequencies(modes: Modes | None) -> Iterator[Row]:
     if modes is None:
         yield "modes", "none, so the step and rho_inf of the kernel are fixed"
         return
-    first = np.sort(modes.frequencies)[:SHOWN_FREQUENCIES]
+    first = np.sort(modes.resonances)[:SHOWN_FREQUENCIES] / (2.0 * np.pi)
     yield (
         "modes",
         str(len(modes.omega)) + (f", for steps down to {modes.h_min:.6g} s" if modes.h_min else ""),
     )
     yield f"first {len(first)} [Hz]", ", ".join(f"{frequency:.5g}" for frequency in first)
+    if modes.chain is not None:
+        yield "loss factor", loss_in_words(modes, modes.chain)
     if modes.zeta.any():
         low, high = float(modes.zeta.min()), float(modes.zeta.max())
         ratios = f"{low:.3g}" if low == high else f"{low:.3g} to {high:.3g}"
@@ -72,6 +87,27 @@ def _frequencies(modes: Modes | None) -> Iterator[Row]:
             "damping ratios, free",
             f"{ratios}; at a joint, or clamped, a mode at f: up to {bound}",
         )
+
+
+def loss_in_words(modes: Modes, chain: Chain) -> str:
+    """What the material takes, and within which limits."""
+    low, high = chain.band
+    fit = f"{low:g} to {high:g} Hz within {100.0 * chain.ripple:.2g} %"
+    if chain.loss_factor:
+        at = np.array([2.0 * np.pi * chain.reference])
+        stiffer = 100.0 * float(chain.factor(at, 1)[0, 0].real - 1.0)
+        return (
+            f"{chain.loss_factor:g} from {fit}, {len(chain.tau)} Maxwell elements: damping ratio "
+            f"{0.5 * chain.loss_factor:g}, free or held; moduli of the body file at "
+            f"{chain.reference:g} Hz, {stiffer:.2g} % above those of long times"
+        )
+    resonances = modes.resonances / (2.0 * np.pi)
+    losses = modes.loss_factors[(low <= resonances) & (resonances <= high)]
+    found = f"{losses.min():.3g} to {losses.max():.3g}, " if len(losses) else ""
+    return (
+        f"{found}by the strain energy that modes of the free body have in each material, those of "
+        f"the materials from {fit}"
+    )
 
 
 def _rotation(rotation: Rotation | None) -> Iterator[Row]:

@@ -18,6 +18,8 @@ def report(results: Results) -> Iterator[str]:
     yield f"degrees of freedom (bodies as rigid): {solver['degrees_of_freedom']}"
     if solver["removed"]:
         yield f"redundant constraints removed: {solver['removed']}"
+    if damping := solver.get("damping"):
+        yield f"damping, about the start: {damping}"
     if solver["assembly_error"] > NOTICEABLE:
         opening, joint = solver["assembly_error"], solver["assembly_error_at"]
         yield f"largest assembly error: {opening:.3g} m at {joint}"
@@ -46,6 +48,8 @@ def report(results: Results) -> Iterator[str]:
         yield from _created(results.energy, solver["rule"])
     for name, events in results.events.items():
         yield f"contacts: {name}: {_contact(events, results.unit('events', name, 'peak'))}"
+    for name in results.motors:
+        yield f"motor {name}: {_motor(results, name)}"
     yield from str(results.validity).splitlines()
 
 
@@ -62,6 +66,22 @@ def _contact(events: Events, unit: str) -> str:
     if events.still_closed.any():
         parts.append("closed at the end")
     return ", ".join(parts)
+
+
+def _motor(results: Results, name: str) -> str:
+    """What a motor gave at most, its work, how far it was from its reference, and its limits."""
+    motion = results.motor(name)
+    torque, length = (results.unit("motors", name, key) for key in ("torque", "error"))
+    parts = [
+        f"peak {np.abs(motion.torque).max():.4g} {torque}, {np.abs(motion.power).max():.4g} W",
+        f"work {motion.work[-1]:.4g} J",
+    ]
+    if motion.error.any():
+        largest, last = np.abs(motion.error).max(), motion.error[-1]
+        parts.append(f"error up to {largest:.3g} {length}, at the end {last:.3g} {length}")
+    if limited := float(np.mean(motion.state != 0)):
+        parts.append(f"at its limit {100.0 * limited:.3g} % of the time")
+    return "; ".join(parts)
 
 
 def _created(energy: Energy, rule: str) -> Iterator[str]:

@@ -9,13 +9,16 @@ from rich.text import Text
 from ..preprocess.assembly.interfaces import Attachment
 from ..preprocess.survey import Survey
 from ..superelement.validation import Array
-from ..view import Marker, Patch, Scene
+from ..view import Cross, Marker, Patch, Scene
 
 EXACT = "from the mesh itself"
 ESTIMATED = (
     "upper bounds, by fields that are quadratic splines in space: a few per cent high for compact "
     "bodies, up to a quarter where thin walls meet"
 )
+
+CROSSES = 5
+"""lines of beams whose local axes are drawn"""
 
 Row = tuple[str, str]
 
@@ -29,6 +32,7 @@ def report(survey: Survey) -> Table:
         _mesh(survey),
         _rigid(survey),
         _attachments(survey),
+        _channels(survey),
         _frequencies(survey),
         _rotation(survey),
         _cost(survey),
@@ -51,10 +55,22 @@ def scene(survey: Survey) -> Scene:
         Marker(f"{name} {survey.body.masses[name].mass:.3g} kg", attachment.X, has_axes=False)
         for name, attachment in survey.masses.items()
     ]
+    masses += [
+        Marker(name, np.array(sensor.point), has_axes=False)
+        for name, sensor in survey.body.sensors.items()
+    ]
     if facets is None:
-        return Scene(lines=mesh.points[mesh.cells["line"]], markers=markers, masses=masses)
+        lines = mesh.points[mesh.cells["line"]]
+        return Scene(lines=lines, markers=markers, masses=masses, sections=_crosses(survey))
     patches = [Patch(polygons, owners) for polygons, owners in survey.boundary()]
     return Scene(patches, markers=markers, masses=masses)
+
+
+def _crosses(survey: Survey) -> list[Cross]:
+    """The local axes of some lines, evenly among them."""
+    points, axes = survey.section_axes()
+    some = np.unique(np.linspace(0, len(points) - 1, CROSSES).round().astype(int))
+    return [Cross(points[i], axes[i, 1], axes[i, 2]) for i in some.tolist()]
 
 
 def _mesh(survey: Survey) -> Iterator[Row]:
@@ -75,6 +91,18 @@ def _rigid(survey: Survey) -> Iterator[Row]:
     for share in survey.shares:
         label = f"  {share.group}" if share.group else "  all elements"
         yield label, f"{share.mass:.6g} kg, {share.extent:.6g} {unit}, {share.elements} elements"
+
+
+def _channels(survey: Survey) -> Iterator[Row]:
+    channels = survey.structure.channels
+    if channels is None:
+        return
+    for pattern in channels.patterns:
+        force, moment = _line(pattern.force), _line(pattern.moment)
+        yield f"load {pattern.name}", f"{force} N, {moment} N m about the center of mass"
+    for sensor in channels.sensors:
+        place = _line(sensor.X + survey.structure.rigid.center)
+        yield f"sensor {sensor.name}", f"{sensor.kind} at {place} m"
 
 
 def _attachments(survey: Survey) -> Iterator[Row]:

@@ -21,6 +21,8 @@ SMALL = 1 << 26
 """bytes up to which a dataset may declare more than it stores: what was never written is zero"""
 RATIO = 100
 """of declared to stored bytes; numbers that vary are compressed to no less than a tenth"""
+UNASKED = 1 << 20
+"""bytes that are read without asking what memory is free: that takes longer than to read them"""
 MOST_TEXT = 1 << 26
 """bytes of text in a dataset or an attribute"""
 DAMAGE = (
@@ -88,7 +90,7 @@ def require_contained(file: h5py.File) -> None:
 
 def whole(dataset: h5py.Dataset) -> Any:
     """All of a dataset; `FileError` where it does not fit into memory."""
-    if dataset.nbytes > (free := available()):
+    if dataset.nbytes > UNASKED and dataset.nbytes > (free := available()):
         raise FileError(
             f"{_shown(dataset.name)}: expected at most the {free} bytes of memory that are free, "
             f"found {dataset.nbytes} of shape {dataset.shape}"

@@ -1,5 +1,6 @@
 """From a body file's contents to a superelement."""
 
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from importlib import metadata
 
@@ -8,13 +9,15 @@ import numpy as np
 from ..files import in_one_line
 from ..files.memory import available
 from ..superelement import Provenance, Rotation, Superelement, sha256
+from .assembly.losses import lossy_parts
 from .assembly.second_order import SecondOrder, second_order
 from .assembly.structure import Structure, assemble_on
 from .body.body import Body
 from .errors import MemoryShortageError
-from .plausibility import refused_where_singular
+from .plausibility import doubts_of_frequencies, doubts_of_source, refused_where_singular
 from .progress import Stages, shown_stages
 from .recovery import check_recovery, recover
+from .responses.channels import channels_of, of_interfaces
 from .responses.factor import factorizations
 from .responses.impulse import ImpulseResponses, impulse_responses, require_memory
 from .responses.static import accelerance, compliance
@@ -23,7 +26,12 @@ from .sources.reading import read_source
 
 FEWEST = 3
 """dofs of an interface, at least"""
+Told = Callable[[str], object]
 PACKAGES = ("duhamel", "numpy", "scipy", "scikit-fem", "meshio", "rslab")
+
+
+def silent(doubt: str) -> None:
+    """Where doubts are not asked for."""
 
 
 def assemble(body: Body) -> Structure:
@@ -34,10 +42,11 @@ def assemble(body: Body) -> Structure:
     return assemble_on(body, read_source(body))
 
 
-def build(body: Body, progress: bool = False) -> Superelement:
+def build(body: Body, progress: bool = False, told: Told = silent) -> Superelement:
     """The superelement of a body: mesh, finite elements, interfaces, static and impulse responses.
 
-    `progress` shows on the terminal what is being done and how far it is.
+    `progress` shows on the terminal what is being done and how far it is. told: called with each
+    doubt about the mesh, the step and the band (plausibility.py).
     `PreprocessError` if the body, its mesh or its method do not allow it.
     """
     require_memory(body.impulse.steps, FEWEST * len(body.interfaces))
@@ -47,7 +56,7 @@ def build(body: Body, progress: bool = False) -> Superelement:
             shown_stages(progress) as stages,
             factorizations() as summaries,
         ):
-            return _build(body, stages, summaries)
+            return _build(body, stages, summaries, told)
     except MemoryShortageError:
         raise
     except MemoryError as error:
@@ -59,27 +68,37 @@ def build(body: Body, progress: bool = False) -> Superelement:
         ) from error
 
 
-def _build(body: Body, stages: Stages, summaries: list[str]) -> Superelement:
+def _build(body: Body, stages: Stages, summaries: list[str], told: Told) -> Superelement:
     with stages.stage("mesh"):
         source = read_source(body)
         check_recovery(body, source)
+        for doubt in doubts_of_source(body, source):
+            told(doubt)
     with stages.stage("assembly"):
         structure = assemble_on(body, source)
         second = None
         if body.rotation is not None:
             second = second_order(structure, source, body)
             structure = replace(structure, inertia=second.inertia_loads)
+        parts = lossy_parts(body, source, structure)
+    wide = structure.with_channels()
     with stages.stage("impulse"):
-        responses = impulse_responses(structure, body, stages)
+        responses = impulse_responses(wide, body, stages, parts)
+        for doubt in _doubts_of_modes(body, responses):
+            told(doubt)
     with stages.stage("static"):
         # Modes say it without another factorization; and steps start as their modes do, not as the
         # whole mesh would.
         modes = responses.modes
         H, B = (
-            (compliance(structure), accelerance(structure))
+            (compliance(wide), accelerance(wide))
             if modes is None
             else (modes.compliance, modes.accelerance)
         )
+    channels = None
+    if structure.channels is not None:
+        channels = channels_of(structure.channels, structure.n_c, responses, H, B)
+        responses, H, B = of_interfaces(structure.n_c, responses, H, B)
     recovery = None
     if body.recovery is not None and responses.shapes is not None:
         with stages.stage("recovery"):
@@ -100,6 +119,7 @@ def _build(body: Body, stages: Stages, summaries: list[str]) -> Superelement:
         accelerance=B,
         recovery=recovery,
         rotation=rotation,
+        channels=channels,
         provenance=Provenance(
             body=body.text,
             mesh=", ".join(path.name for path in body.files),
@@ -110,6 +130,12 @@ def _build(body: Body, stages: Stages, summaries: list[str]) -> Superelement:
             timings=stages.seconds,
         ),
     )
+
+
+def _doubts_of_modes(body: Body, responses: ImpulseResponses) -> Iterator[str]:
+    modes = responses.modes
+    if modes is not None and len(modes.omega):
+        yield from doubts_of_frequencies(body, float(modes.frequencies.min()))
 
 
 def _rotation(

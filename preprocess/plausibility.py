@@ -2,11 +2,14 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import cast
 
 import numpy as np
 from scipy.sparse.linalg import ArpackError
 
 from ..files import in_one_line
+from ..superelement.validation import Array
+from .assembly.source import MeshSource, Source
 from .body.body import Body
 from .body.material import Material, Section
 from .errors import MethodError
@@ -15,12 +18,28 @@ from .mesh.mesh import Mesh
 
 SOUND = (20.0, 30_000.0)
 """Speeds of sound in solids [m/s]: soft rubber, and twice that of beryllium."""
-DENSITY = (5.0, 25_000.0)
+DENSITY = (9.0, 25_000.0)
 """Densities of solids [kg/m^3]: foams, and osmium."""
+MODULUS = 1.3e12
+"""Largest Young's modulus [Pa], above that of diamond."""
 SIZE = (1e-5, 100.0)
 """Sizes of parts [m]."""
 LINEAR = ("tetra", "hexahedron", "wedge")
 """Solids with nodes at their corners alone."""
+THIN = 0.2
+"""Share of such elements with all nodes on the boundary from which on a body is called thin."""
+DAMPING = 0.5
+"""Modal damping ratio above which it may be in per cent."""
+DEPTH = 0.5
+"""Radius of gyration of a section over the size of its mesh, of no beam."""
+POLAR = (0.01, 100.0)
+"""Inertia of a section about its axis over that of a homogeneous one of the same EI and EA."""
+TORSION = 10.0
+"""GJ over EI_y + EI_z; 1 / (2 (1 + nu)) at most where one isotropic material fills the section."""
+REACH = 30.0
+"""Radius of gyration of a rigid piece over the size of the mesh, of no such piece."""
+SHORTEST = 0.01
+"""Shortest wave of a step over the spacing of nodes below which the step resolves nothing."""
 
 
 @contextmanager
@@ -39,15 +58,14 @@ def refused_where_singular() -> Iterator[None]:
 
 
 def doubts_of_body(body: Body) -> Iterator[str]:
-    """Doubts about materials, sections and the rotation of matrices, each by its key."""
+    """Doubts about materials, sections, damping and the rotation of matrices, each by its key."""
     if body.material is not None:
         yield from _of_material("material", body.material)
-    if body.section is not None:
-        yield from _of_section("section", body.section)
+    for key, section in _sections(body):
+        yield from _of_section(key, section)
     for group, material in body.materials.items():
         yield from _of_material(f"materials.{group}", material)
-    for group, section in body.sections.items():
-        yield from _of_section(f"sections.{group}", section)
+    yield from _of_damping(body)
     if body.rotation is not None and body.matrices is not None:
         yield (
             "rotation: [matrices] know no stiffening: slender bodies, as blades, soften as they "
@@ -56,38 +74,102 @@ def doubts_of_body(body: Body) -> Iterator[str]:
         )
 
 
+def doubts_of_source(body: Body, source: Source) -> Iterator[str]:
+    """Doubts about the mesh of a body; none of matrices."""
+    if body.matrices is None:
+        on_mesh = cast(MeshSource, source)
+        yield from doubts_of_mesh(on_mesh.mesh, on_mesh.facets)
+        yield from doubts_on_mesh(body, on_mesh)
+
+
 def doubts_of_mesh(mesh: Mesh, facets: Facets | None) -> Iterator[str]:
     """Doubts about the size of a mesh, and elements that are too stiff in bending."""
     if not SIZE[0] <= mesh.size <= SIZE[1]:
+        unit = "millimeters (scale = 1e-3)" if mesh.size > SIZE[1] else "meters (no scale)"
         yield (
-            f"the mesh is {mesh.size:.4g} m large: are its coordinates in millimeters "
-            "(scale = 1e-3)?"
+            f"the mesh is {mesh.size:.4g} m large, parts are {SIZE[0]:g} to {SIZE[1]:g} m: "
+            f"are its coordinates in {unit}?"
         )
     if facets is None:
         return
     if "tetra" in mesh.body_types:
         yield "four-node tetrahedra are too stiff in bending, by a factor: mesh with ten nodes"
-    elif _is_one_element_thick(mesh, facets):
+    elif (share := _one_element_thick(mesh, facets)) >= THIN:
+        where = "" if share == 1.0 else f" in {100.0 * share:.0f} % of the body"
         yield (
-            "linear elements, one through the thickness, are too stiff in bending: "
+            f"linear elements, one through the thickness{where}, are too stiff in bending: "
             "mesh with two or more, or with nodes on the edges"
         )
 
 
-def _is_one_element_thick(mesh: Mesh, facets: Facets) -> bool:
-    """Whether all nodes of a mesh of linear elements lie on its boundary."""
+def doubts_on_mesh(body: Body, source: MeshSource) -> Iterator[str]:
+    """Doubts about what needs mesh and body file: sections, rigid pieces, the step and the band."""
+    size = source.mesh.size
+    for key, section in _sections(body):
+        yield from _of_depth(key, section, size)
+    for name, piece in body.masses.items():
+        yield from _of_piece(f"masses.{name}", piece.mass, np.array(piece.inertia), size)
+    step = body.impulse.step
+    fastest = source.resolution(0.5 / step)
+    if fastest.nodes < SHORTEST:
+        yield (
+            f"impulse.step = {step:g} s: the shortest wave that it follows is {fastest.nodes:.2g} "
+            f"of the spacing of the nodes, expected {SHORTEST:g} or more: "
+            "nothing on this mesh is so fast"
+        )
+    if body.impulse.band is not None:
+        wave = source.resolution(body.impulse.band)
+        if wave.nodes < wave.needed:
+            yield (
+                f"impulse.band = {body.impulse.band:g} Hz: {wave.nodes:.2g} nodes in the shortest "
+                f"wave, expected {wave.needed} or more: a finer mesh or a lower band"
+            )
+
+
+def doubts_of_frequencies(body: Body, first: float) -> Iterator[str]:
+    """Doubts about a step or band that holds no elastic mode.   first: elastic frequency [Hz]"""
+    step, band = body.impulse.step, body.impulse.band
+    if first > 0.5 / step:
+        yield (
+            f"impulse.step = {step:g} s: its Nyquist frequency, {0.5 / step:.4g} Hz, is below the "
+            f"first elastic frequency, {first:.4g} Hz when free: expected {0.05 / first:.2g} s or "
+            "less"
+        )
+    elif band is not None and band < first:
+        yield (
+            f"impulse.band = {band:g} Hz is below the first elastic frequency, {first:.4g} Hz: "
+            "nothing in it vibrates"
+        )
+
+
+def _sections(body: Body) -> Iterator[tuple[str, Section]]:
+    """All sections by key."""
+    if body.section is not None:
+        yield "section", body.section
+    for group, section in body.sections.items():
+        yield f"sections.{group}", section
+
+
+def _one_element_thick(mesh: Mesh, facets: Facets) -> float:
+    """The share of elements, of linear ones, whose nodes all lie on the boundary."""
     if not set(mesh.body_types) <= set(LINEAR):
-        return False
-    outer = [nodes.ravel() for nodes in facets.patch(np.flatnonzero(facets.boundary)).values()]
-    return len(np.unique(np.concatenate(outer))) == len(mesh.points)
+        return 0.0
+    outer = np.zeros(len(mesh.points), dtype=np.bool_)
+    for nodes in facets.patch(np.flatnonzero(facets.boundary)).values():
+        outer[nodes] = True
+    thin = np.concatenate([outer[mesh.cells[kind]].all(axis=1) for kind in mesh.body_types])
+    return float(thin.mean())
 
 
 def _of_material(key: str, material: Material) -> Iterator[str]:
     if not DENSITY[0] <= material.rho <= DENSITY[1]:
         yield (
-            f"{key}.rho = {material.rho:g} kg/m^3 is not that of a solid: "
-            "is it in t/mm^3 or g/cm^3?"
+            f"{key}.rho = {material.rho:g} kg/m^3 is not that of a solid, "
+            f"{DENSITY[0]:g} to {DENSITY[1]:g}: is it in t/mm^3 or g/cm^3?"
         )
+    stiffest = float(np.max(material.E))
+    if stiffest > MODULUS:
+        yield f"{key}.E = {stiffest:g} Pa is above that of diamond, 1.2e12: is it in other units?"
     E = float(np.min(material.E))
     yield from _of_sound(f"{key}.E = {E:g} Pa", float(np.sqrt(E / material.rho)))
 
@@ -100,11 +182,58 @@ def _of_section(key: str, section: Section) -> Iterator[str]:
             f"{key}: EI_y and EI_z differ, and without {key}.orientation local y is horizontal: "
             "does the dry run show it where it should be?"
         )
+    polar = section.mass_per_length * (section.EI_y + section.EI_z) / section.EA
+    ratio = section.polar_inertia_per_length / polar
+    if not POLAR[0] <= ratio <= POLAR[1]:
+        yield (
+            f"{key}.polar_inertia_per_length = {section.polar_inertia_per_length:g} kg m is "
+            f"{ratio:.2g} times that of a homogeneous section of this EI and EA, {polar:.3g}"
+        )
+    torsion = section.GJ / (section.EI_y + section.EI_z)
+    if torsion > TORSION:
+        yield (
+            f"{key}.GJ = {section.GJ:g} N m^2 is {torsion:.2g} times EI_y + EI_z, usual is half "
+            "or less"
+        )
+    for name in ("GA_y", "GA_z"):
+        GA = getattr(section, name)
+        if GA is not None and GA > section.EA:
+            yield f"{key}.{name} = {GA:g} N is more than EA = {section.EA:g} N, usual is a third"
+
+
+def _of_depth(key: str, section: Section, size: float) -> Iterator[str]:
+    for name in ("EI_y", "EI_z"):
+        radius = float(np.sqrt(getattr(section, name) / section.EA))
+        if radius > DEPTH * size:
+            yield (
+                f"{key}.{name}: sqrt({name} / EA), the radius of gyration, is {radius:.3g} m "
+                f"in a mesh of {size:.3g} m: is {name} in N mm^2?"
+            )
+
+
+def _of_piece(key: str, mass: float, inertia: Array, size: float) -> Iterator[str]:
+    if mass == 0.0:
+        return
+    radius = float(np.sqrt(0.5 * np.trace(inertia) / mass))
+    if radius > REACH * size:
+        yield (
+            f"{key}.inertia: its radius of gyration, sqrt(tr J / 2 m), is {radius:.3g} m on a mesh "
+            f"of {size:.3g} m: is it in kg mm^2?"
+        )
+
+
+def _of_damping(body: Body) -> Iterator[str]:
+    ratios = None if body.damping is None else body.damping.modal
+    if ratios is not None and (largest := max(ratios.ratios)) > DAMPING:
+        yield (
+            f"damping.modal = {largest:g} is a ratio to critical damping, of parts 0.001 to 0.1: "
+            "is it in per cent?"
+        )
 
 
 def _of_sound(what: str, speed: float) -> Iterator[str]:
     if not SOUND[0] <= speed <= SOUND[1]:
         yield (
-            f"{what} makes a speed of sound of {speed:.3g} m/s, that of no solid: "
-            "is it in MPa, or the mass in other units?"
+            f"{what} makes a speed of sound of {speed:.3g} m/s, that of no solid, "
+            f"{SOUND[0]:g} to {SOUND[1]:g}: is it in MPa, or the mass in other units?"
         )

@@ -13,10 +13,17 @@ from .body.body import Body
 from .estimate import Frequencies, first_frequencies
 from .mesh.facets import Facets
 from .mesh.mesh import IntArray, Mesh
-from .plausibility import doubts_of_body, doubts_of_mesh, refused_where_singular
+from .plausibility import (
+    doubts_of_body,
+    doubts_of_frequencies,
+    doubts_of_mesh,
+    doubts_on_mesh,
+    refused_where_singular,
+)
 from .progress import shown_stages
 from .responses.cost import Cost, krylov_cost
 from .responses.modal import SMALL
+from .sources.lines import LineSource
 from .sources.reading import read_mesh_source
 
 SHOWN = 10
@@ -60,6 +67,12 @@ class Survey:
         """The frames of the masses on the mesh, by name."""
         return self.structure.masses
 
+    def section_axes(self) -> tuple[Array, Array]:
+        """Middles (n, 3) of lines and their local axes as rows (n, 3, 3); none of solids."""
+        if isinstance(self.source, LineSource):
+            return self.source.section_axes()
+        return np.zeros((0, 3)), np.zeros((0, 3, 3))
+
     def boundary(self) -> Iterator[tuple[Array, IntArray]]:
         """Polygons (m, k, 3) and the interface (m,) of each, -1 for none, by type of facet.
 
@@ -95,7 +108,12 @@ def survey(body: Body, progress: bool = False) -> Survey:
         shares=source.shares(),
         frequencies=frequencies,
         resolution=source.resolution(band),
-        doubts=(*doubts_of_body(body), *doubts_of_mesh(source.mesh, source.facets)),
+        doubts=(
+            *doubts_of_body(body),
+            *doubts_of_mesh(source.mesh, source.facets),
+            *doubts_on_mesh(body, source),
+            *doubts_of_frequencies(body, float(min(frequencies.values, default=0.0))),
+        ),
         band=band,
         cost=_cost(body, structure),
     )
@@ -105,4 +123,5 @@ def _cost(body: Body, structure: Structure) -> Cost | None:
     """Time and memory of the method for large bodies; None for small ones and other methods."""
     if body.impulse.method in ("modal", "march") or structure.n_u <= SMALL:
         return None
-    return krylov_cost(structure.n_u, structure.K.nnz, structure.P_C.shape[0], body.impulse.steps)
+    n_c = structure.with_channels().P_C.shape[0]
+    return krylov_cost(structure.n_u, structure.K.nnz, n_c, body.impulse.steps)

@@ -14,3 +14,11 @@ class RecoveryError(ValueError):
 
 class QuantityError(LookupError):
     """A quantity, body, frame or joint that results do not have; the message lists theirs."""
+
+
+class SeriesError(ValueError):
+    """A time series of which a spectrum, filter or peak cannot be made as asked for."""
+
+
+class SeriesWarning(UserWarning):
+    """A time series of which a spectrum says less than it seems to."""

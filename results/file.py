@@ -421,7 +421,8 @@ def _read_contents(file: h5py.File) -> Contents:
     for quantity in (*quantities, *events):
         if not isinstance(quantity.unit, str) and units_of(quantity) in file:
             name = quantity.measured
-            angular = [unit == quantity.unit[1] for unit in _strings(file, units_of(quantity))]
+            units = {unit: number for number, unit in enumerate(quantity.unit)}
+            angular = [units.get(unit, 0) for unit in _strings(file, units_of(quantity))]
             axes[name] = Axis(axes[name].names, tuple(angular))
     bodies = axes.pop("flexible_body", Axis(())).names
     superelements: dict[str, SuperelementFile] = {}

@@ -138,6 +138,32 @@ class Events:
 
 
 @dataclass(frozen=True, eq=False)
+class PatternMotion:
+    """A load pattern of a body over time."""
+
+    load: Array
+    """(n,) its amplitude"""
+    displacement: Array
+    """(n,) the elastic displacement that the amplitude does work on, int t . u dA [J]"""
+
+
+@dataclass(frozen=True, eq=False)
+class SensorMotion:
+    """What a sensor reads: of a point (n, 3), of a strain gauge (n, 1), stresses (n, 6).
+
+    In body axes; stresses in the order xx, yy, zz, yz, xz, xy.
+    """
+
+    value: Array
+    """elastic displacement [m], strain [1] or stress [Pa]"""
+    rate: Array
+    """its derivative by time"""
+    acceleration: Array
+    """of a point that in space, as an accelerometer reads it without gravity [m/s^2]; of a gauge
+    the second derivative"""
+
+
+@dataclass(frozen=True, eq=False)
 class ContactMotion:
     """What happens between the ball and the shape of a contact."""
 
@@ -170,15 +196,42 @@ class StopMotion:
 
 
 @dataclass(frozen=True, eq=False)
+class CouplerMotion:
+    """What a coupler does between joint coordinates."""
+
+    force: Array
+    """(n,) on the first coordinate, a moment on an angle [N, N m]; on each other one times its
+    ratio over the first"""
+
+
+@dataclass(frozen=True, eq=False)
+class MotorMotion:
+    """What a motor does."""
+
+    torque: Array
+    """(n,) on the coordinate [N m]; of a distance the force [N]"""
+    reference: Array
+    """(n,) [rad, m]"""
+    error: Array
+    """(n,) reference less coordinate [rad, m]; both 0 where no position is followed"""
+    power: Array
+    """(n,) that it gives [W]"""
+    work: Array
+    """(n,) since t = 0 [J]"""
+    state: Array
+    """(n,) -1 at the lower limit, 1 at the upper one, 0 between them"""
+
+
+@dataclass(frozen=True, eq=False)
 class Energy:
     """Energies over time (n,) [J].
 
     kinetic (of the rigid motion), elastic (vibration included), springs (contacts too), potential
-    (gravity), work (of loads and drives), dissipated (by dampers, contacts, friction and modal
-    damping), numerical (taken by time stepping from the modes); balance: the sum of all but work,
-    less work and less its value at t = 0. elastic of a body whose kernel is convolved is the work
-    of its interface loads, with what damping and time stepping have taken of it. Where it falls
-    below zero, or numerical does, the convolution has created energy.
+    (gravity), work (of loads, drives and motors), dissipated (by dampers, contacts, friction and
+    modal damping), numerical (taken by time stepping from the modes); balance: the sum of all but
+    work, less work and less its value at t = 0. elastic of a body whose kernel is convolved is the
+    work of its interface loads, with what damping and time stepping have taken of it. Where it
+    falls below zero, or numerical does, the convolution has created energy.
     """
 
     kinetic: Array

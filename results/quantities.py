@@ -12,14 +12,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..superelement.sensor import KINDS as KINDS_OF_SENSORS
 from ..superelement.validation import Array
 from .errors import QuantityError
-from .motion import ContactMotion, Coupling, StopMotion
+from .motion import ContactMotion, Coupling, MotorMotion, StopMotion
 from .results import Results
 from .rotations import inverse, product, rotate, twists
 
 AXES = ("x", "y", "z")
 TANGENTS = ("t1", "t2")
+STRESSES = KINDS_OF_SENSORS["stress"]
 
 
 def position(results: Results, name: str) -> Array:
@@ -136,6 +138,15 @@ def contact_state(results: Results, contact: str) -> Array:
     return _contact(results, contact).state
 
 
+def coupler_force(results: Results, coupler: str) -> Array:
+    """Force or moment of a coupler on its first coordinate (n,)."""
+    return results.coupler(_known("coupler", coupler, results.couplers)).force
+
+
+def coupler_force_unit(results: Results, coupler: str) -> str:
+    return results.unit("couplers", coupler, "force")
+
+
 def gap_unit(results: Results, contact: str) -> str:
     return _contact_unit(results, contact, "gap")
 
@@ -146,6 +157,70 @@ def normal_force_unit(results: Results, contact: str) -> str:
 
 def _contact_unit(results: Results, contact: str, attribute: str) -> str:
     return results.unit("stops" if contact in results.stops else "contacts", contact, attribute)
+
+
+def strain(results: Results, sensor: str) -> Array:
+    """The strain of a gauge (n,)."""
+    return _reading(results, sensor, "strain")[:, 0]
+
+
+def stress(results: Results, sensor: str) -> Array:
+    """The stresses of a sensor, in the axes of its body (n, 6) [Pa]."""
+    return _reading(results, sensor, "stress")
+
+
+def sensor_displacement(results: Results, sensor: str) -> Array:
+    """Elastic displacement of a sensor's point, in the axes of its body [m]."""
+    return _reading(results, sensor, "motion")
+
+
+def sensor_acceleration(results: Results, sensor: str) -> Array:
+    """Acceleration in space of a sensor's point, in the axes of its body [m/s^2]."""
+    _reading(results, sensor, "motion")
+    return results.sensor(sensor).acceleration
+
+
+def pattern_load(results: Results, pattern: str) -> Array:
+    """The amplitude of a load pattern (n,)."""
+    return results.pattern(_known("load pattern", pattern, sorted(results.patterns))).load
+
+
+def motor_torque(results: Results, motor: str) -> Array:
+    """The torque of a motor, or its force, on its coordinate (n,) [N m, N]."""
+    return _motor(results, motor).torque
+
+
+def motor_reference(results: Results, motor: str) -> Array:
+    """The reference of a motor (n,) [rad, m]."""
+    return _motor(results, motor).reference
+
+
+def motor_error(results: Results, motor: str) -> Array:
+    """The reference of a motor less its coordinate (n,) [rad, m]."""
+    return _motor(results, motor).error
+
+
+def motor_power(results: Results, motor: str) -> Array:
+    """The power that a motor gives (n,) [W]."""
+    return _motor(results, motor).power
+
+
+def motor_work(results: Results, motor: str) -> Array:
+    """The work of a motor since t = 0 (n,) [J]."""
+    return _motor(results, motor).work
+
+
+def motor_state(results: Results, motor: str) -> Array:
+    """Of a motor: -1 at its lower limit, 1 at the upper one, 0 between them (n,)."""
+    return _motor(results, motor).state
+
+
+def motor_torque_unit(results: Results, motor: str) -> str:
+    return results.unit("motors", motor, "torque")
+
+
+def motor_angle_unit(results: Results, motor: str) -> str:
+    return results.unit("motors", motor, "reference")
 
 
 def linear_momentum(results: Results) -> Array:
@@ -192,11 +267,23 @@ KINDS = {
     "force": Kind(force, "N", ("JOINT|SPRING",)),
     "moment": Kind(moment, "N m", ("JOINT|SPRING",)),
     "coordinate": Kind(coordinate, coordinate_unit, ("JOINT", "COORDINATE"), axes=()),
+    "coupler_force": Kind(coupler_force, coupler_force_unit, ("COUPLER",), axes=()),
     "gap": Kind(gap, gap_unit, ("CONTACT|STOP",), axes=()),
     "normal_force": Kind(normal_force, normal_force_unit, ("CONTACT|STOP",), axes=()),
     "friction_force": Kind(friction_force, "N", ("CONTACT",), axes=TANGENTS),
     "slip": Kind(slip, "m/s", ("CONTACT",), axes=TANGENTS),
     "contact_state": Kind(contact_state, "1", ("CONTACT|STOP",), axes=()),
+    "strain": Kind(strain, "1", ("SENSOR",), axes=()),
+    "stress": Kind(stress, "Pa", ("SENSOR",), axes=STRESSES),
+    "sensor_displacement": Kind(sensor_displacement, "m", ("SENSOR",)),
+    "sensor_acceleration": Kind(sensor_acceleration, "m/s²", ("SENSOR",)),
+    "pattern_load": Kind(pattern_load, "1", ("PATTERN",), axes=()),
+    "motor_torque": Kind(motor_torque, motor_torque_unit, ("MOTOR",), axes=()),
+    "motor_reference": Kind(motor_reference, motor_angle_unit, ("MOTOR",), axes=()),
+    "motor_error": Kind(motor_error, motor_angle_unit, ("MOTOR",), axes=()),
+    "motor_power": Kind(motor_power, "W", ("MOTOR",), axes=()),
+    "motor_work": Kind(motor_work, "J", ("MOTOR",), axes=()),
+    "motor_state": Kind(motor_state, "1", ("MOTOR",), axes=()),
     "linear_momentum": Kind(linear_momentum, "kg m/s", ()),
     "angular_momentum": Kind(angular_momentum, "kg m²/s", ()),
     "energy": Kind(energy, "J", ("ENERGY",), axes=()),
@@ -269,10 +356,25 @@ def _contact(results: Results, name: str) -> ContactMotion | StopMotion:
     return results.contact(_known("contact or stop", name, known))
 
 
+def _reading(results: Results, name: str, kind: str) -> Array:
+    """The values of a sensor of a kind (n, channels)."""
+    value = results.sensor(_known("sensor", name, sorted(results.sensors))).value
+    (found,) = (
+        own for own, channels in KINDS_OF_SENSORS.items() if len(channels) == value.shape[1]
+    )
+    if found != kind:
+        raise QuantityError(f"sensor {name!r} reads {found}, not {kind}")
+    return value
+
+
 def _touching(results: Results, name: str) -> ContactMotion:
     motion = results.contact(_known("contact", name, sorted(results.contacts)))
     assert isinstance(motion, ContactMotion)
     return motion
+
+
+def _motor(results: Results, name: str) -> MotorMotion:
+    return results.motor(_known("motor", name, sorted(results.motors)))
 
 
 def _elastic(results: Results, interface: str) -> Array:

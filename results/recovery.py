@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..superelement import GeneralizedAlpha, Modes, Superelement, read, respond
+from ..superelement import GeneralizedAlpha, Modes, Superelement, read, stressed
 from ..superelement.validation import Array
 from .errors import RecoveryError
 from .rotations import apply_tangent
@@ -139,8 +139,12 @@ def second_order_loads(omega: Array, force: Array, mass: float) -> Array:
     return np.hstack([np.column_stack(on_inertia), force / np.sqrt(mass)])
 
 
-def modal_coordinates(modes: Modes, p: Array, run: Stepping, steps: Index) -> Array:
-    """Modal coordinates eta (k, m) at some steps (k,).
+def modal_coordinates(
+    modes: Modes, p: Array, run: Stepping, steps: Index, stress: bool = False
+) -> Array:
+    """Modal coordinates eta (k, m) at some steps (k,), of displacements or of stresses.
+
+    They differ by the springs of a chain, eta + sum_k a_k q_k, of a material with a loss factor.
 
     p (n, n_dofs): the loads of all steps up to the last of these, on the rows of phi.
 
@@ -155,9 +159,9 @@ def modal_coordinates(modes: Modes, p: Array, run: Stepping, steps: Index) -> Ar
     elif run.rule == "consistent":
         start = {"acceleration": at_once}
     loads = p[1:] if run.rule == "consistent" else 0.5 * (p[1:] + p[:-1])
-    etas = respond(modes, run.h, run.scheme, (load @ modes.phi for load in loads), **start)
-    chosen = set(steps.tolist())
-    eta_at = {n: eta for n, eta in enumerate(islice(etas, max(chosen) + 1)) if n in chosen}
+    etas = stressed(modes, run.h, run.scheme, (load @ modes.phi for load in loads), **start)
+    chosen, which = set(steps.tolist()), int(stress)
+    eta_at = {n: eta[which] for n, eta in enumerate(islice(etas, max(chosen) + 1)) if n in chosen}
     return np.array([eta_at[n] for n in steps.tolist()])
 
 

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +15,15 @@ from .file import FileSource
 from .motion import (
     BodyMotion,
     ContactMotion,
+    CouplerMotion,
     Coupling,
     Energy,
     Events,
     FrameMotion,
     Momentum,
+    MotorMotion,
+    PatternMotion,
+    SensorMotion,
     StopMotion,
 )
 from .recovery import (
@@ -98,12 +103,30 @@ class Results:
         return self._names("spring")
 
     @property
+    def couplers(self) -> tuple[str, ...]:
+        return self._names("coupler")
+
+    @property
     def contacts(self) -> tuple[str, ...]:
         return self._names("contact")
 
     @property
     def stops(self) -> tuple[str, ...]:
         return self._names("stop")
+
+    @property
+    def patterns(self) -> tuple[str, ...]:
+        """Load patterns as "BODY.PATTERN"."""
+        return self._names("pattern")
+
+    @property
+    def sensors(self) -> tuple[str, ...]:
+        """Sensors as "BODY.SENSOR"."""
+        return self._names("sensor")
+
+    @property
+    def motors(self) -> tuple[str, ...]:
+        return self._names("motor")
 
     @property
     def events(self) -> dict[str, Events]:
@@ -183,6 +206,20 @@ class Results:
     def stop(self, name: str) -> StopMotion:
         return StopMotion(**self._of("stops", name), events=self.events[name])
 
+    def coupler(self, name: str) -> CouplerMotion:
+        return CouplerMotion(**self._of("couplers", name))
+
+    def pattern(self, name: str) -> PatternMotion:
+        """A load pattern as "BODY.PATTERN"."""
+        return PatternMotion(**self._of("patterns", name))
+
+    def sensor(self, name: str) -> SensorMotion:
+        """A sensor as "BODY.SENSOR"."""
+        return SensorMotion(**self._of("sensors", name))
+
+    def motor(self, name: str) -> MotorMotion:
+        return MotorMotion(**self._of("motors", name))
+
     def unit(self, group: str, owner: str, attribute: str) -> str:
         """The unit of an attribute, as of "joints", "hinge", "angle_rate".
 
@@ -197,8 +234,9 @@ class Results:
         for name, quantity, entries in attributes_of(axes, group, owner):
             if name == attribute:
                 of_entries = quantity.units(axes)
-                if len(of_entries) > 1 and isinstance(entries, int):
-                    of_entries = (of_entries[entries],)
+                if len(of_entries) > 1:
+                    own = slice(entries, entries + 1) if isinstance(entries, int) else entries
+                    of_entries = of_entries[own]
                 units |= dict.fromkeys(of_entries)
         return ", ".join(units)
 
@@ -212,7 +250,7 @@ class Results:
 
     def stress(self, body: str, t: Any) -> Array:
         """Stresses xx, yy, zz, yz, xz, xy there, (p, 6) or (k, p, 6), in body axes [Pa]."""
-        recovery, eta, _ = self._recover(body, t)
+        recovery, eta, _ = self._recover(body, t, stress=True)
         try:
             return recovery.stresses(eta).reshape(*np.shape(t), -1, 6)
         except SuperelementError as error:
@@ -239,7 +277,7 @@ class Results:
             self._superelements[body] = read_again(body, self.superelement_files.get(body))
         return self._superelements[body]
 
-    def _recover(self, body: str, t: Any) -> tuple[Recovery, Array, Instants]:
+    def _recover(self, body: str, t: Any, stress: bool = False) -> tuple[Recovery, Array, Instants]:
         """The recovery of a body, and its modal coordinates (k, m) at times t (k,)."""
         element = self.superelement(body)
         if element.recovery is None or element.modes is None:
@@ -252,7 +290,7 @@ class Results:
         modes, loads = self._loads(body, element, element.modes)
         run = stepping(self._source.name, self.solver, self.time)
         steps = np.append(when.before, when.after)
-        eta = modal_coordinates(modes, loads, run, steps)
+        eta = modal_coordinates(modes, loads, run, steps, stress)
         return element.recovery, when.of(*np.split(eta, 2)), when
 
     def _loads(self, body: str, element: Superelement, modes: Modes) -> tuple[Modes, Array]:
@@ -261,6 +299,12 @@ class Results:
         for interface in element.interfaces:
             frame = self.frame(f"{body}.{interface.name}")
             loads.append(interface_loads(motion.R, frame.u, frame.force, interface.rotations))
+        if element.channels is not None:
+            assert element.channels.phi is not None
+            names = [f"{body}.{pattern.name}" for pattern in element.patterns]
+            loads += [self.pattern(name).load[:, None] for name in names]
+            rows = element.channels.phi[: len(names)]
+            modes = replace(modes, phi=np.vstack([modes.phi, rows]))
         if r := motion.second_order_force.shape[1]:
             if element.rotation is None or element.rotation.r != r:
                 raise RecoveryError(
@@ -283,7 +327,9 @@ class Results:
             )
         recorded = self.recorded
         frames = [f"frames/{body}.{interface.name}" for interface in element.interfaces]
-        if missing := [name for name in (f"bodies/{body}", *frames) if name not in recorded]:
+        patterns = [f"patterns/{body}.{pattern.name}" for pattern in element.patterns]
+        needed = (f"bodies/{body}", *frames, *patterns)
+        if missing := [name for name in needed if name not in recorded]:
             raise RecoveryError(
                 f"body {body!r}: fields need {', '.join(missing)}, which the run did not record"
             )

@@ -18,7 +18,7 @@ from ..superelement import sha256
 from ..superelement.validation import Array
 
 FORMAT = "duhamel-results"
-VERSION = 5
+VERSION = 6
 EARLIEST = 3
 """of which all that is there is the same"""
 
@@ -62,6 +62,7 @@ DIMENSIONS = {
             "joints",
             ragged=True,
         ),
+        Dimension("coupler", "couplers of joint coordinates", "couplers"),
         Dimension("spring", "springs", "springs"),
         Dimension(
             "spring_component", "components of springs, as SPRING.NUMBER", "springs", ragged=True
@@ -70,8 +71,17 @@ DIMENSIONS = {
         Dimension("tangent_axis", "tangents of a contact", entries=("t1", "t2")),
         Dimension("contact", "contacts", "contacts"),
         Dimension("stop", "stops of joint coordinates", "stops"),
+        Dimension("motor", "motors on joint coordinates", "motors"),
         Dimension(
             "joint_with_friction", "joints with friction, as JOINT.friction", "joints", ragged=True
+        ),
+        Dimension("pattern", "load patterns of flexible bodies, as BODY.PATTERN", "patterns"),
+        Dimension("sensor", "sensors of flexible bodies, as BODY.SENSOR", "sensors"),
+        Dimension(
+            "sensor_channel",
+            "channels of sensors, as BODY.SENSOR.CHANNEL",
+            "sensors",
+            ragged=True,
         ),
         Dimension("event", "times that a contact or stop was closed, in the order of their ends"),
         Dimension("event_owner", "contacts and stops whose events are counted"),
@@ -87,12 +97,13 @@ _FIXED = {name: dimension.entries for name, dimension in DIMENSIONS.items() if d
 class Axis:
     """The entries of a dimension.
 
-    angular: True for each that is an angle or belongs to one, where some may be; rows: of each
-    in the arrays of the time loop, which a file does not keep.
+    angular: True for each that is an angle or belongs to one, where some may be; of channels of
+    sensors the number of its unit; rows: of each in the arrays of the time loop, which a file does
+    not keep.
     """
 
     names: tuple[str, ...]
-    angular: tuple[bool, ...] = ()
+    angular: tuple[int, ...] = ()
     rows: tuple[int, ...] = ()
     _ranges: dict[str, tuple[int, int]] = field(
         default_factory=dict, init=False, repr=False, compare=False
@@ -214,7 +225,7 @@ class Quantity:
 
     name: str
     dimensions: tuple[str, ...]
-    unit: str | tuple[str, str]
+    unit: str | tuple[str, ...]
     description: str
     key: str
     source: str = ""
@@ -274,10 +285,12 @@ def _together(rows: Sequence[int]) -> Any:
 _BODY, _TURN = ("time", "body", "axis"), ("time", "body", "quaternion")
 _FRAME, _FRAME_TURN = ("time", "frame", "axis"), ("time", "frame", "quaternion")
 _JOINT, _CONSTRAINT = ("time", "joint", "axis"), ("time", "joint_constraint")
+_COUPLER = ("time", "coupler")
 _SPRING, _COMPONENT = ("time", "spring", "axis"), ("time", "spring_component")
 _TIME, _VECTOR = ("time",), ("time", "axis")
 _COORDINATE, _RUBBING = ("time", "joint_coordinate"), ("time", "joint_with_friction")
-_CONTACT, _STOP = ("time", "contact"), ("time", "stop")
+_PATTERN, _CHANNEL = ("time", "pattern"), ("time", "sensor_channel")
+_CONTACT, _STOP, _MOTOR = ("time", "contact"), ("time", "stop"), ("time", "motor")
 
 
 def _energy(name: str, column: str, description: str, **more: Any) -> Quantity:
@@ -414,6 +427,14 @@ QUANTITIES = (
         "joints/{}_rate",
     ),
     Quantity(
+        "coupler_force",
+        _COUPLER,
+        ("N", "N m"),
+        "on the first coordinate; on each other one times its ratio over the first",
+        "couplers/force",
+        source="multiplier",
+    ),
+    Quantity(
         "spring_force",
         _SPRING,
         "N",
@@ -526,11 +547,67 @@ QUANTITIES = (
         "contact_state",
         integer=True,
     ),
+    Quantity("pattern_load", _PATTERN, "1", "amplitude of each load pattern", "patterns/load"),
+    Quantity(
+        "pattern_displacement",
+        _PATTERN,
+        "J",
+        "elastic displacement that the amplitude 1 does work on",
+        "patterns/displacement",
+    ),
+    Quantity(
+        "sensor_value",
+        _CHANNEL,
+        ("m", "1", "Pa"),
+        "elastic displacement, strain or stress, in body axes",
+        "sensors/value",
+    ),
+    Quantity(
+        "sensor_rate",
+        _CHANNEL,
+        ("m s-1", "s-1", "Pa s-1"),
+        "rate of the same",
+        "sensors/rate",
+    ),
+    Quantity(
+        "sensor_acceleration",
+        _CHANNEL,
+        ("m s-2", "s-2", "Pa s-2"),
+        "acceleration in space of a point, in body axes; second derivative of strain or stress",
+        "sensors/acceleration",
+    ),
+    Quantity(
+        "motor_torque", _MOTOR, ("N", "N m"), "force or torque on the coordinate", "motors/torque"
+    ),
+    Quantity(
+        "motor_reference",
+        _MOTOR,
+        ("m", "rad"),
+        "reference, 0 where no position is followed",
+        "motors/reference",
+    ),
+    Quantity(
+        "motor_error",
+        _MOTOR,
+        ("m", "rad"),
+        "reference less coordinate, 0 where no position is followed",
+        "motors/error",
+    ),
+    Quantity("motor_power", _MOTOR, "W", "power that it gives", "motors/power"),
+    Quantity("motor_work", _MOTOR, "J", "work since t = 0", "motors/work"),
+    Quantity(
+        "motor_state",
+        _MOTOR,
+        "1",
+        "-1 at the lower limit, 1 at the upper one, 0 between them",
+        "motors/state",
+        integer=True,
+    ),
     _energy("kinetic_energy", "kinetic", "kinetic energy of the rigid motions"),
     _energy("elastic_energy", "elastic", "elastic energy of flexible bodies, vibration included"),
     _energy("spring_energy", "springs", "energy stored in springs, contacts and friction"),
     _energy("potential_energy", "potential", "potential energy of gravity"),
-    _energy("external_work", "work", "work of loads and drives since t = 0"),
+    _energy("external_work", "work", "work of loads, drives and motors since t = 0"),
     _energy(
         "dissipated_energy",
         "dissipated",
@@ -588,7 +665,7 @@ SOURCES = (
 """further arrays of the time loop, from which quantities are derived"""
 
 
-def _event(name: str, unit: str | tuple[str, str], description: str, **more: Any) -> Quantity:
+def _event(name: str, unit: str | tuple[str, ...], description: str, **more: Any) -> Quantity:
     return Quantity(f"event_{name}", ("event",), unit, description, f"events/{name}", **more)
 
 
@@ -615,6 +692,7 @@ SHARED = {
     "spring": "coupling",
     "joint_constraint": "row",
     "spring_component": "row",
+    "coupler": "row",
 }
 """dimensions that couplings share in the time loop"""
 
@@ -636,8 +714,12 @@ OWNERS = {
     "frames": "frame",
     "joints": "joint",
     "springs": "spring",
+    "couplers": "coupler",
     "contacts": "contact",
     "stops": "stop",
+    "patterns": "pattern",
+    "sensors": "sensor",
+    "motors": "motor",
 }
 """the dimension of the owners of a group"""
 

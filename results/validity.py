@@ -208,6 +208,16 @@ CRITERIA = {
             "take a smaller tolerance or more iterations",
         ),
         Criterion(
+            "motor_steps",
+            "motor",
+            "steps in a period of its servo, of the fastest pole at the start",
+            "",
+            20.0,
+            8.0,
+            "the servo is too fast for the step: take a smaller step, or smaller gains",
+            least=True,
+        ),
+        Criterion(
             "missed_turn",
             "angle",
             "difference from what the rate foretold",

@@ -23,6 +23,7 @@ from .laws.user import UserLaw
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
 from .model.composed import Delayed, Product, Sum
 from .model.contacts import Contact, Hertz
+from .model.couplers import Coupler
 from .model.curves import (
     Constant,
     Function,
@@ -40,9 +41,10 @@ from .model.file import read_model, write_model
 from .model.friction import Coulomb, JointFriction, Stribeck
 from .model.impact import ForceTable, Impact
 from .model.joints import Joint
-from .model.loads import Load
+from .model.loads import Load, PatternLoad
 from .model.model import Model
 from .model.motions import PrescribedDisplacement, PrescribedOrientation, PrescribedRotation
+from .model.motors import Motor
 from .model.noise import Noise, ShapedNoise
 from .model.output_request import OutputRequest
 from .model.profiles import (
@@ -59,6 +61,7 @@ from .model.recorded import Recorded, RecordedSpline
 from .model.settings import Settings, StartFrom, SteadyRotation
 from .model.springs import Spring
 from .model.stops import Stop
+from .plausibility import Doubt, doubts
 from .simulation import simulate, start
 from .simulator import Simulator
 
@@ -69,8 +72,10 @@ __all__ = [
     "Contact",
     "ConvergenceError",
     "Coulomb",
+    "Coupler",
     "DamperLaw",
     "Delayed",
+    "Doubt",
     "FlexibleBody",
     "ForceLaw",
     "ForceTable",
@@ -92,10 +97,12 @@ __all__ = [
     "ModelCheck",
     "ModelError",
     "Moment",
+    "Motor",
     "Noise",
     "OneSidedLaw",
     "OutOfRangeError",
     "OutputRequest",
+    "PatternLoad",
     "Place",
     "Polynomial",
     "PrescribedDisplacement",
@@ -134,6 +141,7 @@ __all__ = [
     "Window",
     "check",
     "check_law",
+    "doubts",
     "read_model",
     "simulate",
     "start",

@@ -68,12 +68,11 @@ def _predict(failure: Failure) -> None:
 def _input(failure: Failure) -> str:
     """A load or a drive that is no number, or a drive that jumps."""
     lowered, state, work, t = failure
-    for load, value in zip(lowered.model.loads, work.loads.value.tolist(), strict=True):
+    for load, value in zip(lowered.loads, work.loads.value.tolist(), strict=True):
         if not math.isfinite(value):
             return f"{load.owner}: its signal is {_sample(load.signal, t)} at this time"
-    rows = lowered.system.couplings.drive.tolist()
     for d, value in enumerate(work.drives.value.tolist()):
-        i = rows.index(d)
+        i = int(lowered.system.couplings.driven[d])
         size, unit = _size_of(lowered, i)
         change = value - float(state.drives.value[d])
         if not math.isfinite(value):

@@ -21,8 +21,10 @@ from .output.columns import requested
 from .output.inputs import drifts, signal_warnings
 from .output.size import check_memory, file_bytes, lack_of_disk
 from .output.writer import check_output, contents_of, make_writer, rows_of
+from .plausibility import doubts
 from .simulation import Course, march
-from .start.frequencies import natural_frequencies
+from .start.damping import DampedMotion, damped_motions, damping_in_words
+from .start.frequencies import vibrations
 from .start.initial import InitialState, initialize, lower_to_start
 from .step.contacts import penetration_of
 
@@ -41,10 +43,12 @@ class ModelCheck:
     constraints: their number; removed: redundant ones, in words; degrees_of_freedom: with all
     bodies rigid; assembly_error: the largest opening of a joint as given [m]; step, t_end [s];
     frequencies: of the assembled model about its start [Hz], None where they are not known;
+    damping: frequencies and ratios of the first of them, none where nothing damps them;
     free_frequencies: the first of each superelement alone [Hz], by body; second_order: of each
     flexible body, the number of its coordinates, "off" or "none"; contacts: a line for each
     contact and stop, with its gap at the start; drifts: a line for each coordinate that is driven
-    by its velocity or acceleration, where it ends; seconds: of the time loop;
+    by its velocity or acceleration, where it ends; motors: a line for each; seconds: of the time
+    loop;
     memory: of the arrays of the run, results_size: of the results [bytes], with so many rows.
     """
 
@@ -65,6 +69,8 @@ class ModelCheck:
     results_size: int
     contacts: tuple[str, ...] = ()
     drifts: tuple[str, ...] = ()
+    damping: tuple[DampedMotion, ...] = ()
+    motors: tuple[str, ...] = ()
     warnings: tuple[str, ...] = field(default=())
 
     def __str__(self) -> str:
@@ -81,8 +87,11 @@ class ModelCheck:
         yield f"largest assembly error: {self.assembly_error:.3g} m"
         yield f"steps: {self.steps} of {self.step:g} s"
         yield self._line_of_frequencies()
+        if self.damping:
+            yield f"damping, about the start: {damping_in_words(self.damping)}"
         yield from self.contacts
         yield from self.drifts
+        yield from self.motors
         yield f"to expect: about {self.seconds:.2g} s, {_megabytes(self.memory)} of memory"
         yield f"results: {self.rows} rows, {_megabytes(self.results_size)}"
 
@@ -114,7 +123,9 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
         contents, rows = contents_of(lowered), rows_of(lowered) - 1
         if path is None:
             check_memory(contents, rows)
-        frequencies, free = natural_frequencies(initial), _free_frequencies(model)
+        found, free = vibrations(initial), _free_frequencies(model)
+        frequencies = None if found is None else found.frequencies
+        damped = () if found is None else tuple(damped_motions(initial, found))
     return ModelCheck(
         bodies=len(model.bodies),
         flexible=len(model.flexible_bodies),
@@ -125,6 +136,7 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
         step=lowered.longest_step,
         steps=lowered.n_steps // lowered.ratio,
         frequencies=frequencies,
+        damping=damped,
         free_frequencies=free,
         second_order={name: _second_order(b) for name, b in model.flexible_bodies.items()},
         memory=_memory(initial),
@@ -132,11 +144,14 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
         results_size=file_bytes(contents, rows),
         contacts=tuple(_contacts(initial)),
         drifts=tuple(map(str, drifts(lowered, lowered.h * lowered.n_steps))),
+        motors=tuple(_motors(initial)),
         warnings=(
             *initial.warnings,
             *signal_warnings(lowered),
             *_warnings(frequencies, free, lowered.longest_step),
+            *_fast_servos(initial),
             *_lacks(path, contents, rows),
+            *(doubt.text for doubt in doubts(model)),
         ),
         seconds=_seconds(initial),
     )
@@ -186,6 +201,30 @@ def _contacts(initial: InitialState) -> Iterator[str]:
         yield f"{coupling.owner}: {_described(coupling)}; gap at the start {gap}"
 
 
+def _motors(initial: InitialState) -> Iterator[str]:
+    lowered, motors = initial.lowered, initial.lowered.system.couplings.laws.motors
+    for m, motor in enumerate(lowered.model.motors):
+        length = bool(lowered.measures_lengths[motors.row[m]])
+        torque = float(initial.state.couplings.lam[motors.row[m]])
+        line = f"{motor.owner}: {motor.coordinate} of joint {motor.joint!r}; "
+        line += f"{torque:.4g} {'N' if length else 'N m'} at the start"
+        if pole := float(initial.state.motors.pole[m]):
+            line += f"; servo of {pole / (2.0 * np.pi):.4g} Hz"
+        yield line
+
+
+def _fast_servos(initial: InitialState) -> Iterator[str]:
+    """A line for each servo whose step is too large, by its fastest pole."""
+    lowered = initial.lowered
+    for motor, pole in zip(lowered.model.motors, initial.state.motors.pole.tolist(), strict=True):
+        turn = pole * lowered.longest_step
+        if turn > 2.0 * np.pi / FEW:
+            yield (
+                f"{motor.owner}: its servo has {2.0 * np.pi / turn:.2g} steps in a period: "
+                f"expected {FEW} or more, simulation.step = {2.0 * np.pi / (FEW * pole):.2g}"
+            )
+
+
 def _described(coupling: Coupling) -> str:
     """What a contact or a stop is, in words."""
     if isinstance(coupling, JointStop):
@@ -225,7 +264,7 @@ def _history_cost(lowered: LoweredModel) -> float:
     cost = 0.0
     for e in np.flatnonzero(elastic.kernels.lags).tolist():
         n_c, lags = int(elastic.dof[e + 1] - elastic.dof[e]), int(elastic.kernels.lags[e])
-        n_active = int(elastic.active_range[e + 1] - elastic.active_range[e])
+        n_active = int(elastic.loaded_range[e + 1] - elastic.loaded_range[e])
         costs = history_costs(n_c, n_active, None, lowered.n_steps, lags)
         cost += costs["fft" if elastic.kernels.by_fft[e] else "direct"]
     return cost

@@ -7,6 +7,7 @@ follows from the state alone, so that a run goes on from any of them to the bit.
 docs/theory.md, Two step sizes.
 """
 
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -14,7 +15,7 @@ import numpy as np
 from .arrays import Array
 from .checkpoint.carried import Snapshot, carried
 from .lower.lower import LoweredModel
-from .model.signals import corners_of, jumps_of
+from .model.signals import Signal, corners_of, jumps_of
 from .start.initial import modes_of
 from .step.contacts import approaches
 from .step.loop import OTHER_SIZE, advance
@@ -41,10 +42,11 @@ class Phases:
         self._most = [FEWEST, FEWEST]
         self._refused = -1
         """the step after which a long one was taken back"""
-        jumps = {time for signal in lowered.load_signals for time in corners_of(signal)}
+        sampled = [*lowered.load_signals, *lowered.motor_signals]
+        jumps = {time for signal in sampled for time in corners_of(signal)}
         self._jumps = np.array(sorted(jumps), dtype=np.float64) / lowered.h
-        """corners of loads, in short steps"""
-        self._pulses = _pulses(lowered)
+        """corners of loads and motors, in short steps"""
+        self._pulses = _pulses(sampled, lowered)
 
     def begin(self, n: int) -> tuple[int, int]:
         """The size of the next steps, in short ones, and how many to take before `n` have passed.
@@ -99,13 +101,13 @@ class Phases:
         return int(max((ahead[0] - 1.0 - step) / lowered.ratio + ROUNDING, 0.0))
 
 
-def _pulses(lowered: LoweredModel) -> Array:
+def _pulses(sampled: Sequence[Signal], lowered: LoweredModel) -> Array:
     """Between which corners of profiles loads change too fast for long steps (2, n).
 
     In short steps.
     """
     spans = []
-    for signal in lowered.load_signals:
+    for signal in sampled:
         corners = sorted(corners_of(signal))
         if len(corners) > len(jumps_of(signal)):
             spans += list(pairwise(corners))
@@ -143,4 +145,10 @@ def change_step(lowered: LoweredModel, state: State, work: Workspace, in_flight:
 
 
 def _first(inputs: Inputs, n: int) -> Inputs:
-    return Inputs(load=inputs.load[:n], drive=inputs.drive[:n], row=inputs.row[:n], ahead=0)
+    return Inputs(
+        load=inputs.load[:n],
+        drive=inputs.drive[:n],
+        motor=inputs.motor[:n],
+        row=inputs.row[:n],
+        ahead=0,
+    )

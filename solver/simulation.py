@@ -263,14 +263,21 @@ def _judged(course: Course, begin: int, judge: Judge) -> Iterator[None]:
 
 
 def signals(lowered: LoweredModel, first: int, rows: Index, stride: int = 1) -> Inputs:
-    """Loads and drives at steps from the first on, a stride apart, which the loop records in the
-    rows.
+    """Loads, drives and motors at steps from the first on, a stride apart, which the loop records
+    in the rows.
     """
     n = len(rows)
     t = lowered.h * np.arange(first, first + stride * n, stride, dtype=np.float64)
     load = [_bearable(signal.samples(t, lowered.h)) for signal in lowered.load_signals]
     drive = [drive_values(signal, t) for signal in lowered.drives]
-    return Inputs(load=_columns(load, n), drive=_columns(drive, n), row=rows, ahead=0)
+    motor = [_bearable(signal.samples(t, lowered.h)) for signal in lowered.motor_signals]
+    return Inputs(
+        load=_columns(load, n),
+        drive=_columns(drive, n),
+        motor=_columns(motor, n),
+        row=rows,
+        ahead=0,
+    )
 
 
 def _columns(samples: list[Array], n: int) -> Array:

@@ -80,28 +80,34 @@ class Simulator:
         self._lowered, self._state, self._work = lowered, state, initial.work
         self._removed, self._contacts = initial.removed, state.contacts
         self._run = Run(system=lowered.system, state=state, work=initial.work, output=output)
-        sampled = [*lowered.load_signals, *lowered.drives]
+        sampled = [*lowered.load_signals, *lowered.drives, *lowered.motor_signals]
         self.inputs = tuple(dict.fromkeys(s.name for s in sampled if isinstance(s, Input)))
         """the names of the inputs"""
         load, drive = np.zeros((1, len(lowered.load_signals))), np.zeros((1, len(lowered.drives)))
-        self._load, self._drive = load[0], drive[0]
+        motor = np.zeros((1, len(lowered.motor_signals)))
+        self._load, self._drive, self._motor = load[0], drive[0], motor[0]
         self._destinations = [
             (values, i, self.inputs.index(signal.name))
-            for values, kind in ((self._load, lowered.load_signals), (self._drive, lowered.drives))
+            for values, kind in (
+                (self._load, lowered.load_signals),
+                (self._drive, lowered.drives),
+                (self._motor, lowered.motor_signals),
+            )
             for i, signal in enumerate(kind)
             if isinstance(signal, Input)
         ]
         """(array, index in it, number of the input)"""
         self._all_are_inputs = all(isinstance(signal, Input) for signal in sampled)
         row = np.zeros(1, dtype=np.int64)
-        self._next = Inputs(load=load, drive=drive, row=row, ahead=1)
+        self._next = Inputs(load=load, drive=drive, motor=motor, row=row, ahead=1)
         self._last = self._next.replace(ahead=0)
         self._convolution = UniformConvolution(lowered.system.elastic)
         self._number, self._n_steps, self._h = int(state.step[0]), lowered.n_steps, lowered.h
         self._live = carried(state=state, work=initial.work, output=output)
         self._sampled_from = 0
         record(self._run, 0)
-        advance(self._run, Inputs(load=load[:0], drive=drive[:0], row=row[:0], ahead=1))
+        none = Inputs(load=load[:0], drive=drive[:0], motor=motor[:0], row=row[:0], ahead=1)
+        advance(self._run, none)
         self._gather()
 
     @property
@@ -183,3 +189,4 @@ class Simulator:
             self._sampled_from = first
         self._load[:] = self._sampled.load[k]
         self._drive[:] = self._sampled.drive[k]
+        self._motor[:] = self._sampled.motor[k]

@@ -3,7 +3,17 @@
 from .case import Case
 from .errors import ClusterError, StudyError
 from .study_file import Study, read_study
-from .summary import Row
+from .summary import Row, Summary, read_summary
 from .sweep import sweep
 
-__all__ = ["Case", "ClusterError", "Row", "Study", "StudyError", "read_study", "sweep"]
+__all__ = [
+    "Case",
+    "ClusterError",
+    "Row",
+    "Study",
+    "StudyError",
+    "Summary",
+    "read_study",
+    "read_summary",
+    "sweep",
+]

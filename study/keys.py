@@ -4,7 +4,7 @@ A name in a dotted key is a key of a table, the `name` of an entry of an array o
 number of an entry, from 0.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from fnmatch import fnmatchcase
 from typing import Any
@@ -25,55 +25,94 @@ def leaves(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, An
 def matching(document: Mapping[str, Any], patterns: Sequence[str]) -> Iterator[tuple[str, str]]:
     """The texts whose keys match one of the patterns, such as "bodies.*.superelement".
 
-    In the order of the patterns.
+    In the order of the patterns; entries of arrays by their numbers.
     """
     for pattern in patterns:
-        for key, value in _with_arrays(document):
-            if isinstance(value, str) and fnmatchcase(key, pattern):
-                yield key, value
+        for key, text in _texts(document, ""):
+            if fnmatchcase(key, pattern):
+                yield key, text
 
 
-def _with_arrays(part: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """The values of a document, also in arrays of tables, whose entries have numbers."""
-    if isinstance(part, Mapping):
-        items = [(str(key), value) for key, value in part.items()]
-    elif isinstance(part, list) and any(isinstance(item, Mapping) for item in part):
-        items = [(str(number), item) for number, item in enumerate(part)]
-    else:
-        yield prefix.removesuffix("."), part
-        return
-    for key, value in items:
-        yield from _with_arrays(value, f"{prefix}{key}.")
+def with_texts(value: Any, key: str, patterns: Sequence[str], change: Callable[[str], str]) -> Any:
+    """A copy of the value at a key, in which texts whose keys match a pattern are changed."""
+    if isinstance(value, str):
+        return change(value) if any(fnmatchcase(key, pattern) for pattern in patterns) else value
+    if isinstance(value, Mapping):
+        return {
+            name: with_texts(entry, below(key, name), patterns, change)
+            for name, entry in value.items()
+        }
+    if isinstance(value, list):
+        return [
+            with_texts(entry, below(key, number), patterns, change)
+            for number, entry in enumerate(value)
+        ]
+    return value
 
 
-def replaced(document: Mapping[str, Any], key: str, value: Any) -> dict[str, Any]:
-    """A copy of the document with another value at a key.
+def below(key: str, name: str | int) -> str:
+    """The dotted key of an entry of the value at a key, "" for the document."""
+    return f"{key}.{name}" if key else str(name)
+
+
+def _texts(value: Any, key: str) -> Iterator[tuple[str, str]]:
+    """The texts in a value by dotted key."""
+    if isinstance(value, str):
+        yield key, value
+    elif isinstance(value, Mapping):
+        for name, entry in value.items():
+            yield from _texts(entry, below(key, name))
+    elif isinstance(value, list):
+        for number, entry in enumerate(value):
+            yield from _texts(entry, below(key, number))
+
+
+def put(document: dict[str, Any], key: str, value: Any) -> None:
+    """Give a key of the document a copy of another value.
 
     `StudyError` lists the known keys if it has no such key.
     """
-    changed = deepcopy(dict(document))
-    table: Any = changed
-    *path, last = key.split(".")
+    path, _, last = key.rpartition(".")
+    table = value_at(document, path) if path else document
+    table[_entry(table, last, path)] = deepcopy(value)
+
+
+def value_at(document: Mapping[str, Any], key: str) -> Any:
+    """The value at a key; `StudyError` lists the known keys if there is no such key."""
+    table: Any = document
+    for entry in entries(document, key):
+        table = table[entry]
+    return table
+
+
+def entries(document: Mapping[str, Any], key: str) -> tuple[str | int, ...]:
+    """The keys and numbers, one inside the other, that a dotted key stands for.
+
+    The same for an entry by its name and by its number. `StudyError` as of `value_at`.
+    """
+    table: Any = document
+    found: list[str | int] = []
+    path = key.split(".")
     for depth, name in enumerate(path):
-        table = table[_entry(table, name, ".".join(path[:depth]))]
-    table[_entry(table, last, ".".join(path))] = value
-    return changed
+        found.append(_entry(table, name, ".".join(path[:depth])))
+        table = table[found[-1]]
+    return tuple(found)
 
 
 def _entry(table: Any, name: str, path: str) -> Any:
     """The key or the number of an entry of a table, or of an array of tables, at a path."""
-    entries: dict[str, Any] = {}
+    known: dict[str, Any] = {}
     if isinstance(table, dict):
-        entries = {key: key for key in table}
+        known = {key: key for key in table}
     elif isinstance(table, list):
-        entries = {str(number): number for number in range(len(table))}
-        entries |= {entry["name"]: number for number, entry in enumerate(table) if _has_name(entry)}
-    if name not in entries:
+        known = {str(number): number for number in range(len(table))}
+        known |= {entry["name"]: number for number, entry in enumerate(table) if _has_name(entry)}
+    if name not in known:
         raise StudyError(
             f"no {quoted(name)} in {path or 'the file'}; "
-            f"there are: {', '.join(map(_shown, entries)) or 'no keys'}"
+            f"there are: {', '.join(map(_shown, known)) or 'no keys'}"
         )
-    return entries[name]
+    return known[name]
 
 
 def _shown(key: str) -> str:

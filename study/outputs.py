@@ -2,21 +2,25 @@
 
     max |displacement:beam.tip:hub.rim:y|       final angle:hub:z       peak-to-peak energy:balance
     max event:stop:peak      min event:stop:steps      sum event:stop:impulse      count event:stop
+    max srs(acceleration:bracket.tip:z, q=10) from 100 to 500 Hz
+    value srs(acceleration:bracket.tip:z) at 100 Hz
 
-Bars take the magnitude, of a vector its length. Quantities are those of `duhamel plot`, and the
+Bars take the magnitude, of a vector its length. `from A to B` takes a part of the time [s] or of
+the frequencies [Hz]. Quantities are those of `duhamel plot`, with what is made of them, and the
 numbers of the events of a contact or stop, counted at every step; what only whole contacts have is
 taken of those alone. There is no number where nothing touched, but for sum and count.
 """
 
 import re
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..results import QuantityError, Results
-from ..results.quantities import KINDS, evaluate
+from ..results import QuantityError, Results, SeriesError, transforms
 from ..results.schema import EVENTS
+from ..results.series import rms
+from ..results.transforms import Series
 from ..superelement.validation import Array
 from .errors import StudyError
 
@@ -34,7 +38,14 @@ REDUCTIONS: dict[str, Callable[[Array, Array], float]] = {
     "final": lambda time, samples: float(samples[-1]),
     "mean": _mean,
     "peak-to-peak": lambda time, samples: float(np.ptp(samples)),
+    "rms": lambda time, samples: float(rms(time, samples)),
+    "argmax": lambda time, samples: float(time[samples.argmax()]),
+    "argmin": lambda time, samples: float(time[samples.argmin()]),
 }
+OF_SPECTRA = ("max", "min", "argmax", "argmin")
+"""the reductions that also hold over frequency"""
+VALUE = "value"
+"""the reduction that takes the value at a time or frequency"""
 
 
 OF_EVENTS: dict[str, Callable[[Array], float]] = {
@@ -57,7 +68,8 @@ ALWAYS_KNOWN = ("start", "peak", "impulse", "dissipated")
 def values(results: Results, outputs: Mapping[str, str]) -> dict[str, float]:
     """The outputs by name, in SI units.
 
-    `StudyError` names one that is invalid, or of a quantity that the results do not have.
+    `StudyError` names one that is invalid, or of a quantity that the results do not have;
+    `SeriesError` one that cannot be made of these results.
     """
     return {name: _named(name, _value, results, output) for name, output in outputs.items()}
 
@@ -65,7 +77,7 @@ def values(results: Results, outputs: Mapping[str, str]) -> dict[str, float]:
 def check(results: Results, outputs: Mapping[str, str]) -> None:
     """Raise what `values` would raise."""
     for name, output in outputs.items():
-        _named(name, _components, results, output)
+        _named(name, _look, results, output)
 
 
 def _named(
@@ -75,26 +87,75 @@ def _named(
         return function(results, output)
     except (StudyError, QuantityError) as error:
         raise StudyError(f"outputs.{name}: {error}") from error
+    except SeriesError as error:
+        raise SeriesError(f"outputs.{name}: {error}") from error
 
 
 def _value(results: Results, output: str) -> float:
-    reduction, quantity, magnitude = _parsed(output)
-    components = _components(results, output)
-    if _is_event(quantity):
-        samples = np.abs(components) if magnitude else components
-        known = len(samples) or reduction in OF_NOTHING
-        return OF_EVENTS[reduction](samples) if known else float("nan")
-    if magnitude and components.ndim > 1:
-        return REDUCTIONS[reduction](results.time, np.linalg.norm(components, axis=1))
-    if magnitude:
-        components = np.abs(components)
-    return REDUCTIONS[reduction](results.time, components)
+    asked = _parsed(output)
+    if _is_event(asked.quantity):
+        components = _events(results, asked.quantity)
+        samples = np.abs(components) if asked.magnitude else components
+        known = len(samples) or asked.reduction in OF_NOTHING
+        return OF_EVENTS[asked.reduction](samples) if known else float("nan")
+    found = transforms.series(results, asked.quantity)
+    _check_columns(asked, found)
+    samples = found.values
+    if asked.magnitude:
+        samples = np.linalg.norm(samples, axis=1) if samples.ndim > 1 else np.abs(samples)
+    if asked.reduction == VALUE:
+        return _at(asked, found.abscissa, samples)
+    return REDUCTIONS[asked.reduction](*_within(asked, found.abscissa, samples))
 
 
-def _components(results: Results, output: str) -> Array:
-    """The values (n,) or (n, 3) of the quantity, or those of events (m,)."""
-    quantity = _parsed(output)[1]
-    return _events(results, quantity) if _is_event(quantity) else evaluate(results, quantity).values
+def _look(results: Results, output: str) -> None:
+    """Find a quantity, but for its values."""
+    asked = _parsed(output)
+    if _is_event(asked.quantity):
+        _events(results, asked.quantity)
+    else:
+        _check_columns(asked, transforms.check(results, asked.quantity))
+
+
+def _check_columns(asked: "_Output", found: Series) -> None:
+    """That an output is of one number over time or frequency, and of a kind that can be reduced."""
+    is_spectrum = found.base == transforms.FREQUENCY
+    if is_spectrum and asked.reduction not in (*OF_SPECTRA, VALUE):
+        raise StudyError(
+            f"{asked.text!r} is of a spectrum: expected one of {', '.join((*OF_SPECTRA, VALUE))}"
+        )
+    if asked.unit not in ("", found.base):
+        raise StudyError(f"{asked.text!r}: expected {found.base}, found {asked.unit}")
+    if not found.axes or (asked.magnitude and not is_spectrum):
+        return
+    length = "" if is_spectrum else f", or its length, |{asked.quantity}|"
+    within = transforms.parse(asked.quantity)[0]
+    raise StudyError(
+        f"{asked.text!r} is of a vector: expected an axis, {within}:{found.axes[0]}{length}"
+    )
+
+
+def _within(asked: "_Output", abscissa: Array, samples: Array) -> tuple[Array, Array]:
+    """The part between two times or frequencies."""
+    low, high = asked.limits
+    inside = (abscissa >= low) & (abscissa <= high)
+    if not inside.any():
+        raise SeriesError(
+            f"{asked.text!r}: nothing there, between {abscissa[0]:.6g} and {abscissa[-1]:.6g}"
+        )
+    return abscissa[inside], samples[inside]
+
+
+def _at(asked: "_Output", abscissa: Array, samples: Array) -> float:
+    """The value between samples: on a line over time, and over the logarithm of frequency."""
+    at = asked.limits[0]
+    if not abscissa[0] <= at <= abscissa[-1]:
+        raise SeriesError(
+            f"{asked.text!r}: expected between {abscissa[0]:.6g} and {abscissa[-1]:.6g}"
+        )
+    if abscissa[0] > 0.0:
+        return float(np.interp(np.log(at), np.log(abscissa), samples))
+    return float(np.interp(at, abscissa, samples))
 
 
 def _is_event(quantity: str) -> bool:
@@ -121,26 +182,47 @@ def _events(results: Results, quantity: str) -> Array:
     return samples[closed] if column in ("", "closing_speed") else samples[events.whole]
 
 
-def _parsed(output: str) -> tuple[str, str, bool]:
-    """Reduction, quantity, and True if its magnitude is meant."""
-    match = re.fullmatch(r"\s*(\S+)\s+(\|?)([^\s|]+)(\|?)\s*", output)
-    of_events = match is not None and _is_event(match[3])
-    reductions = OF_EVENTS if of_events else REDUCTIONS
-    if match is None or match[1] not in reductions or match[2] != match[4]:
+class _Output(NamedTuple):
+    """An output in parts; magnitude: it has bars; unit: of the limits, if it was given."""
+
+    text: str
+    reduction: str
+    quantity: str
+    magnitude: bool
+    limits: tuple[float, float] = (-np.inf, np.inf)
+    unit: str = ""
+
+
+NUMBER = r"([-+.\deE]+)"
+OUTPUT = re.compile(
+    r"\s*(?P<reduction>\S+)\s+(?P<bar>\|?)(?P<quantity>[^\s|(]+\([^|]*\)|[^\s|]+)(?P<end>\|?)"
+    rf"(\s+at\s+(?P<at>{NUMBER})|\s+from\s+(?P<low>{NUMBER})\s+to\s+(?P<high>{NUMBER}))?"
+    r"(\s*(?P<unit>s|Hz))?\s*"
+)
+
+
+def _parsed(output: str) -> _Output:
+    match = OUTPUT.fullmatch(output)
+    of_events = match is not None and _is_event(match["quantity"])
+    reductions = OF_EVENTS if of_events else (*REDUCTIONS, VALUE)
+    if match is None or match["reduction"] not in reductions or match["bar"] != match["end"]:
         raise StudyError(
             f"expected REDUCTION QUANTITY or REDUCTION |QUANTITY| with one of "
             f"{', '.join(reductions)}, found {output!r}"
         )
-    reduction, magnitude, quantity = match[1], bool(match[2]), match[3]
-    kind, *names = quantity.split(":")
-    if (
-        not magnitude
-        and kind in KINDS
-        and KINDS[kind].axes
-        and names[-1:] not in [[axis] for axis in KINDS[kind].axes]
-    ):
+    reduction, at, low = match["reduction"], match["at"], match["low"]
+    limits = (-np.inf, np.inf)
+    try:
+        if at or low:
+            limits = float(at or low), float(at or match["high"])
+    except ValueError:
+        raise StudyError(f"expected numbers after at, from and to, found {output!r}") from None
+    fits = not (of_events and (at or low)) and bool(at) == (reduction == VALUE)
+    if not fits or limits[0] > limits[1] or (match["unit"] and not (at or low)):
         raise StudyError(
-            f"{output!r} is of a vector: "
-            f"expected an axis, {quantity}:{KINDS[kind].axes[0]}, or its length, |{quantity}|"
+            f"expected {VALUE} QUANTITY at X, or another reduction, of no events, from A to B, "
+            f"found {output!r}"
         )
-    return reduction, quantity, magnitude
+    return _Output(
+        output, reduction, match["quantity"], bool(match["bar"]), limits, match["unit"] or ""
+    )

@@ -9,11 +9,14 @@ from contextlib import contextmanager, suppress
 from multiprocessing.connection import wait
 from typing import Any, Protocol
 
+from ..files.memory import available
 from .case import Case, Kind
 from .workers import Report, attempt
 
 MOST_DEATHS = 4
 """of processes by one case, which then is to blame"""
+MEMORY = 250e6
+"""bytes of a process with its packages and a small case"""
 SPAWN = multiprocessing.get_context("spawn")
 """new processes: copies of this one would have its threads' locks"""
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -42,21 +45,59 @@ class Worker:
         self.pipe.close()
 
 
+class _Queue:
+    """The cases that wait, those that are to run with no others beside them last."""
+
+    def __init__(self, cases: Sequence[Case]) -> None:
+        self._waiting, self._alone = deque(cases), deque[Case]()
+        self._deaths = dict.fromkeys((case.name for case in cases), 0)
+        self._retried: set[str] = set()
+
+    def __bool__(self) -> bool:
+        return bool(self._waiting or self._alone)
+
+    def next(self, running: int, most: int) -> Case | None:
+        """The next case, if it may run beside so many others; None if all are to wait."""
+        if self._waiting:
+            return self._waiting.popleft() if running < most else None
+        return self._alone.popleft() if self._alone and not running else None
+
+    def takes_back(self, case: Case, report: Report | None) -> bool:
+        """Whether a case is to run again, by its report, or None of a process that died of it.
+
+        One that lacked memory, or died twice, gets all the machine the next time.
+        """
+        if report is None:
+            self._deaths[case.name] += 1
+            again = self._deaths[case.name] < MOST_DEATHS
+            is_first = self._deaths[case.name] == 1
+        else:
+            again = report.lacks_memory and case.name not in self._retried
+            is_first = False
+            self._retried.add(case.name)
+        if again and is_first:
+            self._waiting.appendleft(case)
+        elif again:
+            self._alone.append(case)
+        return again
+
+
 def on_processes(
     kind: Kind, cases: Sequence[Case], workers: int | None = None
 ) -> Iterator[tuple[Case, Report]]:
-    """Cases as they are finished by processes of this machine, by default one a core.
+    """Cases as they are finished by processes of this machine.
 
-    A case whose process dies is begun again by another, and fails with the fourth.
+    By default one a core, as far as there is memory. A case whose process dies is begun again by
+    another, and fails with the fourth; what lacked memory is tried once more, alone.
     """
-    waiting, deaths = deque(cases), dict.fromkeys((case.name for case in cases), 0)
+    queue = _Queue(cases)
     running: dict[Any, tuple[Worker, Case]] = {}
     idle: list[Worker] = []
     most = min(workers or _cores(), len(cases))
     try:
-        while waiting or running:
-            while waiting and len(running) < most:
-                worker, case = idle.pop() if idle else Worker(kind), waiting.popleft()
+        while queue or running:
+            while (case := queue.next(len(running), most)) is not None:
+                worker = idle.pop() if idle else Worker(kind)
                 running[worker.pipe] = worker, case
                 _hand_over(worker, case)
             for pipe in wait(list(running)):
@@ -64,21 +105,18 @@ def on_processes(
                 report = _report(worker)
                 if report is not None:
                     idle.append(worker)
-                elif (died := deaths[case.name] + 1) < MOST_DEATHS:
-                    deaths[case.name] = died
-                    waiting.appendleft(case)
-                    continue
-                yield case, report or Report(f"{MOST_DEATHS} processes died of it")
+                if not queue.takes_back(case, report):
+                    yield case, report or Report(f"{MOST_DEATHS} processes died of it")
     finally:
         for worker in [*idle, *(worker for worker, _ in running.values())]:
             worker.stop()
 
 
 def _cores() -> int:
-    """Those that this process may use, where the system says it."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+    """Those that this process may use, where the system says it, and has memory for."""
+    is_known = hasattr(os, "sched_getaffinity")
+    cores = len(os.sched_getaffinity(0)) if is_known else os.cpu_count() or 1
+    return max(1, min(cores, int(available() // MEMORY)))
 
 
 def _hand_over(worker: Worker, case: Case) -> None:

@@ -22,13 +22,13 @@ from .keys import matching
 from .outputs import check, values
 
 SUPERELEMENTS = "bodies.*.superelement"
-RECORDS = "loads.*.file", "motions.*.file", "joints.*.file", "motors.*.file"
-"""files of recorded signals"""
+RECORDED = "*.file"
+"""signals that are columns of files"""
 
 
 @dataclass(frozen=True)
 class Simulation:
-    paths: ClassVar[tuple[str, ...]] = (SUPERELEMENTS, "simulation.start.from", *RECORDS)
+    paths: ClassVar[tuple[str, ...]] = (SUPERELEMENTS, "simulation.start.from", RECORDED)
     columns: ClassVar[tuple[str, ...]] = ("seconds", "steps", "iterations")
 
     @property
@@ -86,5 +86,5 @@ def _superelements(case: Case) -> dict[str, str]:
 
 def _records(case: Case) -> str:
     """The digests of the files of recorded signals, as the notes of a run keep them."""
-    named = {digest(case.folder / path) for _, path in matching(case.document, RECORDS)}
+    named = {digest(case.folder / path) for _, path in matching(case.document, [RECORDED])}
     return " ".join(sorted(named))

@@ -1,15 +1,10 @@
 """The study file: a model or a body, many values of its parameters, and outputs."""
 
-import csv
-import io
 import os
-import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from copy import deepcopy
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
-from itertools import product
-from math import prod
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -17,17 +12,16 @@ from pydantic import Field, model_validator
 
 from ..files.memory import shortage
 from ..files.outputs import clash, resolved
-from ..inputs import InputError, Table, parse_toml, quoted, read_table, read_text, read_toml
+from ..inputs import InputError, Table, read_table, read_toml
 from .case import Case, Kind
+from .derived import Derivation, definitions, own_names
 from .errors import StudyError
-from .keys import leaves, matching, replaced
+from .keys import matching, put, with_texts
+from .points import Point, grid, rows, samples
+from .samples import Design
 
 AnyPath = Annotated[Path, Field(strict=False)]
 
-NAME = "case"
-"""the column of a table that names its cases"""
-MOST_CASES = 100_000
-"""of a study"""
 COPIES = 20
 """bytes in memory of a case for each byte of its file"""
 
@@ -36,7 +30,9 @@ class _StudyFile(Table):
     model: AnyPath | None = None
     body: AnyPath | None = None
     parameters: dict[str, Any] | None = None
+    design: Design | None = None
     table: AnyPath | None = None
+    derived: dict[str, Any] = Field(default_factory=dict)
     outputs: dict[str, str] = Field(default_factory=dict)
 
     @model_validator(mode="after")
@@ -47,6 +43,8 @@ class _StudyFile(Table):
                 raise ValueError(
                     f"expected one of {' and '.join(pair)}, found {' and '.join(present) or 'none'}"
                 )
+        if self.design is not None and self.parameters is None:
+            raise ValueError("design: expected with parameters, found with table")
         return self
 
 
@@ -79,14 +77,6 @@ class Study:
         return named | {self.path: "the study file", self.base: "the base file"}
 
 
-@dataclass(frozen=True)
-class _Values:
-    """A row of a table, or a point of a grid."""
-
-    name: str
-    parameters: Mapping[str, Any]
-
-
 def read_study(path: str | os.PathLike[str], folder: str | os.PathLike[str] | None = None) -> Study:
     """Read a study file, its table and its base file.
 
@@ -112,23 +102,62 @@ def check_outputs(study: Study) -> None:
 
 def _study(file: _StudyFile, path: Path, folder: Path) -> Study:
     kind, base = _kind_and_base(file, path.parent)
-    document = _relocated(_document(base), kind.paths, base.parent, folder)
+    document = with_texts(
+        _document(base), "", kind.paths, lambda text: _relative(base.parent / text, folder)
+    )
     table = None if file.table is None else path.parent / file.table
-    points = list(_grid(file.parameters or {}) if table is None else _rows(table))
+    points = list(_points(file, table))
     if lacking := shortage(COPIES * len(points) * base.stat().st_size):
         raise StudyError(f"a study of {len(points)} cases of {base} {lacking}")
+    derived = definitions(document, file.derived, points[0].parameters)
+    place = "parameters." if table is None else f"{table}: column "
+    own = own_names(document, points[0].parameters, derived, place)
+    plan = _Plan(kind, document, own, derived, path.parent, folder)
     cases = []
     for point in points:
-        changed = document
-        for key, value in point.parameters.items():
-            is_path = isinstance(value, str) and any(
-                fnmatchcase(key, pattern) for pattern in kind.paths
-            )
-            value = _relative(path.parent / value, folder) if is_path else value
-            with _named(table, point.name):
-                changed = replaced(changed, key, value)
-        cases.append(Case(point.name, point.parameters, changed, folder))
+        with _named(table, point.name):
+            cases.append(Case(point.name, point.parameters, _varied(plan, point), folder))
     return Study(path, kind, base, folder, tuple(cases), file.outputs, table)
+
+
+def _points(file: _StudyFile, table: Path | None) -> Iterator[Point]:
+    if table is not None:
+        return rows(table)
+    if file.design is not None:
+        return samples(file.parameters or {}, file.design)
+    return grid(file.parameters or {})
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """How a point becomes a document.
+
+    own: names that are no keys; derived: definitions by key; home: the folder of the study file,
+    whose paths are relative to it; folder: that of the cases.
+    """
+
+    kind: Kind
+    document: Mapping[str, Any]
+    own: frozenset[str]
+    derived: Mapping[str, Any]
+    home: Path
+    folder: Path
+
+    def put(self, document: dict[str, Any], key: str, value: Any) -> None:
+        """Give a key a value, whose paths are relative to the study file."""
+        put(document, key, with_texts(value, key, self.kind.paths, self._moved))
+
+    def _moved(self, path: str) -> str:
+        return _relative(self.home / path, self.folder)
+
+
+def _varied(plan: _Plan, point: Point) -> dict[str, Any]:
+    """The base document with the parameters of a point, and what is derived from them."""
+    derivation = Derivation(deepcopy(dict(plan.document)), plan.own, plan.put)
+    for key, value in point.parameters.items():
+        derivation.give(key, value)
+    derivation.derive(plan.derived)
+    return derivation.document
 
 
 @contextmanager
@@ -158,75 +187,5 @@ def _document(base: Path) -> dict[str, Any]:
         raise StudyError(str(error)) from error
 
 
-def _relocated(
-    document: dict[str, Any], paths: tuple[str, ...], old: Path, new: Path
-) -> dict[str, Any]:
-    """The document with its paths relative to another folder."""
-    for key, value in matching(document, paths):
-        document = replaced(document, key, _relative(old / value, new))
-    return document
-
-
 def _relative(path: Path, folder: Path) -> str:
     return Path(os.path.relpath(resolved(path), folder)).as_posix()
-
-
-def _grid(parameters: Mapping[str, Any]) -> Iterator[_Values]:
-    """Every value with every other; the last parameter changes fastest."""
-    axes = dict(leaves(parameters))
-    for key, values in axes.items():
-        if not isinstance(values, list) or not values:
-            raise StudyError(f"parameters.{key}: expected a list of values, found {quoted(values)}")
-    if (cases := prod(map(len, axes.values()))) > MOST_CASES:
-        raise StudyError(f"parameters: expected at most {MOST_CASES} cases, found {cases:.6g}")
-    if not axes:
-        raise StudyError("parameters: expected lists of values by dotted key, found none")
-    for number, values in enumerate(product(*axes.values()), start=1):
-        yield _Values(f"case-{number:04d}", dict(zip(axes, values, strict=True)))
-
-
-def _rows(path: Path) -> Iterator[_Values]:
-    """A case a row, a parameter a column; a column `case` names them."""
-    header, *rows = _lines(path)
-    if not rows or len(set(header)) < len(header):
-        raise StudyError(
-            f"{path}: expected a line of different keys and a line a case, "
-            f"found {quoted(header)} and {len(rows)}"
-        )
-    if len(rows) > MOST_CASES:
-        raise StudyError(f"{path}: expected at most {MOST_CASES} cases, found {len(rows)}")
-    known: set[str] = set()
-    for number, row in enumerate(rows, start=1):
-        if len(row) != len(header):
-            raise StudyError(
-                f"{path}: case {number}: expected {len(header)} values, found {len(row)}"
-            )
-        cells = dict(zip(header, row, strict=True))
-        name = cells.pop(NAME, f"case-{number:04d}")
-        if name in known or not re.fullmatch(r"\w[\w.+-]{0,99}", name):
-            raise StudyError(
-                f"{path}: case {number}: expected a new name for files, found {quoted(name)}"
-            )
-        known.add(name)
-        yield _Values(name, {key: _cell(cell) for key, cell in cells.items()})
-
-
-def _lines(path: Path) -> list[list[str]]:
-    """The rows of a table that are not empty, a first one in any case."""
-    try:
-        text = read_text(path).removeprefix("\ufeff")
-        rows = csv.reader(io.StringIO(text, newline=""), skipinitialspace=True)
-        return [row for row in rows if row] or [[]]
-    except csv.Error as error:
-        raise StudyError(f"{path}: not a readable table: {error}") from error
-    except InputError as error:
-        raise StudyError(str(error)) from error
-
-
-def _cell(text: str) -> Any:
-    """A value as TOML writes it, or else text."""
-    try:
-        document = parse_toml(f"value = {text}")
-    except InputError:
-        return text
-    return document["value"] if len(document) == 1 else text

@@ -1,22 +1,32 @@
 """The summary of a study: a row a case."""
 
 import csv
+import io
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..files import renamed_when_whole
+from ..inputs import InputError, quoted, read_text
+from ..superelement.validation import Array
 from .case import Case
+from .errors import StudyError
 from .study_file import Study
+
+STATUS, MESSAGE = "status", "message"
+"""columns: that after the parameters, and that after the numbers"""
 
 
 @dataclass(frozen=True)
 class Row:
     """A case in the summary.
 
-    status: "done", "failed", or "open" where the study was stopped before it.
+    status: "done", "failed", or "open" where the study was stopped before it. reused: it was there
+    already.
     """
 
     case: Case
@@ -24,6 +34,7 @@ class Row:
     numbers: dict[str, float] = field(default_factory=dict)
     message: str = ""
     warnings: tuple[str, ...] = ()
+    reused: bool = False
 
 
 def write_summary(path: Path, study: Study, rows: Sequence[Row]) -> None:
@@ -38,7 +49,7 @@ def write_summary(path: Path, study: Study, rows: Sequence[Row]) -> None:
         temporary.open("w", encoding="utf-8", newline="") as file,
     ):
         table = csv.writer(file)
-        table.writerow(["case", *parameters, "status", *numbers, "message"])
+        table.writerow(["case", *parameters, STATUS, *numbers, MESSAGE])
         for row in rows:
             cells = [_cell(row.case.parameters[key]) for key in parameters]
             table.writerow(
@@ -54,3 +65,54 @@ def write_summary(path: Path, study: Study, rows: Sequence[Row]) -> None:
 
 def _cell(value: Any) -> Any:
     return json.dumps(value) if isinstance(value, list | dict | bool) else value
+
+
+@dataclass(frozen=True, eq=False)
+class Summary:
+    """The cases of a summary that are done, in their order.
+
+    parameters: values as TOML has them by key; numbers (n,): those of runs, and outputs, by name.
+    """
+
+    parameters: Mapping[str, list[Any]]
+    numbers: Mapping[str, Array]
+
+
+def read_summary(path: Path) -> Summary:
+    """Read what `write_summary` wrote; `StudyError` names the file."""
+    try:
+        header, *rows = list(csv.reader(io.StringIO(read_text(path), newline=""))) or [[]]
+        return _summary(header, [row for row in rows if row])
+    except InputError as error:
+        raise StudyError(str(error)) from error
+    except (csv.Error, StudyError, ValueError) as error:
+        raise StudyError(f"{path}: no summary of a study: {error}") from error
+
+
+def _summary(header: Sequence[str], rows: Sequence[Sequence[str]]) -> Summary:
+    if header[:1] != ["case"] or STATUS not in header or header[-1] != MESSAGE:
+        raise StudyError(
+            f"expected columns case, parameters, {STATUS}, numbers, {MESSAGE}, "
+            f"found {quoted(list(header))}"
+        )
+    if any(len(row) != len(header) for row in rows):
+        raise StudyError(f"expected {len(header)} cells in every row")
+    status = header.index(STATUS)
+    done = [row for row in rows if row[status] == "done"]
+    if not done:
+        raise StudyError(f"none of {len(rows)} cases is done")
+    columns = list(zip(*done, strict=True))
+    parameters = {header[i]: list(map(_value, columns[i])) for i in range(1, status)}
+    numbers: dict[str, Array] = {
+        header[i]: np.array([float(cell or "nan") for cell in columns[i]])
+        for i in range(status + 1, len(header) - 1)
+    }
+    return Summary(parameters, numbers)
+
+
+def _value(cell: str) -> Any:
+    """The value of a cell: a number, an array, a table, true or false, or else text."""
+    try:
+        return json.loads(cell)
+    except (ValueError, RecursionError):
+        return cell

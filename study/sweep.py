@@ -2,7 +2,9 @@
 
 from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
+from dataclasses import replace
 
+from ..results import SeriesError
 from .case import Case
 from .errors import StudyError
 from .processes import on_processes
@@ -37,7 +39,8 @@ def sweep(
     rows = {case.name: Row(case) for case in study.cases}
 
     def finish(case: Case, report: Report) -> None:
-        rows[case.name] = row = _row(study, case, report)
+        row = replace(_row(study, case, report), reused=case.name in made)
+        rows[case.name] = row
         on_finished(row)
 
     try:
@@ -55,7 +58,11 @@ def sweep(
 def _row(study: Study, case: Case, report: Report) -> Row:
     if report.failure:
         return Row(case, "failed", message=report.failure, warnings=report.warnings)
-    return Row(case, "done", study.kind.numbers(case, study.outputs), warnings=report.warnings)
+    try:
+        numbers = study.kind.numbers(case, study.outputs)
+    except SeriesError as error:
+        return Row(case, "failed", message=str(error), warnings=report.warnings)
+    return Row(case, "done", numbers, warnings=report.warnings)
 
 
 def _reports(

@@ -19,10 +19,14 @@ PATIENCE = 60
 
 @dataclass(frozen=True)
 class Report:
-    """The result of a case: its failure, "" if it was made, and its warnings."""
+    """The result of a case: its failure, "" if it was made, and its warnings.
+
+    lacks_memory: the failure is one that it might not have had alone.
+    """
 
     failure: str = ""
     warnings: tuple[str, ...] = ()
+    lacks_memory: bool = False
 
 
 def attempt(kind: Kind, case: Case) -> Report:
@@ -30,12 +34,14 @@ def attempt(kind: Kind, case: Case) -> Report:
     case.target.unlink(missing_ok=True)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", UserWarning)
+        failure, lacks_memory = "", False
         try:
             kind.make(case)
-            failure = ""
         except kind.failures as error:
             failure = str(error) or type(error).__name__
-    return Report(failure, tuple(dict.fromkeys(str(warning.message) for warning in caught)))
+            lacks_memory = isinstance(error, MemoryError)
+    told = tuple(dict.fromkeys(str(warning.message) for warning in caught))
+    return Report(failure, told, lacks_memory)
 
 
 def in_process(kind: Kind, cases: Sequence[Case]) -> Iterator[tuple[Case, Report]]:

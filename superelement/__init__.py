@@ -1,27 +1,35 @@
 """The superelement: an elastic body reduced to its interfaces, and its HDF5 file."""
 
 from .audit import check
+from .chain import Chain
+from .channels import Channels
 from .checks import Check
 from .file import read, require_writable, sha256, write
 from .interface import Interface
 from .kernel import Kernel, sample_kernel
 from .modes import Modes
+from .pattern import Pattern
 from .recovery import Recovery, von_mises
-from .response import respond
+from .response import respond, stressed
 from .rotation import Rotation
 from .scheme import GeneralizedAlpha
+from .sensor import Sensor
 from .superelement import Provenance, StepWarning, Superelement
 from .validation import SuperelementError
 
 __all__ = [
+    "Chain",
+    "Channels",
     "Check",
     "GeneralizedAlpha",
     "Interface",
     "Kernel",
     "Modes",
+    "Pattern",
     "Provenance",
     "Recovery",
     "Rotation",
+    "Sensor",
     "StepWarning",
     "Superelement",
     "SuperelementError",
@@ -31,6 +39,7 @@ __all__ = [
     "respond",
     "sample_kernel",
     "sha256",
+    "stressed",
     "von_mises",
     "write",
 ]

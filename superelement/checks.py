@@ -271,20 +271,33 @@ def powers_of_two(
 
 
 def _amplification(modes: Modes, h: float, scheme: GeneralizedAlpha) -> tuple[Array, Array, Array]:
-    """A (m, 4, 4) of a step without load; y (m, 4) after a unit load at the first step; y at t_0.
+    """A (m, 4 + K, 4 + K) of a step without load; y (m, 4 + K) after a unit load at the first step;
+    y at t_0. The springs q_k of a chain are the last of y.
 
     Rows: displacement and velocity before the step's pseudo-acceleration, and what it carries on.
     """
     alpha_m, alpha_f, beta, gamma = scheme.alpha_m, scheme.alpha_f, scheme.beta, scheme.gamma
-    predicted = np.array([1.0, 1.0, 0.5 - beta, 0.0])
-    rate = np.array([0.0, 1.0, 1.0 - gamma, 0.0])
-    carried = np.array([0.0, 0.0, alpha_m, -alpha_f]) / (1.0 - alpha_f)
+    m, (kept, gain, amplitude) = len(modes.omega), _chain_step(modes, h)
+    n, springs = 4 + len(kept), np.zeros(len(kept))
+    predicted = np.concatenate([[1.0, 1.0, 0.5 - beta, 0.0], springs])
+    rate = np.concatenate([[0.0, 1.0, 1.0 - gamma, 0.0], springs])
+    carried = np.concatenate([[0.0, 0.0, alpha_m, -alpha_f], springs]) / (1.0 - alpha_f)
+    stretched = np.outer(gain, predicted - np.eye(n)[0]) + np.eye(n)[4:] * kept[:, None]
+    stress = predicted + amplitude.T @ stretched
     stiffness, damping = (modes.omega * h) ** 2, 2.0 * modes.zeta * modes.omega * h
-    S = scheme.inertia_ratio + gamma * damping + beta * stiffness
-    free = np.outer(stiffness, predicted) + np.outer(damping, rate) + carried
+    hardened = stiffness * (1.0 + gain @ amplitude)
+    S = scheme.inertia_ratio + gamma * damping + beta * hardened
+    free = stiffness[:, None] * stress + np.outer(damping, rate) + carried
     a = -free / S[:, None]
-    fed = np.array([beta, gamma, 1.0, scheme.inertia_ratio])
-    carry = np.array([predicted, rate, np.zeros(4), carried])
+    fed = np.concatenate([[beta, gamma, 1.0, scheme.inertia_ratio], beta * gain])
+    carry = np.vstack([predicted, rate, np.zeros(n), carried, stretched])
     A = carry + fed[:, None] * a[:, None, :]
-    initial = np.tile([0.0, 0.0, h * h, h * h], (len(S), 1))
+    initial = np.tile(np.concatenate([[0.0, 0.0, h * h, h * h], springs]), (m, 1))
     return A, h * h * fed / S[:, None], initial
+
+
+def _chain_step(modes: Modes, h: float) -> tuple[Array, Array, Array]:
+    """e, g (K,) and the amplitudes (K, m) of a chain; empty without one."""
+    if modes.chain is None:
+        return np.zeros(0), np.zeros(0), np.zeros((0, len(modes.omega)))
+    return *modes.chain.step(h), modes.chain.amplitudes(len(modes.omega))

@@ -54,6 +54,17 @@ def number(file: h5py.Group, name: str) -> float:
     return float(checked(_label(file, name), _attribute(file, name), ()))
 
 
+def pair(file: h5py.Group, name: str) -> tuple[float, float]:
+    """Two finite numbers in an attribute."""
+    first, second = checked(_label(file, name), _attribute(file, name), (2,)).tolist()
+    return first, second
+
+
+def rank(file: h5py.Group, name: str) -> int:
+    """The number of dimensions of a dataset."""
+    return len(_dataset(file, name).shape or ())
+
+
 def text(file: h5py.Group, name: str) -> str:
     """A text in an attribute."""
     found = _attribute(file, name)

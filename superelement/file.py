@@ -1,4 +1,4 @@
-"""The HDF5 file of a superelement, schema version 3; files of versions 1 and 2 are read too.
+"""The HDF5 file of a superelement, schema version 4; files of versions 1 to 3 are read too.
 
 Written under a temporary name and renamed when whole.
 """
@@ -6,6 +6,7 @@ Written under a temporary name and renamed when whole.
 import hashlib
 import io
 import os
+from dataclasses import replace
 from importlib import metadata
 from pathlib import Path
 
@@ -15,23 +16,44 @@ import numpy as np
 from ..files import renamed_when_whole
 from ..files.hdf5 import opened
 from ..files.outputs import resolved
+from .chain import Chain
+from .channels import Channels
 from .checks import require_sound
-from .fields import dataset, expect, group, names, number, numbers, put, scalar, text, texts
+from .fields import (
+    dataset,
+    expect,
+    group,
+    names,
+    number,
+    numbers,
+    pair,
+    put,
+    rank,
+    scalar,
+    text,
+    texts,
+)
 from .interface import Interface
 from .kernel import Kernel
 from .modes import Modes
+from .pattern import Pattern
 from .recovery import Recovery
 from .rotation import INERTIA, Rotation
 from .scheme import GeneralizedAlpha
+from .sensor import Sensor
 from .superelement import Provenance, Superelement
 from .validation import Array, SuperelementError
 
 FORMAT = "duhamel-superelement"
-VERSION = 3
-ACCELERANCE = {1: "static/mobility", 2: "static/accelerance", VERSION: "static/accelerance"}
+VERSION = 4
+ACCELERANCE = {1: "static/mobility"} | dict.fromkeys(range(2, VERSION + 1), "static/accelerance")
 """the dataset of the accelerance, by version: version 1 has it under another name"""
 ROTATES = 3
 """the version from which on a superelement may have a rotation"""
+RELAXES = 4
+"""the version from which on modes may have a chain"""
+HAS_CHANNELS = 4
+"""the version from which on it may have load patterns and sensors"""
 FORM = "KM"
 """two projections of each soft shape, in stiffness and in mass"""
 
@@ -72,7 +94,7 @@ def require_writable(path: str | os.PathLike[str]) -> None:
 
 
 def read(path: str | os.PathLike[str], recovery: bool = True) -> Superelement:
-    """Read and validate a superelement of versions 1 to 3; unknown groups are passed over.
+    """Read and validate a superelement of versions 1 to 4; unknown groups are passed over.
 
     recovery: whether to read that too, which for a large body is nearly all of the file and no
     concern of a simulation.
@@ -110,8 +132,12 @@ def _fill(file: h5py.File, body: Superelement) -> None:
         put(modes, "omega", body.modes.omega, "rad/s")
         put(modes, "zeta", body.modes.zeta, "1")
         put(modes, "phi", body.modes.phi, "1/sqrt(kg), 1/(sqrt(kg) m)")
+        if body.modes.chain is not None:
+            _put_chain(modes.create_group("chain"), body.modes.chain)
     if body.rotation is not None:
         _put_rotation(file, body.rotation)
+    if body.channels is not None:
+        _put_channels(file.create_group("channels"), body.channels)
     put(file, "static/compliance", body.compliance, "m/N, rad/N, rad/(N m)")
     put(file, ACCELERANCE[VERSION], body.accelerance, "1/kg, 1/(kg m), 1/(kg m^2)")
     if body.recovery is not None:
@@ -152,6 +178,43 @@ def _put_rotation(file: h5py.File, rotation: Rotation) -> None:
         put(parent, "quartic", rotation.quartic, "1/(kg m^2 s^2)")
 
 
+def _put_channels(parent: h5py.Group, channels: Channels) -> None:
+    patterns, sensors = channels.patterns, channels.sensors
+    labels = h5py.string_dtype()
+    parent.create_dataset("pattern/name", data=[p.name for p in patterns], dtype=labels)
+    force = np.array([pattern.force for pattern in patterns]).reshape(-1, 3)
+    put(parent, "pattern/force", force, "N")
+    moment = np.array([pattern.moment for pattern in patterns]).reshape(-1, 3)
+    put(parent, "pattern/moment", moment, "N m")
+    parent.create_dataset("sensor/name", data=[s.name for s in sensors], dtype=labels)
+    parent.create_dataset("sensor/kind", data=[s.kind for s in sensors], dtype=labels)
+    put(parent, "sensor/X", np.array([sensor.X for sensor in sensors]).reshape(-1, 3), "m")
+    if channels.phi is not None:
+        put(
+            parent,
+            "phi",
+            channels.phi,
+            "sqrt(kg) m/s^2, 1/sqrt(kg), 1/(sqrt(kg) m), Pa/(sqrt(kg) m)",
+        )
+    if channels.kernel is not None:
+        put(parent, "g", channels.kernel.g, "of interfaces, patterns and sensors")
+        put(parent, "g_initial", channels.kernel.g_initial, "of the same")
+    if channels.compliance is not None and channels.accelerance is not None:
+        put(parent, "compliance", channels.compliance, "of the same")
+        put(parent, "accelerance", channels.accelerance, "of the same")
+
+
+def _put_chain(parent: h5py.Group, chain: Chain) -> None:
+    put(parent, "tau", chain.tau, "s")
+    put(parent, "amplitude", chain.amplitude, "1")
+    parent.attrs.update(
+        loss_factor=chain.loss_factor,
+        band=np.array(chain.band),
+        reference=chain.reference,
+        ripple=chain.ripple,
+    )
+
+
 def _put_recovery(parent: h5py.Group, recovery: Recovery) -> None:
     put(parent, "points", recovery.points, "m")
     parent.create_dataset("cells", data=recovery.cells)
@@ -180,18 +243,20 @@ def _superelement(file: h5py.File, recovery: bool) -> Superelement:
     expect(file, "units", "SI")
     interfaces = _interfaces(file)
     n_c = sum(interface.n_dofs for interface in interfaces)
+    kernel = _kernel(file, n_c)
     body = Superelement(
         name=text(file, "name"),
         mass=scalar(file, "rigid/mass"),
         J_rot=numbers(file, "rigid/J_rot", 3, 3),
         center=numbers(file, "rigid/center", 3),
         interfaces=interfaces,
-        kernel=_kernel(file, n_c),
-        modes=_modes(file, n_c),
+        kernel=kernel,
+        modes=_modes(file, n_c, version),
         compliance=numbers(file, "static/compliance", n_c, n_c),
         accelerance=numbers(file, ACCELERANCE[version], n_c, n_c),
         recovery=_recovery(file) if recovery else None,
         rotation=_rotation(file, n_c) if version >= ROTATES else None,
+        channels=_channels(file, n_c, kernel) if version >= HAS_CHANNELS else None,
         provenance=_provenance(file),
     )
     _check_rows(file, body)
@@ -240,7 +305,7 @@ def _scheme(rho_inf: float) -> GeneralizedAlpha:
         raise SuperelementError(f"kernel: {error}") from error
 
 
-def _modes(file: h5py.File, n_c: int) -> Modes | None:
+def _modes(file: h5py.File, n_c: int, version: int) -> Modes | None:
     if "modes" not in file:
         return None
     attributes = group(file, "modes")
@@ -250,6 +315,25 @@ def _modes(file: h5py.File, n_c: int) -> Modes | None:
         zeta=numbers(file, "modes/zeta", len(omega)),
         phi=numbers(file, "modes/phi", n_c, len(omega)),
         h_min=number(attributes, "h_min") if "h_min" in attributes.attrs else 0.0,
+        chain=_chain(file, len(omega)) if version >= RELAXES else None,
+    )
+
+
+def _chain(file: h5py.File, m: int) -> Chain | None:
+    """The Maxwell elements of m modes; None where there are none."""
+    if "modes/chain" not in file:
+        return None
+    attributes = group(file, "modes/chain")
+    tau = numbers(file, "modes/chain/tau", "k")
+    shape = (len(tau), m)[: max(1, rank(file, "modes/chain/amplitude"))]
+    low, high = pair(attributes, "band")
+    return Chain(
+        tau=tau,
+        amplitude=numbers(file, "modes/chain/amplitude", *shape),
+        loss_factor=number(attributes, "loss_factor"),
+        band=(low, high),
+        reference=number(attributes, "reference"),
+        ripple=number(attributes, "ripple"),
     )
 
 
@@ -292,6 +376,32 @@ def _count(attributes: h5py.Group, name: str) -> int:
 
 def _energy(file: h5py.File, name: str, order: int) -> Array | None:
     return numbers(file, name, *["k"] * order) if name in file else None
+
+
+def _channels(file: h5py.File, n_c: int, kernel: Kernel) -> Channels | None:
+    if "channels" not in file:
+        return None
+    names_of_patterns = texts(file, "channels/pattern/name")
+    force = numbers(file, "channels/pattern/force", len(names_of_patterns), 3)
+    moment = numbers(file, "channels/pattern/moment", len(names_of_patterns), 3)
+    names_of_sensors = texts(file, "channels/sensor/name")
+    X = numbers(file, "channels/sensor/X", len(names_of_sensors), 3)
+    kinds = texts(file, "channels/sensor/kind")
+    channels = Channels(
+        patterns=tuple(map(Pattern, names_of_patterns, force, moment)),
+        sensors=tuple(map(Sensor, names_of_sensors, kinds, X)),
+    )
+    if "channels/phi" in file:
+        return replace(channels, phi=numbers(file, "channels/phi", channels.n, "m"))
+    n = n_c + channels.n
+    g = numbers(file, "channels/g", len(kernel.g), n, n)
+    g_initial = numbers(file, "channels/g_initial", len(kernel.g), n, n)
+    return replace(
+        channels,
+        kernel=replace(kernel, g=g, g_initial=g_initial),
+        compliance=numbers(file, "channels/compliance", n, n),
+        accelerance=numbers(file, "channels/accelerance", n, n),
+    )
 
 
 def _recovery(file: h5py.File) -> Recovery | None:

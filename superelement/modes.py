@@ -4,12 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .chain import Chain, Complex
 from .validation import Array, SuperelementError, check_positive, checked
 
 OVERDAMPED = 1e6
 """Damping ratio above which nothing would move for the time of a run; Rayleigh's damping gives the
 highest modes of fine meshes some hundred.
 """
+
+ITERATIONS = 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +30,7 @@ class Modes:
     zeta: Array
     phi: Array
     h_min: float = 0.0
+    chain: Chain | None = None
 
     def __post_init__(self) -> None:
         omega = checked("modes: omega", self.omega, ("m",))
@@ -47,17 +51,48 @@ class Modes:
             )
         if not (np.isfinite(self.h_min) and self.h_min >= 0.0):
             raise SuperelementError(f"modes: h_min: expected a step >= 0 s, found {self.h_min}")
+        if self.chain is not None and self.chain.amplitude.shape[1:] not in ((), (m,)):
+            raise SuperelementError(
+                f"modes: chain: expected amplitudes of {m} modes, or of all, "
+                f"found shape {self.chain.amplitude.shape}"
+            )
         for name, array in (("omega", omega), ("zeta", zeta), ("phi", phi)):
             object.__setattr__(self, name, array)
 
     @property
     def frequencies(self) -> Array:
-        """Natural frequencies [Hz], in the order of `omega`."""
+        """Natural frequencies [Hz], in the order of `omega`: with a chain, of the relaxed body."""
         return self.omega / (2.0 * np.pi)
 
     @property
+    def resonances(self) -> Array:
+        """Frequencies [rad/s] of the stiffness there, w^2 = omega^2 Re c(w): omega without a chain.
+
+        By iteration, for the stiffness changes far less than the frequency.
+        """
+        w = self.omega
+        for _ in range(ITERATIONS if self.chain is not None else 0):
+            w = self.omega * np.sqrt(self._factor(w).real)
+        return w
+
+    @property
+    def loss_factors(self) -> Array:
+        """Im c / Re c (m,) of the material at the resonances, 0 without a chain."""
+        if self.chain is None:
+            return np.zeros_like(self.omega)
+        c = self._factor(self.resonances)
+        return c.imag / c.real
+
+    def _factor(self, omega: Array) -> Complex:
+        assert self.chain is not None
+        return self.chain.at(omega)
+
+    @property
     def compliance(self) -> Array:
-        """Static compliance phi diag(1 / omega^2) phi^T (n_c, n_c), the sum of their kernel."""
+        """Static compliance phi diag(1 / omega^2) phi^T (n_c, n_c), the sum of their kernel.
+
+        With a chain it is that of the relaxed body.
+        """
         return (self.phi / self.omega**2) @ self.phi.T
 
     @property

@@ -6,12 +6,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from .channels import Channels
 from .interface import Interface
 from .kernel import Kernel, sample_kernel
 from .modes import Modes
+from .pattern import Pattern
 from .recovery import Recovery
 from .rotation import Rotation
 from .scheme import GeneralizedAlpha
+from .sensor import Sensor
 from .validation import Array, SuperelementError, check_positive, check_symmetric, checked
 
 
@@ -49,6 +52,7 @@ class Superelement:
     size n_c; kernel: the sampled impulse responses; modes: the same body without a step size, or
     None; compliance (n_c, n_c): P_C P K^+ P^T P_C^T, the inertia-relieved static one [m/N ...];
     accelerance (n_c, n_c): P_C M^-1 P^T P_C^T, accelerations under unit loads at rest [1/kg ...].
+    channels: load patterns and sensors, None where the body has none.
     """
 
     name: str
@@ -62,6 +66,7 @@ class Superelement:
     accelerance: Array
     recovery: Recovery | None = None
     rotation: Rotation | None = None
+    channels: Channels | None = None
     provenance: Provenance = field(default_factory=Provenance)
 
     def __post_init__(self) -> None:
@@ -87,6 +92,8 @@ class Superelement:
             )
         if self.rotation is not None:
             self._check_rotation(self.rotation, n_c)
+        if self.channels is not None:
+            self._check_channels(self.channels, n_c)
         if self.recovery is not None:
             n_modes = 0 if self.modes is None else len(self.modes.omega)
             if self.recovery.phi.shape[2] != n_modes:
@@ -133,6 +140,62 @@ class Superelement:
                 f"found {rotation.T.shape[1]}"
             )
 
+    def _check_channels(self, channels: Channels, n_c: int) -> None:
+        channels.check_sizes(n_c, self.modes)
+        taken = {interface.name for interface in self.interfaces}
+        names = [pattern.name for pattern in channels.patterns]
+        names += [sensor.name for sensor in channels.sensors]
+        if both := [name for name in names if name in taken]:
+            raise SuperelementError(
+                f"patterns, sensors: expected other names than those of interfaces, found {both[0]}"
+            )
+
+    @property
+    def patterns(self) -> tuple[Pattern, ...]:
+        """Its load patterns."""
+        return () if self.channels is None else self.channels.patterns
+
+    @property
+    def sensors(self) -> tuple[Sensor, ...]:
+        """Its sensors."""
+        return () if self.channels is None else self.channels.sensors
+
+    @property
+    def n_channels(self) -> int:
+        """The number of rows of patterns and sensors, which stand behind those of interfaces."""
+        return 0 if self.channels is None else self.channels.n
+
+    def complete_modes(self, modes: Modes) -> Modes:
+        """Modes at interfaces and channels: phi (n_c + n_channels, m)."""
+        return modes if self.channels is None else self.channels.complete(modes)
+
+    @property
+    def complete_kernel(self) -> Kernel:
+        """The stored kernel of interfaces and channels, of a body without modes."""
+        if self.channels is None or self.channels.kernel is None:
+            return self.kernel
+        return self.channels.kernel
+
+    @property
+    def complete_compliance(self) -> Array:
+        """Static compliance of interfaces and channels (n_c + n_channels, n_c + n_channels)."""
+        if self.channels is None:
+            return self.compliance
+        if self.modes is not None:
+            return self.complete_modes(self.modes).compliance
+        assert self.channels.compliance is not None
+        return self.channels.compliance
+
+    @property
+    def complete_accelerance(self) -> Array:
+        """Accelerations at rest of interfaces and channels, of the same shape."""
+        if self.channels is None:
+            return self.accelerance
+        if self.modes is not None:
+            return self.complete_modes(self.modes).accelerance
+        assert self.channels.accelerance is not None
+        return self.channels.accelerance
+
     def interface(self, name: str) -> Interface:
         return self.interfaces[self._index(name)]
 
@@ -149,7 +212,19 @@ class Superelement:
         `SuperelementError` where the body has no modes and the stored kernel does not fit; warns as
         `modes_for` does.
         """
-        stored = self.kernel
+        return self._fitting(self.kernel, h, scheme, steps)
+
+    def complete_kernel_for(self, h: float, scheme: GeneralizedAlpha, steps: int) -> Kernel:
+        """The same of interfaces and channels together."""
+        channels = self.channels
+        if channels is None:
+            return self.kernel_for(h, scheme, steps)
+        if self.modes is not None:
+            modes = self.complete_modes(self.modes_for(h))
+            return sample_kernel(modes, h, scheme, steps, self.kernel.error, self.kernel.band)
+        return self._fitting(self.complete_kernel, h, scheme, steps)
+
+    def _fitting(self, stored: Kernel, h: float, scheme: GeneralizedAlpha, steps: int) -> Kernel:
         same = np.isclose(stored.h, h, rtol=1e-12, atol=0.0) and stored.scheme == scheme
         if same and stored.steps >= steps:
             return stored

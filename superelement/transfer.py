@@ -13,7 +13,7 @@ Complex = NDArray[np.complex128]
 def transfer(modes: Modes, h: float, scheme: GeneralizedAlpha, delay: Complex) -> Complex:
     """G = sum_k g[k] d^k (n, n_c, n_c) [m/N ...]: the z-transform of the kernel, with d = 1/z.
 
-    G = phi diag(1 / (sigma + 2 zeta omega chi + omega^2)) phi^T
+    G = phi diag(1 / (sigma + 2 zeta omega chi + omega^2 c)) phi^T,  c: of a chain, else 1
 
     delay (n,): |d| < 1, and 0 gives g[0] -> (n, n_c, n_c) [m/N ...]. sigma and chi:
     `GeneralizedAlpha.symbols`. Source: docs/theory.md, Impulse responses.
@@ -23,9 +23,10 @@ def transfer(modes: Modes, h: float, scheme: GeneralizedAlpha, delay: Complex) -
 
 
 def dynamic_stiffness(modes: Modes, h: float, scheme: GeneralizedAlpha, delay: Complex) -> Complex:
-    """sigma + 2 zeta omega chi + omega^2 of every mode: delay (n,) -> (n, m) [1/s^2]"""
+    """sigma + 2 zeta omega chi + omega^2 c of every mode: delay (n,) -> (n, m) [1/s^2]"""
     sigma, chi = scheme.symbols(h, delay)
-    return sigma[:, None] + chi[:, None] * (2.0 * modes.zeta * modes.omega) + modes.omega**2
+    c = 1.0 if modes.chain is None else modes.chain.stepped(h, delay, len(modes.omega))
+    return sigma[:, None] + chi[:, None] * (2.0 * modes.zeta * modes.omega) + modes.omega**2 * c
 
 
 def summed(kernel: Kernel, delay: Complex) -> Complex:

@@ -62,6 +62,7 @@ ABOUT = {
     "solver/diagnosis": "why a step failed",
     "solver/phases": "short and long steps",
     "solver/simulation": "all steps to t_end",
+    "solver/plausibility": "doubts about models",
     "solver/inspection": "what a run would be",
     "solver/simulator": "one step at a time",
 }

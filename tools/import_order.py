@@ -73,6 +73,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "diagnosis",
         "phases",
         "simulation",
+        "plausibility",
         "inspection",
         "simulator",
         "__init__",

@@ -1,8 +1,8 @@
 """The exceptions of pictures, one per kind of failure."""
 
-from ..results import QuantityError, ResultsError
+from ..results import QuantityError, ResultsError, SeriesError, SeriesWarning
 
-__all__ = ["PictureError", "QuantityError", "ResultsError"]
+__all__ = ["PictureError", "QuantityError", "ResultsError", "SeriesError", "SeriesWarning"]
 
 
 class PictureError(ValueError):

@@ -1,4 +1,4 @@
-"""Curves over time as pictures: one panel below the other, in one style."""
+"""Curves as pictures: one panel below the other, in one style."""
 
 import io
 import os
@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..superelement.validation import Array
+from . import spectra
 from .errors import PictureError
 from .quantities import Curve
 
@@ -52,6 +53,12 @@ PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M
 WIDTH, PANEL_HEIGHT = 7.0, 2.2
 """[inch]"""
 
+HEIGHTS = {"tripartite": 1.8}
+"""of panels of other papers than lines, over that of theirs"""
+
+UNPREFIXED = ("g",)
+"""units that take no prefix"""
+
 DOTS_PER_INCH = 110
 
 LONGEST_TITLE = 300
@@ -66,14 +73,22 @@ def style() -> AbstractContextManager[None]:
     return matplotlib.rc_context(STYLE)
 
 
-def panels(rows: int, columns: int = 1, share_time: bool = True) -> tuple[Figure, list[Axes]]:
-    """An empty figure and its panels, row by row."""
+def panels(
+    rows: int,
+    columns: int = 1,
+    share_time: bool = True,
+    heights: Sequence[float] | None = None,
+) -> tuple[Figure, list[Axes]]:
+    """An empty figure and its panels, row by row; heights (rows,): over the usual one."""
+    heights = [1.0] * rows if heights is None else heights
     with style():
         figure = Figure(
-            figsize=(WIDTH if columns == 1 else 1.3 * WIDTH, PANEL_HEIGHT * rows),
+            figsize=(WIDTH if columns == 1 else 1.3 * WIDTH, PANEL_HEIGHT * sum(heights)),
             layout="constrained",
         )
-        axes: Any = figure.subplots(rows, columns, sharex=share_time, squeeze=False)
+        axes: Any = figure.subplots(
+            rows, columns, sharex=share_time, squeeze=False, height_ratios=heights
+        )
     return figure, list(axes.flat)
 
 
@@ -92,14 +107,24 @@ def draw(time: Array, contents: Sequence[Sequence[Curve]], title: str = "") -> F
     """A panel for each list of curves, which must have one unit.   time (n,)
 
     The words that all curves of a panel share stand above it, the others in its legend.
-    Raises PictureError where units differ.
+    Raises PictureError where units differ, or what the curves are over.
     """
-    figure, axes = panels(len(contents))
+    of_time = [curves[0].base == "s" for curves in contents]
+    heights = [HEIGHTS.get(curves[0].paper, 1.0) for curves in contents]
+    figure, axes = panels(len(contents), share_time=all(of_time), heights=heights)
     exponent = _exponent(float(time[-1]))
     with style():
         for axis, curves in zip(axes, contents, strict=True):
-            _fill(axis, time / 10.0**exponent, curves)
-        axes[-1].set_xlabel(f"time [{PREFIXES[exponent]}s]")
+            _check_panel(curves)
+            if curves[0].base == "s":
+                _fill(axis, time, curves, exponent)
+            else:
+                spectra.fill(axis, curves)
+                axis.set_ylabel(_with_unit(curves[0].ordinate, curves[0].unit))
+            _name(axis, curves)
+        for axis, below in zip(axes, [*of_time[1:], False], strict=True):
+            if not below and of_time[axes.index(axis)]:
+                axis.set_xlabel(f"time [{PREFIXES[exponent]}s]")
         entitle(figure, title)
     return figure
 
@@ -125,23 +150,42 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
         raise PictureError(f"{path}: cannot be written: {error}") from error
 
 
-def _fill(axes: Axes, time: Array, curves: Sequence[Curve]) -> None:
+def _check_panel(curves: Sequence[Curve]) -> None:
     units = {curve.unit: _line(curve.words) for curve in curves}
     if len(units) > 1:
         several = " and ".join(f"{words} [{unit}]" for unit, words in units.items())
         raise PictureError(f"expected curves of one unit in a panel, found {several}")
-    words = np.array([curve.words for curve in curves])
-    common = (words == words[0]).all(axis=0)
+    papers = {curve.paper: _line(curve.words) for curve in curves}
+    if len(papers) > 1:
+        several = " and ".join(papers.values())
+        raise PictureError(f"expected curves over time or of one kind of spectrum, found {several}")
+
+
+def _fill(axes: Axes, time: Array, curves: Sequence[Curve], time_exponent: int) -> None:
     peak = max(float(np.abs(curve.values).max()) for curve in curves)
-    exponent = _exponent(peak)
-    for curve, row in zip(curves, words, strict=True):
-        axes.plot(time, curve.values / 10.0**exponent, label=_line(row[~common]))
+    exponent = 0 if curves[0].unit in UNPREFIXED else _exponent(peak)
+    for curve in curves:
+        at = time if curve.abscissa is None else curve.abscissa
+        axes.plot(at / 10.0**time_exponent, curve.values / 10.0**exponent)
     _widen(axes, STEADY * peak / 10.0**exponent)
+    axes.set_ylabel(_with_unit(curves[0].ordinate, PREFIXES[exponent] + curves[0].unit))
+
+
+def _name(axes: Axes, curves: Sequence[Curve]) -> None:
+    """What the curves share as title, and the rest as legend."""
+    longest = max(len(curve.words) for curve in curves)
+    words = np.array([[*c.words, *[""] * (longest - len(c.words))] for c in curves])
+    common = (words == words[0]).all(axis=0)
     axes.set_title(_line(words[0, common]), parse_math=False)
-    axes.set_ylabel(f"[{PREFIXES[exponent]}{curves[0].unit}]")
     if len(curves) > 1:
-        for text in axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0)).get_texts():
+        lines, named = axes.lines[: len(curves)], [_line(row[~common]) for row in words]
+        legend = axes.legend(lines, named, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        for text in legend.get_texts():
             text.set_parse_math(False)
+
+
+def _with_unit(ordinate: str, unit: str) -> str:
+    return f"{ordinate} [{unit}]".strip()
 
 
 def _widen(axes: Axes, least: float) -> None:

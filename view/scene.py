@@ -28,6 +28,8 @@ WIDTH, HIGHEST, MARGIN = 9.0, 4.6, 0.3
 """of a picture, of a body in it, and around it [inch]"""
 LINE, LETTER = 0.2, 0.085
 """height of a line of text, width of a letter [inch]"""
+CROSS = 0.45
+"""length of the axes of a section [inch]"""
 FINE = 20_000
 """facets above which their edges would blacken the picture and are left out"""
 
@@ -55,8 +57,17 @@ class Marker:
 
 
 @dataclass(frozen=True, eq=False)
+class Cross:
+    """The local axes y and z (3,) of a section, unit vectors, at a point (3,) of a line."""
+
+    point: Array
+    y: Array
+    z: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Scene:
-    """A body of facets or of lines (m, 2, 3), with markers and masses.
+    """A body of facets or of lines (m, 2, 3), with markers, masses, and axes of sections.
 
     A marker has the color of its facets.
     """
@@ -65,6 +76,7 @@ class Scene:
     lines: Array = field(default_factory=lambda: np.zeros((0, 2, 3)))
     markers: Sequence[Marker] = ()
     masses: Sequence[Marker] = ()
+    sections: Sequence[Cross] = ()
 
     @property
     def points(self) -> Array:
@@ -126,6 +138,7 @@ def draw_scene(scene: Scene) -> Figure:
             axes.set_ylim(-0.5 * view.size[1], 0.5 * view.size[1])
             _paint(axes, scene, view)
             _axes_of_the_mesh(axes, view)
+            _axes_of_sections(axes, scene.sections, view)
             shown = [n for n in range(len(marks)) if where[n] == i]
             _name(axes, [marks[n] for n in shown], [shades[n] for n in shown], view)
     return figure
@@ -266,3 +279,21 @@ def _axes_of_the_mesh(axes: Axes, view: View) -> None:
         axes.plot(*zip(corner, corner + 0.22 * direction, strict=True), color=shade, linewidth=1.6)
         x, y = corner + 0.32 * direction
         axes.text(x, y, name, color=shade, ha="center", va="center", fontsize=8)
+
+
+def _axes_of_sections(axes: Axes, sections: Sequence[Cross], view: View) -> None:
+    """Dashed lines along local y and z, as long as they are seen; a middle one has names."""
+    for number, section in enumerate(sections):
+        point = view.on_paper(section.point)
+        for direction, (name, shade) in zip((section.y, section.z), AXES[1:], strict=True):
+            tip = point + CROSS * (view.camera[:2] @ direction)
+            axes.plot(
+                *zip(point, tip, strict=True),
+                color=shade,
+                linewidth=1.2,
+                linestyle=(0, (2, 1)),
+                zorder=3,
+            )
+            if number == len(sections) // 2:
+                x, y = point + 1.35 * (tip - point)
+                axes.text(x, y, f"local {name}", color=shade, ha="center", va="center", fontsize=8)

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol
 
 from ...superelement.validation import Array
+from ..body.loads import LoadPattern
 from ..body.selection import InterfaceSelection
+from ..body.sensors import SensorPoint
 from ..elements.inertia import Moved
 from ..mesh.facets import Facets
 from ..mesh.mesh import IntArray, Mesh
@@ -120,6 +122,14 @@ class Source(Protocol):
 
     def attachment(self, selection: InterfaceSelection) -> Attachment:
         """The frame on the nodes or facets of a selection; `InterfaceError` if it picks none."""
+        ...
+
+    def forces(self, load: LoadPattern) -> Array:
+        """Nodal forces and moments (n_u,) of a load pattern; `PreprocessError` if it picks none."""
+        ...
+
+    def readings(self, sensor: SensorPoint) -> tuple[Any, Array]:
+        """Rows (k, n_u), sparse, that read a sensor, and its place (3,) [m]."""
         ...
 
     def check_fields(self, stress: bool) -> None:

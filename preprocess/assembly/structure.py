@@ -1,7 +1,7 @@
 """The finite element model that kernels are computed from: matrices, rigid modes and interfaces."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -13,6 +13,7 @@ from ...superelement.validation import LARGEST, Array
 from ..body.body import Body
 from ..errors import InterfaceError, MeshError
 from ..mesh.nodes import Nodes
+from .channels import ChannelRows, channel_rows
 from .interfaces import Attachment, attachments
 from .masses import lumped_mass, mass_selections
 from .rigid import RigidModes, relieve, rigid_modes
@@ -33,7 +34,8 @@ class Structure:
     of the n points of the source are T u, tied ones included. frames, masses: where interfaces and
     masses are attached to the source, by name; a mass on an interface has its frame.
     inertia (n_u, 6): F of the change d = F^T u of the moments of inertia, and so the loads of
-    rotation; None where that is not asked for. All in mesh axes.
+    rotation; None where that is not asked for. channels: rows of load patterns and sensors, None
+    where there are none. All in mesh axes.
     """
 
     nodes: Nodes
@@ -46,10 +48,26 @@ class Structure:
     frames: Mapping[str, Attachment]
     masses: Mapping[str, Attachment]
     inertia: Array | None = None
+    channels: ChannelRows | None = None
 
     @property
     def n_u(self) -> int:
         return int(self.M.shape[0])
+
+    @property
+    def n_c(self) -> int:
+        """The dofs of the interfaces, the first rows of P_C."""
+        return sum(6 if interface.rotations else 3 for interface in self.interfaces)
+
+    def with_channels(self) -> "Structure":
+        """The same with patterns and sensors as rows of P_C behind the interfaces.
+
+        Without patterns that do not deform the body.
+        """
+        if self.channels is None:
+            return self
+        rows = self.channels.rows[self.channels.deforming]
+        return replace(self, P_C=sp.vstack([self.P_C, rows], format="csr"))
 
     @cached_property
     def rows(self) -> dict[str, Any]:
@@ -105,6 +123,7 @@ def assemble_on(body: Body, source: Source) -> Structure:
     M = M + lumped
     _check(source.name, nodes, K, M)
     rigid = rigid_modes(nodes, M)
+    channels = channel_rows(body, source, T, rigid, M)
     return Structure(
         nodes=nodes,
         K=K,
@@ -117,6 +136,7 @@ def assemble_on(body: Body, source: Source) -> Structure:
         T=T[source.nodes.displacements.ravel()],
         frames=frames,
         masses=masses,
+        channels=channels,
     )
 
 

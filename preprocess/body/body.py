@@ -2,7 +2,6 @@
 
 import os
 import tomllib
-from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -20,8 +19,11 @@ from pydantic import (
 from ...inputs import InputError, Table, Vector, expected, is_name, quoted, read_table
 from ...inputs.names import LONGEST
 from ..errors import BodyError
+from .damping import Damping, check_fit
+from .loads import LoadPattern
 from .material import Material, Section
 from .selection import InterfaceSelection, Selection
+from .sensors import SensorPoint
 
 Method = Literal["auto", "modal", "march", "krylov", "craig-bampton", "rubin"]
 TRUNCATED: tuple[Method, ...] = ("craig-bampton", "rubin")
@@ -150,51 +152,6 @@ class Impulse(Table):
         return self
 
 
-class Ratios(Table):
-    """Modal damping ratios over frequency [Hz]: linear between the points, constant outside."""
-
-    frequencies: tuple[NonNegativeFloat, ...]
-    ratios: tuple[NonNegativeFloat, ...]
-
-    @model_validator(mode="after")
-    def _a_table(self) -> Self:
-        if len(self.frequencies) != len(self.ratios) or not self.frequencies:
-            raise ValueError(
-                "expected a ratio for every frequency, "
-                f"found {len(self.frequencies)} frequencies and {len(self.ratios)} ratios"
-            )
-        if any(b <= a for a, b in pairwise(self.frequencies)):
-            raise ValueError(
-                f"frequencies: expected increasing values, found {list(self.frequencies)}"
-            )
-        return self
-
-
-class Rayleigh(Table):
-    """C = mass M + stiffness K, with `mass` [1/s] and `stiffness` [s]."""
-
-    mass: NonNegativeFloat = 0.0
-    stiffness: NonNegativeFloat = 0.0
-
-
-def _as_table(value: Any) -> Any:
-    """One ratio is a table of one point."""
-    return {"frequencies": [0.0], "ratios": [value]} if isinstance(value, int | float) else value
-
-
-class Damping(Table):
-    """None, a ratio for every mode, or Rayleigh's."""
-
-    modal: Annotated[Ratios | None, BeforeValidator(_as_table)] = None
-    rayleigh: Rayleigh | None = None
-
-    @model_validator(mode="after")
-    def _one_kind(self) -> Self:
-        if self.modal is not None and self.rayleigh is not None:
-            raise ValueError("expected one of modal and rayleigh, found both")
-        return self
-
-
 class RecoveredFields(Table):
     """Fields that the superelement keeps: displacements of the surface or lines, perhaps stresses.
 
@@ -270,6 +227,8 @@ class Body(Table):
     materials: dict[str, Material] = Field(default_factory=dict)
     interfaces: dict[str, InterfaceSelection] = Field(min_length=1)
     masses: dict[str, PointMass] = Field(default_factory=dict)
+    loads: dict[str, LoadPattern] = Field(default_factory=dict)
+    sensors: dict[str, SensorPoint] = Field(default_factory=dict)
     impulse: Impulse
     damping: Damping = Damping()
     recovery: RecoveredFields | None = None
@@ -295,13 +254,21 @@ class Body(Table):
             )
         if not (0 < len(self.name) <= LONGEST and self.name.isprintable()):
             raise ValueError(f"name: expected 1 to {LONGEST} characters, found {quoted(self.name)}")
-        for table in ("interfaces", "masses"):
+        for table in ("interfaces", "masses", "loads", "sensors"):
             for name in getattr(self, table):
                 if not is_name(name):
                     raise ValueError(
                         f"{table}: expected a name of 1 to {LONGEST} characters without '/' and "
                         f"'.', found {quoted(name)}"
                     )
+        for table in ("loads", "sensors"):
+            for name in getattr(self, table):
+                if name in self.interfaces:
+                    raise ValueError(f"{table}: {quoted(name)} is the name of an interface")
+        if self.loads and self.matrices is not None:
+            raise ValueError(
+                "loads: expected a mesh, found [matrices], which tell neither surfaces nor volumes"
+            )
         for table, selections in (("interfaces", self.interfaces), ("masses", self.masses)):
             for name, selection in selections.items():
                 if selection.nodes is not None and self.matrices is None:
@@ -340,6 +307,53 @@ class Body(Table):
                     f"there are: {', '.join(self.interfaces)}"
                 )
         return self
+
+    @model_validator(mode="after")
+    def _losses_in_a_band(self) -> Self:
+        losses, damping = self.loss_factors, self.damping
+        own = [key for key, part in self._parts.items() if part.loss_factor is not None]
+        if own and damping.band is None:
+            raise ValueError(
+                f"{own[0]}.loss_factor: needs damping.band, the lowest and the highest frequency "
+                "[Hz] at which it holds, found none"
+            )
+        if damping.band is not None:
+            if not (own or damping.loss_factor is not None):
+                raise ValueError("damping.band: belongs to a loss_factor, found none")
+            for loss in losses.values():
+                check_fit(loss, damping.band)
+        if self.impulse.method == "march" and len(set(losses.values())) > 1:
+            raise ValueError(
+                "impulse.method: march takes one loss factor for all materials, found "
+                f"{len(set(losses.values()))}: use auto, krylov, modal, craig-bampton or rubin"
+            )
+        if self.rotation is not None and self.rotation.level == 2 and any(losses.values()):
+            raise ValueError(
+                "rotation.level: expected 1 with a loss factor, which the energy of level 2 does "
+                "not have, found 2"
+            )
+        return self
+
+    @property
+    def _parts(self) -> dict[str, Section | Material]:
+        """Sections or materials by their keys in the file."""
+        parts: dict[str, Section | Material] = {}
+        for key in ("section", "material"):
+            if (whole := getattr(self, key)) is not None:
+                parts[key] = whole
+        for key in ("sections", "materials"):
+            parts.update({f"{key}.{name}": part for name, part in getattr(self, key).items()})
+        return parts
+
+    @property
+    def loss_factors(self) -> dict[str, float]:
+        """Loss factors by the group of sections or materials; "" of a whole body."""
+        usual = self.damping.loss_factor or 0.0
+        found = {
+            key.partition(".")[2]: usual if part.loss_factor is None else part.loss_factor
+            for key, part in self._parts.items()
+        }
+        return found or {"": usual}
 
     @property
     def files(self) -> tuple[Path, ...]:

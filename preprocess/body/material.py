@@ -7,6 +7,7 @@ from pydantic import Discriminator, Field, NonNegativeFloat, PositiveFloat, Tag,
 
 from ...inputs import Table, Vector
 from ...superelement.validation import Array
+from .damping import LossFactor
 
 
 class Section(Table):
@@ -19,7 +20,7 @@ class Section(Table):
     Euler-Bernoulli bending, and mass_per_length EI / EA (the value of a homogeneous section) for
     Timoshenko bending. orientation: a vector that with the beam's axis spans the plane of local x
     and y, in mesh axes; unless given, local y is horizontal (e_z cross x), or e_y where the beam is
-    vertical.
+    vertical. loss_factor: its own, in the band of [damping].
     """
 
     EA: PositiveFloat
@@ -33,6 +34,7 @@ class Section(Table):
     rotary_inertia_y: NonNegativeFloat | None = None
     rotary_inertia_z: NonNegativeFloat | None = None
     orientation: Vector | None = None
+    loss_factor: LossFactor | None = None
 
     @property
     def density(self) -> float:
@@ -75,7 +77,8 @@ class Material(Table):
     is the contraction along j over the stretch along i under stress along i; G [Pa]: the shear
     modulus, or G12, G13, G23, that of an isotropic material unless given; rho: density [kg/m^3].
     axes: two vectors in mesh axes, direction 1 and one that with it spans the plane of directions 1
-    and 2; directions 1, 2, 3 are the mesh axes unless given.
+    and 2; directions 1, 2, 3 are the mesh axes unless given. loss_factor: its own, in the band of
+    [damping].
     """
 
     E: Moduli
@@ -83,6 +86,7 @@ class Material(Table):
     G: Moduli | None = None
     rho: PositiveFloat
     axes: tuple[Vector, Vector] | None = None
+    loss_factor: LossFactor | None = None
 
     @model_validator(mode="after")
     def _shear_given(self) -> Self:

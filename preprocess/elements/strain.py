@@ -52,10 +52,15 @@ def strain_rows(mesh: Mesh, points: Mapping[str, IntArray]) -> Any:
 
 def _extrapolation(kind: str) -> Array:
     """(k, q): values at the nodes of the polynomial through the values at the samples."""
+    return at_samples(kind, solid_element(kind).nodes)
+
+
+def at_samples(kind: str, xi: Array) -> Array:
+    """(q, s): values at points xi (3, q) of the polynomial through the values at the samples."""
     element = solid_element(kind)
     n = element.samples.shape[1]
-    at_samples, at_nodes = _terms(element.samples, n), _terms(element.nodes, n)
-    return np.asarray(np.linalg.solve(at_samples, at_nodes).T, dtype=float)
+    of_samples, of_points = _terms(element.samples, n), _terms(xi, n)
+    return np.asarray(np.linalg.solve(of_samples, of_points).T, dtype=float)
 
 
 def _terms(xi: Array, n: int) -> Array:

@@ -168,13 +168,11 @@ class Band:
     def _delays(self, modes: Modes) -> list[Complex]:
         """The delays of every part of the band: a grid, and the resonances, Re sigma = -omega^2."""
         edges = np.linspace(0.0, 2.0 * np.pi * self.limit * self.h, PARTS + 1)
-        parts = [AT_ONCE]
+        parts, found = [AT_ONCE], modes.resonances
         for low, high in pairwise(edges):
             fine = np.linspace(low, high, 1024)
             sigma, _ = self.scheme.symbols(self.h, self._delay(fine))
-            inside = modes.omega[
-                (-sigma[0].real <= modes.omega**2) & (modes.omega**2 <= -sigma[-1].real)
-            ]
+            inside = found[(-sigma[0].real <= found**2) & (found**2 <= -sigma[-1].real)]
             inside = np.sort(inside)[:: -(1 + len(inside) // RESONANCES)]
             resonances = np.interp(inside**2, -sigma.real, fine)
             parts.append(self._delay(np.concatenate([np.linspace(low, high, GRID), resonances])))

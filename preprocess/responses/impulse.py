@@ -1,14 +1,18 @@
 """Impulse responses by the method that a body file names or its size suggests."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from ...superelement import GeneralizedAlpha, Kernel, Modes, sample_kernel
 from ..assembly.structure import Structure
 from ..body.body import Body
+from ..body.loss import damping_of
 from ..memory import require
 from ..progress import Stages
 from .band import Band
 from .krylov import krylov_modes
+from .losses import with_losses
 from .march import march_kernel
 from .modal import SMALL, elastic_shapes
 from .shapes import Shapes
@@ -42,14 +46,18 @@ def require_memory(steps: int, n_c: int) -> None:
 
 
 def impulse_responses(
-    structure: Structure, body: Body, stages: Stages | None = None
+    structure: Structure,
+    body: Body,
+    stages: Stages | None = None,
+    parts: Mapping[str, Any] | None = None,
 ) -> ImpulseResponses:
     """The impulse responses of a body, by the method that it names or the one for its size.
 
-    `stages` shows how far it is. `MethodError` where the method does not allow what is asked.
+    `stages` shows how far it is. parts: the stiffness matrices of groups whose materials have other
+    loss factors than the rest. `MethodError` where the method does not allow what is asked.
     """
     stages = stages or Stages()
-    impulse, damping = body.impulse, body.damping
+    impulse, damping = body.impulse, damping_of(body)
     require_memory(impulse.steps, structure.P_C.shape[0])
     h, scheme, steps = impulse.step, GeneralizedAlpha(impulse.rho_inf), impulse.steps
     method = impulse.method
@@ -58,6 +66,7 @@ def impulse_responses(
     match method:
         case "modal":
             modes, shapes = elastic_shapes(structure, damping)
+            modes = with_losses(body, modes, shapes, parts)
             return ImpulseResponses(method, sample_kernel(modes, h, scheme, steps), modes, shapes)
         case "krylov":
             band = Band(h, scheme, steps, impulse.band or 0.25 / h)
@@ -65,23 +74,27 @@ def impulse_responses(
             modes, shapes, error = krylov_modes(
                 structure, damping, band, impulse.tolerance, stages.report, fields
             )
+            modes = with_losses(body, modes, shapes, parts)
             kernel = sample_kernel(modes, h, scheme, steps, error, band.limit)
             return ImpulseResponses(method, kernel, modes, shapes, impulse.tolerance)
         case "craig-bampton" | "rubin":
-            return _truncated(structure, body, stages)
+            return _truncated(structure, body, stages, parts)
         case "march":
             return ImpulseResponses(
                 method, march_kernel(structure, damping, h, scheme, steps, stages.track)
             )
 
 
-def _truncated(structure: Structure, body: Body, stages: Stages) -> ImpulseResponses:
+def _truncated(
+    structure: Structure, body: Body, stages: Stages, parts: Mapping[str, Any] | None
+) -> ImpulseResponses:
     """Those of a number of modes, with the band in which they are right."""
-    impulse, damping, count = body.impulse, body.damping, body.impulse.modes or 0
+    impulse, damping, count = body.impulse, damping_of(body), body.impulse.modes or 0
     reduction = METHODS[impulse.method](structure, damping, count)
     wide = Band(impulse.step, GeneralizedAlpha(impulse.rho_inf), impulse.steps, 0.25 / impulse.step)
     fields = body.recovery is not None
     found = truncated_modes(structure, damping, reduction, wide, stages.report, fields)
-    kernel = sample_kernel(found.modes, wide.h, wide.scheme, wide.steps, found.error, found.limit)
+    modes = with_losses(body, found.modes, found.shapes, parts)
+    kernel = sample_kernel(modes, wide.h, wide.scheme, wide.steps, found.error, found.limit)
     method = f"{impulse.method} with {count} {'modes' if count > 1 else 'mode'}"
-    return ImpulseResponses(method, kernel, found.modes, found.shapes, RIGHT)
+    return ImpulseResponses(method, kernel, modes, found.shapes, RIGHT)

@@ -10,13 +10,13 @@ from ...files.memory import available
 from ...superelement import GeneralizedAlpha, Modes
 from ...superelement.validation import Array
 from ..assembly.structure import RIGID, Structure
-from ..body.body import Damping, Rayleigh
+from ..body.damping import Damping, Rayleigh
 from ..errors import MethodError
 from ..mesh.mesh import IntArray
 from .band import Band
 from .basis import Basis
 from .cost import REAL, WORK, basis_bytes
-from .damping import damping_ratios
+from .damping import damped_modes
 from .factor import factorize
 from .ritz import ritz_modes, space_shapes
 from .shapes import Shapes
@@ -165,7 +165,7 @@ def krylov_modes(
     def modes_of(blocks: int) -> tuple[Modes, Array]:
         omega, Q = space.ritz(blocks)
         phi = space_shapes(space.basis, Q)(structure.P_C)
-        return Modes(omega, damping_ratios(damping, omega), phi, band.finest_step), Q
+        return damped_modes(damping, omega, phi, band.finest_step), Q
 
     check = 2
     while space.grow():
@@ -204,7 +204,7 @@ def krylov_modes(
         slow = band.slow_contributions(space.with_rotation(modes, Q))
         contributions = np.maximum(contributions, slow)
     kept, lost = _prune(contributions, PRUNED * tolerance)
-    modes = Modes(modes.omega[kept], modes.zeta[kept], modes.phi[:, kept], modes.h_min)
+    modes = damped_modes(damping, modes.omega[kept], modes.phi[:, kept], modes.h_min)
     return modes, space_shapes(space.basis, Q[:, kept]), error + lost
 
 
@@ -233,9 +233,11 @@ def _shift(damping: Damping, scheme: GeneralizedAlpha, h: float) -> float:
 
     Modal ratios add no matrix to it.
     """
-    rayleigh = damping.rayleigh or Rayleigh()
-    velocity = scheme.gamma_prime(h)
-    return (scheme.beta_prime(h) + velocity * rayleigh.mass) / (1.0 + velocity * rayleigh.stiffness)
+    mass, stiffness = (damping.rayleigh or Rayleigh()).coefficients
+    velocity, hardening = scheme.gamma_prime(h), 0.0
+    if (chain := damping.chain) is not None:
+        hardening = float(chain.step(h)[1] @ chain.amplitude)
+    return (scheme.beta_prime(h) + velocity * mass) / (1.0 + hardening + velocity * stiffness)
 
 
 def _prune(contributions: Array, budget: float) -> tuple[IntArray, float]:

@@ -6,9 +6,9 @@ from scipy.linalg import eigh
 from ...superelement import Modes
 from ..assembly.rigid import project
 from ..assembly.structure import Structure
-from ..body.body import Damping
+from ..body.damping import Damping
 from ..errors import MeshError, MethodError
-from .damping import damping_ratios
+from .damping import damped_modes
 from .shapes import Shapes
 
 SMALL = 1000
@@ -51,5 +51,5 @@ def elastic_shapes(structure: Structure, damping: Damping) -> tuple[Modes, Shape
         "im,im->m", shapes, structure.M @ shapes
     )
     omega = np.sqrt(squares)
-    modes = Modes(omega, damping_ratios(damping, omega), structure.P_C @ shapes)
+    modes = damped_modes(damping, omega, structure.P_C @ shapes)
     return modes, Shapes(shapes)

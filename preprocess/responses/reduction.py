@@ -8,9 +8,9 @@ from scipy.linalg import null_space
 from ...superelement import Modes
 from ...superelement.validation import Array
 from ..assembly.structure import RIGID, Structure
-from ..body.body import Damping
+from ..body.damping import Damping
 from .basis import Basis
-from .damping import damping_ratios
+from .damping import damped_modes
 from .held import HeldModes, held_modes
 from .ritz import ritz_modes, space_shapes
 from .shapes import Shapes
@@ -41,12 +41,13 @@ def craig_bampton(structure: Structure, damping: Damping, count: int) -> Reducti
     Source: R. R. Craig, M. C. C. Bampton, AIAA Journal 6 (1968) 1313-1319. `MethodError` for more
     modes than there are.
     """
+    n_c = structure.n_c
     rigid = structure.P_C @ structure.U
     attachments, inertia = _statics(structure)
     balanced = null_space(rigid.T, rcond=DEPENDENT)
     # Interfaces that do not hold a body leave rigid motions, which are no modes to be counted.
-    loose = structure.U @ null_space(rigid, rcond=DEPENDENT)
-    held = np.vstack([structure.P_C.toarray(), (structure.M @ loose).T])
+    loose = structure.U @ null_space(rigid[:n_c], rcond=DEPENDENT)
+    held = np.vstack([structure.P_C[:n_c].toarray(), (structure.M @ loose).T])
     fixed = held_modes(structure, held, count, _first_square(structure, attachments))
     return _reduced(structure, damping, fixed, np.hstack([attachments @ balanced, inertia]))
 
@@ -83,7 +84,7 @@ def _reduced(structure: Structure, damping: Damping, normal: HeldModes, static: 
     V = basis.V[:, RIGID:]
     omega, Q = ritz_modes(structure, V, V.T @ (structure.K @ V))
     shapes = space_shapes(basis, Q)
-    modes = Modes(omega, damping_ratios(damping, omega), shapes(structure.P_C))
+    modes = damped_modes(damping, omega, shapes(structure.P_C))
     return Reduction(modes, shapes, float(np.sqrt(normal.squares[-1])) / (2.0 * np.pi))
 
 

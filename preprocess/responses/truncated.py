@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from ...superelement import Modes
 from ...superelement.validation import Array
 from ..assembly.structure import Structure
-from ..body.body import Damping
+from ..body.damping import Damping
 from .band import Band
 from .krylov import Watch, krylov_modes
 from .modal import SMALL, elastic_shapes

@@ -7,7 +7,9 @@ from ...superelement.validation import Array
 from ..assembly.interfaces import Attachment, nodal_frame, point_frame
 from ..assembly.selected import nearest_node, table_nodes
 from ..assembly.source import FieldPoints
-from ..body.selection import InterfaceSelection
+from ..body.loads import LoadPattern
+from ..body.selection import InterfaceSelection, Selection
+from ..body.sensors import SensorPoint
 from ..elements.inertia import NodalTensors, scalar_mass
 from ..errors import BodyError
 from ..given.free_body import check_free_body
@@ -17,9 +19,13 @@ from ..mesh.nodes import Nodes
 
 @dataclass(frozen=True, eq=False)
 class GivenSource:
-    """Stiffness and mass without elements; nodes have three dofs or six."""
+    """Stiffness and mass without elements; nodes have three dofs or six.
+
+    stiffening: by which K is divided, to be that of a material with a loss factor at long times.
+    """
 
     model: GivenModel
+    stiffening: float = 1.0
 
     @property
     def name(self) -> str:
@@ -31,7 +37,8 @@ class GivenSource:
 
     def matrices(self) -> tuple[Any, Any]:
         check_free_body(self.model)
-        return self.model.K, self.model.M
+        K = self.model.K if self.stiffening == 1.0 else self.model.K / self.stiffening
+        return K, self.model.M
 
     def tensors(self, M: Any, center: Array) -> NodalTensors:
         """Inertia and momentum, where nodes have three dofs of the same mass."""
@@ -50,6 +57,19 @@ class GivenSource:
         if selection.node is not None:
             return nodal_frame(nearest_node(selection, table.points, table.size), self.nodes)
         return point_frame(selection, table_nodes(selection, table), self.nodes)
+
+    def forces(self, load: LoadPattern) -> NoReturn:
+        """`BodyError`: matrices tell neither surfaces nor volumes."""
+        raise BodyError(f"[loads]: expected a mesh, found the matrices {self.model.name}")
+
+    def readings(self, sensor: SensorPoint) -> tuple[Any, Array]:
+        """The motion of the node at a point."""
+        if sensor.kind != "motion":
+            raise BodyError(f"{sensor.kind}: expected a mesh, found the matrices {self.model.name}")
+        table = self.model.table
+        node = nearest_node(Selection(node=sensor.point), table.points, table.size)
+        frame = nodal_frame(node, self.nodes)
+        return frame.rows[:3], frame.X
 
     def check_fields(self, stress: bool) -> NoReturn:
         """`BodyError`: without elements there are neither cells nor strains."""

@@ -13,15 +13,20 @@ from ..assembly.interfaces import Attachment, nodal_frame
 from ..assembly.selected import check_elements, mesh_nodes, nearest_node
 from ..assembly.source import FieldPoints, Resolution, Share
 from ..body.body import Body
+from ..body.loads import LoadPattern
 from ..body.material import Section
 from ..body.selection import InterfaceSelection
-from ..elements.beam import beam_matrices, lengths
+from ..body.sensors import SensorPoint
+from ..elements.beam import beam_matrices, lengths, lengths_and_axes
+from ..elements.beam_force import line_forces
 from ..elements.beam_second import BeamTensors, beam_tensors
+from ..elements.section_point import Beams
 from ..errors import BodyError, InterfaceError
 from ..mesh.connectivity import check_connected
 from ..mesh.mesh import IntArray, Mesh
 from ..mesh.nodes import Nodes, node_dofs
 from .assignment import Assignment, assign
+from .gauge import stretch_rows, unit_vector
 
 LISTED = 4
 """Nodes that a message lists."""
@@ -69,6 +74,11 @@ class LineSource:
     def _section_of_each(self) -> list[Section]:
         return [self.sections.values[owner] for owner in self.sections.owners]
 
+    def section_axes(self) -> tuple[Array, Array]:
+        """Middles (n, 3) of the lines, and their local axes x, y, z as rows (n, 3, 3)."""
+        middles: Array = self.mesh.points[self.mesh.cells["line"]].mean(axis=1)
+        return middles, lengths_and_axes(self.mesh, self._section_of_each)[1]
+
     def attachment(self, selection: InterfaceSelection) -> Attachment:
         """The dofs of the node nearest to a point, or of the one that a group or shapes select."""
         mesh = self.mesh
@@ -86,6 +96,30 @@ class LineSource:
                 f"points {', '.join(listed)}{more}"
             )
         return nodal_frame(int(members[0]), self.nodes)
+
+    def forces(self, load: LoadPattern) -> Array:
+        if load.force_per_length is None:
+            raise BodyError(
+                f"{load.kind}: expected force_per_length on lines, which have neither facets nor "
+                "volumes"
+            )
+        rows = np.arange(self.mesh.n_elements)
+        if load.group is not None and not len(rows := self.mesh.members(load.group)):
+            raise BodyError(f"group {load.group!r}: expected lines, found none")
+        density = np.array(load.force_per_length)
+        return line_forces(self.mesh, self._section_of_each, rows, density).ravel()
+
+    def readings(self, sensor: SensorPoint) -> tuple[Any, Array]:
+        """Of points beside the axis too, which move with their sections."""
+        if sensor.stress:
+            raise BodyError("stress: expected a mesh of solids, found lines: take direction")
+        beams, point = Beams(self.mesh, self._section_of_each), np.array(sensor.point)
+        if sensor.direction is None:
+            return beams.displacement_rows(beams.locate(point)), point
+        d = unit_vector(sensor.direction)
+        if sensor.length is None:
+            return beams.strain_rows(beams.locate(point), d), point
+        return stretch_rows(lambda x: beams.displacement_rows(beams.locate(x)), sensor), point
 
     def check_fields(self, stress: bool) -> None:
         if stress:

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from ..assembly.source import MeshSource, Source
 from ..body.body import Body
+from ..body.loss import relaxed, stiffenings
 from ..errors import BodyError
 from ..given.matrices import read_matrices
 from ..mesh.cells import LINES
@@ -14,10 +15,13 @@ from .lines import LineSource
 
 
 def read_source(body: Body) -> Source:
-    """Read the files of a body; `PreprocessError` names the file that cannot be read."""
+    """Read the files of a body; `PreprocessError` names the file that cannot be read.
+
+    Materials with a loss factor have the moduli of long times.
+    """
     if body.matrices is not None:
-        return GivenSource(read_matrices(body.matrices))
-    return read_mesh_source(body)
+        return GivenSource(read_matrices(body.matrices), stiffenings(body)[""])
+    return read_mesh_source(relaxed(body))
 
 
 def files_of(body: Body) -> tuple[Path, ...]:

@@ -6,6 +6,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 
 from ...superelement.validation import Array
 from ..assembly.interfaces import Attachment, facet_frame, nodal_frame, point_frame
@@ -19,9 +20,14 @@ from ..assembly.selected import (
 from ..assembly.source import FieldPoints, Resolution, Share
 from ..assembly.surface import surface
 from ..body.body import Body
-from ..body.material import Material
+from ..body.loads import LoadPattern
+from ..body.material import STRESSES, Material
 from ..body.selection import InterfaceSelection
+from ..body.sensors import SensorPoint
+from ..elements.location import locate
+from ..elements.sampling import displacement_rows, point_strain_rows
 from ..elements.solid import solid_matrices, volumes
+from ..elements.solid_force import pressure_forces, traction_forces, volume_forces
 from ..elements.solid_second import SolidTensors
 from ..elements.strain import strain_rows
 from ..errors import BodyError
@@ -31,6 +37,7 @@ from ..mesh.facets import Facets, facets_of
 from ..mesh.mesh import IntArray, Mesh
 from ..mesh.nodes import Nodes
 from .assignment import Assignment, assign
+from .gauge import stretch_rows, unit_vector
 from .solid_surface import surface_points
 
 LINEAR, QUADRATIC = 6, 4
@@ -98,6 +105,55 @@ class SolidSource:
         numbers = mesh_facets(selection, mesh, self.facets)
         faces = surface(mesh.points, self.facets.patch(numbers))
         return facet_frame(selection, numbers, faces, nodes)
+
+    def forces(self, load: LoadPattern) -> Array:
+        mesh = self.mesh
+        if load.force_per_length is not None:
+            raise BodyError("force_per_length: expected a mesh of lines, found one of solids")
+        if load.force_per_volume is not None:
+            density = np.array(load.force_per_volume)
+            return volume_forces(mesh, self._elements(load.group), density).ravel()
+        numbers = self._loaded_facets(load)
+        if load.pressure is not None:
+            patch = self.facets.patch(numbers)
+            return pressure_forces(mesh.points, patch, load.pressure).ravel()
+        traction = np.array(load.traction)
+        return traction_forces(mesh.points, self.facets.patch(numbers), traction).ravel()
+
+    def _elements(self, group: str | None) -> dict[str, IntArray]:
+        """The rows of the elements of a group, or of all, by type."""
+        rows = {kind: np.arange(len(cells)) for kind, cells in self.mesh.elements.items()}
+        if group is None:
+            return rows
+        cells = self.mesh.group(group).cells
+        chosen = {kind: cells[kind] for kind in rows if kind in cells}
+        if not chosen:
+            raise BodyError(f"group {group!r}: expected solid elements, found none")
+        return chosen
+
+    def _loaded_facets(self, load: LoadPattern) -> IntArray:
+        check_elements(load, self.mesh)
+        if names_points(load, self.mesh):
+            raise BodyError(f"group {load.group!r}: expected facets, found points")
+        numbers = mesh_facets(load, self.mesh, self.facets)
+        if load.pressure is not None and not self.facets.boundary[numbers].all():
+            raise BodyError("pressure: expected facets of the boundary, found some within the body")
+        return np.unique(numbers)
+
+    def readings(self, sensor: SensorPoint) -> tuple[Any, Array]:
+        mesh, point = self.mesh, np.array(sensor.point)
+        if sensor.length is not None:
+            return stretch_rows(lambda x: displacement_rows(mesh, locate(mesh, x)), sensor), point
+        place = locate(mesh, point)
+        if sensor.kind == "motion":
+            return displacement_rows(mesh, place), point
+        strains = point_strain_rows(mesh, place)
+        if sensor.kind == "stress":
+            owner = mesh.of_kind(self.materials.owners, place.kind)[place.row]
+            return sp.csr_array(self.materials.values[owner].elasticity) @ strains, point
+        d = unit_vector(sensor.direction)
+        i, j = np.array(STRESSES).T
+        return sp.csr_array((d[i] * d[j])[None]) @ strains, point
 
     def check_fields(self, stress: bool) -> None:
         """Solids give displacements and stresses."""

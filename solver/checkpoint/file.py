@@ -22,7 +22,7 @@ from .carried import Snapshot
 from .identity import Identity
 
 FORMAT = "duhamel-state"
-VERSION = 1
+VERSION = 2
 SUFFIX = ".checkpoint"
 DIGEST = 32
 """bytes of a SHA-256"""

@@ -9,6 +9,7 @@ import numpy as np
 from ..arrays import Index, as_index
 from ..compiler.struct import Struct
 from ..lower.lower import LoweredModel
+from ..step.system import Elastic
 
 Ranges = Mapping[str, Sequence[int]]
 """the first number of each name, and the one after its last"""
@@ -21,9 +22,12 @@ class Layout(NamedTuple):
     n_e: Ranges
     n_u: Ranges
     n_m: Ranges
+    n_x: Ranges
     n_i: Ranges
     n_h: Ranges
     n_o: Ranges
+    n_terms: Ranges
+    n_motors: Ranges
 
     def numbers(self, earlier: "Layout") -> dict[str, tuple[Index, Index]]:
         """The numbers here and there, by dimension, of what has a name in both.
@@ -46,10 +50,22 @@ def layout_of(lowered: LoweredModel) -> Layout:
         n_e=_one_each(flexible),
         n_u=_ranges(flexible, elastic.dof.tolist()),
         n_m=_ranges(flexible, elastic.modes.range.tolist()),
+        n_x=_ranges(flexible, _springs(elastic)),
         n_i=_ranges(lowered.coupling_names, rows),
         n_h=_ranges(lowered.coupling_names, remembered.tolist()),
+        n_terms=_ranges(lowered.coupling_names, couplings.terms.range[couplings.range].tolist()),
         n_o=_one_each([f"{joint}.{name}" for joint, name in lowered.observers]),
+        n_motors=_one_each([motor.name for motor in lowered.model.motors]),
     )
+
+
+def _springs(elastic: Elastic) -> list[int]:
+    """The first spring of the chain of each flexible body, and the one after the last."""
+    chains, n_modes = elastic.modes.chains, np.diff(elastic.modes.range)
+    n_springs = np.zeros(len(n_modes), dtype=np.int64)
+    n_springs[chains.body] = np.diff(chains.element) * n_modes[chains.body]
+    ends: list[int] = np.cumsum([0, *n_springs]).tolist()
+    return ends
 
 
 def _one_each(names: Sequence[str]) -> Ranges:

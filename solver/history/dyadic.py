@@ -77,11 +77,11 @@ class DyadicConvolution:
 
     def _convolve(self, e: int, n: int, block: int, state: State) -> None:
         elastic = self._elastic
-        active = elastic.active[elastic.active_range[e] : elastic.active_range[e + 1]]
+        loaded = elastic.loaded[elastic.loaded_range[e] : elastic.loaded_range[e + 1]]
         dofs = slice(elastic.dof[e], elastic.dof[e + 1])
         now = n - int(state.past.first[0])
-        loads = fft.rfft(state.past.p[active, now - block + 1 : now + 1], 2 * block)
-        columns = self._spectrum(e, block)[:, active - dofs.start]
+        loads = fft.rfft(state.past.p[loaded, now - block + 1 : now + 1], 2 * block)
+        columns = self._spectrum(e, block)[:, loaded - dofs.start]
         response = fft.irfft(np.einsum("ikf,kf->if", columns, loads), 2 * block)[:, block:]
         ahead = state.past.u_ahead[dofs, now + 1 : now + 1 + block]
         ahead += response[:, : ahead.shape[1]]

@@ -1,18 +1,19 @@
 """Superelements as arrays: the modes or the kernel that carries the history of each body."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from ...files.memory import shortage
-from ...superelement import GeneralizedAlpha, Superelement, SuperelementError
+from ...superelement import Chain, GeneralizedAlpha, Superelement, SuperelementError
 from ..arrays import Array, Index, as_index
 from ..errors import ModelError
 from ..model.bodies import FlexibleBody
 from ..model.model import Model
 from ..model.settings import Settings
 from ..step.system import Elastic, Frames, Kernels, Modes
+from .chains import hardening_of, lay_out_chains
 from .cost import cheapest_history
 from .dyadic import power_above
 from .packing import packed
@@ -69,6 +70,7 @@ class _History(NamedTuple):
     G_0: Array  # (n_c, n_c)
     compliance: Array  # (n_c, n_c) static: the sum of the kernel, or of the modes
     accelerance: Array  # (n_c, n_c) accelerations under unit loads at rest
+    chain: Chain | None = None  # of the modes
 
 
 class Responses(NamedTuple):
@@ -90,18 +92,22 @@ def lay_out_elastic(model: Model, frames: Frames, stepping: Stepping) -> tuple[E
     bodies = model.flexible_bodies
     dofs = np.cumsum([0, *(body.n_dofs for body in bodies.values())])
     inner = [
-        np.arange(first + body.superelement.n_c, last)
-        for body, first, last in zip(bodies.values(), dofs[:-1], dofs[1:], strict=True)
+        np.arange(last - body.n_inner, last)
+        for body, last in zip(bodies.values(), dofs[1:], strict=True)
     ]
     active = np.unique(np.concatenate([_active_dofs(frames), *inner])).astype(np.int64)
     active_range = np.searchsorted(active, dofs)
+    numbers = {name: b for b, name in enumerate(model.bodies)}
+    patterns = _pattern_dofs(bodies, dofs)
+    loaded_patterns = [patterns[load.owner_of_pattern] for load in model.pattern_loads]
+    loaded = np.unique(np.concatenate([active, as_index(loaded_patterns)])).astype(np.int64)
+    loaded_range = np.searchsorted(loaded, dofs)
     owners = [id(body.superelement) + (body.rotation is None) for body in bodies.values()]
-    histories = _histories(model, owners, np.diff(active_range).tolist(), stepping)
+    histories = _histories(model, owners, np.diff(loaded_range).tolist(), stepping)
     G_0, G_0_start = packed([history.G_0 for history in histories], owners)
     G_active, G_active_start = active_flexibility(
         [history.G_0 for history in histories], active, active_range, dofs, stepping.weight
     )
-    numbers = {name: b for b, name in enumerate(model.bodies)}
     flexible = as_index([numbers[name] for name in bodies])
     of_body = np.full(len(numbers), -1)
     of_body[flexible] = np.arange(len(flexible))
@@ -110,6 +116,9 @@ def lay_out_elastic(model: Model, frames: Frames, stepping: Stepping) -> tuple[E
         dof=as_index(dofs),
         active=active,
         active_range=as_index(active_range),
+        loaded=loaded,
+        loaded_range=as_index(loaded_range),
+        pattern_dof=as_index(list(patterns.values())),
         of_body=of_body,
         size=np.array([body.superelement.size for body in bodies.values()], dtype=np.float64),
         G_0=G_0,
@@ -117,7 +126,7 @@ def lay_out_elastic(model: Model, frames: Frames, stepping: Stepping) -> tuple[E
         G_active=G_active,
         G_active_start=G_active_start,
         length=np.concatenate([np.empty(0), *map(lengths_of, bodies.values())])[active],
-        modes=_lay_out_modes(histories, owners),
+        modes=_lay_out_modes(histories, owners, stepping.h),
         kernels=_lay_out_kernels(histories, owners),
         second=lay_out_second_order(
             list(bodies.values()),
@@ -152,7 +161,7 @@ def _histories(
     return [histories[owner] for owner in owners]
 
 
-def _lay_out_modes(histories: Sequence[_History], owners: Sequence[int]) -> Modes:
+def _lay_out_modes(histories: Sequence[_History], owners: Sequence[int], h: float) -> Modes:
     recursions = [history.recursion for history in histories]
     stiffness, damping, step_stiffness = np.hstack([np.empty((3, 0)), *recursions])
     phi, phi_start = packed([history.phi for history in histories], owners)
@@ -164,6 +173,11 @@ def _lay_out_modes(histories: Sequence[_History], owners: Sequence[int]) -> Mode
         phi=phi,
         phi_start=phi_start,
         damped=int(damping.any()),
+        chains=lay_out_chains(
+            [history.chain for history in histories],
+            [recursion.shape[1] for recursion in recursions],
+            h,
+        ),
     )
 
 
@@ -193,6 +207,15 @@ def active_flexibility(
     return packed(blocks, range(len(blocks)))
 
 
+def _pattern_dofs(bodies: Mapping[str, FlexibleBody], dofs: Index) -> dict[str, int]:
+    """The dof of every load pattern, by BODY.PATTERN."""
+    return {
+        f"{name}.{pattern.name}": int(first) + body.superelement.n_c + i
+        for (name, body), first in zip(bodies.items(), dofs[:-1], strict=True)
+        for i, pattern in enumerate(body.superelement.patterns)
+    }
+
+
 def _active_dofs(frames: Frames) -> list[int]:
     return [
         int(frames.dof[f]) + i
@@ -216,7 +239,7 @@ def _choose_history(
     length = n_steps if wanted is None else round(min(wanted / h, LONGEST))
     if form == "auto":
         m = None if element.modes is None else len(element.modes.omega)
-        form = cheapest_history(element.n_c, n_active, m, planned, min(planned, length) + 1)
+        form = cheapest_history(body.n_outer, n_active, m, planned, min(planned, length) + 1)
     if form == "recursive":
         if element.modes is None:
             raise ModelError(
@@ -227,13 +250,12 @@ def _choose_history(
     lags = min(n_steps, length) + 1
     if form == "fft" and lags > n_steps:
         lags = _whole_blocks(element, n_steps) + 1
-    _check_memory(name, element, lags)
+    _check_memory(name, body.n_outer, lags)
     return _by_kernel(element, stepping, lags, form == "fft")
 
 
-def _check_memory(name: str, element: Superelement, lags: int) -> None:
+def _check_memory(name: str, n_c: int, lags: int) -> None:
     """`ModelError` for impulse responses, and loads in the past, that memory cannot hold."""
-    n_c = element.n_c
     if lacking := shortage(8.0 * lags * (2 * COPIES * n_c * n_c + n_c)):
         raise ModelError(
             f"body {name!r}: its history of {lags} steps {lacking}: a shorter t_end, a longer step "
@@ -269,13 +291,15 @@ def _check_second_order(name: str, settings: Settings, stepping: Stepping) -> No
 
 
 def _by_modes(body: FlexibleBody, h: float, scheme: GeneralizedAlpha) -> _History:
-    modes, second = body.superelement.modes_for(h), body.rotation
+    element, second = body.superelement, body.rotation
+    modes = element.complete_modes(element.modes_for(h))
     if second is not None:
         modes = second.complete(modes)
     stiffness = modes.omega**2
     damping = 2.0 * modes.zeta * modes.omega
     step_stiffness = scheme.inertia_ratio + scheme.gamma * h * damping
-    step_stiffness += scheme.beta * h * h * stiffness
+    hardened = stiffness * (1.0 + hardening_of(modes.chain, h, len(stiffness)))
+    step_stiffness += scheme.beta * h * h * hardened
     G_0 = (modes.phi * (scheme.beta * h * h / step_stiffness)) @ modes.phi.T
     recursion, empty = np.array([stiffness, damping, step_stiffness]), np.empty(0)
     return _History(
@@ -288,18 +312,21 @@ def _by_modes(body: FlexibleBody, h: float, scheme: GeneralizedAlpha) -> _Histor
         error=0.0,
         G_0=G_0,
         compliance=modes.compliance,
-        accelerance=body.superelement.accelerance if second is None else modes.accelerance,
+        accelerance=element.complete_accelerance if second is None else modes.accelerance,
+        chain=modes.chain,
     )
 
 
 def _by_kernel(element: Superelement, stepping: Stepping, lags: int, by_fft: bool) -> _History:
     """The kernel of so many lags, cut off where the run is longer."""
     try:
-        kernel = element.kernel_for(stepping.h, stepping.scheme, lags - 1)
+        kernel = element.complete_kernel_for(stepping.h, stepping.scheme, lags - 1)
         error = 0.0
         if lags <= stepping.n_steps:
-            whole, kernel = kernel, truncate(kernel, lags, element.compliance)
-            error = truncation_error(whole, kernel, element.modes, element.compliance)
+            compliance, modes = element.complete_compliance, element.modes
+            whole, kernel = kernel, truncate(kernel, lags, compliance)
+            complete = None if modes is None else element.complete_modes(modes)
+            error = truncation_error(whole, kernel, complete, compliance)
     except SuperelementError as reason:
         raise ModelError(f"superelement {reason}") from reason
     if error > LARGEST_TRUNCATION:
@@ -318,8 +345,8 @@ def _by_kernel(element: Superelement, stepping: Stepping, lags: int, by_fft: boo
         by_fft=by_fft,
         error=error,
         G_0=g[0],
-        compliance=element.compliance,
-        accelerance=element.accelerance,
+        compliance=element.complete_compliance,
+        accelerance=element.complete_accelerance,
     )
 
 

@@ -14,7 +14,7 @@ from .packing import packed
 
 def lengths_of(body: FlexibleBody) -> Array:
     """Factors that make lengths or angles of elastic dofs (n_dofs,): 1 at interfaces."""
-    ones, second = np.ones(body.superelement.n_c), body.rotation
+    ones, second = np.ones(body.n_outer), body.rotation
     if second is None:
         return ones
     mass, size = body.mass, body.superelement.size
@@ -27,7 +27,7 @@ def lay_out_second_order(bodies: Sequence[FlexibleBody], active: Sequence[Index]
 
     active: of each body the numbers of its active dofs.
     """
-    terms = [_Terms(body.rotation) for body in bodies]
+    terms = [_Terms(body.rotation, body.superelement.n_channels) for body in bodies]
     owners = [id(body.rotation) for body in bodies]
     A, A_start = packed([term.A for term in terms], owners)
     loaded = [term.of_active(dofs) for term, dofs in zip(terms, active, strict=True)]
@@ -58,12 +58,14 @@ def lay_out_second_order(bodies: Sequence[FlexibleBody], active: Sequence[Index]
 class _Terms:
     """The terms of a body; arrays without entries where it has none."""
 
-    def __init__(self, second: Rotation | None) -> None:
+    def __init__(self, second: Rotation | None, n_channels: int) -> None:
         none = np.empty(0)
         self.r = 0 if second is None else second.r
         self.A, self.h = np.empty((0, 0, 0)), np.empty((3, 0, 0))
         if second is not None:
-            self.A = np.vstack([second.A_interface, second.A_inertia])
+            # load patterns and sensors are of first order
+            none_of_channels = np.zeros((n_channels, self.r, self.r))
+            self.A = np.vstack([second.A_interface, none_of_channels, second.A_inertia])
             self.h = second.gyroscopic
         stiff = None if second is None else second.cubic
         self.cubic = none if stiff is None else stiff

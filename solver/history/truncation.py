@@ -4,6 +4,7 @@ import numpy as np
 
 from ...superelement.kernel import Kernel
 from ...superelement.modes import Modes
+from ...superelement.poles import motions
 from ...superelement.validation import Array, SuperelementError
 
 FADE = 0.25
@@ -53,13 +54,26 @@ def truncation_error(
     if modes is None:
         difference += _extrapolated(kernel)
     else:
-        with np.errstate(divide="ignore"):
-            decay = np.exp(-modes.zeta * modes.omega * kernel.length) / (
-                modes.zeta * modes.omega**2
-            )
+        decay = _decay(modes, kernel.length)
         difference += (np.abs(modes.phi) * decay) @ np.abs(modes.phi).T
-    scale = np.sqrt(np.diag(compliance))
+    # load patterns that do not deform the body have neither compliance nor kernel
+    scale = np.sqrt(np.maximum(np.diag(compliance), np.finfo(float).tiny))
     return float((difference / np.outer(scale, scale)).max())
+
+
+def _decay(modes: Modes, t: float) -> Array:
+    """Bound (m,) of the integral of the impulse response of every mode beyond t [s].
+
+    exp(-zeta omega t) / (zeta omega^2), and with a chain sum |r| exp(Re s t) / |Re s| over all
+    motions r exp(s t).
+    """
+    with np.errstate(divide="ignore"):
+        if modes.chain is None:
+            return np.exp(-modes.zeta * modes.omega * t) / (modes.zeta * modes.omega**2)
+        s, residues = motions(modes)
+        rates = np.abs(s.real)
+        bound: Array = (np.abs(residues) * np.exp(-rates * t) / rates).sum(axis=1)
+    return bound
 
 
 def _extrapolated(kernel: Kernel) -> Array:

@@ -71,11 +71,11 @@ class _BodyConvolution:
         self.number = e
         self._block = block
         self._dofs = slice(int(elastic.dof[e]), int(elastic.dof[e + 1]))
-        self._active = elastic.active[elastic.active_range[e] : elastic.active_range[e + 1]]
-        self._spectra = _spectra(elastic, e, self._active - self._dofs.start, block)
+        self._loaded = elastic.loaded[elastic.loaded_range[e] : elastic.loaded_range[e + 1]]
+        self._spectra = _spectra(elastic, e, self._loaded - self._dofs.start, block)
         self._loads: dict[int, Complex] = {}
         self._tasks: list[Callable[[State], None]] = []
-        self._sum: Complex = np.empty((len(self._active), 0), dtype=np.complex128)
+        self._sum: Complex = np.empty((len(self._loaded), 0), dtype=np.complex128)
 
     def plan(self, k: int) -> None:
         """List the tasks of block k, to be run in the slots of block k - 1.
@@ -113,7 +113,7 @@ class _BodyConvolution:
     def _transform(self, j: int, state: State) -> None:
         first = j * self._block + 1 - int(state.past.first[0])
         self._loads[j] = fft.rfft(
-            state.past.p[self._active, first : first + self._block], 2 * self._block
+            state.past.p[self._loaded, first : first + self._block], 2 * self._block
         )
         self._loads.pop(j - len(self._spectra), None)
 

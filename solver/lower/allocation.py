@@ -21,17 +21,25 @@ def sizes_of(system: System, n_steps: int) -> dict[str, int]:
         "n_f": len(system.frames.body),
         "n_j": len(system.couplings.range) - 1,
         "n_i": len(system.couplings.rows.kind),
+        "n_terms": len(system.couplings.terms.row),
         "n_o": len(system.observers.kind),
         "n_h": int(system.couplings.laws.memory[-1]),
         "n_k": len(system.couplings.contact),
         "n_r": len(system.couplings.friction.first),
+        "n_motors": len(system.couplings.laws.motors.row),
+        "n_motor_signals": 3 * len(system.couplings.laws.motors.row),
         "n_v": EVENTS + len(system.couplings.contact) if len(system.couplings.contact) else 0,
         "n_l": len(system.loads.frame),
-        "n_d": int(system.couplings.drive.max(initial=-1)) + 1,
+        "n_t": len(system.patterns.body),
+        "n_y": len(system.loads.frame) + len(system.patterns.body),
+        "n_z": len(system.sensors.dof),
+        "n_g": len(elastic.pattern_dof),
+        "n_d": len(system.couplings.driven),
         "n_e": len(elastic.body),
         "n_u": int(elastic.dof[-1]),
         "n_a": len(elastic.active),
         "n_m": len(elastic.modes.stiffness),
+        "n_x": len(elastic.modes.chains.amplitude),
         "n_s": int(elastic.second.r.sum()),
         "n_3q": 3 * int(elastic.second.r.max(initial=0)),
         "n_slopes": int(elastic.second.row[-1]),
@@ -59,6 +67,7 @@ def allocate(lowered: LoweredModel) -> tuple[State, Workspace]:
     work.bodies.J[:] = lowered.system.bodies.J_rot
     state.past.since[:] = 1
     work.couplings.near[:] = lowered.starts
+    work.terms.near[:] = lowered.term_starts
     state.couplings.memory[:] = lowered.memories
     work.couplings.elapsed[:] = np.inf
     state.observers.value[:] = lowered.observer_starts

@@ -2,8 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from ..errors import ModelError
 from ..model.contacts import Contact
+from ..model.joints import Joint
 from ..model.model import GROUND, Coupling, Model
 from ..model.motions import PrescribedMotion
 from ..step.rows import measures_length
@@ -27,9 +30,10 @@ def check_assembled(model: Model, size: float, frames: NumberedFrames) -> None:
         opening = [gap[k] for k in joint.kind.translations]
         start = ""
         drive = joint_drives(joint, sides).get("distance")
-        if drive is not None:
+        if drive is not None and "distance" not in joint.drawn:
             distance = drive(0.0)
-            opening.append(gap[2] - distance)
+            drawn = np.linalg.norm(gap) if joint.kind.own == "rod" else gap[2]
+            opening.append(float(drawn) - distance)
             start = f", the distance starts at {distance:.6g}"
         worst = max(map(abs, opening), default=0.0)
         if worst > ASSEMBLY_TOLERANCE * size:
@@ -71,7 +75,9 @@ def check_moments(model: Model, frames: NumberedFrames, rows: Mapping[str, Seque
                 causes[second] = f"{coupling.owner}, with friction on a ball"
         elif not all(measures_length(row.kind) for row in rows[coupling.name]):
             causes |= dict.fromkeys(side_names(coupling), _described(coupling))
-    causes |= {load.on: f"torque on {load.on!r}" for load in model.loads if load.kind.moment}
+        elif isinstance(coupling, Joint) and coupling.kind.sided:
+            causes[side_names(coupling)[0]] = f"{_described(coupling)}, whose axis it carries"
+    causes |= {load.on: f"torque on {load.on!r}" for load in model.frame_loads if load.kind.moment}
     for frame, cause in causes.items():
         f = frames.number(frame)
         if frames.arrays.dof[f] >= 0 and not frames.arrays.rotations[f]:

@@ -4,12 +4,14 @@ Nodes are bodies (six rigid coordinates, then their active interface dofs) and c
 rows). Bodies are eliminated from the leaves of a forest, grown from the ground along the joints, to
 its roots; a joint goes after the body that hangs on it, when its pivot -B M^-1 B^T, M the
 articulated inertia, is regular whatever else moves; a joint that closes a loop, after the body in
-which the branches of the loop meet. Springs, whose pivot is 1, go first and fill nothing. So the
-cost is linear in the number of bodies, and cubic in the loops that lie in one another alone.
+which the branches of the loop meet, and so does a coupler of several joints. Springs, whose pivot
+is 1, go first and fill nothing. So the cost is linear in the number of bodies, and cubic in the
+loops that lie in one another alone.
 """
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,6 +20,8 @@ from ..arrays import Index, as_index
 from ..step.system import Couplings, Elastic, Frames, Pattern
 
 GROUND = -1
+EMPTY: Mapping[int, Set[int]] = MappingProxyType({})
+"""no couplers"""
 
 
 class Edge(NamedTuple):
@@ -41,7 +45,8 @@ def lay_out_pattern(
 ) -> Pattern:
     """Order the nodes, find the blocks that fill, and lay all of them out in one array."""
     edges = _edges(frames, couplings)
-    order = elimination_order(n_bodies, edges)
+    couplers = _couplers(frames, couplings)
+    order = elimination_order(n_bodies, edges, couplers)
     position = {node: k for k, node in enumerate(order)}
     body_size = np.full(n_bodies, 6)
     body_size[elastic.body] += np.diff(elastic.active_range)
@@ -52,19 +57,37 @@ def lay_out_pattern(
         [position[Node(False, e.coupling)], *(body[b] for b in {e.a, e.b} - {GROUND})]
         for e in edges
     ]
+    cliques += [
+        [position[Node(False, j)], *(body[b] for b in bodies - {GROUND})]
+        for j, bodies in couplers.items()
+    ]
     layout = _Layout(size, _fill(len(order), cliques))
 
     coupling = np.full(len(row_count), -1)
     coupling_block = np.full((len(row_count), 7, 2), -1)
     force_blocks = {(k, k) for k in body}
-    for edge in edges:
-        j = coupling[edge.coupling] = position[Node(False, edge.coupling)]
-        a, b = (None if n == GROUND else body[n] for n in (edge.a, edge.b))
+
+    def blocks_of(j: int, numbers: tuple[int, int]) -> Iterator[tuple[int, tuple[int, int]]]:
+        """The blocks of node j and two bodies, by their places in `coupling_block`."""
+        a, b = (None if n == GROUND else body[n] for n in numbers)
         for n, (i, k) in enumerate([(a, b), (b, a), (a, j), (j, a), (b, j), (j, b), (j, j)]):
             if i is not None and k is not None:
-                coupling_block[edge.coupling, n] = layout.block(i, k)
+                yield n, layout.block(i, k)
                 if i != j:
                     force_blocks.add((i, k))
+
+    for edge in edges:
+        j = coupling[edge.coupling] = position[Node(False, edge.coupling)]
+        for n, block in blocks_of(j, (edge.a, edge.b)):
+            coupling_block[edge.coupling, n] = block
+    terms = couplings.terms
+    term_block = np.full((len(terms.row), 6, 2), -1)
+    for t, row in enumerate(terms.row.tolist()):
+        j = int(coupling[np.searchsorted(couplings.range, row, side="right") - 1])
+        pair = frames.body[terms.rows.frame_a[t]], frames.body[terms.rows.frame_b[t]]
+        for n, block in blocks_of(j, (int(pair[0]), int(pair[1]))):
+            if n < 6:
+                term_block[t, n] = block
     owner = {k: b for b, k in enumerate(body)}
     updates = [layout.update(k, i) for k in range(len(order)) for i in layout.later[k]]
     return Pattern(
@@ -82,23 +105,28 @@ def lay_out_pattern(
         coupling=as_index(coupling),
         body_block=_table([layout.block(k, k) for k in body], 2),
         coupling_block=coupling_block,
+        term_block=term_block,
         force_block=_table(
             [(owner[i], *layout.block(i, k), size[k]) for i, k in sorted(force_blocks)], 4
         ),
     )
 
 
-def elimination_order(n_bodies: int, edges: Sequence[Edge]) -> list[Node]:
+def elimination_order(
+    n_bodies: int, edges: Sequence[Edge], couplers: Mapping[int, Set[int]] = EMPTY
+) -> list[Node]:
     """Springs, then bodies from the leaves to the roots, each before its joints.
 
-    Those are the joints that its elimination leaves regular.
+    Those are the joints that its elimination leaves regular. couplers: bodies of the couplings that
+    are between several pairs; they follow the body in which the branches of all of them meet.
     """
-    forest = _grow(n_bodies, edges)
+    forest = _grow(n_bodies, [edge for edge in edges if edge.coupling not in couplers])
     joints_after: dict[int, list[int]] = {b: [] for b in (*forest, GROUND)}
     hanging = {joint: b for b, (_, joint) in forest.items() if joint is not None}
     for edge in edges:
         if not edge.spring and edge.coupling not in hanging:
-            joints_after[_meeting(edge, forest)].append(edge.coupling)
+            bodies = couplers.get(edge.coupling, {edge.a, edge.b})
+            joints_after[_meeting(bodies, forest)].append(edge.coupling)
     for joint, b in hanging.items():
         joints_after[b].append(joint)
     order = [Node(False, edge.coupling) for edge in edges if edge.spring]
@@ -124,6 +152,19 @@ def _edges(frames: Frames, couplings: Couplings) -> list[Edge]:
         )
         if i < end
     ]
+
+
+def _couplers(frames: Frames, couplings: Couplings) -> dict[int, set[int]]:
+    """The couplings with terms between other frames than their own, and the bodies of each."""
+    rows, terms, body = couplings.rows, couplings.terms, frames.body
+    bodies: dict[int, set[int]] = {}
+    for t in np.flatnonzero(terms.own < 0).tolist():
+        i = int(terms.row[t])
+        j = int(np.searchsorted(couplings.range, i, side="right")) - 1
+        of_row = body[rows.frame_a[i]], body[rows.frame_b[i]]
+        of_term = body[terms.rows.frame_a[t]], body[terms.rows.frame_b[t]]
+        bodies.setdefault(j, set()).update(map(int, (*of_row, *of_term)))
+    return bodies
 
 
 def _grow(n_bodies: int, edges: Sequence[Edge]) -> dict[int, tuple[int, int | None]]:
@@ -158,17 +199,22 @@ def _grow(n_bodies: int, edges: Sequence[Edge]) -> dict[int, tuple[int, int | No
     return forest
 
 
-def _meeting(edge: Edge, forest: dict[int, tuple[int, int | None]]) -> int:
-    """The last common ancestor of the bodies of a coupling."""
-    ancestors = {GROUND}
-    b = edge.a
-    while b != GROUND:
-        ancestors.add(b)
-        b = forest[b][0]
-    b = edge.b
-    while b not in ancestors:
-        b = forest[b][0]
-    return b
+def _meeting(bodies: Set[int], forest: dict[int, tuple[int, int | None]]) -> int:
+    """The last common ancestor of bodies."""
+    first, *others = bodies
+    path = _path(first, forest)
+    for b in others:
+        ancestors = set(_path(b, forest))
+        path = [a for a in path if a in ancestors]
+    return path[0]
+
+
+def _path(b: int, forest: dict[int, tuple[int, int | None]]) -> list[int]:
+    """A body and its ancestors, the ground last."""
+    path = [b]
+    while path[-1] != GROUND:
+        path.append(forest[path[-1]][0])
+    return path
 
 
 def _fill(n: int, cliques: Sequence[Sequence[int]]) -> list[list[int]]:

@@ -10,13 +10,15 @@ from ...superelement import GeneralizedAlpha, Superelement
 from ..arrays import Array, as_index, as_rows
 from ..history.layout import Horizon, Responses, Stepping, lay_out_elastic
 from ..model.contacts import Contact
+from ..model.couplers import JointCoupler
 from ..model.joints import Joint
+from ..model.loads import AnyLoad
 from ..model.model import Model
 from ..model.settings import StartFrom
 from ..model.signals import Signal, SmoothSignal
 from ..model.stops import JointStop
 from ..step.rows import measures_length
-from ..step.system import Bodies, Loads, System
+from ..step.system import Bodies, Elastic, LoadPatterns, Loads, Sensors, System
 from .checks import check_assembled, check_masses, check_moments
 from .elimination_order import lay_out_pattern
 from .friction import Bristle, bristle_of
@@ -50,13 +52,24 @@ class LoweredModel:
     """coordinates of all rows, to which angles are then the nearest"""
     memories: Array
     """of the force laws, before the start"""
+    term_starts: Array
+    """of all terms, likewise"""
     drives: list[SmoothSignal]
+    drive_starts: Array
+    """of the coordinates that drives move, where the bodies are placed"""
     load_signals: list[Signal]
+    motor_signals: list[Signal]
+    """three of each motor: what it gives without an error, its reference, and the rate of that"""
     superelements: list[Superelement]
     responses: Responses
     """of every flexible body"""
     flight: System | None = None
     """the system in the longest steps, away from contacts; None where all steps are the same"""
+
+    @property
+    def loads(self) -> tuple[AnyLoad, ...]:
+        """The loads in the order of their signals: those on frames first."""
+        return _loads_of(self.model)
 
     @property
     def h(self) -> float:
@@ -105,7 +118,8 @@ def lower(
         _bristles(model, poses, frames, stepping),
         [isinstance(coupling, Contact | JointStop) for coupling in model.couplings],
     )
-    laws = [law for coupling in rows.values() for row in coupling for law in row.laws]
+    laid_out = [row for coupling in rows.values() for row in coupling]
+    laws = [law for row in laid_out for law in row.laws]
     observers = _observers(model, frames)
     size = model_size(model, poses, frames)
     if not (model.settings.assemble or isinstance(model.settings.start, StartFrom)):
@@ -121,6 +135,8 @@ def lower(
         couplings=couplings,
         observers=lay_out_rows(list(observers.values())),
         loads=_lay_out_loads(model, frames),
+        patterns=_lay_out_patterns(model, elastic),
+        sensors=_lay_out_sensors(model, elastic),
         elastic=elastic,
         pattern=lay_out_pattern(len(model.bodies), frames.arrays, couplings, elastic),
     )
@@ -138,10 +154,13 @@ def lower(
         coupling_names=list(rows),
         observers=list(observers),
         observer_starts=np.array([row.start for row in observers.values()]),
-        starts=np.array([row.start for rows_ in rows.values() for row in rows_], dtype=float),
+        starts=np.array([row.start for row in laid_out], dtype=float),
         memories=np.array([number for law in laws for number in law.memories()], dtype=float),
+        term_starts=np.array([t.row.start for r in laid_out for t in r.terms], dtype=float),
         drives=drives,
-        load_signals=[load.signal for load in model.loads],
+        drive_starts=np.array([x for row in laid_out for x in _drawn(row)], dtype=float),
+        load_signals=[load.signal for load in _loads_of(model)],
+        motor_signals=[signal for motor in model.motors for signal in motor.signals],
         superelements=[body.superelement for body in model.flexible_bodies.values()],
         responses=responses,
         flight=_in_flight(model, frames, stepping, system),
@@ -164,11 +183,17 @@ def _rows(model: Model, frames: NumberedFrames, without: frozenset[int]) -> dict
     number = 0
     for coupling in model.couplings:
         rows[coupling.name] = []
-        for row in coupling_rows(coupling, frames.sides(coupling)):
+        of_joints = coupling.joints if isinstance(coupling, JointCoupler) else (coupling,)
+        for row in coupling_rows(coupling, [frames.sides(joint) for joint in of_joints]):
             if number not in without:
                 rows[coupling.name].append(row)
             number += 1
     return rows
+
+
+def _drawn(row: Row) -> list[float]:
+    """The values of the drives of a row where the bodies are placed."""
+    return [drive(0.0) if row.drawn is None else row.drawn for drive in row.drives]
 
 
 def _bristles(
@@ -204,11 +229,58 @@ def _lay_out_bodies(model: Model, size: float) -> Bodies:
     )
 
 
+def _loads_of(model: Model) -> tuple[AnyLoad, ...]:
+    on_frames: tuple[AnyLoad, ...] = model.frame_loads
+    return on_frames + model.pattern_loads
+
+
+def _lay_out_patterns(model: Model, elastic: Elastic) -> LoadPatterns:
+    names = list(model.bodies)
+    dofs = dict(zip(pattern_names(model), elastic.pattern_dof.tolist(), strict=True))
+    loads = model.pattern_loads
+    patterns = [load.pattern_of(model.flexible_bodies[load.body].superelement) for load in loads]
+    first = len(model.frame_loads)
+    return LoadPatterns(
+        body=as_index([names.index(load.body) for load in loads]),
+        dof=as_index([dofs[load.owner_of_pattern] for load in loads]),
+        signal=as_index(range(first, first + len(loads))),
+        force=as_rows([pattern.force for pattern in patterns]),
+        moment=as_rows([pattern.moment for pattern in patterns]),
+    )
+
+
+def pattern_names(model: Model) -> list[str]:
+    """All load patterns as BODY.PATTERN, in the order of their dofs."""
+    return [
+        f"{name}.{pattern.name}"
+        for name, body in model.flexible_bodies.items()
+        for pattern in body.superelement.patterns
+    ]
+
+
+def _lay_out_sensors(model: Model, elastic: Elastic) -> Sensors:
+    rows: list[tuple[int, int, int]] = []
+    places = []
+    for e, body in enumerate(model.flexible_bodies.values()):
+        element = body.superelement
+        dof = int(elastic.dof[e]) + element.n_c + len(element.patterns)
+        for sensor in element.sensors:
+            for c in range(len(sensor.channels)):
+                axis = c if sensor.kind == "motion" else -1
+                rows.append((int(elastic.body[e]), dof, axis))
+                places.append(sensor.X)
+                dof += 1
+    bodies, dofs, axes = zip(*rows, strict=True) if rows else ((), (), ())
+    return Sensors(
+        body=as_index(bodies), dof=as_index(dofs), axis=as_index(axes), X=as_rows(places)
+    )
+
+
 def _lay_out_loads(model: Model, frames: NumberedFrames) -> Loads:
     return Loads(
-        frame=as_index([frames.number(load.on) for load in model.loads]),
-        kind=as_index([load.kind.number for load in model.loads]),
-        moment=as_index([load.kind.moment for load in model.loads]),
-        follower=as_index([load.follower for load in model.loads]),
-        direction=as_rows([load.direction for load in model.loads]),
+        frame=as_index([frames.number(load.on) for load in model.frame_loads]),
+        kind=as_index([load.kind.number for load in model.frame_loads]),
+        moment=as_index([load.kind.moment for load in model.frame_loads]),
+        follower=as_index([load.follower for load in model.frame_loads]),
+        direction=as_rows([load.direction for load in model.frame_loads]),
     )

@@ -5,8 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..model.bodies import FlexibleBody
+from ..model.couplers import JointCoupler
 from ..model.model import GROUND, Coupling, Model
 from ..model.motions import PrescribedMotion
+from ..model.motors import JointMotor
 from ..model.stops import JointStop
 from ..step.rotations import quaternion_of
 from ..step.system import Frames
@@ -46,7 +48,7 @@ def number_frames(model: Model, poses: dict[str, Pose]) -> NumberedFrames:
             side_names(coupling), (first, second), (second, first), strict=True
         ):
             named[name] = frame_pose(model, poses, other if side == GROUND else side)
-    for load in model.loads:
+    for load in model.frame_loads:
         named[load.on] = frame_pose(model, poses, load.on)
     n_acting = len(named)
     for body in model.bodies:
@@ -66,7 +68,9 @@ def side_names(coupling: Coupling) -> tuple[str, str]:
 
     The latter is fixed in space at the starting pose of the other side.
     """
-    owner = coupling.joint.name if isinstance(coupling, JointStop) else coupling.name
+    owner = coupling.name
+    if isinstance(coupling, JointStop | JointMotor | JointCoupler):
+        owner = coupling.joint.name
     first, second = (
         f"{GROUND}.({owner})" if side == GROUND else side for side in between(coupling)
     )
@@ -117,7 +121,7 @@ def _arrays(model: Model, frame_names: list[str], n_acting: int) -> Frames:
 
 def _skip_inner_dofs(model: Model, frames: Frames) -> None:
     """Dofs of inertia and of q, which are always active, stand behind the interfaces."""
-    inner = {name: b.n_dofs - b.superelement.n_c for name, b in model.flexible_bodies.items()}
+    inner = {name: body.n_inner for name, body in model.flexible_bodies.items()}
     numbers = [inner.get(name, 0) for name in model.bodies]
     before = np.cumsum([0, *numbers])
     loaded = frames.active >= 0

@@ -55,7 +55,7 @@ def _pose(model: Model, name: str, poses: Mapping[str, Pose]) -> Pose:
     start = model.bodies[name].start
     if start.place is None:
         return Pose(start.position, rotation_matrix(start.rotation))
-    frame = model.bodies[name].frames[start.place.frame]
+    frame = model.bodies[name].frames[start.place.frame] if start.place.frame else Frame()
     target = frame_pose(model, poses, start.place.on)
     R = target.R @ rotation_matrix(frame.rotation).T
     return Pose(target.x - R @ frame.position, R)

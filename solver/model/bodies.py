@@ -11,7 +11,7 @@ from ...superelement import Rotation, Superelement
 from ...superelement.rotation import INERTIA
 from ..arrays import Array
 from ..schema.entry import Beside, Entry, entry
-from ..schema.values import ORIGIN, Inertia, Positive, Vector
+from ..schema.values import ORIGIN, Inertia, Name, Positive, Vector
 
 SecondOrder = Literal["auto", "full", "off"]
 INERTIA_TOLERANCE = 1e-6
@@ -33,10 +33,11 @@ class Frame(Entry):
 class Place(Entry):
     """The start of a body by a frame: `frame` of the body coincides with `on` of another.
 
-    Axes included; `on` is "BODY.FRAME".
+    Axes included; `on` is "BODY.FRAME", or "BODY" for its center of mass. `frame` "" is the center
+    of mass of the body itself, with body axes.
     """
 
-    frame: str
+    frame: Name
     on: str
 
 
@@ -111,10 +112,20 @@ class FlexibleBody(Entry):
         return None if self.second_order == "off" else self.superelement.rotation
 
     @property
-    def n_dofs(self) -> int:
-        """Elastic dofs: of the interfaces, and six of inertia and q of terms of second order."""
+    def n_outer(self) -> int:
+        """Elastic dofs of the interfaces, then of load patterns, then of sensors."""
+        return self.superelement.n_c + self.superelement.n_channels
+
+    @property
+    def n_inner(self) -> int:
+        """Those of terms of second order, six of inertia and q, which follow."""
         second = self.rotation
-        return self.superelement.n_c + (0 if second is None else INERTIA + second.r)
+        return 0 if second is None else INERTIA + second.r
+
+    @property
+    def n_dofs(self) -> int:
+        """All elastic dofs."""
+        return self.n_outer + self.n_inner
 
     @property
     def mass(self) -> float:

@@ -16,6 +16,7 @@ from ..laws.contact import ContactLaw
 from ..schema.entry import Beside, Entry, entry, one_of
 from ..schema.values import (
     ABSENT,
+    Name,
     NotNegative,
     Numbers,
     OptionalDirection,
@@ -102,7 +103,7 @@ class Contact(Entry):
 
     label = "contact {name!r}"
 
-    name: str
+    name: Name
     between: Pair
     shape: Annotated[str, one_of(SHAPE_TYPES)]
     ball: NotNegative

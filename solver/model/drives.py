@@ -34,8 +34,8 @@ class DriveKeys(NamedTuple):
         return f"{self.coordinate}_rate"
 
 
-LENGTH = "velocity", "acceleration"
-TURN = "angular_velocity", "angular_acceleration"
+LINEAR = "velocity", "acceleration"
+ANGULAR = "angular_velocity", "angular_acceleration"
 
 
 class _Driven(Protocol):

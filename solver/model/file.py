@@ -5,17 +5,19 @@ import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import tomli_w
-from pydantic import Field, create_model, model_validator
+from pydantic import Discriminator, Field, Tag, create_model, model_validator
 
 from ...files import renamed_when_whole
 from ...inputs import InputError, Table, Vector, quoted, read_table
 from ...superelement import Superelement, read
 from ..errors import ModelError, about
+from ..schema.entry import Entry, filled
 from ..schema.paths import beside, relative
 from ..schema.tables import (
+    EntryTable,
     entry_of,
     keys_of,
     present_keys,
@@ -26,10 +28,12 @@ from ..schema.tables import (
 from ..schema.values import ORIGIN
 from .bodies import Body, FlexibleBody, Frame, RigidBody, SecondOrder, Start
 from .contacts import Contact
+from .couplers import Coupler
 from .joints import Joint
-from .loads import Load
+from .loads import Load, PatternLoad
 from .model import Model
 from .motions import PrescribedDisplacement, PrescribedOrientation, PrescribedRotation
+from .motors import Motor
 from .output_request import OutputRequest
 from .settings import Settings, StartFrom
 from .springs import Spring
@@ -38,6 +42,8 @@ from .stops import Stop
 SHORT_ARRAY = re.compile(r"\[\n((?:[^\[\]\n]*,\n)+) *\]")
 """an array of numbers or words as tomli_w writes it, an item a line"""
 LONG = 80
+LISTS = ("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers")
+"""the arrays of tables, in the order in which they are written"""
 MOTIONS = PrescribedDisplacement, PrescribedRotation, PrescribedOrientation
 
 
@@ -72,10 +78,28 @@ _MOTION: Any = create_model(
     "Motion",
     __base__=Table,
     **_optional({key: kind for motion in MOTIONS for key, kind in keys_of(motion).items()})
-    | {"name": (str, ...), "on": (str, ...)},
+    | {"name": (str, ""), "on": (str, ...)},
 )
 _SETTINGS = {key: kind for key, kind in keys_of(Settings).items() if key != "output"}
 _SIMULATION: Any = create_model("Simulation", __base__=Table, **_SETTINGS, gravity=(Vector, ORIGIN))
+
+
+def _kind_of_load(table: Any) -> str:
+    pattern = isinstance(table, Mapping) and table.get("type") == PATTERN
+    return "(pattern)" if pattern or isinstance(table, _PATTERN_LOAD) else "(frame)"
+
+
+PATTERN = "pattern"
+"""the type of loads that are no `Load` on a frame"""
+_TYPE: Any = (Literal["pattern"], ...)
+_PATTERN_LOAD: Any = create_model(
+    "PatternLoad", __base__=EntryTable, type=_TYPE, **keys_of(PatternLoad)
+)
+_PATTERN_LOAD.entry = PatternLoad
+_LOAD: Any = Annotated[
+    Annotated[table_of(Load), Tag("(frame)")] | Annotated[_PATTERN_LOAD, Tag("(pattern)")],
+    Discriminator(_kind_of_load),
+]
 
 
 class _Ground(Table):
@@ -88,11 +112,13 @@ class _ModelFile(Table):
     bodies: dict[str, _BODY] = Field(min_length=1)
     ground: _Ground = _Ground()
     joints: tuple[table_of(Joint), ...] = ()  # type: ignore[valid-type]
-    loads: tuple[table_of(Load), ...] = ()  # type: ignore[valid-type]
+    loads: tuple[_LOAD, ...] = ()
     springs: tuple[table_of(Spring), ...] = ()  # type: ignore[valid-type]
     motions: tuple[_MOTION, ...] = ()
     contacts: tuple[table_of(Contact), ...] = ()  # type: ignore[valid-type]
     stops: tuple[table_of(Stop), ...] = ()  # type: ignore[valid-type]
+    couplers: tuple[table_of(Coupler), ...] = ()  # type: ignore[valid-type]
+    motors: tuple[table_of(Motor), ...] = ()  # type: ignore[valid-type]
 
 
 def read_model(path: str | os.PathLike[str]) -> Model:
@@ -115,7 +141,7 @@ def write_model(path: str | os.PathLike[str], model: Model) -> None:
 
     Superelements, and the run that it starts from, are named by their paths, relative to the new
     file. ModelError names a body whose
-    superelement is in no file, and a load, joint or motion that follows a Python function.
+    superelement is in no file, and a load, joint, motion or motor that follows a Python function.
     """
     path = Path(path)
     with beside(path.parent):
@@ -143,6 +169,8 @@ def _model(file: _ModelFile, text: str, path: Path) -> Model:
         motions=tuple(_motion(present_keys(motion)) for motion in file.motions),
         contacts=value_of(file.contacts),
         stops=value_of(file.stops),
+        couplers=value_of(file.couplers),
+        motors=value_of(file.motors),
         gravity=gravity,
         ground_frames=value_of(file.ground.frames),
         settings=settings,
@@ -169,6 +197,7 @@ def _body(
 
 def _motion(values: dict[str, Any]) -> Any:
     """A motion of the kind that has these keys."""
+    values = {"name": ""} | values
     for kind in MOTIONS:
         known = keys_of(kind)
         needed = {key for key, (_, default) in known.items() if default is ...}
@@ -177,9 +206,9 @@ def _motion(values: dict[str, Any]) -> Any:
             return entry_of(kind, values)
     present = " and ".join(key for key in values if key not in ("name", "on", "start")) or "none"
     raise ModelError(
-        f"motion {values['name']!r}: expected direction and displacement, or axis and angle, "
-        f"found {present}; or angles of three signals; instead of displacement, angle or angles "
-        "their velocity or acceleration"
+        f"{filled(MOTIONS[0].label, values)}: expected direction and displacement, or axis and "
+        f"angle, found {present}; or angles of three signals; instead of displacement, angle or "
+        "angles their velocity or acceleration"
     )
 
 
@@ -195,10 +224,7 @@ def _document(model: Model, folder: Path) -> dict[str, Any]:
         "output": output,
         "ground": {"frames": _frames(model.ground_frames)} if model.ground_frames else {},
         "bodies": {name: _body_in_file(name, body, folder) for name, body in model.bodies.items()},
-        **{
-            name: [table_in_file(entry) for entry in getattr(model, name)]
-            for name in ("joints", "springs", "motions", "loads", "contacts", "stops")
-        },
+        **{name: [_entry_in_file(entry) for entry in getattr(model, name)] for name in LISTS},
     }
     return {key: table for key, table in document.items() if table}
 
@@ -207,6 +233,11 @@ def _on_one_line(array: re.Match[str]) -> str:
     """An array of numbers or words as users write it, if it is not long."""
     items = ", ".join(line.strip().removesuffix(",") for line in array[1].splitlines())
     return f"[{items}]" if len(items) < LONG else array[0]
+
+
+def _entry_in_file(entry: Entry) -> dict[str, Any]:
+    kind = {"type": PATTERN} if isinstance(entry, PatternLoad) else {}
+    return kind | table_in_file(entry)
 
 
 def _frames(frames: Mapping[str, Frame]) -> dict[str, Any]:

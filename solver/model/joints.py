@@ -6,20 +6,26 @@ A joint aligns axes e1, e2, e3 of frame A with those of frame B. Two primitive r
     rotation (i, j):   e_i(A) . e_j(B) = 0               e(A), e(B): axes carried by A and by B
 
 A drive adds a row of the same two kinds: `angle` turns e1(A) by the signal before it meets e2(B),
-`distance` subtracts the signal from e3(A) . (r_B - r_A).
+`distance` subtracts the signal from e3(A) . (r_B - r_A). Some joints have a row of their own: a rod
+keeps |r_B - r_A|, a screw couples its distance and its angle, a constant-velocity joint keeps
+
+    e_1(A) . e_2(B) - e_2(A) . e_1(B) = 0
+
+whereby B is turned against A about an axis across both shafts, e3(A) and e3(B).
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 
 from ..arrays import Array
 from ..schema.entry import Entry, entry, one_of
-from ..schema.values import ABSENT, NumbersByName, OptionalDirection, Pair
-from .drives import LENGTH, TURN, DriveKeys, IntegratedDrive, drive_of
+from ..schema.values import ABSENT, Name, NotZero, NumbersByName, OptionalDirection, Pair
+from .attitude import Attitude, Attitudes
+from .drives import ANGULAR, LINEAR, DriveKeys, IntegratedDrive, drive_of
 from .friction import JointFriction
 from .signals import AnySignal, DrivingSignal, SmoothSignal
 
@@ -49,6 +55,15 @@ class JointType:
     distances: Mapping[str, int] = field(default_factory=dict)
     """coordinates left free: e_k(A) . (r_B - r_A) by name"""
     angles: Mapping[str, Angle] = field(default_factory=dict)
+    sided: bool = False
+    """its translations are not the same along axes of B"""
+    own: Literal["", "rod", "screw", "constant velocity"] = ""
+    """a row beside the table"""
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """The names of all that it leaves free."""
+        return *self.distances, *self.angles
 
     def unit(self, coordinate: str) -> str:
         """The unit of a free coordinate; that of its rate is this per second."""
@@ -56,20 +71,21 @@ class JointType:
 
 
 _ALL = (0, 1, 2)
-_NO_ROTATION = ((0, 1), (1, 2), (2, 0))
+NO_ROTATION = ((0, 1), (1, 2), (2, 0))
 ABOUT_E3 = ((0, 2), (1, 2))
 ALONG = 0.9
 """cosine of the angle between two axes below which they span a plane: of none that models have"""
-_TURN = Angle(0, 1, 0)
+TURN = Angle(0, 1, 0)
 
 JOINT_TYPES = {
-    "fixed": JointType(_ALL, _NO_ROTATION, axes=0),
-    "spherical": JointType(_ALL, (), axes=0),
-    "revolute": JointType(_ALL, ABOUT_E3, axes=1, drives=("angle",), angles={"angle": _TURN}),
+    "fixed": JointType(_ALL, NO_ROTATION, axes=0),
+    "spherical": JointType(_ALL, (), axes=0, drives=("rotation_vector", "cardan_angles")),
+    "revolute": JointType(_ALL, ABOUT_E3, axes=1, drives=("angle",), angles={"angle": TURN}),
     "universal": JointType(
         _ALL,
         ((0, 1),),
         axes=2,
+        drives=("angle", "second_angle"),
         angles={"angle": Angle(1, 2, 1), "second_angle": Angle(0, 2, 0, by_b=True)},
     ),
     "cylindrical": JointType(
@@ -78,21 +94,38 @@ JOINT_TYPES = {
         axes=1,
         drives=("angle", "distance"),
         distances={"distance": 2},
-        angles={"angle": _TURN},
+        angles={"angle": TURN},
     ),
     "prismatic": JointType(
-        (0, 1), _NO_ROTATION, axes=1, drives=("distance",), distances={"distance": 2}
+        (0, 1), NO_ROTATION, axes=1, drives=("distance",), distances={"distance": 2}
     ),
     "planar": JointType(
         (2,),
         ABOUT_E3,
         axes=1,
         distances={"distance": 0, "second_distance": 1},
-        angles={"angle": _TURN},
+        angles={"angle": TURN},
+    ),
+    "rod": JointType((), (), axes=0, drives=("distance",), own="rod"),
+    "screw": JointType(
+        (0, 1),
+        ABOUT_E3,
+        axes=1,
+        drives=("angle", "distance"),
+        distances={"distance": 2},
+        angles={"angle": TURN},
+        own="screw",
+    ),
+    "constant_velocity": JointType(_ALL, (), axes=1, own="constant velocity"),
+    "point_on_line": JointType(
+        (0, 1), (), axes=1, drives=("distance",), distances={"distance": 2}, sided=True
+    ),
+    "point_on_plane": JointType(
+        (2,), (), axes=1, distances={"distance": 0, "second_distance": 1}, sided=True
     ),
 }
 
-DRIVES = {"angle": DriveKeys("angle", *TURN), "distance": DriveKeys("distance", *LENGTH)}
+DRIVES = {"angle": DriveKeys("angle", *ANGULAR), "distance": DriveKeys("distance", *LINEAR)}
 """coordinates that joints may drive, with the keys that do so"""
 FRICTION_COORDINATES = {"revolute": "angle", "prismatic": "distance"}
 """joints that have friction, on these coordinates"""
@@ -112,12 +145,19 @@ class Joint(Entry):
     then starts where the bodies are placed. `start` gives free coordinates or their rates values
     at t = 0 other than those of the starts of the bodies: angle, angle_rate, distance, ...; and to
     a coordinate that is driven by its acceleration its rate. `friction` of a revolute or prismatic
-    joint.
+    joint. `second_angle` [rad]
+    drives a universal joint with or without `angle`; a spherical one follows three signals,
+    `rotation_vector` or `cardan_angles` (attitude.py). `drawn` [rad, m]: what coordinates are where
+    the bodies are placed, from which they are measured; angles are 0 there, and driven ones at
+    their start, unless it says so. `lead` [m] of a screw: its way in a full turn, negative where it
+    is left-handed. A rod has the length of its start, or of the signal `distance`. `axis` of a
+    constant-velocity joint: the shaft of the first frame, and of the second, unless `second_axis`
+    says so; of a point on a line or a plane: the line, the normal, carried by the first frame.
     """
 
     label = "joint {name!r}"
 
-    name: str
+    name: Name
     type: Annotated[str, one_of(JOINT_TYPES)]
     between: Pair
     axis: OptionalDirection = ABSENT
@@ -126,6 +166,11 @@ class Joint(Entry):
     distance: DrivingSignal | None = None
     start: NumbersByName = field(default_factory=dict)
     friction: JointFriction | None = None
+    second_angle: DrivingSignal | None = None
+    rotation_vector: Attitudes = None
+    cardan_angles: Attitudes = None
+    drawn: NumbersByName = field(default_factory=dict)
+    lead: NotZero | None = None
     velocity: AnySignal | None = None
     acceleration: AnySignal | None = None
     angular_velocity: AnySignal | None = None
@@ -139,25 +184,71 @@ class Joint(Entry):
     def drives(self) -> dict[str, SmoothSignal]:
         """The signals of the coordinates that follow one."""
         signals = {name: drive_of(self, keys) for name, keys in DRIVES.items()}
-        return {name: signal for name, signal in signals.items() if signal is not None}
+        drives = {name: signal for name, signal in signals.items() if signal is not None}
+        for name, drive in drives.items():
+            if isinstance(drive, IntegratedDrive) and name in self.drawn:
+                drives[name] = drive.starting_at(self.drawn[name])
+        if self.second_angle is not None:
+            drives["second_angle"] = self.second_angle
+        return drives
+
+    @property
+    def attitude(self) -> Attitude | None:
+        """The rotation that a spherical joint follows."""
+        if self.rotation_vector is not None:
+            return Attitude(self.rotation_vector, "vector")
+        return None if self.cardan_angles is None else Attitude(self.cardan_angles, "angles")
+
+    def drawn_at(self, coordinate: str, otherwise: float) -> float:
+        """A coordinate where the bodies are placed, of a driven angle by default its start."""
+        if coordinate in self.drawn:
+            return self.drawn[coordinate]
+        driven = coordinate in self.kind.angles and coordinate in self.drives
+        return self.drives[coordinate](0.0) if driven else otherwise
 
     def validate(self) -> None:
-        n_axes = (self.axis is not None) + (self.second_axis is not None)
-        if n_axes != self.kind.axes or (self.axis is None and self.second_axis is not None):
-            needs = ("neither axis nor second_axis", "axis alone", "axis and second_axis")
-            raise self.error(f"a {self.type} joint takes {needs[self.kind.axes]}")
-        axis, second = self.axis, self.second_axis
-        if axis is not None and second is not None and abs(axis @ second) > 1e-9:
-            raise self.error(f"the axes of a {self.type} joint must be perpendicular at the start")
-        for name in self.drives:
-            if name not in self.kind.drives:
-                takes = " and ".join(self.kind.drives) or "nothing"
-                given = next(key for key in DRIVES[name] if getattr(self, key) is not None)
-                raise self.error(f"a {self.type} joint is driven by {takes}, got {given}")
+        self._check_axes()
+        self._check_drives()
         for name in self.start:
             self._check_start(name)
+        for name in self.drawn:
+            if name not in self.kind.coordinates:
+                takes = ", ".join(self.kind.coordinates) or "nothing"
+                raise self.error(f"drawn: a {self.type} joint takes {takes}, got {name!r}")
+        if (self.lead is not None) != (self.kind.own == "screw"):
+            takes = "needs a" if self.kind.own == "screw" else "takes no"
+            raise self.error(f"lead: a {self.type} joint {takes} lead")
         if self.friction is not None:
             self._check_friction(self.friction)
+
+    def _check_axes(self) -> None:
+        axis, second, kind = self.axis, self.second_axis, self.kind
+        n_axes = (axis is not None) + (second is not None)
+        if kind.own == "constant velocity" and axis is not None:
+            if second is not None and axis @ second < -ALONG:
+                raise self.error(
+                    f"second_axis: the shafts of a {self.type} joint must not point against each "
+                    f"other, got axis = {axis.tolist()}, second_axis = {second.tolist()}"
+                )
+        elif n_axes != kind.axes or (axis is None and second is not None):
+            needs = ("neither axis nor second_axis", "axis alone", "axis and second_axis")
+            raise self.error(f"a {self.type} joint takes {needs[kind.axes]}")
+        elif axis is not None and second is not None and abs(axis @ second) > 1e-9:
+            raise self.error(f"the axes of a {self.type} joint must be perpendicular at the start")
+
+    def _check_drives(self) -> None:
+        attitudes = ("rotation_vector", "cardan_angles")
+        given = [*self.drives, *(key for key in attitudes if getattr(self, key) is not None)]
+        for name in given:
+            if name not in self.kind.drives:
+                takes = " and ".join(self.kind.drives) or "nothing"
+                keys = DRIVES.get(name, (name,))
+                key = next(key for key in keys if getattr(self, key) is not None)
+                raise self.error(f"a {self.type} joint is driven by {takes}, got {key}")
+        if len(given) > 1 and self.kind.own == "screw":
+            raise self.error("a screw is driven by angle or distance, got both")
+        if len(given) > 1 and self.type == "spherical":
+            raise self.error("a spherical joint follows rotation_vector or cardan_angles, got both")
 
     def _check_friction(self, friction: JointFriction) -> None:
         if self.type not in FRICTION_COORDINATES:
@@ -170,7 +261,7 @@ class Joint(Entry):
             raise self.error("friction: radius: a prismatic joint takes none")
 
     def _check_start(self, name: str) -> None:
-        coordinates = (*self.kind.distances, *self.kind.angles)
+        coordinates = self.kind.coordinates
         known = [key for coordinate in coordinates for key in (coordinate, f"{coordinate}_rate")]
         if name not in known:
             takes = ", ".join(known) or "nothing"
@@ -187,10 +278,21 @@ class Joint(Entry):
         """
         if self.axis is None:
             return D
-        if self.second_axis is None:
+        if self.second_axis is None or self.kind.own == "constant velocity":
             return basis_about(self.axis, D)
         third = np.cross(self.axis, self.second_axis)
         return np.column_stack([self.axis, self.second_axis, third])
+
+
+def bent(basis: Array, second_axis: Array | None) -> Array:
+    """Axes (3, 3) turned by the shortest way until e3 is along another unit vector."""
+    if second_axis is None:
+        return basis
+    e3 = basis[:, 2]
+    middle = (e3 + second_axis) / np.linalg.norm(e3 + second_axis)
+    half_turn = np.outer(middle, 2.0 * middle) - np.eye(3)
+    turned: Array = half_turn @ (np.outer(e3, 2.0 * e3) - np.eye(3)) @ basis
+    return turned
 
 
 def basis_about(axis: Array, D: Array) -> Array:

@@ -1,5 +1,7 @@
 """A mechanism of bodies, joints, springs, motions and loads, checked when made."""
 
+import itertools
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import KW_ONLY, field, replace
 from typing import Any
@@ -10,21 +12,27 @@ from ..schema.entry import Entry, entry
 from ..schema.values import NONE, ORIGIN, Several, Vector
 from .bodies import Body, FlexibleBody, Frame
 from .contacts import Contact
+from .couplers import Coupler, JointCoupler
 from .joints import Joint
-from .loads import Load
+from .loads import AnyLoad, Load, PatternLoad
 from .motions import PrescribedMotion
+from .motors import JointMotor, Motor
 from .settings import Settings
 from .springs import Spring
 from .stops import JointStop, Stop
 
 GROUND = "ground"
-Coupling = Joint | PrescribedMotion | Spring | Contact | JointStop
+Named = Joint | Spring | PrescribedMotion | Contact | Stop | Motor | Coupler
+Coupling = Joint | PrescribedMotion | Spring | Contact | JointStop | JointMotor | JointCoupler
 
 
 @entry()
 class Model(Entry):
-    """A mechanism: bodies by name, joints, springs, motions, loads, contacts and stops.
+    """A mechanism: bodies by name, and what is between them.
 
+    That is joints, springs, motions, loads, contacts, stops, motors and couplers.
+
+    Couplings without a name are numbered, as "revolute 2", the second revolute joint.
     gravity (3,) [m/s^2]: the acceleration of a free body; ground_frames: frames fixed in space;
     settings: how to integrate its motion, by default for one second; source, path: the text of the
     model file and its name, if there is one.
@@ -32,12 +40,14 @@ class Model(Entry):
 
     bodies: Mapping[str, Body]
     joints: Several[Joint] = NONE
-    loads: Several[Load] = NONE
+    loads: Several[AnyLoad] = NONE
     springs: Several[Spring] = NONE
     motions: Several[PrescribedMotion] = NONE
     _: KW_ONLY
     contacts: Several[Contact] = NONE
     stops: Several[Stop] = NONE
+    motors: Several[Motor] = NONE
+    couplers: Several[Coupler] = NONE
     gravity: Vector = ORIGIN
     ground_frames: Mapping[str, Frame] = field(default_factory=dict)
     settings: Settings = field(default_factory=lambda: Settings(t_end=1.0))
@@ -48,6 +58,7 @@ class Model(Entry):
         if not isinstance(self.settings, Settings):
             raise ModelError(f"settings: expected Settings, got {self.settings!r}")
         self._check_bodies()
+        self._name()
         self._check_names()
         self._check_starts()
         self._check_couplings()
@@ -60,13 +71,39 @@ class Model(Entry):
         return {name: body for name, body in self.bodies.items() if isinstance(body, FlexibleBody)}
 
     @property
+    def frame_loads(self) -> tuple[Load, ...]:
+        """The loads on frames."""
+        return tuple(load for load in self.loads if isinstance(load, Load))
+
+    @property
+    def pattern_loads(self) -> tuple[PatternLoad, ...]:
+        """The load patterns on flexible bodies."""
+        return tuple(load for load in self.loads if isinstance(load, PatternLoad))
+
+    @property
     def couplings(self) -> tuple[Coupling, ...]:
-        """Joints, motions, springs, contacts and stops, as the solver numbers them."""
-        return (*self.joints, *self.motions, *self.springs, *self.contacts, *self._joint_stops())
+        """Joints, motions, springs, contacts, stops, motors, couplers, as the solver has them."""
+        return (
+            *self.joints,
+            *self.motions,
+            *self.springs,
+            *self.contacts,
+            *self._joint_stops(),
+            *self._joint_motors(),
+            *self._joint_couplers(),
+        )
 
     def _joint_stops(self) -> Iterator[JointStop]:
         joints = {joint.name: joint for joint in self.joints}
         return (JointStop(stop, joints[stop.joint]) for stop in self.stops)
+
+    def _joint_couplers(self) -> Iterator[JointCoupler]:
+        joints = {joint.name: joint for joint in self.joints}
+        return (JointCoupler.of(coupler, joints) for coupler in self.couplers)
+
+    def _joint_motors(self) -> Iterator[JointMotor]:
+        joints = {joint.name: joint for joint in self.joints}
+        return (JointMotor(motor, joints[motor.joint]) for motor in self.motors)
 
     def with_settings(self, **changes: Any) -> "Model":
         """This mechanism with some of its settings changed."""
@@ -85,14 +122,28 @@ class Model(Entry):
                 if not is_name(frame):
                     raise ModelError(f"body {name!r}: a frame cannot be named {quoted(frame)}")
 
-    def _check_names(self) -> None:
-        groups: dict[str, tuple[Joint | Spring | PrescribedMotion | Contact | Stop, ...]] = {
+    @property
+    def _named(self) -> dict[str, tuple[Named, ...]]:
+        """What has a name that no other has, by kind."""
+        return {
             "joint": self.joints,
             "spring": self.springs,
             "motion": self.motions,
             "contact": self.contacts,
             "stop": self.stops,
+            "motor": self.motors,
+            "coupler": self.couplers,
         }
+
+    def _name(self) -> None:
+        """Number what has no name."""
+        taken = {entry.name for entries in self._named.values() for entry in entries}
+        for kind, entries in self._named.items():
+            if any(entry.name == "" for entry in entries):
+                object.__setattr__(self, f"{kind}s", numbered(kind, entries, taken))
+
+    def _check_names(self) -> None:
+        groups = self._named
         names: set[str] = set()
         for kind, couplings in groups.items():
             for coupling in couplings:
@@ -100,7 +151,7 @@ class Model(Entry):
                     raise ModelError(f"{kind}s: a {kind} cannot be named {quoted(coupling.name)}")
                 if coupling.name in names:
                     raise ModelError(
-                        "joints, springs, motions, contacts, stops: expected different names, "
+                        f"{', '.join(f'{kind}s' for kind in groups)}: expected different names, "
                         f"got {coupling.name!r} more than once"
                     )
                 names.add(coupling.name)
@@ -110,13 +161,14 @@ class Model(Entry):
             if (place := body.start.place) is None:
                 continue
             owner = f"body {name!r}: place"
-            if not place.frame:
-                raise ModelError(f"{owner}: expected the name of one of its frames, got ''")
-            self._check_frame(owner, f"{name}.{place.frame}")
-            self._check_frame(owner, place.on)
+            if place.frame:
+                self._check_frame(owner, f"{name}.{place.frame}")
+            if place.on not in self.bodies:
+                self._check_frame(owner, place.on)
 
     def _check_couplings(self) -> None:
         self._check_stops()
+        self._check_motors()
         joined: tuple[Joint | Spring | Contact, ...] = (
             *self.joints,
             *self.springs,
@@ -129,6 +181,10 @@ class Model(Entry):
             if first.partition(".")[0] == second.partition(".")[0]:
                 raise coupling.error(f"expected frames of two bodies, got {[first, second]}")
 
+        joints = {joint.name: joint for joint in self.joints}
+        for coupler in self.couplers:
+            JointCoupler.of(coupler, joints)
+
     def _check_stops(self) -> None:
         joints = {joint.name: joint for joint in self.joints}
         for stop in self.stops:
@@ -136,18 +192,32 @@ class Model(Entry):
                 known = ", ".join(joints) or "none"
                 raise stop.error(f"joint: no joint {stop.joint!r}; there are: {known}")
             kind = joints[stop.joint].kind
-            free = (*kind.distances, *kind.angles)
+            free = kind.coordinates
             if stop.coordinate not in free:
                 raise stop.error(
                     f"coordinate: joint {stop.joint!r} has {', '.join(free) or 'none'}, "
                     f"got {stop.coordinate!r}"
                 )
 
+    def _check_motors(self) -> None:
+        joints = {joint.name: joint for joint in self.joints}
+        for motor in self.motors:
+            if motor.joint not in joints:
+                known = ", ".join(joints) or "none"
+                raise motor.error(f"joint: no joint {motor.joint!r}; there are: {known}")
+            JointMotor(motor, joints[motor.joint]).check()
+
     def _check_loads(self) -> None:
-        for load in (*self.motions, *self.loads):
+        for load in (*self.motions, *self.frame_loads):
             self._check_frame(load.owner, load.on)
             if load.on.partition(".")[0] == GROUND:
                 raise load.error(f"expected a frame of a body, got {load.on!r}")
+        flexible = self.flexible_bodies
+        for spread in self.pattern_loads:
+            if spread.body not in flexible:
+                known = ", ".join(flexible) or "none"
+                raise spread.error(f"no flexible body {spread.body!r}; there are: {known}")
+            spread.pattern_of(flexible[spread.body].superelement)
 
     def _check_equilibrium(self) -> None:
         """ModelError for a velocity, for equilibrium has none but those of a steady rotation."""
@@ -182,3 +252,22 @@ class Model(Entry):
                 f"{owner}: {body!r} is flexible: name one of its interfaces "
                 f"({', '.join(frames)}) as {body}.INTERFACE"
             )
+
+
+def numbered(kind: str, entries: tuple[Any, ...], taken: set[str]) -> tuple[Any, ...]:
+    """Entries with a name each: joints and couplers by type and number, others by their kind.
+
+    The number is that among those of the type; where another has the name, the next that is free.
+    """
+    counts: Counter[str] = Counter()
+    named = []
+    for item in entries:
+        prefix = item.type if kind in ("joint", "coupler") else kind
+        counts[prefix] += 1
+        if item.name == "":
+            numbers = itertools.count(counts[prefix])
+            name = next(n for k in numbers if (n := f"{prefix} {k}") not in taken)
+            taken.add(name)
+            item = replace(item, name=name)
+        named.append(item)
+    return tuple(named)

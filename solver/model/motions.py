@@ -6,10 +6,11 @@ from typing import Any, ClassVar
 
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
-from ..schema.values import ABSENT, Direction, NumbersByName
+from ..schema.values import ABSENT, Direction, Name, NumbersByName
 from .composed import OptionalParts
-from .drives import LENGTH, TURN, DriveKeys, IntegratedDrive, drive_of, given_drive, refusal
-from .signals import AnySignal, DrivingSignal, SmoothSignal, is_smooth
+from .curves import Input
+from .drives import ANGULAR, LINEAR, DriveKeys, IntegratedDrive, drive_of, given_drive, refusal
+from .signals import AnySignal, DrivingSignal, SmoothSignal, is_any, is_smooth
 
 ROUNDING = 1e-12
 """value at t = 0, relative to those at some later times, that counts as none"""
@@ -29,10 +30,10 @@ class PrescribedDisplacement(Entry):
     """
 
     label = "motion {name!r}"
-    keys: ClassVar[DriveKeys] = DriveKeys("displacement", *LENGTH)
+    keys: ClassVar[DriveKeys] = DriveKeys("displacement", *LINEAR)
     unit: ClassVar[str] = "m"
 
-    name: str
+    name: Name
     on: str
     direction: Direction
     displacement: DrivingSignal | None = None
@@ -61,10 +62,10 @@ class PrescribedRotation(Entry):
     """
 
     label = "motion {name!r}"
-    keys: ClassVar[DriveKeys] = DriveKeys("angle", *TURN)
+    keys: ClassVar[DriveKeys] = DriveKeys("angle", *ANGULAR)
     unit: ClassVar[str] = "rad"
 
-    name: str
+    name: Name
     on: str
     axis: Direction
     angle: DrivingSignal | None = None
@@ -94,7 +95,7 @@ class PrescribedOrientation(Entry):
     label = "motion {name!r}"
     keys: ClassVar[DriveKeys] = DriveKeys("angles", "angular_velocities", "angular_accelerations")
 
-    name: str
+    name: Name
     on: str
     angles: OptionalParts = ABSENT
     angular_velocities: OptionalParts = ABSENT
@@ -119,7 +120,9 @@ class PrescribedOrientation(Entry):
     def _angle(self, key: str, signal: Any) -> SmoothSignal:
         order = self.keys.index(key)
         reason = refusal(signal, order) if order else ""
-        if order == 0 and not is_smooth(signal):
+        if order == 0 and is_any(signal, Input):
+            reason = "an input has no place among them: drive joints in a row by it"
+        elif order == 0 and not is_smooth(signal):
             reason = f"expected smooth signals, found {type(signal).__name__.lower()}"
         if reason:
             raise self.error(f"{key}: {reason}")

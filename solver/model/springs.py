@@ -25,6 +25,7 @@ from ..schema.entry import Entry, entry, one_of
 from ..schema.values import (
     ABSENT,
     Coefficients,
+    Name,
     OptionalArray,
     OptionalDirection,
     Pair,
@@ -80,7 +81,7 @@ class Spring(Entry):
 
     label = "spring {name!r}"
 
-    name: str
+    name: Name
     type: Annotated[str, one_of(SPRING_TYPES)]
     between: Pair
     axis: OptionalDirection = ABSENT

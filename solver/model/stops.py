@@ -5,7 +5,7 @@ from typing import Annotated
 
 from ..errors import ModelError
 from ..schema.entry import Beside, Entry, entry
-from ..schema.values import Limits
+from ..schema.values import Limits, Name
 from .impact import Impact
 from .joints import Joint
 
@@ -20,7 +20,7 @@ class Stop(Entry):
 
     label = "stop {name!r}"
 
-    name: str
+    name: Name
     joint: str
     coordinate: str
     range: Limits
@@ -46,6 +46,10 @@ class JointStop:
     @property
     def owner(self) -> str:
         return self.stop.owner
+
+    @property
+    def coordinate(self) -> str:
+        return self.stop.coordinate
 
     @property
     def between(self) -> tuple[str, str]:

@@ -14,16 +14,21 @@ from ...results.schema import (
     attributes_of,
     lay_out,
 )
+from ...superelement.sensor import KINDS
 from ..arrays import Array
 from ..errors import ModelError
-from ..lower.lower import LoweredModel
+from ..lower.lower import LoweredModel, pattern_names
 from ..model.contacts import Contact
+from ..model.couplers import JointCoupler
 from ..model.joints import Joint
 from ..model.model import GROUND, Model
 from ..model.motions import PrescribedMotion
 from ..model.springs import Spring
 from ..model.stops import JointStop
 from ..step.system import Output
+
+SENSOR_KINDS = tuple(KINDS)
+"""in the order of the units of `sensor_value`"""
 
 
 def requested(lowered: LoweredModel, checks: tuple[str, ...] = ()) -> Contents:
@@ -71,7 +76,24 @@ def axes_of(lowered: LoweredModel) -> dict[str, Axis]:
     joints = {joint.name: joint.kind for joint in model.joints}
     angular = [joints[joint].unit(name) == "rad" for joint, name in lowered.observers]
     axes["joint_coordinate"] = _axis(list(enumerate(names)), angular)
-    return axes | _switching_axes(lowered)
+    couplers = [(int(couplings.range[j]), name) for j, name in _numbered(model, JointCoupler)]
+    axes["coupler"] = _axis(couplers, [not lengths[row] for row, _ in couplers])
+    return axes | _switching_axes(lowered) | _channel_axes(model)
+
+
+def _channel_axes(model: Model) -> dict[str, Axis]:
+    """The entries of load patterns and sensors."""
+    sensors, channels, units = [], [], []
+    for body, flexible in model.flexible_bodies.items():
+        for sensor in flexible.superelement.sensors:
+            sensors.append(f"{body}.{sensor.name}")
+            channels += [f"{sensors[-1]}.{channel}" for channel in sensor.channels]
+            units += [SENSOR_KINDS.index(sensor.kind)] * len(sensor.channels)
+    return {
+        "pattern": _axis(list(enumerate(pattern_names(model)))),
+        "sensor": _axis(list(enumerate(sensors))),
+        "sensor_channel": _axis(list(enumerate(channels)), units),
+    }
 
 
 def _switching_axes(lowered: LoweredModel) -> dict[str, Axis]:
@@ -90,6 +112,10 @@ def _switching_axes(lowered: LoweredModel) -> dict[str, Axis]:
         "contact": _axis([(int(couplings.contact_of[j]), name) for j, name in contacts]),
         "stop": _axis([(int(couplings.contact_of[j]), name) for j, name in stops], turns(stops)),
         "joint_with_friction": _axis(friction, [bool(angular[first[r]]) for r, _ in friction]),
+        "motor": _axis(
+            list(enumerate(motor.name for motor in model.motors)),
+            angular[couplings.laws.motors.row].tolist(),
+        ),
         "event_owner": _axis([*contacts, *stops], turns([*contacts, *stops])),
     }
 
@@ -104,7 +130,7 @@ def _on_body(frame: str) -> bool:
     return "." in frame and not frame.startswith(f"{GROUND}.")
 
 
-def _axis(entries: list[tuple[int, str]], angular: Iterable[bool] = ()) -> Axis:
+def _axis(entries: list[tuple[int, str]], angular: Iterable[int] = ()) -> Axis:
     return Axis(
         tuple(name for _, name in entries), tuple(angular), tuple(row for row, _ in entries)
     )

@@ -7,7 +7,7 @@ import numpy as np
 from ..lower.lower import LoweredModel
 from ..model.curves import Impulse, Input
 from ..model.drives import Drift, IntegratedDrive, drift_of
-from ..model.loads import Load
+from ..model.loads import Load, PatternLoad
 from ..model.orientations import OrientationDrive
 from ..model.quadrature import Integrals
 from ..model.recorded import Recorded, RecordedSpline
@@ -57,7 +57,7 @@ def signal_warnings(lowered: LoweredModel) -> Iterator[str]:
             yield from _warnings(f"{lowered.owner_of(i)}: its drive{about}", signal, lowered)
 
 
-def _missed_area(load: Load, lowered: LoweredModel) -> Iterator[str]:
+def _missed_area(load: Load | PatternLoad, lowered: LoweredModel) -> Iterator[str]:
     """A line about a load whose samples have another area than its signal."""
     signal, h, t_end = load.signal, lowered.h, lowered.h * lowered.n_steps
     # long steps in flight become short ones about corners

@@ -13,6 +13,7 @@ from ..step.history import modal_energy
 from ..step.rows import ANGLE
 from ..step.system import State
 
+TINY = 1e-300
 SHARE = 0.01
 """of the kinetic energy of vibration, that the highest frequency which counts carries"""
 STILL = 1e-6
@@ -58,7 +59,8 @@ class Judge:
         owners = [lowered.coupling_of(row) for row in range(len(compliant))]
         self._owners = np.array(owners, dtype=np.int64)
         self._joints = np.unique(self._owners[compliant == 0])
-        self._springs = np.unique(self._owners[compliant == 1])
+        motors = lowered.system.couplings.laws.motor
+        self._springs = np.unique(self._owners[(compliant == 1) & (motors < 0)])
         self._contacts = lowered.system.couplings.contact
         self._hertzian, self._radii = _hertzian(lowered)
         self._hinges = _hinges(lowered)
@@ -106,6 +108,7 @@ class Judge:
             "spring": [_called(lowered, j, "spring") for j in self._springs],
             "contact": [_called(lowered, j, "contact") for j in self._contacts],
             "angle": [".".join(lowered.observers[i]) for i in self._angles],
+            "motor": [motor.name for motor in lowered.model.motors if motor.is_servo],
             "model": [""],
         }
         has_modes = lowered.system.elastic.modes.range.any()
@@ -149,6 +152,7 @@ class Judge:
             / self._radii[1],
             "numerical_dissipation": self._numerical(state, moved),
             "joint_opening": self._openings(state),
+            "motor_steps": self._motor_steps(state),
             "missed_turn": extremes.missed[self._angles],
         }
 
@@ -162,6 +166,12 @@ class Judge:
         counts = np.isin(self._jointed, frames.body[self._hinges][off_axis])
         turns = lowered.longest_step * np.sqrt(state.extremes.spin[self._jointed]) * counts
         return _ratio(turns, BORNE * (1.0 - lowered.scheme.rho_inf))
+
+    def _motor_steps(self, state: State) -> Array:
+        """Long steps in a period of the fastest pole of each servo."""
+        servos = np.array([motor.is_servo for motor in self._lowered.model.motors], dtype=bool)
+        poles: Array = state.motors.pole[servos] * self._lowered.longest_step
+        return np.where(poles > 0.0, 2.0 * np.pi / np.maximum(poles, TINY), np.inf)
 
     def _rounding(self, state: State) -> float:
         """Of the energies that the balance sums, and of the positions that they follow."""

@@ -18,6 +18,7 @@ from ..lower.lower import LoweredModel
 from ..model.model import Model
 from ..model.recorded import records_of
 from ..model.settings import StartFrom
+from ..start.damping import damping_of
 from ..start.initial import InitialState
 from .columns import requested
 from .inputs import drifts
@@ -142,6 +143,7 @@ def _notes(initial: InitialState, steps: int) -> dict[str, Any]:
         "velocity_correction": initial.velocity_correction,
         "removed": initial.removed.names,
         "truncation": _truncation(lowered),
+        "damping": damping_of(initial),
     } | _notes_of_signals(lowered, steps)
 
 

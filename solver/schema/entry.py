@@ -70,6 +70,13 @@ class Key:
 
 
 @dataclass(frozen=True)
+class LeftOut:
+    """An annotation: what a model file says that leaves the key of a field out."""
+
+    value: Any
+
+
+@dataclass(frozen=True)
 class Beside:
     """An annotation: in model files the keys of this entry stand beside those of its owner."""
 
@@ -128,6 +135,9 @@ class Entry:
 def filled(label: str, values: Mapping[str, Any]) -> str:
     """The name of an entry by its fields; text that is not plain is quoted."""
     plain = {key: dotted([text]) if isinstance(text, str) else text for key, text in values.items()}
+    if values.get("name") == "" and "{name!r}" in label:
+        kind = f" ({plain['type']})" if "type" in values else ""
+        return f"{label.partition(' ')[0]} without a name{kind}"
     return label.format_map(plain)
 
 

@@ -12,7 +12,7 @@ from pydantic import create_model
 
 from ...inputs import Table, dotted, quoted, read_part
 from ..errors import ModelError
-from .entry import Beside, Entry, Key, Takes, annotations, filled, note
+from .entry import Beside, Entry, Key, LeftOut, Takes, annotations, filled, note
 from .forms import Family, Form, Members
 
 AnyEntry = TypeVar("AnyEntry", bound=Entry)
@@ -42,7 +42,8 @@ def keys_of(kind: type[Entry]) -> dict[str, Any]:
         if note(hint, Beside):
             keys |= keys_of(_bare(hint))
         else:
-            keys[key_of(field, hint)] = (type_in_file(hint), ... if _is_required(field) else None)
+            required = _is_required(field) and note(hint, LeftOut) is None
+            keys[key_of(field, hint)] = (type_in_file(hint), ... if required else None)
     return keys
 
 
@@ -65,6 +66,8 @@ def entry_of(kind: type[AnyEntry], table: Mapping[str, Any]) -> AnyEntry:
                 values[field.name] = _read(hint, table[key])
             except ValueError as error:
                 raise _owned(kind, values, f"{field.name}: {error}") from error
+        elif (left_out := note(hint, LeftOut)) is not None:
+            values[field.name] = left_out.value
     return kind(**values)
 
 
@@ -234,7 +237,8 @@ def _default_in_file(owner: Entry, field: "Field[Any]", hint: Any) -> Any:
     if field.default_factory is not MISSING:
         return in_file(owner, field.name, field.default_factory(), hint)
     if field.default is MISSING:
-        return MISSING
+        left_out = note(hint, LeftOut)
+        return MISSING if left_out is None else left_out.value
     takes = note(hint, Takes)
     stored = field.default
     if takes is not None and stored is not None:

@@ -15,7 +15,7 @@ from pydantic import AfterValidator, AllowInfNan
 from ... import inputs
 from ...inputs import expected
 from ..arrays import Array
-from .entry import LARGEST, Takes, real
+from .entry import LARGEST, LeftOut, Takes, real
 
 ORIGIN: Any = (0.0, 0.0, 0.0)
 """the default of a `Vector`"""
@@ -45,6 +45,14 @@ def number(what: str, kind: type, allowed: Callable[[Any], bool]) -> Takes:
 Positive = Annotated[
     float,
     number("a positive number, 1e-100 to 1e100", float, lambda x: 1.0 / LARGEST <= x <= LARGEST),
+]
+NotZero = Annotated[
+    float,
+    number(
+        "a number other than 0, of magnitude 1e-100 to 1e100",
+        float,
+        lambda x: 1.0 / LARGEST <= abs(x) <= LARGEST,
+    ),
 ]
 NotNegative = Annotated[
     float, number("a number of at least 0, up to 1e100", float, lambda x: 0.0 <= x <= LARGEST)
@@ -154,6 +162,23 @@ _Inertia = Annotated[
     expected("three numbers or a 3x3 matrix"),
 ]
 
+
+def some_non_zero(value: Any) -> tuple[float, ...]:
+    if 0.0 in (stored := some_numbers(value)):
+        raise ValueError
+    return stored
+
+
+SomeNonZero = Annotated[
+    tuple[float, ...],
+    Takes(
+        "one or more numbers other than 0",
+        some_non_zero,
+        Annotated[tuple[float, ...], AfterValidator(some_non_zero)],
+    ),
+]
+Name = Annotated[str, LeftOut("")]
+"""a name; what has none in a file is numbered"""
 NumbersByName = Annotated[
     Mapping[str, float], Takes("numbers by name", numbers_by_name, dict[str, float])
 ]

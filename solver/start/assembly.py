@@ -49,10 +49,13 @@ def assemble_joints(
     """Move the bodies until constraints and targets hold; ModelError if a joint stays open."""
     numbers, goal = _split(targets)
     start = _coordinates(lowered, state, work)[numbers]
-    stages = max(1, int(np.ceil(np.abs(goal - start).max(initial=0.0) / LARGEST_TURN)))
+    driven, drawn = work.drives.value.copy(), lowered.drive_starts
+    largest = max(np.abs(goal - start).max(initial=0.0), np.abs(driven - drawn).max(initial=0.0))
+    stages = max(1, int(np.ceil(largest / LARGEST_TURN)))
     for stage in range(1, stages + 1):
-        _close(lowered, state, work, targets, start + stage / stages * (goal - start))
-        state.observers.value[:] = _coordinates(lowered, state, work)
+        part = stage / stages
+        work.drives.value[:] = driven if stage == stages else drawn + part * (driven - drawn)
+        _close(lowered, state, work, targets, start + part * (goal - start))
 
 
 def fit_velocities(
@@ -78,8 +81,8 @@ def fit_velocities(
 
 def drive_rates(lowered: LoweredModel, work: Workspace) -> Array:
     """The part of the drives in the rates at the start, d phi / d s ds/dt (n_rows,)."""
-    rates = np.append(work.drives.rate, 0.0)
-    added: Array = work.couplings.drive_slope * rates[lowered.system.couplings.drive]
+    added = np.zeros(len(work.couplings.phi))
+    np.add.at(added, lowered.system.couplings.driven, work.drives.slope * work.drives.rate)
     return added
 
 
@@ -135,12 +138,24 @@ def _scale(lowered: LoweredModel, state: State, targets: list[Target]) -> Array:
 def _residuals(
     lowered: LoweredModel, state: State, work: Workspace, targets: list[Target], goal: Array
 ) -> Array:
-    """Residuals of constraints and targets; their derivatives are left in `work`."""
+    """Residuals of constraints and targets; their derivatives are left in `work`.
+
+    Angles go on from those of the last call, over full turns.
+    """
     evaluate(lowered.system, state, work)
     linearize(lowered.system, state, work)
+    follow_turns(lowered.system, work)
     numbers, _ = _split(targets)
-    gap = _coordinates(lowered, state, work)[numbers] - goal
+    state.observers.value[:] = _coordinates(lowered, state, work)
+    gap = state.observers.value[numbers] - goal
     return np.concatenate([work.couplings.phi[constraint_rows(lowered.system)], gap])
+
+
+def follow_turns(system: System, work: Workspace) -> None:
+    """Constraints on angles are near where they are; angles of force laws, where they start."""
+    hard = constraint_rows(system)
+    work.couplings.near[hard] = work.couplings.coordinate[hard]
+    work.terms.near[:] = work.terms.coordinate
 
 
 def move_bodies(change: Array, state: State, work: Workspace) -> None:

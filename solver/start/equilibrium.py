@@ -23,8 +23,9 @@ from ..step.elimination import factorize
 from ..step.equations import assemble, evaluate, linearize, set_force_scales
 from ..step.newton import correct
 from ..step.second_order import INERTIA, inertia_column
-from ..step.system import Elastic, State, System, Workspace
-from .assembly import drive_rates
+from ..step.system import Elastic, Motors, State, System, Workspace
+from .assembly import drive_rates, follow_turns
+from .servos import Holding
 from .steady import SteadyMotion
 
 MAX_ITERATIONS = 400
@@ -48,8 +49,8 @@ def check_drives(lowered: LoweredModel) -> None:
     """ModelError for a drive that accelerates at t = 0."""
     accelerations = np.array([drive.derivatives(0.0)[1] for drive in lowered.drives])
     accelerates = np.abs(accelerations) > _negligible(lowered)[:, 1]
-    for i, d in enumerate(lowered.system.couplings.drive.tolist()):
-        if d >= 0 and accelerates[d]:
+    for d, i in enumerate(lowered.system.couplings.driven.tolist()):
+        if accelerates[d]:
             raise ModelError(
                 f"{lowered.owner_of(i)}: start = 'equilibrium' takes drives without acceleration "
                 f"at t = 0, got {accelerations[d]:.6g}"
@@ -88,11 +89,16 @@ def check_steady(
     V_ab = np.hstack([V[couplings.rows.frame_a], V[couplings.rows.frame_b]])
     driven = drive_rates(lowered, work)
     laws = couplings.laws
+    _follow_references(lowered, driven, work)
     resisting = laws.stiffness.any(1) | laws.damping.any(1) | (np.diff(laws.range) > 0)
+    resisting |= np.isin(laws.motor, _servos(laws.motors))
     inert = (couplings.compliant == 1) & ~resisting
-    rates = np.where(
-        inert, 0.0, np.abs(np.einsum("ij,ij->i", work.couplings.gradient, V_ab) + driven)
-    )
+    along = np.einsum("ij,ij->i", work.couplings.gradient, V_ab)
+    terms = couplings.terms
+    V_ab = np.hstack([V[terms.rows.frame_a], V[terms.rows.frame_b]])
+    by_terms = np.einsum("ij,ij->i", work.terms.gradient, V_ab)
+    np.add.at(along, terms.row, terms.ratio * by_terms)
+    rates = np.where(inert, 0.0, np.abs(along + driven))
     speed = float(np.linalg.norm(Omega))
     allowed = STEADY * np.where(lengths, speed * lowered.system.bodies.size, speed)
     allowed += np.array([*_negligible(lowered)[:, 0], 0.0])[couplings.drive]
@@ -110,6 +116,18 @@ def check_steady(
     )
 
 
+def _servos(motors: Motors) -> Index:
+    """The motors that have gains, by number."""
+    return np.flatnonzero((motors.stiffness > 0) | (motors.damping > 0) | (motors.integral > 0))
+
+
+def _follow_references(lowered: LoweredModel, driven: Array, work: Workspace) -> None:
+    """Set the rates at which the references of servos run from the coordinates of their rows."""
+    motors = lowered.system.couplings.laws.motors
+    for m in _servos(motors).tolist():
+        driven[motors.row[m]] = -work.motors.value[3 * m + 2]
+
+
 def solve_equilibrium(
     lowered: LoweredModel,
     motion: SteadyMotion | None,
@@ -121,7 +139,7 @@ def solve_equilibrium(
     Changes positions, elastic displacements and multipliers, and sets the velocities and
     accelerations of the rotation.
     """
-    reason = _Search(lowered, motion, state, work).flow()
+    reason = _Search(lowered, motion, state, work).find()
     if reason:
         # the more specific message, as of a damper that cannot turn
         check_steady(lowered, motion, state, work)
@@ -140,6 +158,7 @@ class _Search:
         work.interfaces.history[:] = 0.0
         work.interfaces.rate_predicted[:] = 0.0
         self._evaluate()
+        self.holding = Holding(self.system, self.lengths, *_largest_forces(self.system, work))
 
     def saved(self) -> list[Array]:
         return [array.copy() for array in self.state.arrays()]
@@ -149,6 +168,19 @@ class _Search:
             array[:] = old
         self.work.bodies.quaternion_n[:] = self.state.bodies.quaternion
         self._evaluate()
+
+    def find(self) -> str:
+        """The equilibrium in which motors with an integral are at their references."""
+        exact, self.system = self.system, self.holding.stiffened(self.system)
+        for _ in range(MAX_ITERATIONS):
+            self._evaluate()
+            if reason := self.flow():
+                return reason
+            if self.holding.take_over(self.state, self.work):
+                self.system = exact
+                self._evaluate()
+                return ""
+        return "a motor cannot reach its reference"
 
     def flow(self) -> str:
         """Pseudo-transient continuation; why it found no equilibrium, "" if it found one."""
@@ -170,9 +202,16 @@ class _Search:
                 residual, beta = previous, min(10.0 * beta, LARGEST)
                 continue
             beta *= np.clip(residual / previous, 0.1, 2.0)
+            self._continue_angles()
             idle = 0 if residual < 0.5 * best else idle + 1
             best = min(best, residual)
         return f"relative residual {best:.3e} after {MAX_ITERATIONS} steps"
+
+    def _continue_angles(self) -> None:
+        """Let the angles of constraints, and those that motors act on, go on over full turns."""
+        follow_turns(self.system, self.work)
+        rows, work = self.system.couplings.laws.motors.row, self.work.couplings
+        work.near[rows] = work.coordinate[rows]
 
     def _step(self, beta: float) -> bool:
         """One implicit step of the flow; False where its equations are singular."""
@@ -296,9 +335,8 @@ def _relative_residuals(
     Of the forces (n_b,) and moments (n_b,) on bodies, the rows (n_rows,) and the active elastic
     dofs (n_a,).
     """
-    within = _centrifugal_scales(system, state, work)
-    forces, size = max(float(work.bodies.force_scale[:, 0].max()), 1e-300), system.bodies.size
-    moments = max(float(work.bodies.force_scale[:, 1].max()), forces * 1e-3 * size)
+    within, size = _centrifugal_scales(system, state, work), system.bodies.size
+    forces, moments = _largest_forces(system, work)
     # the length of a spring that carries nothing is right to rounding alone: laws are measured
     # against all forces
     laws = np.maximum(work.couplings.scale, np.where(lengths, forces, moments))
@@ -308,6 +346,13 @@ def _relative_residuals(
         np.abs(work.couplings.phi) / np.where(system.couplings.compliant == 1, laws, size),
         system.elastic.length * np.abs(work.interfaces.residual) / size,
     )
+
+
+def _largest_forces(system: System, work: Workspace) -> tuple[float, float]:
+    """The largest sums of forces and of moments on a body; moments at least of small levers."""
+    forces = max(float(work.bodies.force_scale[:, 0].max()), 1e-300)
+    least = forces * 1e-3 * system.bodies.size
+    return forces, max(float(work.bodies.force_scale[:, 1].max()), least)
 
 
 def _centrifugal_scales(system: System, state: State, work: Workspace) -> Array:

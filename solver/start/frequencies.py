@@ -4,11 +4,12 @@ With y the motions of bodies over the root of their inertia, and eta the modes o
 
     K (y, eta) = omega^2 (y, eta)   on   C (y, eta) = 0,     K = diag(0, omega_j^2) + D^T S D
 
-C: the derivatives of constraints, D: those of springs with stiffness S. Without the stiffness that
-forces, gravity and spin give.
+C: the derivatives of constraints, D: those of springs and servos with stiffness S. Without the
+stiffness that forces, gravity and spin give.
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -28,24 +29,47 @@ NOISE = 100.0
 """of the rounding of eigenvalues: those below are motions without stiffness"""
 
 
-def natural_frequencies(initial: InitialState) -> Array | None:
-    """Frequencies [Hz], ascending, without motions that nothing resists.
+@dataclass(frozen=True, eq=False)
+class Vibrations:
+    """Undamped vibrations about the start, with the stiffness of long times.
 
-    None for bodies without modes, and for models of more than `LARGEST` unknowns.
+    omega (r,) [rad/s], ascending; shapes (n, r): of y and the m modes eta, orthonormal; B (n_rows,
+    n): the derivatives of all rows. Motions that nothing resists are left out.
     """
+
+    omega: Array
+    shapes: Array
+    B: Array
+    m: int
+
+    @property
+    def frequencies(self) -> Array:
+        """In Hz."""
+        return self.omega / (2.0 * np.pi)
+
+
+def unknowns_of(system: System) -> int | None:
+    """The number of y and eta; None where a body has no modes."""
+    modes = system.elastic.modes
+    if not np.diff(modes.range).all():
+        return None
+    return 6 * len(system.bodies.mass) + len(modes.stiffness)
+
+
+def vibrations(initial: InitialState, largest: int = LARGEST) -> Vibrations | None:
+    """None for bodies without modes, and for models of more than `largest` unknowns."""
     lowered, system = initial.lowered, initial.lowered.system
-    stiffness = system.elastic.modes.stiffness
-    n = 6 * len(system.bodies.mass) + len(stiffness)
-    if n > LARGEST or not np.diff(system.elastic.modes.range).all():
+    stiffness, n = system.elastic.modes.stiffness, unknowns_of(system)
+    if n is None or n > largest:
         return None
     B = _jacobian(lowered, initial.state, initial.work)
     K = np.diag(np.concatenate([np.zeros(n - len(stiffness)), stiffness]))
-    K += B.T @ _stiffness_of_springs(system, initial.state, initial.work) @ B
+    K += B.T @ spring_slopes(system, initial.state, initial.work) @ B
     free = _null_space(B[constraint_rows(system)])
-    values = np.linalg.eigvalsh(free.T @ K @ free)
+    values, vectors = np.linalg.eigh(free.T @ K @ free)
     rounding = NOISE * n * np.finfo(float).eps * np.abs(values).max(initial=0.0)
-    frequencies: Array = np.sqrt(values[values > rounding]) / (2.0 * np.pi)
-    return frequencies
+    resisted = values > rounding
+    return Vibrations(np.sqrt(values[resisted]), free @ vectors[:, resisted], B, len(stiffness))
 
 
 def _jacobian(lowered: LoweredModel, state: State, work: Workspace) -> Array:
@@ -61,22 +85,27 @@ def _jacobian(lowered: LoweredModel, state: State, work: Workspace) -> Array:
     return np.hstack([B[:, :n_q] @ dense_of(inverse_root(system)), B[:, n_q:] @ phi])
 
 
-def _stiffness_of_springs(system: System, state: State, work: Workspace) -> Array:
-    """S (n_rows, n_rows) of linear springs and the slopes of force laws; 0 for constraints.
+def spring_slopes(system: System, state: State, work: Workspace, rates: bool = False) -> Array:
+    """S (n_rows, n_rows) of linear springs, servos and the slopes of force laws; 0 for constraints.
 
-    Laws that relax have done so, and those that hysteresis bends have the slope of a reversal.
+    By deformations, or by their rates. Laws that relax have done so, and those that hysteresis
+    bends have the slope of a reversal.
     """
     laws, first = system.couplings.laws, system.couplings.range
     S = np.zeros((len(laws.rest), len(laws.rest)))
+    linear = laws.damping if rates else laws.stiffness
     for j in range(len(first) - 1):
         rows = slice(first[j], first[j + 1])
-        S[rows, rows] = laws.stiffness[rows, : first[j + 1] - first[j]]
+        S[rows, rows] = linear[rows, : first[j + 1] - first[j]]
     deformation = work.couplings.coordinate - laws.rest
     for m, i in enumerate(np.repeat(np.arange(len(laws.rest)), np.diff(laws.range)).tolist()):
         parameters = laws.parameters[laws.first[m] : laws.first[m + 1]]
         memory = state.couplings.memory[laws.memory[m] : laws.memory[m + 1]]
         law = LAWS[laws.number[m]]
-        S[i, i] += law.evaluate(parameters, memory, math.inf, float(deformation[i]), 0.0)[1]
+        slopes = law.evaluate(parameters, memory, math.inf, float(deformation[i]), 0.0)
+        S[i, i] += slopes[2 if rates else 1]
+    motors = laws.motors
+    S[motors.row, motors.row] += motors.damping if rates else motors.stiffness
     return S
 
 

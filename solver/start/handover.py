@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ...results.file import FileSource
-from ..arrays import Array
+from ..arrays import Array, Index
 from ..checkpoint.file import SUFFIX, StateFile, read_state
 from ..checkpoint.identity import digest_of
 from ..checkpoint.layout import layout_of, take_over
@@ -24,10 +24,12 @@ from ..step.equations import evaluate
 from ..step.history import modal_energy
 from ..step.system import State, Workspace
 from .assembly import drive_rates
+from .full_turns import continue_angles
+from .jacobian import row_rates
 
 CLOSED = 1e-6
 """largest opening of a new joint, relative to the size of the model or in rad, and rate of it"""
-TAKEN_OVER = ("bodies", "interfaces", "modes", "past", "couplings", "observers")
+TAKEN_OVER = ("bodies", "interfaces", "modes", "past", "couplings", "terms", "motors", "observers")
 """records of the state; all others begin anew"""
 
 
@@ -59,6 +61,8 @@ def hand_over(lowered: LoweredModel, source: StateFile, state: State, work: Work
     state.step[0] = source.snapshot.step
     state.in_flight[:] = kept["state/in_flight"]
     work.couplings.elapsed[0] = 0.0
+    continue_angles(lowered, state, work)
+    _expect_turns(numbers, state, work)
     _evaluate(lowered, state, work)
     take_over("state/interfaces", state.interfaces, kept, numbers)
     state.energies.modal[0] = modal_energy(lowered.system.elastic, state)
@@ -77,7 +81,17 @@ def _evaluate(lowered: LoweredModel, state: State, work: Workspace) -> None:
     work.interfaces.rate_predicted[:] = motion.rate - scheme.gamma_prime * change
     evaluate(system, state, work)
     state.couplings.lam[:] -= work.couplings.phi * system.couplings.compliant
+    state.couplings.lam[system.couplings.laws.motors.row] = work.motors.torque
     evaluate(system, state, work)
+
+
+def _expect_turns(
+    numbers: Mapping[str, tuple[Index, Index]], state: State, work: Workspace
+) -> None:
+    """Angles of couplings that were there go on with their turns."""
+    rows, terms = numbers["n_i"][0], numbers["n_terms"][0]
+    work.couplings.near[rows] = state.couplings.coordinate[rows]
+    work.terms.near[terms] = state.terms.coordinate[terms]
 
 
 def _check(lowered: LoweredModel, source: StateFile) -> None:
@@ -137,7 +151,7 @@ def _check_closed(
     couplings, size = lowered.system.couplings, lowered.system.bodies.size
     lengths = np.array([1.0, 1.0, 1.0, size, size, size])
     v, v_dot = (float((np.abs(x) * lengths).max()) for x in (state.bodies.v, state.bodies.v_dot))
-    rates = work.couplings.rate + drive_rates(lowered, work)
+    rates = row_rates(couplings, work) + drive_rates(lowered, work)
     for i in np.flatnonzero(couplings.compliant == 0).tolist():
         length = size if lowered.measures_lengths[i] else 1.0
         unit = "m" if lowered.measures_lengths[i] else "rad"

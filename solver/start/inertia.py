@@ -38,6 +38,17 @@ def interface_accelerance(lowered: LoweredModel) -> Matrix:
     return block_diagonal(_accelerances(lowered), is_small(lowered.system))
 
 
+def elastic_accelerations(lowered: LoweredModel, p: Array) -> Array:
+    """Accelerations (n_a,) of active dofs under the loads p (n_u,) at rest, patterns included."""
+    elastic = lowered.system.elastic
+    accelerations = np.zeros(len(p))
+    for e, accelerance in enumerate(lowered.responses.accelerances):
+        dofs = slice(elastic.dof[e], elastic.dof[e + 1])
+        accelerations[dofs] = accelerance @ p[dofs]
+    active: Array = accelerations[elastic.active]
+    return active
+
+
 def accelerance_root(lowered: LoweredModel) -> Matrix:
     """A with A A^T = A_el times the mass of each body, all dofs as lengths (n_a, n_a)."""
     elastic, roots = lowered.system.elastic, []

@@ -21,18 +21,21 @@ from ..model.model import Model
 from ..step.equations import convective_terms, evaluate, linearize
 from ..step.extremes import start_extremes
 from ..step.loads import load_vector
+from ..step.patterns import keep_pattern
 from ..step.second_order import add_curvatures, hardening_energy
 from ..step.system import State, System, Workspace
 from .assembly import Target, assemble_joints, fit_velocities
 from .equilibrium import check_drives, check_steady, solve_equilibrium
+from .full_turns import continue_angles, turn_joints
 from .handover import hand_over, predecessor
-from .inertia import interface_accelerance, inverse_inertia
-from .jacobian import constraint_jacobian, constraint_rows
+from .inertia import elastic_accelerations, interface_accelerance, inverse_inertia
+from .jacobian import constraint_jacobian, constraint_rows, row_rates
 from .matrices import solve
 from .penetration import penetrations
 from .redundancy import count_degrees_of_freedom, redundant_rows
 from .removed import RemovedRows
-from .steady import steady_motion
+from .servos import check_holding, set_poles
+from .steady import SteadyMotion, continuous_motion, steady_motion
 
 
 class AssemblyError(NamedTuple):
@@ -77,13 +80,18 @@ def lower_to_start(model: Model) -> tuple[LoweredModel, StateFile | None]:
 
 
 def initialize(
-    model: Model, lowered: LoweredModel | None = None, source: StateFile | None = None
+    model: Model,
+    lowered: LoweredModel | None = None,
+    source: StateFile | None = None,
+    *,
+    continuous: bool = False,
 ) -> InitialState:
     """A state that satisfies positions, velocities and equilibrium at t = 0.
 
     lowered: the model as `lower` gave it, where the caller has it; source: the state of another run
-    from which it starts, if there is one. What can be checked without compiled code is checked
-    before any of it is called.
+    from which it starts, if there is one; continuous: in a steady rotation as it is, not as the
+    scheme steps it. What can be checked without compiled code is checked before any of it is
+    called.
     """
     lowered = lowered or lower(model)
     if source is not None:
@@ -101,12 +109,14 @@ def initialize(
         lowered = lower(model, without)
         state, work = _allocated(lowered)
         assemble_joints(lowered, state, work, _targets(lowered, ""))
+    continue_angles(lowered, state, work)
     correction = 0.0
     closed: tuple[str, ...] = ()
     if in_equilibrium:
-        rotation = model.settings.steady_rotation
-        motion = None if rotation is None else steady_motion(rotation, lowered.system.scheme)
+        motion = _steady_motion(lowered, continuous)
         solve_equilibrium(lowered, motion, state, work)
+        check_holding(lowered, state)
+        turn_joints(lowered, state, work)
         check_steady(lowered, motion, state, work)
         _start_loaded(lowered, state, work)
     else:
@@ -116,10 +126,20 @@ def initialize(
         _start_unloaded(lowered, state, work)
     _start_work(lowered.system, state, work)
     start_extremes(lowered.system, state, work)
+    set_poles(lowered, state, work)
     moved = _moved(lowered, state)
     return InitialState(
         lowered, state, work, error, moved, correction, removed, degrees_of_freedom, closed
     )
+
+
+def _steady_motion(lowered: LoweredModel, continuous: bool) -> SteadyMotion | None:
+    rotation = lowered.model.settings.steady_rotation
+    if rotation is None:
+        return None
+    if continuous:
+        return continuous_motion(rotation)
+    return steady_motion(rotation, lowered.system.scheme)
 
 
 def _go_on(lowered: LoweredModel, source: StateFile) -> InitialState:
@@ -137,6 +157,7 @@ def _go_on(lowered: LoweredModel, source: StateFile) -> InitialState:
         hand_over(lowered, source, state, work)
     _start_work(lowered.system, state, work)
     start_extremes(lowered.system, state, work)
+    set_poles(lowered, state, work)
     closed = AssemblyError(0.0, "", 0.0, "")
     return InitialState(lowered, state, work, closed, 0.0, 0.0, removed, degrees_of_freedom)
 
@@ -147,6 +168,7 @@ def _allocated(lowered: LoweredModel, step: int = 0) -> tuple[State, Workspace]:
     t = lowered.h * np.full(1, step, dtype=np.float64)
     work.loads.value[:] = [signal.samples(t, lowered.h)[0] for signal in lowered.load_signals]
     work.drives.value[:] = [signal(float(t[0])) for signal in lowered.drives]
+    work.motors.value[:] = [signal.samples(t, lowered.h)[0] for signal in lowered.motor_signals]
     for d, drive in enumerate(lowered.drives):
         work.drives.rate[d], work.drives.acceleration[d] = drive.derivatives(float(t[0]))
     return state, work
@@ -157,7 +179,7 @@ def _assembly_error(lowered: LoweredModel, state: State, work: Workspace) -> Ass
     evaluate(lowered.system, state, work)
     hard = couplings.compliant == 0
     opening = np.abs(work.couplings.phi) * (hard & lowered.measures_lengths)
-    velocity = np.abs(work.couplings.rate) * (hard & (couplings.drive < 0))
+    velocity = np.abs(row_rates(couplings, work)) * (hard & (couplings.drive < 0))
     return AssemblyError(*_largest(lowered, opening), *_largest(lowered, velocity))
 
 
@@ -194,6 +216,7 @@ def _start_unloaded(lowered: LoweredModel, state: State, work: Workspace) -> Non
     evaluate(system, state, work)
     # phi of a force law is lambda less the force of the law
     state.couplings.lam[:] -= work.couplings.phi * system.couplings.compliant
+    state.couplings.lam[system.couplings.laws.motors.row] = work.motors.torque
     evaluate(system, state, work)
     linearize(system, state, work)
     v_dot, lam = _accelerations(lowered, state, work)
@@ -210,14 +233,17 @@ def _accelerations(lowered: LoweredModel, state: State, work: Workspace) -> tupl
     hard = constraint_rows(system)
     B_r, B_a = constraint_jacobian(system, state, work)
     A_el = interface_accelerance(lowered)
-    p = state.interfaces.p[system.elastic.active]
     inverse = inverse_inertia(system)
     # with v_dot = 0 the residual of equilibrium is v~ J v - f_r
     free = -inverse @ work.bodies.residual.ravel()
     lam = np.zeros(len(state.couplings.lam))
     if len(hard):
         convective_terms(system, state, work)
-        gap = work.couplings.convective[hard] + B_a @ (A_el @ p) + B_r @ free
+        gap = (
+            work.couplings.convective[hard]
+            + B_a @ elastic_accelerations(lowered, state.interfaces.p)
+            + B_r @ free
+        )
         schur = B_r @ inverse @ B_r.T + B_a @ A_el @ B_a.T
         scale = 1.0 / np.sqrt(np.maximum(schur.diagonal(), 1e-300))
         lam[hard] = -scale * solve(scale[:, None] * schur * scale, scale * gap)
@@ -276,11 +302,11 @@ def modes_of(lowered: LoweredModel, e: int) -> Array:
 def _start_work(system: System, state: State, work: Workspace) -> None:
     """Loads, drives and their forces at t = 0, from which their work is counted."""
     loads = state.loads
-    loads.value[:] = work.loads.value
+    loads.value[:] = work.loads.value[: len(loads.value)]
     for m, f in enumerate(system.loads.frame.tolist()):
         loads.vector[m] = load_vector(system.loads, m, work)
         loads.position[m], loads.axes[m] = work.frames.r[f], work.frames.D[f]
+    for t in range(len(system.patterns.body)):
+        keep_pattern(system.patterns, t, state, work)
     state.drives.value[:] = work.drives.value
-    for i, d in enumerate(system.couplings.drive.tolist()):
-        if d >= 0:
-            state.drives.force[d] = -state.couplings.lam[i] * work.couplings.drive_slope[i]
+    state.drives.force[:] = -state.couplings.lam[system.couplings.driven] * work.drives.slope

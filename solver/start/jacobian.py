@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..arrays import Array, Index
-from ..step.system import State, System, Workspace
+from ..step.system import Couplings, State, System, Workspace
 from .matrices import Matrix, from_entries, is_small
 
 
@@ -23,9 +23,24 @@ def constraint_jacobian(system: System, state: State, work: Workspace) -> tuple[
 
 
 def coupling_jacobian(system: System, state: State, work: Workspace) -> Matrix:
-    """Derivatives of the rows of all couplings as `linearize` left them (n_rows, 6 n_b + n_a)."""
-    rows = system.couplings.rows
-    return jacobian(system, rows.frame_a, rows.frame_b, work.couplings.B, state)
+    """Derivatives of the rows of all couplings as `linearize` left them (n_rows, 6 n_b + n_a).
+
+    Of those with terms, derivatives of the sum.
+    """
+    rows, terms = system.couplings.rows, system.couplings.terms
+    B = jacobian(system, rows.frame_a, rows.frame_b, work.couplings.B, state)
+    if not len(terms.row):
+        return B
+    of_terms = jacobian(system, terms.rows.frame_a, terms.rows.frame_b, work.terms.B, state)
+    shape, numbers = (len(rows.kind), len(terms.row)), np.arange(len(terms.row))
+    return B + from_entries(terms.ratio, terms.row, numbers, shape, is_small(system)) @ of_terms
+
+
+def row_rates(couplings: Couplings, work: Workspace) -> Array:
+    """Rates of the coordinates of all rows, terms included, as `evaluate` left them (n_rows,)."""
+    rates = work.couplings.rate.copy()
+    np.add.at(rates, couplings.terms.row, couplings.terms.ratio * work.terms.rate)
+    return rates
 
 
 def jacobian(system: System, frame_a: Index, frame_b: Index, B: Array, state: State) -> Matrix:

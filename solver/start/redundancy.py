@@ -53,6 +53,12 @@ def redundant_rows(lowered: LoweredModel, state: State, work: Workspace) -> froz
             f"joints: {describe_rows(lowered, driven)} is driven against other constraints: "
             f"on one another depend {dependent}; take away the drive or free a joint"
         )
+    if coupled := [i for i in removable if _has_terms(lowered, i)]:
+        owners = " and ".join(dict.fromkeys(lowered.owner_of(i) for i in coupled))
+        raise ModelError(
+            f"{owners}: depends on other constraints, which a coupler must not: on one another "
+            f"depend {dependent}; take it away or free a joint"
+        )
     if lowered.model.settings.redundant == "error":
         are = "is" if len(removable) == 1 else "are"
         raise ModelError(
@@ -61,6 +67,11 @@ def redundant_rows(lowered: LoweredModel, state: State, work: Workspace) -> froz
             f"{describe_rows(lowered, removable)}"
         )
     return frozenset(removable)
+
+
+def _has_terms(lowered: LoweredModel, row: int) -> bool:
+    terms = lowered.system.couplings.terms
+    return bool(terms.range[row] < terms.range[row + 1])
 
 
 def describe_rows(lowered: LoweredModel, rows: list[int]) -> str:

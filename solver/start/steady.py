@@ -71,6 +71,19 @@ def steady_motion(rotation: SteadyRotation, scheme: Scheme) -> SteadyMotion:
     )
 
 
+def continuous_motion(rotation: SteadyRotation) -> SteadyMotion:
+    """The same without a scheme: v = Omega x (x - c), v_dot = Omega x v."""
+    speed = float(np.linalg.norm(rotation.angular_velocity))
+    axis = rotation.angular_velocity / speed if speed > 0.0 else np.zeros(3)
+    return SteadyMotion(
+        angular_velocity=rotation.angular_velocity,
+        center=rotation.center,
+        velocity=_turned(1j * speed, axis),
+        pseudo_acceleration=_turned(-(speed**2) + 0j, axis),
+        acceleration=_turned(-(speed**2) + 0j, axis),
+    )
+
+
 def _turned(factor: complex, axis: Array) -> Array:
     """The matrix that multiplies by a complex number in the plane across an axis (3, 3)."""
     x, y, z = axis

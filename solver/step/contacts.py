@@ -9,6 +9,7 @@ from ..compiler.marks import compiled, entry
 from ..laws.contact import penetration
 from .force_laws import law_of_row
 from .gaps import has_ends, is_blocked, settled_axis, slip_axis
+from .motors import have_motors_switched, note_motors
 from .rows import GAP
 from .system import Couplings, State, Workspace
 from .vectors import Vector
@@ -52,12 +53,14 @@ def approaches(couplings: Couplings, h: float, state: State, work: Workspace) ->
 
 @compiled
 def has_switched(couplings: Couplings, work: Workspace) -> bool:
-    """Whether a contact has opened, closed, stuck or slipped since the matrix was made."""
+    """Whether a contact has opened, closed, stuck or slipped since the matrix was made, or a motor
+    has come to a limit or left it.
+    """
     switched = False
     for w in range(len(couplings.switching)):
         j = couplings.switching[w]
         switched = switched or work.couplings.status[j] != work.matrix.status[j]
-    return switched
+    return switched or have_motors_switched(work)
 
 
 @compiled
@@ -66,6 +69,7 @@ def note_status(couplings: Couplings, work: Workspace) -> None:
     for w in range(len(couplings.switching)):
         j = couplings.switching[w]
         work.matrix.status[j] = work.couplings.status[j]
+    note_motors(work)
 
 
 @compiled

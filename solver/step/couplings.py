@@ -1,7 +1,8 @@
-"""Joints, motions, springs and contacts: wrenches, residuals, derivatives, energies.
+"""Joints, motions, springs, motors and contacts: wrenches, residuals, derivatives, energies.
 
 The wrench of a row on its frames is lambda times its gradient, for L + lambda^T phi. The row of a
-joint must vanish, phi = c (less the driven distance; a driven rotation row turns its axis instead).
+joint must vanish, phi = c (less the driven distance or angle; a driven rotation row turns its axis
+instead, and that of an attitude has a driven axis). Rows of couplers have further terms (terms.py).
 The row of a spring obeys
 
     phi_i = lambda_i + sum_j (stiffness_ij (c_j - rest_j) + damping_ij dc_j/dt)
@@ -19,8 +20,6 @@ from .contacts import set_closed
 from .events import follow_contact
 from .force_laws import law_of_row, law_rounding, set_law_residual
 from .frames import (
-    Pair,
-    add_pair_tangent,
     add_wrench_scale,
     coordinate,
     pull_back_pair,
@@ -34,9 +33,29 @@ from .friction import (
     set_friction_residual,
 )
 from .measure import ROUNDING, relative
-from .rows import ROTATION, add_row_tangent, carried_axis, evaluate_row, measures_length, slips
+from .rows import (
+    ATTITUDE,
+    ROTATION,
+    add_row_tangent,
+    carried_axis,
+    evaluate_row,
+    is_angle,
+    measures_length,
+    slips,
+)
 from .system import Couplings, Frames, State, System, Workspace
-from .vectors import dot, rotate, row, scale, triple
+from .terms import (
+    add_convective_terms,
+    add_tangent_of_pair,
+    add_term_scales,
+    add_term_wrenches,
+    assemble_terms,
+    expect_terms,
+    keep_terms,
+    linearize_terms,
+    term_scale,
+)
+from .vectors import UNITS, cross, dot, rotate, row, scale, triple
 
 
 @compiled
@@ -44,6 +63,12 @@ def driven_angle(couplings: Couplings, i: int, work: Workspace) -> float:
     """The angle by which the drive of row i turns its axis."""
     d = couplings.drive[i]
     return float(work.drives.value[d]) if d >= 0 and couplings.rows.kind[i] == ROTATION else 0.0
+
+
+@compiled
+def _is_measured(kind: int) -> bool:
+    """True where a drive is subtracted from the coordinate of a kind of rows."""
+    return measures_length(kind) or is_angle(kind)
 
 
 @compiled
@@ -71,6 +96,7 @@ def add_coupling_wrenches(couplings: Couplings, state: State, work: Workspace) -
                 set_law_residual(couplings.laws, i, first, end, state, work)
         if end < last and (out.status[j] or not contact):
             set_friction_residual(couplings, j, first, state, work)
+    add_term_wrenches(couplings, state, work)
 
 
 @compiled
@@ -119,25 +145,31 @@ def add_coupling_scales(system: System, state: State, work: Workspace) -> None:
         on_b = scale(lam, triple(gradient[i], 6)), scale(lam, triple(gradient[i], 9))
         add_wrench_scale(system.frames, rows.frame_a[i], on_a, state, work)
         add_wrench_scale(system.frames, rows.frame_b[i], on_b, state, work)
+    add_term_scales(system, state, work)
 
 
 @compiled
 def _set_constraint_residual(couplings: Couplings, i: int, work: Workspace) -> None:
-    """phi = c - s on a driven length, c elsewhere; d phi / d s of the drive."""
+    """phi = c - s of a driven length or angle, c elsewhere; d phi / d s of the drive."""
     out = work.couplings
     out.phi[i] = out.coordinate[i]
     d = couplings.drive[i]
     if d < 0:
         return
     s = work.drives.value[d]
-    if measures_length(couplings.rows.kind[i]):
+    if _is_measured(couplings.rows.kind[i]):
         out.phi[i] -= s
-        out.drive_slope[i] = -1.0
+        work.drives.slope[d] = -1.0
+    elif couplings.rows.kind[i] == ATTITUDE:
+        f, g = couplings.rows.frame_a[i], couplings.rows.frame_b[i]
+        b = rotate(work.frames.D, g, row(couplings.rows.b, i))
+        for m in range(3):
+            work.drives.slope[d + m] = dot(rotate(work.frames.D, f, UNITS[m]), b)
     else:
         ahead = carried_axis(couplings.rows, i, s + 0.5 * math.pi)
         f, g = couplings.rows.frame_a[i], couplings.rows.frame_b[i]
         b = rotate(work.frames.D, g, row(couplings.rows.b, i))
-        out.drive_slope[i] = dot(rotate(work.frames.D, f, ahead), b)
+        work.drives.slope[d] = dot(rotate(work.frames.D, f, ahead), b)
 
 
 @compiled
@@ -146,6 +178,7 @@ def expect_coordinates(couplings: Couplings, h: float, state: State, work: Works
     old, near = state.couplings, work.couplings.near
     for i in range(len(near)):
         near[i] = old.coordinate[i] + h * old.rate[i]
+    expect_terms(h, state, work)
 
 
 @compiled
@@ -195,7 +228,9 @@ def linearize_couplings(system: System, state: State, work: Workspace) -> None:
         if end < last:
             set_friction_derivative(couplings, j, first, h, state, work)
         pull_back_tangent(frames, pair, out.tangent, state, work)
-        _add_coupling_tangent(system, j, pair, work)
+        pattern = system.pattern
+        add_tangent_of_pair(frames, pattern, pair, pattern.coupling_block[j], work)
+    linearize_terms(system, state, work)
 
 
 @compiled
@@ -205,22 +240,6 @@ def _release(first: int, last: int, work: Workspace) -> None:
         work.couplings.A[i] = 0.0
         work.couplings.B[i] = 0.0
         work.couplings.Z[i] = 0.0
-
-
-@compiled
-def _add_coupling_tangent(system: System, j: int, pair: Pair, work: Workspace) -> None:
-    """K += `pair_tangent` in the blocks of coupling j between its bodies."""
-    frames, pattern = system.frames, system.pattern
-    f, g = pair
-    a, b = frames.body[f], frames.body[g]
-    if a >= 0:
-        add_pair_tangent(frames, (f, f), (0, 0), pattern.body_block[a], work)
-    if b >= 0:
-        add_pair_tangent(frames, (g, g), (12, 12), pattern.body_block[b], work)
-    if a >= 0 and b >= 0:
-        blocks = pattern.coupling_block[j]
-        add_pair_tangent(frames, (f, g), (0, 12), blocks[0], work)
-        add_pair_tangent(frames, (g, f), (12, 0), blocks[1], work)
 
 
 @compiled
@@ -301,6 +320,7 @@ def assemble_rows(system: System, work: Workspace) -> None:
                 S[blocks[6, 0] + (i - first) * blocks[6, 1] + k - first] += derivatives.Z[
                     i, k - first
                 ]
+    assemble_terms(system, work)
 
 
 @compiled
@@ -350,10 +370,14 @@ def relative_coupling_residual(
                 if at_rest:
                     floor += law_rounding(system, i, couplings.range[j], reach, state, work)
                 worst = max(worst, relative(out.phi[i], out.scale[i], floor, tolerance))
-            elif measures_length(couplings.rows.kind[i]):
-                worst = max(worst, relative(out.phi[i], length, ROUNDING * reach, tolerance))
             else:
-                worst = max(worst, relative(out.phi[i], angle, ROUNDING, tolerance))
+                is_length = measures_length(couplings.rows.kind[i])
+                moved, size = term_scale(couplings, i, motion, reach, work)
+                if is_angle(couplings.rows.kind[i]):
+                    size += abs(out.coordinate[i])
+                moved += length if is_length else angle
+                size += reach if is_length else 1.0
+                worst = max(worst, relative(out.phi[i], moved, ROUNDING * size, tolerance))
     return worst
 
 
@@ -400,10 +424,12 @@ def set_convective(system: System, state: State, work: Workspace) -> None:
                 by_f, by_g = out.rate_tangent[k, m], out.rate_tangent[k, 6 + m]
                 total += V_k * (by_f * frames.V[f, m] + by_g * frames.V[g, m])
         d = couplings.drive[i]
-        if d >= 0:
+        if d >= 0 and rows.kind[i] == ATTITUDE:
+            total += _convective_of_attitude(couplings, i, work)
+        elif d >= 0:
             rate, acceleration = work.drives.rate[d], work.drives.acceleration[d]
-            total += acceleration * out.drive_slope[i]
-            if not measures_length(rows.kind[i]):
+            total += acceleration * work.drives.slope[d]
+            if not _is_measured(rows.kind[i]):
                 ahead = driven_angle(couplings, i, work) + 0.5 * math.pi
                 evaluate_row(rows, i, ahead, 0.0, work, out.slope_gradient)
                 slope_rate = 0.0
@@ -412,18 +438,42 @@ def set_convective(system: System, state: State, work: Workspace) -> None:
                     slope_rate += out.slope_gradient[6 + k] * frames.V[g, k]
                 total += 2.0 * rate * slope_rate - rate * rate * out.coordinate[i]
         out.convective[i] = total
+    add_convective_terms(couplings, work)
+
+
+@compiled
+def _convective_of_attitude(couplings: Couplings, i: int, work: Workspace) -> float:
+    """(D a'') . b + 2 d((D a') . b)/dt of the driven axis a(t) of row i, with a' held."""
+    rows, drives, d = couplings.rows, work.drives, couplings.drive[i]
+    f, g = rows.frame_a[i], rows.frame_b[i]
+    total = 0.0
+    for m in range(3):
+        total += drives.acceleration[d + m] * drives.slope[d + m]
+    rates = drives.rate[d], drives.rate[d + 1], drives.rate[d + 2]
+    turning = rotate(work.frames.D, f, rates)
+    normal = cross(turning, rotate(work.frames.D, g, row(rows.b, i)))
+    for k in range(3):
+        total += 2.0 * normal[k] * (work.frames.V[f, 3 + k] - work.frames.V[g, 3 + k])
+    return total
 
 
 @compiled
 def add_coupling_work(couplings: Couplings, state: State, work: Workspace) -> None:
-    """Work of springs and dampers on the bodies, lambda dc, and of drives, -lambda dphi/ds ds."""
+    """Work of springs, dampers and motors on the bodies, lambda dc, and of drives, -lambda dphi/ds
+    ds.
+    """
     out, old, drives = work.couplings, state.couplings, state.drives
     for j in range(len(couplings.range) - 1):
         for i in range(couplings.range[j], couplings.range[j + 1]):
             if couplings.compliant[i]:
                 change = out.coordinate[i] - old.coordinate[i]
                 mean = 0.5 * (old.lam[i] + out.lam_n[i])
-                state.energies.compliance[j] += mean * change
+                m = couplings.laws.motor[i]
+                if m >= 0:
+                    state.motors.work[m] += mean * change
+                    state.energies.work[0] += mean * change
+                else:
+                    state.energies.compliance[j] += mean * change
         if couplings.friction_of[j] >= 0:
             bend_bristle(couplings, j, couplings.range[j], state, work)
         if couplings.contact_of[j] >= 0:
@@ -431,10 +481,10 @@ def add_coupling_work(couplings: Couplings, state: State, work: Workspace) -> No
         for i in range(couplings.range[j], couplings.range[j + 1]):
             old.coordinate[i] = out.coordinate[i]
             old.rate[i] = out.rate[i]
-            d = couplings.drive[i]
-            if d >= 0:
-                force, s = -old.lam[i] * out.drive_slope[i], work.drives.value[d]
-                mean = 0.5 * (force + drives.force[d])
-                state.energies.work[0] += mean * (s - drives.value[d])
-                drives.force[d] = force
-                drives.value[d] = s
+    for d in range(len(couplings.driven)):
+        force, s = -old.lam[couplings.driven[d]] * work.drives.slope[d], work.drives.value[d]
+        mean = 0.5 * (force + drives.force[d])
+        state.energies.work[0] += mean * (s - drives.value[d])
+        drives.force[d] = force
+        drives.value[d] = s
+    keep_terms(state, work)

@@ -34,6 +34,12 @@ from .frames import (
 )
 from .interfaces import relative_interface_residual, set_compatibility, set_rates, weigh_forces
 from .loads import add_load_scales, add_load_wrenches, linearize_loads
+from .patterns import (
+    add_pattern_displacements,
+    add_pattern_scales,
+    add_pattern_tangents,
+    load_patterns,
+)
 from .second_order import (
     add_second_order_residual,
     add_second_order_rows,
@@ -54,9 +60,11 @@ def evaluate(system: System, state: State, work: Workspace) -> None:
     add_load_wrenches(system.loads, work)
     add_coupling_wrenches(system.couplings, state, work)
     load_bodies(frames, state, work)
+    load_patterns(system.patterns, state, work)
     load_second_order(system.elastic, state, work)
     add_inertia_forces(system.bodies, state, work)
     set_compatibility(system.elastic, state, work)
+    add_pattern_displacements(system.elastic, system.scheme, system.patterns, work)
     add_second_order_residual(system.elastic, state, work)
 
 
@@ -70,6 +78,7 @@ def linearize(system: System, state: State, work: Workspace) -> None:
     add_frame_tangents(frames, pattern, state, work)
     linearize_couplings(system, state, work)
     linearize_loads(system, state, work)
+    add_pattern_tangents(system, work)
 
 
 @entry
@@ -101,6 +110,7 @@ def set_force_scales(system: System, state: State, work: Workspace) -> None:
     """
     set_inertia_scales(system.bodies, state, work)
     add_load_scales(system, state, work)
+    add_pattern_scales(system.patterns, work)
     add_coupling_scales(system, state, work)
 
 

@@ -15,6 +15,7 @@ from .force_laws import remember_laws
 from .observers import start_coordinates
 from .second_order import inertia_taken, start_curvatures
 from .system import Couplings, Elastic, ExtremeState, Frames, State, System, Workspace
+from .terms import keep_terms
 from .vectors import dot, triple
 
 FARTHEST_TURN = 0.5 * math.pi
@@ -28,6 +29,7 @@ def start_extremes(system: System, state: State, work: Workspace) -> None:
     """The extremes of the start, whose state was the last to be evaluated."""
     copy(work.couplings.coordinate, state.couplings.coordinate)
     copy(work.couplings.rate, state.couplings.rate)
+    keep_terms(state, work)
     copy(state.modes.rate, work.modes.rate_n)
     copy(state.interfaces.rate, work.interfaces.rate_n)
     remember_laws(system.couplings.laws, state, work)

@@ -3,6 +3,7 @@
 from ..compiler.marks import compiled
 from ..laws import evaluate_law, remember_law
 from .measure import ROUNDING
+from .motors import motor_law, settle_motors
 from .rows import measures_length
 from .system import Laws, State, System, Workspace
 
@@ -22,6 +23,9 @@ def set_law_residual(
     force, _, _, _ = law_of_row(laws, i, state, work)
     out.phi[i] = total + force
     out.scale[i] = magnitude + abs(force)
+    m = laws.motor[i]
+    if m >= 0:
+        out.scale[i] += work.motors.scale[m]
 
 
 @compiled
@@ -29,6 +33,8 @@ def law_of_row(
     laws: Laws, i: int, state: State, work: Workspace
 ) -> tuple[float, float, float, float]:
     """Force, slopes by coordinate and rate, and energy of the laws of row i alone."""
+    if laws.motor[i] >= 0:
+        return motor_law(laws.motors, laws.motor[i], state, work)
     force, slope, rate_slope, energy = 0.0, 0.0, 0.0, 0.0
     if laws.range[i] == laws.range[i + 1]:
         return force, slope, rate_slope, energy
@@ -49,7 +55,9 @@ def law_of_row(
 
 @compiled
 def remember_laws(laws: Laws, state: State, work: Workspace) -> None:
-    """Bring the memories of all laws to the end of a step, from where no time has elapsed."""
+    """Bring the memories of all laws, and the integrals of motors, to the end of a step, from where
+    no time has elapsed.
+    """
     out = work.couplings
     rows = len(laws.rest) if len(state.couplings.memory) > 0 else 0
     for i in range(rows):
@@ -58,6 +66,7 @@ def remember_laws(laws: Laws, state: State, work: Workspace) -> None:
             parameters = laws.parameters[laws.first[m] : laws.first[m + 1]]
             memory = state.couplings.memory[laws.memory[m] : laws.memory[m + 1]]
             remember_law(laws.number[m], parameters, memory, out.elapsed[0], c, out.rate[i])
+    settle_motors(state, work)
     out.elapsed[0] = 0.0
 
 
@@ -71,7 +80,8 @@ def law_rounding(
     kind = couplings.rows.kind
     _, slope, rate_slope, _ = law_of_row(laws, i, state, work)
     steep = abs(slope) + gamma_prime * abs(rate_slope)
-    total = steep * (reach if measures_length(kind[i]) else 1.0)
+    turned = max(1.0, abs(work.couplings.coordinate[i])) if laws.motor[i] >= 0 else 1.0
+    total = steep * (reach if measures_length(kind[i]) else turned)
     for j in range(first, min(first + 6, len(kind))):
         steep = abs(laws.stiffness[i, j - first]) + gamma_prime * abs(laws.damping[i, j - first])
         total += steep * (reach if measures_length(kind[j]) else 1.0)

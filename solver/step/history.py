@@ -13,6 +13,7 @@ p_n and p_{n+1}.
 from ..arrays import Array
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
+from .chains import chain_energy, hold_chains, stretch_chains
 from .second_order import add_curvatures, hardening_energy
 from .system import Elastic, Scheme, State, Workspace
 from .vectors import inner
@@ -44,8 +45,8 @@ def finish_history(elastic: Elastic, scheme: Scheme, state: State, work: Workspa
         _add_instantaneous(elastic, e, weight, p, state.interfaces.u)
         first = elastic.dof[e]
         begin, end = modes.range[e], modes.range[e + 1]
-        for c in range(elastic.active_range[e], elastic.active_range[e + 1]):
-            k = elastic.active[c]
+        for c in range(elastic.loaded_range[e], elastic.loaded_range[e + 1]):
+            k = elastic.loaded[c]
             load = weight * p[k] + (1.0 - weight) * p_n[k]
             if begin == end:
                 past.p[k, state.step[0] + 1 - past.first[0]] = load - past.p_rest[k]
@@ -55,6 +56,8 @@ def finish_history(elastic: Elastic, scheme: Scheme, state: State, work: Workspa
                 forces[i] += phi[i] * load
     add_curvatures(elastic, state, work)
     _forced_response(elastic, scheme, state, work)
+    if len(modes.chains.body):
+        state.energies.damping[0] += stretch_chains(elastic, state, work)
     if modes.damped:
         state.energies.damping[0] += scheme.h * _damping_power(elastic, state, work)
 
@@ -81,11 +84,11 @@ def _damping_power(elastic: Elastic, state: State, work: Workspace) -> float:
 
 @compiled
 def modal_energy(elastic: Elastic, state: State) -> float:
-    """Kinetic and strain energy of all modes, 1/2 (eta'^2 + omega^2 eta^2), and W of bodies."""
+    """Kinetic and strain energy of all modes, 1/2 (eta'^2 + omega^2 eta^2), of chains, and W."""
     modes, total = state.modes, 0.0
     for i in range(len(modes.eta)):
         total += modes.rate[i] ** 2 + elastic.modes.stiffness[i] * modes.eta[i] ** 2
-    total *= 0.5
+    total = 0.5 * total + chain_energy(elastic, state)
     for e in range(len(elastic.body)):
         total += hardening_energy(elastic, e, state.interfaces.u)
     return total
@@ -96,14 +99,14 @@ def _add_instantaneous(elastic: Elastic, e: int, weight: float, p: Array, u: Arr
     """u += weight G_0 p on the dofs of body e."""
     first, last = elastic.dof[e], elastic.dof[e + 1]
     n_c = last - first
-    mostly_active = 2 * (elastic.active_range[e + 1] - elastic.active_range[e]) > n_c
+    mostly_loaded = 2 * (elastic.loaded_range[e + 1] - elastic.loaded_range[e]) > n_c
     for i in range(first, last):
         start = elastic.G_0_start[e] + (i - first) * n_c - first
-        if mostly_active:  # p is zero elsewhere, and products of whole rows are quick
+        if mostly_loaded:  # p is zero elsewhere, and products of whole rows are quick
             u[i] += weight * inner(elastic.G_0[start + first : start + last], p[first:last])
             continue
-        for c in range(elastic.active_range[e], elastic.active_range[e + 1]):
-            k = elastic.active[c]
+        for c in range(elastic.loaded_range[e], elastic.loaded_range[e + 1]):
+            k = elastic.loaded[c]
             u[i] += weight * elastic.G_0[start + k] * p[k]
 
 
@@ -121,6 +124,9 @@ def _free_response(elastic: Elastic, scheme: Scheme, state: State, work: Workspa
         carried = kept * modes.a[i] - lost * modes.acceleration[i]
         force = data.stiffness[i] * eta + data.damping[i] * rate + carried
         a[i] = -force / data.step_stiffness[i]
+    if len(data.chains.body):
+        copy(modes.eta, work.modes.eta_n)
+        hold_chains(elastic, scheme, state, work)
     for i in range(len(a)):
         mean = (0.5 - beta) * modes.a[i] + beta * a[i]
         modes.eta[i] += h * modes.rate[i] + h * h * mean
@@ -160,6 +166,7 @@ def quiet_modes(state: State) -> None:
         _quiet(modes.rate)
         _quiet(modes.acceleration)
         _quiet(modes.a)
+        _quiet(modes.stretch)
 
 
 @compiled
@@ -190,8 +197,8 @@ def _convolve(elastic: Elastic, e: int, n: int, state: State, out: Array) -> Non
     since = max(past.since[e], n - lags + 1)
     for i in range(n_c):
         total = past.u_rest[first + i] + past.u_ahead[first + i, n - n_0]
-        for c in range(elastic.active_range[e], elastic.active_range[e + 1]):
-            k = elastic.active[c]
+        for c in range(elastic.loaded_range[e], elastic.loaded_range[e + 1]):
+            k = elastic.loaded[c]
             if n < lags:
                 initial = start + (n * n_c + i) * n_c + k - first
                 total += kernels.g_initial[initial] * past.p_start[k]

@@ -149,8 +149,8 @@ def add_elastic_work(elastic: Elastic, state: State, work: Workspace) -> None:
     u_n, p_n = work.interfaces.u_n, work.interfaces.p_n
     for e in range(len(elastic.body)):
         total = 0.0
-        for i in range(elastic.active_range[e], elastic.active_range[e + 1]):
-            k = elastic.active[i]
+        for i in range(elastic.loaded_range[e], elastic.loaded_range[e + 1]):
+            k = elastic.loaded[i]
             total += 0.5 * (p[k] + p_n[k]) * (u[k] - u_n[k] - work.second.bend[k])
         if elastic.modes.range[e] < elastic.modes.range[e + 1]:
             state.energies.modal[0] += total

@@ -14,6 +14,7 @@ from .interfaces import add_elastic_work, finish_interfaces, predict_interfaces
 from .loads import add_load_work
 from .newton import converge, renew
 from .observers import follow_coordinates
+from .patterns import add_pattern_work
 from .record import record
 from .system import Inputs, Run, State, System, Workspace
 
@@ -42,6 +43,7 @@ def advance(run: Run, inputs: Inputs) -> tuple[int, float]:
         state.prepared[0] = 0
         copy(inputs.load[k], work.loads.value)
         copy(inputs.drive[k], work.drives.value)
+        copy(inputs.motor[k], work.motors.value)
         work.couplings.elapsed[0] = system.scheme.h
         iterations, residual, converged = converge(system, state, work)
         if not converged:
@@ -86,6 +88,7 @@ def _finish(system: System, state: State, work: Workspace) -> None:
     finish_interfaces(system.scheme, state, work)
     add_elastic_work(system.elastic, state, work)
     add_load_work(system.loads, state, work)
+    add_pattern_work(system.patterns, state, work)
     add_coupling_work(system.couplings, state, work)
     remember_laws(system.couplings.laws, state, work)
     settle_contacts(system.couplings, work)

@@ -13,6 +13,7 @@ from .frames import (
 )
 from .gaps import contact_motion
 from .history import modal_energy
+from .readings import record_readings
 from .rotations import quaternion_exponential, quaternion_product
 from .rows import GAP
 from .second_order import record_second_order
@@ -32,6 +33,10 @@ def record(run: Run, k: int) -> None:
     _split(state.bodies.v, output.body_velocity[k], output.body_angular_velocity[k])
     _split(state.bodies.v_dot, output.body_acceleration[k], output.body_angular_acceleration[k])
     record_second_order(system.elastic, state, output.body_second_order_force[k])
+    record_readings(system.sensors, state, output, k)
+    for g in range(len(system.elastic.pattern_dof)):
+        output.pattern_load[k, g] = state.interfaces.p[system.elastic.pattern_dof[g]]
+        output.pattern_displacement[k, g] = state.interfaces.u[system.elastic.pattern_dof[g]]
     copy(work.frames.r, output.frame_position[k])
     _split(work.frames.V, output.frame_velocity[k], output.frame_angular_velocity[k])
     _split(work.frames.A, output.frame_acceleration[k], output.frame_angular_acceleration[k])
@@ -52,6 +57,7 @@ def record(run: Run, k: int) -> None:
     copy(state.observers.rate, output.joint_rate[k])
     for w in range(len(system.couplings.switching)):
         _record_switching(run, system.couplings.switching[w], k)
+    _record_motors(run, k)
     _record_energies(run, k)
     momentum(system.bodies, state, work, output.linear_momentum[k], output.angular_momentum[k])
 
@@ -81,6 +87,24 @@ def _record_switching(run: Run, j: int, k: int) -> None:
             output.contact_point[k, c, x] = point[x]
         for x in range(2):
             output.contact_slip[k, c, x] = slip[x] if status else 0.0
+
+
+@compiled
+def _record_motors(run: Run, k: int) -> None:
+    state, work, output = run.state, run.work, run.output
+    motors = run.system.couplings.laws.motors
+    for m in range(len(motors.row)):
+        i = motors.row[m]
+        output.motor_torque[k, m] = state.couplings.lam[i]
+        reference, error = 0.0, 0.0
+        if motors.stiffness[m] > 0.0 or motors.integral[m] > 0.0:
+            reference = work.motors.value[3 * m + 1]
+            error = reference - work.couplings.coordinate[i]
+        output.motor_reference[k, m] = reference
+        output.motor_error[k, m] = error
+        output.motor_power[k, m] = state.couplings.lam[i] * work.couplings.rate[i]
+        output.motor_work[k, m] = state.motors.work[m]
+        output.motor_state[k, m] = work.motors.status[m]
 
 
 @compiled

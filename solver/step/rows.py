@@ -8,6 +8,10 @@ space:
     distance      c = |Delta|               gradient: r_A: -n,  r_B: n,  n = Delta / |Delta|
     angle         c = atan2(a' . b, a . b)  gradient: from those of the two rotation rows;
                                             continued over full turns
+    angle of A    the same, of b carried by A, seen from a and a' carried by B
+    attitude      c = a(t) . b              as a rotation, of an axis a that follows three drives
+
+Lengths and angles are measured from a zero, which is subtracted from them.
 
 A wrench lambda times the gradient changes, at constant lambda, by lambda times the tangent H (12,
 12) of the row: with N(a, b) = skew(b) skew(a) = a b^T - (a . b) I, d(a x b) = N dtheta_A - N^T
@@ -24,7 +28,7 @@ from ..compiler.marks import compiled
 from .gaps import FirstSlip, Gap, SecondSlip
 from .kinds import KINDS, delta_of, row_kind
 from .system import Rows, Workspace
-from .vectors import UNITS, Vector, add, cross, dot, rotate, row, scale, subtract
+from .vectors import UNITS, Vector, add, cross, dot, rotate, row, scale, subtract, triple
 
 
 @compiled
@@ -60,7 +64,7 @@ class Translation:
             gradient[k] = -a[k]
             gradient[3 + k] = lever[k]
             gradient[6 + k] = a[k]
-        return dot(a, delta)
+        return float(dot(a, delta) - rows.zero[i])
 
     @staticmethod
     def add_tangent(
@@ -117,7 +121,7 @@ class Distance:
         for k in range(3):
             gradient[k] = -delta[k] * inverse
             gradient[6 + k] = delta[k] * inverse
-        return length
+        return float(length - rows.zero[i])
 
     @staticmethod
     def add_tangent(
@@ -152,34 +156,108 @@ class Angle:
     def evaluate(
         rows: Rows, i: int, angle: float, near: float, work: Workspace, gradient: Array
     ) -> float:
-        a, b = _axes(rows, i, 0.0, work)
-        turned = rotate(work.frames.D, rows.frame_a[i], row(rows.a_turned, i))
-        s, c = dot(turned, b), dot(a, b)
-        by_sine, by_cosine = scale(c, cross(turned, b)), scale(s, cross(a, b))
-        normal = scale(1.0 / (s * s + c * c), subtract(by_sine, by_cosine))
+        normal, value = _angle(rows, i, (rows.frame_a[i], rows.frame_b[i]), work)
         _set_rotation_gradient(normal, gradient)
-        return nearest_angle(math.atan2(s, c), near)
+        return nearest_angle(value - rows.zero[i], near)
 
     @staticmethod
     def add_tangent(
         rows: Rows, i: int, angle: float, factor: float, work: Workspace, H: Array
     ) -> None:
-        a, b = _axes(rows, i, 0.0, work)
-        turned = rotate(work.frames.D, rows.frame_a[i], row(rows.a_turned, i))
-        s, c = dot(turned, b), dot(a, b)
-        q = s * s + c * c
-        _add_rotation(turned, b, factor * c / q, H)
-        _add_rotation(a, b, -factor * s / q, H)
-        g_s, g_c = cross(turned, b), cross(a, b)
-        same, mixed = (c * c - s * s) / (q * q), 2.0 * s * c / (q * q)
-        for k in range(3):
-            for j in range(3):
-                value = -g_s[k] * (same * g_c[j] + mixed * g_s[j])
-                value -= g_c[k] * (same * g_s[j] - mixed * g_c[j])
-                H[3 + k, 3 + j] += factor * value
-                H[9 + k, 9 + j] += factor * value
-                H[3 + k, 9 + j] -= factor * value
-                H[9 + k, 3 + j] -= factor * value
+        _add_angle(rows, i, (rows.frame_a[i], rows.frame_b[i]), factor, work, H)
+
+
+@row_kind(length=False)
+class AngleOfA:
+    """The angle at which b, here carried by A, is seen from a and a', carried by B."""
+
+    number: int
+
+    @staticmethod
+    def evaluate(
+        rows: Rows, i: int, angle: float, near: float, work: Workspace, gradient: Array
+    ) -> float:
+        normal, value = _angle(rows, i, (rows.frame_b[i], rows.frame_a[i]), work)
+        _set_rotation_gradient(scale(-1.0, normal), gradient)
+        return nearest_angle(value - rows.zero[i], near)
+
+    @staticmethod
+    def add_tangent(
+        rows: Rows, i: int, angle: float, factor: float, work: Workspace, H: Array
+    ) -> None:
+        _add_angle(rows, i, (rows.frame_b[i], rows.frame_a[i]), factor, work, H)
+
+
+@row_kind(length=False)
+class Attitude:
+    """c = a . b, of an axis a in frame A whose components follow three drives."""
+
+    number: int
+
+    @staticmethod
+    def evaluate(
+        rows: Rows, i: int, angle: float, near: float, work: Workspace, gradient: Array
+    ) -> float:
+        a, b = _driven_axes(rows, i, work)
+        _set_rotation_gradient(cross(a, b), gradient)
+        return dot(a, b)
+
+    @staticmethod
+    def add_tangent(
+        rows: Rows, i: int, angle: float, factor: float, work: Workspace, H: Array
+    ) -> None:
+        a, b = _driven_axes(rows, i, work)
+        _add_rotation(a, b, factor, H)
+
+
+@compiled
+def _driven_axes(rows: Rows, i: int, work: Workspace) -> tuple[Vector, Vector]:
+    """a and b in space, of a row whose axis a is driven."""
+    a = rotate(work.frames.D, rows.frame_a[i], triple(work.drives.value, rows.axis[i]))
+    return a, rotate(work.frames.D, rows.frame_b[i], row(rows.b, i))
+
+
+@compiled
+def _three_axes(
+    rows: Rows, i: int, pair: tuple[int, int], work: Workspace
+) -> tuple[Vector, Vector, Vector]:
+    """a and a', carried by the first of two frames, and b, by the second, in space."""
+    a = rotate(work.frames.D, pair[0], row(rows.a, i))
+    turned = rotate(work.frames.D, pair[0], row(rows.a_turned, i))
+    return a, turned, rotate(work.frames.D, pair[1], row(rows.b, i))
+
+
+@compiled
+def _angle(rows: Rows, i: int, pair: tuple[int, int], work: Workspace) -> tuple[Vector, float]:
+    """The gradient of an angle by the rotation of the first frame, and its value."""
+    a, turned, b = _three_axes(rows, i, pair, work)
+    s, c = dot(turned, b), dot(a, b)
+    by_sine, by_cosine = scale(c, cross(turned, b)), scale(s, cross(a, b))
+    return scale(1.0 / (s * s + c * c), subtract(by_sine, by_cosine)), math.atan2(s, c)
+
+
+@compiled
+def _add_angle(
+    rows: Rows, i: int, pair: tuple[int, int], factor: float, work: Workspace, H: Array
+) -> None:
+    """H += factor times the tangent of an angle; n: place of the rotation of the first frame."""
+    a, turned, b = _three_axes(rows, i, pair, work)
+    n = 3 if pair[0] == rows.frame_a[i] else 9
+    m = 12 - n
+    s, c = dot(turned, b), dot(a, b)
+    q = s * s + c * c
+    _add_rotation_at(turned, b, factor * c / q, n, H)
+    _add_rotation_at(a, b, -factor * s / q, n, H)
+    g_s, g_c = cross(turned, b), cross(a, b)
+    same, mixed = (c * c - s * s) / (q * q), 2.0 * s * c / (q * q)
+    for k in range(3):
+        for j in range(3):
+            value = -g_s[k] * (same * g_c[j] + mixed * g_s[j])
+            value -= g_c[k] * (same * g_s[j] - mixed * g_c[j])
+            H[n + k, n + j] += factor * value
+            H[m + k, m + j] += factor * value
+            H[n + k, m + j] -= factor * value
+            H[m + k, n + j] -= factor * value
 
 
 @compiled
@@ -198,18 +276,25 @@ def _set_rotation_gradient(normal: Vector, gradient: Array) -> None:
 @compiled
 def _add_rotation(a: Vector, b: Vector, factor: float, H: Array) -> None:
     """H += factor times the tangent of a . b."""
-    value = dot(a, b)
+    _add_rotation_at(a, b, factor, 3, H)
+
+
+@compiled
+def _add_rotation_at(a: Vector, b: Vector, factor: float, n: int, H: Array) -> None:
+    """The same with the rotation of the frame of a at n = 3 or 9, that of the other at 12 - n."""
+    value, m = dot(a, b), 12 - n
     for j in range(3):
         for k in range(3):
             N = factor * (a[k] * b[j] - (value if j == k else 0.0))
-            H[3 + k, 3 + j] += N
-            H[9 + k, 3 + j] -= N
-            H[3 + j, 9 + k] -= N
-            H[9 + j, 9 + k] += N
+            H[n + k, n + j] += N
+            H[m + k, n + j] -= N
+            H[n + j, m + k] -= N
+            H[m + j, m + k] += N
 
 
 LENGTHS = tuple(kind.number for kind in KINDS if kind.length)
 ROTATION, ANGLE, GAP = Rotation.number, Angle.number, Gap.number
+ANGLE_OF_A, ATTITUDE = AngleOfA.number, Attitude.number
 FIRST_SLIP, SECOND_SLIP = FirstSlip.number, SecondSlip.number
 _evaluate = dispatcher(
     "evaluate_kind",
@@ -235,6 +320,12 @@ def measures_length(kind: int) -> bool:
 
 
 @compiled
+def is_angle(kind: int) -> bool:
+    """True where the coordinate of a kind of rows is an angle, which goes on over full turns."""
+    return kind in (ANGLE, ANGLE_OF_A)
+
+
+@compiled
 def slips(kind: int) -> bool:
     """True where a kind of rows has no coordinate but the integral of its rate."""
     return FIRST_SLIP <= kind <= SECOND_SLIP
@@ -243,7 +334,7 @@ def slips(kind: int) -> bool:
 @compiled
 def nearest_turn(rows: Rows, i: int, value: float, near: float) -> float:
     """The coordinate of row i, an angle by full turns nearest to `near`."""
-    return nearest_angle(value, near) if rows.kind[i] == ANGLE else value
+    return nearest_angle(value, near) if is_angle(rows.kind[i]) else value
 
 
 @compiled

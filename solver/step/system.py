@@ -4,13 +4,14 @@ Each is nested by contributor: bodies, frames, interfaces and modes of flexible 
 loads. These declarations alone list the arrays; `Struct.allocate` makes them.
 
 Dimensions: n_b bodies of six coordinates (delta x in space, delta Theta in body axes); n_f frames;
-n_j couplings (joints, motions, springs, contacts) of n_i rows in all, one multiplier each, n_k of
-them contacts and n_r with friction; n_v events of contacts; n_o observers; n_h numbers that force
-laws remember; n_l loads; n_d drives; n_e flexible bodies with n_u interface dofs in all, of which
-n_a are active, and n_m modes; n_p steps whose loads are kept; n_q coordinates of second order of a
-body at most. Frames that carry couplings or loads
-come before those that are only observed;
-interface dofs of the former are `active`: no others are ever loaded.
+n_j couplings (joints, motions, springs, contacts, motors) of n_i rows in all, one multiplier each,
+n_k of them contacts, n_r with friction and n_motors motors; n_v events of contacts; n_o observers;
+n_h numbers that force laws remember; n_l loads on frames, n_t load patterns, n_y signals of both;
+n_g patterns that bodies have, n_z channels of sensors; n_d drives; n_e flexible bodies with n_u
+elastic dofs in all, of which n_a are active, and n_m modes with n_x springs of chains; n_p steps
+whose loads are kept; n_q coordinates of second order of a body at most. Frames that carry couplings
+or loads come before those that are only observed; interface dofs of the former are `active`: no
+others but those of patterns are ever loaded.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -100,10 +101,32 @@ class Rows(Struct):
     first: Index = array("n_1")
     """(n + 1,) the first of the parameters of each row"""
     parameters: Array = array("n_parameters")
+    zero: Array = array("n")
+    """of a length or an angle: what its coordinate is measured from"""
+    axis: Index = array("n")
+    """the first of three drives that are the components of a in the axes of A; -1: a is fixed"""
+
+
+class Motors(Struct):
+    """Motors, each the law of a row of its own (motors.py)."""
+
+    row: Index = array("n_motors")
+    stiffness: Array = array("n_motors")
+    damping: Array = array("n_motors")
+    integral: Array = array("n_motors")
+    lower: Array = array("n_motors")
+    """limits of what it gives"""
+    upper: Array = array("n_motors")
+    speed: Array = array("n_motors")
+    """without load"""
+    tracking: Array = array("n_motors")
+    """rate at which the integral follows a limit, 0: there is none to follow"""
 
 
 class Laws(Struct):
     """Force laws of compliant rows: a linear one of all rows of a coupling, and some of each row.
+
+    Or that of a motor.
 
     The force of row i, j over the rows of the same coupling, m over its own laws:
 
@@ -123,6 +146,9 @@ class Laws(Struct):
     parameters: Array = array("n")
     memory: Index = array("n_law_1")
     """(n_law + 1,) the first number that each law remembers"""
+    motor: Index = array("n_i")
+    """the motor that a row is of, -1: none"""
+    motors: Motors
 
 
 class Friction(Struct):
@@ -149,12 +175,28 @@ class Friction(Struct):
     group: Index = array("n_i")
 
 
+class Terms(Struct):
+    """Coordinates of other pairs of frames that join the constraints of some rows (terms.py)."""
+
+    rows: Rows
+    ratio: Array = array("n_terms")
+    row: Index = array("n_terms")
+    """the row that each joins"""
+    number: Index = array("n_terms")
+    """the same among the rows of its coupling"""
+    own: Index = array("n_terms")
+    """the coupling if the term is between its own frames, -1: between others"""
+    range: Index = array("n_i_1")
+    """(n_i + 1,) the terms of each row"""
+
+
 class Couplings(Struct):
     """Joints, motions, springs and contacts: rows with a multiplier that keeps them at 0 or obeys a
     law.
     """
 
     rows: Rows
+    terms: Terms
     laws: Laws
     friction: Friction
     friction_of: Index = array("n_j")
@@ -171,7 +213,9 @@ class Couplings(Struct):
     second: Index = array("n_i")
     """offset in the gradient of the second frame that the coupling names: 6, or 0 if it is A"""
     drive: Index = array("n_i")
-    """the drive of the row, -1: none"""
+    """the first drive of the row, -1: none"""
+    driven: Index = array("n_d")
+    """the row of each drive"""
     compliant: Index = array("n_i")
     """1: obeys a law"""
 
@@ -186,6 +230,56 @@ class Loads(Struct):
     direction: Array = array("n_l", 3)
 
 
+class LoadPatterns(Struct):
+    """Loads that are spread over flexible bodies (patterns.py)."""
+
+    body: Index = array("n_t")
+    dof: Index = array("n_t")
+    """of each, in u"""
+    signal: Index = array("n_t")
+    """the number of its amplitude among the values of loads"""
+    force: Array = array("n_t", 3)
+    """resultant at the amplitude 1, in body axes"""
+    moment: Array = array("n_t", 3)
+    """the same about the center of mass"""
+
+
+class Sensors(Struct):
+    """Channels of sensors in flexible bodies (readings.py)."""
+
+    body: Index = array("n_z")
+    dof: Index = array("n_z")
+    """of each, in u"""
+    axis: Index = array("n_z")
+    """of a point, 0 to 2 one after the other; -1: of a gauge"""
+    X: Array = array("n_z", 3)
+    """place of the sensor, from the center of mass in body axes"""
+
+
+class Chains(Struct):
+    """Maxwell elements beside the stiffness of the modes of bodies, K_e for body e.
+
+    Their springs stand body by body, element by element, one for each mode.
+    """
+
+    body: Index = array("n_chained")
+    """the flexible bodies that have some"""
+    element: Index = array("n_chained_1")
+    """(n_chained + 1,) the elements of each"""
+    spring: Index = array("n_chained")
+    """its first spring"""
+    kept: Array = array("n_elements")
+    """of the stretch of a spring, in a step"""
+    gain: Array = array("n_elements")
+    """stretch per displacement of the mode"""
+    lost: Array = array("n_elements")
+    """h / tau"""
+    amplitude: Array = array("n_x")
+    """stiffness of each spring over that of its mode"""
+    hardening: Array = array("n_m")
+    """sum of gain amplitude of each mode; 0 without a chain"""
+
+
 class Modes(Struct):
     """Scalar recursions that carry the history of bodies with modes."""
 
@@ -196,12 +290,13 @@ class Modes(Struct):
     damping: Array = array("n_m")
     """2 zeta omega"""
     step_stiffness: Array = array("n_m")
-    """inertia_ratio + gamma h damping + beta h^2 stiffness"""
+    """inertia_ratio + gamma h damping + beta h^2 stiffness (1 + hardening)"""
     phi: Array = array("n")
     """(n_c, m) one after the other; bodies may share one"""
     phi_start: Index = array("n_e")
     damped: int
     """1: some mode is damped"""
+    chains: Chains
 
 
 class Kernels(Struct):
@@ -262,6 +357,12 @@ class Elastic(Struct):
     """the dofs that can be loaded"""
     active_range: Index = array("n_e_1")
     """(n_e + 1,) those of each flexible body in `active`"""
+    loaded: Index = array("n_loaded")
+    """the active dofs of each flexible body, and those of its patterns that carry loads"""
+    loaded_range: Index = array("n_e_1")
+    """(n_e + 1,) those of each flexible body in `loaded`"""
+    pattern_dof: Index = array("n_g")
+    """the dofs of all load patterns, whether they carry loads or not"""
     G_0: Array = array("n")
     """instantaneous compliances (n_c, n_c) one after the other"""
     G_0_start: Index = array("n_e")
@@ -309,6 +410,8 @@ class Pattern(Struct):
     """first number and row distance of the diagonal block"""
     coupling_block: Index = array("n_j", 7, 2)
     """of the blocks (A, B), (B, A), (A, j), (j, A), (B, j), (j, B), (j, j)"""
+    term_block: Index = array("n_terms", 6, 2)
+    """of the first six of these, for the frames of each term"""
     force_block: Index = array("n_blocks", 4)
     """blocks in the rows of bodies: body, first number, row distance, width"""
 
@@ -322,6 +425,8 @@ class System(Struct):
     observers: Rows
     """joint coordinates that are only observed"""
     loads: Loads
+    patterns: LoadPatterns
+    sensors: Sensors
     elastic: Elastic
     pattern: Pattern
 
@@ -357,6 +462,8 @@ class ModalState(Struct):
     acceleration: Array = array("n_m")
     a: Array = array("n_m")
     """pseudo-acceleration"""
+    stretch: Array = array("n_x")
+    """of the springs of chains"""
 
 
 class PastState(Struct):
@@ -387,6 +494,12 @@ class CouplingState(Struct):
     """deflection in friction"""
     memory: Array = array("n_h")
     """what force laws remember, one after the other"""
+
+
+class TermState(Struct):
+    coordinate: Array = array("n_terms")
+    """those of the last step"""
+    rate: Array = array("n_terms")
 
 
 class ContactState(Struct):
@@ -430,6 +543,29 @@ class LoadState(Struct):
     axes: Array = array("n_l", 3, 3)
 
 
+class PatternState(Struct):
+    """Load patterns at the last step, for their work."""
+
+    value: Array = array("n_t")
+    wrench: Array = array("n_t", 6)
+    """force and moment about the center of mass, in space"""
+    position: Array = array("n_t", 3)
+    """of the body"""
+    axes: Array = array("n_t", 3, 3)
+
+
+class MotorState(Struct):
+    """Motors at the last step."""
+
+    integral: Array = array("n_motors")
+    slope: Array = array("n_motors")
+    """rate of the integral"""
+    work: Array = array("n_motors")
+    """since the start"""
+    pole: Array = array("n_motors")
+    """largest magnitude of a pole of its loop at the start, all bodies rigid [rad/s]"""
+
+
 class DriveState(Struct):
     """Drives at the last step, for their work."""
 
@@ -448,9 +584,9 @@ class EnergyState(Struct):
     convolved: Array = array(1)
     """the same on bodies whose kernels are convolved"""
     damping: Array = array(1)
-    """taken by the damping of modes"""
+    """taken by the damping of modes, and of the material"""
     work: Array = array(1)
-    """of loads and drives"""
+    """of loads, drives and motors"""
     compliance: Array = array("n_j")
     """work of each spring or damper on the bodies"""
 
@@ -517,10 +653,13 @@ class State(Struct):
     modes: ModalState
     past: PastState
     couplings: CouplingState
+    terms: TermState
     contacts: ContactState
     observers: ObserverState
     loads: LoadState
+    patterns: PatternState
     drives: DriveState
+    motors: MotorState
     energies: EnergyState
     extremes: ExtremeState
 
@@ -624,6 +763,8 @@ class ModalWork(Struct):
     load: Array = array("n_m")
     rate_n: Array = array("n_m")
     """at the start of the step"""
+    eta_n: Array = array("n_m")
+    """the same, where a body has a chain; then the move since"""
 
 
 class CouplingWork(Struct):
@@ -654,8 +795,6 @@ class CouplingWork(Struct):
     """second derivative of the coordinate, less the drive, where no body accelerates"""
     wrench: Array = array("n_j", 6)
     """on the second frame, in space"""
-    drive_slope: Array = array("n_i")
-    """d phi / d drive"""
     B: Array = array("n_i", 24)
     """derivative of the coordinates by those of frames A and B"""
     B_rate: Array = array("n_i", 24)
@@ -672,6 +811,15 @@ class CouplingWork(Struct):
     """gradient of a driven row whose axis is a quarter turn ahead"""
 
 
+class TermWork(Struct):
+    near: Array = array("n_terms")
+    """expected coordinates, to which angles are the nearest"""
+    coordinate: Array = array("n_terms")
+    rate: Array = array("n_terms")
+    gradient: Array = array("n_terms", 12)
+    B: Array = array("n_terms", 24)
+
+
 class ObserverWork(Struct):
     value: Array = array("n_o")
     gradient: Array = array(12)
@@ -680,8 +828,8 @@ class ObserverWork(Struct):
 
 
 class LoadWork(Struct):
-    value: Array = array("n_l")
-    """of the signals at the end of the step"""
+    value: Array = array("n_y")
+    """of the signals at the end of the step, those of patterns last"""
     tangent: Array = array(3, 6)
     """derivative of a load by (delta r, delta theta) of its frame, in space"""
     motion: Array = array(3)
@@ -694,6 +842,25 @@ class DriveWork(Struct):
     rate: Array = array("n_d")
     """at the start of a run"""
     acceleration: Array = array("n_d")
+    slope: Array = array("n_d")
+    """d phi / d drive"""
+
+
+class MotorWork(Struct):
+    value: Array = array("n_motor_signals")
+    """of each motor what it gives without an error, its reference, and the rate of that"""
+    error: Array = array("n_motors")
+    torque: Array = array("n_motors")
+    """within the limits"""
+    integral: Array = array("n_motors")
+    """at the end of the step"""
+    slope: Array = array("n_motors")
+    scale: Array = array("n_motors")
+    """sum of the magnitudes of what it is asked for"""
+    status: Index = array("n_motors")
+    """-1, 1: at the lower or upper limit; 0: between them"""
+    matrix_status: Index = array("n_motors")
+    """when the matrix was made"""
 
 
 class MatrixWork(Struct):
@@ -722,9 +889,11 @@ class Workspace(Struct):
     second: SecondOrderWork
     modes: ModalWork
     couplings: CouplingWork
+    terms: TermWork
     observers: ObserverWork
     loads: LoadWork
     drives: DriveWork
+    motors: MotorWork
     matrix: MatrixWork
 
 
@@ -734,8 +903,9 @@ class Workspace(Struct):
 class Inputs(Struct):
     """Signals at the next steps, and the rows of the output that record them."""
 
-    load: Array = array("n", "n_l")
+    load: Array = array("n", "n_y")
     drive: Array = array("n", "n_d")
+    motor: Array = array("n", "n_motor_signals")
     row: Index = array("n")
     """of the output for the step, -1: it is not recorded"""
     ahead: int
@@ -756,6 +926,9 @@ SIZES: dict[str, int | str] = {
     "contact_axis": 3,
     "tangent_axis": 2,
     "joint_with_friction": "n_r",
+    "pattern": "n_g",
+    "sensor_channel": "n_z",
+    "motor": "n_motors",
 }
 """dimensions of results as dimensions of a step"""
 

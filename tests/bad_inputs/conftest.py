@@ -5,10 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from duhamel.superelement import (
+    Channels,
     GeneralizedAlpha,
     Interface,
     Modes,
+    Pattern,
     Superelement,
+    read,
     sample_kernel,
     write,
 )
@@ -29,6 +32,7 @@ def make_element() -> Superelement:
         modes=modes,
         compliance=modes.phi / modes.omega**2 @ modes.phi.T,
         accelerance=modes.phi @ modes.phi.T,
+        channels=Channels((Pattern("wind", [1, 0, 0], [0, 0, 0]),), (), [[0.1, 0.2, 0.3]]),
     )
 
 
@@ -37,6 +41,24 @@ def beam_image(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     path = tmp_path_factory.mktemp("beam") / "beam.h5"
     write(path, make_element())
     return path.read_bytes()
+
+
+@pytest.fixture(scope="session")
+def beam_element() -> Superelement:
+    return make_element()
+
+
+@pytest.fixture
+def beam_read_once(
+    beam_image: bytes, beam_element: Superelement, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Models find the beam read already: to read it takes longer than all else of a bad model."""
+
+    def read_or_known(path: Path, recovery: bool = True) -> Superelement:
+        known = path.is_file() and path.read_bytes() == beam_image
+        return beam_element if known else read(path, recovery)
+
+    monkeypatch.setattr("duhamel.solver.model.file.read", read_or_known)
 
 
 @pytest.fixture

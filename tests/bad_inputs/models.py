@@ -43,6 +43,12 @@ name = "clamp"
 type = "fixed"
 between = ["hub.rim", "beam.root"]
 
+[[joints]]
+type = "point_on_plane"
+between = ["ground", "ball"]
+axis = [0, 1, 0]
+drawn = {distance = 0.1}
+
 [[springs]]
 name = "tie"
 type = "point"
@@ -101,6 +107,12 @@ coordinate = "angle"
 range = [-1.0, 2.0]
 stiffness = 1e3
 
+[[couplers]]
+type = "linear"
+joints = ["point_on_plane 1.second_distance"]
+ratios = [2.0]
+offset = {polynomial = [0, 1e-3]}
+
 [[motions]]
 name = "shake"
 on = "ball"
@@ -119,6 +131,12 @@ on = "hub"
 direction = [0, 0, 1]
 signal = 1.0
 follower = false
+
+[[loads]]
+type = "pattern"
+body = "beam"
+pattern = "wind"
+signal = 2.0
 """
 
 STEADY = """

@@ -70,6 +70,32 @@ def test_an_error_is_one_line_on_stderr_and_nothing_is_written(
     assert not list(results_file.parent.glob("*.png"))
 
 
+def test_commas_within_brackets_join_no_curves(runner, results_file):
+    target = results_file.with_name("spectrum.png")
+    panel = "srs(acceleration:beam:x, q=5, pseudo-velocity)"
+    result = runner.invoke(app, ["plot", str(results_file), panel, "--g", "-o", str(target)])
+    assert result.exit_code == 0, result.output
+    assert target.exists()
+
+
+def test_what_cannot_be_made_of_a_quantity_is_one_line_on_stderr(runner, results_file):
+    result = runner.invoke(app, ["plot", str(results_file), "cfc(acceleration:beam:x, 1000)"])
+    assert result.exit_code == 1
+    assert result.stderr.startswith("error: cfc(acceleration:beam:x, 1000): CFC 1000: expected 100")
+    assert result.stderr.count("\n") == 1
+
+
+def test_peaks_are_a_table(runner, results_file):
+    result = runner.invoke(app, ["peaks", str(results_file), "velocity:*", "--g"])
+    assert result.exit_code == 0, result.output
+    rows = [line.split() for line in result.stdout.splitlines()]
+    assert ["velocity:beam:x", "m/s", "2", "0", "s", "2", "0", "s"] in rows
+    assert ["|velocity:beam|", "m/s", "2", "0", "s", "2", "0", "s"] in rows
+    failed = runner.invoke(app, ["peaks", str(results_file), "velocity:hub"])
+    assert failed.exit_code == 1
+    assert failed.stderr.startswith("error: velocity:hub: no body or frame 'hub'")
+
+
 def test_a_file_without_results_is_one_line_on_stderr(runner, element_file):
     result = runner.invoke(app, ["plot", str(element_file)])
     assert result.exit_code == 1

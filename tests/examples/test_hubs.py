@@ -28,3 +28,19 @@ def test_hubs(example, tmp_path):
     # 1.5e-3 at most.
     for strong, weak in zip(numbers[::2], numbers[1::2], strict=True):
         assert strong["peak_tip"] / weak["peak_tip"] == pytest.approx(2.0, rel=2e-3)
+
+
+def test_sampled_hubs_have_the_momentum_of_their_torque(example, tmp_path):
+    """The inertia that is derived is that of examples/hubs.toml: phi = 4 of a rim of 0.05 m."""
+    example("rotating_beam").ensure_superelement()
+    text = (EXAMPLES / "sampled_hubs.toml").read_text().replace("samples = 32", "samples = 3")
+    study_file = tmp_path / "sampled_hubs.toml"
+    study_file.write_text(text.replace("case1.toml", str(EXAMPLES / "case1.toml")))
+    rows = sweep(read_study(study_file, tmp_path / "cases"), workers=0)
+    for row in rows:
+        phi, a, C = (row.case.parameters[name] for name in ("phi", "a", "C"))
+        hub = row.case.document["bodies"]["hub"]
+        I_T = 0.00475475 * (0.25 / 12 + (a + 0.25) ** 2) / (0.25 / 12 + 0.3**2)
+        assert hub["inertia"][2] == pytest.approx(phi * I_T, rel=1e-12)
+        assert hub["frames"]["rim"]["position"] == [a, 0, 0]
+        assert row.numbers["momentum"] == pytest.approx(0.05 * C, rel=2e-6)

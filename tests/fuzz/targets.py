@@ -33,6 +33,14 @@ parameters.bodies.hub.mass = [1, 2]
 parameters.loads.0.signal = [1, {amplitude = 1, frequency = 2}]
 outputs.a = "max |angle:hub:z|"
 """
+SAMPLES = """
+model = "base.toml"
+parameters.m = {log_uniform = [1, 3]}
+parameters.c = {normal = [1, 0.1]}
+design = {type = "sobol", samples = 3, seed = 1}
+derived.bodies.hub.mass = "2 * m ** 0.5 + bodies.hub.mass / sqrt(4)"
+derived.loads.0.signal = "c * pi"
+"""
 TABLE = 'case,bodies.hub.mass,loads.0.signal\na,1,2\nb,"[1, 2]",3\n'
 NODES = "1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n"
 ABAQUS = "1,1, 1,1, 2.0\n2,1, 1,1, -1.0\n2,1, 2,1, 2.0\n"
@@ -66,7 +74,7 @@ def targets(folder: Path) -> dict[str, Target]:
     refusals = PreprocessError, SuperelementError
     return {
         "model": Target(read_model, (ModelError,), {".toml": _texts(MECHANISM, STEADY)}),
-        "study": Target(read_study, (StudyError,), {".toml": _texts(STUDY)}),
+        "study": Target(read_study, (StudyError,), {".toml": _texts(STUDY, SAMPLES)}),
         "study table": Target(_read_table, (StudyError,), {".csv": _texts(TABLE)}),
         "body": Target(read_body, refusals, {".toml": bodies}),
         "superelement": Target(

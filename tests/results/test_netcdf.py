@@ -40,9 +40,13 @@ def test_xarray_finds_dimensions_coordinates_and_units(written):
             "flexible_body": 1,
             "contact": 2,
             "stop": 2,
+            "motor": 2,
             "contact_axis": 3,
             "tangent_axis": 2,
             "joint_with_friction": 1,
+            "pattern": 2,
+            "sensor": 3,
+            "sensor_channel": 3,
             "event": 9,
             "event_owner": 4,
         }

@@ -16,6 +16,8 @@ from duhamel.solver.step.system import Output
 
 from .writing import batch, make_contents, make_output
 
+MIXED = ("stop", "motor", "coupler")
+"""dimensions of which some entries are lengths, others angles"""
 DOCUMENT = Path(__file__).parents[2] / "docs" / "file-formats.md"
 
 
@@ -37,11 +39,13 @@ def test_names_dimensions_and_units():
         assert quantity.dimensions[0] == "time"
         assert set(quantity.dimensions) <= set(schema.DIMENSIONS)
         assert (quantity.source == "") == (quantity.derive is not None)
-        angular = bool(quantity.owned and (quantity.owned.ragged or quantity.owned.name == "stop"))
+        owned = quantity.owned
+        angular = bool(owned and (owned.ragged or owned.name in MIXED))
         assert angular or isinstance(quantity.unit, str)
         assert isinstance(quantity.unit, tuple) or not quantity.owned or not quantity.owned.ragged
         for unit in quantity.unit if isinstance(quantity.unit, tuple) else (quantity.unit,):
-            assert re.fullmatch(r"1|(kg|m2?|N|J|rad|s)( (m2?|s))?( ?s-[12])?", unit), unit
+            known = r"1|s-[12]|(kg|m2?|N|J|W|Pa|rad|s)( (m2?|s))?( ?s-[12])?"
+            assert re.fullmatch(known, unit), unit
 
 
 @pytest.mark.parametrize(
@@ -50,6 +54,9 @@ def test_names_dimensions_and_units():
         ("bodies", motion.BodyMotion),
         ("frames", motion.FrameMotion),
         ("energy", motion.Energy),
+        ("motors", motion.MotorMotion),
+        ("patterns", motion.PatternMotion),
+        ("sensors", motion.SensorMotion),
         ("events", motion.Events),
         ("momentum", motion.Momentum),
     ],

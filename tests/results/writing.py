@@ -26,7 +26,9 @@ def make_contents(
     flexible=1,
     contacts=2,
     stops=2,
+    motors=2,
     second_order=3,
+    sensors=3,
     selects=lambda group: True,
 ):
     """Bodies with a frame each, joints with as many constraints as given, springs of one
@@ -45,7 +47,11 @@ def make_contents(
         "joint_coordinate": [f"j{n_j - 1}.angle_{i}" for i in range(coordinates if joints else 0)],
         "contact": [f"k{k}" for k in range(contacts)],
         "stop": [f"e{k}" for k in range(stops)],
+        "motor": [f"m{k}" for k in range(motors)],
         "joint_with_friction": [f"j{n_j - 1}.friction"] if joints else [],
+        "pattern": [f"b0.p{i}" for i in range(min(sensors, 2))],
+        "sensor": [f"b0.g{i}" for i in range(sensors)],
+        "sensor_channel": [f"b0.g{i}.strain" for i in range(sensors)],
         "event_owner": [f"k{k}" for k in range(contacts)] + [f"e{k}" for k in range(stops)],
     }
     first = {"frame": 1, "spring": n_j, "spring_component": n, "stop": contacts}
@@ -75,12 +81,15 @@ def make_output(contents, n, seed=0):
         "contact_axis": 3,
         "tangent_axis": 2,
         "contact": max(end("contact"), end("stop")),
+        "motor": end("motor"),
         "joint_with_friction": end("joint_with_friction"),
         "body": end("body"),
         "second_order_coordinate": end("second_order_coordinate"),
         "frame": end("frame"),
         "coupling": max(end("joint"), end("spring")),
-        "row": max(end("joint_constraint"), end("spring_component")),
+        "pattern": end("pattern"),
+        "sensor_channel": end("sensor_channel"),
+        "row": max(map(end, ("joint_constraint", "spring_component", "coupler"))),
         "joint_coordinate": end("joint_coordinate"),
     }
     fields = {}

@@ -5,7 +5,8 @@ A hub turns about a pivot at its center and carries a beam that is clamped to it
 written for clarity, and apart from the finite element matrices nothing is shared with the solver:
 
     hub, beam:  m x'' = f + m g,   J omega' + omega x J omega = t      (rigid motion of frames)
-    beam:       M u'' + C u' + K u = P^T P_C^T p,   P^T = I - M U U^T      (all nodes)
+    beam:       M u'' + C u' + K s = P^T P_C^T p,   P^T = I - M U U^T      (all nodes)
+                s = u + sum a_k q_k,   q_k' + q_k / tau_k = u'   (by the trapezoidal rule)
     pivot:      x_hub = 0, and for a revolute joint (R_hub e_3) . e_1 = (R_hub e_3) . e_2 = 0
     clamp:      x_hub + R_hub X = x + R (X_root + u_root),   log(R_hub^T R exp(w_root)) = 0
 
@@ -59,6 +60,8 @@ class Reference:
     revolute: bool = True
     gravity: np.ndarray = field(default_factory=lambda: np.zeros(3))
     zeta: float = 0.0
+    tau: tuple = ()
+    amplitude: tuple = ()
     iterations: int = ITERATIONS
     enough: float = 0.0
 
@@ -79,6 +82,10 @@ class Reference:
         self.X_root, self.X_tip = s.interfaces[0].X, s.interfaces[1].X
         self.n_u = len(self.M)
         self.n_rows = 11 if self.revolute else 9
+        self.q = np.zeros((len(self.tau), self.n_u))
+        half = h / (2 * np.asarray(self.tau))
+        self.kept, self.gain = ((1 - half) / (1 + half))[:, None], (1 / (1 + half))[:, None]
+        self.d_K = self.d_q * (1 + sum(self.amplitude * self.gain[:, 0]))
 
     def _modal_damping(self):
         """C = M Phi diag(2 zeta omega) Phi^T M"""
@@ -103,6 +110,8 @@ class Reference:
         R = np.array([np.eye(3), np.eye(3)])
         v = np.concatenate([np.zeros(3), spin, np.cross(spin, x[1]), spin, np.zeros(self.n_u)])
         u = np.zeros(self.n_u)
+        self.q[:] = 0.0
+        self.s = u
         v_dot, lam = self._start(x, R, u, v, torque[0], tip_force[0])
         a = v_dot.copy()
         history = [(R[0], self.interfaces(u), v[:12], self._clamp_wrench(R, u, lam))]
@@ -131,6 +140,8 @@ class Reference:
             x_new = x + np.array([dq[0:3], dq[6:9]])
             R_new = np.array([R[0] @ exp(dq[3:6]), R[1] @ exp(dq[9:12])])
             u_new = u + dq[12:]
+            q_new = self.kept * self.q + self.gain * dq[12:]
+            self.s = u_new + np.asarray(self.amplitude) @ q_new
             residual, phi, B = self._equations(
                 x_new, R_new, u_new, v_new, v_dot, lam, torque, tip_force
             )
@@ -143,6 +154,7 @@ class Reference:
                 break
         if self.d_q * np.abs(change[: len(v_dot)]).max() > 1e-14:
             raise RuntimeError("the reference did not converge")
+        self.q = q_new
         return x_new, R_new, u_new, v_new, v_dot, a, lam
 
     def _iteration_matrix(self, B, v):
@@ -155,7 +167,7 @@ class Reference:
             A[first : first + 3, first : first + 3] = J + self.d_v * (
                 skew(omega) @ J - skew(J @ omega)
             )
-        A[12:n, 12:n] = self.M + self.d_v * self.C + self.d_q * self.K
+        A[12:n, 12:n] = self.M + self.d_v * self.C + self.d_K * self.K
         A[:n, n:] = -self._filtered(B.T)
         A[n:, :n] = B
         return A
@@ -185,7 +197,7 @@ class Reference:
                 self.J_hub @ v_dot[3:6] + np.cross(v[3:6], self.J_hub @ v[3:6]),
                 self.m * v_dot[6:9],
                 self.J @ v_dot[9:12] + np.cross(v[9:12], self.J @ v[9:12]),
-                self.M @ v_dot[12:] + self.C @ v[12:] + self.K @ u,
+                self.M @ v_dot[12:] + self.C @ v[12:] + self.K @ self.s,
             ]
         )
         return inertia - forces, phi, B

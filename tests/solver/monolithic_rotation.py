@@ -55,6 +55,9 @@ class RotatingReference(Reference):
     def __post_init__(self):
         self.element, self.rotation = self.structure, self.structure.rotation
         self.structure = modal_structure(self.element)
+        if self.element.modes.chain is not None:
+            self.tau = tuple(self.element.modes.chain.tau)
+            self.amplitude = tuple(self.element.modes.chain.amplitude)
         super().__post_init__()
 
     def _modal_damping(self):

@@ -31,6 +31,7 @@ from duhamel.solver import (
 from duhamel.solver.lower.lower import lower
 from duhamel.solver.phases import change_step
 from duhamel.solver.start.initial import initialize, modes_of
+from duhamel.superelement import Chain
 
 from .frameworks import bar
 from .test_restart import assert_same
@@ -192,8 +193,10 @@ def test_nothing_jumps_at_a_change(element):
     assert abs(modes.a[stiffest]) < 0.01 * abs(modes.acceleration[stiffest])
 
 
-def test_displacements_are_those_of_the_modes_all_along(element):
+@pytest.mark.parametrize("chain", [None, Chain([1e-4, 1e-3], [0.01, 0.02])], ids=["", "lossy"])
+def test_displacements_are_those_of_the_modes_all_along(element, chain):
     """Where G_0 changes with the step, u = phi eta does not; so fields may follow from the rows."""
+    element = replace(element, modes=replace(element.modes, chain=chain))
     model = falling_bar(element, 1e-4, 1e-6)
     results = simulate(model)
     loads, u = [], []

@@ -77,18 +77,14 @@ MADE = {
         lambda: model(bodies={"a": body(start=Start(place=Place("g", "ground")))}),
         "body 'a': place: no frame 'g' on 'a'; it has: f",
     ),
-    "a place by no frame": (
-        lambda: model(bodies={"a": body(start=Start(place=Place("", "ground")))}),
-        "body 'a': place: expected the name of one of its frames, got ''",
-    ),
     "a joint of a body with itself": (
         lambda: model((weld("a", "a.f"),)),
         "joint 'weld': expected frames of two bodies, got ['a', 'a.f']",
     ),
     "two joints of one name": (
         lambda: model((weld("a", "ground"), weld("b", "ground"))),
-        "joints, springs, motions, contacts, stops: expected different names, got 'weld' more than "
-        "once",
+        "joints, springs, motions, contacts, stops, motors, couplers: expected different names, "
+        "got 'weld' more than once",
     ),
     "no bodies": (lambda: model(bodies={}), "bodies: expected at least one body, got none"),
     "a body called ground": (
@@ -110,7 +106,8 @@ MADE = {
     "a joint of an unknown type": (
         lambda: Joint("j", "hinge", ("a", "b")),
         "joint 'j': type: expected 'fixed', 'spherical', 'revolute', 'universal', 'cylindrical', "
-        "'prismatic' or 'planar', got 'hinge'",
+        "'prismatic', 'planar', 'rod', 'screw', 'constant_velocity', 'point_on_line' or "
+        "'point_on_plane', got 'hinge'",
     ),
     "a joint of three": (
         lambda: Joint("j", "fixed", ("a", "b", "c")),
@@ -161,12 +158,13 @@ MADE = {
         "joint 'j': a revolute joint is driven by angle, got distance",
     ),
     "a drive of what has none": (
-        lambda: Joint("j", "spherical", ("a", "b"), angle=Constant(1.0)),
-        "joint 'j': a spherical joint is driven by nothing, got angle",
+        lambda: Joint("j", "fixed", ("a", "b"), angle=Constant(1.0)),
+        "joint 'j': a fixed joint is driven by nothing, got angle",
     ),
     "a drive that jumps": (
         lambda: Joint("j", "revolute", ("a", "b"), [0, 0, 1], angle=Steps((0.0,), (1.0,))),
-        "joint 'j': angle: expected a smooth signal (constant, harmonic, polynomial, spline, smooth step, chirp, noise, or of such parts), "
+        "joint 'j': angle: expected a smooth signal (constant, harmonic, polynomial, spline, "
+        "smooth step, chirp, noise, or of such parts), "
         "got steps",
     ),
     "a load of an unknown type": (

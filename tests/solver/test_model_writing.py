@@ -166,10 +166,15 @@ def everything(random_element, tmp_path):
     bodies["e"] = FlexibleBody(element, place, str(tmp_path / "e.h5"))
     axes = {"axis": rng.normal(size=3)}, {"axis": [1, 1, 0], "second_axis": [1, -1, 0]}
     smooth = {"angle": Harmonic(0.1, 3.0), "distance": Spline(*POINTS)}
+    smooth |= {"second_angle": Polynomial((0.0, 0.1)), "rotation_vector": [Constant(0.1)] * 3}
+    only = {"screw": "angle", "spherical": "rotation_vector"}
     joints = []
     for k, (name, kind) in enumerate(JOINT_TYPES.items()):
         given = {} if kind.axes == 0 else axes[kind.axes - 1]
-        given = given | {drive: smooth[drive] for drive in kind.drives}
+        driven = [only[name]] if name in only else kind.drives
+        given = given | {drive: smooth[drive] for drive in driven}
+        given |= {"lead": 0.02} if name == "screw" else {}
+        given |= {"drawn": {"angle": 0.25}} if name == "cylindrical" else {}
         if kind.angles and not kind.drives:
             given["start"] = {"angle": 1.0 / 3.0}
         joints.append(Joint(name, name, (f"b{k}.f", f"b{k + 1}.g"), **given))

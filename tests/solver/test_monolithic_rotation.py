@@ -17,6 +17,7 @@ from duhamel.solver import (
     Start,
     simulate,
 )
+from duhamel.superelement import Chain
 
 from .models import model_of
 from .monolithic_rotation import RotatingReference
@@ -125,6 +126,14 @@ def test_a_body_that_turns_fast_moves_like_all_its_modes(body, pivot, spin, rho_
         element, np.array(spin), ramps(), pivot, rho_inf=rho_inf, gravity=[0.3, -3.0, -2.0]
     )
     assert_equal_motions(model, element, pivot, LIFT)
+
+
+def test_the_same_where_the_material_loses_energy(body):
+    element = body(3)
+    chain = Chain(np.array([1e-3, 0.1]), np.array([0.2, 0.3]))
+    element = replace(element, modes=replace(element.modes, chain=chain))
+    model = carousel(element, np.array([1.0, 2.0, 3.0]), ramps(), "spherical", rho_inf=0.8)
+    assert_equal_motions(model, element, "spherical", LIFT)
 
 
 def test_a_strain_energy_beyond_the_second_order_is_that_of_all_modes(body):

@@ -9,6 +9,7 @@ import pytest
 from duhamel.solver import (
     Constant,
     ConvergenceError,
+    Coupler,
     FlexibleBody,
     Frame,
     Harmonic,
@@ -38,6 +39,8 @@ from .matrices import in_space
 from .models import model_of
 
 AXIS, SECOND = np.array([1.0, 2.0, 2.0]) / 3.0, np.array([2.0, -2.0, 1.0]) / 3.0
+BENT = np.array([2.0, 2.0, 1.0]) / 3.0
+SWAY_2 = Polynomial((0.1, 0.3, -0.2))
 JOINTS = {
     "fixed": {},
     "spherical": {},
@@ -53,6 +56,22 @@ JOINTS = {
         "angle": Constant(0.4),
         "distance": Polynomial((0.0, 0.4)),
     },
+    "rod": {},
+    "driven rod": {"distance": Polynomial((0.6, 0.4))},
+    "screw": {"axis": AXIS, "lead": 0.7, "drawn": {"distance": 0.3}},
+    "driven screw": {"axis": AXIS, "lead": -0.7, "angle": Harmonic(0.8, 1.0, 0.5)},
+    "constant_velocity": {"axis": AXIS, "second_axis": BENT},
+    "point_on_line": {"axis": AXIS},
+    "driven point_on_line": {"axis": AXIS, "distance": Polynomial((0.0, 0.4))},
+    "point_on_plane": {"axis": AXIS},
+    "driven universal": {
+        "axis": AXIS,
+        "second_axis": SECOND,
+        "angle": Harmonic(0.8, 1.0, 0.5),
+        "second_angle": Constant(0.4),
+    },
+    "turned spherical": {"rotation_vector": [Harmonic(0.8, 1.0, 0.5), Constant(0.4), SWAY_2]},
+    "tilted spherical": {"cardan_angles": [Harmonic(0.8, 1.0, 0.5), Constant(1.4), SWAY_2]},
 }
 
 SWAY = Harmonic(0.8, 1.0, 0.5)
@@ -121,6 +140,11 @@ class Point:
             [self.work.bodies.force.ravel(), self.state.interfaces.p[self.active]]
         )
 
+    def coordinates(self):
+        """Of all rows, with their terms."""
+        hard, work = self.system.couplings.compliant == 0, self.work.couplings
+        return np.where(hard, work.phi, work.coordinate)
+
     def moved(self, z):
         """Forces and coordinates of rows after delta x, delta Theta of every body and delta u; the
         point stays.
@@ -135,7 +159,7 @@ class Point:
         self.state.bodies.R[:] = R @ Rotation.from_rotvec(rigid[:, 3:]).as_matrix()
         self.state.interfaces.u[self.active] += z[self.n_q :]
         self.evaluated()
-        forces, coordinates = self.forces(), self.work.couplings.coordinate.copy()
+        forces, coordinates = self.forces(), self.coordinates()
         self.state.bodies.x[:], self.state.bodies.R[:], self.state.interfaces.u[:] = x, R, u
         return forces, coordinates
 
@@ -208,19 +232,28 @@ def make_pair(make_body):
     return make
 
 
+def ends_of(name):
+    """Two frames that coincide at the start, but of a rod."""
+    return ("a.i0", "b.i1") if "rod" in name else ("a.i0", "b.i0")
+
+
 @pytest.mark.parametrize("kinds", PAIRS, ids="-".join)
 @pytest.mark.parametrize("name", JOINTS)
 def test_rows_of_a_joint(make_pair, name, kinds):
     """Jacobian, wrench and derivative of B^T lambda."""
-    joint = Joint("joint", name.removeprefix("driven "), ("a.i0", "b.i0"), **JOINTS[name])
-    assert_tangents(make_pair(kinds, (joint,)))
+    joint = Joint("joint", name.split()[-1], ends_of(name), **JOINTS[name])
+    assert_tangents(make_pair(kinds, (joint,), assemble=True))
 
 
 @pytest.mark.parametrize("name", JOINTS)
 def test_rows_of_a_joint_to_the_ground(make_pair, name):
-    for between in (("ground", "a.i0"), ("a.i0", "ground")):
-        joint = Joint("joint", name.removeprefix("driven "), between, **JOINTS[name])
-        assert_tangents(make_pair(("flexible", "rigid"), (joint,)), seed=3)
+    ends = ends_of(name)[1].replace("b", "a")
+    ground = "ground" if ends == "a.i0" else "ground.post"
+    for between in ((ground, ends), (ends, ground)):
+        joint = Joint("joint", name.split()[-1], between, **JOINTS[name])
+        post = {"post": Frame([0.2, -0.1, 0.3])} if ground != "ground" else {}
+        model = make_pair(("flexible", "rigid"), (joint,), ground_frames=post, assemble=True)
+        assert_tangents(model, seed=3)
 
 
 @pytest.mark.parametrize("follower", [False, True], ids=["dead", "follower"])
@@ -245,6 +278,34 @@ def test_the_tangent_of_many_joints_and_loads_on_shared_frames(make_pair):
         ),
     )
     assert_tangents(model, seed=4)
+
+
+COUPLED = ["one.second_angle", "two.distance", "three.angle", "two.angle"]
+
+
+def coupled(make_body, **settings):
+    """A coupler of a row's own frames and three other pairs, two of them of one joint."""
+    bodies = {
+        "a": make_body("flexible", 5),
+        "b": make_body("rigid", 6),
+        "c": make_body("flexible", 7),
+        "d": make_body("rigid", 8),
+    }
+    joints = (
+        Joint("one", "universal", ("ground", "a.i0"), AXIS, SECOND),
+        Joint("two", "cylindrical", ("a.i0", "b.i0"), AXIS),
+        Joint("three", "revolute", ("c.i0", "d.i0"), SECOND),
+    )
+    couplers = (Coupler("mix", "linear", COUPLED, ratios=[1.0, 2.0, -0.5, 3.0]),)
+    return model_of(bodies, joints, couplers=couplers, **{"step": 1e-2, "rho_inf": 0.8} | settings)
+
+
+def test_the_row_of_a_coupler(make_body):
+    assert_tangents(coupled(make_body), seed=2)
+
+
+def test_the_newton_matrix_of_a_coupler(make_body):
+    assert_newton_matrix(Point.of(coupled(make_body), seed=2))
 
 
 SPRINGS = {
@@ -541,12 +602,26 @@ def test_the_convective_term_of_every_kind_of_row(make_body):
         "b": make_body("rigid", 6),
         "c": make_body("flexible", 7),
         "d": make_body("rigid", 8),
+        **{name: make_body("rigid", seed) for seed, name in enumerate("efgh", 9)},
     }
     joints = (
         Joint("wrist", "universal", ("ground", "a.i0"), AXIS, SECOND),
         Joint("fixed", "fixed", ("a.i0", "b.i0")),
         Joint("motor", "cylindrical", ("b.i0", "c.i0"), AXIS, angle=SWAY, distance=SWAY),
-        Joint("ball", "spherical", ("c.i1", "d.i0")),
+        Joint("ball", "spherical", ("c.i0", "d.i0"), rotation_vector=[SWAY, SWAY_2, SWAY]),
+        Joint("bolt", "screw", ("c.i0", "e.i0"), AXIS, lead=0.7),
+        Joint("shaft", "constant_velocity", ("e.i0", "f.i0"), AXIS, BENT),
+        Joint("arm", "universal", ("ground", "g.i0"), AXIS, SECOND, angle=SWAY, second_angle=SWAY),
+        Joint("table", "planar", ("ground", "h.i0"), AXIS),
+        Joint("strut", "rod", ("ground.post", "h.i1"), distance=Polynomial((1.5, 0.2, 0.1))),
+    )
+    couplers = (
+        Coupler(
+            "mix",
+            "linear",
+            ["bolt.angle", "table.angle", "table.distance", "wrist.second_angle"],
+            ratios=[2.0, -3.0, 0.5, 1.5],
+        ),
     )
     springs = (
         Spring("tie", "point", ("a.i1", "c.i1"), **SPRINGS["point"]),
@@ -555,7 +630,10 @@ def test_the_convective_term_of_every_kind_of_row(make_body):
     settings = Settings(
         t_end=1.0, step=1e-2, rho_inf=0.8, redundant="remove", assemble=True, start="given"
     )
-    model = Model(bodies, joints, (), springs, settings=settings)
+    ground = {"post": Frame([0.2, -0.1, 0.3])}
+    model = Model(
+        bodies, joints, (), springs, couplers=couplers, settings=settings, ground_frames=ground
+    )
     rng = np.random.default_rng(3)
     point = Point.of(model, seed=4)
     state, work = point.state, point.work
@@ -567,7 +645,6 @@ def test_the_convective_term_of_every_kind_of_row(make_body):
     convective_terms(point.system, state, work)
     convective = work.couplings.convective.copy()
 
-    compliant = point.system.couplings.compliant == 1
     x, R, u = state.bodies.x.copy(), state.bodies.R.copy(), state.interfaces.u.copy()
     v, rate, drive = state.bodies.v.copy(), state.interfaces.rate.copy(), work.drives.value.copy()
     s_1, s_2 = work.drives.rate.copy(), work.drives.acceleration.copy()
@@ -578,7 +655,7 @@ def test_the_convective_term_of_every_kind_of_row(make_body):
         state.interfaces.u[:] = u + t * rate
         work.drives.value[:] = drive + t * s_1 + 0.5 * t**2 * s_2
         point.evaluated()
-        return np.where(compliant, work.couplings.coordinate, work.couplings.phi)
+        return point.coordinates()
 
     h = 1e-3
     near, far = rows(h) + rows(-h), rows(2 * h) + rows(-2 * h)

@@ -60,3 +60,16 @@ def _listening() -> Iterator[str]:
         fields = line.split()
         if int(fields[3], 16) & 0x10000:
             yield f"socket:[{fields[6]}]"
+
+
+class Greedy(Deadly):
+    """Cases that lack memory where another one runs, and one that always does."""
+
+    failures = (MemoryError,)
+
+    def make(self, case: Case) -> None:
+        count = case.folder / f"{case.name}.lives"
+        with count.open("a") as file:
+            file.write("1")
+        if case.name == self.name or len(count.read_text()) == 1:
+            raise MemoryError(case.name)

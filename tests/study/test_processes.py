@@ -8,8 +8,9 @@ from types import SimpleNamespace
 import pytest
 from duhamel.solver import read_model, simulate
 from duhamel.study import read_study, sweep
-from duhamel.study.processes import SPAWN, on_processes
+from duhamel.study.processes import MEMORY, SPAWN, _cores, _Queue, on_processes
 from duhamel.study.processes import _report as report_of
+from duhamel.study.workers import Report
 
 from .conftest import datasets
 
@@ -34,6 +35,33 @@ def test_a_case_that_kills_its_workers_is_reported_and_the_others_run(study_file
     assert [reports[name].failure for name in ("case-0001", "case-0003")] == ["", ""]
     lives = [(case.folder / f"{case.name}.lives").read_text() for case in cases]
     assert lives == ["1", "1111", "1"]
+
+
+def test_what_lacks_memory_runs_once_more_alone_and_last(study_file, monkeypatch):
+    monkeypatch.syspath_prepend(Path(__file__).parent)
+    from deadly import Greedy
+
+    cases = read_study(study_file()).cases[:3]
+    cases[0].folder.mkdir()
+    running = on_processes(Greedy("case-0002"), cases, workers=2)
+    reports = {case.name: report.failure for case, report in running}
+    assert reports == {"case-0001": "", "case-0002": "case-0002", "case-0003": ""}
+    assert {(case.folder / f"{case.name}.lives").read_text() for case in cases} == {"11"}
+
+
+def test_a_case_that_gets_all_the_machine_waits_for_the_others():
+    queue = _Queue([SimpleNamespace(name="a"), SimpleNamespace(name="b")])
+    first, second = queue.next(0, 2), queue.next(1, 2)
+    assert queue.takes_back(first, Report("out of memory", lacks_memory=True))
+    assert queue.next(1, 2) is None
+    assert not queue.takes_back(second, Report())
+    assert queue.next(0, 2) is first
+    assert not queue.takes_back(first, Report("out of memory", lacks_memory=True))
+
+
+def test_there_are_no_more_processes_than_the_memory_is_good_for(monkeypatch):
+    monkeypatch.setattr("duhamel.study.processes.available", lambda: 1.5 * MEMORY)
+    assert _cores() == 1
 
 
 def test_nothing_outside_reaches_the_processes_of_a_sweep(study_file, monkeypatch):

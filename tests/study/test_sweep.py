@@ -100,6 +100,20 @@ def test_changed_inputs_run_again(study_file, folder):
     assert run(path)[0] == []
 
 
+def test_changed_columns_of_a_signal_run_again(study_file, folder):
+    columns, base = folder / "model" / "torque.csv", folder / "model" / "hub.toml"
+    columns.write_text("0, 8\n1, 8\n")
+    signal = 'signal = {file = "torque.csv", column = 2}'
+    base.write_text(MODEL.replace("signal = 8", signal))
+    path = study_file(STUDY.replace("loads.0.signal = [8, 4, 2]", ""))
+    assert len(run(path)[0]) == 2
+    assert run(path)[0] == []
+    columns.write_text("0, 4\n1, 4\n")
+    ran, rows = run(path)
+    assert len(ran) == 2
+    assert rows[0].numbers["angle"] == pytest.approx(4 * 0.05**2 / (2 * 4), rel=1e-12)
+
+
 def test_other_outputs_are_read_from_the_results_that_are_there(study_file):
     run(study_file())
     ran, rows = run(

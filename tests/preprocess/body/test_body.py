@@ -221,7 +221,52 @@ MISTAKES = [
     (
         "[impulse]",
         "[damping]\nmodal = 0.1\nrayleigh = {mass = 1}\n[impulse]",
-        r"damping: expected one of modal and rayleigh, found both",
+        r"damping: expected one of modal, rayleigh and loss_factor, found modal and rayleigh",
+    ),
+    (
+        "[impulse]",
+        "[damping]\nrayleigh = {mass = 1, ratios = [0.1, 0.1]}\n[impulse]",
+        r"damping\.rayleigh: expected mass and stiffness, or frequencies and ratios, found both",
+    ),
+    (
+        "[impulse]",
+        "[damping]\nrayleigh = {frequencies = [1, 2]}\n[impulse]",
+        r"damping\.rayleigh: expected frequencies and ratios together, found one of them",
+    ),
+    (
+        "[impulse]",
+        "[damping]\nrayleigh = {frequencies = [10, 20], ratios = [0.1, 0.3]}\n[impulse]",
+        r"damping\.rayleigh: ratios: expected the second 0\.5 to 2 times the first",
+    ),
+    (
+        "[impulse]",
+        "[damping]\nloss_factor = 0.1\n[impulse]",
+        r"damping: band: missing, the lowest and the highest frequency \[Hz\]",
+    ),
+    (
+        "[impulse]",
+        "[damping]\nloss_factor = 0.1\nband = [100, 10]\n[impulse]",
+        r"damping: band: expected two increasing frequencies, .* found \[100\.0, 10\.0\]",
+    ),
+    (
+        "[impulse]",
+        "[damping]\nloss_factor = 1\nband = [1e-3, 1e6]\n[impulse]",
+        r"damping: band: a loss factor of 1 from 0\.001 to 1e\+06 Hz takes more than 30 Maxwell",
+    ),
+    (
+        "[impulse]",
+        "[damping]\nmodal = 0.1\nband = [1, 10]\n[impulse]",
+        r"damping: band: belongs to loss_factor, found it with modal",
+    ),
+    (
+        "[impulse]",
+        "[damping]\nband = [1, 10]\n[impulse]",
+        r"damping\.band: belongs to a loss_factor, found none",
+    ),
+    (
+        "[section]\n",
+        "[section]\nloss_factor = 0.1\n",
+        r"section\.loss_factor: needs damping\.band",
     ),
     (
         "[section]",

@@ -19,6 +19,7 @@ from duhamel.preprocess import (
     read_body,
 )
 from duhamel.preprocess.assembly.second_order import second_order
+from duhamel.preprocess.body.damping import Damping
 from duhamel.preprocess.sources.reading import read_source
 from duhamel.preprocess.survey import survey
 from pydantic import ValidationError
@@ -148,6 +149,15 @@ def test_the_same_superelement_from_every_format(original, tmp_path, writer):
     assert_equal(
         build(given(model.write(tmp_path, writer), interfaces=ends(model))), build(original)
     )
+
+
+def test_matrices_of_a_material_that_loses_energy(solid, tmp_path):
+    """They are those at the reference frequency."""
+    model = export(assemble(solid))
+    loss = {"loss_factor": 0.1, "band": (100.0, 4000.0)}
+    body = given(model.write(tmp_path), interfaces=ends(model), damping=loss)
+    lossy = solid.model_copy(update={"damping": Damping.model_validate(loss)})
+    assert_equal(build(body), build(lossy))
 
 
 @pytest.mark.parametrize("writer", [*BY_ORDER, *BY_LABEL])

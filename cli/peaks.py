@@ -1,0 +1,34 @@
+"""A table of peaks."""
+
+from collections.abc import Sequence
+
+from rich.table import Table
+from rich.text import Text
+
+from ..results import Peak
+
+
+def peaks_table(name: str, peaks: Sequence[Peak]) -> Table:
+    """A row for each number; times in seconds, frequencies in hertz."""
+    table = Table(title=Text(name), title_justify="left", box=None, pad_edge=False)
+    for heading in ("quantity", "unit"):
+        table.add_column(heading, overflow="fold")
+    for heading in ("largest", "at", "smallest", "at"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for peak in peaks:
+        table.add_row(
+            Text(peak.quantity + _place(peak)),
+            Text(peak.unit),
+            f"{peak.largest:.4g}",
+            f"{peak.at_largest:.5g} {peak.base}",
+            f"{peak.smallest:.4g}",
+            f"{peak.at_smallest:.5g} {peak.base}",
+        )
+    return table
+
+
+def _place(peak: Peak) -> str:
+    """In body axes [m]."""
+    if peak.place is None:
+        return ""
+    return f" at ({', '.join(f'{x:.4g}' for x in peak.place)}) m"

@@ -1,0 +1,57 @@
+"""Load patterns of the body file: loads that are spread over a surface, a volume or lines."""
+
+from typing import Self
+
+from pydantic import model_validator
+
+from ...inputs import Vector
+from .selection import Selection
+
+KINDS = ("pressure", "traction", "force_per_volume", "force_per_length")
+
+
+class LoadPattern(Selection):
+    """A distribution of loads, of which a signal is the amplitude: one of four kinds.
+
+    pressure [Pa], against the outward normal, or traction (3,) [Pa] on facets of solids;
+    force_per_volume (3,) [N/m^3] in solids; force_per_length (3,) [N/m] on lines. Vectors are in
+    mesh axes and turn with the body.
+    """
+
+    pressure: float | None = None
+    traction: Vector | None = None
+    force_per_volume: Vector | None = None
+    force_per_length: Vector | None = None
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Self:
+        found = [key for key in KINDS if getattr(self, key) is not None]
+        if len(found) != 1:
+            raise ValueError(
+                f"expected one of {', '.join(KINDS)}, found {' and '.join(found) or 'none'}"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _of_extent(self) -> Self:
+        if self.node is not None or self.nodes is not None or "at" in self.model_fields_set:
+            raise ValueError(
+                "expected a group, plane, box, sphere or cylinder: a load at one point acts on an "
+                "interface"
+            )
+        if self.kind in ("pressure", "traction") and not self.selectors:
+            raise ValueError(
+                f"{self.kind}: expected what it acts on: group, plane, box, sphere or cylinder, "
+                "found none"
+            )
+        if self.kind not in ("pressure", "traction") and self.shapes:
+            raise ValueError(
+                f"{self.kind}: expected a group of elements, or none for the whole body, found "
+                f"{', '.join(self.shapes)}"
+            )
+        return self
+
+    @property
+    def kind(self) -> str:
+        """The key that says what the load is."""
+        return next(key for key in KINDS if getattr(self, key) is not None)

@@ -1,0 +1,41 @@
+"""Rows that read displacements and strains at a point of a mesh of solids."""
+
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from ...superelement.validation import Array
+from ..mesh.mesh import Mesh
+from .element import solid_element
+from .location import Location
+from .strain import STRAINS, at_samples
+
+
+def displacement_rows(mesh: Mesh, place: Location) -> Any:
+    """Rows (3, 3 n), sparse: the displacement of a point."""
+    solid, cell = solid_element(place.kind), mesh.cells[place.kind][place.row]
+    N = solid.N(place.xi[:, None])[:, 0]
+    blocks = np.einsum("k,ij->ikj", N, np.eye(3)).reshape(3, -1)
+    return _spread(blocks, cell, len(mesh.points))
+
+
+def point_strain_rows(mesh: Mesh, place: Location) -> Any:
+    """Rows (6, 3 n), sparse: strains at a point, in the order xx, yy, zz, 2 yz, 2 xz, 2 xy.
+
+    By the polynomial through the strains at the samples of its element, as at the nodes of the
+    surface (`strain_rows`), but of that element alone.
+    """
+    solid, cell = solid_element(place.kind), mesh.cells[place.kind][place.row]
+    gradients = solid.gradients(solid.samples, mesh.points[cell][None])[0]  # (k, 3, s)
+    slopes = gradients @ at_samples(place.kind, place.xi[:, None])[0]  # (k, 3)
+    blocks = np.einsum("kc,cia->ika", slopes, STRAINS).reshape(6, -1)
+    return _spread(blocks, cell, len(mesh.points))
+
+
+def _spread(blocks: Array, cell: Any, n_points: int) -> Any:
+    """Rows (r, 3 n) from those of the nodes of one element (r, 3 k)."""
+    columns = (3 * cell[:, None] + np.arange(3)).ravel()
+    rows = np.repeat(np.arange(len(blocks)), len(columns))
+    entries = (blocks.ravel(), (rows, np.tile(columns, len(blocks))))
+    return sp.coo_array(entries, shape=(len(blocks), 3 * n_points)).tocsr()

@@ -1,0 +1,44 @@
+"""Chains of bodies whose materials have different loss factors."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ...superelement import Modes
+from ...superelement.validation import Array
+from ..body.body import Body
+from ..body.loss import amplitudes, ripple_of
+from .shapes import Shapes
+
+
+def with_losses(body: Body, modes: Modes, shapes: Shapes, parts: Mapping[str, Any] | None) -> Modes:
+    """The modes, each with a chain of its own by where its strain energy is.
+
+        a_ki = sum over groups of a_k phi_i^T K_group phi_i / omega_i^2
+
+    What the groups leave between modes, phi_i^T K_group phi_j, is left out: modes whose
+    frequencies are apart by more than the loss factors do not feel it. Without parts the modes
+    themselves. Source: docs/theory.md, Material damping.
+    """
+    if not parts or modes.chain is None:
+        return modes
+    shares = {name: _energy(shapes, K) / modes.omega**2 for name, K in parts.items()}
+    chain = replace(
+        modes.chain,
+        amplitude=amplitudes(body, shares),
+        loss_factor=0.0,
+        ripple=ripple_of(body),
+    )
+    return replace(modes, chain=chain)
+
+
+def _energy(shapes: Shapes, K: Any) -> Array:
+    """phi_i^T K phi_i (m,)"""
+    V, Q = shapes.V, shapes.Q
+    if Q is None:
+        energy: Array = np.einsum("im,im->m", V, K @ V)
+        return energy
+    of_modes: Array = np.einsum("im,im->m", Q, (V.T @ (K @ V)) @ Q)
+    return of_modes

@@ -1,0 +1,33 @@
+"""Strain gauges of a length: what they measure is the change of distance of their ends."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ...superelement.validation import Array
+from ..body.sensors import SensorPoint
+
+
+def unit_vector(direction: Any) -> Array:
+    """A direction as a vector (3,) of length 1."""
+    vector = np.asarray(direction, dtype=float)
+    unit: Array = vector / np.linalg.norm(vector)
+    return unit
+
+
+def stretch_rows(displacement_at: Callable[[Array], Any], sensor: SensorPoint) -> Any:
+    """One row: the mean strain d . (u_2 - u_1) / length between the ends of a gauge.
+
+    displacement_at: rows (3, n_u) of a point (3,) [m].
+    """
+    d, length = unit_vector(sensor.direction), float(sensor.length or 0.0)
+    middle = np.array(sensor.point)
+    first, second = (displacement_at(middle + s * 0.5 * length * d) for s in (-1.0, 1.0))
+    return _row(d / length) @ (second - first)
+
+
+def _row(vector: Array) -> Any:
+    import scipy.sparse as sp
+
+    return sp.csr_array(vector[None])

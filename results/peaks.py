@@ -1,0 +1,161 @@
+"""Tables of peaks: the largest and smallest values of quantities, when, and where."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from itertools import product
+
+import numpy as np
+
+from ..superelement.validation import Array
+from .errors import QuantityError
+from .quantities import KINDS
+from .results import Results
+from .transforms import IN_G, Series, check, in_g, parse, series
+
+UNASKED = ("acceleration", "force", "normal_force", "elastic_displacement")
+"""the kinds of quantities of a table for which none are named"""
+STRESS = "von_mises:"
+AT_ONCE = 1000
+"""times at which stresses are in memory"""
+NEGLIGIBLE = 1e-6
+"""a component this much smaller than the largest one of a vector is rounding, and left out"""
+
+
+@dataclass(frozen=True)
+class Peak:
+    """The extremes of one number over time, or over frequency.
+
+    quantity: as outputs of studies take it, |QUANTITY| for the length of a vector, or
+    von_mises:BODY; base: the unit of the times or frequencies `at_largest` and `at_smallest`, s or
+    Hz.
+    """
+
+    quantity: str
+    unit: str
+    largest: float
+    at_largest: float
+    smallest: float
+    at_smallest: float
+    base: str
+    place: tuple[float, ...] | None = None
+    """of a stress: the point of the surface, in body axes [m]"""
+
+    @property
+    def magnitude(self) -> float:
+        return max(abs(self.largest), abs(self.smallest))
+
+
+def peaks(
+    results: Results, quantities: Iterable[str] = (), gravities: bool = False
+) -> tuple[Peak, ...]:
+    """The peaks of quantities, or of what is made of them, as "srs(acceleration:hub:z)".
+
+    In names `*` stands for anything: "acceleration:bracket.*:z". Of a vector without axis each
+    axis has a peak, unless it is rounding, and over time its length. Those of each argument are
+    ordered: the largest one comes first, which is its place. Without quantities: accelerations,
+    forces and elastic displacements of all. "von_mises:BODY": the largest equivalent stress on the
+    surface, and its point; `RecoveryError` without recovery. gravities: accelerations in g.
+    """
+    found: list[Peak] = []
+    for quantity in quantities or _unasked(results):
+        if quantity.startswith(STRESS):
+            found.append(_stress(results, quantity))
+            continue
+        alike = [peak for one in _named(results, quantity) for peak in _of(results, one, gravities)]
+        found += sorted(alike, key=lambda peak: -peak.magnitude)
+    return tuple(found)
+
+
+def _stress(results: Results, quantity: str) -> Peak:
+    """The extremes over time of the largest stress on a body, and the point of the largest."""
+    body = quantity.removeprefix(STRESS)
+    if body not in results.superelement_files:
+        known = ", ".join(results.superelement_files) or "none"
+        raise QuantityError(f"{quantity}: no flexible body {body!r}; there are: {known}")
+    time = results.time
+    largest, points = np.zeros(len(time)), np.zeros(len(time), dtype=np.int64)
+    for start in range(0, len(time), AT_ONCE):
+        rows = slice(start, start + AT_ONCE)
+        stress = results.von_mises(body, time[rows])
+        points[rows] = stress.argmax(axis=1)
+        largest[rows] = stress.max(axis=1)
+    high, low = int(largest.argmax()), int(largest.argmin())
+    recovery = results.superelement(body).recovery
+    place = None if recovery is None else tuple(recovery.points[points[high]].tolist())
+    extremes = float(largest[high]), float(time[high]), float(largest[low]), float(time[low])
+    return Peak(quantity, "Pa", *extremes, "s", place)
+
+
+def _of(results: Results, quantity: str, gravities: bool) -> Iterator[Peak]:
+    made = series(results, quantity)
+    if gravities and made.unit in IN_G:
+        made = in_g(made)
+    if not made.axes:
+        yield _peak(quantity, made, made.values)
+        return
+    within, _ = parse(quantity)
+    sizes = np.abs(made.values).max(axis=0)
+    for axis, column, size in zip(made.axes, made.values.T, sizes, strict=True):
+        if 0.0 < size < NEGLIGIBLE * sizes.max():
+            continue
+        yield _peak(quantity.replace(within, f"{within}:{axis}"), made, column)
+    if made.base == "s":
+        yield _peak(f"|{quantity}|", made, np.linalg.norm(made.values, axis=1))
+
+
+def _peak(quantity: str, made: Series, values: Array) -> Peak:
+    high, low = int(values.argmax()), int(values.argmin())
+    return Peak(
+        quantity,
+        made.unit,
+        float(values[high]),
+        float(made.abscissa[high]),
+        float(values[low]),
+        float(made.abscissa[low]),
+        made.base,
+    )
+
+
+def _unasked(results: Results) -> list[str]:
+    """The kinds that are looked at unasked, of all that the run recorded of them."""
+    found = []
+    for kind in UNASKED:
+        pattern = ":".join([kind, *("*" for _ in KINDS[kind].names)])
+        if _matching(results, pattern):
+            found.append(pattern)
+    if not found:
+        raise QuantityError("there is nothing of which peaks are told unasked: name quantities")
+    return found
+
+
+def _named(results: Results, text: str) -> list[str]:
+    """The text, or with `*` in the names of its quantity all that it stands for."""
+    quantity, _ = parse(text)
+    if "*" not in quantity:
+        return [text]
+    found = _matching(results, quantity)
+    if not found:
+        raise QuantityError(f"{text}: found no {quantity}")
+    return [text.replace(quantity, one) for one in found]
+
+
+def _matching(results: Results, pattern: str) -> list[str]:
+    kind_name, *names = pattern.split(":")
+    if kind_name not in KINDS:
+        check(results, pattern)
+    roles = KINDS[kind_name].names
+    axis = names[len(roles) :]
+    choices = [_owners(results, role, name) for role, name in zip(roles, names, strict=False)]
+    return [":".join([kind_name, *chosen, *axis]) for chosen in product(*choices)]
+
+
+def _owners(results: Results, role: str, pattern: str) -> list[str]:
+    """The owners in a role, as "BODY|FRAME", that a pattern stands for."""
+    if "*" not in pattern:
+        return [pattern]
+    names: list[str] = []
+    for word in role.split("|"):
+        known = "energies" if word == "ENERGY" else f"{word.lower()}s"
+        names += getattr(results, "bodies" if word == "BODY" else known, ())
+    return [name for name in dict.fromkeys(names) if fnmatchcase(name, pattern)]

@@ -1,0 +1,84 @@
+"""Octave and third octave bands: root mean squares between the edges of IEC 61260-1."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...superelement.validation import Array
+from ..errors import SeriesError
+from .fourier import periodogram
+from .sampling import sampled
+
+FRACTIONS = (1, 2, 3, 6, 12, 24)
+RATIO = 10.0**0.3
+"""of frequencies an octave apart, G"""
+REFERENCE = 1000.0
+"""[Hz]"""
+
+
+@dataclass(frozen=True, eq=False)
+class Bands:
+    """Root mean squares by bands: center, lower, upper (m,) [Hz]; values (m,) or (m, k)."""
+
+    center: Array
+    lower: Array
+    upper: Array
+    values: Array
+
+
+def band_edges(lowest: float, highest: float, fraction: int = 3) -> tuple[Array, Array, Array]:
+    """Centers and edges (m,) [Hz] of the bands that lie between two frequencies as a whole.
+
+        f_m = 1000 Hz * G^(k / b),  for even b G^((2 k + 1) / (2 b));    G = 10^(3/10)
+
+    and f_m G^(-1/(2b)), f_m G^(1/(2b)), for 1/b of an octave. Source: IEC 61260-1:2014.
+    """
+    _check(fraction)
+    half = 0.5 / fraction
+    shift = 0.0 if fraction % 2 else half
+    first = math.ceil((_octaves(lowest) + half - shift) * fraction - 1e-9)
+    last = math.floor((_octaves(highest) - half - shift) * fraction + 1e-9)
+    center: Array = REFERENCE * RATIO ** (np.arange(first, last + 1) / fraction + shift)
+    return center, center * RATIO**-half, center * RATIO**half
+
+
+def octave_bands(time: Array, values: Array, fraction: int = 3) -> Bands:
+    """The root mean squares of a series in bands of 1/fraction of an octave.
+
+    They are those of the whole series, from its periodogram: between edges that fall between its
+    frequencies, in parts. Bands that are narrower than the distance of its frequencies, one over
+    its length, or that reach beyond half its sampling rate are left out.
+    """
+    _check(fraction)
+    series = sampled(time, values)
+    width, nyquist = series.rate / len(series.time), 0.5 / series.coarsest
+    lowest = width / (RATIO ** (1.0 / fraction) - 1.0)
+    center, lower, upper = band_edges(lowest, nyquist, fraction)
+    if not len(center):
+        raise SeriesError(
+            f"1/{fraction} octave: expected a series with a whole band between {lowest:.4g} Hz and "
+            f"half its sampling rate, {nyquist:.4g} Hz"
+        )
+    powers = periodogram(series)
+    edges = np.concatenate([[0.0], powers.frequency + 0.5 * width])
+    below = np.concatenate([np.zeros((1, *powers.values.shape[1:])), powers.values]).cumsum(axis=0)
+    columns = below.reshape(len(edges), -1)
+    square = np.stack(
+        [np.interp(upper, edges, c) - np.interp(lower, edges, c) for c in columns.T], axis=1
+    )
+    values = np.sqrt(np.maximum(square, 0.0)).reshape(len(center), *series.values.shape[1:])
+    return Bands(center, lower, upper, values)
+
+
+def _check(fraction: int) -> None:
+    if fraction not in FRACTIONS:
+        raise SeriesError(
+            f"expected bands of 1/b octave with b of {', '.join(map(str, FRACTIONS))}, "
+            f"found {fraction:g}"
+        )
+
+
+def _octaves(frequency: float) -> float:
+    """Octaves above 1000 Hz."""
+    return math.log(frequency / REFERENCE) / math.log(RATIO)

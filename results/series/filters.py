@@ -1,0 +1,106 @@
+"""Filters that shift no phase: forwards, then backwards. Channel classes of SAE J211."""
+
+import math
+
+import numpy as np
+
+from ...superelement.validation import Array
+from ..errors import SeriesError
+from .sampling import Sampled, sampled
+
+CLASSES = (60, 180, 600, 1000)
+"""of channels: the frequency up to which they are level [Hz]"""
+SAMPLING = 10.0
+"""samples in a period of the class, at least: SAE J211"""
+CORNER = 2.0775
+"""of a pass over the class: 5/3 / (sqrt 2 - 1)^(1/4), so that two passes have -3 dB at 5/3"""
+MIRRORED, FEWEST, PERIODS = 0.01, 100, 3
+"""what is added at either end, at least: seconds, samples (ISO 6487), and periods of the corner"""
+BOTH_PASSES = math.sqrt(2.0) - 1.0
+"""(f / corner)^(2 order) of a pass where two passes have -3 dB"""
+KINDS = ("lowpass", "highpass", "bandpass")
+HIGHEST_ORDER = 20
+
+
+def cfc(time: Array, values: Array, channel_class: float) -> Sampled:
+    """A series filtered as the channel class 60, 180, 600 or 1000 of SAE J211 (CFC).
+
+    Two poles, forwards and backwards, with the coefficients of the standard; -3 dB at 5/3 of the
+    class, in Hz. Before, each end is continued by its mirror image in the last sample, over 10 ms,
+    100 samples and three periods at least. `SeriesError` for other classes, and for less than ten
+    samples in a period of the class. Source: SAE J211-1, Appendix C; ISO 6487.
+
+        w = tan(pi 2.0775 CFC h)
+        (1 + sqrt(2) w + w^2) y_k = w^2 (x_k + 2 x_{k-1} + x_{k-2}) + 2 (1 - w^2) y_{k-1}
+                                    - (1 - sqrt(2) w + w^2) y_{k-2}
+    """
+    if channel_class not in CLASSES:
+        raise SeriesError(
+            f"expected a channel class of {', '.join(map(str, CLASSES))}, found {channel_class:g}"
+        )
+    series = sampled(time, values)
+    if (rate := 1.0 / series.coarsest) < (1.0 - 1e-9) * SAMPLING * channel_class:
+        raise SeriesError(
+            f"CFC {channel_class:g}: expected {SAMPLING * channel_class:g} samples per second or "
+            f"more, found {rate:.6g}"
+        )
+    w = math.tan(math.pi * CORNER * channel_class * series.step)
+    whole = 1.0 + math.sqrt(2.0) * w + w**2
+    b = np.array([1.0, 2.0, 1.0]) * w**2 / whole
+    a = np.array([1.0, -2.0 * (1.0 - w**2) / whole, (1.0 - math.sqrt(2.0) * w + w**2) / whole])
+    return _both_ways(series, np.concatenate([b, a])[None], channel_class)
+
+
+def butterworth(
+    time: Array, values: Array, kind: str, corners: tuple[float, ...], order: int = 4
+) -> Sampled:
+    """A series filtered by a Butterworth filter forwards and backwards.
+
+    kind: lowpass or highpass, with one corner [Hz], or bandpass with two; order: that of one pass.
+    Both passes together have -3 dB at the corners. `SeriesError` for corners from half the sampling
+    rate on.
+    """
+    from scipy.signal import butter
+
+    if kind not in KINDS:
+        raise SeriesError(f"expected a filter of {', '.join(KINDS)}, found {kind!r}")
+    if len(corners) != (expected := 2 if kind == "bandpass" else 1):
+        raise SeriesError(f"{kind}: expected {expected} corners [Hz], found {len(corners)}")
+    if not 1 <= order <= HIGHEST_ORDER:
+        raise SeriesError(f"order: expected 1 to {HIGHEST_ORDER}, found {order}")
+    series = sampled(time, values)
+    nyquist = 0.5 / series.coarsest
+    rising = all(low < high for low, high in zip((0.0, *corners), (*corners, nyquist), strict=True))
+    if not rising:
+        found = " and ".join(f"{corner:g}" for corner in corners)
+        raise SeriesError(
+            f"{kind}: expected corners that increase, from 0 to half the sampling rate, "
+            f"{nyquist:.6g} Hz; found {found} Hz"
+        )
+    passes = {"lowpass": ("low",), "highpass": ("high",), "bandpass": ("high", "low")}[kind]
+    sections = [
+        butter(order, _of_one_pass(corner, side, order, series.step), side, output="sos")
+        for corner, side in zip(corners, passes, strict=True)
+    ]
+    return _both_ways(series, np.concatenate(sections), corners[0])
+
+
+def _of_one_pass(corner: float, side: str, order: int, step: float) -> float:
+    """The corner of one pass, over half the sampling rate, so that two have -3 dB at `corner`."""
+    power = -1.0 if side == "low" else 1.0
+    analog = math.tan(math.pi * corner * step) * BOTH_PASSES ** (power / (2 * order))
+    return 2.0 / math.pi * math.atan(analog)
+
+
+def _both_ways(series: Sampled, sections: Array, lowest: float) -> Sampled:
+    """Filtered by second order sections forwards and backwards, the ends continued by mirrors.
+
+    lowest: the lowest corner [Hz].
+    """
+    from scipy.signal import sosfiltfilt
+
+    added = max(FEWEST, math.ceil(max(MIRRORED, PERIODS / lowest) / series.step))
+    filtered = sosfiltfilt(
+        sections, series.values, axis=0, padtype="odd", padlen=min(added, len(series.time) - 1)
+    )
+    return Sampled(series.time, filtered, series.coarsest)

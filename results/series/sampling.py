@@ -1,0 +1,94 @@
+"""Time series at equal steps, which filters and spectra need."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...superelement.validation import Array
+from ..errors import SeriesError
+
+ROUNDING = 1e-4
+"""by which steps may differ from equal ones or from multiples, relative: times are written as
+numbers of a few digits"""
+LONGEST = 20_000_000
+"""samples after resampling"""
+
+
+@dataclass(frozen=True, eq=False)
+class Sampled:
+    """A series at equal steps.
+
+    time (n,) [s]; values (n,) or (n, k); coarsest: the longest step before the series was
+    resampled, or the step [s].
+    """
+
+    time: Array
+    values: Array
+    coarsest: float
+
+    @property
+    def step(self) -> float:
+        """[s]"""
+        return float((self.time[-1] - self.time[0]) / (len(self.time) - 1))
+
+    @property
+    def rate(self) -> float:
+        """Samples in a second [Hz]."""
+        return 1.0 / self.step
+
+
+def sampled(time: Array, values: Array) -> Sampled:
+    """A series at equal steps, resampled where it has two sizes of them.
+
+    A shorter last step is left out with its sample. Steps that are multiples of the shortest one,
+    as of a run with `contact_step`, are filled linearly: every sample is kept, and of what shock
+    spectra take for granted, a line from sample to sample, nothing changes. `SeriesError` for
+    steps of other ratios, for times that do not increase, and values that are no numbers.
+    """
+    time, values = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
+    _check(time, values)
+    steps = np.diff(time)
+    if len(steps) > 1 and steps[-1] < (1.0 - ROUNDING) * steps[-2]:
+        time, values, steps = time[:-1], values[:-1], steps[:-1]
+    shortest, coarsest = float(steps.min()), float(steps.max())
+    if coarsest <= (1.0 + ROUNDING) * shortest:
+        return Sampled(time, values, coarsest)
+    return _filled(time, values, steps)
+
+
+def _filled(time: Array, values: Array, steps: Array) -> Sampled:
+    """Linear between the samples, at multiples of the shortest step."""
+    shortest, coarsest = float(steps.min()), float(steps.max())
+    ratios = np.round(steps / shortest)
+    if np.abs(steps / shortest - ratios).max() > ROUNDING * coarsest / shortest:
+        raise SeriesError(
+            f"expected equal time steps, or multiples of the shortest one, "
+            f"found steps from {shortest:.6g} to {coarsest:.6g} s"
+        )
+    whole = np.concatenate([[0.0], np.cumsum(ratios)])
+    if whole[-1] >= LONGEST:
+        raise SeriesError(
+            f"steps from {shortest:.6g} to {coarsest:.6g} s: expected at most {LONGEST} samples "
+            f"of the shortest one, found {whole[-1]:.6g}"
+        )
+    fine = np.arange(whole[-1] + 1.0)
+    columns = values.reshape(len(time), -1)
+    filled = np.stack([np.interp(fine, whole, column) for column in columns.T], axis=1)
+    return Sampled(
+        time[0] + (time[-1] - time[0]) * fine / whole[-1],
+        filled.reshape(len(fine), *values.shape[1:]),
+        coarsest,
+    )
+
+
+def _check(time: Array, values: Array) -> None:
+    if time.ndim != 1 or values.shape[:1] != time.shape or values.ndim > 2:
+        raise SeriesError(
+            f"expected time (n,) and values (n,) or (n, k), found {time.shape} and {values.shape}"
+        )
+    if len(time) < 3:
+        raise SeriesError(f"expected a series of three or more samples, found {len(time)}")
+    if not (np.isfinite(time).all() and np.isfinite(values).all()):
+        raise SeriesError("expected numbers in a time series, found infinite ones or none")
+    if (least := float(np.diff(time).min())) <= 0.0:
+        raise SeriesError(f"expected times that increase, found a step of {least:.6g} s")

@@ -1,0 +1,1 @@
+"""Linear analysis of an assembled model about an equilibrium, at rest or in steady rotation."""

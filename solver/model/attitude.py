@@ -1,0 +1,138 @@
+"""Attitudes: rotations of one frame against another that follow three signals.
+
+    rotation vector w(t):    R = exp(w~)
+    Cardan angles a(t):      R = R_1(a_1) R_2(a_2) R_3(a_3), about e1, the new e2, the new e3
+
+The joint keeps R(t) e_i(A) . e_j(B) = 0 for three pairs i, j. No attitude is singular for that, as
+gimbal lock is for the angles themselves. Source: docs/theory.md, Frames, joints, loads.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+import numpy as np
+
+from ..arrays import Array
+from ..schema.entry import Takes
+from ..schema.forms import Members
+from .curves import Input, SmoothFunction
+from .signals import SIGNALS, SmoothSignal, is_any, is_smooth
+
+SMALL = 1e-2
+"""square of an angle below which functions of it are sums of a few powers"""
+Moving = tuple[Array, Array, Array]
+"""a value with its first and second derivative in time"""
+_I, _J, _K = np.eye(3)
+
+
+def _three_signals(value: Any) -> tuple[SmoothSignal, SmoothSignal, SmoothSignal]:
+    first, second, third = value
+    signals = (first, second, third)
+    if not all(map(is_smooth, signals)) or any(is_any(signal, Input) for signal in signals):
+        raise TypeError
+    return first, second, third
+
+
+Attitudes = Annotated[
+    tuple[SmoothSignal, SmoothSignal, SmoothSignal] | None,
+    Members(SIGNALS),
+    Takes("three smooth signals without inputs", _three_signals, Any),
+]
+
+
+@dataclass(frozen=True)
+class Attitude:
+    """A rotation R(t) by three signals: the components of its vector, or three angles."""
+
+    signals: tuple[SmoothSignal, SmoothSignal, SmoothSignal]
+    form: Literal["vector", "angles"]
+
+    def rotation(self, t: float) -> Moving:
+        """R, R' and R'' (3, 3) at time t [s]."""
+        values = np.array([[signal(t), *signal.derivatives(t)] for signal in self.signals])
+        if self.form == "vector":
+            return _exponential((values[:, 0], values[:, 1], values[:, 2]))
+        first, second, third = (
+            _about(axis, value) for axis, value in zip((_I, _J, _K), values, strict=True)
+        )
+        return _product(_product(first, second), third)
+
+    def axis(self, i: int, basis: Array) -> tuple[SmoothSignal, SmoothSignal, SmoothSignal]:
+        """The components of R(t) e_i in axes in which e1, e2, e3 are the columns of `basis`."""
+        first, second, third = (self._component(i, basis[m]) for m in range(3))
+        return first, second, third
+
+    def _component(self, i: int, row: Array) -> SmoothSignal:
+        def derivative(k: int) -> Callable[[float], float]:
+            return lambda t: float(row @ self.rotation(t)[k][:, i])
+
+        return SmoothFunction(derivative(0), derivative(1), derivative(2))
+
+
+def _product(A: Moving, B: Moving) -> Moving:
+    return (
+        A[0] @ B[0],
+        A[1] @ B[0] + A[0] @ B[1],
+        A[2] @ B[0] + 2.0 * A[1] @ B[1] + A[0] @ B[2],
+    )
+
+
+def _about(axis: Array, angle: Array) -> Moving:
+    """exp(angle axis~) for an angle with its derivatives (3,)."""
+    a, rate, acceleration = angle.tolist()
+    S, P = _skew(axis), np.eye(3) - np.outer(axis, axis)
+    slope = math.cos(a) * S - math.sin(a) * P
+    curvature = -math.sin(a) * S - math.cos(a) * P
+    R = np.outer(axis, axis) + math.cos(a) * P + math.sin(a) * S
+    return R, rate * slope, acceleration * slope + rate**2 * curvature
+
+
+def _exponential(w: Moving) -> Moving:
+    """exp(w~) = 1 + s w~ + c w~ w~, with s and c functions of x = w . w."""
+    x = float(w[0] @ w[0]), 2.0 * float(w[0] @ w[1]), 2.0 * float(w[0] @ w[2] + w[1] @ w[1])
+    s, c = _coefficients(x[0])
+    W: Moving = (_skew(w[0]), _skew(w[1]), _skew(w[2]))
+    R = [np.eye(3), np.zeros((3, 3)), np.zeros((3, 3))]
+    for coefficient, power in ((s, W), (c, _product(W, W))):
+        moving = (
+            np.array(coefficient[0]),
+            np.array(coefficient[1] * x[1]),
+            np.array(coefficient[2] * x[1] ** 2 + coefficient[1] * x[2]),
+        )
+        for k, part in enumerate(_scaled(moving, power)):
+            R[k] = R[k] + part
+    return R[0], R[1], R[2]
+
+
+def _scaled(f: Moving, A: Moving) -> Moving:
+    return (
+        f[0] * A[0],
+        f[1] * A[0] + f[0] * A[1],
+        f[2] * A[0] + 2.0 * f[1] * A[1] + f[0] * A[2],
+    )
+
+
+def _coefficients(x: float) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    """sin(a) / a and (1 - cos a) / a^2 with their derivatives by x = a^2."""
+    if x < SMALL:
+        return _by_powers(x, 1), _by_powers(x, 2)
+    a = math.sqrt(x)
+    sine, cosine = math.sin(a), math.cos(a)
+    s_0, c_0 = sine / a, (1.0 - cosine) / x
+    s_1, c_1 = (cosine - s_0) / (2.0 * x), (0.5 * s_0 - c_0) / x
+    s_2 = (-0.5 * s_0 - 3.0 * s_1) / (2.0 * x)
+    c_2 = (0.5 * s_1 - 2.0 * c_1) / x
+    return (s_0, s_1, s_2), (c_0, c_1, c_2)
+
+
+def _by_powers(x: float, first: int) -> tuple[float, float, float]:
+    """sum_n (-x)^n / (2 n + first)! with its first two derivatives."""
+    terms = [(-1.0) ** n / math.factorial(2 * n + first) for n in range(9)]
+    series = np.polynomial.Polynomial(terms)
+    return float(series(x)), float(series.deriv(1)(x)), float(series.deriv(2)(x))
+
+
+def _skew(a: Array) -> Array:
+    return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])

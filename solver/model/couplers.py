@@ -1,0 +1,171 @@
+"""Couplers: one linear equation between coordinates of joints, as gears keep.
+
+    sum_k ratio_k q_k = offset
+
+    gear     teeth_1 q_1 + teeth_2 q_2 = offset     internal: teeth_1 q_1 - teeth_2 q_2
+    rack     radius q_1 - q_2 = offset              q_1: angle of the pinion, q_2: way of the rack
+    screw    lead / (2 pi) q_1 - q_2 = offset       q_1: angle, q_2: way of the nut
+    linear   any ratios
+
+The generalized force on coordinate k is ratio_k times one multiplier: of angles moments about the
+axes of their joints, of distances forces along them. Forces of teeth, which load the bearings, are
+not modeled.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+
+from ..errors import ModelError
+from ..schema.entry import Entry, entry, one_of
+from ..schema.values import Name, NotZero, SomeNonZero, Words
+from .curves import SmoothFunction
+from .joints import Joint
+from .signals import DrivingSignal, SmoothSignal
+
+NEEDS = {
+    "gear": ("teeth", "radii"),
+    "rack": ("radius",),
+    "screw": ("lead",),
+    "linear": ("ratios",),
+}
+"""keys of which each type takes one"""
+COORDINATES = {"gear": ("rad", "rad"), "rack": ("rad", "m"), "screw": ("rad", "m")}
+"""units of the coordinates of each type"""
+KEYS = tuple(dict.fromkeys(key for keys in NEEDS.values() for key in keys))
+
+
+@entry()
+class Coupler(Entry):
+    """A linear equation between coordinates of joints.
+
+    joints: "JOINT.COORDINATE", or "JOINT" if it has one coordinate. A gear takes two angles, and
+    `teeth` or `radii` (of bevel gears their mean ones), `internal` for a ring gear; a rack an angle
+    and a distance, and `radius` [m]; a screw the same, and `lead` [m]; `linear` coordinates of any
+    number of joints, and `ratios`. Signs are those of the coordinates: gears turn in opposite
+    senses about the axes of their joints. offset: by default that of the bodies as they are placed.
+    """
+
+    label = "coupler {name!r}"
+
+    name: Name
+    type: Annotated[str, one_of(NEEDS)]
+    joints: Words
+    ratios: SomeNonZero | None = None
+    teeth: SomeNonZero | None = None
+    radii: SomeNonZero | None = None
+    radius: NotZero | None = None
+    lead: NotZero | None = None
+    internal: bool = False
+    offset: DrivingSignal | None = None
+
+    def validate(self) -> None:
+        given = [key for key in KEYS if getattr(self, key) is not None]
+        if len(given) != 1 or given[0] not in NEEDS[self.type]:
+            needs, found = " or ".join(NEEDS[self.type]), " and ".join(given) or "none"
+            raise self.error(f"a {self.type} coupler takes {needs}, found {found}")
+        if self.internal and self.type != "gear":
+            raise self.error(f"internal belongs to gears, found type = {self.type!r}")
+        if self.type != "linear" and len(self.joints) != 2:
+            raise self.error(f"joints: a {self.type} coupler takes two, got {list(self.joints)}")
+        if len(self.factors) != len(self.joints):
+            raise self.error(
+                f"{given[0]}: expected {len(self.joints)}, as many as joints, "
+                f"got {list(self.factors)}"
+            )
+
+    @property
+    def factors(self) -> tuple[float, ...]:
+        """The ratio of each coordinate."""
+        if self.radius is not None:
+            return self.radius, -1.0
+        if self.lead is not None:
+            return self.lead / (2.0 * np.pi), -1.0
+        sizes = self.teeth or self.radii
+        if sizes is None:
+            return self.ratios or ()
+        if len(sizes) != 2:
+            return sizes
+        return sizes[0], -sizes[1] if self.internal else sizes[1]
+
+
+@dataclass(frozen=True)
+class JointCoupler:
+    """A coupler with its joints, and which coordinate of each it takes."""
+
+    coupler: Coupler
+    joints: tuple[Joint, ...]
+    coordinates: tuple[str, ...]
+
+    @classmethod
+    def of(cls, coupler: Coupler, joints: dict[str, Joint]) -> "JointCoupler":
+        """ModelError unless joints of these names have coordinates that fit."""
+        found = [_coordinate(coupler, reference, joints) for reference in coupler.joints]
+        if len(set(found)) < len(found):
+            raise coupler.error(f"joints: expected different ones, got {list(coupler.joints)}")
+        chosen, names = zip(*((joints[joint], name) for joint, name in found), strict=True)
+        units = tuple(joint.kind.unit(name) for joint, name in zip(chosen, names, strict=True))
+        if units != (expected := COORDINATES.get(coupler.type, units)):
+            kinds = " and ".join({"rad": "an angle", "m": "a distance"}[u] for u in expected)
+            raise coupler.error(f"joints: expected {kinds}, got {list(coupler.joints)}")
+        return cls(coupler, chosen, names)
+
+    @property
+    def name(self) -> str:
+        return self.coupler.name
+
+    @property
+    def owner(self) -> str:
+        return self.coupler.owner
+
+    @property
+    def joint(self) -> Joint:
+        """The joint whose frames those of the coupler are."""
+        return self.joints[0]
+
+    @property
+    def between(self) -> tuple[str, str]:
+        return self.joint.between
+
+    @property
+    def type(self) -> str:
+        return self.coupler.type
+
+    @property
+    def ratios(self) -> tuple[float, ...]:
+        return self.coupler.factors
+
+    @property
+    def angular(self) -> bool:
+        """True where the first coordinate is an angle."""
+        return self.joint.kind.unit(self.coordinates[0]) == "rad"
+
+    def scaled(self, offset: SmoothSignal) -> SmoothSignal:
+        """The offset over the first ratio."""
+        first = self.ratios[0]
+
+        def derivative(k: int) -> Callable[[float], float]:
+            return lambda t: offset.derivatives(t)[k] / first
+
+        return SmoothFunction(lambda t: offset(t) / first, derivative(0), derivative(1))
+
+    def error(self, message: str) -> ModelError:
+        return self.coupler.error(message)
+
+
+def _coordinate(coupler: Coupler, reference: str, joints: dict[str, Joint]) -> tuple[str, str]:
+    """Joint and coordinate of "JOINT.COORDINATE" or "JOINT"."""
+    name, _, coordinate = reference.partition(".")
+    if name not in joints:
+        known = ", ".join(joints) or "none"
+        raise coupler.error(f"joints: no joint {name!r}; there are: {known}")
+    free = joints[name].kind.coordinates
+    if not coordinate and len(free) == 1:
+        return name, free[0]
+    if coordinate not in free:
+        raise coupler.error(
+            f"joints: joint {name!r} has {', '.join(free) or 'no coordinates'}, got {reference!r}"
+        )
+    return name, coordinate

@@ -1,0 +1,204 @@
+"""Motors: a torque or a force on a joint coordinate, by a signal or by a servo."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import AllowInfNan
+
+from ...inputs import expected
+from ..errors import ModelError
+from ..schema.entry import Entry, Takes, entry
+from ..schema.values import Name, NotNegative, Positive, PositiveTime, limits
+from .curves import Constant, Input
+from .joints import Joint
+from .signals import AnySignal, Pointwise, Signal, is_smooth
+
+NONE = Constant(0.0)
+
+
+def _store_bounds(value: Any) -> tuple[float, float]:
+    """A lower and a higher number; one positive number stands for both."""
+    lower, upper = value if isinstance(value, Sequence) else (-value, value)
+    return limits((lower, upper))
+
+
+def _bounds_in_file(bounds: tuple[float, float]) -> Any:
+    lower, upper = bounds
+    return upper if lower == -upper else [lower, upper]
+
+
+_Infinite = Annotated[float, AllowInfNan(True)]
+_BOUNDS = "a positive number, or a lower and a higher one, of which one may be infinite"
+Bounds = Annotated[
+    tuple[float, float],
+    Takes(
+        _BOUNDS,
+        _store_bounds,
+        Annotated[float | tuple[_Infinite, _Infinite], expected(_BOUNDS)],
+        _bounds_in_file,
+    ),
+]
+
+
+@entry()
+class Motor(Entry):
+    """A torque or a force on a joint coordinate c, between the two bodies of the joint.
+
+        v = torque + stiffness (r - c) + damping (r' - c') + z,     z' = integral (r - c)
+
+    The motor gives v, within its limits.
+
+    coordinate: one that the joint leaves free; torque [N m] of an angle, or force [N] of a
+    distance: a signal, by default none. reference: r [rad, m], by default 0; reference_rate: r', by
+    default the derivative of r where it is smooth, or else 0. Gains: stiffness [N m/rad, N/m],
+    damping [N m s/rad, N s/m], integral [N m/(rad s), N/(m s)].
+
+    limit [N m, N]: of what the motor gives, a number for both directions, or a lower and a higher
+    one. speed [rad/s, m/s]: that without load, towards which the limit of what drives the motion
+    falls to zero, as a line. Beyond a limit the integral follows it, so that it does not wind up:
+
+        z' = integral (r - c) + (limit - v) / tracking_time
+
+    tracking_time [s]: by default sqrt(damping / integral), or stiffness / integral without damping.
+    """
+
+    label = "motor {name!r}"
+
+    name: Name
+    joint: str
+    coordinate: str
+    torque: AnySignal | None = None
+    force: AnySignal | None = None
+    reference: AnySignal | None = None
+    reference_rate: AnySignal | None = None
+    stiffness: NotNegative = 0.0
+    damping: NotNegative = 0.0
+    integral: NotNegative = 0.0
+    limit: Bounds | None = None
+    speed: Positive | None = None
+    tracking_time: PositiveTime | None = None
+
+    @property
+    def is_servo(self) -> bool:
+        return self.stiffness > 0.0 or self.damping > 0.0 or self.integral > 0.0
+
+    @property
+    def signals(self) -> tuple[Signal, Signal, Signal]:
+        """What it gives without an error, its reference, and the rate of that."""
+        feedforward, reference = self.torque or self.force or NONE, self.reference or NONE
+        rate = self.reference_rate
+        if isinstance(reference, Input) or not is_smooth(reference):
+            return feedforward, reference, rate or NONE
+        return feedforward, Values(reference), rate or Rate(reference)
+
+    @property
+    def tracking(self) -> float:
+        """1 / tracking_time, 0 where nothing winds up [1/s]."""
+        if self.limit is None or self.integral == 0.0:
+            return 0.0
+        if self.tracking_time is not None:
+            return 1.0 / self.tracking_time
+        if self.damping > 0.0:
+            return math.sqrt(self.integral / self.damping)
+        return self.integral / self.stiffness
+
+    def validate(self) -> None:
+        if self.torque is not None and self.force is not None:
+            raise self.error("expected torque of an angle or force of a distance, found both")
+        if self.torque is None and self.force is None and not self.is_servo:
+            raise self.error("expected torque, force, stiffness, damping or integral, found none")
+        self._check_reference()
+        self._check_limit()
+
+    def _check_reference(self) -> None:
+        if self.reference is not None and not self.is_servo:
+            raise self.error("reference: needs stiffness, damping or integral, found none")
+        if self.reference_rate is None:
+            return
+        if self.damping == 0.0:
+            raise self.error("reference_rate: needs damping, found none")
+        if self.reference is None and (self.stiffness > 0.0 or self.integral > 0.0):
+            raise self.error("reference_rate: needs the reference that it is the rate of")
+
+    def _check_limit(self) -> None:
+        if self.speed is not None:
+            if self.limit is None:
+                raise self.error("speed: needs limit, found none")
+            lower, upper = self.limit
+            if not -math.inf < lower <= 0.0 <= upper < math.inf:
+                raise self.error(f"speed: needs a limit on both sides of 0, got {[lower, upper]}")
+        winds_up = self.integral > 0.0 and self.limit is not None
+        if self.tracking_time is not None and not winds_up:
+            raise self.error("tracking_time: needs integral and limit")
+        alone = self.stiffness == 0.0 and self.damping == 0.0
+        if winds_up and alone and self.tracking_time is None:
+            raise self.error("tracking_time: integral alone, with a limit, needs one")
+
+
+@dataclass(frozen=True)
+class Values(Pointwise):
+    """A smooth signal, sampled by its values at the steps, as drives are."""
+
+    signal: Any
+
+    def __call__(self, t: float) -> float:
+        return float(self.signal(t))
+
+
+class Rate(Values):
+    """The derivative of a smooth signal."""
+
+    def __call__(self, t: float) -> float:
+        return float(self.signal.derivatives(t)[0])
+
+
+@dataclass(frozen=True)
+class JointMotor:
+    """A motor with the joint that it belongs to."""
+
+    motor: Motor
+    joint: Joint
+
+    @property
+    def name(self) -> str:
+        return self.motor.name
+
+    @property
+    def owner(self) -> str:
+        return self.motor.owner
+
+    @property
+    def coordinate(self) -> str:
+        return self.motor.coordinate
+
+    @property
+    def between(self) -> tuple[str, str]:
+        return self.joint.between
+
+    @property
+    def type(self) -> str:
+        return self.joint.type
+
+    def error(self, message: str) -> ModelError:
+        return self.motor.error(message)
+
+    def check(self) -> None:
+        """ModelError for a coordinate that the joint has not, or drives, or that is of another
+        kind.
+        """
+        motor, kind = self.motor, self.joint.kind
+        free = kind.coordinates
+        if motor.coordinate not in free:
+            raise self.error(
+                f"coordinate: joint {motor.joint!r} has {', '.join(free) or 'none'}, "
+                f"got {motor.coordinate!r}"
+            )
+        if motor.coordinate in self.joint.drives:
+            raise self.error(f"coordinate: {motor.coordinate} of {motor.joint!r} is driven")
+        turns = kind.unit(motor.coordinate) == "rad"
+        if motor.torque is not None and not turns:
+            raise self.error(f"torque: {motor.coordinate!r} is a distance and takes a force")
+        if motor.force is not None and turns:
+            raise self.error(f"force: {motor.coordinate!r} is an angle and takes a torque")

@@ -1,0 +1,285 @@
+"""What of a model is unlike any machine, most often by a wrong unit: told, not refused.
+
+Each doubt is one line: the key, what was found there, what is usual.
+"""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from .arrays import Array
+from .errors import about
+from .lower.scheme import stepping_of
+from .model.bodies import Body, FlexibleBody
+from .model.curves import Constant, Harmonic, Polynomial
+from .model.joints import Joint
+from .model.model import Model
+from .model.motions import PrescribedRotation
+from .model.noise import Noise, ShapedNoise
+from .model.profiles import Chirp, HalfSine, LogarithmicChirp, Sawtooth, Trapezoid
+from .model.signals import Signal, parts_of
+
+TURN = 2.0 * np.pi
+OTHER_UNITS = {
+    "mm/s^2": (9780.0, 9833.0),
+    "cm/s^2": (978.0, 983.3),
+    "in/s^2": (385.0, 387.2),
+    "ft/s^2": (32.08, 32.27),
+    "km/s^2 or mm/ms^2": (9.78e-3, 9.833e-3),
+}
+"""Gravity on Earth, from equator to pole, in units that are not m/s^2."""
+OSMIUM = 25_000.0
+"""Density [kg/m^3], above that of any solid."""
+CONCENTRATED = 1e-3
+"""Trace of an inertia over that of a ball of osmium, below which it is taken for an error."""
+REACH = 100.0
+"""Radius of gyration of a body over the size of the model, of no body."""
+SIZES = (1e-5, 100.0)
+"""Distances of interfaces of parts from their center of mass [m]."""
+UNLIKE = 1000.0
+"""Ratio of the sizes of two flexible bodies, as of meters and millimeters."""
+FASTEST = 5000.0
+"""Speed [m/s] of bodies and their frames, about that of sound in steel."""
+ABOVE = 10.0
+"""First frequency of a free body over the Nyquist frequency of the step."""
+FEWEST = 4.0
+"""Steps in a period of a signal."""
+
+
+PULSES = (HalfSine, Trapezoid, Sawtooth)
+WITH_PHASE = (Harmonic, Chirp, LogarithmicChirp)
+
+
+class Doubt(NamedTuple):
+    """A line of text; severe: the numbers of a run will almost certainly mean nothing."""
+
+    text: str
+    severe: bool = False
+
+
+def doubts(model: Model) -> tuple[Doubt, ...]:
+    """What is unlike any machine; `ModelError` for a model that has no step."""
+    with about(model.path):
+        stepping = stepping_of(model)
+    h = stepping.h * stepping.ratio
+    return (
+        *_of_gravity(model),
+        *_of_bodies(model),
+        *_of_sizes(model),
+        *_of_angles(model),
+        *_of_signals(model, h),
+        *_of_step(model, h),
+    )
+
+
+def _of_gravity(model: Model) -> Iterator[Doubt]:
+    size = float(np.linalg.norm(model.gravity))
+    for unit, (least, most) in OTHER_UNITS.items():
+        if least <= size <= most:
+            yield Doubt(
+                f"simulation.gravity is {size:g} m/s^2, on Earth it is 9.81: is it in {unit}?",
+                severe=True,
+            )
+
+
+def _of_bodies(model: Model) -> Iterator[Doubt]:
+    size = _size(model)
+    for name, body in model.bodies.items():
+        yield from _of_inertia(name, body, size)
+        yield from _of_speed(name, body)
+
+
+def _of_inertia(name: str, body: Body, size: float) -> Iterator[Doubt]:
+    """Doubts about an inertia, J = tr J / 2 m as a radius of gyration.
+
+    Of all bodies of a mass and a density a ball has the least tr J = 6/5 m r^2.
+    """
+    key = f"bodies.{name}.{'superelement' if isinstance(body, FlexibleBody) else 'inertia'}"
+    trace = float(np.trace(body.inertia))
+    radius = float(np.sqrt(0.5 * trace / body.mass))
+    ball = (0.75 * body.mass / (np.pi * OSMIUM)) ** (1.0 / 3.0)
+    if trace < CONCENTRATED * 1.2 * body.mass * ball**2:
+        yield Doubt(
+            f"{key}: {body.mass:g} kg with a radius of gyration of {radius:.2g} m would be denser "
+            f"than any solid, usual is {ball:.2g} m or more: mass in t, inertia in other units?"
+        )
+    if size > 0.0 and radius > REACH * size:
+        yield Doubt(
+            f"{key}: a radius of gyration, sqrt(tr J / 2 m), of {radius:.3g} m in a model of "
+            f"{size:.3g} m: is the inertia in kg mm^2, or the mass in t?"
+        )
+
+
+def _of_speed(name: str, body: Body) -> Iterator[Doubt]:
+    tip = _length(body.start.angular_velocity) * _reach(body)
+    for key, speed in (("velocity", _length(body.start.velocity)), ("angular_velocity", tip)):
+        if speed > FASTEST:
+            yield Doubt(
+                f"bodies.{name}.{key} makes {speed:.3g} m/s, as fast as sound in steel: "
+                "usual is some 100 m/s: is it in other units?"
+            )
+
+
+def _size(model: Model) -> float:
+    """The largest distance between what the model places, frames and bodies [m]; 0 for a point."""
+    reach = max(map(_reach, model.bodies.values()))
+    placed = [body.start.position for body in model.bodies.values() if body.start.place is None]
+    placed += [frame.position for frame in model.ground_frames.values()]
+    extent = np.ptp(np.array(placed), axis=0) if placed else np.zeros(3)
+    return max(reach, _length(extent))
+
+
+def _of_sizes(model: Model) -> Iterator[Doubt]:
+    """Doubts about the units of the meshes that superelements came from."""
+    reaches = {name: _reach(body) for name, body in model.flexible_bodies.items()}
+    known = {name: reach for name, reach in reaches.items() if reach > 0.0}
+    for name, reach in known.items():
+        if not SIZES[0] <= reach <= SIZES[1]:
+            yield Doubt(
+                f"bodies.{name}.superelement: an interface is {reach:.3g} m from its center, "
+                f"of parts {SIZES[0]:g} to {SIZES[1]:g} m: was its mesh in other units (scale)?"
+            )
+    if known and max(known.values()) > UNLIKE * min(known.values()):
+        small, large = min(known, key=known.__getitem__), max(known, key=known.__getitem__)
+        yield Doubt(
+            f"bodies.{small}.superelement is {known[small]:.3g} m, bodies.{large}.superelement "
+            f"{known[large]:.3g} m: was one of their meshes in millimeters (scale = 1e-3)?"
+        )
+
+
+def _reach(body: Body) -> float:
+    """The largest distance of a frame from the center of mass [m]."""
+    return max((_length(frame.position) for frame in body.frames.values()), default=0.0)
+
+
+def _of_angles(model: Model) -> Iterator[Doubt]:
+    """Angles of more than a turn, which are given in degrees more often than meant."""
+    for key, angle in _angles(model):
+        if np.isfinite(angle) and abs(angle) > TURN:
+            yield Doubt(
+                f"{key} is {angle:g} rad, {abs(angle) / TURN:.3g} turns, usual is one at most: "
+                "is it in degrees?",
+                severe=True,
+            )
+
+
+def _angles(model: Model) -> Iterator[tuple[str, float]]:
+    """All numbers that are angles, with their keys."""
+    for name, body in model.bodies.items():
+        yield f"bodies.{name}.rotation", _length(body.start.rotation)
+        if not isinstance(body, FlexibleBody):
+            for frame, place in body.frames.items():
+                yield f"bodies.{name}.frames.{frame}.rotation", _length(place.rotation)
+    for frame, place in model.ground_frames.items():
+        yield f"ground.frames.{frame}.rotation", _length(place.rotation)
+    for joint in model.joints:
+        yield from _angles_of_joint(joint)
+    for motion in model.motions:
+        if isinstance(motion, PrescribedRotation) and motion.angle is not None:
+            yield from _angles_of_signal(f"motions.{motion.name}.angle", motion.angle)
+    for stop in model.stops:
+        kind = next(joint.kind for joint in model.joints if joint.name == stop.joint)
+        if stop.coordinate in kind.angles:
+            yield from ((f"stops.{stop.name}.range", limit) for limit in stop.range)
+    for spring in model.springs:
+        if spring.type == "torsion" and spring.rest is not None:
+            yield f"springs.{spring.name}.rest", float(np.max(spring.rest))
+
+
+def _angles_of_joint(joint: Joint) -> Iterator[tuple[str, float]]:
+    for coordinate, value in joint.start.items():
+        if coordinate in joint.kind.angles:
+            yield f"joints.{joint.name}.start.{coordinate}", value
+    if joint.angle is not None:
+        yield from _angles_of_signal(f"joints.{joint.name}.angle", joint.angle)
+
+
+def _angles_of_signal(key: str, signal: Signal) -> Iterator[tuple[str, float]]:
+    """What is an angle in a signal that drives one; rates and tables may go on over many turns."""
+    if isinstance(signal, Constant):
+        yield key, signal.value
+    elif isinstance(signal, Polynomial):
+        yield f"{key}.polynomial[0]", signal.coefficients[0]
+    elif isinstance(signal, Harmonic):
+        yield f"{key}.amplitude", signal.amplitude
+        yield f"{key}.offset", signal.offset
+
+
+def _length(vector: Array) -> float:
+    return float(np.linalg.norm(vector))
+
+
+def _of_signals(model: Model, h: float) -> Iterator[Doubt]:
+    """Doubts about signals that the step does not resolve, and phases in degrees."""
+    for key, signal in _signals(model):
+        for part in _within(signal):
+            yield from _of_signal(key, part, h)
+
+
+def _of_signal(key: str, signal: Signal, h: float) -> Iterator[Doubt]:
+    if (highest := _highest(signal)) * h * FEWEST > 1.0:
+        yield Doubt(
+            f"{key}: its highest frequency, {highest:g} Hz, has {1.0 / (highest * h):.2g} steps of "
+            f"{h:g} s in a period, expected {FEWEST:g} or more: is it in rad/s or rpm?",
+            severe=True,
+        )
+    if isinstance(signal, PULSES) and signal.duration < FEWEST * h:
+        yield Doubt(
+            f"{key}: a pulse of {signal.duration:g} s has {signal.duration / h:.2g} steps of "
+            f"{h:g} s, expected {FEWEST:g} or more: it acts as an impulse"
+        )
+    if isinstance(signal, WITH_PHASE) and abs(signal.phase) > TURN:
+        yield Doubt(
+            f"{key}.phase is {signal.phase:g} rad, usual is one turn at most: is it in degrees?"
+        )
+
+
+def _within(signal: Signal) -> Iterator[Signal]:
+    """A signal, and those that it is composed of."""
+    yield signal
+    for part in parts_of(signal):
+        yield from _within(part)
+
+
+def _highest(signal: Signal) -> float:
+    """The highest frequency [Hz] of a signal that names one, 0 of others."""
+    if isinstance(signal, Harmonic):
+        return abs(signal.frequency)
+    if isinstance(signal, Chirp | LogarithmicChirp):
+        return max(map(abs, signal.frequencies))
+    if isinstance(signal, Noise):
+        return max(signal.band)
+    if isinstance(signal, ShapedNoise):
+        return max(frequency for frequency, _ in signal.spectrum)
+    return 0.0
+
+
+def _signals(model: Model) -> Iterator[tuple[str, Signal]]:
+    """All signals with their keys."""
+    for number, load in enumerate(model.loads):
+        yield f"loads.{number}.signal", load.signal
+    owners = (("joints", model.joints), ("motions", model.motions), ("motors", model.motors))
+    for table, entries in owners:
+        for entry in entries:
+            for key, signal in vars(entry).items():
+                if isinstance(signal, Signal):
+                    yield f"{table}.{entry.name}.{key}", signal
+
+
+def _of_step(model: Model, h: float) -> Iterator[Doubt]:
+    """Flexible bodies whose modes are all far above the Nyquist frequency of the step.
+
+    Joints lower them, of a beam that is clamped at one end to a sixth.
+    """
+    for name, body in model.flexible_bodies.items():
+        modes = body.superelement.modes
+        if modes is None or not len(modes.omega):
+            continue
+        first = float(modes.frequencies.min())
+        if first * h > 0.5 * ABOVE:
+            yield Doubt(
+                f"bodies.{name}: its first elastic frequency, {first:.4g} Hz when free, is "
+                f"{2.0 * first * h:.3g} times the Nyquist frequency of the step of {h:g} s, "
+                "expected one at most: with this step it moves as a rigid body"
+            )

@@ -1,0 +1,142 @@
+"""Arithmetic of study files: numbers, names of parameters, dotted keys, and few functions.
+
+2 * mass        sqrt(k / bodies.hub.mass)        inertia[2] / 2        loads[0].signal.amplitude
+"""
+
+import ast
+import math
+import operator
+import warnings
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from ..inputs import quoted
+from .errors import StudyError
+
+Number = int | float
+LookUp = Callable[[str], Any]
+"""the value of a name or of a dotted key; `StudyError` if there is none"""
+
+
+def _power(base: Number, exponent: Number) -> Number:
+    """A power, by floating point: integers that fill the memory are none; integer where exact."""
+    power = float(base) ** exponent
+    if isinstance(power, complex):
+        raise ValueError("a root of a negative number")
+    is_exact = isinstance(base, int) and isinstance(exponent, int) and abs(power) < 2**53
+    return int(power) if is_exact and exponent >= 0 else power
+
+
+BINARY: dict[type[ast.operator], Callable[[Any, Any], Number]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: _power,
+}
+UNARY: dict[type[ast.unaryop], Callable[[Any], Number]] = {
+    ast.UAdd: operator.pos,
+    ast.USub: operator.neg,
+}
+CONSTANTS = {"pi": math.pi}
+FUNCTIONS: dict[str, Callable[..., Number]] = {
+    function.__name__: function
+    for function in (
+        *(math.sqrt, math.exp, math.log, math.log10, math.hypot, math.radians, math.degrees),
+        *(math.sin, math.cos, math.tan, math.asin, math.acos, math.atan, math.atan2),
+        *(abs, min, max, round, math.floor, math.ceil),
+    )
+}
+LONGEST = 1000
+"""characters of an expression"""
+LARGEST = 2**63 - 1
+"""integer of TOML"""
+RESERVED = frozenset({*CONSTANTS, *FUNCTIONS})
+"""words that are no names of parameters"""
+FAULTS = (ArithmeticError, ValueError, TypeError, RecursionError, MemoryError)
+"""what arithmetic raises"""
+
+
+def evaluate(text: str, look_up: LookUp) -> Any:
+    """The number that an expression is, or the value of a name or key that it is alone.
+
+    `StudyError` for anything but arithmetic, and for what has no finite value.
+    """
+    tree = _parsed(text)
+    try:
+        if (key := _key(tree)) is not None and key not in CONSTANTS:
+            return look_up(key)
+        value = _value(tree, look_up)
+    except StudyError as error:
+        raise StudyError(f"{error}, in {quoted(text)}") from error
+    except FAULTS as error:
+        raise StudyError(f"expected arithmetic, found {quoted(text)}: {error}") from error
+    if not (abs(value) <= LARGEST if isinstance(value, int) else math.isfinite(value)):
+        raise StudyError(f"expected a finite number, found {quoted(value)} of {quoted(text)}")
+    return value
+
+
+def names_in(text: str) -> Iterator[str]:
+    """The names that an expression asks for, of dotted keys the first part."""
+    for node in ast.walk(_parsed(text)):
+        if isinstance(node, ast.Name) and node.id not in RESERVED:
+            yield node.id
+
+
+def _parsed(text: str) -> ast.expr:
+    if len(text) > LONGEST:
+        raise StudyError(f"expected at most {LONGEST} characters, found {len(text)}")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", SyntaxWarning)  # of code that is no arithmetic anyway
+            return ast.parse(text.strip(), mode="eval").body
+    except (SyntaxError, *FAULTS) as error:
+        reason = getattr(error, "msg", str(error))
+        raise StudyError(f"expected arithmetic, found {quoted(text)}: {reason}") from error
+
+
+def _value(node: ast.expr, look_up: LookUp) -> Number:
+    if isinstance(node, ast.Constant):
+        constant: Any = node.value
+        return _number(constant, "")
+    if isinstance(node, ast.BinOp) and type(node.op) in BINARY:
+        return BINARY[type(node.op)](_value(node.left, look_up), _value(node.right, look_up))
+    if isinstance(node, ast.UnaryOp) and type(node.op) in UNARY:
+        return UNARY[type(node.op)](_value(node.operand, look_up))
+    if isinstance(node, ast.Call) and not node.keywords:
+        return _called(node, look_up)
+    if (key := _key(node)) is None:
+        raise StudyError(f"expected numbers, names, + - * / ** and functions, found {_shown(node)}")
+    return CONSTANTS[key] if key in CONSTANTS else _number(look_up(key), f"{key} = ")
+
+
+def _called(call: ast.Call, look_up: LookUp) -> Number:
+    name = _key(call.func)
+    if name not in FUNCTIONS:
+        raise StudyError(f"no function {_shown(call.func)}; there are: {', '.join(FUNCTIONS)}")
+    arguments = [_value(argument, look_up) for argument in call.args]
+    return FUNCTIONS[name](*arguments)
+
+
+def _key(node: ast.expr) -> str | None:
+    """A name, or a dotted key as attributes and numbers in brackets; None for anything else."""
+    if isinstance(node, ast.Name):
+        return node.id
+    if isinstance(node, ast.Attribute):
+        table = _key(node.value)
+        return None if table is None else f"{table}.{node.attr}"
+    if isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Constant):
+        table, entry = _key(node.value), node.slice.value
+        is_number = isinstance(entry, int) and not isinstance(entry, bool)
+        return f"{table}.{entry!r}" if table is not None and is_number else None
+    return None
+
+
+def _number(value: Any, what: str) -> Number:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise StudyError(f"expected a number, found {what}{quoted(value)}")
+    return value
+
+
+def _shown(node: ast.expr) -> str:
+    return quoted(ast.unparse(node))

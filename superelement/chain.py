@@ -1,0 +1,125 @@
+"""Maxwell elements beside the stiffness of a body: a material that loses energy."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .validation import Array, SuperelementError, checked
+
+Complex = NDArray[np.complex128]
+STIFFEST = 1e6
+"""Sum of the amplitudes above which nothing would be left of the relaxed body."""
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """Maxwell elements in parallel with the stiffness of every mode.
+
+        omega^2 becomes omega^2 (1 + sum_k a_k i w tau_k / (1 + i w tau_k))
+        eta'' + ... + omega^2 (eta + sum_k a_k q_k) = phi . p,    q_k' + q_k / tau_k = eta'
+
+    tau (K,): relaxation times [s], ascending; amplitude (K,): a of all modes, or (K, m) of each.
+    omega is then that of the relaxed body, to which a load that lasts is applied; q_k are the
+    stretches of the springs of the chain. loss_factor: what the amplitudes were fitted to in
+    `band` [Hz], where they keep it within the relative `ripple`, and `reference` [Hz] the frequency
+    at which the stiffness is that of the body file; without a number of its own, 0, the modes
+    have loss factors that differ. Source: docs/theory.md, Material damping.
+    """
+
+    tau: Array
+    amplitude: Array
+    loss_factor: float = 0.0
+    band: tuple[float, float] = (0.0, 0.0)
+    reference: float = 0.0
+    ripple: float = 0.0
+
+    def __post_init__(self) -> None:
+        tau = checked("chain: tau", self.tau, ("k",))
+        shape = (len(tau), "m")[: max(1, np.ndim(self.amplitude))]
+        a = checked("chain: amplitude", self.amplitude, shape)
+        if not len(tau) or tau[0] <= 0.0 or (np.diff(tau) <= 0.0).any():
+            raise SuperelementError(
+                f"chain: tau: expected positive times that increase, found {tau.tolist()}"
+            )
+        if a.min(initial=0.0) < 0.0 or a.sum(axis=0).max(initial=0.0) > STIFFEST:
+            raise SuperelementError(
+                f"chain: amplitude: expected numbers >= 0 that add up to {STIFFEST:g} at most, "
+                f"found {a.min():.6g} to {a.max():.6g}"
+            )
+        object.__setattr__(self, "tau", tau)
+        object.__setattr__(self, "amplitude", a)
+
+    def amplitudes(self, m: int) -> Array:
+        """a (K, m) of m modes."""
+        a = self.amplitude[:, None] if self.amplitude.ndim == 1 else self.amplitude
+        return np.broadcast_to(a, (len(self.tau), m))
+
+    def factor(self, omega: Array, m: int) -> Complex:
+        """1 + sum_k a_k i w tau_k / (1 + i w tau_k) (n, m) at w = omega (n,) [rad/s]."""
+        x = 1j * np.multiply.outer(omega, self.tau)
+        c: Complex = 1.0 + (x / (1.0 + x)) @ self.amplitudes(m)
+        return c
+
+    def at(self, omega: Array) -> Complex:
+        """The same (m,) of each mode at a frequency of its own, omega (m,) [rad/s]."""
+        x = 1j * np.multiply.outer(self.tau, omega)
+        c: Complex = 1.0 + (self.amplitudes(len(omega)) * (x / (1.0 + x))).sum(axis=0)
+        return c
+
+    def stepped(self, h: float, delay: Complex, m: int) -> Complex:
+        """The same (n, m) of time stepping by h [s], with d = delay (n,).
+
+        1 + sum_k a_k g_k (1 - d) / (1 - e_k d)
+        """
+        kept, gain = self.step(h)
+        d = delay[:, None]
+        c: Complex = 1.0 + (gain * (1.0 - d) / (1.0 - kept * d)) @ self.amplitudes(m)
+        return c
+
+    def step(self, h: float) -> tuple[Array, Array]:
+        """e, g (K,) of a step: q+ = e q + g (eta+ - eta), the trapezoidal rule.
+
+            e = (1 - x) / (1 + x),    g = 1 / (1 + x),    x = h / (2 tau)
+
+        At rho_inf = 1 the spring then stores exactly what the dashpot does not take, h (q+ + q)^2 /
+        (4 tau) in a step; at any other no step creates energy.
+        """
+        x = h / (2.0 * self.tau)
+        return (1.0 - x) / (1.0 + x), 1.0 / (1.0 + x)
+
+
+class Springs:
+    """The springs of a chain on m modes, from one step to the next; q (K, m) are their stretches.
+
+    Without a chain there are none, and all that they give is zero.
+    """
+
+    def __init__(self, chain: Chain | None, m: int) -> None:
+        self._chain = chain
+        self._a = np.zeros((0, m)) if chain is None else chain.amplitudes(m)
+        self.q = np.zeros(self._a.shape)
+        self._kept = self._gain = np.zeros(0)
+        self.hardening: Array | float = 0.0
+
+    def set_step(self, h: float) -> None:
+        """Go on by steps of h, in which eta counts (1 + `hardening`) times."""
+        if self._chain is not None:
+            self._kept, self._gain = self._chain.step(h)
+            self.hardening = self._gain @ self._a
+
+    def carried(self, eta: Array) -> Array | float:
+        """What the springs add beside the hardening to eta, which they pull back by: (m,)."""
+        if self._chain is None:
+            return 0.0
+        old: Array = (self._a * (self._kept[:, None] * self.q)).sum(axis=0)
+        return old - self.hardening * eta
+
+    def follow(self, change: Array) -> None:
+        """Stretch by the change of eta in the step."""
+        if self._chain is not None:
+            self.q = self._kept[:, None] * self.q + self._gain[:, None] * change
+
+    def stress(self, eta: Array) -> Array:
+        """eta + sum_k a_k q_k (m,): by which the relaxed stiffness gives forces and stresses."""
+        return eta if self._chain is None else eta + (self._a * self.q).sum(axis=0)

@@ -1,0 +1,92 @@
+"""Channels: the responses of load patterns and sensors, beside those of the interfaces."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .kernel import Kernel
+from .modes import Modes
+from .pattern import Pattern
+from .sensor import Sensor
+from .validation import Array, SuperelementError, check_symmetric, checked
+
+
+@dataclass(frozen=True, eq=False)
+class Channels:
+    """What a body has beside its interfaces: one row for each pattern, then those of each sensor.
+
+        y = phi eta,     eta'' + 2 zeta omega eta' + omega^2 eta = phi_C^T p + phi_patterns^T s
+
+    The y of a pattern is the displacement that its amplitude s does work on, int t . u dA; that of
+    a sensor its reading. Both know no rigid motion. phi (n, m), None for a body without modes,
+    which has the kernel, compliance and accelerance of interfaces and channels together instead,
+    (n_c + n, n_c + n).
+    """
+
+    patterns: tuple[Pattern, ...]
+    sensors: tuple[Sensor, ...]
+    phi: Array | None = None
+    kernel: Kernel | None = None
+    compliance: Array | None = None
+    accelerance: Array | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "patterns", tuple(self.patterns))
+        object.__setattr__(self, "sensors", tuple(self.sensors))
+        for kind, entries in (("patterns", self.patterns), ("sensors", self.sensors)):
+            names = [entry.name for entry in entries]
+            if len(set(names)) != len(names):
+                raise SuperelementError(f"{kind}: expected different names, found {names}")
+        if self.phi is not None:
+            object.__setattr__(self, "phi", checked("channels: phi", self.phi, (self.n, "m")))
+        for name in ("compliance", "accelerance"):
+            if (matrix := getattr(self, name)) is not None:
+                matrix = checked(f"channels: {name}", matrix, ("n", "n"))
+                check_symmetric(f"channels: {name}", matrix)
+                object.__setattr__(self, name, matrix)
+
+    @property
+    def n(self) -> int:
+        """The number of rows."""
+        return len(self.patterns) + sum(len(sensor.channels) for sensor in self.sensors)
+
+    def pattern_row(self, name: str) -> int:
+        """The row of a pattern; `SuperelementError` where there is none of this name."""
+        names = [pattern.name for pattern in self.patterns]
+        if name not in names:
+            raise SuperelementError(
+                f"no load pattern {name!r}; there are: {', '.join(names) or 'none'}"
+            )
+        return names.index(name)
+
+    def rows_of_sensors(self) -> dict[str, slice]:
+        """The rows of each sensor, by name."""
+        rows, first = {}, len(self.patterns)
+        for sensor in self.sensors:
+            rows[sensor.name] = slice(first, first + len(sensor.channels))
+            first += len(sensor.channels)
+        return rows
+
+    def check_sizes(self, n_c: int, modes: Modes | None) -> None:
+        """`SuperelementError` unless they are of a body with such interfaces and modes."""
+        if modes is not None:
+            found = None if self.phi is None else self.phi.shape[1]
+            if found != len(modes.omega):
+                raise SuperelementError(
+                    f"channels: phi: expected {len(modes.omega)} columns, one per mode, "
+                    f"found {found}"
+                )
+            return
+        n = n_c + self.n
+        kernel = 0 if self.kernel is None else self.kernel.n_c
+        matrices = [0 if A is None else len(A) for A in (self.compliance, self.accelerance)]
+        if {kernel, *matrices} != {n}:
+            raise SuperelementError(
+                f"channels: of a body without modes expected a kernel, compliance and accelerance "
+                f"of {n} rows, found {kernel}, {matrices[0]} and {matrices[1]}"
+            )
+
+    def complete(self, modes: Modes) -> Modes:
+        """Modes at interfaces and channels: phi (n_c + n, m)."""
+        assert self.phi is not None
+        return replace(modes, phi=np.vstack([modes.phi, self.phi]))

@@ -1,0 +1,39 @@
+"""Sensors: points and strain gauges inside a body, which are read and never loaded."""
+
+from dataclasses import dataclass
+
+from .pattern import check_name
+from .validation import Array, SuperelementError, checked
+
+KINDS: dict[str, tuple[str, ...]] = {
+    "motion": ("x", "y", "z"),
+    "strain": ("strain",),
+    "stress": ("xx", "yy", "zz", "yz", "xz", "xy"),
+}
+"""kinds of sensors, and the names of their channels"""
+
+
+@dataclass(frozen=True, eq=False)
+class Sensor:
+    """A point of a body, X (3,) from the center of mass in body axes [m], and what is read there.
+
+    kind: "motion", the elastic displacement (3 channels) [m]; "strain" (1) [1]; "stress" (6), in
+    the order xx, yy, zz, yz, xz, xy, body axes [Pa].
+    """
+
+    name: str
+    kind: str
+    X: Array
+
+    def __post_init__(self) -> None:
+        check_name("sensor", self.name)
+        if self.kind not in KINDS:
+            raise SuperelementError(
+                f"sensor {self.name!r}: kind: expected {', '.join(KINDS)}, found {self.kind!r}"
+            )
+        object.__setattr__(self, "X", checked(f"sensor {self.name!r}: X", self.X, (3,)))
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The names of its channels."""
+        return KINDS[self.kind]

@@ -1,0 +1,70 @@
+"""`duhamel sweep`: its progress, and the picture of its outputs."""
+
+import pytest
+from duhamel.cli.app import app
+from duhamel.cli.sweep import Progress, clock, shown_cases
+from duhamel.study import Case, Row
+from typer.testing import CliRunner
+
+SUMMARY = """case,m,status,seconds,peak,message
+case-0001,1,done,0.5,2.0,
+case-0002,2,done,0.5,4.0,
+case-0003,3,failed,,,no convergence
+"""
+
+
+def row(reused=False):
+    return Row(Case("a", {}, {}, None), "done", reused=reused)
+
+
+def test_the_time_that_remains_is_that_of_the_cases_that_ran():
+    progress = Progress(10)
+    progress.take(row(reused=True))
+    assert progress.remaining(progress._started + 6.0) is None
+    progress.take(row())
+    progress.take(row())
+    assert progress.remaining(progress._started + 6.0) == pytest.approx(3.0 * 7)
+    assert str(progress).startswith("3 of 10 cases, ")
+
+
+@pytest.mark.parametrize(("seconds", "shown"), [(9.4, "0:09"), (119.6, "2:00"), (7322, "2:02:02")])
+def test_times_are_those_of_a_clock(seconds, shown):
+    assert clock(seconds) == shown
+
+
+def test_without_a_terminal_there_is_a_line_every_few_seconds(monkeypatch, capsys):
+    monkeypatch.setattr("duhamel.cli.sweep.INTERVAL", 0.05)
+    with shown_cases(4) as finished:
+        finished(row())
+        import time
+
+        time.sleep(0.2)
+    told = capsys.readouterr().err.splitlines()
+    assert len(told) >= 2
+    assert all(line.startswith("1 of 4 cases, 0:0") for line in told)
+
+
+def test_a_summary_is_drawn(tmp_path):
+    (tmp_path / "summary.csv").write_text(SUMMARY)
+    done = CliRunner().invoke(app, ["plot", str(tmp_path / "summary.csv")])
+    assert done.exit_code == 0, done.output
+    assert (tmp_path / "summary.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("text", "names", "message"),
+    [
+        (SUMMARY, ["speed"], "no output 'speed'; there are: seconds, peak"),
+        (SUMMARY.replace("done", "open"), [], "no summary of a study: none of 3 cases is done"),
+        ("a,b\n1,2\n", [], "no summary of a study: expected columns case, parameters, status"),
+        ("", [], "no summary of a study: expected columns"),
+        (SUMMARY.replace(",4.0,", ",four,"), [], "no summary of a study"),
+        (SUMMARY.replace("case-0002,2", "case-0002,1"), [], "expected parameters that vary"),
+    ],
+)
+def test_what_is_no_summary_is_refused_in_one_line(tmp_path, text, names, message):
+    (tmp_path / "summary.csv").write_text(text)
+    done = CliRunner().invoke(app, ["plot", str(tmp_path / "summary.csv"), *names])
+    assert done.exit_code == 1
+    assert message in done.output
+    assert len(done.output.splitlines()) == 1

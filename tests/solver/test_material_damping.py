@@ -1,0 +1,212 @@
+"""Material damping: exact against the unreduced model, and the same whatever holds a body."""
+
+import numpy as np
+import pytest
+from duhamel.preprocess import read_body
+from duhamel.preprocess.body.damping import Damping
+from duhamel.solver import Constant, FlexibleBody, Function, Joint, Load, Table, check, simulate
+from scipy.linalg import eigh
+
+from .conftest import BEAM, line_mesh, make_beam
+from .models import model_of
+from .monolithic import Reference
+from .test_recovery import watched
+from .test_restart import assert_same, in_parts, machine
+
+H = 2e-4
+PULSE = Function(lambda t: np.sin(np.pi * t / 0.05) ** 2 if t < 0.05 else 0.0)
+EI = read_body(BEAM).section.EI_z
+LOSS = {"loss_factor": 0.1, "band": (10.0, 4000.0)}
+
+
+@pytest.fixture(scope="session")
+def lossy(tmp_path_factory):
+    """Three elements with a loss factor of 0.1."""
+    mesh = line_mesh(tmp_path_factory.mktemp("lossy") / "lossy.msh", 3)
+    return make_beam(mesh=mesh, damping=Damping.model_validate(LOSS))
+
+
+@pytest.mark.parametrize("rho_inf", [0.9, 0.0])
+def test_a_lossy_beam_swings_like_its_unreduced_model_with_a_chain_at_every_node(
+    lossy, hub_and_beam, rho_inf
+):
+    loads = (
+        Load("torque", "hub", [0, 0, 0.2], PULSE),
+        Load("force", "beam.tip", [0.3, 0.0, 1.0], Constant(0.5)),
+    )
+    settings = {"loads": loads, "t_end": 600 * H, "step": H, "rho_inf": rho_inf}
+    model = hub_and_beam(lossy, 0.5, "spherical", (1.0, 2.0, 5.0), **settings)
+    hub, chain = model.bodies["hub"], lossy.element.modes.chain
+    reference = Reference(
+        lossy.structure,
+        hub.inertia,
+        hub.mass,
+        hub.frames["rim"].position,
+        H,
+        rho_inf,
+        revolute=False,
+        tau=tuple(chain.tau),
+        amplitude=tuple(chain.amplitude),
+    )
+    results = simulate(model)
+    samples = [np.outer(x.signal.samples(results.time, H), x.direction) for x in loads]
+    _, u, v, _ = reference.run(samples[0][:, 2], samples[1], spin=hub.start.angular_velocity)
+    found = np.hstack([results.frame("beam.root").u, results.frame("beam.tip").u])
+    assert np.abs(u).max() > 1e-4
+    for here, there in ((found, u), (results.body("beam").v[:, :3], v[:, 6:9])):
+        assert np.abs(here - there).max() < 1e-11 * np.abs(there).max()
+
+
+def poles_of_the_mesh(lossy, held):
+    """Eigenvalues (n,) of the whole mesh with a chain at every dof, of which some are held.
+
+    (s^2 M + K (1 + sum a_k s tau_k / (1 + s tau_k))) u = 0 is one equation for each undamped
+    frequency of the held mesh, whatever holds it.
+    """
+    structure, chain = lossy.structure, lossy.element.modes.chain
+    K, M = structure.K.toarray(), structure.M.toarray()
+    free = np.delete(np.eye(len(K)), held, axis=1)
+    squares = eigh(free.T @ K @ free, free.T @ M @ free, eigvals_only=True)
+    return np.array([pole_of(square, chain) for square in squares if square > 1e-3])
+
+
+def pole_of(square, chain):
+    """The root of s^2 + square c(s) that vibrates, of the polynomial that it makes."""
+    denominators = [np.array([tau, 1.0]) for tau in chain.tau]
+    product = np.array([1.0])
+    for factor in denominators:
+        product = np.polymul(product, factor)
+    total = np.polymul([1.0, 0.0, square], product)
+    for k, (a, tau) in enumerate(zip(chain.amplitude, chain.tau, strict=True)):
+        others = np.array([square * a * tau, 0.0])
+        for j, factor in enumerate(denominators):
+            others = others if j == k else np.polymul(others, factor)
+        total = np.polyadd(total, others)
+    roots = np.roots(total)
+    return roots[np.argmax(roots.imag)]
+
+
+HOLDS = {
+    "free": ([], []),
+    "clamped": (range(6), [Joint("hold", "fixed", ("ground", "beam.root"))]),
+    "pinned": ([0, 1, 2, 3, 4], [Joint("hold", "revolute", ("ground", "beam.root"), [0, 0, 1])]),
+}
+
+
+@pytest.mark.parametrize("held", HOLDS)
+def test_every_mode_has_half_the_loss_factor_whatever_holds_the_body(lossy, held):
+    dofs, joints = HOLDS[held]
+    model = model_of(
+        bodies={"beam": FlexibleBody(lossy.element)}, joints=joints, t_end=0.01, step=1e-4
+    )
+    found = check(model).damping
+    poles = poles_of_the_mesh(lossy, list(dofs))
+    poles = poles[np.argsort(poles.imag)][: len(found)]
+    np.testing.assert_allclose(
+        [motion.frequency for motion in found], poles.imag / (2 * np.pi), rtol=1e-9
+    )
+    ratios = np.array([motion.ratio for motion in found])
+    np.testing.assert_allclose(ratios, -poles.real / np.abs(poles), rtol=1e-8)
+    inside = poles.imag < 2 * np.pi * 4000
+    # The fit is one of undamped vibrations: what decays sees the chain elsewhere, by its loss.
+    ripple = lossy.element.modes.chain.ripple
+    np.testing.assert_allclose(2 * ratios[inside], 0.1, rtol=ripple + 0.1 / 2)
+
+
+def pushed(element, joints=(), **settings):
+    """A beam in space, pushed at random."""
+    noise = np.random.default_rng(0).standard_normal((2, 201))
+    t = np.linspace(0.0, 0.04, 201)
+    loads = [
+        Load("force", f"beam.{name}", [0.3, 1, -0.5], Table(t, values))
+        for name, values in zip(("root", "tip"), noise, strict=True)
+    ]
+    return model_of(bodies={"beam": FlexibleBody(element)}, joints=joints, loads=loads, **settings)
+
+
+def test_what_a_free_body_is_given_is_kept_or_dissipated(lossy):
+    """At rho_inf = 1 nothing else takes energy, and the springs of the chain never give any."""
+    energy = simulate(pushed(lossy.element, t_end=0.04, step=1e-5, rho_inf=1.0)).energy
+    scale = energy.work.max()
+    assert energy.dissipated[-1] > 0.3 * scale
+    assert np.diff(energy.dissipated).min() >= 0.0
+    assert np.abs(energy.numerical).max() < 1e-13 * scale
+    assert np.abs(energy.balance).max() < 1e-6 * scale
+
+
+@pytest.mark.parametrize("history", ["direct", "fft"])
+def test_kernels_have_the_chain_too(lossy, history):
+    settings = {"t_end": 0.04, "step": 1e-4, "rho_inf": 0.9}
+    by_modes, by_kernel = (
+        simulate(pushed(lossy.element, history=form, **settings)).frame("beam.tip").u
+        for form in ("recursive", history)
+    )
+    assert np.abs(by_kernel - by_modes).max() < 1e-11 * np.abs(by_modes).max()
+
+
+@pytest.mark.filterwarnings("ignore::duhamel.solver.ValidityWarning")
+def test_the_memory_of_a_kernel_is_that_of_its_motions(lossy):
+    """The error that is stated for a kernel that is cut off bounds what it does."""
+    joints = [Joint("hold", "fixed", ("ground", "beam.root"))]
+    settings = {"t_end": 0.8, "step": 2e-4, "rho_inf": 0.9}
+    whole = simulate(pushed(lossy.element, joints, **settings))
+    cut = simulate(pushed(lossy.element, joints, history="direct", kernel_length=0.3, **settings))
+    u, error = whole.frame("beam.tip").u, cut.solver["truncation"]
+    assert 1e-6 < error < 0.1
+    assert np.abs(cut.frame("beam.tip").u - u).max() < error * np.abs(u).max()
+
+
+def test_a_body_at_rest_under_its_load_stays_there(lossy):
+    """With the stiffness of long times, whose springs have relaxed."""
+    model = model_of(
+        bodies={"beam": FlexibleBody(lossy.element)},
+        joints=[Joint("hold", "fixed", ("ground", "beam.root"))],
+        loads=[Load("force", "beam.tip", [0, 1e-3, 0], Constant(1.0))],
+        t_end=0.02,
+        step=1e-4,
+        start="equilibrium",
+    )
+    results = simulate(model)
+    u, tip = results.frame("beam.tip").u, results.frame("beam.tip").position
+    root = results.frame("beam.root").position
+    chain = lossy.element.modes.chain
+    softness = chain.factor(np.array([2 * np.pi * chain.reference]), 1)[0, 0].real
+    relaxed = softness * 1e-3 * 0.5**3 / (3 * EI)
+    assert tip[0, 1] - root[0, 1] == pytest.approx(relaxed, rel=1e-6)
+    assert np.abs(u - u[0]).max() < 1e-9 * np.abs(u).max()
+
+
+def test_a_run_in_parts_is_that_in_one_to_the_bit(lossy, tmp_path):
+    model = machine(lossy.element)
+    simulate(model, output=tmp_path / "whole.h5")
+    in_parts(model, tmp_path / "parts.h5", 13, 80)
+    assert_same(tmp_path / "parts.h5", tmp_path / "whole.h5")
+
+
+def test_a_model_goes_on_from_the_springs_of_another_run(lossy, tmp_path):
+    model = machine(lossy.element)
+    whole = simulate(model).frame("beam.tip").u[37:]
+    simulate(model.with_settings(t_end=37 * 5e-4, checkpoint=1e3), output=tmp_path / "first.h5")
+    start = {"from": str(tmp_path / "first.h5")}
+    second = simulate(model.with_settings(start=start)).frame("beam.tip").u
+    assert np.abs(second - whole).max() < 1e-8 * np.abs(whole).max()
+
+
+def test_stresses_follow_the_springs_of_the_chain(lossy):
+    """S (eta + sum a_k q_k), with springs that are integrated exactly for modes that are linear in
+    time; the "stresses" are the rotations of the interfaces that modes have.
+    """
+    element = watched(lossy.element)
+    model = pushed(element, t_end=0.01, step=2e-6)
+    results = simulate(model)
+    chain = element.modes.chain
+    u = np.stack([results.frame(f"beam.{name}").u[:, 3:] for name in ("root", "tip")], axis=1)
+    q = np.zeros((len(chain.tau), *u.shape))
+    kept = np.exp(-2e-6 / chain.tau)[:, None, None]
+    gain = (1.0 - kept) * (chain.tau / 2e-6)[:, None, None]
+    for n in range(1, len(u)):
+        q[:, n] = kept * q[:, n - 1] + gain * (u[n] - u[n - 1])
+    expected = u + np.tensordot(chain.amplitude, q, 1)
+    found = results.stress("beam", results.time)[:, :, :3]
+    assert np.abs(found - expected).max() < 1e-4 * np.abs(expected).max()
+    assert np.abs(found - u).max() > 0.05 * np.abs(u).max()

@@ -1,0 +1,234 @@
+"""Outputs of a study over its parameters: lines, contours, or points with rank correlations."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from numbers import Real
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.tri import Triangulation
+
+from ..superelement.validation import Array
+from .errors import PictureError
+from .picture import COLORS, PANEL_HEIGHT, WIDTH, entitle, style
+
+MOST_LINES = 6
+"""of one panel; more values of the second parameter are drawn as contours"""
+MOST_PANELS = 5
+"""beside one another: the parameters with the strongest correlations"""
+MOST_OUTPUTS = 12
+LEVELS = 12
+LONGEST_LABEL = 40
+"""characters"""
+LOG_SPAN = 30.0
+"""ratio of the largest to the least of positive values that are drawn on a logarithmic axis"""
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """A parameter that varies: its value in each case, or the numbers of its values.
+
+    name: its key; values (n,); labels: what values that are no numbers stand for.
+    """
+
+    name: str
+    values: Array
+    labels: tuple[str, ...] = ()
+
+    @property
+    def levels(self) -> Array:
+        """Its different values, ascending."""
+        return np.unique(self.values)
+
+
+def draw_variation(
+    parameters: Mapping[str, Sequence[Any]], outputs: Mapping[str, Array], title: str = ""
+) -> Figure:
+    """A row of panels for each output, over the parameters that vary.
+
+    parameters: values of n cases by key; outputs (n,) by name, of which those that are no number
+    are left out. One parameter: a line. Two: a line for each value of the second; contours where
+    these are many, or scattered. More: points over each, with Spearman's rank correlation, and the
+    strongest first. Of an array the element that varies most is drawn. `PictureError` if nothing
+    varies.
+    """
+    axes = [axis for key, values in parameters.items() if (axis := _axis(key, values)) is not None]
+    if not axes or not outputs:
+        raise PictureError(
+            f"expected parameters that vary and outputs, found {len(axes)} and {len(outputs)}"
+        )
+    if len(outputs) > MOST_OUTPUTS:
+        raise PictureError(f"expected at most {MOST_OUTPUTS} outputs, found {len(outputs)}")
+    columns = min(len(axes), MOST_PANELS) if len(axes) > 2 else 1
+    figure = Figure(
+        figsize=(WIDTH if columns < 3 else 0.5 * WIDTH + 1.6 * columns, _height(axes, outputs)),
+        layout="constrained",
+    )
+    with style():
+        panels: Any = figure.subplots(len(outputs), columns, squeeze=False)
+        for row, (name, values) in zip(panels, outputs.items(), strict=True):
+            _fill(list(row), axes, name, values)
+        entitle(figure, title)
+    return figure
+
+
+def _height(axes: Sequence[Axis], outputs: Mapping[str, Array]) -> float:
+    tall = 1.35 if len(axes) == 2 else 1.1
+    return 0.4 + tall * PANEL_HEIGHT * len(outputs)
+
+
+def _axis(key: str, values: Sequence[Any]) -> Axis | None:
+    """A parameter as numbers, of arrays one element; None if it does not vary."""
+    texts = list(map(str, values))
+    if len(set(texts)) < 2:
+        return None
+    if all(isinstance(value, Real) and not isinstance(value, bool) for value in values):
+        return Axis(key, np.array(values, dtype=float))
+    return _element(key, values) or _labelled(key, texts)
+
+
+def _element(key: str, values: Sequence[Any]) -> Axis | None:
+    """The element of arrays of numbers that varies most, if it tells them apart."""
+    try:
+        table = np.array(values, dtype=float)
+    except (TypeError, ValueError):
+        return None
+    if table.ndim < 2:
+        return None
+    table = table.reshape(len(table), -1)
+    i = int(np.argmax(np.ptp(table, axis=0)))
+    if len(np.unique(table[:, i])) < len(np.unique(table, axis=0)):
+        return None
+    return Axis(f"{key}[{i}]", table[:, i])
+
+
+def _labelled(key: str, texts: Sequence[str]) -> Axis:
+    known = list(dict.fromkeys(texts))
+    return Axis(key, np.array([float(known.index(text)) for text in texts]), tuple(known))
+
+
+def _fill(panels: list[Axes], axes: Sequence[Axis], name: str, values: Array) -> None:
+    known = np.isfinite(values)
+    axes = [Axis(axis.name, axis.values[known], axis.labels) for axis in axes]
+    values = values[known]
+    if not len(values):
+        panels[0].set_title(f"{_shown(name)}: no numbers", parse_math=False)
+    elif len(axes) == 1:
+        _draw_line(panels[0], axes[0], values, "")
+        _label(panels[0], axes[0], name)
+    elif len(axes) == 2:
+        _draw_plane(panels[0], axes[0], axes[1], name, values)
+    else:
+        _draw_points(panels, axes, name, values)
+
+
+def _draw_line(panel: Axes, axis: Axis, values: Array, label: str) -> None:
+    order = np.argsort(axis.values, kind="stable")
+    panel.plot(axis.values[order], values[order], "o-", markersize=3.5, label=_shown(label))
+
+
+def _draw_plane(panel: Axes, one: Axis, two: Axis, name: str, values: Array) -> None:
+    """Lines over the parameter with more values, one for each value of the other; or contours."""
+    x, other = (one, two) if len(one.levels) >= len(two.levels) else (two, one)
+    if len(other.levels) > MOST_LINES and not (x.labels or other.labels):
+        _draw_contours(panel, one, two, name, values)
+        return
+    for level in other.levels:
+        among = other.values == level
+        part = Axis(x.name, x.values[among], x.labels)
+        _draw_line(panel, part, values[among], _level(other, float(level)))
+    _label(panel, x, name)
+    legend = panel.legend(title=_shown(other.name), loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    for text in (legend.get_title(), *legend.get_texts()):
+        text.set_parse_math(False)
+
+
+def _draw_contours(panel: Axes, x: Axis, y: Axis, name: str, values: Array) -> None:
+    """Linear between the nearest cases (Delaunay), which are drawn as dots."""
+    places = np.stack([_position(x), _position(y)], axis=1)
+    spans = np.ptp(places, axis=0)
+    is_plane = len(values) > 3 and np.linalg.matrix_rank((places - places[0]) / spans, 1e-9) == 2
+    if is_plane and np.ptp(values) > 0.0:
+        nearest = Triangulation(*((places - places[0]) / spans).T).triangles
+        mesh = Triangulation(x.values, y.values, nearest)
+        filled: Any = panel.tricontourf(mesh, values, levels=LEVELS, cmap="viridis")
+    else:
+        filled = panel.scatter(x.values, y.values, c=values, cmap="viridis")
+    panel.figure.colorbar(filled, ax=panel)
+    panel.plot(x.values, y.values, ".", color="white", markersize=2.5, markeredgewidth=0.0)
+    panel.grid(visible=False)
+    _label(panel, x, name)
+    panel.set_title(_shown(name), parse_math=False)
+    panel.set_ylabel(_shown(y.name), parse_math=False)
+    if _is_logarithmic(y):
+        panel.set_yscale("log")
+
+
+def _draw_points(panels: list[Axes], axes: Sequence[Axis], name: str, values: Array) -> None:
+    ranks = [rank_correlation(axis.values, values) for axis in axes]
+    order = np.argsort([-abs(rank) for rank in ranks], kind="stable")
+    for panel, i in zip(panels, order, strict=False):
+        color = COLORS[0] if ranks[i] >= 0.0 else COLORS[1]
+        panel.plot(axes[i].values, values, "o", markersize=3.0, color=color, alpha=0.7)
+        _label(panel, axes[i], name if panel is panels[0] else "")
+        panel.set_title(f"rank correlation {ranks[i]:+.2f}")
+
+
+def rank_correlation(x: Array, y: Array) -> float:
+    """Spearman's: the linear correlation of the ranks, of equal values their mean; 0 of constants.
+
+    x, y (n,). Source: C. Spearman, The American Journal of Psychology 15 (1904).
+    """
+    ranks = np.array([_ranks(x), _ranks(y)])
+    ranks -= ranks.mean(axis=1, keepdims=True)
+    size = float(np.sqrt((ranks[0] @ ranks[0]) * (ranks[1] @ ranks[1])))
+    return float(ranks[0] @ ranks[1]) / size if size > 0.0 else 0.0
+
+
+def _ranks(x: Array) -> Array:
+    _, places, counts = np.unique(x, return_inverse=True, return_counts=True)
+    last = np.cumsum(counts)
+    ranks: Array = (last - 0.5 * (counts - 1))[places]
+    return ranks
+
+
+def _label(panel: Axes, x: Axis, name: str) -> None:
+    panel.set_xlabel(_shown(x.name), parse_math=False)
+    panel.set_ylabel(_shown(name), parse_math=False)
+    panel.margins(x=0.04)
+    if x.labels:
+        panel.set_xticks(range(len(x.labels)), list(map(_shown, x.labels)))
+    elif _is_logarithmic(x):
+        panel.set_xscale("log")
+
+
+def _is_logarithmic(axis: Axis) -> bool:
+    """Whether positive values of a wide range are more evenly spread by their logarithms."""
+    if axis.labels or not len(axis.values) or not axis.values.min() > 0.0:
+        return False
+    if axis.values.max() < LOG_SPAN * axis.values.min():
+        return False
+    return _unevenness(np.log(axis.levels)) < _unevenness(axis.levels)
+
+
+def _unevenness(values: Array) -> float:
+    """How far the median lies from the middle, over the range."""
+    low, high = float(values.min()), float(values.max())
+    return abs(float(np.median(values)) - 0.5 * (low + high)) / (high - low)
+
+
+def _position(axis: Axis) -> Array:
+    return np.log(axis.values) if _is_logarithmic(axis) else axis.values
+
+
+def _level(axis: Axis, value: float) -> str:
+    return axis.labels[int(value)] if axis.labels else f"{value:.4g}"
+
+
+def _shown(text: str) -> str:
+    """Text that can be drawn, not at length."""
+    line = "".join(letter if letter.isprintable() else "?" for letter in text)
+    line = line.encode("utf-8", "replace").decode("utf-8")
+    return line if len(line) <= LONGEST_LABEL else f"{line[: LONGEST_LABEL - 1]}\u2026"
