@@ -123,6 +123,8 @@ def test_the_examples_come_back_as_they_were(source, random_element, with_second
     path = tmp_path / "examples" / source.name
     path.parent.mkdir()
     path.write_text(source.read_text())
+    for record in source.parent.glob("*.csv"):
+        (path.parent / record.name).write_text(record.read_text())
     needed = {}
     for body, given in document["bodies"].items():
         if "superelement" in given:
