@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from . import linear
 from .failures import Commands, errors_in_one_line, one_line
 
 app = typer.Typer(
@@ -401,3 +402,7 @@ def _check_superelement(file: Path) -> None:
     if failed:
         raise typer.Exit(1)
     typer.echo(one_line(f"{file}: {len(checks)} checks hold"))
+
+
+for command in (linear.modes, linear.frf, linear.campbell):
+    app.command()(command)

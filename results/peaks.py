@@ -1,6 +1,7 @@
 """Tables of peaks: the largest and smallest values of quantities, when, and where."""
 
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from itertools import product
@@ -13,8 +14,18 @@ from .quantities import KINDS
 from .results import Results
 from .transforms import IN_G, Series, check, in_g, parse, series
 
-UNASKED = ("acceleration", "force", "normal_force", "elastic_displacement")
+UNASKED = (
+    "acceleration",
+    "sensor_acceleration",
+    "force",
+    "normal_force",
+    "elastic_displacement",
+    "strain",
+    "stress",
+)
 """the kinds of quantities of a table for which none are named"""
+SPACE = 3
+"""components of a vector, at most: stresses have more, and no length"""
 STRESS = "von_mises:"
 AT_ONCE = 1000
 """times at which stresses are in memory"""
@@ -57,14 +68,34 @@ def peaks(
     forces and elastic displacements of all. "von_mises:BODY": the largest equivalent stress on the
     surface, and its point; `RecoveryError` without recovery. gravities: accelerations in g.
     """
+    quantities = tuple(quantities)
+    if not quantities:
+        return _unasked(results, gravities)
     found: list[Peak] = []
-    for quantity in quantities or _unasked(results):
+    for quantity in quantities:
         if quantity.startswith(STRESS):
             found.append(_stress(results, quantity))
-            continue
-        alike = [peak for one in _named(results, quantity) for peak in _of(results, one, gravities)]
-        found += sorted(alike, key=lambda peak: -peak.magnitude)
+        else:
+            found += _alike(results, quantity, gravities)
     return tuple(found)
+
+
+def _alike(results: Results, quantity: str, gravities: bool) -> list[Peak]:
+    """The peaks of a quantity, or of all that it stands for that have it, as sensors of a kind.
+
+    The largest one comes first.
+    """
+    found: list[Peak] = []
+    names = _named(results, quantity)
+    lacking: QuantityError | None = None
+    for name in names:
+        try:
+            found += _of(results, name, gravities)
+        except QuantityError as error:
+            lacking = error
+    if lacking is not None and not found:
+        raise lacking
+    return sorted(found, key=lambda peak: -peak.magnitude)
 
 
 def _stress(results: Results, quantity: str) -> Peak:
@@ -100,7 +131,7 @@ def _of(results: Results, quantity: str, gravities: bool) -> Iterator[Peak]:
         if 0.0 < size < NEGLIGIBLE * sizes.max():
             continue
         yield _peak(quantity.replace(within, f"{within}:{axis}"), made, column)
-    if made.base == "s":
+    if made.base == "s" and len(made.axes) <= SPACE:
         yield _peak(f"|{quantity}|", made, np.linalg.norm(made.values, axis=1))
 
 
@@ -117,16 +148,16 @@ def _peak(quantity: str, made: Series, values: Array) -> Peak:
     )
 
 
-def _unasked(results: Results) -> list[str]:
-    """The kinds that are looked at unasked, of all that the run recorded of them."""
-    found = []
+def _unasked(results: Results, gravities: bool) -> tuple[Peak, ...]:
+    """Those of the kinds that are looked at unasked, of all that the run recorded of them."""
+    found: list[Peak] = []
     for kind in UNASKED:
-        pattern = ":".join([kind, *("*" for _ in KINDS[kind].names)])
-        if _matching(results, pattern):
-            found.append(pattern)
+        with suppress(QuantityError):
+            everything = ":".join([kind, *("*" for _ in KINDS[kind].names)])
+            found += _alike(results, everything, gravities)
     if not found:
         raise QuantityError("there is nothing of which peaks are told unasked: name quantities")
-    return found
+    return tuple(found)
 
 
 def _named(results: Results, text: str) -> list[str]:

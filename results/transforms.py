@@ -356,6 +356,9 @@ def parse(text: str) -> tuple[str, list[Step]]:
     """The quantity within, and the transforms from the inside out."""
     match = re.fullmatch(r"\s*(\w+)\s*\((.*)\)\s*", text, re.DOTALL)
     if match is None:
+        opened = re.match(r"\s*(\w+)\s*\(", text)
+        if opened and opened[1] in TRANSFORMS:
+            raise QuantityError(f"{text}: found no closing bracket; expected {form(opened[1])}")
         return text.strip(), []
     name, (inner, *arguments) = match[1], split(match[2])
     known = (*TRANSFORMS, IN_GRAVITIES)

@@ -20,6 +20,11 @@ from .laws.maxwell import MaxwellLaw
 from .laws.one_sided import OneSidedLaw
 from .laws.tabulated import TabulatedLaw
 from .laws.user import UserLaw
+from .linear.campbell import Campbell, campbell
+from .linear.frf import FrequencyResponse
+from .linear.linearize import LinearModel, linearize
+from .linear.modes import LinearModes
+from .linear.state_space import StateSpace
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
 from .model.composed import Delayed, Product, Sum
 from .model.contacts import Contact, Hertz
@@ -67,6 +72,7 @@ from .simulator import Simulator
 
 __all__ = [
     "BoucWenLaw",
+    "Campbell",
     "Chirp",
     "Constant",
     "Contact",
@@ -80,6 +86,7 @@ __all__ = [
     "ForceLaw",
     "ForceTable",
     "Frame",
+    "FrequencyResponse",
     "Function",
     "HalfSine",
     "Harmonic",
@@ -90,6 +97,8 @@ __all__ = [
     "Input",
     "Joint",
     "JointFriction",
+    "LinearModel",
+    "LinearModes",
     "Load",
     "LogarithmicChirp",
     "MaxwellLaw",
@@ -127,6 +136,7 @@ __all__ = [
     "Start",
     "StartFrom",
     "StateError",
+    "StateSpace",
     "SteadyRotation",
     "Steps",
     "Stop",
@@ -139,9 +149,11 @@ __all__ = [
     "UserLaw",
     "ValidityWarning",
     "Window",
+    "campbell",
     "check",
     "check_law",
     "doubts",
+    "linearize",
     "read_model",
     "simulate",
     "start",

@@ -32,6 +32,7 @@ NEARLY_DEPENDENT = 0.03
 INVOLVED = 0.1
 """share of a row in a dependence from which on it is named"""
 FEW_ITERATIONS = 10
+MOTOR_SIGNALS = ("torque or force", "reference", "reference_rate")
 
 
 class Failure(NamedTuple):
@@ -66,11 +67,15 @@ def _predict(failure: Failure) -> None:
 
 
 def _input(failure: Failure) -> str:
-    """A load or a drive that is no number, or a drive that jumps."""
+    """A load, a motor or a drive that is no number, or a drive that jumps."""
     lowered, state, work, t = failure
     for load, value in zip(lowered.loads, work.loads.value.tolist(), strict=True):
         if not math.isfinite(value):
             return f"{load.owner}: its signal is {_sample(load.signal, t)} at this time"
+    for motor, values in zip(lowered.model.motors, work.motors.value.reshape(-1, 3), strict=True):
+        if not np.isfinite(values).all():
+            key = MOTOR_SIGNALS[int(np.argmin(np.isfinite(values)))]
+            return f"{motor.owner}: its {key} is no number at this time"
     for d, value in enumerate(work.drives.value.tolist()):
         i = int(lowered.system.couplings.driven[d])
         size, unit = _size_of(lowered, i)

@@ -36,9 +36,9 @@ CONCENTRATED = 1e-3
 REACH = 100.0
 """Radius of gyration of a body over the size of the model, of no body."""
 SIZES = (1e-5, 100.0)
-"""Distances of interfaces of parts from their center of mass [m]."""
+"""Radii of gyration of flexible bodies [m]."""
 UNLIKE = 1000.0
-"""Ratio of the sizes of two flexible bodies, as of meters and millimeters."""
+"""Ratio of those of two flexible bodies, as of meters and millimeters."""
 FASTEST = 5000.0
 """Speed [m/s] of bodies and their frames, about that of sound in steel."""
 ABOVE = 10.0
@@ -91,20 +91,20 @@ def _of_bodies(model: Model) -> Iterator[Doubt]:
 
 
 def _of_inertia(name: str, body: Body, size: float) -> Iterator[Doubt]:
-    """Doubts about an inertia, J = tr J / 2 m as a radius of gyration.
+    """Doubts about an inertia: a mass that is too dense for it, or too light.
 
     Of all bodies of a mass and a density a ball has the least tr J = 6/5 m r^2.
     """
-    key = f"bodies.{name}.{'superelement' if isinstance(body, FlexibleBody) else 'inertia'}"
-    trace = float(np.trace(body.inertia))
-    radius = float(np.sqrt(0.5 * trace / body.mass))
+    is_flexible = isinstance(body, FlexibleBody)
+    key = f"bodies.{name}.{'superelement' if is_flexible else 'inertia'}"
+    trace, radius = float(np.trace(body.inertia)), _gyration(body)
     ball = (0.75 * body.mass / (np.pi * OSMIUM)) ** (1.0 / 3.0)
     if trace < CONCENTRATED * 1.2 * body.mass * ball**2:
         yield Doubt(
             f"{key}: {body.mass:g} kg with a radius of gyration of {radius:.2g} m would be denser "
             f"than any solid, usual is {ball:.2g} m or more: mass in t, inertia in other units?"
         )
-    if size > 0.0 and radius > REACH * size:
+    if not is_flexible and size > SIZES[0] and radius > REACH * size:
         yield Doubt(
             f"{key}: a radius of gyration, sqrt(tr J / 2 m), of {radius:.3g} m in a model of "
             f"{size:.3g} m: is the inertia in kg mm^2, or the mass in t?"
@@ -123,29 +123,35 @@ def _of_speed(name: str, body: Body) -> Iterator[Doubt]:
 
 def _size(model: Model) -> float:
     """The largest distance between what the model places, frames and bodies [m]; 0 for a point."""
-    reach = max(map(_reach, model.bodies.values()))
+    reaches = [_reach(body) for body in model.bodies.values()]
+    reaches += [_gyration(body) for body in model.flexible_bodies.values()]
     placed = [body.start.position for body in model.bodies.values() if body.start.place is None]
     placed += [frame.position for frame in model.ground_frames.values()]
     extent = np.ptp(np.array(placed), axis=0) if placed else np.zeros(3)
-    return max(reach, _length(extent))
+    return max(*reaches, _length(extent))
 
 
 def _of_sizes(model: Model) -> Iterator[Doubt]:
     """Doubts about the units of the meshes that superelements came from."""
-    reaches = {name: _reach(body) for name, body in model.flexible_bodies.items()}
-    known = {name: reach for name, reach in reaches.items() if reach > 0.0}
-    for name, reach in known.items():
-        if not SIZES[0] <= reach <= SIZES[1]:
+    sizes = {name: _gyration(body) for name, body in model.flexible_bodies.items()}
+    for name, size in sizes.items():
+        if not SIZES[0] <= size <= SIZES[1]:
             yield Doubt(
-                f"bodies.{name}.superelement: an interface is {reach:.3g} m from its center, "
-                f"of parts {SIZES[0]:g} to {SIZES[1]:g} m: was its mesh in other units (scale)?"
+                f"bodies.{name}.superelement has a radius of gyration of {size:.3g} m, of parts "
+                f"{SIZES[0]:g} to {SIZES[1]:g} m: was its mesh in other units (scale)?"
             )
-    if known and max(known.values()) > UNLIKE * min(known.values()):
-        small, large = min(known, key=known.__getitem__), max(known, key=known.__getitem__)
+    if sizes and max(sizes.values()) > UNLIKE * min(sizes.values()):
+        small, large = min(sizes, key=sizes.__getitem__), max(sizes, key=sizes.__getitem__)
         yield Doubt(
-            f"bodies.{small}.superelement is {known[small]:.3g} m, bodies.{large}.superelement "
-            f"{known[large]:.3g} m: was one of their meshes in millimeters (scale = 1e-3)?"
+            f"bodies.{small}.superelement has a radius of gyration of {sizes[small]:.3g} m, "
+            f"bodies.{large}.superelement of {sizes[large]:.3g} m: was one of their meshes in "
+            "millimeters (scale = 1e-3)?"
         )
+
+
+def _gyration(body: Body) -> float:
+    """The radius of gyration sqrt(tr J / 2 m) [m]."""
+    return float(np.sqrt(0.5 * np.trace(body.inertia) / body.mass))
 
 
 def _reach(body: Body) -> float:
@@ -188,11 +194,13 @@ def _angles(model: Model) -> Iterator[tuple[str, float]]:
 
 
 def _angles_of_joint(joint: Joint) -> Iterator[tuple[str, float]]:
-    for coordinate, value in joint.start.items():
+    for table in ("start", "drawn"):
+        for coordinate, value in getattr(joint, table).items():
+            if coordinate in joint.kind.angles:
+                yield f"joints.{joint.name}.{table}.{coordinate}", value
+    for coordinate, signal in joint.drives.items():
         if coordinate in joint.kind.angles:
-            yield f"joints.{joint.name}.start.{coordinate}", value
-    if joint.angle is not None:
-        yield from _angles_of_signal(f"joints.{joint.name}.angle", joint.angle)
+            yield from _angles_of_signal(f"joints.{joint.name}.{coordinate}", signal)
 
 
 def _angles_of_signal(key: str, signal: Signal) -> Iterator[tuple[str, float]]:
@@ -262,9 +270,13 @@ def _signals(model: Model) -> Iterator[tuple[str, Signal]]:
     owners = (("joints", model.joints), ("motions", model.motions), ("motors", model.motors))
     for table, entries in owners:
         for entry in entries:
-            for key, signal in vars(entry).items():
-                if isinstance(signal, Signal):
-                    yield f"{table}.{entry.name}.{key}", signal
+            for key, value in vars(entry).items():
+                signals = value if isinstance(value, tuple) else (value,)
+                yield from (
+                    (f"{table}.{entry.name}.{key}", signal)
+                    for signal in signals
+                    if isinstance(signal, Signal)
+                )
 
 
 def _of_step(model: Model, h: float) -> Iterator[Doubt]:

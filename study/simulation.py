@@ -1,5 +1,6 @@
 """Studies of a model file: a case is a run."""
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +12,7 @@ from ..solver import (
     ModelError,
     OutOfRangeError,
     StateError,
+    doubts,
     read_model,
     simulate,
     start,
@@ -52,7 +54,11 @@ class Simulation:
         check(start(read_model(base)), outputs)
 
     def make(self, case: Case) -> None:
-        simulate(read_model(case.source), output=case.target)
+        model = read_model(case.source)
+        for doubt in doubts(model):
+            if doubt.severe:
+                warnings.warn(doubt.text, stacklevel=2)
+        simulate(model, output=case.target)
 
     def is_made(self, case: Case) -> bool:
         try:

@@ -71,6 +71,8 @@ def quick_checks(element: Superelement) -> Iterator[Check]:
     if element.n_c:
         yield from _start(element)
         yield from _against_modes(element)
+    if element.channels is not None and element.modes is None:
+        yield from _of_channels(element)
     if element.rotation is not None:
         yield from _of_rotation(element, element.rotation)
 
@@ -172,6 +174,28 @@ def _against_modes(element: Superelement) -> Iterator[Check]:
         found = getattr(kernel, name)[lags]
         expected = np.einsum("im,km,jm->kij", modes.phi, coefficients, modes.phi, optimize=True)
         yield as_modes(element, f"kernel/{name}", "what the modes give", found, expected)
+
+
+def _of_channels(element: Superelement) -> Iterator[Check]:
+    """Of a body without modes: definiteness of the matrices of interfaces and channels together,
+    and the same numbers for the interfaces as by themselves.
+    """
+    n = element.n_c
+    for name in ("compliance", "accelerance"):
+        A = getattr(element, f"complete_{name}")
+        own = np.sqrt(np.maximum(np.abs(A.diagonal()), np.finfo(float).tiny))
+        yield Check(
+            f"channels/{name}",
+            "a positive semidefinite matrix",
+            "a negative eigenvalue, relative to the diagonal,",
+            negative_part(A, own),
+            ROUNDING,
+        )
+        alone = getattr(element, name)
+        yield as_modes(element, f"channels/{name}", "that of the interfaces", A[:n, :n], alone)
+    for name in ("g", "g_initial"):
+        g, alone = getattr(element.complete_kernel, name), getattr(element.kernel, name)
+        yield as_modes(element, f"channels/{name}", "that of the interfaces", g[:, :n, :n], alone)
 
 
 def _of_rotation(element: Superelement, rotation: Rotation) -> Iterator[Check]:

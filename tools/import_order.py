@@ -76,6 +76,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "plausibility",
         "inspection",
         "simulator",
+        "linear",
         "__init__",
     ),
 }

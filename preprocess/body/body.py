@@ -322,6 +322,12 @@ class Body(Table):
                 raise ValueError("damping.band: belongs to a loss_factor, found none")
             for loss in losses.values():
                 check_fit(loss, damping.band)
+        stresses = [name for name, sensor in self.sensors.items() if sensor.kind == "stress"]
+        if stresses and any(losses.values()):
+            raise ValueError(
+                f"sensors.{stresses[0]}: stress with a loss factor, which is not in its reading: "
+                "expected direction, for a strain gauge; or [recovery] stress = true"
+            )
         if self.impulse.method == "march" and len(set(losses.values())) > 1:
             raise ValueError(
                 "impulse.method: march takes one loss factor for all materials, found "

@@ -2,6 +2,7 @@
 
 from typing import Self
 
+import numpy as np
 from pydantic import model_validator
 
 from ...inputs import Vector
@@ -30,6 +31,8 @@ class LoadPattern(Selection):
             raise ValueError(
                 f"expected one of {', '.join(KINDS)}, found {' and '.join(found) or 'none'}"
             )
+        if not np.any(getattr(self, found[0])):
+            raise ValueError(f"{found[0]}: expected a load, found none")
         return self
 
     @model_validator(mode="after")

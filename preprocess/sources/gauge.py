@@ -7,21 +7,29 @@ import numpy as np
 
 from ...superelement.validation import Array
 from ..body.sensors import SensorPoint
+from ..errors import BodyError
+
+SHORTEST = 1e-6
+"""gauge over the size of the mesh"""
 
 
 def unit_vector(direction: Any) -> Array:
     """A direction as a vector (3,) of length 1."""
     vector = np.asarray(direction, dtype=float)
+    vector = vector / np.abs(vector).max()  # whose square is a number
     unit: Array = vector / np.linalg.norm(vector)
     return unit
 
 
-def stretch_rows(displacement_at: Callable[[Array], Any], sensor: SensorPoint) -> Any:
+def stretch_rows(displacement_at: Callable[[Array], Any], sensor: SensorPoint, size: float) -> Any:
     """One row: the mean strain d . (u_2 - u_1) / length between the ends of a gauge.
 
-    displacement_at: rows (3, n_u) of a point (3,) [m].
+    displacement_at: rows (3, n_u) of a point (3,) [m]; size: of the mesh [m]. `BodyError` for a
+    length that is lost in the rounding of places.
     """
     d, length = unit_vector(sensor.direction), float(sensor.length or 0.0)
+    if length < SHORTEST * size:
+        raise BodyError(f"length: expected at least {SHORTEST * size:.3g} m, found {length:.3g}")
     middle = np.array(sensor.point)
     first, second = (displacement_at(middle + s * 0.5 * length * d) for s in (-1.0, 1.0))
     return _row(d / length) @ (second - first)

@@ -119,7 +119,8 @@ class LineSource:
         d = unit_vector(sensor.direction)
         if sensor.length is None:
             return beams.strain_rows(beams.locate(point), d), point
-        return stretch_rows(lambda x: beams.displacement_rows(beams.locate(x)), sensor), point
+        size = self.mesh.size
+        return stretch_rows(lambda x: beams.displacement_rows(beams.locate(x)), sensor, size), point
 
     def check_fields(self, stress: bool) -> None:
         if stress:

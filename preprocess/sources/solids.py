@@ -143,7 +143,10 @@ class SolidSource:
     def readings(self, sensor: SensorPoint) -> tuple[Any, Array]:
         mesh, point = self.mesh, np.array(sensor.point)
         if sensor.length is not None:
-            return stretch_rows(lambda x: displacement_rows(mesh, locate(mesh, x)), sensor), point
+            row = stretch_rows(
+                lambda x: displacement_rows(mesh, locate(mesh, x)), sensor, mesh.size
+            )
+            return row, point
         place = locate(mesh, point)
         if sensor.kind == "motion":
             return displacement_rows(mesh, place), point

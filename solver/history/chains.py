@@ -10,6 +10,11 @@ from ..arrays import Array, as_index
 from ..step.system import Chains
 
 
+def elements_of(chain: Chain | None) -> int:
+    """The number of Maxwell elements."""
+    return 0 if chain is None else len(chain.tau)
+
+
 def hardening_of(chain: Chain | None, h: float, m: int) -> Array:
     """What chains add to the stiffness of m modes in a step, relative to it (m,)."""
     springs = Springs(chain, m)

@@ -10,6 +10,8 @@ from .dyadic import BLOCK
 
 MODE = 2.8
 """free and forced response of a mode in one step"""
+SPRING = 1.3
+"""a Maxwell element beside a mode"""
 SUM = 0.11
 """a term of a sum over modes"""
 PRODUCT = 0.2
@@ -24,19 +26,21 @@ SPECTRUM = 2.0
 """a number of a spectrum times loads"""
 
 
-def cheapest_history(n_c: int, n_active: int, m: int | None, n_steps: int, lags: int) -> str:
+def cheapest_history(
+    n_c: int, n_active: int, m: int | None, n_steps: int, lags: int, elements: int = 0
+) -> str:
     """The form of history that costs the least, by `history_costs`."""
-    costs = history_costs(n_c, n_active, m, n_steps, lags)
+    costs = history_costs(n_c, n_active, m, n_steps, lags, elements)
     return min(costs, key=lambda history: costs[history])
 
 
 def history_costs(
-    n_c: int, n_active: int, m: int | None, n_steps: int, lags: int
+    n_c: int, n_active: int, m: int | None, n_steps: int, lags: int, elements: int = 0
 ) -> dict[str, float]:
     """Nanoseconds per step of "direct", "fft" and, with modes, "recursive" history.
 
     n_c: interface dofs, of which n_active are loaded; m: modes (None: no modes); lags: of the
-    kernels, which are sampled from the modes if there are any.
+    kernels, which are sampled from the modes if there are any; elements: of the chain of the modes.
     """
     n_steps = max(n_steps, 1)  # a model that only starts
     sampling = 0.0 if m is None else SAMPLE * m * n_c**2 * min(lags, n_steps) / n_steps
@@ -45,7 +49,7 @@ def history_costs(
         "fft": sampling + _block_cost(n_c, n_active, n_steps, lags),
     }
     if m is not None:
-        costs["recursive"] = m * (MODE + SUM * (n_c + n_active))
+        costs["recursive"] = m * (MODE + SPRING * elements + SUM * (n_c + n_active))
     return costs
 
 

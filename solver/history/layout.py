@@ -13,7 +13,7 @@ from ..model.bodies import FlexibleBody
 from ..model.model import Model
 from ..model.settings import Settings
 from ..step.system import Elastic, Frames, Kernels, Modes
-from .chains import hardening_of, lay_out_chains
+from .chains import elements_of, hardening_of, lay_out_chains
 from .cost import cheapest_history
 from .dyadic import power_above
 from .packing import packed
@@ -239,7 +239,9 @@ def _choose_history(
     length = n_steps if wanted is None else round(min(wanted / h, LONGEST))
     if form == "auto":
         m = None if element.modes is None else len(element.modes.omega)
-        form = cheapest_history(body.n_outer, n_active, m, planned, min(planned, length) + 1)
+        elements = 0 if element.modes is None else elements_of(element.modes.chain)
+        lags = min(planned, length) + 1
+        form = cheapest_history(body.n_outer, n_active, m, planned, lags, elements)
     if form == "recursive":
         if element.modes is None:
             raise ModelError(

@@ -10,22 +10,33 @@ so Newton's matrix of a step in the frequency domain. Modes of bodies, of any nu
 are summed exactly in H and leave no rounding in the slow motions.
 """
 
+import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
-from scipy.linalg import block_diag, lu_factor, lu_solve
 
 from ..arrays import Array, Index
 from ..errors import ModelError
 from ..laws.law import LAWS
 from ..laws.maxwell import MaxwellLaw
-from .flexibility import FlexibleTransfer, Matrix, ModalBody, bends, flexible_bodies
+from .blocks import diagonal_blocks
+from .flexibility import (
+    FlexibleTransfer,
+    KernelBody,
+    Matrix,
+    ModalBody,
+    StaticBody,
+    bends,
+    flexible_bodies,
+)
 from .pose import Pose
 from .tangent import Sizes, Tangent, tangent_of
 
+Bodies = Literal["dynamic", "static", "rigid"]
+"""how flexible bodies deform"""
 SINGULAR = 1e-13
 """reciprocal condition, rows and columns scaled, below which equations count as singular"""
 
@@ -49,17 +60,31 @@ class Relaxation:
 
 
 @dataclass(frozen=True, eq=False)
-class Forcing:
-    """Derivatives of [r; pi; phi] by inputs (n_r + n_a + n_i, n_in)."""
+class Integrals:
+    """Integrals of motors: -gain e on a row, e' = g . (xi, z).
 
-    values: Array
+    row (n,), gain (n,), gradient (n, n_r + n_a).
+    """
+
+    row: Index
+    gain: Array
+    gradient: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Forcing:
+    """Derivatives by inputs of r (n_r, n), of the loads pi (n_l, n) and of phi (n_i, n)."""
+
+    r: Array
+    pi: Array
+    phi: Array
 
 
 @dataclass(frozen=True, eq=False)
 class Response:
     """Amplitudes of the unknowns at a frequency, a column for each input.
 
-    xi (n_r, n), z (n_a, n), lam (n_i, n), pi (n_a, n): loads on z.
+    xi (n_r, n), z (n_a, n), lam (n_i, n), pi (n_l, n): loads on all dofs that can be loaded.
     """
 
     xi: Any
@@ -76,6 +101,7 @@ class Equations:
     tangent: Tangent
     bodies: Sequence[FlexibleTransfer]
     relaxation: Relaxation
+    integrals: Integrals
 
     @property
     def sizes(self) -> Sizes:
@@ -85,7 +111,7 @@ class Equations:
     def modal_bodies(self) -> list[ModalBody]:
         """All flexible bodies; `ModelError` for one that is known by a kernel alone."""
         for body in self.bodies:
-            if not isinstance(body, ModalBody):
+            if isinstance(body, KernelBody):
                 raise ModelError(
                     f"body {body.name!r}: superelement {body.element.name!r} has no modes, only a "
                     "kernel: frequency responses take it, modes and state space do not"
@@ -99,26 +125,77 @@ class Equations:
         # bend leads from q to the other dofs alone: its square vanishes
         return np.eye(len(bend)) + bend
 
+    def with_bodies(self, bodies: Bodies) -> "Equations":
+        """The same with bodies that deform as given: "dynamic", "static" or "rigid"."""
+        if bodies == "dynamic":
+            return self
+        if bodies not in ("static", "rigid"):
+            raise ModelError(f"bodies: expected dynamic, static or rigid, got {bodies!r}")
+        factor = 1.0 if bodies == "static" else 0.0
+        static = [
+            StaticBody(body.name, factor * np.asarray(body.transfer(0.0)).real, body.loaded)
+            for body in self.bodies
+        ]
+        return replace(self, bodies=static)
+
+    @cached_property
+    def relaxed(self) -> "Equations":
+        """The same with bodies whose materials have no chains."""
+        none = np.empty(0)
+        bodies = [
+            replace(body, tau=none, amplitude=np.empty((0, body.m)))
+            if isinstance(body, ModalBody)
+            else body
+            for body in self.bodies
+        ]
+        return replace(self, bodies=bodies)
+
+    @property
+    def is_chained(self) -> bool:
+        return any(isinstance(body, ModalBody) and len(body.tau) for body in self.bodies)
+
     def transfers(self, s: complex) -> list[Matrix]:
         """H of every body, of all its dofs by the active ones."""
         return [body.transfer(s) for body in self.bodies]
 
+    @cached_property
+    def acting(self) -> Index:
+        """The active dofs among those that can be loaded (n_a,): others belong to patterns."""
+        elastic = self.pose.system.elastic
+        return np.searchsorted(elastic.loaded, elastic.active)
+
     def flexibility(self, transfers: Sequence[Matrix]) -> Matrix:
-        """H (n_a, n_a) of the active dofs of all bodies."""
-        blocks = [H[body.active] for H, body in zip(transfers, self.bodies, strict=True)]
-        return np.asarray(block_diag(np.zeros((0, 0)), *blocks))
+        """H (n_a, n_l) of the active dofs of all bodies by loads."""
+        return np.asarray(diagonal_blocks(transfers))[self.pose.system.elastic.active]
+
+    def spread(self, pi: Any) -> Any:
+        """Loads (n_l, n) of those on active dofs (n_a, n)."""
+        loads = np.zeros((len(self.pose.system.elastic.loaded), pi.shape[1]), dtype=pi.dtype)
+        loads[self.acting] = pi
+        return loads
 
     def elastic_dofs(self, s: complex, pi: Any) -> Any:
-        """Displacements of all elastic dofs (n_u, n) under loads pi on the active ones."""
-        return self.bends @ block_diag(np.zeros((0, 0)), *self.transfers(s)) @ pi
+        """Displacements of all elastic dofs (n_u, n) under loads pi (n_l, n)."""
+        return self.bends @ diagonal_blocks(self.transfers(s)) @ pi
 
     def dynamic(self, s: complex) -> Matrix:
-        """D = K + s C + s^2 M, with the relaxation of laws (n_r + n_a + n_i, n_r + n_a)."""
+        """D = K + s C + s^2 M, with the relaxation of laws (n_r + n_a + n_i, n_r + n_a).
+
+        Rows of motors with an integral are multiplied by s.
+        """
         t, relaxation = self.tangent, self.relaxation
         D: Matrix = t.K + s * t.C + s * s * t.M
         added = relaxation.stiffness(s)[:, None] * relaxation.gradient
         np.add.at(D, self.sizes.rows.start + relaxation.row, added)
+        rows = self.sizes.rows.start + self.integrals.row
+        D[rows] = s * D[rows] + self.integrals.gain[:, None] * self.integrals.gradient
         return D
+
+    def row_factors(self, s: complex) -> Any:
+        """What the equations of rows are multiplied by (n_r + n_a + n_i,)."""
+        factors = np.ones(self.sizes.rows.stop, dtype=np.result_type(type(s), np.float64))
+        factors[self.sizes.rows.start + self.integrals.row] = s
+        return factors
 
     def factorized(self, s: complex) -> "Factors":
         return Factors(self, s)
@@ -132,40 +209,54 @@ class Factors:
         self.equations, self.s = equations, s
         self.D = equations.dynamic(s)
         self.H = equations.flexibility(equations.transfers(s))
-        matrix = np.hstack([self.D, t.by_rows.astype(self.D.dtype)]).astype(
-            np.result_type(self.D.dtype, self.H.dtype)
-        )
-        matrix[sizes.active] = -self.H @ matrix[sizes.active]
+        self.multiplied = equations.row_factors(s)
+        by_rows = self.multiplied[:, None] * t.by_rows
+        matrix = np.hstack([self.D, by_rows]).astype(np.result_type(self.D.dtype, self.H.dtype))
+        matrix[sizes.active] = -self.H[:, equations.acting] @ matrix[sizes.active]
         matrix[sizes.active, sizes.active] += np.eye(sizes.n_a) - t.bend
         self.rows = _scales(matrix, 1)
         self.columns = _scales(self.rows[:, None] * matrix, 0)
         scaled = self.rows[:, None] * matrix * self.columns
-        with np.errstate(all="ignore"):
+        from scipy.linalg import LinAlgWarning, lu_factor
+
+        with warnings.catch_warnings(action="ignore", category=LinAlgWarning):
             self.lu = lu_factor(scaled, check_finite=False)
         pivots = np.abs(np.diag(self.lu[0]))
         self.conditioned = bool(pivots.min(initial=1.0) > SINGULAR * pivots.max(initial=1.0))
 
     def solve(self, b: Any, pi: Any) -> Response:
-        """Amplitudes under b (n_r + n_a + n_i, n) on the right; pi (n_a, n): loads that are given.
+        """Amplitudes under b (n_r + n_a + n_i, n) on the right; pi (n_l, n): loads that are given.
 
         The rows of active dofs of b come on top of H pi.
         """
         sizes = self.equations.sizes
-        right = b.astype(np.result_type(b.dtype, pi.dtype, self.H.dtype))
-        right[sizes.active] += self.H @ pi
-        x = self.columns[:, None] * lu_solve(
-            self.lu, self.rows[:, None] * right, check_finite=False
+        right = (self.multiplied[:, None] * b).astype(
+            np.result_type(b.dtype, pi.dtype, self.H.dtype, self.multiplied.dtype)
         )
-        by_rows = self.equations.tangent.by_rows[sizes.active]
-        loads = self.D[sizes.active] @ x[sizes.moving] + by_rows @ x[sizes.rows] + pi
+        right[sizes.active] += self.H @ pi
+        x = self.backward(right)
+        loads = self.own_loads(x) + pi
         return Response(x[sizes.rigid], x[sizes.active], x[sizes.rows], loads)
 
-    def forced(self, forcing: Array) -> Response:
-        """Amplitudes by unit inputs, whose derivatives of [r; pi; phi] are given."""
+    def backward(self, right: Any) -> Any:
+        """The solution of the equations as they are, for (n_r + n_a + n_i, ...) on the right."""
+        from scipy.linalg import lu_solve
+
+        scaled = (self.rows * right.T).T
+        return (self.columns * lu_solve(self.lu, scaled, check_finite=False).T).T
+
+    def own_loads(self, x: Any) -> Any:
+        """The loads (n_l, n) that motions and multipliers put on elastic dofs."""
+        sizes, by_rows = self.equations.sizes, self.equations.tangent.by_rows
+        own = self.D[sizes.active] @ x[sizes.moving] + by_rows[sizes.active] @ x[sizes.rows]
+        return self.equations.spread(own)
+
+    def forced(self, forcing: Forcing) -> Response:
+        """Amplitudes by unit inputs."""
         sizes = self.equations.sizes
-        b = -forcing
-        b[sizes.active] = 0.0
-        return self.solve(b, forcing[sizes.active])
+        b = np.zeros((sizes.rows.stop, forcing.r.shape[1]))
+        b[sizes.rigid], b[sizes.rows] = -forcing.r, -forcing.phi
+        return self.solve(b, forcing.pi)
 
 
 def _scales(matrix: Matrix, axis: int) -> Array:
@@ -177,7 +268,11 @@ def _scales(matrix: Matrix, axis: int) -> Array:
 
 def equations_of(pose: Pose) -> Equations:
     tangent = tangent_of(pose)
-    return Equations(pose, tangent, flexible_bodies(pose), _relaxation(pose, tangent))
+    motors = pose.system.couplings.laws.motors
+    own = motors.integral > 0.0
+    row = motors.row[own]
+    integrals = Integrals(row, motors.integral[own], tangent.gradients[row])
+    return Equations(pose, tangent, flexible_bodies(pose), _relaxation(pose, tangent), integrals)
 
 
 def _relaxation(pose: Pose, tangent: Tangent) -> Relaxation:

@@ -1,12 +1,14 @@
 """Transfer functions of superelements: elastic displacements per load at a complex frequency.
 
-    H(s) = phi diag(1 / (s^2 + 2 zeta omega s + omega^2)) phi^T
+    H(s) = phi diag(1 / (s^2 + 2 zeta omega s + omega^2 c(s))) phi^T
+    c(s) = 1 + sum_k a_k s tau_k / (1 + s tau_k), with the Maxwell chain of its material
 
 for bodies with modes; for those known by a kernel alone, its z-transform where the scheme has the
 frequency s: d with sigma(d) = s^2, so that what the scheme does to frequencies is undone.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,35 +28,37 @@ LEFT = 1e-3
 class ModalBody:
     """A flexible body by its modes.
 
-    phi (n_dofs, m) at all its elastic dofs; active: those of its dofs that can be loaded.
+    phi (n_dofs, m) at all its elastic dofs; loaded: those of its dofs that can be loaded; tau (K,)
+    and amplitude (K, m) of its chain, if it has one.
     """
 
     name: str
     stiffness: Array
     damping: Array
     phi: Array
-    active: Index
+    loaded: Index
+    tau: Array
+    amplitude: Array
 
     @property
     def m(self) -> int:
         return len(self.stiffness)
 
     @property
-    def phi_active(self) -> Array:
-        return self.phi[self.active]
+    def phi_loaded(self) -> Array:
+        return self.phi[self.loaded]
 
     def step(self, s: complex) -> Matrix:
-        """s^2 + 2 zeta omega s + omega^2 of every mode (m,), real for a real s."""
-        values: Matrix = s * s + self.damping * s + self.stiffness
-        return values
+        """s^2 + 2 zeta omega s + omega^2 c(s) of every mode (m,), real for a real s."""
+        x = s * self.tau
+        c = 1.0 + (x / (1.0 + x)) @ self.amplitude
+        values: Any = s * s + self.damping * s + self.stiffness * c
+        return values  # type: ignore[no-any-return]
 
     def transfer(self, s: complex) -> Matrix:
-        """Displacements of all elastic dofs per load on the active ones (n_dofs, n_active)."""
-        values: Matrix = (self.phi / self.step(s)) @ self.phi_active.T
+        """Displacements of all elastic dofs per load on those loaded (n_dofs, n_loaded)."""
+        values: Matrix = (self.phi / self.step(s)) @ self.phi_loaded.T
         return values
-
-    def static(self) -> Matrix:
-        return self.transfer(0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,20 +67,18 @@ class KernelBody:
 
     name: str
     element: Superelement
-    active: Index
+    kernel: Kernel
+    loaded: Index
 
     def transfer(self, s: complex) -> Matrix:
         if s == 0.0:
-            return self.static()
-        kernel = self.element.kernel
-        d = _delay(kernel, s)
+            return self.element.complete_compliance[:, self.loaded]
+        kernel = self.kernel
         self._check(kernel)
-        g, powers = self.element.complete_kernel.g, d ** np.arange(len(kernel.g))
-        values: Matrix = np.tensordot(powers, g[:, :, self.active], axes=1)
+        d = _delay(kernel, s)
+        powers = d ** np.arange(len(kernel.g))
+        values: Matrix = np.tensordot(powers, kernel.g[:, :, self.loaded], axes=1)
         return values
-
-    def static(self) -> Matrix:
-        return self.element.complete_compliance[:, self.active]
 
     def _check(self, kernel: Kernel) -> None:
         largest = np.abs(kernel.g).max()
@@ -89,7 +91,19 @@ class KernelBody:
             )
 
 
-FlexibleTransfer = ModalBody | KernelBody
+@dataclass(frozen=True, eq=False)
+class StaticBody:
+    """A flexible body by its static compliance (n_dofs, n_loaded) alone; rigid where that is 0."""
+
+    name: str
+    compliance: Array
+    loaded: Index
+
+    def transfer(self, s: complex) -> Matrix:
+        return self.compliance
+
+
+FlexibleTransfer = ModalBody | KernelBody | StaticBody
 
 
 def _delay(kernel: Kernel, s: complex) -> complex:
@@ -112,20 +126,24 @@ def flexible_bodies(pose: Pose) -> list[FlexibleTransfer]:
     elastic = pose.system.elastic
     found: list[FlexibleTransfer] = []
     for e, (name, body) in enumerate(pose.lowered.model.flexible_bodies.items()):
-        active = elastic.active[elastic.active_range[e] : elastic.active_range[e + 1]]
-        found.append(_flexible_body(name, body, active - elastic.dof[e]))
+        loaded = elastic.loaded[elastic.loaded_range[e] : elastic.loaded_range[e + 1]]
+        found.append(_flexible_body(name, body, loaded - elastic.dof[e], pose))
     return found
 
 
-def _flexible_body(name: str, body: FlexibleBody, active: Index) -> FlexibleTransfer:
-    modes = body.superelement.modes
-    if modes is not None:
-        modes = body.superelement.complete_modes(modes)
-    if modes is None:
-        return KernelBody(name, body.superelement, active)
+def _flexible_body(name: str, body: FlexibleBody, loaded: Index, pose: Pose) -> FlexibleTransfer:
+    element = body.superelement
+    if element.modes is None:
+        h, scheme = pose.lowered.longest_step, pose.lowered.scheme
+        return KernelBody(name, element, element.complete_kernel_for(h, scheme, 1), loaded)
+    modes = element.complete_modes(element.modes)
     if body.rotation is not None:
         modes = body.rotation.complete(modes)
-    return ModalBody(name, modes.omega**2, 2.0 * modes.zeta * modes.omega, modes.phi, active)
+    m, chain = len(modes.omega), modes.chain
+    tau = np.empty(0) if chain is None else chain.tau
+    amplitude = np.empty((0, m)) if chain is None else chain.amplitudes(m)
+    damping = 2.0 * modes.zeta * modes.omega
+    return ModalBody(name, modes.omega**2, damping, modes.phi, loaded, tau, amplitude)
 
 
 def bends(pose: Pose) -> Array:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..errors import ModelError
-from .equations import Equations, Factors
+from .equations import Equations, Factors, Forcing
 from .inputs import Channel, forcing
 from .outputs import Observation, observe
 
@@ -74,7 +74,7 @@ def _named(
     )
 
 
-def amplitudes(equations: Equations, observation: Observation, forces: Array, s: complex) -> Any:
+def amplitudes(equations: Equations, observation: Observation, forces: Forcing, s: complex) -> Any:
     """Outputs (n_out, n_in) per unit of inputs at a complex frequency, real at a real one."""
     factors = equations.factorized(s)
     if not factors.conditioned:
@@ -86,9 +86,9 @@ def amplitudes(equations: Equations, observation: Observation, forces: Array, s:
     return observed(factors, observation, forces)
 
 
-def observed(factors: Factors, observation: Observation, forces: Array) -> Any:
+def observed(factors: Factors, observation: Observation, forces: Forcing) -> Any:
     """Outputs (n_out, n_in) by equations that are factorized."""
     found = factors.forced(forces)
     u = factors.equations.elastic_dofs(factors.s, found.pi)
     q = np.vstack([found.xi, u])
-    return observation.at(factors.s, q, found.lam, np.eye(forces.shape[1]))
+    return observation.at(factors.s, q, found.lam, np.eye(forces.r.shape[1]))

@@ -4,12 +4,13 @@
     force:beam.tip:y            a unit force on a frame, along an axis of space
     torque:hub:z                a unit torque
     drive:hinge                 the signal that drives a joint or a motion
+    motor:servo                 what a motor gives without an error, [N m] or [N]
     NAME                        an `Input` signal: of all its loads and drives at once
 
 In steady rotation directions turn with the mechanism.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -19,8 +20,10 @@ from ..arrays import Array
 from ..errors import ModelError
 from ..lower.lower import LoweredModel
 from ..model.curves import Constant, Input
-from ..model.loads import AnyLoad, Load, PatternLoad
+from ..model.loads import Load
 from ..model.model import GROUND, Model
+from ..step.rows import ATTITUDE
+from .equations import Forcing
 from .pose import Pose
 
 AXES = "xyz"
@@ -31,11 +34,12 @@ TURN = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """An input: the loads and drives, by their numbers, that it moves."""
+    """An input: the loads, drives and motors, by their numbers, that it moves."""
 
     name: str
     loads: tuple[int, ...] = ()
     drives: tuple[int, ...] = ()
+    motors: tuple[int, ...] = ()
     unit: str = ""
 
 
@@ -77,36 +81,55 @@ def _channel(model: Model, lowered: LoweredModel, name: str) -> Channel:
         number = int(rest) if rest.isdecimal() else 0
         if not 1 <= number <= len(model.loads):
             raise ModelError(f"{name}: expected load:1 to load:{len(model.loads)}, by their order")
-        load = _on_a_frame(model.loads[number - 1], name)
-        return Channel(name, (_number(model, load),), unit=UNITS[load.type])
+        load = model.loads[number - 1]
+        unit = UNITS[load.type] if isinstance(load, Load) else ""
+        return Channel(name, (_numbers(model, lowered)[number - 1],), unit=unit)
+    if kind == "motor":
+        return _motor(model, name, rest)
     drives = _drives(lowered)
     if kind == "drive":
         if rest not in drives:
             raise ModelError(
-                f"{name}: nothing drives {rest!r}; driven are: {', '.join(drives) or 'none'}"
+                f"{name}: nothing drives {rest!r}, or an attitude; driven are: "
+                f"{', '.join(drives) or 'none'}"
             )
         return Channel(name, drives=(drives[rest],))
-    fed = [load for load in model.loads if _is_input(load.signal, name)]
-    loads = tuple(_number(model, _on_a_frame(load, name)) for load in fed)
+    numbers = _numbers(model, lowered)
+    loads = tuple(numbers[m] for m, load in enumerate(model.loads) if _is_input(load.signal, name))
+    motors = tuple(_motors_of(model, name))
     moved = tuple(d for d, drive in enumerate(lowered.drives) if _is_input(drive, name))
-    if not loads and not moved:
+    if not loads and not moved and not motors:
         raise ModelError(
             f"{name}: no such input; there are: {', '.join(_known(model, lowered)) or 'none'}, and "
             "force:FRAME:x|y|z, torque:FRAME:x|y|z"
         )
-    return Channel(name, loads, moved)
+    return Channel(name, loads, moved, motors)
 
 
-def _on_a_frame(load: AnyLoad, name: str) -> Load:
-    """A load on a frame; `ModelError` for a load pattern, which is no input yet."""
-    if isinstance(load, PatternLoad):
-        raise ModelError(f"{name}: {load.owner}: linear analysis takes loads on frames as inputs")
-    return load
+def _numbers(model: Model, lowered: LoweredModel) -> list[int]:
+    """The number of the signal of each load: those on frames first, unit loads among them."""
+    frames, patterns = iter(range(len(model.frame_loads))), len(lowered.model.frame_loads)
+    spread = iter(range(patterns, patterns + len(model.pattern_loads)))
+    return [next(frames if isinstance(load, Load) else spread) for load in model.loads]
 
 
-def _number(model: Model, load: Load) -> int:
-    """The number of a load among those on frames, as the solver has them."""
-    return next(m for m, other in enumerate(model.frame_loads) if other is load)
+def _motor(model: Model, name: str, rest: str) -> Channel:
+    names = [motor.name for motor in model.motors]
+    if rest not in names:
+        raise ModelError(f"{name}: no motor {rest!r}; there are: {', '.join(names) or 'none'}")
+    return Channel(name, motors=(names.index(rest),))
+
+
+def _motors_of(model: Model, name: str) -> Iterator[int]:
+    """The motors that give an input; `ModelError` where it is a reference."""
+    for m, motor in enumerate(model.motors):
+        if _is_input(motor.torque or motor.force, name):
+            yield m
+        if _is_input(motor.reference, name) or _is_input(motor.reference_rate, name):
+            raise motor.error(
+                f"input {name!r} is its reference: linear analyses take what it gives without an "
+                f"error, motor:{motor.name}"
+            )
 
 
 def _is_input(signal: object, name: str) -> bool:
@@ -114,52 +137,63 @@ def _is_input(signal: object, name: str) -> bool:
 
 
 def _known(model: Model, lowered: LoweredModel) -> list[str]:
-    signals = [*(load.signal for load in model.loads), *lowered.drives]
+    given = (motor.torque or motor.force for motor in model.motors)
+    signals = [*(load.signal for load in model.loads), *lowered.drives, *given]
     names = dict.fromkeys(signal.name for signal in signals if isinstance(signal, Input))
     loads = [f"load:{m + 1}" for m in range(len(model.loads))]
-    return [*names, *loads, *(f"drive:{name}" for name in _drives(lowered))]
+    motors = [f"motor:{motor.name}" for motor in model.motors]
+    return [*names, *loads, *(f"drive:{name}" for name in _drives(lowered)), *motors]
 
 
 def _drives(lowered: LoweredModel) -> dict[str, int]:
-    """Numbers of drives by joint or motion, with .1, .2 where one has several."""
+    """Numbers of drives by joint or motion, with .1, .2 where one has several.
+
+    Without attitudes, whose drives are the axes that they turn.
+    """
     found: dict[str, int] = {}
     couplings = lowered.system.couplings
     ranges = pairwise(couplings.range.tolist())
     for name, (first, last) in zip(lowered.coupling_names, ranges, strict=True):
-        # those of an attitude are components of axes, and no inputs by themselves
-        driven = couplings.drive[first:last][couplings.rows.axis[first:last] < 0]
-        numbers = dict.fromkeys(d for d in driven.tolist() if d >= 0)
+        if (couplings.rows.kind[first:last] == ATTITUDE).any():
+            continue
+        numbers = dict.fromkeys(d for d in couplings.drive[first:last].tolist() if d >= 0)
         for k, d in enumerate(numbers, 1):
             found[name if len(numbers) == 1 else f"{name}.{k}"] = d
     return found
 
 
-def forcing(pose: Pose, inputs: Sequence[Channel]) -> Array:
-    """Derivatives of [r; pi; phi] by the inputs (n_r + n_a + n_i, n_in)."""
+def forcing(pose: Pose, inputs: Sequence[Channel]) -> Forcing:
+    """Derivatives of r, pi and phi by the inputs."""
     columns = [_forcing(pose, channel) for channel in inputs]
     pose.evaluate(pose.system)
-    return np.array(columns).T
+    n_r, n_l = 6 * len(pose.state.bodies.x), len(pose.system.elastic.loaded)
+    n_i = len(pose.state.couplings.lam)
+    whole = np.array(columns).reshape(len(inputs), n_r + n_l + n_i).T
+    return Forcing(whole[:n_r], whole[n_r : n_r + n_l], whole[n_r + n_l :])
 
 
 def _forcing(pose: Pose, channel: Channel) -> Array:
     """Loads are linear in their signals; drives by differences of fourth order."""
     size = TURN if channel.drives else 1.0
-    near = shifted(pose, channel, size) - shifted(pose, channel, -size)
+    near = _shifted(pose, channel, size) - _shifted(pose, channel, -size)
     if not channel.drives:
         return near / (2.0 * size)
-    far = shifted(pose, channel, 2.0 * size) - shifted(pose, channel, -2.0 * size)
+    far = _shifted(pose, channel, 2.0 * size) - _shifted(pose, channel, -2.0 * size)
     return (8.0 * near - far) / (12.0 * size)
 
 
-def shifted(pose: Pose, channel: Channel, change: float) -> Array:
+def _shifted(pose: Pose, channel: Channel, change: float) -> Array:
     """[r; pi; phi] where an input changes, in body axes."""
     work, state = pose.work, pose.state
-    loads, drives = work.loads.value.copy(), work.drives.value.copy()
-    work.loads.value[list(channel.loads)] += change
-    work.drives.value[list(channel.drives)] += change
+    values = (work.loads.value, work.drives.value, work.motors.value)
+    saved = [array.copy() for array in values]
+    moved = (channel.loads, channel.drives, [3 * m for m in channel.motors])
+    for array, numbers in zip(values, moved, strict=True):
+        array[list(numbers)] += change
     pose.evaluate(pose.system)
-    work.loads.value[:], work.drives.value[:] = loads, drives
+    for array, old in zip(values, saved, strict=True):
+        array[:] = old
     residual = work.bodies.residual.copy()
     residual[:, :3] = np.einsum("bji,bj->bi", state.bodies.R, residual[:, :3])
-    pi = state.interfaces.p[pose.system.elastic.active]
+    pi = state.interfaces.p[pose.system.elastic.loaded]
     return np.concatenate([residual.ravel(), pi, work.couplings.phi])

@@ -3,19 +3,26 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from ..arrays import Array
 from ..errors import ModelError, about
 from ..model.model import Model
 from ..model.settings import SteadyRotation
-from .equations import Equations, equations_of
+from .equations import Bodies, Equations, equations_of
+from .flexibility import KernelBody
 from .frf import FrequencyResponse, frequency_response, static_response
 from .inputs import Channel, channels, with_loads
-from .modes import FirstOrder, Modes, modes_of
+from .modes import LARGEST, FirstOrder, LinearModes, modes_of, with_chains
+from .motion import Motion, motion_of
 from .pose import pose_of
+from .shapes import Shape, shapes_of
 from .state_space import StateSpace, state_space_of
+from .steady import check_constant
+
+FEW = 60
+"""modes of a model that has too many for all"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,39 +38,63 @@ class LinearModel:
 
     @cached_property
     def equations(self) -> Equations:
-        with about(self.model.path):
-            return equations_of(pose_of(self.model, self.rotation))
+        equations = equations_of(pose_of(self.model, self.rotation))
+        check_constant(equations)
+        return equations
 
     @cached_property
     def first_order(self) -> FirstOrder:
-        with about(self.model.path):
-            return FirstOrder(self.equations)
+        return FirstOrder(self.equations.relaxed)
 
     @property
     def spin(self) -> float:
         """The speed of the steady rotation [rad/s]."""
         return self.equations.pose.speed
 
-    def modes(self, n: int | None = None) -> Modes:
+    def modes(self, n: int | None = None) -> LinearModes:
         """The first n modes by frequency, or all.
 
         ModelError for a body that is known by a kernel alone.
         """
         with about(self.model.path):
-            return modes_of(self.first_order, n)
+            found = modes_of(self.first_order, n)
+            if self.equations.is_chained:
+                found = with_chains(self.equations, found)
+            return found
+
+    def known_modes(self) -> LinearModes | None:
+        """The first modes; None where a body is known by a kernel alone."""
+        if any(isinstance(body, KernelBody) for body in self.equations.bodies):
+            return None
+        return self.modes(None if self.first_order.n <= LARGEST else FEW)
+
+    def motion(self, y: Any) -> Motion:
+        """Motions of bodies and frames in motions y (n_y, k), as `LinearModes.y`."""
+        return motion_of(self.first_order, y)
+
+    def shapes(self, y: Any) -> list[Shape]:
+        """The bodies as lines in one motion y (n_y,), a column of `LinearModes.y`."""
+        return shapes_of(self.first_order, y)
 
     def frf(
-        self, inputs: Sequence[str], outputs: Sequence[str], frequencies: Array
+        self,
+        inputs: Sequence[str],
+        outputs: Sequence[str],
+        frequencies: Any,
+        bodies: Bodies = "dynamic",
     ) -> FrequencyResponse:
         """Frequency responses of outputs, as `plot` names them, to inputs.
 
         frequencies (n,) [Hz]. inputs: "load:1", "force:FRAME:x", "torque:FRAME:x", "drive:JOINT",
-        or the name of an `Input`. ModelError for an input, QuantityError for an output that there
-        is not, and ModelError for a frequency without damping at which the model resonates.
+        or the name of an `Input`. bodies: "dynamic", with all their modes, "static", as springs
+        without inertia of their own deformation, or "rigid". ModelError for an input, QuantityError
+        for an output that there is not, and ModelError for a frequency without damping at which the
+        model resonates.
         """
         with about(self.model.path):
             equations, found = self._with(inputs)
-            return frequency_response(equations, found, outputs, np.asarray(frequencies))
+            equations = equations.with_bodies(bodies)
+            return frequency_response(equations, found, outputs, np.asarray(frequencies, float))
 
     def static(self, inputs: Sequence[str], outputs: Sequence[str]) -> FrequencyResponse:
         """Static influence coefficients: responses at 0 Hz, real.
@@ -98,13 +129,15 @@ class LinearModel:
 def linearize(model: Model, rotation: SteadyRotation | None = None) -> LinearModel:
     """The linear equations of a model about the equilibrium nearest to its start.
 
-    Under gravity and the loads at t = 0, at rest, or in the steady rotation of its settings, or in
-    `rotation`. Velocities of the start count for nothing. `ModelError` where there is no such
-    equilibrium, and for friction that acts, for laws with a memory other than Maxwell's, and for a
-    steady rotation in which the equations are not constant.
+    At rest, in the steady rotation of its settings, or in `rotation`; under gravity, and under the
+    loads at t = 0 where the model starts in equilibrium: where it starts as given, they begin
+    then, and count for nothing, as velocities do. `ModelError` where there is no such equilibrium,
+    for friction that acts, for laws with a memory other than Maxwell's or with a kink there, and
+    for a steady rotation in which the equations are not constant.
     """
     linear = LinearModel(model, rotation)
     if not isinstance(model, Model):
         raise ModelError(f"linearize: expected a Model, got {model!r}")
-    _ = linear.equations
+    with about(model.path):
+        _ = linear.equations
     return linear

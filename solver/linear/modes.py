@@ -10,26 +10,33 @@ is applied by the small equations at the real frequency sigma, in which the mode
 summed exactly. sigma lies far below the first elastic frequency.
 """
 
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag, eig, qr
 
-from ..arrays import Array
+from ..arrays import Array, Index
 from ..errors import ModelError
 from ..start.inertia import inverse_root
 from ..start.matrices import dense_of
-from .equations import Equations
+from .blocks import diagonal_blocks
+from .equations import Equations, Forcing
 from .flexibility import ModalBody
 
 Complex = NDArray[np.complex128]
-SHIFT = 1e-3
+SHIFT = 0.03
 """sigma over a frequency of the model"""
-ZERO = 1e-4
+ZERO = 3e-5
 """of sigma: eigenvalues below are motions that nothing resists"""
+SLOW, ITERATIONS = 3.0, 12
+"""eigenvalues below so many sigma are iterated together, so often"""
+CONVERGED = 1e-12
+"""relative change of an eigenvalue that ends an iteration"""
+GROWTH = 1e-6
+"""of the size of an eigenvalue: a growth that is not rounding, which pairs that coincide have"""
 LARGEST = 1500
 """states up to which all modes are found at once"""
 
@@ -44,16 +51,18 @@ class FirstOrder:
         self.equations = equations
         self.bodies: list[ModalBody] = equations.modal_bodies
         t = equations.tangent
-        self.phi = block_diag(np.zeros((0, 0)), *(body.phi_active for body in self.bodies))
+        self.loading = diagonal_blocks([body.phi_loaded for body in self.bodies])
+        self.phi = self.loading[equations.acting]
         self.stiffness = _joined([body.stiffness for body in self.bodies])
         self.damping = _joined([body.damping for body in self.bodies])
         # z = phi eta + bend z
         Z = self.phi + t.bend @ self.phi
-        self.embed = block_diag(np.eye(t.sizes.n_r), Z)
+        self.embed = diagonal_blocks([np.eye(t.sizes.n_r), Z])
         self.basis, self.coordinates = self._basis()
         self.n_free = self.basis.shape[1]
-        self.n_e = len(equations.relaxation.row)
-        self.sigma = SHIFT * self._frequency()
+        self.chains = _chains(self.bodies)
+        self.n_e = sum(self._dampers)
+        self.sigma: Any = SHIFT * self._frequency()
         self.factors = equations.factorized(self.sigma)
         if not self.factors.conditioned:
             self.sigma *= 1.37
@@ -62,20 +71,20 @@ class FirstOrder:
     @property
     def n(self) -> int:
         """The number of states."""
-        return 2 * self.n_free + self.n_e
+        return int(2 * self.n_free + self.n_e)
 
     def _basis(self) -> tuple[Array, Array]:
         """The basis, orthonormal in the rigid inertia and that of the modes, and its inverse."""
         system, t = self.equations.pose.system, self.equations.tangent
         root = dense_of(inverse_root(system))
-        scale = block_diag(root, np.eye(len(self.stiffness)))
+        scale = diagonal_blocks([root, np.eye(len(self.stiffness))])
         hard = system.couplings.compliant == 0
         B = t.gradients[hard] @ self.embed @ scale
         length = np.linalg.norm(B, axis=1)
         B /= np.where(length > 0.0, length, 1.0)[:, None]
-        Q, _ = qr(B.T)
+        Q, _ = np.linalg.qr(B.T, mode="complete")
         free: Array = Q[:, len(B) :]
-        inverse = block_diag(np.linalg.inv(root), np.eye(len(self.stiffness)))
+        inverse = diagonal_blocks([np.linalg.inv(root), np.eye(len(self.stiffness))])
         return scale @ free, free.T @ inverse
 
     def _frequency(self) -> float:
@@ -92,27 +101,78 @@ class FirstOrder:
         spin = self.equations.pose.speed
         return max(largest, spin) or 1.0
 
+    def is_zero(self, value: complex) -> bool:
+        """Whether an eigenvalue is that of a motion that nothing resists."""
+        return bool(abs(value) < ZERO * self.sigma)
+
+    def at(self, sigma: complex) -> "FirstOrder":
+        """The same with another sigma."""
+        other = copy(self)
+        other.sigma, other.factors = sigma, self.equations.factorized(sigma)
+        return other
+
+    @property
+    def _dampers(self) -> tuple[int, int, int]:
+        """Numbers of branches of laws, of integrals of motors, and of springs of chains."""
+        equations = self.equations
+        return len(equations.relaxation.row), len(equations.integrals.row), len(self.chains.mode)
+
     def solve(self, y: Any, v: Any, e: Any) -> "States":
         """(A - sigma)^-1 of a state: positions, rates, dampers, multipliers."""
-        t, sigma, relaxation = self.equations.tangent, self.sigma, self.equations.relaxation
+        t, sigma = self.equations.tangent, self.sigma
+        relaxation, integrals, chains = (
+            self.equations.relaxation,
+            self.equations.integrals,
+            self.chains,
+        )
         sizes, n_r = t.sizes, t.sizes.n_r
+        e_law, e_motor, e_chain = np.split(e, np.cumsum(self._dampers)[:2])
         Y, V = self.embed @ y, self.embed @ v
         known = t.M @ (sigma * Y + V) + t.C @ Y
         b = np.zeros((len(known), y.shape[1]), dtype=known.dtype)
         b[sizes.rigid], b[sizes.rows] = -known[sizes.rigid], -known[sizes.rows]
         decay = 1.0 + sigma * relaxation.tau
-        pull = (relaxation.kappa * relaxation.tau / decay)[:, None] * e
+        pull = (relaxation.kappa * relaxation.tau / decay)[:, None] * e_law
         np.add.at(b, sizes.rows.start + relaxation.row, -pull)
-        pi = known[sizes.active]
-        d = (sigma * sigma + self.damping * sigma + self.stiffness)[:, None]
+        b[sizes.rows.start + integrals.row] += (integrals.gain / sigma)[:, None] * e_motor
+        pi = self.equations.spread(known[sizes.active])
         modal = -(sigma + self.damping)[:, None] * y[n_r:] - v[n_r:]
+        slack = 1.0 + sigma * chains.tau
+        np.add.at(modal, chains.mode, -(chains.kappa * chains.tau / slack)[:, None] * e_chain)
+        d = self.step(sigma)[:, None]
         b[sizes.active] = self.phi @ (modal / d)
         found = self.factors.solve(b, pi)
-        eta = (self.phi.T @ found.pi + modal) / d
+        eta = (self.loading.T @ found.pi + modal) / d
+        strain = np.vstack([found.xi, found.z])
+        relaxed = relaxation.gradient @ strain - relaxation.tau[:, None] * e_law
+        summed = (integrals.gradient @ strain - e_motor) / sigma
+        chained = (eta[chains.mode] - chains.tau[:, None] * e_chain) / slack[:, None]
         q = np.vstack([found.xi, eta])
-        strain = relaxation.gradient @ np.vstack([found.xi, found.z])
-        e_new = (strain - relaxation.tau[:, None] * e) / decay[:, None]
+        e_new = np.vstack([relaxed / decay[:, None], summed, chained])
         return States(q, sigma * q + y, e_new, found.lam)
+
+    def forced(self, forces: Forcing) -> Any:
+        """The state (n, n_in) under unit inputs at the frequency sigma."""
+        relaxation, integrals, sigma = (
+            self.equations.relaxation,
+            self.equations.integrals,
+            self.sigma,
+        )
+        found = self.factors.forced(forces)
+        eta = (self.loading.T @ found.pi) / self.step(sigma)[:, None]
+        y, strain = np.vstack([found.xi, eta]), np.vstack([found.xi, found.z])
+        e = np.vstack(
+            [
+                (relaxation.gradient @ strain) / (1.0 + sigma * relaxation.tau)[:, None],
+                integrals.gradient @ strain / sigma,
+                eta[self.chains.mode] / (1.0 + sigma * self.chains.tau)[:, None],
+            ]
+        )
+        return self.joined(States(y, sigma * y, e, found.lam))
+
+    def step(self, s: complex) -> Any:
+        """s^2 + 2 zeta omega s + omega^2 c(s) of the modes of all bodies."""
+        return _joined([body.step(s) for body in self.bodies])
 
     def split(self, x: Any) -> tuple[Any, Any, Any]:
         """Positions, rates and dampers of states (n, k)."""
@@ -135,6 +195,27 @@ class FirstOrder:
 
 
 @dataclass(frozen=True, eq=False)
+class Chains:
+    """The springs of the chains of all bodies: their modes, tau, and kappa = omega^2 a (n_x,)."""
+
+    mode: Index
+    tau: Array
+    kappa: Array
+
+
+def _chains(bodies: list[ModalBody]) -> Chains:
+    modes, tau, kappa, first = [np.empty(0)], [np.empty(0)], [np.empty(0)], 0
+    for body in bodies:
+        modes.append(np.tile(first + np.arange(body.m), len(body.tau)))
+        tau.append(np.repeat(body.tau, body.m))
+        kappa.append((body.stiffness * body.amplitude).ravel())
+        first += body.m
+    return Chains(
+        np.concatenate(modes).astype(np.int64), np.concatenate(tau), np.concatenate(kappa)
+    )
+
+
+@dataclass(frozen=True, eq=False)
 class States:
     """Positions y, rates v, dampers e and multipliers, a column for each state."""
 
@@ -150,12 +231,12 @@ def _inverse_inertia(form: FirstOrder) -> Array:
     return inverse
 
 
-def _joined(arrays: list[Array]) -> Array:
+def _joined(arrays: list[Any]) -> Any:
     return np.concatenate([np.empty(0), *arrays])
 
 
 @dataclass(frozen=True, eq=False)
-class Modes:
+class LinearModes:
     """Modes of a linear model, in the order of their frequencies.
 
     values (n,): eigenvalues [rad/s], one of each complex pair, and real ones; those of motions that
@@ -189,30 +270,33 @@ class Modes:
         return int((self.values == 0.0).sum())
 
     @property
-    def unstable(self) -> Array:
+    def unstable(self) -> NDArray[np.bool_]:
         """True of modes that grow (n,)."""
-        growing: Array = self.values.real > 1e-9 * np.abs(self.values)
+        growing: NDArray[np.bool_] = self.values.real > GROWTH * np.abs(self.values)
         return growing
 
 
-def modes_of(form: FirstOrder, n: int | None) -> Modes:
-    """The first n modes, or all; `ModelError` where all are too many."""
+def modes_of(form: FirstOrder, n: int | None) -> LinearModes:
+    """The first n modes, or all; `ModelError` where all are too many.
+
+    form: without chains of materials.
+    """
     values, x = _eigenvalues(form, n)
-    zeros = np.abs(values) < ZERO * form.sigma
+    zeros = np.array([form.is_zero(value) for value in values.tolist()], dtype=bool)
     upper = (values.imag > 0.0) | (values.imag == 0.0)
     chosen = np.flatnonzero(upper & ~zeros)
     chosen = chosen[np.lexsort((values[chosen].real, np.abs(values[chosen])))]
-    still = _motions_without_resistance(form, x[:, zeros], int(zeros.sum()))
+    still = _motions_without_resistance(form, values)
     values, x = values[chosen], x[:, chosen]
     states = form.solve(*form.split(x * (values - form.sigma)))
-    found = Modes(
+    found = LinearModes(
         np.concatenate([np.zeros(still.shape[1]), values]),
         np.hstack([still, states.y]),
         np.hstack([np.zeros((len(states.lam), still.shape[1])), states.lam]),
     )
     if n is None or n >= len(found):
         return found
-    return Modes(found.values[:n], found.y[:, :n], found.lam[:, :n])
+    return LinearModes(found.values[:n], found.y[:, :n], found.lam[:, :n])
 
 
 def _eigenvalues(form: FirstOrder, n: int | None) -> tuple[Complex, Complex]:
@@ -221,7 +305,7 @@ def _eigenvalues(form: FirstOrder, n: int | None) -> tuple[Complex, Complex]:
             raise ModelError(
                 f"{form.n} states: expected at most {LARGEST} to find all modes, ask for fewer"
             )
-        mu, x = eig(form.matrix, check_finite=False)
+        mu, x = np.linalg.eig(form.matrix)
     else:
         from scipy.sparse.linalg import LinearOperator, eigs
 
@@ -229,26 +313,78 @@ def _eigenvalues(form: FirstOrder, n: int | None) -> tuple[Complex, Complex]:
             (form.n, form.n), matvec=lambda x: form.apply(x.reshape(-1, 1))[:, 0], dtype=float
         )
         mu, x = eigs(operator, 2 * n + 24, v0=np.ones(form.n))
-    return form.sigma + 1.0 / mu, x
+    return (form.sigma + 1.0 / mu).astype(np.complex128), x.astype(np.complex128)
 
 
-def _motions_without_resistance(form: FirstOrder, x: Complex, n: int) -> Complex:
-    """Real motions y, one for each pair of zero eigenvalues, or for each single one.
+def _motions_without_resistance(form: FirstOrder, values: Complex) -> Array:
+    """Real motions y (n_y, k) that nothing resists, from the eigenvalues that were found.
 
-    A free motion has two, position and velocity, with one eigenvector between them; a rigid body
-    that only dampers hold has one.
+    A free motion has two zero eigenvalues, for position and velocity, with one eigenvector between
+    them, which no eigenvalue solver tells well; the invariant subspace of all of them is certain.
     """
-    if n == 0:
-        return np.zeros((len(form.basis), 0), dtype=np.complex128)
-    n_free = form.n_free
-    y = np.hstack([x[:n_free].real, x[:n_free].imag])
-    U, size, _ = np.linalg.svd(y, full_matrices=False)
-    kept = int((size > 1e-3 * size[0]).sum())
-    still: Complex = (form.basis @ U[:, :kept]).astype(np.complex128)
+    from scipy.linalg import schur
+
+    def is_zero(real: float, imaginary: float) -> bool:
+        return form.is_zero(form.sigma + 1.0 / complex(real, imaginary))
+
+    if not any(form.is_zero(value) for value in values.tolist()):
+        return np.zeros((len(form.basis), 0))
+    if form.n <= LARGEST:
+        _, U, p = schur(form.matrix, sort=is_zero)
+    else:
+        slow = _slow_subspace(form, int((np.abs(values) < SLOW * form.sigma).sum()))
+        _, U, p = schur(slow.T @ form.apply(slow), sort=is_zero)
+        U = slow @ U
+    directions, size, _ = np.linalg.svd(U[: form.n_free, :p], full_matrices=False)
+    still: Array = form.basis @ directions[:, size > 1e-3]
     return still
+
+
+def _slow_subspace(form: FirstOrder, p: int) -> Array:
+    """The invariant subspace (n, p) of the p slowest eigenvalues, by iteration."""
+    X = np.random.default_rng(0).normal(size=(form.n, p))
+    for _ in range(ITERATIONS):
+        X, _ = np.linalg.qr(form.apply(X))
+    return X
 
 
 def frames_of(form: FirstOrder, y: Any) -> Any:
     """Elastic displacements of all dofs (n_u, k) of motions y."""
-    n_r, phi = form.equations.sizes.n_r, block_diag(np.zeros((0, 0)), *(b.phi for b in form.bodies))
+    n_r, phi = form.equations.sizes.n_r, diagonal_blocks([b.phi for b in form.bodies])
     return form.equations.bends @ phi @ y[n_r:]
+
+
+def with_chains(equations: Equations, found: LinearModes) -> LinearModes:
+    """Modes of bodies whose materials have chains, from those without.
+
+    By inverse iteration at a complex shift that follows the eigenvalue, from each of them: so the
+    many motions of the chains alone, which only decay, are left out.
+    """
+    form = FirstOrder(equations)
+    values, y, lam = found.values.copy(), found.y.copy(), found.lam.copy()
+    for k in np.flatnonzero(values != 0.0).tolist():
+        values[k], states = _followed(form, complex(values[k]), y[:, k : k + 1])
+        y[:, k], lam[:, k] = states.y[:, 0], states.lam[:, 0]
+    order = np.lexsort((values.real, np.abs(values)))
+    return LinearModes(values[order], y[:, order], lam[:, order])
+
+
+def _followed(form: FirstOrder, s: complex, y: Complex) -> tuple[complex, "States"]:
+    """The eigenvalue that inverse iteration leads to, and its motion."""
+    n_r, chains = form.equations.sizes.n_r, form.chains
+    e = np.zeros((form.n_e, 1), dtype=np.complex128)
+    n_x = len(chains.mode)
+    e[form.n_e - n_x :] = y[n_r + chains.mode] / (1.0 + s * chains.tau)[:, None]
+    states = States(y, s * y, e, np.zeros((form.equations.sizes.n_i, 1)))
+    for _ in range(ITERATIONS):
+        a = form.coordinates @ states.y
+        moved = form.at(s).solve(states.y, states.v, states.e)
+        factor = complex(np.vdot(a, form.coordinates @ moved.y) / np.vdot(a, a))
+        if not np.isfinite(factor) or factor == 0.0:
+            break
+        s += 1.0 / factor
+        parts = (moved.y, moved.v, moved.e, moved.lam)
+        states = States(*(part / factor for part in parts))
+        if abs(1.0 / factor) <= CONVERGED * abs(s):
+            break
+    return s, states

@@ -102,7 +102,8 @@ def _names(one: Evaluated, quantity: str) -> list[str]:
 
 def _derivatives(values: Array, directions: Sequence[_Direction]) -> Array:
     """By differences of the rows after the first (n_components, n_directions)."""
-    rows = values[1:].reshape(len(directions), len(POINTS), -1)
+    # less the first row, so that what does not move has no derivative at all
+    rows = (values[1:] - values[0]).reshape(len(directions), len(POINTS), -1)
     sizes = np.array([direction.size for direction in directions])
     derivatives: Array = np.einsum("p,dpc->cd", WEIGHTS, rows) / sizes
     return derivatives
@@ -133,6 +134,10 @@ class _Recorder:
         self.rigid, self.elastic = np.zeros((3, n_b, 6)), np.zeros((3, n_u))
         scheme = pose.system.scheme.replace(beta_prime=0.0, gamma_prime=0.0)
         self.system = pose.system.replace(scheme=scheme)
+        # changes of loads, drives and what motors give
+        self.given = (self.work.loads.value, self.work.drives.value, self.work.motors.value)
+        self.offsets = np.cumsum([0, *map(len, self.given)]).tolist()
+        self.inputs = np.zeros(self.offsets[-1])
         self.width = sum(array.size for array in make_output(pose.lowered, 1).arrays())
 
     def directions(self, inputs: Sequence[Channel]) -> Iterator[_Direction]:
@@ -147,10 +152,9 @@ class _Recorder:
         for i in range(len(self.state.couplings.lam)):
             yield _Direction(self.state.couplings.lam, i, 1.0)
         for channel in inputs:
-            if channel.drives:
-                yield _Direction(self.work.drives.value, list(channel.drives), SMALL)
-            else:
-                yield _Direction(self.work.loads.value, list(channel.loads), 1.0)
+            size = SMALL if channel.drives else 1.0
+            numbers = (channel.loads, channel.drives, [3 * m for m in channel.motors])
+            yield _Direction(self.inputs, _entries(numbers, self.offsets), size)
 
     def _lengths(self) -> Array:
         """What turns elastic dofs into lengths (n_u,); for those that nothing loads, the size."""
@@ -192,7 +196,7 @@ class _Recorder:
 
     def _record(self, run: Run, row: int) -> None:
         state, work = self.state, self.work
-        arrays = (*state.bodies.arrays(), *state.interfaces.arrays())
+        arrays = (*state.bodies.arrays(), *state.interfaces.arrays(), *self.given)
         saved = [array.copy() for array in arrays]
         self._move()
         self.pose.settle(self.elastic[1])
@@ -213,8 +217,14 @@ class _Recorder:
             turned = product(motion.quaternion[b : b + 1], _quaternion(x[b, 3:]))
             motion.quaternion[b] = turned[0]
             motion.R[b] = rotate(np.repeat(turned, 3, axis=0), np.eye(3)).T
+        for array, first in zip(self.given, self.offsets, strict=False):
+            array[:] += self.inputs[first : first + len(array)]
         interfaces.u[:] += self.elastic[0]
         interfaces.rate[:] = self.elastic[1]
+
+
+def _entries(numbers: Sequence[Sequence[int]], offsets: Sequence[int]) -> list[int]:
+    return [first + k for own, first in zip(numbers, offsets, strict=False) for k in own]
 
 
 def _in_space(R: Array, vectors: Array) -> Array:

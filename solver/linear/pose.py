@@ -6,17 +6,25 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..errors import ModelError, about
+from ..errors import ModelError
+from ..laws.contact import ContactLaw
 from ..laws.law import LAWS
 from ..laws.maxwell import MaxwellLaw
 from ..lower.lower import LoweredModel, lower
+from ..model.curves import Constant
 from ..model.joints import Joint
 from ..model.model import Model
+from ..model.motors import Motor
 from ..model.output_request import OutputRequest
 from ..model.settings import StartFrom, SteadyRotation
 from ..start.initial import InitialState, initialize
 from ..step.equations import evaluate
 from ..step.system import State, System, Workspace
+
+BESIDE = 1e-6
+"""relative change of a deformation, and a rate, beside which slopes are compared"""
+JUMP = 1e-2
+"""relative change of a slope that counts as a jump"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,16 +65,16 @@ class Pose:
 
 
 def pose_of(model: Model, rotation: SteadyRotation | None = None) -> Pose:
-    """The equilibrium of a model nearest to its start, under gravity and the loads at t = 0.
+    """The equilibrium of a model nearest to its start, under gravity.
 
-    rotation: in place of the steady rotation of its settings. Velocities of the start count for
-    nothing. `ModelError` where there is none, and for what has no linear equations: friction that
-    acts, and laws with a memory but Maxwell's.
+    And under the loads at t = 0 where the model starts in equilibrium; where it starts as given,
+    they begin then, and count for nothing, as velocities do. rotation: in place of the steady
+    rotation of its settings. `ModelError` where there is none, and for what has no linear
+    equations: friction that acts, laws with a memory but Maxwell's, laws with a kink there.
     """
     model = _at_rest(model, rotation)
-    with about(model.path):
-        initial = initialize(model, lower(model), continuous=True)
-        _check_linear(initial)
+    initial = initialize(model, lower(model), continuous=True)
+    _check_linear(initial)
     rotation = model.settings.steady_rotation or SteadyRotation(np.zeros(3))
     return Pose(
         initial.lowered,
@@ -91,8 +99,12 @@ def _at_rest(model: Model, rotation: SteadyRotation | None) -> Model:
         "rule": "consistent",
         "output": OutputRequest(),
     }
-    if all(body.superelement.modes is not None for body in model.flexible_bodies.values()):
-        changes |= {"history": "recursive", "kernel_length": None}
+    elements = [body.superelement for body in model.flexible_bodies.values()]
+    kernels = [element.kernel.length for element in elements if element.modes is None]
+    # how long a run would be is no matter here, but the kernels of one must be as long
+    changes |= {"t_end": min([settings.t_end, *kernels]), "kernel_length": None}
+    if not kernels:
+        changes |= {"history": "recursive"}
     if rotation is not None:
         changes["steady_rotation"] = rotation
     zero = np.zeros(3)
@@ -100,8 +112,25 @@ def _at_rest(model: Model, rotation: SteadyRotation | None) -> Model:
         name: replace(body, start=replace(body.start, velocity=zero, angular_velocity=zero))
         for name, body in model.bodies.items()
     }
+    loads, motors = model.loads, model.motors
+    if settings.start != "equilibrium":
+        loads = tuple(replace(load, signal=Constant(0.0)) for load in loads)
+        motors = tuple(_without_torque(motor) for motor in motors)
     joints = tuple(_without_rates(joint) for joint in model.joints)
-    return replace(model, bodies=bodies, joints=joints, settings=replace(settings, **changes))
+    return replace(
+        model,
+        bodies=bodies,
+        joints=joints,
+        loads=loads,
+        motors=motors,
+        settings=replace(settings, **changes),
+    )
+
+
+def _without_torque(motor: Motor) -> Motor:
+    """The motor with what it gives without an error at zero, as loads are."""
+    torque = None if motor.torque is None else Constant(0.0)
+    return replace(motor, torque=torque, force=None if motor.force is None else Constant(0.0))
 
 
 def _without_rates(joint: Joint) -> Joint:
@@ -109,6 +138,35 @@ def _without_rates(joint: Joint) -> Joint:
         return joint
     kept = {key: value for key, value in joint.start.items() if not key.endswith("_rate")}
     return replace(joint, start=kept)
+
+
+def _is_open(initial: InitialState, i: int) -> bool:
+    """Whether a row belongs to an open contact or stop."""
+    j = initial.lowered.coupling_of(i)
+    contact = initial.lowered.system.couplings.contact_of[j] >= 0
+    return bool(contact and not initial.work.couplings.status[j])
+
+
+def _check_slopes(initial: InitialState, m: int, i: int) -> None:
+    """`ModelError` for a law whose slope jumps at rest, where no tangent is right."""
+    lowered, work = initial.lowered, initial.work
+    laws = lowered.system.couplings.laws
+    law = LAWS[laws.number[m]]
+    parameters = laws.parameters[laws.first[m] : laws.first[m + 1]]
+    memory = initial.state.couplings.memory[laws.memory[m] : laws.memory[m + 1]]
+    c = float(work.couplings.coordinate[i] - laws.rest[i])
+    near = BESIDE * max(abs(c), BESIDE)
+    for moves in ((near, 0.0), (0.0, BESIDE)):
+        slopes = [
+            law.evaluate(parameters, memory, np.inf, c + way * moves[0], way * moves[1])[1:3]
+            for way in (-1.0, 1.0)
+        ]
+        for before, after in zip(*slopes, strict=True):
+            if abs(after - before) > JUMP * max(abs(after), abs(before)):
+                raise ModelError(
+                    f"{lowered.owner_of(i)}: the slope of {law.__name__} jumps at rest, "
+                    f"from {before:.6g} to {after:.6g}"
+                )
 
 
 def _check_linear(initial: InitialState) -> None:
@@ -120,16 +178,15 @@ def _check_linear(initial: InitialState) -> None:
             owner = lowered.model.couplings[j].owner
             raise ModelError(f"{owner}: friction sticks or slips, and has no linear equations")
     laws = couplings.laws
-    for motor in lowered.model.motors:
-        if motor.integral > 0.0:
-            raise motor.error(
-                "integral: linear equations take stiffness and damping of motors alone, got "
-                f"{motor.integral:g}"
-            )
+    for motor, limited in zip(lowered.model.motors, initial.work.motors.status, strict=True):
+        if limited:
+            raise motor.error("it is at its limit, and has no linear equations")
     for m, i in enumerate(np.repeat(np.arange(len(laws.rest)), np.diff(laws.range)).tolist()):
         law = LAWS[laws.number[m]]
-        if laws.memory[m + 1] > laws.memory[m] and law is not MaxwellLaw:
+        if laws.memory[m + 1] > laws.memory[m] and law not in (MaxwellLaw, ContactLaw):
             raise ModelError(
                 f"{lowered.owner_of(i)}: {law.__name__} depends on its past, and has no linear "
                 "equations"
             )
+        if not _is_open(initial, i):
+            _check_slopes(initial, m, i)

@@ -12,13 +12,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.linalg import block_diag, eig, schur, solve_sylvester
 
 from ..arrays import Array
 from ..errors import ModelError
+from .blocks import diagonal_blocks
 from .frf import observed
 from .inputs import Channel, forcing
-from .modes import LARGEST, ZERO, FirstOrder, States, frames_of
+from .modes import LARGEST, FirstOrder, frames_of
 from .outputs import Observation, observe
 
 
@@ -62,7 +62,7 @@ def state_space_of(
         raise ModelError(f"{form.n} states: expected at most {LARGEST} for a state space")
     observation = observe(form.equations, quantities, inputs)
     forces = forcing(form.equations.pose, inputs)
-    response = _response(form, forces)
+    response = form.forced(forces)
     D = observed(form.factors, observation, forces)
     parts = []
     for block in _blocks(form, modes):
@@ -72,7 +72,7 @@ def state_space_of(
         parts.append(_real(block, b, c))
     A, B, C = ([part[k] for part in parts] for k in range(3))
     return StateSpace(
-        np.asarray(block_diag(np.zeros((0, 0)), *A)),
+        np.asarray(diagonal_blocks(A)),
         np.vstack([np.zeros((0, len(inputs))), *B]),
         np.hstack([np.zeros((len(observation.names), 0)), *C]),
         D,
@@ -83,9 +83,10 @@ def state_space_of(
 
 def _blocks(form: FirstOrder, modes: int | None) -> list[_Block]:
     """The motions that nothing resists, then each mode."""
+    from scipy.linalg import eig, schur, solve_sylvester
 
     def is_zero(real: float, imaginary: float) -> bool:
-        return bool(abs(form.sigma + 1.0 / complex(real, imaginary)) < ZERO * form.sigma)
+        return form.is_zero(form.sigma + 1.0 / complex(real, imaginary))
 
     T, U, p = schur(form.matrix, sort=is_zero)
     X = solve_sylvester(T[:p, :p], -T[p:, p:], -T[:p, p:])
@@ -106,18 +107,6 @@ def _blocks(form: FirstOrder, modes: int | None) -> list[_Block]:
         value = values[k] if paired else values[k].real
         blocks.append(_Block(np.array([[value]]), x[:, None], y[None], paired))
     return blocks
-
-
-def _response(form: FirstOrder, forces: Array) -> Array:
-    """The state (n, n_in) under unit inputs at the frequency sigma."""
-    relaxation, sigma = form.equations.relaxation, form.sigma
-    found = form.factors.forced(forces)
-    d = sigma * sigma + form.damping * sigma + form.stiffness
-    y = np.vstack([found.xi, (form.phi.T @ found.pi) / d[:, None]])
-    strain = relaxation.gradient @ np.vstack([found.xi, found.z])
-    e = strain / (1.0 + sigma * relaxation.tau)[:, None]
-    joined: Array = form.joined(States(y, sigma * y, e, found.lam))
-    return joined
 
 
 def _outputs(form: FirstOrder, observation: Observation, block: _Block) -> Any:

@@ -55,6 +55,11 @@ class Judge:
         for f, size in zip(self._interfaces, self._sizes, strict=True):
             if frames.rotations[f]:
                 self._lengths[frames.dof[f] + 3 : frames.dof[f] + 6] = size**2
+        for first, body in zip(
+            elastic.dof.tolist(), lowered.model.flexible_bodies.values(), strict=False
+        ):
+            # amplitudes of patterns and readings of sensors are no motions of the body
+            self._lengths[first + body.superelement.n_c : first + body.n_outer] = 0.0
         compliant = lowered.system.couplings.compliant
         owners = [lowered.coupling_of(row) for row in range(len(compliant))]
         self._owners = np.array(owners, dtype=np.int64)

@@ -19,9 +19,12 @@ from ..arrays import Array, Index
 from ..errors import ModelError
 from ..history.layout import active_flexibility
 from ..lower.lower import LoweredModel
+from ..step.bodies import largest_coordinate
 from ..step.elimination import factorize
 from ..step.equations import assemble, evaluate, linearize, set_force_scales
+from ..step.force_laws import law_rounding
 from ..step.newton import correct
+from ..step.rows import measures_length
 from ..step.second_order import INERTIA, inertia_column
 from ..step.system import Elastic, Motors, State, System, Workspace
 from .assembly import drive_rates, follow_turns
@@ -37,6 +40,8 @@ STEADY = 1e-8
 """largest rate of a coordinate, relative to that of the rotation, that counts as none"""
 SAMPLES = 65
 """times at which drives are sampled for their largest rates"""
+UNLOADED = 1e-3
+"""error of a servo that TOLERANCE of is its rounding"""
 FIRST_STEP = 0.05
 """length of the first step, relative to the size of the model"""
 LARGEST = 1e200
@@ -188,7 +193,7 @@ class _Search:
         beta = pull / (FIRST_STEP * self.system.bodies.size) if pull > 0.0 else 1.0
         residual, best, idle, singular = self._residual(), np.inf, 0, 0
         for _ in range(MAX_ITERATIONS):
-            if residual <= TOLERANCE or (idle > 5 and best <= ACCEPTED):
+            if residual <= TOLERANCE or (idle > 5 and (best <= ACCEPTED or self._is_rounding())):
                 return ""
             saved = self.saved()
             if not self._step(beta):
@@ -249,9 +254,22 @@ class _Search:
         evaluate(self.system, self.state, self.work)
         set_force_scales(self.system, self.state, self.work)
 
-    def _residual(self) -> float:
-        parts = _relative_residuals(self.system, self.lengths, self.state, self.work)
+    def _residual(self, least: float = 0.0) -> float:
+        parts = _relative_residuals(self.system, self.lengths, self.state, self.work, least)
         return max(float(values.max(initial=0.0)) for values in parts)
+
+    def _is_rounding(self) -> bool:
+        """Whether all that is left are forces of laws by the rounding of positions.
+
+        So it is where nothing is loaded, far from the origin.
+        """
+        couplings, reach = self.system.couplings, largest_coordinate(self.system.bodies, self.state)
+        first = np.repeat(couplings.range[:-1], np.diff(couplings.range)).tolist()
+        forces = [
+            law_rounding(self.system, i, first[i], reach, self.state, self.work)
+            for i in np.flatnonzero(couplings.compliant).tolist()
+        ]
+        return self._residual(max(forces, default=0.0) / TOLERANCE) <= TOLERANCE
 
 
 def _free_groups(system: System) -> list[Index]:
@@ -328,15 +346,19 @@ def _centrifugal_slopes(elastic: Elastic, e: int, omega: Array, work: Workspace)
 
 
 def _relative_residuals(
-    system: System, lengths: NDArray[np.bool_], state: State, work: Workspace
+    system: System,
+    lengths: NDArray[np.bool_],
+    state: State,
+    work: Workspace,
+    least: float = 0.0,
 ) -> tuple[Array, ...]:
     """Residuals relative to the largest forces and moments in the system, and to its size.
 
     Of the forces (n_b,) and moments (n_b,) on bodies, the rows (n_rows,) and the active elastic
-    dofs (n_a,).
+    dofs (n_a,). least: a force [N] below which none counts as the largest.
     """
     within, size = _centrifugal_scales(system, state, work), system.bodies.size
-    forces, moments = _largest_forces(system, work)
+    forces, moments = _largest_forces(system, work, least)
     # the length of a spring that carries nothing is right to rounding alone: laws are measured
     # against all forces
     laws = np.maximum(work.couplings.scale, np.where(lengths, forces, moments))
@@ -348,11 +370,30 @@ def _relative_residuals(
     )
 
 
-def _largest_forces(system: System, work: Workspace) -> tuple[float, float]:
-    """The largest sums of forces and of moments on a body; moments at least of small levers."""
-    forces = max(float(work.bodies.force_scale[:, 0].max()), 1e-300)
-    least = forces * 1e-3 * system.bodies.size
-    return forces, max(float(work.bodies.force_scale[:, 1].max()), least)
+def _largest_forces(system: System, work: Workspace, least: float = 0.0) -> tuple[float, float]:
+    """The largest sums of forces and of moments on a body; moments at least of small levers.
+
+    And those by which servos would answer to `UNLOADED`, where nothing loads them.
+    """
+    lengths, answers = _answers(system, work)
+    forces = max(
+        float(work.bodies.force_scale[:, 0].max()), answers[lengths].max(initial=1e-300), least
+    )
+    levered = max(forces * 1e-3 * system.bodies.size, answers[~lengths].max(initial=0.0))
+    return forces, max(float(work.bodies.force_scale[:, 1].max()), levered)
+
+
+def _answers(system: System, work: Workspace) -> tuple[NDArray[np.bool_], Array]:
+    """Of each motor, if its coordinate is a length, and the force by which it answers to an error
+    of `UNLOADED` of the size of the model, of 1 rad, or of the rate.
+    """
+    motors, rows = system.couplings.laws.motors, system.couplings.rows.kind
+    lengths = np.array([measures_length(kind) for kind in rows[motors.row].tolist()], dtype=bool)
+    reach = np.where(lengths, system.bodies.size, 1.0)
+    reach = np.maximum(reach, np.abs(work.couplings.coordinate[motors.row]))
+    rate = np.abs(work.couplings.rate[motors.row])
+    answers: Array = UNLOADED * (motors.stiffness * reach + motors.damping * rate)
+    return lengths, answers
 
 
 def _centrifugal_scales(system: System, state: State, work: Workspace) -> Array:

@@ -56,7 +56,7 @@ def redundant_rows(lowered: LoweredModel, state: State, work: Workspace) -> froz
     if coupled := [i for i in removable if _has_terms(lowered, i)]:
         owners = " and ".join(dict.fromkeys(lowered.owner_of(i) for i in coupled))
         raise ModelError(
-            f"{owners}: depends on other constraints, which a coupler must not: on one another "
+            f"{owners}: depends on other constraints and cannot be left out: on one another "
             f"depend {dependent}; take it away or free a joint"
         )
     if lowered.model.settings.redundant == "error":

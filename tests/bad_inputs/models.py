@@ -113,6 +113,20 @@ joints = ["point_on_plane 1.second_distance"]
 ratios = [2.0]
 offset = {polynomial = [0, 1e-3]}
 
+[[motors]]
+name = "servo"
+joint = "pivot"
+coordinate = "angle"
+torque = 1.0
+reference = {polynomial = [0.1, 0.2]}
+reference_rate = 0.2
+stiffness = 9.0
+damping = 1.0
+integral = 9.0
+limit = [-9.0, 8.0]
+speed = 30.0
+tracking_time = 0.1
+
 [[motions]]
 name = "shake"
 on = "ball"

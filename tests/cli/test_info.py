@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 from duhamel.cli import app
-from duhamel.superelement import write
+from duhamel.superelement import Chain, sample_kernel, write
 
 from ..superelement.rotations import any_rotation
 
@@ -94,3 +94,25 @@ def test_a_missing_file_is_one_line_on_stderr(runner, tmp_path):
     assert result.exit_code == 1
     assert result.stdout == ""
     assert result.stderr == f"error: {tmp_path / 'none.h5'}: no such file\n"
+
+
+def lossy(element, path, amplitude, loss_factor):
+    chain = Chain([1e-4, 1e-3], amplitude, loss_factor, (50.0, 2000.0), 0.0, 0.0123)
+    modes, kernel = replace(element.modes, chain=chain), element.kernel
+    kernel = sample_kernel(modes, kernel.h, kernel.scheme, kernel.steps)
+    write(path, replace(element, modes=modes, kernel=kernel))
+    return path
+
+
+def test_the_loss_factor_of_a_material_with_its_limits(runner, element, tmp_path):
+    path = lossy(element, tmp_path / "lossy.h5", [0.02, 0.02], 0.03)
+    assert cells(runner.invoke(app, ["info", str(path)]).stdout)["loss factor"] == (
+        "0.03 from 50 to 2000 Hz within 1.2 %, 2 Maxwell elements: damping ratio 0.015, free or "
+        "held; moduli of the body file at 0 Hz, 0 % above those of long times"
+    )
+
+
+def test_loss_factors_of_several_materials_are_those_of_modes(runner, element, tmp_path):
+    path = lossy(element, tmp_path / "lossy.h5", [[0.02] * 12, [0.0] * 6 + [0.02] * 6], 0.0)
+    found = cells(runner.invoke(app, ["info", str(path)]).stdout)["loss factor"]
+    assert re.match(r"0\.00\d+ to 0\.01\d+, by the strain energy that modes of the free", found)

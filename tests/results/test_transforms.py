@@ -105,6 +105,7 @@ def test_any_quantity_has_a_density(results, text):
         ("srs(acceleration:wheel:x)", "no body or frame 'wheel'"),
         ("srs", r"srs: expected srs\(QUANTITY, q=, from=, to=, per_octave=, zeta=, absolute|"),
         ("srs()", "no quantity ''"),
+        (f"srs({TIP}", r"found no closing bracket; expected srs\(QUANTITY"),
     ],
 )
 def test_words_that_there_are_not(results, text, message):

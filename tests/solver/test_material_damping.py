@@ -1,10 +1,25 @@
 """Material damping: exact against the unreduced model, and the same whatever holds a body."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from duhamel.preprocess import read_body
 from duhamel.preprocess.body.damping import Damping
-from duhamel.solver import Constant, FlexibleBody, Function, Joint, Load, Table, check, simulate
+from duhamel.solver import (
+    Constant,
+    FlexibleBody,
+    Function,
+    Joint,
+    Load,
+    RigidBody,
+    Spring,
+    Table,
+    check,
+    simulate,
+)
+from duhamel.solver.linear.linearize import linearize
+from duhamel.solver.start.damping import damping_in_words
 from scipy.linalg import eigh
 
 from .conftest import BEAM, line_mesh, make_beam
@@ -113,6 +128,42 @@ def test_every_mode_has_half_the_loss_factor_whatever_holds_the_body(lossy, held
     np.testing.assert_allclose(2 * ratios[inside], 0.1, rtol=ripple + 0.1 / 2)
 
 
+def test_modal_ratios_of_the_free_body_are_less_where_it_is_clamped():
+    """docs/validity.md has the numbers."""
+    beam = make_beam(damping=Damping.model_validate({"modal": 0.02}))
+    model = model_of(
+        bodies={"beam": FlexibleBody(beam.element)},
+        joints=[Joint("hold", "fixed", ("ground", "beam.root"))],
+        t_end=0.01,
+        step=1e-4,
+    )
+    found = check(model)
+    ratios = [round(100 * motion.ratio, 2) for motion in found.damping]
+    assert ratios == [0.14, 0.14, 1.28, 1.28, 1.65, 1.65]
+    line = f"damping, about the start: {damping_in_words(found.damping)}"
+    assert line in str(found).splitlines()
+    assert simulate(model).solver["damping"] == damping_in_words(found.damping)
+
+
+def test_dampers_are_in_the_damping_of_the_assembled_model():
+    """A mass on a spring, and nothing without one."""
+    spring = Spring("coil", "point", ("ground", "block"), stiffness=400.0, damping=2.0)
+    for coefficient, expected in ((2.0, 0.05), (0.0, None)):
+        model = model_of(
+            bodies={"block": RigidBody(1.0, [1.0, 1.0, 1.0])},
+            joints=[Joint("guide", "prismatic", ("ground", "block"), [1, 0, 0])],
+            springs=[replace(spring, damping=coefficient)],
+            t_end=0.01,
+            step=1e-3,
+        )
+        found = check(model).damping
+        if expected is None:
+            assert found == ()
+        else:
+            assert found[0].ratio == pytest.approx(expected, rel=1e-9)
+            assert found[0].frequency == pytest.approx(20 * np.sqrt(1 - 0.05**2) / (2 * np.pi))
+
+
 def pushed(element, joints=(), **settings):
     """A beam in space, pushed at random."""
     noise = np.random.default_rng(0).standard_normal((2, 201))
@@ -210,3 +261,29 @@ def test_stresses_follow_the_springs_of_the_chain(lossy):
     found = results.stress("beam", results.time)[:, :, :3]
     assert np.abs(found - expected).max() < 1e-4 * np.abs(expected).max()
     assert np.abs(found - u).max() > 0.05 * np.abs(u).max()
+
+
+def test_the_linear_model_has_the_springs_of_the_chain(lossy):
+    """Modes, frequency responses and state space, against the mesh and against each other."""
+    joints = [Joint("hold", "fixed", ("ground", "beam.root"))]
+    model = model_of(
+        bodies={"beam": FlexibleBody(lossy.element)}, joints=joints, t_end=0.01, step=1e-4
+    )
+    linear = linearize(model)
+    values = linear.modes().values
+    expected = poles_of_the_mesh(lossy, range(6))
+    for pole in expected[:6]:
+        assert np.abs(values - pole).min() < 1e-8 * abs(pole)
+    structure, chain = lossy.structure, lossy.element.modes.chain
+    K, M = structure.K.toarray()[6:, 6:], structure.M.toarray()[6:, 6:]
+    f = np.array([5.0, 20.0, 300.0, 2000.0])
+    found = linear.frf(["force:beam.tip:y"], ["position:beam.tip:y"], f)
+    space = linear.state_space(["force:beam.tip:y"], ["position:beam.tip:y"])
+    P = structure.P_C.toarray()[:, 6:]
+    for k, w in enumerate(2 * np.pi * f):
+        c = chain.factor(np.array([w]), 1)[0, 0]
+        G = (P @ np.linalg.solve(c * K - w**2 * M, P.T))[7, 7]
+        assert found.values[k, 0, 0] == pytest.approx(G, rel=1e-7)
+        inside = np.linalg.solve(1j * w * np.eye(len(space.A)) - space.A, space.B)
+        # Many springs nearly have the same motion, whose eigenvectors carry rounding.
+        assert (space.C @ inside + space.D)[0, 0] == pytest.approx(G, rel=1e-3)

@@ -8,6 +8,7 @@ import pytest
 from duhamel.results import Results
 from duhamel.solver import (
     Constant,
+    ConvergenceError,
     FlexibleBody,
     Frame,
     Function,
@@ -29,6 +30,7 @@ from duhamel.solver import (
     Spring,
     Start,
     StateError,
+    SteadyRotation,
     Steps,
     Stop,
     Table,
@@ -39,6 +41,7 @@ from duhamel.solver import (
     start,
     write_model,
 )
+from duhamel.solver.linear.linearize import linearize
 from scipy.integrate import solve_ivp
 
 from .test_restart import assert_same
@@ -395,6 +398,17 @@ def test_angles_count_over_full_turns():
     np.testing.assert_allclose(run.stop("end").gap, 0.1, atol=1e-11)
 
 
+def test_a_servo_of_the_rate_starts_in_steady_rotation():
+    """At its reference; and not at another rate."""
+    spin = SteadyRotation(3.0 * TURN)
+    steady = {"start": "equilibrium", "steady_rotation": spin}
+    run = simulate(wheel(servo(damping=2.0, reference_rate=Constant(3.0))).with_settings(**steady))
+    np.testing.assert_allclose(run.joint("axle").angle_rate, 3.0, rtol=1e-12)
+    np.testing.assert_allclose(run.motor("servo").torque, 0.0, atol=1e-11)
+    with pytest.raises(ModelError, match=r"motor 'servo': .* misses its drive by 1 rad/s"):
+        start(wheel(servo(damping=2.0, reference_rate=Constant(2.0))).with_settings(**steady))
+
+
 # Step by step, and in parts
 
 
@@ -550,6 +564,24 @@ def test_a_check_tells_the_frequency_of_a_servo():
     )
     assert any("motor 'servo': its servo has 10 steps in a period" in w for w in checked.warnings)
     np.testing.assert_allclose(checked.frequencies, [10.0])
+
+
+def test_linear_equations_have_the_servo():
+    """Poles of J s^2 + damping s + stiffness; an integral is refused by name."""
+    gains = {"stiffness": J * 400.0, "damping": J * 4.0}
+    modes = linearize(wheel(servo(**gains))).modes()
+    (s,) = modes.values[modes.values.imag > 0.0]
+    np.testing.assert_allclose([s.real, abs(s)], [-2.0, 20.0], rtol=1e-9)
+    with pytest.raises(ModelError, match=r"motor 'servo': integral: linear equations take"):
+        linearize(wheel(servo(**gains, integral=1.0)))
+
+
+def test_a_reference_that_is_no_number_is_named():
+    def path(t):
+        return np.nan if t > 0.1 else 0.0
+
+    with pytest.raises(ConvergenceError, match="motor 'servo': its reference is no number"):
+        simulate(wheel(servo(stiffness=1.0, reference=Function(path))))
 
 
 def test_the_inertia_of_a_servo_is_that_of_all_that_it_moves():

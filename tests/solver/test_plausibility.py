@@ -96,6 +96,7 @@ def test_gravity_in_other_units_is_doubted(gravity, unit):
             "joints.pivot.angle.amplitude",
             lambda a: {"joints": [replace(HINGE, angle=Harmonic(a, 5.0))]},
         ),
+        ("joints.pivot.drawn.angle", lambda a: {"joints": [replace(HINGE, drawn={"angle": a})]}),
         (
             "motions.m.angle.amplitude",
             lambda a: {"motions": [PrescribedRotation("m", "hub", [0, 0, 1], Harmonic(a, 5.0))]},
@@ -223,26 +224,33 @@ def test_a_step_too_long_for_any_mode_of_a_body_is_doubted(factor, doubted, beam
     only(told(flying, severe=False), "bodies.beam: its first elastic frequency" if doubted else "")
 
 
-def scaled(element, factor):
-    """A superelement whose interfaces lie so many times as far out, and its inertia with them."""
-    interfaces = tuple(replace(i, X=factor * i.X) for i in element.interfaces)
-    return replace(element, interfaces=interfaces, J_rot=factor**2 * element.J_rot)
+def sized(element, radius):
+    """A superelement of this radius of gyration [m], sqrt(tr J / 2 m)."""
+    J = element.J_rot * (2.0 * element.mass * radius**2 / np.trace(element.J_rot))
+    return FlexibleBody(replace(element, J_rot=J))
 
 
-def test_superelements_from_meshes_in_other_units_are_doubted(random_element):
+@pytest.mark.parametrize(("radius", "doubted"), [(99, 0), (101, 1), (1.1e-5, 0), (0.9e-5, 1)])
+def test_superelements_from_meshes_in_other_units_are_doubted(radius, doubted, random_element):
+    body = sized(random_element(0, (True, False)), radius)
+    found = told(Model({"b": body}, settings=Settings(t_end=1.0, step=1e-7)))
+    found = [text for text in found if "denser" not in text]
+    only(found, "bodies.b.superelement has a radius of gyration of" if doubted else "")
+
+
+@pytest.mark.parametrize(("ratio", "doubted"), [(990.0, False), (1010.0, True)])
+def test_two_superelements_of_sizes_far_apart_are_doubted(ratio, doubted, random_element):
     element = random_element(0, (True, False))
-    reach = max(np.linalg.norm(i.X) for i in element.interfaces)
-    bodies = {"a": FlexibleBody(scaled(element, 1.0 / reach))}
-    settings = Settings(t_end=1.0, step=1e-7)
-    for factor, count in ((99.0, 0), (101.0, 1), (1.1e-5, 0), (0.9e-5, 1)):
-        alone = Model({"b": FlexibleBody(scaled(element, factor / reach))}, settings=settings)
-        found = [text for text in told(alone) if "from its center" in text]
-        assert len(found) == count
-    for factor, count in ((1.0 / 990, 0), (1.0 / 1010, 1)):
-        both = bodies | {"b": FlexibleBody(scaled(element, factor / reach))}
-        found = [text for text in told(Model(both, settings=settings)) if "millimeters" in text]
-        assert len(found) == count
-        assert all(text.startswith("bodies.b.superelement is 0.00099 m") for text in found)
+    bodies = {"a": sized(element, 50.0), "b": sized(element, 50.0 / ratio)}
+    found = told(Model(bodies, settings=Settings(t_end=1.0, step=1e-7)))
+    only(found, "bodies.b.superelement has a radius of gyration of 0.0495 m" if doubted else "")
+
+
+def test_a_body_with_one_interface_at_its_center_raises_none(random_element):
+    element = random_element(0, (True,))
+    middle = replace(element.interfaces[0], X=[1e-16, 0, 0])
+    body = sized(replace(element, interfaces=(middle,)), 0.2)
+    assert told(Model({"b": body}, settings=Settings(t_end=1.0, step=1e-7))) == []
 
 
 def test_check_tells_the_doubts_among_its_warnings():

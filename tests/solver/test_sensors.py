@@ -5,7 +5,7 @@ from dataclasses import replace
 import h5py
 import numpy as np
 import pytest
-from duhamel.preprocess.body.body import RecoveredFields
+from duhamel.preprocess.body.body import Impulse, RecoveredFields
 from duhamel.results.quantities import QuantityError, evaluate
 from duhamel.solver import (
     Constant,
@@ -22,6 +22,7 @@ from duhamel.solver import (
     Start,
     simulate,
 )
+from duhamel.solver.linear.linearize import linearize
 from duhamel.superelement import read, write
 from scipy.spatial.transform import Rotation
 
@@ -169,6 +170,51 @@ def test_a_simulator_has_readings(thrown):
         found = simulator.step([])
     np.testing.assert_allclose(found[:3], expected.value[-1], rtol=1e-9)
     np.testing.assert_allclose(found[3:], expected.acceleration[-1], rtol=1e-9)
+
+
+def test_a_frequency_response_of_a_gauge(element):
+    """At 0 Hz the moment over the stiffness, above that what a run comes to."""
+    model = Model(
+        {"beam": FlexibleBody(element)},
+        [Joint("clamp", "fixed", ["ground", "beam.root"])],
+        [PatternLoad("beam", "wind", Constant(0.0))],
+        settings=Settings(t_end=H, step=H),
+    )
+    linear = linearize(model)
+    found = linear.static(["force:beam.tip:y"], ["strain:beam.gauge"]).values[0, 0, 0]
+    assert found.real == pytest.approx(-0.5 * 0.003 / 5.5, rel=1e-7)
+    with pytest.raises(ModelError, match=r"load:1: load \(pattern\) on 'beam': linear analysis"):
+        linear.static(["load:1"], ["strain:beam.gauge"])
+
+
+def test_the_balance_of_vibration_leaves_readings_out(tmp_path):
+    """Stresses of many Pascals are no motions of a body that is known by its kernel."""
+    body = channelled_beam(tmp_path, 3, impulse=Impulse(step=H, steps=60, method="march"))
+    names = [sensor.name for sensor in body.element.sensors]
+    assert body.element.modes is None
+    model = Model(
+        {"beam": FlexibleBody(body.element)},
+        loads=[PatternLoad("beam", "wind", Harmonic(1.0, 200.0))],
+        settings=Settings(t_end=50 * H, step=H),
+    )
+    channels = body.element.channels
+    n = body.element.n_c + len(channels.patterns)
+    scale = np.ones(n + 7)
+    scale[n:] = 1e9
+    loud = replace(
+        channels,
+        kernel=replace(
+            channels.kernel,
+            g=channels.kernel.g * np.outer(scale, scale),
+            g_initial=channels.kernel.g_initial * np.outer(scale, scale),
+        ),
+        compliance=channels.compliance * np.outer(scale, scale),
+        accelerance=channels.accelerance * np.outer(scale, scale),
+    )
+    louder = replace(model, bodies={"beam": FlexibleBody(replace(body.element, channels=loud))})
+    a, b = (simulate(m).validity.checks for m in (model, louder))
+    np.testing.assert_array_equal(*([check.value for check in checks] for checks in (a, b)))
+    assert len(names) == 3
 
 
 def test_files_without_channels_are_as_before(coarse, tmp_path):

@@ -114,6 +114,14 @@ def test_changed_columns_of_a_signal_run_again(study_file, folder):
     assert rows[0].numbers["angle"] == pytest.approx(4 * 0.05**2 / (2 * 4), rel=1e-12)
 
 
+def test_what_looks_wrong_in_a_case_is_among_its_warnings(study_file):
+    values = "[1, {amplitude = 1, frequency = 900}]"
+    text = STUDY.replace("[8, 4, 2]", values).replace("[2, 2, 4], ", "")
+    _, (calm, fast) = run(study_file(text))
+    assert calm.warnings == ()
+    assert fast.warnings[0].startswith("loads.0.signal: its highest frequency, 900 Hz, has 2.2")
+
+
 def test_other_outputs_are_read_from_the_results_that_are_there(study_file):
     run(study_file())
     ran, rows = run(

@@ -110,3 +110,22 @@ def test_labels_that_are_apart_stay_and_others_move_as_little_as_they_can():
     np.testing.assert_allclose(apart(np.array([1.0, -1.0, 0.0]), 0.2, 2.0), [1.0, -1.0, 0.0])
     np.testing.assert_allclose(apart(np.array([0.0, 0.0, 1.0]), 0.2, 2.0), [-0.1, 0.1, 1.0])
     assert len(apart(np.zeros(0), 0.2, 2.0)) == 0
+
+
+def test_the_axes_of_sections_are_seen_along_their_directions():
+    """A line along x: local y and z start at its middle and are drawn as the axes of the mesh."""
+    middle, axes = np.array([0.5, 0.0, 0.0]), np.eye(3)
+    sections = [view.Cross(middle, axes[1], axes[2])]
+    figure = view.draw_scene(view.Scene(lines=np.array([[[0, 0, 0], [1, 0, 0]]], float)))
+    with_axes = view.draw_scene(
+        view.Scene(lines=np.array([[[0, 0, 0], [1, 0, 0]]], float), sections=sections)
+    )
+    drawn = with_axes.axes[0].lines[len(figure.axes[0].lines) :]
+    of_mesh = with_axes.axes[0].lines[1:3]
+    assert len(drawn) == 2
+    for axis, known in zip(drawn, of_mesh, strict=True):
+        assert axis.get_color() == known.get_color()
+        seen, expected = (np.diff(line.get_xydata(), axis=0)[0] for line in (axis, known))
+        cosine = seen @ expected / np.linalg.norm(seen) / np.linalg.norm(expected)
+        assert cosine == pytest.approx(1.0, abs=1e-12)
+    assert {text.get_text() for text in with_axes.axes[0].texts} >= {"local y", "local z"}

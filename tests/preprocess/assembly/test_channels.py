@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from duhamel.preprocess import Body, PreprocessError, assemble, build, read_body
+from duhamel.preprocess.sources.reading import read_source
 from duhamel.superelement import read, write
 
 SIZE = (2.0, 0.5, 0.3)
@@ -88,7 +89,7 @@ def test_a_point_moves_as_its_element_does(block, kind):
     d = np.array([1.0, 2.0, -1.0]) / np.sqrt(6.0)
     sensors = {
         "p": {"point": point},
-        "g": {"point": point, "direction": (3.0 * d).tolist()},
+        "g": {"point": point, "direction": (3e200 * d).tolist()},
         "l": {"point": point, "direction": d.tolist(), "length": 0.05},
         "s": {"point": point, "stress": True},
     }
@@ -209,6 +210,7 @@ WRONG = {
         {"loads": {"p": {"force_per_volume": [1, 0, 0], **TOP}}},
         "force_per_volume: expected a group of elements.*found plane",
     ),
+    "no load": ({"loads": {"p": {"pressure": 0.0, **TOP}}}, "pressure: expected a load"),
     "length without direction": (
         {"sensors": {"s": {"point": [1, 0, 0], "length": 0.1}}},
         "length: a strain gauge needs a direction",
@@ -234,6 +236,10 @@ def test_messages_of_body_files(tables, message):
 
 
 MISPLACED = {
+    "a gauge of no length": (
+        {"sensors": {"s": {"point": [1, 0.2, 0.1], "direction": [1, 0, 0], "length": 1e-9}}},
+        "sensors.s: length: expected at least 2.08e-06 m, found 1e-09",
+    ),
     "outside": ({"sensors": {"s": {"point": [5, 0, 0]}}}, "sensors.s: expected a point within"),
     "a line load": (
         {"loads": {"p": {"force_per_length": [1, 0, 0]}}},
@@ -288,3 +294,16 @@ force_per_volume = [1, 0, 0]
     (tmp_path / "body.toml").write_text(text)
     with pytest.raises(PreprocessError, match="loads: expected a mesh, found \\[matrices\\]"):
         read_body(tmp_path / "body.toml")
+
+
+def test_stresses_are_those_of_the_fields_where_one_element_is(block):
+    """At a corner of the box, whatever the displacements."""
+    body = block(sensors={"s": {"point": list(SIZE), "stress": True}})
+    structure, source = assemble(body), read_source(body)
+    points = source.field_points(stress=True)
+    X = source.nodes.points[points.nodes]
+    (corner,) = np.flatnonzero(np.linalg.norm(X - np.array(SIZE), axis=1) < 1e-9)
+    u = np.random.default_rng(3).normal(size=structure.n_u)
+    strains = (points.strains @ u).reshape(-1, 6)[corner]
+    expected = points.C[points.owners[corner]] @ strains
+    np.testing.assert_allclose(structure.channels.rows @ u, expected, rtol=1e-8)

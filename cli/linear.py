@@ -1,0 +1,180 @@
+"""`duhamel modes`, `duhamel frf` and `duhamel campbell`."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from .failures import errors_in_one_line, one_line
+
+ModelFile = Annotated[
+    Path, typer.Argument(metavar="MODEL.toml", help="Bodies, joints, loads, simulation.")
+]
+LinearOutput = Annotated[
+    Path | None,
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="FILE",
+        help="A picture, or a table: FILE.csv.",
+        show_default=False,
+    ),
+]
+From = Annotated[
+    list[str],
+    typer.Option(
+        "--from", metavar="INPUT", help="load:1, force:FRAME:y, torque:BODY:z, drive:JOINT, ..."
+    ),
+]
+To = Annotated[list[str], typer.Option("--to", metavar="QUANTITY", help="As `plot` names them.")]
+Band = Annotated[
+    tuple[float, float] | None,
+    typer.Option(metavar="FROM TO", help="Frequencies [Hz].", show_default=False),
+]
+Points = Annotated[
+    int, typer.Option(min=2, max=100_000, help="Frequencies of the band, beside resonances.")
+]
+Deforming = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--bodies",
+        metavar="dynamic|static|rigid",
+        help="How flexible bodies deform; several are drawn together.",
+        show_default="dynamic",
+    ),
+]
+Static = Annotated[bool, typer.Option("--static", help="Static influence coefficients instead.")]
+ModeCount = Annotated[int, typer.Option("-n", "--modes", min=1, max=10_000, help="How many.")]
+Spins = Annotated[
+    tuple[float, float, int],
+    typer.Option("--spin", metavar="FROM TO COUNT", help="Speeds [rad/s]."),
+]
+Orders = Annotated[
+    str, typer.Option(metavar="ORDER,ORDER", help="Engine orders: times a revolution.")
+]
+
+
+def modes(model_file: ModelFile, n: ModeCount = 12, output: LinearOutput = None) -> None:
+    """Modes of a model about its equilibrium: frequencies, damping, and shapes as a picture."""
+    from rich.console import Console
+
+    from .. import solver, superelement, view
+    from .linear_report import modes_csv, modes_picture, modes_table
+
+    with errors_in_one_line(solver, superelement, view):
+        _require_no_model(output, model_file)
+        linear = solver.linearize(solver.read_model(model_file))
+        found = linear.modes(n)
+        title = _linear_title(model_file, linear.spin)
+        Console().print(modes_table(title, found))
+        if output is not None:
+            _write(output, modes_csv(found), lambda: modes_picture(title, linear, found))
+
+
+def frf(
+    model_file: ModelFile,
+    inputs: From,
+    outputs: To,
+    band: Band = None,
+    points: Points = 400,
+    bodies: Deforming = None,
+    static: Static = False,
+    output: LinearOutput = None,
+) -> None:
+    """Frequency responses of a model: MODEL-frf.png beside the model file, unless given."""
+    from rich.console import Console
+
+    from .. import solver, superelement, view
+    from .linear_report import band_of, grid, response_csv, response_picture, static_table
+
+    target = output or model_file.with_name(f"{model_file.stem}-frf.png")
+    with errors_in_one_line(solver, superelement, view):
+        _require_no_model(target, model_file)
+        linear = solver.linearize(solver.read_model(model_file))
+        if static:
+            response = linear.static(inputs, outputs)
+            Console().print(static_table(response))
+            if output is not None:
+                _write(output, response_csv(response), None)
+            return
+        if band is not None and not 0.0 < band[0] < band[1] < float("inf"):
+            raise typer.BadParameter(f"--band: expected 0 < FROM < TO, got {band[0]} {band[1]}")
+        known = linear.known_modes()
+        if band is None and known is None:
+            raise typer.BadParameter("--band: needed where a body is known by a kernel alone")
+        frequencies = grid(band or band_of(known), points, known)  # type: ignore[arg-type]
+        kinds = bodies or ["dynamic"]
+        responses = {
+            f", {kind}" if len(kinds) > 1 else "": linear.frf(inputs, outputs, frequencies, kind)  # type: ignore[arg-type]
+            for kind in kinds
+        }
+        first = next(iter(responses.values()))
+        title = _linear_title(model_file, linear.spin)
+        _write(target, response_csv(first), lambda: response_picture(title, responses))
+
+
+def campbell(
+    model_file: ModelFile,
+    spin: Spins,
+    n: ModeCount = 8,
+    orders: Orders = "1",
+    output: LinearOutput = None,
+) -> None:
+    """Frequencies over the spin: MODEL-campbell.png beside the model file, unless given.
+
+    About the axis and the center of the steady_rotation of the model.
+    """
+    import numpy as np
+    from rich.console import Console
+
+    from .. import solver, superelement, view
+    from .linear_report import campbell_picture, campbell_rows, campbell_table, crossing_lines
+
+    target = output or model_file.with_name(f"{model_file.stem}-campbell.png")
+    try:
+        wanted = [float(order) for order in orders.split(",") if order.strip()]
+    except ValueError as error:
+        raise typer.BadParameter(f"--orders: expected numbers, got {orders!r}") from error
+    first, last, count = spin
+    if not 0.0 <= first < last < float("inf") or count < 2:
+        raise typer.BadParameter("--spin: expected 0 <= FROM < TO and COUNT >= 2")
+    with errors_in_one_line(solver, superelement, view):
+        _require_no_model(target, model_file)
+        diagram = solver.campbell(
+            solver.read_model(model_file), np.linspace(first, last, count).tolist(), n
+        )
+        Console().print(campbell_table(model_file.stem, diagram))
+        for line in crossing_lines(diagram, wanted):
+            typer.echo(one_line(line))
+        _write(
+            target,
+            campbell_rows(diagram),
+            lambda: campbell_picture(model_file.stem, diagram, wanted),
+        )
+
+
+def _linear_title(model_file: Path, spin: float) -> str:
+    return f"{model_file.stem}, at {spin:.6g} rad/s" if spin else model_file.stem
+
+
+def _require_no_model(target: Path | None, model_file: Path) -> None:
+    from .. import view
+    from ..files.outputs import clash
+
+    if target is not None and (found := clash([target], {model_file: "the model file"})):
+        raise view.PictureError(f"{found}, which the output would replace")
+
+
+def _write(target: Path, rows: list[list[str]], picture: Callable[[], Any] | None) -> None:
+    """A table where the suffix is .csv, else a picture."""
+    from .. import view
+    from .linear_report import write_csv
+
+    if target.suffix.lower() == ".csv":
+        write_csv(target, rows)
+    elif picture is None:
+        raise view.PictureError(f"{target}: expected a table, .csv")
+    else:
+        view.save(picture(), target)
+    typer.echo(one_line(target))

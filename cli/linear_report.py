@@ -1,0 +1,185 @@
+"""Tables and pictures of `duhamel modes`, `duhamel frf` and `duhamel campbell`."""
+
+import csv
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.table import Table
+from rich.text import Text
+
+from ..solver import Campbell, FrequencyResponse, LinearModel, LinearModes
+from ..superelement.validation import Array
+from ..view import (
+    CampbellLine,
+    ModeShape,
+    ResponseCurve,
+    draw_campbell,
+    draw_response,
+    draw_shapes,
+)
+
+NEAR = 41
+"""frequencies within the width of each resonance"""
+NARROW = 1e-4
+"""ratio of damping from which a resonance counts as so wide"""
+ROUNDING = 1e-9
+"""damping ratio that counts as none"""
+SHOWN = 12
+"""modes that are drawn"""
+
+
+def modes_table(title: str, modes: LinearModes) -> Table:
+    """Number, frequency, damping and what is special of every mode."""
+    table = Table(title=Text(title))
+    for column in ("mode", "frequency [Hz]", "damping [%]", ""):
+        table.add_column(column, justify="left" if not column else "right")
+    for k in range(len(modes)):
+        table.add_row(
+            str(k + 1),
+            f"{modes.frequencies[k]:.6g}",
+            f"{100.0 * modes.ratios[k]:.4g}",
+            kind(modes, k),
+        )
+    return table
+
+
+def kind(modes: LinearModes, k: int) -> str:
+    """What a mode is beside an oscillation that decays."""
+    value = complex(modes.values[k])
+    if value == 0.0:
+        return "free: nothing resists"
+    if modes.unstable[k]:
+        return f"UNSTABLE: grows by exp({value.real:.4g} t)"
+    return f"decays by exp({value.real:.4g} t)" if value.imag == 0.0 else ""
+
+
+def modes_csv(modes: LinearModes) -> list[list[str]]:
+    rows = [["mode", "frequency_Hz", "damping_ratio", "real_rad_per_s", "imaginary_rad_per_s"]]
+    for k, value in enumerate(modes.values.tolist()):
+        numbers = (modes.frequencies[k], modes.ratios[k], value.real, value.imag)
+        rows.append([str(k + 1), *(repr(float(number)) for number in numbers)])
+    return rows
+
+
+def modes_picture(title: str, linear: LinearModel, modes: LinearModes) -> Any:
+    """The first modes, two a row."""
+    shapes = []
+    for k in range(min(len(modes), SHOWN)):
+        bodies = [(s.points, s.motion, s.edges) for s in linear.shapes(modes.y[:, k])]
+        what = kind(modes, k) or f"{modes.frequencies[k]:.5g} Hz"
+        shapes.append(ModeShape(f"{k + 1}: {what}", bodies))
+    return draw_shapes(shapes, title)
+
+
+def grid(band: tuple[float, float], n: int, modes: LinearModes | None) -> Array:
+    """n frequencies of a band [Hz], evenly in their logarithm, and more about resonances."""
+    frequencies = np.geomspace(*band, n)
+    if modes is None:
+        return frequencies
+    parts = [frequencies]
+    for f, ratio in zip(modes.frequencies.tolist(), modes.ratios.tolist(), strict=True):
+        if band[0] <= f <= band[1]:
+            # an even number beside the peak, which is infinite without damping
+            spread = np.linspace(-8.0, 8.0, NEAR + 1) * max(ratio, NARROW)
+            parts.append(f * (1.0 + spread))
+    joined: Array = np.unique(np.concatenate(parts))
+    inside = (joined >= band[0]) & (joined <= band[1])
+    return joined[inside]
+
+
+def band_of(modes: LinearModes) -> tuple[float, float]:
+    """From a fifth of the first frequency to twice the tenth."""
+    moving = np.sort(modes.frequencies[modes.frequencies > 0.0])
+    if not len(moving):
+        return 1.0, 1000.0
+    return float(moving[0]) / 5.0, 2.0 * float(moving[:10][-1])
+
+
+def response_csv(response: FrequencyResponse) -> list[list[str]]:
+    """A row for each frequency: magnitude and phase [rad] of every output by every input."""
+    header = ["frequency_Hz"]
+    for output, unit in zip(response.outputs, response.units, strict=True):
+        for given, given_unit in zip(response.inputs, response.input_units, strict=True):
+            name = f"{output} by {given}"
+            header += [f"{name} [{unit} / {given_unit or '1'}]", f"{name} phase [rad]"]
+    rows = [header]
+    for frequency, values in zip(response.frequencies.tolist(), response.values, strict=True):
+        pairs = [(abs(v), np.angle(v)) for v in values.ravel().tolist()]
+        rows.append([repr(frequency), *(repr(float(number)) for pair in pairs for number in pair)])
+    return rows
+
+
+def response_picture(title: str, responses: dict[str, FrequencyResponse]) -> Any:
+    """All outputs by all inputs; responses: by what is said behind their names."""
+    curves = []
+    for remark, response in responses.items():
+        for i, output in enumerate(response.outputs):
+            for j, given in enumerate(response.inputs):
+                unit = f"{response.units[i]} / {response.input_units[j] or '1'}"
+                values = response.values[:, i, j]
+                curves.append(ResponseCurve(f"{output} by {given}{remark}", unit, values))
+    frequencies = next(iter(responses.values())).frequencies
+    return draw_response(frequencies, curves, title)
+
+
+def static_table(response: FrequencyResponse) -> Table:
+    """Static influence coefficients: a row for each output, a column for each input."""
+    table = Table(title=Text("static influence coefficients"))
+    table.add_column("output")
+    for name, unit in zip(response.inputs, response.input_units, strict=True):
+        table.add_column(Text(f"per {unit or 'unit'} of {name}"), justify="right")
+    for i, (name, unit) in enumerate(zip(response.outputs, response.units, strict=True)):
+        values = (f"{value:.9g}" for value in response.values[0, i].real.tolist())
+        table.add_row(Text(f"{name} [{unit}]"), *values)
+    return table
+
+
+def campbell_rows(diagram: Campbell) -> list[list[str]]:
+    """A row for each spin: frequencies and damping ratios of all lines."""
+    names = [f"{k + 1} {line.whirl}" for k, line in enumerate(diagram.lines)]
+    header = ["spin_rad_per_s"]
+    for name in names:
+        header += [f"{name} [Hz]", f"{name} damping"]
+    rows = [header]
+    for n, spin in enumerate(diagram.spins.tolist()):
+        row = [repr(spin)]
+        for line in diagram.lines:
+            row += [repr(float(line.frequencies[n])), repr(float(line.ratios[n]))]
+        rows.append(row)
+    return rows
+
+
+def campbell_table(title: str, diagram: Campbell) -> Table:
+    table = Table(title=Text(f"{title}: frequencies in space [Hz] over the spin [rad/s]"))
+    table.add_column("spin", justify="right")
+    for k, line in enumerate(diagram.lines):
+        table.add_column(f"{k + 1} {line.whirl}", justify="right")
+    for n, spin in enumerate(diagram.spins.tolist()):
+        values = [line.frequencies[n] for line in diagram.lines]
+        table.add_row(f"{spin:.5g}", *("" if np.isnan(f) else f"{f:.6g}" for f in values))
+    return table
+
+
+def crossing_lines(diagram: Campbell, orders: Sequence[float]) -> Iterator[str]:
+    """A line of text for each speed at which an engine order meets a mode."""
+    for order in orders:
+        for crossing in diagram.crossings(order):
+            turns = 60.0 * crossing.spin / (2.0 * np.pi)
+            whirl = diagram.lines[crossing.line].whirl
+            yield (
+                f"{order:g}x meets line {crossing.line + 1} ({whirl}) at {crossing.spin:.6g} "
+                f"rad/s, {turns:.6g} turns per minute: {crossing.frequency:.6g} Hz"
+            )
+
+
+def campbell_picture(title: str, diagram: Campbell, orders: Sequence[float]) -> Any:
+    lines = [CampbellLine(line.whirl, line.frequencies) for line in diagram.lines]
+    crossings = [(c.spin, c.frequency) for order in orders for c in diagram.crossings(order)]
+    return draw_campbell(diagram.spins, lines, orders, crossings, title)
+
+
+def write_csv(path: Path, rows: Sequence[Sequence[str]]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows(rows)

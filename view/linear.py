@@ -1,0 +1,159 @@
+"""Pictures of linear analyses: frequency responses, Campbell diagrams, shapes of modes."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from ..superelement.validation import Array
+from .picture import COLORS, PANEL_HEIGHT, WIDTH, entitle, panels, style
+
+EYE = np.array([1.0, -1.35, 0.8])
+"""direction towards the eye"""
+SWING = 0.15
+"""the largest motion of a shape, relative to the size of the mechanism"""
+NOTHING = 1e-12
+"""of the largest response: those below are rounding, and are not drawn"""
+LEGEND_LINE = 0.17
+"""[inch]"""
+MARKS = {"forward": "-", "backward": "--", "none": ":"}
+"""lines of the kinds of whirl"""
+
+
+@dataclass(frozen=True, eq=False)
+class ResponseCurve:
+    """A frequency response (n,) complex with its name and unit."""
+
+    name: str
+    unit: str
+    values: NDArray[np.complex128]
+
+
+def draw_response(frequencies: Array, curves: Sequence[ResponseCurve], title: str = "") -> Figure:
+    """Magnitudes and phases over frequencies (n,) [Hz]."""
+    figure, (size, phase) = panels(2)
+    seen = [curve for curve in curves if np.abs(curve.values).max(initial=0.0) > 0.0]
+    largest = max((float(np.abs(curve.values).max()) for curve in seen), default=1.0)
+    seen = [curve for curve in seen if np.abs(curve.values).max() > NOTHING * largest]
+    figure.set_figheight(2.0 * PANEL_HEIGHT + LEGEND_LINE * len(seen))
+    with style():
+        for curve in seen:
+            name = f"{curve.name} [{curve.unit}]"
+            size.loglog(frequencies, np.abs(curve.values), label=name)
+            degrees = np.degrees(np.angle(curve.values))
+            # both are one phase, and rounding would go from one to the other
+            phase.semilogx(frequencies, np.where(degrees < -179.9, 180.0, degrees))
+        size.set_ylabel("magnitude")
+        phase.set_ylabel("phase [°]")
+        phase.set_ylim(-190.0, 190.0)
+        phase.set_yticks([-180.0, -90.0, 0.0, 90.0, 180.0])
+        phase.set_xlabel("frequency [Hz]")
+        if seen:
+            legend = figure.legend(loc="outside lower left", ncols=1)
+            for text in legend.get_texts():
+                text.set_parse_math(False)
+        entitle(figure, title)
+    return figure
+
+
+@dataclass(frozen=True, eq=False)
+class CampbellLine:
+    """Frequencies (n,) [Hz] of a mode over the spins, and its whirl."""
+
+    whirl: str
+    frequencies: Array
+
+
+def draw_campbell(
+    spins: Array,
+    lines: Sequence[CampbellLine],
+    orders: Sequence[float] = (1.0,),
+    crossings: Sequence[tuple[float, float]] = (),
+    title: str = "",
+) -> Figure:
+    """Frequencies over spins (n,) [rad/s], with engine orders.
+
+    crossings: pairs of a spin [rad/s] and a frequency [Hz], which are marked.
+    """
+    figure, (axes,) = panels(1)
+    figure.set_size_inches(WIDTH, 2.0 * PANEL_HEIGHT)
+    turns = spins / (2.0 * np.pi)
+    with style():
+        highest = max(float(np.nanmax(line.frequencies)) for line in lines)
+        named: set[str] = set()
+        for line in lines:
+            label = line.whirl if line.whirl not in named else None
+            label = {"none": "no whirl"}.get(line.whirl, line.whirl) if label else None
+            named.add(line.whirl)
+            color = COLORS[list(MARKS).index(line.whirl)]
+            axes.plot(turns, line.frequencies, MARKS[line.whirl], color=color, label=label)
+        for order in orders:
+            axes.plot(turns, order * turns, color="0.6", linewidth=0.8)
+            end = min(turns[-1], 1.05 * highest / order)
+            axes.annotate(f"{order:g}x", (end, order * end), color="0.4", fontsize=8)
+        for spin, frequency in crossings:
+            axes.plot(spin / (2.0 * np.pi), frequency, "o", color="0.2", markersize=4)
+        axes.set_ylim(0.0, 1.08 * highest)
+        axes.set_xlabel("spin [turns per second]")
+        axes.set_ylabel("frequency [Hz]")
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        entitle(figure, title)
+    return figure
+
+
+@dataclass(frozen=True, eq=False)
+class ModeShape:
+    """A mode of a mechanism: its title, and of each body points (p, 3), motion (p, 3) and edges."""
+
+    title: str
+    bodies: Sequence[tuple[Array, Any, NDArray[np.int64]]]
+
+
+def draw_shapes(shapes: Sequence[ModeShape], title: str = "") -> Figure:
+    """Two modes a row: the mechanism as it is in gray, and moved by each mode."""
+    figure, axes = panels(-(-len(shapes) // 2), 2, share_time=False)
+    camera = _camera()
+    with style():
+        for axis, shape in zip(axes, shapes, strict=False):
+            _draw_shape(axis, shape, camera)
+        for axis in axes[len(shapes) :]:
+            axis.set_axis_off()
+        entitle(figure, title)
+    return figure
+
+
+def _draw_shape(axes: Axes, shape: ModeShape, camera: Array) -> None:
+    points = np.vstack([body[0] for body in shape.bodies])
+    motion = np.vstack([body[1] for body in shape.bodies])
+    size = float(np.linalg.norm(np.ptp(points, axis=0))) or 1.0
+    largest = motion.ravel()[np.argmax(np.abs(motion))]
+    factor = SWING * size / largest if abs(largest) > 0.0 else 0.0
+    for still, moved, edges in shape.bodies:
+        for where, color, width in (
+            (still, "0.75", 0.8),
+            (still + (factor * moved).real, COLORS[0], 1.3),
+        ):
+            flat = where @ camera.T
+            axes.add_collection(LineCollection(list(flat[edges]), colors=color, linewidths=width))
+            if not len(edges):
+                axes.plot(*flat.T, "o", color=color, markersize=3)
+    whole = np.vstack([points, points + (factor * motion).real, points - (factor * motion).real])
+    flat = whole @ camera.T
+    axes.update_datalim(flat)
+    axes.autoscale_view()
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_axis_off()
+    axes.set_title(shape.title, parse_math=False)
+
+
+def _camera() -> Array:
+    """Right and up, across the line of sight (2, 3)."""
+    toward = EYE / np.linalg.norm(EYE)
+    right = np.cross([0.0, 0.0, 1.0], toward)
+    right /= np.linalg.norm(right)
+    return np.array([right, np.cross(toward, right)])
