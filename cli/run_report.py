@@ -34,6 +34,7 @@ def report(results: Results) -> Iterator[str]:
     if solver["truncation"] > 0.0:
         error = solver["truncation"]
         yield f"impulse responses are cut off: error of displacements {error:.1g} of static ones"
+    yield from str(solver.get("drift", "")).splitlines()
     recorded = results.recorded
     if "energy" in recorded:
         yield _energy_balance(results.energy)

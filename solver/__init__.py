@@ -48,7 +48,7 @@ from .model.impact import ForceTable, Impact
 from .model.joints import Joint
 from .model.loads import Load, PatternLoad
 from .model.model import Model
-from .model.motions import PrescribedDisplacement, PrescribedRotation
+from .model.motions import PrescribedDisplacement, PrescribedOrientation, PrescribedRotation
 from .model.motors import Motor
 from .model.noise import Noise, ShapedNoise
 from .model.output_request import OutputRequest
@@ -115,6 +115,7 @@ __all__ = [
     "Place",
     "Polynomial",
     "PrescribedDisplacement",
+    "PrescribedOrientation",
     "PrescribedRotation",
     "Product",
     "Pulse",

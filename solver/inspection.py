@@ -18,6 +18,7 @@ from .model.contacts import Contact
 from .model.model import Coupling, Model
 from .model.stops import JointStop
 from .output.columns import requested
+from .output.inputs import drifts, signal_warnings
 from .output.size import check_memory, file_bytes, lack_of_disk
 from .output.writer import check_output, contents_of, make_writer, rows_of
 from .plausibility import doubts
@@ -45,7 +46,9 @@ class ModelCheck:
     damping: frequencies and ratios of the first of them, none where nothing damps them;
     free_frequencies: the first of each superelement alone [Hz], by body; second_order: of each
     flexible body, the number of its coordinates, "off" or "none"; contacts: a line for each
-    contact and stop, with its gap at the start; motors: a line for each; seconds: of the time loop;
+    contact and stop, with its gap at the start; drifts: a line for each coordinate that is driven
+    by its velocity or acceleration, where it ends; motors: a line for each; seconds: of the time
+    loop;
     memory: of the arrays of the run, results_size: of the results [bytes], with so many rows.
     """
 
@@ -65,6 +68,7 @@ class ModelCheck:
     rows: int
     results_size: int
     contacts: tuple[str, ...] = ()
+    drifts: tuple[str, ...] = ()
     damping: tuple[DampedMotion, ...] = ()
     motors: tuple[str, ...] = ()
     warnings: tuple[str, ...] = field(default=())
@@ -86,6 +90,7 @@ class ModelCheck:
         if self.damping:
             yield f"damping, about the start: {damping_in_words(self.damping)}"
         yield from self.contacts
+        yield from self.drifts
         yield from self.motors
         yield f"to expect: about {self.seconds:.2g} s, {_megabytes(self.memory)} of memory"
         yield f"results: {self.rows} rows, {_megabytes(self.results_size)}"
@@ -138,9 +143,11 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
         rows=rows,
         results_size=file_bytes(contents, rows),
         contacts=tuple(_contacts(initial)),
+        drifts=tuple(map(str, drifts(lowered, lowered.h * lowered.n_steps))),
         motors=tuple(_motors(initial)),
         warnings=(
             *initial.warnings,
+            *signal_warnings(lowered),
             *_warnings(frequencies, free, lowered.longest_step),
             *_fast_servos(initial),
             *_lacks(path, contents, rows),

@@ -7,11 +7,15 @@ follows from the state alone, so that a run goes on from any of them to the bit.
 docs/theory.md, Two step sizes.
 """
 
+from collections.abc import Sequence
+from itertools import pairwise
+
 import numpy as np
 
+from .arrays import Array
 from .checkpoint.carried import Snapshot, carried
 from .lower.lower import LoweredModel
-from .model.signals import corners_of
+from .model.signals import Signal, corners_of, jumps_of
 from .start.initial import modes_of
 from .step.contacts import approaches
 from .step.loop import OTHER_SIZE, advance
@@ -19,6 +23,8 @@ from .step.system import Inputs, Output, Run, State, System, Workspace
 
 FEWEST = 16
 """steps for which inputs are made at once"""
+RESOLVED = 8
+"""long steps between two corners of a load, from which on they may be taken there"""
 ROUNDING = 1e-9
 """of a number of steps"""
 
@@ -39,7 +45,8 @@ class Phases:
         sampled = [*lowered.load_signals, *lowered.motor_signals]
         jumps = {time for signal in sampled for time in corners_of(signal)}
         self._jumps = np.array(sorted(jumps), dtype=np.float64) / lowered.h
-        """of loads and motors, in short steps"""
+        """corners of loads and motors, in short steps"""
+        self._pulses = _pulses(sampled, lowered)
 
     def begin(self, n: int) -> tuple[int, int]:
         """The size of the next steps, in short ones, and how many to take before `n` have passed.
@@ -81,6 +88,9 @@ class Phases:
         lowered = self._lowered
         if step % lowered.ratio or step == self._refused:
             return 0
+        starts, ends = self._pulses
+        if ((starts - 1.0 < step) & (step < ends + 1.0)).any():
+            return 0
         h, couplings = lowered.longest_step, lowered.system.couplings
         if approaches(couplings, h, self._state, self._work):
             return 0
@@ -89,6 +99,20 @@ class Phases:
         if not len(ahead):
             return lowered.n_steps
         return int(max((ahead[0] - 1.0 - step) / lowered.ratio + ROUNDING, 0.0))
+
+
+def _pulses(sampled: Sequence[Signal], lowered: LoweredModel) -> Array:
+    """Between which corners of profiles loads change too fast for long steps (2, n).
+
+    In short steps.
+    """
+    spans = []
+    for signal in sampled:
+        corners = sorted(corners_of(signal))
+        if len(corners) > len(jumps_of(signal)):
+            spans += list(pairwise(corners))
+    near = [(a, b) for a, b in spans if b - a < RESOLVED * lowered.longest_step]
+    return np.array(near, dtype=np.float64).reshape(-1, 2).T / lowered.h
 
 
 def change_step(lowered: LoweredModel, state: State, work: Workspace, in_flight: int) -> None:

@@ -182,7 +182,7 @@ def _angles(model: Model) -> Iterator[tuple[str, float]]:
     for joint in model.joints:
         yield from _angles_of_joint(joint)
     for motion in model.motions:
-        if isinstance(motion, PrescribedRotation):
+        if isinstance(motion, PrescribedRotation) and motion.angle is not None:
             yield from _angles_of_signal(f"motions.{motion.name}.angle", motion.angle)
     for stop in model.stops:
         kind = next(joint.kind for joint in model.joints if joint.name == stop.joint)

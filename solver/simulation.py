@@ -28,9 +28,11 @@ from .errors import (
 from .history.dyadic import DyadicConvolution
 from .lower.allocation import allocate
 from .lower.lower import LoweredModel, lower
+from .model.drives import drive_values
 from .model.model import Model
 from .model.settings import Settings
 from .output.columns import requested
+from .output.inputs import signal_warnings
 from .output.keeper import (
     FileKeeper,
     NoKeeper,
@@ -113,7 +115,7 @@ def _run(model: Model, output: Path | None, progress: bool, steps: int | None = 
         initial = initialize(model, lowered, source)
         total = initial.lowered.n_steps if steps is None else steps
         check_range(initial.lowered, initial.state, 0)
-        _warn(initial.warnings, stacklevel=4)
+        _warn((*initial.warnings, *signal_warnings(initial.lowered)), stacklevel=4)
         writer = make_writer(output, initial, total)
         forget_checkpoint(writer)
     course = Course(initial.lowered, initial.state, initial.work, initial.removed, writer, total)
@@ -267,7 +269,7 @@ def signals(lowered: LoweredModel, first: int, rows: Index, stride: int = 1) -> 
     n = len(rows)
     t = lowered.h * np.arange(first, first + stride * n, stride, dtype=np.float64)
     load = [_bearable(signal.samples(t, lowered.h)) for signal in lowered.load_signals]
-    drive = [np.array([signal(t_n) for t_n in t.tolist()]) for signal in lowered.drives]
+    drive = [drive_values(signal, t) for signal in lowered.drives]
     motor = [_bearable(signal.samples(t, lowered.h)) for signal in lowered.motor_signals]
     return Inputs(
         load=_columns(load, n),

@@ -66,8 +66,9 @@ class Simulation:
             files = results.superelement_files
             made_from = {body: file.digest for body, file in files.items()}
             finished = bool(results.solver["finished"])
-            is_same = (results.model, made_from) == (case.text, _superelements(case))
-            return finished and is_same and not _has_newer_columns(case)
+            if not finished or results.solver.get("records", "") != _records(case):
+                return False
+            return (results.model, made_from) == (case.text, _superelements(case))
         except (ResultsError, OSError, KeyError):  # missing, damaged, or of another version
             return False
 
@@ -89,8 +90,7 @@ def _superelements(case: Case) -> dict[str, str]:
     return {key.split(".")[1]: digest(case.folder / path) for key, path in named}
 
 
-def _has_newer_columns(case: Case) -> bool:
-    """Whether a file of recorded signals has changed since the results were written."""
-    made = case.target.stat().st_mtime_ns
-    files = [case.folder / path for _, path in matching(case.document, [RECORDED])]
-    return any(file.stat().st_mtime_ns > made for file in files)
+def _records(case: Case) -> str:
+    """The digests of the files of recorded signals, as the notes of a run keep them."""
+    named = {digest(case.folder / path) for _, path in matching(case.document, [RECORDED])}
+    return " ".join(sorted(named))

@@ -8,10 +8,10 @@ from ..errors import ModelError
 from ..model.contacts import Contact
 from ..model.joints import Joint
 from ..model.model import GROUND, Coupling, Model
-from ..model.motions import PrescribedDisplacement, PrescribedRotation
+from ..model.motions import PrescribedMotion
 from ..step.rows import measures_length
 from .numbering import NumberedFrames, side_names
-from .rows import Row
+from .rows import Row, joint_drives
 
 ASSEMBLY_TOLERANCE = 1e-3
 """largest opening of a joint, relative to the size of the model, that is closed unasked"""
@@ -29,8 +29,9 @@ def check_assembled(model: Model, size: float, frames: NumberedFrames) -> None:
         gap = sides.gap(joint.basis(sides.pose_a.R))
         opening = [gap[k] for k in joint.kind.translations]
         start = ""
-        if joint.distance is not None and "distance" not in joint.drawn:
-            distance = joint.distance(0.0)
+        drive = joint_drives(joint, sides).get("distance")
+        if drive is not None and "distance" not in joint.drawn:
+            distance = drive(0.0)
             drawn = np.linalg.norm(gap) if joint.kind.own == "rod" else gap[2]
             opening.append(float(drawn) - distance)
             start = f", the distance starts at {distance:.6g}"
@@ -87,6 +88,6 @@ def check_moments(model: Model, frames: NumberedFrames, rows: Mapping[str, Seque
 
 def _described(coupling: Coupling) -> str:
     """A coupling as messages name it, with its type if it has one."""
-    if isinstance(coupling, PrescribedDisplacement | PrescribedRotation | Contact):
+    if isinstance(coupling, PrescribedMotion | Contact):
         return coupling.owner
     return f"{coupling.owner} ({coupling.type})"

@@ -11,10 +11,12 @@ from ..model.attitude import Attitude as Rotations
 from ..model.contacts import Contact
 from ..model.couplers import JointCoupler
 from ..model.curves import Constant
+from ..model.drives import IntegratedDrive
 from ..model.joints import ABOUT_E3, NO_ROTATION, TURN, Joint, basis_about, bent
 from ..model.model import Coupling
-from ..model.motions import PrescribedDisplacement, PrescribedMotion
+from ..model.motions import PrescribedDisplacement, PrescribedMotion, PrescribedOrientation
 from ..model.motors import JointMotor, Motor
+from ..model.orientations import OrientationDrive
 from ..model.signals import SmoothSignal
 from ..model.springs import Spring
 from ..model.stops import JointStop
@@ -136,8 +138,9 @@ def joint_rows(joint: Joint, sides: Sides) -> list[Row]:
     """
     kind, rotations = joint.kind, joint.kind.rotations
     basis = joint.basis(sides.pose_a.R)
+    drives = joint_drives(joint, sides)
     in_a, in_b = _carried(joint, basis, sides)
-    driven = bool(joint.drives) or joint.attitude is not None
+    driven = bool(drives) or joint.attitude is not None
     turned = sides.fixed_a and not (driven or kind.sided or kind.own)
     if turned:
         sides, rotations = sides.swapped(), tuple((j, i) for i, j in rotations)
@@ -149,11 +152,12 @@ def joint_rows(joint: Joint, sides: Sides) -> list[Row]:
         weights = normal_weights(joint, joint.friction)
         rows = [replace(row, normal=n) for row, n in zip(rows, weights, strict=True)]
     rows += _own_rows(joint, sides, in_a, in_b)
-    if joint.distance is not None and kind.own != "rod":
+    if "distance" in drives and kind.own != "rod":
         row = joint_observers(joint, sides)["distance"]
-        rows.append(replace(row, drive=joint.distance, drawn=joint.drawn.get("distance")))
-    if joint.angle is not None and joint.type != "universal":
-        rows.append(_driven_angle(A, B, in_a, in_b, joint.angle, joint.drawn.get("angle")))
+        rows.append(replace(row, drive=drives["distance"], drawn=joint.drawn.get("distance")))
+    if "angle" in drives and joint.type != "universal":
+        drawn = joint.drawn.get("angle")
+        rows.append(_driven_angle(A, B, in_a, in_b, drives["angle"], drawn))
     if joint.type == "universal":
         rows += _driven_angles(joint, sides)
     if joint.attitude is not None:
@@ -163,6 +167,17 @@ def joint_rows(joint: Joint, sides: Sides) -> list[Row]:
     elif joint.friction is not None:
         rows.append(Row(Translation.number, A, B, in_a[:, 2], rubs=True))
     return [replace(row, swapped=turned) if turned else row for row in rows]
+
+
+def joint_drives(joint: Joint, sides: Sides) -> dict[str, SmoothSignal]:
+    """The signals of driven coordinates; a distance that is integrated starts where it is."""
+    drives = joint.drives
+    distance = drives.get("distance")
+    if isinstance(distance, IntegratedDrive) and "distance" not in joint.drawn:
+        gap = sides.gap(joint.basis(sides.pose_a.R))
+        placed = float(np.linalg.norm(gap) if joint.kind.own == "rod" else gap[2])
+        drives["distance"] = distance.starting_at(placed)
+    return drives
 
 
 def _carried(joint: Joint, basis: Array, sides: Sides) -> tuple[Array, Array]:
@@ -181,8 +196,8 @@ def _own_rows(joint: Joint, sides: Sides, in_a: Array, in_b: Array) -> list[Row]
     A, B, own = sides.frame_a, sides.frame_b, joint.kind.own
     if own == "rod":
         length = _length(joint, sides)
-        if joint.distance is not None:
-            return [Row(Distance.number, A, B, drive=joint.distance, start=length)]
+        if drive := joint_drives(joint, sides).get("distance"):
+            return [Row(Distance.number, A, B, drive=drive, start=length)]
         return [Row(Distance.number, A, B, zero=length)]
     if own == "screw":
         rows = joint_observers(joint, sides)
@@ -296,12 +311,32 @@ def motion_rows(motion: PrescribedMotion, sides: Sides) -> list[Row]:
                 A,
                 B,
                 sides.pose_a.R.T @ motion.direction,
-                drive=motion.displacement,
+                drive=motion.drive,
             )
         ]
+    if isinstance(motion, PrescribedOrientation):
+        return _oriented(motion, sides)
     in_a, in_b = sides.carried(basis_about(motion.axis, sides.pose_a.R))
     rows = [Row(Rotation.number, A, B, in_a[:, i], b=in_b[:, j]) for i, j in ABOUT_E3]
-    return [*rows, _driven_angle(A, B, in_a, in_b, motion.angle)]
+    return [*rows, _driven_angle(A, B, in_a, in_b, motion.drive)]
+
+
+def _oriented(motion: PrescribedOrientation, sides: Sides) -> list[Row]:
+    """The rows of an orientation, see solver/model/orientations.py."""
+    in_a, in_b = sides.carried(np.eye(3))
+    A, B, angles = sides.frame_a, sides.frame_b, motion.drives
+    return [
+        Row(
+            Rotation.number,
+            A,
+            B,
+            in_a[:, (j + 1) % 3],
+            -in_a[:, j],
+            in_b[:, j],
+            drive=OrientationDrive(angles, j, motion.owner),
+        )
+        for j in (1, 2, 0)
+    ]
 
 
 def spring_rows(spring: Spring, sides: Sides) -> list[Row]:

@@ -27,7 +27,8 @@ _I, _J, _K = np.eye(3)
 
 def _three_signals(value: Any) -> tuple[SmoothSignal, SmoothSignal, SmoothSignal]:
     first, second, third = value
-    if not all(is_smooth(signal) for signal in (first, second, third)):
+    signals = (first, second, third)
+    if not all(map(is_smooth, signals)):
         raise TypeError
     return first, second, third
 

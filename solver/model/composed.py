@@ -39,10 +39,17 @@ if TYPE_CHECKING:
         def __get__(self, owner: Any, kind: Any = None) -> tuple[Signal, ...]: ...
         def __set__(self, owner: Any, value: Iterable[Signal]) -> None: ...
 
+    class OptionalParts:
+        """Signals, or none; a tuple."""
+
+        def __get__(self, owner: Any, kind: Any = None) -> tuple[Signal, ...] | None: ...
+        def __set__(self, owner: Any, value: Iterable[Signal] | None) -> None: ...
+
 else:
     Parts = Annotated[
         tuple[Signal, ...], Members(SIGNALS), Takes("a list of signals", _signals, Any)
     ]
+    OptionalParts = Parts | None
 
 
 class _Composed:

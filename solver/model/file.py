@@ -5,7 +5,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any
 
 import tomli_w
 from pydantic import Field, create_model, model_validator
@@ -31,7 +31,7 @@ from .couplers import Coupler
 from .joints import Joint
 from .loads import AnyLoad, Load, PatternLoad
 from .model import Model
-from .motions import PrescribedMotion
+from .motions import PrescribedDisplacement, PrescribedOrientation, PrescribedRotation
 from .motors import Motor
 from .output_request import OutputRequest
 from .settings import Settings, StartFrom
@@ -43,7 +43,7 @@ SHORT_ARRAY = re.compile(r"\[\n((?:[^\[\]\n]*,\n)+) *\]")
 LONG = 80
 LISTS = ("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers")
 """the arrays of tables, in the order in which they are written"""
-MOTIONS: tuple[type[Entry], ...] = get_args(PrescribedMotion)
+MOTIONS = PrescribedDisplacement, PrescribedRotation, PrescribedOrientation
 
 
 class _Body(Table):
@@ -206,18 +206,17 @@ def _motion(values: dict[str, Any]) -> Any:
     """A motion of the kind that has these keys."""
     values = {"name": ""} | values
     for kind in MOTIONS:
-        if values.keys() == keys_of(kind).keys():
+        known = keys_of(kind)
+        needed = {key for key, (_, default) in known.items() if default is ...}
+        driven = any(key in values for key in kind.keys)
+        if driven and needed <= values.keys() <= known.keys():
             return entry_of(kind, values)
-    choices = [" and ".join(_distinctive(keys_of(kind))) for kind in MOTIONS]
-    present = " and ".join(_distinctive(values)) or "none"
+    present = " and ".join(key for key in values if key not in ("name", "on", "start")) or "none"
     raise ModelError(
-        f"{filled(MOTIONS[0].label, values)}: expected {', or '.join(choices)}, found {present}"
+        f"{filled(MOTIONS[0].label, values)}: expected direction and displacement, or axis and "
+        f"angle, found {present}; or angles of three signals; instead of displacement, angle or "
+        "angles their velocity or acceleration"
     )
-
-
-def _distinctive(keys: Mapping[str, Any]) -> list[str]:
-    """The keys that tell motions apart."""
-    return [key for key in keys if key not in ("name", "on")]
 
 
 def _document(model: Model, folder: Path) -> dict[str, Any]:

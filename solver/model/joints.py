@@ -26,8 +26,9 @@ from ..schema.entry import Entry, entry, one_of
 from ..schema.values import ABSENT, Name, NotZero, NumbersByName, OptionalDirection, Pair
 from .attitude import Attitude, Attitudes
 from .curves import Input
+from .drives import ANGULAR, LINEAR, DriveKeys, IntegratedDrive, drive_of
 from .friction import JointFriction
-from .signals import DrivingSignal, SmoothSignal, is_any
+from .signals import AnySignal, DrivingSignal, SmoothSignal, is_any
 
 
 @dataclass(frozen=True)
@@ -125,6 +126,8 @@ JOINT_TYPES = {
     ),
 }
 
+DRIVES = {"angle": DriveKeys("angle", *ANGULAR), "distance": DriveKeys("distance", *LINEAR)}
+"""coordinates that joints may drive, with the keys that do so"""
 FRICTION_COORDINATES = {"revolute": "angle", "prismatic": "distance"}
 """joints that have friction, on these coordinates"""
 
@@ -138,9 +141,12 @@ class Joint(Entry):
     normal of a planar one, the axis fixed in the first frame of a universal joint, whose
     `second_axis` is fixed in the second. A planar joint slides along the x axis of its first frame,
     projected on the plane (its y axis where x is within 26 degrees of the normal), and across it.
-    `angle` [rad] and `distance` [m] drive a joint; the start is at angle(0). `start` gives free
-    coordinates or their rates values at t = 0 other than those of the starts of the bodies: angle,
-    angle_rate, distance, ... `friction` of a revolute or prismatic joint. `second_angle` [rad]
+    `angle` [rad] and `distance` [m] drive a joint; the start is at angle(0). So do their integrands
+    `angular_velocity` or `angular_acceleration`, and `velocity` or `acceleration`; the coordinate
+    then starts where the bodies are placed. `start` gives free coordinates or their rates values
+    at t = 0 other than those of the starts of the bodies: angle, angle_rate, distance, ...; and to
+    a coordinate that is driven by its acceleration its rate. `friction` of a revolute or prismatic
+    joint. `second_angle` [rad]
     drives a universal joint with or without `angle`; a spherical one follows three signals,
     `rotation_vector` or `cardan_angles` (attitude.py). `drawn` [rad, m]: what coordinates are where
     the bodies are placed, from which they are measured; angles are 0 there, and driven ones at
@@ -166,6 +172,10 @@ class Joint(Entry):
     cardan_angles: Attitudes = None
     drawn: NumbersByName = field(default_factory=dict)
     lead: NotZero | None = None
+    velocity: AnySignal | None = None
+    acceleration: AnySignal | None = None
+    angular_velocity: AnySignal | None = None
+    angular_acceleration: AnySignal | None = None
 
     @property
     def kind(self) -> JointType:
@@ -174,8 +184,14 @@ class Joint(Entry):
     @property
     def drives(self) -> dict[str, SmoothSignal]:
         """The signals of the coordinates that follow one."""
-        names = ("angle", "distance", "second_angle")
-        return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
+        signals = {name: drive_of(self, keys) for name, keys in DRIVES.items()}
+        drives = {name: signal for name, signal in signals.items() if signal is not None}
+        for name, drive in drives.items():
+            if isinstance(drive, IntegratedDrive) and name in self.drawn:
+                drives[name] = drive.starting_at(self.drawn[name])
+        if self.second_angle is not None:
+            drives["second_angle"] = self.second_angle
+        return drives
 
     @property
     def attitude(self) -> Attitude | None:
@@ -227,7 +243,9 @@ class Joint(Entry):
         for name in given:
             if name not in self.kind.drives:
                 takes = " and ".join(self.kind.drives) or "nothing"
-                raise self.error(f"a {self.type} joint is driven by {takes}, got {name}")
+                keys = DRIVES.get(name, (name,))
+                key = next(key for key in keys if getattr(self, key) is not None)
+                raise self.error(f"a {self.type} joint is driven by {takes}, got {key}")
         for key in attitudes:
             if any(is_any(signal, Input) for signal in getattr(self, key) or ()):
                 raise self.error(f"{key}: takes no input of a Simulator: prescribe it beforehand")
@@ -252,7 +270,9 @@ class Joint(Entry):
         if name not in known:
             takes = ", ".join(known) or "nothing"
             raise self.error(f"start: a {self.type} joint takes {takes}, got {name!r}")
-        if name.removesuffix("_rate") in self.drives:
+        drive = self.drives.get(name.removesuffix("_rate"))
+        by_acceleration = isinstance(drive, IntegratedDrive) and drive.order == 2
+        if drive is not None and not (by_acceleration and name.endswith("_rate")):
             raise self.error(f"start: {name} is driven")
 
     def basis(self, D: Array) -> Array:

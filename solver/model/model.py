@@ -230,7 +230,8 @@ class Model(Entry):
                     )
         for joint in self.joints:
             for key, value in joint.start.items():
-                if key.endswith("_rate") and value != 0.0:
+                driven = key.removesuffix("_rate") in joint.drives
+                if key.endswith("_rate") and value != 0.0 and not driven:
                     raise joint.error(
                         f"start: {key}: start = 'equilibrium' takes no rates but "
                         f"steady_rotation, got {value}"

@@ -1,9 +1,16 @@
 """Prescribed motions of a frame: a displacement or a rotation that follows a signal."""
 
+from collections.abc import Mapping
+from dataclasses import field
+from typing import Any, ClassVar
+
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
-from ..schema.values import Direction, Name
-from .signals import DrivingSignal, SmoothSignal
+from ..schema.values import ABSENT, Direction, Name, NumbersByName
+from .composed import OptionalParts
+from .curves import Input
+from .drives import ANGULAR, LINEAR, DriveKeys, IntegratedDrive, drive_of, given_drive, refusal
+from .signals import AnySignal, DrivingSignal, SmoothSignal, is_any, is_smooth
 
 ROUNDING = 1e-12
 """value at t = 0, relative to those at some later times, that counts as none"""
@@ -18,18 +25,28 @@ class PrescribedDisplacement(Entry):
         direction . (r(t) - r(0)) = displacement(t) [m],    displacement(0) = 0
 
     for the origin r of the frame `on`. One constraint: the frame moves freely across `direction`
-    (3,), in space. Three of them make up a path.
+    (3,), in space. Three of them make up a path. Instead of the displacement its `velocity` or its
+    `acceleration` may be given; start: {"displacement_rate": ...} with the latter.
     """
 
     label = "motion {name!r}"
+    keys: ClassVar[DriveKeys] = DriveKeys("displacement", *LINEAR)
+    unit: ClassVar[str] = "m"
 
     name: Name
     on: str
     direction: Direction
-    displacement: DrivingSignal
+    displacement: DrivingSignal | None = None
+    velocity: AnySignal | None = None
+    acceleration: AnySignal | None = None
+    start: NumbersByName = field(default_factory=dict)
 
     def validate(self) -> None:
-        _check_from_rest(f"{self.owner}: displacement", self.displacement)
+        _check(self)
+
+    @property
+    def drive(self) -> SmoothSignal:
+        return _drive(self)
 
 
 @entry()
@@ -39,21 +56,99 @@ class PrescribedRotation(Entry):
         D(t) = exp(angle(t) axis~) D(0),    angle(0) = 0 [rad]
 
     for the axes D of the frame `on`, in space. Three constraints: the whole orientation is
-    prescribed, and `axis` (3,), in space, keeps its direction.
+    prescribed, and `axis` (3,), in space, keeps its direction. Instead of the angle its
+    `angular_velocity` or its `angular_acceleration` may be given; start: {"angle_rate": ...} with
+    the latter.
     """
 
     label = "motion {name!r}"
+    keys: ClassVar[DriveKeys] = DriveKeys("angle", *ANGULAR)
+    unit: ClassVar[str] = "rad"
 
     name: Name
     on: str
     axis: Direction
-    angle: DrivingSignal
+    angle: DrivingSignal | None = None
+    angular_velocity: AnySignal | None = None
+    angular_acceleration: AnySignal | None = None
+    start: NumbersByName = field(default_factory=dict)
 
     def validate(self) -> None:
-        _check_from_rest(f"{self.owner}: angle", self.angle)
+        _check(self)
+
+    @property
+    def drive(self) -> SmoothSignal:
+        return _drive(self)
 
 
-PrescribedMotion = PrescribedDisplacement | PrescribedRotation
+@entry()
+class PrescribedOrientation(Entry):
+    """Rotations about all three axes of space that follow signals, each of up to 1 rad.
+
+        D(t) = R_z(angles[2]) R_y(angles[1]) R_x(angles[0]) D(0),    angles(0) = 0 [rad]
+
+    for the axes D of the frame `on`. Three constraints. Instead of the three angles their rates,
+    `angular_velocities`, or those of the rates, `angular_accelerations`, may be given; for small
+    angles they are those of the frame about x, y and z.
+    """
+
+    label = "motion {name!r}"
+    keys: ClassVar[DriveKeys] = DriveKeys("angles", "angular_velocities", "angular_accelerations")
+
+    name: Name
+    on: str
+    angles: OptionalParts = ABSENT
+    angular_velocities: OptionalParts = ABSENT
+    angular_accelerations: OptionalParts = ABSENT
+    start: ClassVar[Mapping[str, float]] = {}
+
+    def validate(self) -> None:
+        for name, angle in zip("xyz", self.drives, strict=True):
+            if not isinstance(angle, IntegratedDrive):
+                _check_from_rest(f"{self.owner}: angles: {name}", angle)
+
+    @property
+    def drives(self) -> tuple[SmoothSignal, SmoothSignal, SmoothSignal]:
+        """The angles about x, y and z."""
+        key, signals = given_drive(self, self.keys)
+        if not signals or len(signals) != 3:
+            found = f"{len(signals)} {key}" if signals else "none"
+            raise self.error(f"expected three signals, {', '.join(self.keys)}, found {found}")
+        x, y, z = (self._angle(key, signal) for signal in signals)
+        return x, y, z
+
+    def _angle(self, key: str, signal: Any) -> SmoothSignal:
+        order = self.keys.index(key)
+        reason = refusal(signal, order) if order else ""
+        if order == 0 and is_any(signal, Input):
+            reason = "an input has no place among them: drive joints in a row by it"
+        elif order == 0 and not is_smooth(signal):
+            reason = f"expected smooth signals, found {type(signal).__name__.lower()}"
+        if reason:
+            raise self.error(f"{key}: {reason}")
+        drive: SmoothSignal = IntegratedDrive(signal, order) if order else signal
+        return drive
+
+
+PrescribedMotion = PrescribedDisplacement | PrescribedRotation | PrescribedOrientation
+
+
+def _drive(motion: PrescribedDisplacement | PrescribedRotation) -> SmoothSignal:
+    drive = drive_of(motion, motion.keys)
+    if drive is None:
+        raise motion.error(f"expected one of {', '.join(motion.keys)}, found none")
+    return drive
+
+
+def _check(motion: PrescribedDisplacement | PrescribedRotation) -> None:
+    drive, keys = _drive(motion), motion.keys
+    if not isinstance(drive, IntegratedDrive):
+        _check_from_rest(f"{motion.owner}: {keys.coordinate}", drive)
+    takes = (keys.rate,) if isinstance(drive, IntegratedDrive) and drive.order == 2 else ()
+    for name in motion.start:
+        if name not in takes:
+            known = f"takes {keys.rate} with {keys.acceleration} alone"
+            raise motion.error(f"start: {known}, got {name!r}")
 
 
 def _check_from_rest(name: str, signal: SmoothSignal) -> None:

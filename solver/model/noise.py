@@ -1,6 +1,6 @@
 """Band-limited noise of a given power spectral density."""
 
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -43,7 +43,15 @@ Spectrum = Annotated[
 ]
 
 
-class _Lines(Pointwise):
+class Lines(NamedTuple):
+    """Amplitudes, angular frequencies [rad/s] and phases [rad] of sines (n,)."""
+
+    amplitude: Array
+    omega: Array
+    phase: Array
+
+
+class _Noise(Pointwise):
     """A sum of harmonics at the multiples of 1 / period within a band, of random phases.
 
         f(t) = sum_k sqrt(2 S_k) cos(2 pi k t / period + phi_k)
@@ -54,6 +62,7 @@ class _Lines(Pointwise):
 
     period: float
     seed: int
+    lines: Lines
 
     def _cumulative(self, f: Array) -> Array:
         """The integral of the density from the lower end of the band to f [Hz]."""
@@ -79,14 +88,19 @@ class _Lines(Pointwise):
         # the bits of a PCG64 are the same in all versions of numpy, its distributions are not
         bits = np.random.PCG64(self.seed).random_raw(len(lines))[kept]
         phases = 2.0 * np.pi * (bits >> np.uint64(11)).astype(np.float64) * 2.0**-53
-        object.__setattr__(self, "_amplitudes", np.sqrt(2.0 * squares[kept]))
-        object.__setattr__(self, "_omegas", 2.0 * np.pi * lines[kept] / self.period)
-        object.__setattr__(self, "_phases", phases + 0.5 * np.pi)
+        omegas = 2.0 * np.pi * lines[kept] / self.period
+        sines = Lines(np.sqrt(2.0 * squares[kept]), omegas, phases + 0.5 * np.pi)
+        object.__setattr__(self, "lines", sines)
+
+    @property
+    def highest_frequency(self) -> float:
+        """[Hz]"""
+        return self._band()[1]
 
     @property
     def rms(self) -> float:
         """The root of the mean square."""
-        return float(np.sqrt(0.5 * (self._amplitudes**2).sum()))
+        return float(np.sqrt(0.5 * (self.lines.amplitude**2).sum()))
 
     def __call__(self, t: float) -> float:
         return float(self.values_at(np.array(t)))
@@ -95,30 +109,31 @@ class _Lines(Pointwise):
         return self.values_at(t)
 
     def values_at(self, t: Array) -> Array:
-        return self._sum(t, lambda times: (np.sin(self._omegas * times + self._phases),))[0]
+        return self._sum(t, lambda times: (np.sin(self.lines.omega * times + self.lines.phase),))[0]
 
     def derivatives(self, t: float) -> tuple[float, float]:
-        angles, omegas = self._omegas * t + self._phases, self._omegas
-        rate = (self._amplitudes * omegas * np.cos(angles)).sum()
-        return float(rate), float(-(self._amplitudes * omegas**2 * np.sin(angles)).sum())
+        amplitudes, omegas, phases = self.lines
+        angles = omegas * t + phases
+        rate = (amplitudes * omegas * np.cos(angles)).sum()
+        return float(rate), float(-(amplitudes * omegas**2 * np.sin(angles)).sum())
 
     def antiderivatives(self, t: Array) -> tuple[Array, Array]:
         once, twice = self._sum(
-            t, lambda times: harmonic_integrals(times, self._omegas, self._phases)
+            t, lambda times: harmonic_integrals(times, self.lines.omega, self.lines.phase)
         )
         return once, twice
 
     def _sum(self, t: Array, terms: Any) -> list[Array]:
         """Sums over the lines of functions of a time and a line, at times of any shape."""
-        flat, rows = t.reshape(-1, 1), max(BLOCK // len(self._omegas), 1)
+        flat, rows = t.reshape(-1, 1), max(BLOCK // max(len(self.lines.omega), 1), 1)
         blocks = [flat[k : k + rows] for k in range(0, max(len(flat), 1), rows)]
-        sums = [[(self._amplitudes * f).sum(axis=1) for f in terms(block)] for block in blocks]
+        sums = [[(self.lines.amplitude * f).sum(axis=1) for f in terms(block)] for block in blocks]
         return [np.concatenate(parts).reshape(t.shape) for parts in zip(*sums, strict=True)]
 
 
 @SIGNALS.in_files("noise")
 @entry(eq=True)
-class Noise(_Lines, Entry):
+class Noise(_Noise, Entry):
     """Noise of a constant power spectral density within a band.
 
     density: one-sided, the square of the unit per Hz; band [Hz]; period: the time after which it
@@ -134,12 +149,13 @@ class Noise(_Lines, Entry):
         return self.band
 
     def _cumulative(self, f: Array) -> Array:
-        return self.density * (f - self.band[0])
+        cumulative: Array = self.density * (f - self.band[0])
+        return cumulative
 
 
 @SIGNALS.in_files("spectrum")
 @entry(eq=True)
-class ShapedNoise(_Lines, Entry):
+class ShapedNoise(_Noise, Entry):
     """Noise of a power spectral density given at some frequencies.
 
     spectrum: pairs of a frequency [Hz] and the one-sided density there, the square of the unit per
@@ -159,7 +175,8 @@ class ShapedNoise(_Lines, Entry):
         i = np.clip(np.searchsorted(corners, f, side="right") - 1, 0, len(slopes) - 1)
         whole = densities[:-1] * _power(corners[1:], corners[:-1], slopes)
         before = np.concatenate([np.zeros(1), np.cumsum(whole)])
-        return before[i] + densities[i] * _power(f, corners[i], slopes[i])
+        cumulative: Array = before[i] + densities[i] * _power(f, corners[i], slopes[i])
+        return cumulative
 
 
 def _power(f: Array, corner: Array, slope: Array) -> Array:

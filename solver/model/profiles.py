@@ -258,6 +258,11 @@ class _Chirp(Pointwise):
     def breaks(self) -> tuple[float, ...]:
         return self.over
 
+    @property
+    def highest_frequency(self) -> float:
+        """[Hz]"""
+        return max(self.frequencies)
+
     def __call__(self, t: float) -> float:
         return float(self.values_at(np.array(t)))
 

@@ -1,14 +1,17 @@
 """Signals that were recorded: columns of text files, as of CSV."""
 
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
 
+from ...superelement import sha256
 from ..arrays import Array
 from ..errors import ModelError
 from ..schema.entry import Entry, Takes, entry
 from ..schema.paths import FilePath
+from ..schema.tables import declared
 from ..schema.values import Positive
 from .columns import column_of, number_of_column
 from .curves import Piecewise, Spline, Table
@@ -49,9 +52,12 @@ class _Recorded(Piecewise, Pointwise):
             raise ModelError(f"file: {self.file}: scale, time_scale or shift are too large")
         # kept, so that the signal stays as it was read
         object.__setattr__(self, "points", (at, scaled))
+        object.__setattr__(self, "digest", sha256(self.file))
 
     points: tuple[Array, Array]
     """times [s] and values (n,)"""
+    digest: str
+    """the SHA-256 of the file"""
 
     @cached_property
     def curve(self) -> Table | Spline:
@@ -121,3 +127,17 @@ class RecordedSpline(_Recorded, Entry):
 
     def derivatives(self, t: float) -> tuple[float, float]:
         return self.curve.derivatives(t)
+
+
+def records_of(part: Any) -> Iterator[Recorded | RecordedSpline]:
+    """The recorded signals in a model, or in a part of one."""
+    if isinstance(part, Recorded | RecordedSpline):
+        yield part
+    elif isinstance(part, Entry):
+        for field, _ in declared(type(part)):
+            yield from records_of(getattr(part, field.name))
+    elif isinstance(part, Mapping):
+        yield from records_of(tuple(part.values()))
+    elif isinstance(part, tuple):
+        for item in part:
+            yield from records_of(item)

@@ -6,18 +6,21 @@ The sum of h m_n is the area under f, to rounding, however short it is and where
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..arrays import Array
+from ..arrays import Array, Index, as_index
 from .signals import Signal, breaks_of, corners_of, values_of
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 """of Gauss' rule in each piece of half a hat, between the breaks of the signal"""
 NEAR = 8.0
 """steps about a corner within which samples are means"""
+FAR = 1000.0
+"""steps between two corners from which on values have the same area, to 1e-6"""
 
 
 def samples_of(signal: Signal, t: Array, h: float) -> Array:
-    """Values at the steps t (n,), but for those near corners, which are means."""
+    """Values at the steps t (n,), but near corners and within pulses means."""
     near = _are_near(corners_of(signal), t, h)
     samples = np.empty(len(t))
     samples[near] = means(signal, t[near], h)
@@ -25,12 +28,15 @@ def samples_of(signal: Signal, t: Array, h: float) -> Array:
     return samples
 
 
-def _are_near(corners: tuple[float, ...], t: Array, h: float) -> Array:
-    """True for the steps near a corner (n,)."""
+def _are_near(corners: tuple[float, ...], t: Array, h: float) -> NDArray[np.bool_]:
+    """True for the steps near a corner, or between two that are not far from one another (n,)."""
     ends = np.sort(np.array(corners, dtype=np.float64))
     first = np.searchsorted(ends, t - NEAR * h)
     after = np.searchsorted(ends, t + NEAR * h, side="right")
-    near: Array = after > first
+    is_short = np.append(np.diff(ends) < FAR * h, False)
+    before = np.searchsorted(ends, t, side="right") - 1
+    between = (before >= 0) & is_short[before] if len(ends) else np.zeros(len(t), dtype=bool)
+    near: NDArray[np.bool_] = (after > first) | between
     return near
 
 
@@ -47,11 +53,11 @@ def means(signal: Signal, t: Array, h: float) -> Array:
     return total / np.where(t < 0.5 * h, 0.5 * h, h)
 
 
-def _pieces(starts: Array, ends: Array, breaks: Array) -> tuple[Array, Array, Array]:
+def _pieces(starts: Array, ends: Array, breaks: Array) -> tuple[Array, Array, Index]:
     """Intervals cut at the breaks within: starts, ends, and the numbers of the intervals."""
     first = np.searchsorted(breaks, starts, side="right")
     inner = np.maximum(np.searchsorted(breaks, ends, side="left") - first, 0)
-    number = np.repeat(np.arange(len(starts)), inner + 1)
+    number = as_index(np.repeat(np.arange(len(starts)), inner + 1))
     place = np.arange(len(number)) - np.repeat(np.cumsum(inner + 1) - inner - 1, inner + 1)
     padded = np.append(breaks, np.inf)
     cut = np.minimum(first[number] + place, len(breaks))

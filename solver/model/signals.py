@@ -1,7 +1,7 @@
 """Functions of time that drive loads and joints: what they have in common.
 
 A signal is called with a time, `signal(t)`, and is sampled for the integrator at the time steps.
-About its corners, its jumps among them, the samples are its means over the hat functions of the
+About its corners, its jumps among them, the samples are means over the hat functions of the
 time grid, so that the area under a load is exact wherever they fall between two steps; elsewhere
 they are its values. The signals themselves are in curves.py, profiles.py, noise.py, recorded.py and
 composed.py.

@@ -16,10 +16,12 @@ from ..checkpoint.file import SUFFIX, StateFile
 from ..errors import ResultsError
 from ..lower.lower import LoweredModel
 from ..model.model import Model
+from ..model.recorded import records_of
 from ..model.settings import StartFrom
 from ..start.damping import damping_of
 from ..start.initial import InitialState
 from .columns import requested
+from .inputs import drifts
 from .size import check_memory
 from .validity import Judge
 
@@ -37,6 +39,8 @@ def check_output(path: Path, model: Model) -> None:
     inputs: dict[str | os.PathLike[str], str] = {model.path: "the model file"}
     for name, body in model.flexible_bodies.items():
         inputs[body.source] = f"the superelement of body {name!r}"
+    for record in records_of(model):
+        inputs[record.file] = "a record that the model follows"
     if isinstance(start := model.settings.start, StartFrom):
         run = Path(start.path)
         inputs[run] = "the run that the model starts from"
@@ -68,6 +72,7 @@ def resume_writer(path: Path, lowered: LoweredModel, state: StateFile) -> FileWr
     extent = extent_at(state.snapshot, int(state.notes["first"]), lowered)
     steps = lowered.n_steps // lowered.ratio
     notes = {"steps": steps, "truncation": _truncation(lowered), "finished": False}
+    notes |= _notes_of_signals(lowered, lowered.n_steps)
     contents, source = contents_of(lowered), lowered.model.source
     return FileWriter.resume(path, contents, notes, source, extent, state.run)
 
@@ -139,4 +144,18 @@ def _notes(initial: InitialState, steps: int) -> dict[str, Any]:
         "removed": initial.removed.names,
         "truncation": _truncation(lowered),
         "damping": damping_of(initial),
-    } | ({"contact_h": lowered.h} if lowered.flight else {})
+    } | _notes_of_signals(lowered, steps)
+
+
+def _notes_of_signals(lowered: LoweredModel, steps: int) -> dict[str, Any]:
+    """Notes that only some runs have.
+
+    drift: lines about coordinates that are driven by their velocity or acceleration; records: the
+    digests of the files of recorded signals.
+    """
+    notes = {
+        "contact_h": lowered.h if lowered.flight else None,
+        "drift": "\n".join(map(str, drifts(lowered, steps * lowered.h))),
+        "records": " ".join(sorted({record.digest for record in records_of(lowered.model)})),
+    }
+    return {name: note for name, note in notes.items() if note}

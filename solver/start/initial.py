@@ -202,11 +202,11 @@ def _moved(lowered: LoweredModel, state: State) -> float:
 
 def _targets(lowered: LoweredModel, suffix: str) -> list[Target]:
     """Joint coordinates at the start (no suffix) or their rates."""
-    starts = {joint.name: joint.start for joint in lowered.model.joints}
+    joints = {joint.name: joint for joint in lowered.model.joints}
     return [
-        Target(i, float(starts[joint][coordinate + suffix]))
+        Target(i, float(joints[joint].start[coordinate + suffix]))
         for i, (joint, coordinate) in enumerate(lowered.observers)
-        if coordinate + suffix in starts[joint]
+        if coordinate + suffix in joints[joint].start and coordinate not in joints[joint].drives
     ]
 
 

@@ -175,9 +175,27 @@ angle = {polynomial = [0, 2]}
 distance = 0
 """
 
+PUSH = """
+[simulation]
+t_end = 0.003
+step = 1e-3
+
+[bodies.hub]
+mass = 2.0
+inertia = [0.1, 0.2, 0.25]
+
+[[loads]]
+type = "force"
+on = "hub"
+direction = [0, 0, 1]
+signal = 1.0
+"""
+"""a small one, for the many forms of signals"""
+
 DOCUMENTS: dict[str, dict[str, Any]] = {
     "mechanism": tomllib.loads(MECHANISM),
     "steady": tomllib.loads(STEADY),
+    "push": tomllib.loads(PUSH),
 }
 
 SIGNALS: dict[str, dict[str, Any]] = {

@@ -30,15 +30,15 @@ NAMES = "joint '", "contact '", "joints: ", "motion '", "body '", "step "
 """of the parts that are at odds with a bad value elsewhere"""
 
 FORMS = {
-    "signal": (("mechanism", "loads", 0, "signal"), SIGNALS),
+    "signal": (("push", "loads", 0, "signal"), SIGNALS),
     "law": (("mechanism", "springs", 0, "law"), LAWS),
 }
 
 
 def keys() -> Iterator[tuple[str, Place]]:
     """Each key of each table, in the first of the documents that has the table."""
-    for name, document in DOCUMENTS.items():
-        yield from ((name, place) for place in declared(_ModelFile, document))
+    for name in ("mechanism", "steady"):
+        yield from ((name, place) for place in declared(_ModelFile, DOCUMENTS[name]))
 
 
 def keys_of_forms() -> Iterator[tuple[str, Place, dict[str, Any]]]:

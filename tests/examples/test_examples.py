@@ -138,3 +138,9 @@ def test_frequencies_of_the_cases(example):
         turned[-n * period :][:period].max() for n in (16, 1)
     )  # the first of them from 0.256 s on
     assert np.log(early / late) / (2.0 * np.pi * 15) == pytest.approx(zeta, rel=0.01)
+
+
+def test_six_axis(example, folder):
+    found = example("six_axis").main(folder)  # which checks the table, and the tip of the beam
+    assert (folder / "six-axis.png").exists()
+    assert np.abs(found.tip).max() == pytest.approx(3.551e-3, rel=1e-3)

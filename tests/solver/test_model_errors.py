@@ -163,7 +163,8 @@ MADE = {
     ),
     "a drive that jumps": (
         lambda: Joint("j", "revolute", ("a", "b"), [0, 0, 1], angle=Steps((0.0,), (1.0,))),
-        "joint 'j': angle: expected a smooth signal (constant, harmonic, polynomial, spline), "
+        "joint 'j': angle: expected a smooth signal (constant, harmonic, polynomial, spline, "
+        "smooth step, chirp, noise, or of such parts), "
         "got steps",
     ),
     "a load of an unknown type": (
@@ -459,13 +460,17 @@ FILES = {
         {"rest": "[[loads]]\ntype='force'\non='a'\ndirection=[1,0,0]\nsignal={wave = 1}"},
         "load (force) on 'a': signal: expected a number or a table with one of the keys times, "
         "amplitude, polynomial, "
-        "impulse, pulse, input, found {'wave': 1}",
+        "impulse, pulse, input, sum, "
+        "product, delay, file, smooth_step, half_sine, trapezoid, sawtooth, window, chirp, noise, "
+        "spectrum, found {'wave': 1}",
     ),
     "a signal that is nearly one": (
         {"rest": "[[loads]]\ntype='force'\non='a'\ndirection=[1,0,0]\nsignal={polynomal = [1]}"},
         "load (force) on 'a': signal: expected a number or a table with one of the keys times, "
         "amplitude, polynomial, "
-        "impulse, pulse, input, found {'polynomal': [1]}; did you mean 'polynomial'?",
+        "impulse, pulse, input, sum, "
+        "product, delay, file, smooth_step, half_sine, trapezoid, sawtooth, window, chirp, noise, "
+        "spectrum, found {'polynomal': [1]}; did you mean 'polynomial'?",
     ),
     "a key of a signal": (
         {

@@ -31,6 +31,7 @@ from duhamel.solver import (
     Place,
     Polynomial,
     PrescribedDisplacement,
+    PrescribedOrientation,
     PrescribedRotation,
     Product,
     Pulse,
@@ -122,6 +123,8 @@ def test_the_examples_come_back_as_they_were(source, random_element, with_second
     path = tmp_path / "examples" / source.name
     path.parent.mkdir()
     path.write_text(source.read_text())
+    for record in source.parent.glob("*.csv"):
+        (path.parent / record.name).write_text(record.read_text())
     needed = {}
     for body, given in document["bodies"].items():
         if "superelement" in given:
@@ -201,6 +204,10 @@ def everything(random_element, tmp_path):
     motions = (
         PrescribedDisplacement("push", "b1.f", rng.normal(size=3), Polynomial((0.0, 1.0 / 3.0))),
         PrescribedRotation("turn", "b2", [1, 2, 3], Constant(0.0)),
+        PrescribedOrientation("tilt", "b3", angular_accelerations=[Constant(1.0), *SIGNALS[1:3]]),
+        PrescribedDisplacement(
+            "go", "b4", [1, 2, 3], acceleration=recorded[0], start={"displacement_rate": 1.0 / 3.0}
+        ),
     )
     kinds = list(LOAD_KINDS)
     loads = [

@@ -401,3 +401,19 @@ def test_outputs_of_events_that_there_are_not_are_refused(study_file, output, me
     path = study_file(STUDY.replace("final angle:hub:z", output))
     with pytest.raises(StudyError, match=message):
         run(path)
+
+
+def test_a_case_follows_a_record_and_runs_again_when_that_has_changed(study_file):
+    path = study_file('model = "model/hub.toml"\n\n[parameters]\nloads.0.signal.scale = [1, 2]\n')
+    base, record = path.parent / "model/hub.toml", path.parent / "model/torque.csv"
+    signal = 'signal = {file = "torque.csv", column = 2, scale = 1}'
+    base.write_text(base.read_text().replace("signal = 8", signal))
+    record.write_text("0,8\n1,8\n")
+    ran, _ = run(path)
+    assert ran == ["case-0001", "case-0002"]
+    angles = [Results.read(path.with_suffix("") / f"{case}.h5").joint("pivot") for case in ran]
+    for scale, pivot in zip((1.0, 2.0), angles, strict=True):
+        assert pivot.angle[-1] == pytest.approx(8.0 * scale * 0.05**2 / 8.0, rel=1e-9)
+    assert run(path)[0] == []
+    record.write_text("0,4\n1,4\n")
+    assert run(path)[0] == ran

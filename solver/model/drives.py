@@ -1,0 +1,161 @@
+"""Drives: coordinates that follow a signal, or whose velocity or acceleration does.
+
+    s(t) = s_0 + v_0 t + int_0^t (t - tau) a(tau) dtau,     s(t) = s_0 + int_0^t v(tau) dtau
+
+The integrals are those of quadrature.py, exact to rounding, so that a coordinate ends where the
+signal takes it: what is left at the end of a recorded acceleration is drift, which `Drift` states.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from ..arrays import Array
+from ..errors import ModelError
+from .composed import has_slope, slope_of
+from .curves import Impulse, Input
+from .quadrature import Integrals
+from .signals import Pointwise, Signal, SmoothSignal, is_any, jumps_of, parts_of, values_of
+
+
+class DriveKeys(NamedTuple):
+    """The keys of a driven coordinate: itself, its velocity and its acceleration."""
+
+    coordinate: str
+    velocity: str
+    acceleration: str
+
+    @property
+    def rate(self) -> str:
+        """The key of the rate at the start."""
+        return f"{self.coordinate}_rate"
+
+
+LINEAR = "velocity", "acceleration"
+ANGULAR = "angular_velocity", "angular_acceleration"
+
+
+class _Driven(Protocol):
+    """A joint or a motion."""
+
+    @property
+    def start(self) -> Mapping[str, float]: ...
+
+    def error(self, message: str) -> ModelError: ...
+
+
+@dataclass(frozen=True, eq=False)
+class IntegratedDrive:
+    """A coordinate whose velocity (order 1) or acceleration (order 2) follows a signal.
+
+    start, rate: the coordinate and its rate at t = 0; by velocity the rate is that of the signal.
+    """
+
+    signal: Signal
+    order: int
+    start: float = 0.0
+    rate: float = 0.0
+
+    @cached_property
+    def _integrals(self) -> Integrals:
+        return Integrals(self.signal)
+
+    def starting_at(self, start: float) -> "IntegratedDrive":
+        return replace(self, start=start)
+
+    def values_at(self, t: Array) -> Array:
+        values: Array = self.start + self.rate * t + self._integrals(t)[self.order - 1]
+        return values
+
+    def __call__(self, t: float) -> float:
+        return float(self.values_at(np.array([t]))[0])
+
+    def samples(self, t: Array, h: float) -> Array:
+        return self.values_at(t)
+
+    def derivatives(self, t: float) -> tuple[float, float]:
+        if self.order == 1:
+            return self.signal(t), slope_of(self.signal, t)
+        return self.rate + float(self._integrals(np.array([t]))[0][0]), self.signal(t)
+
+
+def given_drive(owner: _Driven, keys: DriveKeys) -> tuple[str, Any]:
+    """The one key that is given, and its value; "" and None if none is."""
+    given = {key: getattr(owner, key) for key in keys if getattr(owner, key) is not None}
+    if len(given) > 1:
+        raise owner.error(f"expected one of {', '.join(keys)}, found {' and '.join(given)}")
+    return next(iter(given.items()), ("", None))
+
+
+def drive_of(owner: _Driven, keys: DriveKeys) -> SmoothSignal | None:
+    """The signal of a coordinate that follows one, by whichever of its keys; None if it does not.
+
+    ModelError for more than one, and for signals that have no integral.
+    """
+    key, signal = given_drive(owner, keys)
+    if signal is None:
+        return None
+    if key == keys.coordinate:
+        driving: SmoothSignal = signal
+        return driving
+    order = keys.index(key)
+    if reason := refusal(signal, order):
+        raise owner.error(f"{key}: {reason}")
+    rate = owner.start.get(keys.rate, 0.0) if order == 2 else 0.0
+    return IntegratedDrive(signal, order, rate=rate)
+
+
+def refusal(signal: Signal, order: int) -> str:
+    """Why the velocity (order 1) or acceleration (2) of a coordinate cannot follow a signal."""
+    if is_any(signal, Input):
+        return "an input is known only when its step is due: drive the coordinate itself by it"
+    if is_any(signal, Impulse):
+        return "an impulse makes the velocity jump: spread it over some time, as by half_sine"
+    if order == 1 and (jumps := jumps_of(signal)):
+        return (
+            f"expected a velocity without jumps, found one at t = {jumps[0]:.6g} s: give it a "
+            "slope, or give the acceleration"
+        )
+    if order == 1 and not has_slope(signal):
+        return f"expected a signal with derivatives, found {_name_of_rough(signal)}"
+    return ""
+
+
+def _name_of_rough(signal: Signal) -> str:
+    rough = [part for part in parts_of(signal) if not has_slope(part)]
+    return _name_of_rough(rough[0]) if rough else type(signal).__name__.lower()
+
+
+class Drift(NamedTuple):
+    """Where a coordinate that is driven by its velocity or acceleration ends."""
+
+    owner: str
+    by: str
+    time: float
+    value: float
+    rate: float
+    unit: str
+
+    def __str__(self) -> str:
+        return (
+            f"{self.owner}, driven by its {self.by}: at t = {self.time:.6g} s it has moved by "
+            f"{self.value:.4g} {self.unit} and moves at {self.rate:.4g} {self.unit}/s"
+        )
+
+
+def drift_of(drive: IntegratedDrive, owner: str, unit: str, t_end: float) -> Drift:
+    by = ("velocity", "acceleration")[drive.order - 1]
+    moved = drive(t_end) - drive.start
+    return Drift(owner, by, t_end, moved, drive.derivatives(t_end)[0], unit)
+
+
+def drive_values(drive: SmoothSignal, t: Array) -> Array:
+    """The values of a drive at the steps t (n,)."""
+    if isinstance(drive, IntegratedDrive):
+        return drive.values_at(t)
+    if hasattr(drive, "values_at") and (parts_of(drive) or not isinstance(drive, Pointwise)):
+        return values_of(drive, t)
+    return np.array([drive(time) for time in t.tolist()])
