@@ -56,7 +56,8 @@ def test_rows_are_the_same_in_however_many_writes_and_in_memory(sizes, tmp_path)
         np.testing.assert_array_equal(found[name], array, err_msg=name)
     np.testing.assert_array_equal(found["body_position"], output.body_position)
     np.testing.assert_array_equal(found["frame_moment"], output.frame_moment[:, 1:])
-    np.testing.assert_array_equal(found["spring_multiplier"], output.multiplier[:, 5:])
+    np.testing.assert_array_equal(found["spring_multiplier"], output.multiplier[:, 5:6])
+    np.testing.assert_array_equal(found["coupler_force"], output.multiplier[:, 6:])
     np.testing.assert_allclose(found["time"], 0.1 * np.arange(11), rtol=1e-15)
     assert source.contents().recorded == contents.recorded
     assert source.contents().superelements == contents.superelements

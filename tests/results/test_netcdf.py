@@ -41,6 +41,7 @@ def test_xarray_finds_dimensions_coordinates_and_units(written):
             "contact": 2,
             "stop": 2,
             "motor": 2,
+            "coupler": 1,
             "contact_axis": 3,
             "tangent_axis": 2,
             "joint_with_friction": 1,

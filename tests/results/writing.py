@@ -27,6 +27,7 @@ def make_contents(
     contacts=2,
     stops=2,
     motors=2,
+    couplers=1,
     second_order=3,
     sensors=3,
     selects=lambda group: True,
@@ -48,13 +49,20 @@ def make_contents(
         "contact": [f"k{k}" for k in range(contacts)],
         "stop": [f"e{k}" for k in range(stops)],
         "motor": [f"m{k}" for k in range(motors)],
+        "coupler": [f"g{k}" for k in range(couplers)],
         "joint_with_friction": [f"j{n_j - 1}.friction"] if joints else [],
         "pattern": [f"b0.p{i}" for i in range(min(sensors, 2))],
         "sensor": [f"b0.g{i}" for i in range(sensors)],
         "sensor_channel": [f"b0.g{i}.strain" for i in range(sensors)],
         "event_owner": [f"k{k}" for k in range(contacts)] + [f"e{k}" for k in range(stops)],
     }
-    first = {"frame": 1, "spring": n_j, "spring_component": n, "stop": contacts}
+    first = {
+        "frame": 1,
+        "spring": n_j,
+        "spring_component": n,
+        "coupler": n + springs,
+        "stop": contacts,
+    }
     axes = {
         name: Axis(
             tuple(entries),

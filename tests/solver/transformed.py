@@ -164,6 +164,10 @@ def rescaled(model, units):
     return replace(
         model,
         bodies={name: body(given) for name, given in model.bodies.items()},
+        joints=[
+            given if given.lead is None else replace(given, lead=a * given.lead)
+            for given in model.joints
+        ],
         springs=[spring(given) for given in model.springs],
         contacts=[contact(given) for given in model.contacts],
         loads=[load(given) for given in model.loads],
