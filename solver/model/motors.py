@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any
 
+import numpy as np
 from pydantic import AllowInfNan
 
 from ...inputs import expected
@@ -20,7 +21,7 @@ NONE = Constant(0.0)
 
 def _store_bounds(value: Any) -> tuple[float, float]:
     """A lower and a higher number; one positive number stands for both."""
-    lower, upper = value if isinstance(value, Sequence) else (-value, value)
+    lower, upper = value if isinstance(value, Sequence | np.ndarray) else (-value, value)
     return limits((lower, upper))
 
 
