@@ -38,7 +38,8 @@ def number_of_column(path: str, column: str | int) -> int:
     sheet = _sheet(path)
     if isinstance(column, int):
         if not 1 <= column <= sheet.width:
-            raise ModelError(f"file: {path}: no column {column}; there are {sheet.width}, from 1 on")
+            there_are = f"there are {sheet.width}, from 1 on"
+            raise ModelError(f"file: {path}: no column {column}; {there_are}")
         return column - 1
     if column not in sheet.names:
         listed = ", ".join(map(quoted, sheet.names[:SHOWN])) or "none with a name"
