@@ -100,6 +100,11 @@ class FlexibleBody(Entry):
     second_order: SecondOrder = "auto"
 
     def validate(self) -> None:
+        given: object = self.superelement
+        if not isinstance(given, Superelement):
+            raise self.error(
+                f"superelement: expected one that superelement.read gave, got {given!r}"
+            )
         if self.second_order == "full" and self.superelement.rotation is None:
             raise self.error(
                 f"second_order = 'full': superelement {self.superelement.name!r} has no terms of "

@@ -27,14 +27,19 @@ class _Sheet(NamedTuple):
     rows: tuple[tuple[int, tuple[str, ...]], ...]
     decimal_comma: bool
 
+    @property
+    def width(self) -> int:
+        """The number of columns of the first line."""
+        return len(self.names) or (len(self.rows[0][1]) if self.rows else 0)
+
 
 def number_of_column(path: str, column: str | int) -> int:
     """The index of a column that is given by its name, or its number from 1 on."""
     sheet = _sheet(path)
-    width = max(len(sheet.names), len(sheet.rows[0][1]) if sheet.rows else 0)
     if isinstance(column, int):
-        if not 1 <= column <= width:
-            raise ModelError(f"file: {path}: no column {column}; there are {width}, from 1 on")
+        if not 1 <= column <= sheet.width:
+            there_are = f"there are {sheet.width}, from 1 on"
+            raise ModelError(f"file: {path}: no column {column}; {there_are}")
         return column - 1
     if column not in sheet.names:
         listed = ", ".join(map(quoted, sheet.names[:SHOWN])) or "none with a name"
@@ -51,6 +56,11 @@ def column_of(path: str, column: str | int, increasing: bool = False) -> Array:
     numbers = np.empty(len(sheet.rows))
     before = -math.inf
     for n, (line, cells) in enumerate(sheet.rows):
+        if any(cells[sheet.width :]):  # lines may end with separators
+            raise ModelError(
+                f"file: {path}: line {line}: expected {sheet.width} columns, as in the first line, "
+                f"found {len(cells)}"
+            )
         cell = cells[k] if k < len(cells) else ""
         number = _number(cell, sheet.decimal_comma)
         if not math.isfinite(number):
@@ -70,11 +80,26 @@ def _where(path: str, line: int, column: str | int) -> str:
 
 
 def _number(cell: str, decimal_comma: bool) -> float:
-    """The number in a cell; no number (nan) for other text."""
+    """The number in a cell; no number (nan) for other text, and for two decimal marks in a file."""
+    if decimal_comma and "." in cell:
+        return math.nan
     try:
         return float(cell.replace(",", ".") if decimal_comma else cell)
     except ValueError:
         return math.nan
+
+
+def _is_numeric(cell: str) -> bool:
+    """True for what is written as a number, nan and inf among them."""
+    try:
+        float(cell.replace(",", "."))
+    except ValueError:
+        return False
+    return True
+
+
+def _has_decimal_comma(cells: tuple[str, ...]) -> bool:
+    return any("," in cell and _is_numeric(cell) for cell in cells)
 
 
 def _sheet(path: str) -> _Sheet:
@@ -97,10 +122,10 @@ def _read(path: str, changed: int, size: int) -> _Sheet:
         raise InputError(f"{path}: expected rows of numbers, found none")
     text = "\n".join(line for _, line in lines[:2])
     separator = next((mark for mark in SEPARATORS if mark in text), " ")
-    comma = separator != "," and any("," in line for _, line in lines[1:3])
     rows = tuple(_cells(lines, separator))
+    comma = separator != "," and any(_has_decimal_comma(cells) for _, cells in rows)
     _, first = rows[0]
-    if any(math.isfinite(_number(cell, comma)) for cell in first):
+    if any(_is_numeric(cell) for cell in first):
         return _Sheet((), rows, comma)
     return _Sheet(first, rows[1:], comma)
 

@@ -18,6 +18,7 @@ from .signals import (
     breaks_of,
     corners_of,
     is_any,
+    is_signal,
     jumps_of,
     parts_of,
     values_of,
@@ -26,7 +27,7 @@ from .signals import (
 
 def _signals(value: Any) -> tuple[Signal, ...]:
     parts = tuple(value)
-    if len(parts) < 1 or not all(isinstance(part, Signal) for part in parts):
+    if len(parts) < 1 or not all(map(is_signal, parts)):
         raise ValueError
     return parts
 

@@ -6,7 +6,7 @@ The integrals are those of quadrature.py, exact to rounding, so that a coordinat
 signal takes it: what is left at the end of a recorded acceleration is drift, which `Drift` states.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple, Protocol
@@ -58,6 +58,8 @@ class IntegratedDrive:
     order: int
     start: float = 0.0
     rate: float = 0.0
+    error: Callable[[str], ModelError] = ModelError
+    """names the owner of the coordinate"""
 
     @cached_property
     def _integrals(self) -> Integrals:
@@ -67,8 +69,11 @@ class IntegratedDrive:
         return replace(self, start=start)
 
     def values_at(self, t: Array) -> Array:
-        values: Array = self.start + self.rate * t + self._integrals(t)[self.order - 1]
-        return values
+        try:
+            moved: Array = self._integrals(t)[self.order - 1]
+        except ModelError as error:
+            raise self.error(str(error)) from error
+        return self.start + self.rate * t + moved
 
     def __call__(self, t: float) -> float:
         return float(self.values_at(np.array([t]))[0])
@@ -105,7 +110,7 @@ def drive_of(owner: _Driven, keys: DriveKeys) -> SmoothSignal | None:
     if reason := refusal(signal, order):
         raise owner.error(f"{key}: {reason}")
     rate = owner.start.get(keys.rate, 0.0) if order == 2 else 0.0
-    return IntegratedDrive(signal, order, rate=rate)
+    return IntegratedDrive(signal, order, rate=rate, error=owner.error)
 
 
 def refusal(signal: Signal, order: int) -> str:

@@ -137,6 +137,10 @@ class Model(Entry):
 
     def _name(self) -> None:
         """Number what has no name."""
+        for kind, entries in self._named.items():
+            strange = next((entry for entry in entries if not hasattr(entry, "name")), None)
+            if strange is not None:
+                raise ModelError(f"{kind}s: expected a {kind} each, got {strange!r}")
         taken = {entry.name for entries in self._named.values() for entry in entries}
         for kind, entries in self._named.items():
             if any(entry.name == "" for entry in entries):

@@ -126,8 +126,10 @@ class PrescribedOrientation(Entry):
             reason = f"expected smooth signals, found {type(signal).__name__.lower()}"
         if reason:
             raise self.error(f"{key}: {reason}")
-        drive: SmoothSignal = IntegratedDrive(signal, order) if order else signal
-        return drive
+        if order:
+            return IntegratedDrive(signal, order, error=self.error)
+        driving: SmoothSignal = signal
+        return driving
 
 
 PrescribedMotion = PrescribedDisplacement | PrescribedRotation | PrescribedOrientation

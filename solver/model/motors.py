@@ -5,14 +5,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any
 
+import numpy as np
 from pydantic import AllowInfNan
 
 from ...inputs import expected
-from ..errors import ModelError
 from ..schema.entry import Entry, Takes, entry
 from ..schema.values import Name, NotNegative, Positive, PositiveTime, limits
 from .curves import Constant, Input
 from .joints import Joint
+from .on_coordinate import OnCoordinate
 from .signals import AnySignal, Pointwise, Signal, is_smooth
 
 NONE = Constant(0.0)
@@ -20,7 +21,7 @@ NONE = Constant(0.0)
 
 def _store_bounds(value: Any) -> tuple[float, float]:
     """A lower and a higher number; one positive number stands for both."""
-    lower, upper = value if isinstance(value, Sequence) else (-value, value)
+    lower, upper = value if isinstance(value, Sequence | np.ndarray) else (-value, value)
     return limits((lower, upper))
 
 
@@ -155,34 +156,15 @@ class Rate(Values):
 
 
 @dataclass(frozen=True)
-class JointMotor:
+class JointMotor(OnCoordinate):
     """A motor with the joint that it belongs to."""
 
     motor: Motor
     joint: Joint
 
     @property
-    def name(self) -> str:
-        return self.motor.name
-
-    @property
-    def owner(self) -> str:
-        return self.motor.owner
-
-    @property
-    def coordinate(self) -> str:
-        return self.motor.coordinate
-
-    @property
-    def between(self) -> tuple[str, str]:
-        return self.joint.between
-
-    @property
-    def type(self) -> str:
-        return self.joint.type
-
-    def error(self, message: str) -> ModelError:
-        return self.motor.error(message)
+    def part(self) -> Motor:
+        return self.motor
 
     def check(self) -> None:
         """ModelError for a coordinate that the joint has not, or drives, or that is of another

@@ -10,18 +10,18 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import ModelError
-from ..schema.entry import LARGEST, Entry, Key, Takes, entry
-from ..schema.values import NotNegative, Positive
+from ..schema.entry import Entry, Key, Takes, entry
+from ..schema.values import NotNegative, Positive, reals
 from .sampling import samples_of
 from .shapes import Shape, half_wave, quintic, raised_cosine, ramp, rise
 from .signals import SIGNALS, Pointwise
 
 
 def _pair(value: Any) -> tuple[float, float]:
-    first, second = map(float, value)
-    if isinstance(value, str) or not max(abs(first), abs(second)) <= LARGEST:
+    numbers = reals(value)
+    if numbers.shape != (2,):
         raise ValueError
-    return first, second
+    return float(numbers[0]), float(numbers[1])
 
 
 def _span(value: Any) -> tuple[float, float]:

@@ -71,7 +71,8 @@ def is_any(signal: Signal, kind: type) -> bool:
 
 def is_smooth(signal: Any) -> bool:
     """True for a `SmoothSignal` whose parts are smooth too."""
-    return isinstance(signal, SmoothSignal) and all(map(is_smooth, parts_of(signal)))
+    instance = isinstance(signal, SmoothSignal) and not isinstance(signal, type)
+    return instance and all(map(is_smooth, parts_of(signal)))
 
 
 def jumps_of(signal: Signal) -> tuple[float, ...]:
@@ -105,11 +106,11 @@ def _that(holds: Callable[[Any], bool]) -> Callable[[Any], Any]:
     return store
 
 
-def _is_signal(value: Any) -> bool:
-    return isinstance(value, Signal)
+def is_signal(value: Any) -> bool:
+    return isinstance(value, Signal) and not isinstance(value, type)
 
 
-AnySignal = Annotated[Signal, SIGNALS, Takes("a signal such as Constant", _that(_is_signal), Any)]
+AnySignal = Annotated[Signal, SIGNALS, Takes("a signal such as Constant", _that(is_signal), Any)]
 DrivingSignal = Annotated[
     SmoothSignal,
     SIGNALS,

@@ -3,11 +3,11 @@
 from dataclasses import dataclass, field
 from typing import Annotated
 
-from ..errors import ModelError
 from ..schema.entry import Beside, Entry, entry
 from ..schema.values import Limits, Name
 from .impact import Impact
 from .joints import Joint
+from .on_coordinate import OnCoordinate
 
 
 @entry()
@@ -33,31 +33,12 @@ class Stop(Entry):
 
 
 @dataclass(frozen=True)
-class JointStop:
+class JointStop(OnCoordinate):
     """A stop with the joint that it belongs to."""
 
     stop: Stop
     joint: Joint
 
     @property
-    def name(self) -> str:
-        return self.stop.name
-
-    @property
-    def owner(self) -> str:
-        return self.stop.owner
-
-    @property
-    def coordinate(self) -> str:
-        return self.stop.coordinate
-
-    @property
-    def between(self) -> tuple[str, str]:
-        return self.joint.between
-
-    @property
-    def type(self) -> str:
-        return self.joint.type
-
-    def error(self, message: str) -> ModelError:
-        return self.stop.error(message)
+    def part(self) -> Stop:
+        return self.stop

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..checkpoint.file import StateFile
+from ..errors import ModelError
 from ..lower.allocation import allocate
 from ..lower.lower import LoweredModel, lower
 from ..model.model import Model
@@ -171,7 +172,21 @@ def _allocated(lowered: LoweredModel, step: int = 0) -> tuple[State, Workspace]:
     work.motors.value[:] = [signal.samples(t, lowered.h)[0] for signal in lowered.motor_signals]
     for d, drive in enumerate(lowered.drives):
         work.drives.rate[d], work.drives.acceleration[d] = drive.derivatives(float(t[0]))
+    _check_values(lowered, work)
     return state, work
+
+
+def _check_values(lowered: LoweredModel, work: Workspace) -> None:
+    """ModelError for a drive that is no number at the start."""
+    drives = work.drives
+    finite = np.isfinite([drives.value, drives.rate, drives.acceleration]).all(axis=0)
+    for d in np.flatnonzero(~finite):
+        values = ", ".join(f"{v[d]:g}" for v in (drives.value, drives.rate, drives.acceleration))
+        row = int(lowered.system.couplings.driven[d])
+        raise ModelError(
+            f"{lowered.owner_of(row)}: expected numbers of its drive and its first and second "
+            f"derivative at the start, found {values}"
+        )
 
 
 def _assembly_error(lowered: LoweredModel, state: State, work: Workspace) -> AssemblyError:

@@ -257,7 +257,14 @@ def test_a_column_of_a_file_is_read_with_its_units_and_its_shift(sheet):
 
 @pytest.mark.parametrize(
     "text",
-    ["0;1,5\n0,1;2,5\n", "t;a\n0;1,5\n0,1;2,5\n", "0\t1.5\n0.1\t2.5\n", "0 1.5\n .1   2.5 \n"],
+    [
+        "0;1\n0,025;1,5\n0,05;2\n",
+        "t,a,\n0,1.5,,\n0.1,2.5,,\n",
+        "0;1,5\n0,1;2,5\n",
+        "t;a\n0;1,5\n0,1;2,5\n",
+        "0\t1.5\n0.1\t2.5\n",
+        "0 1.5\n .1   2.5 \n",
+    ],
 )
 def test_separators_and_decimal_commas(sheet, text):
     assert Recorded(sheet(text), 2)(0.05) == pytest.approx(2.0)
@@ -280,6 +287,9 @@ def test_a_file_that_has_changed_is_read_anew(sheet):
         ("t,a\n0,1\n0,2\n", "a", "line 3, column 1: times must increase, found 0 after 0"),
         ("t,a\n0,1\n", "a", "expected two or more rows, found 1"),
         ("t,a,a\n0,1,1\n1,1,1\n", "a", "more than one column is named 'a'"),
+        ("t,a\n0,5,1,5\n1,0,2,5\n", "a", "line 2: expected 2 columns, as in the first"),
+        ("t;a\n0.5;1,234\n1.5;2\n", "a", "line 2, column 1: expected a number, found '0.5'"),
+        ("nan,nan\n0,1\n1,2\n", 2, "line 1, column 1: expected a number, found 'nan'"),
         ("# nothing\n", 2, "expected rows of numbers, found none"),
     ],
 )
@@ -298,6 +308,9 @@ def test_a_file_that_is_not_there_is_named(tmp_path):
     ("make", "message"),
     [
         (lambda: SmoothStep((0, 1), (1, 1)), r"over: expected two times, start and end"),
+        (lambda: SmoothStep((0, np.nan), (0, 1)), r"values: expected two numbers, from and to"),
+        (lambda: SmoothStep({0, 1}, (0, 1)), r"values: expected two numbers, from and to"),
+        (lambda: Sum((Harmonic,)), "signals: expected a list of signals"),
         (lambda: HalfSine(1.0, 0.0), "duration: expected a positive number"),
         (lambda: Trapezoid(1.0, 1.0, 0.6, 0.5), "must last as long as its rise and fall"),
         (lambda: Window((0, 1), 0.6, 0.5), "must last as long as its rise and fall"),

@@ -11,6 +11,7 @@ from duhamel.solver import (
     Constant,
     Contact,
     Frame,
+    Function,
     HalfSine,
     Harmonic,
     Impact,
@@ -454,3 +455,15 @@ def test_a_pulse_in_flight_keeps_its_momentum(long):
     )
     speed = simulate(model).body("ball").v[-1, 0]
     assert speed == pytest.approx(1000.0 * 2.3e-3 * 2.0 / np.pi, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("drive", "message"),
+    [
+        ({"acceleration": Function(lambda t: np.nan)}, "cannot be integrated about"),
+        ({"displacement": SmoothFunction(lambda t: 0.0 * t, lambda t: np.nan, float)}, "0, nan, 0"),
+    ],
+)
+def test_a_drive_that_is_no_number_at_the_start_is_named(drive, message):
+    with pytest.raises(ModelError, match=f"motion 'push': .*{message}"):
+        simulate(pushed(**drive))

@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     Constant,
+    FlexibleBody,
     Frame,
     Harmonic,
     Joint,
     Load,
     Model,
     ModelError,
+    Motor,
     PrescribedDisplacement,
     RigidBody,
     Settings,
@@ -53,6 +55,25 @@ def test_arrays_may_be_given_as_lists_and_are_kept_as_copies(name, kind):
     assert kept.dtype == np.float64
     assert kept.tolist() in ([0.0, 0.0, 1.0], [1.0])
     assert not np.shares_memory(kept, given)
+
+
+@pytest.mark.parametrize("kind", [list, tuple, np.array])
+def test_limits_of_a_motor_may_be_given_as_arrays(kind):
+    motor = Motor("m", "j", "angle", torque=Constant(1.0), limit=kind([-1.0, 2.0]))
+    assert motor.limit == (-1.0, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Model({"a": RigidBody(1.0, [1, 1, 1])}, motors=[3]), "motors: .* got 3"),
+        (lambda: Load("force", "a", Z, Harmonic), "signal: expected a signal such as Constant"),
+        (lambda: FlexibleBody("beam.h5"), "superelement: .* got 'beam.h5'"),
+    ],
+)
+def test_what_is_of_another_kind_is_refused(make, message):
+    with pytest.raises(ModelError, match=message):
+        make()
 
 
 @pytest.mark.parametrize("kind", [list, tuple, np.array])
