@@ -13,7 +13,6 @@ from duhamel.solver import (
     Function,
     Joint,
     Load,
-    ModelError,
     RigidBody,
     Spring,
     Table,
@@ -268,7 +267,7 @@ def test_stresses_follow_the_springs_of_the_chain(lossy):
 
 
 def test_the_linear_model_has_the_springs_of_the_chain(lossy):
-    """Modes and frequency responses, against the mesh; a state space is refused."""
+    """Modes and frequency responses, against the mesh."""
     joints = [Joint("hold", "fixed", ("ground", "beam.root"))]
     model = model_of(
         bodies={"beam": FlexibleBody(lossy.element)}, joints=joints, t_end=0.01, step=1e-4
@@ -287,5 +286,28 @@ def test_the_linear_model_has_the_springs_of_the_chain(lossy):
         c = chain.factor(np.array([w]), 1)[0, 0]
         G = (P @ np.linalg.solve(c * K - w**2 * M, P.T))[7, 7]
         assert found.values[k, 0, 0] == pytest.approx(G, rel=1e-7)
-    with pytest.raises(ModelError, match=r"state space: a body has a loss factor, expected modal"):
-        linear.state_space(["force:beam.tip:y"], ["position:beam.tip:y"])
+
+
+def response(space, f):
+    """Of a state space at frequencies f (n,) [Hz]: (n, n_out, n_in)."""
+    away = [2j * np.pi * frequency * np.eye(len(space.A)) - space.A for frequency in f]
+    return np.array([space.C @ np.linalg.solve(A, space.B) + space.D for A in away])
+
+
+@pytest.mark.parametrize("held", HOLDS)
+@pytest.mark.parametrize("damping", [LOSS, {"modal": 0.02}], ids=["chain", "modal"])
+def test_a_state_space_is_right_where_eigenvalues_coincide(lossy, damping, held):
+    """The beam bends alike in two planes, and its fast modes relax alike."""
+    element = (
+        lossy.element
+        if damping is LOSS
+        else make_beam(damping=Damping.model_validate(damping)).element
+    )
+    joints = HOLDS[held][1]
+    model = model_of(bodies={"beam": FlexibleBody(element)}, joints=joints, t_end=0.01, step=1e-4)
+    linear, f = linearize(model), np.array([5.0, 20.0, 300.0, 2000.0, 5000.0])
+    loads = ["force:beam.tip:y", "force:beam.tip:z"]
+    sought = ["position:beam.tip:y", "position:beam.tip:z"]
+    expected = linear.frf(loads, sought, f).values
+    found = response(linear.state_space(loads, sought), f)
+    assert (np.abs(found - expected).max((1, 2)) < 1e-8 * np.abs(expected).max((1, 2))).all()
