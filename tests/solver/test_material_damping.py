@@ -13,8 +13,11 @@ from duhamel.solver import (
     Function,
     Joint,
     Load,
+    MaxwellLaw,
+    Motor,
     RigidBody,
     Spring,
+    Start,
     Table,
     check,
     simulate,
@@ -32,6 +35,7 @@ from .test_restart import assert_same, in_parts, machine
 H = 2e-4
 PULSE = Function(lambda t: np.sin(np.pi * t / 0.05) ** 2 if t < 0.05 else 0.0)
 EI = read_body(BEAM).section.EI_z
+Z = [0, 0, 1]
 LOSS = {"loss_factor": 0.1, "band": (10.0, 4000.0)}
 
 
@@ -165,6 +169,35 @@ def test_dampers_are_in_the_damping_of_the_assembled_model():
         else:
             assert found[0].ratio == pytest.approx(expected, rel=1e-9)
             assert found[0].frequency == pytest.approx(20 * np.sqrt(1 - 0.05**2) / (2 * np.pi))
+
+
+COMPLIANT = {
+    "damping": Motor("servo", "hinge", "angle", stiffness=40.0, damping=2.0),
+    "integral": Motor("servo", "hinge", "angle", stiffness=40.0, damping=2.0, integral=25.0),
+    "growing": Motor("servo", "hinge", "angle", stiffness=40.0, integral=25.0),
+    "relaxing": Spring(
+        "coil", "torsion", ("ground", "arm"), Z, stiffness=40.0, law=MaxwellLaw([0.2], [70.0])
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", COMPLIANT)
+@pytest.mark.parametrize("has_beam", [False, True], ids=["rigid", "lossy"])
+def test_the_damping_of_servos_and_springs_is_that_of_the_linear_equations(lossy, kind, has_beam):
+    bodies = {"arm": RigidBody(1.0, [0.5, 0.5, 0.5])}
+    joints = [Joint("hinge", "revolute", ("ground", "arm"), Z)]
+    if has_beam:
+        bodies["beam"] = FlexibleBody(lossy.element, Start([0.25, 0, 0]))
+        joints.append(Joint("clamp", "fixed", ("arm", "beam.root")))
+    part = COMPLIANT[kind]
+    parts = {"motors": [part]} if isinstance(part, Motor) else {"springs": [part]}
+    model = model_of(bodies=bodies, joints=joints, t_end=0.01, step=1e-3, **parts)
+    found, linear = check(model).damping, linearize(model).modes()
+    assert len(found) == (6 if has_beam else 1)
+    for motion in found:
+        nearest = np.argmin(np.abs(linear.frequencies - motion.frequency))
+        assert motion.frequency == pytest.approx(linear.frequencies[nearest], rel=1e-7)
+        assert motion.ratio == pytest.approx(linear.ratios[nearest], rel=1e-7)
 
 
 def pushed(element, joints=(), **settings):
