@@ -39,10 +39,19 @@ def modes_table(title: str, modes: LinearModes) -> Table:
         table.add_row(
             str(k + 1),
             f"{modes.frequencies[k]:.6g}",
-            f"{100.0 * modes.ratios[k]:.4g}",
+            _percent(float(modes.ratios[k])),
             kind(modes, k),
         )
     return table
+
+
+def per(unit: str, given: str) -> str:
+    """A unit per unit of what is given: "m / N", "rad / (N m)"."""
+    return f"{unit} / {f'({given})' if ' ' in given else given or '1'}"
+
+
+def _percent(ratio: float) -> str:
+    return "0" if abs(ratio) < ROUNDING else f"{100.0 * ratio:.4g}"
 
 
 def kind(modes: LinearModes, k: int) -> str:
@@ -103,7 +112,7 @@ def response_csv(response: FrequencyResponse) -> list[list[str]]:
     for output, unit in zip(response.outputs, response.units, strict=True):
         for given, given_unit in zip(response.inputs, response.input_units, strict=True):
             name = f"{output} by {given}"
-            header += [f"{name} [{unit} / {given_unit or '1'}]", f"{name} phase [rad]"]
+            header += [f"{name} [{per(unit, given_unit)}]", f"{name} phase [rad]"]
     rows = [header]
     for frequency, values in zip(response.frequencies.tolist(), response.values, strict=True):
         pairs = [(abs(v), np.angle(v)) for v in values.ravel().tolist()]
@@ -117,7 +126,7 @@ def response_picture(title: str, responses: dict[str, FrequencyResponse]) -> Any
     for remark, response in responses.items():
         for i, output in enumerate(response.outputs):
             for j, given in enumerate(response.inputs):
-                unit = f"{response.units[i]} / {response.input_units[j] or '1'}"
+                unit = per(response.units[i], response.input_units[j])
                 values = response.values[:, i, j]
                 curves.append(ResponseCurve(f"{output} by {given}{remark}", unit, values))
     frequencies = next(iter(responses.values())).frequencies

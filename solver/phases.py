@@ -42,6 +42,8 @@ class Phases:
         self._most = [FEWEST, FEWEST]
         self._refused = -1
         """the step after which a long one was taken back"""
+        self._before_flight: Snapshot | None = None
+        """what was carried before the steps became long, until one was taken"""
         sampled = [*lowered.load_signals, *lowered.motor_signals]
         jumps = {time for signal in sampled for time in corners_of(signal)}
         self._jumps = np.array(sorted(jumps), dtype=np.float64) / lowered.h
@@ -59,6 +61,7 @@ class Phases:
         steps = min(n // stride, self._steps_of_flight(int(self._state.step[0])))
         in_flight = int(steps > 0)
         if in_flight != self._state.in_flight[0]:
+            self._before_flight = Snapshot.of(0, self._live) if in_flight else None
             change_step(self._lowered, self._state, self._work, in_flight)
         if in_flight:
             return stride, min(steps, self._most[1])
@@ -78,10 +81,17 @@ class Phases:
         failed = taken < len(inputs.load) and residual != OTHER_SIZE
         self._most[in_flight] = max(FEWEST, 2 * taken)
         if failed and before is not None:
-            before.put_back(self._live)
-            advance(self._runs[in_flight], _first(inputs, taken))
+            self._take_back(before, inputs, taken)
             self._refused, failed = int(self._state.step[0]), False
+        if taken:
+            self._before_flight = None
         return taken, residual, failed
+
+    def _take_back(self, before: Snapshot, inputs: Inputs, taken: int) -> None:
+        """The state after the long steps that hold; before all, what it was with short ones."""
+        (before if taken else self._before_flight or before).put_back(self._live)
+        if taken:
+            advance(self._runs[1], _first(inputs, taken))
 
     def _steps_of_flight(self, step: int) -> int:
         """Long steps that may follow a step before a load jumps, unless a contact closes first."""

@@ -123,8 +123,8 @@ def _frequencies(series: Sampled, frequencies: Array | None) -> Array:
             )
         return octave_frequencies(LOWEST, highest)
     frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
-    if frequencies.ndim != 1 or not (frequencies > 0.0).all():
-        raise SeriesError("expected frequencies (m,) above zero")
+    if frequencies.ndim != 1 or not frequencies.size or not (frequencies > 0.0).all():
+        raise SeriesError("expected frequencies (m,), one or more, above zero")
     if (top := float(frequencies.max())) > (1.0 + 1e-9) * highest:
         raise SeriesError(
             f"{top:.6g} Hz: expected frequencies up to {highest:.6g} Hz, a tenth of the sampling "

@@ -3,8 +3,10 @@
     G(s) = sum_k c_k b_k / (s - lambda_k) + D
 
 Each complex pair a +- i b is a block [[a, -b], [b, a]]; the motions that nothing resists are one
-block, which is nilpotent. b_k follow from the response to the inputs at one real frequency, by the
-left eigenvectors, and D from the response there that the poles leave: so nothing is inverted.
+block, which is nilpotent, and so are eigenvalues that nearly coincide: those of a beam with two
+equal bending stiffnesses, or of one spring of a material's chain in all fast modes. b_k follow from
+the response to the inputs at one real frequency, by the left eigenvectors, and D from the response
+there that the poles leave: so nothing is inverted.
 """
 
 from collections.abc import Sequence
@@ -20,6 +22,9 @@ from .frf import observed
 from .inputs import Channel, forcing
 from .modes import LARGEST, FirstOrder, frames_of
 from .outputs import Observation, observe
+
+NEAR = 1e-3
+"""relative distance of eigenvalues whose motions are one block"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,13 +63,6 @@ def state_space_of(
                 f"{channel.name}: a drive moves its joint at once: state space takes loads, "
                 "frequency responses take drives"
             )
-    if len(form.chains.mode):
-        # Springs of one element nearly have the same motion in all modes: in coordinates of their
-        # own, responses were wrong by a hundredth.
-        raise ModelError(
-            "state space: a body has a loss factor, expected modal damping or Rayleigh's; modes "
-            "and frequency responses take it"
-        )
     if form.n > LARGEST:
         raise ModelError(f"{form.n} states: expected at most {LARGEST} for a state space")
     observation = observe(form.equations, quantities, inputs)
@@ -102,18 +100,56 @@ def _blocks(form: FirstOrder, modes: int | None) -> list[_Block]:
         A = form.sigma * np.eye(p) + np.linalg.inv(T[:p, :p])
         blocks.append(_Block(A, U[:, :p], U[:, :p].T - X @ U[:, p:].T, paired=False))
     mu, left, right = eig(T[p:, p:], left=True, right=True)
-    values = form.sigma + 1.0 / mu
-    upper = np.flatnonzero(values.imag >= 0.0)
-    order = upper[np.argsort(np.abs(values[upper]), kind="stable")]
-    for k in order[: None if modes is None else modes].tolist():
-        row, column = left[:, k].conj(), right[:, k]
-        row = row / (row @ column)
-        paired = bool(values[k].imag > 0.0)
-        whole = (U[:, :p] @ X + U[:, p:]) @ column, row @ U[:, p:].T
-        x, y = whole if paired else (whole[0].real, whole[1].real)
-        value = values[k] if paired else values[k].real
-        blocks.append(_Block(np.array([[value]]), x[:, None], y[None], paired))
+    onto, whole = U[:, p:].T, U[:, :p] @ X + U[:, p:]
+    count = 0
+    for near in _clusters(form.sigma + 1.0 / mu):
+        if modes is not None and count >= modes:
+            break
+        count += len(near.members)
+        columns, rows = near.basis(right), near.basis(left).conj().T
+        rows = np.linalg.solve(rows @ columns, rows)
+        A = form.sigma * np.eye(len(rows)) + np.linalg.inv(rows @ T[p:, p:] @ columns)
+        blocks.append(_Block(A, whole @ columns, rows @ onto, near.paired))
     return blocks
+
+
+@dataclass(frozen=True, eq=False)
+class _Cluster:
+    """Eigenvalues so close that only their subspace is certain: members, one of each pair.
+
+    paired: the conjugates are another cluster, otherwise they are among them.
+    """
+
+    values: Any
+    members: Any
+    paired: bool
+
+    def basis(self, vectors: Any) -> Any:
+        """Orthonormal, of eigenvectors (n, n)."""
+        own = vectors[:, self.members]
+        if not self.paired:
+            turning = self.values[self.members].imag > 0.0
+            own = np.hstack([own.real, own[:, turning].imag])
+        return np.linalg.qr(own)[0]
+
+
+def _clusters(values: Any) -> list[_Cluster]:
+    """In the order of their least eigenvalues."""
+    from scipy.sparse.csgraph import connected_components
+
+    size = np.abs(values)
+    near = np.abs(values[:, None] - values) <= NEAR * np.minimum(size[:, None], size)
+    _, label = connected_components(near, directed=False)
+    below = set(label[values.imag < 0.0].tolist())
+    upper = np.flatnonzero(values.imag >= 0.0)
+    order = upper[np.argsort(size[upper], kind="stable")]
+    found: dict[int, list[int]] = {}
+    for k in order.tolist():
+        found.setdefault(int(label[k]), []).append(k)
+    return [
+        _Cluster(values, members, bool((values[members].imag > 0.0).all()) and of not in below)
+        for of, members in found.items()
+    ]
 
 
 def _outputs(form: FirstOrder, observation: Observation, block: _Block) -> Any:
@@ -129,6 +165,7 @@ def _real(block: _Block, b: Any, c: Any) -> tuple[Array, Array, Array]:
     """A, B and C of a block in real coordinates: real and imaginary part of a."""
     if not block.paired:
         return block.A, b, c
-    value = complex(block.A[0, 0])
-    A = np.array([[value.real, -value.imag], [value.imag, value.real]])
+    A = np.vstack(
+        [np.hstack([block.A.real, -block.A.imag]), np.hstack([block.A.imag, block.A.real])]
+    )
     return A, np.vstack([b.real, b.imag]), 2.0 * np.hstack([c.real, -c.imag])

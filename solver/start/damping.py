@@ -1,9 +1,10 @@
 """The damping of an assembled model about its start: what that of its parts amounts to.
 
-    A(s) v = 0,   A(s) = s^2 + s (C + D^T S' D) + K + diag(0, omega_j^2 (c_j(s) - 1))
+    A(s) v = 0,   A(s) = s^2 + s (C + D^T S' D) + K + diag(0, omega_j^2 (c_j(s) - 1)) + D^T r(s) D
 
 in the unknowns of frequencies.py: C the damping of modes, S' that of dampers, c the Maxwell
-elements of materials.
+elements of materials, r those of springs, k_i s tau_i / (1 + s tau_i), and the integrals of motors,
+gain / s.
 """
 
 from collections.abc import Sequence
@@ -12,7 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..checkpoint.carried import Snapshot, carried
+from ..laws.law import LAWS
+from ..laws.maxwell import MaxwellLaw
 from ..step.system import System
 from .frequencies import Vibrations, spring_slopes, unknowns_of, vibrations
 from .initial import InitialState
@@ -77,7 +81,19 @@ def damped_motions(initial: InitialState, found: Vibrations) -> list[DampedMotio
 
 def _is_damped(system: System) -> bool:
     modes, laws = system.elastic.modes, system.couplings.laws
-    return bool(modes.damped or len(modes.chains.body) or laws.damping.any() or len(laws.number))
+    motors = bool(laws.motors.damping.any() or laws.motors.integral.any())
+    modal = bool(modes.damped or len(modes.chains.body))
+    return modal or motors or bool(laws.damping.any() or len(laws.number))
+
+
+def _relaxing(system: System) -> Array:
+    """Row, stiffness and relaxation time (n, 3) of each Maxwell element of force laws."""
+    laws, found = system.couplings.laws, [np.zeros((0, 3))]
+    for m, i in enumerate(np.repeat(np.arange(len(laws.rest)), np.diff(laws.range)).tolist()):
+        if LAWS[laws.number[m]] is MaxwellLaw:
+            tau, kappa = np.split(laws.parameters[laws.first[m] : laws.first[m + 1]], 2)
+            found.append(np.column_stack([np.full(len(tau), i), kappa, tau]))
+    return np.concatenate(found)
 
 
 class _Problem:
@@ -96,6 +112,10 @@ class _Problem:
         dampers = spring_slopes(system, initial.state, initial.work, rates=True)
         self._C = (self._eta.T * system.elastic.modes.damping) @ self._eta
         self._C += moved.T @ dampers @ moved
+        row, self._kappa, self._tau = _relaxing(system).T
+        self._relaxing = moved[row.astype(np.int64)]
+        motors = system.couplings.laws.motors
+        self._integral = (moved[motors.row].T * motors.integral) @ moved[motors.row]
 
     def solve(self, j: int) -> complex | None:
         """s of the damped vibration that is nearest to undamped vibration j; None where none is."""
@@ -119,7 +139,16 @@ class _Problem:
         A = s * s * diagonal + s * self._C + np.diag(self.omega**2)
         A = A + (self._eta.T * (self._stiffness * (c - 1.0))) @ self._eta
         derivative = 2.0 * s * diagonal + self._C
+        r, r_slope = self._branches(s)
+        A, derivative = A + r, derivative + r_slope
         return A, derivative + (self._eta.T * (self._stiffness * slope)) @ self._eta
+
+    def _branches(self, s: complex) -> tuple[Complex, Complex]:
+        """D^T r(s) D of springs that relax and of the integrals of motors, and its derivative."""
+        slack, gradient = 1.0 + s * self._tau, self._relaxing
+        r = (gradient.T * (self._kappa * s * self._tau / slack)) @ gradient
+        slope = (gradient.T * (self._kappa * self._tau / slack**2)) @ gradient
+        return r + self._integral / s, slope - self._integral / s**2
 
     def _materials(self, s: complex) -> tuple[Complex, Complex]:
         """c(s) and its derivative (m,), of every mode."""

@@ -73,7 +73,7 @@ def test_frequency_responses_are_written(runner, pendulum, tmp_path):
     asked = ("--from", "load:1", "--to", "coordinate:hinge:angle", "--band", 1, 10)
     run(runner, "frf", pendulum, *asked, "-o", target)
     header, *rows = csv.reader(target.read_text().splitlines())
-    assert header[1] == "coordinate:hinge:angle by load:1 [rad / N m]"
+    assert header[1] == "coordinate:hinge:angle by load:1 [rad / (N m)]"
     f, size, _ = np.array(rows, dtype=float).T
     np.testing.assert_allclose(size, np.abs(1 / (9.81 - 0.53 * (2 * np.pi * f) ** 2)), rtol=1e-9)
     run(runner, "frf", pendulum, *asked, "--bodies", "dynamic", "--bodies", "rigid")

@@ -193,11 +193,15 @@ def test_nothing_jumps_at_a_change(element):
     assert abs(modes.a[stiffest]) < 0.01 * abs(modes.acceleration[stiffest])
 
 
+@pytest.mark.parametrize("step", [1e-4, 2e-4])
 @pytest.mark.parametrize("chain", [None, Chain([1e-4, 1e-3], [0.01, 0.02])], ids=["", "lossy"])
-def test_displacements_are_those_of_the_modes_all_along(element, chain):
-    """Where G_0 changes with the step, u = phi eta does not; so fields may follow from the rows."""
+def test_displacements_are_those_of_the_modes_all_along(element, chain, step):
+    """Where G_0 changes with the step, u = phi eta does not; so fields may follow from the rows.
+
+    Nor does a first long step that is taken back change anything, as one of 2e-4 is.
+    """
     element = replace(element, modes=replace(element.modes, chain=chain))
-    model = falling_bar(element, 1e-4, 1e-6)
+    model = falling_bar(element, step, 1e-6)
     results = simulate(model)
     loads, u = [], []
     for interface in element.interfaces:
@@ -209,7 +213,7 @@ def test_displacements_are_those_of_the_modes_all_along(element, chain):
     eta = modal_coordinates(element.modes, np.hstack(loads), run, np.arange(len(results.time)))
     expected = np.hstack(u)
     np.testing.assert_allclose(
-        eta @ element.modes.phi.T, expected, atol=1e-9 * np.abs(expected).max()
+        eta @ element.modes.phi.T, expected, atol=1e-12 * np.abs(expected).max()
     )
 
 

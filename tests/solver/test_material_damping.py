@@ -13,9 +13,11 @@ from duhamel.solver import (
     Function,
     Joint,
     Load,
-    ModelError,
+    MaxwellLaw,
+    Motor,
     RigidBody,
     Spring,
+    Start,
     Table,
     check,
     simulate,
@@ -33,6 +35,7 @@ from .test_restart import assert_same, in_parts, machine
 H = 2e-4
 PULSE = Function(lambda t: np.sin(np.pi * t / 0.05) ** 2 if t < 0.05 else 0.0)
 EI = read_body(BEAM).section.EI_z
+Z = [0, 0, 1]
 LOSS = {"loss_factor": 0.1, "band": (10.0, 4000.0)}
 
 
@@ -168,6 +171,35 @@ def test_dampers_are_in_the_damping_of_the_assembled_model():
             assert found[0].frequency == pytest.approx(20 * np.sqrt(1 - 0.05**2) / (2 * np.pi))
 
 
+COMPLIANT = {
+    "damping": Motor("servo", "hinge", "angle", stiffness=40.0, damping=2.0),
+    "integral": Motor("servo", "hinge", "angle", stiffness=40.0, damping=2.0, integral=25.0),
+    "growing": Motor("servo", "hinge", "angle", stiffness=40.0, integral=25.0),
+    "relaxing": Spring(
+        "coil", "torsion", ("ground", "arm"), Z, stiffness=40.0, law=MaxwellLaw([0.2], [70.0])
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", COMPLIANT)
+@pytest.mark.parametrize("has_beam", [False, True], ids=["rigid", "lossy"])
+def test_the_damping_of_servos_and_springs_is_that_of_the_linear_equations(lossy, kind, has_beam):
+    bodies = {"arm": RigidBody(1.0, [0.5, 0.5, 0.5])}
+    joints = [Joint("hinge", "revolute", ("ground", "arm"), Z)]
+    if has_beam:
+        bodies["beam"] = FlexibleBody(lossy.element, Start([0.25, 0, 0]))
+        joints.append(Joint("clamp", "fixed", ("arm", "beam.root")))
+    part = COMPLIANT[kind]
+    parts = {"motors": [part]} if isinstance(part, Motor) else {"springs": [part]}
+    model = model_of(bodies=bodies, joints=joints, t_end=0.01, step=1e-3, **parts)
+    found, linear = check(model).damping, linearize(model).modes()
+    assert len(found) == (6 if has_beam else 1)
+    for motion in found:
+        nearest = np.argmin(np.abs(linear.frequencies - motion.frequency))
+        assert motion.frequency == pytest.approx(linear.frequencies[nearest], rel=1e-7)
+        assert motion.ratio == pytest.approx(linear.ratios[nearest], rel=1e-7)
+
+
 def pushed(element, joints=(), **settings):
     """A beam in space, pushed at random."""
     noise = np.random.default_rng(0).standard_normal((2, 201))
@@ -268,7 +300,7 @@ def test_stresses_follow_the_springs_of_the_chain(lossy):
 
 
 def test_the_linear_model_has_the_springs_of_the_chain(lossy):
-    """Modes and frequency responses, against the mesh; a state space is refused."""
+    """Modes and frequency responses, against the mesh."""
     joints = [Joint("hold", "fixed", ("ground", "beam.root"))]
     model = model_of(
         bodies={"beam": FlexibleBody(lossy.element)}, joints=joints, t_end=0.01, step=1e-4
@@ -287,5 +319,28 @@ def test_the_linear_model_has_the_springs_of_the_chain(lossy):
         c = chain.factor(np.array([w]), 1)[0, 0]
         G = (P @ np.linalg.solve(c * K - w**2 * M, P.T))[7, 7]
         assert found.values[k, 0, 0] == pytest.approx(G, rel=1e-7)
-    with pytest.raises(ModelError, match=r"state space: a body has a loss factor, expected modal"):
-        linear.state_space(["force:beam.tip:y"], ["position:beam.tip:y"])
+
+
+def response(space, f):
+    """Of a state space at frequencies f (n,) [Hz]: (n, n_out, n_in)."""
+    away = [2j * np.pi * frequency * np.eye(len(space.A)) - space.A for frequency in f]
+    return np.array([space.C @ np.linalg.solve(A, space.B) + space.D for A in away])
+
+
+@pytest.mark.parametrize("held", HOLDS)
+@pytest.mark.parametrize("damping", [LOSS, {"modal": 0.02}], ids=["chain", "modal"])
+def test_a_state_space_is_right_where_eigenvalues_coincide(lossy, damping, held):
+    """The beam bends alike in two planes, and its fast modes relax alike."""
+    element = (
+        lossy.element
+        if damping is LOSS
+        else make_beam(damping=Damping.model_validate(damping)).element
+    )
+    joints = HOLDS[held][1]
+    model = model_of(bodies={"beam": FlexibleBody(element)}, joints=joints, t_end=0.01, step=1e-4)
+    linear, f = linearize(model), np.array([5.0, 20.0, 300.0, 2000.0, 5000.0])
+    loads = ["force:beam.tip:y", "force:beam.tip:z"]
+    sought = ["position:beam.tip:y", "position:beam.tip:z"]
+    expected = linear.frf(loads, sought, f).values
+    found = response(linear.state_space(loads, sought), f)
+    assert (np.abs(found - expected).max((1, 2)) < 1e-8 * np.abs(expected).max((1, 2))).all()

@@ -208,6 +208,7 @@ def test_by_default_they_end_at_a_tenth_of_the_rate():
     [
         ({"frequencies": [5001.0]}, r"5001 Hz: expected frequencies up to 5000 Hz, a tenth of the"),
         ({"frequencies": [0.0]}, "expected frequencies .* above zero"),
+        ({"frequencies": []}, "expected frequencies .* above zero"),
         ({"q": 0.5}, "q: expected a quality factor above 0.5, found 0.5"),
         ({"q": np.nan}, "q: expected a quality factor"),
         ({"response": "velocity"}, "response: expected one of absolute, static, .* 'velocity'"),
