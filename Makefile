@@ -73,7 +73,7 @@ audit: $(CI)/3.11/.wheel ## known vulnerabilities of what the constraints name, 
 fuzz: $(VENV)/.installed ## damaged files for all readers, for SECONDS=60 from number FIRST=0 on
 	$(BIN)/python -m tests.fuzz.run $(or $(SECONDS),60) $(or $(FIRST),0)
 
-soak: $(VENV)/.installed ## ten million steps, two hundred bodies, every bad value at every key of a model; takes minutes
+soak: $(VENV)/.installed ## ten million steps, two hundred bodies, every bad value at every key of a model; takes half an hour
 	$(BIN)/python -m pytest -m soak -s tests/soak tests/bad_inputs
 
 mutants: $(VENV)/.installed ## faults put into the core, and which the tests do not notice; takes half an hour
