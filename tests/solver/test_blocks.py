@@ -24,6 +24,7 @@ def pattern_of(n_bodies, edges, flexible=()):
             range=np.cumsum([0, *rows]),
             compliant=np.array([int(edges[j][3]) for j in owner], dtype=int),
             rows=SimpleNamespace(frame_a=2 * owner, frame_b=2 * owner + 1),
+            terms=SimpleNamespace(row=np.empty(0, dtype=int), own=np.empty(0, dtype=int)),
         ),
         SimpleNamespace(
             body=np.array(flexible, dtype=int), active_range=6 * np.arange(len(flexible) + 1)

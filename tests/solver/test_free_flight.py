@@ -36,6 +36,7 @@ def pair(kind, left, right, **settings):
     axes = {0: {}, 1: {"axis": AXIS}, 2: {"axis": AXIS, "second_axis": SECOND}}[
         JOINT_TYPES[kind].axes
     ]
+    lead = {"lead": 0.1} if kind == "screw" else {}
     turn = Rotation.from_rotvec([0.3, -0.2, 0.5])
     place = left.interface("right").X - turn.as_matrix() @ right.interface("left").X
     return model_of(
@@ -47,12 +48,12 @@ def pair(kind, left, right, **settings):
                 right, Start(place, turn.as_rotvec(), angular_velocity=[-1.0, 2.0, 1.0])
             ),
         },
-        joints=(Joint("joint", kind, ("a.right", "b.left"), **axes),),
+        joints=(Joint("joint", kind, ("a.right", "b.left"), **axes, **lead),),
         **settings,
     )
 
 
-@pytest.mark.parametrize("kind", JOINT_TYPES)
+@pytest.mark.parametrize("kind", sorted(JOINT_TYPES.keys() - {"rod"}))
 def test_reactions_between_flexible_frames_are_in_equilibrium(kind, tmp_path):
     """At every step: m x'' = F and J omega' + omega x J omega = M of what acts on a body's frames.
 

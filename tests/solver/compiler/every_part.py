@@ -10,6 +10,7 @@ import numpy as np
 from duhamel.solver import (
     BoucWenLaw,
     Constant,
+    Coupler,
     DamperLaw,
     FlexibleBody,
     Frame,
@@ -18,6 +19,7 @@ from duhamel.solver import (
     Load,
     MaxwellLaw,
     Model,
+    Motor,
     OneSidedLaw,
     Polynomial,
     PrescribedDisplacement,
@@ -39,7 +41,14 @@ from duhamel.solver.start.initial import initialize
 from duhamel.solver.step.loop import advance
 from duhamel.solver.step.record import record
 from duhamel.solver.step.system import Output, Run
-from duhamel.superelement import GeneralizedAlpha, Interface, Modes, Superelement, sample_kernel
+from duhamel.superelement import (
+    Chain,
+    GeneralizedAlpha,
+    Interface,
+    Modes,
+    Superelement,
+    sample_kernel,
+)
 
 H, STEPS = 1e-3, 30
 AXIS, SECOND = np.array([1.0, 2.0, 2.0]) / 3.0, np.array([2.0, -2.0, 1.0]) / 3.0
@@ -51,12 +60,21 @@ JOINTS: dict[str, dict[str, Any]] = {
     "cylindrical": {"axis": AXIS},
     "prismatic": {"axis": AXIS},
     "planar": {"axis": AXIS},
+    "rod": {},
+    "screw": {"axis": AXIS, "lead": 0.3},
+    "constant_velocity": {"axis": AXIS},
+    "point_on_line": {"axis": AXIS},
+    "point_on_plane": {"axis": AXIS},
     "driven revolute": {"axis": AXIS, "angle": Harmonic(0.2, 20.0)},
     "driven prismatic": {"axis": AXIS, "distance": Polynomial((0.0, 0.0, 4.0))},
     "driven cylindrical": {
         "axis": AXIS,
         "angle": Polynomial((0.0, 0.0, 9.0)),
         "distance": Harmonic(0.01, 10.0),
+    },
+    "driven universal": {"axis": AXIS, "second_axis": SECOND, "second_angle": Harmonic(0.2, 9.0)},
+    "driven spherical": {
+        "rotation_vector": (Harmonic(0.1, 9.0), Harmonic(0.2, 8.0), Polynomial((0.0, 1.0)))
     },
 }
 
@@ -122,6 +140,7 @@ def element(seed: int, by_modes: bool) -> Superelement:
         np.sort(rng.uniform(50.0, 2000.0, 8)),
         rng.uniform(0, 0.05, 8),
         rng.normal(size=(9, 8)),
+        chain=Chain([0.001, 0.01], [0.02, 0.03]) if by_modes else None,
     )
     return Superelement(
         name=f"random {seed}",
@@ -149,7 +168,8 @@ def make_model() -> Model:
     joints = []
     for name, given in JOINTS.items():
         body = add_body(name.replace(" ", "_"))
-        joints.append(Joint(name, name.removeprefix("driven "), ("ground", f"{body}.i0"), **given))
+        support = "ground.post" if name == "rod" else "ground"
+        joints.append(Joint(name, name.removeprefix("driven "), (support, f"{body}.i0"), **given))
     springs = []
     for name, given in SPRINGS.items():
         body = add_body(f"on_{name}")
@@ -166,6 +186,11 @@ def make_model() -> Model:
         bodies,
         tuple(joints),
         springs=tuple(springs),
+        motors=(
+            Motor("servo", "revolute", "angle", Constant(2.0), stiffness=30.0, integral=9.0),
+            Motor("weak", "prismatic", "distance", damping=5.0, limit=(-1.0, 2.0), speed=3.0),
+        ),
+        couplers=(Coupler("stage", "gear", ("cylindrical.angle", "planar.angle"), teeth=[17, 31]),),
         motions=(
             PrescribedDisplacement("shift", f"{displaced}.i1", AXIS, Harmonic(0.1, 10.0)),
             PrescribedRotation("turn", f"{turned}.i1", AXIS, Polynomial((0.0, 0.0, 5.0))),

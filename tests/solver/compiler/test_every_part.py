@@ -13,7 +13,7 @@ from . import every_part
 
 RATES = ("velocity", "rate", "energy", "work", "momentum")
 """words in the names of outputs that are of the order of rates"""
-ACCELERATIONS = ("acceleration", "force", "moment", "multiplier")
+ACCELERATIONS = ("acceleration", "force", "moment", "multiplier", "torque", "power")
 
 
 def order_of(name):
