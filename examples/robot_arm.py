@@ -242,7 +242,7 @@ def decay_of(time: Array, distance: Array) -> float:
 def curves(found: Found) -> Figure:
     figure, (path, torque) = view.panels(2)
     for (damping, each), color in zip(found.moves.items(), view.COLORS, strict=False):
-        label = f"damping of the arms {damping:g} s"
+        label = f"damping of the arms {1e3 * damping:g} ms"
         path.semilogy(each.time, each.distance, color=color, label=label, linewidth=0.8)
     path.semilogy(found.soft.time, found.soft.distance, color="0.4", label="softer servos")
     path.axhline(BAND, color="0.7", linewidth=0.8)
@@ -250,7 +250,11 @@ def curves(found: Found) -> Figure:
     for number, name in enumerate(("shoulder", "elbow")):
         torque.plot(last.time, last.torques[:, number], label=name, color=view.COLORS[number])
     path.set(title="distance of the load from its goal", ylabel="[m]", ylim=(1e-5, 3.0))
-    torque.set(title="torque of the servos", xlabel="time [s]", ylabel="[N m]")
+    torque.set(
+        title=f"torque of the servos, arms of {1e3 * DAMPING[-1]:g} ms",
+        xlabel="time [s]",
+        ylabel="[N m]",
+    )
     for axes in (path, torque):
         axes.legend(loc="upper right")
     view.entitle(figure, "A robot of two flexible arms that comes to rest")

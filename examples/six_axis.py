@@ -13,6 +13,7 @@ The record itself was made by `write_record`: noise of 8 to 60 Hz that sets in a
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from duhamel import solver, view
@@ -30,6 +31,7 @@ ROOT = Path(__file__).parent.parent
 RECORD = ROOT / "examples/six_axis.csv"
 EI, MASS_PER_LENGTH, L, G = 5.5, 0.0858, 0.5, 9.81
 MODES = 5
+DASHED: dict[str, Any] = {"color": "0.2", "linewidth": 0.8, "linestyle": (0, (4, 3))}
 COLUMNS = ("ax [g]", "ay [g]", "az [g]", "roll [rad/s2]", "pitch [rad/s2]", "yaw [rad/s2]")
 BAND, LINEAR, ANGULAR = (8.0, 60.0), 0.1, 3.0
 """of the noise [Hz], and its root mean square along [g] and about an axis [rad/s^2]"""
@@ -161,11 +163,11 @@ def curves(found: Found) -> Figure:
         turned.plot(found.time, 1e3 * found.angles[:, i], color=color, label=axis)
     for i, (axis, color) in enumerate(zip("yz", view.COLORS[1:], strict=False)):
         tip.plot(found.time, 1e3 * found.tip[:, i], color=color, label=axis)
-        tip.plot(found.time, 1e3 * found.expected_tip[:, i], color="0.2", linewidth=0.5)
+        tip.plot(found.time, 1e3 * found.expected_tip[:, i], **DASHED)
     given.set(title="recorded accelerations", ylabel="[g]")
     moved.set(title="displacement of the table", ylabel="[mm]")
     turned.set(title="rotation of the table", ylabel="[mrad]")
-    tip.set(title="tip in the axes of the table; thin: modes by scipy", ylabel="[mm]")
+    tip.set(title="tip in the axes of the table; dashed: modes by scipy", ylabel="[mm]")
     tip.set(xlabel="time [s]")
     for axes in (given, moved, turned, tip):
         axes.legend(loc="upper left", ncols=3)
