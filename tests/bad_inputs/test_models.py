@@ -29,6 +29,8 @@ REFUSALS = ModelError, ConvergenceError, ResultsError
 NAMES = "joint '", "contact '", "joints: ", "motion '", "body '", "step "
 """of the parts that are at odds with a bad value elsewhere"""
 
+PARTS = 4
+"""of the bad values, of which every run tries one at each key"""
 FORMS = {
     "signal": (("push", "loads", 0, "signal"), SIGNALS),
     "law": (("mechanism", "springs", 0, "law"), LAWS),
@@ -49,10 +51,10 @@ def keys_of_forms() -> Iterator[tuple[str, Place, dict[str, Any]]]:
                 yield name, (*place, key), form
 
 
-def complaints(folder: Path, name: str, document: Any, place: Place, half: int) -> Iterator[str]:
-    """What is wrong with the answers to every second bad value at a place of a document."""
+def complaints(folder: Path, name: str, document: Any, place: Place, part: int) -> Iterator[str]:
+    """What is wrong with the answers to one part of the bad values at a place of a document."""
     values = VALUES if value_at(document, place) is None else VALUES | {"no key": None}
-    for what, value in list(values.items())[half::2]:
+    for what, value in list(values.items())[part::PARTS]:
         if found := answer(folder, changed(document, place, value), place):
             yield f"{what}: {found}"
 
@@ -89,35 +91,35 @@ def _left(path: Path, model: Model) -> str:
     return f"left behind {sorted(left)}" if left else ""
 
 
-def halves(cases: Iterable[tuple[str, tuple[Any, ...]]]) -> list[Any]:
-    """Each named case with both halves of the bad values: one in every run, the other with `soak`.
+def parts(cases: Iterable[tuple[str, tuple[Any, ...]]]) -> list[Any]:
+    """Each named case with every part of the bad values: one in every run, the others with `soak`.
 
-    Which one alternates, so that every run has all values, each at every second key.
+    Which one alternates, so that every run has all values, each at every fourth key.
     """
     found = []
     for number, (name, case) in enumerate(cases):
-        for half in (0, 1):
-            marks = () if (half + number) % 2 else pytest.mark.soak
-            found.append(pytest.param(*case, half, id=f"{name}, half {half}", marks=marks))
+        for part in range(PARTS):
+            marks = () if (part + number) % PARTS == 0 else pytest.mark.soak
+            found.append(pytest.param(*case, part, id=f"{name}, part {part}", marks=marks))
     return found
 
 
 @pytest.mark.parametrize(
-    ("name", "place", "half"), halves((f"{key[0]}: {dotted(key[1])}", key) for key in keys())
+    ("name", "place", "part"), parts((f"{key[0]}: {dotted(key[1])}", key) for key in keys())
 )
-def test_a_bad_value_is_one_line_that_names_the_key(name, place, half, beam_file, beam_read_once):
-    assert list(complaints(beam_file.parent, name, DOCUMENTS[name], place, half)) == []
+def test_a_bad_value_is_one_line_that_names_the_key(name, place, part, beam_file, beam_read_once):
+    assert list(complaints(beam_file.parent, name, DOCUMENTS[name], place, part)) == []
 
 
 @pytest.mark.parametrize(
-    ("name", "place", "form", "half"),
-    halves((f"{sorted(case[2])}: {case[1][-1]}", case) for case in keys_of_forms()),
+    ("name", "place", "form", "part"),
+    parts((f"{sorted(case[2])}: {case[1][-1]}", case) for case in keys_of_forms()),
 )
 def test_a_bad_value_in_a_signal_or_a_law_is_one_line(
-    name, place, form, half, beam_file, beam_read_once
+    name, place, form, part, beam_file, beam_read_once
 ):
     document = changed(DOCUMENTS[name], place[:-1], form)
-    assert list(complaints(beam_file.parent, name, document, place, half)) == []
+    assert list(complaints(beam_file.parent, name, document, place, part)) == []
 
 
 def test_the_documents_are_models(beam_file):

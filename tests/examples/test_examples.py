@@ -50,6 +50,7 @@ def test_the_models_are_those_of_the_paper(example):
         assert torque.signal.values == tuple(case.C0 * value for value in script.TORQUE_VALUES)
 
 
+@pytest.mark.validation
 def test_helicoidal_beam(example, folder):
     script = example("helicoidal_beam")
     runs = script.main(folder)  # which checks balances, turns, heights and the tip mass both ways
