@@ -44,6 +44,8 @@ GROUND = "ground"
 STEP, STEPS = 5e-4, 24
 KINDS = sorted(JOINT_TYPES.keys() - {"rod"})
 """of joints between frames in one place, where a rod has no direction"""
+ROUNDED = 1e-6
+"""[m] a gap that rounding does not close"""
 BEFORE = {"bar": "left", "wing": "left"}
 """the interface by which a flexible body hangs on the one before it"""
 
@@ -212,6 +214,8 @@ def contact(draw, sketch, conservative, rubs):
     first, second = pair
     gap = sketch.place(second) - sketch.place(first)
     depth, sphere = draw(between(-0.002, 0.002)), draw(st.booleans())
+    if abs(depth) < ROUNDED:
+        depth = ROUNDED  # else rounding decides whether they touch, and how fast they met
     axis = draw(directions())
     axis = -axis if axis @ gap < 0.0 else axis
     ball = (np.linalg.norm(gap) if sphere else axis @ gap) + depth
