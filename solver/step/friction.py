@@ -68,6 +68,12 @@ def trial_force(couplings: Couplings, r: int, i: int, state: State, work: Worksp
 
 
 @compiled
+def _acts(work: Workspace) -> bool:
+    """Friction resists what moves in a step: at the start, and in a step without end, is none."""
+    return 0.0 < work.couplings.elapsed[0] < math.inf
+
+
+@compiled
 def _steepness(couplings: Couplings, r: int, work: Workspace) -> float:
     """stiffness + damping / h"""
     friction = couplings.friction
@@ -109,7 +115,7 @@ def set_friction_residual(
     """phi and scale of the rows with friction of coupling j, and whether it sticks."""
     friction, r, out = couplings.friction, couplings.friction_of[j], work.couplings
     end = friction.first[r] + friction.n[r]
-    if not 0.0 < out.elapsed[0] < math.inf:  # none at the start
+    if not _acts(work):
         for i in range(friction.first[r], end):
             out.phi[i] = state.couplings.lam[i]
             out.scale[i] = abs(out.phi[i])
@@ -136,6 +142,11 @@ def set_friction_derivative(
     """
     friction, r, out = couplings.friction, couplings.friction_of[j], work.couplings
     begin, n = friction.first[r], friction.n[r]
+    if not _acts(work):
+        for i in range(begin, begin + n):
+            out.A[i, :] = 0.0
+            out.Z[i, :] = 0.0
+        return
     N, size, limit, slope = bristle_of(couplings, j, first, state, work)
     slides = out.status[j] == SLIPS
     share = limit / max(size, 1e-300) if slides else 1.0

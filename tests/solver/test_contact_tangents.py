@@ -142,3 +142,10 @@ def test_the_newton_matrix_of_friction_in_a_joint(make_pair, kind, coefficient):
     point = closed(make_pair(("rigid", "flexible"), (joint,)), seed=3)
     assert point.work.couplings.status[0] == (2 if coefficient < 1.0 else 1)
     assert_newton_matrix(point)
+
+
+@pytest.mark.parametrize("elapsed", [0.0, np.inf])
+def test_the_newton_matrix_at_a_start_where_friction_does_not_act(make_pair, elapsed):  # noqa: F811
+    point = closed(make_pair(("rigid", "flexible"), contacts=(contact(friction="slips"),)))
+    point.work.couplings.elapsed[:] = elapsed
+    assert_newton_matrix(point)

@@ -292,10 +292,12 @@ def mechanisms(draw, free=False, conservative=False, loops=True, friction=True, 
 def run(model):
     """The results of a mechanism; no example is one whose joints say the same twice, nor one that
     leaves the range in which bodies can be integrated: slim ones, that a torque spins up, or that
-    a spring on them swings in less than a step.
+    a spring on them swings in less than a step: there Newton's iterations overflow, of which numpy
+    warns where compiled code does not.
     """
     try:
-        return simulate(model)
+        with np.errstate(over="ignore", invalid="ignore"):
+            return simulate(model)
     except ModelError as error:
         if "redundant" in str(error) or "singular pose" in str(error):
             reject()
