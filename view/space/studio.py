@@ -1,0 +1,197 @@
+"""Frames of a stage, painted by VTK without a screen."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from matplotlib.colors import to_rgb
+
+from ...superelement.validation import Array
+from ..errors import PictureError
+from ..scene import color as color_of
+from .camera import Camera
+from .lettering import Frame, Image
+from .stage import Batch, Stage
+from .surface import mesh_edges, surface
+
+COLOR_MAP = "turbo"
+PLAIN = (0.80, 0.82, 0.85)
+"""bodies beside those that are colored"""
+COARSE = 6000
+"""edges of a mesh below which all of them are drawn, the sharp ones alone above"""
+EDGE = (0.25, 0.27, 0.30)
+NEEDED = "needs pyvista: pip install 'duhamel[view]'"
+
+
+def pyvista() -> Any:
+    """The library; PictureError without it."""
+    try:
+        import pyvista
+    except ImportError as error:
+        raise PictureError(f"a picture in space {NEEDED}") from error
+    return pyvista
+
+
+class Studio:
+    """A stage with its camera and light: `frames` paints them one after the other."""
+
+    def __init__(self, stage: Stage, camera: Camera, frame: Frame) -> None:
+        self._stage, self._frame = stage, frame
+        self._plotter: Any = pyvista().Plotter(off_screen=True, window_size=frame.size, lighting="none")
+        self._plotter.set_background("white")
+        self._plotter.enable_anti_aliasing("msaa", multi_samples=8)
+        self._figures = [
+            _BodyFigure(self._plotter, stage, number) for number in range(len(stage.bodies))
+        ]
+        self._marks = [_MarkFigure(self._plotter, mark) for mark in stage.marks]
+        self._set_light(camera)
+        self._aim(camera)
+
+    def __enter__(self) -> "Studio":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._plotter.close()
+
+    def frames(self, batch: Batch) -> Iterator[Image]:
+        """The frames of a batch, without letters."""
+        marks = list(self._stage.mark_positions(batch.rows))
+        for k in range(len(batch)):
+            for figure, positions, values in zip(
+                self._figures, batch.positions, batch.values, strict=True
+            ):
+                figure.move(positions[k], None if values is None else values[k])
+            for mark, places in zip(self._marks, marks, strict=True):
+                mark.move(places[k])
+            self._plotter.render()
+            yield np.asarray(self._plotter.screenshot(return_img=True))[:, :, :3]
+
+    def _set_light(self, camera: Camera) -> None:
+        library = pyvista()
+        right, up, towards = camera.axes
+        for direction, strength in (
+            (-0.5 * right + 0.8 * up + 0.9 * towards, 0.62),
+            (0.8 * right + 0.15 * up + 0.8 * towards, 0.28),
+            (towards, 0.22),
+        ):
+            light = library.Light(light_type="scene light", intensity=strength)
+            light.positional = False
+            light.position, light.focal_point = tuple(direction), (0.0, 0.0, 0.0)
+            self._plotter.add_light(light)
+
+    def _aim(self, camera: Camera) -> None:
+        """Put what the camera sees between the margins."""
+        (width, height), (left, right, bottom, top) = self._frame.size, self._frame.margins
+        pixel = camera.height / (height - bottom - top)
+        across, up, towards = camera.axes
+        focus = camera.focus - 0.5 * pixel * ((left - right) * across + (bottom - top) * up)
+        view = self._plotter.camera
+        view.parallel_projection = True
+        view.focal_point = tuple(focus)
+        view.position = tuple(focus + 4.0 * camera.depth * towards)
+        view.up = tuple(up)
+        view.parallel_scale = 0.5 * pixel * height
+        view.clipping_range = (2.0 * camera.depth, 6.0 * camera.depth)
+
+
+class _BodyFigure:
+    """The triangles and lines of a body."""
+
+    def __init__(self, plotter: Any, stage: Stage, number: int) -> None:
+        body = stage.bodies[number]
+        outline, told = body.outline, body.name not in stage.untold and body in stage.colored()
+        self._colored = bool(stage.field) and told
+        self._surface = surface(body.X, outline.triangles) if len(outline.triangles) else None
+        style: dict[str, Any] = {
+            "color": PLAIN if stage.field else _tint(number),
+            "show_scalar_bar": False,
+        }
+        if self._colored:
+            style |= {"scalars": "value", "cmap": COLOR_MAP, "clim": (0.0, stage.largest or 1.0)}
+        self._mesh, self._lines, self._rods = None, None, None
+        if self._surface is not None:
+            self._mesh = _mesh(body.X[self._surface.copies], triangles=self._surface.triangles)
+            self._mesh.point_data["value"] = np.zeros(len(self._surface.copies), np.float32)
+            self._mesh.point_data["Normals"] = np.zeros((len(self._surface.copies), 3), np.float32)
+            self._mesh.point_data.active_normals_name = "Normals"
+            plotter.add_mesh(
+                self._mesh,
+                smooth_shading=None,
+                ambient=0.25,
+                diffuse=0.85,
+                specular=0.12,
+                specular_power=12,
+                **style,
+            ).prop.interpolation = "Phong"
+            edges = self._surface.edges
+            if body.flexible and len(every := mesh_edges(outline.cells)) < COARSE:
+                edges = every
+            if len(edges):
+                self._lines = _mesh(body.X, lines=edges)
+                plotter.add_mesh(
+                    self._lines, color=EDGE, line_width=1.0, opacity=0.55, lighting=False
+                )
+        if len(outline.lines):
+            self._rods = _mesh(body.X, lines=outline.lines)
+            self._rods.point_data["value"] = np.zeros(len(body.X), np.float32)
+            style["render_lines_as_tubes"] = True
+            plotter.add_mesh(self._rods, line_width=6.0, **style)
+
+    def move(self, points: Array, values: Array | None) -> None:
+        if self._mesh is not None and self._surface is not None:
+            here = points[self._surface.copies]
+            self._mesh.points = here
+            self._mesh.point_data["Normals"][:] = self._surface.normals(here)
+            if values is not None:
+                self._mesh.point_data["value"][:] = values[self._surface.copies]
+            self._mesh.Modified()
+        if self._lines is not None:
+            self._lines.points = points
+        if self._rods is not None:
+            self._rods.points = points
+            if values is not None:
+                self._rods.point_data["value"][:] = values
+
+
+class _MarkFigure:
+    """A mark, which lies before all bodies."""
+
+    def __init__(self, plotter: Any, mark: Any) -> None:
+        glyph = mark.glyph
+        self._mesh = _mesh(glyph.points, triangles=glyph.triangles, lines=glyph.lines)
+        shaded = bool(len(glyph.triangles))
+        actor = plotter.add_mesh(
+            self._mesh,
+            color=mark.color,
+            line_width=2.5,
+            ambient=0.45,
+            diffuse=0.6,
+            lighting=shaded,
+            opacity=0.85 if shaded else 1.0,
+        )
+        mapper = actor.mapper
+        mapper.SetResolveCoincidentTopologyToPolygonOffset()
+        mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(0.0, -66000.0)
+        mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0.0, -66000.0)
+
+    def move(self, points: Array) -> None:
+        self._mesh.points = points.astype(np.float32)
+
+
+def _mesh(points: Array, triangles: Any = None, lines: Any = None) -> Any:
+    parts: dict[str, Any] = {}
+    if triangles is not None and len(triangles):
+        parts["faces"] = _counted(triangles)
+    if lines is not None and len(lines):
+        parts["lines"] = _counted(lines)
+    return pyvista().PolyData(points.astype(np.float32), **parts)
+
+
+def _counted(cells: Any) -> Any:
+    """Cells (n, k) as VTK reads them, each after the number of its points."""
+    return np.column_stack([np.full(len(cells), cells.shape[1]), cells]).ravel()
+
+
+def _tint(number: int) -> tuple[float, ...]:
+    """A light color for each body."""
+    return tuple(0.45 + 0.55 * channel for channel in to_rgb(color_of(number)))
