@@ -14,6 +14,7 @@ from .overview import overview
 from .picture import COLORS, draw, entitle, panels, save, style
 from .quantities import Curve, curves
 from .scene import Cross, Marker, Patch, Scene, draw_scene
+from .space import Film, animate
 from .variation import draw_variation
 
 __all__ = [
@@ -22,6 +23,7 @@ __all__ = [
     "Cross",
     "Curve",
     "Field",
+    "Film",
     "Marker",
     "ModeShape",
     "Patch",
@@ -32,6 +34,7 @@ __all__ = [
     "Scene",
     "SeriesError",
     "SeriesWarning",
+    "animate",
     "curves",
     "draw",
     "draw_campbell",

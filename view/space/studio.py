@@ -20,7 +20,11 @@ PLAIN = (0.80, 0.82, 0.85)
 COARSE = 6000
 """edges of a mesh below which all of them are drawn, the sharp ones alone above"""
 EDGE = (0.25, 0.27, 0.30)
-NEEDED = "needs pyvista: pip install 'duhamel[view]'"
+NEEDED = "duhamel animate needs pyvista: pip install 'duhamel[view]'"
+BLIND = (
+    "OpenGL was not found, not even in software: Debian has it in libgl1, libegl1, libegl-mesa0 "
+    "and libgl1-mesa-dri"
+)
 
 
 def pyvista() -> Any:
@@ -28,8 +32,19 @@ def pyvista() -> Any:
     try:
         import pyvista
     except ImportError as error:
-        raise PictureError(f"a picture in space {NEEDED}") from error
+        raise PictureError(NEEDED) from error
     return pyvista
+
+
+def _window(size: tuple[int, int]) -> Any:
+    """What VTK draws in, without a screen; PictureError where the machine cannot."""
+    library = pyvista()
+    # It says that there is no screen, which nobody asked for.
+    with library.vtk_verbosity("off"):
+        plotter = library.Plotter(off_screen=True, window_size=size, lighting="none")
+        if not plotter.render_window.SupportsOpenGL():
+            raise PictureError(BLIND)
+    return plotter
 
 
 class Studio:
@@ -37,7 +52,7 @@ class Studio:
 
     def __init__(self, stage: Stage, camera: Camera, frame: Frame) -> None:
         self._stage, self._frame = stage, frame
-        self._plotter: Any = pyvista().Plotter(off_screen=True, window_size=frame.size, lighting="none")
+        self._plotter = _window(frame.size)
         self._plotter.set_background("white")
         self._plotter.enable_anti_aliasing("msaa", multi_samples=8)
         self._figures = [
