@@ -152,7 +152,9 @@ def size_of(text: str | None) -> tuple[int, int] | None:
 
 def told(film: "Film") -> str:
     """What a film shows."""
-    words = ["1 frame"] if film.frames == 1 else [f"{film.frames} frames", f"{film.seconds:.3g} s long"]
+    words = (
+        ["1 frame"] if film.frames == 1 else [f"{film.frames} frames", f"{film.seconds:.3g} s long"]
+    )
     if film.magnification != 1.0:
         words.append(f"deformation x {film.magnification:g}")
     return ", ".join(words)

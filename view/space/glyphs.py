@@ -65,9 +65,7 @@ def box(x: float, y: float, z: float) -> Glyph:
 
 def triad() -> Glyph:
     """Three lines of length 1 along the axes."""
-    return Glyph(
-        np.vstack([np.zeros(3), np.eye(3)]), lines=np.array([(0, 1), (0, 2), (0, 3)])
-    )
+    return Glyph(np.vstack([np.zeros(3), np.eye(3)]), lines=np.array([(0, 1), (0, 2), (0, 3)]))
 
 
 def coil() -> Glyph:

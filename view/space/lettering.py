@@ -1,8 +1,8 @@
 """What is written around a picture: title, time, the scale of colors, what is magnified."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
-import matplotlib
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colorbar import Colorbar
@@ -40,7 +40,7 @@ class Lettering:
     label: str = ""
     unit: str = ""
     largest: float = 0.0
-    color_map: str = "turbo"
+    color_map: Any = "turbo"
     axes: Array = field(default_factory=lambda: np.eye(3))
 
 
@@ -56,6 +56,11 @@ class Frame:
         """Of letters."""
         width, height = self.size
         return max(min(height, width * 9.0 / 16.0) / HEIGHT, 0.4)
+
+    def pixel(self, seen: float) -> float:
+        """The length of a pixel where a height `seen` lies between the margins [m]."""
+        _, _, bottom, top = self.margins
+        return seen / (self.size[1] - bottom - top)
 
     @property
     def margins(self) -> tuple[float, float, float, float]:
@@ -105,7 +110,13 @@ def _write_notes(figure: Figure, frame: Frame, words: Lettering, points: float) 
     room = x * width - 90.0 * e
     note = fitting("   ".join(words.notes), room, 0.9 * SMALL * e)
     figure.text(
-        90.0 * e / width, y, note, color="0.25", fontsize=SMALL * points, va="center", parse_math=False
+        90.0 * e / width,
+        y,
+        note,
+        color="0.25",
+        fontsize=SMALL * points,
+        va="center",
+        parse_math=False,
     )
 
 
@@ -121,25 +132,21 @@ def _draw_axes(figure: Figure, frame: Frame, axes: Array, points: float) -> None
             continue
         pane.plot([0.0, direction[0]], [0.0, direction[1]], color=color, linewidth=2.2 * points)
         x, y = 1.0 * direction + 0.32 * direction / np.linalg.norm(direction)
-        pane.text(
-            x, y, name, color=color, ha="center", va="center", fontsize=0.9 * SMALL * points
-        )
+        pane.text(x, y, name, color=color, ha="center", va="center", fontsize=0.9 * SMALL * points)
 
 
 def _draw_scale(figure: Figure, frame: Frame, words: Lettering, points: float) -> None:
     (width, height), e = frame.size, frame.enlarged
     exponent = 0 if words.unit in UNPREFIXED else _exponent(words.largest)
     largest = words.largest / 10.0**exponent or 1.0
-    pane = figure.add_axes(
-        (1.0 - (SIDE - 34.0) * e / width, 0.16, 20.0 * e / width, 0.62)
-    )
+    pane = figure.add_axes((1.0 - (SIDE - 34.0) * e / width, 0.16, 20.0 * e / width, 0.62))
     norm = Normalize(0.0, largest)
-    bar = Colorbar(pane, cmap=matplotlib.colormaps[words.color_map], norm=norm)
+    bar = Colorbar(pane, cmap=words.color_map, norm=norm)
     bar.outline.set_visible(False)
     step = [tick for tick in pane.get_yticks() if 0.0 <= tick < 0.93 * largest]
     bar.set_ticks([*step, largest], labels=[f"{t:.3g}" for t in (*step, largest)])
     pane.tick_params(labelsize=SMALL * points, length=3 * points, width=0.7 * points)
-    name = words.label.replace(" ", "\n", 1)
+    name = "\n".join(words.label.rsplit(" ", 1))
     figure.text(
         1.0 - (SIDE - 34.0) * e / width,
         0.795,

@@ -2,29 +2,29 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from ...results import Results
+from ...results import Connection, Results
+from ...results.motion import ContactMotion
 from ...superelement.validation import Array
 from . import glyphs
-from .bodies import Body, place_of
+from .bodies import HANGING, Body, place_of
 from .glyphs import Glyph
 from .tracks import GROUND, Track, Tracks
 
 JOINT, SPRING, CONTACT, FORCE = "#274c8f", "#1b7f4d", "#d62728", "#d9480f"
 AXES = ("#c1272d", "#2e8b40", "#2456a6")
-GROUNDED = "#5c636a"
-SPRINGS = ("springs",)
-LONGEST = 0.2
+GROUNDED, LEG = "#5c636a", "#9aa1ab"
+LONGEST = 0.15
 """of arrows, over the size of the model"""
 LEAST = 0.03
 """of the largest force: those below have no arrow"""
 WIDE = 1.5
 """width of springs over the radius of marks"""
 
-SPHERE = glyphs.sphere()
+SPHERE, ARROW, TRIAD, COIL = glyphs.sphere(), glyphs.arrow(), glyphs.triad(), glyphs.coil()
+SEGMENT = glyphs.segment()
 BY_TYPE: dict[str, Glyph] = {
     "revolute": glyphs.cylinder(0.75, 3.2),
     "cylindrical": glyphs.cylinder(0.6, 4.4),
@@ -43,7 +43,7 @@ BY_TYPE: dict[str, Glyph] = {
 class Mark:
     """A glyph and where it is: its points turn and stretch by A (k, 3, 3) and lie at x (k, 3).
 
-    A is 0 where there is nothing to see.
+    A is 0 where there is nothing to see; before: it is seen through all bodies.
     """
 
     kind: str
@@ -51,6 +51,7 @@ class Mark:
     glyph: Glyph
     x: Array
     A: Array
+    before: bool = True
 
     def position(self, rows: slice) -> Array:
         """(k, p, 3) [m]"""
@@ -69,6 +70,9 @@ class Placing:
 
     def find(self, name: str) -> Track | None:
         return self.tracks.find(name)
+
+    def flexible(self, body: str) -> bool:
+        return body in self._bodies and self._bodies[body].flexible
 
     def seen(self, frame: Track) -> Array:
         """The position (k, 3) of a frame as the deformation of its body is seen [m]."""
@@ -96,78 +100,117 @@ def marks_of(results: Results, placing: Placing, radius: float, size: float) -> 
     """
     found: list[Mark] = []
     for coupling in results.couplings:
-        found += _of_coupling(results, placing, coupling, radius)
-    forces, _ = _forces(results, placing, size)
-    return (*found, *forces)
+        ends = tuple(placing.find(name) for name in coupling.between)
+        if coupling.group == "contacts":
+            found += _contact(results, coupling, placing.tracks, radius)
+        elif coupling.group == "springs" or coupling.type == "rod":
+            found += _between(coupling, placing, radius)
+        elif coupling.group in ("joints", "motions"):
+            found += _joint(coupling, ends, placing, radius)
+        if coupling.group in HANGING:
+            found += _grounds(coupling, placing.tracks, radius)
+    found += _legs(results, placing, radius)
+    found += _forces(results, placing, size)
+    return tuple(found)
 
 
 def largest_force(results: Results, tracks: Tracks) -> float:
     """The largest force that has an arrow [N]."""
-    return max((float(np.linalg.norm(f, axis=1).max()) for _, f in _loaded(results, tracks)), default=0.0)
+    forces = (np.linalg.norm(force, axis=1).max() for _, force in _loaded(results, tracks))
+    return float(max(forces, default=0.0))
 
 
-def _of_coupling(
-    results: Results, placing: Placing, coupling: Any, radius: float
+def is_ground(name: str) -> bool:
+    return name.partition(".")[0] == GROUND
+
+
+def _joint(
+    coupling: Connection, ends: tuple[Track | None, ...], placing: Placing, radius: float
 ) -> Iterator[Mark]:
-    ends = [placing.find(name) for name in coupling.between]
-    here = [end for end in ends if end is not None]
-    if not here:
+    """At the frame that moves; with the axes of the first frame, in which its axis is given."""
+    moving = [
+        end for name, end in zip(coupling.between, ends, strict=True) if end and not is_ground(name)
+    ]
+    if not moving:
         return
-    first = here[0]
-    if coupling.group == "contacts":
-        yield from _contact(results, coupling.name, placing, radius)
-    elif coupling.group == "springs" or coupling.type == "rod":
-        yield from _spring(coupling, [placing.seen(end) for end in here], radius)
-    elif coupling.group in ("joints", "motions"):
-        yield _joint(coupling, first, placing.seen(first), radius)
-    for name, other in zip(coupling.between, reversed(coupling.between), strict=True):
-        if name.partition(".")[0] == GROUND:
-            track = placing.find(name) or placing.find(other)
-            if track is not None and coupling.group != "contacts":
-                yield _ground(track, radius)
+    glyph, axes = BY_TYPE.get(coupling.type, SPHERE), ends[0]
+    axis = np.array([0.0, 0.0, 1.0]) if coupling.axis is None else np.asarray(coupling.axis)
+    x = placing.seen(moving[0])
+    if is_ground(coupling.between[0]):
+        way = np.broadcast_to(axis, x.shape)
+    elif axes is not None:
+        way = axes.turned(axis)
+    else:
+        glyph, way = SPHERE, np.broadcast_to(axis, x.shape)
+    yield Mark("joints", JOINT, glyph, x, radius * along(way))
 
 
-def _joint(coupling: Any, frame: Track, x: Array, radius: float) -> Mark:
-    glyph = BY_TYPE.get(coupling.type, SPHERE)
-    axis = frame.rotation, (0.0, 0.0, 1.0) if coupling.axis is None else coupling.axis
-    A = radius * along(Track(x, axis[0]).turned(np.asarray(axis[1], dtype=float)))
-    return Mark("joints", JOINT, glyph, x, A)
-
-
-def _spring(coupling: Any, ends: list[Array], radius: float) -> Iterator[Mark]:
-    color = JOINT if coupling.type == "rod" else SPRING
-    kind = "joints" if coupling.type == "rod" else "springs"
-    way = ends[-1] - ends[0]
+def _between(coupling: Connection, placing: Placing, radius: float) -> Iterator[Mark]:
+    """A spring or a rod, as long as it is; a ball where it is short, as a bushing."""
+    first, second = coupling.between
+    tracks = placing.tracks
+    ends = [tracks.end(first, second), tracks.end(second, first)]
+    if ends[0] is None or ends[1] is None:
+        return
+    kind, color = ("joints", JOINT) if coupling.type == "rod" else ("springs", SPRING)
+    start = placing.seen(ends[0])
+    way = placing.seen(ends[1]) - start
     length = np.linalg.norm(way, axis=1)
     if length.max() < 2.0 * radius:
         A = np.broadcast_to(1.2 * radius * np.eye(3), (len(way), 3, 3))
-        yield Mark(kind, color, SPHERE, ends[0], A)
+        yield Mark(kind, color, SPHERE, start, A)
         return
     A = along(way)
     A[:, :, :2] *= WIDE * radius
     A[:, :, 2] *= length[:, None]
-    yield Mark(kind, color, glyphs.segment() if kind == "joints" else glyphs.coil(), ends[0], A)
+    yield Mark(kind, color, SEGMENT if kind == "joints" else COIL, start, A)
 
 
-def _contact(results: Results, name: str, placing: Placing, radius: float) -> Iterator[Mark]:
-    if f"contacts/{name}" not in results.recorded or name not in results.contacts:
+def _grounds(coupling: Connection, tracks: Tracks, radius: float) -> Iterator[Mark]:
+    """A small triad where something is held by the ground."""
+    first, second = coupling.between
+    for name, other in ((first, second), (second, first)):
+        track = tracks.end(name, other) if is_ground(name) else None
+        if track is not None:
+            A = np.broadcast_to(4.0 * radius * np.eye(3), (len(track.position), 3, 3))
+            yield Mark("ground", GROUNDED, TRIAD, track.position, A)
+
+
+def _legs(results: Results, placing: Placing, radius: float) -> Iterator[Mark]:
+    """Lines from the centers of rigid bodies to their frames, which shapes may not reach."""
+    seen: set[str] = set()
+    for coupling in results.couplings:
+        for name in coupling.between:
+            body, _, frame = name.partition(".")
+            track = placing.find(name) if frame and body != GROUND else None
+            if name in seen or track is None or placing.flexible(body):
+                continue
+            seen.add(name)
+            center = placing.tracks.body(body).position
+            A = along(track.position - center)
+            A[:, :, 2] *= np.linalg.norm(track.position - center, axis=1)[:, None]
+            if np.linalg.norm(A[0, :, 2]) > 2.0 * radius:
+                yield Mark("bodies", LEG, SEGMENT, center, A, before=False)
+
+
+def _contact(
+    results: Results, coupling: Connection, tracks: Tracks, radius: float
+) -> Iterator[Mark]:
+    """A ball where it is closed."""
+    name = coupling.name
+    if f"contacts/{name}" not in results.recorded:
         return
     motion = results.contact(name)
-    tracks = placing.tracks
-    closed = tracks.at(motion.state) > 0.0
+    assert isinstance(motion, ContactMotion)
+    closed = tracks.nearest(motion.state) > 0.0
     A = np.where(closed[:, None, None], 1.3 * radius * np.eye(3), 0.0)
     yield Mark("contacts", CONTACT, SPHERE, tracks.at(motion.point), A)
 
 
-def _ground(track: Track, radius: float) -> Mark:
-    A = np.broadcast_to(4.0 * radius * np.eye(3), (len(track.position), 3, 3))
-    x = np.broadcast_to(track.position[:1], track.position.shape)
-    return Mark("ground", GROUNDED, glyphs.triad(), x, A)
-
-
 def _loaded(results: Results, tracks: Tracks) -> Iterator[tuple[Track, Array]]:
     """Frames with the forces (k, 3) on them [N]; of two joined ones the second alone."""
-    known = [f"{name}" for name in results.frames if f"frames/{name}" in results.recorded]
+    recorded = set(results.recorded)
+    known = [name for name in results.frames if f"frames/{name}" in recorded]
     joined = {
         coupling.between[0]
         for coupling in results.couplings
@@ -179,20 +222,16 @@ def _loaded(results: Results, tracks: Tracks) -> Iterator[tuple[Track, Array]]:
             yield track, track.force[:, :3]
 
 
-def _forces(results: Results, placing: Placing, size: float) -> tuple[list[Mark], float]:
-    tracks = placing.tracks
-    largest = largest_force(results, tracks)
-    if not largest:
-        return [], 0.0
-    found = []
-    for track, force in _loaded(results, tracks):
+def _forces(results: Results, placing: Placing, size: float) -> Iterator[Mark]:
+    """Arrows with one scale for all of them and all frames."""
+    largest = largest_force(results, placing.tracks)
+    for track, force in _loaded(results, placing.tracks):
         strength = np.linalg.norm(force, axis=1)
-        if strength.max() < LEAST * largest:
-            continue
-        length = np.where(strength > LEAST * largest, strength, 0.0) * LONGEST * size / largest
-        A = along(force) * length[:, None, None]
-        found.append(Mark("forces", FORCE, glyphs.arrow(), placing.seen(track), A))
-    return found, largest
+        shown = strength > LEAST * largest
+        if shown.any():
+            length = np.where(shown, strength, 0.0) * LONGEST * size / largest
+            A = along(force) * length[:, None, None]
+            yield Mark("forces", FORCE, ARROW, placing.seen(track), A)
 
 
 def along(z: Array) -> Array:

@@ -116,9 +116,7 @@ class Stage:
         return Batch(rows, tuple(positions), tuple(values))
 
     def _chosen_magnification(self) -> float:
-        largest = max(
-            body.largest_deformation(rows) for body in self.bodies for rows in self._rows
-        )
+        largest = max(body.largest_deformation(rows) for body in self.bodies for rows in self._rows)
         return magnification(largest, self.size)
 
     def _largest_value(self) -> float:

@@ -3,22 +3,27 @@
 from collections.abc import Iterator
 from typing import Any
 
+import matplotlib
 import numpy as np
-from matplotlib.colors import to_rgb
+from matplotlib.colors import LinearSegmentedColormap, to_rgb
 
 from ...superelement.validation import Array
 from ..errors import PictureError
 from ..scene import color as color_of
+from .bodies import Body
 from .camera import Camera
 from .lettering import Frame, Image
 from .stage import Batch, Stage
-from .surface import mesh_edges, surface
+from .surface import IntArray, mesh_edges, surface
 
-COLOR_MAP = "turbo"
+COLOR_MAP = LinearSegmentedColormap.from_list(
+    "stage", matplotlib.colormaps["turbo"](np.linspace(0.07, 0.98, 256))
+)
+"""turbo without its darkest ends, which light and shade would make black"""
 PLAIN = (0.80, 0.82, 0.85)
 """bodies beside those that are colored"""
-COARSE = 6000
-"""edges of a mesh below which all of them are drawn, the sharp ones alone above"""
+APART = 7.0
+"""the least length of usual edges [pixels] that are drawn: shorter ones would blacken a body"""
 EDGE = (0.25, 0.27, 0.30)
 NEEDED = "duhamel animate needs pyvista: pip install 'duhamel[view]'"
 BLIND = (
@@ -55,8 +60,9 @@ class Studio:
         self._plotter = _window(frame.size)
         self._plotter.set_background("white")
         self._plotter.enable_anti_aliasing("msaa", multi_samples=8)
+        pixel = frame.pixel(camera.height)
         self._figures = [
-            _BodyFigure(self._plotter, stage, number) for number in range(len(stage.bodies))
+            _BodyFigure(self._plotter, stage, number, pixel) for number in range(len(stage.bodies))
         ]
         self._marks = [_MarkFigure(self._plotter, mark) for mark in stage.marks]
         self._set_light(camera)
@@ -97,7 +103,7 @@ class Studio:
     def _aim(self, camera: Camera) -> None:
         """Put what the camera sees between the margins."""
         (width, height), (left, right, bottom, top) = self._frame.size, self._frame.margins
-        pixel = camera.height / (height - bottom - top)
+        pixel = self._frame.pixel(camera.height)
         across, up, towards = camera.axes
         focus = camera.focus - 0.5 * pixel * ((left - right) * across + (bottom - top) * up)
         view = self._plotter.camera
@@ -112,7 +118,7 @@ class Studio:
 class _BodyFigure:
     """The triangles and lines of a body."""
 
-    def __init__(self, plotter: Any, stage: Stage, number: int) -> None:
+    def __init__(self, plotter: Any, stage: Stage, number: int, pixel: float) -> None:
         body = stage.bodies[number]
         outline, told = body.outline, body.name not in stage.untold and body in stage.colored()
         self._colored = bool(stage.field) and told
@@ -138,9 +144,7 @@ class _BodyFigure:
                 specular_power=12,
                 **style,
             ).prop.interpolation = "Phong"
-            edges = self._surface.edges
-            if body.flexible and len(every := mesh_edges(outline.cells)) < COARSE:
-                edges = every
+            edges = _drawn_edges(body, self._surface.edges, pixel)
             if len(edges):
                 self._lines = _mesh(body.X, lines=edges)
                 plotter.add_mesh(
@@ -168,6 +172,24 @@ class _BodyFigure:
                 self._rods.point_data["value"][:] = values
 
 
+def _drawn_edges(body: Body, sharp: IntArray, pixel: float) -> IntArray:
+    """The edges of a solid mesh where they are apart on a picture, else the sharp ones, or none."""
+    for edges in (mesh_edges(body.outline.cells), sharp):
+        a, b = body.X[edges[:, 0]], body.X[edges[:, 1]]
+        lengths = np.linalg.norm(b - a, axis=1)
+        meshed = edges is not sharp
+        if meshed and (not body.flexible or body.outline.node is not None):
+            continue
+        if len(edges) and np.percentile(lengths, 25.0 if meshed else 50.0) >= APART * pixel:
+            return edges
+    return sharp if body.outline.node is None and _width(body) >= 3.0 * APART * pixel else sharp[:0]
+
+
+def _width(body: Body) -> float:
+    """The second largest length of the box of a body [m]."""
+    return float(np.sort(np.ptp(body.X, axis=0))[1])
+
+
 class _MarkFigure:
     """A mark, which lies before all bodies."""
 
@@ -184,6 +206,8 @@ class _MarkFigure:
             lighting=shaded,
             opacity=0.85 if shaded else 1.0,
         )
+        if not mark.before:
+            return
         mapper = actor.mapper
         mapper.SetResolveCoincidentTopologyToPolygonOffset()
         mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(0.0, -66000.0)

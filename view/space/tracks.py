@@ -39,6 +39,7 @@ class Tracks:
         self._instants: Instants = instants(results.time, times)
         self._recorded = set(results.recorded)
         self._bodies: dict[str, Track] = {}
+        self._frames: dict[str, Track] = {}
 
     def at(self, rows: Array) -> Array:
         """Rows (n, ...) of the recorded steps at the times (k, ...)."""
@@ -61,25 +62,44 @@ class Tracks:
             self._bodies[name] = Track(self.at(motion.x), self.rotation_at(motion.R), name)
         return self._bodies[name]
 
+    def nearest(self, rows: Array) -> Array:
+        """Rows (n, ...) of the recorded steps that are nearest to the times (k, ...)."""
+        when = self._instants
+        nearest: Array = rows[np.where(when.share < 0.5, when.before, when.after)]
+        return nearest
+
     def find(self, name: str) -> Track | None:
-        """The track of "BODY.FRAME", "BODY" or "ground.FRAME"; None where it was not recorded."""
+        """The track of "BODY.FRAME", "BODY" or "ground.FRAME"; None where it is not known."""
         body, _, frame = name.partition(".")
         if body == GROUND:
-            return self._on_ground(frame)
+            known = self._results.ground_frames
+            return self._still(known[frame]) if frame in known else None
         if f"frames/{name}" in self._recorded:
+            return self._frame(name)
+        return self.body(body) if not frame and f"bodies/{body}" in self._recorded else None
+
+    def end(self, name: str, other: str) -> Track | None:
+        """The track of an end of a coupling; "ground" is where the other end starts."""
+        if name != GROUND:
+            return self.find(name)
+        if f"frames/{other}" in self._recorded:
+            return self._still(self._results.frame(other).position[0])
+        if f"bodies/{other}" in self._recorded:
+            return self._still(self._results.body(other).x[0])
+        return None
+
+    def _frame(self, name: str) -> Track:
+        if name not in self._frames:
             motion = self._results.frame(name)
-            return Track(
+            self._frames[name] = Track(
                 self.at(motion.position),
                 self.rotation_at(motion.rotation),
-                body,
+                name.partition(".")[0],
                 self.at(motion.u),
                 self.at(motion.force),
             )
-        return self.body(body) if not frame and f"bodies/{body}" in self._recorded else None
+        return self._frames[name]
 
-    def _on_ground(self, frame: str) -> Track | None:
-        known = self._results.ground_frames
-        if frame not in known:
-            return None
+    def _still(self, position: Array) -> Track:
         shape = (len(self.times), 1)
-        return Track(np.tile(known[frame], shape), np.tile([1.0, 0.0, 0.0, 0.0], shape))
+        return Track(np.tile(position, shape), np.tile([1.0, 0.0, 0.0, 0.0], shape))

@@ -1,10 +1,13 @@
 """Films and pictures as files, which appear whole or not at all."""
 
 import re
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Protocol
+
+import numpy as np
 
 from ...files.outputs import renamed_when_whole
 from ..errors import PictureError
@@ -86,35 +89,40 @@ class _Stills:
 
 
 class _Moving:
-    """A GIF: frames in the colors that some of them share."""
+    """A GIF: frames in the colors that some of them share. Until then they are kept packed."""
 
     def __init__(self, fps: float) -> None:
         self._duration = max(round(100.0 / fps), 2) * 10
-        self._frames: list[Any] = []
-        self._raw: list[Image] = []
-        self._palette: Any = None
+        self._packed: list[bytes] = []
+        self._shape: tuple[int, ...] = ()
 
     def put(self, image: Image) -> None:
-        if self._palette is None:
-            self._palette = _palette_of(image)
-        self._frames.append(_picture(image).quantize(palette=self._palette, dither=0))
+        self._shape = image.shape
+        self._packed.append(zlib.compress(image.tobytes(), 1))
 
     def save(self, path: Path) -> None:
-        first, *others = self._frames
-        first.save(
+        palette = self._palette()
+        frames = (
+            self._frame(n).quantize(palette=palette, dither=0) for n in range(len(self._packed))
+        )
+        next(frames).save(
             path,
             format="GIF",
             save_all=True,
-            append_images=others,
+            append_images=frames,
             duration=self._duration,
             loop=0,
-            optimize=False,
             disposal=1,
         )
 
+    def _palette(self) -> Any:
+        chosen = np.linspace(0, len(self._packed) - 1, SAMPLED).round().astype(int)
+        together = np.concatenate([np.asarray(self._frame(n)) for n in np.unique(chosen)])
+        return _picture(together).quantize(COLORS, dither=0)
 
-def _palette_of(image: Image) -> Any:
-    return _picture(image).quantize(COLORS, dither=0)
+    def _frame(self, number: int) -> Any:
+        raw = np.frombuffer(zlib.decompress(self._packed[number]), dtype=np.uint8)
+        return _picture(raw.reshape(self._shape))
 
 
 @contextmanager
