@@ -109,7 +109,8 @@ def animate(
     by how much. Colors have one scale for all frames. With --at: RESULTS.png.
     """
     began = perf_counter()
-    from .. import results, view as pictures
+    from .. import results
+    from .. import view as pictures
     from ..files.outputs import clash
 
     target = output or results_file.with_suffix(".mp4" if at is None else ".png")

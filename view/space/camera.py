@@ -8,8 +8,6 @@ import numpy as np
 from ...superelement.validation import Array
 from ..errors import PictureError
 
-ABOVE, ASIDE = np.radians(22.0), np.radians(35.0)
-"""of the look at a motion in space: above the horizon, and aside of the axis that is seen least"""
 TILT = np.radians(12.0), np.radians(-10.0)
 """of the look at a motion in a plane, about the axes of the picture across and up"""
 PLANE = 0.12
@@ -44,7 +42,7 @@ def axes_towards(eye: Array, up: Array) -> Array:
     right = np.cross(up, towards)
     if np.linalg.norm(right) < 1e-6:
         right = np.cross(np.eye(3)[int(np.abs(towards).argmin())], towards)
-    right /= np.linalg.norm(right)
+    right = right / np.linalg.norm(right)
     return np.array([right, np.cross(towards, right), towards])
 
 
@@ -76,17 +74,19 @@ def direction_of(view: str) -> Array:
     if direction.shape != (3,) or not np.isfinite(direction).all() or not direction.any():
         known = ", ".join(["iso", *NAMED])
         raise PictureError(f"--view: expected {known} or a direction x,y,z, found {view!r}")
-    return direction / np.linalg.norm(direction)
+    unit: Array = direction / np.linalg.norm(direction)
+    return unit
 
 
 def _isometric(up: Array) -> Array:
     """The usual direction towards the eye, where this is up."""
     if abs(up[2]) > 0.9:
-        return ISO * [1.0, 1.0, np.sign(up[2])]
+        return np.array([ISO[0], ISO[1], np.sign(up[2]) * ISO[2]])
     # x stays to the right where it can
     ahead = np.cross([1.0, 0.0, 0.0] if abs(up[0]) < 0.9 else [0.0, 1.0, 0.0], up)
     side = np.cross(up, ahead)
-    return -ISO[1] * ahead + ISO[0] * side + ISO[2] * up
+    eye: Array = -ISO[1] * ahead + ISO[0] * side + ISO[2] * up
+    return eye
 
 
 def _by_spread(spread: Array, up: Array, falls: bool) -> Array:
@@ -109,7 +109,8 @@ def _outward(normal: Array) -> Array:
     """Of both normals of a plane the one that is looked against: +z, -y, +x."""
     along = int(np.abs(normal).argmax())
     wanted = (1.0, -1.0, 1.0)[along]
-    return normal * np.sign(normal[along]) * wanted
+    outward: Array = normal * np.sign(normal[along]) * wanted
+    return outward
 
 
 class Fitting:

@@ -100,17 +100,14 @@ def _shoot(
     still = lettered(frame, letters(stage, when, title, axes))
     step = float(when.times[1] - when.times[0]) if len(when.times) > 1 else 0.0
     clock = Clock(frame, float(when.times[-1]), step)
-    with Studio(stage, camera, frame) as studio:
-        with written(path, size, when.fps, len(when.times)) as sink:
-            done = 0
-            for image, time in painted(stage, studio):
-                sink.put(clock.write(np.minimum(image, still), time))
-                done += 1
-                if on_frame is not None:
-                    on_frame(done, len(when.times))
+    number = len(when.times)
+    with Studio(stage, camera, frame) as studio, written(path, size, when.fps, number) as sink:
+        for done, (image, time) in enumerate(painted(stage, studio), 1):
+            sink.put(clock.write(np.minimum(image, still), time))
+            if on_frame is not None:
+                on_frame(done, number)
     told = tuple(f"drawn without colors: {why}" for why in stage.untold.values())
-    playing = len(when.times) / when.fps
-    return Film(done, playing, stage.magnification, stage.field, stage.largest, told)
+    return Film(number, number / when.fps, stage.magnification, stage.field, stage.largest, told)
 
 
 def painted(stage: Stage, studio: Studio) -> Iterator[tuple[Image, float]]:

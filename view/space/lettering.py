@@ -21,7 +21,7 @@ HEIGHT = 720.0
 """of pictures whose letters have the size below; others have them larger or smaller [pixels]"""
 LETTER, SMALL = 17.0, 14.0
 """[pixels]"""
-TOP, BOTTOM, SIDE = 52.0, 44.0, 136.0
+TOP, BOTTOM, SIDE = 52.0, 44.0, 142.0
 """margins that are kept for letters [pixels]"""
 TITLE_SHARE = 0.66
 DPI = 100.0
@@ -75,7 +75,7 @@ def lettered(frame: Frame, words: Lettering) -> Image:
     points = 72.0 / DPI * e
     with style():
         figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI, facecolor="white")
-        canvas = FigureCanvasAgg(figure)
+        canvas: Any = FigureCanvasAgg(figure)
         figure.text(
             12.0 * e / width,
             1.0 - 0.5 * TOP * e / height,
@@ -136,7 +136,7 @@ def _draw_axes(figure: Figure, frame: Frame, axes: Array, points: float) -> None
 
 
 def _draw_scale(figure: Figure, frame: Frame, words: Lettering, points: float) -> None:
-    (width, height), e = frame.size, frame.enlarged
+    width, e = frame.size[0], frame.enlarged
     exponent = 0 if words.unit in UNPREFIXED else _exponent(words.largest)
     largest = words.largest / 10.0**exponent or 1.0
     pane = figure.add_axes((1.0 - (SIDE - 34.0) * e / width, 0.16, 20.0 * e / width, 0.62))

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...results import Results
 from ...superelement.validation import Array
@@ -12,6 +13,7 @@ from .bodies import Body, bodies_on_stage
 from .marks import Mark, Placing, largest_force, marks_of
 from .tracks import Tracks
 
+Single = NDArray[np.float32]
 FIELDS = {
     "displacement": ("elastic displacement", "m"),
     "velocity": ("speed", "m/s"),
@@ -39,11 +41,11 @@ class Batch:
     """
 
     rows: slice
-    positions: tuple[Array, ...]
-    values: tuple[Array | None, ...]
+    positions: tuple[Single, ...]
+    values: tuple[Single | None, ...]
 
     def __len__(self) -> int:
-        return self.rows.stop - self.rows.start
+        return int(self.rows.stop) - int(self.rows.start)
 
 
 class Stage:
@@ -163,8 +165,8 @@ def chosen_field(bodies: tuple[Body, ...], field: str | None) -> str:
     flexible = [body for body in bodies if body.flexible]
     if not flexible:
         return ""
-    known = not any(body.why_unknown("von_mises") for body in flexible)
-    return "von_mises" if known else "displacement"
+    unknown = any(body.why_unknown("von_mises") for body in flexible)
+    return "displacement" if unknown else "von_mises"
 
 
 def require_some(field: str, untold: dict[str, str], colored: int) -> None:

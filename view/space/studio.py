@@ -102,7 +102,7 @@ class Studio:
 
     def _aim(self, camera: Camera) -> None:
         """Put what the camera sees between the margins."""
-        (width, height), (left, right, bottom, top) = self._frame.size, self._frame.margins
+        height, (left, right, bottom, top) = self._frame.size[1], self._frame.margins
         pixel = self._frame.pixel(camera.height)
         across, up, towards = camera.axes
         focus = camera.focus - 0.5 * pixel * ((left - right) * across + (bottom - top) * up)

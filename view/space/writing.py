@@ -19,6 +19,8 @@ NUMBERED = re.compile(r"%0?\d*d")
 QUALITY = "20"
 """of H.264, as its crf: 18 can hardly be told from the original, 23 is usual"""
 COLORS = 255
+CELL = 6
+"""levels of a channel that count as one color there"""
 SAMPLED = 8
 """frames from which the colors of a GIF are taken"""
 
@@ -118,7 +120,10 @@ class _Moving:
     def _palette(self) -> Any:
         chosen = np.linspace(0, len(self._packed) - 1, SAMPLED).round().astype(int)
         together = np.concatenate([np.asarray(self._frame(n)) for n in np.unique(chosen)])
-        return _picture(together).quantize(COLORS, dither=0)
+        # Each color counts once, however much of a picture it covers.
+        colors = together.reshape(-1, 3)
+        _, first = np.unique(colors // CELL @ [1 << 12, 1 << 6, 1], return_index=True)
+        return _picture(colors[first][None]).quantize(COLORS, dither=0)
 
     def _frame(self, number: int) -> Any:
         raw = np.frombuffer(zlib.decompress(self._packed[number]), dtype=np.uint8)
