@@ -24,7 +24,7 @@ from .writing import MOVING, require_format, written
 WORST = "worst"
 SIZE, SMALL_SIZE = (1280, 720), (640, 360)
 """of films, and of GIFs [pixels]"""
-LARGEST_SIZE = 8192
+SMALLEST_SIZE, LARGEST_SIZE = 36, 8192
 LEGEND = {"joints": JOINT, "springs": SPRING, "contacts": CONTACT, "forces": FORCE}
 OnFrame = Callable[[int, int], object]
 """is told how many frames are made, of how many"""
@@ -121,7 +121,7 @@ def fitted(stage: Stage, axes: Array, frame: Frame) -> Camera:
     fitting = Fitting(axes)
     for batch in stage.batches():
         for positions in batch.positions:
-            fitting.take(positions)
+            fitting.take(positions.astype(float))
         for places in stage.mark_positions(batch.rows):
             fitting.take(places)
     (width, height), (left, right, bottom, top) = frame.size, frame.margins
@@ -172,9 +172,9 @@ def worst_time(results: Results, field: str | None) -> float:
 
 
 def require_size(size: tuple[int, int]) -> None:
-    if min(size) < 16 or max(size) > LARGEST_SIZE:
+    if min(size) < SMALLEST_SIZE or max(size) > LARGEST_SIZE:
         raise PictureError(
-            f"--size: expected 16 to {LARGEST_SIZE} pixels, found {size[0]}x{size[1]}"
+            f"--size: expected {SMALLEST_SIZE} to {LARGEST_SIZE} pixels, found {size[0]}x{size[1]}"
         )
 
 

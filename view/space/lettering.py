@@ -55,7 +55,7 @@ class Frame:
     def enlarged(self) -> float:
         """Of letters."""
         width, height = self.size
-        return max(min(height, width * 9.0 / 16.0) / HEIGHT, 0.4)
+        return min(height, width * 9.0 / 16.0) / HEIGHT
 
     def pixel(self, seen: float) -> float:
         """The length of a pixel where a height `seen` lies between the margins [m]."""
@@ -170,7 +170,9 @@ class Clock:
         self._exponent = _exponent(abs(last))
         step = step / 10.0**self._exponent
         self._digits = int(np.clip(np.ceil(-np.log10(step)), 0, 6)) if step > 0.0 else 3
-        self._font = ImageFont.truetype(findfont("DejaVu Sans"), round(LETTER * frame.enlarged))
+        self._font = ImageFont.truetype(
+            findfont("DejaVu Sans"), max(round(LETTER * frame.enlarged), 1)
+        )
 
     def text(self, time: float) -> str:
         return f"t = {time / 10.0**self._exponent:.{self._digits}f} {PREFIXES[self._exponent]}s"

@@ -1,0 +1,65 @@
+"""`duhamel animate`: where the film goes, what is told, and how it fails."""
+
+import pytest
+from duhamel.cli import app
+from duhamel.cli.animation import size_of
+from duhamel.solver import FlexibleBody, Model, Settings, Start, simulate
+from PIL import Image
+
+TINY = ["--size", "160x90"]
+
+
+@pytest.fixture
+def results_file(element, tmp_path):
+    """A free body made by hand, in steady motion."""
+    target = tmp_path / "flight results.h5"
+    simulate(
+        Model(
+            {"beam": FlexibleBody(element, Start(velocity=[2.0, 0.0, 0.0]))},
+            settings=Settings(t_end=0.01),
+        ),
+        output=target,
+    )
+    return target
+
+
+def test_the_film_stands_beside_the_results(runner, results_file):
+    result = runner.invoke(app, ["animate", str(results_file), *TINY, "--frames", "3"])
+    assert result.exit_code == 0, result.output
+    target = results_file.with_suffix(".mp4")
+    assert result.stdout.startswith(f"{target}: 3 frames, 0.12 s long, ")
+    assert target.stat().st_size > 0
+
+
+def test_at_a_time_it_is_a_picture(runner, results_file):
+    result = runner.invoke(app, ["animate", str(results_file), *TINY, "--at", "worst"])
+    assert result.exit_code == 0, result.output
+    with Image.open(results_file.with_suffix(".png")) as picture:
+        assert picture.size == (160, 90)
+
+
+def test_a_field_that_is_unknown_is_an_error_of_one_line(runner, results_file):
+    result = runner.invoke(app, ["animate", str(results_file), "--field", "von_mises"])
+    assert result.exit_code == 1
+    assert result.stderr.startswith("error: --field von_mises: body 'beam'")
+    assert len(result.stderr.splitlines()) == 1
+
+
+def test_the_results_are_not_overwritten(runner, results_file):
+    named = results_file.rename(results_file.with_suffix(".mp4"))
+    before = named.read_bytes()
+    result = runner.invoke(app, ["animate", str(named)])
+    assert result.exit_code == 1
+    assert "is the results file, which the film would replace" in result.stderr
+    assert named.read_bytes() == before
+
+
+def test_sizes_are_numbers():
+    assert size_of("1280x720") == (1280, 720)
+
+
+@pytest.mark.parametrize("size", ["1280", "x", "1280x-2", "axb"])
+def test_other_sizes_are_refused(runner, results_file, size):
+    result = runner.invoke(app, ["animate", str(results_file), "--size", size])
+    assert result.exit_code == 2
+    assert "expected WIDTHxHEIGHT" in result.stderr
