@@ -15,16 +15,18 @@ from .tracks import GROUND, Track, Tracks
 
 JOINT, SPRING, CONTACT, FORCE = "#274c8f", "#1b7f4d", "#d62728", "#d9480f"
 AXES = ("#c1272d", "#2e8b40", "#2456a6")
-GROUNDED, LEG = "#5c636a", "#9aa1ab"
+GROUNDED, LEG, FLOOR = "#5c636a", "#9aa1ab", "#e9e4da"
 LONGEST = 0.15
 """of arrows, over the size of the model"""
+BEYOND = 0.15
+"""how far a floor reaches beyond what comes near it, over the size of the model"""
 LEAST = 0.03
 """of the largest force: those below have no arrow"""
 WIDE = 1.5
 """width of springs over the radius of marks"""
 
 SPHERE, ARROW, TRIAD, COIL = glyphs.sphere(), glyphs.arrow(), glyphs.triad(), glyphs.coil()
-SEGMENT = glyphs.segment()
+SEGMENT, PLATE = glyphs.segment(), glyphs.box(1.0, 1.0, 0.0)
 BY_TYPE: dict[str, Glyph] = {
     "revolute": glyphs.cylinder(0.75, 3.2),
     "cylindrical": glyphs.cylinder(0.6, 4.4),
@@ -109,6 +111,7 @@ def marks_of(results: Results, placing: Placing, radius: float, size: float) -> 
             found += _joint(coupling, ends, placing, radius)
         if coupling.group in HANGING:
             found += _grounds(coupling, placing.tracks, radius)
+    found += _floors(results, placing, size)
     found += _legs(results, placing, radius)
     found += _forces(results, placing, size)
     return tuple(found)
@@ -174,6 +177,28 @@ def _grounds(coupling: Connection, tracks: Tracks, radius: float) -> Iterator[Ma
         if track is not None:
             A = np.broadcast_to(4.0 * radius * np.eye(3), (len(track.position), 3, 3))
             yield Mark("ground", GROUNDED, TRIAD, track.position, A)
+
+
+def _floors(results: Results, placing: Placing, size: float) -> Iterator[Mark]:
+    """The planes of the ground that contacts meet, under all that comes near them."""
+    met: dict[str, tuple[Connection, list[Array]]] = {}
+    for coupling in results.couplings:
+        first, second = coupling.between
+        track = placing.find(second)
+        if coupling.type == "plane" and is_ground(first) and coupling.axis is not None and track:
+            met.setdefault(f"{first} {coupling.axis}", (coupling, []))[1].append(track.position)
+    for coupling, positions in met.values():
+        plane = placing.tracks.end(*coupling.between)
+        assert plane is not None
+        assert coupling.axis is not None
+        axes = along(np.asarray(coupling.axis, dtype=float)[None])[0]
+        flat = (np.concatenate(positions) - plane.position[0]) @ axes
+        low, high = flat.min(axis=0) - BEYOND * size, flat.max(axis=0) + BEYOND * size
+        middle, extent = 0.5 * (low + high), high - low
+        x = plane.position[0] + axes[:, :2] @ middle[:2]
+        A = axes * [*extent[:2], 1.0]
+        k = len(plane.position)
+        yield Mark("ground", FLOOR, PLATE, np.tile(x, (k, 1)), np.tile(A, (k, 1, 1)), before=False)
 
 
 def _legs(results: Results, placing: Placing, radius: float) -> Iterator[Mark]:

@@ -66,7 +66,8 @@ def written(path: Path, size: tuple[int, int], fps: float, frames: int) -> Itera
                 yield sink
                 sink.save(temporary)
     except OSError as error:
-        raise PictureError(f"{path}: cannot be written: {error}") from error
+        what = (str(error).splitlines() or ["nobody knows why"])[0]
+        raise PictureError(f"{path}: cannot be written: {what}") from error
 
 
 class _Still:
@@ -146,7 +147,7 @@ def _h264(path: Path, size: tuple[int, int], fps: float, frames: int) -> Iterato
         pix_fmt_out="yuv420p",
         macro_block_size=2,
         quality=None,
-        ffmpeg_log_level="error",
+        ffmpeg_log_level="fatal",
         output_params=["-crf", QUALITY, "-f", "mp4", "-movflags", "+faststart"],
     )
     writer.send(None)
@@ -154,7 +155,10 @@ def _h264(path: Path, size: tuple[int, int], fps: float, frames: int) -> Iterato
         yield _Pipe(writer)
     finally:
         writer.close()
-    found, _ = count_frames_and_secs(str(path))
+    try:
+        found, _ = count_frames_and_secs(str(path))
+    except RuntimeError as error:
+        raise OSError("ffmpeg left no whole film: is the disk full?") from error
     if found != frames:
         raise OSError(f"ffmpeg wrote {found} of {frames} frames")
 
