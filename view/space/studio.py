@@ -24,6 +24,8 @@ PLAIN = (0.80, 0.82, 0.85)
 """bodies beside those that are colored"""
 APART = 7.0
 """the least length of usual edges [pixels] that are drawn: shorter ones would blacken a body"""
+NEAR, IN_FRONT = 400.0, 66000.0
+"""how far edges are before their facets, and marks before all bodies, in units of depth"""
 EDGE = (0.25, 0.27, 0.30)
 NEEDED = "duhamel animate needs pyvista: pip install 'duhamel[view]'"
 BLIND = (
@@ -147,9 +149,10 @@ class _BodyFigure:
             edges = _drawn_edges(body, self._surface.edges, pixel)
             if len(edges):
                 self._lines = _mesh(body.X, lines=edges)
-                plotter.add_mesh(
+                drawn = plotter.add_mesh(
                     self._lines, color=EDGE, line_width=1.0, opacity=0.55, lighting=False
                 )
+                _bring_forward(drawn, NEAR)
         if len(outline.lines):
             self._rods = _mesh(body.X, lines=outline.lines)
             self._rods.point_data["value"] = np.zeros(len(body.X), np.float32)
@@ -206,15 +209,19 @@ class _MarkFigure:
             lighting=shaded,
             opacity=0.85 if shaded else 1.0,
         )
-        if not mark.before:
-            return
-        mapper = actor.mapper
-        mapper.SetResolveCoincidentTopologyToPolygonOffset()
-        mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(0.0, -66000.0)
-        mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0.0, -66000.0)
+        if mark.before:
+            _bring_forward(actor, IN_FRONT)
 
     def move(self, points: Array) -> None:
         self._mesh.points = points.astype(np.float32)
+
+
+def _bring_forward(actor: Any, units: float) -> None:
+    """Draw as if it were nearer to the eye, by units of what depth can tell apart."""
+    mapper = actor.mapper
+    mapper.SetResolveCoincidentTopologyToPolygonOffset()
+    mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(0.0, -units)
+    mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0.0, -units)
 
 
 def _mesh(points: Array, triangles: Any = None, lines: Any = None) -> Any:
