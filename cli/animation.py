@@ -187,14 +187,16 @@ def _bar() -> Iterator[Callable[[int, int], object]]:
 def _lines() -> Iterator[Callable[[int, int], object]]:
     from .sweep import clock
 
-    began = last = perf_counter()
+    began = last = 0.0
 
     def tell(done: int, total: int) -> None:
-        nonlocal last
+        nonlocal began, last
         now = perf_counter()
-        if now - last >= INTERVAL and done < total:
+        if done == 1:
+            began = last = now
+        elif now - last >= INTERVAL and done < total:
             last = now
-            left = (now - began) / done * (total - done)
+            left = (now - began) / (done - 1) * (total - done)
             typer.echo(f"{done} of {total} frames, {clock(left)} left", err=True)
 
     yield tell

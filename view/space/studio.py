@@ -61,7 +61,7 @@ class Studio:
         self._stage, self._frame = stage, frame
         self._plotter = _window(frame.size)
         self._plotter.set_background("white")
-        self._plotter.enable_anti_aliasing("msaa", multi_samples=8)
+        self._plotter.enable_anti_aliasing("msaa", multi_samples=4)
         pixel = frame.pixel(camera.height)
         self._figures = [
             _BodyFigure(self._plotter, stage, number, pixel) for number in range(len(stage.bodies))

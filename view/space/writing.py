@@ -148,7 +148,7 @@ def _h264(path: Path, size: tuple[int, int], fps: float, frames: int) -> Iterato
         macro_block_size=2,
         quality=None,
         ffmpeg_log_level="fatal",
-        output_params=["-crf", QUALITY, "-f", "mp4", "-movflags", "+faststart"],
+        output_params=["-crf", QUALITY, "-preset", "veryfast", "-f", "mp4", "-movflags", "+faststart"],
     )
     writer.send(None)
     try:
