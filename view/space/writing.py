@@ -16,9 +16,12 @@ from .lettering import Image
 FILM, MOVING, STILL = ".mp4", ".gif", ".png"
 SUFFIXES = (FILM, MOVING, STILL)
 NUMBERED = re.compile(r"%0?\d*d")
-QUALITY = "20"
-"""of H.264, as its crf: 18 can hardly be told from the original, 23 is usual"""
-COLORS = 255
+QUALITY = ("-crf", "20", "-preset", "veryfast")
+"""of H.264: a crf of 18 can hardly be told from the original, 23 is usual"""
+COLORS, GRAYS = 220, 35
+"""of a GIF"""
+GRAY = 14
+"""levels between the channels of what counts as gray"""
 CELL = 6
 """levels of a channel that count as one color there"""
 SAMPLED = 8
@@ -121,14 +124,29 @@ class _Moving:
     def _palette(self) -> Any:
         chosen = np.linspace(0, len(self._packed) - 1, SAMPLED).round().astype(int)
         together = np.concatenate([np.asarray(self._frame(n)) for n in np.unique(chosen)])
-        # Each color counts once, however much of a picture it covers.
-        colors = together.reshape(-1, 3)
-        _, first = np.unique(colors // CELL @ [1 << 12, 1 << 6, 1], return_index=True)
-        return _picture(colors[first][None]).quantize(COLORS, dither=0)
+        return _palette_of(together.reshape(-1, 3))
 
     def _frame(self, number: int) -> Any:
         raw = np.frombuffer(zlib.decompress(self._packed[number]), dtype=np.uint8)
         return _picture(raw.reshape(self._shape))
+
+
+def _palette_of(colors: Image) -> Any:
+    """Grays, white among them, and what serves the other colors (n, 3), each of which counts once.
+
+    However much of a picture each covers.
+    """
+    from PIL import Image as Images
+
+    bright = colors[np.ptp(colors.astype(int), axis=1) > GRAY]
+    _, first = np.unique(bright // CELL @ [1 << 12, 1 << 6, 1], return_index=True)
+    grays = np.repeat(np.linspace(0, 255, GRAYS).astype(int), 3).tolist()
+    found: list[int] = []
+    if len(first):
+        found = list(_picture(bright[first][None]).quantize(COLORS, dither=0).getpalette())
+    palette = Images.new("P", (1, 1))
+    palette.putpalette([*grays, *found[: 3 * COLORS]])
+    return palette
 
 
 @contextmanager
@@ -148,7 +166,7 @@ def _h264(path: Path, size: tuple[int, int], fps: float, frames: int) -> Iterato
         macro_block_size=2,
         quality=None,
         ffmpeg_log_level="fatal",
-        output_params=["-crf", QUALITY, "-preset", "veryfast", "-f", "mp4", "-movflags", "+faststart"],
+        output_params=[*QUALITY, "-f", "mp4", "-movflags", "+faststart"],
     )
     writer.send(None)
     try:

@@ -32,8 +32,6 @@ class Pendulum:
     """
 
     frames = ("bar.root", "bar.tip")
-    superelement_files: dict[str, Any] = {}
-    contacts = ()
 
     def __init__(self, bend: float = BEND, origin: Any = (0, 0, 0), gravity: str = "") -> None:
         self.bend, self.origin = bend, np.asarray(origin, dtype=float)

@@ -19,7 +19,7 @@ def test_the_camera_holds_all_points_of_all_frames_between_the_margins(view, siz
     stage = Stage(Pendulum(), TIME)
     frame = Frame(size, scale=True)
     camera = fitted(stage, chosen_axes(view, ROUND, None), frame)
-    left, right, bottom, top = frame.margins
+    left, right, *_ = frame.margins
     wide = (size[0] - left - right) * frame.pixel(camera.height)
     found = []
     for batch in stage.batches():

@@ -21,7 +21,7 @@ def test_points_move_as_the_results_say():
     run = Pendulum()
     stage = Stage(run, TIMES, magnify=1.0)
     X = run.outline("bar").points
-    moved = X + [0.5, 0.0, 0.0] + run.outline_displacement("bar", TIMES)
+    moved = X + np.array([0.5, 0.0, 0.0]) + run.outline_displacement("bar", TIMES)
     np.testing.assert_allclose(of(stage, "bar"), spun(TIMES, moved), atol=1e-6)
 
 
