@@ -6,8 +6,10 @@ from functools import cached_property
 from typing import Annotated, Any, Protocol
 
 import numpy as np
+from pydantic import AfterValidator
 
 from ...files import FileError, in_one_line, require_regular
+from ...inputs import expected
 from ...superelement import Outline, SuperelementError, figures
 from ...superelement.cells import padded
 from ..errors import ModelError
@@ -30,7 +32,10 @@ def _edges(value: Any) -> Any:
     return edges
 
 
-Edges = Annotated[np.ndarray, Takes("three positive numbers", _edges, tuple[float, float, float])]
+_EdgesInFile = Annotated[
+    tuple[float, float, float], AfterValidator(_edges), expected("three positive numbers")
+]
+Edges = Annotated[np.ndarray, Takes("three positive numbers", _edges, _EdgesInFile)]
 
 
 class BodyShape(Protocol):
@@ -140,10 +145,9 @@ def _read(path: str) -> Any:
         with redirect_stdout(quiet), redirect_stderr(quiet), np.errstate(all="ignore"):
             return meshio.read(path)
     except (Exception, SystemExit) as error:
-        said = (
-            in_one_line(error) if str(error).strip() else in_one_line(Exception(quiet.getvalue()))
-        )
-        raise ModelError(f"stl: {path}: not a readable surface: {said}") from error
+        said = str(error).strip() or quiet.getvalue().strip() or type(error).__name__
+        why = " ".join(said.split())
+        raise ModelError(f"stl: {path}: not a readable surface: {why}") from error
 
 
 def _shape(value: Any) -> BodyShape:
