@@ -45,10 +45,13 @@ def bracket() -> meshio.Mesh:
     top = [2 * np.array(box) + QUAD + [0, 0, 2] for box in boxes if box[2] == len(z) - 2]
     places, numbers = np.unique(np.concatenate(solids), axis=0, return_inverse=True)
     number = {tuple(place): i for i, place in enumerate(places.tolist())}
-    quads = [np.array([[number[tuple(at)] for at in quad.tolist()] for quad in face])
-             for face in (foot, top)]
-    halves = [np.interp(np.arange(2 * len(axis) - 1) / 2, range(len(axis)), axis)
-              for axis in (x, y, z)]
+    quads = [
+        np.array([[number[tuple(at)] for at in quad.tolist()] for quad in face])
+        for face in (foot, top)
+    ]
+    halves = [
+        np.interp(np.arange(2 * len(axis) - 1) / 2, range(len(axis)), axis) for axis in (x, y, z)
+    ]
     points = np.stack([half[place] for half, place in zip(halves, places.T, strict=True)], axis=1)
     cells = [("quad8", quads[0]), ("quad8", quads[1]), ("hexahedron20", numbers.reshape(-1, 20))]
     return _mesh(points, cells, {"foot": [1, 2], "top": [2, 2], "bracket": [3, 3]})
@@ -56,8 +59,10 @@ def bracket() -> meshio.Mesh:
 
 def _mesh(points, cells, groups) -> meshio.Mesh:
     """A mesh of which each block of cells is a group."""
-    tags = [np.full(len(block), tag) for (_, block), (tag, _) in
-            zip(cells, groups.values(), strict=True)]
+    tags = [
+        np.full(len(block), tag)
+        for (_, block), (tag, _) in zip(cells, groups.values(), strict=True)
+    ]
     return meshio.Mesh(
         points,
         cells,
