@@ -43,7 +43,7 @@ def init(starter: Starter, folder: ProjectFolder = None) -> None:
 
 
 def schema(of: FileKind) -> None:
-    """Print the JSON schema of body, model or study files, by which editors complete and check them.
+    """Print the JSON schema of body, model or study files: editors complete and check by it.
 
     Editors with Taplo (Even Better TOML) take it from the first line of a file,
     `#:schema PATH-OR-ADDRESS`.

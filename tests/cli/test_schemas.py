@@ -1,4 +1,4 @@
-"""JSON schemas: they are those of the code, take what runs, and refuse what they can know is wrong."""
+"""JSON schemas: those of the code; they take what runs, and refuse what they can know is wrong."""
 
 import json
 import tomllib
