@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from . import linear, projects
-from .failures import Commands, errors_in_one_line, one_line
+from .failures import Commands, errors_in_one_line, one_line, unwritten
 
 app = typer.Typer(
     cls=Commands,
@@ -168,7 +168,7 @@ def preprocess(
         superelement.require_writable(target)
         files.require_no_input(target, [body_file, *preprocess.files_of(body)])
     doubts = list(preprocess.doubts_of_body(body))
-    with errors_in_one_line(preprocess, superelement, about=body_file):
+    with errors_in_one_line(preprocess, superelement, about=body_file), unwritten(target):
         element = preprocess.build(body, progress=True, told=doubts.append)
     for doubt in doubts:
         typer.echo(one_line(f"warning: {body_file}: {doubt}"), err=True)

@@ -59,7 +59,6 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "solver": (
         "arrays",
         "errors",
-        "progress",
         "compiler",
         "schema",
         "laws",

@@ -73,8 +73,8 @@ def _mesh(points, cells, groups) -> meshio.Mesh:
 
 if __name__ == "__main__":
     for mesh, name in (
-        (row_of_lines(0.6, 12), "beam/arm.msh"),
-        (bracket(), "solid/bracket.msh"),
-        (row_of_lines(0.15, 6), "mechanism/rod.msh"),
+        (row_of_lines(0.6, 12), "beam-project/arm.msh"),
+        (bracket(), "solid-project/bracket.msh"),
+        (row_of_lines(0.15, 6), "mechanism-project/rod.msh"),
     ):
         mesh.write(STARTERS / name, file_format="gmsh22", binary=False)

@@ -64,7 +64,7 @@ def _files(kind: KINDS, schemas: Mapping[str, Any]) -> Iterator[tuple[str, bytes
 
 
 def _template(kind: KINDS) -> Path:
-    return Path(__file__).with_name(kind)
+    return Path(__file__).with_name(f"{kind}-project")
 
 
 def _remove(made: list[Path]) -> None:
