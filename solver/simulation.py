@@ -77,9 +77,9 @@ def simulate(
 
     settings: by default those of the model; output: the results file, by default none (results stay
     in memory); progress: tell on stderr how far it is, by a bar or by lines. resume: go on with the
-    last run to that file, from the state that it kept (`Settings.checkpoint`): the results are to the bit those of a run that was never
-    interrupted; t_end may be another. anyway: also where model, versions or machine are not those
-    of that run.
+    last run to that file, from the state that it kept (`Settings.checkpoint`): the results are to
+    the bit those of a run that was never interrupted; t_end may be another. anyway: also where
+    model, versions or machine are not those of that run.
 
     Raises ModelError for a model that cannot start or whose redundant constraints are needed later,
     ConvergenceError where Newton's method fails, OutOfRangeError where a body deforms too far for
