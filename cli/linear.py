@@ -6,10 +6,16 @@ from typing import Annotated, Any
 
 import typer
 
+from .completion import files
 from .failures import errors_in_one_line, one_line
 
 ModelFile = Annotated[
-    Path, typer.Argument(metavar="MODEL.toml", help="Bodies, joints, loads, simulation.")
+    Path,
+    typer.Argument(
+        metavar="MODEL.toml",
+        help="Bodies, joints, loads, simulation.",
+        autocompletion=files(".toml"),
+    ),
 ]
 LinearOutput = Annotated[
     Path | None,
