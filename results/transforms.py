@@ -305,14 +305,23 @@ Step = tuple[str, Given]
 """the name of a transform, and its arguments"""
 
 
-def series(results: Results, text: str) -> Series:
+Window = tuple[float, float]
+"""from and to [s], both within it; infinities for the ends of a run"""
+ROUNDING = 1e-9
+"""of times, over the length of a run"""
+
+
+def series(results: Results, text: str, window: Window | None = None) -> Series:
     """A quantity, or what is made of it, by words.
 
+    window: the part of the run that is taken, before anything is made of it.
     `QuantityError` names a quantity or a word that there is not; `SeriesError` a series of which
     it cannot be made. Warns (`SeriesWarning`) where the run recorded one step in several.
     """
     quantity, steps = parse(text)
     found = _quantity(results, quantity)
+    if window is not None:
+        found = _within(found, window)
     transformed = [name for name, _ in steps if name != IN_GRAVITIES]
     if transformed and (every := int(results.solver.get("every", 1))) > 1:
         rate = (len(results.time) - 1) / float(np.ptp(results.time) or 1.0)
@@ -403,6 +412,18 @@ def _quantity(results: Results, quantity: str) -> Series:
     found = evaluate(results, quantity)
     axes = () if found.axis else KINDS[found.kind].axes
     return Series(found.kind, found.names, found.axis, axes, found.unit, results.time, found.values)
+
+
+def _within(found: Series, window: Window) -> Series:
+    time, (start, end) = found.abscissa, window
+    rounding = ROUNDING * float(np.ptp(time))
+    rows = (time >= start - rounding) & (time <= end + rounding)
+    if not rows.any():
+        raise SeriesError(
+            f"nothing was recorded from {start:.9g} to {end:.9g} s: expected times from "
+            f"{time[0]:.9g} to {time[-1]:.9g} s"
+        )
+    return replace(found, abscissa=time[rows], values=found.values[rows])
 
 
 def _applied(found: Series, name: str, given: Given) -> Series:
