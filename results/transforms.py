@@ -320,8 +320,6 @@ def series(results: Results, text: str, window: Window | None = None) -> Series:
     """
     quantity, steps = parse(text)
     found = _quantity(results, quantity)
-    if window is not None:
-        found = _within(found, window)
     transformed = [name for name, _ in steps if name != IN_GRAVITIES]
     if transformed and (every := int(results.solver.get("every", 1))) > 1:
         rate = (len(results.time) - 1) / float(np.ptp(results.time) or 1.0)
@@ -332,6 +330,8 @@ def series(results: Results, text: str, window: Window | None = None) -> Series:
             stacklevel=2,
         )
     try:
+        if window is not None:
+            found = _within(found, window)
         for name, given in steps:
             found = in_g(found) if name == IN_GRAVITIES else _applied(found, name, given)
     except SeriesError as error:
@@ -419,9 +419,11 @@ def _within(found: Series, window: Window) -> Series:
     rounding = ROUNDING * float(np.ptp(time))
     rows = (time >= start - rounding) & (time <= end + rounding)
     if not rows.any():
+        given = {"from": start, "to": end}
+        ends = [f"{word} {at:.9g}" for word, at in given.items() if np.isfinite(at)]
         raise SeriesError(
-            f"nothing was recorded from {start:.9g} to {end:.9g} s: expected times from "
-            f"{time[0]:.9g} to {time[-1]:.9g} s"
+            f"nothing was recorded {' '.join(ends)} s, expected times from {time[0]:.9g} to "
+            f"{time[-1]:.9g} s"
         )
     return replace(found, abscissa=time[rows], values=found.values[rows])
 

@@ -17,6 +17,9 @@ VISIBLE = 0.01
 STILL = 1e-12
 """the largest range of a coordinate, or value of what it is the rate or force of, that is none"""
 
+SEEN = 0.1
+"""the least range of a position over that of its panel, for its motion to be seen"""
+
 NOT_MOTION = ("friction", "friction_state")
 """coordinates of joints that are none"""
 READINGS = ("strain", "stress", "sensor_acceleration", "sensor_displacement")
@@ -36,7 +39,8 @@ def overview(results: Results) -> list[list[Curve]]:
     """At most six panels of what moved, what pushed, and of energies.
 
     In this order, as far as it was recorded and is not zero: coordinates of joints, angles and
-    distances, or the positions of bodies where no joint has a coordinate that moves; forces of
+    distances, or where no joint has a coordinate that moves the positions of bodies, velocities if
+    these hardly change; forces of
     motors; normal forces of contacts and stops; elastic displacements of interfaces; what sensors
     read; angular velocities, or velocities if nothing turns; gaps; energies; their balance. Of more
     than six panels the energies stay, and the first ones. Of many curves the largest are shown, of
@@ -51,13 +55,14 @@ def overview_quantities(results: Results) -> list[list[str]]:
 
 
 def _panels(results: Results) -> list[list[Candidate]]:
+    travel = _travel(results)
     motion = [
-        *_travel(results),
+        *travel,
         _of_one_unit(_scalars(results, "motor_torque", results.motors)),
         _of_one_unit(_scalars(results, "normal_force", (*results.contacts, *results.stops))),
         _largest(_vectors(results, "elastic_displacement", results.interfaces), _peak),
         _readings(results),
-        _speeds(results),
+        _speeds(results, travel),
         _of_one_unit(_gaps(results)),
     ]
     names = [name for name in results.energies if name not in NOT_SHOWN]
@@ -73,16 +78,22 @@ def _panels(results: Results) -> list[list[Candidate]]:
 
 
 def _travel(results: Results) -> list[list[Candidate]]:
-    """Angles and distances of joints that move, or positions of bodies."""
-    moved = [
-        candidate for candidate in _coordinates(results) if np.ptp(candidate.curve.values) > STILL
-    ]
-    units = list(dict.fromkeys(candidate.curve.unit for candidate in moved))
-    if not units:
-        return [_largest(_vectors(results, "position", results.bodies), _range)]
-    return [
-        _largest([one for one in moved if one.curve.unit == unit], _range) for unit in sorted(units)
-    ][::-1]
+    """Angles and distances of joints that move, or positions of bodies.
+
+    Positions that change little beside what they are would be levels: velocities then.
+    """
+    moved = [one for one in _coordinates(results) if _range(one.curve.values) > STILL]
+    units = sorted({one.curve.unit for one in moved}, reverse=True)
+    if units:
+        return [
+            _largest([one for one in moved if one.curve.unit == unit], _range) for unit in units
+        ]
+    positions = _largest(_vectors(results, "position", results.bodies), _range)
+    ranges = [_range(one.curve.values) for one in positions]
+    span = np.ptp(np.concatenate([one.curve.values for one in positions] or [np.zeros(1)]))
+    if max(ranges, default=0.0) > SEEN * span:
+        return [positions]
+    return [_largest(_vectors(results, "velocity", results.bodies), _peak)]
 
 
 def _coordinates(results: Results) -> list[Candidate]:
@@ -96,11 +107,12 @@ def _coordinates(results: Results) -> list[Candidate]:
     ]
 
 
-def _speeds(results: Results) -> list[Candidate]:
-    turning = _vectors(results, "angular_velocity", results.bodies)
-    if not any(candidate.curve.values.any() for candidate in turning):
-        turning = _vectors(results, "velocity", results.bodies)
-    return _largest(turning, _peak)
+def _speeds(results: Results, travel: Sequence[Sequence[Candidate]]) -> list[Candidate]:
+    """Angular velocities, or velocities where nothing turns and they are not shown already."""
+    turning = _largest(_vectors(results, "angular_velocity", results.bodies), _peak)
+    if turning or any(one.quantity.startswith("velocity:") for panel in travel for one in panel):
+        return turning
+    return _largest(_vectors(results, "velocity", results.bodies), _peak)
 
 
 def _gaps(results: Results) -> list[Candidate]:

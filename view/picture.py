@@ -191,7 +191,7 @@ def _check_panel(curves: Sequence[Curve]) -> None:
     if len(papers) > 1 and not papers.keys() <= set(PLANES):
         several = " and ".join(papers.values())
         raise PictureError(f"expected curves over time or of one kind of spectrum, found {several}")
-    bases = {curve.base: curve.across for curve in curves}
+    bases = {curve.base: naming.in_full(curve.across or curve) for curve in curves}
     if len(bases) > 1:
         several = " and ".join(f"{words} [{unit}]" for unit, words in bases.items())
         raise PictureError(f"expected curves over quantities of one unit, found {several}")
@@ -211,7 +211,8 @@ def _fill(axes: Axes, time: Array, curves: Sequence[Curve], time_exponent: int) 
 def _name(axes: Axes, curves: Sequence[Curve]) -> None:
     """What the curves share as title, and the rest as legend."""
     title, labels = naming.title_and_labels(curves)
-    axes.set_title(fill(title, LONGEST_LINE), parse_math=False)
+    if curves[0].paper not in PLANES:  # where it stands beside the axes
+        axes.set_title(fill(title, LONGEST_LINE), parse_math=False)
     if any(labels):
         lines = axes.lines[: len(curves)]
         folded = [fill(label, LONGEST_LABEL) for label in labels]

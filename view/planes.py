@@ -1,13 +1,19 @@
 """One quantity over another: phase planes, orbits, ways in space."""
 
+import textwrap
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
+from . import naming
 from .prefixes import PREFIXES, exponent_of, with_unit
 from .quantities import Curve
 from .styles import styles
+
+ACROSS, UP = 90, 40
+"""characters of a line beside an axis"""
 
 
 def fill(axes: Axes, curves: Sequence[Curve]) -> None:
@@ -28,9 +34,12 @@ def fill(axes: Axes, curves: Sequence[Curve]) -> None:
         axes.plot(*start, "o", color=line.get_color(), markersize=4)
     if is_way:
         axes.set_aspect("equal", adjustable="datalim")
-    names = list(dict.fromkeys(curve.across for curve in curves))
-    axes.set_xlabel(
-        with_unit(names[0] if len(names) == 1 else "", PREFIXES[right], curves[0].base),
-        parse_math=False,
-    )
-    axes.set_ylabel(with_unit(curves[0].ordinate, PREFIXES[high], curves[0].unit))
+    over = [curve.across for curve in curves if curve.across is not None]
+    _label(axes.set_xlabel, over, PREFIXES[right], ACROSS)
+    _label(axes.set_ylabel, curves, PREFIXES[high], UP)
+
+
+def _label(write: Any, curves: Sequence[Curve], prefix: str, longest: int) -> None:
+    """What the curves share, with their unit."""
+    shared, _ = naming.title_and_labels(curves)
+    write(textwrap.fill(with_unit(shared, prefix, curves[0].unit), longest), parse_math=False)

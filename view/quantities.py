@@ -41,7 +41,7 @@ class Curve:
     """what stands between the kind and the axis: "about" """
     run: str = ""
     """the name of its run, where there are several"""
-    across: str = ""
+    across: "Curve | None" = None
     """the quantity of its abscissa, if that is one"""
 
 
@@ -98,7 +98,7 @@ def _against(results: Results, text: str, gravities: bool, window: Window | None
         curve.ordinate,
         "space" if is_way else "plane",
         curve.along,
-        across=naming.in_full(over),
+        across=over,
     )
 
 
@@ -111,9 +111,7 @@ def _one(
         raise QuantityError(f"{quantity}: expected a quantity over time, found a spectrum")
     if found.axes:
         axes = "|".join(found.axes)
-        raise QuantityError(
-            f"{quantity}: expected one number, with an axis: {axes}"
-        )
+        raise QuantityError(f"{quantity}: expected one number, with an axis: {axes}")
     (curve,) = curves(results, quantity, gravities, window)
     return found.abscissa, curve
 
