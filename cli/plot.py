@@ -1,6 +1,7 @@
 """`duhamel plot`: results over time, over frequency, against one another, and fields."""
 
 from collections.abc import Sequence
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -54,6 +55,19 @@ Names = Annotated[
 Size = Annotated[
     str | None, typer.Option(metavar="WIDTHxHEIGHT", help="Of the picture [inch], as 8x5.")
 ]
+Fields = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--field",
+        metavar="FIELD:BODY",
+        help="A picture of bodies instead: von_mises:rod, displacement:rod or velocity:rod; of "
+        "several ones, or 'von_mises:*'.",
+    ),
+]
+At = Annotated[
+    str | None,
+    typer.Option(metavar="SECONDS|worst", help="The time of a field: worst, unless given."),
+]
 
 
 def plot(
@@ -65,6 +79,8 @@ def plot(
     end: End = None,
     names: Names = None,
     size: Size = None,
+    field: Fields = None,
+    at: At = None,
 ) -> None:
     """Draw results over time: RESULTS.png beside the results file, unless given.
 
@@ -75,6 +91,8 @@ def plot(
     quantity that does not exist lists those that do. What is made of quantities, in quotes:
     srs(QUANTITY), fourier, psd, cumulative_rms, octaves, cfc, lowpass, highpass, bandpass, g.
     Several files are drawn in one picture.
+
+    With --field the surfaces of bodies at a time, colored by stress, displacement or velocity.
     """
     files, quantities = _sorted(arguments)
     if any(file.suffix.lower() == CSV for file in files):
@@ -82,17 +100,23 @@ def plot(
             raise typer.BadParameter("the summary of a study is drawn alone, without other files")
         plot_summary(files[0], quantities, output, title)
         return
-    from .. import view
+    from .. import results, view
     from ..files.outputs import clash
 
-    window, inches = _window(start, end), _inches(size)
-    with errors_in_one_line(view):
+    window, inches, time = _window(start, end), _inches(size), _time(at, field)
+    if field and (quantities or len(files) > 1):
+        raise typer.BadParameter("--field: expected one file, and no quantities")
+    with errors_in_one_line(results, view):
         runs = view.runs_of(files, names.split(",") if names else ())
-        target = output or _target(files)
+        target = output or _target(files, "field" if field else COMPARED)
         if found := clash([target], dict.fromkeys(files, "the results file")):
             raise view.PictureError(f"{found}, which the picture would replace")
         heading = _heading(files) if title is None else title
-        figure = _figure(runs, quantities, gravities, window, heading)
+        if field:
+            of_bodies = [part for text in field for part in text.split(",")]
+            figure = view.draw_body_fields(runs[0].results, of_bodies, time, window, heading)
+        else:
+            figure = _figure(runs, quantities, gravities, window, heading)
         if inches is not None:
             figure.set_size_inches(*inches)
         view.save(figure, target)
@@ -137,11 +161,27 @@ def _figure(
     return view.draw(runs[0].results.time, panels, title)
 
 
-def _target(files: Sequence[Path]) -> Path:
+def _target(files: Sequence[Path], what: str) -> Path:
+    """FILE.png beside the first file, FILE-WHAT.png where it is not the picture of one run."""
     first = files[0]
-    if len(files) == 1:
+    if len(files) == 1 and what == COMPARED:
         return first.with_suffix(".png")
-    return first.with_name(f"{first.stem}-{COMPARED}.png")
+    return first.with_name(f"{first.stem}-{what}.png")
+
+
+def _time(at: str | None, field: Sequence[str] | None) -> "float | str":
+    """The time of a field [s], or "worst"."""
+    if at is not None and not field:
+        raise typer.BadParameter("--at goes with --field")
+    if at is None or at == "worst":
+        return "worst"
+    try:
+        time = float(at)
+    except ValueError:
+        time = float("nan")
+    if not isfinite(time):
+        raise typer.BadParameter(f"--at: expected a time [s] or worst, found {at!r}")
+    return time
 
 
 def _heading(files: Sequence[Path]) -> str:

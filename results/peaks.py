@@ -1,6 +1,6 @@
 """Tables of peaks: the largest and smallest values of quantities, when, and where."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -106,7 +106,8 @@ def _stress(results: Results, quantity: str) -> Peak:
     if body not in results.superelement_files:
         known = ", ".join(results.superelement_files) or "none"
         raise QuantityError(f"{quantity}: no flexible body {body!r}; there are: {known}")
-    time, (largest, points) = results.time, largest_on_surface(results, body)
+    time = results.time
+    largest, points = largest_over_time(lambda t: results.von_mises(body, t), time)
     high, low = int(largest.argmax()), int(largest.argmin())
     recovery = results.superelement(body).recovery
     place = None if recovery is None else tuple(recovery.points[points[high]].tolist())
@@ -114,15 +115,17 @@ def _stress(results: Results, quantity: str) -> Peak:
     return Peak(quantity, "Pa", *extremes, "s", place)
 
 
-def largest_on_surface(results: Results, body: str) -> tuple[Array, Index]:
-    """The largest equivalent stress at each step (n,) [Pa], and the point that has it (n,)."""
-    time = results.time
+def largest_over_time(values: Callable[[Array], Array], time: Array) -> tuple[Array, Index]:
+    """The largest of the values (k, p) at each of the times (n,), and the point that has it (n,).
+
+    values: a function of times (k,), of which there are not too many at once for memory.
+    """
     largest, points = np.zeros(len(time)), np.zeros(len(time), dtype=np.int64)
     for start in range(0, len(time), AT_ONCE):
         rows = slice(start, start + AT_ONCE)
-        stress = results.von_mises(body, time[rows])
-        points[rows] = stress.argmax(axis=1)
-        largest[rows] = stress.max(axis=1)
+        found = values(time[rows])
+        points[rows] = found.argmax(axis=1)
+        largest[rows] = found.max(axis=1)
     return largest, points
 
 

@@ -1,5 +1,6 @@
 """Pictures of results and bodies."""
 
+from .body_fields import draw_body_fields
 from .errors import (
     PictureError,
     PictureWarning,
@@ -46,6 +47,7 @@ __all__ = [
     "SeriesWarning",
     "curves",
     "draw",
+    "draw_body_fields",
     "draw_campbell",
     "draw_fields",
     "draw_response",

@@ -52,7 +52,7 @@ def draw_fields(
     with them.
     """
     largest = scale * max(float(field.values.max()) for field in fields)
-    norm, color_map = Normalize(0.0, largest), matplotlib.colormaps[COLOR_MAP]
+    norm, color_map = Normalize(0.0, largest or 1.0), matplotlib.colormaps[COLOR_MAP]
     patches = [*(scene.patches if scene else ())]
     for field in fields:
         facets, values = _triangles(field)
