@@ -64,7 +64,9 @@ def draw_body_fields(
     label = f"{name} [{PREFIXES[exponent]}{unit}]"
     figure = draw_fields(surfaces, label, 10.0**-exponent, Scene(markers=[mark]))
     place = ", ".join(f"{x:.4g}" for x in results.outline(body).points[k] + 0.0)
-    _head(figure, title, f"{body} at {chosen.time:.6g} s: {value} at ({place}) m in body axes")
+    power = exponent_of(chosen.time)
+    when = f"{chosen.time / 10.0**power:.6g} {PREFIXES[power]}s"
+    _head(figure, title, f"{body} at {when}: {value} at ({place}) m in body axes")
     return figure
 
 
@@ -134,7 +136,8 @@ def _head(figure: Figure, title: str, line: str) -> None:
         share = high / (high + HEADER)
         axes.set_position((x, y * share, width, height * share))
     figure.set_size_inches(wide, high + HEADER)
-    entitle(figure, title or line)
+    heading = entitle(figure, title or line)
+    heading.set(y=1.0 - 0.1 / (high + HEADER), va="top")
     if title:
-        top = 1.0 - 0.6 * HEADER / (high + HEADER)
-        figure.text(0.01, top, line, ha="left", va="top", fontsize=9, parse_math=False)
+        below = 1.0 - 0.32 / (high + HEADER)
+        figure.text(0.01, below, line, ha="left", va="top", fontsize=9, parse_math=False)

@@ -13,6 +13,7 @@ import numpy as np
 from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from ..files.outputs import renamed_when_whole
 from ..superelement.validation import Array
@@ -93,7 +94,7 @@ def panels(
     return figure, list(axes.flat)
 
 
-def entitle(figure: Figure, title: str) -> None:
+def entitle(figure: Figure, title: str) -> Text:
     """A title at the upper left of a figure."""
     shown = title.encode("utf-8", "replace").decode("utf-8")
     if len(shown) > LONGEST_TITLE or not shown.isprintable():
@@ -101,7 +102,7 @@ def entitle(figure: Figure, title: str) -> None:
             f"title: expected a line of at most {LONGEST_TITLE} printable characters, "
             f"found {len(shown)}: {shown[:20]!r}"
         )
-    figure.suptitle(shown, x=0.01, ha="left", fontweight="bold", parse_math=False)
+    return figure.suptitle(shown, x=0.01, ha="left", fontweight="bold", parse_math=False)
 
 
 def draw(time: Array, contents: Sequence[Sequence[Curve]], title: str = "") -> Figure:
