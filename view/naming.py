@@ -59,6 +59,8 @@ STATES = {
     "friction_state": "1 sticks, 2 slips",
     "motor_state": "-1, 1 at a limit",
 }
+UNFILTERED = "unfiltered"
+"""a curve of which nothing was made, beside those of which something was"""
 OF_A_BODY = ("FRAME", "INTERFACE", "SENSOR", "PATTERN")
 """what is named BODY.NAME"""
 
@@ -127,16 +129,22 @@ def in_full(curve: Named) -> str:
 
 def title_and_labels(curves: Sequence[Named]) -> tuple[str, list[str]]:
     """What all curves share, and what tells each from the others ("" if nothing does)."""
-    longest = max(len(curve.words) for curve in curves)
-    rows = [[curve.run, *curve.words, *[""] * (longest - len(curve.words))] for curve in curves]
+    rows = [[curve.run, *curve.words[:3], *_parts(curve.words[3:])] for curve in curves]
+    longest = max(map(len, rows))
+    rows = [[*row, *[""] * (longest - len(row))] for row in rows]
     shared = [len(set(column)) == 1 for column in zip(*rows, strict=True)]
     shared[_AXIS] &= shared[_KIND]
     title = _joined(rows[0], shared, curves[0].along)
     own = [not is_shared for is_shared in shared]
     labels = [_joined(row, own, curve.along) for row, curve in zip(rows, curves, strict=True)]
     if any(labels):
-        labels = [label or "as it is" for label in labels]
+        labels = [label or UNFILTERED for label in labels]
     return title, labels
+
+
+def _parts(treatments: Sequence[str]) -> list[str]:
+    """"shock response spectrum" and "Q = 10" apart, for one may be shared without the other."""
+    return [part for treatment in treatments for part in treatment.split(", ")]
 
 
 _RUN, _KIND, _OWNER, _AXIS = range(4)

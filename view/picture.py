@@ -2,10 +2,11 @@
 
 import io
 import os
+import warnings
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
-from textwrap import fill
+from textwrap import fill, wrap
 from typing import Any
 
 import matplotlib
@@ -58,7 +59,7 @@ HEIGHTS = {"tripartite": 1.8, "plane": 1.6, "space": 1.8}
 LEGEND_LINE = 0.19
 """height [inch]"""
 
-LONGEST_LINE, LONGEST_LABEL = 100, 30
+LONGEST_LINE, LONGEST_LABEL = 100, 34
 """characters of a line of the title of a panel, and of a legend"""
 
 DOTS_PER_INCH = 110
@@ -152,16 +153,19 @@ def _last(time: Array, contents: Sequence[Sequence[Curve]]) -> float:
 
 def _heights(contents: Sequence[Sequence[Curve]]) -> list[float]:
     """Of panels, which hold their legends."""
-    return [
-        max(HEIGHTS.get(curves[0].paper, 1.0), (len(curves) + 2) * LEGEND_LINE / PANEL_HEIGHT)
-        for curves in contents
-    ]
+    heights = []
+    for curves in contents:
+        _, labels = naming.title_and_labels(curves)
+        lines = 2 + sum(len(wrap(label, LONGEST_LABEL)) for label in labels)
+        least = lines * LEGEND_LINE / PANEL_HEIGHT
+        heights.append(max(HEIGHTS.get(curves[0].paper, 1.0), least))
+    return heights
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     """Write a picture in the format of its suffix.
 
-    PictureError if there is no such format or folder.
+    PictureError if there is no such format or folder, or no room for the panels.
     """
     path = Path(path)
     formats = figure.canvas.get_supported_filetypes()
@@ -172,7 +176,15 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     if not path.parent.is_dir():
         raise PictureError(f"{path}: no folder {path.parent}")
     image = io.BytesIO()
-    figure.savefig(image, format=suffix, dpi=DOTS_PER_INCH)
+    with warnings.catch_warnings():
+        warnings.filterwarnings("error", message="constrained_layout not applied")
+        try:
+            figure.savefig(image, format=suffix, dpi=DOTS_PER_INCH)
+        except UserWarning as error:
+            wide, high = figure.get_size_inches()
+            raise PictureError(
+                f"{path}: {wide:g}x{high:g} inches are too small for its panels and legends"
+            ) from error
     try:
         with renamed_when_whole(path) as whole:
             whole.write_bytes(image.getbuffer())
