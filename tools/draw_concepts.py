@@ -15,7 +15,7 @@ LENGTH, HEIGHT = 6.0, 1.0
 
 
 def bar(ax: Axes, bend: float = 0.0, place: tuple[float, float, float] = (0, 0, 0)) -> None:
-    """A bar of quadrilaterals, bent by a parabola, turned by place[2] about its left end."""
+    """A bar of quadrilaterals, bent by a parabola without mean and moment, and turned."""
     x, y = np.meshgrid(np.linspace(0, LENGTH, 13), np.linspace(-HEIGHT / 2, HEIGHT / 2, 3))
     points = placed(x, y, bend, place)
     for row in range(2):
@@ -30,10 +30,11 @@ def placed(
     x: np.ndarray, y: np.ndarray, bend: float, place: tuple[float, float, float]
 ) -> np.ndarray:
     """Points of the bar in space."""
-    slope = 2.0 * bend * x / LENGTH**2
-    u, v = x - y * slope, y + bend * (x / LENGTH) ** 2
-    c, s = np.cos(place[2]), np.sin(place[2])
-    return np.stack([place[0] + c * u - s * v, place[1] + s * u + c * v], axis=-1)
+    s = x / LENGTH
+    slope = bend * (2.0 * s - 1.0) / LENGTH
+    u, v = x - y * slope, y + bend * (s**2 - s + 1.0 / 6.0)
+    cos, sin = np.cos(place[2]), np.sin(place[2])
+    return np.stack([place[0] + cos * u - sin * v, place[1] + sin * u + cos * v], axis=-1)
 
 
 def axes_at(ax: Axes, at: tuple[float, float], angle: float, color: str, size: float = 0.9) -> None:
@@ -95,7 +96,9 @@ def interface() -> Figure:
             ax.plot([x0, end[0]], [0, end[1]], style, color=GRAY, lw=1.0)
         axes_at(ax, (x0, 0), 0.0, BLUE, 0.75)
         ax.text(x0, -2.4, name, ha="center")
-    ax.text(2.1, 1.55, "facets stay elastic;\nthe frame has their\nmean motion", fontsize=9, va="top")
+    ax.text(
+        2.1, 1.55, "facets stay elastic;\nthe frame has their\nmean motion", fontsize=9, va="top"
+    )
     ax.text(9.1, 1.55, "facets follow\nthe frame", fontsize=9, va="top")
     ax.set_xlim(-2.3, 12.2)
     ax.set_ylim(-2.8, 2.2)
@@ -105,7 +108,7 @@ def interface() -> Figure:
 def floating_frame() -> Figure:
     figure, ax = blank(7.0, 3.2)
     place = (3.0, 0.6, np.radians(20))
-    bar(ax, 1.1, place)
+    bar(ax, 4.0, place)
     straight = placed(np.array([0, LENGTH]), np.zeros(2), 0.0, place)
     ax.plot(*straight.T, "--", color=GRAY, lw=1.2)
     middle = tuple(straight.mean(axis=0))
@@ -115,7 +118,7 @@ def floating_frame() -> Figure:
     ax.text(2.3, 0.15, "x", color=GREEN, fontsize=12)
     axes_at(ax, middle, place[2], BLUE, 1.2)
     ax.text(middle[0] + 0.5, middle[1] - 0.45, "floating frame, R", color=BLUE)
-    tip = placed(np.array([LENGTH]), np.zeros(1), 1.1, place)[0]
+    tip = placed(np.array([LENGTH]), np.zeros(1), 4.0, place)[0]
     arrow(ax, tuple(straight[1]), tuple(tip), ORANGE)
     ax.text(straight[1, 0] + 0.15, straight[1, 1] + 0.3, "elastic\ndisplacement u", color=ORANGE)
     ax.set_xlim(-0.7, 12.0)
@@ -128,7 +131,7 @@ def convolution() -> Figure:
     upper, lower = figure.subplots(2, 1, sharex=True)
     steps = np.arange(13)
     loads = np.array([0, 0.6, 1.0, 0.7, 0.2, 0, 0, 0.4, 0.5, 0.1, 0, 0, 0])
-    fine = np.linspace(0, 12, 600)
+    fine = np.linspace(0, 12, 193)
     total = np.zeros_like(fine)
     for step, load in zip(steps, loads, strict=True):
         if load:

@@ -7,6 +7,7 @@ with links like `../examples/case1.toml`; here such a link leads to a page that 
 import posixpath
 import re
 from pathlib import Path
+from typing import Any
 
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
@@ -22,6 +23,8 @@ ROOT_PAGES = {
 """pages beside docs/, and their names on the site"""
 SOURCES = ("examples/*.toml", "examples/*.py", "examples/*.csv", "meshes/*/*.toml", "meshes/*/*.py")
 """files that pages lead to, shown as code"""
+COMMANDS = "<!-- commands -->"
+"""place of the command line on its page"""
 LINK = re.compile(r"(?<=\]\()(?P<file>[^)\s#:]+)(?P<anchor>#[^)\s]*)?(?=\))")
 
 
@@ -55,11 +58,12 @@ def _page_of_source(path: str) -> str:
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
     """Links of the repository as links of the site."""
     place = page.file.src_uri
+    if place == "command-line.md":
+        markdown = markdown.replace(COMMANDS, commands())
     if place.startswith("sources/"):
         return markdown
-    origin = {site: name for name, site in ROOT_PAGES.items()}.get(place, f"docs/{place}")
-    if place == "index.md":
-        origin = "docs/index.md"
+    beside = {site: name for name, site in ROOT_PAGES.items() if site != "index.md"}
+    origin = beside.get(place, f"docs/{place}")
     return LINK.sub(lambda link: _led(link, origin, place), markdown)
 
 
@@ -76,3 +80,42 @@ def _led(link: re.Match[str], origin: str, place: str) -> str:
         return link[0]
     here = posixpath.dirname(place) or "."
     return posixpath.relpath(target, here) + (link["anchor"] or "")
+
+
+def commands() -> str:
+    """The command line, from the application itself: one section a command."""
+    from duhamel.cli import app
+    from typer.main import get_command
+
+    group = get_command(app)
+    return "\n\n".join(_command(name, command) for name, command in group.commands.items())
+
+
+def _command(name: str, command: Any) -> str:
+    lines = [f"## duhamel {name}", command.help or "", f"    {_usage(name, command)}"]
+    rows = [_row(parameter) for parameter in command.params if not parameter.hidden]
+    if rows:
+        lines.append("\n".join(["| | | |", "|---|---|---|", *rows]))
+    return "\n\n".join(lines)
+
+
+def _usage(name: str, command: Any) -> str:
+    asked = [p for p in command.params if p.param_type_name == "argument"]
+    words = [_value(p) if p.required else f"[{_value(p)}]" for p in asked]
+    return " ".join(["duhamel", name, "[OPTIONS]", *words])
+
+
+def _row(parameter: Any) -> str:
+    """A row of the table of a command: names, what stands for the value, help and default."""
+    is_option = parameter.param_type_name == "option"
+    names = ", ".join(f"`{name}`" for name in [*parameter.opts, *parameter.secondary_opts])
+    value = "" if getattr(parameter, "is_flag", False) else f"`{_value(parameter)}`"
+    default = parameter.default
+    shown = f" Unless given: {default}." if is_option and default not in (None, False, ()) else ""
+    text = f"{getattr(parameter, 'help', None) or ''}{shown}".replace("|", "\\|")
+    return f"| {names if is_option else value} | {value if is_option else ''} | {text} |"
+
+
+def _value(parameter: Any) -> str:
+    """The word that stands for the value of a parameter."""
+    return (parameter.metavar or "VALUE") + ("..." if parameter.nargs == -1 else "")
