@@ -6,6 +6,7 @@
 Of the lines shown, "..." stands for any, at the end of a line for its rest; numbers may be others.
 """
 
+import os
 import re
 import shlex
 import subprocess
@@ -16,8 +17,6 @@ from typing import NamedTuple
 from import_order import ROOT
 
 BLOCK = re.compile(
-    r"^```(?P<kind>\w+)(?: title=\"(?P<title>[^\"]+)\")?\n(?P<text>.*?)^```$", re.M | re.S
-)
     r"^```(?P<kind>\w+)(?: title=\"(?P<title>[^\"]+)\")?\n(?P<text>.*?)^```$", re.M | re.S
 )
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
@@ -68,7 +67,14 @@ def run(command: str, folder: Path) -> str:
         words = [sys.executable, "-m", "duhamel.cli", *words[1:]]
     elif words[0] == "gmsh":
         words = [sys.executable, "-c", _GMSH, *words[1:]]
-    done = subprocess.run(words, cwd=folder, capture_output=True, text=True, encoding="utf-8")
+    done = subprocess.run(
+        words,
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        env={**os.environ, "COLUMNS": "80"},
+    )
     assert done.returncode == 0, f"{command}: {done.stderr}"
     warned = [line for line in done.stderr.splitlines() if line.startswith("warning")]
     assert not warned, f"{command}: {warned}"
