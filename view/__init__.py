@@ -24,6 +24,7 @@ from .picture import draw, entitle, panels, save, style
 from .quantities import Curve, curves
 from .runs import Run, names_of, panel, runs_of
 from .scene import Cross, Marker, Patch, Scene, draw_scene
+from .space import Film, animate
 from .styles import COLORS
 from .variation import draw_variation
 
@@ -33,6 +34,7 @@ __all__ = [
     "Cross",
     "Curve",
     "Field",
+    "Film",
     "Marker",
     "ModeShape",
     "Patch",
@@ -45,6 +47,7 @@ __all__ = [
     "Scene",
     "SeriesError",
     "SeriesWarning",
+    "animate",
     "curves",
     "draw",
     "draw_body_fields",
