@@ -5,6 +5,8 @@
   const byId = (id) => document.getElementById(id);
   const COLORS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
   const MARGIN = { l: 74, r: 18, t: 30, b: 42 };
+  /* Not those of the library, one of which sends a chart to a server. */
+  const BUTTONS = [["zoom2d", "pan2d", "zoomIn2d", "zoomOut2d", "autoScale2d", "toImage"]];
   const FRAMES_PER_SECOND = 25;
 
   /* The time that animation and plots show [s], and who follows it. */
@@ -60,7 +62,7 @@
       margin: MARGIN,
       font: { family: "system-ui, sans-serif", size: 12, color: "#1c2733" },
       showlegend: true,
-      legend: { orientation: "h", x: 1, xanchor: "right", y: 1.0, yanchor: "bottom", itemwidth: 30 },
+      legend: { orientation: "h", x: 0, xanchor: "left", y: 1.0, yanchor: "bottom", itemwidth: 30 },
       xaxis: { ...axis, title: { text: "time [s]", standoff: 6 }, range: range.slice() },
       yaxis: { ...axis, title: { text: plot.unit ? `[${plot.unit}]` : "", standoff: 4 }, type: plot.log ? "log" : "linear" },
       dragmode: "zoom",
@@ -108,7 +110,7 @@
     const program = document.createElement("script");
     program.textContent = await unpacked("plotly");
     document.head.append(program);
-    const options = { displaylogo: false, responsive: true, modeBarButtonsToRemove: ["lasso2d", "select2d"] };
+    const options = { displaylogo: false, responsive: true, modeBarButtons: BUTTONS };
     const all = [];
     for (const wrapper of places) {
       const plot = data.plots[Number(wrapper.dataset.plot)];

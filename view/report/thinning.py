@@ -7,7 +7,7 @@ from ...superelement.validation import Array
 
 IntArray = NDArray[np.int64]
 
-COLUMNS = 900
+COLUMNS = 1200
 """of a picture: as many as a plot has pixels, about"""
 
 
