@@ -8,8 +8,10 @@ from . import series
 from .errors import QuantityError, RecoveryError, ResultsError, SeriesError, SeriesWarning
 from .peaks import Peak, peaks
 from .results import Results
+from .space import Connection
 
 __all__ = [
+    "Connection",
     "Peak",
     "QuantityError",
     "RecoveryError",
