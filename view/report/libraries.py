@@ -29,7 +29,12 @@ def versions() -> str:
 
 def packed(data: bytes) -> str:
     """Bytes, gzip and base64: letters, digits, + / = alone, which end no element of a page."""
-    return base64.b64encode(gzip.compress(data, 9, mtime=0)).decode("ascii")
+    return text(gzip.compress(data, 9, mtime=0))
+
+
+def text(data: bytes) -> str:
+    """Bytes as base64."""
+    return base64.b64encode(data).decode("ascii")
 
 
 def package(name: str) -> ModuleType:

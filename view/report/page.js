@@ -7,7 +7,6 @@
   const MARGIN = { l: 74, r: 18, t: 30, b: 42 };
   /* Not those of the library, one of which sends a chart to a server. */
   const BUTTONS = [["zoom2d", "pan2d", "zoomIn2d", "zoomOut2d", "autoScale2d", "toImage"]];
-  const FRAMES_PER_SECOND = 25;
 
   /* The time that animation and plots show [s], and who follows it. */
   const clock = {
@@ -155,11 +154,10 @@
     const [first, last] = data.range;
     const play = byId("play");
     const when = byId("when");
-    const duration = (data.frames - 1) / FRAMES_PER_SECOND;
     let since = null;
     const step = (now) => {
       if (since === null) return;
-      const part = ((now - since) / 1000 / duration) * Number(byId("speed").value);
+      const part = ((now - since) / 1000 / data.duration) * Number(byId("speed").value);
       since = now;
       const t = clock.t + part * (last - first);
       clock.set(t > last ? first : t);
@@ -189,9 +187,7 @@
     if (!stage) return;
     const still = byId("still");
     if (!hasWebGL()) {
-      byId("controls").remove();
-      tell(byId("canvas"), "");
-      byId("canvas").remove();
+      ["controls", "canvas", "bar"].forEach((id) => byId(id)?.remove());
       stage.style.height = "auto";
       const missing = document.createElement("div");
       tell(missing, "This browser has no WebGL: a picture stands in place of the animation.");

@@ -1,7 +1,7 @@
 """One page from results: its parts in order, with all that it needs inside."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from importlib.resources import files
 from typing import Any
 
@@ -9,10 +9,13 @@ import numpy as np
 
 from ...results import Results
 from . import libraries
+from .animation import animation, duration
 from .head import contents, head
 from .markup import Markup, element, joined, markup, note, section
+from .motion import Motion, motion
 from .origin import Origin, origin
 from .plots import Plot, drawing, plots, remark
+from .scene import scene
 from .tables import (
     balance_table,
     bodies_table,
@@ -28,24 +31,25 @@ from .tables import (
 ROOM = files(__package__)
 
 
-def page(results: Results, title: str = "") -> Markup:
-    """The page as HTML."""
+def page(results: Results, title: str = "", field: str = "") -> Markup:
+    """The page as HTML. field: of the colors of the animation."""
     source = origin(results)
     heading = title or source.name
     drawn = list(plots(results))
-    parts = [*_plots(results, drawn), *_tables(results, source)]
+    moving = motion(results, field)
+    parts = [*_motion(moving), *_plots(results, drawn), *_tables(results, source)]
     links = contents([(identity, text) for identity, text, _ in parts])
     sections = (section(identity, text, body) for identity, text, body in parts)
-    data = _data(results, [plot for _, group in drawn for plot in group])
+    packed = {"plotly": libraries.plotly()}
+    if moving is not None:
+        packed |= {"k3d": libraries.k3d(), "scene": libraries.text(scene(moving))}
+    data = _data(results, [plot for _, group in drawn for plot in group], moving)
+    packed["data"] = libraries.packed(json.dumps(data, allow_nan=False).encode())
     main = element("main", head(results, source, heading), links, _without_scripts(), *sections)
-    return Markup(f"<!doctype html>\n{_document(heading, main, data)}\n")
+    return Markup(f"<!doctype html>\n{_document(heading, main, packed)}\n")
 
 
-def _document(title: str, main: Markup, data: dict[str, Any]) -> Markup:
-    packed = {
-        "plotly": libraries.plotly(),
-        "data": libraries.packed(json.dumps(data, allow_nan=False).encode()),
-    }
+def _document(title: str, main: Markup, packed: Mapping[str, str]) -> Markup:
     head = element(
         "head",
         Markup('<meta charset="utf-8">'),
@@ -73,15 +77,23 @@ def _without_scripts() -> Markup:
     return element("noscript", element("p", text, class_="failed"))
 
 
-def _data(results: Results, drawn: list[Plot]) -> dict[str, Any]:
+def _data(results: Results, drawn: list[Plot], moving: Motion | None) -> dict[str, Any]:
     """What the script of the page draws."""
     time = results.time
     return {
         "plots": [drawing(plot, time) for plot in drawn],
         "range": [float(time[0]), float(time[-1])] if len(time) else [0.0, 0.0],
-        "moves": False,
-        "frames": 0,
+        "moves": moving is not None,
+        "duration": 0.0 if moving is None else duration(moving),
     }
+
+
+def _motion(moving: Motion | None) -> Iterator[tuple[str, str, Markup]]:
+    if moving is None:
+        text = "No animation: the run recorded no body."
+        yield "motion", "Motion", note(text)
+    else:
+        yield "motion", "Motion", animation(moving)
 
 
 def _plots(

@@ -12,12 +12,15 @@ from .page import page
 SUFFIXES = (".html", ".htm")
 
 
-def write_report(results: Results, path: str | os.PathLike[str], title: str = "") -> None:
+def write_report(
+    results: Results, path: str | os.PathLike[str], title: str = "", field: str = ""
+) -> None:
     """Write the report of a run as one page of HTML.
 
     It needs no network and no other file: plots that zoom, the motion in space, tables of validity,
     peaks, contacts, balances, bodies, and where everything comes from. title: the name of the
-    results file, unless given. The file appears whole or not at all. Raises PictureError where it
+    results file, unless given. field: "von_mises", "displacement" or "velocity" for the colors of
+    the animation; by default the first of them that is known. The file appears whole or not at all. Raises PictureError where it
     cannot be written, would replace the results or one of the superelements, or where the packages
     of the extra `report` are missing.
     """
@@ -25,7 +28,7 @@ def write_report(results: Results, path: str | os.PathLike[str], title: str = ""
     _check(results, path)
     for name in ("plotly", "k3d"):
         package(name)
-    text = page(results, title)
+    text = page(results, title, field)
     try:
         with renamed_when_whole(path) as temporary:
             temporary.write_text(text, encoding="utf-8", newline="\n")
