@@ -6,8 +6,8 @@ import numpy as np
 
 from .markup import Markup, element, joined, note
 from .motion import FIELDS, Motion
-from .numbers import counted, seconds, short, vector
-from .scene import GROUPS, body_colors, cameras, color_bar, largest_value
+from .numbers import counted, prefixed, seconds, short, vector
+from .scene import GROUPS, body_colors, cameras, color_bar, largest_value, square
 from .still import still
 
 SPEEDS = (("× 1/20", 0.05), ("× 1/5", 0.2), ("× 1/2", 0.5), ("× 1", 1.0), ("× 2", 2.0))
@@ -17,14 +17,28 @@ MOST_NAMED = 40
 """bodies beside the animation"""
 
 
+HOW = (
+    "Turn with the left button, shift with the right one, zoom with the wheel. The dashed line in "
+    "the plots is at the time of the animation, and a click on a curve goes to its time."
+)
+
+
 def animation(motion: Motion) -> Markup:
     """Stage and controls, filled by the script of the page."""
     return joined(
         [
-            element("div", element("div", id="canvas"), _bar(motion), _still(motion), id="stage"),
+            element(
+                "div",
+                element("div", id="canvas"),
+                element("div", id="names-of-marks"),
+                _bar(motion),
+                _still(motion),
+                id="stage",
+            ),
             _controls(motion),
             _legend(motion),
-            *(note(line) for line in remarks(motion)),
+            element("p", HOW, class_="note moving"),
+            note(" ".join(remarks(motion))),
         ]
     )
 
@@ -37,11 +51,10 @@ def duration(motion: Motion) -> float:
 def remarks(motion: Motion) -> list[str]:
     """What was reduced, and what a reader must know of the picture."""
     drawn, whole = motion.points
-    slower = duration(motion) / max(float(motion.time[-1] - motion.time[0]), 1e-300)
+    length = seconds(float(motion.time[-1] - motion.time[0]))
     lines = [
-        "Turn: left button; shift: right button; zoom: wheel. The dashed line in the plots is at "
-        "the time of the animation; a click on a curve goes to its time. "
-        f"At × 1 the motion takes {duration(motion):.3g} s, {slower:.2g} times as long as it is."
+        f"At × 1 the {length} of motion take {duration(motion):.3g} s. "
+        f"The squares of the grid, in the plane of x and y, are {square(motion):g} m wide."
     ]
     if motion.magnification != 1.0:
         lines.append(
@@ -51,7 +64,7 @@ def remarks(motion: Motion) -> list[str]:
     lines.append(
         f"Shown: {counted(len(motion.time), 'instant')} of {motion.recorded} recorded"
         + (f", deformations at {len(motion.deforming)} of them" if _deforms(motion) else "")
-        + f", straight between them; {drawn} of {whole} points of the bodies, rounded to 1/30000 "
+        + f", straight between them; {drawn} of {whole} points of the bodies, rounded to 1/16000 "
         f"of their size."
     )
     if motion.turn > FASTEST_TURN:
@@ -76,11 +89,13 @@ def _bar(motion: Motion) -> Markup | str:
     if not motion.field or largest <= 0.0:
         return ""
     words, unit = FIELDS[motion.field]
-    ticks = [element("span", short(largest * part, 3)) for part in (1.0, 0.75, 0.5, 0.25, 0.0)]
+    prefix, factor = prefixed(largest)
+    parts = (1.0, 0.75, 0.5, 0.25, 0.0)
+    ticks = [element("span", short(largest * part / factor, 3)) for part in parts]
     gradient = f"background:linear-gradient({','.join(color_bar())})"
     return element(
         "div",
-        element("div", f"{words} [{unit}]", class_="of"),
+        element("div", f"{words} [{prefix}{unit}]", class_="of"),
         element("div", class_="scale", style=gradient),
         element("div", *ticks, class_="ticks"),
         id="bar",

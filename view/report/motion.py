@@ -20,7 +20,7 @@ MOST_POINTS = 12_000
 """of all deforming surfaces"""
 MOST_RIGID = 60_000
 """points of all rigid bodies"""
-POINT_FRAMES = 720_000
+POINT_FRAMES = 600_000
 """points times instants of all deforming surfaces"""
 POSES = 40_000
 """instants times bodies"""
@@ -99,9 +99,7 @@ def motion(results: Results, field: str = "") -> Motion | None:
     deforming = time[rows[_evenly(len(rows), max(frames, 2))]]
     origin = _origin(results, names)
     chosen, failed = _field(results, flexible, field, deforming)
-    deformed = {
-        name: _deformed(results, name, surfaces[name][0], deforming) for name in flexible
-    }
+    deformed = {name: _deformed(results, name, surfaces[name][0], deforming) for name in flexible}
     magnification = _magnification(results, deformed)
     shapes = []
     for name in names:
@@ -259,9 +257,7 @@ def _matrices(q: Array) -> Array:
     return np.stack([rotate(q, axis) for axis in np.eye(3)], axis=-1)
 
 
-def _marks(
-    results: Results, rows: IntArray, origin: Array, magnification: float
-) -> Iterator[Mark]:
+def _marks(results: Results, rows: IntArray, origin: Array, magnification: float) -> Iterator[Mark]:
     """Those whose two frames are known."""
     for coupling in results.couplings:
         ends = [_end(results, name, rows, magnification) for name in coupling.between]

@@ -4,8 +4,15 @@ from collections.abc import Iterable
 
 import numpy as np
 
-PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: ""}
-"""of seconds, by their powers of ten"""
+from ..picture import PREFIXES
+
+
+def prefixed(value: float) -> tuple[str, float]:
+    """The prefix of a unit that makes a value easy to read, and its factor."""
+    if value == 0.0 or not np.isfinite(value):
+        return "", 1.0
+    power = int(np.clip(3 * np.floor(np.log10(abs(value)) / 3), min(PREFIXES), max(PREFIXES)))
+    return PREFIXES[power], 10.0**power
 
 
 def short(value: float, digits: int = 4) -> str:
@@ -15,10 +22,8 @@ def short(value: float, digits: int = 4) -> str:
 
 def seconds(value: float) -> str:
     """A time with its unit, as 60 µs."""
-    if not np.isfinite(value) or value == 0.0:
-        return f"{value:g} s"
-    power = int(np.clip(3 * np.floor(np.log10(abs(value)) / 3), -9, 0))
-    return f"{value / 10.0**power:.6g} {PREFIXES[power]}s"
+    prefix, factor = prefixed(min(abs(value), 999.0))
+    return f"{value / factor:.6g} {prefix}s"
 
 
 def vector(values: Iterable[float]) -> str:

@@ -177,9 +177,43 @@
     when.step = (last - first) / 10000 || 1;
     when.addEventListener("input", () => clock.set(Number(when.value)));
     play.addEventListener("click", () => run(since === null));
-    byId("names").addEventListener("change", (event) => byId("canvas").classList.toggle("unnamed", !event.target.checked));
+    byId("names").addEventListener("change", (event) => byId("names-of-marks").classList.toggle("unseen", !event.target.checked));
     for (const view of document.querySelectorAll("[data-camera]"))
       view.addEventListener("click", () => scene.setCamera(JSON.parse(view.dataset.camera)));
+  }
+
+  /* Names of joints and others over the scene, as text that follows their places. */
+  function drawNames(scene, data) {
+    const stage = byId("names-of-marks");
+    const { names, times, places } = data.marks;
+    const shown = names.map((name) => {
+      const label = document.createElement("span");
+      label.textContent = name;
+      stage.append(label);
+      return label;
+    });
+    const place = () => {
+      const { camera } = scene.getWorld();
+      const toEye = camera.matrixWorldInverse.elements;
+      const toScreen = camera.projectionMatrix.elements;
+      const { clientWidth: width, clientHeight: height } = stage;
+      let after = times.findIndex((t) => t >= clock.t);
+      if (after < 0) after = times.length - 1;
+      const before = Math.max(after - 1, 0);
+      const span = times[after] - times[before];
+      const part = span > 0 ? (clock.t - times[before]) / span : 0;
+      shown.forEach((label, i) => {
+        const point = [0, 1, 2].map((axis) => places[before][3 * i + axis] * (1 - part) + places[after][3 * i + axis] * part);
+        const seen = [0, 1, 2].map((row) => toEye[row] * point[0] + toEye[row + 4] * point[1] + toEye[row + 8] * point[2] + toEye[row + 12]);
+        const depth = -seen[2];
+        const x = (0.5 + (0.5 * toScreen[0] * seen[0]) / depth) * width;
+        const y = (0.5 - (0.5 * toScreen[5] * seen[1]) / depth) * height;
+        label.style.display = depth > 0 ? "" : "none";
+        label.style.transform = `translate(${x}px, ${y}px)`;
+      });
+    };
+    scene.on(scene.events.RENDERED, place);
+    clock.followers.push(place);
   }
 
   async function drawMotion(data) {
@@ -187,8 +221,9 @@
     if (!stage) return;
     const still = byId("still");
     if (!hasWebGL()) {
-      ["controls", "canvas", "bar"].forEach((id) => byId(id)?.remove());
+      ["controls", "canvas", "bar", "names-of-marks"].forEach((id) => byId(id)?.remove());
       stage.style.height = "auto";
+      document.querySelectorAll(".moving").forEach((remark) => remark.remove());
       const missing = document.createElement("div");
       tell(missing, "This browser has no WebGL: a picture stands in place of the animation.");
       stage.prepend(missing);
@@ -200,6 +235,7 @@
     new Function("define", await unpacked("k3d"))(define);
     const scene = await library.CreateK3DAndLoadBinarySnapshot(bytes("scene").buffer, byId("canvas"));
     connect(scene, data);
+    drawNames(scene, data);
     window.duhamel = { scene, clock };
   }
 

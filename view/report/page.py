@@ -15,7 +15,7 @@ from .markup import Markup, element, joined, markup, note, section
 from .motion import Motion, motion
 from .origin import Origin, origin
 from .plots import Plot, drawing, plots, remark
-from .scene import scene
+from .scene import names, scene
 from .tables import (
     balance_table,
     bodies_table,
@@ -85,6 +85,7 @@ def _data(results: Results, drawn: list[Plot], moving: Motion | None) -> dict[st
         "range": [float(time[0]), float(time[-1])] if len(time) else [0.0, 0.0],
         "moves": moving is not None,
         "duration": 0.0 if moving is None else duration(moving),
+        "marks": {} if moving is None else names(moving),
     }
 
 

@@ -110,7 +110,9 @@ def _by_unit(results: Results) -> dict[str, list[str]]:
     """Contacts and stops by the unit of their force."""
     units: dict[str, list[str]] = {}
     for name in results.events:
-        units.setdefault(results.unit("events", name, "peak").replace(" s-1", "/s"), []).append(name)
+        units.setdefault(results.unit("events", name, "peak").replace(" s-1", "/s"), []).append(
+            name
+        )
     return units
 
 

@@ -1,7 +1,6 @@
 """The motion of a run as a scene of K3D, in the bytes that it loads in a browser."""
 
 from collections.abc import Mapping, Sequence
-from html import escape
 from typing import Any
 
 import numpy as np
@@ -26,13 +25,18 @@ GROUPS = {
 COLOR_MAP = "viridis"
 LINKS = ("springs", "couplers")
 """drawn as a line between their frames too"""
-MOST_MARKS = 60
-"""with names"""
+MOST_MARKS, MARKED = 60, 301
+"""with names, and their instants"""
+SQUARES = 12
+"""of the grid, along the longest side at least"""
 PALE = 0.45
 """of the colors of bodies, how much white"""
-FINE = 2.0**-15
+FINE = 2.0**-14
 """positions are rounded to this part of the size of a body, or less"""
 SHADES = 255
+GRID = 0xC9D1D9
+WHITE = 0xFFFFFF
+"""what colors of a field are multiplied with"""
 FOV = 30.0
 """opening of the camera [degrees]"""
 
@@ -48,7 +52,8 @@ def _pale(color: str) -> str:
 
 def largest_value(motion: Motion) -> float:
     """The end of the scale of the field, for all bodies and instants."""
-    return max((float(s.values.max(initial=0.0)) for s in motion.shapes if s.values is not None), default=0.0)
+    fields = [shape.values for shape in motion.shapes if shape.values is not None]
+    return max((float(values.max(initial=0.0)) for values in fields), default=0.0)
 
 
 def color_bar() -> list[str]:
@@ -62,17 +67,14 @@ def scene(motion: Motion) -> bytes:
     low, high = bounds(motion)
     plot = k3d.plot(
         menu_visibility=False,
-        grid=[*low, *high],
-        grid_auto_fit=False,
+        grid_visible=False,
         camera_auto_fit=False,
         camera_fov=FOV,
         colorbar_object_id=0,
-        axes=["x [m]", "y [m]", "z [m]"],
-        grid_color=0xD9DFE5,
-        label_color=0x5B6875,
         axes_helper=0.0,
         antialias=3,
     )
+    plot += _grid(k3d, low, high)
     plot.camera = cameras(motion)["Overview"]
     for shape, color in zip(motion.shapes, body_colors(motion.shapes), strict=True):
         for drawn in _drawn(k3d, motion, shape, color):
@@ -112,6 +114,45 @@ def _corners(shape: Shape, reach: float) -> Array:
     return moved
 
 
+def square(motion: Motion) -> float:
+    """The side of the squares of the grid: 1, 2 or 5 times a power of ten [m]."""
+    low, high = bounds(motion)
+    return _square(low, high)
+
+
+def _square(low: Array, high: Array) -> float:
+    wanted = float((high - low)[:2].max()) / SQUARES
+    power = 10.0 ** np.floor(np.log10(wanted))
+    return float(power * max(step for step in (1.0, 2.0, 5.0) if step * power <= wanted))
+
+
+def _grid(k3d: Any, low: Array, high: Array) -> Any:
+    """Squares in the plane x y below all bodies."""
+    side = _square(low, high)
+    first, last = np.floor(low / side)[:2], np.ceil(high / side)[:2]
+    x, y = (side * np.arange(a, b + 0.5) for a, b in zip(first, last, strict=True))
+    along_y = [[(a, y[0]), (a, y[-1])] for a in x]
+    along_x = [[(x[0], b), (x[-1], b)] for b in y]
+    plane = np.array(along_y + along_x).reshape(-1, 2)
+    points = np.column_stack([plane, np.full(len(plane), low[2])]).astype(np.float32)
+    pairs = np.arange(len(points), dtype=np.uint32).reshape(-1, 2)
+    return k3d.lines(points, pairs, indices_type="segment", shader="simple", color=GRID, name="")
+
+
+def names(motion: Motion) -> dict[str, Any]:
+    """The names of marks and their places in the middle of their frames, by time."""
+    marks = motion.marks if len(motion.marks) <= MOST_MARKS else []
+    every = max(len(motion.time) // MARKED, 1)
+    rows = np.unique([*range(0, len(motion.time), every), len(motion.time) - 1])
+    middles = [mark.positions[rows].mean(axis=1) for mark in marks]
+    places = np.hstack(middles) if middles else np.zeros((len(rows), 0))
+    return {
+        "names": [mark.name for mark in marks],
+        "times": motion.time[rows].tolist(),
+        "places": [[float(f"{x:.5g}") for x in row] for row in places.tolist()],
+    }
+
+
 def cameras(motion: Motion) -> dict[str, list[float]]:
     """Places of the camera by name: its position, what it looks at, and what is up (9 numbers)."""
     low, high = bounds(motion)
@@ -140,13 +181,14 @@ def _camera(low: Array, high: Array, towards: list[float], up: list[float]) -> l
     half = 0.5 * (high - low)
     tall, wide = float(np.abs(upward) @ half), float(np.abs(right) @ half)
     deep = float(np.abs(eye) @ half)
-    distance = 1.2 * max(tall, wide / 1.8) / np.tan(np.radians(0.5 * FOV)) + deep
+    distance = 1.08 * max(tall, wide / 1.8) / np.tan(np.radians(0.5 * FOV)) + deep
     return [*(middle + distance * eye).tolist(), *middle.tolist(), *np.array(up).tolist()]
 
 
 def _drawn(k3d: Any, motion: Motion, shape: Shape, color: str) -> list[Any]:
     """The surface and the lines of a body."""
-    common = {"color": int(color[1:], 16), "name": "", "group": ""}
+    plain = int(color[1:], 16) if shape.values is None else WHITE
+    common = {"color": plain, "name": "", "group": ""}
     points = shape.points.astype(np.float32)
     made = []
     if len(shape.triangles):
@@ -221,12 +263,4 @@ def _of_group(
         )
         lines.vertices = _series(motion.time, places)
         made.append(lines)
-    if len(motion.marks) <= MOST_MARKS:
-        named = [escape(mark.name) for mark in marks]
-        middles = places.reshape(len(places), -1, 2, 3).mean(axis=2)
-        text = k3d.label(
-            named, middles[0].astype(np.float32), is_html=True, mode="local", size=0.75, **look
-        )
-        text.position = _series(motion.time, middles.reshape(len(middles), -1))
-        made.append(text)
     return made

@@ -10,10 +10,12 @@ from matplotlib.figure import Figure
 
 from ...superelement.validation import Array
 from .motion import Motion, Shape
-from .scene import body_colors, cameras
+from .scene import body_colors, bounds, cameras
 
 WIDTH, HEIGHT, DOTS = 9.0, 4.8, 100
 """[inch], per inch"""
+FINE, MOST_DIVISIONS = 25.0, 5
+"""of triangles, in the size of the picture"""
 LIGHT, AMBIENT = np.array([-0.35, 0.55, 0.76]), 0.62
 
 
@@ -28,7 +30,7 @@ def still(motion: Motion) -> str:
     for shape, color in zip(motion.shapes, body_colors(motion.shapes), strict=True):
         seen = _seen(motion, shape) @ view.T
         if len(shape.triangles):
-            corners = seen[shape.triangles]
+            corners = _divided(seen[shape.triangles], _extent(motion) / FINE)
             facets.append(corners)
             colors.append(_shaded(corners, color))
         if len(shape.lines):
@@ -43,6 +45,26 @@ def still(motion: Motion) -> str:
     image = io.BytesIO()
     figure.savefig(image, format="png", dpi=DOTS)
     return f"data:image/png;base64,{base64.b64encode(image.getvalue()).decode('ascii')}"
+
+
+def _extent(motion: Motion) -> float:
+    low, high = bounds(motion)
+    return float(np.linalg.norm(high - low))
+
+
+def _divided(corners: Array, longest: float) -> Array:
+    """Triangles (m, 3, 3) with sides of at most about this length, for large ones hide wrongly."""
+    for _ in range(MOST_DIVISIONS):
+        sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+        large = corners[sides > longest]
+        if not len(large):
+            break
+        a, b, c = large.transpose(1, 0, 2)
+        p, q, r = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)
+        quarters = [(a, p, r), (p, b, q), (r, q, c), (p, q, r)]
+        parts = [np.stack(quarter, axis=1) for quarter in quarters]
+        corners = np.concatenate([corners[sides <= longest], *parts])
+    return corners
 
 
 def _seen(motion: Motion, shape: Shape) -> Array:
