@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from . import linear
+from . import html_report, linear
 from .failures import Commands, errors_in_one_line, one_line
 
 app = typer.Typer(
@@ -404,5 +404,5 @@ def _check_superelement(file: Path) -> None:
     typer.echo(one_line(f"{file}: {len(checks)} checks hold"))
 
 
-for command in (linear.modes, linear.frf, linear.campbell):
+for command in (linear.modes, linear.frf, linear.campbell, html_report.report):
     app.command()(command)

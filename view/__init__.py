@@ -13,11 +13,13 @@ from .linear import (
 from .overview import overview
 from .picture import COLORS, draw, entitle, panels, save, style
 from .quantities import Curve, curves
+from .report import REPORT_FIELDS, write_report
 from .scene import Cross, Marker, Patch, Scene, draw_scene
 from .variation import draw_variation
 
 __all__ = [
     "COLORS",
+    "REPORT_FIELDS",
     "CampbellLine",
     "Cross",
     "Curve",
@@ -45,4 +47,5 @@ __all__ = [
     "panels",
     "save",
     "style",
+    "write_report",
 ]

@@ -38,10 +38,10 @@ AT_ONCE = 1 << 24
 class Shape:
     """A body of the animation.
 
-    points (m, 3): at rest, in body axes [m]; triangles, lines: of them; poses (k, 4, 4): into space,
-    less the origin of the animation, at the instants of motion; u (f, m, 3): enlarged, in body axes,
-    at the instants of deformation, None where it is rigid; values (f, m): of the field, None where
-    there is none.
+    points (m, 3): at rest, in body axes [m]; triangles, lines: of them; poses (k, 4, 4): into
+    space, less the origin of the animation, at the instants of motion; u (f, m, 3): enlarged, in
+    body axes, at the instants of deformation, None where it is rigid; values (f, m): of the field,
+    None where there is none.
     """
 
     name: str

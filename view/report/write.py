@@ -17,12 +17,12 @@ def write_report(
 ) -> None:
     """Write the report of a run as one page of HTML.
 
-    It needs no network and no other file: plots that zoom, the motion in space, tables of validity,
-    peaks, contacts, balances, bodies, and where everything comes from. title: the name of the
+    It needs no network and no other file: the motion in space, plots that zoom, tables of validity,
+    peaks, contacts, balances and bodies, and where everything comes from. title: the name of the
     results file, unless given. field: "von_mises", "displacement" or "velocity" for the colors of
-    the animation; by default the first of them that is known. The file appears whole or not at all. Raises PictureError where it
-    cannot be written, would replace the results or one of the superelements, or where the packages
-    of the extra `report` are missing.
+    the animation; by default the first of them that is known. The file appears whole or not at all.
+    Raises PictureError where it cannot be written, would replace the results or a superelement, or
+    where the packages of the extra `report` are missing.
     """
     path = Path(path)
     _check(results, path)
