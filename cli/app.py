@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from . import animation, linear, projects
+from . import animation, html_report, linear, projects
 from . import plot as plotting
 from .completion import files as files_of
 from .failures import Commands, errors_in_one_line, one_line, unwritten
@@ -359,6 +359,7 @@ def _check_superelement(file: Path) -> None:
 
 for command in (
     plotting.plot,
+    html_report.report,
     animation.animate,
     linear.modes,
     linear.frf,

@@ -85,6 +85,11 @@ class Results:
         return table("Results", shown)
 
     @property
+    def name(self) -> str:
+        """The results file, or "results in memory"."""
+        return self._source.name
+
+    @property
     def recorded(self) -> tuple[str, ...]:
         """The groups that the run recorded, "bodies/hub", "frames/beam.tip", "energy", ...
 

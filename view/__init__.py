@@ -22,6 +22,7 @@ from .naming import title_and_labels
 from .overview import overview, overview_quantities
 from .picture import draw, entitle, panels, save, style
 from .quantities import Curve, curves
+from .report import REPORT_FIELDS, write_report
 from .runs import Run, names_of, panel, runs_of
 from .scene import Cross, Marker, Patch, Scene, draw_scene
 from .space import Film, animate
@@ -30,6 +31,7 @@ from .variation import draw_variation
 
 __all__ = [
     "COLORS",
+    "REPORT_FIELDS",
     "CampbellLine",
     "Cross",
     "Curve",
@@ -67,4 +69,5 @@ __all__ = [
     "save",
     "style",
     "title_and_labels",
+    "write_report",
 ]
