@@ -1,8 +1,6 @@
 """Tables and pictures of `duhamel modes`, `duhamel frf` and `duhamel campbell`."""
 
-import csv
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -187,8 +185,3 @@ def campbell_picture(title: str, diagram: Campbell, orders: Sequence[float]) -> 
     lines = [CampbellLine(line.whirl, line.frequencies) for line in diagram.lines]
     crossings = [(c.spin, c.frequency) for order in orders for c in diagram.crossings(order)]
     return draw_campbell(diagram.spins, lines, orders, crossings, title)
-
-
-def write_csv(path: Path, rows: Sequence[Sequence[str]]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
-        csv.writer(file).writerows(rows)
