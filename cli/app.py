@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from . import linear
+from .export import export
 from .failures import Commands, errors_in_one_line, one_line
 
 app = typer.Typer(
@@ -404,5 +405,5 @@ def _check_superelement(file: Path) -> None:
     typer.echo(one_line(f"{file}: {len(checks)} checks hold"))
 
 
-for command in (linear.modes, linear.frf, linear.campbell):
+for command in (linear.modes, linear.frf, linear.campbell, export):
     app.command()(command)

@@ -14,6 +14,7 @@ from .assembly.second_order import SecondOrder, second_order
 from .assembly.structure import Structure, assemble_on
 from .body.body import Body
 from .errors import MemoryShortageError
+from .outline import outline_of
 from .plausibility import doubts_of_frequencies, doubts_of_source, refused_where_singular
 from .progress import Stages, shown_stages
 from .recovery import check_recovery, recover
@@ -129,6 +130,7 @@ def _build(body: Body, stages: Stages, summaries: list[str], told: Told) -> Supe
             versions=_versions(summaries),
             timings=stages.seconds,
         ),
+        outline=outline_of(source, structure.rigid.center),
     )
 
 

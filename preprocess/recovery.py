@@ -44,7 +44,16 @@ def recover(body: Body, source: Source, structure: Structure, shapes: Shapes) ->
     dofs = (3 * points.nodes[:, None] + np.arange(3)).ravel()
     phi = shapes(structure.T[dofs]).reshape(len(points.nodes), 3, -1)
     X = source.nodes.points[points.nodes] - structure.rigid.center
-    return Recovery(X, points.cells, phi, _stresses(points, structure, shapes))
+    turns = _rotations(points, structure, shapes)
+    return Recovery(X, points.cells, phi, _stresses(points, structure, shapes), turns)
+
+
+def _rotations(points: FieldPoints, structure: Structure, shapes: Shapes) -> Array | None:
+    """Small rotations (p, 3, m) of modes at nodes with six dofs; None of solids."""
+    if structure.turns is None:
+        return None
+    dofs = (3 * points.nodes[:, None] + np.arange(3)).ravel()
+    return shapes(structure.turns[dofs]).reshape(len(points.nodes), 3, -1)
 
 
 def _stresses(points: FieldPoints, structure: Structure, shapes: Shapes) -> Array | None:

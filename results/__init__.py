@@ -6,12 +6,21 @@ for other programs.
 """
 
 from . import series
-from .errors import ExportError, QuantityError, RecoveryError, ResultsError, SeriesError, SeriesWarning
-from .exports import write_csv, write_mat
+from .errors import (
+    ExportError,
+    QuantityError,
+    RecoveryError,
+    ResultsError,
+    SeriesError,
+    SeriesWarning,
+)
+from .exports import write_csv, write_mat, write_vtk
 from .peaks import Peak, peaks
 from .results import Results
+from .space import Connection
 
 __all__ = [
+    "Connection",
     "ExportError",
     "Peak",
     "QuantityError",
@@ -24,4 +33,5 @@ __all__ = [
     "series",
     "write_csv",
     "write_mat",
+    "write_vtk",
 ]

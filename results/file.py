@@ -41,6 +41,8 @@ from .schema import (
     SuperelementFile,
 )
 from .source import ALL, Selection, Source
+from .space import Space
+from .space_file import put_space, read_space
 
 PATIENCE = 5.0
 """seconds to wait for others who have the file open"""
@@ -130,6 +132,10 @@ class FileSource:
         with self._open() as file:
             values: Array = file[CHECKS][()] if CHECKS in file else np.empty(0)
         return values
+
+    def space(self) -> Space | None:
+        with self._open() as file:
+            return read_space(file)
 
     def _rows_that_count(self, file: h5py.File) -> int:
         """Those when it was first opened, or now if there were none."""
@@ -527,6 +533,8 @@ def _image(contents: Contents, notes: Mapping[str, Any], model: str, rows: int) 
             values = file.create_dataset(CHECKS, data=np.full(len(contents.checks), np.nan))
             values.attrs["long_name"] = "what the run has passed at most"
             _attach(values, ("check",), scales)
+        if contents.space is not None:
+            put_space(file, contents.space)
         file.create_group("solver").attrs.update(_plain(notes))
         file.flush()
         image: bytes = file.id.get_file_image()

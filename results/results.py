@@ -3,12 +3,13 @@
 import os
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..superelement import Modes, Recovery, Superelement, SuperelementError, von_mises
+from ..superelement import Modes, Outline, Recovery, Superelement, SuperelementError, von_mises
 from ..superelement.validation import Array
 from .errors import ExportError, RecoveryError
 from .file import FileSource, netcdf
@@ -26,6 +27,8 @@ from .motion import (
     SensorMotion,
     StopMotion,
 )
+from .outlines import Outlines
+from .outlines import Source as OutlineSource
 from .recovery import (
     STARTS,
     Instants,
@@ -39,6 +42,7 @@ from .recovery import (
 )
 from .schema import EVENTS, OWNERS, QUANTITIES, Contents, SuperelementFile, attributes_of
 from .source import ALL, Selection, Source
+from .space import Connection
 from .validity import Check, Validity
 
 
@@ -301,6 +305,54 @@ class Results:
         points = in_space(x, R, recovery.points + recovery.displacement(eta))
         return points.reshape(*np.shape(t), -1, 3)
 
+    @property
+    def couplings(self) -> tuple[Connection, ...]:
+        """What acts between bodies, recorded or not; none in files before version 7."""
+        return self._outlines.space.connections
+
+    @property
+    def ground_frames(self) -> dict[str, Array]:
+        """Positions (3,) of frames fixed in space [m]; none in files before version 7."""
+        return dict(self._outlines.space.ground_frames)
+
+    def outline(self, body: str) -> Outline:
+        """What a recorded body looks like at rest.
+
+        Of files before version 7, which have no outlines, it is made of what is known.
+        """
+        return self._outlines.at_rest(body)
+
+    def outline_source(self, body: str) -> OutlineSource:
+        """Where the deformation of the outline is from.
+
+        "rigid": there is none; "recovery": the modes of the mesh; "interfaces": blended between the
+        recorded motions of the interfaces.
+        """
+        return self._outlines.source(body)
+
+    def outline_displacement(self, body: str, t: Any) -> Array:
+        """Elastic displacements of the outline, (p, 3) or (k, p, 3), in body axes [m]."""
+        return self._outlines.displacement(body, t)
+
+    def outline_position(self, body: str, t: Any, magnification: float = 1.0) -> Array:
+        """The outline in space, x + R (X + magnification u), (p, 3) or (k, p, 3) [m]."""
+        return self._outlines.position(body, t, magnification)
+
+    def outline_velocity(self, body: str, t: Any) -> Array:
+        """Velocities of the outline in space, (p, 3) or (k, p, 3) [m/s].
+
+        The elastic ones are by differences over one recorded step.
+        """
+        return self._outlines.velocity(body, t)
+
+    def outline_field(self, body: str, t: Any, name: str) -> Array:
+        """Magnitudes at the outline, (p,) or (k, p).
+
+        "displacement" [m]; "velocity" in space [m/s], with elastic rates by differences over one
+        recorded step; "von_mises" [Pa], of which `RecoveryError` says what is missing.
+        """
+        return self._outlines.field(body, t, name)
+
     def superelement(self, body: str) -> Superelement:
         """The superelement of a flexible body, read again from its file where necessary.
 
@@ -310,8 +362,19 @@ class Results:
             self._superelements[body] = read_again(body, self.superelement_files.get(body))
         return self._superelements[body]
 
-    def _recover(self, body: str, t: Any, stress: bool = False) -> tuple[Recovery, Array, Instants]:
-        """The recovery of a body, and its modal coordinates (k, m) at times t (k,)."""
+    @cached_property
+    def _outlines(self) -> Outlines:
+        return Outlines(self, self._source.space())
+
+    def recoverable(self, body: str) -> Recovery:
+        """The recovery of a body; `RecoveryError` where the run does not allow it."""
+        return self._checked_recovery(body)[1]
+
+    def modal_state(self, body: str, t: Array) -> tuple[Recovery, Array]:
+        """The recovery of a body, and its modal coordinates (k, m) at times (k,)."""
+        return self._recover(body, t)[:2]
+
+    def _checked_recovery(self, body: str) -> tuple[Superelement, Recovery, Modes]:
         element = self.superelement(body)
         if element.recovery is None or element.modes is None:
             raise RecoveryError(
@@ -319,12 +382,17 @@ class Results:
                 f"body file needs a table [recovery]"
             )
         self._check_recoverable(body, element)
+        return element, element.recovery, element.modes
+
+    def _recover(self, body: str, t: Any, stress: bool = False) -> tuple[Recovery, Array, Instants]:
+        """The recovery of a body, and its modal coordinates (k, m) at times t (k,)."""
+        element, recovery, of_element = self._checked_recovery(body)
         when = instants(self.time, np.atleast_1d(np.asarray(t, dtype=float)))
-        modes, loads = self._loads(body, element, element.modes)
+        modes, loads = self._loads(body, element, of_element)
         run = stepping(self._source.name, self.solver, self.time)
         steps = np.append(when.before, when.after)
         eta = modal_coordinates(modes, loads, run, steps, stress)
-        return element.recovery, when.of(*np.split(eta, 2)), when
+        return recovery, when.of(*np.split(eta, 2)), when
 
     def _loads(self, body: str, element: Superelement, modes: Modes) -> tuple[Modes, Array]:
         """The loads that drove a body (n, n_dofs), and its modes with the rows that they act on."""

@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from ..files.outputs import resolved
 from ..superelement import sha256
 from ..superelement.validation import Array
+from .space import Space
 
 FORMAT = "duhamel-results"
-VERSION = 6
+VERSION = 7
 EARLIEST = 3
 """of which all that is there is the same"""
 
@@ -762,13 +763,15 @@ def _stamp(path: Path) -> tuple[int, int]:
 class Contents:
     """The contents of results: entries of dimensions, quantities, files of superelements, checks.
 
-    checks: of the validity of the run, by name (validity.py).
+    checks: of the validity of the run, by name (validity.py). space: outlines and connections; None
+    where they are in a file that is read, which has them when they are asked for.
     """
 
     axes: Axes
     quantities: tuple[Quantity, ...]
     superelements: Mapping[str, SuperelementFile]
     checks: tuple[str, ...] = ()
+    space: Space | None = None
 
     @property
     def recorded(self) -> tuple[str, ...]:

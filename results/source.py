@@ -7,6 +7,7 @@ import numpy as np
 
 from ..superelement.validation import Array
 from .schema import Batch, Contents, EventRows, Quantity
+from .space import Space
 
 Selection = tuple[Quantity, Any]
 """a quantity, and entries of its second dimension: a number, a slice, or None for all"""
@@ -37,6 +38,9 @@ class Source(Protocol):
 
     def checks(self) -> Array:
         """The values of the checks of validity."""
+
+    def space(self) -> Space | None:
+        """Outlines and connections; None of files before version 7."""
 
 
 class Writer(Protocol):
@@ -101,6 +105,9 @@ class Memory:
 
     def checks(self) -> Array:
         return self._checks.copy()
+
+    def space(self) -> Space | None:
+        return self._contents.space
 
     def flush(self) -> None:
         pass

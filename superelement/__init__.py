@@ -8,6 +8,7 @@ from .file import read, require_writable, sha256, write
 from .interface import Interface
 from .kernel import Kernel, sample_kernel
 from .modes import Modes
+from .outline import Outline
 from .pattern import Pattern
 from .recovery import Recovery, von_mises
 from .response import respond, stressed
@@ -25,6 +26,7 @@ __all__ = [
     "Interface",
     "Kernel",
     "Modes",
+    "Outline",
     "Pattern",
     "Provenance",
     "Recovery",

@@ -1,4 +1,4 @@
-"""The HDF5 file of a superelement, schema version 4; files of versions 1 to 3 are read too.
+"""The HDF5 file of a superelement, schema version 5; files of versions 1 to 4 are read too.
 
 Written under a temporary name and renamed when whole.
 """
@@ -36,6 +36,7 @@ from .fields import (
 from .interface import Interface
 from .kernel import Kernel
 from .modes import Modes
+from .outline import Outline
 from .pattern import Pattern
 from .recovery import Recovery
 from .rotation import INERTIA, Rotation
@@ -45,7 +46,7 @@ from .superelement import Provenance, Superelement
 from .validation import Array, SuperelementError
 
 FORMAT = "duhamel-superelement"
-VERSION = 4
+VERSION = 5
 ACCELERANCE = {1: "static/mobility"} | dict.fromkeys(range(2, VERSION + 1), "static/accelerance")
 """the dataset of the accelerance, by version: version 1 has it under another name"""
 ROTATES = 3
@@ -54,6 +55,8 @@ RELAXES = 4
 """the version from which on modes may have a chain"""
 HAS_CHANNELS = 4
 """the version from which on it may have load patterns and sensors"""
+HAS_OUTLINE = 5
+"""the version from which on it may have an outline"""
 FORM = "KM"
 """two projections of each soft shape, in stiffness and in mass"""
 
@@ -94,7 +97,7 @@ def require_writable(path: str | os.PathLike[str]) -> None:
 
 
 def read(path: str | os.PathLike[str], recovery: bool = True) -> Superelement:
-    """Read and validate a superelement of versions 1 to 4; unknown groups are passed over.
+    """Read and validate a superelement of versions 1 to 5; unknown groups are passed over.
 
     recovery: whether to read that too, which for a large body is nearly all of the file and no
     concern of a simulation.
@@ -142,6 +145,8 @@ def _fill(file: h5py.File, body: Superelement) -> None:
     put(file, ACCELERANCE[VERSION], body.accelerance, "1/kg, 1/(kg m), 1/(kg m^2)")
     if body.recovery is not None:
         _put_recovery(file.create_group("recovery"), body.recovery)
+    if body.outline is not None:
+        _put_outline(file, body.outline, body.recovery)
     _put_provenance(file.create_group("provenance"), body.provenance)
 
 
@@ -223,6 +228,21 @@ def _put_recovery(parent: h5py.Group, recovery: Recovery) -> None:
     put(parent, "phi", recovery.phi.astype(np.float32), "1/sqrt(kg)")
     if recovery.stress is not None:
         put(parent, "stress", recovery.stress.astype(np.float32), "Pa/(m sqrt(kg))")
+    if recovery.phi_rotation is not None:
+        put(parent, "phi_rotation", recovery.phi_rotation.astype(np.float32), "1/(sqrt(kg) m)")
+
+
+def _put_outline(file: h5py.File, outline: Outline, recovery: Recovery | None) -> None:
+    """The outline; where the recovery has the same points and cells, by links to these."""
+    parent = file.create_group("outline")
+    for name, data in (("points", outline.points), ("cells", outline.cells)):
+        if recovery is not None and np.array_equal(data, getattr(recovery, name)):
+            parent[name] = file[f"recovery/{name}"]
+        else:
+            parent.create_dataset(name, data=data)
+    parent["points"].attrs["units"] = "m"
+    if outline.node is not None:
+        parent.create_dataset("node", data=outline.node)
 
 
 def _put_provenance(parent: h5py.Group, source: Provenance) -> None:
@@ -258,6 +278,7 @@ def _superelement(file: h5py.File, recovery: bool) -> Superelement:
         rotation=_rotation(file, n_c) if version >= ROTATES else None,
         channels=_channels(file, n_c, kernel) if version >= HAS_CHANNELS else None,
         provenance=_provenance(file),
+        outline=_outline(file) if version >= HAS_OUTLINE else None,
     )
     _check_rows(file, body)
     require_sound(body)
@@ -412,7 +433,18 @@ def _recovery(file: h5py.File) -> Recovery | None:
     stress = None
     if "recovery/stress" in file:
         stress = numbers(file, "recovery/stress", len(points), 6, phi.shape[2])
-    return Recovery(points, dataset(file, "recovery/cells", "n", "k"), phi, stress)
+    turns = None
+    if "recovery/phi_rotation" in file:
+        turns = numbers(file, "recovery/phi_rotation", len(points), 3, phi.shape[2])
+    return Recovery(points, dataset(file, "recovery/cells", "n", "k"), phi, stress, turns)
+
+
+def _outline(file: h5py.File) -> Outline | None:
+    if "outline" not in file:
+        return None
+    points = numbers(file, "outline/points", "p", 3)
+    node = dataset(file, "outline/node", len(points)) if "outline/node" in file else None
+    return Outline(points, dataset(file, "outline/cells", "n", "k"), node)
 
 
 def _provenance(file: h5py.File) -> Provenance:

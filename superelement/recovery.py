@@ -1,11 +1,10 @@
 """The surface of the mesh, with the displacements and stresses of modes there."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .cells import IntArray, checked_cells
 from .validation import Array, SuperelementError, checked
 
 
@@ -16,27 +15,39 @@ class Recovery:
     points (p, 3) from the center of mass in body axes [m]; cells (n, k) rows of point indices (-1
     fills short rows), each of the type of its number of points, in meshio's order: 2 line,
     3 triangle, 4 quad, 6 triangle6, 8 quad8, 9 quad9; phi (p, 3, m); stress (p, 6, m) in the order
-    xx, yy, zz, yz, xz, xy, or None.
+    xx, yy, zz, yz, xz, xy, or None. phi_rotation (p, 3, m): of nodes of beams, their small
+    rotations theta = phi_rotation eta, or None.
     """
 
     points: Array
-    cells: NDArray[np.int64]
+    cells: IntArray
     phi: Array
     stress: Array | None = None
+    phi_rotation: Array | None = None
 
     def __post_init__(self) -> None:
         points = checked("recovery: points", self.points, ("p", 3))
         phi = checked("recovery: phi", self.phi, (len(points), 3, "m"))
         object.__setattr__(self, "points", points)
-        object.__setattr__(self, "cells", _checked_cells(self.cells, len(points)))
+        object.__setattr__(self, "cells", checked_cells("recovery: cells", self.cells, len(points)))
         object.__setattr__(self, "phi", phi)
         if self.stress is not None:
             stress = checked("recovery: stress", self.stress, (len(points), 6, phi.shape[2]))
             object.__setattr__(self, "stress", stress)
+        if self.phi_rotation is not None:
+            shape = (len(points), 3, phi.shape[2])
+            turns = checked("recovery: phi_rotation", self.phi_rotation, shape)
+            object.__setattr__(self, "phi_rotation", turns)
 
     def displacement(self, eta: Array) -> Array:
         """u = phi eta (..., p, 3) [m] in body axes, from modal coordinates (..., m)."""
         return _superpose(self.phi, eta)
+
+    def rotation(self, eta: Array) -> Array:
+        """theta = phi_rotation eta (..., p, 3) [rad]; `SuperelementError` without rotations."""
+        if self.phi_rotation is None:
+            raise SuperelementError("recovery: no rotations, which only nodes of beams have")
+        return _superpose(self.phi_rotation, eta)
 
     def stresses(self, eta: Array) -> Array:
         """sigma = stress eta (..., p, 6) [Pa], body axes; `SuperelementError` without stresses."""
@@ -65,19 +76,3 @@ def _superpose(shapes: Array, eta: Array) -> Array:
     p, k, m = shapes.shape
     field: Array = eta @ shapes.reshape(p * k, m).T
     return field.reshape(*eta.shape[:-1], p, k)
-
-
-def _checked_cells(value: Any, n_points: int) -> NDArray[np.int64]:
-    cells = np.array(value, order="C")
-    if cells.ndim != 2 or not np.issubdtype(cells.dtype, np.integer):
-        raise SuperelementError(
-            f"recovery: cells: expected integers of shape (n, k), found {cells.dtype} {cells.shape}"
-        )
-    if cells.size and (cells.min() < -1 or cells.max() >= n_points):
-        raise SuperelementError(
-            f"recovery: cells: expected point indices from -1 to {n_points - 1}, found "
-            f"{cells.min()} to {cells.max()}"
-        )
-    cells = cells.astype(np.int64)
-    cells.flags.writeable = False
-    return cells

@@ -10,6 +10,7 @@ from .channels import Channels
 from .interface import Interface
 from .kernel import Kernel, sample_kernel
 from .modes import Modes
+from .outline import Outline
 from .pattern import Pattern
 from .recovery import Recovery
 from .rotation import Rotation
@@ -52,7 +53,8 @@ class Superelement:
     size n_c; kernel: the sampled impulse responses; modes: the same body without a step size, or
     None; compliance (n_c, n_c): P_C P K^+ P^T P_C^T, the inertia-relieved static one [m/N ...];
     accelerance (n_c, n_c): P_C M^-1 P^T P_C^T, accelerations under unit loads at rest [1/kg ...].
-    channels: load patterns and sensors, None where the body has none.
+    channels: load patterns and sensors, None where the body has none. outline: what it looks like,
+    None where that is not known, as of matrices of another program.
     """
 
     name: str
@@ -68,6 +70,7 @@ class Superelement:
     rotation: Rotation | None = None
     channels: Channels | None = None
     provenance: Provenance = field(default_factory=Provenance)
+    outline: Outline | None = None
 
     def __post_init__(self) -> None:
         if not (self.name and self.name.isprintable()):
@@ -101,6 +104,7 @@ class Superelement:
                     f"recovery: phi: expected {n_modes} columns, one per mode, "
                     f"found {self.recovery.phi.shape[2]}"
                 )
+            self._check_outline(self.recovery, self.outline)
         object.__setattr__(self, "J_rot", J_rot)
         object.__setattr__(self, "center", checked("center", self.center, (3,)))
         object.__setattr__(self, "interfaces", interfaces)
@@ -148,6 +152,20 @@ class Superelement:
         if both := [name for name in names if name in taken]:
             raise SuperelementError(
                 f"patterns, sensors: expected other names than those of interfaces, found {both[0]}"
+            )
+
+    def _check_outline(self, recovery: Recovery, outline: Outline | None) -> None:
+        if outline is None:
+            return
+        n = len(recovery.points)
+        if outline.node is None and len(outline.points) != n:
+            raise SuperelementError(
+                f"outline: points: expected {n}, those of the recovery, found {len(outline.points)}"
+            )
+        if outline.node is not None and outline.node.max(initial=-1) >= n:
+            raise SuperelementError(
+                f"outline: node: expected numbers below {n}, of points of the recovery, found "
+                f"{outline.node.max()}"
             )
 
     @property

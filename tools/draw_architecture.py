@@ -43,6 +43,7 @@ ABOUT = {
     "preprocess/rotation": "second order in a few coordinates",
     "preprocess/estimate": "time and memory to expect",
     "preprocess/recovery": "fields on the surface",
+    "preprocess/outline": "what a body looks like",
     "preprocess/plausibility": "doubts about units",
     "preprocess/survey": "the dry run",
     "preprocess/build": "body to superelement",

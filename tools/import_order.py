@@ -40,6 +40,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "rotation",
         "estimate",
         "recovery",
+        "outline",
         "plausibility",
         "survey",
         "build",

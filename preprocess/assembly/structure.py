@@ -35,7 +35,8 @@ class Structure:
     masses are attached to the source, by name; a mass on an interface has its frame.
     inertia (n_u, 6): F of the change d = F^T u of the moments of inertia, and so the loads of
     rotation; None where that is not asked for. channels: rows of load patterns and sensors, None
-    where there are none. All in mesh axes.
+    where there are none. turns (3 n, n_u): the rotations of the n points of the source,
+    None where not all of them have rotations. All in mesh axes.
     """
 
     nodes: Nodes
@@ -49,6 +50,7 @@ class Structure:
     masses: Mapping[str, Attachment]
     inertia: Array | None = None
     channels: ChannelRows | None = None
+    turns: Any | None = None
 
     @property
     def n_u(self) -> int:
@@ -137,7 +139,13 @@ def assemble_on(body: Body, source: Source) -> Structure:
         frames=frames,
         masses=masses,
         channels=channels,
+        turns=_turns(source.nodes, T),
     )
+
+
+def _turns(nodes: Nodes, T: Any) -> Any | None:
+    """The rows (3 n, n_u) of the rotations of nodes that all have six dofs."""
+    return T[(nodes.displacements + 3).ravel()] if nodes.rotations.all() else None
 
 
 def _check(name: str, nodes: Nodes, K: Any, M: Any) -> None:

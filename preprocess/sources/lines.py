@@ -62,22 +62,23 @@ class LineSource:
 
     def matrices(self) -> tuple[Any, Any]:
         check_connected(self.mesh)
-        stiffness, mass = beam_matrices(self.mesh, self._section_of_each)
+        stiffness, mass = beam_matrices(self.mesh, self.section_of_each)
         dofs = node_dofs(self.mesh.cells["line"], 6)
         n_dofs = self.nodes.n_dofs
         return _scatter(stiffness, dofs, n_dofs), _scatter(mass, dofs, n_dofs)
 
     def tensors(self, M: Any, center: Array) -> BeamTensors:
-        return beam_tensors(self.mesh, self._section_of_each, center)
+        return beam_tensors(self.mesh, self.section_of_each, center)
 
     @property
-    def _section_of_each(self) -> list[Section]:
+    def section_of_each(self) -> list[Section]:
+        """The section of every line."""
         return [self.sections.values[owner] for owner in self.sections.owners]
 
     def section_axes(self) -> tuple[Array, Array]:
         """Middles (n, 3) of the lines, and their local axes x, y, z as rows (n, 3, 3)."""
         middles: Array = self.mesh.points[self.mesh.cells["line"]].mean(axis=1)
-        return middles, lengths_and_axes(self.mesh, self._section_of_each)[1]
+        return middles, lengths_and_axes(self.mesh, self.section_of_each)[1]
 
     def attachment(self, selection: InterfaceSelection) -> Attachment:
         """The dofs of the node nearest to a point, or of the one that a group or shapes select."""
@@ -107,13 +108,13 @@ class LineSource:
         if load.group is not None and not len(rows := self.mesh.members(load.group)):
             raise BodyError(f"group {load.group!r}: expected lines, found none")
         density = np.array(load.force_per_length)
-        return line_forces(self.mesh, self._section_of_each, rows, density).ravel()
+        return line_forces(self.mesh, self.section_of_each, rows, density).ravel()
 
     def readings(self, sensor: SensorPoint) -> tuple[Any, Array]:
         """Of points beside the axis too, which move with their sections."""
         if sensor.stress:
             raise BodyError("stress: expected a mesh of solids, found lines: take direction")
-        beams, point = Beams(self.mesh, self._section_of_each), np.array(sensor.point)
+        beams, point = Beams(self.mesh, self.section_of_each), np.array(sensor.point)
         if sensor.direction is None:
             return beams.displacement_rows(beams.locate(point)), point
         d = unit_vector(sensor.direction)

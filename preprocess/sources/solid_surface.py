@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...superelement.cells import padded
 from ..mesh.facets import Facets
 from ..mesh.mesh import IntArray, Mesh
 
@@ -29,7 +30,7 @@ def surface_points(mesh: Mesh, facets: Facets, owners: IntArray) -> SurfacePoint
     for kind, sides in facets.sides.items():
         owner_of_facet[sides] = mesh.of_kind(owners, kind)[:, None]
     outer = np.flatnonzero(facets.boundary)
-    cells = _padded(list(facets.patch(outer).values()))
+    cells = padded(list(facets.patch(outer).values()))
 
     # A node of a material is one number, node + n_nodes * material, until points are counted.
     n_nodes = len(mesh.points)
@@ -43,14 +44,3 @@ def surface_points(mesh: Mesh, facets: Facets, owners: IntArray) -> SurfacePoint
     }
     cells = np.where(cells >= 0, point[cells], -1)
     return SurfacePoints(keys % n_nodes, keys // n_nodes, cells, of_elements)
-
-
-def _padded(blocks: list[IntArray]) -> IntArray:
-    """Rows of different lengths below each other, -1 filling short ones."""
-    width = max(rows.shape[1] for rows in blocks)
-    rows = np.full((sum(map(len, blocks)), width), -1, dtype=np.int64)
-    first = 0
-    for block in blocks:
-        rows[first : first + len(block), : block.shape[1]] = block
-        first += len(block)
-    return rows

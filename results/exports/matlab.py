@@ -21,22 +21,40 @@ MOST = (1 << 31) - 1
 LONGEST = 63
 """characters of a name in MATLAB"""
 KEYWORDS = frozenset(
-    "break case catch classdef continue else elseif end for function global if otherwise parfor "
-    "persistent return spmd switch try while".split()
+    (
+        "break",
+        "case",
+        "catch",
+        "classdef",
+        "continue",
+        "else",
+        "elseif",
+        "end",
+        "for",
+        "function",
+        "global",
+        "if",
+        "otherwise",
+        "parfor",
+        "persistent",
+        "return",
+        "spmd",
+        "switch",
+        "try",
+        "while",
+    )
 )
 Struct = dict[str, Any]
 
 
-def write_mat(
-    results: Results, path: str | os.PathLike[str], rows: slice = slice(None)
-) -> Path:
+def write_mat(results: Results, path: str | os.PathLike[str], rows: slice = slice(None)) -> Path:
     """Write all that was recorded as a MATLAB file, and give its path.
 
     `time` (n, 1) [s], and structures: bodies.hub.v, frames.beam_tip.u, joints.pivot.angle,
     energy.kinetic, events.stop.peak, ... with the attributes of `Results.body` and its neighbors;
-    in each the owner's own `name`, and `units` by attribute. `run` has the notes of the run, `model`
-    the text of the model file. rows: of the recorded steps. `ExportError` where a group has more
-    than 2 GB.
+    in each the owner's own `name`, and `units` by attribute. `run` has the notes of the run,
+    `model` the text of the model file. rows: of the recorded steps. `ExportError` where a group has
+    more than 2 GB.
     """
     from scipy.io import savemat
 
@@ -50,9 +68,8 @@ def write_mat(
         variables["events"] = events
     variables["run"] = _struct(results.solver)
     variables["model"] = results.model
-    with renamed_when_whole(target) as temporary:
-        with temporary.open("wb") as file:
-            savemat(file, variables, long_field_names=True)
+    with renamed_when_whole(target) as temporary, temporary.open("wb") as file:
+        savemat(file, variables, long_field_names=True)
     return target
 
 

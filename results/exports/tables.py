@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from ...files import write_rows
-from ...superelement.validation import Array
 from ..errors import QuantityError
 from ..peaks import _named as named
 from ..results import Results
@@ -37,9 +36,9 @@ def write_csv(
 
     Without quantities all that was recorded: a table for each group, bodies.csv, frames.csv, ...,
     of variables by their names in the results file, as "body_velocity:hub:x [m s-1]", and
-    events.csv. With quantities, as `plot` names them, quantities.csv, where `*` in a name stands for
-    anything; of those over other times or frequencies, as spectra, each a table of its own.
-    rows: of the recorded steps.
+    events.csv. With quantities, as `plot` names them, quantities.csv, where `*` in a name stands
+    for anything; of those over other times or frequencies, as spectra, each a table of its own.
+    rows: of the recorded steps; spectra are those of all.
     """
     place, wanted = made(folder), tuple(quantities)
     tables = _named(results, wanted, rows) if wanted else _groups(results, rows)
@@ -99,9 +98,7 @@ def _events(results: Results, owners: Sequence[str]) -> Rows:
             yield [owner, *numbers]
 
 
-def _named(
-    results: Results, quantities: Iterable[str], rows: slice
-) -> Iterator[tuple[str, Rows]]:
+def _named(results: Results, quantities: Iterable[str], rows: slice) -> Iterator[tuple[str, Rows]]:
     """The table of the quantities over the times of the run, and those of all others."""
     found = [pair for quantity in quantities for pair in _alike(results, quantity)]
     time = results.time

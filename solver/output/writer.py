@@ -1,6 +1,7 @@
 """The destination of the results of a run, and the notes at its head."""
 
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -23,6 +24,7 @@ from ..start.initial import InitialState
 from .columns import requested
 from .inputs import drifts
 from .size import check_memory
+from .space import space_of
 from .validity import Judge
 
 
@@ -78,8 +80,10 @@ def resume_writer(path: Path, lowered: LoweredModel, state: StateFile) -> FileWr
 
 
 def contents_of(lowered: LoweredModel) -> Contents:
-    """What the model requests, and the checks of its validity."""
-    return requested(lowered, Judge(lowered).names)
+    """What the model requests, the checks of its validity, and its bodies in space."""
+    contents = requested(lowered, Judge(lowered).names)
+    bodies = contents.axes["body"].names if "body" in contents.axes else ()
+    return replace(contents, space=space_of(lowered, bodies))
 
 
 def _truncation(lowered: LoweredModel) -> float:

@@ -182,7 +182,7 @@ def test_only_rows_that_are_whole_count(tmp_path):
     [
         (
             {"version": 2},
-            "results file of version 2; this Duhamel reads versions 3 to 6: run the model again",
+            "results file of version 2; this Duhamel reads versions 3 to 7: run the model again",
         ),
         (
             {"format": "duhamel-superelement"},
@@ -201,7 +201,7 @@ def test_another_version_or_format_is_refused_in_one_line(change, message, tmp_p
     assert str(caught.value) == f"{path}: {message}"
 
 
-@pytest.mark.parametrize("version", [3, 4, 5])
+@pytest.mark.parametrize("version", [3, 4, 5, 6])
 def test_earlier_versions_are_read_whose_bodies_have_no_second_order(version, tmp_path):
     path, contents = tmp_path / "out.h5", make_contents(second_order=0, motors=0)
     write(path, contents, make_output(contents, 2), (2,)).finish()

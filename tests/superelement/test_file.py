@@ -364,9 +364,9 @@ FAULTS = {
         "attribute 'format': expected 'duhamel-superelement', found 'vtk'",
     ),
     "no format": (without_attribute("/", "format"), "attribute 'format' is missing"),
-    "version 5": (
-        with_attribute("/", "version", 5),
-        "attribute 'version': expected 1 or 2 or 3 or 4, found 5$",
+    "version 6": (
+        with_attribute("/", "version", 6),
+        "attribute 'version': expected 1 or 2 or 3 or 4 or 5, found 6$",
     ),
     "version 1 with the dataset of version 2": (
         with_attribute("/", "version", 1),
@@ -374,7 +374,7 @@ FAULTS = {
     ),
     "version list": (
         with_attribute("/", "version", [1, 2]),
-        r"attribute 'version': expected 1 or 2 or 3 or 4, found array\(\[1, 2\]\)",
+        r"attribute 'version': expected 1 or 2 or 3 or 4 or 5, found array\(\[1, 2\]\)",
     ),
     "other units": (
         with_attribute("/", "units", "mm"),

@@ -1,0 +1,37 @@
+"""Bodies in space: outlines, what connects them, and the frames of the ground."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from ..superelement import Outline
+from ..superelement.validation import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Connection:
+    """What acts between two frames.
+
+    name; group: "joints", "springs", "contacts", "motions", "motors", "stops" or "couplers"; type:
+    "revolute", ...; between: "BODY.FRAME", "BODY" for its center of mass, or "ground.NAME", or
+    "ground" where the other frame starts; axis (3,): of a joint and others that have one, a unit
+    vector in the axes of the first frame, which for "ground" are those of space; else None.
+    """
+
+    name: str
+    group: str
+    type: str
+    between: tuple[str, str]
+    axis: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Space:
+    """All that a picture of a run needs beside the motion of bodies and frames.
+
+    outlines: of recorded bodies, by name; bodies with the same superelement share one; connections;
+    ground_frames: positions (3,) of frames fixed in space [m].
+    """
+
+    outlines: Mapping[str, Outline] = field(default_factory=dict)
+    connections: tuple[Connection, ...] = ()
+    ground_frames: Mapping[str, Array] = field(default_factory=dict)

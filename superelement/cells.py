@@ -1,0 +1,68 @@
+"""Lines and facets as rows of point numbers, each of the type of its number of points."""
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .validation import SuperelementError
+
+IntArray = NDArray[np.int64]
+
+LINE = 2
+TRIANGLES = {
+    3: ((0, 1, 2),),
+    4: ((0, 1, 2), (0, 2, 3)),
+    6: ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)),
+    8: ((0, 4, 7), (4, 1, 5), (5, 2, 6), (6, 3, 7), (4, 5, 6), (4, 6, 7)),
+    9: tuple((a, b, 8) for a, b in pairwise((0, 4, 1, 5, 2, 6, 3, 7, 0))),
+}
+"""the triangles that a facet is cut into, by its number of points, corners first as in meshio"""
+
+
+def checked_cells(name: str, value: Any, n_points: int) -> IntArray:
+    """Read-only rows (n, k) of point numbers below n_points, -1 filling short rows."""
+    cells = np.array(value, order="C")
+    if cells.ndim != 2 or not np.issubdtype(cells.dtype, np.integer):
+        raise SuperelementError(
+            f"{name}: expected integers of shape (n, k), found {cells.dtype} {cells.shape}"
+        )
+    if cells.size and (cells.min() < -1 or cells.max() >= n_points):
+        raise SuperelementError(
+            f"{name}: expected point indices from -1 to {n_points - 1}, found "
+            f"{cells.min()} to {cells.max()}"
+        )
+    cells = cells.astype(np.int64)
+    cells.flags.writeable = False
+    return cells
+
+
+def of_size(cells: IntArray, k: int) -> IntArray:
+    """The cells (m, k) that have k points."""
+    chosen: IntArray = cells[sizes(cells) == k, :k]
+    return chosen if chosen.shape[1] == k else np.empty((0, k), dtype=np.int64)
+
+
+def sizes(cells: IntArray) -> IntArray:
+    """The number of points (n,) of each cell."""
+    counts: IntArray = np.count_nonzero(cells >= 0, axis=1)
+    return counts
+
+
+def triangles(cells: IntArray) -> IntArray:
+    """The triangles (m, 3) that all facets are cut into."""
+    cut = [of_size(cells, k)[:, list(rows)].reshape(-1, 3) for k, rows in TRIANGLES.items()]
+    joined: IntArray = np.concatenate(cut)
+    return joined
+
+
+def padded(blocks: list[IntArray]) -> IntArray:
+    """Rows of different lengths below each other, -1 filling short ones."""
+    width = max((rows.shape[1] for rows in blocks), default=0)
+    rows = np.full((sum(map(len, blocks)), width), -1, dtype=np.int64)
+    first = 0
+    for block in blocks:
+        rows[first : first + len(block), : block.shape[1]] = block
+        first += len(block)
+    return rows

@@ -1,0 +1,88 @@
+"""The outline of a body: what it looks like at rest."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from .cells import LINE, TRIANGLES, IntArray, checked_cells, of_size, sizes, triangles
+from .validation import Array, SuperelementError, checked
+
+
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """Points and facets of a body at rest.
+
+    points (p, 3) from the center of mass in body axes [m]; cells (n, k): facets that turn outwards
+    as rows of point numbers, -1 filling short rows, each of the type of its number of points in
+    meshio's order: 3 triangle, 4 quad, 6 triangle6, 8 quad8, 9 quad9; 2: a line without a section.
+    node (p,): of beams, the node of the lines whose section carries each point, the number of a
+    point of the recovery; None for solids, whose points are those of the recovery.
+    """
+
+    points: Array
+    cells: IntArray
+    node: IntArray | None = None
+
+    def __post_init__(self) -> None:
+        points = checked("outline: points", self.points, ("p", 3))
+        cells = checked_cells("outline: cells", self.cells, len(points))
+        known = np.isin(sizes(cells), [LINE, *TRIANGLES])
+        if not known.all():
+            raise SuperelementError(
+                "outline: cells: expected 2, 3, 4, 6, 8 or 9 points each, found "
+                f"{int(sizes(cells)[~known][0])}"
+            )
+        object.__setattr__(self, "points", points)
+        object.__setattr__(self, "cells", cells)
+        if self.node is not None:
+            object.__setattr__(self, "node", _checked_nodes(self.node, len(points)))
+
+    @property
+    def triangles(self) -> IntArray:
+        """Its facets cut into triangles (m, 3)."""
+        return triangles(self.cells)
+
+    @property
+    def lines(self) -> IntArray:
+        """Its lines (l, 2)."""
+        return of_size(self.cells, LINE)
+
+    @property
+    def n_facets(self) -> int:
+        return len(self.cells) - len(self.lines)
+
+    @property
+    def anchors(self) -> Array:
+        """What each point moves with (p, 3): the node of its section, or the point itself [m].
+
+        A node is in the middle of its section, so it is the mean of the points there.
+        """
+        if self.node is None:
+            return self.points
+        count = np.bincount(self.node)
+        sums = np.array([np.bincount(self.node, x) for x in self.points.T])
+        return (sums / np.maximum(count, 1)).T[self.node]
+
+    @property
+    def volume(self) -> float:
+        """What its facets enclose [m^3], by the divergence theorem: sum of a . (b x c) / 6."""
+        a, b, c = self.points[self.triangles].transpose(1, 0, 2)
+        return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
+
+    def moved(self, points: Array) -> "Outline":
+        """The same with its points elsewhere."""
+        return replace(self, points=points)
+
+
+def _checked_nodes(value: Any, n_points: int) -> IntArray:
+    node = np.array(value)
+    if node.shape != (n_points,) or not np.issubdtype(node.dtype, np.integer):
+        raise SuperelementError(
+            f"outline: node: expected {n_points} integers, found {node.dtype} {node.shape}"
+        )
+    if node.size and node.min() < 0:
+        raise SuperelementError(f"outline: node: expected 0 or more, found {node.min()}")
+    node = node.astype(np.int64)
+    node.flags.writeable = False
+    return node
