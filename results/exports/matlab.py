@@ -21,7 +21,7 @@ MOST = (1 << 31) - 1
 LONGEST = 63
 """characters of a name in MATLAB"""
 KEYWORDS = frozenset(
-    (
+    [
         "break",
         "case",
         "catch",
@@ -42,7 +42,7 @@ KEYWORDS = frozenset(
         "switch",
         "try",
         "while",
-    )
+    ]
 )
 Struct = dict[str, Any]
 
