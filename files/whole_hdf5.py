@@ -38,10 +38,9 @@ class _Store(io.RawIOBase):
 
     def write(self, data: Any) -> int:
         view = memoryview(data).cast("B")
-        left = view
-        while self.failure is None and len(left):
+        if self.failure is None:
             try:
-                left = left[self._raw.write(left) :]
+                written(self._raw, view)
             except OSError as error:
                 self.failure = error
         return len(view)
@@ -70,3 +69,9 @@ class _Store(io.RawIOBase):
 
     def seekable(self) -> bool:
         return True
+
+
+def written(raw: io.FileIO, view: memoryview) -> None:
+    """Write all of it, which the system may do in parts."""
+    while len(view):
+        view = view[raw.write(view) :]

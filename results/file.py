@@ -177,7 +177,8 @@ def netcdf(source: Source) -> Any:
     stream = io.BytesIO(_image(contents, notes, source.model(), len(time)))
     with h5py.File(stream, "r+") as file:
         for quantity in contents.quantities:
-            _extend(file, quantity.name, *source.read([(quantity, None)]), 0)
+            (rows,) = source.read([(quantity, None)])
+            _extend(file, quantity.name, rows, 0)
         for name, column in _event_columns(events, 0) if len(events.owner) else ():
             _extend(file, name, column, 0)
         if len(checks := source.checks()):

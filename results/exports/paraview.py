@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ...files import write_rows
 from ...files.whole_hdf5 import written_whole
+from ...superelement import von_mises
 from ...superelement.validation import Array
 from ..errors import ExportError, RecoveryError
 from ..recovery import in_space
@@ -21,6 +22,9 @@ AT_ONCE = 1 << 20
 OF_VTK = [0, 1, 2, 5, 3, 4]
 """stresses xx, yy, zz, yz, xz, xy in the order of VTK: xx, yy, zz, xy, yz, xz"""
 SOURCES = {"rigid": 0, "recovery": 1, "interfaces": 2}
+EQUIVALENT, TENSOR = "von_mises", "stress"
+READ = 1 << 22
+"""numbers that are read together, of steps that are far apart"""
 Fields = dict[str, Array]
 
 
@@ -64,7 +68,7 @@ def _write_bodies(
     numbers = np.repeat(np.arange(len(bodies)), [len(part) for part in parts])
     sources = np.array([SOURCES[results.outline_source(body)] for body in bodies])
     of_cells = {"body": numbers, "deformation": sources[numbers]}
-    stressed = [body for body in bodies if _knows_stress(results, body, times[:1])]
+    known = _Stresses(results, parts, times[:1])
     with written_whole(path) as file:
         grid = Grid(file, times, cells, of_cells)
         for rows in _batches(len(steps), cells.points):
@@ -74,8 +78,7 @@ def _write_bodies(
                 "displacement": np.concatenate([u for _, u, _ in motions], axis=1),
                 "velocity": np.concatenate([v for _, _, v in motions], axis=1),
             }
-            if stressed:
-                fields |= _stresses(results, stressed, parts, t)
+            fields |= known.at(t)
             grid.put(np.concatenate([x for x, _, _ in motions], axis=1), fields)
 
 
@@ -83,39 +86,44 @@ def _motion(
     results: Results, body: str, steps: NDArray[np.int64], t: Array, magnification: float
 ) -> tuple[Array, Array, Array]:
     """Positions [m], elastic displacements [m] and velocities [m/s] (k, p, 3), in space."""
-    R = results.body(body).R[steps]
-    u = in_space(np.zeros((len(t), 3)), R, results.outline_displacement(body, t))
-    positions = results.outline_position(body, t, magnification)
-    return positions, u, results.outline_velocity(body, t)
+    motion, nowhere = results.body(body), np.zeros((len(t), 3))
+    R = motion.R[steps]
+    u = in_space(nowhere, R, results.outline_displacement(body, t))
+    at_rest = in_space(motion.x[steps], R, results.outline(body).points)
+    return at_rest + magnification * u, u, results.outline_velocity(body, t)
 
 
-def _knows_stress(results: Results, body: str, t: Array) -> bool:
-    try:
-        results.outline_field(body, t, "von_mises")
-    except RecoveryError:
-        return False
-    return True
+class _Stresses:
+    """Equivalent stresses and, of solids, stresses in body axes [Pa], of those that are known."""
 
+    def __init__(self, results: Results, parts: Sequence[Cells], start: Array) -> None:
+        self._results = results
+        self._points = {body: p.points for body, p in zip(results.bodies, parts, strict=True)}
+        self._known = {body: self._of(body, start) for body in results.bodies}
+        found = {name for of_body in self._known.values() for name in of_body}
+        self._names = [name for name in (EQUIVALENT, TENSOR) if name in found]
 
-def _stresses(
-    results: Results, stressed: Sequence[str], parts: Sequence[Cells], t: Array
-) -> Fields:
-    """Equivalent stresses and, of solids, stresses in body axes [Pa]; not a number elsewhere."""
-    von_mises, stress = [], []
-    for body, part in zip(results.bodies, parts, strict=True):
-        equivalent = np.full((len(t), part.points), np.nan)
-        components = np.full((len(t), part.points, 6), np.nan)
-        if body in stressed:
-            equivalent = results.outline_field(body, t, "von_mises")
-            of_points = results.stress(body, t)[..., OF_VTK]
-            if of_points.shape == components.shape:
-                components = of_points
-        von_mises.append(equivalent)
-        stress.append(components)
-    return {
-        "von_mises": np.concatenate(von_mises, axis=1),
-        "stress": np.concatenate(stress, axis=1),
-    }
+    def at(self, t: Array) -> Fields:
+        """Of all points (k, p) and (k, p, 6), not a number where they are unknown."""
+        parts: dict[str, list[Array]] = {name: [] for name in self._names}
+        for body, points in self._points.items():
+            found = self._of(body, t) if self._known[body] else {}
+            for name, values in parts.items():
+                shape = (len(t), points, 6) if name == TENSOR else (len(t), points)
+                values.append(found.get(name, np.full(shape, np.nan)))
+        return {name: np.concatenate(values, axis=1) for name, values in parts.items()}
+
+    def _of(self, body: str, t: Array) -> Fields:
+        """Those of one body; none where the run does not allow them."""
+        results = self._results
+        try:
+            if results.outline_source(body) == "recovery" and results.outline(body).node is None:
+                stress = results.stress(body, t)
+                if stress.shape[1] == self._points[body]:
+                    return {EQUIVALENT: von_mises(stress), TENSOR: stress[..., OF_VTK]}
+            return {EQUIVALENT: results.outline_field(body, t, EQUIVALENT)}
+        except RecoveryError:
+            return {}
 
 
 def _points(results: Results) -> tuple[str, ...]:
@@ -147,28 +155,30 @@ def _frames(results: Results, steps: NDArray[np.int64]) -> Fields:
     """Of frames (k, f, 3), in space: velocities, forces and moments on their bodies."""
     if not results.frames:
         return {}
+    width = 3 * len(results.frames)
     variables = ("position", "velocity", "force", "moment")
-    return {name: _at(results, f"frame_{name}", steps) for name in variables}
+    return {name: _at(results, f"frame_{name}", steps, width) for name in variables}
 
 
 def _contacts(results: Results, steps: NDArray[np.int64]) -> Fields:
     """Of contacts (k, c, 3), in space: the normal force on the second body."""
     if not results.contacts:
         return {}
-    normal = _at(results, "contact_normal", steps)
-    force = _at(results, "contact_force", steps)[..., :1] * normal
+    width = 3 * len(results.contacts)
+    normal = _at(results, "contact_normal", steps, width)
+    force = _at(results, "contact_force", steps, width)[..., :1] * normal
     nothing = np.full_like(force, np.nan)
-    position = _at(results, "contact_point", steps)
+    position = _at(results, "contact_point", steps, width)
     return {"position": position, "velocity": nothing, "force": force, "moment": nothing}
 
 
-def _at(results: Results, variable: str, steps: NDArray[np.int64]) -> Array:
-    """A variable (k, ...) at some steps, which are read apart where they are far apart."""
+def _at(results: Results, variable: str, steps: NDArray[np.int64], width: int) -> Array:
+    """A variable (k, ...) of so many numbers a step at some steps, read with those between them."""
     first, last = int(steps[0]), int(steps[-1]) + 1
-    if last - first <= 4 * len(steps):
+    if (last - first) * width <= READ or len(steps) == 1:
         return results.variable(variable, slice(first, last))[steps - first]
-    every = [results.variable(variable, slice(n, n + 1)) for n in steps.tolist()]
-    return np.concatenate(every)
+    halves = np.array_split(steps, 2)
+    return np.concatenate([_at(results, variable, half, width) for half in halves])
 
 
 def _batches(steps: int, points: int) -> Iterator[slice]:

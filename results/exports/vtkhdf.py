@@ -94,7 +94,7 @@ class Grid:
             self._append(f"PointData/{name}", values, np.float32)
 
     def _append(self, path: str, values: Array, kind: type) -> None:
-        rows = np.asarray(values, dtype=kind).reshape(-1, *values.shape[2:])
+        rows: Array = np.asarray(values, dtype=kind).reshape(-1, *values.shape[2:])
         if path not in self._root:
             self._create(path, rows)
         first = self._written.get(path, 0)
