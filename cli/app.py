@@ -12,6 +12,7 @@ import typer
 from . import animation, html_report, linear, projects
 from . import plot as plotting
 from .completion import files as files_of
+from .export import export
 from .failures import Commands, errors_in_one_line, one_line, unwritten
 
 app = typer.Typer(
@@ -361,6 +362,7 @@ for command in (
     plotting.plot,
     html_report.report,
     animation.animate,
+    export,
     linear.modes,
     linear.frf,
     linear.campbell,
