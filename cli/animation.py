@@ -1,6 +1,5 @@
 """`duhamel animate`."""
 
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -83,9 +82,6 @@ FilmTitle = Annotated[
     str | None, typer.Option(metavar="TEXT", help="The name of the file, unless given.")
 ]
 
-INTERVAL = 5.0
-"""between lines of progress where there is no terminal [s]"""
-
 
 def animate(
     results_file: RunFile,
@@ -163,40 +159,13 @@ def told(film: "Film") -> str:
 
 @contextmanager
 def shown_frames() -> Iterator[Callable[[int, int], object]]:
-    """Progress with the time that remains.
+    """Progress with the time that remains, told the frames that are done and all of them."""
+    from ..files.progress import Progress, Work
 
-    On a terminal one line that is renewed; elsewhere a line every few seconds.
-    """
-    shown = _bar() if sys.stderr.isatty() else _lines()
-    with shown as on_frame:
-        yield on_frame
+    with Progress(Work(unit="frames")) as work:
 
+        def tell(done: int, total: int) -> None:
+            work.total = total
+            work.advance(done - work.done)
 
-@contextmanager
-def _bar() -> Iterator[Callable[[int, int], object]]:
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
-
-    columns = (BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("frames", total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
-
-
-@contextmanager
-def _lines() -> Iterator[Callable[[int, int], object]]:
-    from .sweep import clock
-
-    began = last = 0.0
-
-    def tell(done: int, total: int) -> None:
-        nonlocal began, last
-        now = perf_counter()
-        if done == 1:
-            began = last = now
-        elif now - last >= INTERVAL and done < total:
-            last = now
-            left = (now - began) / (done - 1) * (total - done)
-            typer.echo(f"{done} of {total} frames, {clock(left)} left", err=True)
-
-    yield tell
+        yield tell

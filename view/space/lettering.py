@@ -12,7 +12,8 @@ from matplotlib.font_manager import findfont
 from numpy.typing import NDArray
 
 from ...superelement.validation import Array
-from ..picture import PREFIXES, UNPREFIXED, _exponent, style
+from ..picture import style
+from ..prefixes import PREFIXES, exponent_of
 from ..scene import AXES
 
 Image = NDArray[np.uint8]
@@ -137,7 +138,7 @@ def _draw_axes(figure: Figure, frame: Frame, axes: Array, points: float) -> None
 
 def _draw_scale(figure: Figure, frame: Frame, words: Lettering, points: float) -> None:
     width, e = frame.size[0], frame.enlarged
-    exponent = 0 if words.unit in UNPREFIXED else _exponent(words.largest)
+    exponent = exponent_of(words.largest, words.unit)
     largest = words.largest / 10.0**exponent or 1.0
     pane = figure.add_axes((1.0 - (SIDE - 34.0) * e / width, 0.16, 20.0 * e / width, 0.62))
     norm = Normalize(0.0, largest)
@@ -167,7 +168,7 @@ class Clock:
         from PIL import ImageFont
 
         self._frame = frame
-        self._exponent = _exponent(abs(last))
+        self._exponent = exponent_of(abs(last))
         step = step / 10.0**self._exponent
         self._digits = int(np.clip(np.ceil(-np.log10(step)), 0, 6)) if step > 0.0 else 3
         self._font = ImageFont.truetype(
