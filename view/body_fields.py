@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from functools import partial
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -113,9 +114,8 @@ def _worst(results: Results, kind: str, bodies: Sequence[str], window: Window | 
         raise QuantityError(f"{kind}: nothing was recorded within the times")
     largest: Array = np.zeros(len(time))
     for body in bodies:
-        over_time, _ = largest_over_time(
-            lambda t, body=body: results.outline_field(body, t, kind), time
-        )
+        values = partial(results.outline_field, body, name=kind)
+        over_time, _ = largest_over_time(values, time)
         largest = np.maximum(largest, over_time)
     return float(time[largest.argmax()])
 

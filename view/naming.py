@@ -143,7 +143,7 @@ def title_and_labels(curves: Sequence[Named]) -> tuple[str, list[str]]:
 
 
 def _parts(treatments: Sequence[str]) -> list[str]:
-    """"shock response spectrum" and "Q = 10" apart, for one may be shared without the other."""
+    """ "shock response spectrum" and "Q = 10" apart, for one may be shared without the other."""
     return [part for treatment in treatments for part in treatment.split(", ")]
 
 

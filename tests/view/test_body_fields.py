@@ -26,7 +26,7 @@ class Run:
         return Outline(SQUARE, cells)
 
     def outline_position(self, body, t):
-        return SQUARE + [10.0 * (body == "pin"), 0.0, 0.0]
+        return SQUARE + np.array([10.0 * (body == "pin"), 0.0, 0.0])
 
     def outline_field(self, body, t, name):
         at, point, value = WORST[body]
