@@ -176,7 +176,8 @@ def test_the_size_is_in_inches(runner, results_file, tmp_path):
         (["--size", "nanx3"], "expected WIDTHxHEIGHT"),
         (["--at", "0.1"], "--at goes with --field"),
         (["--field", "von_mises:beam", "--at", "nan"], "expected a time [s] or worst"),
-        (["--field", "von_mises:beam", "velocity:beam"], "expected one file, and no quantities"),
+        (["--field", "von_mises:beam", "velocity:beam"], "expected one file, no quantities"),
+        (["--field", "von_mises:beam", "--size", "8x5"], "no quantities and no --size"),
         (["summary.csv"], "drawn alone, without other files"),
     ],
 )
