@@ -9,14 +9,15 @@ from typing import Annotated
 
 import typer
 
-from . import linear
+from . import animation, html_report, linear, projects
 from . import plot as plotting
-from .failures import Commands, errors_in_one_line, one_line
+from .completion import files as files_of
+from .export import export
+from .failures import Commands, errors_in_one_line, one_line, unwritten
 
 app = typer.Typer(
     cls=Commands,
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
 
@@ -26,21 +27,41 @@ TOML = ".toml"
 """suffix of models"""
 
 BodyFile = Annotated[
-    Path, typer.Argument(metavar="BODY.toml", help="Mesh, section or material, interfaces.")
+    Path,
+    typer.Argument(
+        metavar="BODY.toml",
+        help="Mesh, section or material, interfaces.",
+        autocompletion=files_of(TOML),
+    ),
 ]
 ModelFile = Annotated[
-    Path, typer.Argument(metavar="MODEL.toml", help="Bodies, joints, loads, simulation.")
+    Path,
+    typer.Argument(
+        metavar="MODEL.toml",
+        help="Bodies, joints, loads, simulation.",
+        autocompletion=files_of(TOML),
+    ),
 ]
-SuperelementFile = Annotated[Path, typer.Argument(metavar="FILE.h5", help="A superelement.")]
+SuperelementFile = Annotated[
+    Path,
+    typer.Argument(metavar="FILE.h5", help="A superelement.", autocompletion=files_of(*HDF5)),
+]
 CheckedFile = Annotated[
     Path,
     typer.Argument(
-        metavar="FILE", help="A superelement or a model, by its suffix.", show_default=False
+        metavar="FILE",
+        help="A superelement or a model, by its suffix.",
+        show_default=False,
+        autocompletion=files_of(*HDF5, TOML),
     ),
 ]
 ResultsFile = Annotated[
     Path,
-    typer.Argument(metavar="FILE", help="RESULTS.h5 of `duhamel run`."),
+    typer.Argument(
+        metavar="FILE",
+        help="RESULTS.h5 of `duhamel run`.",
+        autocompletion=files_of(*HDF5),
+    ),
 ]
 Quantities = Annotated[
     list[str] | None,
@@ -83,7 +104,11 @@ Anyway = Annotated[
 ]
 StudyFile = Annotated[
     Path,
-    typer.Argument(metavar="STUDY.toml", help="A model or body, and values of its parameters."),
+    typer.Argument(
+        metavar="STUDY.toml",
+        help="A model or body, and values of its parameters.",
+        autocompletion=files_of(TOML),
+    ),
 ]
 StudyFolder = Annotated[
     Path | None,
@@ -150,7 +175,7 @@ def preprocess(
         superelement.require_writable(target)
         files.require_no_input(target, [body_file, *preprocess.files_of(body)])
     doubts = list(preprocess.doubts_of_body(body))
-    with errors_in_one_line(preprocess, superelement, about=body_file):
+    with errors_in_one_line(preprocess, superelement, about=body_file), unwritten(target):
         element = preprocess.build(body, progress=True, told=doubts.append)
     for doubt in doubts:
         typer.echo(one_line(f"warning: {body_file}: {doubt}"), err=True)
@@ -333,5 +358,15 @@ def _check_superelement(file: Path) -> None:
     typer.echo(one_line(f"{file}: {len(checks)} checks hold"))
 
 
-for command in (plotting.plot, linear.modes, linear.frf, linear.campbell):
+for command in (
+    plotting.plot,
+    html_report.report,
+    animation.animate,
+    export,
+    linear.modes,
+    linear.frf,
+    linear.campbell,
+    projects.init,
+    projects.schema,
+):
     app.command()(command)

@@ -6,10 +6,16 @@ from typing import Annotated, Any
 
 import typer
 
+from .completion import files
 from .failures import errors_in_one_line, one_line
 
 ModelFile = Annotated[
-    Path, typer.Argument(metavar="MODEL.toml", help="Bodies, joints, loads, simulation.")
+    Path,
+    typer.Argument(
+        metavar="MODEL.toml",
+        help="Bodies, joints, loads, simulation.",
+        autocompletion=files(".toml"),
+    ),
 ]
 LinearOutput = Annotated[
     Path | None,
@@ -167,11 +173,10 @@ def _require_no_model(target: Path | None, model_file: Path) -> None:
 
 def _write(target: Path, rows: list[list[str]], picture: Callable[[], Any] | None) -> None:
     """A table where the suffix is .csv, else a picture."""
-    from .. import view
-    from .linear_report import write_csv
+    from .. import files, view
 
     if target.suffix.lower() == ".csv":
-        write_csv(target, rows)
+        files.write_rows(target, rows)
     elif picture is None:
         raise view.PictureError(f"{target}: expected a table, .csv")
     else:

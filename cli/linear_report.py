@@ -1,15 +1,12 @@
 """Tables and pictures of `duhamel modes`, `duhamel frf` and `duhamel campbell`."""
 
-import csv
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from rich.table import Table
 from rich.text import Text
 
-from ..files.outputs import renamed_when_whole
 from ..solver import Campbell, FrequencyResponse, LinearModel, LinearModes
 from ..superelement.validation import Array
 from ..view import (
@@ -199,9 +196,3 @@ def campbell_picture(title: str, diagram: Campbell, orders: Sequence[float]) -> 
     lines = [CampbellLine(line.whirl, line.frequencies) for line in diagram.lines]
     crossings = [(c.spin, c.frequency) for order in orders for c in diagram.crossings(order)]
     return draw_campbell(diagram.spins, lines, orders, crossings, title)
-
-
-def write_csv(path: Path, rows: Sequence[Sequence[str]]) -> None:
-    """The whole file, or none; OSError names the path."""
-    with renamed_when_whole(path) as whole, whole.open("w", newline="", encoding="utf-8") as file:
-        csv.writer(file).writerows(rows)

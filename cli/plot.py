@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from .completion import files as completed
 from .failures import errors_in_one_line, one_line
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ Arguments = Annotated[
         "a panel each, as angular_velocity:hub:z, 'acceleration:*:z', 'srs(acceleration:hub:z, "
         "q=10)', or 'position:tip:y against position:tip:x'.",
         show_default=False,
+        autocompletion=completed(*FILES),
     ),
 ]
 Picture = Annotated[

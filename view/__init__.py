@@ -22,17 +22,21 @@ from .naming import title_and_labels
 from .overview import overview, overview_quantities
 from .picture import draw, entitle, panels, save, style
 from .quantities import Curve, curves
+from .report import REPORT_FIELDS, write_report
 from .runs import Run, names_of, panel, runs_of
 from .scene import Cross, Marker, Patch, Scene, draw_scene
+from .space import Film, animate
 from .styles import COLORS
 from .variation import draw_variation
 
 __all__ = [
     "COLORS",
+    "REPORT_FIELDS",
     "CampbellLine",
     "Cross",
     "Curve",
     "Field",
+    "Film",
     "Marker",
     "ModeShape",
     "Patch",
@@ -45,6 +49,7 @@ __all__ = [
     "Scene",
     "SeriesError",
     "SeriesWarning",
+    "animate",
     "curves",
     "draw",
     "draw_body_fields",
@@ -64,4 +69,5 @@ __all__ = [
     "save",
     "style",
     "title_and_labels",
+    "write_report",
 ]
