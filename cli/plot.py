@@ -106,8 +106,8 @@ def plot(
     from ..files.outputs import clash
 
     window, inches, time = _window(start, end), _inches(size), _time(at, field)
-    if field and (quantities or len(files) > 1):
-        raise typer.BadParameter("--field: expected one file, and no quantities")
+    if field and (quantities or len(files) > 1 or inches is not None):
+        raise typer.BadParameter("--field: expected one file, no quantities and no --size")
     with errors_in_one_line(results, view):
         runs = view.runs_of(files, names.split(",") if names else ())
         target = output or _target(files, "field" if field else COMPARED)

@@ -80,7 +80,7 @@ def formula(spin: float) -> Array:
 def draw(found: Found, target: Path) -> None:
     lines = [view.CampbellLine(line.whirl, line.frequencies) for line in found.diagram.lines]
     crossings = [(spin, spin / (2.0 * np.pi)) for spin in found.critical.tolist()]
-    title = "a disk on a light shaft: whirl over the spin"
+    title = "A disk on a light shaft: whirl over the spin"
     figure = view.draw_campbell(SPINS, lines, (1.0, 2.0), crossings, title)
     with view.style():
         (axes,) = figure.axes

@@ -159,7 +159,7 @@ def curves(found: Blow) -> Figure:
     deflection.set(title="deflection in the middle", ylabel="[mm]")
     strain.plot(ms, 1e6 * found.strain, color=blue, label="strain gauge")
     strain.plot(ms, 1e6 * found.expected_strain, **dashed)
-    strain.set(title="strain on the far side", ylabel="[1e-6]", xlabel="time [ms]")
+    strain.set(title="strain on the far side", ylabel="[µm/m]", xlabel="time [ms]")
     for axes in (deflection, strain):
         axes.legend(loc="upper right")
         axes.set_ylim(top=1.7 * axes.get_ylim()[1])

@@ -31,7 +31,9 @@ ROOT = Path(__file__).parent.parent
 RECORD = ROOT / "examples/six_axis.csv"
 EI, MASS_PER_LENGTH, L, G = 5.5, 0.0858, 0.5, 9.81
 MODES = 5
-DASHED: dict[str, Any] = {"color": "0.2", "linewidth": 0.8, "linestyle": (0, (4, 3))}
+REFERENCE: dict[str, Any] = {"color": "0.15", "marker": "o", "linestyle": "", "markersize": 2.0}
+SPARSE = 60
+"""steps between the points of the reference"""
 COLUMNS = ("ax [g]", "ay [g]", "az [g]", "roll [rad/s2]", "pitch [rad/s2]", "yaw [rad/s2]")
 BAND, LINEAR, ANGULAR = (8.0, 60.0), 0.1, 3.0
 """of the noise [Hz], and its root mean square along [g] and about an axis [rad/s^2]"""
@@ -163,14 +165,15 @@ def curves(found: Found) -> Figure:
         turned.plot(found.time, 1e3 * found.angles[:, i], color=color, label=axis)
     for i, (axis, color) in enumerate(zip("yz", view.COLORS[1:], strict=False)):
         tip.plot(found.time, 1e3 * found.tip[:, i], color=color, label=axis)
-        tip.plot(found.time, 1e3 * found.expected_tip[:, i], **DASHED)
+        tip.plot(found.time[::SPARSE], 1e3 * found.expected_tip[::SPARSE, i], **REFERENCE)
+    tip.lines[-1].set_label("modes by scipy")
     given.set(title="recorded accelerations", ylabel="[g]")
     moved.set(title="displacement of the table", ylabel="[mm]")
     turned.set(title="rotation of the table", ylabel="[mrad]")
-    tip.set(title="tip in the axes of the table; dashed: modes by scipy", ylabel="[mm]")
+    tip.set(title="tip in the axes of the table", ylabel="[mm]")
     tip.set(xlabel="time [s]")
     for axes in (given, moved, turned, tip):
-        axes.legend(loc="upper left", ncols=3)
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
     view.entitle(figure, "A beam on a shaker of six axes")
     return figure
 

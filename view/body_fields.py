@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from functools import partial
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -24,6 +25,10 @@ KINDS = {
 """names and units of fields"""
 WORST = "worst"
 """the time of the largest value of a run"""
+BLENDED = "interfaces"
+"""where a body without recovery has its deformation from"""
+ROUNDING = 1e-9
+"""of coordinates, over the size of a body"""
 HEADER = 0.5
 """height of the title [inch]"""
 
@@ -47,7 +52,8 @@ def draw_body_fields(
     """Bodies in space at a time, colored by a field: "von_mises:rod", "displacement:*".
 
     Magnitudes on the outlines of bodies, of a displacement the elastic one; the largest value is
-    marked, and the title says its time and its place in body axes. at: a time [s], or "worst", when
+    marked, and the title says its time and its place in body axes, and where a deformation is
+    interpolated between the interfaces of a body without recovery. at: a time [s], or "worst", when
     the largest value of the run, or of the window, is. QuantityError says what there is,
     RecoveryError what is missing.
     """
@@ -63,11 +69,20 @@ def draw_body_fields(
     mark = Marker(value, surface.points[k], has_axes=False)
     label = f"{name} [{PREFIXES[exponent]}{unit}]"
     figure = draw_fields(surfaces, label, 10.0**-exponent, Scene(markers=[mark]))
-    place = ", ".join(f"{x:.4g}" for x in results.outline(body).points[k] + 0.0)
     power = exponent_of(chosen.time)
     when = f"{chosen.time / 10.0**power:.6g} {PREFIXES[power]}s"
-    _head(figure, title, f"{body} at {when}: {value} at ({place}) m in body axes")
+    place = _place(results.outline(body).points, k)
+    line = f"{body} at {when}: {value} at ({place}) m in body axes"
+    if blended := [name for name in chosen.bodies if results.outline_source(name) == BLENDED]:
+        line = f"{line}; interpolated between the interfaces of {', '.join(blended)}"
+    _head(figure, title, line)
     return figure
+
+
+def _place(points: Array, k: int) -> str:
+    """The coordinates of a point, zero where they are rounding."""
+    rounding = ROUNDING * float(np.ptp(points, axis=0).max())
+    return ", ".join(f"{x:.4g}" for x in np.where(np.abs(points[k]) > rounding, points[k], 0.0))
 
 
 def _chosen(
@@ -113,9 +128,8 @@ def _worst(results: Results, kind: str, bodies: Sequence[str], window: Window | 
         raise QuantityError(f"{kind}: nothing was recorded within the times")
     largest: Array = np.zeros(len(time))
     for body in bodies:
-        over_time, _ = largest_over_time(
-            lambda t, body=body: results.outline_field(body, t, kind), time
-        )
+        values = partial(results.outline_field, body, name=kind)
+        over_time, _ = largest_over_time(values, time)
         largest = np.maximum(largest, over_time)
     return float(time[largest.argmax()])
 

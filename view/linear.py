@@ -96,7 +96,15 @@ def draw_campbell(
         for order in orders:
             axes.plot(turns, order * turns, color="0.6", linewidth=0.8)
             end = min(turns[-1], 1.05 * highest / order)
-            axes.annotate(f"{order:g}x", (end, order * end), color="0.4", fontsize=8)
+            axes.annotate(
+                f"{order:g}x",
+                (end, order * end),
+                xytext=(3.0, 0.0),
+                textcoords="offset points",
+                va="center",
+                color="0.4",
+                fontsize=8,
+            )
         for spin, frequency in crossings:
             axes.plot(spin / (2.0 * np.pi), frequency, "o", color="0.2", markersize=4)
         axes.set_ylim(0.0, 1.08 * highest)

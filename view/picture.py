@@ -189,7 +189,7 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
         with renamed_when_whole(path) as whole:
             whole.write_bytes(image.getbuffer())
     except OSError as error:
-        raise PictureError(f"{path}: cannot be written: {error}") from error
+        raise PictureError(f"{path}: cannot be written: {error.strerror or error}") from error
 
 
 def _check_panel(curves: Sequence[Curve]) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from ..superelement.validation import Array
 from . import naming
 from .prefixes import PREFIXES, exponent_of, with_unit
 from .quantities import Curve
@@ -22,21 +23,27 @@ def fill(axes: Axes, curves: Sequence[Curve]) -> None:
     Where both are places in space, a length is as long up as across.
     """
     is_way = all(curve.paper == "space" for curve in curves)
-    across = max(float(np.abs(curve.abscissa).max()) for curve in curves)
+    across = max(float(np.abs(_over(curve)).max()) for curve in curves)
     up = max(float(np.abs(curve.values).max()) for curve in curves)
     if is_way:
         across = up = max(across, up)
     right, high = exponent_of(across, curves[0].base), exponent_of(up, curves[0].unit)
     for curve, look in zip(curves, styles(curves), strict=True):
-        axes.plot(curve.abscissa / 10.0**right, curve.values / 10.0**high, **look)
+        axes.plot(_over(curve) / 10.0**right, curve.values / 10.0**high, **look)
     for curve, line in zip(curves, axes.get_lines(), strict=True):
-        start = [[curve.abscissa[0] / 10.0**right], [curve.values[0] / 10.0**high]]
+        start = [[_over(curve)[0] / 10.0**right], [curve.values[0] / 10.0**high]]
         axes.plot(*start, "o", color=line.get_color(), markersize=4)
     if is_way:
         axes.set_aspect("equal", adjustable="datalim")
     over = [curve.across for curve in curves if curve.across is not None]
     _label(axes.set_xlabel, over, PREFIXES[right], ACROSS)
     _label(axes.set_ylabel, curves, PREFIXES[high], UP)
+
+
+def _over(curve: Curve) -> Array:
+    """The values of the other quantity (n,)."""
+    assert curve.abscissa is not None
+    return curve.abscissa
 
 
 def _label(write: Any, curves: Sequence[Curve], prefix: str, longest: int) -> None:

@@ -99,7 +99,7 @@ def panel(
 def _of_all(
     runs: Sequence[Run], quantity: str, gravities: bool, window: Window | None
 ) -> Iterator[Curve]:
-    failures: list[tuple[Run, Exception]] = []
+    failures: list[tuple[Run, QuantityError | SeriesError]] = []
     for run in runs:
         try:
             found = _of(run.results, quantity, gravities, window)
@@ -113,10 +113,10 @@ def _of_all(
                 curve = replace(curve, run=run.name, abscissa=abscissa)
             yield curve
     if len(failures) == len(runs):
-        run, error = failures[0]
-        raise error if len(runs) == 1 else type(error)(f"{run.source}: {error}") from error
-    for run, error in failures:
-        warnings.warn(f"{run.source}: {error}", PictureWarning, stacklevel=2)
+        run, why = failures[0]
+        raise why if len(runs) == 1 else type(why)(f"{run.source}: {why}") from why
+    for run, why in failures:
+        warnings.warn(f"{run.source}: {why}", PictureWarning, stacklevel=2)
 
 
 def _of(results: Results, quantity: str, gravities: bool, window: Window | None) -> list[Curve]:

@@ -20,11 +20,10 @@ def styles(curves: Sequence[Curve]) -> list[dict[str, Any]]:
     quantities = list(dict.fromkeys(curve.words for curve in curves))
     if len(runs) < 2:
         return [_style(n, n // len(COLORS)) for n in range(len(curves))]
-    shades = runs if len(quantities) < 2 else quantities
-    return [
-        _style(shades.index(curve.run if shades is runs else curve.words), runs.index(curve.run))
-        for curve in curves
-    ]
+    dashes = [runs.index(curve.run) for curve in curves]
+    own = [quantities.index(curve.words) for curve in curves]
+    shades = own if len(quantities) > 1 else dashes
+    return [_style(color, dash) for color, dash in zip(shades, dashes, strict=True)]
 
 
 def _style(color: int, dash: int) -> dict[str, Any]:

@@ -78,6 +78,11 @@ def test_frequency_responses_are_written(runner, pendulum, tmp_path):
     np.testing.assert_allclose(size, np.abs(1 / (9.81 - 0.53 * (2 * np.pi * f) ** 2)), rtol=1e-9)
     run(runner, "frf", pendulum, *asked, "--bodies", "dynamic", "--bodies", "rigid")
     assert (tmp_path / "pendulum-frf.png").exists()
+    run(runner, "frf", pendulum, *asked, "--bodies", "dynamic", "--bodies", "rigid", "-o", target)
+    header, first, *_ = csv.reader(target.read_text().splitlines())
+    assert header[1].endswith("by load:1, dynamic [rad / (N m)]")
+    assert header[3].endswith("by load:1, rigid [rad / (N m)]")
+    assert float(first[3]) == pytest.approx(size[0], rel=1e-9)  # nothing bends
     result = run(runner, "frf", pendulum, *asked[:4], "--static")
     assert f"{1 / 9.81:.9g}" in result.stdout
 

@@ -116,3 +116,92 @@ def test_a_title_in_words_takes_the_place_of_the_name_of_the_file(runner, result
     assert "<!-- flight-results -->" in pictures["named"]
     assert "<!-- A body in flight -->" in pictures["titled"]
     assert "flight-results" not in pictures["titled"]
+
+
+@pytest.fixture
+def others(results_file):
+    """The same run by other names."""
+    copies = [results_file.with_name(f"flight-{name}-results.h5") for name in ("light", "heavy")]
+    for copy in copies:
+        copy.write_bytes(results_file.read_bytes())
+    return copies
+
+
+def svg(runner, target, *arguments):
+    result = runner.invoke(app, ["plot", *map(str, arguments), "-o", str(target)])
+    assert result.exit_code == 0, result.output
+    return target.read_text(), result.stderr
+
+
+def test_several_files_are_drawn_in_one_picture(runner, others, tmp_path):
+    one, two = others
+    text, _ = svg(runner, tmp_path / "both.svg", one, "velocity:beam:x", two)
+    assert "<!-- light -->" in text
+    assert "<!-- heavy -->" in text
+    text, _ = svg(runner, tmp_path / "named.svg", one, two, "velocity:beam:x", "--names", "A 1,B")
+    assert "<!-- A 1 -->" in text
+    assert "light" not in text
+
+
+def test_of_several_files_the_picture_has_its_own_name(runner, others):
+    result = runner.invoke(app, ["plot", *map(str, others), "velocity:*:x"])
+    assert result.exit_code == 0, result.output
+    assert result.stdout.strip() == str(others[0].with_name("flight-light-results-compared.png"))
+
+
+def test_the_default_picture_is_of_several_files_too(runner, others, tmp_path):
+    text, warnings = svg(runner, tmp_path / "both.svg", *others)
+    assert "<!-- energy balance -->" in text
+    assert warnings == ""
+
+
+def test_a_window_and_one_quantity_against_another(runner, results_file, tmp_path):
+    panel = "position:beam:y against position:beam:x"
+    window = ["--from", "0.002", "--to", "0.004"]
+    text, _ = svg(runner, tmp_path / "way.svg", results_file, panel, *window)
+    assert "<!-- beam, position along x [mm] -->" in text
+
+
+def test_the_size_is_in_inches(runner, results_file, tmp_path):
+    text, _ = svg(runner, tmp_path / "wide.svg", results_file, "--size", "10x9")
+    assert 'width="720pt" height="648pt"' in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--from", "3", "--to", "2"], "expected --from below --to, found 3.0 and 2.0"),
+        (["--from", "nan"], "expected --from below --to"),
+        (["--size", "8"], "expected WIDTHxHEIGHT from 1 to 100 inches"),
+        (["--size", "nanx3"], "expected WIDTHxHEIGHT"),
+        (["--at", "0.1"], "--at goes with --field"),
+        (["--field", "von_mises:beam", "--at", "nan"], "expected a time [s] or worst"),
+        (["--field", "von_mises:beam", "velocity:beam"], "expected one file, no quantities"),
+        (["--field", "von_mises:beam", "--size", "8x5"], "no quantities and no --size"),
+        (["summary.csv"], "drawn alone, without other files"),
+    ],
+)
+def test_options_that_cannot_be(runner, results_file, arguments, message):
+    result = runner.invoke(app, ["plot", str(results_file), *arguments])
+    assert result.exit_code == 2
+    words = " ".join(result.stderr.replace("│", " ").split())
+    assert message in words
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--from", "3"], "nothing was recorded from 3 s, expected times from 0 to 0.01 s"),
+        (["--size", "3x1"], "3x1 inches are too small for its panels and legends"),
+        (["--field", "von_mises:beam"], "body 'beam': "),
+        (["--field", "von_mises:hub"], "von_mises:hub: no flexible body 'hub'; there are: beam"),
+        (["absent.h5", "velocity:beam"], "absent.h5: no such file"),
+        (["velocity:*.x"], "velocity:*.x: found no velocity:*.x"),
+    ],
+)
+def test_what_cannot_be_drawn_is_one_line(runner, results_file, arguments, message):
+    result = runner.invoke(app, ["plot", str(results_file), *arguments])
+    assert result.exit_code == 1, result.output
+    assert message in result.stderr
+    assert result.stderr.count("\n") == 1
+    assert not list(results_file.parent.glob("*.png"))
