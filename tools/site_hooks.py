@@ -21,7 +21,14 @@ ROOT_PAGES = {
     "README.md": "index.md",
 }
 """pages beside docs/, and their names on the site"""
-SOURCES = ("examples/*.toml", "examples/*.py", "examples/*.csv", "meshes/*/*.toml", "meshes/*/*.py")
+SOURCES = (
+    "notebooks/*.py",
+    "examples/*.toml",
+    "examples/*.py",
+    "examples/*.csv",
+    "meshes/*/*.toml",
+    "meshes/*/*.py",
+)
 """files that pages lead to, shown as code"""
 COMMANDS = "<!-- commands -->"
 """place of the command line on its page"""
