@@ -13,8 +13,9 @@
 # %% [markdown]
 # # A first model in Python
 #
-# Half a meter of aluminium on a hub that a torque turns and stops: Case 1 of the paper. First the mesh becomes a superelement;
-# then a model of a rigid hub and that beam is simulated and drawn.
+# Half a meter of aluminium on a hub that a torque turns and stops: Case 1 of the paper. First
+# the mesh becomes a superelement; then a model of a rigid hub and that beam is simulated and
+# drawn.
 
 # %%
 from pathlib import Path
@@ -38,7 +39,8 @@ ROOT = Path.cwd().parent  # the checkout of the sources
 # %% [markdown]
 # ## The superelement
 #
-# `beam.toml` names a mesh of ten beams, the section, two interfaces (`root` and `tip`) and the step.
+# `beam.toml` names a mesh of ten beams, the section, two interfaces (`root` and `tip`) and the
+# step.
 
 # %%
 beam = preprocess.build(preprocess.read_body(ROOT / "meshes/beam/beam.toml"))
@@ -48,8 +50,8 @@ print("first frequencies, free [Hz]:", (beam.modes.omega[:4] / 6.283185).round(1
 # %% [markdown]
 # ## The model
 #
-# A hub turns about z; the beam starts with its root on the rim of the hub and is clamped there. The torque is 2 N m for 0.05 s, and
-# -2 N m later: its signal is a table of steps.
+# A hub turns about z; the beam starts with its root on the rim of the hub and is clamped there.
+# The torque is 2 N m for 0.05 s, and -2 N m later: its signal is a table of steps.
 
 # %%
 hub = RigidBody(0.01, [0.0095095, 0.0095095, 0.019019], {"rim": Frame([0.05, 0, 0])})

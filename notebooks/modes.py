@@ -13,8 +13,9 @@
 # %% [markdown]
 # # Modes and frequency responses
 #
-# A run is one motion. Linear analysis says what all small motions about an equilibrium are: frequencies, damping, shapes, responses.
-# The mechanism is a beam on a hub, held by a torsion spring.
+# A run is one motion. Linear analysis says what all small motions about an equilibrium are:
+# frequencies, damping, shapes, responses. The mechanism is a beam on a hub, held by a torsion
+# spring.
 
 # %%
 from pathlib import Path
@@ -67,7 +68,8 @@ for frequency, ratio in zip(modes.frequencies, modes.ratios, strict=True):
 # %% [markdown]
 # ## A frequency response
 #
-# From the torque on the hub to the angle of the hub: at rest it is one over the stiffness of the spring.
+# From the torque on the hub to the angle of the hub: at rest it is one over the stiffness of
+# the spring.
 
 # %%
 frequencies = np.linspace(0.0, 150.0, 1500)

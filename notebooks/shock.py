@@ -13,8 +13,8 @@
 # %% [markdown]
 # # A shock, and its response spectra
 #
-# The beam of the paper is clamped to a table that is shaken by half a sine of 50 g in 6 ms. What does an instrument on the table feel, and
-# what one at the tip?
+# The beam of the paper is clamped to a table that is shaken by half a sine of 50 g in 6 ms.
+# What does an instrument on the table feel, and what one at the tip?
 
 # %%
 from pathlib import Path
@@ -56,7 +56,8 @@ plt.show()
 # %% [markdown]
 # ## Shock response spectra
 #
-# The largest acceleration of oscillators of every frequency, with Q = 10, that stand on the table or on the tip.
+# The largest acceleration of oscillators of every frequency, with Q = 10, that stand on the
+# table or on the tip.
 
 # %%
 plt.figure(figsize=(8, 4))
@@ -71,7 +72,8 @@ plt.legend()
 plt.show()
 
 # %% [markdown]
-# On the table the spectrum of a half sine is 1.65 times its peak; at the tip it stands out at the frequencies of the clamped beam.
+# On the table the spectrum of a half sine is 1.65 times its peak; at the tip it stands out at
+# the frequencies of the clamped beam.
 
 # %%
 peak = spectra["root"].values.max() / (50 * G)
