@@ -28,6 +28,7 @@ SOURCES = (
     "examples/*.csv",
     "meshes/*/*.toml",
     "meshes/*/*.py",
+    "schemas/*.json",
 )
 """files that pages lead to, shown as code"""
 COMMANDS = "<!-- commands -->"
@@ -42,6 +43,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
             files.append(File.generated(config, page, content=(ROOT / name).read_text("utf-8")))
     for path in sources():
         files.append(File.generated(config, _page_of_source(path), content=shown(path)))
+    for folder in folders():
+        files.append(File.generated(config, f"sources/{folder}/index.md", content=listed(folder)))
     return files
 
 
@@ -51,9 +54,20 @@ def sources() -> list[str]:
     return sorted(path.relative_to(ROOT).as_posix() for path in found)
 
 
+def folders() -> list[str]:
+    """Folders of sources, which pages may lead to as well."""
+    return sorted({posixpath.dirname(path) for path in sources()})
+
+
+def listed(folder: str) -> str:
+    """A page with the sources in a folder."""
+    names = [Path(path).name for path in sources() if posixpath.dirname(path) == folder]
+    return "\n".join([f"# {folder}", "", *(f"- [{name}]({name}.md)" for name in names), ""])
+
+
 def shown(path: str) -> str:
     """A page with the text of a source."""
-    language = {".toml": "toml", ".py": "python"}.get(Path(path).suffix, "text")
+    language = {".toml": "toml", ".py": "python", ".json": "json"}.get(Path(path).suffix, "text")
     hidden = "---\nsearch:\n  exclude: true\n---\n"
     return f"{hidden}# {path}\n\n````{language}\n{(ROOT / path).read_text('utf-8')}````\n"
 
@@ -83,6 +97,8 @@ def _led(link: re.Match[str], origin: str, place: str) -> str:
         target = target.removeprefix("docs/")
     elif target in sources():
         target = _page_of_source(target)
+    elif target in folders():
+        target = f"sources/{target}/index.md"
     else:
         return link[0]
     here = posixpath.dirname(place) or "."
