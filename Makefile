@@ -5,7 +5,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 CI := build/ci
 PACKAGES := files inputs superelement results preprocess solver view study cli
-SOURCES := pyproject.toml $(shell find $(PACKAGES) -name '*.py')
+SOURCES := pyproject.toml $(shell find $(PACKAGES) top -name '*.py') $(wildcard cli/starters/*/*)
 EVERY := test gallery cholmod peer notebooks
 LOCK := --quiet --upgrade --generate-hashes --python-version 3.11 --custom-compile-command "make constraints"
 
@@ -42,7 +42,7 @@ test: $(VENV)/.installed ## the tests
 lint: $(VENV)/.installed build/types/.linked ## style and types
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	MYPYPATH=build/types $(BIN)/mypy $(PACKAGES:%=-p duhamel.%)
+	MYPYPATH=build/types $(BIN)/mypy -p duhamel
 
 validation: $(VENV)/.validation ## published problems and peer codes; takes minutes
 	$(BIN)/python -m pytest -m validation --complete
@@ -149,4 +149,5 @@ $(CI)/%/.installed: $(INSTALL)
 build/types/.linked: Makefile
 	mkdir -p build/types/duhamel
 	for package in $(PACKAGES); do ln -sfn ../../../$$package build/types/duhamel/$$package; done
+	ln -sfn $(patsubst %,../../../%,$(wildcard top/*)) build/types/duhamel
 	@touch $@
