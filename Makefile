@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 CI := build/ci
 PACKAGES := files inputs superelement results preprocess solver view study cli
 SOURCES := pyproject.toml $(shell find $(PACKAGES) top -name '*.py') $(wildcard cli/starters/*/*)
-EVERY := test gallery cholmod peer
+EVERY := test gallery cholmod peer notebooks
 LOCK := --quiet --upgrade --generate-hashes --python-version 3.11 --custom-compile-command "make constraints"
 
 CORE := $(patsubst %,solver/step/%.py,rotations rows frames history newton equations interfaces \
@@ -21,7 +21,7 @@ PLAIN := tests/solver/test_rotations.py tests/solver/test_tangents.py tests/solv
   --hypothesis-profile=faults tests/solver/properties/test_conservation.py
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint validation fuzz benchmark soak mutants docs constraints clean
+.PHONY: help demo test lint validation fuzz benchmark soak mutants docs notebooks constraints clean
 .PHONY: wheel-test plain-test coverage python-test lowest-test audit
 .DELETE_ON_ERROR:
 
@@ -89,6 +89,9 @@ docs: $(VENV)/.docs build/types/.linked ## the documentation as a site in build/
 	NO_MKDOCS_2_WARNING=1 PYTHONPATH=build/types $(BIN)/mkdocs build --strict --quiet
 	@echo "documentation: $(CURDIR)/build/site/index.html; its search needs: python -m http.server -d build/site"
 
+notebooks: $(VENV)/.notebooks ## the notebooks, run, with their pictures, in build/notebooks
+	MPLBACKEND= $(BIN)/python tools/run_notebooks.py build/notebooks
+
 constraints: ## the newest versions that pyproject.toml allows, with hashes, written to constraints*.txt
 	$(PYTHON) -m venv build/constraints
 	build/constraints/bin/python -m pip --disable-pip-version-check --quiet install uv
@@ -114,6 +117,10 @@ $(VENV)/.validation: $(VENV)/.installed
 
 $(VENV)/.docs: $(VENV)/.installed
 	.ci/install $(PYTHON) $(VENV) constraints.txt test docs
+	@touch $@
+
+$(VENV)/.notebooks: $(VENV)/.installed
+	.ci/install $(PYTHON) $(VENV) constraints.txt test notebooks
 	@touch $@
 
 build/wheel/.built: $(CI)/3.11/.installed $(SOURCES)

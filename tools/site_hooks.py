@@ -14,6 +14,7 @@ from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
 ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
 ROOT_PAGES = {
     "CHANGELOG.md": "changelog.md",
     "CONTRIBUTING.md": "contributing.md",
@@ -21,11 +22,29 @@ ROOT_PAGES = {
     "README.md": "index.md",
 }
 """pages beside docs/, and their names on the site"""
-SOURCES = ("examples/*.toml", "examples/*.py", "examples/*.csv", "meshes/*/*.toml", "meshes/*/*.py")
+SOURCES = (
+    "notebooks/*.py",
+    "examples/*.toml",
+    "examples/*.py",
+    "examples/*.csv",
+    "meshes/*/*.toml",
+    "meshes/*/*.py",
+    "schemas/*.json",
+)
 """files that pages lead to, shown as code"""
 COMMANDS = "<!-- commands -->"
 """place of the command line on its page"""
 LINK = re.compile(r"(?<=\]\()(?P<file>[^)\s#:]+)(?P<anchor>#[^)\s]*)?(?=\))")
+
+
+def on_config(config: MkDocsConfig) -> MkDocsConfig:
+    """Pages that the navigation does not name stand at the end of the reference."""
+    text = (ROOT / "mkdocs.yml").read_text("utf-8")
+    named = set(re.findall(r"[\w/-]+\.md", text))
+    found = sorted(path.relative_to(DOCS).as_posix() for path in DOCS.rglob("*.md"))
+    reference = next(part["Reference"] for part in config.nav if "Reference" in part)
+    reference.extend(page for page in found if page not in named)
+    return config
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
@@ -35,6 +54,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
             files.append(File.generated(config, page, content=(ROOT / name).read_text("utf-8")))
     for path in sources():
         files.append(File.generated(config, _page_of_source(path), content=shown(path)))
+    for folder in folders():
+        files.append(File.generated(config, f"sources/{folder}/index.md", content=listed(folder)))
     return files
 
 
@@ -44,9 +65,20 @@ def sources() -> list[str]:
     return sorted(path.relative_to(ROOT).as_posix() for path in found)
 
 
+def folders() -> list[str]:
+    """Folders of sources, which pages may lead to as well."""
+    return sorted({posixpath.dirname(path) for path in sources()})
+
+
+def listed(folder: str) -> str:
+    """A page with the sources in a folder."""
+    names = [Path(path).name for path in sources() if posixpath.dirname(path) == folder]
+    return "\n".join([f"# {folder}", "", *(f"- [{name}]({name}.md)" for name in names), ""])
+
+
 def shown(path: str) -> str:
     """A page with the text of a source."""
-    language = {".toml": "toml", ".py": "python"}.get(Path(path).suffix, "text")
+    language = {".toml": "toml", ".py": "python", ".json": "json"}.get(Path(path).suffix, "text")
     hidden = "---\nsearch:\n  exclude: true\n---\n"
     return f"{hidden}# {path}\n\n````{language}\n{(ROOT / path).read_text('utf-8')}````\n"
 
@@ -76,6 +108,8 @@ def _led(link: re.Match[str], origin: str, place: str) -> str:
         target = target.removeprefix("docs/")
     elif target in sources():
         target = _page_of_source(target)
+    elif target in folders():
+        target = f"sources/{target}/index.md"
     else:
         return link[0]
     here = posixpath.dirname(place) or "."

@@ -39,12 +39,6 @@ def test_every_problem_of_validation_is_on_its_page():
     assert [path.name for path in problems if f"`{path.name}`" not in text] == []
 
 
-def test_every_page_is_on_the_site():
-    text = (ROOT / "mkdocs.yml").read_text()
-    pages = [path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").rglob("*.md")]
-    assert [page for page in pages if page not in re.findall(r"[\w/-]+\.md", text)] == []
-
-
 def test_files_that_are_named_exist():
     text = re.sub(r"```.*?```", "", (ROOT / "docs" / "architecture.md").read_text(), flags=re.S)
     named = {word for word in re.findall(r"`([\w./]+\.(?:py|toml|md))`", text) if "/" in word}
