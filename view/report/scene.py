@@ -47,7 +47,8 @@ def body_colors(shapes: Sequence[Shape]) -> list[str]:
 
 
 def _pale(color: str) -> str:
-    return to_hex(PALE + (1.0 - PALE) * np.array(to_rgb(color)))
+    red, green, blue = (PALE + (1.0 - PALE) * part for part in to_rgb(color))
+    return to_hex((red, green, blue))
 
 
 def largest_value(motion: Motion) -> float:
