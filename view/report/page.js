@@ -157,7 +157,7 @@
     let since = null;
     const step = (now) => {
       if (since === null) return;
-      const part = ((now - since) / 1000 / data.duration) * Number(byId("speed").value);
+      const part = (Math.max(now - since, 0) / 1000 / data.duration) * Number(byId("speed").value);
       since = now;
       const t = clock.t + part * (last - first);
       clock.set(t > last ? first : t);

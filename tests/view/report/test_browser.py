@@ -86,7 +86,12 @@ def test_bodies_are_drawn_and_move_with_the_time(opened):
 
 def test_the_button_plays_and_stops(opened):
     opened.run("duhamel.clock.set(0); document.getElementById('play').click()")
-    opened.run("new Promise((resolve) => setTimeout(resolve, 600))")
+    opened.run(
+        """new Promise((resolve) => {
+          const look = () => (duhamel.clock.t > 0 ? resolve() : setTimeout(look, 20));
+          look();
+        })"""
+    )
     opened.run("document.getElementById('play').click()")
     reached = opened.run("duhamel.clock.t")
     assert 0.0 < reached <= 0.03
