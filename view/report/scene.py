@@ -141,16 +141,28 @@ def _grid(k3d: Any, low: Array, high: Array) -> Any:
 
 
 def names(motion: Motion) -> dict[str, Any]:
-    """The names of marks and their places in the middle of their frames, by time."""
-    marks = motion.marks if len(motion.marks) <= MOST_MARKS else []
+    """The names of marks and the places of their first frames, by time.
+
+    Marks that stand in one place at all times share a name.
+    """
     every = max(len(motion.time) // MARKED, 1)
     rows = np.unique([*range(0, len(motion.time), every), len(motion.time) - 1])
-    middles = [mark.positions[rows].mean(axis=1) for mark in marks]
-    places = np.hstack(middles) if middles else np.zeros((len(rows), 0))
+    near = 1e-3 * float(np.linalg.norm(np.subtract(*bounds(motion))))
+    told: list[str] = []
+    places: list[Array] = []
+    for mark in motion.marks if len(motion.marks) <= MOST_MARKS else []:
+        place = mark.positions[rows, 0]
+        same = [i for i, other in enumerate(places) if np.abs(other - place).max() < near]
+        if same:
+            told[same[0]] += f", {mark.name}"
+        else:
+            told.append(mark.name)
+            places.append(place)
+    joined = np.hstack(places) if places else np.zeros((len(rows), 0))
     return {
-        "names": [mark.name for mark in marks],
+        "names": told,
         "times": motion.time[rows].tolist(),
-        "places": [[float(f"{x:.5g}") for x in row] for row in places.tolist()],
+        "places": [[float(f"{x:.5g}") for x in row] for row in joined.tolist()],
     }
 
 
