@@ -11,6 +11,7 @@ from ...superelement.validation import Array
 from ..picture import COLORS
 from .libraries import package
 from .motion import Mark, Motion, Shape
+from .simplify import IntArray
 
 GROUPS = {
     "joints": "#1c2733",
@@ -194,7 +195,7 @@ def _camera(low: Array, high: Array, towards: list[float], up: list[float]) -> l
     half = 0.5 * (high - low)
     tall, wide = float(np.abs(upward) @ half), float(np.abs(right) @ half)
     deep = float(np.abs(eye) @ half)
-    distance = 1.08 * max(tall, wide / 1.8) / np.tan(np.radians(0.5 * FOV)) + deep
+    distance = 1.15 * max(tall, wide / 1.8) / np.tan(np.radians(0.5 * FOV)) + deep
     return [*(middle + distance * eye).tolist(), *middle.tolist(), *np.array(up).tolist()]
 
 
@@ -220,15 +221,15 @@ def _drawn(k3d: Any, motion: Motion, shape: Shape, color: str) -> list[Any]:
         )
         made.append(lines)
     for drawn in made:
-        drawn.model_matrix = _series(motion.time, shape.poses)
+        drawn.model_matrix = _series(frames(motion), shape.poses)
         if shape.u is not None:
-            drawn.vertices = _series(motion.deforming, _rounded(shape))
+            drawn.vertices = _series(frames(motion, motion.deforming), _rounded(shape))
         if shape.values is not None:
             largest = largest_value(motion) or 1.0
             shades = np.round(shape.values / largest * SHADES) / SHADES
             drawn.color_map = k3d.matplotlib_color_maps.Viridis
             drawn.color_range = [0.0, 1.0]
-            drawn.attribute = _series(motion.deforming, shades)
+            drawn.attribute = _series(frames(motion, motion.deforming), shades)
     return made
 
 
@@ -242,12 +243,20 @@ def _rounded(shape: Shape) -> Array:
     return rounded
 
 
-def _series(time: Array, values: Array) -> Any:
-    """Values by time, or the value where there is one."""
+def frames(motion: Motion, time: Array | None = None) -> IntArray:
+    """The numbers of instants among those of the motion.
+
+    They are what K3D takes for time: keys of small fractions it does not tell apart.
+    """
+    return np.searchsorted(motion.time, motion.time if time is None else time)
+
+
+def _series(numbers: IntArray, values: Array) -> Any:
+    """Values by the number of their instant, or the value where there is one."""
     short = np.ascontiguousarray(values, dtype=np.float32)
-    if len(time) == 1:
+    if len(numbers) == 1:
         return short[0]
-    return {repr(float(t)): value for t, value in zip(time, short, strict=True)}
+    return {str(number): value for number, value in zip(numbers, short, strict=True)}
 
 
 def _marks(k3d: Any, motion: Motion, size: float) -> list[Any]:
@@ -267,13 +276,13 @@ def _of_group(
     look: Mapping[str, Any] = {"color": color, "name": "", "group": ""}
     start = places[0].astype(np.float32)
     dots = k3d.points(start, point_size=0.012 * size, shader="3d", **look)
-    dots.positions = _series(motion.time, places)
+    dots.positions = _series(frames(motion), places)
     made = [dots]
     if link:
         pairs = np.arange(2 * len(marks), dtype=np.uint32).reshape(-1, 2)
         lines = k3d.lines(
             start, pairs, indices_type="segment", shader="thick", width=0.004 * size, **look
         )
-        lines.vertices = _series(motion.time, places)
+        lines.vertices = _series(frames(motion), places)
         made.append(lines)
     return made

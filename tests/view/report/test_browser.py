@@ -1,5 +1,6 @@
 """The page of a report in a browser: headless Chromium, without a network."""
 
+import numpy as np
 import pytest
 from duhamel.view.report import plots
 
@@ -68,7 +69,8 @@ def test_bodies_are_drawn_and_move_with_the_time(opened):
         """(async () => {
           const { scene, clock } = duhamel;
           const pixels = async (t) => {
-            await scene.setTime(t);
+            clock.set(t);
+            await new Promise((resolve) => setTimeout(resolve, 200));
             await scene.render(true);
             const gl = document.querySelector("#canvas canvas");
             return gl.toDataURL();
@@ -82,6 +84,18 @@ def test_bodies_are_drawn_and_move_with_the_time(opened):
         })()"""
     )
     assert seen == [True, True, EVIL]
+
+
+def test_bodies_stand_where_the_results_say(opened, results):
+    for t in (0.0004, 0.0131, 0.03):
+        opened.run(f"duhamel.clock.set({t}); new Promise((r) => setTimeout(r, 300))")
+        matrices = opened.run(
+            "duhamel.scene.getWorld().K3DObjects.children.map((c) => [...c.matrixWorld.elements])"
+        )
+        placed = np.array(matrices).reshape(-1, 4, 4)[:, 3, :3]
+        row = int(np.searchsorted(results.time, t))
+        expected = results.body("beam").x[row]
+        assert np.linalg.norm(placed - expected, axis=1).min() < 1e-4
 
 
 def test_the_button_plays_and_stops(opened):
