@@ -144,11 +144,11 @@ def _grid(k3d: Any, low: Array, high: Array) -> Any:
 def names(motion: Motion) -> dict[str, Any]:
     """The names of marks and the places of their first frames, by time.
 
-    Marks that stand in one place at all times share a name.
+    Marks that stand in one place at all times, as far as one sees, share a name.
     """
     every = max(len(motion.time) // MARKED, 1)
     rows = np.unique([*range(0, len(motion.time), every), len(motion.time) - 1])
-    near = 1e-3 * float(np.linalg.norm(np.subtract(*bounds(motion))))
+    near = 0.015 * float(np.linalg.norm(np.subtract(*bounds(motion))))
     told: list[str] = []
     places: list[Array] = []
     for mark in motion.marks if len(motion.marks) <= MOST_MARKS else []:

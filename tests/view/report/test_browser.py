@@ -38,7 +38,7 @@ def test_no_request_leaves(opened):
 
 def test_nothing_runs_that_names_and_texts_hold(opened):
     assert opened.run("document.querySelectorAll('script').length") == 6
-    assert opened.run("document.querySelectorAll('b').length") == 0
+    assert opened.run("document.querySelectorAll('main b').length") == 0
     assert opened.run("document.querySelectorAll('img').length") == 1
 
 
@@ -83,7 +83,8 @@ def test_bodies_are_drawn_and_move_with_the_time(opened):
           return [first[0] !== last[0], first[1] !== last[1], names.textContent];
         })()"""
     )
-    assert seen == [True, True, EVIL]
+    assert seen[:2] == [True, True]
+    assert seen[2].startswith(EVIL)
 
 
 def test_bodies_stand_where_the_results_say(opened, results):
