@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ..picture import PREFIXES
+from ..prefixes import PREFIXES
 
 
 def prefixed(value: float) -> tuple[str, float]:

@@ -8,7 +8,7 @@ from matplotlib import colormaps
 from matplotlib.colors import to_hex, to_rgb
 
 from ...superelement.validation import Array
-from ..picture import COLORS
+from ..styles import COLORS
 from .libraries import package
 from .motion import Mark, Motion, Shape
 from .simplify import IntArray
