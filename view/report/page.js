@@ -133,8 +133,21 @@
     }
   }
 
+  /* The number of the instant at a time, with its fraction between two. */
+  function frameAt(instants, t) {
+    let low = 0;
+    let high = instants.length - 1;
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (instants[middle] <= t) low = middle;
+      else high = middle;
+    }
+    const span = instants[high] - instants[low];
+    return span > 0 ? low + Math.min(Math.max((t - instants[low]) / span, 0), 1) : low;
+  }
+
   /* A frame at a time: while one is drawn, the next waits. */
-  function follower(scene) {
+  function follower(scene, instants) {
     let busy = false;
     let next = null;
     return async (t) => {
@@ -144,7 +157,7 @@
       while (next !== null) {
         const shown = next;
         next = null;
-        await scene.setTime(shown);
+        await scene.setTime(frameAt(instants, shown));
       }
       busy = false;
     };
@@ -157,7 +170,7 @@
     let since = null;
     const step = (now) => {
       if (since === null) return;
-      const part = ((now - since) / 1000 / data.duration) * Number(byId("speed").value);
+      const part = (Math.max(now - since, 0) / 1000 / data.duration) * Number(byId("speed").value);
       since = now;
       const t = clock.t + part * (last - first);
       clock.set(t > last ? first : t);
@@ -168,7 +181,7 @@
       play.textContent = runs ? "❚❚ Pause" : "▶ Play";
       if (runs) requestAnimationFrame(step);
     };
-    clock.followers.push(follower(scene), (t) => {
+    clock.followers.push(follower(scene, data.instants), (t) => {
       when.value = String(t);
       byId("clock").textContent = told(t);
     });
@@ -197,11 +210,10 @@
       const toEye = camera.matrixWorldInverse.elements;
       const toScreen = camera.projectionMatrix.elements;
       const { clientWidth: width, clientHeight: height } = stage;
-      let after = times.findIndex((t) => t >= clock.t);
-      if (after < 0) after = times.length - 1;
-      const before = Math.max(after - 1, 0);
-      const span = times[after] - times[before];
-      const part = span > 0 ? (clock.t - times[before]) / span : 0;
+      const frame = frameAt(times, clock.t);
+      const before = Math.floor(frame);
+      const after = Math.ceil(frame);
+      const part = frame - before;
       shown.forEach((label, i) => {
         const point = [0, 1, 2].map((axis) => places[before][3 * i + axis] * (1 - part) + places[after][3 * i + axis] * part);
         const seen = [0, 1, 2].map((row) => toEye[row] * point[0] + toEye[row + 4] * point[1] + toEye[row + 8] * point[2] + toEye[row + 12]);

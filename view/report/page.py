@@ -85,6 +85,7 @@ def _data(results: Results, drawn: list[Plot], moving: Motion | None) -> dict[st
         "range": [float(time[0]), float(time[-1])] if len(time) else [0.0, 0.0],
         "moves": moving is not None,
         "duration": 0.0 if moving is None else duration(moving),
+        "instants": [] if moving is None else moving.time.tolist(),
         "marks": {} if moving is None else names(moving),
     }
 

@@ -11,6 +11,7 @@ from ...superelement.validation import Array
 from ..styles import COLORS
 from .libraries import package
 from .motion import Mark, Motion, Shape
+from .simplify import IntArray
 
 GROUPS = {
     "joints": "#1c2733",
@@ -47,7 +48,8 @@ def body_colors(shapes: Sequence[Shape]) -> list[str]:
 
 
 def _pale(color: str) -> str:
-    return to_hex(PALE + (1.0 - PALE) * np.array(to_rgb(color)))
+    red, green, blue = (PALE + (1.0 - PALE) * part for part in to_rgb(color))
+    return to_hex((red, green, blue))
 
 
 def largest_value(motion: Motion) -> float:
@@ -140,16 +142,28 @@ def _grid(k3d: Any, low: Array, high: Array) -> Any:
 
 
 def names(motion: Motion) -> dict[str, Any]:
-    """The names of marks and their places in the middle of their frames, by time."""
-    marks = motion.marks if len(motion.marks) <= MOST_MARKS else []
+    """The names of marks and the places of their first frames, by time.
+
+    Marks that stand in one place at all times, as far as one sees, share a name.
+    """
     every = max(len(motion.time) // MARKED, 1)
     rows = np.unique([*range(0, len(motion.time), every), len(motion.time) - 1])
-    middles = [mark.positions[rows].mean(axis=1) for mark in marks]
-    places = np.hstack(middles) if middles else np.zeros((len(rows), 0))
+    near = 0.015 * float(np.linalg.norm(np.subtract(*bounds(motion))))
+    told: list[str] = []
+    places: list[Array] = []
+    for mark in motion.marks if len(motion.marks) <= MOST_MARKS else []:
+        place = mark.positions[rows, 0]
+        same = [i for i, other in enumerate(places) if np.abs(other - place).max() < near]
+        if same:
+            told[same[0]] += f", {mark.name}"
+        else:
+            told.append(mark.name)
+            places.append(place)
+    joined = np.hstack(places) if places else np.zeros((len(rows), 0))
     return {
-        "names": [mark.name for mark in marks],
+        "names": told,
         "times": motion.time[rows].tolist(),
-        "places": [[float(f"{x:.5g}") for x in row] for row in places.tolist()],
+        "places": [[float(f"{x:.5g}") for x in row] for row in joined.tolist()],
     }
 
 
@@ -181,7 +195,7 @@ def _camera(low: Array, high: Array, towards: list[float], up: list[float]) -> l
     half = 0.5 * (high - low)
     tall, wide = float(np.abs(upward) @ half), float(np.abs(right) @ half)
     deep = float(np.abs(eye) @ half)
-    distance = 1.08 * max(tall, wide / 1.8) / np.tan(np.radians(0.5 * FOV)) + deep
+    distance = 1.15 * max(tall, wide / 1.8) / np.tan(np.radians(0.5 * FOV)) + deep
     return [*(middle + distance * eye).tolist(), *middle.tolist(), *np.array(up).tolist()]
 
 
@@ -207,15 +221,15 @@ def _drawn(k3d: Any, motion: Motion, shape: Shape, color: str) -> list[Any]:
         )
         made.append(lines)
     for drawn in made:
-        drawn.model_matrix = _series(motion.time, shape.poses)
+        drawn.model_matrix = _series(frames(motion), shape.poses)
         if shape.u is not None:
-            drawn.vertices = _series(motion.deforming, _rounded(shape))
+            drawn.vertices = _series(frames(motion, motion.deforming), _rounded(shape))
         if shape.values is not None:
             largest = largest_value(motion) or 1.0
             shades = np.round(shape.values / largest * SHADES) / SHADES
             drawn.color_map = k3d.matplotlib_color_maps.Viridis
             drawn.color_range = [0.0, 1.0]
-            drawn.attribute = _series(motion.deforming, shades)
+            drawn.attribute = _series(frames(motion, motion.deforming), shades)
     return made
 
 
@@ -229,12 +243,20 @@ def _rounded(shape: Shape) -> Array:
     return rounded
 
 
-def _series(time: Array, values: Array) -> Any:
-    """Values by time, or the value where there is one."""
+def frames(motion: Motion, time: Array | None = None) -> IntArray:
+    """The numbers of instants among those of the motion.
+
+    They are what K3D takes for time: keys of small fractions it does not tell apart.
+    """
+    return np.searchsorted(motion.time, motion.time if time is None else time)
+
+
+def _series(numbers: IntArray, values: Array) -> Any:
+    """Values by the number of their instant, or the value where there is one."""
     short = np.ascontiguousarray(values, dtype=np.float32)
-    if len(time) == 1:
+    if len(numbers) == 1:
         return short[0]
-    return {repr(float(t)): value for t, value in zip(time, short, strict=True)}
+    return {str(number): value for number, value in zip(numbers, short, strict=True)}
 
 
 def _marks(k3d: Any, motion: Motion, size: float) -> list[Any]:
@@ -254,13 +276,13 @@ def _of_group(
     look: Mapping[str, Any] = {"color": color, "name": "", "group": ""}
     start = places[0].astype(np.float32)
     dots = k3d.points(start, point_size=0.012 * size, shader="3d", **look)
-    dots.positions = _series(motion.time, places)
+    dots.positions = _series(frames(motion), places)
     made = [dots]
     if link:
         pairs = np.arange(2 * len(marks), dtype=np.uint32).reshape(-1, 2)
         lines = k3d.lines(
             start, pairs, indices_type="segment", shader="thick", width=0.004 * size, **look
         )
-        lines.vertices = _series(motion.time, places)
+        lines.vertices = _series(frames(motion), places)
         made.append(lines)
     return made

@@ -66,7 +66,8 @@ def _facing(points: Array, triangles: IntArray) -> IntArray:
         np.add.at(summed, corner, normals)
     axis = np.abs(summed).argmax(axis=1)
     positive = np.take_along_axis(summed, axis[:, None], axis=1)[:, 0] > 0.0
-    return 2 * axis + positive
+    facing: IntArray = 2 * axis + positive
+    return facing
 
 
 def _keys(points: Array, facing: IntArray, cells: int) -> IntArray:

@@ -39,8 +39,9 @@ def still(motion: Motion) -> str:
         corners, shades = np.concatenate(facets), np.concatenate(colors)
         order = np.argsort(corners[..., 2].mean(axis=1))
         polygons = list(corners[order][..., :2])
-        shown = {"facecolors": shades[order], "edgecolors": shades[order], "linewidths": 0.3}
-        axes.add_collection(PolyCollection(polygons, **shown))
+        ordered = shades[order]
+        shown = PolyCollection(polygons, facecolors=ordered, edgecolors=ordered, linewidths=0.3)
+        axes.add_collection(shown)
     axes.autoscale_view()
     image = io.BytesIO()
     figure.savefig(image, format="png", dpi=DOTS)

@@ -1,7 +1,7 @@
 """The tables of a report."""
 
 import platform
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -202,16 +202,30 @@ def _body_row(results: Results, name: str, given: Any) -> tuple[object, ...]:
     file = results.superelement_files.get(name)
     if file is None:
         mass = given.get("mass") if isinstance(given, dict) else None
-        known = isinstance(mass, int | float)
-        return (name, "rigid", short(float(mass)) if known else "–", "", "", "", "")
+        return (
+            name,
+            "rigid",
+            short(float(mass)) if isinstance(mass, int | float) else "–",
+            "",
+            "",
+            "",
+            "",
+        )
     try:
-        element = results.superelement(name)
+        made = results.superelement(name)
     except (RecoveryError, SuperelementError, OSError) as error:
         return (name, "flexible", "–", file.path, "–", f"not read: {error}", "–")
-    kernel = element.kernel
-    error = f"{kernel.error:.2g} up to {kernel.band:.5g} Hz" if kernel.error else "exact"
-    method = element.provenance.method
-    return (name, "flexible", short(element.mass), file.path, element.n_c, method, error)
+    kernel = made.kernel
+    bound = f"{kernel.error:.2g} up to {kernel.band:.5g} Hz" if kernel.error else "exact"
+    return (
+        name,
+        "flexible",
+        short(made.mass),
+        file.path,
+        made.n_c,
+        made.provenance.method,
+        bound,
+    )
 
 
 def provenance(results: Results, origin: Origin, drawn_by: str) -> Markup:
@@ -240,7 +254,7 @@ def model_text(results: Results) -> Markup:
 
 
 def _limited(
-    headings: tuple[str, ...], rows: list[tuple[object, ...]], numbers: str = ""
+    headings: tuple[str, ...], rows: Sequence[tuple[object, ...]], numbers: str = ""
 ) -> Markup:
     """A table of the first rows, with a line where there are more."""
     shown = table(headings, rows[:MOST_ROWS], numbers)

@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from ...files.outputs import clash, renamed_when_whole
+from ...files.outputs import AnyPath, clash, renamed_when_whole
 from ...results import Results
 from ..errors import PictureError
 from .libraries import package
@@ -42,6 +42,7 @@ def _check(results: Results, path: Path) -> None:
     if not path.parent.is_dir():
         raise PictureError(f"{path}: no folder {path.parent}")
     superelements = (file.path for file in results.superelement_files.values())
-    inputs = {results.name: "the results file"} | dict.fromkeys(superelements, "a superelement")
+    inputs: dict[AnyPath, str] = dict.fromkeys(superelements, "a superelement")
+    inputs[results.name] = "the results file"
     if found := clash([path], inputs):
         raise PictureError(f"{found}, which the report would replace")

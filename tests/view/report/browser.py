@@ -1,15 +1,16 @@
 """A headless Chromium that is driven through a pipe, by the protocol of its developer tools."""
 
 import base64
+import fcntl
 import json
 import os
 import shutil
-import subprocess
+import signal
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, BinaryIO
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 SOFTWARE_WEBGL = ("--enable-unsafe-swiftshader", "--use-gl=angle", "--use-angle=swiftshader")
@@ -39,8 +40,8 @@ class Browser:
     thrown and not caught.
     """
 
-    def __init__(self, to_browser: int, from_browser: int) -> None:
-        self._out, self._in = os.fdopen(to_browser, "wb"), os.fdopen(from_browser, "rb")
+    def __init__(self, to_browser: BinaryIO, from_browser: BinaryIO) -> None:
+        self._out, self._in = to_browser, from_browser
         self._last, self._rest, self._session = 0, b"", ""
         self.requests: list[str] = []
         self.errors: list[str] = []
@@ -75,8 +76,6 @@ class Browser:
     def close(self) -> None:
         self._session = ""
         self._call("Browser.close")
-        self._out.close()
-        self._in.close()
 
     def _call(self, method: str, **parameters: Any) -> Any:
         self._last += 1
@@ -119,21 +118,29 @@ def browser(*options: str) -> Iterator[Browser]:
     program = executable()
     assert program is not None
     to_child, from_child = os.pipe(), os.pipe()
-    with TemporaryDirectory() as profile:
+    with (
+        TemporaryDirectory(ignore_cleanup_errors=True) as profile,
+        os.fdopen(to_child[1], "wb") as to_browser,
+        os.fdopen(from_child[0], "rb") as from_browser,
+    ):
         command = [program, *OPTIONS, *options, f"--user-data-dir={profile}", "about:blank"]
-        redirected = f'exec "$@" 3<&{to_child[0]} 4>&{from_child[1]}'
-        process = subprocess.Popen(
-            ["sh", "-c", redirected, "sh", *command],
-            pass_fds=(to_child[0], from_child[1]),
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
-        os.close(to_child[0])
-        os.close(from_child[1])
+        process = _start(command, to_child[0], from_child[1])
         try:
-            page = Browser(to_child[1], from_child[0])
+            page = Browser(to_browser, from_browser)
             yield page
             page.close()
         finally:
-            process.kill()
-            process.wait()
+            with suppress(ProcessLookupError):
+                os.kill(process, signal.SIGKILL)
+            os.waitpid(process, 0)
+
+
+def _start(command: list[str], reads: int, writes: int) -> int:
+    """The process of a command that reads from descriptor 3, writes to 4, and is silent."""
+    high = [fcntl.fcntl(end, fcntl.F_DUPFD_CLOEXEC, 10) for end in (reads, writes)]
+    silent = [(os.POSIX_SPAWN_OPEN, end, os.devnull, os.O_RDWR, 0) for end in (0, 1, 2)]
+    joined = [(os.POSIX_SPAWN_DUP2, high[0], 3), (os.POSIX_SPAWN_DUP2, high[1], 4)]
+    process = os.posix_spawn(command[0], command, os.environ, file_actions=[*silent, *joined])
+    for end in (reads, writes, *high):
+        os.close(end)
+    return process
