@@ -133,9 +133,8 @@ class Outlines:
             recovery = self._results.recoverable(body)
         except (RecoveryError, ResultsError, SuperelementError):
             return False
-        if outline.node is None:
-            return len(recovery.points) == len(outline.points)
-        return recovery.phi_rotation is not None
+        turns = outline.node is None or recovery.phi_rotation is not None
+        return turns and outline.fits(recovery)
 
     def _recovered(self, body: str, times: Array) -> Array:
         """Displacements by modes: of sections of beams those of a node and its rotation.
@@ -216,11 +215,8 @@ class Outlines:
         stresses, outline = self._results.von_mises(body, t), self.at_rest(body)
         if outline.node is not None:
             raise RecoveryError(f"body {body!r}: beams have no stresses")
-        if stresses.shape[-1] != len(outline.points):
-            raise RecoveryError(
-                f"body {body!r}: expected a recovery at the {len(outline.points)} points of its "
-                f"outline, found one at {stresses.shape[-1]}"
-            )
+        if not outline.fits(self._results.recoverable(body)):
+            raise RecoveryError(f"body {body!r}: its recovery is not at the points of its outline")
         return stresses
 
     def _without_file(self, body: str) -> Outline:
