@@ -26,6 +26,7 @@ from duhamel.solver import (
     Settings,
     Spring,
     Start,
+    StartFrom,
     Surface,
     read_model,
     simulate,
@@ -297,3 +298,25 @@ def test_figures_are_where_a_body_has_them():
     cylinder = figures.cylinder(0.1, 1.0, np.array([1.0, 0, 0]), [0, 0, 2])
     np.testing.assert_allclose(cylinder.points.mean(axis=0), [0, 0, 2], atol=1e-12)
     np.testing.assert_allclose(np.ptp(cylinder.points, axis=0), [1.0, 0.2, 0.2], atol=1e-12)
+
+
+def test_a_run_that_goes_on_keeps_its_outlines_whatever_shapes_are_now(recovered, tmp_path):
+    path, model = tmp_path / "run.h5", cantilever(recovered, checkpoint={"every": 100})
+    ball = RigidBody(1.0, [1, 1, 1], start=Start(position=[0, 0, 5]))
+    model = replace(model, bodies={**model.bodies, "ball": replace(ball, shape=Box([1, 1, 1]))})
+    simulate(model.with_settings(t_end=0.01), output=path)
+    changed = replace(model, bodies={**model.bodies, "ball": replace(ball, shape=Box([2, 2, 2]))})
+    results = simulate(changed, output=path, resume=True)
+    assert results.time[-1] == pytest.approx(0.02)
+    assert results.outline("ball").volume == pytest.approx(1.0)
+    assert results.outline("beam").n_facets == 140
+
+
+def test_a_run_that_starts_from_another_is_blended(recovered, tmp_path):
+    model = cantilever(recovered, checkpoint={"every": 100})
+    simulate(model, output=tmp_path / "first.h5")
+    first = StartFrom(str(tmp_path / "first.h5"))
+    later = model.with_settings(start=first, checkpoint=None, t_end=0.03)
+    results = simulate(later)
+    assert results.outline_source("beam") == "interfaces"
+    assert results.outline_displacement("beam", results.time[0]).any()
