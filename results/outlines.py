@@ -118,7 +118,7 @@ class Outlines:
         if name == "displacement":
             return np.asarray(np.linalg.norm(self.displacement(body, t), axis=-1))
         if name == "velocity":
-            return self._speed(body, t)
+            return np.asarray(np.linalg.norm(self.velocity(body, t), axis=-1))
         if name == "von_mises":
             return self._von_mises(body, t)
         raise RecoveryError(f"field {name!r}: expected one of {', '.join(FIELDS)}")
@@ -190,16 +190,18 @@ class Outlines:
         x = when.of(motion.x[when.before], motion.x[when.after])
         return x, when.of(before, np.where(same, after, -after))
 
-    def _speed(self, body: str, t: Any) -> Array:
-        """|R^T v + omega x (X + u) + u'|, of which u' is a difference over a recorded step."""
+    def velocity(self, body: str, t: Any) -> Array:
+        """v + R (omega x (X + u) + u'), (p, 3) or (k, p, 3), in space [m/s].
+
+        u' by differences of u over a recorded step.
+        """
         times = np.atleast_1d(np.asarray(t, dtype=float))
         when, motion = instants(self._time, times), self._motion(body)
-        v = when.of(motion.v[when.before], motion.v[when.after])
-        _, R = self._pose(body, times)
-        own = in_space(np.zeros((len(times), 3)), inverse(R), v[:, None, :3])
-        arms = self.at_rest(body).points + self.displacement(body, times)
-        velocity = own + np.cross(v[:, None, 3:], arms) + self._rate(body, times)
-        return np.asarray(np.linalg.norm(velocity, axis=-1)).reshape(*np.shape(t), -1)
+        v, R = when.of(motion.v[when.before], motion.v[when.after]), self._pose(body, times)[1]
+        u = self.displacement(body, times)
+        turning = np.cross(v[:, None, 3:], self.at_rest(body).points + u)
+        moved = in_space(v[:, :3], R, turning + self._rate(body, times))
+        return moved.reshape(*np.shape(t), -1, 3)
 
     def _rate(self, body: str, times: Array) -> Array:
         """u' (k, p, 3) by central differences over one recorded step about each time [m/s]."""

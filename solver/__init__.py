@@ -43,7 +43,7 @@ from .model.curves import (
     Steps,
     Table,
 )
-from .model.file import read_model, write_model
+from .model.file import model_schema, read_model, write_model
 from .model.friction import Coulomb, JointFriction, Stribeck
 from .model.impact import ForceTable, Impact
 from .model.joints import Joint
@@ -159,6 +159,7 @@ __all__ = [
     "check_law",
     "doubts",
     "linearize",
+    "model_schema",
     "read_model",
     "simulate",
     "start",
