@@ -1,6 +1,7 @@
 """The bodies of a run in space: outlines at rest and as they move and deform."""
 
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
@@ -74,6 +75,10 @@ class Outlines:
         self._sources: dict[str, Source] = {}
         self._motions: dict[str, Motion] = {}
 
+    @cached_property
+    def _time(self) -> Array:
+        return self._results.time
+
     def at_rest(self, body: str) -> Outline:
         """The outline of a recorded body; that of an old file is made of what is known."""
         if body not in self._made:
@@ -89,7 +94,7 @@ class Outlines:
     def displacement(self, body: str, t: Any) -> Array:
         """Elastic displacements (p, 3) or (k, p, 3) in body axes [m]."""
         times = np.atleast_1d(np.asarray(t, dtype=float))
-        when = instants(self._results.time, times)
+        when = instants(self._time, times)
         source = self.source(body)
         if source == "rigid":
             moved: Array = np.zeros((len(times), len(self.at_rest(body).points), 3))
@@ -133,9 +138,8 @@ class Outlines:
             recovery = self._results.recoverable(body)
         except (RecoveryError, ResultsError, SuperelementError):
             return False
-        if outline.node is None:
-            return len(recovery.points) == len(outline.points)
-        return recovery.phi_rotation is not None
+        turns = outline.node is None or recovery.phi_rotation is not None
+        return turns and outline.fits(recovery)
 
     def _recovered(self, body: str, times: Array) -> Array:
         """Displacements by modes: of sections of beams those of a node and its rotation.
@@ -180,7 +184,7 @@ class Outlines:
 
     def _pose(self, body: str, times: Array) -> tuple[Array, Array]:
         """Position (k, 3) and rotation (k, 4), linear between steps."""
-        when, motion = instants(self._results.time, times), self._motion(body)
+        when, motion = instants(self._time, times), self._motion(body)
         before, after = motion.R[when.before], motion.R[when.after]
         same = np.sum(before * after, axis=1, keepdims=True) >= 0.0
         x = when.of(motion.x[when.before], motion.x[when.after])
@@ -192,7 +196,7 @@ class Outlines:
         u' by differences of u over a recorded step.
         """
         times = np.atleast_1d(np.asarray(t, dtype=float))
-        when, motion = instants(self._results.time, times), self._motion(body)
+        when, motion = instants(self._time, times), self._motion(body)
         v, R = when.of(motion.v[when.before], motion.v[when.after]), self._pose(body, times)[1]
         u = self.displacement(body, times)
         turning = np.cross(v[:, None, 3:], self.at_rest(body).points + u)
@@ -201,7 +205,7 @@ class Outlines:
 
     def _rate(self, body: str, times: Array) -> Array:
         """u' (k, p, 3) by central differences over one recorded step about each time [m/s]."""
-        recorded = self._results.time
+        recorded = self._time
         if self.source(body) == "rigid" or len(recorded) < 2:
             return np.zeros((1, 1, 3))
         i = np.searchsorted(recorded, times).clip(1, len(recorded) - 1)
@@ -218,11 +222,8 @@ class Outlines:
         stresses, outline = self._results.von_mises(body, t), self.at_rest(body)
         if outline.node is not None:
             raise RecoveryError(f"body {body!r}: beams have no stresses")
-        if stresses.shape[-1] != len(outline.points):
-            raise RecoveryError(
-                f"body {body!r}: expected a recovery at the {len(outline.points)} points of its "
-                f"outline, found one at {stresses.shape[-1]}"
-            )
+        if not outline.fits(self._results.recoverable(body)):
+            raise RecoveryError(f"body {body!r}: its recovery is not at the points of its outline")
         return stresses
 
     def _without_file(self, body: str) -> Outline:

@@ -1,12 +1,16 @@
 """The outline of a body: what it looks like at rest."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from .cells import LINE, TRIANGLES, IntArray, checked_cells, of_size, sizes, triangles
+from .recovery import Recovery
 from .validation import Array, SuperelementError, checked
+
+NEAR = 1e-6
+"""of the size of a body: how far apart points may be that are the same"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,9 +74,14 @@ class Outline:
         a, b, c = self.points[self.triangles].transpose(1, 0, 2)
         return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
 
-    def moved(self, points: Array) -> "Outline":
-        """The same with its points elsewhere."""
-        return replace(self, points=points)
+    def fits(self, recovery: Recovery) -> bool:
+        """Whether its points are those of a recovery, or its sections at nodes of one."""
+        node = np.arange(len(self.points)) if self.node is None else self.node
+        n = len(recovery.points)
+        if node.max(initial=-1) >= n or (self.node is None and len(node) != n):
+            return False
+        size = float(np.ptp(self.points, axis=0).max(initial=0.0))
+        return np.allclose(recovery.points[node], self.anchors, rtol=0.0, atol=NEAR * size)
 
 
 def _checked_nodes(value: Any, n_points: int) -> IntArray:

@@ -106,7 +106,6 @@ class Superelement:
                     f"recovery: phi: expected {n_modes} columns, one per mode, "
                     f"found {self.recovery.phi.shape[2]}"
                 )
-            self._check_outline(self.recovery, self.outline)
         object.__setattr__(self, "J_rot", J_rot)
         object.__setattr__(self, "center", checked("center", self.center, (3,)))
         object.__setattr__(self, "interfaces", interfaces)
@@ -164,20 +163,6 @@ class Superelement:
         if both := [name for name in names if name in taken]:
             raise SuperelementError(
                 f"patterns, sensors: expected other names than those of interfaces, found {both[0]}"
-            )
-
-    def _check_outline(self, recovery: Recovery, outline: Outline | None) -> None:
-        if outline is None:
-            return
-        n = len(recovery.points)
-        if outline.node is None and len(outline.points) != n:
-            raise SuperelementError(
-                f"outline: points: expected {n}, those of the recovery, found {len(outline.points)}"
-            )
-        if outline.node is not None and outline.node.max(initial=-1) >= n:
-            raise SuperelementError(
-                f"outline: node: expected numbers below {n}, of points of the recovery, found "
-                f"{outline.node.max()}"
             )
 
     @property

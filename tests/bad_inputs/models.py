@@ -240,6 +240,26 @@ SIGNALS: dict[str, dict[str, Any]] = {
 RECORD = "t,a\n0,1\n0.002,3\n"
 """record.csv, beside the models"""
 
+SHAPES: dict[str, dict[str, Any]] = {
+    "Box": {"box": [0.1, 0.2, 0.3], "center": [0, 0, 1]},
+    "Cylinder": {"cylinder": {"radius": 0.1, "length": 1, "axis": [0, 0, 1]}, "center": [0, 0, 1]},
+    "Sphere": {"sphere": 0.1, "center": [0, 0, 1]},
+    "Surface": {"stl": "part.stl", "scale": 0.001, "center": [0, 0, 1]},
+}
+"""by class: each form of shape"""
+
+PART = """solid part
+facet normal 0 0 1
+outer loop
+vertex 0 0 0
+vertex 1 0 0
+vertex 0 1 0
+endloop
+endfacet
+endsolid part
+"""
+"""part.stl, beside the models"""
+
 LAWS: dict[str, dict[str, Any]] = {
     "TabulatedLaw": {"deformation": [-1, 0, 1], "force": [-1, 0, 1]},
     "OneSidedLaw": {"gap": 0.1, "stiffness": 1, "exponent": 1.5, "side": "extension"},

@@ -18,10 +18,11 @@ from duhamel.solver import (
 )
 from duhamel.solver.laws.law import FORCE_LAWS
 from duhamel.solver.model import signals
+from duhamel.solver.model.body_shapes import BODY_SHAPES
 from duhamel.solver.model.file import _ModelFile
 
 from .messages import complaint
-from .models import DOCUMENTS, LAWS, RECORD, SIGNALS
+from .models import DOCUMENTS, LAWS, PART, RECORD, SHAPES, SIGNALS
 from .values import UNKNOWN, VALUES, Place, changed, declared, dotted, table_kinds, value_at
 
 REFUSALS = ModelError, ConvergenceError, ResultsError
@@ -34,6 +35,7 @@ PARTS = 4
 FORMS = {
     "signal": (("push", "loads", 0, "signal"), SIGNALS),
     "law": (("mechanism", "springs", 0, "law"), LAWS),
+    "shape": (("mechanism", "bodies", "hub", "shape"), SHAPES),
 }
 
 
@@ -64,6 +66,7 @@ def answer(folder: Path, document: Any, place: Place) -> str:
     path = folder / "model.toml"
     path.write_text(tomli_w.dumps(document), encoding="utf-8")
     path.with_name("record.csv").write_text(RECORD, encoding="utf-8")
+    path.with_name("part.stl").write_text(PART, encoding="utf-8")
     names, model = [*(key for key in place if isinstance(key, str)), *NAMES], None
     try:
         model = read_model(path)
@@ -134,8 +137,9 @@ def test_every_table_of_a_model_file_is_in_a_document():
     assert tables == tried
 
 
-def test_every_form_of_signal_and_law_is_tried():
-    for family, forms in ((signals.SIGNALS, SIGNALS), (FORCE_LAWS, LAWS)):
+def test_every_form_of_signal_law_and_shape_is_tried():
+    families = ((signals.SIGNALS, SIGNALS), (FORCE_LAWS, LAWS), (BODY_SHAPES, SHAPES))
+    for family, forms in families:
         known = {form.kind.__name__ for group in family.forms.values() for form in group}
         assert known == forms.keys()
 

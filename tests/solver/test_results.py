@@ -174,7 +174,7 @@ def test_every_variable_of_the_file_and_its_units(results_file, model_file):
         labels = {
             name: item.asstr()[()].tolist()
             for name, item in file.items()
-            if name not in {*found, "solver", "check", "check_value"}
+            if name not in {*found, "solver", "space", "check", "check_value"}
         }
     assert found == VARIABLES
     beam = model_file.with_name("beam.h5")
