@@ -84,10 +84,10 @@ mutants: $(VENV)/.installed ## faults put into the core, and which the tests do 
 benchmark: $(VENV)/.validation ## timed work; where there is a peer, as ratios measured in the same run
 	@set -e; for program in benchmarks/*.py; do echo "$$program"; $(BIN)/python "$$program"; done
 
-docs: $(VENV)/.docs build/types/.linked ## the map of the code, and its reference in build/docs
+docs: $(VENV)/.docs build/types/.linked ## the documentation as a site in build/site; warnings are errors
 	$(BIN)/python tools/draw_architecture.py
-	PYTHONPATH=build/types $(BIN)/python tools/make_reference.py build/docs
-	@echo "reference of the code: $(CURDIR)/build/docs/index.html"
+	NO_MKDOCS_2_WARNING=1 PYTHONPATH=build/types $(BIN)/mkdocs build --strict --quiet
+	@echo "documentation: $(CURDIR)/build/site/index.html; its search needs: python -m http.server -d build/site"
 
 constraints: ## the newest versions that pyproject.toml allows, with hashes, written to constraints*.txt
 	$(PYTHON) -m venv build/constraints

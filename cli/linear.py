@@ -102,7 +102,7 @@ def frf(
             response = linear.static(inputs, outputs)
             Console().print(static_table(response))
             if output is not None:
-                _write(output, response_csv(response), None)
+                _write(output, response_csv({"": response}), None)
             return
         if band is not None and not 0.0 < band[0] < band[1] < float("inf"):
             raise typer.BadParameter(f"--band: expected 0 < FROM < TO, got {band[0]} {band[1]}")
@@ -115,9 +115,8 @@ def frf(
             f", {kind}" if len(kinds) > 1 else "": linear.frf(inputs, outputs, frequencies, kind)  # type: ignore[arg-type]
             for kind in kinds
         }
-        first = next(iter(responses.values()))
         title = _linear_title(model_file, linear.spin)
-        _write(target, response_csv(first), lambda: response_picture(title, responses))
+        _write(target, response_csv(responses), lambda: response_picture(title, responses))
 
 
 def campbell(
@@ -174,11 +173,10 @@ def _require_no_model(target: Path | None, model_file: Path) -> None:
 
 def _write(target: Path, rows: list[list[str]], picture: Callable[[], Any] | None) -> None:
     """A table where the suffix is .csv, else a picture."""
-    from .. import view
-    from .linear_report import write_csv
+    from .. import files, view
 
     if target.suffix.lower() == ".csv":
-        write_csv(target, rows)
+        files.write_rows(target, rows)
     elif picture is None:
         raise view.PictureError(f"{target}: expected a table, .csv")
     else:

@@ -1,5 +1,6 @@
 """Files of others, opened with care, and files of our own, written whole and over no input."""
 
+from .columns import write_rows
 from .outputs import OverwriteError, renamed_when_whole, require_no_input
 from .regular import FileError, in_one_line, require_regular
 
@@ -10,4 +11,5 @@ __all__ = [
     "renamed_when_whole",
     "require_no_input",
     "require_regular",
+    "write_rows",
 ]

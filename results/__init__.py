@@ -1,17 +1,27 @@
 """The results of a run: the contract between the solver, which writes them, and their readers.
 
 `series` has what is made of time series, measured ones too: shock spectra, filters, densities;
-`peaks` makes tables of the peaks of quantities.
+`peaks` makes tables of the peaks of quantities. `write_csv`, `write_mat` and `write_vtk` write them
+for other programs.
 """
 
 from . import series
-from .errors import QuantityError, RecoveryError, ResultsError, SeriesError, SeriesWarning
+from .errors import (
+    ExportError,
+    QuantityError,
+    RecoveryError,
+    ResultsError,
+    SeriesError,
+    SeriesWarning,
+)
+from .exports import write_csv, write_mat, write_vtk
 from .peaks import Peak, peaks
 from .results import Results
 from .space import Connection
 
 __all__ = [
     "Connection",
+    "ExportError",
     "Peak",
     "QuantityError",
     "RecoveryError",
@@ -21,4 +31,7 @@ __all__ = [
     "SeriesWarning",
     "peaks",
     "series",
+    "write_csv",
+    "write_mat",
+    "write_vtk",
 ]

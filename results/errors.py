@@ -16,6 +16,10 @@ class QuantityError(LookupError):
     """A quantity, body, frame or joint that results do not have; the message lists theirs."""
 
 
+class ExportError(ValueError):
+    """Results that cannot be written in the format of another program, or need a package for it."""
+
+
 class SeriesError(ValueError):
     """A time series of which a spectrum, filter or peak cannot be made as asked for."""
 

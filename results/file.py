@@ -5,6 +5,7 @@ that is killed leaves what it had (journal.py): the first `written` rows, an att
 solver.
 """
 
+import io
 import time
 import uuid
 from collections.abc import Iterator, Mapping, Sequence
@@ -39,7 +40,7 @@ from .schema import (
     Quantity,
     SuperelementFile,
 )
-from .source import Selection
+from .source import ALL, Selection, Source
 from .space import Space
 from .space_file import put_space, read_space
 
@@ -65,6 +66,10 @@ class Extent(NamedTuple):
 
     rows: int
     events: int = 0
+
+    def noted(self) -> dict[str, int]:
+        """As attributes of the group solver."""
+        return {"written": self.rows, "events": self.events}
 
 
 class FileSource:
@@ -103,11 +108,13 @@ class FileSource:
         with self._open() as file:
             return dict(file["solver"].attrs)
 
-    def read(self, selections: Sequence[Selection]) -> list[Array]:
+    def read(self, selections: Sequence[Selection], rows: slice = ALL) -> list[Array]:
         with self._open() as file:
             n = self._rows_that_count(file)
             axes = self._contents.axes
-            return [_rows(file, axes, quantity, entries, n) for quantity, entries in selections]
+            return [
+                _rows(file, axes, quantity, entries, n, rows) for quantity, entries in selections
+            ]
 
     def events(self) -> EventRows:
         axes = self._contents.axes
@@ -158,6 +165,27 @@ class FileSource:
             raise ResultsError(f"{self._path}: not a readable HDF5 file: {why}") from error
 
 
+def netcdf(source: Source) -> Any:
+    """The file of results as others open it: its path, or that of results in memory as a stream."""
+    if isinstance(source, FileSource):
+        source.read([])
+        return source.name
+    contents, events = source.contents(), source.events()
+    (time,) = source.read([(contents.quantities[0], None)])
+    extent = Extent(len(time), len(events.owner))
+    notes = {**source.notes(), **extent.noted()}
+    stream = io.BytesIO(_image(contents, notes, source.model(), len(time)))
+    with h5py.File(stream, "r+") as file:
+        for quantity in contents.quantities:
+            (rows,) = source.read([(quantity, None)])
+            _extend(file, quantity.name, rows, 0)
+        for name, column in _event_columns(events, 0) if len(events.owner) else ():
+            _extend(file, name, column, 0)
+        if len(checks := source.checks()):
+            file[CHECKS][...] = checks
+    return stream
+
+
 class FileWriter:
     """A results file that a run writes, which others can read at any moment, also of a killed run.
 
@@ -180,7 +208,7 @@ class FileWriter:
     ) -> None:
         self.run = uuid.uuid4().hex
         # Made in memory first: HDF5 itself brings the process down when the disk is full.
-        image = _image(contents, {**notes, "written": 0, "events": 0, "run": self.run}, model, rows)
+        image = _image(contents, {**notes, **Extent(0).noted(), "run": self.run}, model, rows)
         with _failures_named(path):
             journal = Journal(resolved(path))
             self.place = partial_of(journal.target) if path.exists() else journal.target
@@ -448,9 +476,12 @@ def _strings(file: h5py.File, name: str) -> tuple[str, ...]:
     return tuple(texts(dataset)) if dataset.dtype.kind == "O" else ()
 
 
-def _rows(file: h5py.File, axes: Axes, quantity: Quantity, entries: Any, written: int) -> Array:
+def _rows(
+    file: h5py.File, axes: Axes, quantity: Quantity, entries: Any, written: int, rows: slice = ALL
+) -> Array:
+    first, last, _ = rows.indices(written)
     if isinstance(entries, slice) and entries.start == entries.stop:
-        return np.zeros((written, 0))
+        return np.zeros((last - first, 0))
     dataset = file.get(quantity.name)
     if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind not in "fi":
         raise ResultsError(f"variable {quantity.name!r}: expected numbers, found none")
@@ -459,8 +490,8 @@ def _rows(file: h5py.File, axes: Axes, quantity: Quantity, entries: Any, written
         raise ResultsError(
             f"variable {quantity.name!r}: expected shape {(written, *shape)}, found {dataset.shape}"
         )
-    rows: Array = dataset[:written] if entries is None else dataset[:written, entries]
-    return rows
+    chosen: Array = dataset[first:last] if entries is None else dataset[first:last, entries]
+    return chosen
 
 
 def units_of(quantity: Quantity) -> str:

@@ -12,8 +12,8 @@ import numpy as np
 from ..files.html import listed, table
 from ..superelement import Modes, Outline, Recovery, Superelement, SuperelementError, von_mises
 from ..superelement.validation import Array
-from .errors import RecoveryError
-from .file import FileSource
+from .errors import ExportError, RecoveryError
+from .file import FileSource, netcdf
 from .motion import (
     BodyMotion,
     ContactMotion,
@@ -42,7 +42,7 @@ from .recovery import (
     stepping,
 )
 from .schema import EVENTS, OWNERS, QUANTITIES, Contents, SuperelementFile, attributes_of
-from .source import Selection, Source
+from .source import ALL, Selection, Source
 from .space import Connection
 from .summary import rows, spanned
 from .validity import Check, Validity
@@ -85,12 +85,22 @@ class Results:
         return table("Results", shown)
 
     @property
+    def name(self) -> str:
+        """The results file, or "results in memory"."""
+        return self._source.name
+
+    @property
     def recorded(self) -> tuple[str, ...]:
         """The groups that the run recorded, "bodies/hub", "frames/beam.tip", "energy", ...
 
         All groups unless the model requested fewer.
         """
         return self._source.contents().recorded
+
+    @property
+    def contents(self) -> Contents:
+        """The variables of the results, and the entries of their dimensions, as in a file."""
+        return self._source.contents()
 
     @property
     def bodies(self) -> tuple[str, ...]:
@@ -196,6 +206,34 @@ class Results:
     def superelement_files(self) -> dict[str, SuperelementFile]:
         """The file of the superelement of each flexible body."""
         return dict(self._source.contents().superelements)
+
+    def variable(self, name: str, rows: slice = ALL) -> Array:
+        """A variable over time by its name in a file, or some of its rows (n, ...).
+
+        `KeyError` if it was not recorded.
+        """
+        contents = self.contents
+        for quantity in contents.quantities:
+            if quantity.name == name:
+                (values,) = self._source.read([(quantity, None)], rows)
+                return values
+        known = ", ".join(quantity.name for quantity in contents.quantities)
+        raise KeyError(f"no variable {name}; there are: {known}")
+
+    def to_xarray(self) -> Any:
+        """All variables as an xarray.Dataset, by the names of the results file.
+
+        That of a file is the file, opened: it is read when asked for, and stays open until
+        `close()`. `ExportError` without xarray and h5netcdf.
+        """
+        try:
+            import h5netcdf  # noqa: F401
+            import xarray
+        except ImportError as error:
+            raise ExportError(
+                f"to_xarray needs {error.name}: pip install xarray h5netcdf"
+            ) from error
+        return xarray.open_dataset(netcdf(self._source), engine="h5netcdf")
 
     def body(self, name: str) -> BodyMotion:
         return BodyMotion(**self._of("bodies", name))
@@ -314,6 +352,13 @@ class Results:
     def outline_position(self, body: str, t: Any, magnification: float = 1.0) -> Array:
         """The outline in space, x + R (X + magnification u), (p, 3) or (k, p, 3) [m]."""
         return self._outlines.position(body, t, magnification)
+
+    def outline_velocity(self, body: str, t: Any) -> Array:
+        """Velocities of the outline in space, (p, 3) or (k, p, 3) [m/s].
+
+        The elastic ones are by differences over one recorded step.
+        """
+        return self._outlines.velocity(body, t)
 
     def outline_field(self, body: str, t: Any, name: str) -> Array:
         """Magnitudes at the outline, (p,) or (k, p).

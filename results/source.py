@@ -11,6 +11,8 @@ from .space import Space
 
 Selection = tuple[Quantity, Any]
 """a quantity, and entries of its second dimension: a number, a slice, or None for all"""
+ALL = slice(None)
+"""rows"""
 
 
 class Source(Protocol):
@@ -28,8 +30,8 @@ class Source(Protocol):
     def notes(self) -> dict[str, Any]:
         """Notes of the run: step size, seconds, ..."""
 
-    def read(self, selections: Sequence[Selection]) -> list[Array]:
-        """The rows (n, ...) that count."""
+    def read(self, selections: Sequence[Selection], rows: slice = ALL) -> list[Array]:
+        """The rows (n, ...) that count, or some of them."""
 
     def events(self) -> EventRows:
         """The contacts that have ended, and at the end of the run those that have not."""
@@ -134,7 +136,7 @@ class Memory:
     def notes(self) -> dict[str, Any]:
         return dict(self._notes)
 
-    def read(self, selections: Sequence[Selection]) -> list[Array]:
+    def read(self, selections: Sequence[Selection], rows: slice = ALL) -> list[Array]:
         if len(self._batches) > 1:
             self._batches = [
                 {
@@ -142,12 +144,12 @@ class Memory:
                     for name in self._batches[0]
                 }
             ]
-        return [self._rows(quantity, entries) for quantity, entries in selections]
+        return [self._rows(quantity, entries, rows) for quantity, entries in selections]
 
-    def _rows(self, quantity: Quantity, entries: Any) -> Array:
+    def _rows(self, quantity: Quantity, entries: Any, rows: slice) -> Array:
         (batch,) = self._batches
         if quantity.name not in batch:  # of no entries
-            return np.zeros((len(batch["time"]), 0))
-        rows = batch[quantity.name]
-        chosen: Array = rows if entries is None else rows[:, entries]
+            return np.zeros((len(batch["time"][rows]), 0))
+        values = batch[quantity.name][rows]
+        chosen: Array = values if entries is None else values[:, entries]
         return chosen.copy()

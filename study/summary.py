@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..files import renamed_when_whole
+from ..files import write_rows
 from ..inputs import InputError, quoted, read_text
 from ..superelement.validation import Array
 from .case import Case
@@ -44,23 +44,12 @@ def write_summary(path: Path, study: Study, rows: Sequence[Row]) -> None:
     """
     parameters = list(study.cases[0].parameters)
     numbers = [*study.kind.columns, *study.outputs]
-    with (
-        renamed_when_whole(path) as temporary,
-        temporary.open("w", encoding="utf-8", newline="") as file,
-    ):
-        table = csv.writer(file)
-        table.writerow(["case", *parameters, STATUS, *numbers, MESSAGE])
-        for row in rows:
-            cells = [_cell(row.case.parameters[key]) for key in parameters]
-            table.writerow(
-                [
-                    row.case.name,
-                    *cells,
-                    row.status,
-                    *[row.numbers.get(n, "") for n in numbers],
-                    row.message,
-                ]
-            )
+    table: list[list[Any]] = [["case", *parameters, STATUS, *numbers, MESSAGE]]
+    for row in rows:
+        values = [_cell(row.case.parameters[key]) for key in parameters]
+        found = [row.numbers.get(name, "") for name in numbers]
+        table.append([row.case.name, *values, row.status, *found, row.message])
+    write_rows(path, table)
 
 
 def _cell(value: Any) -> Any:

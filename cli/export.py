@@ -1,0 +1,122 @@
+"""`duhamel export`: results for ParaView, for tables, for MATLAB."""
+
+from enum import StrEnum
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from .failures import errors_in_one_line, one_line
+
+if TYPE_CHECKING:
+    from ..results import Results
+
+MOST = 200
+"""frames of a film unless more are asked for"""
+
+
+class Format(StrEnum):
+    VTK = "vtk"
+    CSV = "csv"
+    MAT = "mat"
+
+
+ResultsFile = Annotated[
+    Path, typer.Argument(metavar="RESULTS.h5", help="Of `duhamel run`.", show_default=False)
+]
+Folder = Annotated[
+    Path, typer.Argument(metavar="DIR", help="Made if it is not there.", show_default=False)
+]
+Quantities = Annotated[
+    list[str] | None,
+    typer.Argument(
+        metavar="QUANTITY",
+        help="For csv, as velocity:hub:x or 'force:*'; all that was recorded unless given.",
+        show_default=False,
+    ),
+]
+To = Annotated[Format, typer.Option("--to", help="ParaView, tables, or MATLAB.")]
+Start = Annotated[
+    float | None, typer.Option("--from", metavar="SECONDS", help="The first time of the window.")
+]
+End = Annotated[
+    float | None, typer.Option("--until", metavar="SECONDS", help="The last time of the window.")
+]
+Frames = Annotated[
+    int | None,
+    typer.Option(min=1, help=f"Steps for vtk, evenly over time: {MOST} unless given."),
+]
+All = Annotated[bool, typer.Option("--all", help="Every recorded step for vtk.")]
+Magnified = Annotated[
+    float | None,
+    typer.Option("--magnify", metavar="NUMBER", help="Elastic displacements for vtk, times this."),
+]
+
+
+def export(
+    results_file: ResultsFile,
+    folder: Folder,
+    quantities: Quantities = None,
+    to: To = Format.VTK,
+    start: Start = None,
+    end: End = None,
+    frames: Frames = None,
+    every: All = False,
+    magnify: Magnified = None,
+) -> None:
+    """Write results for other programs into a folder.
+
+    vtk: bodies as they move and deform, frames and contacts with their forces, for ParaView
+    (VTKHDF). csv: tables, of all that was recorded or of the quantities that are named. mat: all
+    that was recorded, for MATLAB.
+    """
+    _require_sense(to, quantities, frames, every, magnify)
+    begin = perf_counter()
+    from .. import files, results
+    from ..results.exports import window
+
+    with errors_in_one_line(results, files):
+        read = results.Results.read(results_file)
+        rows = window(read.time, start, end)
+        stem = results_file.stem
+        if to is Format.VTK:
+            written = _write_vtk(read, folder, stem, rows, frames, every, magnify)
+        elif to is Format.CSV:
+            written = results.write_csv(read, folder, quantities or (), rows)
+        else:
+            written = (results.write_mat(read, folder / f"{stem}.mat", rows),)
+    for path in written:
+        typer.echo(one_line(f"{path}: {path.stat().st_size / 1e6:.3g} MB"))
+    typer.echo(one_line(f"{len(written)} files, {perf_counter() - begin:.1f} s"))
+
+
+def _require_sense(
+    to: Format, quantities: list[str] | None, frames: int | None, every: bool, magnify: float | None
+) -> None:
+    """Refuse what would be passed over."""
+    if quantities and to is not Format.CSV:
+        raise typer.BadParameter(f"quantities go with --to csv, found --to {to}")
+    if (frames is not None or every or magnify is not None) and to is not Format.VTK:
+        raise typer.BadParameter(f"--frames, --all and --magnify go with --to vtk, found --to {to}")
+    if frames is not None and every:
+        raise typer.BadParameter("expected one of --frames and --all")
+
+
+def _write_vtk(
+    read: "Results",
+    folder: Path,
+    stem: str,
+    rows: slice,
+    most: int | None,
+    every: bool,
+    magnify: float | None,
+) -> tuple[Path, ...]:
+    from ..results import write_vtk
+    from ..results.exports import frames
+
+    there = rows.stop - rows.start
+    steps = frames(read.time, rows, there if every else most or MOST)
+    if len(steps) < there and most is None:
+        typer.echo(f"{len(steps)} of {there} steps, evenly over time: --frames or --all for more")
+    return write_vtk(read, folder, stem, steps, 1.0 if magnify is None else magnify)

@@ -1,0 +1,197 @@
+"""Bodies, frames and contacts as they move, as VTKHDF files for ParaView."""
+
+import os
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...files import write_rows
+from ...files.whole_hdf5 import written_whole
+from ...superelement import von_mises
+from ...superelement.validation import Array
+from ..errors import ExportError, RecoveryError
+from ..recovery import in_space
+from ..results import Results
+from .folder import made
+from .vtkhdf import Cells, Grid, IntArray
+
+AT_ONCE = 1 << 20
+"""points of all times that are in memory together"""
+OF_VTK = [0, 1, 2, 5, 3, 4]
+"""stresses xx, yy, zz, yz, xz, xy in the order of VTK: xx, yy, zz, xy, yz, xz"""
+SOURCES = {"rigid": 0, "recovery": 1, "interfaces": 2}
+EQUIVALENT, TENSOR = "von_mises", "stress"
+READ = 1 << 22
+"""numbers that are read together, of steps that are far apart"""
+Fields = dict[str, Array]
+
+
+def write_vtk(
+    results: Results,
+    folder: str | os.PathLike[str],
+    name: str,
+    steps: NDArray[np.int64],
+    magnification: float = 1.0,
+) -> tuple[Path, ...]:
+    """Write what moved at some recorded steps (k,) into a folder, and give the paths.
+
+    NAME.vtkhdf has the outlines of all recorded bodies, NAME-points.vtkhdf recorded frames and
+    contacts as points, with their forces, and NAME-names.csv the names of bodies and points by
+    their numbers. magnification: of elastic displacements, in positions alone. `ExportError` where
+    the run recorded neither bodies nor frames.
+    """
+    place, paths = made(folder), []
+    bodies, points = results.bodies, _points(results)
+    if not bodies and not points:
+        raise ExportError("the run recorded no body, frame or contact: nothing moves")
+    if bodies:
+        paths.append(place / f"{name}.vtkhdf")
+        _write_bodies(results, paths[-1], steps, magnification)
+    if points:
+        paths.append(place / f"{name}-points.vtkhdf")
+        _write_points(results, paths[-1], steps)
+    paths.append(place / f"{name}-names.csv")
+    write_rows(paths[-1], _names(results))
+    return tuple(paths)
+
+
+def _write_bodies(
+    results: Results, path: Path, steps: NDArray[np.int64], magnification: float
+) -> None:
+    """A grid of all bodies; their numbers are a field of the cells."""
+    bodies, times = results.bodies, results.time[steps]
+    outlines = [results.outline(body) for body in bodies]
+    parts = [Cells.of_rows(len(outline.points), outline.cells) for outline in outlines]
+    cells = Cells.joined(parts)
+    numbers = np.repeat(np.arange(len(bodies)), [len(part) for part in parts])
+    sources = np.array([SOURCES[results.outline_source(body)] for body in bodies])
+    of_cells = {"body": numbers, "deformation": sources[numbers]}
+    known = _Stresses(results, parts, times[:1])
+    with written_whole(path) as file:
+        grid = Grid(file, times, cells, of_cells)
+        for rows in _batches(len(steps), cells.points):
+            t = times[rows]
+            motions = [_motion(results, body, steps[rows], t, magnification) for body in bodies]
+            fields = {
+                "displacement": np.concatenate([u for _, u, _ in motions], axis=1),
+                "velocity": np.concatenate([v for _, _, v in motions], axis=1),
+            }
+            fields |= known.at(t)
+            grid.put(np.concatenate([x for x, _, _ in motions], axis=1), fields)
+
+
+def _motion(
+    results: Results, body: str, steps: NDArray[np.int64], t: Array, magnification: float
+) -> tuple[Array, Array, Array]:
+    """Positions [m], elastic displacements [m] and velocities [m/s] (k, p, 3), in space."""
+    motion, nowhere = results.body(body), np.zeros((len(t), 3))
+    R = motion.R[steps]
+    u = in_space(nowhere, R, results.outline_displacement(body, t))
+    at_rest = in_space(motion.x[steps], R, results.outline(body).points)
+    return at_rest + magnification * u, u, results.outline_velocity(body, t)
+
+
+class _Stresses:
+    """Equivalent stresses and, of solids, stresses in body axes [Pa], of those that are known."""
+
+    def __init__(self, results: Results, parts: Sequence[Cells], start: Array) -> None:
+        self._results = results
+        self._points = {body: p.points for body, p in zip(results.bodies, parts, strict=True)}
+        self._known = {body: self._of(body, start) for body in results.bodies}
+        found = {name for of_body in self._known.values() for name in of_body}
+        self._names = [name for name in (EQUIVALENT, TENSOR) if name in found]
+
+    def at(self, t: Array) -> Fields:
+        """Of all points (k, p) and (k, p, 6), not a number where they are unknown."""
+        parts: dict[str, list[Array]] = {name: [] for name in self._names}
+        for body, points in self._points.items():
+            found = self._of(body, t) if self._known[body] else {}
+            for name, values in parts.items():
+                shape = (len(t), points, 6) if name == TENSOR else (len(t), points)
+                values.append(found.get(name, np.full(shape, np.nan)))
+        return {name: np.concatenate(values, axis=1) for name, values in parts.items()}
+
+    def _of(self, body: str, t: Array) -> Fields:
+        """Those of one body; none where the run does not allow them."""
+        results = self._results
+        try:
+            if results.outline_source(body) == "recovery" and results.outline(body).node is None:
+                stress = results.stress(body, t)
+                if stress.shape[1] == self._points[body]:
+                    return {EQUIVALENT: von_mises(stress), TENSOR: stress[..., OF_VTK]}
+            return {EQUIVALENT: results.outline_field(body, t, EQUIVALENT)}
+        except RecoveryError:
+            return {}
+
+
+def _points(results: Results) -> tuple[str, ...]:
+    return (*results.frames, *results.contacts)
+
+
+def _write_points(results: Results, path: Path, steps: NDArray[np.int64]) -> None:
+    """A grid of points: recorded frames, and contacts behind them."""
+    names, times = _points(results), results.time[steps]
+    cells = Cells.of_points(len(names))
+    of_cells: dict[str, IntArray] = {
+        "frame": np.arange(len(names)),
+        "contact": (np.arange(len(names)) >= len(results.frames)).astype(np.int64),
+    }
+    with written_whole(path) as file:
+        grid = Grid(file, times, cells, of_cells)
+        for rows in _batches(len(steps), cells.points):
+            frames, contacts = _frames(results, steps[rows]), _contacts(results, steps[rows])
+            grid.put(*_side_by_side([part for part in (frames, contacts) if part]))
+
+
+def _side_by_side(parts: Sequence[Fields]) -> tuple[Array, Fields]:
+    """Positions and fields of frames and contacts (k, p, 3), one behind the other."""
+    joined = {key: np.concatenate([part[key] for part in parts], axis=1) for key in parts[0]}
+    return joined.pop("position"), joined
+
+
+def _frames(results: Results, steps: NDArray[np.int64]) -> Fields:
+    """Of frames (k, f, 3), in space: velocities, forces and moments on their bodies."""
+    if not results.frames:
+        return {}
+    width = 3 * len(results.frames)
+    variables = ("position", "velocity", "force", "moment")
+    return {name: _at(results, f"frame_{name}", steps, width) for name in variables}
+
+
+def _contacts(results: Results, steps: NDArray[np.int64]) -> Fields:
+    """Of contacts (k, c, 3), in space: the normal force on the second body."""
+    if not results.contacts:
+        return {}
+    width = 3 * len(results.contacts)
+    normal = _at(results, "contact_normal", steps, width)
+    force = _at(results, "contact_force", steps, width)[..., :1] * normal
+    nothing = np.full_like(force, np.nan)
+    position = _at(results, "contact_point", steps, width)
+    return {"position": position, "velocity": nothing, "force": force, "moment": nothing}
+
+
+def _at(results: Results, variable: str, steps: NDArray[np.int64], width: int) -> Array:
+    """A variable (k, ...) of so many numbers a step at some steps, read with those between them."""
+    first, last = int(steps[0]), int(steps[-1]) + 1
+    if (last - first) * width <= READ or len(steps) == 1:
+        return results.variable(variable, slice(first, last))[steps - first]
+    halves = np.array_split(steps, 2)
+    return np.concatenate([_at(results, variable, half, width) for half in halves])
+
+
+def _batches(steps: int, points: int) -> Iterator[slice]:
+    """Steps that are in memory together."""
+    length = max(1, AT_ONCE // max(points, 1))
+    for first in range(0, steps, length):
+        yield slice(first, min(first + length, steps))
+
+
+def _names(results: Results) -> Iterator[list[object]]:
+    """What the numbers of bodies and points stand for."""
+    yield ["file", "number", "name", "deformation"]
+    for number, body in enumerate(results.bodies):
+        yield ["bodies", number, body, results.outline_source(body)]
+    for number, name in enumerate(_points(results)):
+        yield ["points", number, name, ""]

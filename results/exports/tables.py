@@ -1,0 +1,146 @@
+"""Results as tables of comma-separated values: a row for each step, a column for each number."""
+
+import os
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...files import write_rows
+from ..errors import QuantityError
+from ..results import Results
+from ..schema import EVENTS, Axes, Quantity
+from ..transforms import Series, parse, series
+from ..wildcards import named
+from .folder import distinct, made
+
+Rows = Iterable[Sequence[Any]]
+
+AT_ONCE = 1 << 20
+"""numbers that are read at once, about"""
+TIME = "time [s]"
+NO_WORD = re.compile(r"[^\w.,()=+-]+")
+"""what names of files have `_` for"""
+
+
+def write_csv(
+    results: Results,
+    folder: str | os.PathLike[str],
+    quantities: Iterable[str] = (),
+    rows: slice = slice(None),
+) -> tuple[Path, ...]:
+    """Write tables of results into a folder, and give their paths.
+
+    Without quantities all that was recorded: a table for each group, bodies.csv, frames.csv, ...,
+    of variables by their names in the results file, as "body_velocity:hub:x [m s-1]", and
+    events.csv. With quantities, as `plot` names them, quantities.csv, where `*` in a name stands
+    for anything; of those over other times or frequencies, as spectra, each a table of its own.
+    rows: of the recorded steps; spectra are those of all.
+    """
+    place, wanted = made(folder), tuple(quantities)
+    tables = _named(results, wanted, rows) if wanted else _groups(results, rows)
+    paths = []
+    for name, table in tables:
+        paths.append(place / f"{name}.csv")
+        write_rows(paths[-1], table)
+    return tuple(paths)
+
+
+def _groups(results: Results, rows: slice) -> Iterator[tuple[str, Rows]]:
+    """A table for each group that was recorded, and that of events."""
+    contents = results.contents
+    for group in dict.fromkeys(quantity.group for quantity in contents.quantities):
+        quantities = [quantity for quantity in contents.quantities if quantity.group == group]
+        if group:
+            yield group, _recorded(results, quantities, rows)
+    if events := results.events:
+        yield "events", _events(results, list(events))
+
+
+def _recorded(results: Results, quantities: Sequence[Quantity], rows: slice) -> Rows:
+    """A header, and the time and all numbers of some variables at each step."""
+    axes, time = results.contents.axes, results.time
+    header = [TIME, *(name for quantity in quantities for name in _columns(quantity, axes))]
+    yield header
+    first, last, _ = rows.indices(len(time))
+    step = max(1, AT_ONCE // len(header))
+    for start in range(first, last, step):
+        some = slice(start, min(start + step, last))
+        columns = [time[some].tolist()]
+        for quantity in quantities:
+            values = results.variable(quantity.name, some)
+            columns += values.reshape(len(values), -1).T.tolist()
+        yield from zip(*columns, strict=True)
+
+
+def _columns(quantity: Quantity, axes: Axes) -> list[str]:
+    """Headers as "joint_position:hinge.angle [rad]", in the order of the numbers of a row."""
+    entries = [axes[name].names for name in quantity.dimensions[1:]]
+    names = [":".join([quantity.name, *chosen]) for chosen in product(*entries)]
+    units = quantity.units(axes) or (", ".join(quantity.unit),)
+    for_each = len(names) // len(units)
+    return [f"{name} [{units[i // for_each]}]" for i, name in enumerate(names)]
+
+
+def _events(results: Results, owners: Sequence[str]) -> Rows:
+    """A header, and the numbers of each time that a contact was closed."""
+    names = [quantity.attribute for quantity in EVENTS]
+    units = [
+        ", ".join(dict.fromkeys(results.unit("events", owner, name) for owner in owners))
+        for name in names
+    ]
+    yield ["of", *(f"{name} [{unit}]" for name, unit in zip(names, units, strict=True))]
+    for owner, events in results.events.items():
+        for numbers in zip(*(getattr(events, name).tolist() for name in names), strict=True):
+            yield [owner, *numbers]
+
+
+def _named(results: Results, quantities: Iterable[str], rows: slice) -> Iterator[tuple[str, Rows]]:
+    """The table of the quantities over the times of the run, and those of all others."""
+    found = [pair for quantity in quantities for pair in _alike(results, quantity)]
+    time = results.time
+    over_time = [pair for pair in found if np.array_equal(pair[1].abscissa, time)]
+    if over_time:
+        yield "quantities", _joined(over_time, rows)
+    others = [pair for pair in found if not np.array_equal(pair[1].abscissa, time)]
+    files = distinct([NO_WORD.sub("_", text) for text, _ in others])
+    for file, pair in zip(files, others, strict=True):
+        yield file, _joined([pair], slice(None))
+
+
+def _alike(results: Results, quantity: str) -> list[tuple[str, Series]]:
+    """A quantity, or all that it stands for that have it, as sensors of a kind."""
+    found: list[tuple[str, Series]] = []
+    lacking: QuantityError | None = None
+    for name in named(results, quantity):
+        try:
+            found.append((name, series(results, name)))
+        except QuantityError as error:
+            lacking = error
+    if lacking is not None and not found:
+        raise lacking
+    return found
+
+
+def _joined(found: Sequence[tuple[str, Series]], rows: slice) -> Rows:
+    """A header, and series over the same times or frequencies."""
+    _, first = found[0]
+    base = TIME if first.base == "s" else "frequency [Hz]"
+    header, columns = [base], [first.abscissa[rows]]
+    for text, of_it in found:
+        header += [f"{name} [{of_it.unit}]" for name in _of_axes(text, of_it)]
+        values = of_it.values[rows]
+        columns += list(values.reshape(len(values), -1).T)
+    yield header
+    yield from zip(*(column.tolist() for column in columns), strict=True)
+
+
+def _of_axes(text: str, found: Series) -> list[str]:
+    """The quantity for each column, as "srs(acceleration:hub:x)"."""
+    if not found.axes:
+        return [text]
+    within, _ = parse(text)
+    return [text.replace(within, f"{within}:{axis}") for axis in found.axes]
