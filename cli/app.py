@@ -222,7 +222,8 @@ def run(
     from .run_report import report
 
     target = output or _results_of(model_file)
-    with errors_in_one_line(solver, superelement):
+    unbegun = unwritten(target, "before the first step")
+    with errors_in_one_line(solver, superelement), unbegun:
         model = solver.read_model(model_file)
         for doubt in solver.doubts(model):
             if doubt.severe:

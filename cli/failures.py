@@ -73,15 +73,19 @@ def errors_in_one_line(*packages: ModuleType, about: Path | None = None) -> Iter
 
 
 @contextmanager
-def unwritten(target: Path) -> Iterator[None]:
-    """Let an interrupt say that a file is not written, or is as it was."""
+def unwritten(target: Path, before: str = "") -> Iterator[None]:
+    """Let an interrupt say that a file is not written, or is as it was.
+
+    before: what had not begun, of an interrupt that does not tell itself what is left.
+    """
     try:
         yield
     except KeyboardInterrupt as interrupt:
+        if before and str(interrupt):
+            raise
+        told = str(interrupt) or f"interrupted {before}".rstrip()
         state = "stays as it was" if target.exists() else "is not written"
-        raise KeyboardInterrupt(
-            f"{str(interrupt) or 'interrupted'}; {target} {state}"
-        ) from interrupt
+        raise KeyboardInterrupt(f"{told}; {target} {state}") from interrupt
 
 
 def _stop(interrupt: KeyboardInterrupt) -> NoReturn:

@@ -14,7 +14,7 @@ def rows(
     """Duration, steps, how far it is to be trusted, and what was recorded."""
     yield "time", spanned(time)
     steps = notes.get("steps")
-    yield "steps", f"{len(time)} recorded" + (f" of {steps}" if steps is not None else "")
+    yield "steps", ("" if steps is None else f"{steps}, ") + f"{len(time)} rows recorded"
     if not notes.get("finished", True):
         yield "end", "not reached: the run was interrupted, failed, or is still going on"
     if "seconds" in notes:

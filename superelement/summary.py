@@ -27,7 +27,7 @@ def rows(
     else:
         first = np.sort(modes.resonances)[:FREQUENCIES] / (2.0 * np.pi)
         yield "modes", str(len(modes.omega))
-        yield "first frequencies", f"{listed(f'{f:.5g}' for f in first)} Hz"
+        yield "first frequencies, free", f"{listed(f'{f:.5g}' for f in first)} Hz"
     yield "impulse responses", f"{len(kernel.g)} samples, {kernel.h:.6g} s apart"
     yield "method", method or "not told"
     band = "all frequencies" if kernel.band is None else f"{kernel.band:.5g} Hz"

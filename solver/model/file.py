@@ -30,6 +30,7 @@ from ..schema.tables import (
 from ..schema.values import ORIGIN
 from ..step.loads import LOAD_KINDS
 from .bodies import Body, FlexibleBody, Frame, RigidBody, SecondOrder, Start
+from .body_shapes import BODY_SHAPES
 from .contacts import Contact
 from .couplers import Coupler
 from .friction import FRICTION_COEFFICIENTS
@@ -128,7 +129,7 @@ class _ModelFile(Table):
     motors: tuple[table_of(Motor), ...] = ()  # type: ignore[valid-type]
 
 
-FAMILIES = SIGNALS, FORCE_LAWS, FRICTION_COEFFICIENTS, INTERVALS
+FAMILIES = SIGNALS, FORCE_LAWS, FRICTION_COEFFICIENTS, INTERVALS, BODY_SHAPES
 
 
 def model_schema() -> dict[str, Any]:

@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import AllowInfNan
 
 from ...inputs import expected
 from ..schema.entry import Entry, Takes, entry
-from ..schema.values import Name, NotNegative, Positive, PositiveTime, limits
+from ..schema.values import Infinite, Name, NotNegative, Positive, PositiveTime, limits
 from .curves import Constant, Input
 from .joints import Joint
 from .on_coordinate import OnCoordinate
@@ -30,14 +29,13 @@ def _bounds_in_file(bounds: tuple[float, float]) -> Any:
     return upper if lower == -upper else [lower, upper]
 
 
-_Infinite = Annotated[float, AllowInfNan(True)]
 _BOUNDS = "a positive number, or a lower and a higher one, of which one may be infinite"
 Bounds = Annotated[
     tuple[float, float],
     Takes(
         _BOUNDS,
         _store_bounds,
-        Annotated[float | tuple[_Infinite, _Infinite], expected(_BOUNDS)],
+        Annotated[float | tuple[Infinite, Infinite], expected(_BOUNDS)],
         _bounds_in_file,
     ),
 ]

@@ -182,13 +182,15 @@ Name = Annotated[str, LeftOut("")]
 NumbersByName = Annotated[
     Mapping[str, float], Takes("numbers by name", numbers_by_name, dict[str, float])
 ]
+Infinite = Annotated[float, AllowInfNan(True), inputs.Shown(lambda: {"type": ["number", "null"]})]
+"""a number in a file that may be infinite, which editors take for null: JSON has no infinity"""
 Limits = Annotated[
     tuple[float, float],
     Takes(
         "a lower and a higher number, of which one may be infinite",
         limits,
         Annotated[
-            tuple[Annotated[float, AllowInfNan(True)], Annotated[float, AllowInfNan(True)]],
+            tuple[Infinite, Infinite],
             expected("two numbers"),
         ],
     ),

@@ -165,3 +165,14 @@ def test_every_error_of_a_model_names_its_file_once(runner, tmp_path, text, mess
     assert result.exit_code == 1
     assert result.stderr.startswith(f"error: {path}: {message}")
     assert result.stderr.count(str(path)) == 1
+
+
+def test_an_interrupt_before_the_first_step_says_so(runner, model_file, monkeypatch):
+    def interrupt(model):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("duhamel.solver.doubts", interrupt)
+    result = runner.invoke(app, ["run", str(model_file)])
+    target = model_file.with_name("flight-results.h5")
+    told = f"interrupted before the first step; {target} is not written\n"
+    assert (result.exit_code, result.stderr) == (130, told)

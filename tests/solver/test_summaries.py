@@ -40,7 +40,7 @@ def test_a_model_is_one_line(model):
 def test_results_tell_duration_steps_validity_and_what_was_recorded(model):
     results = simulate(model)
     shown = results._repr_html_()
-    for text in ("0 to 0.01 s", "11 recorded of 10", "good in all that is counted", "energy"):
+    for text in ("0 to 0.01 s", "10, 11 rows recorded", "good in all that is counted", "energy"):
         assert text in shown
     assert "<script>" not in shown
     assert repr(results) == "<Results: 0 to 0.01 s, 11 rows, bodies hub>"
@@ -49,7 +49,7 @@ def test_results_tell_duration_steps_validity_and_what_was_recorded(model):
 def test_results_of_little_are_shown_too(model):
     little = model.with_settings(output=OutputRequest(every=100, quantities=["energy"]))
     results = simulate(little)
-    assert "2 recorded of 10" in results._repr_html_()
+    assert "10, 2 rows recorded" in results._repr_html_()
     assert repr(results) == "<Results: 0 to 0.01 s, 2 rows, bodies none>"
 
 
