@@ -11,10 +11,10 @@ import numpy as np
 
 from ...files import write_rows
 from ..errors import QuantityError
-from ..peaks import _named as named
 from ..results import Results
 from ..schema import EVENTS, Axes, Quantity
 from ..transforms import Series, parse, series
+from ..wildcards import named
 from .folder import distinct, made
 
 Rows = Iterable[Sequence[Any]]

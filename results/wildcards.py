@@ -1,0 +1,61 @@
+"""Stars in the names of quantities: `acceleration:*:z` stands for all that there are."""
+
+from fnmatch import fnmatchcase
+from itertools import product
+
+from .errors import QuantityError
+from .quantities import KINDS
+from .results import Results
+from .transforms import check, parse
+
+STAR = "*"
+
+
+def named(results: Results, text: str) -> list[str]:
+    """The text, or with `*` in the names of its quantity all that it stands for.
+
+    A star stands for anything, but for no colon: "force:arm.*", "srs(acceleration:*:z)". One in the
+    place of the axis stands for all axes. Of what is listed some may not be there, as sensors of
+    another kind. `QuantityError` where nothing has such a name.
+    """
+    quantity, _ = parse(text)
+    if STAR not in quantity:
+        return [text]
+    found = _matching(results, quantity)
+    if not found:
+        raise QuantityError(f"{text}: found no {quantity}")
+    return [text.replace(quantity, one) for one in found]
+
+
+def _matching(results: Results, pattern: str) -> list[str]:
+    kind_name, *names = pattern.split(":")
+    if kind_name not in KINDS:
+        check(results, pattern)
+    roles = KINDS[kind_name].names
+    axis = [] if names[len(roles) :] == [STAR] and KINDS[kind_name].axes else names[len(roles) :]
+    choices = [_owners(results, role, name) for role, name in zip(roles, names, strict=False)]
+    return [":".join([kind_name, *chosen, *axis]) for chosen in product(*choices)]
+
+
+def _owners(results: Results, role: str, pattern: str) -> list[str]:
+    """The owners in a role, as "BODY|FRAME", that a pattern stands for."""
+    if STAR not in pattern:
+        return [pattern]
+    names: list[str] = []
+    for word in role.split("|"):
+        names += _known(results, word)
+    return [name for name in dict.fromkeys(names) if fnmatchcase(name, _escaped(pattern))]
+
+
+def _known(results: Results, word: str) -> tuple[str, ...]:
+    if word == "COORDINATE":
+        every = [name for joint in results.joints for name in results.joint(joint).coordinates]
+        return tuple(dict.fromkeys(every))
+    plural = {"BODY": "bodies", "ENERGY": "energies"}.get(word, f"{word.lower()}s")
+    names: tuple[str, ...] = getattr(results, plural)
+    return names
+
+
+def _escaped(pattern: str) -> str:
+    """The star alone is special: brackets and question marks are letters of names."""
+    return "".join(f"[{letter}]" if letter in "[?" else letter for letter in pattern)
