@@ -5,7 +5,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 CI := build/ci
 PACKAGES := files inputs superelement results preprocess solver view study cli
-SOURCES := pyproject.toml $(shell find $(PACKAGES) -name '*.py')
+SOURCES := pyproject.toml $(shell find $(PACKAGES) top -name '*.py') $(wildcard cli/starters/*/*)
 EVERY := test gallery cholmod peer
 LOCK := --quiet --upgrade --generate-hashes --python-version 3.11 --custom-compile-command "make constraints"
 
@@ -42,7 +42,7 @@ test: $(VENV)/.installed ## the tests
 lint: $(VENV)/.installed build/types/.linked ## style and types
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	MYPYPATH=build/types $(BIN)/mypy $(PACKAGES:%=-p duhamel.%)
+	MYPYPATH=build/types $(BIN)/mypy -p duhamel
 
 validation: $(VENV)/.validation ## published problems and peer codes; takes minutes
 	$(BIN)/python -m pytest -m validation --complete
@@ -84,10 +84,10 @@ mutants: $(VENV)/.installed ## faults put into the core, and which the tests do 
 benchmark: $(VENV)/.validation ## timed work; where there is a peer, as ratios measured in the same run
 	@set -e; for program in benchmarks/*.py; do echo "$$program"; $(BIN)/python "$$program"; done
 
-docs: $(VENV)/.docs build/types/.linked ## the map of the code, and its reference in build/docs
+docs: $(VENV)/.docs build/types/.linked ## the documentation as a site in build/site; warnings are errors
 	$(BIN)/python tools/draw_architecture.py
-	PYTHONPATH=build/types $(BIN)/python tools/make_reference.py build/docs
-	@echo "reference of the code: $(CURDIR)/build/docs/index.html"
+	NO_MKDOCS_2_WARNING=1 PYTHONPATH=build/types $(BIN)/mkdocs build --strict --quiet
+	@echo "documentation: $(CURDIR)/build/site/index.html; its search needs: python -m http.server -d build/site"
 
 constraints: ## the newest versions that pyproject.toml allows, with hashes, written to constraints*.txt
 	$(PYTHON) -m venv build/constraints
@@ -142,4 +142,5 @@ $(CI)/%/.installed: $(INSTALL)
 build/types/.linked: Makefile
 	mkdir -p build/types/duhamel
 	for package in $(PACKAGES); do ln -sfn ../../../$$package build/types/duhamel/$$package; done
+	ln -sfn $(patsubst %,../../../%,$(wildcard top/*)) build/types/duhamel
 	@touch $@

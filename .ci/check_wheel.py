@@ -34,12 +34,14 @@ axis = [0, 1, 0]
 
 def main(wheel: str) -> None:
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text())
-    folders = settings["tool"]["setuptools"]["package-dir"].values()
+    folders = settings["tool"]["setuptools"]["package-dir"].items()
     wanted = {
-        f"duhamel/{path.relative_to(ROOT)}"
-        for folder in folders
+        "/".join((*package.split("."), *path.relative_to(ROOT / folder).parts))
+        for package, folder in folders
         for path in (ROOT / folder).rglob("*.py")
     }
+    starters = ROOT / "cli" / "starters"
+    wanted |= {f"duhamel/{path.relative_to(ROOT)}" for path in starters.glob("*/*.*")}
     with zipfile.ZipFile(wheel) as file:
         if missing := sorted(wanted - set(file.namelist())):
             sys.exit(f"{wheel}: no {', '.join(missing)}: see packages in pyproject.toml")
@@ -47,6 +49,8 @@ def main(wheel: str) -> None:
         (Path(folder) / "arm.toml").write_text(MODEL)
         duhamel = Path(sys.executable).with_name("duhamel")
         subprocess.run([duhamel, "run", "arm.toml", "-o", "arm.h5"], cwd=folder, check=True)
+        subprocess.run([duhamel, "init", "beam"], cwd=folder, check=True)
+        subprocess.run([sys.executable, "-m", "duhamel", "--version"], cwd=folder, check=True)
         place = "import duhamel.solver; print(duhamel.solver.__file__)"
         done = subprocess.run(
             [sys.executable, "-c", place], cwd=folder, check=True, capture_output=True, text=True

@@ -9,14 +9,15 @@ from typing import Annotated
 
 import typer
 
-from . import linear
+from . import animation, html_report, linear, projects
+from . import plot as plotting
+from .completion import files as files_of
 from .export import export
-from .failures import Commands, errors_in_one_line, one_line
+from .failures import Commands, errors_in_one_line, one_line, unwritten
 
 app = typer.Typer(
     cls=Commands,
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
 
@@ -24,32 +25,42 @@ HDF5 = (".h5", ".hdf5")
 """suffixes of superelements"""
 TOML = ".toml"
 """suffix of models"""
-CSV = ".csv"
-"""suffix of summaries of studies"""
 
 BodyFile = Annotated[
-    Path, typer.Argument(metavar="BODY.toml", help="Mesh, section or material, interfaces.")
+    Path,
+    typer.Argument(
+        metavar="BODY.toml",
+        help="Mesh, section or material, interfaces.",
+        autocompletion=files_of(TOML),
+    ),
 ]
 ModelFile = Annotated[
-    Path, typer.Argument(metavar="MODEL.toml", help="Bodies, joints, loads, simulation.")
+    Path,
+    typer.Argument(
+        metavar="MODEL.toml",
+        help="Bodies, joints, loads, simulation.",
+        autocompletion=files_of(TOML),
+    ),
 ]
-SuperelementFile = Annotated[Path, typer.Argument(metavar="FILE.h5", help="A superelement.")]
+SuperelementFile = Annotated[
+    Path,
+    typer.Argument(metavar="FILE.h5", help="A superelement.", autocompletion=files_of(*HDF5)),
+]
 CheckedFile = Annotated[
     Path,
     typer.Argument(
-        metavar="FILE", help="A superelement or a model, by its suffix.", show_default=False
+        metavar="FILE",
+        help="A superelement or a model, by its suffix.",
+        show_default=False,
+        autocompletion=files_of(*HDF5, TOML),
     ),
 ]
 ResultsFile = Annotated[
     Path,
-    typer.Argument(metavar="FILE", help="RESULTS.h5 of `duhamel run`, or summary.csv of `sweep`."),
-]
-Panels = Annotated[
-    list[str] | None,
     typer.Argument(
-        metavar="QUANTITY[,QUANTITY]",
-        help="A panel each, as angular_velocity:hub:z, or 'srs(acceleration:hub:z, q=10)'.",
-        show_default=False,
+        metavar="FILE",
+        help="RESULTS.h5 of `duhamel run`.",
+        autocompletion=files_of(*HDF5),
     ),
 ]
 Quantities = Annotated[
@@ -93,7 +104,11 @@ Anyway = Annotated[
 ]
 StudyFile = Annotated[
     Path,
-    typer.Argument(metavar="STUDY.toml", help="A model or body, and values of its parameters."),
+    typer.Argument(
+        metavar="STUDY.toml",
+        help="A model or body, and values of its parameters.",
+        autocompletion=files_of(TOML),
+    ),
 ]
 StudyFolder = Annotated[
     Path | None,
@@ -120,15 +135,6 @@ Plotted = Annotated[
     bool, typer.Option("--plot", help="Also draw the outputs over the parameters: summary.png.")
 ]
 Force = Annotated[bool, typer.Option("--force", help="Also the cases that are up to date.")]
-Picture = Annotated[
-    Path | None, typer.Option("--output", "-o", metavar="FILE.png", show_default=False)
-]
-Title = Annotated[
-    str | None,
-    typer.Option(metavar="TEXT", help="Above the picture: the name of the file, unless given."),
-]
-
-
 Gravities = Annotated[bool, typer.Option("--g", help="Accelerations in g = 9.80665 m/s².")]
 
 
@@ -169,7 +175,7 @@ def preprocess(
         superelement.require_writable(target)
         files.require_no_input(target, [body_file, *preprocess.files_of(body)])
     doubts = list(preprocess.doubts_of_body(body))
-    with errors_in_one_line(preprocess, superelement, about=body_file):
+    with errors_in_one_line(preprocess, superelement, about=body_file), unwritten(target):
         element = preprocess.build(body, progress=True, told=doubts.append)
     for doubt in doubts:
         typer.echo(one_line(f"warning: {body_file}: {doubt}"), err=True)
@@ -262,62 +268,9 @@ def sweep(
     seconds = perf_counter() - start
     typer.echo(one_line(f"{plan.summary}: {len(rows)} cases, {told(rows)}, {seconds:.1f} s"))
     if plot:
-        _plot_summary(plan.summary, [], None, None)
+        plotting.plot_summary(plan.summary, [], None, None)
     if failed:
         raise typer.Exit(1)
-
-
-@app.command()
-def plot(
-    results_file: ResultsFile,
-    quantities: Panels = None,
-    output: Picture = None,
-    title: Title = None,
-    gravities: Gravities = False,
-) -> None:
-    """Draw results over time: RESULTS.png beside the results file, unless given.
-
-    Of a study, summary.csv, draw the outputs, or those that are named, over its parameters.
-
-    Each argument is a panel: a quantity, or several joined by commas. Without arguments: how fast
-    the bodies turn, how far the flexible ones bend, the energies and their balance. A quantity that
-    does not exist lists those that do. What is made of quantities, in quotes: srs(QUANTITY),
-    fourier, psd, cumulative_rms, octaves, cfc, lowpass, highpass, bandpass, g.
-    """
-    if results_file.suffix.lower() == CSV:
-        _plot_summary(results_file, quantities or [], output, title)
-        return
-    from .. import view
-    from ..files.outputs import clash
-    from ..results import Results
-    from ..results.transforms import split
-
-    with errors_in_one_line(view):
-        results = Results.read(results_file)
-        target = output or results_file.with_suffix(".png")
-        if found := clash([target], {results_file: "the results file"}):
-            raise view.PictureError(f"{found}, which the picture would replace")
-        panels = []
-        for panel in quantities or ():
-            named = [view.curves(results, quantity, gravities) for quantity in split(panel)]
-            panels.append([curve for curves in named for curve in curves])
-        heading = results_file.stem if title is None else title
-        view.save(view.draw(results.time, panels or view.overview(results), heading), target)
-    typer.echo(one_line(target))
-
-
-def _plot_summary(summary: Path, names: list[str], output: Path | None, title: str | None) -> None:
-    """Draw the summary of a study: SUMMARY.png beside it, unless given."""
-    from .. import study, view
-    from ..files.outputs import clash
-    from .variation import draw
-
-    target = output or summary.with_suffix(".png")
-    with errors_in_one_line(study, view):
-        if found := clash([target], {summary: "the summary"}):
-            raise view.PictureError(f"{found}, which the picture would replace")
-        draw(summary, [name for text in names for name in text.split(",")], target, title)
-    typer.echo(one_line(target))
 
 
 @app.command()
@@ -405,5 +358,15 @@ def _check_superelement(file: Path) -> None:
     typer.echo(one_line(f"{file}: {len(checks)} checks hold"))
 
 
-for command in (linear.modes, linear.frf, linear.campbell, export):
+for command in (
+    plotting.plot,
+    html_report.report,
+    animation.animate,
+    export,
+    linear.modes,
+    linear.frf,
+    linear.campbell,
+    projects.init,
+    projects.schema,
+):
     app.command()(command)

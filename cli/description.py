@@ -47,6 +47,8 @@ def _rigid(element: Superelement) -> Iterator[Row]:
     yield "center of mass [m]", _line(element.center)
     yield "principal inertia [kg m^2]", _line(principal)
     yield "inertia [kg m^2]", "\n".join(_line(row) for row in element.J_rot)
+    if element.outline is not None:
+        yield "outline", f"{element.outline.n_facets} facets, {len(element.outline.points)} points"
 
 
 def _interfaces(interfaces: tuple[Interface, ...]) -> Iterator[Row]:

@@ -26,6 +26,8 @@ class Commands(TyperGroup):
             _fail(f"nested too deep: {error}", error)
         except OSError as error:
             _fail(str(error), error)
+        except KeyboardInterrupt as interrupt:
+            _stop(interrupt)
 
 
 def one_line(text: object) -> str:
@@ -67,8 +69,24 @@ def errors_in_one_line(*packages: ModuleType, about: Path | None = None) -> Iter
             where = f"{about}: " if about else ""
             _fail(f"{where}{error}", error)
         except KeyboardInterrupt as interrupt:
-            typer.echo(str(interrupt) or "interrupted", err=True)
-            raise typer.Exit(INTERRUPTED) from interrupt
+            _stop(interrupt)
+
+
+@contextmanager
+def unwritten(target: Path) -> Iterator[None]:
+    """Let an interrupt say that a file is not written, or is as it was."""
+    try:
+        yield
+    except KeyboardInterrupt as interrupt:
+        state = "stays as it was" if target.exists() else "is not written"
+        raise KeyboardInterrupt(
+            f"{str(interrupt) or 'interrupted'}; {target} {state}"
+        ) from interrupt
+
+
+def _stop(interrupt: KeyboardInterrupt) -> NoReturn:
+    typer.echo(one_line(str(interrupt) or "interrupted"), err=True)
+    raise typer.Exit(INTERRUPTED) from interrupt
 
 
 def _fail(message: str, cause: BaseException) -> NoReturn:

@@ -6,10 +6,16 @@ from typing import Annotated, Any
 
 import typer
 
+from .completion import files
 from .failures import errors_in_one_line, one_line
 
 ModelFile = Annotated[
-    Path, typer.Argument(metavar="MODEL.toml", help="Bodies, joints, loads, simulation.")
+    Path,
+    typer.Argument(
+        metavar="MODEL.toml",
+        help="Bodies, joints, loads, simulation.",
+        autocompletion=files(".toml"),
+    ),
 ]
 LinearOutput = Annotated[
     Path | None,
@@ -96,7 +102,7 @@ def frf(
             response = linear.static(inputs, outputs)
             Console().print(static_table(response))
             if output is not None:
-                _write(output, response_csv(response), None)
+                _write(output, response_csv({"": response}), None)
             return
         if band is not None and not 0.0 < band[0] < band[1] < float("inf"):
             raise typer.BadParameter(f"--band: expected 0 < FROM < TO, got {band[0]} {band[1]}")
@@ -109,9 +115,8 @@ def frf(
             f", {kind}" if len(kinds) > 1 else "": linear.frf(inputs, outputs, frequencies, kind)  # type: ignore[arg-type]
             for kind in kinds
         }
-        first = next(iter(responses.values()))
         title = _linear_title(model_file, linear.spin)
-        _write(target, response_csv(first), lambda: response_picture(title, responses))
+        _write(target, response_csv(responses), lambda: response_picture(title, responses))
 
 
 def campbell(

@@ -1,6 +1,6 @@
 """Tables and pictures of `duhamel modes`, `duhamel frf` and `duhamel campbell`."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -104,18 +104,29 @@ def band_of(modes: LinearModes) -> tuple[float, float]:
     return float(moving[0]) / 5.0, 2.0 * float(moving[:10][-1])
 
 
-def response_csv(response: FrequencyResponse) -> list[list[str]]:
-    """A row for each frequency: magnitude and phase [rad] of every output by every input."""
-    header = ["frequency_Hz"]
-    for output, unit in zip(response.outputs, response.units, strict=True):
-        for given, given_unit in zip(response.inputs, response.input_units, strict=True):
-            name = f"{output} by {given}"
-            header += [f"{name} [{per(unit, given_unit)}]", f"{name} phase [rad]"]
-    rows = [header]
-    for frequency, values in zip(response.frequencies.tolist(), response.values, strict=True):
-        pairs = [(abs(v), np.angle(v)) for v in values.ravel().tolist()]
-        rows.append([repr(frequency), *(repr(float(number)) for pair in pairs for number in pair)])
-    return rows
+def response_csv(responses: Mapping[str, FrequencyResponse]) -> list[list[str]]:
+    """A row for each frequency: magnitude and phase [rad] of every output by every input.
+
+    responses: at the same frequencies, by what is said behind their names.
+    """
+    first = next(iter(responses.values()))
+    columns = [["frequency_Hz", *map(repr, first.frequencies.tolist())]]
+    for remark, response in responses.items():
+        columns += _response_columns(remark, response)
+    return [list(row) for row in zip(*columns, strict=True)]
+
+
+def _response_columns(remark: str, response: FrequencyResponse) -> Iterator[list[str]]:
+    """Magnitudes and phases, each under its name."""
+    for i, (output, unit) in enumerate(zip(response.outputs, response.units, strict=True)):
+        for j, given in enumerate(response.inputs):
+            name, values = f"{output} by {given}{remark}", response.values[:, i, j]
+            yield [f"{name} [{per(unit, response.input_units[j])}]", *_numbers(np.abs(values))]
+            yield [f"{name} phase [rad]", *_numbers(np.angle(values))]
+
+
+def _numbers(values: Array) -> list[str]:
+    return list(map(repr, values.tolist()))
 
 
 def response_picture(title: str, responses: dict[str, FrequencyResponse]) -> Any:

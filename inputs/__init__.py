@@ -1,17 +1,22 @@
 """The TOML files that users write: validated tables, and errors with file, key and value."""
 
 from .errors import InputError, dotted, quoted
+from .json_schema import Also, Shown, document_of, member_of
 from .names import is_name
 from .table import Table, Vector, expected, read_part, read_table
 from .text import parse_toml, read_text, read_toml
 
 __all__ = [
+    "Also",
     "InputError",
+    "Shown",
     "Table",
     "Vector",
+    "document_of",
     "dotted",
     "expected",
     "is_name",
+    "member_of",
     "parse_toml",
     "quoted",
     "read_part",

@@ -3,7 +3,7 @@
 import difflib
 import os
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, ClassVar, TypeVar
 
 from pydantic import (
     BaseModel,
@@ -15,6 +15,7 @@ from pydantic import (
 )
 
 from .errors import InputError, dotted, quoted
+from .json_schema import describe
 from .text import parse_toml, read_text
 
 LONGEST = 1000
@@ -44,6 +45,15 @@ class Table(BaseModel):
     model_config = ConfigDict(
         extra="forbid", frozen=True, allow_inf_nan=False, strict=True, str_max_length=LONGEST
     )
+
+    documented: ClassVar[tuple[type[Any], ...]] = ()
+    """the classes whose docstrings describe the keys, besides this one"""
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: Any, handler: Any) -> dict[str, Any]:
+        schema: dict[str, Any] = handler(core_schema)
+        describe(handler.resolve_ref_schema(schema), (*cls.documented, cls))
+        return schema
 
     @model_validator(mode="before")
     @classmethod

@@ -1,7 +1,7 @@
 """Meshes to superelements."""
 
 from .assembly.structure import Structure
-from .body.body import Body, read_body
+from .body.body import Body, body_schema, read_body
 from .build import assemble, build
 from .errors import (
     BodyError,
@@ -26,6 +26,7 @@ __all__ = [
     "PreprocessError",
     "Structure",
     "assemble",
+    "body_schema",
     "build",
     "doubts_of_body",
     "files_of",

@@ -1,18 +1,20 @@
 """Tables of peaks: the largest and smallest values of quantities, when, and where."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
-from itertools import product
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..superelement.validation import Array
 from .errors import QuantityError
 from .quantities import KINDS
 from .results import Results
-from .transforms import IN_G, Series, check, in_g, parse, series
+from .transforms import IN_G, Series, in_g, parse, series
+from .wildcards import named
+
+Index = NDArray[np.int64]
 
 UNASKED = (
     "acceleration",
@@ -86,7 +88,7 @@ def _alike(results: Results, quantity: str, gravities: bool) -> list[Peak]:
     The largest one comes first.
     """
     found: list[Peak] = []
-    names = _named(results, quantity)
+    names = named(results, quantity)
     lacking: QuantityError | None = None
     for name in names:
         try:
@@ -105,17 +107,26 @@ def _stress(results: Results, quantity: str) -> Peak:
         known = ", ".join(results.superelement_files) or "none"
         raise QuantityError(f"{quantity}: no flexible body {body!r}; there are: {known}")
     time = results.time
-    largest, points = np.zeros(len(time)), np.zeros(len(time), dtype=np.int64)
-    for start in range(0, len(time), AT_ONCE):
-        rows = slice(start, start + AT_ONCE)
-        stress = results.von_mises(body, time[rows])
-        points[rows] = stress.argmax(axis=1)
-        largest[rows] = stress.max(axis=1)
+    largest, points = largest_over_time(lambda t: results.von_mises(body, t), time)
     high, low = int(largest.argmax()), int(largest.argmin())
     recovery = results.superelement(body).recovery
     place = None if recovery is None else tuple(recovery.points[points[high]].tolist())
     extremes = float(largest[high]), float(time[high]), float(largest[low]), float(time[low])
     return Peak(quantity, "Pa", *extremes, "s", place)
+
+
+def largest_over_time(values: Callable[[Array], Array], time: Array) -> tuple[Array, Index]:
+    """The largest of the values (k, p) at each of the times (n,), and the point that has it (n,).
+
+    values: a function of times (k,), of which there are not too many at once for memory.
+    """
+    largest, points = np.zeros(len(time)), np.zeros(len(time), dtype=np.int64)
+    for start in range(0, len(time), AT_ONCE):
+        rows = slice(start, start + AT_ONCE)
+        found = values(time[rows])
+        points[rows] = found.argmax(axis=1)
+        largest[rows] = found.max(axis=1)
+    return largest, points
 
 
 def _of(results: Results, quantity: str, gravities: bool) -> Iterator[Peak]:
@@ -158,35 +169,3 @@ def _unasked(results: Results, gravities: bool) -> tuple[Peak, ...]:
     if not found:
         raise QuantityError("there is nothing of which peaks are told unasked: name quantities")
     return tuple(found)
-
-
-def _named(results: Results, text: str) -> list[str]:
-    """The text, or with `*` in the names of its quantity all that it stands for."""
-    quantity, _ = parse(text)
-    if "*" not in quantity:
-        return [text]
-    found = _matching(results, quantity)
-    if not found:
-        raise QuantityError(f"{text}: found no {quantity}")
-    return [text.replace(quantity, one) for one in found]
-
-
-def _matching(results: Results, pattern: str) -> list[str]:
-    kind_name, *names = pattern.split(":")
-    if kind_name not in KINDS:
-        check(results, pattern)
-    roles = KINDS[kind_name].names
-    axis = names[len(roles) :]
-    choices = [_owners(results, role, name) for role, name in zip(roles, names, strict=False)]
-    return [":".join([kind_name, *chosen, *axis]) for chosen in product(*choices)]
-
-
-def _owners(results: Results, role: str, pattern: str) -> list[str]:
-    """The owners in a role, as "BODY|FRAME", that a pattern stands for."""
-    if "*" not in pattern:
-        return [pattern]
-    names: list[str] = []
-    for word in role.split("|"):
-        known = "energies" if word == "ENERGY" else f"{word.lower()}s"
-        names += getattr(results, "bodies" if word == "BODY" else known, ())
-    return [name for name in dict.fromkeys(names) if fnmatchcase(name, pattern)]

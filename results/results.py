@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..files.html import listed, table
 from ..superelement import Modes, Outline, Recovery, Superelement, SuperelementError, von_mises
 from ..superelement.validation import Array
 from .errors import ExportError, RecoveryError
@@ -43,6 +44,7 @@ from .recovery import (
 from .schema import EVENTS, OWNERS, QUANTITIES, Contents, SuperelementFile, attributes_of
 from .source import ALL, Selection, Source
 from .space import Connection
+from .summary import rows, spanned
 from .validity import Check, Validity
 
 
@@ -73,6 +75,19 @@ class Results:
         they were.
         """
         return cls(FileSource(Path(path)), superelements)
+
+    def __repr__(self) -> str:
+        bodies = listed(self.bodies)
+        return f"<Results: {spanned(self.time)}, {len(self.time)} rows, bodies {bodies}>"
+
+    def _repr_html_(self) -> str:
+        shown = rows(self.time, self.solver, self.recorded, self.validity)
+        return table("Results", shown)
+
+    @property
+    def name(self) -> str:
+        """The results file, or "results in memory"."""
+        return self._source.name
 
     @property
     def recorded(self) -> tuple[str, ...]:

@@ -305,9 +305,16 @@ Step = tuple[str, Given]
 """the name of a transform, and its arguments"""
 
 
-def series(results: Results, text: str) -> Series:
+Window = tuple[float, float]
+"""from and to [s], both within it; infinities for the ends of a run"""
+ROUNDING = 1e-9
+"""of times, over the length of a run"""
+
+
+def series(results: Results, text: str, window: Window | None = None) -> Series:
     """A quantity, or what is made of it, by words.
 
+    window: the part of the run that is taken, before anything is made of it.
     `QuantityError` names a quantity or a word that there is not; `SeriesError` a series of which
     it cannot be made. Warns (`SeriesWarning`) where the run recorded one step in several.
     """
@@ -323,6 +330,8 @@ def series(results: Results, text: str) -> Series:
             stacklevel=2,
         )
     try:
+        if window is not None:
+            found = _within(found, window)
         for name, given in steps:
             found = in_g(found) if name == IN_GRAVITIES else _applied(found, name, given)
     except SeriesError as error:
@@ -403,6 +412,20 @@ def _quantity(results: Results, quantity: str) -> Series:
     found = evaluate(results, quantity)
     axes = () if found.axis else KINDS[found.kind].axes
     return Series(found.kind, found.names, found.axis, axes, found.unit, results.time, found.values)
+
+
+def _within(found: Series, window: Window) -> Series:
+    time, (start, end) = found.abscissa, window
+    rounding = ROUNDING * float(np.ptp(time))
+    rows = (time >= start - rounding) & (time <= end + rounding)
+    if not rows.any():
+        given = {"from": start, "to": end}
+        ends = [f"{word} {at:.9g}" for word, at in given.items() if np.isfinite(at)]
+        raise SeriesError(
+            f"nothing was recorded {' '.join(ends)} s, expected times from {time[0]:.9g} to "
+            f"{time[-1]:.9g} s"
+        )
+    return replace(found, abscissa=time[rows], values=found.values[rows])
 
 
 def _applied(found: Series, name: str, given: Given) -> Series:

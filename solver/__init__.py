@@ -26,6 +26,7 @@ from .linear.linearize import LinearModel, linearize
 from .linear.modes import LinearModes
 from .linear.state_space import StateSpace
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
+from .model.body_shapes import Box, Cylinder, Sphere, Surface
 from .model.composed import Delayed, Product, Sum
 from .model.contacts import Contact, Hertz
 from .model.couplers import Coupler
@@ -42,7 +43,7 @@ from .model.curves import (
     Steps,
     Table,
 )
-from .model.file import read_model, write_model
+from .model.file import model_schema, read_model, write_model
 from .model.friction import Coulomb, JointFriction, Stribeck
 from .model.impact import ForceTable, Impact
 from .model.joints import Joint
@@ -72,6 +73,7 @@ from .simulator import Simulator
 
 __all__ = [
     "BoucWenLaw",
+    "Box",
     "Campbell",
     "Chirp",
     "Constant",
@@ -79,6 +81,7 @@ __all__ = [
     "ConvergenceError",
     "Coulomb",
     "Coupler",
+    "Cylinder",
     "DamperLaw",
     "Delayed",
     "Doubt",
@@ -131,6 +134,7 @@ __all__ = [
     "Simulator",
     "SmoothFunction",
     "SmoothStep",
+    "Sphere",
     "Spline",
     "Spring",
     "Start",
@@ -142,6 +146,7 @@ __all__ = [
     "Stop",
     "Stribeck",
     "Sum",
+    "Surface",
     "Table",
     "TabulatedDamperLaw",
     "TabulatedLaw",
@@ -154,6 +159,7 @@ __all__ = [
     "check_law",
     "doubts",
     "linearize",
+    "model_schema",
     "read_model",
     "simulate",
     "start",

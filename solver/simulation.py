@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..files.progress import Progress, Work
 from ..results.file import FileWriter
 from ..results.results import Results
 from ..results.schema import Energies
@@ -36,6 +37,7 @@ from .output.inputs import signal_warnings
 from .output.keeper import (
     FileKeeper,
     NoKeeper,
+    checkpoint_of,
     forget_checkpoint,
     read_checkpoint,
     settle_checkpoint,
@@ -51,7 +53,6 @@ from .output.writer import (
     resume_writer,
 )
 from .phases import Phases
-from .progress import Progress
 from .schema.entry import LARGEST
 from .start.initial import initialize, lower_to_start
 from .start.removed import RemovedRows
@@ -75,10 +76,10 @@ def simulate(
     """Integrate the motion of a model from t = 0 to t_end.
 
     settings: by default those of the model; output: the results file, by default none (results stay
-    in memory); progress: show a bar. resume: go on with the last run to that file, from the state
-    that it kept (`Settings.checkpoint`): the results are to the bit those of a run that was never
-    interrupted; t_end may be another. anyway: also where model, versions or machine are not those
-    of that run.
+    in memory); progress: tell on stderr how far it is, by a bar or by lines. resume: go on with the
+    last run to that file, from the state that it kept (`Settings.checkpoint`): the results are to
+    the bit those of a run that was never interrupted; t_end may be another. anyway: also where
+    model, versions or machine are not those of that run.
 
     Raises ModelError for a model that cannot start or whose redundant constraints are needed later,
     ConvergenceError where Newton's method fails, OutOfRangeError where a body deforms too far for
@@ -188,12 +189,26 @@ def _finish(course: Course, progress: bool) -> Results:
         error.args = (f"{error}{writer.where()}",)
         raise
     except KeyboardInterrupt as interrupt:
-        raise KeyboardInterrupt(f"interrupted{writer.where()}") from interrupt
+        raise KeyboardInterrupt(f"interrupted {_left(course)}") from interrupt
     finally:
         writer.leave()
     results = read_back(writer, course.lowered.model)
     _warn(results.validity.brief(), stacklevel=5)
     return results
+
+
+def _left(course: Course) -> str:
+    """Where a run stopped before its end, and what is left of it."""
+    lowered, writer = course.lowered, course.writer
+    t, t_end = int(course.state.step[0]) * lowered.h, lowered.model.settings.t_end
+    stopped = f"at t = {t:.6g} s of {t_end:.6g} s"
+    if not isinstance(writer, FileWriter) or not writer.place.exists():
+        return f"{stopped}; nothing is kept"
+    rows = writer.where() or f"; its {writer.committed.rows} rows are in {writer.place}"
+    state = checkpoint_of(writer.place)
+    if state.exists():
+        return f"{stopped}{rows}, and its state beside them: --continue goes on from there"
+    return f"{stopped}{rows}; without [simulation] checkpoint it cannot go on from there"
 
 
 def _taken(course: Course) -> dict[str, int]:
@@ -216,7 +231,7 @@ def march(course: Course, progress: bool = False) -> None:
         course.keeper() as keeper,
         Recorder(writer, lowered, state, work, course.start) as recorder,
         _judged(course, begin, judge),
-        Progress("simulating", total, shown=progress) as bar,
+        Progress(Work("simulating", total), shown=progress) as shown,
     ):
         phases = Phases(lowered, state, work, recorder.output)
         if not course.resumed:
@@ -224,7 +239,7 @@ def march(course: Course, progress: bool = False) -> None:
             record(run, 0)
             writer.check(judge.values(state, done - begin))
             recorder.keep_start(done)
-        bar.advance(done)
+        shown.advance(done, free=True)
         keeper.step_taken(done, recorder)
         judged = time.perf_counter()
         while done < total:
@@ -240,7 +255,7 @@ def march(course: Course, progress: bool = False) -> None:
                 judged = time.perf_counter()
             recorder.keep(steps[:taken], rows[:taken], stride)
             done += stride * taken
-            bar.advance(stride * taken)
+            shown.advance(stride * taken)
             check_range(lowered, state, done)
             if failed and not full:
                 cause = judge.cause(state, done - begin)

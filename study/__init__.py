@@ -2,7 +2,7 @@
 
 from .case import Case
 from .errors import ClusterError, StudyError
-from .study_file import Study, read_study
+from .study_file import Study, read_study, study_schema
 from .summary import Row, Summary, read_summary
 from .sweep import sweep
 
@@ -15,5 +15,6 @@ __all__ = [
     "Summary",
     "read_study",
     "read_summary",
+    "study_schema",
     "sweep",
 ]

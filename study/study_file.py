@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 
 from ..files.memory import shortage
 from ..files.outputs import clash, resolved
-from ..inputs import InputError, Table, read_table, read_toml
+from ..inputs import InputError, Table, document_of, read_table, read_toml
 from .case import Case, Kind
 from .derived import Derivation, definitions, own_names
 from .errors import StudyError
@@ -75,6 +75,11 @@ class Study:
         if self.table is not None:
             named[self.table] = "the table of the study"
         return named | {self.path: "the study file", self.base: "the base file"}
+
+
+def study_schema() -> dict[str, Any]:
+    """The JSON schema of study files, by which editors complete and check them."""
+    return document_of(_StudyFile, "A study file of Duhamel")
 
 
 def read_study(path: str | os.PathLike[str], folder: str | os.PathLike[str] | None = None) -> Study:

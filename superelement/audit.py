@@ -20,6 +20,7 @@ from .checks import (
 )
 from .kernel import sample_kernel
 from .modes import Modes
+from .outline import Outline
 from .superelement import Superelement
 from .transfer import Complex, summed, transfer
 from .validation import SYMMETRY_TOLERANCE, Array
@@ -45,6 +46,8 @@ def _checks(element: Superelement) -> Iterator[Check]:
         yield _reciprocal(f"static/{name}", getattr(element, name)[None])
     for name in ("g", "g_initial"):
         yield _reciprocal(f"kernel/{name}", getattr(element.kernel, name))
+    if element.outline is not None and element.outline.n_facets:
+        yield _closed(element.outline)
     yield from quick_checks(element)
     if element.n_c:
         yield _free_of_rigid_motion(element)
@@ -63,6 +66,15 @@ def _reciprocal(where: str, matrices: Array) -> Check:
         deviation(matrices, matrices.transpose(0, 2, 1), np.maximum(scale, np.finfo(float).tiny)),
         SYMMETRY_TOLERANCE,
     )
+
+
+def _closed(outline: Outline) -> Check:
+    """The areas of facets as vectors, which sum up to none on a closed surface."""
+    a, b, c = outline.points[outline.triangles].transpose(1, 0, 2)
+    areas = np.cross(b - a, c - a)
+    total = float(np.linalg.norm(areas, axis=1).sum())
+    found = float(np.linalg.norm(areas.sum(axis=0))) / max(total, np.finfo(float).tiny)
+    return Check("outline/cells", "a closed surface", "an area without facets", found, ROUNDING)
 
 
 def _free_of_rigid_motion(element: Superelement) -> Check:

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..files.html import listed, table
+from . import summary
 from .channels import Channels
 from .interface import Interface
 from .kernel import Kernel, sample_kernel
@@ -112,6 +114,16 @@ class Superelement:
             matrix = checked(field_name, getattr(self, field_name), (n_c, n_c))
             check_symmetric(field_name, matrix)
             object.__setattr__(self, field_name, matrix)
+
+    def __repr__(self) -> str:
+        names = listed(interface.name for interface in self.interfaces)
+        n_modes = 0 if self.modes is None else len(self.modes.omega)
+        return f"<Superelement {self.name!r}: {self.mass:.6g} kg, at {names}, {n_modes} modes>"
+
+    def _repr_html_(self) -> str:
+        method = self.provenance.method
+        shown = summary.rows(self.mass, self.interfaces, self.modes, self.kernel, method)
+        return table(f"Superelement {self.name}", shown)
 
     @property
     def n_c(self) -> int:

@@ -49,7 +49,6 @@ ABOUT = {
     "preprocess/build": "body to superelement",
     "solver/arrays": "types of arrays",
     "solver/errors": "one exception for each failure",
-    "solver/progress": "the progress bar",
     "solver/compiler": "records, marks, machine code",
     "solver/schema": "fields of entries, declared once",
     "solver/laws": "force laws, compiled",

@@ -60,7 +60,6 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "solver": (
         "arrays",
         "errors",
-        "progress",
         "compiler",
         "schema",
         "laws",

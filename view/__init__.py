@@ -1,6 +1,14 @@
 """Pictures of results and bodies."""
 
-from .errors import PictureError, QuantityError, ResultsError, SeriesError, SeriesWarning
+from .body_fields import draw_body_fields
+from .errors import (
+    PictureError,
+    PictureWarning,
+    QuantityError,
+    ResultsError,
+    SeriesError,
+    SeriesWarning,
+)
 from .fields import Field, draw_fields
 from .linear import (
     CampbellLine,
@@ -10,30 +18,41 @@ from .linear import (
     draw_response,
     draw_shapes,
 )
-from .overview import overview
-from .picture import COLORS, draw, entitle, panels, save, style
+from .naming import title_and_labels
+from .overview import overview, overview_quantities
+from .picture import draw, entitle, panels, save, style
 from .quantities import Curve, curves
+from .report import REPORT_FIELDS, write_report
+from .runs import Run, names_of, panel, runs_of
 from .scene import Cross, Marker, Patch, Scene, draw_scene
+from .space import Film, animate
+from .styles import COLORS
 from .variation import draw_variation
 
 __all__ = [
     "COLORS",
+    "REPORT_FIELDS",
     "CampbellLine",
     "Cross",
     "Curve",
     "Field",
+    "Film",
     "Marker",
     "ModeShape",
     "Patch",
     "PictureError",
+    "PictureWarning",
     "QuantityError",
     "ResponseCurve",
     "ResultsError",
+    "Run",
     "Scene",
     "SeriesError",
     "SeriesWarning",
+    "animate",
     "curves",
     "draw",
+    "draw_body_fields",
     "draw_campbell",
     "draw_fields",
     "draw_response",
@@ -41,8 +60,14 @@ __all__ = [
     "draw_shapes",
     "draw_variation",
     "entitle",
+    "names_of",
     "overview",
+    "overview_quantities",
+    "panel",
     "panels",
+    "runs_of",
     "save",
     "style",
+    "title_and_labels",
+    "write_report",
 ]

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from ..superelement.validation import Array
 from .picture import style
-from .scene import IntArray, Patch, Scene, draw_scene
+from .scene import IntArray, Marker, Patch, Scene, draw_scene
 
 COLOR_MAP = "turbo"
 BAR = (3.2, 0.11)
@@ -52,13 +52,12 @@ def draw_fields(
     with them.
     """
     largest = scale * max(float(field.values.max()) for field in fields)
-    norm, color_map = Normalize(0.0, largest), matplotlib.colormaps[COLOR_MAP]
+    norm, color_map = Normalize(0.0, largest or 1.0), matplotlib.colormaps[COLOR_MAP]
     patches = [*(scene.patches if scene else ())]
     for field in fields:
         facets, values = _triangles(field)
-        patches.append(
-            Patch(facets, np.full(len(facets), -1), color_map(norm(scale * values))[:, :3])
-        )
+        numbers = _touching(facets, scene.markers if scene else ())
+        patches.append(Patch(facets, numbers, color_map(norm(scale * values))[:, :3]))
     whole = Scene(patches, scene.lines, scene.markers, scene.masses) if scene else Scene(patches)
     figure = draw_scene(whole)
     (length, height), (below, added) = BAR, MARGINS
@@ -79,6 +78,14 @@ def draw_fields(
         axes.set_title(label, fontsize=8)
         axes.tick_params(labelsize=8, length=2)
     return figure
+
+
+def _touching(facets: Array, markers: Sequence[Marker]) -> IntArray:
+    """The marker (m,) that is a corner of each facet (m, 3, 3): it is named where they are seen."""
+    numbers = np.full(len(facets), -1)
+    for n, marker in enumerate(markers):
+        numbers[(facets == marker.point).all(axis=-1).any(axis=-1)] = n
+    return numbers
 
 
 def _triangles(field: Field) -> tuple[Array, Array]:

@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ..superelement.validation import Array
-from .picture import COLORS, PANEL_HEIGHT, WIDTH, entitle, panels, style
+from .picture import PANEL_HEIGHT, WIDTH, entitle, panels, style
+from .styles import COLORS
 
 EYE = np.array([1.0, -1.35, 0.8])
 """direction towards the eye"""

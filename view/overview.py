@@ -1,6 +1,7 @@
-"""The panels of results when none are named."""
+"""The panels of results when none are named: what moved, what pushed, and the energies."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -9,61 +10,175 @@ from ..results.quantities import AXES
 from ..superelement.validation import Array
 from .quantities import Curve, curves
 
-MOST_CURVES = 6
+MOST_CURVES, MOST_PANELS = 6, 6
 
 VISIBLE = 0.01
 """the least peak of a curve beside the largest one in its panel"""
+STILL = 1e-12
+"""the largest range of a coordinate, or value of what it is the rate or force of, that is none"""
+
+SEEN = 0.1
+"""the least range of a position over that of its panel, for its motion to be seen"""
+
+NOT_MOTION = ("friction", "friction_state")
+"""coordinates of joints that are none"""
+READINGS = ("strain", "stress", "sensor_acceleration", "sensor_displacement")
+"""of sensors, those that are shown first"""
+NOT_SHOWN = ("balance", "modal", "compliance_work", "modal_loss", "modal_damping")
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A curve that may be shown, and the quantity that it is of."""
+
+    quantity: str
+    curve: Curve
 
 
 def overview(results: Results) -> list[list[Curve]]:
-    """Four panels: speeds, displacements, energies, and their balance.
+    """At most six panels of what moved, what pushed, and of energies.
 
-    Speeds are the angular velocities of the bodies, or their velocities if nothing rotates;
-    displacements are elastic ones of the interfaces, or the positions of the bodies if none is
-    flexible. Of many curves the largest are shown, of positions those with the largest range. A
-    panel of which nothing was recorded is left out; QuantityError if all are.
+    In this order, as far as it was recorded and is not zero: coordinates of joints, angles and
+    distances, or where no joint has a coordinate that moves the positions of bodies, velocities if
+    these hardly change; forces of
+    motors; normal forces of contacts and stops; elastic displacements of interfaces; what sensors
+    read; angular velocities, or velocities if nothing turns; gaps; energies; their balance. Of more
+    than six panels the energies stay, and the first ones. Of many curves the largest are shown, of
+    positions those with the largest range. QuantityError if nothing is left.
     """
-    speed = _all(results, "angular_velocity", results.bodies)
-    if not any(curve.values.any() for curve in speed):
-        speed = _all(results, "velocity", results.bodies)
-    if results.interfaces:
-        travel = _largest(_all(results, "elastic_displacement", results.interfaces), _peak)
-    else:
-        travel = _largest(_all(results, "position", results.bodies), _range)
-    energies = [f"energy:{name}" for name in results.energies if name not in ("balance", "modal")]
-    panels = [
-        _largest(speed, _peak),
-        travel,
-        _largest([curve for energy in energies for curve in curves(results, energy)], _peak),
-        curves(results, "energy:balance") if "balance" in results.energies else [],
+    return [[candidate.curve for candidate in panel] for panel in _panels(results)]
+
+
+def overview_quantities(results: Results) -> list[list[str]]:
+    """The quantities of these panels."""
+    return [[candidate.quantity for candidate in panel] for panel in _panels(results)]
+
+
+def _panels(results: Results) -> list[list[Candidate]]:
+    travel = _travel(results)
+    motion = [
+        *travel,
+        _of_one_unit(_scalars(results, "motor_torque", results.motors)),
+        _of_one_unit(_scalars(results, "normal_force", (*results.contacts, *results.stops))),
+        _largest(_vectors(results, "elastic_displacement", results.interfaces), _peak),
+        _readings(results),
+        _speeds(results, travel),
+        _of_one_unit(_gaps(results)),
     ]
-    if not any(panels):
+    names = [name for name in results.energies if name not in NOT_SHOWN]
+    energies = [
+        _largest(_scalars(results, "energy", names), _peak, still=0.0),
+        _scalars(results, "energy", ["balance"] if "balance" in results.energies else []),
+    ]
+    energies = [panel for panel in energies if panel]
+    motion = [panel for panel in motion if panel][: MOST_PANELS - len(energies)]
+    if not motion and not energies:
         raise QuantityError("there is nothing that is shown unasked: name quantities")
-    return [panel for panel in panels if panel]
+    return [*motion, *energies]
 
 
-def _all(results: Results, kind: str, names: tuple[str, ...]) -> list[Curve]:
+def _travel(results: Results) -> list[list[Candidate]]:
+    """Angles and distances of joints that move, or positions of bodies.
+
+    Positions that change little beside what they are would be levels: velocities then.
+    """
+    moved = [one for one in _coordinates(results) if _range(one.curve.values) > STILL]
+    units = sorted({one.curve.unit for one in moved}, reverse=True)
+    if units:
+        return [
+            _largest([one for one in moved if one.curve.unit == unit], _range) for unit in units
+        ]
+    positions = _largest(_vectors(results, "position", results.bodies), _range)
+    ranges = [_range(one.curve.values) for one in positions]
+    span = np.ptp(np.concatenate([one.curve.values for one in positions] or [np.zeros(1)]))
+    if max(ranges, default=0.0) > SEEN * span:
+        return [positions]
+    return [_largest(_vectors(results, "velocity", results.bodies), _peak)]
+
+
+def _coordinates(results: Results) -> list[Candidate]:
+    """Of all joints, without rates."""
     return [
-        curve
+        candidate
+        for joint in results.joints
+        for name in results.joint(joint).coordinates
+        if not name.endswith("_rate") and name not in NOT_MOTION
+        for candidate in _scalars(results, f"coordinate:{joint}", [name])
+    ]
+
+
+def _speeds(results: Results, travel: Sequence[Sequence[Candidate]]) -> list[Candidate]:
+    """Angular velocities, or velocities where nothing turns and they are not shown already."""
+    turning = _largest(_vectors(results, "angular_velocity", results.bodies), _peak)
+    if turning or any(one.quantity.startswith("velocity:") for panel in travel for one in panel):
+        return turning
+    return _largest(_vectors(results, "velocity", results.bodies), _peak)
+
+
+def _gaps(results: Results) -> list[Candidate]:
+    """Of those that closed, or of all if none did."""
+    owners = (*results.contacts, *results.stops)
+    touched = [name for name in owners if results.contact(name).state.any()]
+    return _scalars(results, "gap", touched or owners)
+
+
+def _readings(results: Results) -> list[Candidate]:
+    """Of the first kind that the sensors read."""
+    for kind in READINGS:
+        found: list[Candidate] = []
+        for sensor in results.sensors:
+            try:
+                found += _candidates(results, f"{kind}:{sensor}")
+            except QuantityError:
+                continue
+        if found:
+            return _largest(found, _peak)
+    return []
+
+
+def _of_one_unit(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """The largest of the unit that most have."""
+    units = [candidate.curve.unit for candidate in candidates]
+    most = max(units, key=units.count, default="")
+    return _largest([one for one in candidates if one.curve.unit == most], _peak)
+
+
+def _scalars(results: Results, kind: str, names: Iterable[str]) -> list[Candidate]:
+    return [one for name in names for one in _candidates(results, f"{kind}:{name}")]
+
+
+def _vectors(results: Results, kind: str, names: Iterable[str]) -> list[Candidate]:
+    return [
+        one
         for name in names
         for axis in AXES
-        for curve in curves(results, f"{kind}:{name}:{axis}")
+        for one in _candidates(results, f"{kind}:{name}:{axis}")
     ]
+
+
+def _candidates(results: Results, quantity: str) -> list[Candidate]:
+    found = curves(results, quantity)
+    if len(found) == 1:
+        return [Candidate(quantity, found[0])]
+    return [Candidate(f"{quantity}:{curve.words[2]}", curve) for curve in found]
 
 
 def _peak(values: Array) -> float:
-    return float(np.abs(values).max())
+    return float(np.abs(values).max(initial=0.0))
 
 
 def _range(values: Array) -> float:
-    return float(np.ptp(values))
+    return float(np.ptp(values)) if len(values) else 0.0
 
 
-def _largest(candidates: list[Curve], size: Callable[[Array], float]) -> list[Curve]:
-    sizes = np.array([size(curve.values) for curve in candidates])
+def _largest(
+    candidates: Sequence[Candidate], size: Callable[[Array], float], still: float = STILL
+) -> list[Candidate]:
+    """Those that are seen beside the largest; none where none moves."""
+    sizes = np.array([size(candidate.curve.values) for candidate in candidates])
     chosen = [
         i
         for i in np.argsort(-sizes, kind="stable")[:MOST_CURVES]
-        if sizes[i] >= VISIBLE * sizes.max()
+        if sizes[i] >= max(VISIBLE * sizes.max(), still)
     ]
     return [candidates[i] for i in sorted(chosen)]

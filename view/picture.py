@@ -2,9 +2,11 @@
 
 import io
 import os
-from collections.abc import Iterable, Sequence
+import warnings
+from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
+from textwrap import fill, wrap
 from typing import Any
 
 import matplotlib
@@ -12,14 +14,15 @@ import numpy as np
 from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
+from ..files.outputs import renamed_when_whole
 from ..superelement.validation import Array
-from . import spectra
+from . import naming, planes, spectra
 from .errors import PictureError
-from .quantities import Curve
-
-COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
-"""the palette of Okabe and Ito, which the color-blind can distinguish"""
+from .prefixes import PREFIXES, exponent_of, with_unit
+from .quantities import PLANES, Curve
+from .styles import COLORS, styles
 
 STYLE: dict[Any, Any] = {
     "axes.edgecolor": "0.35",
@@ -47,17 +50,17 @@ STYLE: dict[Any, Any] = {
     "ytick.labelcolor": "black",
 }
 
-PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
-"""of units, by their powers of ten"""
-
 WIDTH, PANEL_HEIGHT = 7.0, 2.2
 """[inch]"""
 
-HEIGHTS = {"tripartite": 1.8}
+HEIGHTS = {"tripartite": 1.8, "plane": 1.6, "space": 1.8}
 """of panels of other papers than lines, over that of theirs"""
 
-UNPREFIXED = ("g",)
-"""units that take no prefix"""
+LEGEND_LINE = 0.19
+"""height [inch]"""
+
+LONGEST_LINE, LONGEST_LABEL = 100, 34
+"""characters of a line of the title of a panel, and of a legend"""
 
 DOTS_PER_INCH = 110
 
@@ -92,7 +95,7 @@ def panels(
     return figure, list(axes.flat)
 
 
-def entitle(figure: Figure, title: str) -> None:
+def entitle(figure: Figure, title: str) -> Text:
     """A title at the upper left of a figure."""
     shown = title.encode("utf-8", "replace").decode("utf-8")
     if len(shown) > LONGEST_TITLE or not shown.isprintable():
@@ -100,7 +103,7 @@ def entitle(figure: Figure, title: str) -> None:
             f"title: expected a line of at most {LONGEST_TITLE} printable characters, "
             f"found {len(shown)}: {shown[:20]!r}"
         )
-    figure.suptitle(shown, x=0.01, ha="left", fontweight="bold", parse_math=False)
+    return figure.suptitle(shown, x=0.01, ha="left", fontweight="bold", parse_math=False)
 
 
 def draw(time: Array, contents: Sequence[Sequence[Curve]], title: str = "") -> Figure:
@@ -109,30 +112,60 @@ def draw(time: Array, contents: Sequence[Sequence[Curve]], title: str = "") -> F
     The words that all curves of a panel share stand above it, the others in its legend.
     Raises PictureError where units differ, or what the curves are over.
     """
-    of_time = [curves[0].base == "s" for curves in contents]
-    heights = [HEIGHTS.get(curves[0].paper, 1.0) for curves in contents]
-    figure, axes = panels(len(contents), share_time=all(of_time), heights=heights)
-    exponent = _exponent(float(time[-1]))
+    for curves in contents:
+        _check_panel(curves)
+    of_time = [_is_over_time(curves) for curves in contents]
+    figure, axes = panels(len(contents), share_time=all(of_time), heights=_heights(contents))
+    exponent = exponent_of(_last(time, contents))
     with style():
-        for axis, curves in zip(axes, contents, strict=True):
-            _check_panel(curves)
-            if curves[0].base == "s":
+        for axis, curves, is_over_time in zip(axes, contents, of_time, strict=True):
+            if is_over_time:
                 _fill(axis, time, curves, exponent)
+            elif curves[0].paper in PLANES:
+                planes.fill(axis, curves)
             else:
                 spectra.fill(axis, curves)
-                axis.set_ylabel(_with_unit(curves[0].ordinate, curves[0].unit))
+                axis.set_ylabel(with_unit(curves[0].ordinate, "", curves[0].unit))
             _name(axis, curves)
-        for axis, below in zip(axes, [*of_time[1:], False], strict=True):
-            if not below and of_time[axes.index(axis)]:
+        for n, axis in enumerate(axes):
+            if of_time[n] and not (n + 1 < len(axes) and of_time[n + 1]):
                 axis.set_xlabel(f"time [{PREFIXES[exponent]}s]")
         entitle(figure, title)
     return figure
 
 
+def _is_over_time(curves: Sequence[Curve]) -> bool:
+    return curves[0].base == "s" and curves[0].paper not in PLANES
+
+
+def _last(time: Array, contents: Sequence[Sequence[Curve]]) -> float:
+    """The last time of all curves over time."""
+    return max(
+        (
+            float((time if curve.abscissa is None else curve.abscissa)[-1])
+            for curves in contents
+            if _is_over_time(curves)
+            for curve in curves
+        ),
+        default=0.0,
+    )
+
+
+def _heights(contents: Sequence[Sequence[Curve]]) -> list[float]:
+    """Of panels, which hold their legends."""
+    heights = []
+    for curves in contents:
+        _, labels = naming.title_and_labels(curves)
+        lines = 2 + sum(len(wrap(label, LONGEST_LABEL)) for label in labels)
+        least = lines * LEGEND_LINE / PANEL_HEIGHT
+        heights.append(max(HEIGHTS.get(curves[0].paper, 1.0), least))
+    return heights
+
+
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     """Write a picture in the format of its suffix.
 
-    PictureError if there is no such format or folder.
+    PictureError if there is no such format or folder, or no room for the panels.
     """
     path = Path(path)
     formats = figure.canvas.get_supported_filetypes()
@@ -143,49 +176,62 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     if not path.parent.is_dir():
         raise PictureError(f"{path}: no folder {path.parent}")
     image = io.BytesIO()
-    figure.savefig(image, format=suffix, dpi=DOTS_PER_INCH)
+    with warnings.catch_warnings():
+        warnings.filterwarnings("error", message="constrained_layout not applied")
+        try:
+            figure.savefig(image, format=suffix, dpi=DOTS_PER_INCH)
+        except UserWarning as error:
+            wide, high = figure.get_size_inches()
+            raise PictureError(
+                f"{path}: {wide:g}x{high:g} inches are too small for its panels and legends"
+            ) from error
     try:
-        path.write_bytes(image.getbuffer())
+        with renamed_when_whole(path) as whole:
+            whole.write_bytes(image.getbuffer())
     except OSError as error:
         raise PictureError(f"{path}: cannot be written: {error}") from error
 
 
 def _check_panel(curves: Sequence[Curve]) -> None:
-    units = {curve.unit: _line(curve.words) for curve in curves}
+    for curve in curves:
+        if not len(curve.values):
+            raise PictureError(f"{naming.in_full(curve)}: nothing was recorded")
+    units = {curve.unit: naming.in_full(curve) for curve in curves}
     if len(units) > 1:
         several = " and ".join(f"{words} [{unit}]" for unit, words in units.items())
         raise PictureError(f"expected curves of one unit in a panel, found {several}")
-    papers = {curve.paper: _line(curve.words) for curve in curves}
-    if len(papers) > 1:
+    papers = {curve.paper: naming.in_full(curve) for curve in curves}
+    if len(papers) > 1 and not papers.keys() <= set(PLANES):
         several = " and ".join(papers.values())
         raise PictureError(f"expected curves over time or of one kind of spectrum, found {several}")
+    bases = {curve.base: naming.in_full(curve.across or curve) for curve in curves}
+    if len(bases) > 1:
+        several = " and ".join(f"{words} [{unit}]" for unit, words in bases.items())
+        raise PictureError(f"expected curves over quantities of one unit, found {several}")
 
 
 def _fill(axes: Axes, time: Array, curves: Sequence[Curve], time_exponent: int) -> None:
     peak = max(float(np.abs(curve.values).max()) for curve in curves)
-    exponent = 0 if curves[0].unit in UNPREFIXED else _exponent(peak)
-    for curve in curves:
+    exponent = exponent_of(peak, curves[0].unit)
+    for curve, look in zip(curves, styles(curves), strict=True):
         at = time if curve.abscissa is None else curve.abscissa
-        axes.plot(at / 10.0**time_exponent, curve.values / 10.0**exponent)
+        marker = "o" if len(at) == 1 else None
+        axes.plot(at / 10.0**time_exponent, curve.values / 10.0**exponent, marker=marker, **look)
     _widen(axes, STEADY * peak / 10.0**exponent)
-    axes.set_ylabel(_with_unit(curves[0].ordinate, PREFIXES[exponent] + curves[0].unit))
+    axes.set_ylabel(with_unit(curves[0].ordinate, PREFIXES[exponent], curves[0].unit))
 
 
 def _name(axes: Axes, curves: Sequence[Curve]) -> None:
     """What the curves share as title, and the rest as legend."""
-    longest = max(len(curve.words) for curve in curves)
-    words = np.array([[*c.words, *[""] * (longest - len(c.words))] for c in curves])
-    common = (words == words[0]).all(axis=0)
-    axes.set_title(_line(words[0, common]), parse_math=False)
-    if len(curves) > 1:
-        lines, named = axes.lines[: len(curves)], [_line(row[~common]) for row in words]
-        legend = axes.legend(lines, named, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    title, labels = naming.title_and_labels(curves)
+    if curves[0].paper not in PLANES:  # where it stands beside the axes
+        axes.set_title(fill(title, LONGEST_LINE), parse_math=False)
+    if any(labels):
+        lines = axes.lines[: len(curves)]
+        folded = [fill(label, LONGEST_LABEL) for label in labels]
+        legend = axes.legend(lines, folded, loc="upper left", bbox_to_anchor=(1.0, 1.0))
         for text in legend.get_texts():
             text.set_parse_math(False)
-
-
-def _with_unit(ordinate: str, unit: str) -> str:
-    return f"{ordinate} [{unit}]".strip()
 
 
 def _widen(axes: Axes, least: float) -> None:
@@ -194,14 +240,3 @@ def _widen(axes: Axes, least: float) -> None:
     if high - low < least:
         middle = 0.5 * (low + high)
         axes.set_ylim(middle - 0.5 * least, middle + 0.5 * least)
-
-
-def _line(words: Iterable[str]) -> str:
-    return ", ".join(word for word in words if word)
-
-
-def _exponent(peak: float) -> int:
-    """The power of ten of the prefix that makes values up to a peak easy to read."""
-    if peak == 0.0 or 0.1 <= peak < 1e4:
-        return 0
-    return int(np.clip(3 * np.floor(np.log10(peak) / 3), min(PREFIXES), max(PREFIXES)))

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from ..superelement.validation import Array
 from .labels import apart
-from .picture import COLORS, style
+from .picture import style
+from .styles import COLORS
 
 IntArray = NDArray[np.int64]
 

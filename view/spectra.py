@@ -13,6 +13,7 @@ from ..results.series.bands import RATIO
 from ..results.transforms import GRAVITY
 from ..superelement.validation import Array
 from .quantities import Curve
+from .styles import styles
 
 NARROWEST, FEW = 3.0, 2.5
 """the least ratio of the ends of an ordinate; decades below which there are numbers between"""
@@ -30,12 +31,12 @@ def fill(axes: Axes, curves: Sequence[Curve]) -> None:
     """Draw the curves of a panel, which have one paper, over frequency."""
     paper = curves[0].paper
     axes.set_xscale("log")
-    for curve in curves:
+    for curve, look in zip(curves, styles(curves), strict=True):
         assert curve.abscissa is not None
         if paper == "bands":
-            _draw_bands(axes, curve)
+            _draw_bands(axes, curve, look)
         else:
-            axes.plot(curve.abscissa, np.abs(curve.values))
+            axes.plot(curve.abscissa, np.abs(curve.values), **look)
     of_oscillators = curves[0].words[-1].startswith("shock")
     axes.set_xlabel("natural frequency [Hz]" if of_oscillators else "frequency [Hz]")
     peaks = np.concatenate([np.abs(curve.values) for curve in curves])
@@ -60,14 +61,13 @@ def _mark(axis: Axis, limits: tuple[float, float]) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def _draw_bands(axes: Axes, curve: Curve) -> None:
+def _draw_bands(axes: Axes, curve: Curve, look: dict[str, Any]) -> None:
     """A level from edge to edge of each band."""
     assert curve.abscissa is not None
     half = math.sqrt(_ratio(curve.abscissa))
     edges = np.append(curve.abscissa / half, curve.abscissa[-1] * half)
-    (centers,) = axes.plot(curve.abscissa, np.abs(curve.values), "o", markersize=2.5)
-    color = centers.get_color()
-    axes.stairs(np.abs(curve.values), edges, baseline=None, linewidth=1.2, color=color)
+    axes.plot(curve.abscissa, np.abs(curve.values), "o", markersize=2.5, color=look["color"])
+    axes.stairs(np.abs(curve.values), edges, baseline=None, linewidth=1.2, **look)
 
 
 def _ratio(centers: Array) -> float:

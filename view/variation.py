@@ -12,7 +12,8 @@ from matplotlib.tri import Triangulation
 
 from ..superelement.validation import Array
 from .errors import PictureError
-from .picture import COLORS, PANEL_HEIGHT, WIDTH, entitle, style
+from .picture import PANEL_HEIGHT, WIDTH, entitle, style
+from .styles import COLORS
 
 MOST_LINES = 6
 """of one panel; more values of the second parameter are drawn as contours"""

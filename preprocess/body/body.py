@@ -16,7 +16,17 @@ from pydantic import (
     model_validator,
 )
 
-from ...inputs import InputError, Table, Vector, expected, is_name, quoted, read_table
+from ...inputs import (
+    Also,
+    InputError,
+    Table,
+    Vector,
+    document_of,
+    expected,
+    is_name,
+    quoted,
+    read_table,
+)
 from ...inputs.names import LONGEST
 from ..errors import BodyError
 from .damping import Damping, check_fit
@@ -54,7 +64,7 @@ class PointMass(Selection):
     """
 
     mass: NonNegativeFloat
-    inertia: Annotated[tuple[Vector, Vector, Vector], BeforeValidator(_as_matrix)] = (
+    inertia: Annotated[tuple[Vector, Vector, Vector], BeforeValidator(_as_matrix), Also(Vector)] = (
         (0.0,) * 3,
     ) * 3
     interface: str | None = None
@@ -395,6 +405,11 @@ class Body(Table):
             if as_read.model_dump(exclude=paths) == self.model_dump(exclude=paths):
                 return self._text
         return self.model_dump_json(exclude_unset=True)
+
+
+def body_schema() -> dict[str, Any]:
+    """The JSON schema of body files, by which editors complete and check them."""
+    return document_of(Body, "A body file of Duhamel")
 
 
 def read_body(path: str | os.PathLike[str]) -> Body:

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, NonNegativeFloat, PositiveFloat, model_validator
 
-from ...inputs import Table
+from ...inputs import Also, Table
 from ...superelement import Chain
 from .relaxation import MOST, RIPPLE, as_chain, fit
 
@@ -98,7 +98,7 @@ class Damping(Table):
     energy stiffens with frequency. 0 for a modulus of long times.
     """
 
-    modal: Annotated[Ratios | None, BeforeValidator(_as_table)] = None
+    modal: Annotated[Ratios | None, BeforeValidator(_as_table), Also(float)] = None
     rayleigh: Rayleigh | None = None
     loss_factor: LossFactor | None = None
     band: tuple[PositiveFloat, PositiveFloat] | None = None

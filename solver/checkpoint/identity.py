@@ -21,7 +21,7 @@ from ..errors import StateError
 from ..history.layout import Horizon
 from ..laws.law import LAWS
 from ..lower.lower import LoweredModel
-from ..model.bodies import FlexibleBody
+from ..model.bodies import FlexibleBody, RigidBody
 from ..model.model import Model
 from ..model.recorded import Recorded, RecordedSpline
 from ..schema.entry import Beside, Entry, note
@@ -38,8 +38,10 @@ TABLES = {
 }
 """fields of a model by the keys of files"""
 LIBRARIES = ("numpy", "scipy", "numba", "llvmlite")
-BESIDES_THE_NUMBERS = frozenset({"recovery", "provenance"})
+BESIDES_THE_NUMBERS = frozenset({"recovery", "provenance", "outline"})
 """fields of superelements that no step reads"""
+LOOKS = "shape"
+"""the field of rigid bodies that no step reads"""
 LONGEST = 60
 """characters of a value in a message"""
 
@@ -173,6 +175,8 @@ def _flat(key: str, value: Any) -> Iterator[tuple[str, Any]]:
         yield f"{key}.file", f"{type(value).__name__} {digest_of(value.points)}"
     elif isinstance(value, Entry):
         for field, hint in declared(type(value)):
+            if isinstance(value, RigidBody) and field.name == LOOKS:
+                continue
             below = key if note(hint, Beside) else f"{key}.{key_of(field, hint)}"
             yield from _flat(below, getattr(value, field.name))
     elif isinstance(value, Mapping):

@@ -11,7 +11,8 @@ from ...superelement import Rotation, Superelement
 from ...superelement.rotation import INERTIA
 from ..arrays import Array
 from ..schema.entry import Beside, Entry, entry
-from ..schema.values import ORIGIN, Inertia, Name, Positive, Vector
+from ..schema.values import ABSENT, ORIGIN, Inertia, Name, Positive, Vector
+from .body_shapes import AnyBodyShape
 
 SecondOrder = Literal["auto", "full", "off"]
 INERTIA_TOLERANCE = 1e-6
@@ -67,12 +68,14 @@ class RigidBody(Entry):
 
     mass [kg]; inertia about the center of mass in body axes, (3,) principal or (3, 3) [kg m^2]. No
     principal inertia exceeds the sum of the other two: no distribution of mass has such a one.
+    shape: what it looks like, of which nothing else depends; by default a box of its inertia.
     """
 
     mass: Positive
     inertia: Inertia
     frames: Mapping[str, Frame] = field(default_factory=dict)
     start: Annotated[Start, Beside()] = field(default_factory=Start)
+    shape: AnyBodyShape | None = ABSENT
 
     def validate(self) -> None:
         principal = np.linalg.eigvalsh(self.inertia).tolist()

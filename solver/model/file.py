@@ -8,13 +8,15 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import tomli_w
-from pydantic import Field, create_model, model_validator
+from pydantic import ConfigDict, Field, create_model, model_validator
 
 from ...files import renamed_when_whole
-from ...inputs import InputError, Table, Vector, quoted, read_table
+from ...inputs import InputError, Shown, Table, Vector, document_of, quoted, read_table
 from ...superelement import Superelement, read
 from ..errors import ModelError, about
+from ..laws.law import FORCE_LAWS
 from ..schema.entry import Entry, filled
+from ..schema.json_schema import definition
 from ..schema.paths import beside, relative
 from ..schema.tables import (
     entry_of,
@@ -22,19 +24,23 @@ from ..schema.tables import (
     present_keys,
     table_in_file,
     table_of,
+    tables_of,
     value_of,
 )
 from ..schema.values import ORIGIN
+from ..step.loads import LOAD_KINDS
 from .bodies import Body, FlexibleBody, Frame, RigidBody, SecondOrder, Start
 from .contacts import Contact
 from .couplers import Coupler
+from .friction import FRICTION_COEFFICIENTS
 from .joints import Joint
 from .loads import AnyLoad, Load, PatternLoad
 from .model import Model
 from .motions import PrescribedDisplacement, PrescribedOrientation, PrescribedRotation
 from .motors import Motor
 from .output_request import OutputRequest
-from .settings import Settings, StartFrom
+from .settings import INTERVALS, Settings, StartFrom
+from .signals import SIGNALS
 from .springs import Spring
 from .stops import Stop
 
@@ -48,6 +54,12 @@ MOTIONS = PrescribedDisplacement, PrescribedRotation, PrescribedOrientation
 
 class _Body(Table):
     """The table of a rigid or a flexible body."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "anyOf": [{"required": ["superelement"]}, {"required": ["mass", "inertia"]}]
+        }
+    )
 
     superelement: Annotated[Path, Field(strict=False)] | None = None
     second_order: SecondOrder | None = None
@@ -73,23 +85,28 @@ def _optional(keys: Mapping[str, Any]) -> dict[str, Any]:
 
 
 _BODY: Any = create_model("Body", __base__=_Body, **_optional(keys_of(RigidBody)))
+_BODY.documented = RigidBody, Start, FlexibleBody
 _MOTION: Any = create_model(
     "Motion",
     __base__=Table,
     **_optional({key: kind for motion in MOTIONS for key, kind in keys_of(motion).items()})
     | {"name": (str, ""), "on": (str, ...)},
 )
+_MOTION.documented = MOTIONS
 _SETTINGS = {key: kind for key, kind in keys_of(Settings).items() if key != "output"}
 _SIMULATION: Any = create_model("Simulation", __base__=Table, **_SETTINGS, gravity=(Vector, ORIGIN))
+_SIMULATION.documented = (Settings,)
 
 
 PATTERN = "pattern"
 """the type of loads that are no `Load` on a frame"""
+_LOAD_TYPE = Annotated[str, Shown(lambda: {"type": "string", "enum": [*LOAD_KINDS, PATTERN]})]
 _LOAD: Any = create_model(
     "Load",
     __base__=Table,
-    **{**_optional(keys_of(Load) | keys_of(PatternLoad)), "type": (str, ...)},
+    **{**_optional(keys_of(Load) | keys_of(PatternLoad)), "type": (_LOAD_TYPE, ...)},
 )
+_LOAD.documented = Load, PatternLoad
 
 
 class _Ground(Table):
@@ -109,6 +126,17 @@ class _ModelFile(Table):
     stops: tuple[table_of(Stop), ...] = ()  # type: ignore[valid-type]
     couplers: tuple[table_of(Coupler), ...] = ()  # type: ignore[valid-type]
     motors: tuple[table_of(Motor), ...] = ()  # type: ignore[valid-type]
+
+
+FAMILIES = SIGNALS, FORCE_LAWS, FRICTION_COEFFICIENTS, INTERVALS
+
+
+def model_schema() -> dict[str, Any]:
+    """The JSON schema of model files, by which editors complete and check them."""
+    tables = {family: tables_of(family) for family in FAMILIES}
+    families = {family.title: definition(family, own) for family, own in tables.items()}
+    members = [table for own in tables.values() for table in own.values()]
+    return document_of(_ModelFile, "A model file of Duhamel", families, members)
 
 
 def read_model(path: str | os.PathLike[str]) -> Model:

@@ -4,8 +4,10 @@ import itertools
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import KW_ONLY, field, replace
+from pathlib import Path
 from typing import Any
 
+from ...files.html import listed, table
 from ...inputs import is_name, quoted
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
@@ -20,6 +22,7 @@ from .motors import JointMotor, Motor
 from .settings import Settings
 from .springs import Spring
 from .stops import JointStop, Stop
+from .summary import counted, rows
 
 GROUND = "ground"
 Named = Joint | Spring | PrescribedMotion | Contact | Stop | Motor | Coupler
@@ -65,6 +68,20 @@ class Model(Entry):
         self._check_loads()
         if self.settings.start == "equilibrium":
             self._check_equilibrium()
+
+    def __repr__(self) -> str:
+        parts = (counted(len(entries), kind) for kind, entries in self._parts().items() if entries)
+        named = listed(self.bodies)
+        return f"<Model: {', '.join([f'bodies {named}', *parts])}>"
+
+    def _repr_html_(self) -> str:
+        title = f"Model {Path(self.path).stem}" if self.path else "Model"
+        return table(title, rows(self.bodies, self._parts(), self.gravity, self.settings))
+
+    def _parts(self) -> dict[str, tuple[Any, ...]]:
+        """All that is between bodies, by kind."""
+        kinds = ("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers")
+        return {kind: getattr(self, kind) for kind in kinds}
 
     @property
     def flexible_bodies(self) -> dict[str, FlexibleBody]:

@@ -6,6 +6,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
+from ...inputs import Shown
 from ...superelement import sha256
 from ..arrays import Array
 from ..errors import ModelError
@@ -27,7 +28,10 @@ def _column(value: Any) -> str | int:
     return value
 
 
-Column = Annotated[str | int, Takes("the name of a column, or its number, from 1 on", _column, Any)]
+_COLUMN = Annotated[Any, Shown(lambda: {"type": ["string", "integer"]})]
+Column = Annotated[
+    str | int, Takes("the name of a column, or its number, from 1 on", _column, _COLUMN)
+]
 
 
 class _Recorded(Piecewise, Pointwise):

@@ -5,6 +5,7 @@ from dataclasses import field
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+from ...inputs import Shown
 from ..errors import ModelError
 from ..schema.entry import Entry, Key, Takes, entry
 from ..schema.forms import Family
@@ -62,9 +63,19 @@ def _start_in_file(value: "str | StartFrom") -> Any:
     return {"from": value.path} if isinstance(value, StartFrom) else value
 
 
+def _start_schema() -> dict[str, Any]:
+    run = {"type": "object", "properties": {"from": {"type": "string"}}, "required": ["from"]}
+    return {"anyOf": [{"enum": list(STARTS)}, run | {"additionalProperties": False}]}
+
+
 AnyStart = Annotated[
     str | StartFrom,
-    Takes("'given', 'equilibrium' or {'from': FILE}", _start, Any, _start_in_file),
+    Takes(
+        "'given', 'equilibrium' or {'from': FILE}",
+        _start,
+        Annotated[Any, Shown(_start_schema)],
+        _start_in_file,
+    ),
 ]
 INTERVALS = Family("interval")
 

@@ -16,7 +16,7 @@ from ..model.joints import Joint
 from ..model.model import Coupling, Model
 from ..model.motions import PrescribedDisplacement, PrescribedRotation
 from ..model.motors import JointMotor
-from ..model.outlines import outline_of_rigid
+from ..model.rigid_outline import outline_of_rigid
 from ..model.springs import Spring
 from ..model.stops import JointStop
 

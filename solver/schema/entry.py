@@ -20,7 +20,7 @@ from typing import (
     get_type_hints,
 )
 
-from ...inputs import dotted, quoted
+from ...inputs import Shown, dotted, quoted
 from ..errors import ModelError, plain
 
 
@@ -185,7 +185,8 @@ def one_of(names: Mapping[str, Any]) -> Takes:
             raise ValueError
         return name
 
-    return Takes(what, store, str)
+    in_file = Annotated[str, Shown(lambda: {"type": "string", "enum": list(names)})]
+    return Takes(what, store, in_file)
 
 
 @cache

@@ -34,6 +34,11 @@ class Family:
         self.number: Any = None
         """the entry of one field that a bare number stands for"""
 
+    @property
+    def title(self) -> str:
+        """Its name in JSON schemas."""
+        return self.name.replace(" ", "_")
+
     def in_files(self, key: str, flag: str = "") -> Callable[[AnyEntryType], AnyEntryType]:
         """Make an entry known to model files: a table with this key.
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from ...files.outputs import resolved
+from ...inputs import Shown
 from .entry import Takes
 
 LONGEST = 1000
@@ -41,4 +42,5 @@ def _in_file(path: str) -> str:
     return relative(path, _FOLDER.get())
 
 
-FilePath = Annotated[str, Takes("the path of a file", _store, Any, _in_file)]
+_PATH = Annotated[Any, Shown(lambda: {"type": "string"})]
+FilePath = Annotated[str, Takes("the path of a file", _store, _PATH, _in_file)]

@@ -10,10 +10,11 @@ from typing import Annotated, Any, ClassVar, TypeVar, Union, get_args, get_origi
 import numpy as np
 from pydantic import create_model
 
-from ...inputs import Table, dotted, quoted, read_part
+from ...inputs import Shown, Table, dotted, member_of, quoted, read_part
 from ..errors import ModelError
 from .entry import Beside, Entry, Key, LeftOut, Takes, annotations, filled, note
 from .forms import Family, Form, Members
+from .json_schema import members_of, told
 
 AnyEntry = TypeVar("AnyEntry", bound=Entry)
 
@@ -28,7 +29,7 @@ class EntryTable(Table):
 def table_of(kind: type[Entry]) -> type[EntryTable]:
     """The table in which a model file gives an entry."""
     table = create_model(kind.__name__, __base__=EntryTable, **keys_of(kind))
-    table.entry = kind
+    table.entry, table.documented = kind, (kind,)
     return table
 
 
@@ -43,7 +44,8 @@ def keys_of(kind: type[Entry]) -> dict[str, Any]:
             keys |= keys_of(_bare(hint))
         else:
             required = _is_required(field) and note(hint, LeftOut) is None
-            keys[key_of(field, hint)] = (type_in_file(hint), ... if required else None)
+            kind_in_file: Any = Annotated[type_in_file(hint), told(field, hint)]
+            keys[key_of(field, hint)] = (kind_in_file, ... if required else None)
     return keys
 
 
@@ -184,6 +186,12 @@ def _entry_of_forms(forms: tuple[Form, ...], value: Any) -> Any:
     return entry_of(next(form.kind for form in forms if form.flag == flag), table)
 
 
+def tables_of(family: Family) -> dict[tuple[Form, ...], type[Table]]:
+    """The tables in which model files give the members of a family, by the forms of each."""
+    groups = [tuple(forms) for forms in family.forms.values()]
+    return {forms: _table_of_forms(forms) for forms in groups}
+
+
 @cache
 def _table_of_forms(forms: tuple[Form, ...]) -> type[Table]:
     keys: dict[str, Any] = {}
@@ -191,7 +199,9 @@ def _table_of_forms(forms: tuple[Form, ...]) -> type[Table]:
         keys |= keys_of(form.kind)
         if form.flag:
             keys[form.flag] = (bool, False)
-    return create_model("Forms", __base__=Table, **keys)
+    table = create_model("Or".join(form.kind.__name__ for form in forms), __base__=Table, **keys)
+    table.documented = tuple(form.kind for form in forms)
+    return table
 
 
 def member_in_file(family: Family, member: Any) -> Any:
@@ -208,8 +218,10 @@ def member_in_file(family: Family, member: Any) -> Any:
 def type_in_file(hint: Any) -> Any:
     """The type of a value in a file, for a field with this annotation."""
     origin, arguments = get_origin(hint), get_args(hint)
-    if note(hint, Family) is not None or note(hint, Members) is not None:
-        return Any
+    if (family := note(hint, Family)) is not None:
+        return Annotated[Any, Shown(lambda: member_of(family.title))]
+    if (members := note(hint, Members)) is not None:
+        return Annotated[Any, Shown(lambda: members_of(members.family.title))]
     if origin is Annotated:
         takes = next((item for item in arguments[1:] if isinstance(item, Takes)), None)
         return takes.in_file if takes is not None else type_in_file(arguments[0])

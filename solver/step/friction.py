@@ -70,7 +70,8 @@ def trial_force(couplings: Couplings, r: int, i: int, state: State, work: Worksp
 @compiled
 def _acts(work: Workspace) -> bool:
     """Friction resists what moves in a step: at the start, and in a step without end, is none."""
-    return 0.0 < work.couplings.elapsed[0] < math.inf
+    elapsed: float = work.couplings.elapsed[0]
+    return 0.0 < elapsed < math.inf
 
 
 @compiled

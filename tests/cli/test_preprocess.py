@@ -1,5 +1,8 @@
 """`duhamel preprocess`: where the file goes, what is printed, and how it fails."""
 
+import importlib
+import sys
+
 import meshio
 import numpy as np
 import pytest
@@ -246,3 +249,22 @@ def test_a_path_that_cannot_be_written_is_told_before_the_build(name, runner, bo
     assert result.exit_code == 1
     assert result.stderr.startswith(f"error: {target}: ")
     assert len(result.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize("earlier", [False, True])
+def test_an_interrupt_says_in_which_stage_and_what_is_kept(runner, body_file, monkeypatch, earlier):
+    target = body_file.with_name("body.h5")
+    importlib.import_module("duhamel.preprocess")
+    if earlier:
+        runner.invoke(app, ["preprocess", str(body_file)])
+    before = target.read_bytes() if earlier else None
+
+    def interrupt(*arguments, **more):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(sys.modules["duhamel.preprocess.build"], "impulse_responses", interrupt)
+    result = runner.invoke(app, ["preprocess", str(body_file)])
+    state = "stays as it was" if earlier else "is not written"
+    told = f"interrupted in the stage impulse; {target} {state}\n"
+    assert (result.exit_code, result.stderr) == (130, told)
+    assert (target.read_bytes() if target.exists() else None) == before

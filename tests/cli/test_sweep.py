@@ -2,7 +2,7 @@
 
 import pytest
 from duhamel.cli.app import app
-from duhamel.cli.sweep import Progress, clock, shown_cases
+from duhamel.cli.sweep import shown_cases
 from duhamel.study import Case, Row
 from typer.testing import CliRunner
 
@@ -17,23 +17,8 @@ def row(reused=False):
     return Row(Case("a", {}, {}, None), "done", reused=reused)
 
 
-def test_the_time_that_remains_is_that_of_the_cases_that_ran():
-    progress = Progress(10)
-    progress.take(row(reused=True))
-    assert progress.remaining(progress._started + 6.0) is None
-    progress.take(row())
-    progress.take(row())
-    assert progress.remaining(progress._started + 6.0) == pytest.approx(3.0 * 7)
-    assert str(progress).startswith("3 of 10 cases, ")
-
-
-@pytest.mark.parametrize(("seconds", "shown"), [(9.4, "0:09"), (119.6, "2:00"), (7322, "2:02:02")])
-def test_times_are_those_of_a_clock(seconds, shown):
-    assert clock(seconds) == shown
-
-
 def test_without_a_terminal_there_is_a_line_every_few_seconds(monkeypatch, capsys):
-    monkeypatch.setattr("duhamel.cli.sweep.INTERVAL", 0.05)
+    monkeypatch.setattr("duhamel.files.progress.INTERVAL", 0.05)
     with shown_cases(4) as finished:
         finished(row())
         import time
@@ -42,6 +27,16 @@ def test_without_a_terminal_there_is_a_line_every_few_seconds(monkeypatch, capsy
     told = capsys.readouterr().err.splitlines()
     assert len(told) >= 2
     assert all(line.startswith("1 of 4 cases, 0:0") for line in told)
+
+
+def test_an_interrupt_says_how_many_cases_are_kept():
+    def interrupted():
+        with shown_cases(4) as finished:
+            finished(row())
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt, match="interrupted: 1 of 4 cases are finished and kept"):
+        interrupted()
 
 
 def test_a_summary_is_drawn(tmp_path):

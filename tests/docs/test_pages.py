@@ -5,7 +5,7 @@ import re
 import pytest
 from import_order import PACKAGES, ROOMS, ROOT
 
-PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 BASES = ("", "solver", "solver/compiler")
 """Folders that paths of the developers' pages are relative to."""
 
@@ -16,7 +16,7 @@ def anchors(text: str) -> set[str]:
     return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in headings}
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
 def test_links_lead_somewhere(page):
     for link in re.findall(r"\]\(([^)\s]+)\)", page.read_text()):
         if "://" in link:
@@ -25,6 +25,24 @@ def test_links_lead_somewhere(page):
         target = (page.parent / file).resolve() if file else page
         assert target.exists(), link
         assert not anchor or anchor in anchors(target.read_text()), link
+
+
+def test_every_example_is_in_the_gallery():
+    text = (ROOT / "docs" / "gallery.md").read_text()
+    examples = [*(ROOT / "examples").glob("*.toml"), *(ROOT / "examples").glob("*.py")]
+    assert [path.name for path in examples if f"](../examples/{path.name})" not in text] == []
+
+
+def test_every_problem_of_validation_is_on_its_page():
+    text = (ROOT / "docs" / "validation.md").read_text()
+    problems = (ROOT / "tests" / "validation").glob("test_*.py")
+    assert [path.name for path in problems if f"`{path.name}`" not in text] == []
+
+
+def test_every_page_is_on_the_site():
+    text = (ROOT / "mkdocs.yml").read_text()
+    pages = [path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").rglob("*.md")]
+    assert [page for page in pages if page not in re.findall(r"[\w/-]+\.md", text)] == []
 
 
 def test_files_that_are_named_exist():

@@ -1,6 +1,7 @@
 """Runs that go on from the state that they kept: to the bit those that were never interrupted."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -591,7 +592,12 @@ def test_an_interrupt_is_one_line(model_file, tmp_path):
         while process.poll() is None and not (tmp_path / "out.h5.checkpoint").exists():
             time.sleep(0.01)
         process.send_signal(signal.SIGINT)
-        assert process.communicate()[1].strip() == "interrupted"
+        (told,) = process.communicate()[1].splitlines()
+        assert re.fullmatch(
+            rf"interrupted at t = \S+ s of \S+ s; its [0-9]+ rows are in {path}, "
+            "and its state beside them: --continue goes on from there",
+            told,
+        )
     assert process.returncode == 130
     with run(model_file, path, "--continue") as process:
         assert process.communicate()[1].strip() == ""

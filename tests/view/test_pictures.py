@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from duhamel import view
 from duhamel.results import Results
+from duhamel.view.naming import in_full
 
 from ..results.disc import ANGLE, TIME, TRAVEL
 
@@ -16,20 +17,20 @@ def results(results_file):
 
 
 def words(curves):
-    return [", ".join(filter(None, curve.words)) for curve in curves]
+    return [in_full(curve) for curve in curves]
 
 
 def test_a_quantity_with_an_axis_is_one_curve(results):
     (curve,) = view.curves(results, "displacement:beam.tip:disc.rim:y")
-    assert curve.words == ("displacement", "beam.tip seen from disc.rim", "y")
+    assert curve.words == ("displacement", "beam tip seen from disc rim", "y")
     assert curve.unit == "m"
     np.testing.assert_allclose(curve.values, TRAVEL[:, 1] - TRAVEL[0, 1], rtol=0, atol=1e-15)
 
 
 def test_without_an_axis_components_that_are_zero_are_left_out(results):
-    assert words(view.curves(results, "angle:disc")) == ["angle, disc, z"]
+    assert words(view.curves(results, "angle:disc")) == ["disc, angle about z"]
     assert words(view.curves(results, "elastic_rotation:beam.tip")) == [
-        f"elastic rotation, beam.tip, {axis}" for axis in "xyz"
+        f"beam tip, elastic rotation about {axis}" for axis in "xyz"
     ]
     assert len(view.curves(results, "velocity:beam")) == 3
 
@@ -81,16 +82,36 @@ def test_rounding_on_a_level_is_not_magnified(results):
 
 
 def test_the_overview_of_a_flexible_model(results):
-    speed, travel, energies, balance = view.overview(results)
-    assert words(speed) == ["angular velocity, disc, z"]
-    assert words(travel) == [f"elastic displacement, beam.tip, {axis}" for axis in "xyz"]
-    assert words(energies) == ["energy, kinetic", "energy, work"]
-    assert words(balance) == ["energy, balance"]
+    angle, bent, speed, energies, balance = view.overview(results)
+    assert words(angle) == ["clamp, angle"]
+    assert words(bent) == [f"beam tip, elastic displacement along {axis}" for axis in "xyz"]
+    assert words(speed) == ["disc, angular velocity about z"]
+    assert words(energies) == ["kinetic energy", "work from outside"]
+    assert words(balance) == ["energy balance"]
 
 
-def test_the_overview_of_rigid_bodies_shows_positions(edit):
-    _, travel, *_ = view.overview(Results.read(edit(lambda file: file.pop("flexible_body"))))
-    assert words(travel) == ["position, beam, x", "position, beam, y"]
+def without_joints(file):
+    for name in list(file):
+        if name.startswith("joint"):
+            del file[name]
+
+
+def test_the_overview_shows_positions_where_no_joint_has_a_coordinate(edit):
+    travel, *_ = view.overview(Results.read(edit(without_joints)))
+    assert words(travel) == ["beam, position along x", "beam, position along y"]
+
+
+def test_the_overview_shows_velocities_where_positions_would_be_levels(edit):
+    """A kilometer from the origin the way of a second cannot be seen."""
+
+    def far(file):
+        without_joints(file)
+        file["body_position"][:, 0] += [1000.0, 0.0, 0.0]
+        file["body_velocity"][:, 0, 1] = TIME
+
+    travel, *others = view.overview(Results.read(edit(far)))
+    assert words(travel) == ["beam, velocity along y"]
+    assert not any("velocity along" in word for panel in others for word in words(panel))
 
 
 def test_the_overview_leaves_out_what_was_not_recorded(edit):
@@ -108,7 +129,7 @@ def test_the_overview_leaves_out_what_was_not_recorded(edit):
 
     results = Results.read(edit(energies_alone))
     energies, balance = view.overview(results)
-    assert words(balance) == ["energy, balance"]
+    assert words(balance) == ["energy balance"]
     assert all(curve.words[0] == "energy" for curve in energies)
     for quantity, message in (
         ("angle:disc", "no body or frame 'disc'; there are: none"),
@@ -127,17 +148,17 @@ def test_the_overview_shows_velocities_where_nothing_turns(edit):
         file["body_angular_velocity"][:] = 0.0
         file["body_velocity"][:, 0, 0] = TIME
 
-    speed, *_ = view.overview(Results.read(edit(stop)))
-    assert words(speed) == ["velocity, beam, x"]
+    *_, speed, _, _ = view.overview(Results.read(edit(stop)))
+    assert words(speed) == ["beam, velocity along x"]
 
 
 def test_titles_say_what_curves_share_and_legends_what_they_do_not(results):
     panel = [*view.curves(results, "angle:disc:z"), *view.curves(results, "angle:beam.tip:z")]
     figure = view.draw(results.time, [panel], "disc")
     (axes,) = figure.axes
-    assert axes.get_title("left") == "angle, z"
+    assert axes.get_title("left") == "angle about z"
     assert axes.get_ylabel() == "[rad]"
-    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["disc", "beam.tip"]
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["disc", "beam tip"]
     np.testing.assert_allclose(axes.lines[0].get_ydata(), ANGLE, rtol=0, atol=1e-12)
 
 
@@ -161,7 +182,7 @@ def test_prefixes_make_numbers_easy_to_read(results, quantity, unit, factor):
 def test_a_panel_has_one_unit(results):
     panel = [*view.curves(results, "angle:disc:z"), *view.curves(results, "energy:work")]
     with pytest.raises(
-        view.PictureError, match=r"found angle, disc, z \[rad\] and energy, work \[J\]"
+        view.PictureError, match=r"found disc, angle about z \[rad\] and work from outside \[J\]"
     ):
         view.draw(results.time, [panel])
 
@@ -197,4 +218,4 @@ def test_short_runs_have_their_time_in_milliseconds(results):
 
 def test_a_coordinate_is_not_seen_from_anywhere(results):
     (curve,) = view.curves(results, "coordinate:clamp:angle")
-    assert curve.words == ("coordinate", "clamp angle", "")
+    assert curve.words == ("angle", "clamp", "")

@@ -22,6 +22,8 @@ def outline_of_rigid(body: RigidBody, size: float) -> Outline:
 
     size: of the model [m], 0 where it is a point.
     """
+    if body.shape is not None:
+        return body.shape.outline
     reach = max((float(np.linalg.norm(f.position)) for f in body.frames.values()), default=0.0)
     longest = max(LARGEST_REACH * reach, LARGEST_SIZE * size) or np.inf
     return box_of_inertia(body.mass, body.inertia, SMALLEST_SIZE * size, longest)

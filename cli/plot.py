@@ -1,0 +1,229 @@
+"""`duhamel plot`: results over time, over frequency, against one another, and fields."""
+
+from collections.abc import Sequence
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from .completion import files as completed
+from .failures import errors_in_one_line, one_line
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ..results.transforms import Window
+    from ..view import Run
+
+CSV = ".csv"
+"""suffix of summaries of studies"""
+FILES = (".h5", ".hdf5", ".nc", CSV)
+"""suffixes of files; other arguments are quantities"""
+COMPARED = "compared"
+"""behind the name of the first of several files, in that of their picture"""
+
+Arguments = Annotated[
+    list[str],
+    typer.Argument(
+        metavar="FILE... [QUANTITY[,QUANTITY]]...",
+        help="RESULTS.h5 of `duhamel run`, several in one picture, or summary.csv of `sweep`; then "
+        "a panel each, as angular_velocity:hub:z, 'acceleration:*:z', 'srs(acceleration:hub:z, "
+        "q=10)', or 'position:tip:y against position:tip:x'.",
+        show_default=False,
+        autocompletion=completed(*FILES),
+    ),
+]
+Picture = Annotated[
+    Path | None,
+    typer.Option("--output", "-o", metavar="FILE.png|svg|pdf", show_default=False),
+]
+Title = Annotated[
+    str | None,
+    typer.Option(metavar="TEXT", help="Above the picture: the name of the file, unless given."),
+]
+Gravities = Annotated[bool, typer.Option("--g", help="Accelerations in g = 9.80665 m/s².")]
+Start = Annotated[
+    float | None,
+    typer.Option("--from", metavar="SECONDS", help="From this time, spectra too."),
+]
+End = Annotated[
+    float | None, typer.Option("--to", metavar="SECONDS", help="To this time, spectra too.")
+]
+Names = Annotated[
+    str | None,
+    typer.Option(metavar="NAME,NAME", help="Of several files, in the legend."),
+]
+Size = Annotated[
+    str | None, typer.Option(metavar="WIDTHxHEIGHT", help="Of the picture [inch], as 8x5.")
+]
+Fields = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--field",
+        metavar="FIELD:BODY",
+        help="A picture of bodies instead: von_mises:rod, displacement:rod or velocity:rod; of "
+        "several ones, or 'von_mises:*'.",
+    ),
+]
+At = Annotated[
+    str | None,
+    typer.Option(metavar="SECONDS|worst", help="The time of a field: worst, unless given."),
+]
+
+
+def plot(
+    arguments: Arguments,
+    output: Picture = None,
+    title: Title = None,
+    gravities: Gravities = False,
+    start: Start = None,
+    end: End = None,
+    names: Names = None,
+    size: Size = None,
+    field: Fields = None,
+    at: At = None,
+) -> None:
+    """Draw results over time: RESULTS.png beside the results file, unless given.
+
+    Of a study, summary.csv, draw the outputs, or those that are named, over its parameters.
+
+    Each further argument is a panel: a quantity, or several joined by commas; a star in a name
+    stands for anything. Without them: what moved, what pushed, the energies and their balance. A
+    quantity that does not exist lists those that do. What is made of quantities, in quotes:
+    srs(QUANTITY), fourier, psd, cumulative_rms, octaves, cfc, lowpass, highpass, bandpass, g.
+    Several files are drawn in one picture.
+
+    With --field the surfaces of bodies at a time, colored by stress, displacement or velocity.
+    """
+    files, quantities = _sorted(arguments)
+    if any(file.suffix.lower() == CSV for file in files):
+        if len(files) > 1:
+            raise typer.BadParameter("the summary of a study is drawn alone, without other files")
+        plot_summary(files[0], quantities, output, title)
+        return
+    from .. import results, view
+    from ..files.outputs import clash
+
+    window, inches, time = _window(start, end), _inches(size), _time(at, field)
+    if field and (quantities or len(files) > 1):
+        raise typer.BadParameter("--field: expected one file, and no quantities")
+    with errors_in_one_line(results, view):
+        runs = view.runs_of(files, names.split(",") if names else ())
+        target = output or _target(files, "field" if field else COMPARED)
+        if found := clash([target], dict.fromkeys(files, "the results file")):
+            raise view.PictureError(f"{found}, which the picture would replace")
+        heading = _heading(files) if title is None else title
+        if field:
+            of_bodies = [part for text in field for part in text.split(",")]
+            figure = view.draw_body_fields(runs[0].results, of_bodies, time, window, heading)
+        else:
+            figure = _figure(runs, quantities, gravities, window, heading)
+        if inches is not None:
+            figure.set_size_inches(*inches)
+        view.save(figure, target)
+    typer.echo(one_line(target))
+
+
+def _sorted(arguments: Sequence[str]) -> tuple[list[Path], list[str]]:
+    """The files among the arguments, of which the first is one, and the quantities."""
+    files, quantities = [Path(arguments[0])], []
+    for text in arguments[1:]:
+        path = Path(text)
+        if path.suffix.lower() in FILES or (":" not in text and _is_file(path)):
+            files.append(path)
+        else:
+            quantities.append(text)
+    return list(dict.fromkeys(files)), quantities
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def _figure(
+    runs: "Sequence[Run]",
+    quantities: Sequence[str],
+    gravities: bool,
+    window: "Window | None",
+    title: str,
+) -> "Figure":
+    from .. import view
+
+    if quantities:
+        panels = [view.panel(runs, text, gravities, window) for text in quantities]
+    elif len(runs) == 1 and window is None and not gravities:
+        panels = view.overview(runs[0].results)
+    else:
+        shown = view.overview_quantities(runs[0].results)
+        panels = [view.panel(runs, ",".join(panel), gravities, window) for panel in shown]
+    return view.draw(runs[0].results.time, panels, title)
+
+
+def _target(files: Sequence[Path], what: str) -> Path:
+    """FILE.png beside the first file, FILE-WHAT.png where it is not the picture of one run."""
+    first = files[0]
+    if len(files) == 1 and what == COMPARED:
+        return first.with_suffix(".png")
+    return first.with_name(f"{first.stem}-{what}.png")
+
+
+def _time(at: str | None, field: Sequence[str] | None) -> "float | str":
+    """The time of a field [s], or "worst"."""
+    if at is not None and not field:
+        raise typer.BadParameter("--at goes with --field")
+    if at is None or at == "worst":
+        return "worst"
+    try:
+        time = float(at)
+    except ValueError:
+        time = float("nan")
+    if not isfinite(time):
+        raise typer.BadParameter(f"--at: expected a time [s] or worst, found {at!r}")
+    return time
+
+
+def _heading(files: Sequence[Path]) -> str:
+    return files[0].stem if len(files) == 1 else ""
+
+
+def _window(start: float | None, end: float | None) -> "Window | None":
+    if start is None and end is None:
+        return None
+    window = -float("inf") if start is None else start, float("inf") if end is None else end
+    if not window[0] < window[1]:
+        raise typer.BadParameter(f"expected --from below --to, found {start} and {end}")
+    return window
+
+
+def _inches(size: str | None) -> tuple[float, float] | None:
+    if size is None:
+        return None
+    try:
+        width, height = (float(part) for part in size.lower().split("x"))
+    except ValueError:
+        width = height = 0.0
+    if not (1.0 <= width <= 100.0 and 1.0 <= height <= 100.0):
+        raise typer.BadParameter(
+            f"--size: expected WIDTHxHEIGHT from 1 to 100 inches, as 8x5, found {size!r}"
+        )
+    return width, height
+
+
+def plot_summary(
+    summary: Path, names: Sequence[str], output: Path | None, title: str | None
+) -> None:
+    """Draw the summary of a study: SUMMARY.png beside it, unless given."""
+    from .. import study, view
+    from ..files.outputs import clash
+    from .variation import draw
+
+    target = output or summary.with_suffix(".png")
+    with errors_in_one_line(study, view):
+        if found := clash([target], {summary: "the summary"}):
+            raise view.PictureError(f"{found}, which the picture would replace")
+        draw(summary, [name for text in names for name in text.split(",")], target, title)
+    typer.echo(one_line(target))

@@ -1,0 +1,50 @@
+"""Results in a few rows, for notebooks."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from ..files.html import Row, listed
+from ..superelement.validation import Array
+from .validity import Validity
+
+
+def rows(
+    time: Array, notes: Mapping[str, Any], recorded: tuple[str, ...], validity: Validity
+) -> Iterator[Row]:
+    """Duration, steps, how far it is to be trusted, and what was recorded."""
+    yield "time", spanned(time)
+    steps = notes.get("steps")
+    yield "steps", f"{len(time)} recorded" + (f" of {steps}" if steps is not None else "")
+    if not notes.get("finished", True):
+        yield "end", "not reached: the run was interrupted, failed, or is still going on"
+    if "seconds" in notes:
+        yield "computed in", f"{float(notes['seconds']):.3g} s"
+    yield "validity", "\n".join(_validity(validity))
+    for kind, names in _groups(recorded).items():
+        yield kind, listed(names)
+
+
+def spanned(time: Array) -> str:
+    return f"{time[0]:.6g} to {time[-1]:.6g} s" if len(time) else "nothing recorded"
+
+
+def _validity(validity: Validity) -> Iterator[str]:
+    """What is not good, the worst first; else that all is."""
+    verdicts = [check.verdict for check in validity.worst]
+    for wanted in ("poor", "fair"):
+        for check, verdict in zip(validity.worst, verdicts, strict=True):
+            if verdict == wanted:
+                measured = check.criterion.measured(check.value)
+                owner = f" of {check.owner}" if check.owner else ""
+                yield f"{verdict}: {check.criterion.quantity}{owner}: {measured}"
+    if not {"poor", "fair"} & set(verdicts):
+        yield "good in all that is counted" if "good" in verdicts else "not counted"
+
+
+def _groups(recorded: tuple[str, ...]) -> dict[str, list[str]]:
+    """What was recorded, by its kind."""
+    groups: dict[str, list[str]] = {}
+    for group in recorded:
+        kind, _, name = group.partition("/")
+        groups.setdefault(kind, []).extend([name] if name else ["yes"])
+    return groups

@@ -1,0 +1,164 @@
+"""Shapes of rigid bodies, which pictures show and nothing else depends on."""
+
+import io
+from contextlib import redirect_stderr, redirect_stdout
+from functools import cached_property
+from typing import Annotated, Any, Protocol
+
+import numpy as np
+from pydantic import AfterValidator
+
+from ...files import FileError, in_one_line, require_regular
+from ...inputs import expected
+from ...superelement import Outline, SuperelementError, figures
+from ...superelement.cells import padded
+from ..errors import ModelError
+from ..schema.entry import Entry, Key, Takes, entry
+from ..schema.forms import Family
+from ..schema.paths import FilePath
+from ..schema.tables import read_member
+from ..schema.values import ORIGIN, Direction, Positive, Vector, vector
+
+BODY_SHAPES = Family("shape")
+FACETS = ("triangle", "quad", "triangle6", "quad8", "quad9")
+"""cells of a surface, as meshio calls them"""
+E_Z: Any = (0.0, 0.0, 1.0)
+
+
+def _edges(value: Any) -> Any:
+    edges = vector(value)
+    if not (edges > 0.0).all():
+        raise ValueError
+    return edges
+
+
+_EdgesInFile = Annotated[
+    tuple[float, float, float], AfterValidator(_edges), expected("three positive numbers")
+]
+Edges = Annotated[np.ndarray, Takes("three positive numbers", _edges, _EdgesInFile)]
+
+
+class BodyShape(Protocol):
+    """What a rigid body looks like."""
+
+    @property
+    def outline(self) -> Outline:
+        """In body axes, from its center of mass."""
+
+
+@BODY_SHAPES.in_files("box")
+@entry()
+class Box(Entry):
+    """A box with edges (3,) [m] along the body axes about a center (3,) [m]."""
+
+    edges: Annotated[Edges, Key("box")]
+    center: Vector = ORIGIN
+
+    @property
+    def outline(self) -> Outline:
+        return figures.box(self.edges, self.center)
+
+
+@entry()
+class Round(Entry):
+    """The measures of a cylinder [m], and its axis in body axes."""
+
+    radius: Positive
+    length: Positive
+    axis: Direction = E_Z
+
+
+@BODY_SHAPES.in_files("cylinder")
+@entry()
+class Cylinder(Entry):
+    """A cylinder with its middle at a center (3,) [m]."""
+
+    cylinder: Round
+    center: Vector = ORIGIN
+
+    @property
+    def outline(self) -> Outline:
+        one = self.cylinder
+        return figures.cylinder(one.radius, one.length, one.axis, self.center)
+
+
+@BODY_SHAPES.in_files("sphere")
+@entry()
+class Sphere(Entry):
+    """A sphere of a radius [m] about a center (3,) [m]."""
+
+    radius: Annotated[Positive, Key("sphere")]
+    center: Vector = ORIGIN
+
+    @property
+    def outline(self) -> Outline:
+        return figures.sphere(self.radius, self.center)
+
+
+@BODY_SHAPES.in_files("stl")
+@entry()
+class Surface(Entry):
+    """The facets of a file that meshio reads, STL or another.
+
+    Its coordinates, times `scale` [m], are in body axes from a point at `center` (3,) [m].
+    """
+
+    file: Annotated[FilePath, Key("stl")]
+    scale: Positive = 1.0
+    center: Vector = ORIGIN
+
+    def validate(self) -> None:
+        self.outline  # noqa: B018 - read once, so that a file which is none is told at once
+
+    @cached_property
+    def outline(self) -> Outline:
+        points, cells = _facets(self.file)
+        try:
+            return Outline(self.scale * points + self.center, cells)
+        except SuperelementError as error:
+            raise ModelError(f"stl: {self.file}: {error}") from error
+
+
+def _facets(path: str) -> tuple[Any, Any]:
+    """Points (p, 3) and facets of a file; `ModelError` where there are none."""
+    try:
+        require_regular(path)
+        mesh = _read(path)
+    except FileNotFoundError as error:
+        raise ModelError(f"stl: {path}: no such file") from error
+    except (FileError, OSError) as error:
+        raise ModelError(f"stl: {path}: cannot be read: {in_one_line(error)}") from error
+    blocks = [np.asarray(block.data) for block in mesh.cells if block.type in FACETS]
+    if not sum(map(len, blocks)):
+        raise ModelError(f"stl: {path}: expected facets of a surface, found none")
+    points = np.zeros((len(mesh.points), 3))
+    points[:, : np.shape(mesh.points)[1]] = mesh.points
+    return points, padded(blocks)
+
+
+def _read(path: str) -> Any:
+    """A mesh as meshio reads it, which fails in many ways and may end the process that asks."""
+    import meshio  # it takes a while, and few models have such a body
+
+    quiet = io.StringIO()
+    try:
+        with redirect_stdout(quiet), redirect_stderr(quiet), np.errstate(all="ignore"):
+            return meshio.read(path)
+    except (Exception, SystemExit) as error:
+        said = str(error).strip() or quiet.getvalue().strip() or type(error).__name__
+        why = " ".join(said.split())
+        raise ModelError(f"stl: {path}: not a readable surface: {why}") from error
+
+
+def _shape(value: Any) -> BodyShape:
+    if isinstance(value, Box | Cylinder | Sphere | Surface):
+        return value
+    shape: BodyShape = read_member(BODY_SHAPES, value)
+    return shape
+
+
+AnyBodyShape = Annotated[
+    BodyShape,
+    BODY_SHAPES,
+    Takes("a shape: Box, Cylinder, Sphere or Surface", _shape, Any),
+]

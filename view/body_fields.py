@@ -1,0 +1,143 @@
+"""Fields of the bodies of a run as a picture: where and when a stress is largest."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ..results import QuantityError, Results
+from ..results.peaks import largest_over_time
+from ..results.transforms import Window
+from ..superelement.validation import Array
+from .fields import Field, draw_fields
+from .picture import entitle
+from .prefixes import PREFIXES, exponent_of
+from .scene import Marker, Scene
+
+KINDS = {
+    "von_mises": ("von Mises stress", "Pa"),
+    "displacement": ("elastic displacement", "m"),
+    "velocity": ("velocity", "m/s"),
+}
+"""names and units of fields"""
+WORST = "worst"
+"""the time of the largest value of a run"""
+HEADER = 0.5
+"""height of the title [inch]"""
+
+
+@dataclass(frozen=True, eq=False)
+class Chosen:
+    """The field of bodies that a picture shows, and the time [s]."""
+
+    kind: str
+    bodies: tuple[str, ...]
+    time: float
+
+
+def draw_body_fields(
+    results: Results,
+    fields: Sequence[str],
+    at: float | str = WORST,
+    window: Window | None = None,
+    title: str = "",
+) -> Figure:
+    """Bodies in space at a time, colored by a field: "von_mises:rod", "displacement:*".
+
+    Magnitudes on the outlines of bodies, of a displacement the elastic one; the largest value is
+    marked, and the title says its time and its place in body axes. at: a time [s], or "worst", when
+    the largest value of the run, or of the window, is. QuantityError says what there is,
+    RecoveryError what is missing.
+    """
+    chosen = _chosen(results, fields, at, window)
+    surfaces = [_surface(results, chosen, body) for body in chosen.bodies]
+    peaks = [float(surface.values.max()) for surface in surfaces]
+    first = int(np.argmax(peaks))
+    body, surface, peak = chosen.bodies[first], surfaces[first], peaks[first]
+    k = int(surface.values.argmax())
+    name, unit = KINDS[chosen.kind]
+    exponent = exponent_of(peak, unit)
+    value = f"{peak / 10.0**exponent:.4g} {PREFIXES[exponent]}{unit}"
+    mark = Marker(value, surface.points[k], has_axes=False)
+    label = f"{name} [{PREFIXES[exponent]}{unit}]"
+    figure = draw_fields(surfaces, label, 10.0**-exponent, Scene(markers=[mark]))
+    place = ", ".join(f"{x:.4g}" for x in results.outline(body).points[k] + 0.0)
+    power = exponent_of(chosen.time)
+    when = f"{chosen.time / 10.0**power:.6g} {PREFIXES[power]}s"
+    _head(figure, title, f"{body} at {when}: {value} at ({place}) m in body axes")
+    return figure
+
+
+def _chosen(
+    results: Results, fields: Sequence[str], at: float | str, window: Window | None
+) -> Chosen:
+    kinds, bodies = [], []
+    for field in fields:
+        kind, _, pattern = field.partition(":")
+        if kind not in KINDS or not pattern:
+            forms = ", ".join(f"{known}:BODY" for known in KINDS)
+            raise QuantityError(f"{field}: expected a field, {forms}")
+        kinds.append(kind)
+        bodies += _bodies(results, field, kind, pattern)
+    if len(set(kinds)) > 1:
+        raise QuantityError(f"expected one kind of field in a picture, found {', '.join(kinds)}")
+    bodies = list(dict.fromkeys(bodies))
+    time = float(at) if at != WORST else _worst(results, kinds[0], bodies, window)
+    return Chosen(kinds[0], tuple(bodies), time)
+
+
+def _bodies(results: Results, field: str, kind: str, pattern: str) -> list[str]:
+    """Bodies by a name or by stars: rigid ones have a velocity alone."""
+    known = [
+        body for body in results.bodies if kind == "velocity" or body in results.superelement_files
+    ]
+    found = [body for body in known if body == pattern]
+    if "*" in pattern:
+        found = found or [body for body in known if fnmatchcase(body, pattern)]
+    if not found:
+        what = "body" if kind == "velocity" else "flexible body"
+        raise QuantityError(
+            f"{field}: no {what} {pattern!r}; there are: {', '.join(known) or 'none'}"
+        )
+    return found
+
+
+def _worst(results: Results, kind: str, bodies: Sequence[str], window: Window | None) -> float:
+    """When the largest value on any of the bodies is [s]."""
+    time = results.time
+    if window is not None:
+        time = time[(time >= window[0]) & (time <= window[1])]
+    if not len(time):
+        raise QuantityError(f"{kind}: nothing was recorded within the times")
+    largest: Array = np.zeros(len(time))
+    for body in bodies:
+        over_time, _ = largest_over_time(
+            lambda t, body=body: results.outline_field(body, t, kind), time
+        )
+        largest = np.maximum(largest, over_time)
+    return float(time[largest.argmax()])
+
+
+def _surface(results: Results, chosen: Chosen, body: str) -> Field:
+    outline = results.outline(body)
+    if not len(outline.triangles):
+        raise QuantityError(f"{chosen.kind}:{body}: the body has no surface, lines alone")
+    values = results.outline_field(body, chosen.time, chosen.kind)
+    return Field(results.outline_position(body, chosen.time), outline.cells, values)
+
+
+def _head(figure: Figure, title: str, line: str) -> None:
+    """Text above the views, for which the figure grows."""
+    wide, high = figure.get_size_inches()
+    for axes in figure.axes:
+        x, y, width, height = axes.get_position().bounds
+        share = high / (high + HEADER)
+        axes.set_position((x, y * share, width, height * share))
+    figure.set_size_inches(wide, high + HEADER)
+    heading = entitle(figure, title or line)
+    heading.set(y=1.0 - 0.1 / (high + HEADER), va="top")
+    if title:
+        below = 1.0 - 0.32 / (high + HEADER)
+        figure.text(0.01, below, line, ha="left", va="top", fontsize=9, parse_math=False)

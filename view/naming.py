@@ -1,0 +1,163 @@
+"""Curves by names as a person writes them: "hub, angular velocity about z".
+
+What the curves of a panel share is its title, and the rest their names in the legend. An axis that
+stands without its kind is a letter alone.
+"""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+from ..results import Results
+from ..results.quantities import KINDS
+from ..results.transforms import Series
+
+PLACES = {"position", "displacement", "elastic displacement"}
+"""kinds of which two make a way in space"""
+TURNING = (
+    "angle",
+    "angular_velocity",
+    "angular_acceleration",
+    "elastic_rotation",
+    "moment",
+    "angular_momentum",
+)
+"""kinds about an axis; others are along one"""
+IN_BODY_AXES = ("sensor_acceleration",)
+KIND_WORDS = {
+    "linear_momentum": "momentum",
+    "contact_state": "state",
+    "sensor_displacement": "elastic displacement",
+    "sensor_acceleration": "acceleration",
+    "pattern_load": "amplitude of the load",
+    "motor_reference": "reference",
+    "motor_error": "error",
+    "motor_power": "power",
+    "motor_work": "work",
+    "motor_state": "state",
+}
+"""where they are not those of the quantity"""
+FORCES = {
+    "coupler_force": ("force", "moment"),
+    "normal_force": ("normal force", "moment"),
+    "motor_torque": ("force", "torque"),
+}
+"""words of a force, and of a moment by the same name"""
+ENERGIES = {
+    "springs": "energy of springs",
+    "work": "work from outside",
+    "dissipated": "dissipated energy",
+    "numerical": "numerical dissipation",
+    "balance": "energy balance",
+    "compliance_work": "work of springs and dampers",
+    "modal": "modal energy",
+    "modal_loss": "modal loss",
+    "modal_damping": "loss by modal damping",
+}
+"""where an energy is not "kinetic energy" by its name"""
+STATES = {
+    "contact_state": "0 open, 1 closed, 2 slips",
+    "friction_state": "1 sticks, 2 slips",
+    "motor_state": "-1, 1 at a limit",
+}
+UNFILTERED = "unfiltered"
+"""a curve of which nothing was made, beside those of which something was"""
+OF_A_BODY = ("FRAME", "INTERFACE", "SENSOR", "PATTERN")
+"""what is named BODY.NAME"""
+
+
+class Named(Protocol):
+    """What has a name: a curve."""
+
+    @property
+    def words(self) -> tuple[str, ...]: ...
+    @property
+    def along(self) -> str: ...
+    @property
+    def run(self) -> str: ...
+
+
+def subject(found: Series) -> str:
+    """The kind, of a joint its coordinate: "angle_rate"."""
+    return found.names[1] if found.kind == "coordinate" else found.kind
+
+
+def kind(found: Series) -> str:
+    """ "angular velocity", "rate of angle", "torque"."""
+    name = subject(found)
+    if found.kind in FORCES:
+        return FORCES[found.kind]["N m" in found.unit]
+    if found.kind == "coordinate" and name.endswith("_rate"):
+        return f"rate of {name.removesuffix('_rate').replace('_', ' ')}"
+    return KIND_WORDS.get(name, name.replace("_", " "))
+
+
+def owner(results: Results, found: Series) -> str:
+    """ "hub", "beam tip seen from hub rim"."""
+    if found.kind == "coordinate":
+        return found.names[0]
+    roles = KINDS[found.kind].names
+    names = [
+        name.replace(".", " ", 1)
+        if name not in results.bodies and set(role.split("|")) & set(OF_A_BODY)
+        else name
+        for role, name in zip(roles, found.names, strict=True)
+    ]
+    return " seen from ".join(names)
+
+
+def along(found: Series) -> str:
+    """What stands before the axis: "about", "along", nothing before that of a stress."""
+    if found.kind in TURNING:
+        return "about"
+    if found.kind in IN_BODY_AXES:
+        return "along body"
+    return "" if found.kind == "stress" else "along"
+
+
+def unit(found: Series) -> str:
+    """The unit, of a strain that of a length per length."""
+    if found.kind == "strain":
+        return {"1": "m/m", "(1)²/Hz": "1/Hz", "1 s": "s"}.get(found.unit, found.unit)
+    return found.unit
+
+
+def in_full(curve: Named) -> str:
+    """ "hub, angular velocity about z"."""
+    title, _ = title_and_labels([curve])
+    return title
+
+
+def title_and_labels(curves: Sequence[Named]) -> tuple[str, list[str]]:
+    """What all curves share, and what tells each from the others ("" if nothing does)."""
+    rows = [[curve.run, *curve.words[:3], *_parts(curve.words[3:])] for curve in curves]
+    longest = max(map(len, rows))
+    rows = [[*row, *[""] * (longest - len(row))] for row in rows]
+    shared = [len(set(column)) == 1 for column in zip(*rows, strict=True)]
+    shared[_AXIS] &= shared[_KIND]
+    title = _joined(rows[0], shared, curves[0].along)
+    own = [not is_shared for is_shared in shared]
+    labels = [_joined(row, own, curve.along) for row, curve in zip(rows, curves, strict=True)]
+    if any(labels):
+        labels = [label or UNFILTERED for label in labels]
+    return title, labels
+
+
+def _parts(treatments: Sequence[str]) -> list[str]:
+    """ "shock response spectrum" and "Q = 10" apart, for one may be shared without the other."""
+    return [part for treatment in treatments for part in treatment.split(", ")]
+
+
+_RUN, _KIND, _OWNER, _AXIS = range(4)
+
+
+def _joined(row: Sequence[str], chosen: Sequence[bool], along: str) -> str:
+    """The chosen words of a row of run, kind, owner, axis and treatments."""
+    words = [word if is_chosen else "" for word, is_chosen in zip(row, chosen, strict=True)]
+    run, kind, owner, axis, *treatment = words
+    if kind == "energy" and owner:
+        kind, owner = ENERGIES.get(owner, f"{owner} energy"), ""
+    elif row[_KIND] == "energy":
+        owner = owner.replace("_", " ")
+    phrase = " ".join(word for word in (kind, along if kind and axis else "", axis) if word)
+    line = ", ".join(word for word in (owner, phrase, *treatment) if word)
+    return f"{line} ({run})" if line and run else line or run

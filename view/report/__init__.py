@@ -1,0 +1,9 @@
+"""A report of a run: one page of HTML that holds all it needs, for a browser without a network."""
+
+from .motion import FIELDS
+from .write import write_report
+
+REPORT_FIELDS = tuple(FIELDS)
+"""the fields that can color the animation"""
+
+__all__ = ["REPORT_FIELDS", "write_report"]

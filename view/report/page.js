@@ -1,0 +1,255 @@
+"use strict";
+/* Draws the plots of the page and plays its animation. Nothing is fetched: programs and data stand
+   in the page, compressed. */
+(async () => {
+  const byId = (id) => document.getElementById(id);
+  const COLORS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
+  const MARGIN = { l: 74, r: 18, t: 30, b: 42 };
+  /* Not those of the library, one of which sends a chart to a server. */
+  const BUTTONS = [["zoom2d", "pan2d", "zoomIn2d", "zoomOut2d", "autoScale2d", "toImage"]];
+
+  /* The time that animation and plots show [s], and who follows it. */
+  const clock = {
+    followers: [],
+    t: 0,
+    set(t) {
+      this.t = t;
+      this.followers.forEach((follow) => follow(t));
+    },
+  };
+
+  function bytes(id) {
+    const text = atob(byId(id).textContent.trim());
+    const found = new Uint8Array(text.length);
+    for (let i = 0; i < text.length; i++) found[i] = text.charCodeAt(i);
+    return found;
+  }
+
+  async function unpacked(id) {
+    const stream = new Blob([bytes(id)]).stream().pipeThrough(new DecompressionStream("gzip"));
+    return new Response(stream).text();
+  }
+
+  function tell(place, text) {
+    const told = document.createElement("p");
+    told.className = "failed";
+    told.textContent = text;
+    place.replaceChildren(told);
+  }
+
+  function told(time) {
+    return `${Number(time.toPrecision(5))} s`;
+  }
+
+  /* ---- plots ---- */
+
+  function traces(plot) {
+    return plot.curves.map((curve, i) => ({
+      x: curve.x,
+      y: curve.y,
+      name: curve.name,
+      mode: plot.marks ? "markers" : "lines",
+      line: { color: COLORS[i % COLORS.length], width: 1.5 },
+      marker: { color: COLORS[i % COLORS.length], size: 7 },
+      hovertemplate: "%{y:.5g} at %{x:.6g} s",
+    }));
+  }
+
+  function layout(plot, range) {
+    const axis = { gridcolor: "#e6eaee", zerolinecolor: "#c3ccd4", linecolor: "#5b6875", ticks: "outside", tickcolor: "#c3ccd4", exponentformat: "power", automargin: false };
+    return {
+      margin: MARGIN,
+      font: { family: "system-ui, sans-serif", size: 12, color: "#1c2733" },
+      showlegend: true,
+      legend: { orientation: "h", x: 0, xanchor: "left", y: 1.0, yanchor: "bottom", itemwidth: 30 },
+      xaxis: { ...axis, title: { text: "time [s]", standoff: 6 }, range: range.slice() },
+      yaxis: { ...axis, title: { text: plot.unit ? `[${plot.unit}]` : "", standoff: 4 }, type: plot.log ? "log" : "linear" },
+      dragmode: "zoom",
+      hovermode: "closest",
+      paper_bgcolor: "#fff",
+      plot_bgcolor: "#fff",
+    };
+  }
+
+  /* The dashed line of the clock over a plot, and the time at a click. */
+  function link(wrapper, drawn) {
+    const cursor = document.createElement("div");
+    cursor.className = "cursor";
+    wrapper.append(cursor);
+    const place = (t) => {
+      const [first, last] = drawn.layout.xaxis.range;
+      const part = (t - first) / (last - first);
+      const width = wrapper.clientWidth - MARGIN.l - MARGIN.r;
+      cursor.style.display = part >= 0 && part <= 1 ? "block" : "none";
+      cursor.style.left = `${MARGIN.l + part * width}px`;
+    };
+    clock.followers.push(place);
+    drawn.on("plotly_relayout", () => place(clock.t));
+    drawn.on("plotly_click", (event) => clock.set(event.points[0].x));
+  }
+
+  /* All plots show the same time. */
+  function zoomTogether(all, range) {
+    let busy = false;
+    for (const drawn of all) {
+      drawn.on("plotly_relayout", async (change) => {
+        const moved = Object.keys(change).some((key) => key.startsWith("xaxis."));
+        if (busy || !moved) return;
+        busy = true;
+        const shown = change["xaxis.autorange"] ? range : drawn.layout.xaxis.range;
+        await Promise.all(all.map((other) => Plotly.relayout(other, { "xaxis.range": shown.slice(), "xaxis.autorange": false })));
+        busy = false;
+      });
+    }
+  }
+
+  async function drawPlots(data) {
+    const places = [...document.querySelectorAll(".plot")];
+    if (!places.length) return;
+    const program = document.createElement("script");
+    program.textContent = await unpacked("plotly");
+    document.head.append(program);
+    const options = { displaylogo: false, responsive: true, modeBarButtons: BUTTONS };
+    const all = [];
+    for (const wrapper of places) {
+      const plot = data.plots[Number(wrapper.dataset.plot)];
+      const drawn = wrapper.querySelector(".drawn");
+      await Plotly.newPlot(drawn, traces(plot), layout(plot, data.range), options);
+      if (data.moves) link(wrapper, drawn);
+      all.push(drawn);
+    }
+    zoomTogether(all, data.range);
+    window.addEventListener("beforeprint", () => all.forEach((d) => Plotly.relayout(d, { width: 680 })));
+    window.addEventListener("afterprint", () => all.forEach((d) => Plotly.relayout(d, { width: null, autosize: true })));
+  }
+
+  /* ---- animation ---- */
+
+  function hasWebGL() {
+    try {
+      return Boolean(document.createElement("canvas").getContext("webgl2"));
+    } catch {
+      return false;
+    }
+  }
+
+  /* A frame at a time: while one is drawn, the next waits. */
+  function follower(scene) {
+    let busy = false;
+    let next = null;
+    return async (t) => {
+      next = t;
+      if (busy) return;
+      busy = true;
+      while (next !== null) {
+        const shown = next;
+        next = null;
+        await scene.setTime(shown);
+      }
+      busy = false;
+    };
+  }
+
+  function connect(scene, data) {
+    const [first, last] = data.range;
+    const play = byId("play");
+    const when = byId("when");
+    let since = null;
+    const step = (now) => {
+      if (since === null) return;
+      const part = ((now - since) / 1000 / data.duration) * Number(byId("speed").value);
+      since = now;
+      const t = clock.t + part * (last - first);
+      clock.set(t > last ? first : t);
+      requestAnimationFrame(step);
+    };
+    const run = (runs) => {
+      since = runs ? performance.now() : null;
+      play.textContent = runs ? "❚❚ Pause" : "▶ Play";
+      if (runs) requestAnimationFrame(step);
+    };
+    clock.followers.push(follower(scene), (t) => {
+      when.value = String(t);
+      byId("clock").textContent = told(t);
+    });
+    when.min = first;
+    when.max = last;
+    when.step = (last - first) / 10000 || 1;
+    when.addEventListener("input", () => clock.set(Number(when.value)));
+    play.addEventListener("click", () => run(since === null));
+    byId("names").addEventListener("change", (event) => byId("names-of-marks").classList.toggle("unseen", !event.target.checked));
+    for (const view of document.querySelectorAll("[data-camera]"))
+      view.addEventListener("click", () => scene.setCamera(JSON.parse(view.dataset.camera)));
+  }
+
+  /* Names of joints and others over the scene, as text that follows their places. */
+  function drawNames(scene, data) {
+    const stage = byId("names-of-marks");
+    const { names, times, places } = data.marks;
+    const shown = names.map((name) => {
+      const label = document.createElement("span");
+      label.textContent = name;
+      stage.append(label);
+      return label;
+    });
+    const place = () => {
+      const { camera } = scene.getWorld();
+      const toEye = camera.matrixWorldInverse.elements;
+      const toScreen = camera.projectionMatrix.elements;
+      const { clientWidth: width, clientHeight: height } = stage;
+      let after = times.findIndex((t) => t >= clock.t);
+      if (after < 0) after = times.length - 1;
+      const before = Math.max(after - 1, 0);
+      const span = times[after] - times[before];
+      const part = span > 0 ? (clock.t - times[before]) / span : 0;
+      shown.forEach((label, i) => {
+        const point = [0, 1, 2].map((axis) => places[before][3 * i + axis] * (1 - part) + places[after][3 * i + axis] * part);
+        const seen = [0, 1, 2].map((row) => toEye[row] * point[0] + toEye[row + 4] * point[1] + toEye[row + 8] * point[2] + toEye[row + 12]);
+        const depth = -seen[2];
+        const x = (0.5 + (0.5 * toScreen[0] * seen[0]) / depth) * width;
+        const y = (0.5 - (0.5 * toScreen[5] * seen[1]) / depth) * height;
+        label.style.display = depth > 0 ? "" : "none";
+        label.style.transform = `translate(${x}px, ${y}px)`;
+      });
+    };
+    scene.on(scene.events.RENDERED, place);
+    clock.followers.push(place);
+  }
+
+  async function drawMotion(data) {
+    const stage = byId("stage");
+    if (!stage) return;
+    const still = byId("still");
+    if (!hasWebGL()) {
+      ["controls", "canvas", "bar", "names-of-marks"].forEach((id) => byId(id)?.remove());
+      stage.style.height = "auto";
+      document.querySelectorAll(".moving").forEach((remark) => remark.remove());
+      const missing = document.createElement("div");
+      tell(missing, "This browser has no WebGL: a picture stands in place of the animation.");
+      stage.prepend(missing);
+      return;
+    }
+    still.classList.add("unseen");
+    let library;
+    const define = (...given) => (library = given.at(-1)());
+    new Function("define", await unpacked("k3d"))(define);
+    const scene = await library.CreateK3DAndLoadBinarySnapshot(bytes("scene").buffer, byId("canvas"));
+    connect(scene, data);
+    drawNames(scene, data);
+    window.duhamel = { scene, clock };
+  }
+
+  try {
+    const data = JSON.parse(await unpacked("data"));
+    await drawPlots(data);
+    await drawMotion(data);
+    if (data.moves) clock.set(data.range[0]);
+    document.documentElement.dataset.ready = "yes";
+  } catch (error) {
+    console.error(error);
+    const place = document.createElement("div");
+    tell(place, `Plots and animation cannot be drawn by this browser: ${error}. The tables are whole.`);
+    document.querySelector("main").prepend(place);
+    document.documentElement.dataset.ready = "failed";
+  }
+})();

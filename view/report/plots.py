@@ -1,0 +1,204 @@
+"""The plots of a report: their curves, thinned, and what stands beside them."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from html import escape
+from typing import Any
+
+import numpy as np
+
+from ...results import QuantityError, Results
+from ...results.quantities import KINDS, evaluate
+from ...superelement.validation import Array
+from ..overview import overview
+from ..quantities import Curve
+from .thinning import kept
+
+MOST_CURVES = 6
+"""of a plot, the largest ones"""
+DIGITS = 7
+"""of numbers on the page"""
+
+
+@dataclass(frozen=True, eq=False)
+class Plot:
+    """Curves of one unit over time, or marks where `marks`.
+
+    title: what all curves have in common; logarithmic: the ordinate; left_out: how many smaller
+    curves are not shown.
+    """
+
+    title: str
+    unit: str
+    curves: Sequence[Curve]
+    logarithmic: bool = False
+    marks: bool = False
+    left_out: int = 0
+
+
+def plots(results: Results) -> Iterator[tuple[str, list[Plot]]]:
+    """The plots by the heading above them; none where nothing was recorded."""
+    yield "Overview", _overview(results)
+    yield "Forces", [*_forces(results)]
+    yield "Contacts", [*_contacts(results)]
+    yield "Motors", [*_of_kinds(results, results.motors, ("motor_torque", "motor_power"))]
+    yield "Sensors", [*_of_kinds(results, results.sensors, ("strain", "stress"))]
+    yield "Solver", [*_solver(results)]
+
+
+def drawing(plot: Plot, time: Array) -> dict[str, Any]:
+    """A plot as the script of the page takes it, with its points thinned."""
+    words = _legend(plot.curves)
+    drawn = [_trace(curve, time, name) for curve, name in zip(plot.curves, words, strict=True)]
+    return {
+        "title": escape(plot.title, quote=False),
+        "unit": escape(plot.unit, quote=False),
+        "log": plot.logarithmic,
+        "marks": plot.marks,
+        "curves": drawn,
+    }
+
+
+def remark(plot: Plot, time: Array) -> str:
+    """What a reader must know of a plot that does not show everything."""
+    parts = []
+    shown = max((len(kept(curve.values)) for curve in plot.curves), default=0)
+    if shown < len(time) and not plot.marks:
+        parts.append(
+            f"up to {shown} of {len(time)} points: the smallest and the largest of each column, "
+            f"so every peak is there"
+        )
+    if plot.left_out:
+        parts.append(f"the {len(plot.curves)} largest; {plot.left_out} smaller ones are left out")
+    return "; ".join(parts)
+
+
+def _overview(results: Results) -> list[Plot]:
+    try:
+        panels = overview(results)
+    except QuantityError:
+        return []
+    return [Plot(_title(curves), curves[0].unit, curves) for curves in panels]
+
+
+def _forces(results: Results) -> Iterator[Plot]:
+    """Lengths of the forces and moments of joints and springs."""
+    owners = [*results.joints, *results.springs]
+    for kind in ("force", "moment"):
+        found = [_length(results, kind, name) for name in owners]
+        yield from _largest(f"{kind} of joints and springs", found)
+    yield from _of_kinds(results, results.couplers, ("coupler_force",))
+
+
+def _contacts(results: Results) -> Iterator[Plot]:
+    owners = (*results.contacts, *results.stops)
+    yield from _of_kinds(results, owners, ("normal_force", "gap"))
+    for unit, names in _by_unit(results).items():
+        events = [
+            Curve((name,), unit, results.events[name].peak, results.events[name].start)
+            for name in names
+            if len(results.events[name])
+        ]
+        if events:
+            shown = events[:MOST_CURVES]
+            left_out = len(events) - len(shown)
+            yield Plot("peak force of each contact", unit, shown, marks=True, left_out=left_out)
+
+
+def _by_unit(results: Results) -> dict[str, list[str]]:
+    """Contacts and stops by the unit of their force."""
+    units: dict[str, list[str]] = {}
+    for name in results.events:
+        units.setdefault(results.unit("events", name, "peak").replace(" s-1", "/s"), []).append(
+            name
+        )
+    return units
+
+
+def _solver(results: Results) -> Iterator[Plot]:
+    iterations = Curve(("iterations",), "", results.iterations.astype(float))
+    yield Plot("Newton iterations of a step", "", [iterations])
+    residual = results.residual.astype(float)
+    if (residual > 0.0).any():
+        shown = np.where(residual > 0.0, residual, np.nan)
+        curve = Curve(("residual",), "", shown)
+        yield Plot("relative residual of a step", "", [curve], logarithmic=True)
+
+
+def _of_kinds(results: Results, owners: Iterable[str], kinds: Sequence[str]) -> Iterator[Plot]:
+    """A plot for each kind, and for each unit that it has."""
+    owners = tuple(owners)
+    for kind in kinds:
+        found: list[Curve] = []
+        for name in owners:
+            with suppress(QuantityError):
+                found.append(_length(results, kind, name))
+        for unit in dict.fromkeys(curve.unit for curve in found):
+            alike = [curve for curve in found if curve.unit == unit]
+            yield from _largest(kind.replace("_", " "), alike)
+
+
+def _length(results: Results, kind: str, name: str) -> Curve:
+    """A number over time, or the length of a vector; of stresses the equivalent one."""
+    found = evaluate(results, f"{kind}:{name}")
+    values = found.values
+    if values.ndim == 2:
+        values = _equivalent(values) if len(KINDS[kind].axes) == 6 else _norm(values)
+    return Curve((name,), found.unit, values)
+
+
+def _norm(vectors: Array) -> Array:
+    lengths: Array = np.linalg.norm(vectors, axis=1)
+    return lengths
+
+
+def _equivalent(stress: Array) -> Array:
+    from ...superelement import von_mises
+
+    return von_mises(stress)
+
+
+def _largest(title: str, curves: list[Curve]) -> Iterator[Plot]:
+    """A plot of the largest curves, of which those that are zero throughout are none."""
+    size: Callable[[Curve], float] = lambda curve: float(np.nanmax(np.abs(curve.values)))  # noqa: E731
+    moving = [curve for curve in curves if len(curve.values) and size(curve) > 0.0]
+    chosen = sorted(moving, key=size, reverse=True)[:MOST_CURVES]
+    if chosen:
+        in_order = [curve for curve in moving if curve in chosen]
+        yield Plot(title, chosen[0].unit, in_order, left_out=len(moving) - len(chosen))
+
+
+def _trace(curve: Curve, time: Array, name: str) -> dict[str, Any]:
+    x = time if curve.abscissa is None else curve.abscissa
+    points = kept(curve.values)
+    return {
+        "name": escape(name, quote=False),
+        "x": _numbers(x[points]),
+        "y": _numbers(curve.values[points]),
+    }
+
+
+def _numbers(values: Array) -> list[float | None]:
+    """Numbers of a few digits, null for what is none."""
+    return [float(f"{x:.{DIGITS}g}") if np.isfinite(x) else None for x in values.tolist()]
+
+
+def _title(curves: Sequence[Curve]) -> str:
+    """The words that all curves have in common."""
+    shared = [words[0] for words in _columns(curves) if len(set(words)) == 1]
+    return ", ".join(filter(None, shared))
+
+
+def _legend(curves: Sequence[Curve]) -> list[str]:
+    """The words that tell the curves apart."""
+    if len(curves) == 1:
+        return [", ".join(filter(None, curves[0].words))]
+    apart = [words for words in _columns(curves) if len(set(words)) > 1]
+    return [", ".join(filter(None, words)) for words in zip(*apart, strict=True)]
+
+
+def _columns(curves: Sequence[Curve]) -> list[tuple[str, ...]]:
+    longest = max(len(curve.words) for curve in curves)
+    padded = ((*c.words, *[""] * (longest - len(c.words))) for c in curves)
+    return list(zip(*padded, strict=True))

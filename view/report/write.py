@@ -1,0 +1,47 @@
+"""Writing a report whole, and never in the place of the results."""
+
+import os
+from pathlib import Path
+
+from ...files.outputs import clash, renamed_when_whole
+from ...results import Results
+from ..errors import PictureError
+from .libraries import package
+from .page import page
+
+SUFFIXES = (".html", ".htm")
+
+
+def write_report(
+    results: Results, path: str | os.PathLike[str], title: str = "", field: str = ""
+) -> None:
+    """Write the report of a run as one page of HTML.
+
+    It needs no network and no other file: the motion in space, plots that zoom, tables of validity,
+    peaks, contacts, balances and bodies, and where everything comes from. title: the name of the
+    results file, unless given. field: "von_mises", "displacement" or "velocity" for the colors of
+    the animation; by default the first of them that is known. The file appears whole or not at all.
+    Raises PictureError where it cannot be written, would replace the results or a superelement, or
+    where the packages of the extra `report` are missing.
+    """
+    path = Path(path)
+    _check(results, path)
+    for name in ("plotly", "k3d"):
+        package(name)
+    text = page(results, title, field)
+    try:
+        with renamed_when_whole(path) as temporary:
+            temporary.write_text(text, encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise PictureError(f"{path}: cannot be written: {error}") from error
+
+
+def _check(results: Results, path: Path) -> None:
+    if path.suffix.lower() not in SUFFIXES:
+        raise PictureError(f"{path}: expected a suffix of {', '.join(SUFFIXES)}")
+    if not path.parent.is_dir():
+        raise PictureError(f"{path}: no folder {path.parent}")
+    superelements = (file.path for file in results.superelement_files.values())
+    inputs = {results.name: "the results file"} | dict.fromkeys(superelements, "a superelement")
+    if found := clash([path], inputs):
+        raise PictureError(f"{found}, which the report would replace")

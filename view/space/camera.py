@@ -1,0 +1,144 @@
+"""A camera that sees all frames of a film from one place."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...superelement.validation import Array
+from ..errors import PictureError
+
+TILT = np.radians(12.0), np.radians(-10.0)
+"""of the look at a motion in a plane, about the axes of the picture across and up"""
+PLANE = 0.12
+"""thickness over width below which a motion is in a plane"""
+MARGIN = 1.06
+NAMED = {
+    "xy": ((0, 0, 1), (0, 1, 0)),
+    "xz": ((0, -1, 0), (0, 0, 1)),
+    "yz": ((1, 0, 0), (0, 0, 1)),
+}
+"""views onto planes: towards the eye, and up"""
+ISO = np.array([1.0, -1.35, 0.8])
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """A parallel projection.
+
+    axes (3, 3): right, up and towards the eye as rows, in space; focus (3,) [m], the middle of the
+    picture; height: of what is seen [m]; depth: half of what is seen along the line of sight [m].
+    """
+
+    axes: Array
+    focus: Array
+    height: float
+    depth: float
+
+
+def axes_towards(eye: Array, up: Array) -> Array:
+    """Right, up and towards the eye as rows (3, 3); up is as near as can be to the given one."""
+    towards = np.asarray(eye, dtype=float) / np.linalg.norm(eye)
+    right = np.cross(up, towards)
+    if np.linalg.norm(right) < 1e-6:
+        right = np.cross(np.eye(3)[int(np.abs(towards).argmin())], towards)
+    right = right / np.linalg.norm(right)
+    return np.array([right, np.cross(towards, right), towards])
+
+
+def chosen_axes(view: str, spread: Array, gravity: Array | None) -> Array:
+    """The axes of the camera: those of a view by name or direction, or by how the points spread.
+
+    view: "" for the choice, "iso", "xy", "xz", "yz" or "x,y,z", towards the eye; spread (3, 3):
+    covariance of the points of all frames; gravity (3,), or None: against it is up.
+    """
+    up = np.array([0.0, 0.0, 1.0])
+    if gravity is not None and np.linalg.norm(gravity) > 0.0:
+        up = -np.asarray(gravity, dtype=float) / np.linalg.norm(gravity)
+    if view in NAMED:
+        eye, over = (np.array(direction, dtype=float) for direction in NAMED[view])
+        return axes_towards(eye, over)
+    if view == "iso":
+        return axes_towards(_isometric(up), up)
+    if view:
+        return axes_towards(direction_of(view), up)
+    return _by_spread(spread, up, gravity is not None)
+
+
+def direction_of(view: str) -> Array:
+    """The direction of "x,y,z"; PictureError if it is none."""
+    try:
+        direction = np.array([float(number) for number in view.split(",")])
+    except ValueError:
+        direction = np.zeros(0)
+    if direction.shape != (3,) or not np.isfinite(direction).all() or not direction.any():
+        known = ", ".join(["iso", *NAMED])
+        raise PictureError(f"--view: expected {known} or a direction x,y,z, found {view!r}")
+    unit: Array = direction / np.linalg.norm(direction)
+    return unit
+
+
+def _isometric(up: Array) -> Array:
+    """The usual direction towards the eye, where this is up."""
+    if abs(up[2]) > 0.9:
+        return np.array([ISO[0], ISO[1], np.sign(up[2]) * ISO[2]])
+    # x stays to the right where it can
+    ahead = np.cross([1.0, 0.0, 0.0] if abs(up[0]) < 0.9 else [0.0, 1.0, 0.0], up)
+    side = np.cross(up, ahead)
+    eye: Array = -ISO[1] * ahead + ISO[0] * side + ISO[2] * up
+    return eye
+
+
+def _by_spread(spread: Array, up: Array, falls: bool) -> Array:
+    widths, directions = np.linalg.eigh(spread)
+    widths = np.sqrt(np.maximum(widths, 0.0))
+    flat = widths[0] < PLANE * widths[2] and widths[0] < 0.5 * widths[1]
+    normal = directions[:, 0]
+    if not flat or (falls and abs(normal @ up) > 0.7):
+        return axes_towards(_isometric(up), up)
+    normal = _outward(normal)
+    if not falls and abs(normal[2]) > 0.7:
+        up = np.array([0.0, 1.0, 0.0])
+    straight = axes_towards(normal, up)
+    above, aside = TILT
+    eye = straight[2] + np.tan(above) * straight[1] + np.tan(aside) * straight[0]
+    return axes_towards(eye, straight[1])
+
+
+def _outward(normal: Array) -> Array:
+    """Of both normals of a plane the one that is looked against: +z, -y, +x."""
+    along = int(np.abs(normal).argmax())
+    wanted = (1.0, -1.0, 1.0)[along]
+    outward: Array = normal * np.sign(normal[along]) * wanted
+    return outward
+
+
+class Fitting:
+    """Takes the points of all frames, and gives the camera that holds them."""
+
+    def __init__(self, axes: Array) -> None:
+        self._axes = axes
+        self._low, self._high = np.full(3, np.inf), np.full(3, -np.inf)
+
+    def take(self, points: Array, around: float = 0.0) -> None:
+        """Points (..., 3) with what is around them [m]."""
+        flat = points.reshape(-1, 3) @ self._axes.T
+        if len(flat):
+            self._low = np.minimum(self._low, flat.min(axis=0) - around)
+            self._high = np.maximum(self._high, flat.max(axis=0) + around)
+
+    def camera(self, aspect: float) -> Camera:
+        """For pictures of this width over height."""
+        middle, extent = 0.5 * (self._low + self._high), self._high - self._low
+        height = MARGIN * max(extent[1], extent[0] / aspect)
+        height = height if height > 0.0 else 1.0
+        depth = 0.5 * extent[2] + 0.1 * height
+        return Camera(self._axes, middle @ self._axes, float(height), float(depth))
+
+
+def spread_of(samples: Iterable[Array]) -> Array:
+    """Covariance (3, 3) of points (..., 3)."""
+    points = np.concatenate([sample.reshape(-1, 3) for sample in samples])
+    centered = points - points.mean(axis=0)
+    covariance: Array = centered.T @ centered / len(points)
+    return covariance

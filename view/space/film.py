@@ -1,0 +1,200 @@
+"""Films and pictures of a run in space."""
+
+import os
+import tomllib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ...results import Results
+from ...superelement.validation import Array
+from ..errors import PictureError
+from .bodies import bodies_on_stage
+from .camera import Camera, Fitting, chosen_axes, spread_of
+from .lettering import Clock, Frame, Image, Lettering, lettered
+from .marks import CONTACT, FORCE, JOINT, SPRING
+from .stage import AT_ONCE, FIELDS, NO_FIELD, Batch, Stage, batches, chosen_field
+from .studio import COLOR_MAP, Studio, pyvista
+from .timing import FRAMES_PER_SECOND, Timing, require_within, timing
+from .tracks import Tracks
+from .writing import MOVING, require_format, written
+
+WORST = "worst"
+SIZE, SMALL_SIZE = (1280, 720), (640, 360)
+"""of films, and of GIFs [pixels]"""
+LARGEST_SIZE = 8192
+LEGEND = {"joints": JOINT, "springs": SPRING, "contacts": CONTACT, "forces": FORCE}
+OnFrame = Callable[[int, int], object]
+"""is told how many frames are made, of how many"""
+
+
+@dataclass(frozen=True)
+class Film:
+    """What was made: frames, seconds of playing, magnification of deformation, and what is missing.
+
+    field: that colors show, "" for none; largest: the end of their scale; warnings: lines of text.
+    """
+
+    frames: int
+    seconds: float
+    magnification: float
+    field: str
+    largest: float
+    warnings: tuple[str, ...] = ()
+
+
+def animate(
+    results: Results,
+    path: str | os.PathLike[str],
+    *,
+    field: str | None = None,
+    magnify: float | None = None,
+    start: float | None = None,
+    end: float | None = None,
+    at: float | str | None = None,
+    frames: int | None = None,
+    fps: float = FRAMES_PER_SECOND,
+    seconds: float | None = None,
+    size: tuple[int, int] | None = None,
+    view: str = "",
+    marks: bool = True,
+    title: str = "",
+    on_frame: OnFrame | None = None,
+) -> Film:
+    """Make a film (.mp4, .gif) of a run, or a picture of one time (.png).
+
+    field: "displacement", "velocity", "von_mises" or "none", by default stresses where all flexible
+    bodies know them, else displacements; magnify: of deformation, by default so that it is seen;
+    start, end: times of the run [s]; at: one time [s], or "worst", where the field is largest;
+    frames, fps, seconds: of playing, by default 25 frames a second for 8 s; size: width and height
+    [pixels]; view: "iso", "xy", "xz", "yz" or "x,y,z", the direction towards the eye, by default
+    what shows most of the motion. PictureError for what cannot be drawn or written.
+    """
+    path = Path(path)
+    size = size or (SMALL_SIZE if path.suffix.lower() == MOVING else SIZE)
+    require_size(size)
+    if magnify is not None and not (np.isfinite(magnify) and magnify >= 0.0):
+        raise PictureError(f"--magnify: expected a number from 0 on, found {magnify:g}")
+    when = timing(results.time, start, end, frames, fps, seconds)
+    if at is not None:
+        when = Timing(np.array([the_time(results, at, field)]), fps)
+    require_format(path, size, several=at is None)
+    pyvista()
+    stage = Stage(results, when.times, field, magnify, marks)
+    return _shoot(stage, when, path, size, _camera_axes(results, stage, view), title, on_frame)
+
+
+def _shoot(
+    stage: Stage,
+    when: Timing,
+    path: Path,
+    size: tuple[int, int],
+    axes: Array,
+    title: str,
+    on_frame: OnFrame | None,
+) -> Film:
+    frame = Frame(size, scale=bool(stage.field))
+    camera = fitted(stage, axes, frame)
+    still = lettered(frame, letters(stage, when, title, axes))
+    step = float(when.times[1] - when.times[0]) if len(when.times) > 1 else 0.0
+    clock = Clock(frame, float(when.times[-1]), step)
+    number = len(when.times)
+    with Studio(stage, camera, frame) as studio, written(path, size, when.fps, number) as sink:
+        for done, (image, time) in enumerate(painted(stage, studio), 1):
+            sink.put(clock.write(np.minimum(image, still), time))
+            if on_frame is not None:
+                on_frame(done, number)
+    told = tuple(f"drawn without colors: {why}" for why in stage.untold.values())
+    return Film(number, number / when.fps, stage.magnification, stage.field, stage.largest, told)
+
+
+def painted(stage: Stage, studio: Studio) -> Iterator[tuple[Image, float]]:
+    """Each frame with its time."""
+    for batch in stage.batches():
+        yield from zip(studio.frames(batch), stage.times[batch.rows].tolist(), strict=True)
+
+
+def fitted(stage: Stage, axes: Array, frame: Frame) -> Camera:
+    """The camera that holds all points of all frames, and all marks."""
+    fitting = Fitting(axes)
+    for batch in stage.batches():
+        for positions in batch.positions:
+            fitting.take(positions)
+        for places in stage.mark_positions(batch.rows):
+            fitting.take(places)
+    (width, height), (left, right, bottom, top) = frame.size, frame.margins
+    return fitting.camera((width - left - right) / (height - bottom - top))
+
+
+def letters(stage: Stage, when: Timing, title: str, axes: Array) -> Lettering:
+    """What is written around all frames."""
+    notes = [when.words] if when.words else []
+    if stage.magnification != 1.0:
+        notes.append(f"deformation × {stage.magnification:g}")
+    kinds = dict.fromkeys(mark.kind for mark in stage.marks)
+    legend = [(kind, color) for kind, color in LEGEND.items() if kind in kinds]
+    label, unit = FIELDS[stage.field] if stage.field else ("", "")
+    return Lettering(
+        title, tuple(notes), tuple(legend), label, unit, stage.largest, COLOR_MAP, axes
+    )
+
+
+def the_time(results: Results, at: float | str, field: str | None) -> float:
+    """A time of the run [s]: as given, or where a field is largest."""
+    first, last = float(results.time[0]), float(results.time[-1])
+    if at == WORST:
+        return worst_time(results, field)
+    try:
+        time = float(at)
+    except ValueError as error:
+        raise PictureError(f"--at: expected a time or {WORST}, found {at!r}") from error
+    require_within("--at", time, first, last)
+    return time
+
+
+def worst_time(results: Results, field: str | None) -> float:
+    """The recorded time at which a field is largest on any body [s]."""
+    times = results.time
+    bodies = bodies_on_stage(results, Tracks(results, times))
+    name = chosen_field(bodies, field)
+    if not name:
+        raise PictureError(f"--at {WORST}: expected a field, which {NO_FIELD!r} is not")
+    largest = np.zeros(len(times))
+    for body in bodies:
+        if not (body.flexible or name == "velocity") or body.why_unknown(name):
+            continue
+        for rows in batches(len(times), max(AT_ONCE // max(len(body.X), 1), 1)):
+            values = body.values(rows, name).max(axis=1)
+            largest[rows] = np.maximum(largest[rows], values)
+    return float(times[int(largest.argmax())])
+
+
+def require_size(size: tuple[int, int]) -> None:
+    if min(size) < 16 or max(size) > LARGEST_SIZE:
+        raise PictureError(
+            f"--size: expected 16 to {LARGEST_SIZE} pixels, found {size[0]}x{size[1]}"
+        )
+
+
+def gravity_of(results: Results) -> Array | None:
+    """The gravity (3,) of the model of a run [m/s^2], if there is any."""
+    try:
+        said = tomllib.loads(results.model)["simulation"]["gravity"]
+        gravity: Array = np.array(said, dtype=float)
+    except (tomllib.TOMLDecodeError, KeyError, TypeError, ValueError):
+        return None
+    return gravity if gravity.shape == (3,) and gravity.any() else None
+
+
+def _camera_axes(results: Results, stage: Stage, view: str) -> Array:
+    samples = (positions for batch in stage.batches() for positions in _some(batch))
+    return chosen_axes(view, spread_of(samples), gravity_of(results))
+
+
+def _some(batch: Batch) -> Iterator[Array]:
+    """About a hundred points of each body in about fifty frames."""
+    frames = max(len(batch) // 50, 1)
+    for positions in batch.positions:
+        yield positions[::frames, :: max(positions.shape[1] // 100, 1)].astype(float)

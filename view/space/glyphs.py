@@ -1,0 +1,84 @@
+"""The shapes of marks, of unit size about the origin, with z as their axis."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...superelement.validation import Array
+
+IntArray = NDArray[np.int64]
+AROUND = 16
+"""corners of a circle"""
+COILS = 6
+NO_LINES: IntArray = np.zeros((0, 2), dtype=np.int64)
+NO_TRIANGLES: IntArray = np.zeros((0, 3), dtype=np.int64)
+
+
+@dataclass(frozen=True, eq=False)
+class Glyph:
+    """points (p, 3), triangles (m, 3) that turn outwards, lines (l, 2)."""
+
+    points: Array
+    triangles: IntArray = field(default_factory=NO_TRIANGLES.copy)
+    lines: IntArray = field(default_factory=NO_LINES.copy)
+
+
+def turned(profile: Array) -> Glyph:
+    """A surface of revolution.   profile (k, 2): radii and heights, from below to above"""
+    angles = 2.0 * np.pi * np.arange(AROUND) / AROUND
+    ring = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    rings = [np.column_stack([r * ring, np.full(AROUND, z)]) for r, z in profile]
+    here = np.arange(AROUND)
+    beside = (here + 1) % AROUND
+    triangles = []
+    for k in range(len(profile) - 1):
+        low, high = k * AROUND, (k + 1) * AROUND
+        triangles.append(np.column_stack([low + here, low + beside, high + beside]))
+        triangles.append(np.column_stack([low + here, high + beside, high + here]))
+    return Glyph(np.concatenate(rings), np.concatenate(triangles))
+
+
+def sphere(rings: int = 10) -> Glyph:
+    """Of radius 1."""
+    angles = np.linspace(-0.5 * np.pi, 0.5 * np.pi, rings + 1)
+    return turned(np.stack([np.cos(angles), np.sin(angles)], axis=1))
+
+
+def cylinder(radius: float, length: float) -> Glyph:
+    half = 0.5 * length
+    return turned(np.array([(0, -half), (radius, -half), (radius, half), (0, half)]))
+
+
+def arrow() -> Glyph:
+    """From the origin to z = 1."""
+    return turned(np.array([(0, 0), (0.025, 0), (0.025, 0.75), (0.07, 0.75), (0, 1)]))
+
+
+def box(x: float, y: float, z: float) -> Glyph:
+    """Of these lengths."""
+    signs = np.array([(i, j, k) for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)])
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    triangles = [(a, b, c) for a, b, c, _ in quads] + [(a, c, d) for a, _, c, d in quads]
+    return Glyph(signs * [0.5 * x, 0.5 * y, 0.5 * z], np.array(triangles))
+
+
+def triad() -> Glyph:
+    """Three lines of length 1 along the axes."""
+    return Glyph(np.vstack([np.zeros(3), np.eye(3)]), lines=np.array([(0, 1), (0, 2), (0, 3)]))
+
+
+def coil() -> Glyph:
+    """A zigzag from the origin to z = 1, half as wide as 1 in x, for springs."""
+    turns = np.arange(1, 2 * COILS) / (2 * COILS)
+    heights = np.concatenate([[0.0, 0.15], 0.15 + 0.7 * turns, [0.85, 1.0]])
+    across = np.zeros(len(heights))
+    across[2:-2] = 0.5 * (-1.0) ** np.arange(2 * COILS - 1)
+    points = np.column_stack([across, np.zeros(len(heights)), heights])
+    here = np.arange(len(heights) - 1)
+    return Glyph(points, lines=np.column_stack([here, here + 1]))
+
+
+def segment() -> Glyph:
+    """A line from the origin to z = 1."""
+    return Glyph(np.array([(0.0, 0.0, 0.0), (0.0, 0.0, 1.0)]), lines=np.array([(0, 1)]))

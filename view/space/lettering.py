@@ -1,0 +1,192 @@
+"""What is written around a picture: title, time, the scale of colors, what is magnified."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colorbar import Colorbar
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.font_manager import findfont
+from numpy.typing import NDArray
+
+from ...superelement.validation import Array
+from ..picture import style
+from ..prefixes import PREFIXES, exponent_of
+from ..scene import AXES
+
+Image = NDArray[np.uint8]
+"""(height, width, 3)"""
+HEIGHT = 720.0
+"""of pictures whose letters have the size below; others have them larger or smaller [pixels]"""
+LETTER, SMALL = 17.0, 14.0
+"""[pixels]"""
+TOP, BOTTOM, SIDE = 52.0, 44.0, 142.0
+"""margins that are kept for letters [pixels]"""
+TITLE_SHARE = 0.66
+DPI = 100.0
+
+
+@dataclass(frozen=True)
+class Lettering:
+    """title: above; notes: below; legend: words with their colors, below on the right.
+
+    label, unit, largest: of the scale of colors from 0 on, none if there is no label; color_map.
+    """
+
+    title: str = ""
+    notes: tuple[str, ...] = ()
+    legend: tuple[tuple[str, str], ...] = ()
+    label: str = ""
+    unit: str = ""
+    largest: float = 0.0
+    color_map: Any = "turbo"
+    axes: Array = field(default_factory=lambda: np.eye(3))
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The size of a picture (width, height) and the margins around the model [pixels]."""
+
+    size: tuple[int, int]
+    scale: bool
+
+    @property
+    def enlarged(self) -> float:
+        """Of letters."""
+        width, height = self.size
+        return max(min(height, width * 9.0 / 16.0) / HEIGHT, 0.4)
+
+    def pixel(self, seen: float) -> float:
+        """The length of a pixel where a height `seen` lies between the margins [m]."""
+        _, _, bottom, top = self.margins
+        return seen / (self.size[1] - bottom - top)
+
+    @property
+    def margins(self) -> tuple[float, float, float, float]:
+        """left, right, bottom, top"""
+        e = self.enlarged
+        return 10.0 * e, (SIDE if self.scale else 10.0) * e, BOTTOM * e, TOP * e
+
+
+def lettered(frame: Frame, words: Lettering) -> Image:
+    """The picture of all that stays the same, dark on white."""
+    (width, height), e = frame.size, frame.enlarged
+    points = 72.0 / DPI * e
+    with style():
+        figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI, facecolor="white")
+        canvas: Any = FigureCanvasAgg(figure)
+        figure.text(
+            12.0 * e / width,
+            1.0 - 0.5 * TOP * e / height,
+            fitting(words.title, TITLE_SHARE * width, LETTER * e),
+            fontsize=LETTER * points,
+            fontweight="bold",
+            va="center",
+            parse_math=False,
+        )
+        _write_notes(figure, frame, words, points)
+        _draw_axes(figure, frame, words.axes, points)
+        if words.label:
+            _draw_scale(figure, frame, words, points)
+        canvas.draw()
+    picture: Image = np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
+    return picture
+
+
+def fitting(text: str, width: float, letter: float) -> str:
+    """A line of printable characters that is not wider than `width`."""
+    line = "".join(c if c.isprintable() else " " for c in text)
+    most = max(int(width / (0.62 * letter)), 4)
+    return line if len(line) <= most else f"{line[: most - 1]}…"
+
+
+def _write_notes(figure: Figure, frame: Frame, words: Lettering, points: float) -> None:
+    (width, height), e = frame.size, frame.enlarged
+    y, x = 0.45 * BOTTOM * e / height, 1.0 - 12.0 * e / width
+    for name, color in reversed(words.legend):
+        figure.text(x, y, name, color=color, fontsize=SMALL * points, ha="right", va="center")
+        x -= (0.62 * SMALL * len(name) + 12.0) * e / width
+    room = x * width - 90.0 * e
+    note = fitting("   ".join(words.notes), room, 0.9 * SMALL * e)
+    figure.text(
+        90.0 * e / width,
+        y,
+        note,
+        color="0.25",
+        fontsize=SMALL * points,
+        va="center",
+        parse_math=False,
+    )
+
+
+def _draw_axes(figure: Figure, frame: Frame, axes: Array, points: float) -> None:
+    """The directions x, y, z in the lower left corner."""
+    (width, height), e = frame.size, frame.enlarged
+    pane = figure.add_axes((0.0, 0.0, 84.0 * e / width, 84.0 * e / height))
+    pane.set_axis_off()
+    pane.set_xlim(-1.5, 1.5)
+    pane.set_ylim(-1.5, 1.5)
+    for direction, (name, color) in zip(axes[:2].T, AXES, strict=True):
+        if np.linalg.norm(direction) < 0.1:
+            continue
+        pane.plot([0.0, direction[0]], [0.0, direction[1]], color=color, linewidth=2.2 * points)
+        x, y = 1.0 * direction + 0.32 * direction / np.linalg.norm(direction)
+        pane.text(x, y, name, color=color, ha="center", va="center", fontsize=0.9 * SMALL * points)
+
+
+def _draw_scale(figure: Figure, frame: Frame, words: Lettering, points: float) -> None:
+    width, e = frame.size[0], frame.enlarged
+    exponent = exponent_of(words.largest, words.unit)
+    largest = words.largest / 10.0**exponent or 1.0
+    pane = figure.add_axes((1.0 - (SIDE - 34.0) * e / width, 0.16, 20.0 * e / width, 0.62))
+    norm = Normalize(0.0, largest)
+    bar = Colorbar(pane, cmap=words.color_map, norm=norm)
+    bar.outline.set_visible(False)
+    step = [tick for tick in pane.get_yticks() if 0.0 <= tick < 0.93 * largest]
+    bar.set_ticks([*step, largest], labels=[f"{t:.3g}" for t in (*step, largest)])
+    pane.tick_params(labelsize=SMALL * points, length=3 * points, width=0.7 * points)
+    name = "\n".join(words.label.rsplit(" ", 1))
+    figure.text(
+        1.0 - (SIDE - 34.0) * e / width,
+        0.795,
+        f"{name}\n[{PREFIXES[exponent]}{words.unit}]",
+        fontsize=SMALL * points,
+        va="bottom",
+        linespacing=1.15,
+    )
+
+
+class Clock:
+    """Writes the time at the upper right, always with as many digits.
+
+    last: the largest time; step: between frames [s].
+    """
+
+    def __init__(self, frame: Frame, last: float, step: float) -> None:
+        from PIL import ImageFont
+
+        self._frame = frame
+        self._exponent = exponent_of(abs(last))
+        step = step / 10.0**self._exponent
+        self._digits = int(np.clip(np.ceil(-np.log10(step)), 0, 6)) if step > 0.0 else 3
+        self._font = ImageFont.truetype(findfont("DejaVu Sans"), round(LETTER * frame.enlarged))
+
+    def text(self, time: float) -> str:
+        return f"t = {time / 10.0**self._exponent:.{self._digits}f} {PREFIXES[self._exponent]}s"
+
+    def write(self, image: Image, time: float) -> Image:
+        from PIL import Image as Images
+        from PIL import ImageDraw
+
+        picture = Images.fromarray(image)
+        e, width = self._frame.enlarged, self._frame.size[0]
+        ImageDraw.Draw(picture).text(
+            (width - 14.0 * e, 0.5 * TOP * e),
+            self.text(time),
+            fill=(30, 30, 30),
+            font=self._font,
+            anchor="rm",
+        )
+        return np.asarray(picture)

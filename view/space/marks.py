@@ -1,0 +1,250 @@
+"""Marks of what acts between bodies: joints, springs, contacts, forces, the ground."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...results import Connection, Results
+from ...results.motion import ContactMotion
+from ...superelement.validation import Array
+from . import glyphs
+from .bodies import HANGING, Body, place_of
+from .glyphs import Glyph
+from .tracks import GROUND, Track, Tracks
+
+JOINT, SPRING, CONTACT, FORCE = "#274c8f", "#1b7f4d", "#d62728", "#d9480f"
+AXES = ("#c1272d", "#2e8b40", "#2456a6")
+GROUNDED, LEG = "#5c636a", "#9aa1ab"
+LONGEST = 0.15
+"""of arrows, over the size of the model"""
+LEAST = 0.03
+"""of the largest force: those below have no arrow"""
+WIDE = 1.5
+"""width of springs over the radius of marks"""
+
+SPHERE, ARROW, TRIAD, COIL = glyphs.sphere(), glyphs.arrow(), glyphs.triad(), glyphs.coil()
+SEGMENT = glyphs.segment()
+BY_TYPE: dict[str, Glyph] = {
+    "revolute": glyphs.cylinder(0.75, 3.2),
+    "cylindrical": glyphs.cylinder(0.6, 4.4),
+    "screw": glyphs.cylinder(0.6, 4.4),
+    "prismatic": glyphs.box(1.5, 1.5, 3.6),
+    "point_on_line": glyphs.box(1.0, 1.0, 3.6),
+    "planar": glyphs.box(3.0, 3.0, 0.4),
+    "point_on_plane": glyphs.box(3.0, 3.0, 0.4),
+    "fixed": glyphs.box(1.3, 1.3, 1.3),
+    "spherical": SPHERE,
+}
+"""shapes of joints with their axis along z, over the radius of marks; others are spheres"""
+
+
+@dataclass(frozen=True, eq=False)
+class Mark:
+    """A glyph and where it is: its points turn and stretch by A (k, 3, 3) and lie at x (k, 3).
+
+    A is 0 where there is nothing to see; before: it is seen through all bodies.
+    """
+
+    kind: str
+    color: str
+    glyph: Glyph
+    x: Array
+    A: Array
+    before: bool = True
+
+    def position(self, rows: slice) -> Array:
+        """(k, p, 3) [m]"""
+        placed: Array = self.x[rows, None] + np.einsum(
+            "kij,pj->kpi", self.A[rows], self.glyph.points
+        )
+        return placed
+
+
+class Placing:
+    """Where frames are seen when deformation is magnified."""
+
+    def __init__(self, tracks: Tracks, bodies: tuple[Body, ...], magnification: float) -> None:
+        self.tracks, self._magnification = tracks, magnification
+        self._bodies = {body.name: body for body in bodies}
+
+    def find(self, name: str) -> Track | None:
+        return self.tracks.find(name)
+
+    def flexible(self, body: str) -> bool:
+        return body in self._bodies and self._bodies[body].flexible
+
+    def seen(self, frame: Track) -> Array:
+        """The position (k, 3) of a frame as the deformation of its body is seen [m]."""
+        body = self._bodies.get(frame.body)
+        if body is None or frame.u is None or not body.flexible or self._magnification == 1.0:
+            return frame.position
+        X = place_of(body.track, frame)
+        u = body.deformation(frame.u[:, None, :3], X[None], slice(None))[:, 0]
+        more: Array = frame.position + (self._magnification - 1.0) * _turned(body.track.rotation, u)
+        return more
+
+
+def _turned(R: Array, vectors: Array) -> Array:
+    """R a (k, 3) for unit quaternions R (k, 4) and vectors a (k, 3)."""
+    w, r = R[:, :1], R[:, 1:]
+    once = np.cross(r, vectors)
+    rotated: Array = vectors + 2.0 * (w * once + np.cross(r, once))
+    return rotated
+
+
+def marks_of(results: Results, placing: Placing, radius: float, size: float) -> tuple[Mark, ...]:
+    """The marks of all couplings and forces.
+
+    radius: of a spherical joint [m]; size: of the model [m].
+    """
+    found: list[Mark] = []
+    for coupling in results.couplings:
+        ends = tuple(placing.find(name) for name in coupling.between)
+        if coupling.group == "contacts":
+            found += _contact(results, coupling, placing.tracks, radius)
+        elif coupling.group == "springs" or coupling.type == "rod":
+            found += _between(coupling, placing, radius)
+        elif coupling.group in ("joints", "motions"):
+            found += _joint(coupling, ends, placing, radius)
+        if coupling.group in HANGING:
+            found += _grounds(coupling, placing.tracks, radius)
+    found += _legs(results, placing, radius)
+    found += _forces(results, placing, size)
+    return tuple(found)
+
+
+def largest_force(results: Results, tracks: Tracks) -> float:
+    """The largest force that has an arrow [N]."""
+    forces = (np.linalg.norm(force, axis=1).max() for _, force in _loaded(results, tracks))
+    return float(max(forces, default=0.0))
+
+
+def is_ground(name: str) -> bool:
+    return name.partition(".")[0] == GROUND
+
+
+def _joint(
+    coupling: Connection, ends: tuple[Track | None, ...], placing: Placing, radius: float
+) -> Iterator[Mark]:
+    """At the frame that moves; with the axes of the first frame, in which its axis is given."""
+    moving = [
+        end for name, end in zip(coupling.between, ends, strict=True) if end and not is_ground(name)
+    ]
+    if not moving:
+        return
+    glyph, axes = BY_TYPE.get(coupling.type, SPHERE), ends[0]
+    axis = np.array([0.0, 0.0, 1.0]) if coupling.axis is None else np.asarray(coupling.axis)
+    x = placing.seen(moving[0])
+    if is_ground(coupling.between[0]):
+        way = np.broadcast_to(axis, x.shape)
+    elif axes is not None:
+        way = axes.turned(axis)
+    else:
+        glyph, way = SPHERE, np.broadcast_to(axis, x.shape)
+    yield Mark("joints", JOINT, glyph, x, radius * along(way))
+
+
+def _between(coupling: Connection, placing: Placing, radius: float) -> Iterator[Mark]:
+    """A spring or a rod, as long as it is; a ball where it is short, as a bushing."""
+    first, second = coupling.between
+    tracks = placing.tracks
+    ends = [tracks.end(first, second), tracks.end(second, first)]
+    if ends[0] is None or ends[1] is None:
+        return
+    kind, color = ("joints", JOINT) if coupling.type == "rod" else ("springs", SPRING)
+    start = placing.seen(ends[0])
+    way = placing.seen(ends[1]) - start
+    length = np.linalg.norm(way, axis=1)
+    if length.max() < 2.0 * radius:
+        A = np.broadcast_to(1.2 * radius * np.eye(3), (len(way), 3, 3))
+        yield Mark(kind, color, SPHERE, start, A)
+        return
+    A = along(way)
+    A[:, :, :2] *= WIDE * radius
+    A[:, :, 2] *= length[:, None]
+    yield Mark(kind, color, SEGMENT if kind == "joints" else COIL, start, A)
+
+
+def _grounds(coupling: Connection, tracks: Tracks, radius: float) -> Iterator[Mark]:
+    """A small triad where something is held by the ground."""
+    first, second = coupling.between
+    for name, other in ((first, second), (second, first)):
+        track = tracks.end(name, other) if is_ground(name) else None
+        if track is not None:
+            A = np.broadcast_to(4.0 * radius * np.eye(3), (len(track.position), 3, 3))
+            yield Mark("ground", GROUNDED, TRIAD, track.position, A)
+
+
+def _legs(results: Results, placing: Placing, radius: float) -> Iterator[Mark]:
+    """Lines from the centers of rigid bodies to their frames, which shapes may not reach."""
+    seen: set[str] = set()
+    for coupling in results.couplings:
+        for name in coupling.between:
+            body, _, frame = name.partition(".")
+            track = placing.find(name) if frame and body != GROUND else None
+            if name in seen or track is None or placing.flexible(body):
+                continue
+            seen.add(name)
+            center = placing.tracks.body(body).position
+            A = along(track.position - center)
+            A[:, :, 2] *= np.linalg.norm(track.position - center, axis=1)[:, None]
+            if np.linalg.norm(A[0, :, 2]) > 2.0 * radius:
+                yield Mark("bodies", LEG, SEGMENT, center, A, before=False)
+
+
+def _contact(
+    results: Results, coupling: Connection, tracks: Tracks, radius: float
+) -> Iterator[Mark]:
+    """A ball where it is closed."""
+    name = coupling.name
+    if f"contacts/{name}" not in results.recorded:
+        return
+    motion = results.contact(name)
+    assert isinstance(motion, ContactMotion)
+    closed = tracks.nearest(motion.state) > 0.0
+    A = np.where(closed[:, None, None], 1.3 * radius * np.eye(3), 0.0)
+    yield Mark("contacts", CONTACT, SPHERE, tracks.at(motion.point), A)
+
+
+def _loaded(results: Results, tracks: Tracks) -> Iterator[tuple[Track, Array]]:
+    """Frames with the forces (k, 3) on them [N]; of two joined ones the second alone."""
+    recorded = set(results.recorded)
+    known = [name for name in results.frames if f"frames/{name}" in recorded]
+    joined = {
+        coupling.between[0]
+        for coupling in results.couplings
+        if coupling.between[1] in known and coupling.group != "contacts"
+    }
+    for name in known:
+        track = tracks.find(name)
+        if name not in joined and track is not None and track.force is not None:
+            yield track, track.force[:, :3]
+
+
+def _forces(results: Results, placing: Placing, size: float) -> Iterator[Mark]:
+    """Arrows with one scale for all of them and all frames."""
+    largest = largest_force(results, placing.tracks)
+    for track, force in _loaded(results, placing.tracks):
+        strength = np.linalg.norm(force, axis=1)
+        shown = strength > LEAST * largest
+        if shown.any():
+            length = np.where(shown, strength, 0.0) * LONGEST * size / largest
+            A = along(force) * length[:, None, None]
+            yield Mark("forces", FORCE, ARROW, placing.seen(track), A)
+
+
+def along(z: Array) -> Array:
+    """Rotations (k, 3, 3) whose third column is the direction of z (k, 3)."""
+    length = np.linalg.norm(z, axis=1, keepdims=True)
+    z = np.where(length > 0.0, z, [0.0, 0.0, 1.0]) / np.where(length > 0.0, length, 1.0)
+    # A third direction that is far from all of them keeps the others from jumping.
+    mean = np.abs(z).mean(axis=0)
+    away = np.eye(3)[int(mean.argmin())]
+    x = np.cross(np.broadcast_to(away, z.shape), z)
+    short = np.linalg.norm(x, axis=1) < 1e-3
+    x[short] = np.cross([1.0, 0.0, 0.0], z[short])
+    short = np.linalg.norm(x, axis=1) < 1e-3
+    x[short] = np.cross([0.0, 1.0, 0.0], z[short])
+    x /= np.linalg.norm(x, axis=1, keepdims=True)
+    return np.stack([x, np.cross(z, x), z], axis=2)

@@ -1,0 +1,177 @@
+"""What is on stage in a film: bodies with their values, and marks, at all its times."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...results import Results
+from ...superelement.validation import Array
+from ..errors import PictureError
+from .bodies import Body, bodies_on_stage
+from .marks import Mark, Placing, largest_force, marks_of
+from .tracks import Tracks
+
+Single = NDArray[np.float32]
+FIELDS = {
+    "displacement": ("elastic displacement", "m"),
+    "velocity": ("speed", "m/s"),
+    "von_mises": ("von Mises stress", "Pa"),
+}
+"""what colors can show: its name and unit"""
+NO_FIELD = "none"
+AT_ONCE = 3_000_000
+"""points of all bodies, times frames, of which positions and values are in memory"""
+SEEN = 0.02
+"""largest deformation over the size of the model that is seen without magnification"""
+WANTED = 0.05
+"""the same when it is magnified"""
+ROUNDING = 1e-8
+"""the same below which it is rounding, and nothing to be magnified"""
+MARK = 0.009
+"""radius of marks over the size of the model"""
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """Some frames: positions (k, p, 3) of each body, and values (k, p) or None.
+
+    Positions are from the middle of the stage, so that single precision serves far from the origin.
+    """
+
+    rows: slice
+    positions: tuple[Single, ...]
+    values: tuple[Single | None, ...]
+
+    def __len__(self) -> int:
+        return int(self.rows.stop) - int(self.rows.start)
+
+
+class Stage:
+    """Bodies and marks of a run at times (k,) [s].
+
+    field: one of `FIELDS`, "none", or None for the choice: stresses where all flexible bodies know
+    them, else displacements where one is flexible. magnify: of deformation, None for the choice.
+    """
+
+    def __init__(
+        self,
+        results: Results,
+        times: Array,
+        field: str | None = None,
+        magnify: float | None = None,
+        marks: bool = True,
+    ) -> None:
+        self.times = times
+        tracks = Tracks(results, times)
+        self.bodies = bodies_on_stage(results, tracks)
+        if not self.bodies:
+            raise PictureError("the run recorded the motion of no body: nothing can be drawn")
+        self.size = size_of(self.bodies)
+        points = sum(len(body.X) for body in self.bodies)
+        self._rows = batches(len(times), max(AT_ONCE // max(points, 1), 1))
+        self._last: Batch | None = None
+        self.middle: Array = np.mean([body.track.position[0] for body in self.bodies], axis=0)
+        self.field = chosen_field(self.bodies, field)
+        self.untold = {}
+        if self.field:
+            self.untold = {body.name: body.why_unknown(self.field) for body in self.colored()}
+            self.untold = {name: why for name, why in self.untold.items() if why}
+            require_some(self.field, self.untold, len(self.colored()))
+        self.magnification = self._chosen_magnification() if magnify is None else magnify
+        placing = Placing(tracks, self.bodies, self.magnification)
+        self.radius = MARK * self.size
+        self.marks: tuple[Mark, ...] = ()
+        self.largest_force = 0.0
+        if marks:
+            self.marks = marks_of(results, placing, self.radius, self.size)
+            self.largest_force = largest_force(results, tracks)
+        self.largest = self._largest_value() if self.field else 0.0
+
+    def colored(self) -> tuple[Body, ...]:
+        """The bodies that the field belongs to: all move, but only flexible ones deform."""
+        return tuple(body for body in self.bodies if self.field == "velocity" or body.flexible)
+
+    def batches(self) -> Iterator[Batch]:
+        """All frames, a few at once; the last batch is kept."""
+        for rows in self._rows:
+            if self._last is None or self._last.rows != rows:
+                self._last = self._batch(rows)
+            yield self._last
+
+    def mark_positions(self, rows: slice) -> Iterator[Array]:
+        """Positions (k, p, 3) of the points of each mark, from the middle of the stage."""
+        for mark in self.marks:
+            yield mark.position(rows) - self.middle
+
+    def _batch(self, rows: slice) -> Batch:
+        told = {body.name for body in self.colored()} - set(self.untold) if self.field else set()
+        positions = (
+            (body.position(rows, self.magnification) - self.middle).astype(np.float32)
+            for body in self.bodies
+        )
+        values = (
+            body.values(rows, self.field).astype(np.float32) if body.name in told else None
+            for body in self.bodies
+        )
+        return Batch(rows, tuple(positions), tuple(values))
+
+    def _chosen_magnification(self) -> float:
+        largest = max(body.largest_deformation(rows) for body in self.bodies for rows in self._rows)
+        return magnification(largest, self.size)
+
+    def _largest_value(self) -> float:
+        found = 0.0
+        for batch in self.batches():
+            for values in batch.values:
+                if values is not None:
+                    found = max(found, float(values.max(initial=0.0)))
+        return found
+
+
+def size_of(bodies: tuple[Body, ...]) -> float:
+    """The diagonal of the box around all bodies at the first time [m]."""
+    points = np.concatenate([body.position(slice(0, 1), 1.0)[0] for body in bodies])
+    return float(np.linalg.norm(np.ptp(points, axis=0))) or 1.0
+
+
+def batches(n: int, at_once: int) -> tuple[slice, ...]:
+    """n rows in slices of equal length, but for the last."""
+    return tuple(slice(k, min(k + at_once, n)) for k in range(0, n, at_once))
+
+
+def magnification(largest: float, size: float) -> float:
+    """1 where the largest deformation is seen, else 1, 2 or 5 times a power of ten that shows it.
+
+    largest, size: of deformation and model [m].
+    """
+    if largest >= SEEN * size or largest <= ROUNDING * size:
+        return 1.0
+    wanted = WANTED * size / largest
+    power = 10.0 ** np.floor(np.log10(wanted))
+    return float(power * max(step for step in (1.0, 2.0, 5.0) if step <= wanted / power))
+
+
+def chosen_field(bodies: tuple[Body, ...], field: str | None) -> str:
+    """The name of a field, "" for none; PictureError if there is no such field."""
+    if field == NO_FIELD:
+        return ""
+    if field is not None:
+        if field not in FIELDS:
+            known = ", ".join([*FIELDS, NO_FIELD])
+            raise PictureError(f"--field: expected {known}, found {field!r}")
+        return field
+    flexible = [body for body in bodies if body.flexible]
+    if not flexible:
+        return ""
+    unknown = any(body.why_unknown("von_mises") for body in flexible)
+    return "displacement" if unknown else "von_mises"
+
+
+def require_some(field: str, untold: dict[str, str], colored: int) -> None:
+    """PictureError where no body knows the field."""
+    if not colored:
+        raise PictureError(f"--field {field}: the run has no flexible body")
+    if len(untold) == colored:
+        raise PictureError(f"--field {field}: {next(iter(untold.values()))}")

@@ -1,0 +1,236 @@
+"""Frames of a stage, painted by VTK without a screen."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.colors import LinearSegmentedColormap, to_rgb
+
+from ...superelement.validation import Array
+from ..errors import PictureError
+from ..scene import color as color_of
+from .bodies import Body
+from .camera import Camera
+from .lettering import Frame, Image
+from .stage import Batch, Stage
+from .surface import IntArray, mesh_edges, surface
+
+COLOR_MAP = LinearSegmentedColormap.from_list(
+    "stage", matplotlib.colormaps["turbo"](np.linspace(0.07, 0.98, 256))
+)
+"""turbo without its darkest ends, which light and shade would make black"""
+PLAIN = (0.80, 0.82, 0.85)
+"""bodies beside those that are colored"""
+APART = 7.0
+"""the least length of usual edges [pixels] that are drawn: shorter ones would blacken a body"""
+EDGE = (0.25, 0.27, 0.30)
+NEEDED = "duhamel animate needs pyvista: pip install 'duhamel[view]'"
+BLIND = (
+    "OpenGL was not found, not even in software: Debian has it in libgl1, libegl1, libegl-mesa0 "
+    "and libgl1-mesa-dri"
+)
+
+
+def pyvista() -> Any:
+    """The library; PictureError without it."""
+    try:
+        import pyvista
+    except ImportError as error:
+        raise PictureError(NEEDED) from error
+    return pyvista
+
+
+def _window(size: tuple[int, int]) -> Any:
+    """What VTK draws in, without a screen; PictureError where the machine cannot."""
+    library = pyvista()
+    # It says that there is no screen, which nobody asked for.
+    with library.vtk_verbosity("off"):
+        plotter = library.Plotter(off_screen=True, window_size=size, lighting="none")
+        if not plotter.render_window.SupportsOpenGL():
+            raise PictureError(BLIND)
+    return plotter
+
+
+class Studio:
+    """A stage with its camera and light: `frames` paints them one after the other."""
+
+    def __init__(self, stage: Stage, camera: Camera, frame: Frame) -> None:
+        self._stage, self._frame = stage, frame
+        self._plotter = _window(frame.size)
+        self._plotter.set_background("white")
+        self._plotter.enable_anti_aliasing("msaa", multi_samples=8)
+        pixel = frame.pixel(camera.height)
+        self._figures = [
+            _BodyFigure(self._plotter, stage, number, pixel) for number in range(len(stage.bodies))
+        ]
+        self._marks = [_MarkFigure(self._plotter, mark) for mark in stage.marks]
+        self._set_light(camera)
+        self._aim(camera)
+
+    def __enter__(self) -> "Studio":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._plotter.close()
+
+    def frames(self, batch: Batch) -> Iterator[Image]:
+        """The frames of a batch, without letters."""
+        marks = list(self._stage.mark_positions(batch.rows))
+        for k in range(len(batch)):
+            for figure, positions, values in zip(
+                self._figures, batch.positions, batch.values, strict=True
+            ):
+                figure.move(positions[k], None if values is None else values[k])
+            for mark, places in zip(self._marks, marks, strict=True):
+                mark.move(places[k])
+            self._plotter.render()
+            yield np.asarray(self._plotter.screenshot(return_img=True))[:, :, :3]
+
+    def _set_light(self, camera: Camera) -> None:
+        library = pyvista()
+        right, up, towards = camera.axes
+        for direction, strength in (
+            (-0.5 * right + 0.8 * up + 0.9 * towards, 0.62),
+            (0.8 * right + 0.15 * up + 0.8 * towards, 0.28),
+            (towards, 0.22),
+        ):
+            light = library.Light(light_type="scene light", intensity=strength)
+            light.positional = False
+            light.position, light.focal_point = tuple(direction), (0.0, 0.0, 0.0)
+            self._plotter.add_light(light)
+
+    def _aim(self, camera: Camera) -> None:
+        """Put what the camera sees between the margins."""
+        height, (left, right, bottom, top) = self._frame.size[1], self._frame.margins
+        pixel = self._frame.pixel(camera.height)
+        across, up, towards = camera.axes
+        focus = camera.focus - 0.5 * pixel * ((left - right) * across + (bottom - top) * up)
+        view = self._plotter.camera
+        view.parallel_projection = True
+        view.focal_point = tuple(focus)
+        view.position = tuple(focus + 4.0 * camera.depth * towards)
+        view.up = tuple(up)
+        view.parallel_scale = 0.5 * pixel * height
+        view.clipping_range = (2.0 * camera.depth, 6.0 * camera.depth)
+
+
+class _BodyFigure:
+    """The triangles and lines of a body."""
+
+    def __init__(self, plotter: Any, stage: Stage, number: int, pixel: float) -> None:
+        body = stage.bodies[number]
+        outline, told = body.outline, body.name not in stage.untold and body in stage.colored()
+        self._colored = bool(stage.field) and told
+        self._surface = surface(body.X, outline.triangles) if len(outline.triangles) else None
+        style: dict[str, Any] = {
+            "color": PLAIN if stage.field else _tint(number),
+            "show_scalar_bar": False,
+        }
+        if self._colored:
+            style |= {"scalars": "value", "cmap": COLOR_MAP, "clim": (0.0, stage.largest or 1.0)}
+        self._mesh, self._lines, self._rods = None, None, None
+        if self._surface is not None:
+            self._mesh = _mesh(body.X[self._surface.copies], triangles=self._surface.triangles)
+            self._mesh.point_data["value"] = np.zeros(len(self._surface.copies), np.float32)
+            self._mesh.point_data["Normals"] = np.zeros((len(self._surface.copies), 3), np.float32)
+            self._mesh.point_data.active_normals_name = "Normals"
+            plotter.add_mesh(
+                self._mesh,
+                smooth_shading=None,
+                ambient=0.25,
+                diffuse=0.85,
+                specular=0.12,
+                specular_power=12,
+                **style,
+            ).prop.interpolation = "Phong"
+            edges = _drawn_edges(body, self._surface.edges, pixel)
+            if len(edges):
+                self._lines = _mesh(body.X, lines=edges)
+                plotter.add_mesh(
+                    self._lines, color=EDGE, line_width=1.0, opacity=0.55, lighting=False
+                )
+        if len(outline.lines):
+            self._rods = _mesh(body.X, lines=outline.lines)
+            self._rods.point_data["value"] = np.zeros(len(body.X), np.float32)
+            style["render_lines_as_tubes"] = True
+            plotter.add_mesh(self._rods, line_width=6.0, **style)
+
+    def move(self, points: Array, values: Array | None) -> None:
+        if self._mesh is not None and self._surface is not None:
+            here = points[self._surface.copies]
+            self._mesh.points = here
+            self._mesh.point_data["Normals"][:] = self._surface.normals(here)
+            if values is not None:
+                self._mesh.point_data["value"][:] = values[self._surface.copies]
+            self._mesh.Modified()
+        if self._lines is not None:
+            self._lines.points = points
+        if self._rods is not None:
+            self._rods.points = points
+            if values is not None:
+                self._rods.point_data["value"][:] = values
+
+
+def _drawn_edges(body: Body, sharp: IntArray, pixel: float) -> IntArray:
+    """The edges of a solid mesh where they are apart on a picture, else the sharp ones, or none."""
+    for edges in (mesh_edges(body.outline.cells), sharp):
+        a, b = body.X[edges[:, 0]], body.X[edges[:, 1]]
+        lengths = np.linalg.norm(b - a, axis=1)
+        meshed = edges is not sharp
+        if meshed and (not body.flexible or body.outline.node is not None):
+            continue
+        if len(edges) and np.percentile(lengths, 25.0 if meshed else 50.0) >= APART * pixel:
+            return edges
+    return sharp if body.outline.node is None and _width(body) >= 3.0 * APART * pixel else sharp[:0]
+
+
+def _width(body: Body) -> float:
+    """The second largest length of the box of a body [m]."""
+    return float(np.sort(np.ptp(body.X, axis=0))[1])
+
+
+class _MarkFigure:
+    """A mark, which lies before all bodies."""
+
+    def __init__(self, plotter: Any, mark: Any) -> None:
+        glyph = mark.glyph
+        self._mesh = _mesh(glyph.points, triangles=glyph.triangles, lines=glyph.lines)
+        shaded = bool(len(glyph.triangles))
+        actor = plotter.add_mesh(
+            self._mesh,
+            color=mark.color,
+            line_width=2.5,
+            ambient=0.45,
+            diffuse=0.6,
+            lighting=shaded,
+            opacity=0.85 if shaded else 1.0,
+        )
+        if not mark.before:
+            return
+        mapper = actor.mapper
+        mapper.SetResolveCoincidentTopologyToPolygonOffset()
+        mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(0.0, -66000.0)
+        mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0.0, -66000.0)
+
+    def move(self, points: Array) -> None:
+        self._mesh.points = points.astype(np.float32)
+
+
+def _mesh(points: Array, triangles: Any = None, lines: Any = None) -> Any:
+    parts: dict[str, Any] = {}
+    if triangles is not None and len(triangles):
+        parts["faces"] = _counted(triangles)
+    if lines is not None and len(lines):
+        parts["lines"] = _counted(lines)
+    return pyvista().PolyData(points.astype(np.float32), **parts)
+
+
+def _counted(cells: Any) -> Any:
+    """Cells (n, k) as VTK reads them, each after the number of its points."""
+    return np.column_stack([np.full(len(cells), cells.shape[1]), cells]).ravel()
+
+
+def _tint(number: int) -> tuple[float, ...]:
+    """A light color for each body."""
+    return tuple(0.45 + 0.55 * channel for channel in to_rgb(color_of(number)))

@@ -1,0 +1,173 @@
+"""Films and pictures as files, which appear whole or not at all."""
+
+import re
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+
+from ...files.outputs import renamed_when_whole
+from ..errors import PictureError
+from .lettering import Image
+
+FILM, MOVING, STILL = ".mp4", ".gif", ".png"
+SUFFIXES = (FILM, MOVING, STILL)
+NUMBERED = re.compile(r"%0?\d*d")
+QUALITY = "20"
+"""of H.264, as its crf: 18 can hardly be told from the original, 23 is usual"""
+COLORS = 255
+CELL = 6
+"""levels of a channel that count as one color there"""
+SAMPLED = 8
+"""frames from which the colors of a GIF are taken"""
+
+
+class Sink(Protocol):
+    """What takes the frames of a film in their order."""
+
+    def put(self, image: Image) -> None: ...
+
+
+def require_format(path: Path, size: tuple[int, int], several: bool) -> None:
+    """PictureError if no such file can be made.   several: it is more than a single frame"""
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise PictureError(
+            f"{path}: expected a suffix of {', '.join(SUFFIXES)}, found {path.suffix!r}"
+        )
+    if not path.parent.is_dir():
+        raise PictureError(f"{path}: no folder {path.parent}")
+    if suffix == STILL and several and not NUMBERED.search(path.name):
+        raise PictureError(
+            f"{path}: expected --at TIME or --at worst for one picture, "
+            "or a name with a number for many, as frame-%04d.png"
+        )
+    if suffix == FILM and (size[0] % 2 or size[1] % 2):
+        raise PictureError(f"{path}: expected even numbers as --size of a film, found {size}")
+
+
+@contextmanager
+def written(path: Path, size: tuple[int, int], fps: float, frames: int) -> Iterator[Sink]:
+    """What takes the frames of a film and makes a file of them at the end of the block."""
+    suffix = path.suffix.lower()
+    try:
+        if suffix == STILL and frames > 1:
+            yield _Stills(path)
+            return
+        with renamed_when_whole(path) as temporary:
+            if suffix == FILM:
+                with _h264(temporary, size, fps, frames) as film:
+                    yield film
+            else:
+                sink = _Moving(fps) if suffix == MOVING else _Still()
+                yield sink
+                sink.save(temporary)
+    except OSError as error:
+        raise PictureError(f"{path}: cannot be written: {error}") from error
+
+
+class _Still:
+    def put(self, image: Image) -> None:
+        self._image = image
+
+    def save(self, path: Path) -> None:
+        _picture(self._image).save(path, format="PNG", optimize=True)
+
+
+class _Stills:
+    """A file for each frame, by its number from 1 on."""
+
+    def __init__(self, path: Path) -> None:
+        self._path, self._number = path, 0
+
+    def put(self, image: Image) -> None:
+        self._number += 1
+        name = NUMBERED.sub(lambda found: found[0] % self._number, self._path.name, count=1)
+        with renamed_when_whole(self._path.with_name(name)) as temporary:
+            _picture(image).save(temporary, format="PNG")
+
+
+class _Moving:
+    """A GIF: frames in the colors that some of them share. Until then they are kept packed."""
+
+    def __init__(self, fps: float) -> None:
+        self._duration = max(round(100.0 / fps), 2) * 10
+        self._packed: list[bytes] = []
+        self._shape: tuple[int, ...] = ()
+
+    def put(self, image: Image) -> None:
+        self._shape = image.shape
+        self._packed.append(zlib.compress(image.tobytes(), 1))
+
+    def save(self, path: Path) -> None:
+        palette = self._palette()
+        frames = (
+            self._frame(n).quantize(palette=palette, dither=0) for n in range(len(self._packed))
+        )
+        next(frames).save(
+            path,
+            format="GIF",
+            save_all=True,
+            append_images=frames,
+            duration=self._duration,
+            loop=0,
+            disposal=1,
+        )
+
+    def _palette(self) -> Any:
+        chosen = np.linspace(0, len(self._packed) - 1, SAMPLED).round().astype(int)
+        together = np.concatenate([np.asarray(self._frame(n)) for n in np.unique(chosen)])
+        # Each color counts once, however much of a picture it covers.
+        colors = together.reshape(-1, 3)
+        _, first = np.unique(colors // CELL @ [1 << 12, 1 << 6, 1], return_index=True)
+        return _picture(colors[first][None]).quantize(COLORS, dither=0)
+
+    def _frame(self, number: int) -> Any:
+        raw = np.frombuffer(zlib.decompress(self._packed[number]), dtype=np.uint8)
+        return _picture(raw.reshape(self._shape))
+
+
+@contextmanager
+def _h264(path: Path, size: tuple[int, int], fps: float, frames: int) -> Iterator[Sink]:
+    try:
+        from imageio_ffmpeg import count_frames_and_secs, write_frames
+    except ImportError as error:
+        raise PictureError(
+            "a film needs imageio with ffmpeg: pip install 'duhamel[view]'"
+        ) from error
+    writer = write_frames(
+        str(path),
+        size,
+        fps=fps,
+        codec="libx264",
+        pix_fmt_out="yuv420p",
+        macro_block_size=2,
+        quality=None,
+        ffmpeg_log_level="error",
+        output_params=["-crf", QUALITY, "-f", "mp4", "-movflags", "+faststart"],
+    )
+    writer.send(None)
+    try:
+        yield _Pipe(writer)
+    finally:
+        writer.close()
+    found, _ = count_frames_and_secs(str(path))
+    if found != frames:
+        raise OSError(f"ffmpeg wrote {found} of {frames} frames")
+
+
+class _Pipe:
+    def __init__(self, writer: Any) -> None:
+        self._writer = writer
+
+    def put(self, image: Image) -> None:
+        self._writer.send(image.tobytes())
+
+
+def _picture(image: Image) -> Any:
+    from PIL import Image as Images
+
+    return Images.fromarray(image)
