@@ -1,6 +1,7 @@
 """`duhamel export`: results for ParaView, for tables, for MATLAB."""
 
 from enum import StrEnum
+from math import isfinite
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Annotated
@@ -21,6 +22,9 @@ class Format(StrEnum):
     CSV = "csv"
     MAT = "mat"
 
+
+SUFFIXES = {Format.VTK: ".vtkhdf", Format.CSV: ".csv", Format.MAT: ".mat"}
+"""of files that are written"""
 
 ResultsFile = Annotated[
     Path, typer.Argument(metavar="RESULTS.h5", help="Of `duhamel run`.", show_default=False)
@@ -78,6 +82,8 @@ def export(
 
     with errors_in_one_line(results, files):
         read = results.Results.read(results_file)
+        for path in folder.glob(f"*{SUFFIXES[to]}"):
+            files.require_no_input(path, [results_file])
         rows = window(read.time, start, end)
         stem = results_file.stem
         if to is Format.VTK:
@@ -99,6 +105,8 @@ def _require_sense(
         raise typer.BadParameter(f"quantities go with --to csv, found --to {to}")
     if (frames is not None or every or magnify is not None) and to is not Format.VTK:
         raise typer.BadParameter(f"--frames, --all and --magnify go with --to vtk, found --to {to}")
+    if magnify is not None and not isfinite(magnify):
+        raise typer.BadParameter(f"--magnify: expected a number, found {magnify}")
     if frames is not None and every:
         raise typer.BadParameter("expected one of --frames and --all")
 

@@ -3,6 +3,7 @@
 import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,24 +74,38 @@ def _write_bodies(
         grid = Grid(file, times, cells, of_cells)
         for rows in _batches(len(steps), cells.points):
             t = times[rows]
-            motions = [_motion(results, body, steps[rows], t, magnification) for body in bodies]
-            fields = {
-                "displacement": np.concatenate([u for _, u, _ in motions], axis=1),
-                "velocity": np.concatenate([v for _, _, v in motions], axis=1),
-            }
+            motions = _motions(results, steps[rows], t, magnification)
+            positions, u, v = (np.concatenate(each, axis=1) for each in zip(*motions, strict=True))
+            fields = {"displacement": u, "velocity": v}
             fields |= known.at(t)
-            grid.put(np.concatenate([x for x, _, _ in motions], axis=1), fields)
+            grid.put(positions, fields)
 
 
-def _motion(
-    results: Results, body: str, steps: NDArray[np.int64], t: Array, magnification: float
-) -> tuple[Array, Array, Array]:
+class _Motion(NamedTuple):
     """Positions [m], elastic displacements [m] and velocities [m/s] (k, p, 3), in space."""
-    motion, nowhere = results.body(body), np.zeros((len(t), 3))
-    R = motion.R[steps]
-    u = in_space(nowhere, R, results.outline_displacement(body, t))
-    at_rest = in_space(motion.x[steps], R, results.outline(body).points)
-    return at_rest + magnification * u, u, results.outline_velocity(body, t)
+
+    position: Array
+    displacement: Array
+    velocity: Array
+
+
+def _motions(
+    results: Results, steps: NDArray[np.int64], t: Array, magnification: float
+) -> Iterator[_Motion]:
+    """Those of each body at some steps (k,), of which all bodies are read together."""
+    width = 4 * len(results.bodies)
+    names = ("position", "rotation", "velocity", "angular_velocity")
+    read = [_at(results, f"body_{name}", steps, width) for name in names]
+    for number, body in enumerate(results.bodies):
+        x, R, v, omega = (values[:, number] for values in read)
+        X, nowhere = results.outline(body).points, np.zeros_like(x)
+        at_rest = in_space(x, R, X[None])
+        if results.outline_source(body) == "rigid":
+            turning = in_space(v, R, np.cross(omega[:, None], X))
+            yield _Motion(at_rest, np.zeros_like(at_rest), turning)
+        else:
+            u = in_space(nowhere, R, results.outline_displacement(body, t))
+            yield _Motion(at_rest + magnification * u, u, results.outline_velocity(body, t))
 
 
 class _Stresses:
@@ -116,6 +131,8 @@ class _Stresses:
     def _of(self, body: str, t: Array) -> Fields:
         """Those of one body; none where the run does not allow them."""
         results = self._results
+        if body not in results.superelement_files:
+            return {}
         try:
             if results.outline_source(body) == "recovery" and results.outline(body).node is None:
                 stress = results.stress(body, t)

@@ -6,12 +6,14 @@ import os
 import h5py
 import numpy as np
 import pytest
-import vtk
 from duhamel.files.whole_hdf5 import written_whole
 from duhamel.results import ExportError, Results, write_vtk
 from duhamel.results.exports.vtkhdf import Cells, Grid
 from duhamel.results.source import Memory
-from vtk.util.numpy_support import vtk_to_numpy
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
+from vtkmodules.vtkFiltersCore import vtkPassThrough
+from vtkmodules.vtkIOHDF import vtkHDFReader
 
 from .disc import TIME
 from .writing import NOTES, batch, make_contents, make_output
@@ -23,16 +25,16 @@ class Read:
     """A file in the hands of VTK, at the times that a pipeline asks for."""
 
     def __init__(self, path):
-        self._reader = vtk.vtkHDFReader()
+        self._reader = vtkHDFReader()
         self._reader.SetFileName(str(path))
-        self._end = vtk.vtkPassThrough()
+        self._end = vtkPassThrough()
         self._end.SetInputConnection(self._reader.GetOutputPort())
         self._end.UpdateInformation()
 
     @property
     def times(self):
         information = self._reader.GetOutputInformation(0)
-        return np.array(information.Get(vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS()))
+        return np.array(information.Get(vtkStreamingDemandDrivenPipeline.TIME_STEPS()))
 
     def at(self, time):
         self._end.UpdateTimeStep(time)
