@@ -1,6 +1,6 @@
 """A report of a run: one page of HTML that holds all it needs, for a browser without a network."""
 
-from .motion import FIELDS
+from ..space.stage import FIELDS
 from .write import write_report
 
 REPORT_FIELDS = tuple(FIELDS)

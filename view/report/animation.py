@@ -4,8 +4,9 @@ import json
 
 import numpy as np
 
+from ..space.stage import FIELDS
 from .markup import Markup, element, joined, note
-from .motion import FIELDS, Motion
+from .motion import Motion
 from .numbers import counted, prefixed, seconds, short, vector
 from .scene import GROUPS, body_colors, cameras, color_bar, largest_value, square
 from .still import still

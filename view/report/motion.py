@@ -5,17 +5,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...results import RecoveryError, Results
+from ...results import Results
 from ...results.rotations import rotate
 from ...superelement.validation import Array
+from ..space.bodies import Body, bodies_on_stage
+from ..space.marks import Placing
+from ..space.stage import batches, chosen_field, chosen_magnification
+from ..space.tracks import Tracks
 from .simplify import IntArray, simplified
 
-FIELDS = {
-    "von_mises": ("von Mises stress", "Pa"),
-    "displacement": ("elastic displacement", "m"),
-    "velocity": ("velocity", "m/s"),
-}
-"""words and units"""
 MOST_POINTS = 12_000
 """of all deforming surfaces"""
 MOST_RIGID = 60_000
@@ -28,10 +26,8 @@ FRAMES, MOST_FRAMES = 121, 2001
 """instants of a slow motion, and of any"""
 TURN = 0.2
 """of a body between instants, if there can be so many [rad]"""
-SEEN = 0.04
-"""largest deformation as it is drawn, over the size of its body"""
-AT_ONCE = 1 << 24
-"""numbers of a field that are in memory"""
+AT_ONCE = 3_000_000
+"""points of a body, times instants, that are in memory"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,42 +81,48 @@ class Motion:
 def motion(results: Results, field: str = "") -> Motion | None:
     """The motion of all bodies that were recorded; None if none was.
 
-    field: one of `FIELDS`; by default von Mises stress where it is known, or else elastic
-    displacement.
+    field: one of `space.stage.FIELDS`; by default as films have it.
     """
     names, time = results.bodies, results.time
     if not names or not len(time):
         return None
-    flexible = [name for name in names if results.outline_source(name) != "rigid"]
     rows, turn = _instants(results, time, len(names))
-    surfaces = {name: _surface(results, name, names, flexible) for name in names}
-    moving = sum(len(surfaces[name][0]) for name in flexible)
-    frames = len(rows) if not moving else min(len(rows), POINT_FRAMES // moving, 4 * FRAMES)
+    moving = sum(_points(results, name) for name in names if _is_flexible(results, name))
+    frames = min(len(rows), POINT_FRAMES // min(moving, MOST_POINTS), 4 * FRAMES) if moving else 2
     deforming = time[rows[_evenly(len(rows), max(frames, 2))]]
+    bodies = bodies_on_stage(results, Tracks(results, deforming))
+    chosen = chosen_field(bodies, field or None)
+    parts = batches(len(deforming), _at_once(bodies))
+    magnification = chosen_magnification(bodies, parts)
     origin = _origin(results, names)
-    chosen, failed = _field(results, flexible, field, deforming)
-    deformed = {name: _deformed(results, name, surfaces[name][0], deforming) for name in flexible}
-    magnification = _magnification(results, deformed)
-    shapes = []
-    for name in names:
-        numbers, triangles, lines = surfaces[name]
-        values = _values(results, name, numbers, deforming, chosen, flexible)
-        u = magnification * deformed[name] if name in deformed else None
-        poses = _poses(results, name, rows, origin)
-        points = results.outline(name).points[numbers]
-        shapes.append(Shape(name, points, triangles, lines, poses, u, values))
-    whole = sum(len(results.outline(name).points) for name in names)
-    drawn = sum(len(numbers) for numbers, _, _ in surfaces.values())
-    marks = [*_marks(results, rows, origin, magnification)]
+    shapes, failed = [], []
+    for body in bodies:
+        numbers, triangles = _surface(body, bodies)
+        colored = bool(chosen) and (body.flexible or chosen == "velocity")
+        if colored and (why := body.why_unknown(chosen)):
+            failed.append(why)
+            colored = False
+        shapes.append(
+            Shape(
+                body.name,
+                body.X[numbers],
+                triangles,
+                body.outline.lines,
+                _poses(results, body.name, rows, origin),
+                _deformed(body, numbers, parts, magnification),
+                _values(body, numbers, parts, chosen) if colored else None,
+            )
+        )
+    placing = Placing(Tracks(results, time[rows]), bodies, magnification)
     return Motion(
         time[rows],
         deforming,
         origin,
         shapes,
-        marks,
+        [*_marks(results, placing, origin)],
         magnification,
         turn,
-        (drawn, whole),
+        (sum(len(shape.points) for shape in shapes), sum(len(body.X) for body in bodies)),
         chosen,
         failed,
         len(time),
@@ -145,86 +147,42 @@ def _instants(results: Results, time: Array, n_bodies: int) -> tuple[IntArray, f
     return rows, float(np.diff(turned[rows]).max(initial=0.0))
 
 
-def _surface(
-    results: Results, name: str, names: Sequence[str], flexible: Sequence[str]
-) -> tuple[IntArray, IntArray, IntArray]:
-    """The points that are drawn of a body, its triangles and its lines."""
-    outline = results.outline(name)
-    group, most = (flexible, MOST_POINTS) if name in flexible else (names, MOST_RIGID)
-    sizes = {other: len(results.outline(other).points) for other in group}
-    share = max(int(most * sizes[name] / max(sum(sizes.values()), 1)), 50)
+def _surface(body: Body, bodies: Sequence[Body]) -> tuple[IntArray, IntArray]:
+    """The points that are drawn of a body, and its triangles."""
+    outline = body.outline
     if len(outline.lines):
-        numbers = np.arange(len(outline.points))
-        return numbers, outline.triangles, outline.lines
-    numbers, triangles = simplified(outline.points, outline.triangles, share)
-    return numbers, triangles, outline.lines
+        return np.arange(len(body.X)), outline.triangles
+    most = MOST_POINTS if body.flexible else MOST_RIGID
+    alike = sum(len(other.X) for other in bodies if other.flexible == body.flexible)
+    share = max(int(most * len(body.X) / max(alike, 1)), 50)
+    return simplified(body.X, outline.triangles, share)
 
 
-def _deformed(results: Results, name: str, numbers: IntArray, times: Array) -> Array:
-    """Elastic displacements (f, m, 3) of the points that are drawn."""
-    size = 3 * len(results.outline(name).points)
-    parts = [results.outline_displacement(name, t)[:, numbers] for t in _batches(times, size)]
-    return np.concatenate(parts)
+def _points(results: Results, name: str) -> int:
+    return len(results.outline(name).points)
 
 
-def _batches(times: Array, size: int) -> Iterator[Array]:
-    count = max(AT_ONCE // max(size, 1), 1)
-    for first in range(0, len(times), count):
-        yield times[first : first + count]
+def _is_flexible(results: Results, name: str) -> bool:
+    return results.outline_source(name) != "rigid"
 
 
-def _values(
-    results: Results,
-    name: str,
-    numbers: IntArray,
-    times: Array,
-    field: str,
-    flexible: Sequence[str],
+def _at_once(bodies: Sequence[Body]) -> int:
+    """Instants of which the displacements of any body are in memory at once."""
+    return max(AT_ONCE // max(len(body.X) for body in bodies), 1)
+
+
+def _deformed(
+    body: Body, numbers: IntArray, parts: Sequence[slice], magnification: float
 ) -> Array | None:
-    if not field or (name not in flexible and field != "velocity"):
+    """Displacements (f, m, 3) of the points that are drawn; None for rigid bodies."""
+    if not body.flexible:
         return None
-    size = 6 * len(results.outline(name).points)
-    try:
-        parts = [results.outline_field(name, t, field)[:, numbers] for t in _batches(times, size)]
-    except RecoveryError:
-        return None
-    return np.nan_to_num(np.concatenate(parts))
+    return np.concatenate([body.displacement(rows, magnification)[:, numbers] for rows in parts])
 
 
-def _field(
-    results: Results, flexible: Sequence[str], wanted: str, times: Array
-) -> tuple[str, list[str]]:
-    """The field that is shown, and why bodies have none."""
-    if wanted and wanted not in FIELDS:
-        raise RecoveryError(f"field {wanted!r}: expected one of {', '.join(FIELDS)}")
-    failed: list[str] = []
-    for field in [wanted] if wanted else ["von_mises", "displacement"]:
-        failed = []
-        for name in flexible:
-            try:
-                results.outline_field(name, times[:1], field)
-            except RecoveryError as error:
-                failed.append(str(error))
-        if field == "velocity" or len(failed) < len(flexible):
-            return field, failed
-    return "", failed
-
-
-def _magnification(results: Results, deformed: dict[str, Array]) -> float:
-    """So large that the largest deformation is seen, and not less than 1: 1, 2, 5, 10, ..."""
-    parts = []
-    for name, u in deformed.items():
-        size = float(np.ptp(results.outline(name).points, axis=0).max())
-        largest = float(np.linalg.norm(u, axis=-1).max(initial=0.0))
-        parts.append(largest / size if size > 0.0 else 0.0)
-    largest = max(parts, default=0.0)
-    if largest <= 0.0 or not np.isfinite(largest):
-        return 1.0
-    wanted = min(SEEN / largest, 1e6)
-    if wanted < 1.5:
-        return 1.0
-    power = 10.0 ** np.floor(np.log10(wanted))
-    return float(power * max(step for step in (1.0, 2.0, 5.0) if step * power <= wanted))
+def _values(body: Body, numbers: IntArray, parts: Sequence[slice], field: str) -> Array:
+    found: Array = np.concatenate([body.values(rows, field)[:, numbers] for rows in parts])
+    return np.nan_to_num(found)
 
 
 def _origin(results: Results, names: Sequence[str]) -> Array:
@@ -257,29 +215,9 @@ def _matrices(q: Array) -> Array:
     return np.stack([rotate(q, axis) for axis in np.eye(3)], axis=-1)
 
 
-def _marks(results: Results, rows: IntArray, origin: Array, magnification: float) -> Iterator[Mark]:
+def _marks(results: Results, placing: Placing, origin: Array) -> Iterator[Mark]:
     """Those whose two frames are known."""
     for coupling in results.couplings:
-        ends = [_end(results, name, rows, magnification) for name in coupling.between]
-        first, second = ends
-        first = second if first is None and coupling.between[0] == "ground" else first
-        second = first if second is None and coupling.between[1] == "ground" else second
-        if first is not None and second is not None:
-            positions = np.stack([first, second], axis=1) - origin
+        if (ends := placing.ends(coupling)) is not None:
+            positions = np.stack(ends, axis=1) - origin
             yield Mark(coupling.name, coupling.group, coupling.type, positions)
-
-
-def _end(results: Results, name: str, rows: IntArray, magnification: float) -> Array | None:
-    """Where a frame is (k, 3), on a body that is drawn deformed; None where it is unknown."""
-    where, _, frame = name.partition(".")
-    if where == "ground":
-        found = results.ground_frames.get(frame) if frame else None
-        return None if found is None else np.tile(found, (len(rows), 1))
-    if name in results.bodies:
-        return results.body(name).x[rows]
-    if name not in results.frames or where not in results.bodies:
-        return None
-    moved = results.frame(name)
-    R, u = _matrices(results.body(where).R[rows]), moved.u[rows, :3]
-    further: Array = moved.position[rows] + (magnification - 1.0) * np.einsum("kij,kj->ki", R, u)
-    return further

@@ -61,6 +61,7 @@ class Body:
         self.flexible = results.outline_source(name) != "rigid"
         frame = tracks.find(held_at) if held_at and self.flexible else None
         self.hold = None if frame is None else Hold(self.track, frame)
+        self._kept: tuple[Rows, Array] | None = None
 
     def deformation(self, u: Array, X: Array, rows: Rows) -> Array:
         """What is magnified of displacements u (k, p, 3) at X (p, 3)."""
@@ -78,10 +79,14 @@ class Body:
         x, R = self.track.position[rows], self.track.rotation[rows]
         if not self.flexible:
             return in_space(x, R, np.broadcast_to(self.X, (len(x), *self.X.shape)))
+        return in_space(x, R, self.X + self.displacement(rows, magnification))
+
+    def displacement(self, rows: Rows, magnification: float) -> Array:
+        """u + (magnification - 1) u' (k, p, 3), in body axes [m]."""
         u = self._displacement(rows)
         if magnification != 1.0:
             u = u + (magnification - 1.0) * self.deformation(u, self.X, rows)
-        return in_space(x, R, self.X + u)
+        return u
 
     def values(self, rows: Rows, field: str) -> Array:
         """(k, p): see `Results.outline_field`."""
@@ -97,8 +102,11 @@ class Body:
         return ""
 
     def _displacement(self, rows: Rows) -> Array:
-        found: Array = self._results.outline_displacement(self.name, self._times[rows])
-        return found
+        """Elastic displacements (k, p, 3) in body axes; the last ones are kept."""
+        if self._kept is None or self._kept[0] != rows:
+            found = self._results.outline_displacement(self.name, self._times[rows])
+            self._kept = rows, found
+        return self._kept[1]
 
 
 def hung_on_the_ground(results: Results) -> dict[str, str]:

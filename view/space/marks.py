@@ -86,6 +86,12 @@ class Placing:
         more: Array = frame.position + (self._magnification - 1.0) * _turned(body.track.rotation, u)
         return more
 
+    def ends(self, coupling: Connection) -> tuple[Array, Array] | None:
+        """The positions (k, 3) of its two frames as they are seen; None where one is unknown."""
+        first, second = coupling.between
+        a, b = self.tracks.end(first, second), self.tracks.end(second, first)
+        return None if a is None or b is None else (self.seen(a), self.seen(b))
+
 
 def _turned(R: Array, vectors: Array) -> Array:
     """R a (k, 3) for unit quaternions R (k, 4) and vectors a (k, 3)."""
@@ -150,14 +156,10 @@ def _joint(
 
 def _between(coupling: Connection, placing: Placing, radius: float) -> Iterator[Mark]:
     """A spring or a rod, as long as it is; a ball where it is short, as a bushing."""
-    first, second = coupling.between
-    tracks = placing.tracks
-    ends = [tracks.end(first, second), tracks.end(second, first)]
-    if ends[0] is None or ends[1] is None:
+    if (ends := placing.ends(coupling)) is None:
         return
     kind, color = ("joints", JOINT) if coupling.type == "rod" else ("springs", SPRING)
-    start = placing.seen(ends[0])
-    way = placing.seen(ends[1]) - start
+    start, way = ends[0], ends[1] - ends[0]
     length = np.linalg.norm(way, axis=1)
     if length.max() < 2.0 * radius:
         A = np.broadcast_to(1.2 * radius * np.eye(3), (len(way), 3, 3))

@@ -1,6 +1,6 @@
 """What is on stage in a film: bodies with their values, and marks, at all its times."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -79,7 +79,8 @@ class Stage:
             self.untold = {body.name: body.why_unknown(self.field) for body in self.colored()}
             self.untold = {name: why for name, why in self.untold.items() if why}
             require_some(self.field, self.untold, len(self.colored()))
-        self.magnification = self._chosen_magnification() if magnify is None else magnify
+        chosen = chosen_magnification(self.bodies, self._rows) if magnify is None else magnify
+        self.magnification = chosen
         placing = Placing(tracks, self.bodies, self.magnification)
         self.radius = MARK * self.size
         self.marks: tuple[Mark, ...] = ()
@@ -117,10 +118,6 @@ class Stage:
         )
         return Batch(rows, tuple(positions), tuple(values))
 
-    def _chosen_magnification(self) -> float:
-        largest = max(body.largest_deformation(rows) for body in self.bodies for rows in self._rows)
-        return magnification(largest, self.size)
-
     def _largest_value(self) -> float:
         found = 0.0
         for batch in self.batches():
@@ -139,6 +136,12 @@ def size_of(bodies: tuple[Body, ...]) -> float:
 def batches(n: int, at_once: int) -> tuple[slice, ...]:
     """n rows in slices of equal length, but for the last."""
     return tuple(slice(k, min(k + at_once, n)) for k in range(0, n, at_once))
+
+
+def chosen_magnification(bodies: tuple[Body, ...], rows: Iterable[slice]) -> float:
+    """By the largest deformation of all bodies in all rows."""
+    found = (body.largest_deformation(some) for some in rows for body in bodies)
+    return magnification(max(found, default=0.0), size_of(bodies))
 
 
 def magnification(largest: float, size: float) -> float:

@@ -12,6 +12,7 @@ from duhamel.view.report.plots import drawing, plots
 from duhamel.view.report.scene import bounds, largest_value, scene
 from duhamel.view.report.simplify import simplified
 from duhamel.view.report.thinning import kept
+from duhamel.view.space.stage import Stage
 
 from .conftest import EVIL, MODEL
 
@@ -81,13 +82,16 @@ def test_a_thin_plate_keeps_both_its_sides():
     assert area == pytest.approx(2.0, rel=0.2)
 
 
-def test_points_of_the_animation_are_those_of_the_results(results):
+def test_points_of_the_animation_are_those_of_a_film(results):
     shown = motion(results)
+    stage = Stage(results, shown.deforming)
+    assert shown.magnification == stage.magnification > 1.0
     (beam,) = [shape for shape in shown.shapes if shape.name == "beam"]
     where = [int(np.abs(shown.time - t).argmin()) for t in shown.deforming]
     poses = beam.poses[where]
     placed = np.einsum("kij,kpj->kpi", poses[:, :3, :3], beam.points + beam.u)
-    expected = results.outline_position("beam", shown.deforming, shown.magnification)
+    (body,) = [body for body in stage.bodies if body.name == "beam"]
+    expected = body.position(slice(0, len(shown.deforming)), stage.magnification)
     numbers, _ = simplified(
         results.outline("beam").points, results.outline("beam").triangles, 10**6
     )
