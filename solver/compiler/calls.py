@@ -1,5 +1,6 @@
 """Calls of machine code by its address, for both compilers; numba's public interface alone."""
 
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -14,6 +15,7 @@ from ..errors import ForeignError
 NUMBERS, WORD, DOUBLE = types.CPointer(types.float64), ir.IntType(64), ir.DoubleType()
 RESULTS = types.UniTuple(types.float64, 4)
 ARRAY = types.Array(types.float64, 1, "C")
+COLOR = re.compile("\x1b\\[[0-9;]*m")
 SIGNATURE = types.void(NUMBERS, NUMBERS, types.int64, NUMBERS, types.int64, *[types.float64] * 3)
 """results, parameters and memory with their lengths, h, c, rate"""
 
@@ -51,8 +53,9 @@ def _check(returned: Any, returns: bool) -> None:
 
 
 def _reason(error: Exception) -> str:
-    """The line of numba's report that says what is wrong."""
-    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    """The line of numba's report that says what is wrong, without colors of a terminal."""
+    report = COLOR.sub("", str(error))
+    lines = [line.strip() for line in report.splitlines() if line.strip()]
     reasons = [line for line in lines if not line.startswith("Failed in")]
     what = reasons[0] if reasons else type(error).__name__
     calls = [line.removeprefix(">>> ") for line in reasons if line.startswith(">>> ")]
