@@ -5,7 +5,8 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 CI := build/ci
 PACKAGES := files inputs superelement results preprocess solver view study cli
-SOURCES := pyproject.toml $(shell find $(PACKAGES) top -name '*.py') $(wildcard cli/starters/*/*)
+DATA := $(wildcard cli/starters/*/*) view/report/page.css view/report/page.js
+SOURCES := pyproject.toml $(shell find $(PACKAGES) top -name '*.py' -o -name py.typed) $(DATA)
 EVERY := test gallery cholmod peer notebooks
 LOCK := --quiet --upgrade --generate-hashes --python-version 3.11 --custom-compile-command "make constraints"
 

@@ -1,4 +1,4 @@
-"""The wheel has every module of the tree, and what is installed from it runs a small model.
+"""The wheel has every module and file of data, and what is installed from it runs a small model.
 
 python .ci/check_wheel.py build/wheel/duhamel-*.whl
 """
@@ -8,6 +8,7 @@ import sys
 import tempfile
 import tomllib
 import zipfile
+from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -34,14 +35,14 @@ axis = [0, 1, 0]
 
 def main(wheel: str) -> None:
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text())
-    folders = settings["tool"]["setuptools"]["package-dir"].items()
+    setuptools = settings["tool"]["setuptools"]
+    folders = setuptools["package-dir"].items()
     wanted = {
         "/".join((*package.split("."), *path.relative_to(ROOT / folder).parts))
         for package, folder in folders
         for path in (ROOT / folder).rglob("*.py")
     }
-    starters = ROOT / "cli" / "starters"
-    wanted |= {f"duhamel/{path.relative_to(ROOT)}" for path in starters.glob("*/*.*")}
+    wanted |= set(data(setuptools["package-data"]))
     with zipfile.ZipFile(wheel) as file:
         if missing := sorted(wanted - set(file.namelist())):
             sys.exit(f"{wheel}: no {', '.join(missing)}: see packages in pyproject.toml")
@@ -57,6 +58,15 @@ def main(wheel: str) -> None:
         )
         if Path(done.stdout).is_relative_to(ROOT / "solver"):
             sys.exit("the tree was imported, not the wheel")
+
+
+def data(patterns: dict[str, list[str]]) -> Iterator[str]:
+    """Files of data in the wheel, of patterns by packages; "*" stands for all packages."""
+    for package, globs in patterns.items():
+        if package != "*":
+            folder = ROOT.joinpath(*package.split(".")[1:])
+            for path in (path for pattern in globs for path in folder.glob(pattern)):
+                yield f"duhamel/{path.relative_to(ROOT)}"
 
 
 if __name__ == "__main__":

@@ -8,14 +8,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from .arguments import ResultsFile
 from .failures import errors_in_one_line, one_line
 
 if TYPE_CHECKING:
     from ..view.space import Film
 
-RunFile = Annotated[
-    Path, typer.Argument(metavar="RESULTS.h5", help="The results of `duhamel run`.")
-]
 FilmFile = Annotated[
     Path | None,
     typer.Option(
@@ -37,29 +35,39 @@ FieldName = Annotated[
 ]
 Magnify = Annotated[
     float | None,
-    typer.Option(metavar="FACTOR", help="Of deformation; chosen unless given.", show_default=False),
+    typer.Option(
+        metavar="FACTOR", help="Of deformations; chosen unless given.", show_default=False
+    ),
 ]
 FromTime = Annotated[
-    float | None, typer.Option("--from", metavar="TIME", help="[s]", show_default=False)
+    float | None,
+    typer.Option("--from", metavar="SECONDS", help="From this time [s].", show_default=False),
 ]
 ToTime = Annotated[
-    float | None, typer.Option("--to", metavar="TIME", help="[s]", show_default=False)
+    float | None,
+    typer.Option(
+        "--to", "--until", metavar="SECONDS", help="Up to this time [s].", show_default=False
+    ),
 ]
 AtTime = Annotated[
     str | None,
     typer.Option(
-        metavar="TIME|worst",
+        metavar="SECONDS|worst",
         help="One picture, of a time [s] or of the largest value of the field.",
         show_default=False,
     ),
 ]
 FrameCount = Annotated[
-    int | None, typer.Option(min=1, max=100_000, help="How many.", show_default=False)
+    int | None, typer.Option(min=1, max=100_000, help="Frames of the film.", show_default=False)
 ]
-FramesPerSecond = Annotated[float, typer.Option(min=0.1, max=240.0, help="Of playing.")]
+FramesPerSecond = Annotated[
+    float, typer.Option(min=0.1, max=240.0, help="Frames in a second of playing.")
+]
 Seconds = Annotated[
     float | None,
-    typer.Option(min=0.01, max=3600.0, help="Of playing: 8 unless given.", show_default=False),
+    typer.Option(
+        min=0.01, max=3600.0, help="Length of the film: 8 unless given.", show_default=False
+    ),
 ]
 PictureSize = Annotated[
     str | None,
@@ -84,7 +92,7 @@ FilmTitle = Annotated[
 
 
 def animate(
-    results_file: RunFile,
+    results_file: ResultsFile,
     output: FilmFile = None,
     field: FieldName = None,
     magnify: Magnify = None,

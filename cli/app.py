@@ -11,6 +11,7 @@ import typer
 
 from . import animation, html_report, linear, projects
 from . import plot as plotting
+from .arguments import HDF5, TOML, ModelFile, ResultsFile
 from .completion import files as files_of
 from .export import export
 from .failures import Commands, errors_in_one_line, one_line, unwritten
@@ -21,24 +22,11 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-HDF5 = (".h5", ".hdf5")
-"""suffixes of superelements"""
-TOML = ".toml"
-"""suffix of models"""
-
 BodyFile = Annotated[
     Path,
     typer.Argument(
         metavar="BODY.toml",
         help="Mesh, section or material, interfaces.",
-        autocompletion=files_of(TOML),
-    ),
-]
-ModelFile = Annotated[
-    Path,
-    typer.Argument(
-        metavar="MODEL.toml",
-        help="Bodies, joints, loads, simulation.",
         autocompletion=files_of(TOML),
     ),
 ]
@@ -53,14 +41,6 @@ CheckedFile = Annotated[
         help="A superelement or a model, by its suffix.",
         show_default=False,
         autocompletion=files_of(*HDF5, TOML),
-    ),
-]
-ResultsFile = Annotated[
-    Path,
-    typer.Argument(
-        metavar="FILE",
-        help="RESULTS.h5 of `duhamel run`.",
-        autocompletion=files_of(*HDF5),
     ),
 ]
 Quantities = Annotated[
@@ -147,7 +127,10 @@ def _tell_version(asked: bool) -> None:
 
 
 Version = Annotated[
-    bool, typer.Option("--version", callback=_tell_version, is_eager=True, help="Tell it, and end.")
+    bool,
+    typer.Option(
+        "--version", callback=_tell_version, is_eager=True, help="Print the version and exit."
+    ),
 ]
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from .arguments import ResultsFile
 from .failures import errors_in_one_line, one_line
 
 if TYPE_CHECKING:
@@ -26,9 +27,6 @@ class Format(StrEnum):
 SUFFIXES = {Format.VTK: ".vtkhdf", Format.CSV: ".csv", Format.MAT: ".mat"}
 """of files that are written"""
 
-ResultsFile = Annotated[
-    Path, typer.Argument(metavar="RESULTS.h5", help="Of `duhamel run`.", show_default=False)
-]
 Folder = Annotated[
     Path, typer.Argument(metavar="DIR", help="Made if it is not there.", show_default=False)
 ]
@@ -42,10 +40,10 @@ Quantities = Annotated[
 ]
 To = Annotated[Format, typer.Option("--to", help="ParaView, tables, or MATLAB.")]
 Start = Annotated[
-    float | None, typer.Option("--from", metavar="SECONDS", help="The first time of the window.")
+    float | None, typer.Option("--from", metavar="SECONDS", help="From this time [s].")
 ]
 End = Annotated[
-    float | None, typer.Option("--until", metavar="SECONDS", help="The last time of the window.")
+    float | None, typer.Option("--until", metavar="SECONDS", help="Up to this time [s].")
 ]
 Frames = Annotated[
     int | None,

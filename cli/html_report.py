@@ -6,11 +6,9 @@ from typing import Annotated
 
 import typer
 
+from .arguments import ResultsFile
 from .failures import errors_in_one_line, one_line
 
-ResultsFile = Annotated[
-    Path, typer.Argument(metavar="RESULTS.h5", help="The results of `duhamel run`.")
-]
 Page = Annotated[
     Path | None, typer.Option("--output", "-o", metavar="FILE.html", show_default=False)
 ]
@@ -40,7 +38,7 @@ def report(
     target = output or results_file.with_suffix(".html")
     if field not in ("", *view.REPORT_FIELDS):
         expected = ", ".join(view.REPORT_FIELDS)
-        raise typer.BadParameter(f"--field: expected one of {expected}, got {field!r}")
+        raise typer.BadParameter(f"--field: expected one of {expected}, found {field!r}")
     with errors_in_one_line(view):
         try:
             view.write_report(Results.read(results_file), target, title, field)

@@ -6,17 +6,9 @@ from typing import Annotated, Any
 
 import typer
 
-from .completion import files
+from .arguments import ModelFile
 from .failures import errors_in_one_line, one_line
 
-ModelFile = Annotated[
-    Path,
-    typer.Argument(
-        metavar="MODEL.toml",
-        help="Bodies, joints, loads, simulation.",
-        autocompletion=files(".toml"),
-    ),
-]
 LinearOutput = Annotated[
     Path | None,
     typer.Option(
@@ -105,7 +97,7 @@ def frf(
                 _write(output, response_csv({"": response}), None)
             return
         if band is not None and not 0.0 < band[0] < band[1] < float("inf"):
-            raise typer.BadParameter(f"--band: expected 0 < FROM < TO, got {band[0]} {band[1]}")
+            raise typer.BadParameter(f"--band: expected 0 < FROM < TO, found {band[0]} {band[1]}")
         known = linear.known_modes()
         if band is None and known is None:
             raise typer.BadParameter("--band: needed where a body is known by a kernel alone")
@@ -140,7 +132,7 @@ def campbell(
     try:
         wanted = [float(order) for order in orders.split(",") if order.strip()]
     except ValueError as error:
-        raise typer.BadParameter(f"--orders: expected numbers, got {orders!r}") from error
+        raise typer.BadParameter(f"--orders: expected numbers, found {orders!r}") from error
     first, last, count = spin
     if not 0.0 <= first < last < float("inf") or count < 2:
         raise typer.BadParameter("--spin: expected 0 <= FROM < TO and COUNT >= 2")

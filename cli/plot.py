@@ -45,10 +45,11 @@ Title = Annotated[
 Gravities = Annotated[bool, typer.Option("--g", help="Accelerations in g = 9.80665 m/s².")]
 Start = Annotated[
     float | None,
-    typer.Option("--from", metavar="SECONDS", help="From this time, spectra too."),
+    typer.Option("--from", metavar="SECONDS", help="From this time [s], spectra too."),
 ]
 End = Annotated[
-    float | None, typer.Option("--to", metavar="SECONDS", help="To this time, spectra too.")
+    float | None,
+    typer.Option("--to", "--until", metavar="SECONDS", help="Up to this time [s], spectra too."),
 ]
 Names = Annotated[
     str | None,

@@ -4,6 +4,7 @@ On a terminal by a bar, after a second; elsewhere by a line every few seconds, f
 """
 
 import sys
+from collections.abc import Callable
 from contextlib import suppress
 from threading import Event, Thread
 from time import perf_counter
@@ -21,18 +22,24 @@ class Work:
     """What is done of some work, and when the rest will be.
 
     total: how many parts it has, None where nobody knows; counted in `unit`, or as a fraction where
-    that is none.
+    that is none. now: the clock [s].
     """
 
-    def __init__(self, label: str = "", total: int | None = None, unit: str = "") -> None:
-        self.note, self.unit = "", unit
+    def __init__(
+        self,
+        label: str = "",
+        total: int | None = None,
+        unit: str = "",
+        now: Callable[[], float] = perf_counter,
+    ) -> None:
+        self.note, self.unit, self._now = "", unit, now
         self.begin(label, total)
 
     def begin(self, label: str, total: int | None = None) -> None:
         """Begin other work, of which nothing is done."""
         self.label, self.total, self.note = label, total, ""
         self.done, self.free = 0, 0
-        self._started = perf_counter()
+        self._started = self._now()
 
     def advance(self, parts: int = 1, free: bool = False) -> None:
         """Some parts are done; free: they took no time, as those of an earlier run."""
@@ -47,7 +54,7 @@ class Work:
         return (now - self._started) / worked * max(self.total - self.done, 0)
 
     def __str__(self) -> str:
-        now = perf_counter()
+        now = self._now()
         left = self.remaining(now)
         until = f"{clock(now - self._started)} so far" if left is None else f"{clock(left)} left"
         return ", ".join(part for part in (self._how_far(), until) if part)

@@ -12,10 +12,11 @@ import numpy as np
 STARTERS = Path(__file__).resolve().parents[1] / "cli" / "starters"
 
 CORNERS = ((0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (0, 0, 2), (2, 0, 2), (2, 2, 2), (0, 2, 2))
-EDGES = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6))
-HEXAHEDRON = np.array(
-    [*CORNERS, *(np.add(CORNERS[a], CORNERS[b]) // 2 for a, b in (*EDGES, (3, 7)))]
+EDGES = (
+    *((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4)),
+    *((0, 4), (1, 5), (2, 6), (3, 7)),
 )
+HEXAHEDRON = np.array([*CORNERS, *(np.add(CORNERS[a], CORNERS[b]) // 2 for a, b in EDGES)])
 """a 20-node hexahedron in half steps of a grid, numbered as meshio has it"""
 QUAD = HEXAHEDRON[[0, 1, 2, 3, 8, 9, 10, 11]]
 """its lower face"""

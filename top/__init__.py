@@ -25,7 +25,7 @@ What is in which package:
     duhamel.solver         model files; simulate, modes, frequency responses
     duhamel.results        motions, forces, energies and fields of a run; spectra, peaks
     duhamel.study          a model for many values of its parameters
-    duhamel.view           pictures
+    duhamel.view           pictures, films, reports
 
 `help(duhamel.solver)` and so on tell more, after `import duhamel.solver`. This module imports none
 of them.

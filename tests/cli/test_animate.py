@@ -54,6 +54,13 @@ def test_the_results_are_not_overwritten(runner, results_file):
     assert named.read_bytes() == before
 
 
+@pytest.mark.parametrize("to", ["--to", "--until"])
+def test_a_part_of_the_time_that_is_not_there_is_refused(runner, results_file, to):
+    answer = runner.invoke(app, ["animate", str(results_file), "--from", "2", to, "1"])
+    assert answer.exit_code == 1
+    assert "No such option" not in answer.stderr
+
+
 def test_sizes_are_numbers():
     assert size_of("1280x720") == (1280, 720)
 

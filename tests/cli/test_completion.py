@@ -33,6 +33,16 @@ def test_files_are_completed_by_the_suffix_that_a_command_reads(runner, folder):
     assert completed(runner, "info", "b") == ["beam.h5"]
 
 
+@pytest.mark.parametrize("command", ["peaks", "animate", "report", "export"])
+def test_results_are_completed_for_all_commands_that_read_them(runner, folder, command):
+    assert completed(runner, command, "b") == ["beam.h5"]
+
+
+@pytest.mark.parametrize("command", ["check", "modes", "frf", "campbell"])
+def test_models_are_completed_for_all_commands_that_read_them(runner, folder, command):
+    assert completed(runner, command, "mo") == ["model.toml"]
+
+
 def test_starters_are_completed(runner):
     assert "solid" in completed(runner, "init", "so")
 

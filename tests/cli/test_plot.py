@@ -155,9 +155,10 @@ def test_the_default_picture_is_of_several_files_too(runner, others, tmp_path):
     assert warnings == ""
 
 
-def test_a_window_and_one_quantity_against_another(runner, results_file, tmp_path):
+@pytest.mark.parametrize("to", ["--to", "--until"])
+def test_a_window_and_one_quantity_against_another(runner, results_file, tmp_path, to):
     panel = "position:beam:y against position:beam:x"
-    window = ["--from", "0.002", "--to", "0.004"]
+    window = ["--from", "0.002", to, "0.004"]
     text, _ = svg(runner, tmp_path / "way.svg", results_file, panel, *window)
     assert "<!-- beam, position along x [mm] -->" in text
 
