@@ -102,7 +102,8 @@ class ModelCheck:
         if not len(self.frequencies):
             return "first frequencies [Hz]: none, nothing is elastic"
         first = ", ".join(f"{f:.5g}" for f in self.frequencies[:SHOWN])
-        return f"first frequencies, about the start [Hz]: {first}"
+        undamped = ", undamped, of long times" if self.damping else ""
+        return f"first frequencies, about the start{undamped} [Hz]: {first}"
 
 
 def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck:

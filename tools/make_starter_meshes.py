@@ -76,6 +76,6 @@ if __name__ == "__main__":
     for mesh, name in (
         (row_of_lines(0.6, 12), "beam-project/arm.msh"),
         (bracket(), "solid-project/bracket.msh"),
-        (row_of_lines(0.15, 6), "mechanism-project/rod.msh"),
+        (row_of_lines(0.15, 12), "mechanism-project/rod.msh"),
     ):
         mesh.write(STARTERS / name, file_format="gmsh22", binary=False)

@@ -14,7 +14,7 @@ from ...superelement.validation import Array
 from ..errors import ExportError
 from ..results import Results
 from ..schema import OWNERS, Quantity, attributes_of
-from .folder import distinct
+from .folder import distinct, made
 
 MOST = (1 << 31) - 1
 """bytes of a variable in a file of version 5"""
@@ -59,6 +59,7 @@ def write_mat(results: Results, path: str | os.PathLike[str], rows: slice = slic
     from scipy.io import savemat
 
     target = Path(path)
+    made(target.parent)
     _require_room(results, target, rows)
     variables: Struct = {"time": _column(results.variable("time", rows)), **_owned(results, rows)}
     for group in ("energy", "momentum", "solver"):
