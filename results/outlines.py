@@ -74,6 +74,7 @@ class Outlines:
         self._blends: dict[str, Blend] = {}
         self._sources: dict[str, Source] = {}
         self._motions: dict[str, Motion] = {}
+        self._refused: dict[str, str] = {}
 
     @cached_property
     def _time(self) -> Array:
@@ -90,6 +91,19 @@ class Outlines:
         if body not in self._sources:
             self._sources[body] = self._found_source(body)
         return self._sources[body]
+
+    def remark(self, body: str) -> str:
+        """What a reader must know of the deformation of a body; "" where all is as it moved."""
+        if body not in self._results.superelement_files or self.source(body) == "recovery":
+            return ""
+        if self.source(body) == "rigid":
+            return f"body {body!r}: drawn rigid: {self._lacking(body)}"
+        return f"body {body!r}: interpolated between its interfaces: {self._refused[body]}"
+
+    def _lacking(self, body: str) -> str:
+        known, wanted = len(self._motion(body).places), self.space.interfaces.get(body)
+        of = "" if wanted is None else f" of its {wanted} interfaces"
+        return f"the run recorded {known or 'none'}{of}"
 
     def displacement(self, body: str, t: Any) -> Array:
         """Elastic displacements (p, 3) or (k, p, 3) in body axes [m]."""
@@ -115,6 +129,8 @@ class Outlines:
 
     def field(self, body: str, t: Any, name: str) -> Array:
         """Magnitudes (p,) or (k, p) of a field."""
+        if name == "displacement" and self.remark(body) and self.source(body) == "rigid":
+            raise RecoveryError(f"body {body!r}: no displacements: {self._lacking(body)}")
         if name == "displacement":
             return np.asarray(np.linalg.norm(self.displacement(body, t), axis=-1))
         if name == "velocity":
@@ -129,16 +145,19 @@ class Outlines:
             return "rigid"
         if self._recovers(body):
             return "recovery"
-        return "interfaces" if len(self._motion(body).places) else "rigid"
+        known = len(self._motion(body).places)
+        return "interfaces" if known and known >= self.space.interfaces.get(body, 1) else "rigid"
 
     def _recovers(self, body: str) -> bool:
         """Whether the modes of the mesh give the motion of the outline."""
         outline = self.at_rest(body)
         try:
             recovery = self._results.recoverable(body)
-        except (RecoveryError, ResultsError, SuperelementError):
+        except (RecoveryError, ResultsError, SuperelementError) as error:
+            self._refused[body] = str(error).removeprefix(f"body {body!r}: ")
             return False
         turns = outline.node is None or recovery.phi_rotation is not None
+        self._refused[body] = "its superelement is older than outlines: preprocess it again"
         return turns and outline.fits(recovery)
 
     def _recovered(self, body: str, times: Array) -> Array:

@@ -345,6 +345,13 @@ class Results:
         """
         return self._outlines.source(body)
 
+    def outline_remark(self, body: str) -> str:
+        """What a reader of a picture must know of the deformation of a body; "" if nothing.
+
+        That it is interpolated between the interfaces, and why; or unknown, and drawn rigid.
+        """
+        return self._outlines.remark(body)
+
     def outline_displacement(self, body: str, t: Any) -> Array:
         """Elastic displacements of the outline, (p, 3) or (k, p, 3), in body axes [m]."""
         return self._outlines.displacement(body, t)

@@ -29,9 +29,11 @@ class Space:
     """All that a picture of a run needs beside the motion of bodies and frames.
 
     outlines: of recorded bodies, by name; bodies with the same superelement share one; connections;
-    ground_frames: positions (3,) of frames fixed in space [m].
+    ground_frames: positions (3,) of frames fixed in space [m]; interfaces: how many flexible bodies
+    with an outline have, recorded or not.
     """
 
     outlines: Mapping[str, Outline] = field(default_factory=dict)
     connections: tuple[Connection, ...] = ()
     ground_frames: Mapping[str, Array] = field(default_factory=dict)
+    interfaces: Mapping[str, int] = field(default_factory=dict)

@@ -31,7 +31,10 @@ def read_space(file: h5py.File) -> Space | None:
         return None
     try:
         return Space(
-            dict(_outlines(group)), tuple(_connections(group)), dict(_ground_frames(group))
+            dict(_outlines(group)),
+            tuple(_connections(group)),
+            dict(_ground_frames(group)),
+            dict(_interfaces(group)),
         )
     except (SuperelementError, KeyError, IndexError, ValueError) as error:
         raise ResultsError(f"group {GROUP!r}: {error}") from error
@@ -53,6 +56,8 @@ class _Writer:
             number = {id(outline): n for n, outline in enumerate(different)}
             of_body = [number[id(outline)] for outline in space.outlines.values()]
             self._put("outline_of_body", ("body",), np.array(of_body), "number of its outline")
+            counts = np.array([space.interfaces.get(name, 0) for name in space.outlines])
+            self._put("interfaces_of_body", ("body",), counts, "number of its interfaces")
         if space.connections:
             self._put_connections(space.connections)
         if space.ground_frames:
@@ -151,6 +156,12 @@ def _outlines(group: h5py.Group) -> Iterator[tuple[str, Outline]]:
             carried = len(nodes) and nodes.min() >= 0
             made[n] = Outline(points[here], rows, nodes if carried else None)
         yield body, made[n]
+
+
+def _interfaces(group: h5py.Group) -> Iterator[tuple[str, int]]:
+    if "interfaces_of_body" in group:
+        counts = whole(group["interfaces_of_body"]).tolist()
+        yield from zip(texts(group["body"]), counts, strict=True)
 
 
 def _connections(group: h5py.Group) -> Iterator[Connection]:

@@ -207,7 +207,7 @@ def _left(course: Course) -> str:
     rows = writer.where() or f"; its {writer.committed.rows} rows are in {writer.place}"
     state = checkpoint_of(writer.place)
     if state.exists():
-        return f"{stopped}{rows}, and its state beside them: --continue goes on from there"
+        return f"{stopped}{rows}, and its last state beside them: --continue goes on from that"
     return f"{stopped}{rows}; without [simulation] checkpoint it cannot go on from there"
 
 

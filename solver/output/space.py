@@ -30,7 +30,13 @@ def space_of(lowered: LoweredModel, bodies: Iterable[str]) -> Space:
         outlines={name: outline for name, outline in outlines.items() if outline is not None},
         connections=tuple(_connection(lowered, coupling) for coupling in model.couplings),
         ground_frames={name: frame.position for name, frame in model.ground_frames.items()},
+        interfaces={name: _n_interfaces(model, name) for name in outlines},
     )
+
+
+def _n_interfaces(model: Model, name: str) -> int:
+    body = model.bodies[name]
+    return len(body.superelement.interfaces) if isinstance(body, FlexibleBody) else 0
 
 
 def _outline(model: Model, name: str, size: float) -> Outline | None:

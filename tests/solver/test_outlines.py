@@ -320,3 +320,12 @@ def test_a_run_that_starts_from_another_is_blended(recovered, tmp_path):
     results = simulate(later)
     assert results.outline_source("beam") == "interfaces"
     assert results.outline_displacement("beam", results.time[0]).any()
+
+
+def test_a_body_of_which_an_interface_was_not_recorded_has_no_displacements(recovered):
+    output = OutputRequest(quantities=["bodies", "frames/beam.tip"])
+    some = simulate(cantilever(recovered, output=output))
+    assert some.outline_source("beam") == "rigid"
+    assert some.outline_remark("beam").endswith("the run recorded 1 of its 2 interfaces")
+    with pytest.raises(RecoveryError, match="no displacements: the run recorded 1 of its 2"):
+        some.outline_field("beam", 0.0, "displacement")

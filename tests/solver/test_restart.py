@@ -595,7 +595,7 @@ def test_an_interrupt_is_one_line(model_file, tmp_path):
         (told,) = process.communicate()[1].splitlines()
         assert re.fullmatch(
             rf"interrupted at t = \S+ s of \S+ s; its [0-9]+ rows are in {path}, "
-            "and its state beside them: --continue goes on from there",
+            "and its last state beside them: --continue goes on from that",
             told,
         )
     assert process.returncode == 130
