@@ -62,9 +62,12 @@ class Mark:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """time (k,) [s]: the instants of motion; deforming (f,): those of deformation; origin (3,) [m];
+    """The bodies and marks of an animation, and what there is to say of it.
+
+    time (k,) [s]: the instants of motion; deforming (f,): those of deformation; origin (3,) [m];
     turn: largest angle between two instants [rad]; points: (drawn, of the bodies); field: of the
-    colors, "" where no body has one; failed: why bodies have none."""
+    colors, "" where no body has one; failed: why bodies have none.
+    """
 
     time: Array
     deforming: Array
