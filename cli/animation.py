@@ -61,7 +61,13 @@ FrameCount = Annotated[
     int | None, typer.Option(min=1, max=100_000, help="Frames of the film.", show_default=False)
 ]
 FramesPerSecond = Annotated[
-    float, typer.Option(min=0.1, max=240.0, help="Frames in a second of playing.")
+    float | None,
+    typer.Option(
+        min=0.1,
+        max=240.0,
+        help="Frames in a second of playing: 25 unless given.",
+        show_default=False,
+    ),
 ]
 Seconds = Annotated[
     float | None,
@@ -86,6 +92,8 @@ View = Annotated[
 Marks = Annotated[
     bool, typer.Option("--marks/--no-marks", help="Joints, springs, contacts, forces.")
 ]
+FPS = 25.0
+"""frames per second of playing"""
 FilmTitle = Annotated[
     str | None, typer.Option(metavar="TEXT", help="The name of the file, unless given.")
 ]
@@ -100,7 +108,7 @@ def animate(
     end: ToTime = None,
     at: AtTime = None,
     frames: FrameCount = None,
-    fps: FramesPerSecond = 25.0,
+    fps: FramesPerSecond = None,
     seconds: Seconds = None,
     size: PictureSize = None,
     view: View = "",
@@ -112,6 +120,7 @@ def animate(
     Bodies move as they did; deformation is magnified where it would not be seen, and the film says
     by how much. Colors have one scale for all frames. With --at: RESULTS.png.
     """
+    _require_sense(at, start, end, frames, fps, seconds)
     began = perf_counter()
     from .. import results
     from .. import view as pictures
@@ -132,7 +141,7 @@ def animate(
                 end=end,
                 at=at,
                 frames=frames,
-                fps=fps,
+                fps=FPS if fps is None else fps,
                 seconds=seconds,
                 size=size_of(size),
                 view=view,
@@ -143,6 +152,23 @@ def animate(
     for warning in film.warnings:
         typer.echo(one_line(f"warning: {results_file}: {warning}"), err=True)
     typer.echo(one_line(f"{target}: {told(film)}, {perf_counter() - began:.1f} s"))
+
+
+def _require_sense(
+    at: str | None,
+    start: float | None,
+    end: float | None,
+    frames: int | None,
+    fps: float | None,
+    seconds: float | None,
+) -> None:
+    """Refuse what would be passed over."""
+    if at is None:
+        return
+    if frames is not None or fps is not None or seconds is not None:
+        raise typer.BadParameter("--frames, --fps and --seconds are of films, found --at")
+    if at != "worst" and (start is not None or end is not None):
+        raise typer.BadParameter(f"--from and --to go with --at worst, found --at {at}")
 
 
 def size_of(text: str | None) -> tuple[int, int] | None:

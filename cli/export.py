@@ -76,7 +76,7 @@ def export(
     _require_sense(to, quantities, frames, every, magnify)
     begin = perf_counter()
     from .. import files, results
-    from ..results.exports import window
+    from ..results.steps import window
 
     with errors_in_one_line(results, files):
         read = results.Results.read(results_file)
@@ -119,10 +119,10 @@ def _write_vtk(
     magnify: float | None,
 ) -> tuple[Path, ...]:
     from ..results import write_vtk
-    from ..results.exports import frames
+    from ..results.steps import evenly
 
     there = rows.stop - rows.start
-    steps = frames(read.time, rows, there if every else most or MOST)
+    steps = evenly(read.time, rows, there if every else most or MOST)
     if len(steps) < there and most is None:
         typer.echo(f"{len(steps)} of {there} steps, evenly over time: --frames or --all for more")
     return write_vtk(read, folder, stem, steps, 1.0 if magnify is None else magnify)

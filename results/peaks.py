@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +12,9 @@ from ..superelement.validation import Array
 from .errors import QuantityError
 from .quantities import KINDS
 from .results import Results
+from .steps import batches
 from .transforms import IN_G, Series, in_g, parse, series
-from .wildcards import named
+from .wildcards import named, of_all
 
 Index = NDArray[np.int64]
 
@@ -29,8 +31,8 @@ UNASKED = (
 SPACE = 3
 """components of a vector, at most: stresses have more, and no length"""
 STRESS = "von_mises:"
-AT_ONCE = 1000
-"""times at which stresses are in memory"""
+AT_ONCE = 1_000_000
+"""values at points, of all times together, that are in memory"""
 NEGLIGIBLE = 1e-6
 """a component this much smaller than the largest one of a vector is rounding, and left out"""
 
@@ -87,16 +89,7 @@ def _alike(results: Results, quantity: str, gravities: bool) -> list[Peak]:
 
     The largest one comes first.
     """
-    found: list[Peak] = []
-    names = named(results, quantity)
-    lacking: QuantityError | None = None
-    for name in names:
-        try:
-            found += _of(results, name, gravities)
-        except QuantityError as error:
-            lacking = error
-    if lacking is not None and not found:
-        raise lacking
+    found = of_all(named(results, quantity), lambda name: _of(results, name, gravities))
     return sorted(found, key=lambda peak: -peak.magnitude)
 
 
@@ -107,26 +100,29 @@ def _stress(results: Results, quantity: str) -> Peak:
         known = ", ".join(results.superelement_files) or "none"
         raise QuantityError(f"{quantity}: no flexible body {body!r}; there are: {known}")
     time = results.time
-    largest, points = largest_over_time(lambda t: results.von_mises(body, t), time)
-    high, low = int(largest.argmax()), int(largest.argmin())
     recovery = results.superelement(body).recovery
+    number = 1 if recovery is None else len(recovery.points)
+    largest, points = largest_over_time(partial(results.von_mises, body), time, number)
+    high, low = int(largest.argmax()), int(largest.argmin())
     place = None if recovery is None else tuple(recovery.points[points[high]].tolist())
     extremes = float(largest[high]), float(time[high]), float(largest[low]), float(time[low])
     return Peak(quantity, "Pa", *extremes, "s", place)
 
 
-def largest_over_time(values: Callable[[Array], Array], time: Array) -> tuple[Array, Index]:
+def largest_over_time(
+    values: Callable[[Array], Array], time: Array, points: int
+) -> tuple[Array, Index]:
     """The largest of the values (k, p) at each of the times (n,), and the point that has it (n,).
 
-    values: a function of times (k,), of which there are not too many at once for memory.
+    values: a function of times (k,), at so many points, of which few enough for memory are taken
+    at once.
     """
-    largest, points = np.zeros(len(time)), np.zeros(len(time), dtype=np.int64)
-    for start in range(0, len(time), AT_ONCE):
-        rows = slice(start, start + AT_ONCE)
+    largest, places = np.zeros(len(time)), np.zeros(len(time), dtype=np.int64)
+    for rows in batches(len(time), AT_ONCE // max(points, 1)):
         found = values(time[rows])
-        points[rows] = found.argmax(axis=1)
+        places[rows] = found.argmax(axis=1)
         largest[rows] = found.max(axis=1)
-    return largest, points
+    return largest, places
 
 
 def _of(results: Results, quantity: str, gravities: bool) -> Iterator[Peak]:

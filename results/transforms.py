@@ -31,6 +31,7 @@ from .series.shock import (
     octave_frequencies,
     shock_spectrum,
 )
+from .steps import inside
 
 Given = Mapping[str, float | str]
 """arguments by name"""
@@ -307,8 +308,6 @@ Step = tuple[str, Given]
 
 Window = tuple[float, float]
 """from and to [s], both within it; infinities for the ends of a run"""
-ROUNDING = 1e-9
-"""of times, over the length of a run"""
 
 
 def series(results: Results, text: str, window: Window | None = None) -> Series:
@@ -416,8 +415,7 @@ def _quantity(results: Results, quantity: str) -> Series:
 
 def _within(found: Series, window: Window) -> Series:
     time, (start, end) = found.abscissa, window
-    rounding = ROUNDING * float(np.ptp(time))
-    rows = (time >= start - rounding) & (time <= end + rounding)
+    rows = inside(time, start, end)
     if not rows.any():
         given = {"from": start, "to": end}
         ends = [f"{word} {at:.9g}" for word, at in given.items() if np.isfinite(at)]

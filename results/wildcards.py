@@ -1,7 +1,9 @@
 """Stars in the names of quantities: `acceleration:*:z` stands for all that there are."""
 
+from collections.abc import Callable, Iterable
 from fnmatch import fnmatchcase
 from itertools import product
+from typing import TypeVar
 
 from .errors import QuantityError
 from .quantities import KINDS
@@ -9,6 +11,7 @@ from .results import Results
 from .transforms import check, parse
 
 STAR = "*"
+Made = TypeVar("Made")
 
 
 def named(results: Results, text: str) -> list[str]:
@@ -25,6 +28,23 @@ def named(results: Results, text: str) -> list[str]:
     if not found:
         raise QuantityError(f"{text}: found no {quantity}")
     return [text.replace(quantity, one) for one in found]
+
+
+def of_all(names: Iterable[str], made: Callable[[str], Iterable[Made]]) -> list[Made]:
+    """What is made of all of the names that have it, as sensors of a kind.
+
+    `QuantityError` of the last one where none has it.
+    """
+    found: list[Made] = []
+    lacking: QuantityError | None = None
+    for name in names:
+        try:
+            found += made(name)
+        except QuantityError as error:
+            lacking = error
+    if lacking is not None and not found:
+        raise lacking
+    return found
 
 
 def _matching(results: Results, pattern: str) -> list[str]:
@@ -44,7 +64,16 @@ def _owners(results: Results, role: str, pattern: str) -> list[str]:
     names: list[str] = []
     for word in role.split("|"):
         names += _known(results, word)
-    return [name for name in dict.fromkeys(names) if fnmatchcase(name, _escaped(pattern))]
+    return matching(names, pattern)
+
+
+def matching(names: Iterable[str], pattern: str) -> list[str]:
+    """The names that a pattern with stars stands for, each once.
+
+    The star alone is special: brackets and question marks are letters of names.
+    """
+    escaped = "".join(f"[{letter}]" if letter in "[?" else letter for letter in pattern)
+    return [name for name in dict.fromkeys(names) if fnmatchcase(name, escaped)]
 
 
 def _known(results: Results, word: str) -> tuple[str, ...]:
@@ -54,8 +83,3 @@ def _known(results: Results, word: str) -> tuple[str, ...]:
     plural = {"BODY": "bodies", "ENERGY": "energies"}.get(word, f"{word.lower()}s")
     names: tuple[str, ...] = getattr(results, plural)
     return names
-
-
-def _escaped(pattern: str) -> str:
-    """The star alone is special: brackets and question marks are letters of names."""
-    return "".join(f"[{letter}]" if letter in "[?" else letter for letter in pattern)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from .cells import normals
 from .checks import (
     DECADES,
     ROUNDING,
@@ -70,8 +71,7 @@ def _reciprocal(where: str, matrices: Array) -> Check:
 
 def _closed(outline: Outline) -> Check:
     """The areas of facets as vectors, which sum up to none on a closed surface."""
-    a, b, c = outline.points[outline.triangles].transpose(1, 0, 2)
-    areas = np.cross(b - a, c - a)
+    areas = normals(outline.points, outline.triangles)
     total = float(np.linalg.norm(areas, axis=1).sum())
     found = float(np.linalg.norm(areas.sum(axis=0))) / max(total, np.finfo(float).tiny)
     return Check("outline/cells", "a closed surface", "an area without facets", found, ROUNDING)

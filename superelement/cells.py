@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .validation import SuperelementError
+from .validation import Array, SuperelementError
 
 IntArray = NDArray[np.int64]
 
@@ -55,6 +55,13 @@ def triangles(cells: IntArray) -> IntArray:
     cut = [of_size(cells, k)[:, list(rows)].reshape(-1, 3) for k, rows in TRIANGLES.items()]
     joined: IntArray = np.concatenate(cut)
     return joined
+
+
+def normals(points: Array, triangles: IntArray) -> Array:
+    """Normals (m, 3) of triangles (m, 3) of points (p, 3), twice as long as their areas [m^2]."""
+    a, b, c = (points[corner] for corner in triangles.T)
+    across: Array = np.cross(b - a, c - a)
+    return across
 
 
 def padded(blocks: list[IntArray]) -> IntArray:

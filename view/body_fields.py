@@ -2,29 +2,21 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
-from functools import partial
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from ..results import QuantityError, Results
-from ..results.peaks import largest_over_time
 from ..results.transforms import Window
+from ..results.wildcards import STAR, matching
 from ..superelement.validation import Array
+from .field_kinds import FIELDS, WORST
 from .fields import Field, draw_fields
 from .picture import entitle
 from .prefixes import PREFIXES, exponent_of
 from .scene import Marker, Scene
+from .worst import worst_time
 
-KINDS = {
-    "von_mises": ("von Mises stress", "Pa"),
-    "displacement": ("elastic displacement", "m"),
-    "velocity": ("velocity", "m/s"),
-}
-"""names and units of fields"""
-WORST = "worst"
-"""the time of the largest value of a run"""
 BLENDED = "interfaces"
 """where a body without recovery has its deformation from"""
 ROUNDING = 1e-9
@@ -63,7 +55,7 @@ def draw_body_fields(
     first = int(np.argmax(peaks))
     body, surface, peak = chosen.bodies[first], surfaces[first], peaks[first]
     k = int(surface.values.argmax())
-    name, unit = KINDS[chosen.kind]
+    name, unit = FIELDS[chosen.kind]
     exponent = exponent_of(peak, unit)
     value = f"{peak / 10.0**exponent:.4g} {PREFIXES[exponent]}{unit}"
     mark = Marker(value, surface.points[k], has_axes=False)
@@ -91,15 +83,15 @@ def _chosen(
     kinds, bodies = [], []
     for field in fields:
         kind, _, pattern = field.partition(":")
-        if kind not in KINDS or not pattern:
-            forms = ", ".join(f"{known}:BODY" for known in KINDS)
+        if kind not in FIELDS or not pattern:
+            forms = ", ".join(f"{known}:BODY" for known in FIELDS)
             raise QuantityError(f"{field}: expected a field, {forms}")
         kinds.append(kind)
         bodies += _bodies(results, field, kind, pattern)
     if len(set(kinds)) > 1:
         raise QuantityError(f"expected one kind of field in a picture, found {', '.join(kinds)}")
     bodies = list(dict.fromkeys(bodies))
-    time = float(at) if at != WORST else _worst(results, kinds[0], bodies, window)
+    time = float(at) if at != WORST else worst_time(results, bodies, kinds[0], window)
     return Chosen(kinds[0], tuple(bodies), time)
 
 
@@ -109,29 +101,14 @@ def _bodies(results: Results, field: str, kind: str, pattern: str) -> list[str]:
         body for body in results.bodies if kind == "velocity" or body in results.superelement_files
     ]
     found = [body for body in known if body == pattern]
-    if "*" in pattern:
-        found = found or [body for body in known if fnmatchcase(body, pattern)]
+    if STAR in pattern:
+        found = found or matching(known, pattern)
     if not found:
         what = "body" if kind == "velocity" else "flexible body"
         raise QuantityError(
             f"{field}: no {what} {pattern!r}; there are: {', '.join(known) or 'none'}"
         )
     return found
-
-
-def _worst(results: Results, kind: str, bodies: Sequence[str], window: Window | None) -> float:
-    """When the largest value on any of the bodies is [s]."""
-    time = results.time
-    if window is not None:
-        time = time[(time >= window[0]) & (time <= window[1])]
-    if not len(time):
-        raise QuantityError(f"{kind}: nothing was recorded within the times")
-    largest: Array = np.zeros(len(time))
-    for body in bodies:
-        values = partial(results.outline_field, body, name=kind)
-        over_time, _ = largest_over_time(values, time)
-        largest = np.maximum(largest, over_time)
-    return float(time[largest.argmax()])
 
 
 def _surface(results: Results, chosen: Chosen, body: str) -> Field:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..results import QuantityError, Results, SeriesError
 from ..results.transforms import Window, split
-from ..results.wildcards import STAR, named
+from ..results.wildcards import STAR, named, of_all
 from .errors import PictureError, PictureWarning
 from .quantities import AGAINST, Curve, curves
 
@@ -121,17 +121,8 @@ def _of_all(
 
 def _of(results: Results, quantity: str, gravities: bool, window: Window | None) -> list[Curve]:
     """The curves of all that the stars of a quantity stand for, of which one at least is there."""
-    found: list[Curve] = []
-    lacking: QuantityError | None = None
     expanded = _expanded(results, quantity)
-    for one in expanded:
-        try:
-            found += curves(results, one, gravities, window)
-        except QuantityError as error:
-            lacking = error
-    if lacking is not None and not found:
-        raise lacking
-    return found
+    return of_all(expanded, lambda one: curves(results, one, gravities, window))
 
 
 def _expanded(results: Results, quantity: str) -> list[str]:

@@ -2,7 +2,6 @@
 
 from .matlab import write_mat
 from .paraview import write_vtk
-from .steps import frames, window
 from .tables import write_csv
 
-__all__ = ["frames", "window", "write_csv", "write_mat", "write_vtk"]
+__all__ = ["write_csv", "write_mat", "write_vtk"]

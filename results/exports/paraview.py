@@ -15,6 +15,7 @@ from ...superelement.validation import Array
 from ..errors import ExportError, RecoveryError
 from ..recovery import in_space
 from ..results import Results
+from ..steps import batches
 from .folder import made
 from .vtkhdf import Cells, Grid, IntArray
 
@@ -72,7 +73,7 @@ def _write_bodies(
     known = _Stresses(results, parts, times[:1])
     with written_whole(path) as file:
         grid = Grid(file, times, cells, of_cells)
-        for rows in _batches(len(steps), cells.points):
+        for rows in batches(len(steps), AT_ONCE // max(cells.points, 1)):
             t = times[rows]
             motions = _motions(results, steps[rows], t, magnification)
             positions, u, v = (np.concatenate(each, axis=1) for each in zip(*motions, strict=True))
@@ -157,7 +158,7 @@ def _write_points(results: Results, path: Path, steps: NDArray[np.int64]) -> Non
     }
     with written_whole(path) as file:
         grid = Grid(file, times, cells, of_cells)
-        for rows in _batches(len(steps), cells.points):
+        for rows in batches(len(steps), AT_ONCE // max(cells.points, 1)):
             frames, contacts = _frames(results, steps[rows]), _contacts(results, steps[rows])
             grid.put(*_side_by_side([part for part in (frames, contacts) if part]))
 
@@ -196,13 +197,6 @@ def _at(results: Results, variable: str, steps: NDArray[np.int64], width: int) -
         return results.variable(variable, slice(first, last))[steps - first]
     halves = np.array_split(steps, 2)
     return np.concatenate([_at(results, variable, half, width) for half in halves])
-
-
-def _batches(steps: int, points: int) -> Iterator[slice]:
-    """Steps that are in memory together."""
-    length = max(1, AT_ONCE // max(points, 1))
-    for first in range(0, steps, length):
-        yield slice(first, min(first + length, steps))
 
 
 def _names(results: Results) -> Iterator[list[object]]:

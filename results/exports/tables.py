@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 
 from ...files import write_rows
-from ..errors import QuantityError
 from ..results import Results
 from ..schema import EVENTS, Axes, Quantity
 from ..transforms import Series, parse, series
-from ..wildcards import named
+from ..wildcards import named, of_all
 from .folder import distinct, made
 
 Rows = Iterable[Sequence[Any]]
@@ -113,16 +112,7 @@ def _named(results: Results, quantities: Iterable[str], rows: slice) -> Iterator
 
 def _alike(results: Results, quantity: str) -> list[tuple[str, Series]]:
     """A quantity, or all that it stands for that have it, as sensors of a kind."""
-    found: list[tuple[str, Series]] = []
-    lacking: QuantityError | None = None
-    for name in named(results, quantity):
-        try:
-            found.append((name, series(results, name)))
-        except QuantityError as error:
-            lacking = error
-    if lacking is not None and not found:
-        raise lacking
-    return found
+    return of_all(named(results, quantity), lambda name: [(name, series(results, name))])
 
 
 def _joined(found: Sequence[tuple[str, Series]], rows: slice) -> Rows:

@@ -60,7 +60,7 @@ class Box(Entry):
 
 
 @entry()
-class Round(Entry):
+class CylinderSize(Entry):
     """The measures of a cylinder [m], and its axis in body axes."""
 
     radius: Positive
@@ -73,7 +73,7 @@ class Round(Entry):
 class Cylinder(Entry):
     """A cylinder with its middle at a center (3,) [m]."""
 
-    cylinder: Round
+    cylinder: CylinderSize
     center: Vector = ORIGIN
 
     @property

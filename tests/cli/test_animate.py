@@ -38,6 +38,20 @@ def test_at_a_time_it_is_a_picture(runner, results_file):
         assert picture.size == (160, 90)
 
 
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--at", "worst", "--frames", "3"], "--frames, --fps and --seconds"),
+        (["--at", "worst", "--fps", "25"], "--frames, --fps and --seconds"),
+        (["--at", "0.01", "--from", "0"], "--from and --to go with --at worst"),
+    ],
+)
+def test_what_a_picture_would_pass_over_is_refused(runner, results_file, options, message):
+    result = runner.invoke(app, ["animate", str(results_file), *options])
+    assert result.exit_code == 2
+    assert message in " ".join(result.stderr.split())
+
+
 def test_a_field_that_is_unknown_is_an_error_of_one_line(runner, results_file):
     result = runner.invoke(app, ["animate", str(results_file), "--field", "von_mises"])
     assert result.exit_code == 1

@@ -8,11 +8,12 @@ import pytest
 import scipy.io
 import xarray as xr
 from duhamel.results import ExportError, QuantityError, Results, write_csv, write_mat
-from duhamel.results.exports import frames, matlab, window
+from duhamel.results.exports import matlab
 from duhamel.results.exports.matlab import identifiers
 from duhamel.results.file import FileWriter
 from duhamel.results.schema import EVENTS
 from duhamel.results.source import Memory
+from duhamel.results.steps import evenly, window
 
 from .disc import ANGLE, TIME, TRAVEL
 from .writing import NOTES, batch, make_contents, make_events, make_output
@@ -209,10 +210,10 @@ def test_without_a_package_xarray_is_refused_in_a_line(run, missing, monkeypatch
 
 def test_frames_are_even_over_time_where_steps_are_not():
     time = np.concatenate([np.linspace(0.0, 1.0, 11), 1.0 + np.linspace(0.001, 1.0, 1000)])
-    chosen = frames(time, slice(None), 5)
+    chosen = evenly(time, slice(None), 5)
     np.testing.assert_allclose(time[chosen], [0.0, 0.5, 1.0, 1.5, 2.0], atol=1e-9)
-    np.testing.assert_array_equal(frames(time, slice(3, 6), 5), [3, 4, 5])
-    np.testing.assert_array_equal(frames(time[:1], slice(None), 5), [0])
+    np.testing.assert_array_equal(evenly(time, slice(3, 6), 5), [3, 4, 5])
+    np.testing.assert_array_equal(evenly(time[:1], slice(None), 5), [0])
 
 
 def test_a_window_outside_the_run_is_refused():

@@ -71,7 +71,7 @@ def test_the_worst_within_a_window():
 @pytest.mark.parametrize(
     ("fields", "message"),
     [
-        (["stress:rod"], "stress:rod: expected a field, von_mises:BODY, displacement:BODY, vel"),
+        (["stress:rod"], "stress:rod: expected a field, displacement:BODY, velocity:BODY, von"),
         (["von_mises"], "von_mises: expected a field"),
         (["von_mises:block"], "von_mises:block: no flexible body 'block'; there are: rod, pin"),
         (["velocity:crank"], "velocity:crank: no body 'crank'; there are: rod, pin, block"),

@@ -1,6 +1,6 @@
 """A report of a run: one page of HTML that holds all it needs, for a browser without a network."""
 
-from ..space.stage import FIELDS
+from ..field_kinds import FIELDS
 from .write import write_report
 
 REPORT_FIELDS = tuple(FIELDS)

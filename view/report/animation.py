@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 
-from ..space.stage import FIELDS
+from ..field_kinds import FIELDS
 from .markup import Markup, element, joined, note
 from .motion import Motion
 from .numbers import counted, prefixed, seconds, short, vector

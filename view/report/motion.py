@@ -7,10 +7,11 @@ import numpy as np
 
 from ...results import Results
 from ...results.rotations import rotate
+from ...results.steps import batches, evenly
 from ...superelement.validation import Array
 from ..space.bodies import Body, bodies_on_stage
 from ..space.marks import Placing
-from ..space.stage import batches, chosen_field, chosen_magnification
+from ..space.stage import chosen_field, chosen_magnification
 from ..space.tracks import Tracks
 from .simplify import IntArray, simplified
 
@@ -61,9 +62,12 @@ class Mark:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """time (k,) [s]: the instants of motion; deforming (f,): those of deformation; origin (3,) [m];
+    """The bodies and marks of an animation, and what there is to say of it.
+
+    time (k,) [s]: the instants of motion; deforming (f,): those of deformation; origin (3,) [m];
     turn: largest angle between two instants [rad]; points: (drawn, of the bodies); field: of the
-    colors, "" where no body has one; failed: why bodies have none."""
+    colors, "" where no body has one; failed: why bodies have none.
+    """
 
     time: Array
     deforming: Array
@@ -81,7 +85,7 @@ class Motion:
 def motion(results: Results, field: str = "") -> Motion | None:
     """The motion of all bodies that were recorded; None if none was.
 
-    field: one of `space.stage.FIELDS`; by default as films have it.
+    field: one of `field_kinds.FIELDS`; by default as films have it.
     """
     names, time = results.bodies, results.time
     if not names or not len(time):
@@ -89,7 +93,7 @@ def motion(results: Results, field: str = "") -> Motion | None:
     rows, turn = _instants(results, time, len(names))
     moving = sum(_points(results, name) for name in names if _is_flexible(results, name))
     frames = min(len(rows), POINT_FRAMES // min(moving, MOST_POINTS), 4 * FRAMES) if moving else 2
-    deforming = time[rows[_evenly(len(rows), max(frames, 2))]]
+    deforming = time[rows][evenly(time[rows], slice(None), max(frames, 2))]
     bodies = bodies_on_stage(results, Tracks(results, deforming))
     chosen = chosen_field(bodies, field or None)
     parts = batches(len(deforming), _at_once(bodies))
@@ -129,11 +133,6 @@ def motion(results: Results, field: str = "") -> Motion | None:
     )
 
 
-def _evenly(n: int, most: int) -> IntArray:
-    """At most so many of n numbers, evenly, the first and the last among them."""
-    return np.unique(np.linspace(0, n - 1, min(n, most)).round().astype(np.int64))
-
-
 def _instants(results: Results, time: Array, n_bodies: int) -> tuple[IntArray, float]:
     """The rows that are shown, and the largest turn between two of them [rad]."""
     spin = np.zeros(len(time))
@@ -143,7 +142,7 @@ def _instants(results: Results, time: Array, n_bodies: int) -> tuple[IntArray, f
     fastest = float(spin.max()) * float(time[-1] - time[0])
     most = max(min(MOST_FRAMES, POSES // n_bodies), FRAMES)
     wanted = int(np.clip(np.ceil(min(fastest / TURN, 1e9)) + 1, FRAMES, most))
-    rows = _evenly(len(time), wanted)
+    rows = evenly(time, slice(None), wanted)
     return rows, float(np.diff(turned[rows]).max(initial=0.0))
 
 
@@ -168,7 +167,7 @@ def _is_flexible(results: Results, name: str) -> bool:
 
 def _at_once(bodies: Sequence[Body]) -> int:
     """Instants of which the displacements of any body are in memory at once."""
-    return max(AT_ONCE // max(len(body.X) for body in bodies), 1)
+    return AT_ONCE // max(1, *(len(body.X) for body in bodies))
 
 
 def _deformed(

@@ -4,14 +4,12 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ..prefixes import PREFIXES
+from ..prefixes import PREFIXES, exponent_of
 
 
 def prefixed(value: float) -> tuple[str, float]:
     """The prefix of a unit that makes a value easy to read, and its factor."""
-    if value == 0.0 or not np.isfinite(value):
-        return "", 1.0
-    power = int(np.clip(3 * np.floor(np.log10(abs(value)) / 3), min(PREFIXES), max(PREFIXES)))
+    power = exponent_of(abs(value))
     return PREFIXES[power], 10.0**power
 
 

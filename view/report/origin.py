@@ -15,8 +15,11 @@ from ...results import Results
 
 @dataclass(frozen=True)
 class Origin:
-    """path: of the results file, None for results in memory; written: when; created_by: the
-    program and its version; version: of the file."""
+    """Where results come from.
+
+    path: of the results file, None for results in memory; written: when; created_by: the program
+    and its version; version: of the file.
+    """
 
     path: Path | None
     written: datetime | None = None

@@ -11,6 +11,7 @@ import numpy as np
 from ...results import QuantityError, Results
 from ...results.quantities import KINDS, evaluate
 from ...superelement.validation import Array
+from ..naming import in_full, title_and_labels
 from ..overview import overview
 from ..quantities import Curve
 from .thinning import kept
@@ -49,7 +50,7 @@ def plots(results: Results) -> Iterator[tuple[str, list[Plot]]]:
 
 def drawing(plot: Plot, time: Array) -> dict[str, Any]:
     """A plot as the script of the page takes it, with its points thinned."""
-    words = _legend(plot.curves)
+    words = _labels(plot.curves)
     drawn = [_trace(curve, time, name) for curve, name in zip(plot.curves, words, strict=True)]
     return {
         "title": escape(plot.title, quote=False),
@@ -79,7 +80,7 @@ def _overview(results: Results) -> list[Plot]:
         panels = overview(results)
     except QuantityError:
         return []
-    return [Plot(_title(curves), curves[0].unit, curves) for curves in panels]
+    return [Plot(title_and_labels(curves)[0], curves[0].unit, curves) for curves in panels]
 
 
 def _forces(results: Results) -> Iterator[Plot]:
@@ -96,7 +97,7 @@ def _contacts(results: Results) -> Iterator[Plot]:
     yield from _of_kinds(results, owners, ("normal_force", "gap"))
     for unit, names in _by_unit(results).items():
         events = [
-            Curve((name,), unit, results.events[name].peak, results.events[name].start)
+            Curve(("", name, ""), unit, results.events[name].peak, results.events[name].start)
             for name in names
             if len(results.events[name])
         ]
@@ -117,12 +118,12 @@ def _by_unit(results: Results) -> dict[str, list[str]]:
 
 
 def _solver(results: Results) -> Iterator[Plot]:
-    iterations = Curve(("iterations",), "", results.iterations.astype(float))
+    iterations = Curve(("iterations", "", ""), "", results.iterations.astype(float))
     yield Plot("Newton iterations of a step", "", [iterations])
     residual = results.residual.astype(float)
     if (residual > 0.0).any():
         shown = np.where(residual > 0.0, residual, np.nan)
-        curve = Curve(("residual",), "", shown)
+        curve = Curve(("residual", "", ""), "", shown)
         yield Plot("relative residual of a step", "", [curve], logarithmic=True)
 
 
@@ -145,7 +146,7 @@ def _length(results: Results, kind: str, name: str) -> Curve:
     values = found.values
     if values.ndim == 2:
         values = _equivalent(values) if len(KINDS[kind].axes) == 6 else _norm(values)
-    return Curve((name,), found.unit, values)
+    return Curve(("", name, ""), found.unit, values)
 
 
 def _norm(vectors: Array) -> Array:
@@ -169,6 +170,11 @@ def _largest(title: str, curves: list[Curve]) -> Iterator[Plot]:
         yield Plot(title, chosen[0].unit, in_order, left_out=len(moving) - len(chosen))
 
 
+def _labels(curves: Sequence[Curve]) -> list[str]:
+    """What tells the curves apart; of a single one its name."""
+    return [in_full(curves[0])] if len(curves) == 1 else title_and_labels(curves)[1]
+
+
 def _trace(curve: Curve, time: Array, name: str) -> dict[str, Any]:
     x = time if curve.abscissa is None else curve.abscissa
     points = kept(curve.values)
@@ -182,23 +188,3 @@ def _trace(curve: Curve, time: Array, name: str) -> dict[str, Any]:
 def _numbers(values: Array) -> list[float | None]:
     """Numbers of a few digits, null for what is none."""
     return [float(f"{x:.{DIGITS}g}") if np.isfinite(x) else None for x in values.tolist()]
-
-
-def _title(curves: Sequence[Curve]) -> str:
-    """The words that all curves have in common."""
-    shared = [words[0] for words in _columns(curves) if len(set(words)) == 1]
-    return ", ".join(filter(None, shared))
-
-
-def _legend(curves: Sequence[Curve]) -> list[str]:
-    """The words that tell the curves apart."""
-    if len(curves) == 1:
-        return [", ".join(filter(None, curves[0].words))]
-    apart = [words for words in _columns(curves) if len(set(words)) > 1]
-    return [", ".join(filter(None, words)) for words in zip(*apart, strict=True)]
-
-
-def _columns(curves: Sequence[Curve]) -> list[tuple[str, ...]]:
-    longest = max(len(curve.words) for curve in curves)
-    padded = ((*c.words, *[""] * (longest - len(c.words))) for c in curves)
-    return list(zip(*padded, strict=True))

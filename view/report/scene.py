@@ -8,6 +8,7 @@ from matplotlib import colormaps
 from matplotlib.colors import to_hex, to_rgb
 
 from ...superelement.validation import Array
+from ..space.camera import ISO, axes_towards
 from ..styles import COLORS
 from .libraries import package
 from .motion import Mark, Motion, Shape
@@ -184,14 +185,12 @@ def _overview(size: Array) -> tuple[list[float], list[float]]:
     """Onto the plane of a motion in the plane x y, and else from above and before."""
     if size[2] < 0.4 * max(size[0], size[1]):
         return [0.35, -0.7, 1.0], [0.0, 1.0, 0.0]
-    return [1.0, -1.35, 0.8], [0.0, 0.0, 1.0]
+    return ISO.tolist(), [0.0, 0.0, 1.0]
 
 
 def _camera(low: Array, high: Array, towards: list[float], up: list[float]) -> list[float]:
-    eye = np.array(towards) / np.linalg.norm(towards)
+    right, upward, eye = axes_towards(np.array(towards), np.array(up))
     middle = 0.5 * (low + high)
-    right = np.cross(up, eye) / np.linalg.norm(np.cross(up, eye))
-    upward = np.cross(eye, right)
     half = 0.5 * (high - low)
     tall, wide = float(np.abs(upward) @ half), float(np.abs(right) @ half)
     deep = float(np.abs(eye) @ half)

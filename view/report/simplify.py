@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ...superelement.cells import normals as normals_of
 from ...superelement.validation import Array
 
 IntArray = NDArray[np.int64]
@@ -21,7 +22,7 @@ def simplified(points: Array, triangles: IntArray, most: int) -> tuple[IntArray,
     """
     used = np.unique(triangles)
     if len(used) <= most:
-        return _renumbered(used, np.arange(len(points)), triangles)
+        return _renumbered(used, len(points), triangles)
     facing = _facing(points, triangles)
     low, high = 1, FINEST
     while low < high:
@@ -46,21 +47,18 @@ def _clustered(
     merged = becomes[triangles]
     a, b, c = merged.T
     whole = merged[(a != b) & (b != c) & (c != a)]
-    return _renumbered(np.unique(whole), np.arange(len(points)), whole)
+    return _renumbered(np.unique(whole), len(points), whole)
 
 
-def _renumbered(
-    chosen: IntArray, numbers: IntArray, triangles: IntArray
-) -> tuple[IntArray, IntArray]:
-    place = np.zeros(len(numbers), dtype=np.int64)
+def _renumbered(chosen: IntArray, points: int, triangles: IntArray) -> tuple[IntArray, IntArray]:
+    place = np.zeros(points, dtype=np.int64)
     place[chosen] = np.arange(len(chosen))
     return chosen, place[triangles]
 
 
 def _facing(points: Array, triangles: IntArray) -> IntArray:
     """Which of the six directions of the axes the surface at each point looks to most (p,)."""
-    a, b, c = points[triangles].transpose(1, 0, 2)
-    normals = np.cross(b - a, c - a)
+    normals = normals_of(points, triangles)
     summed = np.zeros_like(points)
     for corner in triangles.T:
         np.add.at(summed, corner, normals)

@@ -9,6 +9,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from ...superelement.validation import Array
+from ..space.camera import axes_towards
 from .motion import Motion, Shape
 from .scene import body_colors, bounds, cameras
 
@@ -83,9 +84,7 @@ def _seen(motion: Motion, shape: Shape) -> Array:
 def _axes(camera: list[float]) -> Array:
     """To the right, up and towards the eye (3, 3)."""
     place, target, up = np.reshape(camera, (3, 3))
-    eye = (place - target) / np.linalg.norm(place - target)
-    right = np.cross(up, eye) / np.linalg.norm(np.cross(up, eye))
-    return np.array([right, np.cross(eye, right), eye])
+    return axes_towards(place - target, up)
 
 
 def _shaded(corners: Array, color: str) -> Array:

@@ -9,7 +9,6 @@ from ...results.recovery import in_space
 from ...superelement.validation import Array
 from .tracks import GROUND, Track, Tracks
 
-Rows = slice
 HANGING = ("joints", "motions", "springs")
 """groups of couplings that hold a body in its place"""
 
@@ -30,7 +29,7 @@ class Hold:
         self.u = frame.u
         self.X = place_of(body, frame)
 
-    def seen(self, u: Array, X: Array, rows: Rows) -> Array:
+    def seen(self, u: Array, X: Array, rows: slice) -> Array:
         """Displacements u (k, p, 3) at X (p, 3) as they are seen from there."""
         moved, turned = self.u[rows, None, :3], self.u[rows, None, 3:]
         relative: Array = u - moved - np.cross(turned, X - self.X)
@@ -61,34 +60,34 @@ class Body:
         self.flexible = results.outline_source(name) != "rigid"
         frame = tracks.find(held_at) if held_at and self.flexible else None
         self.hold = None if frame is None else Hold(self.track, frame)
-        self._kept: tuple[Rows, Array] | None = None
+        self._kept: tuple[slice, Array] | None = None
 
-    def deformation(self, u: Array, X: Array, rows: Rows) -> Array:
+    def deformation(self, u: Array, X: Array, rows: slice) -> Array:
         """What is magnified of displacements u (k, p, 3) at X (p, 3)."""
         return u if self.hold is None else self.hold.seen(u, X, rows)
 
-    def largest_deformation(self, rows: Rows) -> float:
+    def largest_deformation(self, rows: slice) -> float:
         """[m]"""
         if not self.flexible:
             return 0.0
         moved = self.deformation(self._displacement(rows), self.X, rows)
         return float(np.sqrt((moved**2).sum(axis=-1)).max(initial=0.0))
 
-    def position(self, rows: Rows, magnification: float) -> Array:
+    def position(self, rows: slice, magnification: float) -> Array:
         """x + R (X + u + (magnification - 1) u') (k, p, 3), in space [m]."""
         x, R = self.track.position[rows], self.track.rotation[rows]
         if not self.flexible:
             return in_space(x, R, np.broadcast_to(self.X, (len(x), *self.X.shape)))
         return in_space(x, R, self.X + self.displacement(rows, magnification))
 
-    def displacement(self, rows: Rows, magnification: float) -> Array:
+    def displacement(self, rows: slice, magnification: float) -> Array:
         """u + (magnification - 1) u' (k, p, 3), in body axes [m]."""
         u = self._displacement(rows)
         if magnification != 1.0:
             u = u + (magnification - 1.0) * self.deformation(u, self.X, rows)
         return u
 
-    def values(self, rows: Rows, field: str) -> Array:
+    def values(self, rows: slice, field: str) -> Array:
         """(k, p): see `Results.outline_field`."""
         found: Array = self._results.outline_field(self.name, self._times[rows], field)
         return found
@@ -101,7 +100,7 @@ class Body:
             return str(error)
         return ""
 
-    def _displacement(self, rows: Rows) -> Array:
+    def _displacement(self, rows: slice) -> Array:
         """Elastic displacements (k, p, 3) in body axes; the last ones are kept."""
         if self._kept is None or self._kept[0] != rows:
             found = self._results.outline_displacement(self.name, self._times[rows])

@@ -9,19 +9,21 @@ from pathlib import Path
 import numpy as np
 
 from ...results import Results
+from ...results.transforms import Window
 from ...superelement.validation import Array
 from ..errors import PictureError
+from ..field_kinds import FIELDS, WORST
+from ..worst import worst_time
 from .bodies import bodies_on_stage
 from .camera import Camera, Fitting, chosen_axes, spread_of
 from .lettering import Clock, Frame, Image, Lettering, lettered
 from .marks import CONTACT, FORCE, JOINT, SPRING
-from .stage import AT_ONCE, FIELDS, NO_FIELD, Batch, Stage, batches, chosen_field
+from .stage import NO_FIELD, Batch, Stage, chosen_field
 from .studio import COLOR_MAP, Studio, pyvista
 from .timing import FRAMES_PER_SECOND, Timing, require_within, timing
 from .tracks import Tracks
 from .writing import MOVING, require_format, written
 
-WORST = "worst"
 SIZE, SMALL_SIZE = (1280, 720), (640, 360)
 """of films, and of GIFs [pixels]"""
 SMALLEST_SIZE, LARGEST_SIZE = 36, 8192
@@ -67,10 +69,11 @@ def animate(
 
     field: "displacement", "velocity", "von_mises" or "none", by default stresses where all flexible
     bodies know them, else displacements; magnify: of deformation, by default so that it is seen;
-    start, end: times of the run [s]; at: one time [s], or "worst", where the field is largest;
-    frames, fps, seconds: of playing, by default 25 frames a second for 8 s; size: width and height
-    [pixels]; view: "iso", "xy", "xz", "yz" or "x,y,z", the direction towards the eye, by default
-    what shows most of the motion. PictureError for what cannot be drawn or written.
+    start, end: times of the run [s]; at: one time [s], or "worst", where the field is largest
+    from start to end; frames, fps, seconds: of playing, by default 25 frames a second for 8 s;
+    size: width and height [pixels]; view: "iso", "xy", "xz", "yz" or "x,y,z", the direction towards
+    the eye, by default what shows most of the motion. PictureError for what cannot be drawn or
+    written.
     """
     path = Path(path)
     size = size or (SMALL_SIZE if path.suffix.lower() == MOVING else SIZE)
@@ -79,7 +82,8 @@ def animate(
         raise PictureError(f"--magnify: expected a number from 0 on, found {magnify:g}")
     when = timing(results.time, start, end, frames, fps, seconds)
     if at is not None:
-        when = Timing(np.array([the_time(results, at, field)]), fps)
+        first, last = (-np.inf if start is None else start), (np.inf if end is None else end)
+        when = Timing(np.array([the_time(results, at, field, (first, last))]), fps)
     require_format(path, size, several=at is None)
     pyvista()
     stage = Stage(results, when.times, field, magnify, marks)
@@ -141,11 +145,13 @@ def letters(stage: Stage, when: Timing, title: str, axes: Array) -> Lettering:
     )
 
 
-def the_time(results: Results, at: float | str, field: str | None) -> float:
-    """A time of the run [s]: as given, or where a field is largest."""
+def the_time(
+    results: Results, at: float | str, field: str | None, window: Window | None = None
+) -> float:
+    """A time of the run [s]: as given, or where a field is largest, of a window."""
     first, last = float(results.time[0]), float(results.time[-1])
     if at == WORST:
-        return worst_time(results, field)
+        return _worst(results, field, window)
     try:
         time = float(at)
     except ValueError as error:
@@ -154,21 +160,14 @@ def the_time(results: Results, at: float | str, field: str | None) -> float:
     return time
 
 
-def worst_time(results: Results, field: str | None) -> float:
-    """The recorded time at which a field is largest on any body [s]."""
-    times = results.time
-    bodies = bodies_on_stage(results, Tracks(results, times))
+def _worst(results: Results, field: str | None, window: Window | None) -> float:
+    bodies = bodies_on_stage(results, Tracks(results, results.time[:1]))
     name = chosen_field(bodies, field)
     if not name:
         raise PictureError(f"--at {WORST}: expected a field, which {NO_FIELD!r} is not")
-    largest = np.zeros(len(times))
-    for body in bodies:
-        if not (body.flexible or name == "velocity") or body.why_unknown(name):
-            continue
-        for rows in batches(len(times), max(AT_ONCE // max(len(body.X), 1), 1)):
-            values = body.values(rows, name).max(axis=1)
-            largest[rows] = np.maximum(largest[rows], values)
-    return float(times[int(largest.argmax())])
+    colored = (body for body in bodies if body.flexible or name == "velocity")
+    known = [body.name for body in colored if not body.why_unknown(name)]
+    return worst_time(results, known, name, window)
 
 
 def require_size(size: tuple[int, int]) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 
 from ...results import Connection, Results
 from ...results.motion import ContactMotion
+from ...results.rotations import rotate
 from ...superelement.validation import Array
 from . import glyphs
 from .bodies import HANGING, Body, place_of
@@ -14,7 +15,6 @@ from .glyphs import Glyph
 from .tracks import GROUND, Track, Tracks
 
 JOINT, SPRING, CONTACT, FORCE = "#274c8f", "#1b7f4d", "#d62728", "#d9480f"
-AXES = ("#c1272d", "#2e8b40", "#2456a6")
 GROUNDED, LEG, FLOOR = "#5c636a", "#9aa1ab", "#e9e4da"
 LONGEST = 0.15
 """of arrows, over the size of the model"""
@@ -83,7 +83,7 @@ class Placing:
             return frame.position
         X = place_of(body.track, frame)
         u = body.deformation(frame.u[:, None, :3], X[None], slice(None))[:, 0]
-        more: Array = frame.position + (self._magnification - 1.0) * _turned(body.track.rotation, u)
+        more: Array = frame.position + (self._magnification - 1.0) * rotate(body.track.rotation, u)
         return more
 
     def ends(self, coupling: Connection) -> tuple[Array, Array] | None:
@@ -91,14 +91,6 @@ class Placing:
         first, second = coupling.between
         a, b = self.tracks.end(first, second), self.tracks.end(second, first)
         return None if a is None or b is None else (self.seen(a), self.seen(b))
-
-
-def _turned(R: Array, vectors: Array) -> Array:
-    """R a (k, 3) for unit quaternions R (k, 4) and vectors a (k, 3)."""
-    w, r = R[:, :1], R[:, 1:]
-    once = np.cross(r, vectors)
-    rotated: Array = vectors + 2.0 * (w * once + np.cross(r, once))
-    return rotated
 
 
 def marks_of(results: Results, placing: Placing, radius: float, size: float) -> tuple[Mark, ...]:

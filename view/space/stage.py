@@ -7,19 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...results import Results
+from ...results.steps import batches
 from ...superelement.validation import Array
 from ..errors import PictureError
+from ..field_kinds import FIELDS
 from .bodies import Body, bodies_on_stage
 from .marks import Mark, Placing, largest_force, marks_of
 from .tracks import Tracks
 
 Single = NDArray[np.float32]
-FIELDS = {
-    "displacement": ("elastic displacement", "m"),
-    "velocity": ("speed", "m/s"),
-    "von_mises": ("von Mises stress", "Pa"),
-}
-"""what colors can show: its name and unit"""
 NO_FIELD = "none"
 AT_ONCE = 3_000_000
 """points of all bodies, times frames, of which positions and values are in memory"""
@@ -70,7 +66,7 @@ class Stage:
             raise PictureError("the run recorded the motion of no body: nothing can be drawn")
         self.size = size_of(self.bodies)
         points = sum(len(body.X) for body in self.bodies)
-        self._rows = batches(len(times), max(AT_ONCE // max(points, 1), 1))
+        self._rows = batches(len(times), AT_ONCE // max(points, 1))
         self._last: Batch | None = None
         self.middle: Array = np.mean([body.track.position[0] for body in self.bodies], axis=0)
         self.field = chosen_field(self.bodies, field)
@@ -131,11 +127,6 @@ def size_of(bodies: tuple[Body, ...]) -> float:
     """The diagonal of the box around all bodies at the first time [m]."""
     points = np.concatenate([body.position(slice(0, 1), 1.0)[0] for body in bodies])
     return float(np.linalg.norm(np.ptp(points, axis=0))) or 1.0
-
-
-def batches(n: int, at_once: int) -> tuple[slice, ...]:
-    """n rows in slices of equal length, but for the last."""
-    return tuple(slice(k, min(k + at_once, n)) for k in range(0, n, at_once))
 
 
 def chosen_magnification(bodies: tuple[Body, ...], rows: Iterable[slice]) -> float:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
+from ...superelement.cells import normals as normals_of
 from ...superelement.validation import Array
 
 IntArray = NDArray[np.int64]
@@ -37,8 +38,7 @@ class Surface:
 
     def normals(self, points: Array) -> Array:
         """Unit normals (q, 3) at its points (q, 3), by the areas of the triangles there."""
-        a, b, c = (points[corner] for corner in self.triangles.T)
-        sums = self._spread @ np.cross(b - a, c - a)
+        sums = self._spread @ normals_of(points, self.triangles)
         length = np.linalg.norm(sums, axis=1)[:, None]
         unit: Array = sums / np.where(length > 0.0, length, 1.0)
         return unit
@@ -47,8 +47,7 @@ class Surface:
 def surface(points: Array, triangles: IntArray) -> Surface:
     """Triangles (m, 3) of points (p, 3) at rest, split along sharp edges."""
     sides, left, right, open_sides = _neighbors(triangles)
-    a, b, c = (points[corner] for corner in triangles.T)
-    normals = np.cross(b - a, c - a)
+    normals = normals_of(points, triangles)
     lengths = np.linalg.norm(normals, axis=1)[:, None]
     normals = normals / np.where(lengths > 0.0, lengths, 1.0)
     smooth = (normals[left] * normals[right]).sum(axis=1) > SHARP

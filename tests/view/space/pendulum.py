@@ -76,10 +76,10 @@ class Pendulum:
             return np.zeros((*np.shape(t), *points.shape))
         return self._bent(points, np.atleast_1d(t)).reshape(*np.shape(t), *points.shape)
 
-    def outline_field(self, name: str, t: Any, field: str) -> Any:
-        if field not in self.known:
-            raise RecoveryError(f"body {name!r}: no {field}")
-        return np.linalg.norm(self.outline_displacement(name, t), axis=-1)
+    def outline_field(self, body: str, t: Any, name: str) -> Any:
+        if name not in self.known:
+            raise RecoveryError(f"body {body!r}: no {name}")
+        return np.linalg.norm(self.outline_displacement(body, t), axis=-1)
 
     def _bent(self, points: Any, t: Any) -> Any:
         u = np.zeros((len(t), *points.shape))

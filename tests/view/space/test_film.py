@@ -46,7 +46,12 @@ def test_one_picture_is_of_one_time(tmp_path):
 
 
 def test_the_worst_time_is_that_of_the_largest_value():
-    assert films.worst_time(Pendulum(), "displacement") == TIME[-1]
+    assert films.the_time(Pendulum(), "worst", "displacement") == TIME[-1]
+
+
+def test_the_worst_time_is_within_the_window():
+    when = films.the_time(Pendulum(), "worst", "displacement", (TIME[1], TIME[-2]))
+    assert when == TIME[-2]
 
 
 def test_colors_go_from_zero_to_the_largest_value(tmp_path):

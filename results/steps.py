@@ -1,10 +1,10 @@
-"""The recorded steps that are written: those of a window of time, or some evenly among them."""
+"""Recorded steps: those of a window of time, some evenly among them, and all, a few at once."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...superelement.validation import Array
-from ..errors import ExportError
+from ..superelement.validation import Array
+from .errors import ExportError
 
 ROUNDING = 1e-9
 """of times, in the length of the run"""
@@ -14,8 +14,7 @@ def window(time: Array, start: float | None = None, end: float | None = None) ->
     """The steps of times (n,) from start to end, both within [s]; `ExportError` for none."""
     low = time[0] if start is None else start
     high = time[-1] if end is None else end
-    rounding = ROUNDING * float(np.ptp(time))
-    rows = np.flatnonzero((time >= low - rounding) & (time <= high + rounding))
+    rows = np.flatnonzero(inside(time, low, high))
     if not len(rows):
         raise ExportError(
             f"nothing was recorded from {low:.9g} to {high:.9g} s: expected times from "
@@ -24,7 +23,14 @@ def window(time: Array, start: float | None = None, end: float | None = None) ->
     return slice(int(rows[0]), int(rows[-1]) + 1)
 
 
-def frames(time: Array, rows: slice, most: int) -> NDArray[np.int64]:
+def inside(time: Array, start: float, end: float) -> NDArray[np.bool_]:
+    """Which of the times (n,) are from start to end, both within but for rounding [s]."""
+    rounding = ROUNDING * float(np.ptp(time))
+    found: NDArray[np.bool_] = (time >= start - rounding) & (time <= end + rounding)
+    return found
+
+
+def evenly(time: Array, rows: slice, most: int) -> NDArray[np.int64]:
     """The numbers of at most so many of these steps, evenly over time, first and last with them."""
     first, last, _ = rows.indices(len(time))
     if last - first <= most:
@@ -33,3 +39,9 @@ def frames(time: Array, rows: slice, most: int) -> NDArray[np.int64]:
     after = np.searchsorted(time[first:last], even).clip(1, last - first - 1) + first
     nearer_before = even - time[after - 1] <= time[after] - even
     return np.unique(np.where(nearer_before, after - 1, after))
+
+
+def batches(n: int, at_once: int) -> tuple[slice, ...]:
+    """n rows in slices of equal length, but for the last: at least one row at once."""
+    length = max(at_once, 1)
+    return tuple(slice(k, min(k + length, n)) for k in range(0, n, length))
