@@ -77,6 +77,9 @@ def remarks(motion: Motion) -> list[str]:
     if motion.origin.any():
         lines.append(f"Coordinates are from {vector(motion.origin)} m.")
     lines += [f"No colors: {reason}" for reason in motion.failed[:5]]
+    lines += [f"Elastic motion: {remark}." for remark in motion.remarks[:5]]
+    if motion.field:
+        lines.append("Colors end at the largest value of what is shown; peaks of all steps: below.")
     return lines
 
 

@@ -11,7 +11,7 @@ from ...results.steps import batches, evenly
 from ...superelement.validation import Array
 from ..space.bodies import Body, bodies_on_stage
 from ..space.marks import Placing
-from ..space.stage import chosen_field, chosen_magnification
+from ..space.stage import chosen_field, chosen_magnification, colored, unknown
 from ..space.tracks import Tracks
 from .simplify import IntArray, simplified
 
@@ -66,7 +66,8 @@ class Motion:
 
     time (k,) [s]: the instants of motion; deforming (f,): those of deformation; origin (3,) [m];
     turn: largest angle between two instants [rad]; points: (drawn, of the bodies); field: of the
-    colors, "" where no body has one; failed: why bodies have none.
+    colors, "" where no body has one; failed: why bodies have none; remarks: where deformation is
+    not that of the mesh.
     """
 
     time: Array
@@ -80,6 +81,7 @@ class Motion:
     field: str
     failed: Sequence[str]
     recorded: int
+    remarks: Sequence[str]
 
 
 def motion(results: Results, field: str = "") -> Motion | None:
@@ -96,16 +98,14 @@ def motion(results: Results, field: str = "") -> Motion | None:
     deforming = time[rows][evenly(time[rows], slice(None), max(frames, 2))]
     bodies = bodies_on_stage(results, Tracks(results, deforming))
     chosen = chosen_field(bodies, field or None)
+    failed = unknown(bodies, chosen) if chosen else {}
+    shown = {body.name for body in colored(bodies, chosen)} - set(failed) if chosen else set()
     parts = batches(len(deforming), _at_once(bodies))
     magnification = chosen_magnification(bodies, parts)
     origin = _origin(results, names)
-    shapes, failed = [], []
+    shapes = []
     for body in bodies:
         numbers, triangles = _surface(body, bodies)
-        colored = bool(chosen) and (body.flexible or chosen == "velocity")
-        if colored and (why := body.why_unknown(chosen)):
-            failed.append(why)
-            colored = False
         shapes.append(
             Shape(
                 body.name,
@@ -114,7 +114,7 @@ def motion(results: Results, field: str = "") -> Motion | None:
                 body.outline.lines,
                 _poses(results, body.name, rows, origin),
                 _deformed(body, numbers, parts, magnification),
-                _values(body, numbers, parts, chosen) if colored else None,
+                _values(body, numbers, parts, chosen) if body.name in shown else None,
             )
         )
     placing = Placing(Tracks(results, time[rows]), bodies, magnification)
@@ -128,8 +128,9 @@ def motion(results: Results, field: str = "") -> Motion | None:
         turn,
         (sum(len(shape.points) for shape in shapes), sum(len(body.X) for body in bodies)),
         chosen,
-        failed,
+        tuple(failed.values()),
         len(time),
+        [remark for body in bodies if (remark := results.outline_remark(body.name))],
     )
 
 

@@ -2,11 +2,12 @@
 
 import platform
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 
-from ...results import QuantityError, RecoveryError, Results, SeriesError, peaks
+from ...results import Peak, QuantityError, RecoveryError, Results, SeriesError, peaks
 from ...results.motion import Energy, Events
 from ...results.validity import Check
 from ...superelement import SuperelementError
@@ -40,10 +41,19 @@ def _check_row(check: Check) -> tuple[object, ...]:
     return (criterion.quantity, value, owner, least + limits[0], least + limits[1], word)
 
 
+def _stress_peaks(results: Results) -> tuple[Peak, ...]:
+    """The largest stress of each body that knows its stresses, of all steps."""
+    found: list[Peak] = []
+    for body in results.superelement_files:
+        with suppress(RecoveryError, QuantityError, SuperelementError, OSError):
+            found += peaks(results, [f"von_mises:{body}"])
+    return tuple(found)
+
+
 def peaks_table(results: Results) -> Markup:
     """The peaks of what is looked at unasked."""
     try:
-        found = peaks(results)
+        found = (*_stress_peaks(results), *peaks(results))
     except (QuantityError, SeriesError) as error:
         return note(f"No table of peaks: {error}")
     rows = [

@@ -74,6 +74,7 @@ def direction_of(view: str) -> Array:
     if direction.shape != (3,) or not np.isfinite(direction).all() or not direction.any():
         known = ", ".join(["iso", *NAMED])
         raise PictureError(f"--view: expected {known} or a direction x,y,z, found {view!r}")
+    direction /= np.abs(direction).max()
     unit: Array = direction / np.linalg.norm(direction)
     return unit
 

@@ -110,7 +110,7 @@ def _shoot(
             sink.put(clock.write(np.minimum(image, still), time))
             if on_frame is not None:
                 on_frame(done, number)
-    told = tuple(f"drawn without colors: {why}" for why in stage.untold.values())
+    told = *(f"drawn without colors: {why}" for why in stage.untold.values()), *stage.remarks
     return Film(number, number / when.fps, stage.magnification, stage.field, stage.largest, told)
 
 
@@ -137,6 +137,8 @@ def letters(stage: Stage, when: Timing, title: str, axes: Array) -> Lettering:
     notes = [when.words] if when.words else []
     if stage.magnification != 1.0:
         notes.append(f"deformation × {stage.magnification:g}")
+    if stage.remarks:
+        notes.append("elastic motion in part unknown")
     kinds = dict.fromkeys(mark.kind for mark in stage.marks)
     legend = [(kind, color) for kind, color in LEGEND.items() if kind in kinds]
     label, unit = FIELDS[stage.field] if stage.field else ("", "")

@@ -10,8 +10,9 @@ from ...results.motion import ContactMotion
 from ...results.rotations import rotate
 from ...superelement.validation import Array
 from . import glyphs
-from .bodies import HANGING, Body, place_of
+from .bodies import Body
 from .glyphs import Glyph
+from .holding import HANGING, place_of
 from .tracks import GROUND, Track, Tracks
 
 JOINT, SPRING, CONTACT, FORCE = "#274c8f", "#1b7f4d", "#d62728", "#d9480f"

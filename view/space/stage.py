@@ -69,12 +69,10 @@ class Stage:
         self._rows = batches(len(times), AT_ONCE // max(points, 1))
         self._last: Batch | None = None
         self.middle: Array = np.mean([body.track.position[0] for body in self.bodies], axis=0)
+        remarks = (results.outline_remark(body.name) for body in self.bodies)
+        self.remarks = tuple(remark for remark in remarks if remark)
         self.field = chosen_field(self.bodies, field)
-        self.untold = {}
-        if self.field:
-            self.untold = {body.name: body.why_unknown(self.field) for body in self.colored()}
-            self.untold = {name: why for name, why in self.untold.items() if why}
-            require_some(self.field, self.untold, len(self.colored()))
+        self.untold = unknown(self.bodies, self.field) if self.field else {}
         chosen = chosen_magnification(self.bodies, self._rows) if magnify is None else magnify
         self.magnification = chosen
         placing = Placing(tracks, self.bodies, self.magnification)
@@ -87,8 +85,7 @@ class Stage:
         self.largest = self._largest_value() if self.field else 0.0
 
     def colored(self) -> tuple[Body, ...]:
-        """The bodies that the field belongs to: all move, but only flexible ones deform."""
-        return tuple(body for body in self.bodies if self.field == "velocity" or body.flexible)
+        return colored(self.bodies, self.field)
 
     def batches(self) -> Iterator[Batch]:
         """All frames, a few at once; the last batch is kept."""
@@ -163,9 +160,16 @@ def chosen_field(bodies: tuple[Body, ...], field: str | None) -> str:
     return "displacement" if unknown else "von_mises"
 
 
-def require_some(field: str, untold: dict[str, str], colored: int) -> None:
-    """PictureError where no body knows the field."""
-    if not colored:
-        raise PictureError(f"--field {field}: the run has no flexible body")
-    if len(untold) == colored:
-        raise PictureError(f"--field {field}: {next(iter(untold.values()))}")
+def colored(bodies: tuple[Body, ...], field: str) -> tuple[Body, ...]:
+    """The bodies that a field belongs to: all move, but only flexible ones deform."""
+    return tuple(body for body in bodies if field == "velocity" or body.flexible)
+
+
+def unknown(bodies: tuple[Body, ...], field: str) -> dict[str, str]:
+    """Why bodies that a field belongs to have none; PictureError where that is so of all."""
+    whys = {body.name: body.why_unknown(field) for body in colored(bodies, field)}
+    if not whys:
+        raise PictureError(f"--field {field}: no body whose deformation the run recorded")
+    if all(whys.values()):
+        raise PictureError(f"--field {field}: {next(iter(whys.values()))}")
+    return {name: why for name, why in whys.items() if why}

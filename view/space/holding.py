@@ -1,0 +1,103 @@
+"""How flexible bodies are held, and their deformation as it is seen from there."""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ...results import Results
+from ...results.recovery import in_space
+from ...superelement.validation import Array
+from .tracks import GROUND, Track
+
+HANGING = ("joints", "motions", "springs")
+"""groups of couplings that hold a body in its place"""
+KEEPS_ATTITUDE = ("fixed", "prismatic")
+"""joints in which a body does not turn"""
+
+
+class Hold:
+    """The frames of a flexible body that magnified deformation leaves where they are.
+
+        u'(X) = u(X) - d - w x X
+
+    is what it deforms, seen from there. d, w (k, 3): by one frame, with its displacement and its
+    rotation; by several, the rigid motion that is nearest to their displacements [m, rad].
+    """
+
+    def __init__(self, body: Track, frames: Sequence[Track]) -> None:
+        u = np.stack([frame.u for frame in frames if frame.u is not None], axis=1)
+        X = np.array([place_of(body, frame) for frame in frames])
+        if len(frames) == 1:
+            self._turned: Array = u[:, 0, 3:]
+            self._moved: Array = u[:, 0, :3] - np.cross(self._turned, X[0])
+            return
+        motions = [np.hstack([np.eye(3), -np.cross(np.eye(3), place).T]) for place in X]
+        rigid = u[..., :3].reshape(len(u), -1) @ np.linalg.pinv(np.vstack(motions)).T
+        self._moved, self._turned = rigid[:, :3], rigid[:, 3:]
+
+    def seen(self, u: Array, X: Array, rows: slice) -> Array:
+        """Displacements u (k, p, 3) at X (p, 3) as they are seen from there."""
+        relative: Array = u - self._moved[rows, None] - np.cross(self._turned[rows, None], X)
+        return relative
+
+
+def place_of(body: Track, frame: Track) -> Array:
+    """The place (3,) of a frame at rest, from the center of mass in body axes [m]."""
+    assert frame.u is not None
+    still = np.zeros((1, 3))
+    back = body.rotation[:1] * [1.0, -1.0, -1.0, -1.0]
+    lever = (frame.position - body.position)[:1, None]
+    rest: Array = in_space(still, back, lever)[0, 0] - frame.u[0, :3]
+    return rest
+
+
+class _End(NamedTuple):
+    """Of a coupling: the body at its other end, the frame on this one, and its type."""
+
+    other: str
+    frame: str
+    type: str
+
+
+def holding_frames(results: Results) -> dict[str, tuple[str, ...]]:
+    """The frames by which each body is held, of those that hang on the ground.
+
+    That by which it hangs there, by the fewest couplings, if it does not turn in it or hangs by it
+    alone; else all that lead to the ground without it, as both pins of a connecting rod.
+    """
+    ends = _ends(results)
+    parents = _parents(ends)
+    found = {}
+    for body, by in parents.items():
+        led = [end.frame for end in ends[body] if parents.get(end.other, by).other != body]
+        alone = by.type in KEEPS_ATTITUDE or len(set(led)) < 2
+        found[body] = (by.frame,) if alone else tuple(dict.fromkeys(led))
+    return found
+
+
+def _ends(results: Results) -> Mapping[str, list[_End]]:
+    ends: dict[str, list[_End]] = {GROUND: []}
+    for coupling in results.couplings:
+        if coupling.group in HANGING:
+            a, b = coupling.between
+            ends.setdefault(body_of(a), []).append(_End(body_of(b), a, coupling.type))
+            ends.setdefault(body_of(b), []).append(_End(body_of(a), b, coupling.type))
+    return ends
+
+
+def _parents(ends: Mapping[str, list[_End]]) -> dict[str, _End]:
+    """The end of each body by which it hangs on the ground."""
+    found: dict[str, _End] = {}
+    waiting = [GROUND]
+    while waiting:
+        holder = waiting.pop(0)
+        for end in ends[holder]:
+            if end.other != GROUND and end.other not in found:
+                found[end.other] = next(own for own in ends[end.other] if own.other == holder)
+                waiting.append(end.other)
+    return found
+
+
+def body_of(frame: str) -> str:
+    return frame.partition(".")[0]
