@@ -67,6 +67,9 @@ class Pendulum:
     def outline(self, name: str) -> Outline:
         return box([LENGTH, 0.04, 0.04]) if name == "bar" else box([0.1, 0.1, 0.2])
 
+    def outline_remark(self, body):
+        return ""
+
     def outline_source(self, name: str) -> str:
         return "recovery" if name == "bar" else "rigid"
 
