@@ -32,7 +32,7 @@ class Hold:
             self._turned: Array = u[:, 0, 3:]
             self._moved: Array = u[:, 0, :3] - np.cross(self._turned, X[0])
             return
-        motions = [np.hstack([np.eye(3), -np.cross(np.eye(3), place).T]) for place in X]
+        motions = [np.hstack([np.eye(3), np.cross(np.eye(3), place).T]) for place in X]
         rigid = u[..., :3].reshape(len(u), -1) @ np.linalg.pinv(np.vstack(motions)).T
         self._moved, self._turned = rigid[:, :3], rigid[:, 3:]
 
