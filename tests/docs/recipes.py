@@ -39,6 +39,7 @@ def blocks() -> list[Block]:
 def extended_copy(folder: Path) -> Path:
     """A folder for PYTHONPATH: the packages, with the blocks of all recipes in their places."""
     namespace = folder / "duhamel"
+    shutil.copytree(ROOT / "top", namespace)
     for package in PACKAGES:
         shutil.copytree(
             ROOT / package, namespace / package, ignore=shutil.ignore_patterns("__pycache__")
