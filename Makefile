@@ -16,7 +16,8 @@ CORE := $(patsubst %,solver/step/%.py,rotations rows frames history newton equat
 
 # Tests of the compiled code; of what versions of Python differ in; of the equations, quick as plain Python.
 COMPILED := tests/solver/compiler tests/solver/test_rigid.py
-FAST := $(COMPILED) tests/solver/test_restart.py tests/superelement tests/results tests/cli \
+FAST := $(COMPILED) tests/solver/test_restart.py tests/superelement tests/results \
+  $(addprefix tests/cli/test_,run.py check.py init.py completion.py preprocess.py schemas.py) \
   tests/preprocess/mesh tests/preprocess/body
 PLAIN := tests/solver/test_rotations.py tests/solver/test_tangents.py tests/solver/test_blocks.py \
   --hypothesis-profile=faults tests/solver/properties/test_conservation.py
