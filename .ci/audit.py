@@ -19,7 +19,7 @@ def audited(constraints: str) -> list[dict[str, Any]] | None:
     try:
         versions = json.loads(done.stdout)["dependencies"]
     except ValueError:
-        if "ConnectionError" in done.stderr:
+        if any(word in done.stderr for word in ("ConnectionError", "SSLError")):
             return None
         sys.exit(f"pip-audit {constraints}: {done.stderr}")
     # A mirror that has files but no list of vulnerabilities answers that it knows no version.
