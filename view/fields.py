@@ -9,6 +9,7 @@ from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
+from ..superelement.cells import TRIANGLES, triangles
 from ..superelement.validation import Array
 from .picture import style
 from .scene import IntArray, Marker, Patch, Scene, draw_scene
@@ -18,15 +19,6 @@ BAR = (3.2, 0.11)
 """length and height of the bar of colors [inch]"""
 MARGINS = (0.25, 0.6)
 """height below the bar, and of the bar with its margins, under the views [inch]"""
-
-TRIANGLES = {
-    3: [[0, 1, 2]],
-    4: [[0, 1, 2], [0, 2, 3]],
-    6: [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]],
-    8: [[0, 4, 7], [4, 1, 5], [5, 2, 6], [6, 3, 7], [4, 5, 6], [4, 6, 7]],
-    9: [[0, 4, 8], [0, 8, 7], [4, 1, 5], [4, 5, 8], [8, 5, 2], [8, 2, 6], [7, 8, 6], [7, 6, 3]],
-}
-"""triangles of a facet by its number of nodes, in meshio's order: curved facets stay curved"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,14 +82,8 @@ def _touching(facets: Array, markers: Sequence[Marker]) -> IntArray:
 
 def _triangles(field: Field) -> tuple[Array, Array]:
     """The triangles of all facets, each cut in four (m, 3, 3), and their mean values (m,)."""
-    lengths = (field.cells >= 0).sum(axis=1)
-    rows = [
-        field.cells[lengths == length][:, corners].reshape(-1, 3)
-        for length, corners in TRIANGLES.items()
-        if (lengths == length).any()
-    ]
-    triangles = np.concatenate(rows)
-    both = np.concatenate([field.points, field.values[:, None]], axis=1)[triangles]
+    corners = np.concatenate([field.points, field.values[:, None]], axis=1)
+    both = corners[triangles(field.cells)]
     both = np.concatenate([both, 0.5 * (both + np.roll(both, -1, axis=1))], axis=1)
-    both = both[:, TRIANGLES[6]].reshape(-1, 3, 4)
+    both = both[:, list(TRIANGLES[6])].reshape(-1, 3, 4)
     return both[:, :, :3], both[:, :, 3].mean(axis=1)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ...superelement import Outline
 from ...superelement.validation import Array
 
 IntArray = NDArray[np.int64]
@@ -39,28 +40,14 @@ def turned(profile: Array) -> Glyph:
     return Glyph(np.concatenate(rings), np.concatenate(triangles))
 
 
-def sphere(rings: int = 10) -> Glyph:
-    """Of radius 1."""
-    angles = np.linspace(-0.5 * np.pi, 0.5 * np.pi, rings + 1)
-    return turned(np.stack([np.cos(angles), np.sin(angles)], axis=1))
-
-
-def cylinder(radius: float, length: float) -> Glyph:
-    half = 0.5 * length
-    return turned(np.array([(0, -half), (radius, -half), (radius, half), (0, half)]))
+def solid(outline: Outline) -> Glyph:
+    """A figure, as boxes and cylinders."""
+    return Glyph(outline.points, outline.triangles)
 
 
 def arrow() -> Glyph:
     """From the origin to z = 1."""
     return turned(np.array([(0, 0), (0.025, 0), (0.025, 0.75), (0.07, 0.75), (0, 1)]))
-
-
-def box(x: float, y: float, z: float) -> Glyph:
-    """Of these lengths."""
-    signs = np.array([(i, j, k) for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)])
-    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    triangles = [(a, b, c) for a, b, c, _ in quads] + [(a, c, d) for a, _, c, d in quads]
-    return Glyph(signs * [0.5 * x, 0.5 * y, 0.5 * z], np.array(triangles))
 
 
 def triad() -> Glyph:

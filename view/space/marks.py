@@ -8,6 +8,7 @@ import numpy as np
 from ...results import Connection, Results
 from ...results.motion import ContactMotion
 from ...results.rotations import rotate
+from ...superelement import figures
 from ...superelement.validation import Array
 from . import glyphs
 from .bodies import Body
@@ -26,17 +27,18 @@ LEAST = 0.03
 WIDE = 1.5
 """width of springs over the radius of marks"""
 
-SPHERE, ARROW, TRIAD, COIL = glyphs.sphere(), glyphs.arrow(), glyphs.triad(), glyphs.coil()
-SEGMENT, PLATE = glyphs.segment(), glyphs.box(1.0, 1.0, 0.0)
+ARROW, TRIAD, COIL, SEGMENT = glyphs.arrow(), glyphs.triad(), glyphs.coil(), glyphs.segment()
+SPHERE, PLATE = glyphs.solid(figures.sphere(1.0)), glyphs.solid(figures.box([1.0, 1.0, 0.0]))
+E_Z = np.array([0.0, 0.0, 1.0])
 BY_TYPE: dict[str, Glyph] = {
-    "revolute": glyphs.cylinder(0.75, 3.2),
-    "cylindrical": glyphs.cylinder(0.6, 4.4),
-    "screw": glyphs.cylinder(0.6, 4.4),
-    "prismatic": glyphs.box(1.5, 1.5, 3.6),
-    "point_on_line": glyphs.box(1.0, 1.0, 3.6),
-    "planar": glyphs.box(3.0, 3.0, 0.4),
-    "point_on_plane": glyphs.box(3.0, 3.0, 0.4),
-    "fixed": glyphs.box(1.3, 1.3, 1.3),
+    "revolute": glyphs.solid(figures.cylinder(0.75, 3.2, E_Z)),
+    "cylindrical": glyphs.solid(figures.cylinder(0.6, 4.4, E_Z)),
+    "screw": glyphs.solid(figures.cylinder(0.6, 4.4, E_Z)),
+    "prismatic": glyphs.solid(figures.box([1.5, 1.5, 3.6])),
+    "point_on_line": glyphs.solid(figures.box([1.0, 1.0, 3.6])),
+    "planar": glyphs.solid(figures.box([3.0, 3.0, 0.4])),
+    "point_on_plane": glyphs.solid(figures.box([3.0, 3.0, 0.4])),
+    "fixed": glyphs.solid(figures.box([1.3, 1.3, 1.3])),
     "spherical": SPHERE,
 }
 """shapes of joints with their axis along z, over the radius of marks; others are spheres"""
