@@ -36,6 +36,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "given",
         "assembly",
         "sources",
+        "solving",
         "responses",
         "rotation",
         "estimate",
