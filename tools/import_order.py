@@ -30,6 +30,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "threads",
         "memory",
         "progress",
+        "processes",
         "mesh",
         "body",
         "elements",

@@ -75,8 +75,8 @@ class KrylovSpace:
                 structure.K + lower * structure.M, "the matrix of a step for the band", beside
             )
         self._structure = structure
-        self._most = min(LIMIT, available() // (REAL * n_u))
-        self.basis = Basis(structure.M, min(n_u, self._most))
+        self._most = min(LIMIT, available() // (REAL * structure.n_here))
+        self.basis = Basis(structure, min(n_u, self._most))
         self.basis.extend(structure.U)
         self._ends = [RIGID]
         self._stiffness = np.zeros((0, 0))
@@ -92,8 +92,9 @@ class KrylovSpace:
     @property
     def room(self) -> int:
         """The number of vectors that time and memory allow, the basis included."""
-        n_u, n_c = self._structure.n_u, self._structure.P_C.shape[0]
-        return int(min(self._most, self.basis.columns + available() // (REAL * n_u) - WORK * n_c))
+        n_c, bytes_each = self._structure.P_C.shape[0], REAL * self._structure.n_here
+        free = available() // bytes_each - WORK * n_c
+        return self._structure.processes.agreed(int(min(self._most, self.basis.columns + free)))
 
     def grow(self) -> bool:
         """Add a block; False if nothing is left to add, for the space holds all that interface
@@ -136,7 +137,7 @@ class KrylovSpace:
         done = len(self._stiffness)
         if done < self.dimension:
             V = self.basis.V[:, RIGID:]
-            new = V.T @ (self._structure.K @ V[:, done:])
+            new = self._structure.total(V.T @ (self._structure.K @ V[:, done:]))
             left = np.pad(self._stiffness, ((0, self.dimension - done), (0, 0)))
             self._stiffness = np.hstack([left, new])
 
@@ -158,7 +159,7 @@ def krylov_modes(
     slow responses. `watch` is called with the progress as text.
     `MethodError` if the tolerance asks for a larger space than `LIMIT` or the memory allows.
     """
-    chain = slow_chain(structure)
+    chain, agreed = slow_chain(structure), structure.processes.agreed
     shift, lower = (_shift(damping, band.scheme, h) for h in (band.h, band.coarsest_step))
     space = KrylovSpace(structure, shift, lower if shift > NARROW**2 * lower else None)
 
@@ -178,6 +179,7 @@ def krylov_modes(
             error = max(
                 error, SAFETY * band.field_error(before, modes, Q[: len(Q_before)].T @ Q_before)
             )
+        error = agreed(error)
         watch(f"{space.blocks} blocks, error {error:.1e}")
         if error <= (1.0 - PRUNED) * tolerance:
             break
@@ -203,7 +205,7 @@ def krylov_modes(
     if chain:
         slow = band.slow_contributions(space.with_rotation(modes, Q))
         contributions = np.maximum(contributions, slow)
-    kept, lost = _prune(contributions, PRUNED * tolerance)
+    kept, lost = agreed(_prune(contributions, PRUNED * tolerance))
     modes = damped_modes(damping, modes.omega[kept], modes.phi[:, kept], modes.h_min)
     return modes, space_shapes(space.basis, Q[:, kept]), error + lost
 

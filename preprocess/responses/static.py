@@ -89,7 +89,7 @@ def slow_chain(structure: Structure) -> list[Array]:
     if structure.inertia is None:
         return []
     solve = static_solver(structure)
-    basis = Basis(structure.M, structure.n_u)
+    basis = Basis(structure, structure.n_u)
     basis.extend(structure.U)
     blocks = [refined(structure, solve, structure.inertia_loads)]
     while len(blocks) < CHAIN and (new := basis.extend(blocks[-1])):
