@@ -37,6 +37,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "given",
         "assembly",
         "sources",
+        "solving",
         "responses",
         "rotation",
         "estimate",

@@ -16,9 +16,9 @@ from ..errors import MethodError
 from ..mesh.mesh import IntArray
 from .band import Band
 from .basis import Basis
-from .cost import REAL, WORK, basis_bytes
+from ..solving.cost import REAL, WORK, basis_bytes
 from .damping import damped_modes
-from .factor import factorize
+from ..solving.factor import factorize
 from .ritz import ritz_modes, space_shapes
 from .shapes import Shapes
 from .static import slow_chain
