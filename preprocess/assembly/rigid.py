@@ -10,6 +10,7 @@ from ...superelement.checks import ROUNDING
 from ...superelement.validation import Array
 from ..errors import MeshError
 from ..mesh.nodes import Nodes
+from ..processes import ALONE, Processes
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,15 +30,16 @@ class RigidModes:
     J_rot: Array
 
 
-def rigid_modes(nodes: Nodes, M: Any) -> RigidModes:
+def rigid_modes(nodes: Nodes, M: Any, processes: Processes = ALONE) -> RigidModes:
     """Center of mass, mass properties and rigid modes from the mass matrix M (n_u, n_u), sparse.
 
+    nodes: those of this process.
     `MeshError` if the inertia is not positive definite, as that of beams in a line without polar
     inertia.
     """
-    middle = nodes.points.mean(axis=0)
+    middle = processes.agreed(lambda: nodes.points.mean(axis=0))
     A = nodes.rigid_motion(middle)
-    moments = A.T @ (M @ A)
+    moments = processes.total(A.T @ (M @ A))
     mass = float(np.trace(moments[:3, :3])) / 3.0
     # A point moves by -(X - middle)~ theta: the translation-rotation block is -mass (center -
     # middle)~.
@@ -52,7 +54,7 @@ def rigid_modes(nodes: Nodes, M: Any) -> RigidModes:
     center = middle + offset
 
     A = nodes.rigid_motion(center)
-    moments = A.T @ (M @ A)
+    moments = processes.total(A.T @ (M @ A))
     J_rot = 0.5 * (moments[3:, 3:] + moments[3:, 3:].T)
     principal = np.linalg.eigvalsh(J_rot)
     if not (mass > 0.0 and principal[0] > 1e-14 * principal[-1]):
@@ -70,21 +72,21 @@ def rigid_modes(nodes: Nodes, M: Any) -> RigidModes:
     return RigidModes(A, U, mass, center, J_rot)
 
 
-def project(w: Array, U: Array, M: Any) -> Array:
+def project(w: Array, U: Array, M: Any, processes: Processes = ALONE) -> Array:
     """Remove the rigid part of displacements, P w = w - U U^T M w, eq. (49).
 
     w (n_u, k); U (n_u, 6) with U^T M U = I; M (n_u, n_u) -> (n_u, k)
     """
-    elastic: Array = w - U @ (U.T @ (M @ w))
+    elastic: Array = w - U @ processes.total(U.T @ (M @ w))
     return elastic
 
 
-def relieve(f: Array, U: Array, M: Any) -> Array:
+def relieve(f: Array, U: Array, M: Any, processes: Processes = ALONE) -> Array:
     """Remove the inertia relief from loads, P^T f = f - M U U^T f, eq. (49) transposed.
 
     The loads that are left deform the body without accelerating it as a whole.
 
     f (n_u, k); U (n_u, 6) with U^T M U = I; M (n_u, n_u) -> (n_u, k)
     """
-    balanced: Array = f - M @ (U @ (U.T @ f))
+    balanced: Array = f - M @ (U @ processes.total(U.T @ f))
     return balanced

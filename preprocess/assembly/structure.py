@@ -13,6 +13,7 @@ from ...superelement.validation import LARGEST, Array
 from ..body.body import Body
 from ..errors import InterfaceError, MeshError
 from ..mesh.nodes import Nodes
+from ..processes import ALONE, Processes
 from .channels import ChannelRows, channel_rows
 from .interfaces import Attachment, attachments
 from .masses import lumped_mass, mass_selections
@@ -37,6 +38,8 @@ class Structure:
     rotation; None where that is not asked for. channels: rows of load patterns and sensors, None
     where there are none. turns (3 n, n_u): the rotations of the n points of the source,
     None where not all of them have rotations. All in mesh axes.
+    processes: where there are several, each has its own rows of vectors (n_u, k), and its own
+    columns of P_C.
     """
 
     nodes: Nodes
@@ -51,10 +54,17 @@ class Structure:
     inertia: Array | None = None
     channels: ChannelRows | None = None
     turns: Any | None = None
+    processes: Processes = ALONE
 
     @property
     def n_u(self) -> int:
+        """The unknowns of the whole body."""
         return int(self.M.shape[0])
+
+    @cached_property
+    def n_here(self) -> int:
+        """Those whose vectors the memory of this machine has to hold."""
+        return self.processes.on_this_machine(len(self.U))
 
     @property
     def n_c(self) -> int:
@@ -89,13 +99,21 @@ class Structure:
     @cached_property
     def loads(self) -> Array:
         """P^T P_C^T (n_u, n_c): unit loads at the interfaces, made free of rigid acceleration."""
-        return relieve(self.P_C.T.toarray(), self.U, self.M)
+        return self.relieve(self.P_C.T.toarray())
 
     @cached_property
     def inertia_loads(self) -> Array:
         """P^T F (n_u, 6): loads of rotation, made free of rigid acceleration; (n_u, 0) without."""
-        F = np.zeros((self.n_u, 0)) if self.inertia is None else self.inertia
-        return relieve(F, self.U, self.M)
+        F = np.zeros((len(self.U), 0)) if self.inertia is None else self.inertia
+        return self.relieve(F)
+
+    def relieve(self, f: Array) -> Array:
+        """P^T f (n_u, k): loads without their inertia relief."""
+        return relieve(f, self.U, self.M, self.processes)
+
+    def total(self, part: Array) -> Array:
+        """The sum over all unknowns, from that over those of this process: total(U.T @ f)."""
+        return self.processes.total(part)
 
 
 def assemble_on(body: Body, source: Source) -> Structure:

@@ -6,6 +6,8 @@ import numpy as np
 from scipy.linalg import eigh
 
 from ...superelement.validation import Array
+from ..assembly.structure import Structure
+from ..processes import Processes
 from .shapes import at
 
 NEW = 1e-13
@@ -27,10 +29,11 @@ class Basis:
     to, hence columns that never come cost nothing.
     """
 
-    def __init__(self, M: Any, capacity: int) -> None:
+    def __init__(self, structure: Structure, capacity: int) -> None:
         self.columns = 0
-        self._M = M
-        self._array = np.empty((M.shape[0], capacity), order="F")
+        self.processes = structure.processes
+        self._M = structure.M
+        self._array = np.empty((len(structure.U), capacity), order="F")
 
     @property
     def V(self) -> Array:
@@ -44,7 +47,7 @@ class Basis:
         orthogonal to those before), is normalized and then made orthogonal to all: the second time
         leaves rounding of the size of V.
         """
-        squares = np.einsum("ik,ik->k", W, self._M @ W)
+        squares = self.processes.total(np.einsum("ik,ik->k", W, self._M @ W))
         W = W / np.sqrt(np.maximum(squares, np.finfo(float).tiny))
         W = self._normalized(self._remainder(W, near), NEW)
         W = self._normalized(self._remainder(W), OUTSIDE)
@@ -54,24 +57,33 @@ class Basis:
 
     def at(self, rows: Any) -> Array:
         """rows @ V (k, r) for sparse rows (k, n_u), of which V is read only where they touch it."""
-        return at(rows, self.V)
+        return self.processes.total(at(rows, self.V))
 
     def _remainder(self, W: Array, start: int = 0) -> Array:
         """W - V V^T M W, with the columns of V from `start` on."""
         V = self.V[:, start:]
-        rest: Array = W - V @ (V.T @ (self._M @ W))
+        rest: Array = W - V @ self._products(V, W)
         return rest
+
+    def _products(self, V: Array, W: Array) -> Array:
+        """V^T M W"""
+        return self.processes.total(V.T @ (self._M @ W))
 
     def _normalized(self, W: Array, shortest: float) -> Array:
         """An orthonormal basis of the columns of W, without directions as short as `shortest`."""
         blocks = []
         while W.shape[1]:
-            squares, Q = eigh(W.T @ (self._M @ W))
+            squares, Q = _eigh(self._products(W, W), self.processes)
             sizes = np.sqrt(np.maximum(squares, 0.0))
             if sizes[-1] <= shortest:
                 break
             long = sizes > max(RESOLVED * sizes[-1], shortest)
             blocks.append(W @ (Q[:, long] / sizes[long]))
             W = W @ Q[:, ~long]
-            W = W - blocks[-1] @ (blocks[-1].T @ (self._M @ W))
+            W = W - blocks[-1] @ self._products(blocks[-1], W)
         return np.hstack([W[:, :0], *blocks])
+
+
+def _eigh(gram: Array, processes: Processes) -> tuple[Array, Array]:
+    found: tuple[Array, Array] = processes.agreed(lambda: eigh(gram))
+    return found

@@ -38,7 +38,6 @@ def _energy(shapes: Shapes, K: Any) -> Array:
     """phi_i^T K phi_i (m,)"""
     V, Q = shapes.V, shapes.Q
     if Q is None:
-        energy: Array = np.einsum("im,im->m", V, K @ V)
-        return energy
-    of_modes: Array = np.einsum("im,im->m", Q, (V.T @ (K @ V)) @ Q)
+        return shapes.processes.total(np.einsum("im,im->m", V, K @ V))
+    of_modes: Array = np.einsum("im,im->m", Q, shapes.processes.total(V.T @ (K @ V)) @ Q)
     return of_modes

@@ -76,9 +76,8 @@ def _statics(structure: Structure) -> tuple[Array, Array]:
 
 def _reduced(structure: Structure, damping: Damping, normal: HeldModes, static: Array) -> Reduction:
     """The modes of the body in the space of its rigid, normal and static ones."""
-    M = structure.M
     columns = RIGID + normal.shapes.shape[1] + static.shape[1]
-    basis = Basis(M, min(columns, structure.n_u))
+    basis = Basis(structure, min(columns, structure.n_u))
     for motions in (structure.U, normal.shapes, static):
         basis.extend(motions)
     V = basis.V[:, RIGID:]

@@ -24,11 +24,13 @@ def ritz_modes(structure: Structure, V: Array, stiffness: Array) -> tuple[Array,
     is read. `MeshError` if a motion of V has no frequency. Source: W. Ritz, J. reine angew. Math.
     135 (1909).
     """
-    squares, Q = eigh(stiffness, lower=False)
+    agreed = structure.processes.agreed
+    squares, Q = agreed(lambda: eigh(stiffness, lower=False))
     low = squares < LOW * squares[-1]
     if low.any():
         shapes = V @ Q[:, low]
-        squares[low], turn = eigh(shapes.T @ (structure.K @ shapes))
+        smaller = structure.total(shapes.T @ (structure.K @ shapes))
+        squares[low], turn = agreed(lambda: eigh(smaller))
         Q[:, low] = Q[:, low] @ turn
     if squares[0] <= NOTHING * squares[-1]:
         raise MeshError(
@@ -41,4 +43,4 @@ def ritz_modes(structure: Structure, V: Array, stiffness: Array) -> tuple[Array,
 
 def space_shapes(basis: Basis, Q: Array) -> Shapes:
     """V Q (n_u, m), with V the columns of the basis after its six rigid modes."""
-    return Shapes(basis.V[:, RIGID : RIGID + len(Q)], Q)
+    return Shapes(basis.V[:, RIGID : RIGID + len(Q)], Q, basis.processes)

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ...superelement.validation import Array
+from ..processes import ALONE, Processes
 
 
 @dataclass(frozen=True, eq=False)
@@ -14,10 +15,11 @@ class Shapes:
 
     V: Array
     Q: Array | None = None
+    processes: Processes = ALONE
 
     def __call__(self, rows: Any) -> Array:
         """rows @ Phi (k, m) for sparse rows (k, n_u): chosen dofs, or what is linear in them."""
-        found = at(rows, self.V)
+        found = self.processes.total(at(rows, self.V))
         return found if self.Q is None else found @ self.Q
 
     def combined(self, Y: Array) -> Array:

@@ -10,7 +10,7 @@ from ..assembly.rigid import project
 from ..assembly.structure import Structure
 from ..errors import MeshError
 from .basis import Basis
-from .factor import Solve, factorize
+from ..solving.factor import Solve, factorize
 
 UNDETERMINED = 1e-3
 """Change of the compliance by one step of refinement, relative to its largest entries, that says it
@@ -89,7 +89,7 @@ def slow_chain(structure: Structure) -> list[Array]:
     if structure.inertia is None:
         return []
     solve = static_solver(structure)
-    basis = Basis(structure.M, structure.n_u)
+    basis = Basis(structure, structure.n_u)
     basis.extend(structure.U)
     blocks = [refined(structure, solve, structure.inertia_loads)]
     while len(blocks) < CHAIN and (new := basis.extend(blocks[-1])):

@@ -52,8 +52,12 @@ def solid_cells(kind: str, divisions: tuple[int, int, int]) -> tuple[np.ndarray,
         nodes.append(np.stack([corners[:, face].sum(axis=1) // 4 for face in faces], axis=1))
         nodes.append(corners.sum(axis=1, keepdims=True) // 8)
     per_cell = np.concatenate(nodes, axis=1)
-    points, cells = np.unique(per_cell.reshape(-1, 3), axis=0, return_inverse=True)
-    return points, cells.reshape(len(per_cell), -1)
+    shape = tuple(2 * n + 1 for n in divisions)
+    # Numbers on the grid are in the order of the points, and sorted sooner.
+    numbers = np.ravel_multi_index(tuple(np.moveaxis(per_cell, -1, 0)), shape)
+    found, cells = np.unique(numbers, return_inverse=True)
+    points = np.stack(np.unravel_index(found, shape), axis=1)
+    return points, cells.reshape(numbers.shape)
 
 
 def box_mesh(

@@ -102,7 +102,7 @@ def test_a_basis_is_orthonormal_whatever_is_added(block):
     """Nearly dependent columns, of lengths 1e-9 to 1e9; earlier columns stay as they are."""
     structure, _ = block
     rng = np.random.default_rng(0)
-    basis = Basis(structure.M, 40)
+    basis = Basis(structure, 40)
     span = rng.normal(size=(structure.n_u, 40))
     for start in range(0, 40, 7):
         W = span[:, start : start + 7]
