@@ -13,7 +13,7 @@ from ..superelement.validation import Array
 from .assembly.structure import Structure
 from .mesh.mesh import IntArray
 from .mesh.nodes import Nodes
-from .responses.factor import factorize
+from .solving.factor import factorize
 
 SOLVED = 50_000
 """Unknowns of solids up to which frequencies are computed, and above which they are estimated."""

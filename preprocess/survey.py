@@ -21,7 +21,7 @@ from .plausibility import (
     refused_where_singular,
 )
 from .progress import shown_stages
-from .responses.cost import Cost, krylov_cost
+from .solving.cost import Cost, krylov_cost
 from .responses.modal import SMALL
 from .sources.lines import LineSource
 from .sources.reading import read_mesh_source

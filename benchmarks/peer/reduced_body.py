@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from duhamel.preprocess import Body, assemble
 from duhamel.preprocess.assembly.structure import Structure
-from duhamel.preprocess.responses.factor import factorize
+from duhamel.preprocess.solving.factor import factorize
 from exudyn.FEM import FEMinterface, ObjectFFRFreducedOrderInterface
 from exudyn.itemInterface import MarkerSuperElementRigid
 from numpy.typing import NDArray

@@ -9,7 +9,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from ...superelement.validation import Array
 from ..assembly.structure import Structure
 from ..errors import MethodError
-from .factor import Solve, factorize
+from ..solving.factor import Solve, factorize
 from .modal import LIMIT, SMALL
 
 SHARE = 0.2

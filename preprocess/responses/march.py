@@ -10,7 +10,7 @@ from ..assembly.rigid import project
 from ..assembly.structure import Structure
 from ..body.damping import Damping
 from .damping import damping_matrix
-from .factor import factorize
+from ..solving.factor import factorize
 from .static import initial_accelerations
 
 Track = Callable[[range], Iterable[int]]

@@ -10,7 +10,7 @@ from ..assembly.rigid import project
 from ..assembly.structure import Structure
 from ..errors import MeshError
 from .basis import Basis
-from .factor import Solve, factorize
+from ..solving.factor import Solve, factorize
 
 UNDETERMINED = 1e-3
 """Change of the compliance by one step of refinement, relative to its largest entries, that says it

@@ -7,7 +7,7 @@ import pytest
 import scipy.sparse as sp
 from duhamel.preprocess import assemble, build
 from duhamel.preprocess.errors import MemoryShortageError, MeshError, MethodError
-from duhamel.preprocess.responses.factor import _cholmod, _rslab, _superlu, factorize
+from duhamel.preprocess.solving.factor import _cholmod, _rslab, _superlu, factorize
 from duhamel.superelement import GeneralizedAlpha
 
 
@@ -72,7 +72,7 @@ def test_every_library_solves(attempt, matrix):
 
 
 def without_cholmod(monkeypatch):
-    monkeypatch.setattr("duhamel.preprocess.responses.factor.find_spec", lambda name: None)
+    monkeypatch.setattr("duhamel.preprocess.solving.factor.find_spec", lambda name: None)
 
 
 class Singular:
@@ -103,12 +103,12 @@ def test_inaccurate_solutions_are_found_and_passed_over(monkeypatch):
         solve = _rslab(A, name)
         return lambda b: solve(b) * np.where(np.arange(len(b)) == 7, 1.0 + 1e-6, 1.0)
 
-    monkeypatch.setattr("duhamel.preprocess.responses.factor._rslab", spoiled)
+    monkeypatch.setattr("duhamel.preprocess.solving.factor._rslab", spoiled)
     factor = factorize(laplacian(50), "A")
     assert factor.backend == "superlu"
     assert "rslab: relative residual" in factor.passed_over[0]
 
-    monkeypatch.setattr("duhamel.preprocess.responses.factor._superlu", spoiled)
+    monkeypatch.setattr("duhamel.preprocess.solving.factor._superlu", spoiled)
     expected = (
         r"the stiffness \(50 unknowns\) could not be factorized: "
         r"rslab: relative residual .*; superlu: relative"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import rslab
 from duhamel.preprocess import assemble
-from duhamel.preprocess.responses.cost import factorization_cost, krylov_cost
+from duhamel.preprocess.solving.cost import factorization_cost, krylov_cost
 
 
 @pytest.mark.parametrize(
