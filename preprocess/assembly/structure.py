@@ -19,7 +19,7 @@ from .interfaces import Attachment, attachments
 from .masses import lumped_mass, mass_selections
 from .rigid import RigidModes, relieve, rigid_modes
 from .source import Source
-from .ties import tie
+from .ties import reduced, tie
 
 RIGID = 6
 """dofs of a body that cannot deform"""
@@ -168,8 +168,11 @@ def assemble_on(body: Body, source: Source) -> Structure:
     attached = attach(body, source)
     nodes, T = attached.nodes, attached.T
     if nodes.n_dofs < source.nodes.n_dofs:
-        K, M = (_symmetric(T.T @ matrix @ T) for matrix in (K, M))
-    M = M + attached.lumped
+        n_tied = RIGID * sum(frame.rigid for frame in attached.frames.values())
+        K = reduced(K, T, n_tied)
+        M = reduced(M, T, n_tied)
+    if attached.lumped.nnz:
+        M = M + attached.lumped
     for what, matrix in (("stiffness", K), ("mass", M)):
         check_size(source.name, what, largest_entry(matrix.data))
     rigid = rigid_modes(nodes, M)
