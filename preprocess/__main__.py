@@ -2,7 +2,12 @@
 
 import sys
 
-if __name__ == "__main__":
-    from ..cli import app
 
-    app(["preprocess", *sys.argv[1:]], prog_name="duhamel")
+def main() -> None:
+    from .. import cli
+
+    cli.app(["preprocess", *sys.argv[1:]], prog_name="duhamel")
+
+
+if __name__ == "__main__":
+    main()

@@ -9,8 +9,8 @@ from petsc4py import PETSc
 from ...superelement.validation import Array
 from ..assembly.structure import Structure
 from ..errors import MeshError, MethodError
-from ..responses.krylov import Solver
 from ..solving.factor import Solve
+from ..solving.solver import Solver
 from .matrices import SpreadMass, SpreadMatrix
 from .ranks import Ranks
 

@@ -10,8 +10,9 @@ from ..body.body import Body
 from ..body.loss import damping_of
 from ..memory import require
 from ..progress import Stages
+from ..solving.solver import Solver, factorized
 from .band import Band
-from .krylov import Solver, factorized, krylov_modes
+from .krylov import krylov_modes
 from .losses import with_losses
 from .march import march_kernel
 from .modal import SMALL, elastic_shapes

@@ -14,8 +14,8 @@ from ..assembly.structure import RIGID, Structure
 from ..body.damping import Damping, Rayleigh
 from ..errors import MethodError
 from ..mesh.mesh import IntArray
-from ..solving.cost import REAL, WORK, basis_bytes
-from ..solving.factor import Solve, factorize
+from ..solving.cost import REAL, WORK
+from ..solving.solver import Solver, factorized
 from .band import Band
 from .basis import Basis
 from .damping import damped_modes
@@ -37,19 +37,13 @@ NARROW = 4.0
 """Of a band by so much narrower than that of the step, a second factorization saves more blocks
 than it costs.
 """
+INEXACT = 0.1
+"""Share of the error that solutions may make."""
 PRUNED = 0.1
 """Share of the tolerance that may be spent on leaving out modes."""
 Watch = Callable[[str], None]
-Solver = Callable[[Structure, float, str, float], Solve]
-"""x = S^-1 b for S = K + s M, from a structure, s, what errors call S, and the accuracy of x"""
 RitzModes = Callable[[int], tuple[Modes, Array]]
 """modes of the first blocks of a space, and their coordinates in it"""
-
-
-def factorized(structure: Structure, shift: float, name: str, accuracy: float) -> Solve:
-    """By a factor, which is more accurate than is asked for."""
-    beside = {"the Krylov basis": basis_bytes(structure.n_u, structure.P_C.shape[0])}
-    return factorize(structure.K + shift * structure.M, name, beside)
 
 
 class KrylovSpace:
@@ -65,7 +59,7 @@ class KrylovSpace:
     Every block sees waves travel for one step, so low frequencies take many where steps are far
     finer than they need. With a second, `lower` shift the first block is as before, which makes
     g[0] exact, and all others are made with the matrix of that shift: a rational Krylov space.
-    Source: A. Ruhe, Linear Algebra Appl. 58 (1984) 391-405.
+    Source: A. Ruhe, Linear Algebra Appl. 58 (1984) 391-405. accuracy: of the solutions with S.
 
     `MemoryShortageError` if a factor does not fit into the memory together with the basis that is
     to be expected.
@@ -174,13 +168,10 @@ def krylov_modes(
     """
     chain, agreed = slow_chain(structure), structure.processes.agreed
     shift, lower = (_shift(damping, band.scheme, h) for h in (band.h, band.coarsest_step))
-    space = KrylovSpace(
-        structure,
-        shift,
-        lower if shift > NARROW**2 * lower else None,
-        solver,
-        0.1 * np.sqrt(tolerance) if not fields else 0.1 * tolerance,
-    )
+    # Kernels err with the square of what the space errs by.
+    accuracy = INEXACT * (tolerance if fields else float(np.sqrt(tolerance)))
+    narrow = lower if shift > NARROW**2 * lower else None
+    space = KrylovSpace(structure, shift, narrow, solver, accuracy)
 
     def modes_of(blocks: int) -> tuple[Modes, Array]:
         omega, Q = space.ritz(blocks)
