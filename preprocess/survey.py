@@ -21,8 +21,8 @@ from .plausibility import (
     refused_where_singular,
 )
 from .progress import shown_stages
-from .solving.cost import Cost, krylov_cost
 from .responses.modal import SMALL
+from .solving.cost import Cost, krylov_cost
 from .sources.lines import LineSource
 from .sources.reading import read_mesh_source
 

@@ -14,11 +14,11 @@ from ..assembly.structure import RIGID, Structure
 from ..body.damping import Damping, Rayleigh
 from ..errors import MethodError
 from ..mesh.mesh import IntArray
+from ..solving.cost import REAL, WORK
+from ..solving.solver import Solver, factorized
 from .band import Band
 from .basis import Basis
-from ..solving.cost import REAL, WORK, basis_bytes
 from .damping import damped_modes
-from ..solving.factor import factorize
 from .ritz import ritz_modes, space_shapes
 from .shapes import Shapes
 from .static import slow_chain
@@ -37,6 +37,8 @@ NARROW = 4.0
 """Of a band by so much narrower than that of the step, a second factorization saves more blocks
 than it costs.
 """
+INEXACT = 0.1
+"""Share of the error that solutions may make."""
 PRUNED = 0.1
 """Share of the tolerance that may be spent on leaving out modes."""
 Watch = Callable[[str], None]
@@ -57,24 +59,26 @@ class KrylovSpace:
     Every block sees waves travel for one step, so low frequencies take many where steps are far
     finer than they need. With a second, `lower` shift the first block is as before, which makes
     g[0] exact, and all others are made with the matrix of that shift: a rational Krylov space.
-    Source: A. Ruhe, Linear Algebra Appl. 58 (1984) 391-405.
+    Source: A. Ruhe, Linear Algebra Appl. 58 (1984) 391-405. accuracy: of the solutions with S.
 
     `MemoryShortageError` if a factor does not fit into the memory together with the basis that is
     to be expected.
     """
 
-    def __init__(self, structure: Structure, shift: float, lower: float | None = None) -> None:
-        n_u, n_c = structure.n_u, structure.P_C.shape[0]
-        beside = {"the Krylov basis": basis_bytes(n_u, n_c)}
-        self._solve = factorize(
-            structure.K + shift * structure.M, "the matrix of the time step", beside
-        )
+    def __init__(
+        self,
+        structure: Structure,
+        shift: float,
+        lower: float | None = None,
+        solver: Solver = factorized,
+        accuracy: float = 0.0,
+    ) -> None:
+        n_u = structure.n_u
+        self._solve = solver(structure, shift, "the matrix of the time step", accuracy)
         self._first = self._solve(structure.loads)
         if lower is not None:
             del self._solve  # two factors might not fit
-            self._solve = factorize(
-                structure.K + lower * structure.M, "the matrix of a step for the band", beside
-            )
+            self._solve = solver(structure, lower, "the matrix of a step for the band", accuracy)
         self._structure = structure
         self._most = min(LIMIT, available() // (REAL * structure.n_here))
         self.basis = Basis(structure, min(n_u, self._most))
@@ -151,6 +155,7 @@ def krylov_modes(
     tolerance: float,
     watch: Watch,
     fields: bool = False,
+    solver: Solver = factorized,
 ) -> tuple[Modes, Shapes, float]:
     """Modes right to `tolerance` in the band, their shapes, and the estimated error.
 
@@ -163,7 +168,10 @@ def krylov_modes(
     """
     chain, agreed = slow_chain(structure), structure.processes.agreed
     shift, lower = (_shift(damping, band.scheme, h) for h in (band.h, band.coarsest_step))
-    space = KrylovSpace(structure, shift, lower if shift > NARROW**2 * lower else None)
+    # Kernels err with the square of what the space errs by.
+    accuracy = INEXACT * (tolerance if fields else float(np.sqrt(tolerance)))
+    narrow = lower if shift > NARROW**2 * lower else None
+    space = KrylovSpace(structure, shift, narrow, solver, accuracy)
 
     def modes_of(blocks: int) -> tuple[Modes, Array]:
         omega, Q = space.ritz(blocks)
