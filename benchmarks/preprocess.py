@@ -10,9 +10,7 @@ threads. Needs the extra `validation`. Run as `python benchmarks/preprocess.py [
 
 import argparse
 import contextlib
-import multiprocessing
 import os
-import resource
 import tempfile
 import time
 from collections.abc import Callable, Iterator
@@ -20,6 +18,9 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 from unittest import mock
+
+from solids.bracket import ENDS, HEIGHT, LENGTH, STEEL, THICKNESS, body_of
+from solids.measuring import Measurement, alone, measured, table_of
 
 SIZES = {
     20: (0.06, 0.008),
@@ -31,18 +32,10 @@ SIZES = {
 """Width of the bracket and length of the elements [m], by thousands of unknowns: Netgen grades
 lengths by halves.
 """
-LENGTH, HEIGHT, THICKNESS = 0.2, 0.12, 0.03
-STEEL = {"E": 2.1e11, "nu": 0.3, "rho": 7800.0}
-ENDS = {
-    "plate": ((LENGTH, 0.0, 0.0), (1.0, 0.0, 0.0)),
-    "wall": ((0.0, 0.0, HEIGHT), (0.0, 0.0, 1.0)),
-}
 MODES = 16
 NETGEN_ORDER = [0, 2, 1, 3, 5, 7, 4, 6, 9, 8]
 """Netgen's ten nodes in meshio's order, which sees tetrahedra from the other side."""
 NETGEN, GMSH = "bracket.vol", "bracket.msh"
-
-Measurement = dict[str, Any]
 
 
 def make_mesh(folder: Path, width: float, length: float) -> Measurement:
@@ -69,17 +62,7 @@ def make_mesh(folder: Path, width: float, length: float) -> Measurement:
 def ours(folder: Path) -> Measurement:
     from duhamel.preprocess import Body, assemble, build
 
-    body = Body.model_validate(
-        {
-            "name": "bracket",
-            "mesh": folder / GMSH,
-            "material": STEEL,
-            "interfaces": {
-                name: {"plane": {"point": p, "normal": n}} for name, (p, n) in ENDS.items()
-            },
-            "impulse": {"step": 1e-5, "steps": 5000, "method": "krylov"},
-        }
-    )
+    body = Body.model_validate(body_of(folder / GMSH))
     with timed_factorization() as spent, measured() as found:
         bracket = build(body)
     structure = assemble(body)
@@ -142,48 +125,6 @@ def timed_factorization() -> Iterator[Measurement]:
 
     with mock.patch.object(krylov, "factorize", timed):
         yield spent
-
-
-@contextlib.contextmanager
-def measured() -> Iterator[Measurement]:
-    """Seconds on the clock and of all processors, and the peak of memory [GB] with what was there
-    before.
-    """
-    found: Measurement = {}
-    start, cpu = time.perf_counter(), time.process_time()
-    yield found
-    found |= {
-        "total": time.perf_counter() - start,
-        "cpu": time.process_time() - cpu,
-        "peak": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20,
-    }
-
-
-def alone(
-    work: Callable[..., Measurement], *arguments: Any, patience: float | None = None
-) -> Measurement | None:
-    """What `work` measures in a fresh process; None if that dies, or takes longer than `patience`
-    [s].
-    """
-    context = multiprocessing.get_context("spawn")
-    receiver, sender = context.Pipe(duplex=False)
-    process = context.Process(target=send, args=(sender, work, *arguments))
-    process.start()
-    sender.close()
-    try:
-        return receiver.recv() if receiver.poll(patience) else None
-    except EOFError:
-        return None
-    finally:
-        process.kill()
-        process.join()
-
-
-def send(sender: Any, work: Callable[..., Measurement], *arguments: Any) -> None:
-    """Exudyn tells of its progress on the standard output, which is for the table."""
-    with open(os.devnull, "w") as nowhere:
-        os.dup2(nowhere.fileno(), 1)
-    sender.send(work(*arguments))
 
 
 def row_of_ours(unknowns: str, m: Measurement) -> str:
@@ -264,10 +205,6 @@ def main() -> None:
                 tables[1].append("| " + " | ".join(cells) + " |")
                 print(tables[1][-1], flush=True)
     print("", *tables[0], "", *tables[1], sep="\n")
-
-
-def table_of(heading: list[str]) -> list[str]:
-    return ["| " + " | ".join(heading) + " |", "|" + "---|" * len(heading)]
 
 
 if __name__ == "__main__":

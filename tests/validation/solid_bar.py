@@ -37,7 +37,7 @@ def solid_body(
     mesh = meshio.Mesh(
         mesh.points, mesh.cells, cell_data=mesh.cell_data, field_data=mesh.field_data
     )
-    mesh.write(path, file_format="gmsh22", binary=False)
+    mesh.write(path, file_format="gmsh22")
     body = {
         "name": "bar",
         "mesh": path,

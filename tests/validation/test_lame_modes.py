@@ -109,9 +109,23 @@ def test_frequencies_converge_with_the_fourth_power(kind, coarse, tmp_path):
     [("hexahedron27", (28, 28, 2), 2), ("tetra10", (24, 24, 4), 1)],
 )
 def test_lame_modes_with_a_factor(kind, divisions, highest, nu, tmp_path):
-    found = prism(tmp_path, kind, divisions, nu, highest)
+    check(prism(tmp_path, kind, divisions, nu, highest, solver="factor"), nu, highest)
+
+
+@pytest.mark.validation
+@pytest.mark.parametrize(
+    ("kind", "divisions", "highest"),
+    [("hexahedron27", (16, 16, 8), 1), ("tetra10", (54, 54, 14), 3)],
+    ids=["56 thousand unknowns", "a million unknowns"],
+)
+def test_lame_modes_without_a_factor(kind, divisions, highest, tmp_path):
+    nu = 0.3
+    check(prism(tmp_path, kind, divisions, nu, highest, solver="iterative"), nu, highest)
+
+
+def check(found: Superelement, nu: float, highest: int) -> None:
     for n in range(1, highest + 1):
         frequency, motion = errors(found, n, nu)
-        print(f"{kind}, nu = {nu}, n = {n}: frequency {frequency:.2e}, motion {motion:.2e}")
+        print(f"nu = {nu}, n = {n}: frequency {frequency:.2e}, motion {motion:.2e}")
         assert abs(frequency) < EXACT
         assert motion < 1e-3

@@ -1,0 +1,1 @@
+"""The bracket that superelements are made of, and how they are measured."""
