@@ -9,13 +9,17 @@ from petsc4py import PETSc
 from ...superelement.validation import Array
 from ..assembly.structure import Structure
 from ..errors import MeshError, MethodError
-from ..solving.factor import Solve
+from ..solving.factor import Solve, note
 from ..solving.solver import Solver
 from .matrices import SpreadMass, SpreadMatrix
 from .ranks import Ranks
 
 MOST = 5000
 """Steps of conjugate gradients; a body that needs more is left to the factor."""
+
+FINEST = 1e-13
+"""The accuracy that they reach, whatever is asked for."""
+_PETSC = "PETSc " + ".".join(map(str, PETSc.Sys.getVersion()))
 
 
 class NotConvergedError(Exception):
@@ -69,6 +73,7 @@ class Factor:
     """
 
     def __init__(self, K: SpreadMatrix, M: SpreadMass, shift: float, name: str, ranks: Ranks):
+        note(f"mumps, {_PETSC}")
         self._comm, self._shape = ranks.comm, K.shape
         mass = M.assembled()
         self._S = K.mat.copy()
@@ -128,7 +133,8 @@ def spread_solver(ranks: Ranks, choice: str) -> Solver:
 
         if choice == "factor":
             return factor()
-        iterative = ConjugateGradients(structure, shift, accuracy)
+        note(f"conjugate gradients, {_PETSC}")
+        iterative = ConjugateGradients(structure, shift, max(accuracy, FINEST))
         return _Patient(iterative, factor) if choice == "auto" else iterative
 
     return solver
