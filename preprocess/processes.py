@@ -1,5 +1,6 @@
 """The processes that the unknowns of a body are spread over: one, unless MPI has more."""
 
+from collections.abc import Callable
 from typing import TypeVar
 
 from ..superelement.validation import Array
@@ -23,11 +24,13 @@ class Processes:
         """The largest of the numbers that the processes have found in their own unknowns."""
         return part
 
-    def agreed(self, found: Found) -> Found:
-        """What the first process found: libraries may round differently on other machines, and
-        turn the vectors of an eigenproblem the other way.
+    def agreed(self, find: Callable[[], Found]) -> Found:
+        """What the first process finds, in all of them, or the exception that it raises.
+
+        Libraries may round differently on other machines, and turn the vectors of an eigenproblem
+        the other way.
         """
-        return found
+        return find()
 
     def on_this_machine(self, part: int) -> int:
         """The sum over the processes that share the memory of this machine."""

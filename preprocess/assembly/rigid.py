@@ -37,7 +37,7 @@ def rigid_modes(nodes: Nodes, M: Any, processes: Processes = ALONE) -> RigidMode
     `MeshError` if the inertia is not positive definite, as that of beams in a line without polar
     inertia.
     """
-    middle = processes.agreed(nodes.points.mean(axis=0))
+    middle = processes.agreed(lambda: nodes.points.mean(axis=0))
     A = nodes.rigid_motion(middle)
     moments = processes.total(A.T @ (M @ A))
     mass = float(np.trace(moments[:3, :3])) / 3.0

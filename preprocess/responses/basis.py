@@ -7,6 +7,7 @@ from scipy.linalg import eigh
 
 from ...superelement.validation import Array
 from ..assembly.structure import Structure
+from ..processes import Processes
 from .shapes import at
 
 NEW = 1e-13
@@ -72,7 +73,7 @@ class Basis:
         """An orthonormal basis of the columns of W, without directions as short as `shortest`."""
         blocks = []
         while W.shape[1]:
-            squares, Q = self.processes.agreed(eigh(self._products(W, W)))
+            squares, Q = _eigh(self._products(W, W), self.processes)
             sizes = np.sqrt(np.maximum(squares, 0.0))
             if sizes[-1] <= shortest:
                 break
@@ -81,3 +82,8 @@ class Basis:
             W = W @ Q[:, ~long]
             W = W - blocks[-1] @ self._products(blocks[-1], W)
         return np.hstack([W[:, :0], *blocks])
+
+
+def _eigh(gram: Array, processes: Processes) -> tuple[Array, Array]:
+    found: tuple[Array, Array] = processes.agreed(lambda: eigh(gram))
+    return found

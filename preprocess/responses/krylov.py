@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import scipy.sparse as sp
@@ -94,7 +95,8 @@ class KrylovSpace:
         """The number of vectors that time and memory allow, the basis included."""
         n_c, bytes_each = self._structure.P_C.shape[0], REAL * self._structure.n_here
         free = available() // bytes_each - WORK * n_c
-        return self._structure.processes.agreed(int(min(self._most, self.basis.columns + free)))
+        most = int(min(self._most, self.basis.columns + free))
+        return self._structure.processes.agreed(lambda: most)
 
     def grow(self) -> bool:
         """Add a block; False if nothing is left to add, for the space holds all that interface
@@ -174,12 +176,8 @@ def krylov_modes(
             continue
         modes, Q = modes_of(space.blocks)
         before, Q_before = modes_of(space.blocks - 1)
-        error = SAFETY * band.error(before, modes, enough=tolerance)
-        if fields:
-            error = max(
-                error, SAFETY * band.field_error(before, modes, Q[: len(Q_before)].T @ Q_before)
-            )
-        error = agreed(error)
+        turn = Q[: len(Q_before)].T @ Q_before if fields else None
+        error = agreed(partial(_change, band, before, modes, turn, tolerance))
         watch(f"{space.blocks} blocks, error {error:.1e}")
         if error <= (1.0 - PRUNED) * tolerance:
             break
@@ -199,13 +197,8 @@ def krylov_modes(
     if chain:
         modes, Q, slow_error = _with_rotation(space, chain, modes_of, band, tolerance)
         error = max(error, slow_error)
-    contributions = band.contributions(modes)
-    if fields:
-        contributions = np.maximum(contributions, band.field_contributions(modes))
-    if chain:
-        slow = band.slow_contributions(space.with_rotation(modes, Q))
-        contributions = np.maximum(contributions, slow)
-    kept, lost = agreed(_prune(contributions, PRUNED * tolerance))
+    slow = space.with_rotation(modes, Q) if chain else None
+    kept, lost = agreed(lambda: _prune(_contributions(band, modes, slow, fields), tolerance))
     modes = damped_modes(damping, modes.omega[kept], modes.phi[:, kept], modes.h_min)
     return modes, space_shapes(space.basis, Q[:, kept]), error + lost
 
@@ -242,9 +235,28 @@ def _shift(damping: Damping, scheme: GeneralizedAlpha, h: float) -> float:
     return (scheme.beta_prime(h) + velocity * mass) / (1.0 + hardening + velocity * stiffness)
 
 
-def _prune(contributions: Array, budget: float) -> tuple[IntArray, float]:
+def _change(band: Band, before: Modes, modes: Modes, turn: Array | None, enough: float) -> float:
+    """The error that the last block leaves to be expected: what it has changed, times `SAFETY`.
+
+    turn (m, m'): the modes before it in terms of those with it, where fields count.
+    """
+    error = SAFETY * band.error(before, modes, enough)
+    return error if turn is None else max(error, SAFETY * band.field_error(before, modes, turn))
+
+
+def _contributions(band: Band, modes: Modes, slow: Modes | None, fields: bool) -> Array:
+    """The error (m,) that leaving out each mode makes; slow: the modes that rotation excites."""
+    contributions = band.contributions(modes)
+    if fields:
+        contributions = np.maximum(contributions, band.field_contributions(modes))
+    if slow is not None:
+        contributions = np.maximum(contributions, band.slow_contributions(slow))
+    return contributions
+
+
+def _prune(contributions: Array, tolerance: float) -> tuple[IntArray, float]:
     """The modes to keep, in their order, and the sum of the contributions of the others."""
     order = np.argsort(contributions)
     sums = np.cumsum(contributions[order])
-    left_out = int(np.searchsorted(sums, budget, side="right"))
+    left_out = int(np.searchsorted(sums, PRUNED * tolerance, side="right"))
     return np.sort(order[left_out:]), float(sums[left_out - 1]) if left_out else 0.0

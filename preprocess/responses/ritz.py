@@ -25,12 +25,12 @@ def ritz_modes(structure: Structure, V: Array, stiffness: Array) -> tuple[Array,
     135 (1909).
     """
     agreed = structure.processes.agreed
-    squares, Q = agreed(eigh(stiffness, lower=False))
+    squares, Q = agreed(lambda: eigh(stiffness, lower=False))
     low = squares < LOW * squares[-1]
     if low.any():
         shapes = V @ Q[:, low]
-        stiffness = structure.total(shapes.T @ (structure.K @ shapes))
-        squares[low], turn = agreed(eigh(stiffness))
+        smaller = structure.total(shapes.T @ (structure.K @ shapes))
+        squares[low], turn = agreed(lambda: eigh(smaller))
         Q[:, low] = Q[:, low] @ turn
     if squares[0] <= NOTHING * squares[-1]:
         raise MeshError(
