@@ -1,6 +1,13 @@
-"""The number of threads for numerical libraries."""
+"""The number of threads for numerical libraries, and work on several of them."""
 
 import os
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import TypeVar
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
 
 
 def threads() -> int:
@@ -10,3 +17,22 @@ def threads() -> int:
     # A list sets the threads of nested regions, outermost first.
     asked = os.environ.get("OMP_NUM_THREADS", "").split(",")[0].strip()
     return min(processors, int(asked)) if asked.isdecimal() and int(asked) > 0 else processors
+
+
+def in_order(work: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:
+    """`work` of every item, in the order of the items, whichever thread is done first.
+
+    So sums of the results are the same with any number of threads. Only as many results wait as
+    there are threads, and no item is taken before it is needed.
+    """
+    if (n := threads()) == 1:
+        yield from map(work, items)
+        return
+    waiting: deque[Future[Result]] = deque()
+    with ThreadPoolExecutor(n) as pool:
+        for item in items:
+            waiting.append(pool.submit(work, item))
+            if len(waiting) > n:
+                yield waiting.popleft().result()
+        while waiting:
+            yield waiting.popleft().result()

@@ -29,6 +29,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "errors",
         "threads",
         "memory",
+        "sparse",
         "progress",
         "processes",
         "mesh",

@@ -19,7 +19,7 @@ from .interfaces import Attachment, attachments
 from .masses import lumped_mass, mass_selections
 from .rigid import RigidModes, relieve, rigid_modes
 from .source import Source
-from .ties import tie
+from .ties import reduced, tie
 
 RIGID = 6
 """dofs of a body that cannot deform"""
@@ -139,8 +139,11 @@ def assemble_on(body: Body, source: Source) -> Structure:
     except InterfaceError as error:
         raise InterfaceError(f"{source.name}: {error}") from error
     if nodes.n_dofs < source.nodes.n_dofs:
-        K, M = (_symmetric(T.T @ matrix @ T) for matrix in (K, M))
-    M = M + lumped
+        n_tied = RIGID * sum(frame.rigid for frame in frames.values())
+        K = reduced(K, T, n_tied)
+        M = reduced(M, T, n_tied)
+    if lumped.nnz:
+        M = M + lumped
     _check(source.name, nodes, K, M)
     rigid = rigid_modes(nodes, M)
     channels = channel_rows(body, source, T, rigid, M)
@@ -174,7 +177,8 @@ def _check(name: str, nodes: Nodes, K: Any, M: Any) -> None:
             "interfaces"
         )
     for what, matrix in (("stiffness", K), ("mass", M)):
-        largest = float(np.abs(matrix.data).max(initial=0.0))
+        # Without the copy that the absolute values are.
+        largest = max(float(matrix.data.max(initial=0.0)), -float(matrix.data.min(initial=0.0)))
         if not largest <= LARGEST:
             raise MeshError(
                 f"{name}: expected a {what} up to {LARGEST:g}, found {largest}: look at the scale "

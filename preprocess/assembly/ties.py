@@ -1,6 +1,7 @@
 """Rigid interfaces: nodes that follow a frame, and the model on the dofs that are left."""
 
 from collections.abc import Mapping
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,12 @@ import scipy.sparse as sp
 from ..errors import InterfaceError
 from ..mesh.mesh import IntArray
 from ..mesh.nodes import Nodes, spider
+from ..sparse import stacked
+from ..threads import in_order
 from .interfaces import Attachment
+
+PARTS = 32
+"""of the rows of a matrix, of which only some are held twice at once"""
 
 
 def tie(nodes: Nodes, attachments: Mapping[str, Attachment]) -> tuple[Nodes, Any, dict[str, Any]]:
@@ -51,6 +57,30 @@ def tie(nodes: Nodes, attachments: Mapping[str, Attachment]) -> tuple[Nodes, Any
         for name, a in attachments.items()
     }
     return left, T, rows
+
+
+def reduced(matrix: Any, T: Any, n_tied: int) -> Any:
+    """T^T matrix T, csc, of a symmetric one; the last n_tied columns of T are those of frames.
+
+        T = [I; S] but for the order of rows:  [A_ff, A_f S; S^T A_f^T, S^T A S]
+
+    Symmetric to the last bit, for nothing is summed but in the rows and columns of the frames.
+    """
+    n_free = T.shape[1] - n_tied
+    free = T[:, :n_free].tocsc().indices
+    S = T[:, n_free:].tocsr()
+    pulled = (matrix @ S).tocsr()
+    corner = S.T @ pulled
+    corner, border = 0.5 * (corner + corner.T), pulled[free]
+    rows = matrix.T.tocsr()  # of a symmetric csc matrix: without a copy
+
+    def piece(part: IntArray) -> Any:
+        return sp.hstack([rows[free[part]][:, free], border[part]], format="csr")
+
+    last = sp.hstack([border.T, corner], format="csr")
+    parts = np.array_split(np.arange(n_free), PARTS)
+    most = matrix.nnz + 2 * border.nnz + corner.nnz
+    return stacked(chain(in_order(piece, parts), [last]), T.shape[1], most)
 
 
 def _pick(nodes: Nodes, node: int) -> Any:

@@ -1,6 +1,6 @@
 """Symmetric matrices summed from element matrices, a block for every pair of nodes."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,60 +9,104 @@ import scipy.sparse as sp
 
 from ...superelement.validation import Array
 from ..mesh.mesh import IntArray
+from ..sparse import stacked
+from ..threads import in_order
+
+PIECE = 2**16
+"""Blocks in a piece of the rows of a matrix, so that they stay in the cache."""
 
 
 @dataclass(frozen=True, eq=False)
 class Pattern:
-    """The upper triangle of the blocks, ordered by rows and then by columns.
+    """The pairs of nodes that share an element.
 
-    rows, columns (n_blocks,), rows <= columns. An element of k nodes has a pair of nodes for each
-    entry of the upper triangle of a k by k matrix (numpy's triu_indices). By type of element
-    (pairs, n): slots, the block that a pair belongs to; turned, whether its first node has the
-    higher number, so that its block goes in transposed.
+    numbers (n_nodes, n_nodes), csr, sorted: at (i, j) and at (j, i) the number of the block of a
+    pair. The n_blocks blocks (i, j), i <= j, are counted by rows and then by columns. An element of
+    k nodes has a pair for each entry of the upper triangle of a k by k matrix (numpy's
+    triu_indices).
     """
 
-    n_nodes: int
-    rows: IntArray
-    columns: IntArray
-    slots: Mapping[str, IntArray]
-    turned: Mapping[str, np.ndarray[tuple[int, int], np.dtype[np.bool_]]]
+    numbers: Any
+    n_blocks: int
 
-    def add(self, total: Array, kind: str, elements: slice | IntArray, blocks: Array) -> None:
-        """Add blocks (pairs, n, b, b) of elements of a type to the sums (n_blocks, b, b)."""
-        b = blocks.shape[-1]
+    @property
+    def n_nodes(self) -> int:
+        return int(self.numbers.shape[0])
+
+    def entries(self, cells: IntArray, b: int) -> IntArray:
+        """Where blocks (pairs, n, b, b) of elements (n, k) go in sums (n_blocks, b, b), flat.
+
+        A block whose first node has the higher number goes in transposed.
+        """
+        i, j = np.triu_indices(cells.shape[1])
+        first, second = cells.T[i].ravel(), cells.T[j].ravel()
         straight = np.arange(b * b)
         orders = np.stack([straight, straight.reshape(b, b).T.ravel()])
-        entries = (
-            b * b * self.slots[kind][:, elements, None]
-            + orders[self.turned[kind][:, elements].astype(int)]
-        )
-        np.add.at(total.reshape(-1), entries.ravel(), blocks.ravel())
+        starts = b * b * self.numbers[first, second].astype(np.int64)
+        return np.asarray((starts[:, None] + orders[(first > second).astype(int)]).ravel())
 
-    def matrix(self, total: Array) -> Any:
+    def matrix(self, total: Array, copies: int = 1) -> Any:
         """The sparse matrix (b n_nodes, b n_nodes) of blocks (n_blocks, b, b), symmetric to the
-        last bit.
+        last bit; with `copies` c > 1 that matrix times I (c, c).
         """
         b = total.shape[-1]
-        # Half of each diagonal block, for it meets its own transpose.
-        upper = total * np.where(self.rows == self.columns, 0.5, 1.0)[:, None, None]
-        starts = np.searchsorted(self.rows, np.arange(self.n_nodes + 1)).astype(np.int32)
-        shape = (b * self.n_nodes, b * self.n_nodes)
-        half = sp.bsr_array((upper, self.columns.astype(np.int32), starts), shape=shape)
-        full = (half + half.T).tocsr()
-        return sp.csc_array((full.data, full.indices, full.indptr), shape=full.shape)
+
+        def piece(nodes: slice) -> Any:
+            rows = self._rows(nodes, total).tocsr()
+            return rows if copies == 1 else _times_identity(rows, copies)
+
+        pieces = in_order(piece, self._pieces())
+        return stacked(pieces, b * copies * self.n_nodes, b * b * copies * self.numbers.nnz)
+
+    def _pieces(self) -> Iterator[slice]:
+        """Nodes that follow each other, with some PIECE blocks in their rows."""
+        steps = np.arange(PIECE, self.numbers.nnz, PIECE)
+        ends = [*np.unique(np.searchsorted(self.numbers.indptr, steps)).tolist(), self.n_nodes]
+        return (slice(a, b) for a, b in zip([0, *ends], ends, strict=False) if a < b)
+
+    def _rows(self, nodes: slice, total: Array) -> Any:
+        """The rows of some nodes, as blocks."""
+        rows = self.numbers[nodes]
+        of_row = np.repeat(np.arange(nodes.start, nodes.stop), np.diff(rows.indptr))
+        blocks = total[rows.data]
+        below, middle = rows.indices < of_row, rows.indices == of_row
+        blocks[below] = blocks[below].swapaxes(1, 2)
+        # A block of the diagonal is symmetric but for rounding.
+        blocks[middle] = 0.5 * blocks[middle] + 0.5 * blocks[middle].swapaxes(1, 2)
+        b, (n, n_nodes) = total.shape[-1], rows.shape
+        return sp.bsr_array((blocks, rows.indices, rows.indptr), shape=(b * n, b * n_nodes))
+
+
+def _times_identity(rows: Any, c: int) -> Any:
+    """The Kronecker product of a csr matrix with I (c, c), without the zeros."""
+    repeated = rows[np.repeat(np.arange(rows.shape[0]), c)]
+    of_row = np.tile(np.arange(c), rows.shape[0])
+    columns = c * repeated.indices + np.repeat(of_row, np.diff(repeated.indptr))
+    shape = (c * rows.shape[0], c * rows.shape[1])
+    return sp.csr_array((repeated.data, columns, repeated.indptr), shape=shape)
 
 
 def pattern(elements: Mapping[str, IntArray], n_nodes: int) -> Pattern:
     """The pattern of elements (n, k) of each type."""
-    keys, turned = {}, {}
-    for kind, cells in elements.items():
-        i, j = np.triu_indices(cells.shape[1])
-        first, second = cells.T[i], cells.T[j]
-        turned[kind] = first > second
-        keys[kind] = np.minimum(first, second) * n_nodes + np.maximum(first, second)
-    blocks, slots = np.unique(
-        np.concatenate([key.ravel() for key in keys.values()]), return_inverse=True
+    numbers = sum(_neighbors(cells, n_nodes) for cells in elements.values())
+    numbers.sort_indices()
+    of_row = np.repeat(np.arange(n_nodes), np.diff(numbers.indptr))
+    upper = numbers.indices >= of_row
+    n_blocks = int(np.count_nonzero(upper))
+    counted = np.arange(n_blocks, dtype=numbers.indices.dtype)
+    starts = np.concatenate([[0], np.cumsum(upper)])[numbers.indptr]
+    half = sp.csr_array((counted, numbers.indices[upper], starts), shape=numbers.shape)
+    numbers.data = np.empty(numbers.nnz, dtype=counted.dtype)
+    numbers.data[upper] = counted
+    numbers.data[numbers.indices <= of_row] = half.tocsc().data
+    return Pattern(numbers, n_blocks)
+
+
+def _neighbors(cells: IntArray, n_nodes: int) -> Any:
+    """How many elements (n, k) each pair of nodes shares (n_nodes, n_nodes), csr."""
+    n, k = cells.shape
+    ones = np.ones(cells.size, dtype=np.int32)
+    of_element = sp.csr_array(
+        (ones, cells.ravel(), np.arange(0, cells.size + 1, k)), shape=(n, n_nodes)
     )
-    parts = np.split(slots, np.cumsum([key.size for key in keys.values()])[:-1])
-    shaped = {kind: part.reshape(keys[kind].shape) for kind, part in zip(keys, parts, strict=True)}
-    return Pattern(n_nodes, blocks // n_nodes, blocks % n_nodes, shaped, turned)
+    return of_element.T.tocsr() @ of_element

@@ -1,15 +1,15 @@
 """Stiffness and mass of solids, summed over batches of elements."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.sparse as sp
 
 from ...superelement.validation import Array
 from ..body.material import Material
 from ..errors import MeshError
 from ..mesh.mesh import IntArray, Mesh
+from ..threads import in_order
 from .assembly_map import pattern
 from .element import cofactors, physical, solid_element
 
@@ -34,28 +34,53 @@ def solid_matrices(mesh: Mesh, materials: Sequence[Material], owners: IntArray) 
     """
     _check_jacobians(mesh)
     blocks = pattern(mesh.elements, len(mesh.points))
-    K, M = np.zeros((len(blocks.rows), 3, 3)), np.zeros((len(blocks.rows), 1, 1))
-    for kind, cells in mesh.elements.items():
+    K, M = np.zeros((blocks.n_blocks, 3, 3)), np.zeros((blocks.n_blocks, 1, 1))
+
+    def of_batch(batch: _Batch) -> tuple[IntArray, Array, IntArray, Array]:
+        cells = mesh.cells[batch.kind][batch.rows]
+        stiffness, mass = _element_matrices(batch.kind, mesh.points[cells], materials[batch.owner])
+        return blocks.entries(cells, 3), stiffness, blocks.entries(cells, 1), mass
+
+    for at, stiffness, at_scalar, mass in in_order(of_batch, _batches(mesh, owners)):
+        np.add.at(K.reshape(-1), at, stiffness)
+        np.add.at(M.reshape(-1), at_scalar, mass)
+    K = blocks.matrix(K)  # and no longer its sums
+    return K, blocks.matrix(M, copies=3)
+
+
+class _Batch(NamedTuple):
+    """Elements of one type, by their rows (n,), and the number of their material."""
+
+    kind: str
+    owner: int
+    rows: IntArray
+
+
+def _batches(mesh: Mesh, owners: IntArray) -> Iterator[_Batch]:
+    for kind in mesh.elements:
         element = solid_element(kind)
-        k, q = len(element.order), len(element.weights)
-        N, dN = element.N(element.xi), element.dN(element.xi)
-        i, j = np.triu_indices(k)
-        NN = N[i] * N[j] * element.weights  # (pairs, q)
-        size = max(1, BATCH // (3 * k * q))
-        for material, rows in batched(mesh.of_kind(owners, kind), size):
-            C = materials[material].elasticity_tensor.transpose(1, 3, 0, 2).reshape(9, 9)
-            cof, det = cofactors(dN, mesh.points[cells[rows]])
-            B = physical(dN, cof, det).reshape(len(rows), 3 * k, q)
-            # The integrals of gradients know no material: each pair of nodes has nine, which C
-            # contracts.
-            G = ((B * (det * element.weights)[:, None]) @ B.transpose(0, 2, 1)).reshape(
-                -1, k, 3, k, 3
-            )
-            stiffness = G[:, i, :, j].reshape(-1, 9) @ C
-            mass = materials[material].rho * (NN @ det.T)
-            blocks.add(K, kind, rows, stiffness.reshape(len(i), -1, 3, 3))
-            blocks.add(M, kind, rows, mass[:, :, None, None])
-    return blocks.matrix(K), sp.kron(blocks.matrix(M), sp.eye_array(3), format="csc")
+        size = max(1, BATCH // (3 * len(element.order) * len(element.weights)))
+        for owner, rows in batched(mesh.of_kind(owners, kind), size):
+            yield _Batch(kind, owner, rows)
+
+
+def _element_matrices(kind: str, X: Array, material: Material) -> tuple[Array, Array]:
+    """Blocks of the stiffness (pairs, n, 3, 3) and factors of I in those of the mass (pairs, n).
+
+    Of elements with nodes X (n, k, 3); both are flat.
+    """
+    element = solid_element(kind)
+    k, q = len(element.order), len(element.weights)
+    N, dN = element.N(element.xi), element.dN(element.xi)
+    i, j = np.triu_indices(k)
+    NN = N[i] * N[j] * element.weights  # (pairs, q)
+    C = material.elasticity_tensor.transpose(1, 3, 0, 2).reshape(9, 9)
+    cof, det = cofactors(dN, X)
+    B = physical(dN, cof, det).reshape(len(X), 3 * k, q)
+    # The integrals of gradients know no material: each pair of nodes has nine, which C contracts.
+    G = ((B * (det * element.weights)[:, None]) @ B.transpose(0, 2, 1)).reshape(-1, k, 3, k, 3)
+    stiffness = G[:, i, :, j].reshape(-1, 9) @ C
+    return stiffness.ravel(), (material.rho * (NN @ det.T)).ravel()
 
 
 def volumes(mesh: Mesh) -> Array:

@@ -12,6 +12,8 @@ from .mesh import IntArray, Mesh
 Patch = dict[str, IntArray]
 """Facets by type, as nodes (m, k)."""
 Chosen = np.ndarray[tuple[int], np.dtype[np.bool_]]
+LARGEST = int(np.iinfo(np.int64).max)
+"""what keys of rows may be"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,13 +110,11 @@ def _each_once(
     """
     flat = np.concatenate([sides.reshape(-1, sides.shape[2]) for sides in faces.values()])
     _, one, facet, count = np.unique(
-        np.sort(flat[:, : FACETS[kind].corners], axis=1),
-        axis=0,
+        _keys(flat[:, : FACETS[kind].corners]),
         return_index=True,
         return_inverse=True,
         return_counts=True,
     )
-    facet = facet.ravel()
     owners, numbers, start = [], {}, 0
     for solid, sides in faces.items():
         n, n_sides, _ = sides.shape
@@ -164,8 +164,27 @@ def _rows(table: IntArray, wanted: IntArray) -> IntArray:
 
     Numbers count in any order.
     """
-    _, label = np.unique(np.sort(np.vstack([table, wanted]), axis=1), axis=0, return_inverse=True)
-    label = label.ravel()
-    row = np.full(label.max() + 1, -1, dtype=np.int64)
-    row[label[: len(table)]] = np.arange(len(table))
-    return row[label[len(table) :]]
+    named = np.zeros(1 + max(int(table.max(initial=0)), int(wanted.max(initial=0))), dtype=bool)
+    named[wanted] = True
+    candidates = np.flatnonzero(named[table].all(axis=1))
+    keys = _keys(np.vstack([table[candidates], wanted]))
+    _, label = np.unique(keys, return_inverse=True)
+    row = np.full(label.max(initial=-1) + 1, -1, dtype=np.int64)
+    row[label[: len(candidates)]] = candidates
+    return row[label[len(candidates) :]]
+
+
+def _keys(table: IntArray) -> IntArray:
+    """A number (n,) for each row (n, k) of numbers of 0 or more, the same where the numbers are.
+
+    They count in any order. Keys are ordered as the sorted rows are.
+    """
+    first, *others = np.sort(table, axis=1).T
+    digits = int(table.max(initial=0)) + 1
+    keys, most = first, digits
+    for column in others:
+        if most * digits > LARGEST:
+            distinct, keys = np.unique(keys, return_inverse=True)
+            most = len(distinct)
+        keys, most = keys * digits + column, most * digits
+    return np.asarray(keys)

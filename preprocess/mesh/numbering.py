@@ -24,7 +24,7 @@ class Numbering:
 
     def known(self, numbers: ArrayLike) -> NDArray[np.bool_]:
         """True for numbers in the file, in their shape."""
-        return np.isin(np.asarray(numbers, dtype=np.int64), self._sorted)
+        return self._found(np.asarray(numbers, dtype=np.int64))[1]
 
     def within(self, numbers: range) -> IntArray:
         """The rows of those numbers of a range that are in the file."""
@@ -35,7 +35,19 @@ class Numbering:
     def rows(self, numbers: ArrayLike, user: str) -> IntArray:
         """The rows of numbers, in their shape; `MeshError` names `user` and a missing number."""
         wanted = np.asarray(numbers, dtype=np.int64)
-        known = self.known(wanted)
+        places, known = self._found(wanted)
         if not known.all():
             raise MeshError(f"{user}: no {self._what} {wanted[~known][0]} in the file")
-        return self._order[np.searchsorted(self._sorted, wanted)]
+        return self._order[places]
+
+    def _found(self, wanted: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
+        """Where wanted numbers are among the sorted ones, and which of them are there."""
+        if not len(self._sorted):
+            return np.zeros(wanted.shape, dtype=np.int64), np.zeros(wanted.shape, dtype=np.bool_)
+        first = self._sorted[0]
+        if self._sorted[-1] - first == len(self._sorted) - 1:  # none is left out
+            places = wanted - first
+        else:
+            places = np.searchsorted(self._sorted, wanted)
+        places = places.clip(0, len(self._sorted) - 1)
+        return places, self._sorted[places] == wanted

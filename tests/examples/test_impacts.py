@@ -41,6 +41,28 @@ def test_rods_keep_what_the_waves_leave_them(example, tmp_path):
         assert 0.0 < checks.duration < 0.03
 
 
+def test_a_blow_runs_through_two_meshes_of_a_rod(example, tmp_path):
+    """Forces of the wave theory: the ram meets v A sqrt(E rho) of the shank until the wave is back
+    from the crank pin, which holds against twice of that.
+    """
+    pytest.importorskip("gmsh")
+    script = example("million")
+    # which checks momentum, the speed of waves, and that the meshes agree
+    rods, blows, checks = script.main(tmp_path)
+    assert (tmp_path / "million.png").exists()
+    coarse, fine = rods
+    assert fine.unknowns > 1.5 * coarse.unknowns
+    # A finer mesh is softer.
+    assert (fine.frequencies < coarse.frequencies).all()
+    assert fine.stretch > coarse.stretch
+    assert checks.frequencies > 1e-3
+    # The two meshes are told apart by nothing else: the same interfaces, modes and steps.
+    assert len(fine.element.modes.omega) == pytest.approx(len(coarse.element.modes.omega), rel=0.1)
+    for blow in blows:
+        first = blow.contact[(blow.time > 5e-5) & (blow.time < 1.1e-4)].mean()
+        assert 1.5 < blow.pin.max() / first < 2.1
+
+
 def test_the_ball_on_the_beam_as_timoshenko_has_it(run):
     """His integral equation with the modes of the beam. The third of the contacts is the most
     sensitive: it meets the phase errors of two others.

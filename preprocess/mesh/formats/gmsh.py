@@ -47,6 +47,8 @@ _ORDER = {
     "hexahedron20": [*range(8), *_EDGES],
     "hexahedron27": [*range(8), *_EDGES, 22, 23, 21, 24, 20, 25, 26],
 }
+LONGEST_COUNT = 64
+"""bytes of a line with a count"""
 _SECTION = re.compile(rb"\s*\$(\w+)[ \t]*\r?\n")
 _PHYSICAL = ("physical point", "physical curve", "physical surface", "physical volume")
 
@@ -54,26 +56,26 @@ _PHYSICAL = ("physical point", "physical curve", "physical surface", "physical v
 def read(path: Path) -> Draft:
     """A mesh of Gmsh; `MeshError` if the file is damaged or of another version."""
     sections = _sections(path.read_bytes())
-    form = _Format(sections.pop("MeshFormat", b""))
+    form = _Format(bytes(sections.pop("MeshFormat", b"")))
     for name in ("Nodes", "Elements"):
         if name not in sections:
             raise MeshError(f"the file has no section ${name}")
-    names = _physical_names(sections.get("PhysicalNames", b"0"))
+    names = _physical_names(bytes(sections.get("PhysicalNames", b"0")))
     return (
         _read2(sections, form, names) if form.version[0] == "2" else _read4(sections, form, names)
     )
 
 
-def _sections(data: bytes) -> dict[str, bytes]:
-    """The contents between $NAME and $EndNAME, by name."""
+def _sections(data: bytes) -> dict[str, memoryview]:
+    """The contents between $NAME and $EndNAME, by name, in place."""
     sections = {}
-    position = 0
+    position, whole = 0, memoryview(data)
     while match := _SECTION.match(data, position):
         name = match[1]
         end = data.find(b"$End" + name, match.end())
         if end < 0:
             raise MeshError(f"the file breaks off: ${name.decode()} has no $End{name.decode()}")
-        sections[name.decode()] = data[match.end() : end]
+        sections[name.decode()] = whole[match.end() : end]
         position = end + len(b"$End" + name)
     if rest := data[position:].strip():
         raise MeshError(f"expected a section of Gmsh, found {rest[:20]!r}")
@@ -98,17 +100,17 @@ class _Format:
         # A binary file begins with the integer 1.
         self._order = "<" if one.startswith(b"\1") else ">"
 
-    def numbers(self, section: bytes) -> Numbers:
-        return (
-            BinaryNumbers(section, self._order, self._size) if self.binary else TextNumbers(section)
-        )
+    def numbers(self, section: memoryview) -> Numbers:
+        if self.binary:
+            return BinaryNumbers(section, self._order, self._size)
+        return TextNumbers(bytes(section))
 
-    def counted(self, section: bytes) -> tuple[int, Numbers]:
+    def counted(self, section: memoryview) -> tuple[int, Numbers]:
         """The count that version 2 writes as text before the numbers of a section."""
-        count, _, rest = section.partition(b"\n")
+        count, _, _ = bytes(section[:LONGEST_COUNT]).partition(b"\n")
         if not count.strip().isdigit():
             raise MeshError(f"expected a count, found {count[:20]!r}")
-        return int(count), self.numbers(rest)
+        return int(count), self.numbers(section[len(count) + 1 :])
 
 
 def _physical_names(section: bytes) -> dict[tuple[int, int], str]:
@@ -148,7 +150,9 @@ def _finish(numbers: Numbers, section: str) -> None:
         raise MeshError(f"${section}: {numbers.left} numbers or bytes more than it announces")
 
 
-def _read2(sections: dict[str, bytes], form: _Format, names: dict[tuple[int, int], str]) -> Draft:
+def _read2(
+    sections: dict[str, memoryview], form: _Format, names: dict[tuple[int, int], str]
+) -> Draft:
     """Version 2: elements have tags of their own, and stand once for each physical group."""
     count, numbers = form.counted(sections["Nodes"])
     given, points = numbers.table(count, ("i", 1), ("d", 3))
@@ -206,7 +210,9 @@ def _text_tables(numbers: TextNumbers, count: int) -> Iterator[tuple[int, IntArr
         count -= length
 
 
-def _read4(sections: dict[str, bytes], form: _Format, names: dict[tuple[int, int], str]) -> Draft:
+def _read4(
+    sections: dict[str, memoryview], form: _Format, names: dict[tuple[int, int], str]
+) -> Draft:
     """Version 4.1: elements belong to entities, which know their physical groups."""
     if "PartitionedEntities" in sections:
         raise MeshError("the mesh is partitioned; expected one that is saved whole")

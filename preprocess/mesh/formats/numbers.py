@@ -63,8 +63,8 @@ class TextNumbers:
 class BinaryNumbers:
     """Numbers as the machine that wrote them had them; order: "<" or ">", size: bytes of a size."""
 
-    def __init__(self, data: bytes, order: str, size: int) -> None:
-        self._data = memoryview(data)
+    def __init__(self, data: memoryview, order: str, size: int) -> None:
+        self._data = data
         self._types = {"i": f"{order}i4", "u": f"{order}u{size}", "d": f"{order}f8"}
 
     def table(self, rows: int, *columns: Column) -> list[Any]:

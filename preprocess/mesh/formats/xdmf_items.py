@@ -27,7 +27,7 @@ class DataItems:
         values = self.values(owner)
         if values.dtype.kind not in "iu":
             raise MeshError(f"{owner.tag}: expected integers, found numbers of type {values.dtype}")
-        integers: IntArray = values.astype(np.int64)
+        integers: IntArray = values.astype(np.int64, copy=False)
         return integers
 
     def values(self, owner: ElementTree.Element) -> Any:

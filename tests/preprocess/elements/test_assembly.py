@@ -239,3 +239,34 @@ def test_elements_of_different_order_do_not_fit(solid_body, lower, upper, faces)
     )
     with pytest.raises(MeshError, match=message):
         assemble(solid_body(stacked(lower, upper), interfaces={"tip": {"node": [0, 0, 0]}}))
+
+
+@pytest.mark.parametrize("number", ["1", "2"])
+def test_pieces_and_threads_change_no_bit(monkeypatch, number, kind):
+    """Rows in many pieces, elements in many batches, on one thread and two."""
+    mesh = curved(kind, (3, 3, 2))
+    expected = matrices(mesh, WOOD)
+    monkeypatch.setattr("os.sched_getaffinity", lambda _: range(2), raising=False)
+    monkeypatch.setenv("OMP_NUM_THREADS", number)
+    monkeypatch.setattr("duhamel.preprocess.elements.assembly_map.PIECE", 50)
+    for found, whole in zip(matrices(mesh, WOOD), expected, strict=True):
+        assert (found != whole).nnz == 0
+        assert found.nnz == whole.nnz
+        assert found.has_canonical_format
+
+
+def test_matrices_are_the_sums_of_those_of_elements(kind):
+    """Nodes that no element has are left with empty rows."""
+    mesh = curved(kind)
+    cells = mesh.cells[kind]
+    points = np.vstack([mesh.points[:2], mesh.points])
+    moved = Mesh("moved", points, {kind: cells + 2}, {}, (kind,))
+    sums = [np.zeros((3 * len(points),) * 2) for _ in range(2)]
+    for nodes in cells + 2:
+        alone = Mesh("alone", points[nodes], {kind: np.arange(len(nodes))[None]}, {}, (kind,))
+        dofs = (3 * nodes[:, None] + np.arange(3)).ravel()
+        for total, one in zip(sums, matrices(alone, STEEL), strict=True):
+            total[np.ix_(dofs, dofs)] += one.toarray()
+    for found, total in zip(matrices(moved, STEEL), sums, strict=True):
+        np.testing.assert_allclose(found.toarray(), total, rtol=0, atol=1e-14 * abs(total).max())
+        assert np.diff(found.indptr)[:6].tolist() == [0] * 6

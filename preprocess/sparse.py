@@ -1,0 +1,35 @@
+"""Large symmetric sparse matrices, which are made from pieces of their rows."""
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+LARGEST_INDEX = int(np.iinfo(np.int32).max)
+"""up to which indices take four bytes"""
+
+
+def index_type(largest: int) -> Any:
+    """The type of indices up to a number: int32 where that suffices, or else int64."""
+    return np.int32 if largest <= LARGEST_INDEX else np.int64
+
+
+def stacked(pieces: Iterable[Any], n: int, most: int) -> Any:
+    """The symmetric matrix (n, n), csc, with the rows of `pieces` (csr) one below the other.
+
+    most: how many entries it has at most. The rows of a symmetric matrix are its columns: nothing
+    is sorted or turned, and no more memory is touched than the matrix takes.
+    """
+    kind = index_type(max(n, most))
+    data, indices, starts = np.empty(most), np.empty(most, kind), np.zeros(n + 1, kind)
+    row = end = 0
+    for piece in pieces:
+        filled = slice(end, end + piece.nnz)
+        data[filled], indices[filled] = piece.data, piece.indices
+        starts[row + 1 : row + 1 + piece.shape[0]] = end + piece.indptr[1:].astype(kind)
+        row, end = row + piece.shape[0], filled.stop
+    matrix = sp.csc_array((n, n))
+    # The constructor would look at all indices, and choose their type itself.
+    matrix.data, matrix.indices, matrix.indptr = data[:end], indices[:end], starts
+    return matrix
