@@ -11,7 +11,7 @@ from ..body.loss import damping_of
 from ..memory import require
 from ..progress import Stages
 from .band import Band
-from .krylov import krylov_modes
+from .krylov import Solver, factorized, krylov_modes
 from .losses import with_losses
 from .march import march_kernel
 from .modal import SMALL, elastic_shapes
@@ -69,20 +69,42 @@ def impulse_responses(
             modes = with_losses(body, modes, shapes, parts)
             return ImpulseResponses(method, sample_kernel(modes, h, scheme, steps), modes, shapes)
         case "krylov":
-            band = Band(h, scheme, steps, impulse.band or 0.25 / h)
-            fields = body.recovery is not None
-            modes, shapes, error = krylov_modes(
-                structure, damping, band, impulse.tolerance, stages.report, fields
-            )
-            modes = with_losses(body, modes, shapes, parts)
-            kernel = sample_kernel(modes, h, scheme, steps, error, band.limit)
-            return ImpulseResponses(method, kernel, modes, shapes, impulse.tolerance)
+            return krylov_responses(body, *krylov_found(structure, body, stages, parts))
         case "craig-bampton" | "rubin":
             return _truncated(structure, body, stages, parts)
         case "march":
             return ImpulseResponses(
                 method, march_kernel(structure, damping, h, scheme, steps, stages.track)
             )
+
+
+def krylov_found(
+    structure: Structure,
+    body: Body,
+    stages: Stages,
+    parts: Mapping[str, Any] | None,
+    solver: Solver = factorized,
+) -> tuple[Modes, Shapes, float]:
+    """The modes that the method krylov finds, their shapes, and their error."""
+    band, tolerance, fields = _band(body), body.impulse.tolerance, body.recovery is not None
+    modes, shapes, error = krylov_modes(
+        structure, damping_of(body), band, tolerance, stages.report, fields, solver
+    )
+    return with_losses(body, modes, shapes, parts), shapes, error
+
+
+def krylov_responses(body: Body, modes: Modes, shapes: Shapes, error: float) -> ImpulseResponses:
+    """The impulse responses of modes that the method krylov has found."""
+    band = _band(body)
+    kernel = sample_kernel(modes, band.h, band.scheme, band.steps, error, band.limit)
+    return ImpulseResponses("krylov", kernel, modes, shapes, body.impulse.tolerance)
+
+
+def _band(body: Body) -> Band:
+    """The band in which the modes of the method krylov are to be right."""
+    impulse = body.impulse
+    scheme, limit = GeneralizedAlpha(impulse.rho_inf), impulse.band or 0.25 / impulse.step
+    return Band(impulse.step, scheme, impulse.steps, limit)
 
 
 def _truncated(

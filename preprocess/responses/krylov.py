@@ -14,11 +14,11 @@ from ..assembly.structure import RIGID, Structure
 from ..body.damping import Damping, Rayleigh
 from ..errors import MethodError
 from ..mesh.mesh import IntArray
+from ..solving.cost import REAL, WORK, basis_bytes
+from ..solving.factor import Solve, factorize
 from .band import Band
 from .basis import Basis
-from ..solving.cost import REAL, WORK, basis_bytes
 from .damping import damped_modes
-from ..solving.factor import factorize
 from .ritz import ritz_modes, space_shapes
 from .shapes import Shapes
 from .static import slow_chain
@@ -40,8 +40,16 @@ than it costs.
 PRUNED = 0.1
 """Share of the tolerance that may be spent on leaving out modes."""
 Watch = Callable[[str], None]
+Solver = Callable[[Structure, float, str, float], Solve]
+"""x = S^-1 b for S = K + s M, from a structure, s, what errors call S, and the accuracy of x"""
 RitzModes = Callable[[int], tuple[Modes, Array]]
 """modes of the first blocks of a space, and their coordinates in it"""
+
+
+def factorized(structure: Structure, shift: float, name: str, accuracy: float) -> Solve:
+    """By a factor, which is more accurate than is asked for."""
+    beside = {"the Krylov basis": basis_bytes(structure.n_u, structure.P_C.shape[0])}
+    return factorize(structure.K + shift * structure.M, name, beside)
 
 
 class KrylovSpace:
@@ -63,18 +71,20 @@ class KrylovSpace:
     to be expected.
     """
 
-    def __init__(self, structure: Structure, shift: float, lower: float | None = None) -> None:
-        n_u, n_c = structure.n_u, structure.P_C.shape[0]
-        beside = {"the Krylov basis": basis_bytes(n_u, n_c)}
-        self._solve = factorize(
-            structure.K + shift * structure.M, "the matrix of the time step", beside
-        )
+    def __init__(
+        self,
+        structure: Structure,
+        shift: float,
+        lower: float | None = None,
+        solver: Solver = factorized,
+        accuracy: float = 0.0,
+    ) -> None:
+        n_u = structure.n_u
+        self._solve = solver(structure, shift, "the matrix of the time step", accuracy)
         self._first = self._solve(structure.loads)
         if lower is not None:
             del self._solve  # two factors might not fit
-            self._solve = factorize(
-                structure.K + lower * structure.M, "the matrix of a step for the band", beside
-            )
+            self._solve = solver(structure, lower, "the matrix of a step for the band", accuracy)
         self._structure = structure
         self._most = min(LIMIT, available() // (REAL * structure.n_here))
         self.basis = Basis(structure, min(n_u, self._most))
@@ -151,6 +161,7 @@ def krylov_modes(
     tolerance: float,
     watch: Watch,
     fields: bool = False,
+    solver: Solver = factorized,
 ) -> tuple[Modes, Shapes, float]:
     """Modes right to `tolerance` in the band, their shapes, and the estimated error.
 
@@ -163,7 +174,13 @@ def krylov_modes(
     """
     chain, agreed = slow_chain(structure), structure.processes.agreed
     shift, lower = (_shift(damping, band.scheme, h) for h in (band.h, band.coarsest_step))
-    space = KrylovSpace(structure, shift, lower if shift > NARROW**2 * lower else None)
+    space = KrylovSpace(
+        structure,
+        shift,
+        lower if shift > NARROW**2 * lower else None,
+        solver,
+        0.1 * np.sqrt(tolerance) if not fields else 0.1 * tolerance,
+    )
 
     def modes_of(blocks: int) -> tuple[Modes, Array]:
         omega, Q = space.ritz(blocks)

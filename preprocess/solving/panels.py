@@ -5,34 +5,26 @@ The unknowns are taken three by three, a node each, and vectors sixteen by sixte
 serves all of them in vector registers.
 """
 
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cache
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ...superelement.validation import Array
 from ..mesh.mesh import IntArray
-from ..threads import threads
+from .loops import WIDTH, Loops, Panel
 
-WIDTH = 16
-"""vectors of a panel: of single precision, a register of AVX-512 or two of AVX2"""
-PIECES = 4
-"""pieces of work for each thread, which need not be equal"""
 ROWS = 2**13
 """nodes whose rows are put into blocks at once"""
-Panel = NDArray[np.float32]
 
 
 @dataclass(frozen=True, eq=False)
 class Blocks:
     """S = K + s M (n_u, n_u) in blocks of 3 by 3, of single precision, all of them: both halves.
+
+    scale: the mean of its diagonal, by which the blocks are divided.
 
     Nodes are put into the order of Cuthill and McKee, so that neighbors are near in memory:
     order (n_u,), the unknown that each row stands for, the last up to two being fillers of an n_u
@@ -55,9 +47,13 @@ class Blocks:
     def n_nodes(self) -> int:
         return len(self.first) - 1
 
-    @property
-    def bytes(self) -> int:
-        return self.blocks.nbytes + self.columns.nbytes + self.inverses.nbytes
+    def multiply(self, P: Panel, Y: Panel, loops: Loops) -> Array:
+        """Y = S P / scale; the products P . Y (16,)."""
+        return loops.sum("multiply", self.n_nodes, self.first, self.columns, self.blocks, P, Y)
+
+    def solve_diagonal(self, R: Panel, Z: Panel, loops: Loops) -> Array:
+        """Z = D^-1 R with the blocks D on the diagonal of S / scale; the products R . Z (16,)."""
+        return loops.sum("diagonal", self.n_nodes, self.inverses, R, Z)
 
     def panels(self, B: Array) -> list[Panel]:
         """The columns of B (n_u, k) in panels, zeros behind the last."""
@@ -114,71 +110,3 @@ def _filled(matrix: Any) -> Any:
     if not missing:
         return matrix
     return sp.block_diag([matrix, sp.eye_array(missing)], format="csr")
-
-
-@dataclass(frozen=True)
-class Kernels:
-    """Compiled loops over some of the nodes; sums over vectors are in double precision.
-
-    multiply(first, columns, blocks, P, Y, dots, a, b): Y = S P, and dots += P . Y.
-    step(alpha, P, Y, X, R, inverses, dots, a, b): X += alpha P, R -= alpha Y, dots += R . D^-1 R.
-    turn(beta, R, inverses, P, a, b): P = D^-1 R + beta P.
-    """
-
-    multiply: Callable[..., None]
-    step: Callable[..., None]
-    turn: Callable[..., None]
-
-
-@cache
-def kernels() -> Kernels:
-    """The loops, compiled when they are first needed, in some three seconds."""
-    import numba
-
-    compiled = numba.njit(nogil=True, fastmath=True, boundscheck=False)
-
-    @compiled
-    def multiply(first, columns, blocks, P, Y, dots, start, stop):  # type: ignore[no-untyped-def]
-        y = np.zeros((3, WIDTH), dtype=np.float32)
-        for i in range(start, stop):
-            y[:] = 0.0
-            for p in range(first[i], first[i + 1]):
-                j, a = columns[p], blocks[p]
-                a0, a1, a2, a3, a4, a5, a6, a7, a8 = (
-                    a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8],
-                )
-                for c in range(WIDTH):
-                    x0, x1, x2 = P[j, 0, c], P[j, 1, c], P[j, 2, c]
-                    y[0, c] += a0 * x0 + a1 * x1 + a2 * x2
-                    y[1, c] += a3 * x0 + a4 * x1 + a5 * x2
-                    y[2, c] += a6 * x0 + a7 * x1 + a8 * x2
-            for r in range(3):
-                for c in range(WIDTH):
-                    Y[i, r, c] = y[r, c]
-                    dots[c] += np.float64(y[r, c]) * np.float64(P[i, r, c])
-
-    @compiled
-    def step(alpha, P, Y, X, R, inverses, dots, start, stop):  # type: ignore[no-untyped-def]
-        for i in range(start, stop):
-            d = inverses[i]
-            for c in range(WIDTH):
-                for r in range(3):
-                    X[i, r, c] += alpha[c] * P[i, r, c]
-                    R[i, r, c] -= alpha[c] * Y[i, r, c]
-                r0, r1, r2 = R[i, 0, c], R[i, 1, c], R[i, 2, c]
-                z0 = d[0] * r0 + d[1] * r1 + d[2] * r2
-                z1 = d[3] * r0 + d[4] * r1 + d[5] * r2
-                z2 = d[6] * r0 + d[7] * r1 + d[8] * r2
-                dots[c] += np.float64(r0 * z0 + r1 * z1 + r2 * z2)
-
-    @compiled
-    def turn(beta, R, inverses, P, start, stop):  # type: ignore[no-untyped-def]
-        for i in range(start, stop):
-            d = inverses[i]
-            for c in range(WIDTH):
-                r0, r1, r2 = R[i, 0, c], R[i, 1, c], R[i, 2, c]
-                P[i, 0, c] = d[0] * r0 + d[1] * r1 + d[2] * r2 + beta[c] * P[i, 0, c]
-                P[i, 1, c] = d[3] * r0 + d[4] * r1 + d[5] * r2 + beta[c] * P[i, 1, c]
-                P[i, 2, c] = d[6] * r0 + d[7] * r1 + d[8] * r2 + beta[c] * P[i, 2, c]
-
-    return Kernels(multiply, step, turn)
