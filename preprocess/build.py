@@ -19,10 +19,10 @@ from .plausibility import doubts_of_frequencies, doubts_of_source, refused_where
 from .progress import Stages, shown_stages
 from .recovery import check_recovery, recover
 from .responses.channels import channels_of, of_interfaces
-from .solving.factor import factorizations
 from .responses.impulse import ImpulseResponses, impulse_responses, require_memory
 from .responses.static import accelerance, compliance
 from .rotation.reduced import reduced_rotation
+from .solving.factor import factorizations
 from .sources.reading import read_source
 
 FEWEST = 3

@@ -14,8 +14,9 @@ from ..assembly.structure import RIGID, Structure
 from ..body.damping import Damping, Rayleigh
 from ..errors import MethodError
 from ..mesh.mesh import IntArray
-from ..solving.cost import REAL, WORK, basis_bytes
-from ..solving.factor import Solve, factorize
+from ..solving.cost import REAL, WORK
+from ..solving.factor import Factor
+from ..solving.solver import Solver, factorized
 from .band import Band
 from .basis import Basis
 from .damping import damped_modes
@@ -39,17 +40,17 @@ than it costs.
 """
 PRUNED = 0.1
 """Share of the tolerance that may be spent on leaving out modes."""
+UNSOLVED = 0.1
+"""Share that may be spent on solutions without a factor."""
+AMPLIFIED = 1e3
+"""What the square of the error of solutions, in energy, is in the transfer function: five hundred
+times as much was seen.
+"""
+FINEST = 1e-12
+"""The accuracy that solutions can reach, whatever is asked for."""
 Watch = Callable[[str], None]
-Solver = Callable[[Structure, float, str, float], Solve]
-"""x = S^-1 b for S = K + s M, from a structure, s, what errors call S, and the accuracy of x"""
 RitzModes = Callable[[int], tuple[Modes, Array]]
 """modes of the first blocks of a space, and their coordinates in it"""
-
-
-def factorized(structure: Structure, shift: float, name: str, accuracy: float) -> Solve:
-    """By a factor, which is more accurate than is asked for."""
-    beside = {"the Krylov basis": basis_bytes(structure.n_u, structure.P_C.shape[0])}
-    return factorize(structure.K + shift * structure.M, name, beside)
 
 
 class KrylovSpace:
@@ -67,8 +68,9 @@ class KrylovSpace:
     g[0] exact, and all others are made with the matrix of that shift: a rational Krylov space.
     Source: A. Ruhe, Linear Algebra Appl. 58 (1984) 391-405.
 
-    `MemoryShortageError` if a factor does not fit into the memory together with the basis that is
-    to be expected.
+    solver: makes of a shift what solves with the matrix of that shift, to an accuracy relative in
+    energy. `MemoryShortageError` if that does not fit into the memory together with the basis that
+    is to be expected.
     """
 
     def __init__(
@@ -83,7 +85,7 @@ class KrylovSpace:
         self._solve = solver(structure, shift, "the matrix of the time step", accuracy)
         self._first = self._solve(structure.loads)
         if lower is not None:
-            del self._solve  # two factors might not fit
+            del self._solve  # two might not fit
             self._solve = solver(structure, lower, "the matrix of a step for the band", accuracy)
         self._structure = structure
         self._most = min(LIMIT, available() // (REAL * structure.n_here))
@@ -91,6 +93,11 @@ class KrylovSpace:
         self.basis.extend(structure.U)
         self._ends = [RIGID]
         self._stiffness = np.zeros((0, 0))
+
+    @property
+    def inexact(self) -> bool:
+        """Whether solutions are only as accurate as was asked for."""
+        return not isinstance(self._solve, Factor)
 
     @property
     def blocks(self) -> int:
@@ -173,14 +180,10 @@ def krylov_modes(
     `MethodError` if the tolerance asks for a larger space than `LIMIT` or the memory allows.
     """
     chain, agreed = slow_chain(structure), structure.processes.agreed
-    shift, lower = (_shift(damping, band.scheme, h) for h in (band.h, band.coarsest_step))
-    space = KrylovSpace(
-        structure,
-        shift,
-        lower if shift > NARROW**2 * lower else None,
-        solver,
-        0.1 * np.sqrt(tolerance) if not fields else 0.1 * tolerance,
-    )
+    shift, lower = shifts(damping, band)
+    accuracy = solution_accuracy(tolerance, fields)
+    space = KrylovSpace(structure, shift, lower, solver, accuracy)
+    unsolved = UNSOLVED * tolerance if space.inexact else 0.0
 
     def modes_of(blocks: int) -> tuple[Modes, Array]:
         omega, Q = space.ritz(blocks)
@@ -196,7 +199,7 @@ def krylov_modes(
         turn = Q[: len(Q_before)].T @ Q_before if fields else None
         error = agreed(partial(_change, band, before, modes, turn, tolerance))
         watch(f"{space.blocks} blocks, error {error:.1e}")
-        if error <= (1.0 - PRUNED) * tolerance:
+        if error <= (1.0 - PRUNED) * tolerance - unsolved:
             break
         check = space.blocks + 1 + int(GROWTH * space.blocks)
         room = space.room
@@ -217,7 +220,23 @@ def krylov_modes(
     slow = space.with_rotation(modes, Q) if chain else None
     kept, lost = agreed(lambda: _prune(_contributions(band, modes, slow, fields), tolerance))
     modes = damped_modes(damping, modes.omega[kept], modes.phi[:, kept], modes.h_min)
-    return modes, space_shapes(space.basis, Q[:, kept]), error + lost
+    return modes, space_shapes(space.basis, Q[:, kept]), error + lost + unsolved
+
+
+def shifts(damping: Damping, band: Band) -> tuple[float, float | None]:
+    """s of the time step, and of a step for the band, None where that saves nothing."""
+    shift, lower = (_shift(damping, band.scheme, h) for h in (band.h, band.coarsest_step))
+    return shift, lower if shift > NARROW**2 * lower else None
+
+
+def solution_accuracy(tolerance: float, fields: bool) -> float:
+    """The error of solutions, in energy, that takes its share of the tolerance.
+
+    Transfer functions, which see loads where they act, err with its square; fields with itself.
+    """
+    share = UNSOLVED * tolerance
+    error = share / np.sqrt(AMPLIFIED) if fields else np.sqrt(share / AMPLIFIED)
+    return max(FINEST, float(error))
 
 
 def _with_rotation(

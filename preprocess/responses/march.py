@@ -9,8 +9,8 @@ from ...superelement.validation import Array
 from ..assembly.rigid import project
 from ..assembly.structure import Structure
 from ..body.damping import Damping
-from .damping import damping_matrix
 from ..solving.factor import factorize
+from .damping import damping_matrix
 from .static import initial_accelerations
 
 Track = Callable[[range], Iterable[int]]

@@ -9,8 +9,8 @@ from ...superelement.validation import Array
 from ..assembly.rigid import project
 from ..assembly.structure import Structure
 from ..errors import MeshError
-from .basis import Basis
 from ..solving.factor import Solve, factorize
+from .basis import Basis
 
 UNDETERMINED = 1e-3
 """Change of the compliance by one step of refinement, relative to its largest entries, that says it

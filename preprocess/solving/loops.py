@@ -6,8 +6,9 @@ numba compiles them when they are first needed, in some seconds.
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
+from itertools import pairwise
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,7 @@ WIDTH = 16
 PIECES = 4
 """pieces of work for each thread, for they take unequal times"""
 Panel = NDArray[np.float32]
+Made = TypeVar("Made")
 
 
 class Loops:
@@ -46,9 +48,15 @@ class Loops:
         return total
 
 
+def with_loops(work: Callable[[Loops], Made]) -> Made:
+    """What is made by work with loops on threads of its own."""
+    with ThreadPoolExecutor(threads()) as pool:
+        return work(Loops(pool))
+
+
 def _pieces(n_nodes: int) -> list[tuple[int, int]]:
     edges = np.linspace(0, n_nodes, PIECES * threads() + 1).astype(int).tolist()
-    return list(zip(edges[:-1], edges[1:], strict=True))
+    return list(pairwise(edges))
 
 
 def _jit(function: Callable[..., None]) -> Any:
@@ -63,20 +71,14 @@ def compiled_loops() -> SimpleNamespace:
 
     Sums over nodes, `dots` (16,), are in double precision.
 
-    multiply: Y = S P for blocks by rows, and P . Y     subtract: Y = R - S P
-    diagonal: Z = D R for a block of every node         dots: R . Z
+    multiply: Y = S P, P . Y, with blocks by rows      subtract: T = R - S X
+    gather: Y += P X                                    dots: R . Z
+    diagonal: Z = D R, R . Z, a block for every node    relax: X += weight D R
     advance: X += alpha P, R -= alpha Y                 turn: P = Z + beta P
-    smooth: X += omega D R                              add: X += E
     """
-    return SimpleNamespace(
-        **{
-            loop.__name__.lstrip("_"): _jit(loop)
-            for loop in (_multiply, _diagonal, _dots, _advance, _turn)
-        }
-    )
+    return SimpleNamespace(**{loop.__name__.lstrip("_"): _jit(loop) for loop in LOOPS})
 
 
-# ruff: noqa: ANN001, ANN202
 def _multiply(first, columns, blocks, P, Y, dots, start, stop):  # type: ignore[no-untyped-def]
     y = np.zeros((3, WIDTH), dtype=np.float32)
     for i in range(start, stop):
@@ -97,6 +99,44 @@ def _multiply(first, columns, blocks, P, Y, dots, start, stop):  # type: ignore[
                 dots[c] += np.float64(y[r, c]) * np.float64(P[i, r, c])
 
 
+def _subtract(first, columns, blocks, X, R, T, start, stop):  # type: ignore[no-untyped-def]
+    y = np.zeros((3, WIDTH), dtype=np.float32)
+    for i in range(start, stop):
+        y[:] = 0.0
+        for p in range(first[i], first[i + 1]):
+            j, a = columns[p], blocks[p]
+            a0, a1, a2 = a[0], a[1], a[2]
+            a3, a4, a5 = a[3], a[4], a[5]
+            a6, a7, a8 = a[6], a[7], a[8]
+            for c in range(WIDTH):
+                x0, x1, x2 = X[j, 0, c], X[j, 1, c], X[j, 2, c]
+                y[0, c] += a0 * x0 + a1 * x1 + a2 * x2
+                y[1, c] += a3 * x0 + a4 * x1 + a5 * x2
+                y[2, c] += a6 * x0 + a7 * x1 + a8 * x2
+        for r in range(3):
+            for c in range(WIDTH):
+                T[i, r, c] = R[i, r, c] - y[r, c]
+
+
+def _gather(first, columns, blocks, X, Y, start, stop):  # type: ignore[no-untyped-def]
+    y = np.zeros((3, WIDTH), dtype=np.float32)
+    for i in range(start, stop):
+        y[:] = 0.0
+        for p in range(first[i], first[i + 1]):
+            j, a = columns[p], blocks[p]
+            a0, a1, a2 = a[0], a[1], a[2]
+            a3, a4, a5 = a[3], a[4], a[5]
+            a6, a7, a8 = a[6], a[7], a[8]
+            for c in range(WIDTH):
+                x0, x1, x2 = X[j, 0, c], X[j, 1, c], X[j, 2, c]
+                y[0, c] += a0 * x0 + a1 * x1 + a2 * x2
+                y[1, c] += a3 * x0 + a4 * x1 + a5 * x2
+                y[2, c] += a6 * x0 + a7 * x1 + a8 * x2
+        for r in range(3):
+            for c in range(WIDTH):
+                Y[i, r, c] += y[r, c]
+
+
 def _diagonal(D, R, Z, dots, start, stop):  # type: ignore[no-untyped-def]
     for i in range(start, stop):
         d = D[i]
@@ -107,6 +147,16 @@ def _diagonal(D, R, Z, dots, start, stop):  # type: ignore[no-untyped-def]
             z2 = d[6] * r0 + d[7] * r1 + d[8] * r2
             Z[i, 0, c], Z[i, 1, c], Z[i, 2, c] = z0, z1, z2
             dots[c] += np.float64(r0 * z0 + r1 * z1 + r2 * z2)
+
+
+def _relax(weight, D, R, X, start, stop):  # type: ignore[no-untyped-def]
+    for i in range(start, stop):
+        d = D[i]
+        for c in range(WIDTH):
+            r0, r1, r2 = R[i, 0, c], R[i, 1, c], R[i, 2, c]
+            X[i, 0, c] += weight * (d[0] * r0 + d[1] * r1 + d[2] * r2)
+            X[i, 1, c] += weight * (d[3] * r0 + d[4] * r1 + d[5] * r2)
+            X[i, 2, c] += weight * (d[6] * r0 + d[7] * r1 + d[8] * r2)
 
 
 def _dots(R, Z, dots, start, stop):  # type: ignore[no-untyped-def]
@@ -129,3 +179,6 @@ def _turn(beta, Z, P, start, stop):  # type: ignore[no-untyped-def]
         for r in range(3):
             for c in range(WIDTH):
                 P[i, r, c] = Z[i, r, c] + beta[c] * P[i, r, c]
+
+
+LOOPS = (_multiply, _subtract, _gather, _diagonal, _relax, _dots, _advance, _turn)

@@ -1,4 +1,4 @@
-"""Many vectors at once, and the products of K + s M with them, in 3 by 3 blocks and single precision.
+"""Many vectors at once, and products of K + s M with them in blocks of single precision.
 
 The unknowns are taken three by three, a node each, and vectors sixteen by sixteen: a *panel* X
 (n_nodes, 3, 16) holds sixteen of them side by side, so that a block of the matrix, once it is read,
@@ -55,6 +55,13 @@ class Blocks:
         """Z = D^-1 R with the blocks D on the diagonal of S / scale; the products R . Z (16,)."""
         return loops.sum("diagonal", self.n_nodes, self.inverses, R, Z)
 
+    def ordered(self, B: Array) -> Array:
+        """The rows of B (n_u, k) in the order of the nodes (3 n_nodes, k), zeros for fillers."""
+        real = self.order < self.n_u
+        found = np.zeros((len(self.order), B.shape[1]))
+        found[real] = B[self.order[real]]
+        return found
+
     def panels(self, B: Array) -> list[Panel]:
         """The columns of B (n_u, k) in panels, zeros behind the last."""
         found = []
@@ -83,24 +90,29 @@ def in_blocks(K: Any, M: Any, shift: float) -> Blocks:
     K, M = (_filled(matrix.tocsc().T) for matrix in (K, M))
     nodes = reverse_cuthill_mckee(K[::3, ::3], symmetric_mode=True).astype(np.int64)
     order = (3 * nodes[:, None] + np.arange(3)).ravel()
-    place = np.empty(len(nodes), dtype=np.int32)
+    place = np.empty(len(nodes), dtype=np.int64)
     place[nodes] = np.arange(len(nodes))
     parts = []
     for start in range(0, len(nodes), ROWS):
         part = order[3 * start : 3 * (start + ROWS)]
         parts.append(_blocks((K[part] + shift * M[part]) / scale, place))
     counts, columns, blocks = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
-    rows = np.repeat(np.arange(len(nodes), dtype=np.int32), counts)
-    diagonal = blocks[rows == columns].reshape(-1, 3, 3).astype(np.float64)
-    inverses = np.linalg.inv(diagonal).reshape(-1, 9).astype(np.float32)
     first = np.concatenate([[0], np.cumsum(counts)])
+    inverses = diagonal_inverses(first, columns, blocks)
     return Blocks(n_u, scale, order, first, columns, blocks, inverses)
+
+
+def diagonal_inverses(first: IntArray, columns: IntArray, blocks: Panel) -> Panel:
+    """The inverses (n_nodes, 9) of the blocks on the diagonal."""
+    rows = np.repeat(np.arange(len(first) - 1, dtype=np.int32), np.diff(first))
+    diagonal = blocks[rows == columns].reshape(-1, 3, 3).astype(np.float64)
+    return np.linalg.inv(diagonal).reshape(-1, 9).astype(np.float32)
 
 
 def _blocks(rows: Any, place: IntArray) -> tuple[IntArray, IntArray, Panel]:
     """Counts (n,), columns and blocks (m, 9) of the rows of n nodes, (3 n, n_u)."""
     found = rows.tobsr((3, 3))
-    columns = place[found.indices]
+    columns = place[found.indices].astype(np.int32)
     return np.diff(found.indptr), columns, found.data.reshape(-1, 9).astype(np.float32)
 
 

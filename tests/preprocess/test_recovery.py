@@ -9,9 +9,9 @@ from duhamel.preprocess import BodyError, MethodError, assemble, build
 from duhamel.preprocess.body.body import Damping
 from duhamel.preprocess.recovery import recover
 from duhamel.preprocess.responses.band import Band
-from duhamel.preprocess.solving.factor import factorize
 from duhamel.preprocess.responses.krylov import krylov_modes
 from duhamel.preprocess.responses.modal import elastic_shapes
+from duhamel.preprocess.solving.factor import factorize
 from duhamel.preprocess.sources.reading import read_source
 from duhamel.superelement import GeneralizedAlpha, read, write
 from scipy.sparse import eye_array
