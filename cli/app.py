@@ -3,9 +3,10 @@
 Each imports its packages when called, so that `duhamel run` starts fast.
 """
 
+from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -15,6 +16,9 @@ from .arguments import HDF5, TOML, ModelFile, ResultsFile
 from .completion import files as files_of
 from .export import export
 from .failures import Commands, errors_in_one_line, one_line, unwritten
+
+if TYPE_CHECKING:
+    from ..superelement import Superelement
 
 app = typer.Typer(
     cls=Commands,
@@ -67,6 +71,16 @@ DryRun = Annotated[
     typer.Option(
         "--dry-run",
         help="Only report on the mesh and the cost, and draw it: BODY.png beside the body file.",
+    ),
+]
+Processes = Annotated[
+    int | None,
+    typer.Option(
+        "--mpi",
+        metavar="N",
+        min=1,
+        help="Spread the mesh over N processes, by MPI and PETSc: for millions of unknowns.",
+        show_default=False,
     ),
 ]
 Resume = Annotated[
@@ -141,15 +155,32 @@ def duhamel(version: Version = False) -> None:
 
 @app.command()
 def preprocess(
-    body_file: BodyFile, output: PreprocessOutput = None, dry_run: DryRun = False
+    body_file: BodyFile,
+    output: PreprocessOutput = None,
+    dry_run: DryRun = False,
+    mpi: Processes = None,
 ) -> None:
     """Turn a mesh into a superelement: BODY.h5 beside the body file, unless given."""
-    start = perf_counter()
-    from .. import files, preprocess, superelement
+    if dry_run and mpi is not None:
+        raise typer.BadParameter("--mpi goes without --dry-run")
+    from .. import preprocess
+    from .spread import run_spread, spread_build
 
     if dry_run:
         _survey(body_file, output)
-        return
+    elif mpi is not None:
+        with errors_in_one_line(preprocess):
+            run_spread(mpi, body_file, output)
+    else:
+        with errors_in_one_line(preprocess, about=body_file):
+            build = spread_build()
+        if build is not None:
+            _preprocess(body_file, output, build)
+
+
+def _preprocess(body_file: Path, output: Path | None, build: "Callable[..., Superelement]") -> None:
+    start = perf_counter()
+    from .. import files, preprocess, superelement
     from .description import loss_in_words
 
     target = output or body_file.with_suffix(".h5")
@@ -159,7 +190,7 @@ def preprocess(
         files.require_no_input(target, [body_file, *preprocess.files_of(body)])
     doubts = list(preprocess.doubts_of_body(body))
     with errors_in_one_line(preprocess, superelement, about=body_file), unwritten(target):
-        element = preprocess.build(body, progress=True, told=doubts.append)
+        element = build(body, progress=True, told=doubts.append)
     for doubt in doubts:
         typer.echo(one_line(f"warning: {body_file}: {doubt}"), err=True)
     with errors_in_one_line(superelement):

@@ -1,6 +1,7 @@
 """From a body file's contents to a superelement."""
 
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from importlib import metadata
 
@@ -8,9 +9,10 @@ import numpy as np
 
 from ..files import in_one_line
 from ..files.memory import available
-from ..superelement import Provenance, Rotation, Superelement, sha256
+from ..superelement import Modes, Provenance, Rotation, Superelement, sha256
 from .assembly.losses import lossy_parts
 from .assembly.second_order import SecondOrder, second_order
+from .assembly.source import Source
 from .assembly.structure import Structure, assemble_on
 from .body.body import Body
 from .errors import MemoryShortageError
@@ -51,13 +53,20 @@ def build(body: Body, progress: bool = False, told: Told = silent) -> Supereleme
     `PreprocessError` if the body, its mesh or its method do not allow it.
     """
     require_memory(body.impulse.steps, FEWEST * len(body.interfaces))
+    with (
+        memory_shortage_told(),
+        refused_where_singular(),
+        shown_stages(progress) as stages,
+        factorizations() as summaries,
+    ):
+        return _build(body, stages, summaries, told)
+
+
+@contextmanager
+def memory_shortage_told() -> Iterator[None]:
+    """`MemoryShortageError` with advice where the machine refuses memory."""
     try:
-        with (
-            refused_where_singular(),
-            shown_stages(progress) as stages,
-            factorizations() as summaries,
-        ):
-            return _build(body, stages, summaries, told)
+        yield
     except MemoryShortageError:
         raise
     except MemoryError as error:
@@ -71,10 +80,7 @@ def build(body: Body, progress: bool = False, told: Told = silent) -> Supereleme
 
 def _build(body: Body, stages: Stages, summaries: list[str], told: Told) -> Superelement:
     with stages.stage("mesh"):
-        source = read_source(body)
-        check_recovery(body, source)
-        for doubt in doubts_of_source(body, source):
-            told(doubt)
+        source = checked_source(body, told)
     with stages.stage("assembly"):
         structure = assemble_on(body, source)
         second = None
@@ -85,17 +91,41 @@ def _build(body: Body, stages: Stages, summaries: list[str], told: Told) -> Supe
     wide = structure.with_channels()
     with stages.stage("impulse"):
         responses = impulse_responses(wide, body, stages, parts)
-        for doubt in _doubts_of_modes(body, responses):
+        for doubt in doubts_of_modes(body, responses.modes):
             told(doubt)
+    return superelement_of(body, source, structure, second, responses, stages, summaries)
+
+
+def checked_source(body: Body, told: Told) -> Source:
+    """The source of a body, which has the fields that are to be recovered; its doubts are told."""
+    source = read_source(body)
+    check_recovery(body, source)
+    for doubt in doubts_of_source(body, source):
+        told(doubt)
+    return source
+
+
+def superelement_of(
+    body: Body,
+    source: Source,
+    structure: Structure,
+    second: SecondOrder | None,
+    responses: ImpulseResponses,
+    stages: Stages,
+    summaries: list[str],
+) -> Superelement:
+    """The superelement of a structure and its impulse responses.
+
+    second: the terms of second order, if asked for; summaries: of the libraries that solved.
+    """
     with stages.stage("static"):
         # Modes say it without another factorization; and steps start as their modes do, not as the
         # whole mesh would.
-        modes = responses.modes
-        H, B = (
-            (compliance(wide), accelerance(wide))
-            if modes is None
-            else (modes.compliance, modes.accelerance)
-        )
+        if responses.modes is None:
+            wide = structure.with_channels()
+            H, B = compliance(wide), accelerance(wide)
+        else:
+            H, B = responses.modes.compliance, responses.modes.accelerance
     channels = None
     if structure.channels is not None:
         channels = channels_of(structure.channels, structure.n_c, responses, H, B)
@@ -134,8 +164,8 @@ def _build(body: Body, stages: Stages, summaries: list[str], told: Told) -> Supe
     )
 
 
-def _doubts_of_modes(body: Body, responses: ImpulseResponses) -> Iterator[str]:
-    modes = responses.modes
+def doubts_of_modes(body: Body, modes: Modes | None) -> Iterator[str]:
+    """Doubts about a step or band that holds none of the modes."""
     if modes is not None and len(modes.omega):
         yield from doubts_of_frequencies(body, float(modes.frequencies.min()))
 

@@ -50,6 +50,7 @@ ABOUT = {
     "preprocess/plausibility": "doubts about units",
     "preprocess/survey": "the dry run",
     "preprocess/build": "body to superelement",
+    "preprocess/parallel": "the same on several processes",
     "solver/arrays": "types of arrays",
     "solver/errors": "one exception for each failure",
     "solver/compiler": "records, marks, machine code",
@@ -157,7 +158,7 @@ def room_arrows(package: str) -> list[Arrow]:
         for module, target in edges(package)
         if target[0] == package
     }
-    return sorted((a, b) for a, b in found if a != b and "__init__" not in f"{a} {b}")
+    return sorted((a, b) for a, b in found if a != b and "__" not in f"{a} {b}")
 
 
 def package_arrows() -> list[Arrow]:
@@ -177,7 +178,7 @@ def marks(package: str) -> dict[str, list[str]]:
 
 def layers(package: str) -> Layers:
     """Each room one level above the highest that it imports; sinks as high as their users allow."""
-    rooms = [f"{package}/{room}" for room in ROOMS[package] if room != "__init__"]
+    rooms = [f"{package}/{room}" for room in ROOMS[package] if "__" not in room]
     number = {room: i for i, room in enumerate(rooms)}
     arrows = [(a, b) for a, b in reduced(room_arrows(package)) if number[b] < number[a]]
     level = dict.fromkeys(rooms, 0)

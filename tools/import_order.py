@@ -47,7 +47,9 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "plausibility",
         "survey",
         "build",
+        "parallel",
         "__init__",
+        "__main__",
     ),
     "preprocess/mesh": (
         "__init__",
@@ -91,6 +93,10 @@ Edge = tuple[Module, Module]
 """a file, and one that it imports"""
 
 AGAINST_THE_ORDER: dict[Edge, str] = {
+    (
+        ("preprocess", "__main__"),
+        ("cli", "__init__"),
+    ): "python -m duhamel.preprocess is a command of the command line",
     (
         ("solver", "compiler", "build"),
         ("solver", "step", "__init__"),

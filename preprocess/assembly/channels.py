@@ -1,6 +1,6 @@
 """Load patterns and sensors as rows on the dofs of a structure, beside those of its interfaces."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -13,6 +13,7 @@ from ...superelement import Pattern, Sensor
 from ...superelement.validation import Array
 from ..body.body import Body
 from ..errors import PreprocessError
+from ..processes import ALONE, Processes
 from .rigid import RigidModes, relieve
 from .source import Source
 
@@ -32,16 +33,23 @@ class ChannelRows:
     patterns: tuple[Pattern, ...]
     sensors: tuple[Sensor, ...]
     rows: Any
-
-    @property
-    def deforming(self) -> NDArray[np.bool_]:
-        """(n,) False for patterns that only accelerate the body, whose rows are zero."""
-        return np.asarray(np.diff(self.rows.indptr) > 0)
+    deforming: NDArray[np.bool_]
+    """(n,) False for patterns that only accelerate the body, whose rows are zero"""
 
 
-def channel_rows(
-    body: Body, source: Source, T: Any, rigid: RigidModes, M: Any
-) -> ChannelRows | None:
+@dataclass(frozen=True, eq=False)
+class SelectedChannels:
+    """Patterns and sensors on the dofs of a structure, before its mass is known.
+
+    forces (n_u,) of each pattern by name; of each sensor by name its kind, its place X (3,) and the
+    rows (k, n_u), sparse, that read it.
+    """
+
+    forces: Mapping[str, Array]
+    readings: Mapping[str, tuple[str, Array, Any]]
+
+
+def selected_channels(body: Body, source: Source, T: Any) -> SelectedChannels | None:
     """The patterns and sensors of a body file; None where it has none.
 
     T (n_source, n_u): dofs of the source from those that are left once nodes follow rigid frames.
@@ -49,25 +57,39 @@ def channel_rows(
     """
     if not (body.loads or body.sensors):
         return None
-    patterns, sensors, rows = [], [], []
+    forces, readings = {}, {}
     for name, load in body.loads.items():
         with _named(source, f"loads.{name}"):
-            f = T.T @ source.forces(load)
-        resultant = rigid.A.T @ f
-        patterns.append(Pattern(name, resultant[:3], resultant[3:]))
-        rows.append(_self_equilibrated(f, rigid, M))
+            forces[name] = T.T @ source.forces(load)
     for name, sensor in body.sensors.items():
         with _named(source, f"sensors.{name}"):
             read, X = source.readings(sensor)
-        sensors.append(Sensor(name, sensor.kind, X - rigid.center))
-        rows.append(read @ T)
-    return ChannelRows(tuple(patterns), tuple(sensors), sp.vstack(rows, format="csr"))
+        readings[name] = sensor.kind, X, read @ T
+    return SelectedChannels(forces, readings)
 
 
-def _self_equilibrated(f: Array, rigid: RigidModes, M: Any) -> Any:
+def channel_rows(
+    selected: SelectedChannels, rigid: RigidModes, M: Any, processes: Processes = ALONE
+) -> ChannelRows:
+    """The channels of a body with its mass M; of several processes each has its own columns."""
+    patterns, sensors, rows = [], [], []
+    for name, f in selected.forces.items():
+        resultant = processes.total(rigid.A.T @ f)
+        patterns.append(Pattern(name, resultant[:3], resultant[3:]))
+        rows.append(_self_equilibrated(f, rigid, M, processes))
+    for name, (kind, X, read) in selected.readings.items():
+        sensors.append(Sensor(name, kind, X - rigid.center))
+        rows.append(read)
+    table = sp.vstack(rows, format="csr")
+    entries = processes.total(np.diff(table.indptr).astype(float))
+    return ChannelRows(tuple(patterns), tuple(sensors), table, entries > 0.0)
+
+
+def _self_equilibrated(f: Array, rigid: RigidModes, M: Any, processes: Processes) -> Any:
     """P^T f as one row; nothing where only its rounding is left."""
-    left = relieve(f[:, None], rigid.U, M)
-    if np.abs(left).max() <= NOTHING * np.abs(f).max():
+    left = relieve(f[:, None], rigid.U, M, processes)
+    largest, size = (processes.largest(float(np.abs(g).max(initial=0.0))) for g in (left, f))
+    if largest <= NOTHING * size:
         left[:] = 0.0
     return sp.csr_array(left.T)
 

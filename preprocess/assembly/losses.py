@@ -15,11 +15,16 @@ def lossy_parts(body: Body, source: Source, structure: Structure) -> Mapping[str
 
     What the body is stiffer by when the group is twice as stiff. Nothing where all have the same.
     """
-    losses = body.loss_factors
-    if len(set(losses.values())) == 1:
-        return {}
     parts = {}
-    for name in (name for name, loss in losses.items() if loss):
+    for name in lossy_groups(body):
         stiffer = replace(source, body=scaled(source.body, {name: 2.0}))  # type: ignore
         parts[name] = assemble_on(body, stiffer).K - structure.K
     return parts
+
+
+def lossy_groups(body: Body) -> list[str]:
+    """The groups whose materials lose energy; none where all have the same loss factor."""
+    losses = body.loss_factors
+    if len(set(losses.values())) == 1:
+        return []
+    return [name for name, loss in losses.items() if loss]

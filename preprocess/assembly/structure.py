@@ -14,7 +14,7 @@ from ..body.body import Body
 from ..errors import InterfaceError, MeshError
 from ..mesh.nodes import Nodes
 from ..processes import ALONE, Processes
-from .channels import ChannelRows, channel_rows
+from .channels import ChannelRows, channel_rows, selected_channels
 from .interfaces import Attachment, attachments
 from .masses import lumped_mass, mass_selections
 from .rigid import RigidModes, relieve, rigid_modes
@@ -116,16 +116,25 @@ class Structure:
         return self.processes.total(part)
 
 
-def assemble_on(body: Body, source: Source) -> Structure:
-    """The finite element model of a body on its source, with interfaces and masses.
+@dataclass(frozen=True, eq=False)
+class Attached:
+    """A body on its source, but for the matrices of the latter.
 
-        K_left = T^T K T,   M_left = T^T (M + sum rows^T diag(m I, J) rows) T
-
-    on the dofs that are left once nodes follow rigid frames.
+    nodes: those of the dofs that are left once nodes follow rigid frames; T (n_source, n_u) sparse:
+    the dofs of the source from them; rows (3 or 6, n_u) of each interface; lumped (n_u, n_u): the
+    masses. All else is as in `Structure`.
     """
-    # What is too large is said of the sums.
-    with np.errstate(over="ignore", invalid="ignore"):
-        K, M = source.matrices()
+
+    nodes: Nodes
+    T: Any
+    rows: Mapping[str, Any]
+    frames: Mapping[str, Attachment]
+    masses: Mapping[str, Attachment]
+    lumped: Any
+
+
+def attach(body: Body, source: Source) -> Attached:
+    """The interfaces and masses of a body on its source; `InterfaceError` as `attachments`."""
     try:
         frames = attachments("interfaces", body.interfaces, source)
         selected = attachments("masses", mass_selections(body), source)
@@ -138,30 +147,54 @@ def assemble_on(body: Body, source: Source) -> Structure:
         lumped = _symmetric(lumped_mass(body, rows, selected_rows))
     except InterfaceError as error:
         raise InterfaceError(f"{source.name}: {error}") from error
+    if nodes.n_dofs <= RIGID:
+        raise MeshError(
+            f"{source.name}: expected nodes that can move against each other, found all of them on "
+            "rigid interfaces"
+        )
+    return Attached(nodes, T, rows, frames, masses, lumped)
+
+
+def assemble_on(body: Body, source: Source) -> Structure:
+    """The finite element model of a body on its source, with interfaces and masses.
+
+        K_left = T^T K T,   M_left = T^T (M + sum rows^T diag(m I, J) rows) T
+
+    on the dofs that are left once nodes follow rigid frames.
+    """
+    # What is too large is said of the sums.
+    with np.errstate(over="ignore", invalid="ignore"):
+        K, M = source.matrices()
+    attached = attach(body, source)
+    nodes, T = attached.nodes, attached.T
     if nodes.n_dofs < source.nodes.n_dofs:
-        n_tied = RIGID * sum(frame.rigid for frame in frames.values())
+        n_tied = RIGID * sum(frame.rigid for frame in attached.frames.values())
         K = reduced(K, T, n_tied)
         M = reduced(M, T, n_tied)
-    if lumped.nnz:
-        M = M + lumped
-    _check(source.name, nodes, K, M)
+    if attached.lumped.nnz:
+        M = M + attached.lumped
+    for what, matrix in (("stiffness", K), ("mass", M)):
+        check_size(source.name, what, largest_entry(matrix.data))
     rigid = rigid_modes(nodes, M)
-    channels = channel_rows(body, source, T, rigid, M)
+    channels = selected_channels(body, source, T)
     return Structure(
         nodes=nodes,
         K=K,
         M=M,
         rigid=rigid,
-        interfaces=tuple(
-            Interface(name, frame.X - rigid.center, frame.rotates) for name, frame in frames.items()
-        ),
-        P_C=sp.vstack(list(rows.values()), format="csr"),
+        interfaces=interfaces_of(attached.frames, rigid.center),
+        P_C=sp.vstack(list(attached.rows.values()), format="csr"),
         T=T[source.nodes.displacements.ravel()],
-        frames=frames,
-        masses=masses,
-        channels=channels,
+        frames=attached.frames,
+        masses=attached.masses,
+        channels=None if channels is None else channel_rows(channels, rigid, M),
         turns=_turns(source.nodes, T),
     )
+
+
+def interfaces_of(frames: Mapping[str, Attachment], center: Array) -> tuple[Interface, ...]:
+    """The interfaces of frames, about the center of mass (3,)."""
+    return tuple(Interface(name, frame.X - center, frame.rotates) for name, frame in frames.items())
 
 
 def _turns(nodes: Nodes, T: Any) -> Any | None:
@@ -169,21 +202,18 @@ def _turns(nodes: Nodes, T: Any) -> Any | None:
     return T[(nodes.displacements + 3).ravel()] if nodes.rotations.all() else None
 
 
-def _check(name: str, nodes: Nodes, K: Any, M: Any) -> None:
-    """`MeshError` for a body that cannot deform, and for numbers without bounds."""
-    if nodes.n_dofs <= RIGID:
+def largest_entry(data: Array) -> float:
+    """The largest absolute value, without the copy that absolute values are."""
+    return max(float(data.max(initial=0.0)), -float(data.min(initial=0.0)))
+
+
+def check_size(name: str, what: str, largest: float) -> None:
+    """`MeshError` for a stiffness or mass whose largest entry has no bounds."""
+    if not largest <= LARGEST:
         raise MeshError(
-            f"{name}: expected nodes that can move against each other, found all of them on rigid "
-            "interfaces"
+            f"{name}: expected a {what} up to {LARGEST:g}, found {largest}: look at the scale "
+            "of the mesh, its sections or materials, and masses"
         )
-    for what, matrix in (("stiffness", K), ("mass", M)):
-        # Without the copy that the absolute values are.
-        largest = max(float(matrix.data.max(initial=0.0)), -float(matrix.data.min(initial=0.0)))
-        if not largest <= LARGEST:
-            raise MeshError(
-                f"{name}: expected a {what} up to {LARGEST:g}, found {largest}: look at the scale "
-                "of the mesh, its sections or materials, and masses"
-            )
 
 
 def _symmetric(matrix: Any) -> Any:

@@ -29,10 +29,9 @@ def solid_matrices(mesh: Mesh, materials: Sequence[Material], owners: IntArray) 
         K_(ia)(jb) = C_acbd int N_i,c N_j,d dV        M_(ia)(jb) = rho delta_ab int N_i N_j dV
 
     `owners` (n_elements,) is the number of each element's material in `materials`. Elements are
-    isoparametric, so that curved ones keep their geometry. `MeshError` for an inverted or
-    degenerate element.
+    isoparametric, so that curved ones keep their geometry. They must be such as `check_jacobians`
+    lets pass.
     """
-    _check_jacobians(mesh)
     blocks = pattern(mesh.elements, len(mesh.points))
     K, M = np.zeros((blocks.n_blocks, 3, 3)), np.zeros((blocks.n_blocks, 1, 1))
 
@@ -102,8 +101,11 @@ def batched(owners: IntArray, size: int) -> Iterator[tuple[int, IntArray]]:
             yield owner, rows[start : start + size]
 
 
-def _check_jacobians(mesh: Mesh) -> None:
-    """Every element must keep its orientation and volume at all points of integration."""
+def check_jacobians(mesh: Mesh) -> None:
+    """Every element must keep its orientation and volume at all points of integration.
+
+    `MeshError` names one that does not.
+    """
     lowest, relative = [], []
     for kind, cells in mesh.elements.items():
         element = solid_element(kind)

@@ -1,6 +1,6 @@
 """Meshes and their named groups."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import accumulate
 
@@ -97,6 +97,38 @@ class Mesh:
             known = ", ".join(sorted(self.groups)) or "none"
             raise MeshError(f"{self.name}: no group {name!r}; the groups of the mesh are: {known}")
         return self.groups[name]
+
+    def part(self, numbers: IntArray, groups: Iterable[str]) -> tuple["Mesh", IntArray]:
+        """Some of the elements, ascending, in some of the groups, on the points (n,) that they use.
+
+        Groups keep elements alone.
+        """
+        rows = {
+            kind: numbers[(first <= numbers) & (numbers < first + len(self.cells[kind]))] - first
+            for kind, first in self.first.items()
+        }
+        rows = {kind: chosen for kind, chosen in rows.items() if len(chosen)}
+        used = np.zeros(len(self.points), dtype=np.bool_)
+        for kind, chosen in rows.items():
+            used[self.cells[kind][chosen]] = True
+        new_row = np.cumsum(used) - 1
+
+        def remaining(group: Group) -> Group:
+            inside = {
+                kind: np.flatnonzero(np.isin(chosen, group.cells[kind]))
+                for kind, chosen in rows.items()
+                if kind in group.cells
+            }
+            return Group({kind: found for kind, found in inside.items() if len(found)}, NONE)
+
+        part = Mesh(
+            name=self.name,
+            points=self.points[used],
+            cells={kind: new_row[self.cells[kind][chosen]] for kind, chosen in rows.items()},
+            groups={name: remaining(self.groups[name]) for name in groups},
+            body_types=tuple(rows),
+        )
+        return part, np.flatnonzero(used)
 
     def without_loose_nodes(self) -> "Mesh":
         """The mesh without points that belong to no element, and without cells on such points.

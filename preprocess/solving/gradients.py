@@ -97,7 +97,7 @@ class ConjugateGradients:
             step = _ratio(remaining, S.multiply(P, Y, loops))
             loops.run("advance", S.n_nodes, step, P, Y, X, R)
             gains.append(step * remaining)
-            energy, left = np.sum(gains, axis=0), _left(gains)
+            energy, left = np.sum(gains, axis=0), energy_left(gains)
             if (left <= np.maximum(enough, relative * energy)).all():
                 trusted = np.maximum(left, (SAFETY * SINGLE) ** 2 * energy)
                 return _Found(X, energy, trusted, len(gains))
@@ -133,7 +133,7 @@ def _left(gains: list[Array]) -> Array:
         return np.where(gains[-1] > 0.0, np.inf, 0.0)
     last = np.sum(gains[-window:], axis=0)
     one = np.sum(gains[-2 * window : -window], axis=0)
-    rate = np.minimum(np.divide(last, one, out=np.zeros(WIDTH), where=one > 0.0), SLOWEST)
+    rate = np.minimum(np.divide(last, one, out=np.zeros_like(one), where=one > 0.0), SLOWEST)
     left: Array = last * rate / (1.0 - rate)
     return left
 

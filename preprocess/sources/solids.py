@@ -1,7 +1,7 @@
 """Bodies of solids: a mesh of solid elements with materials."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -26,7 +26,7 @@ from ..body.selection import InterfaceSelection
 from ..body.sensors import SensorPoint
 from ..elements.location import locate
 from ..elements.sampling import displacement_rows, point_strain_rows
-from ..elements.solid import solid_matrices, volumes
+from ..elements.solid import check_jacobians, solid_matrices, volumes
 from ..elements.solid_force import pressure_forces, traction_forces, volume_forces
 from ..elements.solid_second import SolidTensors
 from ..elements.strain import strain_rows
@@ -76,10 +76,24 @@ class SolidSource:
         return assign(self.mesh, self.body.material, self.body.materials, "materials")
 
     def matrices(self) -> tuple[Any, Any]:
+        self.check()
+        return self.sums()
+
+    def check(self) -> None:
+        """`PreprocessError` unless the elements have materials and are one free elastic body."""
         check_connected(self.mesh)
-        K, M = solid_matrices(self.mesh, self.materials.values, self.materials.owners)
+        _ = self.materials
+        check_jacobians(self.mesh)
         check_no_mechanism(self.mesh, self.facets)
-        return K, M
+
+    def sums(self) -> tuple[Any, Any]:
+        """K and M (n_u, n_u) of elements that are known to be sound."""
+        return solid_matrices(self.mesh, self.materials.values, self.materials.owners)
+
+    def part(self, elements: IntArray) -> tuple["SolidSource", IntArray]:
+        """Some of the elements (n,) with their materials, and their points among all."""
+        mesh, points = self.mesh.part(elements, self.body.materials)
+        return replace(self, mesh=mesh), points
 
     def tensors(self, M: Any, center: Array) -> SolidTensors:
         return SolidTensors(
