@@ -1,5 +1,8 @@
 """Fields of the mesh from modal coordinates: displacements and stresses of the modes."""
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 
 from ..superelement import Recovery
@@ -11,9 +14,7 @@ from .errors import MethodError
 from .responses.shapes import Shapes
 
 BATCH = 2**10
-"""Points at which stresses are made at once, lest strains and stresses of all of them take memory
-twice.
-"""
+"""Points at which fields are made at once, lest rows and strains of all of them take memory too."""
 
 
 def check_recovery(body: Body, source: Source) -> None:
@@ -41,19 +42,23 @@ def recover(body: Body, source: Source, structure: Structure, shapes: Shapes) ->
     of the structure.
     """
     points = source.field_points(body.recovery is not None and body.recovery.stress)
-    dofs = (3 * points.nodes[:, None] + np.arange(3)).ravel()
-    phi = shapes(structure.T[dofs]).reshape(len(points.nodes), 3, -1)
     X = source.nodes.points[points.nodes] - structure.rigid.center
-    turns = _rotations(points, structure, shapes)
+    phi = _at_points(points, structure.T, shapes)
+    turns = None if structure.turns is None else _at_points(points, structure.turns, shapes)
     return Recovery(X, points.cells, phi, _stresses(points, structure, shapes), turns)
 
 
-def _rotations(points: FieldPoints, structure: Structure, shapes: Shapes) -> Array | None:
-    """Small rotations (p, 3, m) of modes at nodes with six dofs; None of solids."""
-    if structure.turns is None:
-        return None
-    dofs = (3 * points.nodes[:, None] + np.arange(3)).ravel()
-    return shapes(structure.turns[dofs]).reshape(len(points.nodes), 3, -1)
+def _at_points(points: FieldPoints, T: Any, shapes: Shapes) -> Array:
+    """Three dofs of the nodes of all points (p, 3, m), which are T (3 n, n_u) of the structure's.
+
+    Small rotations of nodes with six dofs, or displacements.
+    """
+
+    def batch(part: slice) -> Array:
+        dofs = (3 * points.nodes[part, None] + np.arange(3)).ravel()
+        return shapes(T[dofs]).reshape(part.stop - part.start, 3, -1)
+
+    return _filled(points, batch)
 
 
 def _stresses(points: FieldPoints, structure: Structure, shapes: Shapes) -> Array | None:
@@ -61,12 +66,25 @@ def _stresses(points: FieldPoints, structure: Structure, shapes: Shapes) -> Arra
 
     Order: `STRESSES`.
     """
-    if points.strains is None or points.C is None or points.owners is None:
+    strains, C, owners = points.strains, points.C, points.owners
+    if strains is None or C is None or owners is None:
         return None
-    rows = (points.strains @ structure.T).tocsr()
-    batches = []
-    for first in range(0, len(points.nodes), BATCH):
-        owners = points.owners[first : first + BATCH]
-        strains = shapes(rows[6 * first : 6 * (first + len(owners))]).reshape(len(owners), 6, -1)
-        batches.append(points.C[owners] @ strains)
-    return np.concatenate(batches)
+
+    def batch(part: slice) -> Array:
+        rows = strains[6 * part.start : 6 * part.stop] @ structure.T
+        at_points: Array = C[owners[part]] @ shapes(rows).reshape(part.stop - part.start, 6, -1)
+        return at_points
+
+    return _filled(points, batch)
+
+
+def _filled(points: FieldPoints, batch: Callable[[slice], Array]) -> Array:
+    """Fields (p, k, m) of all points, BATCH points at a time."""
+    n = len(points.nodes)
+    first = batch(slice(0, min(BATCH, n)))
+    fields = np.empty((n, *first.shape[1:]))
+    fields[:BATCH] = first
+    for start in range(BATCH, n, BATCH):
+        fields[start : start + BATCH] = batch(slice(start, min(start + BATCH, n)))
+    fields.flags.writeable = False  # so that the recovery keeps it without a copy
+    return fields

@@ -10,11 +10,40 @@ from ..files import hdf5
 from .validation import Array, SuperelementError, check_shape, checked
 
 Value = TypeVar("Value", str, int)
+CHUNK = 1 << 20
+"""bytes of a chunk, no more than HDF5 keeps at hand; what is no larger is written as it is"""
 
 
 def put(parent: h5py.Group, name: str, data: Any, units: str) -> None:
     """Write a dataset with its units."""
     parent.create_dataset(name, data=data).attrs["units"] = units
+
+
+def put_large(parent: h5py.Group, name: str, data: Any, units: str = "", kind: Any = None) -> None:
+    """Write a dataset, in chunks of rows and compressed where it is large.
+
+    Without loss, by shuffled bytes and gzip, which every HDF5 library reads. kind: the type in the
+    file, if that is not the type of the data, which is then converted chunk by chunk.
+    """
+    kind = data.dtype if kind is None else np.dtype(kind)
+    row = kind.itemsize * max(1, data[:1].size)
+    if row * len(data) <= CHUNK:
+        found = parent.create_dataset(name, data=data.astype(kind, copy=False))
+    else:
+        chunks = (max(1, CHUNK // row), *data.shape[1:])
+        found = parent.create_dataset(
+            name,
+            data.shape,
+            kind,
+            chunks=chunks,
+            shuffle=True,
+            compression="gzip",
+            compression_opts=1,
+        )
+        for part in found.iter_chunks():
+            found[part] = data[part].astype(kind)
+    if units:
+        found.attrs["units"] = units
 
 
 def group(file: h5py.Group, name: str) -> h5py.Group:

@@ -28,6 +28,7 @@ from .fields import (
     numbers,
     pair,
     put,
+    put_large,
     rank,
     scalar,
     text,
@@ -221,15 +222,15 @@ def _put_chain(parent: h5py.Group, chain: Chain) -> None:
 
 
 def _put_recovery(parent: h5py.Group, recovery: Recovery) -> None:
-    put(parent, "points", recovery.points, "m")
-    parent.create_dataset("cells", data=recovery.cells)
+    put_large(parent, "points", recovery.points, "m")
+    put_large(parent, "cells", recovery.cells)
     # Modes are right to 1e-6 or so: single precision, 6e-8, halves what takes nearly all of the
     # file.
-    put(parent, "phi", recovery.phi.astype(np.float32), "1/sqrt(kg)")
+    put_large(parent, "phi", recovery.phi, "1/sqrt(kg)", np.float32)
     if recovery.stress is not None:
-        put(parent, "stress", recovery.stress.astype(np.float32), "Pa/(m sqrt(kg))")
+        put_large(parent, "stress", recovery.stress, "Pa/(m sqrt(kg))", np.float32)
     if recovery.phi_rotation is not None:
-        put(parent, "phi_rotation", recovery.phi_rotation.astype(np.float32), "1/(sqrt(kg) m)")
+        put_large(parent, "phi_rotation", recovery.phi_rotation, "1/(sqrt(kg) m)", np.float32)
 
 
 def _put_outline(file: h5py.File, outline: Outline, recovery: Recovery | None) -> None:
@@ -239,10 +240,10 @@ def _put_outline(file: h5py.File, outline: Outline, recovery: Recovery | None) -
         if recovery is not None and np.array_equal(data, getattr(recovery, name)):
             parent[name] = file[f"recovery/{name}"]
         else:
-            parent.create_dataset(name, data=data)
+            put_large(parent, name, data)
     parent["points"].attrs["units"] = "m"
     if outline.node is not None:
-        parent.create_dataset("node", data=outline.node)
+        put_large(parent, "node", outline.node)
 
 
 def _put_provenance(parent: h5py.Group, source: Provenance) -> None:

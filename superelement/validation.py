@@ -38,6 +38,19 @@ def checked(name: str, value: Any, shape: Sequence[int | str]) -> Array:
             f"{name}: expected real numbers of shape {_text(shape)}, found complex ones"
         )
     check_shape(name, array.shape, shape)
+    if not _within_bounds(array):
+        _require_bounds(name, array)
+    array.flags.writeable = False
+    return array
+
+
+def _within_bounds(array: Array) -> bool:
+    """Whether all magnitudes are numbers up to LARGEST; no array is made for it."""
+    return bool(array.min(initial=0.0) >= -LARGEST and array.max(initial=0.0) <= LARGEST)
+
+
+def _require_bounds(name: str, array: Array) -> None:
+    """`SuperelementError` that says what is not finite or too large."""
     if not np.isfinite(array).all():
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         position = f" at index {where}" if where else ""
@@ -46,8 +59,6 @@ def checked(name: str, value: Any, shape: Sequence[int | str]) -> Array:
         raise SuperelementError(
             f"{name}: expected magnitudes up to {LARGEST:g}, found {array[too_large][0]}"
         )
-    array.flags.writeable = False
-    return array
 
 
 def check_shape(name: str, found: Sequence[int], shape: Sequence[int | str]) -> None:

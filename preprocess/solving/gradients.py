@@ -126,8 +126,8 @@ def _ratio(a: Array, b: Array) -> Panel:
     return found.astype(np.float32)
 
 
-def _left(gains: list[Array]) -> Array:
-    """What is left of the energy of every vector (16,), by the rate of the last gains."""
+def energy_left(gains: list[Array]) -> Array:
+    """The square of the error in energy (k,) that is left, by the rate of the last gains."""
     window = max(WINDOW, len(gains) // 6)
     if len(gains) < 2 * window:
         return np.where(gains[-1] > 0.0, np.inf, 0.0)

@@ -258,3 +258,30 @@ def test_fields_of_krylov_modes_err_by_no_more_than_the_tolerance(solid_body, bo
     true, stated = errors(fields=True)
     assert true <= stated <= tolerance
     assert errors(fields=False)[0] > tolerance
+
+
+def test_batches_of_points_change_nothing(solid_body, box, monkeypatch):
+    """Displacements and stresses of several modes, of all points at once and of a few at a time."""
+    body = solid_body(box("tetra10", divisions=(3, 2, 2)), recovery=STRESS)
+    structure, source = assemble(body), read_source(body)
+    modes = np.random.default_rng(0).normal(size=(structure.n_u, 4))
+    whole = recover(body, source, structure, lambda rows: rows @ modes)
+    monkeypatch.setattr("duhamel.preprocess.recovery.BATCH", 7)
+    assert len(whole.points) % 7
+    parts = recover(body, source, structure, lambda rows: rows @ modes)
+    np.testing.assert_array_equal(parts.phi, whole.phi)
+    np.testing.assert_allclose(parts.stress, whole.stress, rtol=1e-12, atol=1e-3)
+    dofs = 3 * source.field_points(True).nodes[:, None] + np.arange(3)
+    np.testing.assert_array_equal(whole.phi, (structure.T @ modes)[dofs])
+
+
+def test_batches_of_nodes_with_rotations_change_nothing(beam_body, beam, monkeypatch):
+    body = beam_body(beam(9), recovery={})
+    structure, source = assemble(body), read_source(body)
+    modes = np.random.default_rng(0).normal(size=(structure.n_u, 3))
+    whole = recover(body, source, structure, lambda rows: rows @ modes)
+    monkeypatch.setattr("duhamel.preprocess.recovery.BATCH", 4)
+    parts = recover(body, source, structure, lambda rows: rows @ modes)
+    np.testing.assert_array_equal(parts.phi, whole.phi)
+    np.testing.assert_array_equal(parts.phi_rotation, whole.phi_rotation)
+    assert parts.stress is None

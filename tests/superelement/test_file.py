@@ -14,6 +14,7 @@ from duhamel.superelement import (
     GeneralizedAlpha,
     Interface,
     Modes,
+    Outline,
     Provenance,
     Recovery,
     Superelement,
@@ -23,6 +24,7 @@ from duhamel.superelement import (
     sha256,
     write,
 )
+from duhamel.superelement.fields import CHUNK
 
 from .rotations import any_rotation
 
@@ -171,6 +173,45 @@ def test_a_recovery_is_kept_to_single_precision_and_read_only_if_wanted(path):
             getattr(read(path).recovery, name), getattr(fine, name), rtol=2.0**-24
         )
     assert_identical(read(path, recovery=False), replace(element, recovery=None))
+
+
+def large_surface(element: Superelement) -> Superelement:
+    """One whose fields take some chunks, and whose last chunk is not full."""
+    rng = np.random.default_rng(0)
+    m = element.recovery.phi.shape[2]
+    p = 2 * CHUNK // (12 * m) + 1
+
+    def singles(k: int) -> np.ndarray:
+        return rng.normal(size=(p, k, m)).astype(np.float32).astype(float)
+
+    cells = rng.integers(-1, p, (p, 6))
+    recovery = Recovery(rng.normal(size=(p, 3)), cells, singles(3), singles(6), singles(3))
+    outline = Outline(rng.normal(size=(p, 3)), np.maximum(cells, 0))
+    return replace(element, recovery=recovery, outline=outline)
+
+
+def test_large_fields_are_compressed_without_loss(path):
+    element = large_surface(any_element(4))
+    write(path, element)
+    assert_identical(read(path), element)
+    with h5py.File(path) as file:
+        for name in ("phi", "stress", "phi_rotation", "cells"):
+            dataset = file["recovery"][name]
+            assert (dataset.compression, dataset.shuffle) == ("gzip", True)
+            assert dataset.id.get_storage_size() < dataset.nbytes
+            assert len(list(dataset.iter_chunks())) > 1
+            assert np.prod(dataset.chunks) * dataset.dtype.itemsize <= CHUNK
+        assert file["outline/cells"].compression == "gzip"
+
+
+def test_fields_that_are_not_compressed_are_read(path, monkeypatch):
+    """As files have them that were written before."""
+    element = large_surface(any_element(4))
+    monkeypatch.setattr("duhamel.superelement.fields.CHUNK", 1 << 40)
+    write(path, element)
+    with h5py.File(path) as file:
+        assert file["recovery/stress"].chunks is None
+    assert_identical(read(path), element)
 
 
 def test_the_same_superelement_gives_the_same_file(make_element, tmp_path):
