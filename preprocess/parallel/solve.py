@@ -60,7 +60,8 @@ class ConjugateGradients:
             P += Z
         raise NotConvergedError(
             f"{self._name}: {MOST} steps of conjugate gradients are not enough: the body is a "
-            'mechanism, its elements far too flat, or the step too long; try impulse.solver = "factor"'
+            "mechanism, its elements far too flat, or the step too long; try "
+            'impulse.solver = "factor"'
         )
 
     def _dots(self, A: Array, B: Array) -> Array:

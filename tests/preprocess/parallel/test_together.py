@@ -10,8 +10,12 @@ from .mpi import PREPROCESS, run
 
 pytest.importorskip("petsc4py")
 
-EXACT = {"tolerance = 1e-5": "tolerance = 1e-9"}
-"""Solutions err by a tenth of the tolerance, and what is compared by less."""
+EXACT = {'method = "krylov"': 'method = "krylov"\nsolver = "factor"'}
+"""Solutions are exact but for rounding."""
+INEXACT = {
+    "[recovery]\nstress = true\n": "",
+    'method = "krylov"': 'method = "krylov"\nsolver = "iterative"',
+}
 LOSSY = EXACT | {
     "E = 2.1e11": "loss_factor = 0.02\nE = 2.1e11",
     "[recovery]\nstress = true\n": "[damping]\nband = [10, 10000]\n",
@@ -30,8 +34,8 @@ def made(bar):
             target = body_file.with_name(f"{processes}.h5")
             done = run(processes, *PREPROCESS, str(body_file), "-o", str(target))
             assert done.returncode == 0, done.stderr
-            assert done.stdout.startswith(f"{target}: 12 dofs, ")
-            assert len(done.stdout.splitlines()) == 1
+            (last,) = [line for line in done.stdout.splitlines() if "loss factor" not in line]
+            assert last.startswith(f"{target}: 12 dofs, ")
             elements[processes] = read(target)
         return elements
 
@@ -86,7 +90,7 @@ def test_kernels_compliance_and_accelerance_are_the_same(exact, one, other):
 def test_modes_in_the_band_are_the_same(exact, one, other):
     a, b = exact[one].modes, exact[other].modes
     inside = b.frequencies < 10_000.0
-    assert inside.sum() >= 6
+    assert inside.sum() >= 3
     np.testing.assert_allclose(a.omega[: inside.sum()], b.omega[inside], rtol=1e-9)
 
 
@@ -102,7 +106,8 @@ def test_fields_at_rest_are_the_same(exact, one, other):
 
     for name in ("phi", "stress"):
         found, expected = (at_rest(e, getattr(e.recovery, name)) for e in (a, b))
-        close(found, expected, np.abs(expected).max(axis=0), tolerance=1e-8)
+        # Kernels, the same to 1e-12, differ by the square of what fields do.
+        close(found, expected, np.abs(expected).max(axis=0), tolerance=1e-6)
 
 
 @PAIRS
@@ -124,7 +129,7 @@ def test_patterns_and_sensors_are_the_same(exact, one, other):
 
 
 def test_outlines_are_the_same(exact):
-    np.testing.assert_array_equal(exact[2].outline.facets, exact[0].outline.facets)
+    np.testing.assert_array_equal(exact[2].outline.cells, exact[0].outline.cells)
     close(exact[2].outline.points, exact[0].outline.points, tolerance=1e-13)
 
 
@@ -138,7 +143,7 @@ def test_materials_of_different_loss_damp_modes_alike(lossy):
 
 
 def test_with_inexact_solutions_transfer_functions_agree_to_the_tolerance(made):
-    found = made({"[recovery]\nstress = true\n": ""}, (1, 2))
+    found = made(INEXACT, (1, 2))
     kernel = found[0].kernel
     band = Band(kernel.h, kernel.scheme, kernel.steps, kernel.band)
     for processes in (1, 2):
@@ -148,6 +153,6 @@ def test_with_inexact_solutions_transfer_functions_agree_to_the_tolerance(made):
 
 def test_the_file_says_what_made_it(exact):
     provenance = exact[2].provenance
-    assert (provenance.method, provenance.tolerance) == ("krylov", 1e-9)
-    assert "PETSc" in provenance.versions["factorization"]
+    assert (provenance.method, provenance.tolerance) == ("krylov", 1e-5)
+    assert provenance.versions["factorization"].startswith("mumps, PETSc 3.")
     assert set(provenance.timings) == {"mesh", "assembly", "impulse", "static", "recovery"}
