@@ -164,11 +164,13 @@ def _rotation(survey: Survey) -> Iterator[Row]:
 
 def _cost(survey: Survey) -> Iterator[Row]:
     if survey.cost is not None:
-        seconds, gigabytes = survey.cost.seconds, survey.cost.bytes / 1e9
-        yield (
-            "to expect",
-            f"about {seconds:.2g} s and {gigabytes:.2g} GB for {survey.body.impulse.steps} steps",
+        ways = {"factor": "with a factor", "iterative": "without a factor"}
+        costs = {"factor": survey.cost.factor, "iterative": survey.cost.iterative}
+        chosen, other = (
+            f"{costs[way].seconds:.2g} s and {costs[way].bytes / 1e9:.2g} GB {ways[way]}"
+            for way in (survey.cost.solver, survey.cost.other)
         )
+        yield "to expect", f"about {chosen}, for {survey.body.impulse.steps} steps; {other}"
 
 
 def _doubts(survey: Survey) -> Iterator[Row]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from .assembly.interfaces import Attachment
 from .assembly.source import MeshSource, Resolution, Share
 from .assembly.structure import Structure, assemble_on
 from .body.body import Body
+from .body.loss import damping_of
 from .estimate import Frequencies, first_frequencies
 from .mesh.facets import Facets
 from .mesh.mesh import IntArray, Mesh
@@ -21,8 +23,11 @@ from .plausibility import (
     refused_where_singular,
 )
 from .progress import shown_stages
+from .responses.impulse import band_of
+from .responses.krylov import shifts, solution_accuracy
 from .responses.modal import SMALL
 from .solving.cost import Cost, krylov_cost
+from .solving.solver import costs
 from .sources.lines import LineSource
 from .sources.reading import read_mesh_source
 
@@ -30,12 +35,26 @@ SHOWN = 10
 """Frequencies that a survey looks for."""
 
 
+@dataclass(frozen=True)
+class BuildCost:
+    """What a build costs with a factor, and without; solver: which it is to be."""
+
+    factor: Cost
+    iterative: Cost
+    solver: Literal["factor", "iterative"]
+
+    @property
+    def other(self) -> Literal["factor", "iterative"]:
+        """What is not the solver."""
+        return "iterative" if self.solver == "factor" else "factor"
+
+
 @dataclass(frozen=True, eq=False)
 class Survey:
     """A body on its mesh: matrices, shares of its materials or sections, and what to expect of it.
 
     doubts: what is unlike any part, a line each. band [Hz]: up to where impulse responses are asked
-    to be right. cost: time and memory of bodies that take a while, None for others.
+    to be right. cost: of bodies that take a while, None for others.
     """
 
     body: Body
@@ -46,7 +65,7 @@ class Survey:
     resolution: Resolution
     doubts: tuple[str, ...]
     band: float
-    cost: Cost | None
+    cost: BuildCost | None
 
     @property
     def mesh(self) -> Mesh:
@@ -119,9 +138,17 @@ def survey(body: Body, progress: bool = False) -> Survey:
     )
 
 
-def _cost(body: Body, structure: Structure) -> Cost | None:
+def _cost(body: Body, structure: Structure) -> BuildCost | None:
     """Time and memory of the method for large bodies; None for small ones and other methods."""
-    if body.impulse.method in ("modal", "march") or structure.n_u <= SMALL:
+    impulse = body.impulse
+    if impulse.method in ("modal", "march") or structure.n_u <= SMALL:
         return None
-    n_c = structure.with_channels().P_C.shape[0]
-    return krylov_cost(structure.n_u, structure.K.nnz, n_c, body.impulse.steps)
+    wide, (shift, lower) = structure.with_channels(), shifts(damping_of(body), band_of(body))
+    accuracy = solution_accuracy(impulse.tolerance, fields=body.recovery is not None)
+    solutions = costs(wide, lower or shift, accuracy)
+    factor, iterative = (
+        krylov_cost(wide.n_u, wide.K.nnz, wide.P_C.shape[0], impulse.steps, each)
+        for each in (solutions.factor, solutions.iterative)
+    )
+    chosen = solutions.cheaper if impulse.solver == "auto" else impulse.solver
+    return BuildCost(factor, iterative, chosen)

@@ -36,6 +36,7 @@ from .selection import InterfaceSelection, Selection
 from .sensors import SensorPoint
 
 Method = Literal["auto", "modal", "march", "krylov", "craig-bampton", "rubin"]
+Solver = Literal["auto", "factor", "iterative"]
 TRUNCATED: tuple[Method, ...] = ("craig-bampton", "rubin")
 """methods of as many modes as are asked for"""
 SHORTEST, LONGEST_STEP = 1e-30, 1e6
@@ -111,7 +112,8 @@ class Impulse(Table):
     the full model, "auto" the one of the first two that fits the size. tolerance: the relative
     error of the transfer function up to `band` [Hz], half the Nyquist frequency unless given, that
     "krylov" may make; "modal" and "march" make none. "craig-bampton" and "rubin" take `modes`, the
-    number of them, and the error follows from it.
+    number of them, and the error follows from it. solver: "krylov" solves with the matrices of time
+    steps by a "factor", by conjugate gradients ("iterative"), or by what takes less time ("auto").
     """
 
     step: PositiveFloat
@@ -121,6 +123,7 @@ class Impulse(Table):
     tolerance: PositiveFloat = 1e-6
     band: PositiveFloat | None = None
     modes: PositiveInt | None = None
+    solver: Solver = "auto"
 
     @model_validator(mode="after")
     def _of_this_world(self) -> Self:
@@ -140,6 +143,14 @@ class Impulse(Table):
             raise ValueError(
                 "band: expected at most the Nyquist frequency of the step, "
                 f"{0.5 / self.step:g} Hz, found {self.band:g}"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _solver_of_its_method(self) -> Self:
+        if "solver" in self.model_fields_set and self.method not in ("auto", "krylov"):
+            raise ValueError(
+                f"solver: expected only with method krylov, found it with {self.method}"
             )
         return self
 

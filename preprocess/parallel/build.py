@@ -70,7 +70,7 @@ def _build(
     with stages.stage("impulse"):
         wide = structure.with_channels()
         ranks.in_first(lambda: require_memory(body.impulse.steps, wide.P_C.shape[0]))
-        solver = spread_solver(ranks, "auto")
+        solver = spread_solver(ranks, body.impulse.solver)
         modes, shapes, error = krylov_found(wide, body, stages, parts, solver)
     if source is None or numbering is None:
         answer(shapes, ranks)

@@ -8,8 +8,10 @@ from petsc4py import PETSc
 
 from ...superelement.validation import Array
 from ..assembly.structure import Structure
+from ..body.body import Solver as Kind
 from ..errors import MeshError, MethodError
-from ..solving.factor import Solve
+from ..solving.factor import ACCURATE, Factor, Solve, note
+from ..solving.gradients import SAFETY, energy_left
 from ..solving.solver import Solver
 from .matrices import SpreadMass, SpreadMatrix
 from .ranks import Ranks
@@ -17,20 +19,23 @@ from .ranks import Ranks
 MOST = 5000
 """Steps of conjugate gradients; a body that needs more is left to the factor."""
 
+PETSC = "PETSc " + ".".join(map(str, PETSc.Sys.getVersion()))
 
-class NotConvergedError(Exception):
+
+class NotConvergedError(MethodError):
     """Conjugate gradients that do not reach their accuracy in `MOST` steps."""
 
 
 class ConjugateGradients:
-    """x = solve(b) with |b - S x| <= accuracy |b| in the norm of D^-1, for the own rows b (n, k).
+    """x = solve(b) with S x = b to an accuracy relative in energy, x^T S x; own rows b (n, k).
 
     All columns at once, with D, the diagonal of S, as preconditioner: so the number of processes
     changes rounding alone. Source: M. R. Hestenes, E. Stiefel, J. Res. Nat. Bur. Standards 49
     (1952) 409-436. Raises `NotConvergedError`.
     """
 
-    def __init__(self, structure: Structure, shift: float, accuracy: float) -> None:
+    def __init__(self, structure: Structure, shift: float, name: str, accuracy: float) -> None:
+        self._name = f"{name} ({structure.n_u} unknowns)"
         self._K, self._M, self._shift = structure.K, structure.M, shift
         self._total, self._accuracy = structure.total, accuracy
         self._inverse = 1.0 / (self._K.diagonal() + shift * self._M.diagonal())[:, None]
@@ -38,20 +43,26 @@ class ConjugateGradients:
     def __call__(self, b: Array) -> Array:
         R = np.array(b.reshape(len(b), -1), order="F")
         X, P = np.zeros_like(R), self._inverse * R
-        left = self._dots(R, P)
-        enough = self._accuracy**2 * left
-        for _ in range(MOST):
-            if (left <= enough).all():
-                return X.reshape(b.shape, order="F")
+        remaining = self._dots(R, P)
+        gains: list[Array] = []
+        while len(gains) < MOST:
             Y = self._K @ P + self._shift * (self._M @ P)
-            step = _ratio(left, self._dots(P, Y))
+            step = _ratio(remaining, self._dots(P, Y))
             X += step * P
             R -= step * Y
+            gains.append(step * remaining)
+            enough = (SAFETY * self._accuracy) ** 2 * np.sum(gains, axis=0)
+            if (energy_left(gains) <= enough).all():
+                return X.reshape(b.shape, order="F")
             Z = self._inverse * R
-            before, left = left, self._dots(R, Z)
-            P *= _ratio(left, before)
+            before, remaining = remaining, self._dots(R, Z)
+            P *= _ratio(remaining, before)
             P += Z
-        raise NotConvergedError
+        raise NotConvergedError(
+            f"{self._name}: {MOST} steps of conjugate gradients are not enough: the body is a "
+            "mechanism, its elements far too flat, or the step too long; try "
+            'impulse.solver = "factor"'
+        )
 
     def _dots(self, A: Array, B: Array) -> Array:
         return self._total(np.einsum("ik,ik->k", A, B))
@@ -62,11 +73,32 @@ def _ratio(a: Array, b: Array) -> Array:
     return np.divide(a, b, out=np.zeros_like(a), where=b > 0.0)
 
 
-class Factor:
-    """x = solve(b) by the factor L L^T of S that MUMPS makes, for the own rows b (n, k).
+def factorized(structure: Structure, shift: float, name: str, ranks: Ranks) -> Factor:
+    """The factor L L^T of S by MUMPS.
 
-    `MeshError` if S is not positive definite, `MethodError` if MUMPS cannot factorize it.
+        |S x - b| <= 1e-10 |b|
+
+    holds for a random b. `MeshError` if S is not positive definite, `MethodError` if MUMPS cannot
+    factorize it, or is not so accurate.
     """
+    solve = _Mumps(structure.K, structure.M, shift, name, ranks)
+    b = np.random.default_rng(ranks.comm.rank).standard_normal(len(structure.U))
+    x = solve(b)
+    left = structure.K @ x + shift * (structure.M @ x) - b
+    left_squared, squared = structure.total(np.array([left @ left, b @ b]))
+    residual = float(np.sqrt(left_squared / squared))
+    if not residual <= ACCURATE:
+        raise MethodError(
+            f"{name} ({structure.n_u} unknowns) could not be factorized: mumps: relative residual "
+            f"{residual:.1e}, expected {ACCURATE:g} at most"
+        )
+    factor = Factor(solve, f"mumps, {PETSC}", residual)
+    note(factor.summary)
+    return factor
+
+
+class _Mumps:
+    """x = solve(b) by the factor that MUMPS makes, for the own rows b (n,) or (n, k)."""
 
     def __init__(self, K: SpreadMatrix, M: SpreadMass, shift: float, name: str, ranks: Ranks):
         self._comm, self._shape = ranks.comm, K.shape
@@ -116,7 +148,7 @@ class Factor:
         return dense
 
 
-def spread_solver(ranks: Ranks, choice: str) -> Solver:
+def spread_solver(ranks: Ranks, kind: Kind) -> Solver:
     """The solver that a body file names by impulse.solver.
 
     "auto": conjugate gradients, and the factor where they do not converge.
@@ -124,12 +156,13 @@ def spread_solver(ranks: Ranks, choice: str) -> Solver:
 
     def solver(structure: Structure, shift: float, name: str, accuracy: float) -> Solve:
         def factor() -> Solve:
-            return Factor(structure.K, structure.M, shift, name, ranks)
+            return factorized(structure, shift, name, ranks)
 
-        if choice == "factor":
+        if kind == "factor":
             return factor()
-        iterative = ConjugateGradients(structure, shift, accuracy)
-        return _Patient(iterative, factor) if choice == "auto" else iterative
+        note(f"conjugate gradients, {PETSC}")
+        iterative = ConjugateGradients(structure, shift, name, accuracy)
+        return _Patient(iterative, factor) if kind == "auto" else iterative
 
     return solver
 

@@ -10,7 +10,7 @@ from ..body.body import Body
 from ..body.loss import damping_of
 from ..memory import require
 from ..progress import Stages
-from ..solving.solver import Solver, factorized
+from ..solving.solver import Solver, solver_of
 from .band import Band
 from .krylov import krylov_modes
 from .losses import with_losses
@@ -84,10 +84,14 @@ def krylov_found(
     body: Body,
     stages: Stages,
     parts: Mapping[str, Any] | None,
-    solver: Solver = factorized,
+    solver: Solver | None = None,
 ) -> tuple[Modes, Shapes, float]:
-    """The modes that the method krylov finds, their shapes, and their error."""
-    band, tolerance, fields = _band(body), body.impulse.tolerance, body.recovery is not None
+    """The modes that the method krylov finds, their shapes, and their error.
+
+    solver: another than the body asks for.
+    """
+    solver = solver or solver_of(body.impulse.solver)
+    band, tolerance, fields = band_of(body), body.impulse.tolerance, body.recovery is not None
     modes, shapes, error = krylov_modes(
         structure, damping_of(body), band, tolerance, stages.report, fields, solver
     )
@@ -96,12 +100,12 @@ def krylov_found(
 
 def krylov_responses(body: Body, modes: Modes, shapes: Shapes, error: float) -> ImpulseResponses:
     """The impulse responses of modes that the method krylov has found."""
-    band = _band(body)
+    band = band_of(body)
     kernel = sample_kernel(modes, band.h, band.scheme, band.steps, error, band.limit)
     return ImpulseResponses("krylov", kernel, modes, shapes, body.impulse.tolerance)
 
 
-def _band(body: Body) -> Band:
+def band_of(body: Body) -> Band:
     """The band in which the modes of the method krylov are to be right."""
     impulse = body.impulse
     scheme, limit = GeneralizedAlpha(impulse.rho_inf), impulse.band or 0.25 / impulse.step

@@ -15,6 +15,7 @@ from ..body.damping import Damping, Rayleigh
 from ..errors import MethodError
 from ..mesh.mesh import IntArray
 from ..solving.cost import REAL, WORK
+from ..solving.factor import Factor
 from ..solving.solver import Solver, factorized
 from .band import Band
 from .basis import Basis
@@ -37,10 +38,16 @@ NARROW = 4.0
 """Of a band by so much narrower than that of the step, a second factorization saves more blocks
 than it costs.
 """
-INEXACT = 0.1
-"""Share of the error that solutions may make."""
 PRUNED = 0.1
 """Share of the tolerance that may be spent on leaving out modes."""
+UNSOLVED = 0.1
+"""Share that may be spent on solutions without a factor."""
+AMPLIFIED = 1e3
+"""What the square of the error of solutions, in energy, is in the transfer function: five hundred
+times as much was seen.
+"""
+FINEST = 1e-12
+"""The accuracy that solutions can reach, whatever is asked for."""
 Watch = Callable[[str], None]
 RitzModes = Callable[[int], tuple[Modes, Array]]
 """modes of the first blocks of a space, and their coordinates in it"""
@@ -59,10 +66,11 @@ class KrylovSpace:
     Every block sees waves travel for one step, so low frequencies take many where steps are far
     finer than they need. With a second, `lower` shift the first block is as before, which makes
     g[0] exact, and all others are made with the matrix of that shift: a rational Krylov space.
-    Source: A. Ruhe, Linear Algebra Appl. 58 (1984) 391-405. accuracy: of the solutions with S.
+    Source: A. Ruhe, Linear Algebra Appl. 58 (1984) 391-405.
 
-    `MemoryShortageError` if a factor does not fit into the memory together with the basis that is
-    to be expected.
+    solver: makes of a shift what solves with the matrix of that shift, to an accuracy relative in
+    energy. `MemoryShortageError` if that does not fit into the memory together with the basis that
+    is to be expected.
     """
 
     def __init__(
@@ -77,7 +85,7 @@ class KrylovSpace:
         self._solve = solver(structure, shift, "the matrix of the time step", accuracy)
         self._first = self._solve(structure.loads)
         if lower is not None:
-            del self._solve  # two factors might not fit
+            del self._solve  # two might not fit
             self._solve = solver(structure, lower, "the matrix of a step for the band", accuracy)
         self._structure = structure
         self._most = min(LIMIT, available() // (REAL * structure.n_here))
@@ -85,6 +93,11 @@ class KrylovSpace:
         self.basis.extend(structure.U)
         self._ends = [RIGID]
         self._stiffness = np.zeros((0, 0))
+
+    @property
+    def inexact(self) -> bool:
+        """Whether solutions are only as accurate as was asked for."""
+        return not isinstance(self._solve, Factor)
 
     @property
     def blocks(self) -> int:
@@ -167,11 +180,10 @@ def krylov_modes(
     `MethodError` if the tolerance asks for a larger space than `LIMIT` or the memory allows.
     """
     chain, agreed = slow_chain(structure), structure.processes.agreed
-    shift, lower = (_shift(damping, band.scheme, h) for h in (band.h, band.coarsest_step))
-    # Kernels err with the square of what the space errs by.
-    accuracy = INEXACT * (tolerance if fields else float(np.sqrt(tolerance)))
-    narrow = lower if shift > NARROW**2 * lower else None
-    space = KrylovSpace(structure, shift, narrow, solver, accuracy)
+    shift, lower = shifts(damping, band)
+    accuracy = solution_accuracy(tolerance, fields)
+    space = KrylovSpace(structure, shift, lower, solver, accuracy)
+    unsolved = UNSOLVED * tolerance if space.inexact else 0.0
 
     def modes_of(blocks: int) -> tuple[Modes, Array]:
         omega, Q = space.ritz(blocks)
@@ -187,7 +199,7 @@ def krylov_modes(
         turn = Q[: len(Q_before)].T @ Q_before if fields else None
         error = agreed(partial(_change, band, before, modes, turn, tolerance))
         watch(f"{space.blocks} blocks, error {error:.1e}")
-        if error <= (1.0 - PRUNED) * tolerance:
+        if error <= (1.0 - PRUNED) * tolerance - unsolved:
             break
         check = space.blocks + 1 + int(GROWTH * space.blocks)
         room = space.room
@@ -208,7 +220,23 @@ def krylov_modes(
     slow = space.with_rotation(modes, Q) if chain else None
     kept, lost = agreed(lambda: _prune(_contributions(band, modes, slow, fields), tolerance))
     modes = damped_modes(damping, modes.omega[kept], modes.phi[:, kept], modes.h_min)
-    return modes, space_shapes(space.basis, Q[:, kept]), error + lost
+    return modes, space_shapes(space.basis, Q[:, kept]), error + lost + unsolved
+
+
+def shifts(damping: Damping, band: Band) -> tuple[float, float | None]:
+    """s of the time step, and of a step for the band, None where that saves nothing."""
+    shift, lower = (_shift(damping, band.scheme, h) for h in (band.h, band.coarsest_step))
+    return shift, lower if shift > NARROW**2 * lower else None
+
+
+def solution_accuracy(tolerance: float, fields: bool) -> float:
+    """The error of solutions, in energy, that takes its share of the tolerance.
+
+    Transfer functions, which see loads where they act, err with its square; fields with itself.
+    """
+    share = UNSOLVED * tolerance
+    error = share / np.sqrt(AMPLIFIED) if fields else np.sqrt(share / AMPLIFIED)
+    return max(FINEST, float(error))
 
 
 def _with_rotation(

@@ -1,5 +1,6 @@
 """Time and memory of a build from sizes alone: formulas fitted to measurements."""
 
+import math
 from dataclasses import dataclass
 
 from ..threads import threads
@@ -15,6 +16,18 @@ PRODUCT_RATE = 5e9
 """
 ASSEMBLY_RATE = 5e6
 """Entries of K and M that are assembled per second."""
+BLOCK_RATE = 25e9
+"""Operations of products with panels, in single precision, per second and thread."""
+STREAM_RATE = 10e9
+"""Bytes that loops over panels read and write per second and thread."""
+SETUP_RATE = 6e6
+"""Entries of a matrix that multigrid is made of per second."""
+PANEL = 64
+"""Bytes that sixteen vectors of single precision have for an unknown."""
+FEW = 90
+"""Steps of conjugate gradients up to which they are quicker than fewer ones with multigrid."""
+CYCLES = 3.6
+"""Steps with multigrid that reduce the error to a tenth."""
 ENTRY = 12
 """Bytes of an entry of a sparse matrix, with its row."""
 REAL = 8
@@ -56,24 +69,57 @@ def basis_bytes(n_u: int, n_c: int, blocks: int = BLOCKS) -> float:
     return float(REAL * n_u * (6 + n_c * (blocks + WORK)))
 
 
-def krylov_cost(n_u: int, nnz: int, n_c: int, steps: int, blocks: int = BLOCKS) -> Cost:
-    """The cost of a build with n_c interface dofs, `steps` steps and `blocks` blocks of Krylov
-    vectors.
+def factor_cost(n_u: int, nnz: int, n_c: int, blocks: int = BLOCKS) -> Cost:
+    """The cost of `blocks` solutions of n_c vectors by a factor, with the factor.
 
-    Bytes are those of K, M and K + s M, the factor, the basis and the kernels; seconds those of
-    assembly, factorization, 4 nnz(L) operations for each vector that is solved for, and 4 n_u r^2
-    for r vectors made orthogonal. Bars of 107 000 and 285 000 unknowns took within a fifth of that
-    after the factorization.
+    A solution takes 4 nnz(L) operations for each vector; bytes are those of K + s M and the factor.
+    """
+    factorization = factorization_cost(n_u, nnz)
+    solutions = 4.0 * _entries(n_u) * n_c * blocks / SOLVE_RATE
+    return Cost(factorization.seconds + solutions, factorization.bytes + ENTRY * nnz)
+
+
+def gradient_steps(condition: float, accuracy: float) -> float:
+    """Steps of conjugate gradients for a condition: sqrt(condition) / 2 log(2 / accuracy)."""
+    return 0.5 * math.sqrt(condition) * math.log(2.0 / accuracy)
+
+
+def gradient_cost(
+    n_u: int, nnz: int, n_c: int, condition: float, accuracy: float, blocks: int = BLOCKS
+) -> Cost:
+    """The cost of `blocks` solutions of n_c vectors by conjugate gradients.
+
+    A step is one product with panels of sixteen vectors and loops that go thirteen times through
+    one; a step with multigrid is as much as seven products and forty such loops. Bytes are those of
+    the blocks and of seven panels; multigrid takes as much again for its levels, and twice the
+    blocks while it is made.
+    """
+    panels = math.ceil(n_c / 16)
+    product, loop = 32.0 * nnz / BLOCK_RATE / threads(), PANEL * n_u / STREAM_RATE / threads()
+    steps, memory = gradient_steps(condition, accuracy), 4.5 * nnz + 7.0 * PANEL * n_u
+    if steps <= FEW:
+        return Cost(blocks * panels * steps * (product + 13.0 * loop), memory)
+    steps = CYCLES * math.log10(1.0 / accuracy)
+    seconds = blocks * panels * steps * (7.0 * product + 40.0 * loop)
+    return Cost(seconds + nnz / SETUP_RATE, memory + 13.5 * nnz)
+
+
+def krylov_cost(
+    n_u: int, nnz: int, n_c: int, steps: int, solutions: Cost, blocks: int = BLOCKS
+) -> Cost:
+    """The cost of a build with n_c interface dofs, `steps` steps and `blocks` blocks of Krylov
+    vectors, whose solutions cost as much as is given.
+
+    Bytes are those of K and M, the solutions, the basis and the kernels; seconds those of assembly
+    and solutions, and 4 n_u r^2 operations for r vectors made orthogonal. Bars of 107 000 and
+    285 000 unknowns took within a fifth of that after the factorization.
     """
     vectors = 6 + n_c * blocks
-    factorization = factorization_cost(n_u, nnz)
-    solves = 4.0 * _entries(n_u) * n_c * blocks / SOLVE_RATE
     products = 4.0 * n_u * vectors**2 / PRODUCT_RATE
-    matrices = 3.0 * ENTRY * nnz
     kernels = 4.0 * REAL * n_c**2 * steps
     return Cost(
-        nnz / ASSEMBLY_RATE + factorization.seconds + solves + products,
-        matrices + factorization.bytes + basis_bytes(n_u, n_c, blocks) + kernels,
+        nnz / ASSEMBLY_RATE + solutions.seconds + products,
+        2.0 * ENTRY * nnz + solutions.bytes + basis_bytes(n_u, n_c, blocks) + kernels,
     )
 
 

@@ -51,9 +51,14 @@ class Factor:
 _summaries: ContextVar[list[str]] = ContextVar("_summaries")
 
 
+def note(summary: str) -> None:
+    """Tell `factorizations` how something was solved."""
+    _summaries.get([]).append(summary)
+
+
 @contextmanager
 def factorizations() -> Iterator[list[str]]:
-    """The summaries of the factorizations made inside, in their order."""
+    """The summaries of what was factorized, or solved without, inside, in their order."""
     summaries: list[str] = []
     token = _summaries.set(summaries)
     try:
@@ -87,7 +92,7 @@ def factorize(matrix: Any, name: str, beside: Mapping[str, float] = NOTHING) -> 
         residual = _residual(A, solve)
         if residual <= ACCURATE:
             factor = Factor(solve, backend, residual, tuple(failures))
-            _summaries.get([]).append(factor.summary)
+            note(factor.summary)
             return factor
         failures.append(
             f"{backend}: relative residual {residual:.1e}, expected {ACCURATE:g} at most"

@@ -1,16 +1,111 @@
-"""What solves with the matrices of time steps."""
+"""The choice between a factor and conjugate gradients, for the matrices of time steps."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Literal
 
+import numpy as np
+
+from ...files.memory import available
+from ...superelement.validation import Array
 from ..assembly.structure import Structure
-from .cost import basis_bytes
-from .factor import Solve, factorize
+from ..body.body import Solver as Kind
+from ..memory import require
+from .cost import FEW, Cost, basis_bytes, factor_cost, gradient_cost, gradient_steps
+from .factor import COARSER, Solve, factorize, note
+from .gradients import ConjugateGradients
+from .loops import with_loops
+from .multigrid import Multigrid
+from .panels import in_blocks
 
 Solver = Callable[[Structure, float, str, float], Solve]
 """x = S^-1 b for S = K + s M, from a structure, s, what errors call S, and the accuracy of x"""
+LARGEST = 3.0
+"""The largest eigenvalue of D^-1 S, about."""
+
+
+def solver_of(kind: Kind) -> Solver:
+    """The solver that a body file names, or for "auto" the one that costs less."""
+    match kind:
+        case "factor":
+            return factorized
+        case "iterative":
+            return iterated
+        case "auto":
+            return cheaper
 
 
 def factorized(structure: Structure, shift: float, name: str, accuracy: float) -> Solve:
     """By a factor, which is more accurate than is asked for."""
-    beside = {"the Krylov basis": basis_bytes(structure.n_u, structure.P_C.shape[0])}
-    return factorize(structure.K + shift * structure.M, name, beside)
+    return factorize(structure.K + shift * structure.M, name, _basis(structure))
+
+
+def iterated(structure: Structure, shift: float, name: str, accuracy: float) -> Solve:
+    """By conjugate gradients, with multigrid where they would take many steps without."""
+    K, M = structure.K, structure.M
+    what = f"solving with {name} ({structure.n_u} unknowns) without a factor"
+    require({what: costs(structure, shift, accuracy).iterative.bytes, **_basis(structure)}, COARSER)
+    blocks = in_blocks(K, M, shift)
+    precondition = None
+    if gradient_steps(condition(structure, shift), accuracy) > FEW:
+        precondition = with_loops(partial(Multigrid, blocks, structure.U))
+    note("conjugate gradients" + (" with multigrid" if precondition else ""))
+    return ConjugateGradients(name, blocks, partial(_product, K, M, shift), accuracy, precondition)
+
+
+def cheaper(structure: Structure, shift: float, name: str, accuracy: float) -> Solve:
+    """By whichever takes less time, among those that memory has room for."""
+    kind = costs(structure, shift, accuracy).cheaper
+    return solver_of(kind)(structure, shift, name, accuracy)
+
+
+@dataclass(frozen=True)
+class Costs:
+    """What the solutions of a build cost with a factor and without, and the room for them."""
+
+    factor: Cost
+    iterative: Cost
+    room: float
+
+    @property
+    def cheaper(self) -> Literal["factor", "iterative"]:
+        """Whichever takes less time, among those that there is room for."""
+        quick = self.factor.seconds <= self.iterative.seconds
+        if self.factor.bytes > self.room:
+            return "iterative"
+        return "factor" if quick or self.iterative.bytes > self.room else "iterative"
+
+
+def costs(structure: Structure, shift: float, accuracy: float) -> Costs:
+    """The costs for a structure; the room is what memory has left beside the basis."""
+    sizes = structure.n_u, structure.K.nnz, structure.P_C.shape[0]
+    return Costs(
+        factor_cost(*sizes),
+        gradient_cost(*sizes, condition(structure, shift), accuracy),
+        available() - sum(_basis(structure).values()),
+    )
+
+
+def condition(structure: Structure, shift: float) -> float:
+    """About the condition of D^-1 S, D being the diagonal of S = K + s M.
+
+        lambda_max max (U^T D U) / s
+
+    for rigid motions U, which S leaves s of and nothing less; lambda_max is about 3 for all
+    elements.
+    """
+    D = structure.K.diagonal() + shift * structure.M.diagonal()
+    weight = structure.total(structure.U.T @ (D[:, None] * structure.U))
+    return LARGEST * float(np.linalg.eigvalsh(weight)[-1]) / shift
+
+
+def _product(K: Any, M: Any, shift: float, X: Array) -> Array:
+    """S X in double precision."""
+    found: Array = K @ X + shift * (M @ X)
+    return found
+
+
+def _basis(structure: Structure) -> dict[str, float]:
+    """What is to fit into the memory beside the solutions."""
+    return {"the Krylov basis": basis_bytes(structure.n_u, structure.P_C.shape[0])}

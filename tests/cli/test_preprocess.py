@@ -111,6 +111,27 @@ def test_a_missing_folder_for_the_result_is_one_line_on_stderr(runner, body_file
     assert result.stderr.splitlines()[-1] == f"error: {target}: no folder {target.parent}"
 
 
+def test_processes_without_mpi_are_one_line_that_says_what_to_install(
+    runner, body_file, monkeypatch
+):
+    monkeypatch.setattr(
+        "duhamel.preprocess.parallel.start.find_spec", lambda name: None if "mpi" in name else True
+    )
+    result = runner.invoke(app, ["preprocess", str(body_file), "--mpi", "2"])
+    assert result.exit_code == 1
+    assert result.stderr == (
+        "error: MPI: expected mpi4py and petsc4py, found no mpi4py: pip install 'duhamel[mpi]' "
+        "brings them for Python 3.12 and later on Linux (x86-64)\n"
+    )
+    assert list(body_file.parent.glob("*.h5")) == []
+
+
+def test_a_dry_run_is_of_one_process(runner, body_file):
+    result = runner.invoke(app, ["preprocess", str(body_file), "--mpi", "2", "--dry-run"])
+    assert result.exit_code == 2
+    assert "--mpi goes without --dry-run" in result.output
+
+
 def test_a_dry_run_tells_and_draws_and_writes_no_superelement(runner, body_file):
     result = runner.invoke(app, ["preprocess", str(body_file), "--dry-run"])
     assert result.exit_code == 0, result.output

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 from duhamel.preprocess import MeshError, MethodError, assemble, build
 from duhamel.preprocess.body.body import Damping
 from duhamel.preprocess.responses.band import Band
@@ -14,6 +15,7 @@ from duhamel.preprocess.responses.damping import damping_ratios
 from duhamel.preprocess.responses.krylov import KrylovSpace, krylov_modes
 from duhamel.preprocess.responses.march import march_kernel
 from duhamel.preprocess.responses.modal import elastic_modes, elastic_shapes
+from duhamel.preprocess.solving.solver import iterated
 from duhamel.superelement import GeneralizedAlpha, Modes, sample_kernel
 
 NONE = Damping()
@@ -414,3 +416,30 @@ def test_a_mechanism_is_told(beam_body, beam, section):
         krylov_modes(
             structure, NONE, half_nyquist(1e-4, GeneralizedAlpha(0.9)), 1e-6, lambda text: None
         )
+
+
+# Without a factor
+
+
+@pytest.mark.parametrize("fields", [False, True])
+@pytest.mark.parametrize("h", [2e-6, 1e-5, 6e-5])
+def test_the_stated_error_holds_without_a_factor(solid_body, box, h, fields):
+    """Solutions are only as accurate as the tolerance needs; its share is in the stated error."""
+    structure = assemble(solid_body(box("tetra10", (0.3, 0.1, 0.05), (6, 2, 1))))
+    tolerance = 1e-5
+    band = half_nyquist(h, GeneralizedAlpha(0.9))
+    exact, better = elastic_shapes(structure, NONE)
+    modes, shapes, stated = krylov_modes(
+        structure, NONE, band, tolerance, lambda text: None, fields, iterated
+    )
+    true = band.error(modes, exact)
+    if fields:
+        everywhere = sp.eye_array(structure.n_u, format="csr")
+        turn = better(everywhere).T @ (structure.M @ shapes(everywhere))
+        true = max(true, band.field_error(modes, exact, turn))
+    assert 0.1 * tolerance <= stated <= tolerance
+    assert true <= stated
+    np.testing.assert_allclose(modes.omega[:6], exact.omega[:6], rtol=1e-6)
+    np.testing.assert_allclose(
+        modes.compliance, exact.compliance, atol=1e-6 * np.abs(exact.compliance).max()
+    )

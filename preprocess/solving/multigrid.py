@@ -1,0 +1,149 @@
+"""Algebraic multigrid by smoothed aggregation, as a preconditioner of panels."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.linalg import cho_factor, cho_solve
+
+from ...superelement.validation import Array
+from ..mesh.mesh import IntArray
+from .loops import WIDTH, Loops, Panel
+from .panels import Blocks, diagonal_inverses
+
+COARSEST = 600
+"""Unknowns of a level that is solved by a dense factor."""
+SWEEPS = 2
+"""Sweeps of the smoother before and after the correction of a coarser level."""
+SMOOTHED = 4.0
+"""Part of the spectrum that the smoother is to damp: from its end to that end divided by this."""
+POWERS = 12
+"""Products that the largest eigenvalue is found by, of sixteen random vectors at once."""
+MARGIN = 1.05
+"""What they may have missed of it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """A sparse matrix by rows of blocks of 3 by 3: first, columns, blocks as in `Blocks`."""
+
+    first: IntArray
+    columns: IntArray
+    blocks: Panel
+
+    @property
+    def rows(self) -> int:
+        return len(self.first) - 1
+
+
+@dataclass(frozen=True, eq=False)
+class Level:
+    """A level: its matrix, the weights of its smoother, and the way to the next coarser one.
+
+    prolong (n, n_coarse): P, of which restrict is the transpose.
+    """
+
+    S: Blocks
+    weights: tuple[float, ...]
+    prolong: Table
+    restrict: Table
+
+
+class Multigrid:
+    """Z = T R by one V-cycle, symmetric and positive definite, for S (n_u, n_u) in blocks.
+
+    The aggregates and their prolongation, which hold the rigid motions U (n_u, 6) of every
+    aggregate, are PyAMG's; cycles run on panels. A sweep of the smoother is one of Jacobi with the
+    blocks on the diagonal, its weights the inverse zeros of Chebyshev's polynomial on the upper
+    part of the spectrum. Source: P. Vanek, J. Mandel, M. Brezina, Computing 56 (1996) 179-196;
+    M. Adams et al., J. Comput. Phys. 188 (2003) 593-610.
+    """
+
+    def __init__(self, S: Blocks, U: Array, loops: Loops) -> None:
+        import pyamg
+
+        A = sp.bsr_matrix((S.blocks.reshape(-1, 3, 3), S.columns, S.first))
+        A.sort_indices()
+        hierarchy = pyamg.smoothed_aggregation_solver(
+            A,
+            B=S.ordered(U).astype(np.float32),
+            symmetry="symmetric",
+            strength=("symmetric", {"theta": 0.0}),
+            improve_candidates=None,
+            presmoother=None,
+            postsmoother=None,
+            coarse_solver=None,
+            max_coarse=COARSEST,
+        )
+        self._levels = []
+        for number, level in enumerate(hierarchy.levels[:-1]):
+            blocks = S if number == 0 else _blocks(level.A)
+            weights = _weights(_largest_eigenvalue(blocks, loops))
+            self._levels.append(Level(blocks, weights, _table(level.P), _table(level.P.T)))
+        coarsest = hierarchy.levels[-1].A.toarray().astype(np.float64)
+        self._factor = cho_factor(0.5 * (coarsest + coarsest.T))
+
+    def __call__(self, R: Panel, Z: Panel, loops: Loops) -> Array:
+        self._cycle(0, R, Z, loops)
+        return loops.sum("dots", len(R), R, Z)
+
+    def _cycle(self, number: int, R: Panel, Z: Panel, loops: Loops) -> None:
+        if number == len(self._levels):
+            Z[:] = cho_solve(self._factor, R.reshape(-1, WIDTH)).reshape(Z.shape)
+            return
+        level = self._levels[number]
+        S, n, T = level.S, level.S.n_nodes, np.empty_like(R)
+        Z[:] = 0.0
+        for sweep, weight in enumerate(level.weights):
+            left = R if sweep == 0 else T
+            if sweep:
+                loops.run("subtract", n, S.first, S.columns, S.blocks, Z, R, T)
+            loops.run("relax", n, np.float32(weight), S.inverses, left, Z)
+        loops.run("subtract", n, S.first, S.columns, S.blocks, Z, R, T)
+        coarse = np.zeros((level.restrict.rows, 3, WIDTH), dtype=np.float32)
+        _add_product(level.restrict, T, coarse, loops)
+        correction = np.empty_like(coarse)
+        self._cycle(number + 1, coarse, correction, loops)
+        _add_product(level.prolong, correction, Z, loops)
+        for weight in reversed(level.weights):
+            loops.run("subtract", n, S.first, S.columns, S.blocks, Z, R, T)
+            loops.run("relax", n, np.float32(weight), S.inverses, T, Z)
+
+
+def _add_product(table: Table, X: Panel, Y: Panel, loops: Loops) -> None:
+    loops.run("gather", table.rows, table.first, table.columns, table.blocks, X, Y)
+
+
+def _weights(largest: float) -> tuple[float, ...]:
+    """The inverse zeros of Chebyshev's polynomial on [largest / SMOOTHED, largest]."""
+    middle, half = 0.5 * largest * (1.0 + 1.0 / SMOOTHED), 0.5 * largest * (1.0 - 1.0 / SMOOTHED)
+    zeros = middle + half * np.cos(np.pi * (np.arange(SWEEPS) + 0.5) / SWEEPS)
+    return tuple((1.0 / zeros).tolist())
+
+
+def _largest_eigenvalue(S: Blocks, loops: Loops) -> float:
+    """That of D^-1 S, by powers."""
+    rng = np.random.default_rng(0)
+    X = rng.standard_normal((S.n_nodes, 3, WIDTH), dtype=np.float32)
+    Y, Z = np.empty_like(X), np.empty_like(X)
+    largest = 0.0
+    for _ in range(POWERS):
+        S.multiply(X, Y, loops)
+        energy = S.solve_diagonal(Y, Z, loops)  # X^T S D^-1 S X
+        largest = float(np.max(energy / loops.sum("dots", S.n_nodes, X, Y)))
+        X, Z = Z / np.float32(np.abs(Z).max()), X
+    return MARGIN * largest
+
+
+def _table(matrix: Any) -> Table:
+    found = matrix.tocsr().tobsr((3, 3))
+    blocks = np.ascontiguousarray(found.data.reshape(-1, 9), dtype=np.float32)
+    return Table(found.indptr.astype(np.int64), found.indices.astype(np.int32), blocks)
+
+
+def _blocks(matrix: Any) -> Blocks:
+    table = _table(matrix)
+    inverses = diagonal_inverses(table.first, table.columns, table.blocks)
+    order = np.arange(3 * table.rows)
+    return Blocks(len(order), 1.0, order, table.first, table.columns, table.blocks, inverses)

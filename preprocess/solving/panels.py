@@ -1,0 +1,124 @@
+"""Many vectors at once, and products of K + s M with them in blocks of single precision.
+
+The unknowns are taken three by three, a node each, and vectors sixteen by sixteen: a *panel* X
+(n_nodes, 3, 16) holds sixteen of them side by side, so that a block of the matrix, once it is read,
+serves all of them in vector registers.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+from ...superelement.validation import Array
+from ..mesh.mesh import IntArray
+from .loops import WIDTH, Loops, Panel
+
+ROWS = 2**13
+"""nodes whose rows are put into blocks at once"""
+
+
+@dataclass(frozen=True, eq=False)
+class Blocks:
+    """S = K + s M (n_u, n_u) in blocks of 3 by 3, of single precision, all of them: both halves.
+
+    scale: the mean of its diagonal, by which the blocks are divided.
+
+    Nodes are put into the order of Cuthill and McKee, so that neighbors are near in memory:
+    order (n_u,), the unknown that each row stands for, the last up to two being fillers of an n_u
+    that is no multiple of 3. first (n_nodes + 1,), columns (n_blocks,), blocks (n_blocks, 9);
+    inverses (n_nodes, 9) of the blocks on the diagonal.
+
+    With the symmetric half a product would read half as much, and write to rows of other threads;
+    with sixteen vectors, arithmetic takes as long as reading.
+    """
+
+    n_u: int
+    scale: float
+    order: IntArray
+    first: IntArray
+    columns: IntArray
+    blocks: Panel
+    inverses: Panel
+
+    @property
+    def n_nodes(self) -> int:
+        return len(self.first) - 1
+
+    def multiply(self, P: Panel, Y: Panel, loops: Loops) -> Array:
+        """Y = S P / scale; the products P . Y (16,)."""
+        return loops.sum("multiply", self.n_nodes, self.first, self.columns, self.blocks, P, Y)
+
+    def solve_diagonal(self, R: Panel, Z: Panel, loops: Loops) -> Array:
+        """Z = D^-1 R with the blocks D on the diagonal of S / scale; the products R . Z (16,)."""
+        return loops.sum("diagonal", self.n_nodes, self.inverses, R, Z)
+
+    def ordered(self, B: Array) -> Array:
+        """The rows of B (n_u, k) in the order of the nodes (3 n_nodes, k), zeros for fillers."""
+        real = self.order < self.n_u
+        found = np.zeros((len(self.order), B.shape[1]))
+        found[real] = B[self.order[real]]
+        return found
+
+    def panels(self, B: Array) -> list[Panel]:
+        """The columns of B (n_u, k) in panels, zeros behind the last."""
+        found = []
+        for start in range(0, B.shape[1], WIDTH):
+            part = B[:, start : start + WIDTH]
+            panel = np.zeros((3 * self.n_nodes, WIDTH), dtype=np.float32)
+            real = self.order < self.n_u
+            panel[real, : part.shape[1]] = part[self.order[real]]
+            found.append(panel.reshape(-1, 3, WIDTH))
+        return found
+
+    def vectors(self, panels: list[Panel], k: int) -> Array:
+        """The columns (n_u, k) of panels."""
+        X = np.empty((3 * self.n_nodes, k))
+        for number, panel in enumerate(panels):
+            part = X[:, WIDTH * number : WIDTH * (number + 1)]
+            part[self.order] = panel.reshape(-1, WIDTH)[:, : part.shape[1]]
+        return X[: self.n_u]
+
+
+def in_blocks(K: Any, M: Any, shift: float) -> Blocks:
+    """K + shift M, symmetric and sparse, in blocks; never whole in double precision."""
+    n_u = K.shape[0]
+    scale = float(np.mean(K.diagonal() + shift * M.diagonal()))
+    # A symmetric matrix by columns is the same by rows.
+    K, M = (_filled(matrix.tocsc().T) for matrix in (K, M))
+    nodes = reverse_cuthill_mckee(K[::3, ::3], symmetric_mode=True).astype(np.int64)
+    order = (3 * nodes[:, None] + np.arange(3)).ravel()
+    place = np.empty(len(nodes), dtype=np.int64)
+    place[nodes] = np.arange(len(nodes))
+    parts = []
+    for start in range(0, len(nodes), ROWS):
+        part = order[3 * start : 3 * (start + ROWS)]
+        parts.append(_blocks((K[part] + shift * M[part]) / scale, place))
+    counts, columns, blocks = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+    first = np.concatenate([[0], np.cumsum(counts)])
+    inverses = diagonal_inverses(first, columns, blocks)
+    return Blocks(n_u, scale, order, first, columns, blocks, inverses)
+
+
+def diagonal_inverses(first: IntArray, columns: IntArray, blocks: Panel) -> Panel:
+    """The inverses (n_nodes, 9) of the blocks on the diagonal."""
+    rows = np.repeat(np.arange(len(first) - 1, dtype=np.int32), np.diff(first))
+    diagonal = blocks[rows == columns].reshape(-1, 3, 3).astype(np.float64)
+    return np.linalg.inv(diagonal).reshape(-1, 9).astype(np.float32)
+
+
+def _blocks(rows: Any, place: IntArray) -> tuple[IntArray, IntArray, Panel]:
+    """Counts (n,), columns and blocks (m, 9) of the rows of n nodes, (3 n, n_u)."""
+    found = rows.tobsr((3, 3))
+    columns = place[found.indices].astype(np.int32)
+    return np.diff(found.indptr), columns, found.data.reshape(-1, 9).astype(np.float32)
+
+
+def _filled(matrix: Any) -> Any:
+    """A matrix with rows and columns of the identity behind it, to a multiple of three."""
+    missing = -matrix.shape[0] % 3
+    if not missing:
+        return matrix
+    return sp.block_diag([matrix, sp.eye_array(missing)], format="csr")

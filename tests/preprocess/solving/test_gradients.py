@@ -1,0 +1,114 @@
+"""Solutions without a factor beside those with one."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from duhamel.preprocess import MethodError, assemble
+from duhamel.preprocess.solving.factor import factorize
+from duhamel.preprocess.solving.gradients import MOST, ConjugateGradients
+from duhamel.preprocess.solving.loops import WIDTH, with_loops
+from duhamel.preprocess.solving.multigrid import Multigrid
+from duhamel.preprocess.solving.panels import in_blocks
+from duhamel.preprocess.solving.solver import condition, factorized, iterated
+from duhamel.superelement import GeneralizedAlpha
+
+SCHEME = GeneralizedAlpha(0.9)
+
+
+def energy(S, x):
+    return np.sqrt(np.einsum("ik,ik->k", x, S @ x))
+
+
+def error(structure, shift, solve, b):
+    """The relative error of solutions in energy (k,)."""
+    S = structure.K + shift * structure.M
+    exact = factorize(S, "S")(b)
+    return energy(S, solve(b) - exact) / energy(S, exact)
+
+
+@pytest.fixture
+def structure(solid_body, box, kind):
+    return assemble(solid_body(box(kind, size=(0.4, 0.2, 0.1), divisions=(8, 4, 2))))
+
+
+@pytest.mark.parametrize("h", [1e-6, 1e-5, 3e-4])
+def test_solutions_are_as_accurate_as_is_asked_for(structure, h):
+    """From steps that a few products solve to those that take multigrid."""
+    shift = SCHEME.beta_prime(h)
+    for accuracy in (1e-2, 1e-5, 1e-10):
+        solve = iterated(structure, shift, "S", accuracy)
+        assert error(structure, shift, solve, structure.loads).max() < accuracy
+
+
+def test_multigrid_takes_few_steps_whatever_the_step(solid_body, box):
+    structure = assemble(solid_body(box("tetra10", size=(0.4, 0.1, 0.1), divisions=(24, 6, 6))))
+    steps = []
+    for h in (1e-5, 1e-4, 1e-3):
+        solve = iterated(structure, SCHEME.beta_prime(h), "S", 1e-5)
+        if solve.precondition is None:
+            solve.precondition = with_loops(partial(Multigrid, solve.blocks, structure.U))
+        assert error(structure, SCHEME.beta_prime(h), solve, structure.loads).max() < 1e-5
+        steps.append(solve.iterations[0])
+    assert max(steps) < 30
+
+
+def test_many_columns_and_none_of_them(solid_body, box):
+    """Panels are filled up with zeros, which are solutions of themselves."""
+    structure = assemble(solid_body(box("tetra10", divisions=(3, 3, 3))))
+    shift = SCHEME.beta_prime(1e-5)
+    solve = iterated(structure, shift, "S", 1e-6)
+    b = np.random.default_rng(0).standard_normal((structure.n_u, WIDTH + 5))
+    b[:, 3] = 0.0
+    exact = factorized(structure, shift, "S", 0.0)(b)
+    np.testing.assert_allclose(solve(b), exact, atol=1e-5 * np.abs(exact).max())
+    assert (solve(b)[:, 3] == 0.0).all()
+    np.testing.assert_array_equal(solve(b[:, 1]), solve(b[:, 1:2])[:, 0])
+
+
+@pytest.mark.parametrize("size", [1e-25, 1e25])
+def test_units_do_not_matter(solid_body, box, size):
+    """Single precision ends at 1e-38 and 1e38: loads and matrices are scaled before."""
+    structure = assemble(solid_body(box("tetra10")))
+    shift = SCHEME.beta_prime(1e-5)
+    K, M = size * structure.K, size * structure.M
+    solve = ConjugateGradients("S", in_blocks(K, M, shift), lambda X: K @ X + shift * (M @ X), 1e-8)
+    loads = structure.loads / size
+    exact = factorized(structure, shift, "S", 0.0)(structure.loads) / size**2
+    np.testing.assert_allclose(solve(loads), exact, atol=1e-6 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("n", [20, 21, 22])
+def test_unknowns_that_are_no_nodes(n):
+    """A matrix of any size is filled up to blocks of three."""
+    rng = np.random.default_rng(1)
+    K, M = sp.random(n, n, 0.2, rng=rng), sp.diags_array(rng.uniform(1.0, 2.0, n)).tocsc()
+    K = (K @ K.T).tocsc()
+    solve = ConjugateGradients("S", in_blocks(K, M, 3.0), lambda X: K @ X + 3.0 * (M @ X), 1e-11)
+    b = rng.standard_normal((n, 2))
+    np.testing.assert_allclose(solve(b), np.linalg.solve((K + 3.0 * M).toarray(), b), rtol=1e-8)
+
+
+def test_what_does_not_converge_is_refused(solid_body, box, monkeypatch):
+    structure = assemble(solid_body(box("tetra10")))
+    monkeypatch.setattr("duhamel.preprocess.solving.gradients.MOST", 5)
+    solve = iterated(structure, SCHEME.beta_prime(1e-5), "the matrix of the time step", 1e-8)
+    with pytest.raises(MethodError, match=r"time step \(.* unknowns\): 5 steps of .*factor"):
+        solve(structure.loads)
+    assert MOST > 5
+
+
+def test_the_condition_tells_the_steps(solid_body, box):
+    structure = assemble(solid_body(box("tetra10", size=(0.2, 0.2, 0.2), divisions=(8, 8, 8))))
+    for h in (3e-6, 1e-5, 3e-5):
+        shift = SCHEME.beta_prime(h)
+        solve = ConjugateGradients(
+            "S",
+            in_blocks(structure.K, structure.M, shift),
+            lambda X, s=shift: structure.K @ X + s * (structure.M @ X),
+            1e-3,
+        )
+        solve(structure.loads)
+        expected = 0.5 * np.sqrt(condition(structure, shift)) * np.log(2e3)
+        assert 0.5 < expected / solve.iterations[0] < 2.0
