@@ -18,6 +18,9 @@ petsc4py.init(["-no_signal_handler"])  # signals are Python's
 PATIENCE = 1.0
 """Seconds that a process which has failed waits for the others to fail as well."""
 
+HEARD = 0.3
+"""Seconds that mpiexec has to pass on what was told, before it ends all."""
+
 
 class FirstFailedError(Exception):
     """The first process has failed, and tells of it."""
@@ -104,4 +107,5 @@ class Ranks(Processes):
 def _abort() -> None:
     sys.stdout.flush()
     sys.stderr.flush()
+    time.sleep(HEARD)
     MPI.COMM_WORLD.Abort(1)

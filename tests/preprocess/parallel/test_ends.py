@@ -81,8 +81,8 @@ def test_what_takes_one_process_is_refused_by_its_key(bar, changes, key):
 @pytest.mark.parametrize("failing", [0, 1])
 def test_a_process_that_fails_ends_the_others(failing):
     done = run(2, sys.executable, "-c", ONE_FAILS, str(failing))
-    assert done.returncode == 1
     assert messages(done.stderr) == ["error: out of wits"]
+    assert done.returncode != 0
 
 
 @pytest.mark.parametrize("killed", [0, 1])
