@@ -392,9 +392,10 @@ def test_a_tolerance_out_of_reach_says_how_far_it_came(block, monkeypatch, short
     if short_of == "vectors":
         monkeypatch.setattr("duhamel.preprocess.responses.krylov.LIMIT", 30)
     else:
-        monkeypatch.setattr(
-            "duhamel.preprocess.responses.krylov.available", lambda: 8 * structure.n_u * 30
-        )
+        for place in ("available", "scratch"):
+            monkeypatch.setattr(
+                f"duhamel.preprocess.responses.krylov.{place}", lambda: 8 * structure.n_u * 30
+            )
     message = (
         r"an error of 1e-06 up to 25000 Hz takes more than the \d\d vectors that there is time "
         r"and memory for, "
