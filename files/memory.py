@@ -1,7 +1,9 @@
 """Memory that this process may still take."""
 
 import os
+import shutil
 import sys
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -30,6 +32,11 @@ def available(root: Path = ROOT) -> int:
     even that, no limit at all. Source: proc(5), cgroups(7).
     """
     return min(_machine(root), *_control_groups(root), _address_space(root), sys.maxsize)
+
+
+def scratch() -> int:
+    """Bytes that temporary files may still take (TMPDIR)."""
+    return shutil.disk_usage(tempfile.gettempdir()).free
 
 
 def _machine(root: Path) -> int:

@@ -1,5 +1,6 @@
 """A basis of displacements that grows, orthonormal in the mass matrix."""
 
+from tempfile import TemporaryFile
 from typing import Any
 
 import numpy as np
@@ -26,14 +27,25 @@ class Basis:
     """V (n_u, r) with V^T M V = I, in one array that is set aside for `capacity` columns.
 
     So it grows without being copied; the system gives an array its memory where it is first written
-    to, hence columns that never come cost nothing.
+    to, hence columns that never come cost nothing. file: the array is in a temporary file, of which
+    memory keeps what it has room for, and which is gone when the basis is.
     """
 
-    def __init__(self, structure: Structure, capacity: int) -> None:
+    def __init__(self, structure: Structure, capacity: int, file: bool = False) -> None:
         self.columns = 0
         self.processes = structure.processes
         self._M = structure.M
-        self._array = np.empty((len(structure.U), capacity), order="F")
+        shape = (len(structure.U), capacity)
+        self._array: Array
+        if file:
+            with TemporaryFile(prefix="duhamel-") as scratch:
+                self._array = np.memmap(scratch, np.float64, "w+", shape=shape, order="F")
+        else:
+            self._array = np.empty(shape, order="F")
+
+    @property
+    def in_file(self) -> bool:
+        return isinstance(self._array, np.memmap)
 
     @property
     def V(self) -> Array:

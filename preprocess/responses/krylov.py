@@ -7,14 +7,14 @@ from functools import partial
 import numpy as np
 import scipy.sparse as sp
 
-from ...files.memory import available
+from ...files.memory import available, scratch
 from ...superelement import GeneralizedAlpha, Modes
 from ...superelement.validation import Array
 from ..assembly.structure import RIGID, Structure
 from ..body.damping import Damping, Rayleigh
 from ..errors import MethodError
 from ..mesh.mesh import IntArray
-from ..solving.cost import REAL, WORK
+from ..solving.cost import BLOCKS, REAL, WORK
 from ..solving.factor import Factor
 from ..solving.solver import Solver, factorized
 from .band import Band
@@ -81,15 +81,17 @@ class KrylovSpace:
         solver: Solver = factorized,
         accuracy: float = 0.0,
     ) -> None:
-        n_u = structure.n_u
+        self._structure, n_u = structure, structure.n_u
         self._solve = solver(structure, shift, "the matrix of the time step", accuracy)
         self._first = self._solve(structure.loads)
         if lower is not None:
             del self._solve  # two might not fit
             self._solve = solver(structure, lower, "the matrix of a step for the band", accuracy)
-        self._structure = structure
-        self._most = min(LIMIT, available() // (REAL * structure.n_here))
-        self.basis = Basis(structure, min(n_u, self._most))
+        memory, disk = (self._vectors(place) for place in (available, scratch))
+        expected = RIGID + (BLOCKS + WORK) * structure.P_C.shape[0]
+        in_file = structure.processes.agreed(lambda: memory < expected and disk > memory)
+        self._most = min(LIMIT, disk if in_file else memory)
+        self.basis = Basis(structure, min(n_u, self._most), in_file)
         self.basis.extend(structure.U)
         self._ends = [RIGID]
         self._stiffness = np.zeros((0, 0))
@@ -109,11 +111,14 @@ class KrylovSpace:
 
     @property
     def room(self) -> int:
-        """The number of vectors that time and memory allow, the basis included."""
-        n_c, bytes_each = self._structure.P_C.shape[0], REAL * self._structure.n_here
-        free = available() // bytes_each - WORK * n_c
-        most = int(min(self._most, self.basis.columns + free))
+        """The number of vectors that time, and memory or disk, allow, the basis included."""
+        free = self._vectors(scratch if self.basis.in_file else available)
+        most = int(min(self._most, self.basis.columns + free - WORK * self._structure.P_C.shape[0]))
         return self._structure.processes.agreed(lambda: most)
+
+    def _vectors(self, place: Callable[[], int]) -> int:
+        """The number of vectors that the bytes of a place hold."""
+        return place() // (REAL * self._structure.n_here)
 
     def grow(self) -> bool:
         """Add a block; False if nothing is left to add, for the space holds all that interface

@@ -45,7 +45,7 @@ def iterated(structure: Structure, shift: float, name: str, accuracy: float) -> 
     """By conjugate gradients, with multigrid where they would take many steps without."""
     K, M = structure.K, structure.M
     what = f"solving with {name} ({structure.n_u} unknowns) without a factor"
-    require({what: costs(structure, shift, accuracy).iterative.bytes, **_basis(structure)}, COARSER)
+    require({what: costs(structure, shift, accuracy).iterative.bytes}, COARSER)
     blocks = in_blocks(K, M, shift)
     precondition = None
     if gradient_steps(condition(structure, shift), accuracy) > FEW:
@@ -62,17 +62,22 @@ def cheaper(structure: Structure, shift: float, name: str, accuracy: float) -> S
 
 @dataclass(frozen=True)
 class Costs:
-    """What the solutions of a build cost with a factor and without, and the room for them."""
+    """What the solutions of a build cost with a factor and without, and the room for them.
+
+    room: what memory has, and what it has left for a factor beside the basis, which without one
+    may be in a file.
+    """
 
     factor: Cost
     iterative: Cost
     room: float
+    beside_basis: float
 
     @property
     def cheaper(self) -> Literal["factor", "iterative"]:
         """Whichever takes less time, among those that there is room for."""
         quick = self.factor.seconds <= self.iterative.seconds
-        if self.factor.bytes > self.room:
+        if self.factor.bytes > self.beside_basis:
             return "iterative"
         return "factor" if quick or self.iterative.bytes > self.room else "iterative"
 
@@ -83,7 +88,8 @@ def costs(structure: Structure, shift: float, accuracy: float) -> Costs:
     return Costs(
         factor_cost(*sizes),
         gradient_cost(*sizes, condition(structure, shift), accuracy),
-        available() - sum(_basis(structure).values()),
+        free := available(),
+        free - sum(_basis(structure).values()),
     )
 
 

@@ -392,9 +392,10 @@ def test_a_tolerance_out_of_reach_says_how_far_it_came(block, monkeypatch, short
     if short_of == "vectors":
         monkeypatch.setattr("duhamel.preprocess.responses.krylov.LIMIT", 30)
     else:
-        monkeypatch.setattr(
-            "duhamel.preprocess.responses.krylov.available", lambda: 8 * structure.n_u * 30
-        )
+        for place in ("available", "scratch"):
+            monkeypatch.setattr(
+                f"duhamel.preprocess.responses.krylov.{place}", lambda: 8 * structure.n_u * 30
+            )
     message = (
         r"an error of 1e-06 up to 25000 Hz takes more than the \d\d vectors that there is time "
         r"and memory for, "
@@ -443,3 +444,20 @@ def test_the_stated_error_holds_without_a_factor(solid_body, box, h, fields):
     np.testing.assert_allclose(
         modes.compliance, exact.compliance, atol=1e-6 * np.abs(exact.compliance).max()
     )
+
+
+def test_a_basis_that_memory_does_not_hold_is_in_a_file(solid_body, box, monkeypatch):
+    """The same vectors, in a temporary file."""
+    structure = assemble(solid_body(box("tetra10", (0.3, 0.1, 0.05), (6, 2, 1))))
+    spaces = [KrylovSpace(structure, GeneralizedAlpha(0.9).beta_prime(1e-5))]
+    enough = 8 * structure.n_u * 50
+    monkeypatch.setattr("duhamel.preprocess.responses.krylov.available", lambda: enough)
+    shift = GeneralizedAlpha(0.9).beta_prime(1e-5)
+    spaces.append(KrylovSpace(structure, shift, None, iterated, 1e-12))
+    for space in spaces:
+        while space.blocks < 6 and space.grow():
+            pass
+    assert [space.basis.in_file for space in spaces] == [False, True]
+    assert spaces[1].room > spaces[1].basis.columns
+    one, other = (space.ritz(6)[0] for space in spaces)
+    np.testing.assert_allclose(one[:20], other[:20], rtol=1e-7)
