@@ -14,6 +14,7 @@ from .assembly.structure import Structure
 from .mesh.mesh import IntArray
 from .mesh.nodes import Nodes
 from .solving.factor import factorize
+from .threads import in_order
 
 SOLVED = 50_000
 """Unknowns of solids up to which frequencies are computed, and above which they are estimated."""
@@ -21,6 +22,8 @@ SPLINES = 350
 """Splines for a component of displacement: fields enough for some ten modes, few enough for a dense
 eigenproblem.
 """
+ROWS = 2**14
+"""rows of a matrix that are reduced at once"""
 THIN = 1e-3
 """Extent of the grid across a body without any, over the largest."""
 INDEPENDENT = 1e-9
@@ -57,13 +60,27 @@ def ritz_frequencies(structure: Structure, splines: int) -> Array:
     Source: W. Ritz, J. reine angew. Math. 135 (1909).
     """
     V = _fields(structure.nodes, splines)
-    K, M = (V.T @ (structure.K @ V)).toarray(), (V.T @ (structure.M @ V)).toarray()
+    K, M = _reduced(structure.K, V), _reduced(structure.M, V)
     scale = 1.0 / np.sqrt(M.diagonal())
     mass, vectors = np.linalg.eigh(M * np.outer(scale, scale))
     independent = mass > INDEPENDENT
     basis = scale[:, None] * vectors[:, independent] / np.sqrt(mass[independent])
     squares: Array = np.linalg.eigvalsh(basis.T @ K @ basis)[6:]
     return np.sqrt(squares) / (2.0 * np.pi)
+
+
+def _reduced(A: Any, V: Any) -> Array:
+    """V^T A V (r, r), summed over pieces of rows."""
+    rows = A.tocsc().T
+
+    def of_rows(start: int) -> Any:
+        piece = slice(start, start + ROWS)
+        return V[piece].T @ (rows[piece] @ V)
+
+    total = np.zeros((V.shape[1], V.shape[1]))
+    for part in in_order(of_rows, range(0, A.shape[0], ROWS)):
+        total += part.toarray()
+    return total
 
 
 def _solved(structure: Structure, count: int) -> Array:
