@@ -16,7 +16,7 @@ COARSEST = 600
 """Unknowns of a level that is solved by a dense factor."""
 SWEEPS = 2
 """Sweeps of the smoother before and after the correction of a coarser level."""
-SMOOTHED = 4.0
+SMOOTHED = 16.0
 """Part of the spectrum that the smoother is to damp: from its end to that end divided by this."""
 POWERS = 12
 """Products that the largest eigenvalue is found by, of sixteen random vectors at once."""
