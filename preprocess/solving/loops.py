@@ -3,6 +3,7 @@
 numba compiles them when they are first needed, in some seconds.
 """
 
+# mypy: allow-untyped-defs
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
@@ -59,12 +60,6 @@ def _pieces(n_nodes: int) -> list[tuple[int, int]]:
     return list(pairwise(edges))
 
 
-def _jit(function: Callable[..., None]) -> Any:
-    import numba
-
-    return numba.njit(nogil=True, fastmath=True, boundscheck=False, error_model="numpy")(function)
-
-
 @cache
 def compiled_loops() -> SimpleNamespace:
     """The loops by name; each takes the first and last node behind its arguments.
@@ -76,32 +71,13 @@ def compiled_loops() -> SimpleNamespace:
     diagonal: Z = D R, R . Z, a block for every node    relax: X += weight D R
     advance: X += alpha P, R -= alpha Y                 turn: P = Z + beta P
     """
-    return SimpleNamespace(**{loop.__name__.lstrip("_"): _jit(loop) for loop in LOOPS})
+    import numba
 
+    compiled = numba.njit(nogil=True, fastmath=True, boundscheck=False, error_model="numpy")
 
-def _multiply(first, columns, blocks, P, Y, dots, start, stop):  # type: ignore[no-untyped-def]
-    y = np.zeros((3, WIDTH), dtype=np.float32)
-    for i in range(start, stop):
-        y[:] = 0.0
-        for p in range(first[i], first[i + 1]):
-            j, a = columns[p], blocks[p]
-            a0, a1, a2 = a[0], a[1], a[2]
-            a3, a4, a5 = a[3], a[4], a[5]
-            a6, a7, a8 = a[6], a[7], a[8]
-            for c in range(WIDTH):
-                x0, x1, x2 = P[j, 0, c], P[j, 1, c], P[j, 2, c]
-                y[0, c] += a0 * x0 + a1 * x1 + a2 * x2
-                y[1, c] += a3 * x0 + a4 * x1 + a5 * x2
-                y[2, c] += a6 * x0 + a7 * x1 + a8 * x2
-        for r in range(3):
-            for c in range(WIDTH):
-                Y[i, r, c] = y[r, c]
-                dots[c] += np.float64(y[r, c]) * np.float64(P[i, r, c])
-
-
-def _subtract(first, columns, blocks, X, R, T, start, stop):  # type: ignore[no-untyped-def]
-    y = np.zeros((3, WIDTH), dtype=np.float32)
-    for i in range(start, stop):
+    @compiled
+    def row(first, columns, blocks, X, i, y):
+        """y (3, 16) = row i of S X"""
         y[:] = 0.0
         for p in range(first[i], first[i + 1]):
             j, a = columns[p], blocks[p]
@@ -113,72 +89,86 @@ def _subtract(first, columns, blocks, X, R, T, start, stop):  # type: ignore[no-
                 y[0, c] += a0 * x0 + a1 * x1 + a2 * x2
                 y[1, c] += a3 * x0 + a4 * x1 + a5 * x2
                 y[2, c] += a6 * x0 + a7 * x1 + a8 * x2
-        for r in range(3):
+
+    @compiled
+    def multiply(first, columns, blocks, P, Y, dots, start, stop):
+        y = np.empty((3, WIDTH), dtype=np.float32)
+        for i in range(start, stop):
+            row(first, columns, blocks, P, i, y)
+            for r in range(3):
+                for c in range(WIDTH):
+                    Y[i, r, c] = y[r, c]
+                    dots[c] += np.float64(y[r, c]) * np.float64(P[i, r, c])
+
+    @compiled
+    def subtract(first, columns, blocks, X, R, T, start, stop):
+        y = np.empty((3, WIDTH), dtype=np.float32)
+        for i in range(start, stop):
+            row(first, columns, blocks, X, i, y)
+            for r in range(3):
+                for c in range(WIDTH):
+                    T[i, r, c] = R[i, r, c] - y[r, c]
+
+    @compiled
+    def gather(first, columns, blocks, X, Y, start, stop):
+        y = np.empty((3, WIDTH), dtype=np.float32)
+        for i in range(start, stop):
+            row(first, columns, blocks, X, i, y)
+            for r in range(3):
+                for c in range(WIDTH):
+                    Y[i, r, c] += y[r, c]
+
+    @compiled
+    def diagonal(D, R, Z, dots, start, stop):
+        for i in range(start, stop):
+            d = D[i]
             for c in range(WIDTH):
-                T[i, r, c] = R[i, r, c] - y[r, c]
+                r0, r1, r2 = R[i, 0, c], R[i, 1, c], R[i, 2, c]
+                z0 = d[0] * r0 + d[1] * r1 + d[2] * r2
+                z1 = d[3] * r0 + d[4] * r1 + d[5] * r2
+                z2 = d[6] * r0 + d[7] * r1 + d[8] * r2
+                Z[i, 0, c], Z[i, 1, c], Z[i, 2, c] = z0, z1, z2
+                dots[c] += np.float64(r0 * z0 + r1 * z1 + r2 * z2)
 
-
-def _gather(first, columns, blocks, X, Y, start, stop):  # type: ignore[no-untyped-def]
-    y = np.zeros((3, WIDTH), dtype=np.float32)
-    for i in range(start, stop):
-        y[:] = 0.0
-        for p in range(first[i], first[i + 1]):
-            j, a = columns[p], blocks[p]
-            a0, a1, a2 = a[0], a[1], a[2]
-            a3, a4, a5 = a[3], a[4], a[5]
-            a6, a7, a8 = a[6], a[7], a[8]
+    @compiled
+    def relax(weight, D, R, X, start, stop):
+        for i in range(start, stop):
+            d = D[i]
             for c in range(WIDTH):
-                x0, x1, x2 = X[j, 0, c], X[j, 1, c], X[j, 2, c]
-                y[0, c] += a0 * x0 + a1 * x1 + a2 * x2
-                y[1, c] += a3 * x0 + a4 * x1 + a5 * x2
-                y[2, c] += a6 * x0 + a7 * x1 + a8 * x2
-        for r in range(3):
-            for c in range(WIDTH):
-                Y[i, r, c] += y[r, c]
+                r0, r1, r2 = R[i, 0, c], R[i, 1, c], R[i, 2, c]
+                X[i, 0, c] += weight * (d[0] * r0 + d[1] * r1 + d[2] * r2)
+                X[i, 1, c] += weight * (d[3] * r0 + d[4] * r1 + d[5] * r2)
+                X[i, 2, c] += weight * (d[6] * r0 + d[7] * r1 + d[8] * r2)
 
+    @compiled
+    def dots(R, Z, dots, start, stop):
+        for i in range(start, stop):
+            for r in range(3):
+                for c in range(WIDTH):
+                    dots[c] += np.float64(R[i, r, c]) * np.float64(Z[i, r, c])
 
-def _diagonal(D, R, Z, dots, start, stop):  # type: ignore[no-untyped-def]
-    for i in range(start, stop):
-        d = D[i]
-        for c in range(WIDTH):
-            r0, r1, r2 = R[i, 0, c], R[i, 1, c], R[i, 2, c]
-            z0 = d[0] * r0 + d[1] * r1 + d[2] * r2
-            z1 = d[3] * r0 + d[4] * r1 + d[5] * r2
-            z2 = d[6] * r0 + d[7] * r1 + d[8] * r2
-            Z[i, 0, c], Z[i, 1, c], Z[i, 2, c] = z0, z1, z2
-            dots[c] += np.float64(r0 * z0 + r1 * z1 + r2 * z2)
+    @compiled
+    def advance(alpha, P, Y, X, R, start, stop):
+        for i in range(start, stop):
+            for r in range(3):
+                for c in range(WIDTH):
+                    X[i, r, c] += alpha[c] * P[i, r, c]
+                    R[i, r, c] -= alpha[c] * Y[i, r, c]
 
+    @compiled
+    def turn(beta, Z, P, start, stop):
+        for i in range(start, stop):
+            for r in range(3):
+                for c in range(WIDTH):
+                    P[i, r, c] = Z[i, r, c] + beta[c] * P[i, r, c]
 
-def _relax(weight, D, R, X, start, stop):  # type: ignore[no-untyped-def]
-    for i in range(start, stop):
-        d = D[i]
-        for c in range(WIDTH):
-            r0, r1, r2 = R[i, 0, c], R[i, 1, c], R[i, 2, c]
-            X[i, 0, c] += weight * (d[0] * r0 + d[1] * r1 + d[2] * r2)
-            X[i, 1, c] += weight * (d[3] * r0 + d[4] * r1 + d[5] * r2)
-            X[i, 2, c] += weight * (d[6] * r0 + d[7] * r1 + d[8] * r2)
-
-
-def _dots(R, Z, dots, start, stop):  # type: ignore[no-untyped-def]
-    for i in range(start, stop):
-        for r in range(3):
-            for c in range(WIDTH):
-                dots[c] += np.float64(R[i, r, c]) * np.float64(Z[i, r, c])
-
-
-def _advance(alpha, P, Y, X, R, start, stop):  # type: ignore[no-untyped-def]
-    for i in range(start, stop):
-        for r in range(3):
-            for c in range(WIDTH):
-                X[i, r, c] += alpha[c] * P[i, r, c]
-                R[i, r, c] -= alpha[c] * Y[i, r, c]
-
-
-def _turn(beta, Z, P, start, stop):  # type: ignore[no-untyped-def]
-    for i in range(start, stop):
-        for r in range(3):
-            for c in range(WIDTH):
-                P[i, r, c] = Z[i, r, c] + beta[c] * P[i, r, c]
-
-
-LOOPS = (_multiply, _subtract, _gather, _diagonal, _relax, _dots, _advance, _turn)
+    return SimpleNamespace(
+        multiply=multiply,
+        subtract=subtract,
+        gather=gather,
+        diagonal=diagonal,
+        relax=relax,
+        dots=dots,
+        advance=advance,
+        turn=turn,
+    )
