@@ -59,10 +59,11 @@ class Basis:
         orthogonal to those before), is normalized and then made orthogonal to all: the second time
         leaves rounding of the size of V.
         """
-        squares = self.processes.total(np.einsum("ik,ik->k", W, self._M @ W))
-        W = W / np.sqrt(np.maximum(squares, np.finfo(float).tiny))
-        W = self._normalized(self._remainder(W, near), NEW)
-        W = self._normalized(self._remainder(W), OUTSIDE)
+        MW = self._M @ W
+        squares = self.processes.total(np.einsum("ik,ik->k", W, MW))
+        unit = 1.0 / np.sqrt(np.maximum(squares, np.finfo(float).tiny))
+        W, MW = self._normalized(*self._remainder(W * unit, MW * unit, near), NEW)
+        W, _ = self._normalized(*self._remainder(W, MW), OUTSIDE)
         self._array[:, self.columns : self.columns + W.shape[1]] = W
         self.columns += W.shape[1]
         return int(W.shape[1])
@@ -71,29 +72,33 @@ class Basis:
         """rows @ V (k, r) for sparse rows (k, n_u), of which V is read only where they touch it."""
         return self.processes.total(at(rows, self.V))
 
-    def _remainder(self, W: Array, start: int = 0) -> Array:
-        """W - V V^T M W, with the columns of V from `start` on."""
+    def _remainder(self, W: Array, MW: Array, start: int = 0) -> tuple[Array, Array]:
+        """W - V V^T M W, with the columns of V from `start` on, and M times it."""
         V = self.V[:, start:]
-        rest: Array = W - V @ self._products(V, W)
-        return rest
+        rest: Array = W - V @ self.processes.total(V.T @ MW)
+        return rest, self._M @ rest
 
-    def _products(self, V: Array, W: Array) -> Array:
-        """V^T M W"""
-        return self.processes.total(V.T @ (self._M @ W))
+    def _normalized(self, W: Array, MW: Array, shortest: float) -> tuple[Array, Array]:
+        """An orthonormal basis of the columns of W, without directions as short as `shortest`.
 
-    def _normalized(self, W: Array, shortest: float) -> Array:
-        """An orthonormal basis of the columns of W, without directions as short as `shortest`."""
-        blocks = []
+        MW: M times W; with the basis comes M times it.
+        """
+        bases, masses = [W[:, :0]], [MW[:, :0]]
         while W.shape[1]:
-            squares, Q = _eigh(self._products(W, W), self.processes)
+            squares, Q = _eigh(self.processes.total(W.T @ MW), self.processes)
             sizes = np.sqrt(np.maximum(squares, 0.0))
             if sizes[-1] <= shortest:
                 break
             long = sizes > max(RESOLVED * sizes[-1], shortest)
-            blocks.append(W @ (Q[:, long] / sizes[long]))
+            scaled = Q[:, long] / sizes[long]
+            bases.append(W @ scaled)
+            masses.append(MW @ scaled)
+            if long.all():
+                break
             W = W @ Q[:, ~long]
-            W = W - blocks[-1] @ self._products(blocks[-1], W)
-        return np.hstack([W[:, :0], *blocks])
+            W = W - bases[-1] @ self.processes.total(masses[-1].T @ W)
+            MW = self._M @ W
+        return np.hstack(bases), np.hstack(masses)
 
 
 def _eigh(gram: Array, processes: Processes) -> tuple[Array, Array]:
