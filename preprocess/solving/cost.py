@@ -16,11 +16,11 @@ PRODUCT_RATE = 5e9
 """
 ASSEMBLY_RATE = 5e6
 """Entries of K and M that are assembled per second."""
-BLOCK_RATE = 25e9
+BLOCK_RATE = 16e9
 """Operations of products with panels, in single precision, per second and thread."""
 STREAM_RATE = 10e9
 """Bytes that loops over panels read and write per second and thread."""
-SETUP_RATE = 6e6
+SETUP_RATE = 3e6
 """Entries of a matrix that multigrid is made of per second."""
 PANEL = 64
 """Bytes that sixteen vectors of single precision have for an unknown."""
