@@ -46,7 +46,7 @@ AMPLIFIED = 1e3
 """What the square of the error of solutions, in energy, is in the transfer function: five hundred
 times as much was seen.
 """
-FINEST = 1e-12
+FINEST = 1e-11
 """The accuracy that solutions can reach, whatever is asked for."""
 Watch = Callable[[str], None]
 RitzModes = Callable[[int], tuple[Modes, Array]]

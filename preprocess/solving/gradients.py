@@ -56,18 +56,23 @@ class ConjugateGradients:
     def __call__(self, b: Array) -> Array:
         B = b.reshape(len(b), -1)
         X, taken = np.zeros_like(B), 0
-        enough, residual = np.zeros(B.shape[1]), B
+        enough = before = np.zeros(B.shape[1])
+        residual = B
         for turn in range(REFINEMENTS):
             found = self._in_single(residual, enough)
             X += found.X
             taken += found.steps
             if turn == 0:
                 enough = (SAFETY * self.accuracy) ** 2 * found.energy
-            if (found.left <= enough).all():
-                break
+            else:
+                # What was left before was found by this solution, and is left of it in proportion.
+                ratio = np.divide(found.energy, before, out=np.zeros_like(before), where=before > 0)
+                if (np.maximum(found.left, ratio * found.energy) <= enough).all():
+                    self.iterations.append(taken)
+                    return X.reshape(b.shape)
+            before = found.energy
             residual = B - self.product(X)
-        self.iterations.append(taken)
-        return X.reshape(b.shape)
+        raise given_up(self.name, len(b), f"{REFINEMENTS} solutions in single precision")
 
     def _in_single(self, B: Array, enough: Array) -> "_Found":
         """The solution up to an error of `SINGLE`, or a square of it of `enough` (k,)."""
@@ -103,11 +108,15 @@ class ConjugateGradients:
                 return _Found(X, energy, trusted, len(gains))
             before, remaining = remaining, precondition(R, Z, loops)
             loops.run("turn", S.n_nodes, _ratio(remaining, before), Z, P)
-        raise MethodError(
-            f"{self.name} ({S.n_u} unknowns): {MOST} steps of conjugate gradients are not enough: "
-            "the body is a mechanism, its elements far too flat, or the step too long; try "
-            'impulse.solver = "factor"'
-        )
+        raise given_up(self.name, S.n_u, f"{MOST} steps of conjugate gradients")
+
+
+def given_up(name: str, n_u: int, after: str) -> MethodError:
+    """The error where something is not enough to solve with the matrix `name`."""
+    return MethodError(
+        f"{name} ({n_u} unknowns): {after} are not enough: the body is a mechanism, its elements "
+        'far too flat, or the step too long; try impulse.solver = "factor"'
+    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from ..body.body import Solver as Kind
 from ..memory import require
 from .cost import FEW, Cost, basis_bytes, factor_cost, gradient_cost, gradient_steps
 from .factor import COARSER, Solve, factorize, note
-from .gradients import ConjugateGradients
+from .gradients import ConjugateGradients, given_up
 from .loops import with_loops
 from .multigrid import Multigrid
 from .panels import in_blocks
@@ -51,7 +51,10 @@ def iterated(structure: Structure, shift: float, name: str, accuracy: float) -> 
     blocks = in_blocks(K, M, shift)
     precondition = None
     if gradient_steps(condition(structure, shift), accuracy) > FEW:
-        precondition = with_loops(partial(Multigrid, blocks, structure.U))
+        try:
+            precondition = with_loops(partial(Multigrid, blocks, structure.U))
+        except np.linalg.LinAlgError as error:
+            raise given_up(name, structure.n_u, "the digits of single precision") from error
     note("conjugate gradients" + (" with multigrid" if precondition else ""))
     return ConjugateGradients(name, blocks, partial(_product, K, M, shift), accuracy, precondition)
 
