@@ -159,7 +159,9 @@ def test_sensors_do_not_change_the_motion(thrown, run, element):
     )
     body = replace(thrown.bodies["beam"], superelement=patterns)
     without = simulate(replace(thrown, bodies={"beam": body}))
-    np.testing.assert_array_equal(without.frame("beam.tip").u, run.frame("beam.tip").u)
+    found, expected = without.frame("beam.tip").u, run.frame("beam.tip").u
+    # The library that multiplies matrices sums in another order where there are more rows.
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
 
 
 def test_a_simulator_has_readings(thrown):
