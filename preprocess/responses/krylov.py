@@ -178,8 +178,9 @@ def krylov_modes(
     """Modes right to `tolerance` in the band, their shapes, and the estimated error.
 
     The estimate is the change by the last block, times `SAFETY`, and the contributions of the modes
-    left out, a tenth of the tolerance at most. Where the space is exhausted it holds every mode
-    that the interfaces can excite, and only the latter remain. With `fields` it includes the
+    left out, a tenth of the tolerance at most; without a factor another tenth, for the solutions.
+    Where the space is exhausted it holds every mode that the interfaces can excite, and only the
+    latter remain. With `fields` it includes the
     displacements and strains of the whole body; where the structure has loads of rotation, their
     slow responses. `watch` is called with the progress as text.
     `MethodError` if the tolerance asks for a larger space than `LIMIT` or the memory allows.
