@@ -105,11 +105,19 @@ def at_work(running):
     until = time.monotonic() + 60.0
     while time.monotonic() < until and running.poll() is None:
         below = psutil.Process(running.pid).children(recursive=True)
-        ranks = [child for child in below if "duhamel.preprocess" in child.cmdline()]
+        ranks = [child for child in below if "duhamel.preprocess" in command_of(child)]
         if len(ranks) == 2 and all(rank.cpu_times().user > 2.0 for rank in ranks):
             return ranks
         time.sleep(0.05)
     raise AssertionError("the processes have not begun")
+
+
+def command_of(process):
+    """Its words; none of one that has ended since it was listed."""
+    try:
+        return process.cmdline()
+    except psutil.Error:
+        return []
 
 
 def test_the_command_starts_the_processes_itself(bar):
