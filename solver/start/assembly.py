@@ -32,6 +32,7 @@ LARGEST_CORRECTION = 0.7
 MAX_ITERATIONS = 100
 EXACT = 1e-14
 """residual, relative to positions or in rad, of assembled joints"""
+EPS = float(np.finfo(float).eps)
 ASSEMBLED = 1e-10
 """the residual that is accepted where no iteration improves it"""
 
@@ -70,7 +71,7 @@ def fit_velocities(
     B = _jacobian(lowered, state, work, targets)
     _, goal = _split(targets)
     rates = B @ state.bodies.v.ravel() + np.concatenate([phi_t, -goal])
-    change = -_least_change(system, B, rates)
+    change = -_least_change(system, state, B, rates)
     left = rates + B @ change
     if len(left) and np.abs(left).max() > 1e-8 * max(1.0, float(np.abs(rates).max())):
         owner = _owner(lowered, int(np.argmax(np.abs(left))), targets)
@@ -96,8 +97,7 @@ def _close(
         if (np.abs(residuals) <= EXACT * scale).all():
             return
         change = _approach(lowered, state, work, targets, residuals)
-        reach = max(system.bodies.size, float(np.abs(state.bodies.x).max()))
-        if np.abs(change).max() < 0.1 * EXACT * reach:
+        if np.abs(change).max() < 0.1 * EXACT * _reach(system, state):
             break
     left = np.abs(_residuals(lowered, state, work, targets, goal))
     if (left > ASSEMBLED * scale).any():
@@ -121,7 +121,7 @@ def _approach(
     By a part of it where a body would turn beyond what the derivatives tell.
     """
     B = _jacobian(lowered, state, work, targets)
-    change = -_least_change(lowered.system, B, residuals).reshape(-1, 6)
+    change = -_least_change(lowered.system, state, B, residuals).reshape(-1, 6)
     change *= LARGEST_CORRECTION / max(LARGEST_CORRECTION, float(np.abs(change[:, 3:]).max()))
     move_bodies(change, state, work)
     return change
@@ -130,7 +130,7 @@ def _approach(
 def _scale(lowered: LoweredModel, state: State, targets: list[Target]) -> Array:
     """Scale of the rounding of constraints and targets: of positions for lengths, 1 for angles."""
     system = lowered.system
-    reach = max(system.bodies.size, float(np.abs(state.bodies.x).max()))
+    reach = _reach(system, state)
     lengths = lowered.measures_lengths[constraint_rows(system)]
     return np.concatenate([np.where(lengths, reach, 1.0), np.full(len(targets), max(reach, 1.0))])
 
@@ -189,11 +189,12 @@ def _coordinates(lowered: LoweredModel, state: State, work: Workspace) -> Array:
     return work.observers.value.copy()
 
 
-def _least_change(system: System, B: Matrix, c: Array) -> Array:
+def _least_change(system: System, state: State, B: Matrix, c: Array) -> Array:
     """L A^T (A A^T)^-1 c with A = B L, L L^T = M^-1.
 
     Its rows are scaled to unit length, so that light bodies cost no digits. Rows that may depend on
-    one another take the pseudo-inverse of a dense A.
+    one another take the pseudo-inverse of a dense A; levers are differences of positions, so that
+    far from the origin such rows are told apart less sharply.
     """
     if not B.shape[0]:
         return np.zeros(B.shape[1])
@@ -201,11 +202,17 @@ def _least_change(system: System, B: Matrix, c: Array) -> Array:
     A, scale = unit_rows(B @ L)
     solve = factorize_square(A)
     if solve is None:
-        y = np.linalg.lstsq(dense_of(A), scale * c, rcond=1e-11)[0]
+        rounded = EPS * _reach(system, state) * float(scale.max() * abs(L).max())
+        y = np.linalg.lstsq(dense_of(A), scale * c, rcond=max(1e-11, 10.0 * rounded))[0]
     else:
         y = A.T @ solve(scale * c)
     change: Array = L @ y
     return change
+
+
+def _reach(system: System, state: State) -> float:
+    """How far from the origin a body is, at least the size of the model [m]."""
+    return max(system.bodies.size, float(np.abs(state.bodies.x).max()))
 
 
 def _split(targets: list[Target]) -> tuple[Index, Array]:

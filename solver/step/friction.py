@@ -122,8 +122,9 @@ def set_friction_residual(
             out.scale[i] = abs(out.phi[i])
         return
     _, size, limit, _ = bristle_of(couplings, j, first, state, work)
-    out.status[j] = STICKS if size < limit else SLIPS
-    share = 1.0 if size < limit else limit / max(size, 1e-300)
+    sticks = size < limit or out.holds[0] == 1
+    out.status[j] = STICKS if sticks else SLIPS
+    share = 1.0 if sticks else limit / max(size, 1e-300)
     for i in range(friction.first[r], end):
         force = share * trial_force(couplings, r, i, state, work)
         viscous = friction.viscous[r] * out.rate[i]

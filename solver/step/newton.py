@@ -40,8 +40,9 @@ def converge(system: System, state: State, work: Workspace) -> tuple[int, float,
 
     Errors of old factors do not square, so it goes on below the tolerance until the corrections
     no longer shrink. Where it fails with old factors, or from the predicted accelerations, it
-    starts once more from zero accelerations and makes every matrix anew. After
-    `newton.fixed_iterations` iterations, where that is set, it returns the state as it is.
+    starts once more from zero accelerations and makes every matrix anew; friction then sticks
+    first, and slips the way it is dragged: from far off what is light slips to and fro for ever.
+    After `newton.fixed_iterations` iterations, where that is set, it returns the state as it is.
     """
     newton, matrix = system.newton, work.matrix
     reuse = newton.reuse
@@ -49,6 +50,7 @@ def converge(system: System, state: State, work: Workspace) -> tuple[int, float,
     change = previous = math.inf
     total = iterations = 0
     while True:
+        work.couplings.holds[0] = int(reuse == 0.0 and iterations == 0)
         evaluate(system, state, work)
         if iterations == newton.fixed_iterations and iterations > 0:
             residual = relative_residual(system, reach, iterations > 1, state, work)

@@ -773,6 +773,8 @@ class CouplingWork(Struct):
     """time since the memories are those of the state, infinite at the start [s]"""
     status: Index = array("n_j")
     """contacts and friction: 0 open, 1 closed, or sticks, 2 slips"""
+    holds: Index = array(1)
+    """1: friction sticks whatever its force, as long as Newton's method looks for where it would"""
     blocked: Index = array("n_i")
     """1: the ball was last beyond an end of the shape, or came in from there"""
     slip_axis: Array = array("n_i", 3)

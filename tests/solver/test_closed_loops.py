@@ -6,9 +6,25 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from duhamel.solver import Function, Load, ModelError, Polynomial, Start, simulate
+from duhamel.solver import (
+    FlexibleBody,
+    Frame,
+    Function,
+    Joint,
+    Load,
+    Model,
+    ModelError,
+    Polynomial,
+    RigidBody,
+    Settings,
+    Start,
+    simulate,
+)
+from scipy.spatial.transform import Rotation
 
+from .frameworks import bar, framework
 from .linkages import ANGLE, BASE, Z, four_bar, pins, slider_crank, spatial_four_bar
+from .transformed import turned
 
 STEPS = np.array([4e-4, 2e-4, 1e-4])
 TOLERANCE = 1e-10
@@ -93,3 +109,40 @@ def test_a_flexible_four_bar_is_assembled_at_the_angle_asked_for(tmp_path):
     np.testing.assert_allclose(rod.position[0], pins(ANGLE + 0.7)[1], rtol=0, atol=1e-12)
     slope = (pins(ANGLE + 0.7 + 1e-5)[1] - pins(ANGLE + 0.7 - 1e-5)[1]) / 2e-5
     np.testing.assert_allclose(rod.velocity[0, :3], 3.0 * slope, rtol=0, atol=1e-8)
+
+
+@pytest.mark.parametrize("shift", [0.0, 1000.0])
+def test_a_loop_that_elasticity_alone_opens_does_not_brake_a_spin(shift, tmp_path):
+    """A link between two points of a flexible body: of rigid motion its joints say one thing twice,
+    whatever rounding of coordinates makes of it. A thin bar on one of them spins on.
+    """
+    bar_ends, corner = {"left": (0, 0, 0), "right": (0.2, 0, 0)}, {"tip": (0.1, 0, 0.15)}
+    arms = [((0.1, 0, 0), point) for point in (bar_ends | corner).values()]
+    wing = framework(tmp_path, arms, bar_ends | corner, elements=2)
+    thin = bar(tmp_path, 0.2, elements=3)
+    X = {interface.name: interface.X for interface in wing.interfaces}
+    bodies = {
+        "wing": FlexibleBody(wing, start=Start(angular_velocity=[-3.2, -3.1, 1.4])),
+        "bar": FlexibleBody(
+            thin, start=Start(X["tip"] - thin.interfaces[0].X, angular_velocity=[3.0, 0, 0])
+        ),
+        "link": RigidBody(
+            0.05,
+            [1e-3] * 3,
+            {
+                "one": Frame(0.5 * (X["left"] - X["tip"])),
+                "two": Frame(0.5 * (X["tip"] - X["left"])),
+            },
+            Start(0.5 * (X["left"] + X["tip"])),
+        ),
+    }
+    joints = [
+        Joint("pivot", "universal", ("ground", "wing.left"), [1, 0, 0], [0, 1, 0]),
+        Joint("end", "spherical", ("wing.tip", "bar.left")),
+        Joint("first", "spherical", ("link.one", "wing.left")),
+        Joint("second", "spherical", ("bar.left", "link.two")),
+    ]
+    model = Model(bodies, joints, settings=Settings(t_end=4e-4, step=2e-4))
+    turn = Rotation.from_rotvec([1.1, -2.0, 0.7])
+    found = simulate(turned(model, turn, shift * np.array([0.6, -0.8, 0.0])))
+    assert found.body("bar").v[0, 3] == pytest.approx(3.0, rel=1e-6)

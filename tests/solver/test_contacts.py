@@ -245,6 +245,29 @@ def test_a_slip_that_begins_in_full_motion_creates_no_energy(damping):
     assert energy.dissipated[-1] > 0.1 * 0.3 * m * 2.0 * 5.0
 
 
+@pytest.mark.parametrize("stiffness", [20.0, 200.0, 1000.0])
+@pytest.mark.parametrize("depth", [0.0, 1e-3])
+def test_friction_makes_a_light_rod_roll(stiffness, depth):
+    """At its rim it weighs J / r^2 = 1e-6 kg: what friction can do in a step turns it to and fro.
+
+    So it takes it by 2 |v + r omega| J / (m r^2) off its way at most.
+    """
+    m, J, r, v, omega = 0.02, 1e-8, 0.1, 0.4, 3.0
+    start = Start([0, 0, r - depth], velocity=[0, v, -0.2], angular_velocity=[omega, 0, 0])
+    law = {"impact": Impact(stiffness), "friction": 0.5, "tangential_stiffness": 20.0}
+    model = model_of(
+        {"ball": RigidBody(m, [J, 5e-5, 5e-5], start=start)},
+        contacts=[floor(ball=r, **law)],
+        gravity=-G * UP,
+        t_end=0.02,
+        step=5e-4,
+        **FLOOR,
+    )
+    motion = simulate(model).body("ball")
+    change = np.abs(motion.v[:, 1] - v).max()
+    assert 0.0 < change < 2.0 * (v + r * omega) * J / (m * r**2)
+
+
 @pytest.mark.parametrize("shape", ["sphere", "cylinder"])
 def test_a_ball_rolls_down_inside_a_bowl(shape):
     """Without slip: v^2 = 10/7 g (R - r)(1 - cos); the tangents are carried along."""

@@ -4,6 +4,10 @@ fails no smaller one.
 """
 
 from hypothesis import HealthCheck, Phase, settings
+from hypothesis.internal.conjecture import providers
+
+# else the numbers in all sources that are loaded, also by other tests, would be among those drawn
+providers.HypothesisProvider._local_constants = providers.Constants()
 
 COMMON = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow]}
 settings.register_profile("few", max_examples=25, derandomize=True, database=None, **COMMON)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from ..transformed import Units, reordered, rescaled, turned
-from .bounds import apart, bounds
+from .bounds import apart, bounds_apart
 from .mechanisms import between, directions, mechanisms, run, vectors
 
 UNTURNED = Rotation.identity()
@@ -26,7 +26,7 @@ def test_a_turned_mechanism_moves_turned(model, axis, angle, shift):
     """With gravity and loads; what is given in the axes of a frame goes along."""
     Q = Rotation.from_rotvec(angle * axis)
     here, there = run(model), simulate(turned(model, Q, shift))
-    assert_within(apart(here, there, model, Q, shift), bounds(model, here))
+    assert_within(apart(here, there, model, Q, shift), bounds_apart(model, here))
 
 
 @given(mechanisms(), directions())
@@ -34,13 +34,13 @@ def test_a_kilometer_away_a_mechanism_moves_as_here(model, direction):
     """To the rounding of coordinates of a kilometer."""
     shift = 1000.0 * direction
     here, there = run(model), simulate(turned(model, UNTURNED, shift))
-    assert_within(apart(here, there, model, shift=shift), bounds(model, here, reach=1000.0))
+    assert_within(apart(here, there, model, shift=shift), bounds_apart(model, here, reach=1000.0))
 
 
 @given(mechanisms(), st.randoms(use_true_random=False))
 def test_the_order_of_parts_does_not_matter(model, order):
     here, there = run(model), simulate(reordered(model, order))
-    assert_within(apart(here, there, model), bounds(model, here))
+    assert_within(apart(here, there, model), bounds_apart(model, here))
 
 
 @st.composite
@@ -54,4 +54,4 @@ def units(draw):
 @given(mechanisms(), units())
 def test_units_do_not_matter(model, units):
     here, there = run(model), simulate(rescaled(model, units))
-    assert_within(apart(here, there, model, units=units), bounds(model, here))
+    assert_within(apart(here, there, model, units=units), bounds_apart(model, here))
