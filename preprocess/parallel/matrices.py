@@ -10,6 +10,48 @@ from ...superelement.validation import Array
 from .partition import petsc_rows
 
 
+def product(mat: Any, X: Array) -> Array:
+    """The own rows of A X for a matrix A of PETSc and the own rows of X (n,) or (n, k)."""
+    if _leaves_processes_out(mat):
+        return _by_columns(mat, X)
+    dense = dense_columns(X, mat)
+    found = mat.matMult(dense)
+    own = np.array(found.getDenseArray(), order="F")
+    # Not left to the collector of garbage, which runs at other times in other processes.
+    found.destroy()
+    dense.destroy()
+    return own.reshape((-1, *X.shape[1:]), order="F")
+
+
+def _leaves_processes_out(mat: Any) -> bool:
+    """Whether a process has none of the rows or columns, which products with many vectors do not
+    bear.
+    """
+    ranges = mat.getOwnershipRanges(), mat.getOwnershipRangesColumn()
+    return any((np.diff(owned) == 0).any() for owned in ranges)
+
+
+def _by_columns(mat: Any, X: Array) -> Array:
+    x, y = mat.createVecs()
+    found = np.empty((mat.getLocalSize()[0], *X.shape[1:]), order="F")
+    for column in np.ndindex(X.shape[1:]):
+        x.setArray(X[:, *column])
+        mat.mult(x, y)
+        found[:, *column] = y.getArray()
+    x.destroy()
+    y.destroy()
+    return found
+
+
+def dense_columns(X: Array, mat: Any) -> Any:
+    """X (n, k) or (n,) that a matrix is to be multiplied with, which the caller destroys."""
+    columns = np.asfortranarray(X if X.ndim == 2 else X[:, None], dtype=np.float64)
+    sizes = ((len(X), mat.size[1]), (None, columns.shape[1]))
+    dense = PETSc.Mat().createDense(sizes, array=columns, comm=mat.comm)
+    dense.assemble()
+    return dense
+
+
 class SpreadMatrix:
     """A (n, n), symmetric and sparse, from the own rows (n_own, n) of every process.
 
@@ -17,21 +59,13 @@ class SpreadMatrix:
     """
 
     def __init__(self, rows: Any, comm: Any) -> None:
-        self._comm = comm
         self.shape = (rows.shape[1], rows.shape[1])
         sizes = (rows.shape[0], rows.shape[1])
         self.mat = PETSc.Mat().createAIJ((sizes, sizes), csr=petsc_rows(rows), comm=comm)
         self.mat.assemble()
 
     def __matmul__(self, X: Array) -> Array:
-        columns = np.asfortranarray(X.reshape(len(X), -1), dtype=np.float64)
-        dense = self._dense(columns)
-        product = self.mat.matMult(dense)
-        found = np.array(product.getDenseArray(), order="F")
-        # Not left to the collector of garbage, which runs at other times in other processes.
-        product.destroy()
-        dense.destroy()
-        return found.reshape(X.shape, order="F")
+        return product(self.mat, X)
 
     def diagonal(self) -> Array:
         """The own entries (n_own,) of the diagonal."""
@@ -44,14 +78,6 @@ class SpreadMatrix:
         """The own rows (n_own, n), sparse."""
         first, columns, values = self.mat.getValuesCSR()
         return sp.csr_array((values, columns, first), shape=(len(first) - 1, self.shape[1]))
-
-    def _dense(self, columns: Array) -> Any:
-        n, k = columns.shape
-        dense = PETSc.Mat().createDense(
-            ((n, self.shape[0]), (None, k)), array=columns, comm=self._comm
-        )
-        dense.assemble()
-        return dense
 
 
 class SpreadMass:
@@ -91,3 +117,13 @@ class SpreadMass:
         if self._rest is not None:
             rows = (rows + self._rest.own_rows()).tocsr()
         return SpreadMatrix(rows, self._comm).mat
+
+
+def shifted(K: SpreadMatrix, M: SpreadMass, shift: float) -> Any:
+    """K + s M, symmetric and positive definite, as a matrix of PETSc."""
+    mass = M.assembled()
+    S = K.mat.copy()
+    S.axpy(shift, mass)
+    mass.destroy()
+    S.setOption(PETSc.Mat.Option.SPD, True)
+    return S

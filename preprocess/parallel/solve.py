@@ -1,7 +1,7 @@
 """Linear systems S x = b with S = K + s M spread over processes."""
 
 from collections.abc import Callable
-from typing import Any
+from functools import partial
 
 import numpy as np
 from petsc4py import PETSc
@@ -11,17 +11,18 @@ from ...superelement.validation import Array
 from ..assembly.structure import Structure
 from ..body.body import Solver as Kind
 from ..errors import MeshError, MethodError
-from ..solving.cost import factorization_cost, gradient_steps
+from ..solving.cost import FEW, factor_cost, gradient_cost, gradient_steps
 from ..solving.factor import ACCURATE, Factor, Solve, note
 from ..solving.gradients import SAFETY, energy_left
-from ..solving.solver import Solver, condition
-from .matrices import SpreadMass, SpreadMatrix
+from ..solving.solver import COMPACT, Solver, condition
+from .matrices import SpreadMass, SpreadMatrix, dense_columns, shifted
+from .multigrid import Multigrid
 from .ranks import Ranks
 
 MOST = 5000
 """Steps of conjugate gradients; a body that needs more is left to the factor."""
-MANY = 150
-"""Steps from which on a factor is quicker: of 108 000 unknowns 46 s beside more than 150."""
+SLOWER = 4.0
+"""How much longer than in single precision a step takes in double, with PETSc's products."""
 ROW = 80
 """Entries in a row of the stiffness of a solid, about."""
 PETSC = "PETSc " + ".".join(map(str, PETSc.Sys.getVersion()))
@@ -34,20 +35,29 @@ class NotConvergedError(MethodError):
 class ConjugateGradients:
     """x = solve(b) with S x = b to an accuracy relative in energy, x^T S x; own rows b (n, k).
 
-    All columns at once, with D, the diagonal of S, as preconditioner: so the number of processes
-    changes rounding alone. Source: M. R. Hestenes, E. Stiefel, J. Res. Nat. Bur. Standards 49
-    (1952) 409-436. Raises `NotConvergedError`.
+    All columns at once. precondition: near to S^-1, symmetric and positive definite; the diagonal
+    of S unless another is given. Source: M. R. Hestenes, E. Stiefel, J. Res. Nat. Bur. Standards
+    49 (1952) 409-436. Raises `NotConvergedError`.
     """
 
-    def __init__(self, structure: Structure, shift: float, name: str, accuracy: float) -> None:
+    def __init__(
+        self,
+        structure: Structure,
+        shift: float,
+        name: str,
+        accuracy: float,
+        precondition: Callable[[Array], Array] | None = None,
+    ) -> None:
         self._name = f"{name} ({structure.n_u} unknowns)"
         self._K, self._M, self._shift = structure.K, structure.M, shift
         self._total, self._accuracy = structure.total, accuracy
         self._inverse = 1.0 / (self._K.diagonal() + shift * self._M.diagonal())[:, None]
+        self._precondition = precondition or partial(np.multiply, self._inverse)
+        self.iterations: list[int] = []
 
     def __call__(self, b: Array) -> Array:
         R = np.array(b.reshape(len(b), -1), order="F")
-        X, P = np.zeros_like(R), self._inverse * R
+        X, P = np.zeros_like(R), self._precondition(R)
         remaining = self._dots(R, P)
         gains: list[Array] = []
         while len(gains) < MOST:
@@ -58,11 +68,11 @@ class ConjugateGradients:
             gains.append(step * remaining)
             enough = (SAFETY * self._accuracy) ** 2 * np.sum(gains, axis=0)
             if (energy_left(gains) <= enough).all():
+                self.iterations.append(len(gains))
                 return X.reshape(b.shape, order="F")
-            Z = self._inverse * R
+            Z = self._precondition(R)
             before, remaining = remaining, self._dots(R, Z)
-            P *= _ratio(remaining, before)
-            P += Z
+            P = _ratio(remaining, before) * P + Z
         raise NotConvergedError(
             f"{self._name}: {MOST} steps of conjugate gradients are not enough: the body is a "
             "mechanism, its elements far too flat, or the step too long; try "
@@ -106,12 +116,7 @@ class _Mumps:
     """x = solve(b) by the factor that MUMPS makes, for the own rows b (n,) or (n, k)."""
 
     def __init__(self, K: SpreadMatrix, M: SpreadMass, shift: float, name: str, ranks: Ranks):
-        self._comm, self._shape = ranks.comm, K.shape
-        mass = M.assembled()
-        self._S = K.mat.copy()
-        self._S.axpy(shift, mass)
-        mass.destroy()
-        self._S.setOption(PETSc.Mat.Option.SPD, True)
+        self._S = shifted(K, M, shift)
         self._solver = PETSc.KSP().create(comm=ranks.comm)
         self._solver.setType("preonly")
         self._solver.setOperators(self._S)
@@ -135,29 +140,20 @@ class _Mumps:
             )
 
     def __call__(self, b: Array) -> Array:
-        columns = np.array(b.reshape(len(b), -1), order="F")
-        found = np.zeros_like(columns)
-        right, left = (self._dense(array) for array in (columns, found))
+        right = dense_columns(b, self._S)
+        left = dense_columns(np.zeros_like(b), self._S)
         self._solver.matSolve(right, left)
         result = np.array(left.getDenseArray(), order="F").reshape(b.shape, order="F")
         right.destroy()
         left.destroy()
         return result
 
-    def _dense(self, columns: Array) -> Any:
-        n, k = columns.shape
-        dense = PETSc.Mat().createDense(
-            ((n, self._shape[0]), (None, k)), array=columns, comm=self._comm
-        )
-        dense.assemble()
-        return dense
-
 
 def spread_solver(ranks: Ranks, kind: Kind) -> Solver:
     """The solver that a body file names by impulse.solver.
 
-    "auto": conjugate gradients, but the factor where they would take many steps and memory has room
-    for it, or where they do not converge.
+    "auto": the factor, where it takes less time and every machine has room for its share, else
+    conjugate gradients; and the factor where those do not converge.
     """
 
     def solver(structure: Structure, shift: float, name: str, accuracy: float) -> Solve:
@@ -166,20 +162,29 @@ def spread_solver(ranks: Ranks, kind: Kind) -> Solver:
 
         if kind == "factor" or (kind == "auto" and _factor_is_better(structure, shift, accuracy)):
             return factor()
-        note(f"conjugate gradients, {PETSC}")
-        iterative = ConjugateGradients(structure, shift, name, accuracy)
+        iterative = iterated(structure, shift, name, accuracy)
         return _Patient(iterative, factor) if kind == "auto" else iterative
 
     return solver
 
 
+def iterated(structure: Structure, shift: float, name: str, accuracy: float) -> ConjugateGradients:
+    """Conjugate gradients, with multigrid where they would take many steps without."""
+    precondition = None
+    if gradient_steps(condition(structure, shift), accuracy) > FEW:
+        precondition = Multigrid(structure, shift)
+    note("conjugate gradients" + (" with multigrid" if precondition else "") + f", {PETSC}")
+    return ConjugateGradients(structure, shift, name, accuracy, precondition)
+
+
 def _factor_is_better(structure: Structure, shift: float, accuracy: float) -> bool:
-    """Whether steps are many, and every machine has room for its share of a factor."""
-    many = gradient_steps(condition(structure, shift), accuracy) > MANY
+    """Whether it takes less time, and every machine has room for its share of it."""
+    sizes = structure.n_u, ROW * structure.n_u, structure.P_C.shape[0]
+    factor = factor_cost(*sizes)
+    gradients = gradient_cost(*sizes, condition(structure, shift), accuracy)
     share = structure.n_here / structure.n_u
-    factor = factorization_cost(structure.n_u, ROW * structure.n_u).bytes
-    short = structure.processes.largest(share * factor / available())
-    return many and short < 1.0
+    short = structure.processes.largest(share * factor.bytes / available())
+    return COMPACT * factor.seconds <= SLOWER * gradients.seconds and short < 1.0
 
 
 class _Patient:
