@@ -79,7 +79,7 @@ class Multigrid:
         self._levels = []
         for number, level in enumerate(hierarchy.levels[:-1]):
             blocks = S if number == 0 else _blocks(level.A)
-            weights = _weights(_largest_eigenvalue(blocks, loops))
+            weights = chebyshev_weights(largest_eigenvalue(blocks, loops))
             self._levels.append(Level(blocks, weights, _table(level.P), _table(level.P.T)))
         coarsest = hierarchy.levels[-1].A.toarray().astype(np.float64)
         self._factor = cho_factor(0.5 * (coarsest + coarsest.T))
@@ -115,14 +115,14 @@ def _add_product(table: Table, X: Panel, Y: Panel, loops: Loops) -> None:
     loops.run("gather", table.rows, table.first, table.columns, table.blocks, X, Y)
 
 
-def _weights(largest: float) -> tuple[float, ...]:
+def chebyshev_weights(largest: float) -> tuple[float, ...]:
     """The inverse zeros of Chebyshev's polynomial on [largest / SMOOTHED, largest]."""
     middle, half = 0.5 * largest * (1.0 + 1.0 / SMOOTHED), 0.5 * largest * (1.0 - 1.0 / SMOOTHED)
     zeros = middle + half * np.cos(np.pi * (np.arange(SWEEPS) + 0.5) / SWEEPS)
     return tuple((1.0 / zeros).tolist())
 
 
-def _largest_eigenvalue(S: Blocks, loops: Loops) -> float:
+def largest_eigenvalue(S: Blocks, loops: Loops) -> float:
     """That of D^-1 S, by the numbers of conjugate gradients with D, the blocks on the diagonal."""
     rng = np.random.default_rng(0)
     R = rng.standard_normal((S.n_nodes, 3, WIDTH), dtype=np.float32)
