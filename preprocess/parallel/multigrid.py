@@ -9,7 +9,13 @@ from scipy.linalg import cho_factor, cho_solve
 
 from ...superelement.validation import Array
 from ..assembly.structure import Structure
-from ..solving.multigrid import COARSEST, MARGIN, POWERS, chebyshev_weights
+from ..solving.multigrid import (
+    COARSEST,
+    LANCZOS,
+    MARGIN,
+    chebyshev_weights,
+    largest_of_gradients,
+)
 from .matrices import product, shifted
 
 PREFIX = "duhamel_multigrid_"
@@ -118,15 +124,23 @@ def _inverse_diagonal(S: Any) -> Array:
 
 
 def _largest_eigenvalue(S: Any, inverse: Array) -> float:
-    """That of D^-1 S, by powers."""
+    """That of D^-1 S, D being its diagonal, as in one process."""
     comm = S.comm.tompi4py()
-    X = np.random.default_rng(comm.rank).standard_normal((len(inverse), COLUMNS))
-    largest = 0.0
-    for _ in range(POWERS):
-        Y = product(S, X)
-        Z = inverse * Y
-        energies = np.array([np.einsum("ik,ik->k", A, Y) for A in (Z, X)])
-        of_next, of_this = comm.allreduce(energies)
-        largest = float(np.max(of_next / of_this))
-        X = Z / np.sqrt(of_next)
-    return MARGIN * largest
+
+    def dots(A: Array, B: Array) -> Array:
+        total: Array = comm.allreduce(np.einsum("ik,ik->k", A, B))
+        return total
+
+    R = np.random.default_rng(comm.rank).standard_normal((len(inverse), COLUMNS))
+    Z = inverse * R
+    P, remaining = Z, dots(R, Z)
+    steps, ratios = [], []
+    for _ in range(LANCZOS):
+        Y = product(S, P)
+        steps.append(remaining / dots(P, Y))
+        R = R - steps[-1] * Y
+        Z = inverse * R
+        before, remaining = remaining, dots(R, Z)
+        ratios.append(remaining / before)
+        P = Z + ratios[-1] * P
+    return MARGIN * largest_of_gradients(np.array(steps), np.array(ratios))

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import cho_factor, cho_solve, eigvalsh_tridiagonal
 
 from ...superelement.validation import Array
 from ..mesh.mesh import IntArray
@@ -18,10 +18,10 @@ SWEEPS = 2
 """Sweeps of the smoother before and after the correction of a coarser level."""
 SMOOTHED = 16.0
 """Part of the spectrum that the smoother is to damp: from its end to that end divided by this."""
-POWERS = 12
-"""Products that the largest eigenvalue is found by, of sixteen random vectors at once."""
+LANCZOS = 16
+"""Steps by which the largest eigenvalue is found, for sixteen random vectors at once."""
 MARGIN = 1.05
-"""What they may have missed of it."""
+"""What they may have missed of it: cycles bear a little more, then they are not positive."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +79,7 @@ class Multigrid:
         self._levels = []
         for number, level in enumerate(hierarchy.levels[:-1]):
             blocks = S if number == 0 else _blocks(level.A)
-            weights = chebyshev_weights(_largest_eigenvalue(blocks, loops))
+            weights = chebyshev_weights(largest_eigenvalue(blocks, loops))
             self._levels.append(Level(blocks, weights, _table(level.P), _table(level.P.T)))
         coarsest = hierarchy.levels[-1].A.toarray().astype(np.float64)
         self._factor = cho_factor(0.5 * (coarsest + coarsest.T))
@@ -122,18 +122,37 @@ def chebyshev_weights(largest: float) -> tuple[float, ...]:
     return tuple((1.0 / zeros).tolist())
 
 
-def _largest_eigenvalue(S: Blocks, loops: Loops) -> float:
-    """That of D^-1 S, by powers."""
+def largest_eigenvalue(S: Blocks, loops: Loops) -> float:
+    """That of D^-1 S, by the numbers of conjugate gradients with D, the blocks on the diagonal."""
     rng = np.random.default_rng(0)
-    X = rng.standard_normal((S.n_nodes, 3, WIDTH), dtype=np.float32)
-    Y, Z = np.empty_like(X), np.empty_like(X)
-    largest = 0.0
-    for _ in range(POWERS):
-        S.multiply(X, Y, loops)
-        energy = S.solve_diagonal(Y, Z, loops)  # X^T S D^-1 S X
-        largest = float(np.max(energy / loops.sum("dots", S.n_nodes, X, Y)))
-        X, Z = Z / np.float32(np.abs(Z).max()), X
-    return MARGIN * largest
+    R = rng.standard_normal((S.n_nodes, 3, WIDTH), dtype=np.float32)
+    X, Y, Z = np.zeros_like(R), np.empty_like(R), np.empty_like(R)
+    remaining = S.solve_diagonal(R, Z, loops)
+    P = Z.copy()
+    steps, ratios = [], []
+    for _ in range(LANCZOS):
+        step = remaining / S.multiply(P, Y, loops)
+        loops.run("advance", S.n_nodes, step.astype(np.float32), P, Y, X, R)
+        before, remaining = remaining, S.solve_diagonal(R, Z, loops)
+        ratio = remaining / before
+        loops.run("turn", S.n_nodes, ratio.astype(np.float32), Z, P)
+        steps.append(step)
+        ratios.append(ratio)
+    return MARGIN * largest_of_gradients(np.array(steps), np.array(ratios))
+
+
+def largest_of_gradients(steps: Array, ratios: Array) -> float:
+    """The largest eigenvalue that conjugate gradients have seen, from below.
+
+    alpha and beta of each step, for each of their vectors (n, k). They are Lanczos's method, whose
+    matrix is tridiagonal: 1 / alpha_j + beta_(j-1) / alpha_(j-1), and sqrt(beta_j) / alpha_j beside
+    it. Source: Y. Saad, Iterative Methods for Sparse Linear Systems (2003), section 6.7.3.
+    """
+    diagonals = 1.0 / steps
+    diagonals[1:] += ratios[:-1] / steps[:-1]
+    beside = np.sqrt(ratios[:-1]) / steps[:-1]
+    pairs = zip(diagonals.T, beside.T, strict=True)
+    return max(float(eigvalsh_tridiagonal(d, e)[-1]) for d, e in pairs)
 
 
 def _table(matrix: Any) -> Table:

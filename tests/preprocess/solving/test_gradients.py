@@ -9,10 +9,11 @@ from duhamel.preprocess import MethodError, assemble
 from duhamel.preprocess.solving.factor import factorize
 from duhamel.preprocess.solving.gradients import MOST, ConjugateGradients
 from duhamel.preprocess.solving.loops import WIDTH, with_loops
-from duhamel.preprocess.solving.multigrid import Multigrid
+from duhamel.preprocess.solving.multigrid import Multigrid, largest_eigenvalue
 from duhamel.preprocess.solving.panels import in_blocks
 from duhamel.preprocess.solving.solver import condition, factorized, iterated
 from duhamel.superelement import GeneralizedAlpha
+from scipy.sparse.linalg import eigsh
 
 SCHEME = GeneralizedAlpha(0.9)
 
@@ -52,6 +53,24 @@ def test_multigrid_takes_few_steps_whatever_the_step(solid_body, box):
         assert error(structure, SCHEME.beta_prime(h), solve, structure.loads).max() < 1e-5
         steps.append(solve.iterations[0])
     assert max(steps) < 30
+
+
+def test_cycles_know_the_largest_eigenvalue(solid_body, box):
+    """Of D^-1 S, D the blocks on its diagonal; with less of it cycles would not be positive."""
+    structure = assemble(solid_body(box("tetra10", size=(0.4, 0.1, 0.1), divisions=(24, 6, 6))))
+    shift = SCHEME.beta_prime(1e-5)
+    S = sp.bsr_array(structure.K + shift * structure.M, blocksize=(3, 3))
+    node = np.repeat(np.arange(len(S.indptr) - 1), np.diff(S.indptr))
+    own = node == S.indices
+    each = np.arange(own.sum() + 1)
+    D, inverse = (
+        sp.bsr_array((blocks, node[own], each), shape=S.shape)
+        for blocks in (S.data[own], np.linalg.inv(S.data[own]))
+    )
+    (exact,) = eigsh(S, 1, D, Minv=inverse, return_eigenvectors=False)
+    blocks = in_blocks(structure.K, structure.M, shift)
+    found = with_loops(partial(largest_eigenvalue, blocks))
+    assert exact <= found <= 1.06 * exact
 
 
 def test_many_columns_and_none_of_them(solid_body, box):
