@@ -25,7 +25,7 @@ PLAIN := tests/solver/test_rotations.py tests/solver/test_tangents.py tests/solv
   --hypothesis-profile=faults tests/solver/properties/test_conservation.py
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint validation fuzz benchmark soak mutants docs notebooks constraints clean
+.PHONY: help demo test lint validation large-validation fuzz benchmark soak mutants docs notebooks constraints clean
 .PHONY: wheel-test plain-test coverage python-test lowest-test audit
 .DELETE_ON_ERROR:
 
@@ -50,6 +50,9 @@ lint: $(VENV)/.installed build/types/.linked ## style and types
 
 validation: $(VENV)/.validation ## published problems and peer codes; takes minutes
 	$(BIN)/python -m pytest -m validation --complete
+
+large-validation: $(VENV)/.validation ## exact problems with a million unknowns; takes half an hour and 9 GB
+	$(BIN)/python -m pytest -m large --complete tests/validation
 
 wheel-test: $(CI)/3.11/.wheel ## all tests, of the wheel, with every extra: none may be skipped
 	$(CI)/3.11/bin/python .ci/check_wheel.py build/wheel/*.whl

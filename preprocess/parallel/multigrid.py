@@ -42,7 +42,8 @@ class Multigrid:
 
     The aggregates and their prolongation, which hold the rigid motions of every aggregate, are
     those of PETSc's GAMG; cycles run on all columns at once. A sweep of the smoother is one of
-    Jacobi, weighted as in one process (solving/multigrid.py).
+    Jacobi, weighted as in one process (solving/multigrid.py). `LinAlgError` where a level is
+    singular, for an aggregate has too few nodes for its rigid motions.
     """
 
     def __init__(self, structure: Structure, shift: float) -> None:
@@ -53,7 +54,10 @@ class Multigrid:
             matrix, _ = hierarchy.getMGSmoother(number).getOperators()
             inverse = _inverse_diagonal(matrix)
             prolong = hierarchy.getMGInterpolation(number)
-            weights = chebyshev_weights(_largest_eigenvalue(matrix, inverse))
+            largest = _largest_eigenvalue(matrix, inverse)
+            if not np.isfinite(largest):
+                raise np.linalg.LinAlgError("a level of multigrid is singular")
+            weights = chebyshev_weights(largest)
             restrict = prolong.transpose(PETSc.Mat())
             self._levels.append(Level(matrix, inverse, weights, prolong, restrict))
         coarsest, _ = hierarchy.getMGCoarseSolve().getOperators()
@@ -88,6 +92,8 @@ class _Coarsest:
         own = np.zeros((end - begin, S.size[1]))
         own[np.repeat(np.arange(end - begin), np.diff(first)), columns] = values
         whole = np.concatenate(self._comm.allgather(own))
+        if not np.isfinite(whole).all():
+            raise np.linalg.LinAlgError("the coarsest level of multigrid is singular")
         self._factor = cho_factor(0.5 * (whole + whole.T))
 
     def __call__(self, b: Array) -> Array:
@@ -106,7 +112,6 @@ def _hierarchy(S: Any, U: Array) -> Any:
     S.setNearNullSpace(PETSc.NullSpace().create(vectors=modes, comm=S.comm))
     options = PETSc.Options(PREFIX)
     options["pc_gamg_coarse_eq_limit"] = COARSEST
-    options["pc_gamg_threshold"] = 0.0
     hierarchy = PETSc.PC().create(S.comm)
     hierarchy.setOptionsPrefix(PREFIX)
     hierarchy.setType("gamg")
@@ -118,7 +123,8 @@ def _hierarchy(S: Any, U: Array) -> Any:
 
 def _inverse_diagonal(S: Any) -> Array:
     vector = S.getDiagonal()
-    found: Array = 1.0 / np.array(vector.getArray())[:, None]
+    with np.errstate(divide="ignore"):
+        found: Array = 1.0 / np.array(vector.getArray())[:, None]
     vector.destroy()
     return found
 
@@ -134,7 +140,8 @@ def _largest_eigenvalue(S: Any, inverse: Array) -> float:
     R = np.random.default_rng(comm.rank).standard_normal((len(inverse), COLUMNS))
     Z = inverse * R
     P, remaining = Z, dots(R, Z)
-    steps, ratios = [], []
+    steps: list[Array] = []
+    ratios: list[Array] = []
     for _ in range(LANCZOS):
         Y = product(S, P)
         steps.append(remaining / dots(P, Y))
@@ -143,4 +150,6 @@ def _largest_eigenvalue(S: Any, inverse: Array) -> float:
         before, remaining = remaining, dots(R, Z)
         ratios.append(remaining / before)
         P = Z + ratios[-1] * P
+    if not np.isfinite(remaining).all():
+        return np.inf
     return MARGIN * largest_of_gradients(np.array(steps), np.array(ratios))

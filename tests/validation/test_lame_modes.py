@@ -112,10 +112,12 @@ def test_lame_modes_with_a_factor(kind, divisions, highest, nu, tmp_path):
     check(prism(tmp_path, kind, divisions, nu, highest, solver="factor"), nu, highest)
 
 
-@pytest.mark.validation
 @pytest.mark.parametrize(
     ("kind", "divisions", "highest"),
-    [("hexahedron27", (16, 16, 8), 1), ("tetra10", (54, 54, 14), 2)],
+    [
+        pytest.param("hexahedron27", (16, 16, 8), 1, marks=pytest.mark.validation),
+        pytest.param("tetra10", (54, 54, 14), 2, marks=pytest.mark.large),
+    ],
     ids=["56 thousand unknowns", "a million unknowns"],
 )
 def test_lame_modes_without_a_factor(kind, divisions, highest, tmp_path):

@@ -25,8 +25,6 @@ from duhamel.solver import Constant, FlexibleBody, Load, Model, Settings, simula
 
 from .solid_bar import solid_superelement
 
-pytestmark = pytest.mark.validation
-
 E, rho, L, F = 2e11, 8000.0, 1.0, 1e3
 c = np.sqrt(E / rho)
 RHO_INF = 0.2
@@ -59,11 +57,15 @@ CASES = {
     "8 nodes": Case("hexahedron", (200, 1, 1), *THIN),
     "27 nodes": Case("hexahedron27", (80, 1, 1), *THIN),
     "10 nodes, no factor": Case("tetra10", (100, 4, 4), *WIDE),
-    "a million unknowns, no factor": Case("hexahedron27", (200, 14, 14), *WIDE),
 }
+MILLION = Case("hexahedron27", (200, 14, 14), *WIDE)
+PARAMETERS = [
+    *(pytest.param(case, id=name, marks=pytest.mark.validation) for name, case in CASES.items()),
+    pytest.param(MILLION, id="a million unknowns, no factor", marks=pytest.mark.large),
+]
 
 
-@pytest.fixture(scope="module", params=CASES.values(), ids=CASES)
+@pytest.fixture(scope="module", params=PARAMETERS)
 def motion(request, tmp_path_factory):
     case = request.param
     rod = solid_superelement(

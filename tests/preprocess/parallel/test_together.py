@@ -1,5 +1,7 @@
 """Superelements that several processes have made, beside those that one has made."""
 
+import sys
+
 import numpy as np
 import pytest
 from duhamel.preprocess import build, read_body
@@ -52,6 +54,28 @@ def lossy(made):
     return made(LOSSY, (2,))
 
 
+LONG = INEXACT | {"step = 1e-5": "step = 1e-3", "band = 10000": "band = 400"}
+"""Steps of which the matrix is nearly the stiffness."""
+STEPS = """
+import sys
+from pathlib import Path
+from mpi4py import MPI
+from duhamel.preprocess import read_body
+from duhamel.preprocess.parallel import solve
+from duhamel.preprocess.parallel.build import build_together
+from duhamel.preprocess.parallel.ranks import Ranks
+
+original, made = solve.iterated, []
+
+def iterated(*arguments):
+    made.append(original(*arguments))
+    return made[-1]
+
+solve.iterated = iterated
+build_together(read_body(Path(sys.argv[1])), Ranks(MPI.COMM_WORLD), False, lambda doubt: None)
+if MPI.COMM_WORLD.rank == 0:
+    print(*(steps for solver in made for steps in solver.iterations))
+"""
 PAIRS = pytest.mark.parametrize(("one", "other"), [(1, 2), (1, 3), (0, 1), (0, 2)])
 
 
@@ -142,13 +166,26 @@ def test_materials_of_different_loss_damp_modes_alike(lossy):
     assert np.ptp(b.chain.amplitude[:, inside], axis=1).max() > 0.0
 
 
-def test_with_inexact_solutions_transfer_functions_agree_to_the_tolerance(made):
-    found = made(INEXACT, (1, 2))
+@pytest.mark.parametrize(("changes", "by"), [(INEXACT, ""), (LONG, " with multigrid")])
+def test_with_inexact_solutions_transfer_functions_agree_to_the_tolerance(made, changes, by):
+    found = made(changes, (1, 2, 3))
     kernel = found[0].kernel
     band = Band(kernel.h, kernel.scheme, kernel.steps, kernel.band)
-    for processes in (1, 2):
+    for processes in (1, 2, 3):
+        versions = found[processes].provenance.versions
+        assert versions["factorization"].startswith(f"conjugate gradients{by}, PETSc 3.")
         assert found[processes].kernel.error <= 1e-5
         assert band.error(found[processes].modes, found[0].modes) <= 2e-5
+
+
+@pytest.mark.parametrize("processes", [1, 2, 4])
+def test_multigrid_takes_few_steps(bar, processes):
+    """Also where coarse levels leave processes out."""
+    done = run(processes, sys.executable, "-c", STEPS, str(bar(LONG, (24, 6, 6))))
+    assert done.returncode == 0, done.stderr
+    steps = [int(word) for word in done.stdout.split()]
+    assert len(steps) >= 3
+    assert max(steps) < 80
 
 
 def test_the_file_says_what_made_it(exact):
