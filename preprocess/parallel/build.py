@@ -3,6 +3,8 @@
 from dataclasses import replace
 from typing import Any, cast
 
+import numpy as np
+
 from ...superelement import Superelement
 from ..assembly.channels import SelectedChannels, channel_rows, selected_channels
 from ..assembly.losses import lossy_groups
@@ -124,9 +126,22 @@ def _dealt_out(
 
     found = ranks.in_first(prepared)
     owners = partition(ranks.comm, None if found is None else found[2])
-    if source is None or found is None or owners is None:
+
+    def in_order() -> Numbering:
+        assert source is not None
+        assert found is not None
+        assert owners is not None
+        numbering = numbered(source, found[0], found[1], owners, ranks.size)
+        if (np.diff(numbering.starts) == 0).any():
+            raise MethodError(
+                f"{source.name}: {len(owners)} elements are too few for {ranks.size} processes: "
+                "use fewer processes, or none"
+            )
+        return numbering
+
+    numbering = ranks.in_first(in_order)
+    if source is None or numbering is None:
         return cast(Piece, ranks.comm.recv(source=0)), None
-    numbering = numbered(source, found[0], found[1], owners, ranks.size)
     dealt = pieces(source, numbering)
     own = next(dealt)
     for process, piece in enumerate(dealt, start=1):

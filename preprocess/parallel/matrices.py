@@ -99,8 +99,8 @@ class SpreadMass:
         n = len(X) // 3
         # A row for each node: (3 n, k) as (n, 3 k).
         by_node = X.reshape((3, n, -1), order="F").transpose(1, 0, 2)
-        product = self._of_nodes @ np.asfortranarray(by_node).reshape((n, -1), order="F")
-        by_axis = product.reshape((n, 3, -1), order="F").transpose(1, 0, 2)
+        moved = self._of_nodes @ np.asfortranarray(by_node).reshape((n, -1), order="F")
+        by_axis = moved.reshape((n, 3, -1), order="F").transpose(1, 0, 2)
         found: Array = np.asfortranarray(by_axis).reshape(X.shape, order="F")
         if self._rest is not None:
             found += self._rest @ X

@@ -1,23 +1,27 @@
 """Algebraic multigrid over processes, as a preconditioner of many columns at once."""
 
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import cho_solve
 
 from ...superelement.validation import Array
 from ..assembly.structure import Structure
+from ..processes import Processes
 from ..solving.multigrid import (
-    COARSEST,
     LANCZOS,
     MARGIN,
     chebyshev_weights,
+    coarsest_factor,
     largest_of_gradients,
 )
 from .matrices import product, shifted
 
+COARSEST = 600
+"""Unknowns of a level that is solved by a dense factor, at most."""
 PREFIX = "duhamel_multigrid_"
 """of the options that PETSc is given"""
 COLUMNS = 6
@@ -42,8 +46,8 @@ class Multigrid:
 
     The aggregates and their prolongation, which hold the rigid motions of every aggregate, are
     those of PETSc's GAMG; cycles run on all columns at once. A sweep of the smoother is one of
-    Jacobi, weighted as in one process (solving/multigrid.py). `LinAlgError` where a level is
-    singular, for an aggregate has too few nodes for its rigid motions.
+    Jacobi, weighted as in one process (solving/multigrid.py). `LinAlgError`, in all processes,
+    where a level is singular, for an aggregate has too few nodes for its rigid motions.
     """
 
     def __init__(self, structure: Structure, shift: float) -> None:
@@ -54,14 +58,12 @@ class Multigrid:
             matrix, _ = hierarchy.getMGSmoother(number).getOperators()
             inverse = _inverse_diagonal(matrix)
             prolong = hierarchy.getMGInterpolation(number)
-            largest = _largest_eigenvalue(matrix, inverse)
-            if not np.isfinite(largest):
-                raise np.linalg.LinAlgError("a level of multigrid is singular")
+            largest = _largest_eigenvalue(matrix, inverse, structure.processes)
             weights = chebyshev_weights(largest)
             restrict = prolong.transpose(PETSc.Mat())
             self._levels.append(Level(matrix, inverse, weights, prolong, restrict))
         coarsest, _ = hierarchy.getMGCoarseSolve().getOperators()
-        self._coarsest = _Coarsest(coarsest)
+        self._coarsest = _Coarsest(coarsest, structure.processes)
         self._hierarchy = hierarchy
 
     def __call__(self, R: Array) -> Array:
@@ -84,7 +86,7 @@ class Multigrid:
 class _Coarsest:
     """x = S^-1 b on the coarsest level, by a factor that every process has; own rows b (n, k)."""
 
-    def __init__(self, S: Any) -> None:
+    def __init__(self, S: Any, processes: Processes) -> None:
         self._comm = S.comm.tompi4py()
         first, columns, values = S.getValuesCSR()
         begin, end = S.getOwnershipRange()
@@ -92,9 +94,12 @@ class _Coarsest:
         own = np.zeros((end - begin, S.size[1]))
         own[np.repeat(np.arange(end - begin), np.diff(first)), columns] = values
         whole = np.concatenate(self._comm.allgather(own))
-        if not np.isfinite(whole).all():
+        factor = None
+        with suppress(np.linalg.LinAlgError):
+            factor = coarsest_factor(whole)
+        if processes.largest(factor is None):
             raise np.linalg.LinAlgError("the coarsest level of multigrid is singular")
-        self._factor = cho_factor(0.5 * (whole + whole.T))
+        self._factor = factor
 
     def __call__(self, b: Array) -> Array:
         x: Array = cho_solve(self._factor, np.concatenate(self._comm.allgather(b)))
@@ -118,6 +123,8 @@ def _hierarchy(S: Any, U: Array) -> Any:
     hierarchy.setOperators(S)
     hierarchy.setFromOptions()
     hierarchy.setUp()
+    for mode in modes:
+        mode.destroy()
     return hierarchy
 
 
@@ -129,15 +136,13 @@ def _inverse_diagonal(S: Any) -> Array:
     return found
 
 
-def _largest_eigenvalue(S: Any, inverse: Array) -> float:
+def _largest_eigenvalue(S: Any, inverse: Array, processes: Processes) -> float:
     """That of D^-1 S, D being its diagonal, as in one process."""
-    comm = S.comm.tompi4py()
 
     def dots(A: Array, B: Array) -> Array:
-        total: Array = comm.allreduce(np.einsum("ik,ik->k", A, B))
-        return total
+        return processes.total(np.einsum("ik,ik->k", A, B))
 
-    R = np.random.default_rng(comm.rank).standard_normal((len(inverse), COLUMNS))
+    R = np.random.default_rng(S.comm.rank).standard_normal((len(inverse), COLUMNS))
     Z = inverse * R
     P, remaining = Z, dots(R, Z)
     steps: list[Array] = []
@@ -150,6 +155,4 @@ def _largest_eigenvalue(S: Any, inverse: Array) -> float:
         before, remaining = remaining, dots(R, Z)
         ratios.append(remaining / before)
         P = Z + ratios[-1] * P
-    if not np.isfinite(remaining).all():
-        return np.inf
-    return MARGIN * largest_of_gradients(np.array(steps), np.array(ratios))
+    return MARGIN * largest_of_gradients(np.array(steps), np.array(ratios), processes)

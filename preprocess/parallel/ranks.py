@@ -50,7 +50,8 @@ class Ranks(Processes):
         return found
 
     def largest(self, part: float) -> float:
-        return float(self.comm.allreduce(part, op=MPI.MAX))
+        # MPI would lose what is no number beside one.
+        return float(self.comm.allreduce(np.inf if np.isnan(part) else part, op=MPI.MAX))
 
     def agreed(self, find: Callable[[], Found]) -> Found:
         if not self.first:

@@ -11,26 +11,29 @@ from ...files.memory import available
 from ...superelement.validation import Array
 from ..assembly.structure import Structure
 from ..body.body import Solver as Kind
-from ..errors import MeshError, MethodError
-from ..solving.cost import FEW, factor_cost, gradient_cost, gradient_steps
-from ..solving.factor import ACCURATE, Factor, Solve, note
-from ..solving.gradients import SAFETY, energy_left
+from ..errors import MemoryShortageError, MeshError, MethodError
+from ..solving.cost import FEW, basis_bytes, factor_cost, gradient_cost, gradient_steps
+from ..solving.factor import ACCURATE, COARSER, Factor, Solve, note
+from ..solving.gradients import (
+    MOST,
+    SAFETY,
+    NotConvergedError,
+    energy_left,
+    given_up,
+    not_positive,
+)
 from ..solving.solver import COMPACT, Solver, condition
 from .matrices import SpreadMass, SpreadMatrix, dense_columns, shifted
 from .multigrid import Multigrid
 from .ranks import Ranks
 
-MOST = 5000
-"""Steps of conjugate gradients; a body that needs more is left to the factor."""
 SLOWER = 3.5
 """How much longer conjugate gradients take here than by their formula, that of single precision."""
 ROW = 80
 """Entries in a row of the stiffness of a solid, about."""
+NO_ROOM = (-8, -9, -13, -17, -19, -20)
+"""INFOG(1) of MUMPS where it is short of memory, or of a buffer."""
 PETSC = "PETSc " + ".".join(map(str, PETSc.Sys.getVersion()))
-
-
-class NotConvergedError(MethodError):
-    """Conjugate gradients that do not reach their accuracy in `MOST` steps."""
 
 
 class ConjugateGradients:
@@ -49,7 +52,7 @@ class ConjugateGradients:
         accuracy: float,
         precondition: Callable[[Array], Array] | None = None,
     ) -> None:
-        self._name = f"{name} ({structure.n_u} unknowns)"
+        self._name, self._n_u = name, structure.n_u
         self._K, self._M, self._shift = structure.K, structure.M, shift
         self._total, self._accuracy = structure.total, accuracy
         self._inverse = 1.0 / (self._K.diagonal() + shift * self._M.diagonal())[:, None]
@@ -59,11 +62,14 @@ class ConjugateGradients:
     def __call__(self, b: Array) -> Array:
         R = np.array(b.reshape(len(b), -1), order="F")
         X, P = np.zeros_like(R), self._precondition(R)
-        remaining = self._dots(R, P)
+        remaining = first = self._dots(R, P)
         gains: list[Array] = []
         while len(gains) < MOST:
             Y = self._K @ P + self._shift * (self._M @ P)
-            step = _ratio(remaining, self._dots(P, Y))
+            energies = self._dots(P, Y)
+            if not_positive(energies, remaining, first).any():
+                raise given_up(self._name, self._n_u, "the digits of double precision")
+            step = _ratio(remaining, energies)
             X += step * P
             R -= step * Y
             gains.append(step * remaining)
@@ -74,11 +80,7 @@ class ConjugateGradients:
             Z = self._precondition(R)
             before, remaining = remaining, self._dots(R, Z)
             P = _ratio(remaining, before) * P + Z
-        raise NotConvergedError(
-            f"{self._name}: {MOST} steps of conjugate gradients are not enough: the body is a "
-            "mechanism, its elements far too flat, or the step too long; try "
-            'impulse.solver = "factor"'
-        )
+        raise given_up(self._name, self._n_u, f"{MOST} steps of conjugate gradients")
 
     def _dots(self, A: Array, B: Array) -> Array:
         return self._total(np.einsum("ik,ik->k", A, B))
@@ -92,17 +94,19 @@ def _ratio(a: Array, b: Array) -> Array:
 def factorized(structure: Structure, shift: float, name: str, ranks: Ranks) -> Factor:
     """The factor L L^T of S by MUMPS.
 
-        |S x - b| <= 1e-10 |b|
+        |S x - b| <= 1e-10 (|S| |x| + |b|)    largest entries, and the largest sum of a row of |S|
 
-    holds for a random b. `MeshError` if S is not positive definite, `MethodError` if MUMPS cannot
-    factorize it, or is not so accurate.
+    holds for a random b. `MeshError` if S is not positive definite, `MemoryShortageError` if it
+    does not fit, `MethodError` if MUMPS cannot factorize it, or is not so accurate.
     """
     solve = _Mumps(structure.K, structure.M, shift, name, ranks)
     b = np.random.default_rng(ranks.comm.rank).standard_normal(len(structure.U))
     x = solve(b)
     left = structure.K @ x + shift * (structure.M @ x) - b
-    left_squared, squared = structure.total(np.array([left @ left, b @ b]))
-    residual = float(np.sqrt(left_squared / squared))
+    size, of_x, of_b = (
+        ranks.largest(float(np.abs(found).max(initial=0.0))) for found in (left, x, b)
+    )
+    residual = size / (solve.norm * of_x + of_b)
     if not residual <= ACCURATE:
         raise MethodError(
             f"{name} ({structure.n_u} unknowns) could not be factorized: mumps: relative residual "
@@ -118,6 +122,7 @@ class _Mumps:
 
     def __init__(self, K: SpreadMatrix, M: SpreadMass, shift: float, name: str, ranks: Ranks):
         self._S = shifted(K, M, shift)
+        self.norm = float(self._S.norm(PETSc.NormType.INFINITY))
         self._solver = PETSc.KSP().create(comm=ranks.comm)
         self._solver.setType("preonly")
         self._solver.setOperators(self._S)
@@ -133,6 +138,13 @@ class _Mumps:
             raise MeshError(
                 f"{name} ({K.shape[0]} unknowns): expected a positive definite matrix, found a "
                 "pivot that is not: the body is a mechanism, or its material or mass is not sound"
+            )
+        if code in NO_ROOM:
+            raise MemoryShortageError(
+                f"{name} ({K.shape[0]} unknowns): MUMPS has no room for the factor (INFOG(1) = "
+                f"{code}): {COARSER}",
+                np.inf,
+                available(),
             )
         if code < 0:
             raise MethodError(
@@ -158,13 +170,17 @@ def spread_solver(ranks: Ranks, kind: Kind) -> Solver:
     """
 
     def solver(structure: Structure, shift: float, name: str, accuracy: float) -> Solve:
+        # What the solver before has left, which PETSc keeps until all processes ask for it.
+        PETSc.garbage_cleanup(ranks.comm)
+
         def factor() -> Solve:
             return factorized(structure, shift, name, ranks)
 
-        if kind == "factor" or (kind == "auto" and _factor_is_better(structure, shift, accuracy)):
+        fits = kind == "auto" and _factor_fits(structure)
+        if kind == "factor" or (fits and _factor_is_quicker(structure, shift, accuracy)):
             return factor()
         iterative = iterated(structure, shift, name, accuracy)
-        return _Patient(iterative, factor) if kind == "auto" else iterative
+        return _Patient(iterative, factor) if fits else iterative
 
     return solver
 
@@ -181,14 +197,23 @@ def iterated(structure: Structure, shift: float, name: str, accuracy: float) -> 
     return ConjugateGradients(structure, shift, name, accuracy, precondition)
 
 
-def _factor_is_better(structure: Structure, shift: float, accuracy: float) -> bool:
-    """Whether it takes less time, and every machine has room for its share of it."""
+def _factor_fits(structure: Structure) -> bool:
+    """Whether every machine has room for its share of a factor and of the basis."""
+    n_u, n_c = structure.n_u, structure.P_C.shape[0]
+    needed = factor_cost(n_u, ROW * n_u, n_c).bytes + basis_bytes(n_u, n_c)
+    share = structure.n_here / n_u
+    return structure.processes.largest(share * needed / available()) < 1.0
+
+
+def _factor_is_quicker(structure: Structure, shift: float, accuracy: float) -> bool:
     sizes = structure.n_u, ROW * structure.n_u, structure.P_C.shape[0]
-    factor = factor_cost(*sizes)
-    gradients = gradient_cost(*sizes, condition(structure, shift), accuracy)
-    share = structure.n_here / structure.n_u
-    short = structure.processes.largest(share * factor.bytes / available())
-    return COMPACT * factor.seconds <= SLOWER * gradients.seconds and short < 1.0
+    kappa = condition(structure, shift)
+
+    def quicker() -> bool:
+        gradients = gradient_cost(*sizes, kappa, accuracy)
+        return COMPACT * factor_cost(*sizes).seconds <= SLOWER * gradients.seconds
+
+    return structure.processes.agreed(quicker)
 
 
 class _Patient:

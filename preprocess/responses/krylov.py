@@ -24,6 +24,8 @@ from .ritz import ritz_modes, space_shapes
 from .shapes import Shapes
 from .static import slow_chain
 
+FEWEST = 2
+"""Blocks before the first estimate of the error."""
 LIMIT = 4000
 """Vectors at most: beyond, the dense eigenproblems of the space take minutes and its basis
 gigabytes.
@@ -84,22 +86,25 @@ class KrylovSpace:
         self._structure, n_u = structure, structure.n_u
         self._solve = solver(structure, shift, "the matrix of the time step", accuracy)
         self._first = self._solve(structure.loads)
+        self.inexact = not isinstance(self._solve, Factor)
         if lower is not None:
             del self._solve  # two might not fit
             self._solve = solver(structure, lower, "the matrix of a step for the band", accuracy)
+            self.inexact |= not isinstance(self._solve, Factor)
         memory, disk = (self._vectors(place) for place in (available, scratch))
-        expected = RIGID + (BLOCKS + WORK) * structure.P_C.shape[0]
-        in_file = structure.processes.agreed(lambda: memory < expected and disk > memory)
+        n_c = structure.P_C.shape[0]
+        in_file = memory < RIGID + (BLOCKS + WORK) * n_c and disk > memory
         self._most = min(LIMIT, disk if in_file else memory)
+        if self._most < RIGID + FEWEST * n_c:
+            raise MethodError(
+                f"impulse.method krylov: {FEWEST} blocks of {n_c} vectors, the fewest, take more "
+                f"than the {self._most} vectors that there is time and memory for: fewer interface "
+                "dofs, loads and sensors would do, or method march"
+            )
         self.basis = Basis(structure, min(n_u, self._most), in_file)
         self.basis.extend(structure.U)
         self._ends = [RIGID]
         self._stiffness = np.zeros((0, 0))
-
-    @property
-    def inexact(self) -> bool:
-        """Whether solutions are only as accurate as was asked for."""
-        return not isinstance(self._solve, Factor)
 
     @property
     def blocks(self) -> int:
@@ -113,12 +118,13 @@ class KrylovSpace:
     def room(self) -> int:
         """The number of vectors that time, and memory or disk, allow, the basis included."""
         free = self._vectors(scratch if self.basis.in_file else available)
-        most = int(min(self._most, self.basis.columns + free - WORK * self._structure.P_C.shape[0]))
-        return self._structure.processes.agreed(lambda: most)
+        n_c: int = self._structure.P_C.shape[0]
+        return min(self._most, self.basis.columns + free - WORK * n_c)
 
     def _vectors(self, place: Callable[[], int]) -> int:
-        """The number of vectors that the bytes of a place hold."""
-        return place() // (REAL * self._structure.n_here)
+        """The number of vectors that the bytes of a place hold, in all processes."""
+        vectors = place() // (REAL * self._structure.n_here)
+        return -int(self._structure.processes.largest(-vectors))
 
     def grow(self) -> bool:
         """Add a block; False if nothing is left to add, for the space holds all that interface
@@ -189,14 +195,14 @@ def krylov_modes(
     shift, lower = shifts(damping, band)
     accuracy = solution_accuracy(tolerance, fields)
     space = KrylovSpace(structure, shift, lower, solver, accuracy)
-    unsolved = UNSOLVED * tolerance if space.inexact else 0.0
+    unsolved = unsolved_error(accuracy, fields) if space.inexact else 0.0
 
     def modes_of(blocks: int) -> tuple[Modes, Array]:
         omega, Q = space.ritz(blocks)
         phi = space_shapes(space.basis, Q)(structure.P_C)
         return damped_modes(damping, omega, phi, band.finest_step), Q
 
-    check = 2
+    check = FEWEST
     while space.grow():
         if space.blocks < check:
             continue
@@ -243,6 +249,11 @@ def solution_accuracy(tolerance: float, fields: bool) -> float:
     share = UNSOLVED * tolerance
     error = share / np.sqrt(AMPLIFIED) if fields else np.sqrt(share / AMPLIFIED)
     return max(FINEST, float(error))
+
+
+def unsolved_error(accuracy: float, fields: bool) -> float:
+    """What solutions of an accuracy leave of the error, the other way round."""
+    return float(np.sqrt(AMPLIFIED) * accuracy if fields else AMPLIFIED * accuracy**2)
 
 
 def _with_rotation(

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...superelement.validation import Array
 from ..errors import MethodError
@@ -17,8 +18,10 @@ SLOWEST = 0.999
 """Ratio of the gains of two windows, at most: more says nothing of what is to come."""
 SINGLE = 1e-3
 """Relative error in energy that single precision reaches, whatever the matrix of a body."""
-MOST = 5000
-"""Steps after which conjugate gradients give up."""
+MOST = 1000
+"""Steps after which conjugate gradients give up: where a matrix takes more, as that of elements
+1:250 flat, what is left is underestimated.
+"""
 SAFETY = 0.5
 """Share of the accuracy that is aimed at, for what is left is estimated."""
 REFINEMENTS = 8
@@ -57,21 +60,28 @@ class ConjugateGradients:
         B = b.reshape(len(b), -1)
         X, taken = np.zeros_like(B), 0
         enough = before = np.zeros(B.shape[1])
-        residual = B
+        residual, missed = B, 0.0
         for turn in range(REFINEMENTS):
             found = self._in_single(residual, enough)
             X += found.X
             taken += found.steps
+            residual = B - self.product(X)
+            # Single precision takes directions for stiffer than they are: x (S~ - S) x.
+            energy_missed = np.abs(np.einsum("ik,ik->k", found.X, residual))
+            missed = max(missed, *_share(energy_missed, found.energy, found.energy > enough))
             if turn == 0:
                 enough = (SAFETY * self.accuracy) ** 2 * found.energy
-            else:
-                # What was left before was found by this solution, and is left of it in proportion.
-                ratio = np.divide(found.energy, before, out=np.zeros_like(before), where=before > 0)
-                if (np.maximum(found.left, ratio * found.energy) <= enough).all():
+            elif missed < 1.0:
+                # Solutions to come are in geometric progression: by what this one found of what the
+                # one before has left, and along what single precision has missed most, by that.
+                rate = np.sqrt(_share(found.energy, before, before > 0.0))
+                series = np.divide(rate, 1.0 - rate, out=np.full_like(rate, np.inf), where=rate < 1)
+                coming = series**2 * found.energy
+                left = [found.left, coming, missed / (1.0 - missed) * energy_missed]
+                if (np.max(left, axis=0) <= enough).all():
                     self.iterations.append(taken)
                     return X.reshape(b.shape)
             before = found.energy
-            residual = B - self.product(X)
         raise given_up(self.name, len(b), f"{REFINEMENTS} solutions in single precision")
 
     def _in_single(self, B: Array, enough: Array) -> "_Found":
@@ -95,11 +105,14 @@ class ConjugateGradients:
         S, precondition = self.blocks, self.precondition or self.blocks.solve_diagonal
         X, Y, Z = np.zeros_like(R), np.empty_like(R), np.empty_like(R)
         relative = max(SINGLE, SAFETY * self.accuracy) ** 2
-        remaining = precondition(R, Z, loops)
+        remaining = first = precondition(R, Z, loops)
         P = Z.copy()
         gains: list[Array] = []
         while len(gains) < MOST:
-            step = _ratio(remaining, S.multiply(P, Y, loops))
+            energies = S.multiply(P, Y, loops)
+            if not_positive(energies, remaining, first).any():
+                raise given_up(self.name, S.n_u, "the digits of single precision")
+            step = _ratio(remaining, energies)
             loops.run("advance", S.n_nodes, step, P, Y, X, R)
             gains.append(step * remaining)
             energy, left = np.sum(gains, axis=0), energy_left(gains)
@@ -111,9 +124,20 @@ class ConjugateGradients:
         raise given_up(self.name, S.n_u, f"{MOST} steps of conjugate gradients")
 
 
-def given_up(name: str, n_u: int, after: str) -> MethodError:
+def not_positive(energies: Array, remaining: Array, first: Array) -> NDArray[np.bool_]:
+    """Which directions a matrix gives no energy P^T S P (k,), though their solutions have not come
+    to rounding yet: it is not positive definite.
+    """
+    return ~(energies > 0.0) & ~(remaining <= SINGLE**4 * first)
+
+
+class NotConvergedError(MethodError):
+    """Conjugate gradients that do not reach their accuracy."""
+
+
+def given_up(name: str, n_u: int, after: str) -> NotConvergedError:
     """The error where something is not enough to solve with the matrix `name`."""
-    return MethodError(
+    return NotConvergedError(
         f"{name} ({n_u} unknowns): {after} are not enough: the body is a mechanism, its elements "
         'far too flat, or the step too long; try impulse.solver = "factor"'
     )
@@ -127,6 +151,11 @@ class _Found:
     energy: Array
     left: Array
     steps: int
+
+
+def _share(a: Array, b: Array, where: NDArray[np.bool_]) -> Array:
+    """a / b (k,), zero elsewhere."""
+    return np.divide(a, b, out=np.zeros_like(a), where=where)
 
 
 def _ratio(a: Array, b: Array) -> Panel:

@@ -1,5 +1,7 @@
 """Algebraic multigrid by smoothed aggregation, as a preconditioner of panels."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,11 +11,12 @@ from scipy.linalg import cho_factor, cho_solve, eigvalsh_tridiagonal
 
 from ...superelement.validation import Array
 from ..mesh.mesh import IntArray
+from ..processes import ALONE, Processes
 from .loops import WIDTH, Loops, Panel
 from .panels import Blocks, diagonal_inverses
 
 COARSEST = 600
-"""Unknowns of a level that is solved by a dense factor."""
+"""Nodes, or aggregates of six unknowns, of a level that is solved by a dense factor, at most."""
 SWEEPS = 2
 """Sweeps of the smoother before and after the correction of a coarser level."""
 SMOOTHED = 16.0
@@ -57,7 +60,7 @@ class Multigrid:
     aggregate, are PyAMG's; cycles run on panels. A sweep of the smoother is one of Jacobi with the
     blocks on the diagonal, its weights the inverse zeros of Chebyshev's polynomial on the upper
     part of the spectrum. Source: P. Vanek, J. Mandel, M. Brezina, Computing 56 (1996) 179-196;
-    M. Adams et al., J. Comput. Phys. 188 (2003) 593-610.
+    M. Adams et al., J. Comput. Phys. 188 (2003) 593-610. `LinAlgError` where a level is singular.
     """
 
     def __init__(self, S: Blocks, U: Array, loops: Loops) -> None:
@@ -65,24 +68,24 @@ class Multigrid:
 
         A = sp.bsr_matrix((S.blocks.reshape(-1, 3, 3), S.columns, S.first))
         A.sort_indices()
-        hierarchy = pyamg.smoothed_aggregation_solver(
-            A,
-            B=S.ordered(U).astype(np.float32),
-            symmetry="symmetric",
-            strength=("symmetric", {"theta": 0.0}),
-            improve_candidates=None,
-            presmoother=None,
-            postsmoother=None,
-            coarse_solver=None,
-            max_coarse=COARSEST,
-        )
+        with _same_random_numbers():
+            hierarchy = pyamg.smoothed_aggregation_solver(
+                A,
+                B=S.ordered(U).astype(np.float32),
+                symmetry="symmetric",
+                strength=("symmetric", {"theta": 0.0}),
+                improve_candidates=None,
+                presmoother=None,
+                postsmoother=None,
+                coarse_solver=None,
+                max_coarse=COARSEST,
+            )
         self._levels = []
         for number, level in enumerate(hierarchy.levels[:-1]):
             blocks = S if number == 0 else _blocks(level.A)
             weights = chebyshev_weights(largest_eigenvalue(blocks, loops))
             self._levels.append(Level(blocks, weights, _table(level.P), _table(level.P.T)))
-        coarsest = hierarchy.levels[-1].A.toarray().astype(np.float64)
-        self._factor = cho_factor(0.5 * (coarsest + coarsest.T))
+        self._factor = coarsest_factor(hierarchy.levels[-1].A.toarray().astype(np.float64))
 
     def __call__(self, R: Panel, Z: Panel, loops: Loops) -> Array:
         self._cycle(0, R, Z, loops)
@@ -109,6 +112,24 @@ class Multigrid:
         for weight in reversed(level.weights):
             loops.run("subtract", n, S.first, S.columns, S.blocks, Z, R, T)
             loops.run("relax", n, np.float32(weight), S.inverses, T, Z)
+
+
+@contextmanager
+def _same_random_numbers() -> Iterator[None]:
+    """For PyAMG, which draws from those that numpy has for all; they go on as if it had not."""
+    before = np.random.get_state()  # noqa: NPY002
+    np.random.seed(0)  # noqa: NPY002
+    try:
+        yield
+    finally:
+        np.random.set_state(before)  # noqa: NPY002
+
+
+def coarsest_factor(S: Array) -> Any:
+    """The factor of a dense matrix, symmetric but for rounding; `LinAlgError` if it has none."""
+    if not np.isfinite(S).all():
+        raise np.linalg.LinAlgError("the coarsest level of multigrid is singular")
+    return cho_factor(0.5 * (S + S.T))
 
 
 def _add_product(table: Table, X: Panel, Y: Panel, loops: Loops) -> None:
@@ -141,18 +162,21 @@ def largest_eigenvalue(S: Blocks, loops: Loops) -> float:
     return MARGIN * largest_of_gradients(np.array(steps), np.array(ratios))
 
 
-def largest_of_gradients(steps: Array, ratios: Array) -> float:
+def largest_of_gradients(steps: Array, ratios: Array, processes: Processes = ALONE) -> float:
     """The largest eigenvalue that conjugate gradients have seen, from below.
 
     alpha and beta of each step, for each of their vectors (n, k). They are Lanczos's method, whose
     matrix is tridiagonal: 1 / alpha_j + beta_(j-1) / alpha_(j-1), and sqrt(beta_j) / alpha_j beside
-    it. Source: Y. Saad, Iterative Methods for Sparse Linear Systems (2003), section 6.7.3.
+    it. `LinAlgError` where they did not get so far. Source: Y. Saad, Iterative Methods for Sparse
+    Linear Systems (2003), section 6.7.3.
     """
+    if not (np.isfinite(steps).all() and (steps > 0.0).all() and np.isfinite(ratios).all()):
+        raise np.linalg.LinAlgError("a level of multigrid is not positive definite")
     diagonals = 1.0 / steps
     diagonals[1:] += ratios[:-1] / steps[:-1]
     beside = np.sqrt(ratios[:-1]) / steps[:-1]
-    pairs = zip(diagonals.T, beside.T, strict=True)
-    return max(float(eigvalsh_tridiagonal(d, e)[-1]) for d, e in pairs)
+    pairs = list(zip(diagonals.T, beside.T, strict=True))
+    return processes.agreed(lambda: max(float(eigvalsh_tridiagonal(*pair)[-1]) for pair in pairs))
 
 
 def _table(matrix: Any) -> Table:

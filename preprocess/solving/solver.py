@@ -108,7 +108,8 @@ def condition(structure: Structure, shift: float) -> float:
     """
     D = structure.K.diagonal() + shift * structure.M.diagonal()
     weight = structure.total(structure.U.T @ (D[:, None] * structure.U))
-    return LARGEST * float(np.linalg.eigvalsh(weight)[-1]) / shift
+    largest = structure.processes.agreed(lambda: float(np.linalg.eigvalsh(weight)[-1]))
+    return LARGEST * largest / shift
 
 
 def _product(K: Any, M: Any, shift: float, X: Array) -> Array:
