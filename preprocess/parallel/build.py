@@ -3,8 +3,6 @@
 from dataclasses import replace
 from typing import Any, cast
 
-import numpy as np
-
 from ...superelement import Superelement
 from ..assembly.channels import SelectedChannels, channel_rows, selected_channels
 from ..assembly.losses import lossy_groups
@@ -131,13 +129,7 @@ def _dealt_out(
         assert source is not None
         assert found is not None
         assert owners is not None
-        numbering = numbered(source, found[0], found[1], owners, ranks.size)
-        if (np.diff(numbering.starts) == 0).any():
-            raise MethodError(
-                f"{source.name}: {len(owners)} elements are too few for {ranks.size} processes: "
-                "use fewer processes, or none"
-            )
-        return numbering
+        return numbered(source, found[0], found[1], owners, ranks.size)
 
     numbering = ranks.in_first(in_order)
     if source is None or numbering is None:

@@ -10,6 +10,7 @@ import scipy.sparse as sp
 from ..assembly.channels import SelectedChannels
 from ..assembly.interfaces import Attachment
 from ..assembly.structure import Attached
+from ..errors import MethodError
 from ..mesh.mesh import NONE, IntArray
 from ..mesh.nodes import Nodes
 from ..sources.solids import SolidSource
@@ -67,7 +68,8 @@ def numbered(
     """The body with its unknowns in the order of `size` processes.
 
     parts (n_elements,): the process of every element. A node belongs to the first process that has
-    an element with it, and a rigid frame to that of a node that follows it.
+    an element with it, and a rigid frame to that of a node that follows it. `MethodError` where one
+    is left without any.
     """
     of_source = np.full(len(source.mesh.points), size, dtype=np.int64)
     for kind, cells in source.mesh.elements.items():
@@ -81,6 +83,11 @@ def numbered(
     counts = np.where(nodes.rotations, 6, 3)
     dofs = np.repeat(nodes.first[order], counts[order]) + _within(counts[order])
     starts = np.cumsum([0, *np.bincount(owners, weights=counts, minlength=size)]).astype(np.int64)
+    if (np.diff(starts) == 0).any():
+        raise MethodError(
+            f"{source.name}: {len(parts)} elements are too few for {size} processes: use fewer "
+            "processes, or none"
+        )
     renumbered = replace(
         attached,
         nodes=Nodes(nodes.points[order], nodes.rotations[order]),

@@ -128,7 +128,7 @@ def not_positive(energies: Array, remaining: Array, first: Array) -> NDArray[np.
     """Which directions a matrix gives no energy P^T S P (k,), though their solutions have not come
     to rounding yet: it is not positive definite.
     """
-    return ~(energies > 0.0) & ~(remaining <= SINGLE**4 * first)
+    return ~(energies > 0.0) & ~(np.abs(remaining) <= SINGLE**4 * np.abs(first))
 
 
 class NotConvergedError(MethodError):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from duhamel.preprocess import assemble, read_body
+from duhamel.preprocess import MethodError, assemble, read_body
 from duhamel.preprocess.assembly.channels import selected_channels
 from duhamel.preprocess.assembly.structure import attach
 from duhamel.preprocess.parallel.pieces import numbered, pieces
@@ -58,6 +58,12 @@ def test_each_unknown_belongs_to_one_piece(body):
     assert [piece.own.start for piece in found] == numbering.starts[:-1].tolist()
     assert found[-1].own.stop == numbering.starts[-1] == found[0].n_u
     assert all(len(piece.own) == piece.nodes.n_dofs > 0 for piece in found)
+
+
+def test_more_pieces_than_there_is_work_for_are_refused(body):
+    """Here along x, where some hundreds have no element, or none with a node of their own."""
+    with pytest.raises(MethodError, match=r"144 elements are too few for 300 processes: use fewer"):
+        dealt(body, 300)
 
 
 def test_a_piece_has_few_elements_beside_its_own(body):

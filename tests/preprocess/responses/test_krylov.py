@@ -12,10 +12,15 @@ from duhamel.preprocess.body.body import Damping
 from duhamel.preprocess.responses.band import Band
 from duhamel.preprocess.responses.basis import Basis
 from duhamel.preprocess.responses.damping import damping_ratios
-from duhamel.preprocess.responses.krylov import KrylovSpace, krylov_modes
+from duhamel.preprocess.responses.krylov import (
+    KrylovSpace,
+    krylov_modes,
+    solution_accuracy,
+    unsolved_error,
+)
 from duhamel.preprocess.responses.march import march_kernel
 from duhamel.preprocess.responses.modal import elastic_modes, elastic_shapes
-from duhamel.preprocess.solving.solver import iterated
+from duhamel.preprocess.solving.solver import factorized, iterated
 from duhamel.superelement import GeneralizedAlpha, Modes, sample_kernel
 
 NONE = Damping()
@@ -406,6 +411,42 @@ def test_a_tolerance_out_of_reach_says_how_far_it_came(block, monkeypatch, short
         krylov_modes(
             structure, NONE, half_nyquist(h, GeneralizedAlpha(0.9)), 1e-6, lambda text: None
         )
+
+
+def test_no_room_for_the_fewest_blocks_is_told(block, monkeypatch):
+    structure, h = block
+    n_c = structure.P_C.shape[0]
+    room = 6 + 2 * n_c - 1
+    monkeypatch.setattr("duhamel.preprocess.responses.krylov.LIMIT", room)
+    message = f"2 blocks of {n_c} vectors, the fewest, take more than the {room} vectors that there"
+    with pytest.raises(MethodError, match=message):
+        krylov_modes(
+            structure, NONE, half_nyquist(h, GeneralizedAlpha(0.9)), 1e-6, lambda text: None
+        )
+
+
+def test_the_error_holds_an_inexact_first_block(block):
+    """Which is solved for with the matrix of the time step, the others with that for the band."""
+    structure, h = block
+    scheme = GeneralizedAlpha(0.9)
+    shift, lower = scheme.beta_prime(h), scheme.beta_prime(10.0 * h)
+    solvers = {shift: iterated, lower: factorized}
+
+    def mixed(structure, shift, name, accuracy):
+        return solvers[shift](structure, shift, name, accuracy)
+
+    assert KrylovSpace(structure, shift, lower, mixed, 1e-5).inexact
+    assert not KrylovSpace(structure, shift, lower, factorized, 1e-5).inexact
+
+
+@pytest.mark.parametrize("fields", [False, True])
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-6, 1e-10, 1e-14])
+def test_solutions_take_their_share_of_the_error(tolerance, fields):
+    """Or say what more they take, where they cannot be so accurate."""
+    left = unsolved_error(solution_accuracy(tolerance, fields), fields)
+    assert left >= 0.1 * tolerance * (1.0 - 1e-12)
+    if tolerance >= 1e-6:
+        assert left == pytest.approx(0.1 * tolerance)
 
 
 def test_a_mechanism_is_told(beam_body, beam, section):

@@ -22,10 +22,11 @@ def test_slender_bodies_take_less(solid_body, box):
     assert planned < factorization_cost(K.shape[0], K.nnz).bytes
 
 
-def test_growth():
+def test_growth(monkeypatch):
     """Time with the square of the unknowns, memory with their power 4/3, of meshes with as many
     entries in a row.
     """
+    monkeypatch.setattr("duhamel.preprocess.solving.cost.threads", lambda: 2)
     sizes = np.array([1e7, 1e8])
     costs = [factorization_cost(int(n), int(80 * n)) for n in sizes]
     assert np.log10(costs[1].seconds / costs[0].seconds) == pytest.approx(2.0, abs=0.01)

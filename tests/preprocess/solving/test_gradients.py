@@ -40,6 +40,7 @@ def test_solutions_are_as_accurate_as_is_asked_for(structure, h):
     shift = SCHEME.beta_prime(h)
     for accuracy in (1e-2, 1e-5, 1e-10):
         solve = iterated(structure, shift, "S", accuracy)
+        assert (solve.precondition is not None) == (h > 1e-4)
         assert error(structure, shift, solve, structure.loads).max() < accuracy
 
 
@@ -109,17 +110,47 @@ def test_unknowns_that_are_no_nodes(n):
     np.testing.assert_allclose(solve(b), np.linalg.solve((K + 3.0 * M).toarray(), b), rtol=1e-8)
 
 
-@pytest.mark.parametrize("thickness", [1e-2, 1e-3, 1e-4])
-def test_flat_elements_are_solved_or_refused(solid_body, box, thickness):
+@pytest.mark.parametrize(
+    ("thickness", "n", "refused"),
+    [
+        (1e-2, 4, ""),
+        (1e-3, 4, ""),
+        (1e-4, 4, r"digits of single precision are not enough: .* far too flat"),
+        (1e-2, 10, ""),
+        (1e-3, 10, r"1000 steps of conjugate gradients are not enough: .* far too flat"),
+    ],
+)
+def test_flat_elements_are_solved_or_refused(solid_body, box, thickness, n, refused):
     """Single precision may miss the bending of flat elements: further solutions tell."""
-    structure = assemble(solid_body(box("tetra10", (1.0, 1.0, thickness), (4, 4, 1))))
+    structure = assemble(solid_body(box("tetra10", (1.0, 1.0, thickness), (n, n, 1))))
     shift = SCHEME.beta_prime(1e-4)
-    if thickness > 1e-4:
+    if not refused:
         solve = iterated(structure, shift, "S", 1e-5)
         assert error(structure, shift, solve, structure.loads).max() < 1e-5
         return
-    with pytest.raises(MethodError, match=r"single precision are not enough: .* far too flat"):
-        iterated(structure, shift, "S", 1e-5)
+    with pytest.raises(MethodError, match=refused):
+        iterated(structure, shift, "S", 1e-5)(structure.loads)
+
+
+def test_multigrid_is_the_same_each_time(solid_body, box):
+    """Whatever random numbers others have drawn, and they go on drawing theirs."""
+    structure = assemble(solid_body(box("tetra10", size=(0.4, 0.1, 0.1), divisions=(16, 4, 4))))
+    shift, found, drawn = SCHEME.beta_prime(1e-3), [], []
+    for seed in (1, 2):
+        np.random.seed(seed)  # noqa: NPY002
+        found.append(iterated(structure, shift, "S", 1e-6)(structure.loads))
+        drawn.append(np.random.random())  # noqa: NPY002
+    np.testing.assert_array_equal(*found)
+    expected = [np.random.RandomState(seed).random_sample() for seed in (1, 2)]
+    np.testing.assert_array_equal(drawn, expected)
+
+
+def test_an_indefinite_matrix_is_refused():
+    """Not solved by zero."""
+    S = sp.diags_array([1.0, 2.0, -1.0]).tocsc()
+    solve = ConjugateGradients("S", in_blocks(S, 0.0 * S, 0.0), lambda X: S @ X, 1e-5)
+    with pytest.raises(MethodError, match=r"S \(3 unknowns\): .* not enough"):
+        solve(np.array([0.0, 0.0, 1.0]))
 
 
 def test_what_does_not_converge_is_refused(solid_body, box, monkeypatch):
