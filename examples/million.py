@@ -6,8 +6,8 @@ runs examples/million.toml with the rod of meshes/connecting_rod/struck.toml, 21
 and with the same rod in elements of the given size, which Gmsh makes: 5 mm unless given, 1.2 mm for
 a million unknowns. It prints what each superelement takes to make and to step, and what is found
 with it, and checks the momentum of the blow, that nothing outruns waves of pressure, and that the
-meshes agree. Writes mesh, superelement, results and a picture, with a rigid rod beside them, to
-FOLDER, by default out/.
+meshes agree. Writes the mesh, its superelement, results of it and of a rigid rod, and a picture to
+FOLDER, by default out/; superelements that are there are taken as they are.
 """
 
 from argparse import ArgumentParser
