@@ -40,8 +40,8 @@ class ConjugateGradients:
 
     blocks: S in single precision; product: S X in double. accuracy: of x, relative, in the norm of
     the energy x^T S x; what b^T S^-1 b is taken for, errs by the square of it. precondition: by the
-    blocks on the diagonal of S, unless another is given. iterations: those of each solution so far.
-    `MethodError` if it does not converge.
+    blocks on the diagonal of S, unless another is given. iterations: steps of each solution so far,
+    those of all panels and refinements. `MethodError` if it does not converge.
 
     The gain of energy of a step, alpha r^T z, is what it takes off the square of the error; the
     gains of two windows of steps give the rate, and so what is left. Source: M. R. Hestenes, E.
@@ -160,8 +160,7 @@ def _share(a: Array, b: Array, where: NDArray[np.bool_]) -> Array:
 
 def _ratio(a: Array, b: Array) -> Panel:
     """a / b (16,), zero where nothing is left."""
-    found: Array = np.divide(a, b, out=np.zeros(WIDTH), where=b > 0.0)
-    return found.astype(np.float32)
+    return _share(a, b, b > 0.0).astype(np.float32)
 
 
 def energy_left(gains: list[Array]) -> Array:
