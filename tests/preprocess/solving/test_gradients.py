@@ -71,7 +71,7 @@ def test_cycles_know_the_largest_eigenvalue(solid_body, box):
     (exact,) = eigsh(S, 1, D, Minv=inverse, return_eigenvectors=False)
     blocks = in_blocks(structure.K, structure.M, shift)
     found = with_loops(partial(largest_eigenvalue, blocks))
-    assert exact <= found <= 1.06 * exact
+    assert 1.03 * exact <= found <= 1.06 * exact  # MARGIN is for harder meshes
 
 
 def test_many_columns_and_none_of_them(solid_body, box):
