@@ -26,7 +26,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "preprocess"))
 from blocks import solid_cells
-from solids.bracket import HEIGHT, LENGTH, STEPS, THICKNESS, body_of
+from solids.bracket import HEIGHT, LENGTH, THICKNESS, body_of
 from solids.measuring import Measurement, alone, measured, table_of
 
 SIZES = (100, 160)
@@ -145,7 +145,7 @@ def difference(folder: Path, found: str, better: str) -> Measurement:
 
     first, second = (read(folder / f"{solver}.h5") for solver in (found, better))
     kernel = second.kernel
-    band = Band(kernel.h, kernel.scheme, STEPS, kernel.band or 0.25 / kernel.h)
+    band = Band(kernel.h, kernel.scheme, kernel.band or 0.25 / kernel.h)
     return {
         "difference": band.error(first.modes, second.modes),
         "stated": (first.kernel.error, kernel.error),

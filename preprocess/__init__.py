@@ -14,6 +14,7 @@ from .errors import (
 )
 from .plausibility import doubts_of_body
 from .sources.reading import files_of
+from .verification import body_of, static_check
 
 __all__ = [
     "Body",
@@ -26,9 +27,11 @@ __all__ = [
     "PreprocessError",
     "Structure",
     "assemble",
+    "body_of",
     "body_schema",
     "build",
     "doubts_of_body",
     "files_of",
     "read_body",
+    "static_check",
 ]

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..files import in_one_line
 from ..files.memory import available
-from ..superelement import Modes, Provenance, Rotation, Superelement, sha256
+from ..superelement import Provenance, Rotation, Superelement, sha256
 from .assembly.losses import lossy_parts
 from .assembly.second_order import SecondOrder, second_order
 from .assembly.source import Source
@@ -26,6 +26,7 @@ from .responses.static import accelerance, compliance
 from .rotation.reduced import reduced_rotation
 from .solving.factor import factorizations
 from .sources.reading import read_source
+from .threads import blas_threads
 
 FEWEST = 3
 """dofs of an interface, at least"""
@@ -89,11 +90,12 @@ def _build(body: Body, stages: Stages, summaries: list[str], told: Told) -> Supe
             structure = replace(structure, inertia=second.inertia_loads)
         parts = lossy_parts(body, source, structure)
     wide = structure.with_channels()
-    with stages.stage("impulse"):
-        responses = impulse_responses(wide, body, stages, parts)
-        for doubt in doubts_of_modes(body, responses.modes):
-            told(doubt)
-    return superelement_of(body, source, structure, second, responses, stages, summaries)
+    with blas_threads(structure.n_u):
+        with stages.stage("impulse"):
+            responses = impulse_responses(wide, body, stages, parts)
+            for doubt in doubts_of_responses(body, responses):
+                told(doubt)
+        return superelement_of(body, source, structure, second, responses, stages, summaries)
 
 
 def checked_source(body: Body, told: Told) -> Source:
@@ -164,10 +166,19 @@ def superelement_of(
     )
 
 
-def doubts_of_modes(body: Body, modes: Modes | None) -> Iterator[str]:
-    """Doubts about a step or band that holds none of the modes."""
+def doubts_of_responses(body: Body, responses: ImpulseResponses) -> Iterator[str]:
+    """Doubts about a step or band that holds none of the modes, and about an error beyond the
+    tolerance.
+    """
+    modes, found, asked = responses.modes, responses.kernel.error, body.impulse.tolerance
     if modes is not None and len(modes.omega):
         yield from doubts_of_frequencies(body, float(modes.frequencies.min()))
+    if responses.method == "krylov" and found > asked:
+        yield (
+            f"impulse.tolerance: the stated error is {found:.1e} where {asked:g} was asked for: "
+            "the rounding of a stiffness whose elements are far stiffer than the body, as short "
+            "ones of a slender body; longer elements would do better"
+        )
 
 
 def _rotation(

@@ -143,7 +143,8 @@ def _cost(body: Body, structure: Structure) -> BuildCost | None:
     impulse = body.impulse
     if impulse.method in ("modal", "march") or structure.n_u <= SMALL:
         return None
-    wide, (shift, lower) = structure.with_channels(), shifts(damping_of(body), band_of(body))
+    wide = structure.with_channels()
+    shift, lower = shifts(wide, damping_of(body), band_of(body))
     accuracy = solution_accuracy(impulse.tolerance, fields=body.recovery is not None)
     solutions = costs(wide, lower or shift, accuracy)
     factor, iterative = (

@@ -4,10 +4,24 @@ import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import AbstractContextManager, nullcontext
 from typing import TypeVar
+
+from ..files.blas import one_blas_thread
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
+
+LARGE = 200_000
+"""Unknowns from which on products with all vectors of a basis are worth the threads of BLAS."""
+
+
+def blas_threads(n_u: int) -> AbstractContextManager[None]:
+    """One thread of BLAS inside, for a body of n_u unknowns; all of them for large ones.
+
+    Factors have threads of their own.
+    """
+    return nullcontext() if n_u >= LARGE else one_blas_thread()
 
 
 def threads() -> int:

@@ -55,8 +55,11 @@ class Chain:
         a = self.amplitude[:, None] if self.amplitude.ndim == 1 else self.amplitude
         return np.broadcast_to(a, (len(self.tau), m))
 
-    def factor(self, omega: Array, m: int) -> Complex:
-        """1 + sum_k a_k i w tau_k / (1 + i w tau_k) (n, m) at w = omega (n,) [rad/s]."""
+    def factor(self, omega: Array | Complex, m: int) -> Complex:
+        """1 + sum_k a_k i w tau_k / (1 + i w tau_k) (n, m) at w = omega (n,) [rad/s].
+
+        With s = i w, any complex one.
+        """
         x = 1j * np.multiply.outer(omega, self.tau)
         c: Complex = 1.0 + (x / (1.0 + x)) @ self.amplitudes(m)
         return c

@@ -18,8 +18,13 @@ def transfer(modes: Modes, h: float, scheme: GeneralizedAlpha, delay: Complex) -
     delay (n,): |d| < 1, and 0 gives g[0] -> (n, n_c, n_c) [m/N ...]. sigma and chi:
     `GeneralizedAlpha.symbols`. Source: docs/theory.md, Impulse responses.
     """
-    receptance = 1.0 / dynamic_stiffness(modes, h, scheme, delay)
-    return spread(modes.phi, receptance.real) + 1j * spread(modes.phi, receptance.imag)
+    return receptance(modes, dynamic_stiffness(modes, h, scheme, delay))
+
+
+def receptance(modes: Modes, stiffness: Complex) -> Complex:
+    """phi diag(1 / D) phi^T (n, n_c, n_c) for the dynamic stiffness D (n, m) of every mode."""
+    inverse = 1.0 / stiffness
+    return spread(modes.phi, inverse.real) + 1j * spread(modes.phi, inverse.imag)
 
 
 def dynamic_stiffness(modes: Modes, h: float, scheme: GeneralizedAlpha, delay: Complex) -> Complex:
@@ -27,6 +32,14 @@ def dynamic_stiffness(modes: Modes, h: float, scheme: GeneralizedAlpha, delay: C
     sigma, chi = scheme.symbols(h, delay)
     c = 1.0 if modes.chain is None else modes.chain.stepped(h, delay, len(modes.omega))
     return sigma[:, None] + chi[:, None] * (2.0 * modes.zeta * modes.omega) + modes.omega**2 * c
+
+
+def laplace_stiffness(modes: Modes, s: Complex) -> Complex:
+    """s^2 + 2 zeta omega s + omega^2 c(s) of every mode, without time steps: s (n,) -> (n, m)
+    [1/s^2].
+    """
+    c = 1.0 if modes.chain is None else modes.chain.factor(s / 1j, len(modes.omega))
+    return s[:, None] ** 2 + s[:, None] * (2.0 * modes.zeta * modes.omega) + modes.omega**2 * c
 
 
 def summed(kernel: Kernel, delay: Complex) -> Complex:

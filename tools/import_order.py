@@ -47,6 +47,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "plausibility",
         "survey",
         "build",
+        "verification",
         "parallel",
         "__init__",
         "__main__",

@@ -21,7 +21,7 @@ from ..build import (
     FEWEST,
     Told,
     checked_source,
-    doubts_of_modes,
+    doubts_of_responses,
     memory_shortage_told,
     superelement_of,
 )
@@ -77,9 +77,9 @@ def _build(
         return None
     asked = AskedShapes(shapes.V, shapes.Q, ranks=ranks, starts=numbering.starts)
     try:
-        for doubt in doubts_of_modes(body, modes):
-            told(doubt)
         responses = krylov_responses(body, modes, asked, error)
+        for doubt in doubts_of_responses(body, responses):
+            told(doubt)
         whole = _of_first(structure, numbering)
         return superelement_of(body, source, whole, None, responses, stages, summaries)
     finally:

@@ -17,12 +17,11 @@ from ..solving.factor import ACCURATE, COARSER, Factor, Solve, note
 from ..solving.gradients import (
     MOST,
     SAFETY,
-    NotConvergedError,
     energy_left,
     given_up,
     not_positive,
 )
-from ..solving.solver import COMPACT, Solver, condition
+from ..solving.solver import COMPACT, Patient, Solver, condition
 from .matrices import SpreadMass, SpreadMatrix, dense_columns, shifted
 from .multigrid import Multigrid
 from .ranks import Ranks
@@ -169,7 +168,9 @@ def spread_solver(ranks: Ranks, kind: Kind) -> Solver:
     conjugate gradients; and the factor where those do not converge.
     """
 
-    def solver(structure: Structure, shift: float, name: str, accuracy: float) -> Solve:
+    def solver(
+        structure: Structure, shift: float, name: str, accuracy: float, blocks: int
+    ) -> Solve:
         # What the solver before has left, which PETSc keeps until all processes ask for it.
         PETSc.garbage_cleanup(ranks.comm)
 
@@ -177,10 +178,10 @@ def spread_solver(ranks: Ranks, kind: Kind) -> Solver:
             return factorized(structure, shift, name, ranks)
 
         fits = kind == "auto" and _factor_fits(structure)
-        if kind == "factor" or (fits and _factor_is_quicker(structure, shift, accuracy)):
+        if kind == "factor" or (fits and _factor_is_quicker(structure, shift, accuracy, blocks)):
             return factor()
         iterative = iterated(structure, shift, name, accuracy)
-        return _Patient(iterative, factor) if fits else iterative
+        return Patient(iterative, factor) if fits else iterative
 
     return solver
 
@@ -205,26 +206,12 @@ def _factor_fits(structure: Structure) -> bool:
     return structure.processes.largest(share * needed / available()) < 1.0
 
 
-def _factor_is_quicker(structure: Structure, shift: float, accuracy: float) -> bool:
+def _factor_is_quicker(structure: Structure, shift: float, accuracy: float, blocks: int) -> bool:
     sizes = structure.n_u, ROW * structure.n_u, structure.P_C.shape[0]
     kappa = condition(structure, shift)
 
     def quicker() -> bool:
-        gradients = gradient_cost(*sizes, kappa, accuracy)
-        return COMPACT * factor_cost(*sizes).seconds <= SLOWER * gradients.seconds
+        gradients = gradient_cost(*sizes, kappa, accuracy, blocks)
+        return COMPACT * factor_cost(*sizes, blocks).seconds <= SLOWER * gradients.seconds
 
     return structure.processes.agreed(quicker)
-
-
-class _Patient:
-    """Conjugate gradients, and a factor once they do not converge."""
-
-    def __init__(self, iterative: Solve, factor: Callable[[], Solve]) -> None:
-        self._solve, self._factor = iterative, factor
-
-    def __call__(self, b: Array) -> Array:
-        try:
-            return self._solve(b)
-        except NotConvergedError:
-            self._solve = self._factor()
-            return self._solve(b)

@@ -1,17 +1,25 @@
-"""The band of frequencies in which a kernel must be right, and how far from right it is."""
+"""The band of frequencies in which modes must be right, and how far from right they are."""
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...superelement import GeneralizedAlpha, Modes
-from ...superelement.transfer import dynamic_stiffness, transfer
+from ...superelement.transfer import dynamic_stiffness, laplace_stiffness, receptance
 from ...superelement.validation import Array
 
 Complex = NDArray[np.complex128]
+Stiffness = Callable[[Modes], Complex]
+"""The dynamic stiffness (n, m) of every mode at the n points of a part of the band."""
 
+LEAST_DAMPING = 1e-3
+"""Damping ratio, beside that of the body, at which errors are judged: resonances are five hundred
+times as high as static displacements then, and an error of frequency counts so many times.
+"""
 PARTS = 8
 """Equal parts of the band, each on a scale of its own: displacements fall with the square of the
 frequency.
@@ -22,6 +30,8 @@ COARSER = 5
 """Steps, from h to the coarsest that resolves the band, of which g[0] is looked at."""
 AT_ONCE: Complex = np.zeros(1, dtype=np.complex128)
 """The delay d of g[0] = G(0)."""
+AT_REST: Complex = np.zeros(1, dtype=np.complex128)
+"""The s of static displacements."""
 SLOW = 0.5
 """Share of the first natural frequency up to which loads of rotation are slow."""
 NARROWER = 2.0 ** -np.arange(0.0, 6.25, 0.25)
@@ -32,19 +42,20 @@ RESONANCES = 64
 
 @dataclass(frozen=True)
 class Band:
-    """The transfer function of kernels with step h [s] and `steps` steps, from 0 to `limit` [Hz].
+    """The responses that modes must have right: at rest, from 0 to `limit` [Hz], and in a step.
 
-        G(d) = sum_k g[k] d^k,    d = exp(-1 / steps - 2 pi i f h),    0 <= f <= limit
+        G(s) = phi diag(1 / (s^2 + 2 zeta omega s + omega^2)) phi^T
+        s = (LEAST_DAMPING + i) w,    0 <= w <= 2 pi top
 
-    On this circle lags count for as long as the kernel is, and resonances are as high as they grow
-    in that time. Errors are |G_ij - G'_ij| / sqrt(max |G_ii| max |G_jj|), each entry on the scale
-    of its own two rows, with the largest |G_ii| in each eighth of the band for itself, and for g[0]
-    = G(0) alone. Source: docs/theory.md, Impulse responses and Large meshes.
+    and g[0], what a load does within a step h [s] or a coarser one that resolves the band. None of
+    that knows how long a run is. Errors are |G_ij - G'_ij| / sqrt(max |G_ii| max |G_jj|), each
+    entry on the scale of its own two rows, with the largest |G_ii| in each eighth of the band, and
+    from there to the top, for itself, and for static displacements and each g[0] alone. Source:
+    docs/theory.md, Large meshes.
     """
 
     h: float
     scheme: GeneralizedAlpha
-    steps: int
     limit: float
 
     @property
@@ -61,16 +72,33 @@ class Band:
         """
         return max(self.h, 0.25 / self.limit)
 
+    @property
+    def top(self) -> float:
+        """The frequency [Hz] of the modes that steps take to `limit`: they bend the frequencies."""
+        delay = np.exp(-2j * np.pi * np.array([self.limit * self.finest_step]))
+        sigma, _ = self.scheme.symbols(self.finest_step, delay)
+        return max(self.limit, float(np.sqrt(-sigma[0].real)) / (2.0 * np.pi))
+
     def error(self, modes: Modes, better: Modes, enough: float = np.inf) -> float:
         """The largest error of `modes`, taking `better` for the truth.
 
-        First of g[0], of coarser steps too as long as they resolve the band; then from the highest
-        frequencies down, which converge last, until one is beyond `enough`.
+        First of g[0], then of static displacements and from the highest frequencies down, until one
+        is beyond `enough`.
         """
-        coarser = np.geomspace(self.h, self.coarsest_step, COARSER)
-        largest = max(replace(self, h=float(h))._error(modes, better, AT_ONCE) for h in coarser)
-        for delay in reversed(self._delays(better)):
-            largest = max(largest, self._error(modes, better, delay))
+        return self._largest_error(modes, better, enough, better.resonances)
+
+    def smooth_error(self, modes: Modes, better: Modes, enough: float = np.inf) -> float:
+        """A bound of the same for modes that differ beyond the band alone: no resonance in it has
+        another error than its neighborhood.
+        """
+        return self._largest_error(modes, better, enough, np.zeros(0))
+
+    def _largest_error(
+        self, modes: Modes, better: Modes, enough: float, resonances: Array
+    ) -> float:
+        largest = 0.0
+        for stiffness in (*self._at_once(), *self._inside(resonances)):
+            largest = max(largest, _error(modes, better, stiffness))
             if largest > enough:
                 break
         return largest
@@ -98,25 +126,6 @@ class Band:
         """The largest error in the slow part of the band, which g[0] does not belong to."""
         return self.slow(better)._error_inside(modes, better, None)
 
-    def slow_contributions(self, modes: Modes) -> Array:
-        """The error (m,) there that leaving out each mode makes, at most."""
-        slow = self.slow(modes)
-        return slow._contributions(modes, slow._delays(modes)[1:])
-
-    def contributions(self, modes: Modes) -> Array:
-        """The error (m,) that leaving out each mode makes, at most: |phi_i phi_j| is largest for i
-        = j.
-        """
-        return self._contributions(modes, self._delays(modes))
-
-    def _contributions(self, modes: Modes, delays: list[Complex]) -> Array:
-        largest = np.zeros(len(modes.omega))
-        for delay in delays:
-            scale = _scale(self._transfer(modes, delay))
-            weight = np.abs(1.0 / dynamic_stiffness(modes, self.h, self.scheme, delay)).max(axis=0)
-            largest = np.maximum(largest, (modes.phi**2 / scale[:, None]).max(axis=0) * weight)
-        return largest
-
     def field_error(self, modes: Modes, better: Modes, turn: Array) -> float:
         """The largest error of displacements under unit loads on the interfaces, in strain energy.
 
@@ -124,68 +133,52 @@ class Band:
         eta^2. Kernels, which see loads where they act, err with the square of this. turn (m', m):
         `modes` in terms of `better`.
         """
-        return max(self._field_error(modes, better, turn, delay) for delay in self._delays(better))
-
-    def field_contributions(self, modes: Modes) -> Array:
-        """The error (m,) that leaving out each mode makes in this norm."""
-        largest = np.zeros(len(modes.omega))
-        for delay in self._delays(modes):
-            energy = _energy(modes, self._coordinates(modes, delay))
-            share = energy / _largest(energy.sum(axis=1))
-            largest = np.maximum(largest, np.sqrt(share.max(axis=(0, 2))))
-        return largest
+        parts = (*self._at_once(), *self._inside(better.resonances))
+        return max(_field_error(modes, better, turn, stiffness) for stiffness in parts)
 
     def _error_inside(self, modes: Modes, better: Modes, turn: Array | None) -> float:
-        """The largest error from 0 to the limit, g[0] not among it."""
-        delays = self._delays(better)[1:]
-        error = max(self._error(modes, better, delay) for delay in delays)
+        """The largest error at rest and from 0 to the limit, g[0] not among it."""
+        parts = list(self._inside(better.resonances))
+        error = max(_error(modes, better, stiffness) for stiffness in parts)
         if turn is None:
             return error
-        return max(error, *(self._field_error(modes, better, turn, d) for d in delays))
+        return max(error, *(_field_error(modes, better, turn, stiffness) for stiffness in parts))
 
-    def _field_error(self, modes: Modes, better: Modes, turn: Array, delay: Complex) -> float:
-        eta = self._coordinates(better, delay)
-        missing = _energy(better, eta - turn @ self._coordinates(modes, delay)).sum(axis=1)
-        return float(np.sqrt((missing / _largest(_energy(better, eta).sum(axis=1))).max()))
+    def _at_once(self) -> Iterator[Stiffness]:
+        """g[0] of steps from h to the coarsest that resolves the band."""
+        for h in np.geomspace(self.h, self.coarsest_step, COARSER):
+            yield partial(dynamic_stiffness, h=float(h), scheme=self.scheme, delay=AT_ONCE)
 
-    def _coordinates(self, modes: Modes, delay: Complex) -> Complex:
-        """eta (n, m, n_c) under a unit load on each interface dof."""
-        eta: Complex = (
-            modes.phi.T / dynamic_stiffness(modes, self.h, self.scheme, delay)[:, :, None]
-        )
-        return eta
-
-    def _error(self, modes: Modes, better: Modes, delay: Complex) -> float:
-        G = self._transfer(better, delay)
-        scale = np.sqrt(_scale(G))
-        return float(
-            (np.abs(self._transfer(modes, delay) - G).max(axis=0) / np.outer(scale, scale)).max()
-        )
-
-    def _transfer(self, modes: Modes, delay: Complex) -> Complex:
-        return transfer(modes, self.h, self.scheme, delay)
-
-    def _delays(self, modes: Modes) -> list[Complex]:
-        """The delays of every part of the band: a grid, and the resonances, Re sigma = -omega^2."""
-        edges = np.linspace(0.0, 2.0 * np.pi * self.limit * self.h, PARTS + 1)
-        parts, found = [AT_ONCE], modes.resonances
-        for low, high in pairwise(edges):
-            fine = np.linspace(low, high, 1024)
-            sigma, _ = self.scheme.symbols(self.h, self._delay(fine))
-            inside = found[(-sigma[0].real <= found**2) & (found**2 <= -sigma[-1].real)]
+    def _inside(self, found: Array) -> Iterator[Stiffness]:
+        """Rest, and every part of the band from the highest: a grid, and the resonances `found`
+        [rad/s].
+        """
+        yield partial(laplace_stiffness, s=AT_REST)
+        edges = 2.0 * np.pi * np.append(np.linspace(0.0, self.limit, PARTS + 1), self.top)
+        for low, high in reversed(list(pairwise(edges))):
+            inside = found[(low <= found) & (found <= high)]
             inside = np.sort(inside)[:: -(1 + len(inside) // RESONANCES)]
-            resonances = np.interp(inside**2, -sigma.real, fine)
-            parts.append(self._delay(np.concatenate([np.linspace(low, high, GRID), resonances])))
-        return parts
-
-    def _delay(self, angle: Array) -> Complex:
-        delay: Complex = np.exp(-1.0 / self.steps - 1j * angle)
-        return delay
+            omega = np.concatenate([np.linspace(low, high, GRID), inside])
+            yield partial(laplace_stiffness, s=(LEAST_DAMPING + 1j) * omega)
 
 
-def _scale(G: Complex) -> Array:
-    """max |G_ii| (n_c,) over the first axis."""
-    return _largest(np.abs(np.diagonal(G, axis1=1, axis2=2)))
+def _error(modes: Modes, better: Modes, stiffness: Stiffness) -> float:
+    G = receptance(better, stiffness(better))
+    scale = np.sqrt(_largest(np.abs(np.diagonal(G, axis1=1, axis2=2))))
+    missing = np.abs(receptance(modes, stiffness(modes)) - G).max(axis=0)
+    return float((missing / np.outer(scale, scale)).max())
+
+
+def _field_error(modes: Modes, better: Modes, turn: Array, stiffness: Stiffness) -> float:
+    eta = _coordinates(better, stiffness)
+    missing = _energy(better, eta - turn @ _coordinates(modes, stiffness)).sum(axis=1)
+    return float(np.sqrt((missing / _largest(_energy(better, eta).sum(axis=1))).max()))
+
+
+def _coordinates(modes: Modes, stiffness: Stiffness) -> Complex:
+    """eta (n, m, n_c) under a unit load on each interface dof."""
+    eta: Complex = modes.phi.T / stiffness(modes)[:, :, None]
+    return eta
 
 
 def _largest(sizes: Array) -> Array:

@@ -101,7 +101,7 @@ def krylov_found(
 def krylov_responses(body: Body, modes: Modes, shapes: Shapes, error: float) -> ImpulseResponses:
     """The impulse responses of modes that the method krylov has found."""
     band = band_of(body)
-    kernel = sample_kernel(modes, band.h, band.scheme, band.steps, error, band.limit)
+    kernel = sample_kernel(modes, band.h, band.scheme, body.impulse.steps, error, band.limit)
     return ImpulseResponses("krylov", kernel, modes, shapes, body.impulse.tolerance)
 
 
@@ -109,7 +109,7 @@ def band_of(body: Body) -> Band:
     """The band in which the modes of the method krylov are to be right."""
     impulse = body.impulse
     scheme, limit = GeneralizedAlpha(impulse.rho_inf), impulse.band or 0.25 / impulse.step
-    return Band(impulse.step, scheme, impulse.steps, limit)
+    return Band(impulse.step, scheme, limit)
 
 
 def _truncated(
@@ -118,10 +118,10 @@ def _truncated(
     """Those of a number of modes, with the band in which they are right."""
     impulse, damping, count = body.impulse, damping_of(body), body.impulse.modes or 0
     reduction = METHODS[impulse.method](structure, damping, count)
-    wide = Band(impulse.step, GeneralizedAlpha(impulse.rho_inf), impulse.steps, 0.25 / impulse.step)
+    wide = Band(impulse.step, GeneralizedAlpha(impulse.rho_inf), 0.25 / impulse.step)
     fields = body.recovery is not None
     found = truncated_modes(structure, damping, reduction, wide, stages.report, fields)
     modes = with_losses(body, found.modes, found.shapes, parts)
-    kernel = sample_kernel(modes, wide.h, wide.scheme, wide.steps, found.error, found.limit)
+    kernel = sample_kernel(modes, wide.h, wide.scheme, impulse.steps, found.error, found.limit)
     method = f"{impulse.method} with {count} {'modes' if count > 1 else 'mode'}"
     return ImpulseResponses(method, kernel, modes, found.shapes, RIGHT)

@@ -12,15 +12,17 @@ from ...superelement.validation import Array
 from ..assembly.structure import Structure
 from ..body.body import Solver as Kind
 from ..memory import require
-from .cost import FEW, Cost, basis_bytes, factor_cost, gradient_cost, gradient_steps
+from .cost import BLOCKS, FEW, Cost, basis_bytes, factor_cost, gradient_cost, gradient_steps
 from .factor import COARSER, Solve, factorize, note
-from .gradients import ConjugateGradients, given_up
+from .gradients import ConjugateGradients, NotConvergedError, given_up
 from .loops import with_loops
 from .multigrid import Multigrid
 from .panels import in_blocks
 
-Solver = Callable[[Structure, float, str, float], Solve]
-"""x = S^-1 b for S = K + s M, from a structure, s, what errors call S, and the accuracy of x"""
+Solver = Callable[[Structure, float, str, float, int], Solve]
+"""x = S^-1 b for S = K + s M, from a structure, s, what errors call S, the accuracy of x, and the
+number of blocks to expect
+"""
 COMPACT = 0.5
 """Share that most bodies take of what a factor costs by its formula, which is that of a cube."""
 LARGEST = 3.0
@@ -38,12 +40,16 @@ def solver_of(kind: Kind) -> Solver:
             return cheaper
 
 
-def factorized(structure: Structure, shift: float, name: str, accuracy: float) -> Solve:
+def factorized(
+    structure: Structure, shift: float, name: str, accuracy: float, blocks: int = BLOCKS
+) -> Solve:
     """By a factor, which is more accurate than is asked for."""
     return factorize(structure.K + shift * structure.M, name, _basis(structure))
 
 
-def iterated(structure: Structure, shift: float, name: str, accuracy: float) -> Solve:
+def iterated(
+    structure: Structure, shift: float, name: str, accuracy: float, blocks: int = BLOCKS
+) -> Solve:
     """By conjugate gradients, with multigrid where they would take many steps without."""
     K, M = structure.K, structure.M
     what = f"solving with {name} ({structure.n_u} unknowns) without a factor"
@@ -59,10 +65,38 @@ def iterated(structure: Structure, shift: float, name: str, accuracy: float) -> 
     return ConjugateGradients(name, blocks, partial(_product, K, M, shift), accuracy, precondition)
 
 
-def cheaper(structure: Structure, shift: float, name: str, accuracy: float) -> Solve:
-    """By whichever takes less time, among those that memory has room for."""
-    kind = costs(structure, shift, accuracy).cheaper
-    return solver_of(kind)(structure, shift, name, accuracy)
+def cheaper(
+    structure: Structure, shift: float, name: str, accuracy: float, blocks: int = BLOCKS
+) -> Solve:
+    """By whichever takes less time, among those that memory has room for.
+
+    By a factor, too, once gradients do not converge and it has room.
+    """
+    both = costs(structure, shift, accuracy, blocks)
+    factor = partial(factorized, structure, shift, name, accuracy)
+    if both.cheaper == "factor":
+        return factor()
+    try:
+        iterative = iterated(structure, shift, name, accuracy)
+    except NotConvergedError:
+        if not both.factor_fits:
+            raise
+        return factor()
+    return Patient(iterative, factor) if both.factor_fits else iterative
+
+
+class Patient:
+    """x = solve(b) by conjugate gradients, and by a factor once they do not converge."""
+
+    def __init__(self, iterative: Solve, factor: Callable[[], Solve]) -> None:
+        self._solve, self._factor = iterative, factor
+
+    def __call__(self, b: Array) -> Array:
+        try:
+            return self._solve(b)
+        except NotConvergedError:
+            self._solve = self._factor()
+            return self._solve(b)
 
 
 @dataclass(frozen=True)
@@ -79,20 +113,25 @@ class Costs:
     beside_basis: float
 
     @property
+    def factor_fits(self) -> bool:
+        """Whether memory has room for a factor beside the basis."""
+        return self.factor.bytes <= self.beside_basis
+
+    @property
     def cheaper(self) -> Literal["factor", "iterative"]:
         """Whichever takes less time, among those that there is room for."""
         quick = COMPACT * self.factor.seconds <= self.iterative.seconds
-        if self.factor.bytes > self.beside_basis:
+        if not self.factor_fits:
             return "iterative"
         return "factor" if quick or self.iterative.bytes > self.room else "iterative"
 
 
-def costs(structure: Structure, shift: float, accuracy: float) -> Costs:
+def costs(structure: Structure, shift: float, accuracy: float, blocks: int = BLOCKS) -> Costs:
     """The costs for a structure; the room is what memory has left beside the basis."""
     sizes = structure.n_u, structure.K.nnz, structure.P_C.shape[0]
     return Costs(
-        factor_cost(*sizes),
-        gradient_cost(*sizes, condition(structure, shift), accuracy),
+        factor_cost(*sizes, blocks),
+        gradient_cost(*sizes, condition(structure, shift), accuracy, blocks),
         free := available(),
         free - sum(_basis(structure).values()),
     )

@@ -244,7 +244,7 @@ def test_fields_of_krylov_modes_err_by_no_more_than_the_tolerance(solid_body, bo
     """
     h = 5e-6
     structure = assemble(solid_body(box("hexahedron20", (0.2, 0.05, 0.05), (6, 2, 2))))
-    band = Band(h, GeneralizedAlpha(0.9), 1000, 0.25 / h)
+    band = Band(h, GeneralizedAlpha(0.9), 0.25 / h)
     every, every_shapes = elastic_shapes(structure, Damping())
     everywhere = eye_array(structure.n_u, format="csr")
 
@@ -257,7 +257,7 @@ def test_fields_of_krylov_modes_err_by_no_more_than_the_tolerance(solid_body, bo
 
     true, stated = errors(fields=True)
     assert true <= stated <= tolerance
-    assert errors(fields=False)[0] > tolerance
+    assert errors(fields=False)[0] > 3.0 * true
 
 
 def test_batches_of_points_change_nothing(solid_body, box, monkeypatch):

@@ -170,7 +170,7 @@ def test_materials_of_different_loss_damp_modes_alike(lossy):
 def test_with_inexact_solutions_transfer_functions_agree_to_the_tolerance(made, changes, by):
     found = made(changes, (1, 2, 3))
     kernel = found[0].kernel
-    band = Band(kernel.h, kernel.scheme, kernel.steps, kernel.band)
+    band = Band(kernel.h, kernel.scheme, kernel.band)
     for processes in (1, 2, 3):
         versions = found[processes].provenance.versions
         assert versions["factorization"].startswith(f"conjugate gradients{by}, PETSc 3.")

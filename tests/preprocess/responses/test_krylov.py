@@ -11,6 +11,7 @@ from duhamel.preprocess import MeshError, MethodError, assemble, build
 from duhamel.preprocess.body.body import Damping
 from duhamel.preprocess.responses.band import Band
 from duhamel.preprocess.responses.basis import Basis
+from duhamel.preprocess.responses.condensation import condensed
 from duhamel.preprocess.responses.damping import damping_ratios
 from duhamel.preprocess.responses.krylov import (
     KrylovSpace,
@@ -74,8 +75,8 @@ def block(solid_body, beam_body, box, beam):
     return structure_of("block of tetrahedra, n_c = 3", solid_body, beam_body, box, beam)
 
 
-def half_nyquist(h, scheme, steps=1000):
-    return Band(h, scheme, steps, 0.25 / h)
+def half_nyquist(h, scheme):
+    return Band(h, scheme, 0.25 / h)
 
 
 def all_modes(structure, damping):
@@ -172,14 +173,13 @@ def test_the_first_lags_are_exact(case, rho_inf, damping):
 # The error
 
 
-@pytest.mark.parametrize("steps", [100, 5000])
 @pytest.mark.parametrize("rho_inf", [0.5, 0.9, 1.0])
-def test_what_a_block_changes_bounds_what_is_left(case, rho_inf, steps):
+def test_what_a_block_changes_bounds_what_is_left(case, rho_inf):
     """Twice the change: never below a third of the true error, and no more than what is left and
     was left before.
     """
     structure, h = case
-    band = half_nyquist(h, GeneralizedAlpha(rho_inf), steps)
+    band = half_nyquist(h, GeneralizedAlpha(rho_inf))
     truth = all_modes(structure, NONE)
     space = KrylovSpace(structure, band.scheme.beta_prime(h))
     before, left = None, []
@@ -209,9 +209,9 @@ def test_the_stated_error_is_kept_and_true(case, rho_inf, damping, tolerance):
 
 
 def test_no_frequency_between_those_that_are_looked_at_is_worse(block):
-    """The error on twenty thousand frequencies, in the terms of its definition."""
+    """The error on forty thousand frequencies, in the terms of its definition."""
     structure, h = block
-    band = half_nyquist(h, GeneralizedAlpha(1.0), 2000)
+    band = half_nyquist(h, GeneralizedAlpha(1.0))
     truth = all_modes(structure, NONE)
     space = KrylovSpace(structure, band.scheme.beta_prime(h))
     for blocks in range(1, 30):
@@ -219,16 +219,18 @@ def test_no_frequency_between_those_that_are_looked_at_is_worse(block):
         if blocks < 15 or blocks % 5:
             continue
         modes = modes_of(space, structure, blocks)
-        z = np.exp(1 / 2000 + 2j * np.pi * np.linspace(0.0, 0.25, 20000))
-        sigma = (2.0 / h * (z - 1) / (z + 1)) ** 2  # rho_inf = 1: the trapezoidal rule
+        # rho_inf = 1 is the trapezoidal rule: it takes 2 / h tan(w h / 2) to w.
+        omega = np.linspace(0.0, 2.0 / h * np.tan(np.pi / 4), 40000)
+        s = (1e-3 + 1j) * omega
         G, exact = (
             np.einsum(
-                "am,fm,bm->fab", m.phi, 1 / (sigma[:, None] + m.omega**2), m.phi, optimize=True
+                "am,fm,bm->fab", m.phi, 1 / (s[:, None] ** 2 + m.omega**2), m.phi, optimize=True
             )
             for m in (modes, truth)
         )
+        edges = np.searchsorted(omega, 2.0 * np.pi * band.limit * np.arange(1, 9) / 8)
         largest = 0.0
-        for part in np.array_split(np.arange(20000), 8):
+        for part in [[0], *np.split(np.arange(40000), edges)]:
             scale = np.sqrt(np.abs(np.einsum("faa->fa", exact[part])).max(axis=0))
             largest = max(
                 largest, (np.abs(G - exact)[part].max(axis=0) / np.outer(scale, scale)).max()
@@ -236,16 +238,24 @@ def test_no_frequency_between_those_that_are_looked_at_is_worse(block):
         assert 0.5 * largest < band.error(modes, truth) < 2.0 * largest
 
 
-def test_modes_left_out_cost_what_they_contribute(block):
-    structure, h = block
-    band = half_nyquist(h, GeneralizedAlpha(0.9))
+def test_condensed_modes_err_by_no_more_than_they_say(case):
+    """Far fewer than the space has; those of the band, and static displacements, stay."""
+    structure, h = case
+    band, tolerance = half_nyquist(h, GeneralizedAlpha(0.9)), 1e-5
     modes = all_modes(structure, NONE)
-    contributions = band.contributions(modes)
-    for share in (0.3, 0.6, 0.9):
-        kept = contributions > np.quantile(contributions, share)
-        pruned = Modes(modes.omega[kept], modes.zeta[kept], modes.phi[:, kept])
-        error = band.error(pruned, modes)
-        assert contributions[~kept].max() / 2 < error <= contributions[~kept].sum() * (1 + 1e-12)
+    few = condensed(modes, NONE, band, tolerance, True, modes.phi)
+    assert len(few.modes.omega) < 0.8 * len(modes.omega)
+    np.testing.assert_allclose(few.Y.T @ few.Y, np.eye(len(few.modes.omega)), rtol=0, atol=1e-12)
+    assert band.error(few.modes, modes) <= few.error <= tolerance
+    assert band.field_error(few.modes, modes, few.Y) <= few.error
+    inside = modes.frequencies < band.limit
+    np.testing.assert_array_equal(few.modes.omega[: inside.sum()], modes.omega[inside])
+    np.testing.assert_allclose(
+        few.modes.compliance,
+        modes.compliance,
+        rtol=1e-9,
+        atol=1e-9 * np.abs(modes.compliance).max(),
+    )
 
 
 @pytest.mark.parametrize(
@@ -259,19 +269,19 @@ def test_the_response_to_a_load_within_the_band_is_that_of_the_march(case, rho_i
     """
     structure, h = case
     scheme, steps, tolerance = GeneralizedAlpha(rho_inf), 400, 1e-6
-    band = half_nyquist(h, scheme, steps)
+    band = half_nyquist(h, scheme)
     modes, _, _ = krylov_modes(structure, damping, band, tolerance, lambda text: None)
     if damping is RATIO:
         g = sample_kernel(all_modes(structure, damping), h, scheme, steps).g
     else:
         g = march_kernel(structure, damping, h, scheme, steps).g
-    assert response_error(modes, g, band) < tolerance
+    assert response_error(modes, g, band, steps) < tolerance
 
 
-def response_error(modes, g, band):
+def response_error(modes, g, band, steps):
     """The largest error of the responses to bursts at each dof, next to those by the kernel g."""
-    found = sample_kernel(modes, band.h, band.scheme, band.steps).g
-    t = band.h * np.arange(band.steps + 1)
+    found = sample_kernel(modes, band.h, band.scheme, steps).g
+    t = band.h * np.arange(steps + 1)
     width = 7.0 / (2 * np.pi * 0.3 * band.limit)
     bell = np.exp(-0.5 * ((t - 9.0 * width) / width) ** 2)
     n_c, errors = g.shape[1], []
@@ -298,11 +308,11 @@ def test_a_step_much_finer_than_the_band_takes_few_blocks_more(case, damping):
     tolerance, fine, scheme = 1e-6, h / 50, GeneralizedAlpha(0.9)
     truth, blocks = all_modes(structure, damping), []
     for step in (h, fine):
-        band, told = Band(step, scheme, 1000, 0.25 / h), []
+        band, told = Band(step, scheme, 0.25 / h), []
         modes, _, stated = krylov_modes(structure, damping, band, tolerance, told.append)
         assert band.error(modes, truth) <= stated * 3.0 + 1e-8
         blocks.append(int(told[-1].split()[0]))
-    assert blocks[1] <= blocks[0] + 5
+    assert blocks[1] <= blocks[0] + 10
     for step in np.geomspace(fine, h, 7):
         g, exact = (sample_kernel(m, step, scheme, 1).g for m in (modes, truth))
         assert difference(g, exact)[0] < tolerance
@@ -327,7 +337,8 @@ def test_low_frequencies_do_not_drown_in_the_rounding_of_high_ones(beam_body, be
     )
     np.testing.assert_allclose(modes.frequencies[:2], first, rtol=1e-7)
     assert modes.omega[-1] > 1e5 * modes.omega[0]
-    assert stated <= 1e-6
+    # Resonances of a damping ratio of 0.1 % feel it five hundred times.
+    assert 1e-6 < stated <= 1e-4
 
 
 # What comes of it
@@ -432,8 +443,8 @@ def test_the_error_holds_an_inexact_first_block(block):
     shift, lower = scheme.beta_prime(h), scheme.beta_prime(10.0 * h)
     solvers = {shift: iterated, lower: factorized}
 
-    def mixed(structure, shift, name, accuracy):
-        return solvers[shift](structure, shift, name, accuracy)
+    def mixed(structure, shift, name, accuracy, blocks):
+        return solvers[shift](structure, shift, name, accuracy, blocks)
 
     assert KrylovSpace(structure, shift, lower, mixed, 1e-5).inexact
     assert not KrylovSpace(structure, shift, lower, factorized, 1e-5).inexact
@@ -481,7 +492,8 @@ def test_the_stated_error_holds_without_a_factor(solid_body, box, h, fields):
         true = max(true, band.field_error(modes, exact, turn))
     assert 0.1 * tolerance <= stated <= tolerance
     assert true <= stated
-    np.testing.assert_allclose(modes.omega[:6], exact.omega[:6], rtol=1e-6)
+    inside = exact.frequencies < band.limit
+    np.testing.assert_allclose(modes.omega[: inside.sum()], exact.omega[inside], rtol=1e-6)
     np.testing.assert_allclose(
         modes.compliance, exact.compliance, atol=1e-6 * np.abs(exact.compliance).max()
     )

@@ -1,0 +1,64 @@
+"""The static compliance of a superelement against its mesh, by a solution of its own."""
+
+import json
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from pydantic import ValidationError
+
+from ..superelement import Check, Superelement, sha256
+from ..superelement.checks import ROUNDING, deviation, scale_of
+from .body.body import Body
+from .build import assemble, memory_shortage_told
+from .plausibility import refused_where_singular
+from .responses.static import compliance
+
+STATED = 2.0
+"""Times the error that a superelement states, by which its compliance may differ."""
+
+
+def static_check(element: Superelement, body: Body) -> Check:
+    """Whether the compliance of a superelement is that of its body file.
+
+        H = P_C P K^+ P^T P_C^T
+
+    by a factorization of the stiffness with six dofs held, which no mode and no step of the
+    superelement knows of. The limit is twice the error that it states. Errors are those of `build`;
+    `MemoryShortageError` where the factor does not fit.
+    """
+    with memory_shortage_told(), refused_where_singular():
+        structure = assemble(body)
+        H = compliance(replace(structure, channels=None))
+    if H.shape != element.compliance.shape:
+        found, limit = np.inf, 0.0
+    else:
+        found = deviation(element.compliance, H, scale_of(element, H))
+        limit = STATED * element.kernel.error + ROUNDING
+    return Check(
+        "static/compliance",
+        "the static solution of the mesh",
+        "a difference, relative to the diagonal,",
+        found,
+        limit,
+    )
+
+
+def body_of(element: Superelement, folder: Path) -> Body | None:
+    """The body file that a superelement keeps, if the files that it names are in the folder, and
+    still those that it was made from; else None.
+    """
+    kept = element.provenance
+    try:
+        body = Body.model_validate(_table(kept.body)).relative_to(folder)
+    except (ValidationError, ValueError):
+        return None
+    if not all(path.is_file() for path in body.files):
+        return None
+    return body if ", ".join(map(sha256, body.files)) == kept.mesh_sha256 else None
+
+
+def _table(text: str) -> object:
+    """The values of a body file, or those of a body made in Python, in JSON."""
+    return json.loads(text) if text.startswith("{") else tomllib.loads(text)
