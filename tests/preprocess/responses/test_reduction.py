@@ -240,7 +240,7 @@ def test_the_stated_error_is_that_beside_all_modes(
 def test_more_modes_are_right_in_a_wider_band(solid_body, box, method):
     impulse = {"step": 5e-6, "steps": 20}
     body = solid_body(box("hexahedron20", (0.2, 0.05, 0.03), (5, 1, 1)), impulse=impulse)
-    found = [build(body.with_modes(method, count)).kernel for count in (8, 32, 64)]
+    found = [build(body.with_modes(method, count)).kernel for count in (16, 64)]
     assert all(b.band > a.band for a, b in pairwise(found))
     assert all(kernel.error <= truncated.RIGHT for kernel in found)
 
