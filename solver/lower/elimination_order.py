@@ -22,7 +22,7 @@ Davis, I. S. Duff: An approximate minimum degree ordering algorithm (1996), here
 
 import heapq
 from collections import deque
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -34,6 +34,8 @@ from ..step.system import Couplings, Elastic, Frames, Pattern
 GROUND = -1
 Pairs = Set[tuple[int, int]]
 """of bodies, between which the terms of a coupler are"""
+MOST_IN_CLIQUE = 64
+"""nodes beside one, of which it is seen whether all are connected"""
 EMPTY: Mapping[int, Pairs] = MappingProxyType({})
 """no couplers"""
 
@@ -175,7 +177,7 @@ def _from_the_leaves(
 
     Of equal costs the first in this order is taken.
     """
-    place = {b: k for k, b in enumerate(reversed(forest))}
+    place = {b: k for k, b in enumerate(reversed(list(forest)))}
     after: list[list[int]] = [[] for _ in range(len(forest) + 1)]
     for j, bodies in awaited.items():
         after[max((place[b] + 1 for b in bodies), default=0)].append(j)
@@ -214,6 +216,8 @@ def _cheapest_first(
         del cost[node]
         order.append(node)
         changed = graph.eliminate(node)
+        if len(changed) == len(graph):  # all are connected: no order costs less
+            return order + sorted(changed, key=rank.__getitem__)
         for coupling in waiting.get(node, ()):
             missing[coupling] -= 1
         reckon(changed)
@@ -231,26 +235,37 @@ class _Graph:
                 self._beside[node].update(clique)
         for node, others in self._beside.items():
             others.discard(node)
+        self._width = {
+            node: size[node] + sum(map(size.__getitem__, others))
+            for node, others in self._beside.items()
+        }
+
+    def __len__(self) -> int:
+        return len(self._beside)
 
     def cost(self, node: Node) -> int:
         """Products of numbers by which the node is eliminated; 0 if that fills nothing."""
-        others, own = self._beside[node], self._size[node]
-        if self._is_clique(others):
+        if self._is_clique(self._beside[node]):
             return 0
-        width = own + sum(self._size[other] for other in others)
-        return own * width * width
+        return self._size[node] * self._width[node] ** 2
 
     def eliminate(self, node: Node) -> set[Node]:
         """Connect all nodes beside the node, which goes; they are returned."""
         others = self._beside.pop(node)
         for other in others:
             beside = self._beside[other]
-            beside |= others
-            beside -= {node, other}
+            beside.discard(node)
+            new = others - beside
+            new.discard(other)
+            beside |= new
+            self._width[other] += sum(map(self._size.__getitem__, new)) - self._size[node]
         return others
 
-    def _is_clique(self, nodes: Collection[Node]) -> bool:
-        return all(len(self._beside[node] & nodes) == len(nodes) - 1 for node in nodes)
+    def _is_clique(self, nodes: Set[Node]) -> bool:
+        """Whether all nodes are connected; no, unseen, of more than `MOST_IN_CLIQUE`."""
+        return len(nodes) <= MOST_IN_CLIQUE and all(
+            len(self._beside[node] & nodes) == len(nodes) - 1 for node in nodes
+        )
 
 
 def _edges(frames: Frames, couplings: Couplings) -> list[Edge]:
