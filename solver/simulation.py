@@ -29,9 +29,9 @@ from .errors import (
 from .history.dyadic import DyadicConvolution
 from .lower.allocation import allocate
 from .lower.lower import LoweredModel, lower
-from .model.drives import drive_values
 from .model.model import Model
 from .model.settings import Settings
+from .model.signals import values_of
 from .output.columns import requested
 from .output.inputs import signal_warnings
 from .output.keeper import (
@@ -284,7 +284,7 @@ def signals(lowered: LoweredModel, first: int, rows: Index, stride: int = 1) -> 
     n = len(rows)
     t = lowered.h * np.arange(first, first + stride * n, stride, dtype=np.float64)
     load = [_bearable(signal.samples(t, lowered.h)) for signal in lowered.load_signals]
-    drive = [drive_values(signal, t) for signal in lowered.drives]
+    drive = [values_of(signal, t) for signal in lowered.drives]
     motor = [_bearable(signal.samples(t, lowered.h)) for signal in lowered.motor_signals]
     return Inputs(
         load=_columns(load, n),

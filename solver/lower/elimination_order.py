@@ -1,16 +1,28 @@
 """The pattern of the iteration matrix: the order of elimination, and the location of each block.
 
 Nodes are bodies (six rigid coordinates, then their active interface dofs) and couplings (their
-rows). Bodies are eliminated from the leaves of a forest, grown from the ground along the joints, to
-its roots; a joint goes after the body that hangs on it, when its pivot -B M^-1 B^T, M the
-articulated inertia, is regular whatever else moves; a joint that closes a loop, after the body in
-which the branches of the loop meet, and so does a coupler of several joints. Springs, whose pivot
-is 1, go first and fill nothing. So the cost is linear in the number of bodies, and cubic in the
-loops that lie in one another alone.
+rows). Bodies may be eliminated in any order. A forest, grown from the ground along the joints, says
+when the pivot -B M^-1 B^T of the rows of a joint is regular, whatever is eliminated before:
+
+- a joint of the forest, after the body that hangs on it;
+- a joint that closes a loop, after the bodies of the loop below the one in which its branches meet,
+  and after that one too where it is flexible;
+- a coupler, after those of all its pairs of bodies; a spring at once, its pivot is 1.
+
+For let multipliers of the rows before leave no force on the bodies before, the others held. Loops
+before connect only branches that hang on the same rigid held body. With their bodies free of
+forces, that one is too, since no row does work in a motion of all as one: so the rows would be
+redundant.
+
+Among the nodes that may be next, one that fills nothing is taken, or else the one that costs least
+(minimum degree). Without loops that is from the leaves to the roots, and nothing fills. Chains of
+loops cost in proportion to their number, also those along the ground. Source: P. R. Amestoy, T. A.
+Davis, I. S. Duff: An approximate minimum degree ordering algorithm (1996), here with exact degrees.
 """
 
+import heapq
 from collections import deque
-from collections.abc import Iterator, Mapping, Sequence, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -20,7 +32,11 @@ from ..arrays import Index, as_index
 from ..step.system import Couplings, Elastic, Frames, Pattern
 
 GROUND = -1
-EMPTY: Mapping[int, Set[int]] = MappingProxyType({})
+Pairs = Set[tuple[int, int]]
+"""of bodies, between which the terms of a coupler are"""
+MOST_IN_CLIQUE = 64
+"""nodes beside one, of which it is seen whether all are connected"""
+EMPTY: Mapping[int, Pairs] = MappingProxyType({})
 """no couplers"""
 
 
@@ -46,21 +62,16 @@ def lay_out_pattern(
     """Order the nodes, find the blocks that fill, and lay all of them out in one array."""
     edges = _edges(frames, couplings)
     couplers = _couplers(frames, couplings)
-    order = elimination_order(n_bodies, edges, couplers)
-    position = {node: k for k, node in enumerate(order)}
     body_size = np.full(n_bodies, 6)
     body_size[elastic.body] += np.diff(elastic.active_range)
     row_count = np.diff(couplings.range)
-    size = [int((body_size if node.is_body else row_count)[node.number]) for node in order]
+    size_of = {Node(True, b): n for b, n in enumerate(body_size.tolist())}
+    size_of |= {Node(False, j): n for j, n in enumerate(row_count.tolist()) if n}
+    order = elimination_order(size_of, edges, couplers)
+    position = {node: k for k, node in enumerate(order)}
+    size = [size_of[node] for node in order]
     body = [position[Node(True, b)] for b in range(n_bodies)]
-    cliques = [
-        [position[Node(False, e.coupling)], *(body[b] for b in {e.a, e.b} - {GROUND})]
-        for e in edges
-    ]
-    cliques += [
-        [position[Node(False, j)], *(body[b] for b in bodies - {GROUND})]
-        for j, bodies in couplers.items()
-    ]
+    cliques = [[position[node] for node in clique] for clique in _cliques(edges, couplers)]
     layout = _Layout(size, _fill(len(order), cliques))
 
     coupling = np.full(len(row_count), -1)
@@ -113,28 +124,148 @@ def lay_out_pattern(
 
 
 def elimination_order(
-    n_bodies: int, edges: Sequence[Edge], couplers: Mapping[int, Set[int]] = EMPTY
+    size: Mapping[Node, int], edges: Sequence[Edge], couplers: Mapping[int, Pairs] = EMPTY
 ) -> list[Node]:
-    """Springs, then bodies from the leaves to the roots, each before its joints.
+    """All nodes, each when its pivot is regular, in an order that costs little.
 
-    Those are the joints that its elimination leaves regular. couplers: bodies of the couplings that
-    are between several pairs; they follow the body in which the branches of all of them meet.
+    size: unknowns of each node. couplers: pairs of bodies of the couplings that are between several
+    pairs.
     """
+    n_bodies = sum(node.is_body for node in size)
     forest = _grow(n_bodies, [edge for edge in edges if edge.coupling not in couplers])
-    joints_after: dict[int, list[int]] = {b: [] for b in (*forest, GROUND)}
-    hanging = {joint: b for b, (_, joint) in forest.items() if joint is not None}
+    flexible = {node.number for node, n in size.items() if node.is_body and n > 6}
+    awaited = _awaited_bodies(edges, couplers, forest, flexible)
+    graph = _Graph(size, _cliques(edges, couplers))
+    return _cheapest_first(graph, awaited, _from_the_leaves(awaited, forest))
+
+
+def _cliques(edges: Sequence[Edge], couplers: Mapping[int, Pairs]) -> Iterator[list[Node]]:
+    """Nodes between all of which there are blocks: each coupling with its bodies."""
     for edge in edges:
-        if not edge.spring and edge.coupling not in hanging:
-            bodies = couplers.get(edge.coupling, {edge.a, edge.b})
-            joints_after[_meeting(bodies, forest)].append(edge.coupling)
-    for joint, b in hanging.items():
-        joints_after[b].append(joint)
-    order = [Node(False, edge.coupling) for edge in edges if edge.spring]
-    for b in (*reversed(forest), GROUND):
-        if b != GROUND:
-            order.append(Node(True, b))
-        order += [Node(False, joint) for joint in joints_after[b]]
+        bodies = {edge.a, edge.b} - {GROUND}
+        yield [Node(False, edge.coupling), *(Node(True, b) for b in sorted(bodies))]
+    for j, pairs in couplers.items():
+        bodies = {b for pair in pairs for b in pair} - {GROUND}
+        yield [Node(False, j), *(Node(True, b) for b in sorted(bodies))]
+
+
+def _awaited_bodies(
+    edges: Sequence[Edge],
+    couplers: Mapping[int, Pairs],
+    forest: Mapping[int, tuple[int, int | None]],
+    flexible: Set[int],
+) -> dict[int, Set[int]]:
+    """The bodies after which the pivot of each coupling is regular."""
+    hanging = {joint: b for b, (_, joint) in forest.items() if joint is not None}
+    awaited: dict[int, Set[int]] = {}
+    for edge in edges:
+        j = edge.coupling
+        if edge.spring:
+            awaited[j] = set()
+        elif j in hanging:
+            awaited[j] = {hanging[j]}
+        else:
+            pairs = couplers.get(j, {(edge.a, edge.b)})
+            awaited[j] = set().union(*(_loop(a, b, forest, flexible) for a, b in pairs))
+    return awaited
+
+
+def _from_the_leaves(
+    awaited: Mapping[int, Set[int]], forest: Mapping[int, tuple[int, int | None]]
+) -> list[Node]:
+    """Bodies from the leaves to the roots, each followed by the couplings whose last one it is.
+
+    Of equal costs the first in this order is taken.
+    """
+    place = {b: k for k, b in enumerate(reversed(list(forest)))}
+    after: list[list[int]] = [[] for _ in range(len(forest) + 1)]
+    for j, bodies in awaited.items():
+        after[max((place[b] + 1 for b in bodies), default=0)].append(j)
+    order = [Node(False, j) for j in after[0]]
+    for b, k in place.items():
+        order.append(Node(True, b))
+        order += [Node(False, j) for j in after[k + 1]]
     return order
+
+
+def _cheapest_first(
+    graph: "_Graph", awaited: Mapping[int, Set[int]], by_default: Sequence[Node]
+) -> list[Node]:
+    """Eliminate node after node: one that may be next, of the least cost, the first of equals."""
+    rank = {node: k for k, node in enumerate(by_default)}
+    missing = {Node(False, j): len(bodies) for j, bodies in awaited.items()}
+    waiting: dict[Node, list[Node]] = {}
+    for j, bodies in awaited.items():
+        for b in bodies:
+            waiting.setdefault(Node(True, b), []).append(Node(False, j))
+    cost: dict[Node, int] = {}
+    queue: list[tuple[int, int, Node]] = []
+
+    def reckon(nodes: Iterable[Node]) -> None:
+        for node in nodes:
+            if not missing.get(node):
+                cost[node] = graph.cost(node)
+                heapq.heappush(queue, (cost[node], rank[node], node))
+
+    reckon(by_default)
+    order: list[Node] = []
+    while queue:
+        expected, _, node = heapq.heappop(queue)
+        if cost.get(node) != expected:
+            continue  # eliminated, or of another cost since
+        del cost[node]
+        order.append(node)
+        changed = graph.eliminate(node)
+        if len(changed) == len(graph):  # all are connected: no order costs less
+            return order + sorted(changed, key=rank.__getitem__)
+        for coupling in waiting.get(node, ()):
+            missing[coupling] -= 1
+        reckon(changed)
+    return order
+
+
+class _Graph:
+    """The nodes that are left, and which of them blocks connect."""
+
+    def __init__(self, size: Mapping[Node, int], cliques: Iterable[Sequence[Node]]) -> None:
+        self._size = size
+        self._beside: dict[Node, set[Node]] = {node: set() for node in size}
+        for clique in cliques:
+            for node in clique:
+                self._beside[node].update(clique)
+        for node, others in self._beside.items():
+            others.discard(node)
+        self._width = {
+            node: size[node] + sum(map(size.__getitem__, others))
+            for node, others in self._beside.items()
+        }
+
+    def __len__(self) -> int:
+        return len(self._beside)
+
+    def cost(self, node: Node) -> int:
+        """Products of numbers by which the node is eliminated; 0 if that fills nothing."""
+        if self._is_clique(self._beside[node]):
+            return 0
+        return self._size[node] * self._width[node] ** 2
+
+    def eliminate(self, node: Node) -> set[Node]:
+        """Connect all nodes beside the node, which goes; they are returned."""
+        others = self._beside.pop(node)
+        for other in others:
+            beside = self._beside[other]
+            beside.discard(node)
+            new = others - beside
+            new.discard(other)
+            beside |= new
+            self._width[other] += sum(map(self._size.__getitem__, new)) - self._size[node]
+        return others
+
+    def _is_clique(self, nodes: Set[Node]) -> bool:
+        """Whether all nodes are connected; no, unseen, of more than `MOST_IN_CLIQUE`."""
+        return len(nodes) <= MOST_IN_CLIQUE and all(
+            len(self._beside[node] & nodes) == len(nodes) - 1 for node in nodes
+        )
 
 
 def _edges(frames: Frames, couplings: Couplings) -> list[Edge]:
@@ -154,17 +285,17 @@ def _edges(frames: Frames, couplings: Couplings) -> list[Edge]:
     ]
 
 
-def _couplers(frames: Frames, couplings: Couplings) -> dict[int, set[int]]:
-    """The couplings with terms between other frames than their own, and the bodies of each."""
+def _couplers(frames: Frames, couplings: Couplings) -> dict[int, set[tuple[int, int]]]:
+    """The couplings with terms between other frames than their own, and the pairs of bodies."""
     rows, terms, body = couplings.rows, couplings.terms, frames.body
-    bodies: dict[int, set[int]] = {}
+    pairs: dict[int, set[tuple[int, int]]] = {}
     for t in np.flatnonzero(terms.own < 0).tolist():
         i = int(terms.row[t])
         j = int(np.searchsorted(couplings.range, i, side="right")) - 1
-        of_row = body[rows.frame_a[i]], body[rows.frame_b[i]]
-        of_term = body[terms.rows.frame_a[t]], body[terms.rows.frame_b[t]]
-        bodies.setdefault(j, set()).update(map(int, (*of_row, *of_term)))
-    return bodies
+        of_row = int(body[rows.frame_a[i]]), int(body[rows.frame_b[i]])
+        of_term = int(body[terms.rows.frame_a[t]]), int(body[terms.rows.frame_b[t]])
+        pairs.setdefault(j, set()).update((of_row, of_term))
+    return pairs
 
 
 def _grow(n_bodies: int, edges: Sequence[Edge]) -> dict[int, tuple[int, int | None]]:
@@ -199,17 +330,16 @@ def _grow(n_bodies: int, edges: Sequence[Edge]) -> dict[int, tuple[int, int | No
     return forest
 
 
-def _meeting(bodies: Set[int], forest: dict[int, tuple[int, int | None]]) -> int:
-    """The last common ancestor of bodies."""
-    first, *others = bodies
-    path = _path(first, forest)
-    for b in others:
-        ancestors = set(_path(b, forest))
-        path = [a for a in path if a in ancestors]
-    return path[0]
+def _loop(
+    a: int, b: int, forest: Mapping[int, tuple[int, int | None]], flexible: Set[int]
+) -> Set[int]:
+    """The bodies on the ways from a and b to the one in which they meet, and that if it bends."""
+    from_a, from_b = _path(a, forest), set(_path(b, forest))
+    meeting = next(body for body in from_a if body in from_b)
+    return (set(from_a) ^ from_b) | ({meeting} & flexible)
 
 
-def _path(b: int, forest: dict[int, tuple[int, int | None]]) -> list[int]:
+def _path(b: int, forest: Mapping[int, tuple[int, int | None]]) -> list[int]:
     """A body and its ancestors, the ground last."""
     path = [b]
     while path[-1] != GROUND:

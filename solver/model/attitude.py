@@ -59,7 +59,7 @@ class Attitude:
         )
         return _product(_product(first, second), third)
 
-    def samples(self, t: Array) -> Array:
+    def rotations(self, t: Array) -> Array:
         """R (n, 3, 3) at times t (n,)."""
         if (key := t.tobytes()) not in self._last:
             values = np.stack([values_of(signal, t) for signal in self.signals], axis=1)
@@ -85,7 +85,13 @@ class Component:
         return float(self.row @ self.attitude.rotation(t)[0][:, self.i])
 
     def samples(self, t: Array, h: float) -> Array:
-        values: Array = self.attitude.samples(t)[..., self.i] @ self.row
+        return self.values_at(t)
+
+    def values_at(self, t: Array) -> Array:
+        # no product of BLAS: its rounding of a row may depend on the number of rows
+        first, second, third = self.attitude.rotations(t)[..., self.i].T
+        x, y, z = self.row.tolist()
+        values: Array = first * x + second * y + third * z
         return values
 
     def derivatives(self, t: float) -> tuple[float, float]:
@@ -96,7 +102,9 @@ class Component:
 def _rotations(values: Array, form: str) -> Array:
     """R (n, 3, 3) of rotation vectors or angles (n, 3)."""
     if form == "vector":
-        W = np.array([_skew(w) for w in values]).reshape(-1, 3, 3)
+        W = np.zeros((len(values), 3, 3))
+        for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+            W[:, i, j], W[:, j, i] = -values[:, k], values[:, k]
         a = np.linalg.norm(values, axis=1)[:, None, None]
         half = np.sinc(0.5 * a / np.pi)
         R: Array = np.eye(3) + np.sinc(a / np.pi) * W + 0.5 * half**2 * (W @ W)

@@ -15,8 +15,10 @@ from .signals import (
     SIGNALS,
     AnySignal,
     Signal,
+    Smooth,
     breaks_of,
     corners_of,
+    derivatives_of,
     is_any,
     is_signal,
     jumps_of,
@@ -53,7 +55,7 @@ else:
     OptionalParts = Parts | None
 
 
-class _Composed:
+class _Composed(Smooth):
     """What follows from the parts."""
 
     @property
@@ -109,8 +111,8 @@ class Sum(_Composed, Entry):
     def slope(self, t: float) -> float:
         return sum(slope_of(part, t) for part in self.parts)
 
-    def derivatives(self, t: float) -> tuple[float, float]:
-        rates, accelerations = zip(*(_derivatives(part, t) for part in self.parts), strict=True)
+    def derivatives_at(self, t: Array) -> tuple[Array, Array]:
+        rates, accelerations = zip(*(derivatives_of(part, t) for part in self.parts), strict=True)
         return sum(rates), sum(accelerations)
 
     def antiderivatives(self, t: Array) -> tuple[Array, Array]:
@@ -146,10 +148,10 @@ class Product(_Composed, Entry):
             value, rate = value * factor, rate * factor + value * slope_of(part, t)
         return rate
 
-    def derivatives(self, t: float) -> tuple[float, float]:
-        value, rate, acceleration = 1.0, 0.0, 0.0
+    def derivatives_at(self, t: Array) -> tuple[Array, Array]:
+        value, rate, acceleration = np.ones(t.shape), np.zeros(t.shape), np.zeros(t.shape)
         for part in self.parts:
-            factor, (first, second) = part(t), _derivatives(part, t)
+            factor, (first, second) = values_of(part, t), derivatives_of(part, t)
             acceleration = acceleration * factor + 2.0 * rate * first + value * second
             rate = rate * factor + value * first
             value = value * factor
@@ -180,8 +182,8 @@ class Delayed(_Composed, Entry):
     def slope(self, t: float) -> float:
         return slope_of(self.signal, t - self.delay)
 
-    def derivatives(self, t: float) -> tuple[float, float]:
-        return _derivatives(self.signal, t - self.delay)
+    def derivatives_at(self, t: Array) -> tuple[Array, Array]:
+        return derivatives_of(self.signal, t - self.delay)
 
     def antiderivatives(self, t: Array) -> tuple[Array, Array]:
         signal: Any = self.signal
@@ -203,11 +205,6 @@ def has_slope(signal: Signal) -> bool:
     if parts:
         return all(map(has_slope, parts))
     return hasattr(signal, "slope") or hasattr(signal, "derivatives")
-
-
-def _derivatives(signal: Any, t: float) -> tuple[float, float]:
-    rate, acceleration = signal.derivatives(t)
-    return rate, acceleration
 
 
 def _refuse(signal: Signal, what: str, *kinds: type) -> None:

@@ -18,12 +18,13 @@ from typing import Annotated
 
 import numpy as np
 
+from ..arrays import Array
 from ..errors import ModelError
 from ..schema.entry import Entry, entry, one_of
 from ..schema.values import Name, NotZero, SomeNonZero, Words
 from .curves import Input, SmoothFunction
 from .joints import Joint
-from .signals import DrivingSignal, SmoothSignal, is_any
+from .signals import DrivingSignal, SmoothSignal, derivatives_of, is_any, values_of
 
 NEEDS = {
     "gear": ("teeth", "radii"),
@@ -148,10 +149,12 @@ class JointCoupler:
         """The offset over the first ratio."""
         first = self.ratios[0]
 
-        def derivative(k: int) -> Callable[[float], float]:
-            return lambda t: offset.derivatives(t)[k] / first
+        def derivative(k: int) -> Callable[[Array], Array]:
+            return lambda t: derivatives_of(offset, t)[k] / first
 
-        return SmoothFunction(lambda t: offset(t) / first, derivative(0), derivative(1))
+        return SmoothFunction(
+            lambda t: values_of(offset, t) / first, derivative(0), derivative(1), vectorized=True
+        )
 
     def error(self, message: str) -> ModelError:
         return self.coupler.error(message)

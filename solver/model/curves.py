@@ -15,7 +15,7 @@ from ..schema.values import Numbers, SomeNumbers
 from . import pieces
 from .harmonics import harmonic_integrals
 from .pieces import Pieces
-from .signals import SIGNALS, Pointwise
+from .signals import SIGNALS, Pointwise, Smooth
 
 
 class Piecewise:
@@ -41,7 +41,7 @@ class Piecewise:
 
 @SIGNALS.bare_number
 @entry(eq=True)
-class Constant(Pointwise, Entry):
+class Constant(Smooth, Pointwise, Entry):
     """A constant value."""
 
     value: float
@@ -55,8 +55,8 @@ class Constant(Pointwise, Entry):
     def antiderivatives(self, t: Array) -> tuple[Array, Array]:
         return self.value * t, 0.5 * self.value * t**2
 
-    def derivatives(self, t: float) -> tuple[float, float]:
-        return 0.0, 0.0
+    def derivatives_at(self, t: Array) -> tuple[Array, Array]:
+        return np.zeros(t.shape), np.zeros(t.shape)
 
 
 @SIGNALS.in_files("times")
@@ -107,6 +107,9 @@ class Table(Piecewise, Pointwise, Entry):
     def __call__(self, t: float) -> float:
         return float(np.interp(t, self.times, self.values))
 
+    def values_at(self, t: Array) -> Array:
+        return np.interp(t, self.times, self.values)
+
     @property
     def breaks(self) -> tuple[float, ...]:
         return self.times
@@ -122,7 +125,7 @@ class Table(Piecewise, Pointwise, Entry):
 
 @SIGNALS.in_files("times", flag="spline")
 @entry(eq=True)
-class Spline(Piecewise, Pointwise, Entry):
+class Spline(Piecewise, Smooth, Pointwise, Entry):
     """The natural cubic spline through the points (times, values), for measured motions.
 
     It is the smoothest curve through them. Its second derivative is zero at both ends, beyond which
@@ -142,9 +145,9 @@ class Spline(Piecewise, Pointwise, Entry):
         object.__setattr__(self, "_spline", CubicSpline(self.times, self.values, bc_type="natural"))
 
     def __call__(self, t: float) -> float:
-        return float(self.samples(np.array(t), 0.0))
+        return float(self.values_at(np.array(t)))
 
-    def samples(self, t: Array, h: float) -> Array:
+    def values_at(self, t: Array) -> Array:
         within = np.clip(t, self.times[0], self.times[-1])
         values: Array = self._spline(within) + self._spline(within, 1) * (t - within)
         return values
@@ -157,14 +160,14 @@ class Spline(Piecewise, Pointwise, Entry):
     def pieces(self) -> Pieces:
         return pieces.cubics(self.times, self._spline.c)
 
-    def derivatives(self, t: float) -> tuple[float, float]:
-        within = float(np.clip(t, self.times[0], self.times[-1]))
-        return float(self._spline(within, 1)), float(self._spline(within, 2))
+    def derivatives_at(self, t: Array) -> tuple[Array, Array]:
+        within = np.clip(t, self.times[0], self.times[-1])
+        return self._spline(within, 1), self._spline(within, 2)
 
 
 @SIGNALS.in_files("amplitude")
 @entry(eq=True)
-class Harmonic(Pointwise, Entry):
+class Harmonic(Smooth, Pointwise, Entry):
     """offset + amplitude sin(2 pi frequency t + phase), frequency in Hz, phase in rad."""
 
     amplitude: float
@@ -173,15 +176,13 @@ class Harmonic(Pointwise, Entry):
     offset: float = 0.0
 
     def __call__(self, t: float) -> float:
-        return float(
-            self.offset + self.amplitude * np.sin(2.0 * np.pi * self.frequency * t + self.phase)
-        )
+        return float(self.values_at(np.array(t)))
 
-    def derivatives(self, t: float) -> tuple[float, float]:
+    def derivatives_at(self, t: Array) -> tuple[Array, Array]:
         omega = 2.0 * np.pi * self.frequency
         angle = omega * t + self.phase
         rate = self.amplitude * omega * np.cos(angle)
-        return float(rate), float(-self.amplitude * omega**2 * np.sin(angle))
+        return rate, -self.amplitude * omega**2 * np.sin(angle)
 
     def values_at(self, t: Array) -> Array:
         return self.offset + self.amplitude * np.sin(2.0 * np.pi * self.frequency * t + self.phase)
@@ -196,17 +197,21 @@ class Harmonic(Pointwise, Entry):
 
 @SIGNALS.in_files("polynomial")
 @entry(eq=True)
-class Polynomial(Piecewise, Pointwise, Entry):
+class Polynomial(Piecewise, Smooth, Pointwise, Entry):
     """c_0 + c_1 t + c_2 t^2 + ..."""
 
     coefficients: Annotated[SomeNumbers, Key("polynomial")]
 
     def __call__(self, t: float) -> float:
-        return float(np.polynomial.Polynomial(self.coefficients)(t))
+        return float(self.values_at(np.array(t)))
 
-    def derivatives(self, t: float) -> tuple[float, float]:
+    def values_at(self, t: Array) -> Array:
+        values: Array = np.polynomial.Polynomial(self.coefficients)(t)
+        return values
+
+    def derivatives_at(self, t: Array) -> tuple[Array, Array]:
         polynomial = np.polynomial.Polynomial(self.coefficients)
-        return float(polynomial.deriv(1)(t)), float(polynomial.deriv(2)(t))
+        return polynomial.deriv(1)(t), polynomial.deriv(2)(t)
 
     @cached_property
     def pieces(self) -> Pieces:
@@ -270,7 +275,7 @@ class Pulse(Piecewise, Entry):
 
 @SIGNALS.in_files("input")
 @entry(eq=True)
-class Input(Pointwise, Entry):
+class Input(Smooth, Pointwise, Entry):
     """A signal whose values a `Simulator` receives step by step, by its name.
 
     value: at t = 0, and always in `simulate`.
@@ -282,29 +287,52 @@ class Input(Pointwise, Entry):
     def __call__(self, t: float) -> float:
         return self.value
 
-    def derivatives(self, t: float) -> tuple[float, float]:
-        return 0.0, 0.0
+    def values_at(self, t: Array) -> Array:
+        return np.full(t.shape, self.value)
+
+    def derivatives_at(self, t: Array) -> tuple[Array, Array]:
+        return np.zeros(t.shape), np.zeros(t.shape)
 
 
 @entry(eq=True)
 class Function(Pointwise, Entry):
-    """Any Python function of time, sampled at the steps, its jumps included."""
+    """Any Python function of time, sampled at the steps, its jumps included.
 
-    function: Callable[[float], float]
+    vectorized: it is called with arrays of times and returns arrays of values, of many steps at
+    once; by default it is called with one time after the other.
+    """
+
+    function: Callable[[Any], Any]
+    vectorized: bool = field(default=False, kw_only=True)
 
     def __call__(self, t: float) -> float:
-        return float(self.function(t))
+        return float(self.values_at(np.array(t)))
+
+    def values_at(self, t: Array) -> Array:
+        return self._called(self.function, t)
+
+    def _called(self, function: Callable[[Any], Any], t: Array) -> Array:
+        """The values of a function at times t, of any shape."""
+        if not self.vectorized:
+            return np.array([float(function(time)) for time in t.ravel().tolist()]).reshape(t.shape)
+        values = np.asarray(function(t.ravel()), dtype=np.float64)
+        if values.shape != (t.size,):
+            raise ModelError(
+                f"a function of `vectorized = True`: expected {t.size} values at {t.size} times, "
+                f"got an array of shape {values.shape}"
+            )
+        return values.reshape(t.shape)
 
 
 @entry(eq=True)
-class SmoothFunction(Function):
+class SmoothFunction(Smooth, Function):
     """A Python function of time with its first and second derivative; it can drive joints."""
 
-    rate: Callable[[float], float]
-    acceleration: Callable[[float], float]
+    rate: Callable[[Any], Any]
+    acceleration: Callable[[Any], Any]
 
-    def derivatives(self, t: float) -> tuple[float, float]:
-        return float(self.rate(t)), float(self.acceleration(t))
+    def derivatives_at(self, t: Array) -> tuple[Array, Array]:
+        return self._called(self.rate, t), self._called(self.acceleration, t)
 
 
 def _step_samples(at: float, t: Array, h: float) -> Array:

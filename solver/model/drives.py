@@ -18,7 +18,7 @@ from ..errors import ModelError
 from .composed import has_slope, slope_of
 from .curves import Impulse, Input
 from .quadrature import Integrals
-from .signals import Pointwise, Signal, SmoothSignal, is_any, jumps_of, parts_of, values_of
+from .signals import Signal, SmoothSignal, is_any, jumps_of, parts_of
 
 
 class DriveKeys(NamedTuple):
@@ -155,12 +155,3 @@ def drift_of(drive: IntegratedDrive, owner: str, unit: str, t_end: float) -> Dri
     by = ("velocity", "acceleration")[drive.order - 1]
     moved = drive(t_end) - drive.start
     return Drift(owner, by, t_end, moved, drive.derivatives(t_end)[0], unit)
-
-
-def drive_values(drive: SmoothSignal, t: Array) -> Array:
-    """The values of a drive at the steps t (n,)."""
-    if isinstance(drive, IntegratedDrive):
-        return drive.values_at(t)
-    if hasattr(drive, "values_at") and (parts_of(drive) or not isinstance(drive, Pointwise)):
-        return values_of(drive, t)
-    return np.array([drive(time) for time in t.tolist()])

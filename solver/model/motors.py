@@ -8,12 +8,13 @@ from typing import Annotated, Any
 import numpy as np
 
 from ...inputs import expected
+from ..arrays import Array
 from ..schema.entry import Entry, Takes, entry
 from ..schema.values import Infinite, Name, NotNegative, Positive, PositiveTime, limits
 from .curves import Constant, Input
 from .joints import Joint
 from .on_coordinate import OnCoordinate
-from .signals import AnySignal, Pointwise, Signal, is_smooth
+from .signals import AnySignal, Pointwise, Signal, derivatives_of, is_smooth, values_of
 
 NONE = Constant(0.0)
 
@@ -145,12 +146,21 @@ class Values(Pointwise):
     def __call__(self, t: float) -> float:
         return float(self.signal(t))
 
+    def values_at(self, t: Array) -> Array:
+        return values_of(self.signal, t)
 
-class Rate(Values):
+
+@dataclass(frozen=True)
+class Rate(Pointwise):
     """The derivative of a smooth signal."""
+
+    signal: Any
 
     def __call__(self, t: float) -> float:
         return float(self.signal.derivatives(t)[0])
+
+    def values_at(self, t: Array) -> Array:
+        return derivatives_of(self.signal, t)[0]
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from ..schema.entry import Entry, Key, Takes, entry
 from ..schema.values import NotNegative, Positive, points
 from .harmonics import harmonic_integrals
 from .profiles import Frequencies
-from .signals import SIGNALS, Pointwise
+from .signals import SIGNALS, Pointwise, Smooth
 
 MOST = 100_000
 """lines of a spectrum"""
@@ -51,7 +51,7 @@ class Lines(NamedTuple):
     phase: Array
 
 
-class _Noise(Pointwise):
+class _Noise(Smooth, Pointwise):
     """A sum of harmonics at the multiples of 1 / period within a band, of random phases.
 
         f(t) = sum_k sqrt(2 S_k) cos(2 pi k t / period + phi_k)
@@ -105,17 +105,18 @@ class _Noise(Pointwise):
     def __call__(self, t: float) -> float:
         return float(self.values_at(np.array(t)))
 
-    def samples(self, t: Array, h: float) -> Array:
-        return self.values_at(t)
-
     def values_at(self, t: Array) -> Array:
         return self._sum(t, lambda times: (np.sin(self.lines.omega * times + self.lines.phase),))[0]
 
-    def derivatives(self, t: float) -> tuple[float, float]:
-        amplitudes, omegas, phases = self.lines
-        angles = omegas * t + phases
-        rate = (amplitudes * omegas * np.cos(angles)).sum()
-        return float(rate), float(-(amplitudes * omegas**2 * np.sin(angles)).sum())
+    def derivatives_at(self, t: Array) -> tuple[Array, Array]:
+        _, omegas, phases = self.lines
+
+        def terms(times: Array) -> tuple[Array, Array]:
+            angles = omegas * times + phases
+            return omegas * np.cos(angles), -(omegas**2) * np.sin(angles)
+
+        rate, acceleration = self._sum(t, terms)
+        return rate, acceleration
 
     def antiderivatives(self, t: Array) -> tuple[Array, Array]:
         once, twice = self._sum(

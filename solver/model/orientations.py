@@ -14,8 +14,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import ModelError
-from .drives import drive_values
-from .signals import SmoothSignal
+from .signals import SmoothSignal, values_of
 
 LARGEST = 1.0
 """of the angles [rad]; the rows are regular up to somewhat more"""
@@ -69,7 +68,7 @@ class OrientationDrive:
 
     def values_at(self, t: Array) -> Array:
         none = np.zeros(t.shape)
-        return self._turn(t, [Jet(drive_values(a, t), none, none) for a in self.angles]).value
+        return self._turn(t, [Jet(values_of(a, t), none, none) for a in self.angles]).value
 
     def __call__(self, t: float) -> float:
         return float(self.values_at(np.array([t]))[0])

@@ -14,7 +14,7 @@ from ..schema.entry import Entry, Key, Takes, entry
 from ..schema.values import NotNegative, Positive, reals
 from .sampling import samples_of
 from .shapes import Shape, half_wave, quintic, raised_cosine, ramp, rise
-from .signals import SIGNALS, Pointwise
+from .signals import SIGNALS, Pointwise, Smooth
 
 
 def _pair(value: Any) -> tuple[float, float]:
@@ -74,11 +74,11 @@ class Profile:
         return samples_of(signal, t, h)
 
 
-class SmoothProfile(Profile):
+class SmoothProfile(Smooth, Profile):
     """A profile without jumps of its derivative, which can drive joints."""
 
-    def derivatives(self, t: float) -> tuple[float, float]:
-        _, rate, acceleration, *_ = self.terms(np.array(t)).tolist()
+    def derivatives_at(self, t: Array) -> tuple[Array, Array]:
+        _, rate, acceleration, *_ = self.terms(t)
         return rate, acceleration
 
 
@@ -246,7 +246,7 @@ def _check_flanks(what: str, duration: float, rise: float, fall: float) -> None:
         )
 
 
-class _Chirp(Pointwise):
+class _Chirp(Smooth, Pointwise):
     """amplitude sin(angle(t)), of a frequency that changes over a time and is constant outside."""
 
     amplitude: float
@@ -270,11 +270,11 @@ class _Chirp(Pointwise):
         values: Array = self.amplitude * np.sin(self._angles(t)[0])
         return values
 
-    def derivatives(self, t: float) -> tuple[float, float]:
-        angle, omega, change = (float(values) for values in self._angles(np.array(t)))
+    def derivatives_at(self, t: Array) -> tuple[Array, Array]:
+        angle, omega, change = self._angles(t)
         sine, cosine = np.sin(angle), np.cos(angle)
         rate = self.amplitude * omega * cosine
-        return float(rate), float(self.amplitude * (change * cosine - omega**2 * sine))
+        return rate, self.amplitude * (change * cosine - omega**2 * sine)
 
     def _angles(self, t: Array) -> tuple[Array, Array, Array]:
         """The angle [rad], its rate and its acceleration."""

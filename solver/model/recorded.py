@@ -17,7 +17,7 @@ from ..schema.values import Positive
 from .columns import column_of, number_of_column
 from .curves import Piecewise, Spline, Table
 from .pieces import Pieces
-from .signals import SIGNALS, Pointwise
+from .signals import SIGNALS, Pointwise, Smooth
 
 
 def _column(value: Any) -> str | int:
@@ -83,6 +83,9 @@ class _Recorded(Piecewise, Pointwise):
     def __call__(self, t: float) -> float:
         return self.curve(t)
 
+    def values_at(self, t: Array) -> Array:
+        return self.curve.values_at(t)
+
 
 @SIGNALS.in_files("file")
 @entry(eq=True)
@@ -114,7 +117,7 @@ class Recorded(_Recorded, Entry):
 
 @SIGNALS.in_files("file", flag="spline")
 @entry(eq=True)
-class RecordedSpline(_Recorded, Entry):
+class RecordedSpline(Smooth, _Recorded, Entry):
     """The natural cubic spline through a column of a text file; see `Recorded` and `Spline`."""
 
     file: FilePath
@@ -129,8 +132,8 @@ class RecordedSpline(_Recorded, Entry):
         times, values = self.points
         return Spline(times, values)
 
-    def derivatives(self, t: float) -> tuple[float, float]:
-        return self.curve.derivatives(t)
+    def derivatives_at(self, t: Array) -> tuple[Array, Array]:
+        return self.curve.derivatives_at(t)
 
 
 def records_of(part: Any) -> Iterator[Recorded | RecordedSpline]:

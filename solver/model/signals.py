@@ -44,7 +44,19 @@ class Pointwise:
         raise NotImplementedError
 
     def samples(self, t: Array, h: float) -> Array:
-        return np.array([self(time) for time in t.tolist()])
+        return values_of(self, t)
+
+
+class Smooth:
+    """Signals with derivatives at many times at once."""
+
+    def derivatives_at(self, t: Array) -> tuple[Array, Array]:
+        """The first and second derivative at times t, of any shape."""
+        raise NotImplementedError
+
+    def derivatives(self, t: float) -> tuple[float, float]:
+        rate, acceleration = self.derivatives_at(np.array(t))
+        return float(rate), float(acceleration)
 
 
 # What signals may say beyond the protocol, and what is taken for granted where they do not.
@@ -56,6 +68,15 @@ def values_of(signal: Signal, t: Array) -> Array:
         values: Array = signal.values_at(t)
         return values
     return np.array([signal(time) for time in t.ravel().tolist()]).reshape(t.shape)
+
+
+def derivatives_of(signal: Any, t: Array) -> tuple[Array, Array]:
+    """The first and second derivative of a smooth signal at times t, of any shape."""
+    if hasattr(signal, "derivatives_at"):
+        rate, acceleration = signal.derivatives_at(t)
+        return rate, acceleration
+    both = np.array([signal.derivatives(time) for time in t.ravel().tolist()]).reshape(-1, 2)
+    return both[:, 0].reshape(t.shape), both[:, 1].reshape(t.shape)
 
 
 def parts_of(signal: Signal) -> tuple[Signal, ...]:

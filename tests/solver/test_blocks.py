@@ -157,38 +157,153 @@ def test_a_joint_without_effect_is_singular():
     assert not factorize(pattern, blocks_of(pattern, matrix), np.zeros(9, dtype=np.int64))
 
 
-@pytest.mark.parametrize("kind", ["chain", "comb of loops", "chain on springs"])
-def test_the_numbers_of_a_matrix_grow_with_its_bodies_alone(kind):
-    """Twice as many bodies: twice the numbers; so every body more adds as many as the one
-    before.
-    """
+def ladder(n):
+    """Rods on the ground, and rungs from each to the next: n four-bars side by side."""
+    edges = [(GROUND, 2 * k, 5, False) for k in range(n + 1)]
+    for k in range(n):
+        edges += [(2 * k, 2 * k + 1, 5, False), (2 * k + 1, 2 * k + 2, 2, False)]
+    return 2 * n + 1, edges
+
+
+def tower(n):
+    """Four-bars one on another: each stands on the rung of the one before."""
+    edges, base = [], GROUND
+    for b in range(0, 3 * n, 3):
+        edges += [(base, b, 5, False), (b, b + 1, 5, False), (b + 1, b + 2, 5, False)]
+        edges.append((b + 2, base, 2, False))
+        base = b + 1
+    return 3 * n, edges
+
+
+def scissors(n):
+    """Crossed bars, each pair on the ends of the one before."""
+    edges = [(GROUND, 0, 5, False), (GROUND, 1, 4, False), (0, 1, 2, False)]
+    for b in range(2, 2 * n, 2):
+        edges += [(b - 1, b, 5, False), (b - 2, b + 1, 5, False), (b, b + 1, 2, False)]
+    return 2 * n, edges
+
+
+def legs(n):
+    """A platform on n legs of two bodies."""
+    platform = 2 * n
+    edges = []
+    for b in range(0, platform, 2):
+        edges += [(GROUND, b, 4, False), (b, b + 1, 5, False), (b + 1, platform, 3, False)]
+    return platform + 1, edges
+
+
+def suspended(n):
+    """A platform on springs, and on it n four-bars."""
+    edges = [(GROUND, 0, 6, True)]
+    for b in range(1, 3 * n, 3):
+        edges += [(0, b, 5, False), (b, b + 1, 5, False), (b + 1, b + 2, 5, False)]
+        edges.append((b + 2, 0, 2, False))
+    return 3 * n + 1, edges
+
+
+def chain(n):
+    return n, [(GROUND, 0, 5, False), *((b, b + 1, 5, False) for b in range(n - 1))]
+
+
+def comb(n):
+    _, edges = chain(n)
+    return n, edges + [(b, b + 2, 1, False) for b in range(0, n - 2, 3)]
+
+
+def chain_on_springs(n):
+    _, edges = chain(n)
+    return n, edges + [(GROUND, b, 6, True) for b in range(n)]
+
+
+@pytest.mark.parametrize("are_flexible", [False, True], ids=["rigid", "flexible"])
+@pytest.mark.parametrize("make", [chain, comb, chain_on_springs, ladder, tower, scissors])
+def test_the_numbers_of_a_matrix_grow_with_its_bodies_alone(make, are_flexible):
+    """Every body or loop more adds as many as the one before."""
 
     def numbers(n):
-        edges = [(GROUND, 0, 5, False), *((b, b + 1, 5, False) for b in range(n - 1))]
-        if kind == "comb of loops":
-            edges += [(b, b + 2, 1, False) for b in range(0, n - 2, 3)]
-        if kind == "chain on springs":
-            edges += [(GROUND, b, 6, True) for b in range(n)]
-        return pattern_of(n, edges, tuple(range(n))).n_numbers
+        n_bodies, edges = make(n)
+        return pattern_of(n_bodies, edges, tuple(range(n_bodies)) if are_flexible else ()).n_numbers
 
     assert numbers(121) - numbers(61) == numbers(61 + 120) - numbers(121)
 
 
-def test_joints_follow_the_bodies_that_hang_on_them_and_close_loops_where_branches_meet():
-    edges = [
-        Edge(0, GROUND, 0, False),
-        Edge(1, 0, 1, False),
-        Edge(2, 0, 2, False),
-        Edge(3, 1, 2, False),
-    ]
-    order = elimination_order(3, [*edges, Edge(4, GROUND, 2, True)])
-    assert order == [
-        Node(False, 4),
+def test_loops_on_a_rigid_body_do_not_fill_one_another():
+    numbers = [pattern_of(*suspended(n)).n_numbers for n in (20, 40, 60)]
+    assert numbers[2] - numbers[1] == numbers[1] - numbers[0]
+
+
+def rows_between_bodies(edges, n_bodies, flexible, rng):
+    """Gradients of rows about one point of space: no row feels a motion of all bodies as one.
+
+    Those of a flexible body go on over its active dofs.
+    """
+    columns = np.cumsum([0, *(12 if b in flexible else 6 for b in range(n_bodies))])
+    rows = []
+    for a, b, n_rows, _ in edges:
+        gradient = np.zeros((n_rows, columns[-1]))
+        relative = rng.normal(size=(n_rows, 6))
+        for body, sign in ((a, -1.0), (b, 1.0)):
+            if body != GROUND:
+                gradient[:, columns[body] : columns[body] + 6] += sign * relative
+                bent = columns[body + 1] - columns[body] - 6
+                gradient[:, columns[body] + 6 : columns[body + 1]] += rng.normal(
+                    size=(n_rows, bent)
+                )
+        rows.append(gradient)
+    return rows
+
+
+MECHANISMS = {
+    "ladder": ladder(8),
+    "tower": tower(6),
+    "scissors": scissors(8),
+    "platform on springs": suspended(5),
+    "platform on six legs": legs(6),
+    "loops in loops": TOPOLOGIES["loops in loops"],
+    "loop off the ground": TOPOLOGIES["loop off the ground"],
+    # the last one would be redundant if the platform did not bend
+    "joints of a platform that bends": (
+        2,
+        [(GROUND, 0, 6, True), (0, 1, 5, False), (0, 1, 4, False), (0, 0, 2, False)],
+    ),
+}
+
+
+@pytest.mark.parametrize("flexible", [(), (0,), (1, 3)], ids=["rigid", "first", "others"])
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_joints_are_eliminated_when_their_pivots_are_regular(name, flexible):
+    """Rows that are independent of all that are before, of the bodies before, the others held."""
+    n_bodies, edges = MECHANISMS[name]
+    if "bends" in name:
+        flexible = (0,)
+    flexible = [b for b in flexible if b < n_bodies]
+    gradients = rows_between_bodies(edges, n_bodies, flexible, np.random.default_rng(5))
+    size = {Node(True, b): 12 if b in flexible else 6 for b in range(n_bodies)}
+    size |= {Node(False, j): edge[2] for j, edge in enumerate(edges)}
+    order = elimination_order(size, [Edge(j, a, b, s) for j, (a, b, _, s) in enumerate(edges)])
+    assert sorted(order) == sorted(size)
+    columns = np.cumsum([0, *(size[Node(True, b)] for b in range(n_bodies))])
+    before, rows = [], []
+    for node in order:
+        if node.is_body:
+            before += range(columns[node.number], columns[node.number + 1])
+        elif not edges[node.number][3]:
+            rows.append(gradients[node.number])
+            values = np.linalg.svd(np.vstack(rows)[:, before], compute_uv=False)
+            assert len(values) == sum(map(len, rows))
+            assert values[-1] > 1e-6 * values[0], node
+
+
+def test_a_tree_is_eliminated_from_its_leaves():
+    """Springs, then bodies, each followed by the joint that it hangs on: nothing fills."""
+    edges = [Edge(0, GROUND, 0, False), Edge(1, 0, 1, False), Edge(2, 0, 2, False)]
+    size = {Node(True, b): 6 for b in range(3)} | {Node(False, j): 5 for j in range(4)}
+    assert elimination_order(size, [*edges, Edge(3, GROUND, 2, True)]) == [
+        Node(False, 3),
         Node(True, 2),
         Node(False, 2),
         Node(True, 1),
         Node(False, 1),
         Node(True, 0),
-        Node(False, 3),
         Node(False, 0),
     ]

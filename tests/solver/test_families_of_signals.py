@@ -1,5 +1,6 @@
 """Profiles, noise, recorded and composed signals: values, derivatives, integrals, areas."""
 
+import math
 import re
 from itertools import pairwise
 
@@ -26,6 +27,7 @@ from duhamel.solver import (
     RecordedSpline,
     Sawtooth,
     ShapedNoise,
+    SmoothFunction,
     SmoothStep,
     Spline,
     Steps,
@@ -34,8 +36,9 @@ from duhamel.solver import (
     Trapezoid,
     Window,
 )
+from duhamel.solver.model.attitude import Attitude
 from duhamel.solver.model.quadrature import Integrals, is_closed
-from duhamel.solver.model.signals import breaks_of, is_smooth
+from duhamel.solver.model.signals import breaks_of, derivatives_of, is_smooth, values_of
 from scipy.integrate import quad
 
 H = 0.01
@@ -43,6 +46,7 @@ T = H * np.arange(201)
 SMOOTH_STEP = SmoothStep((-1.0, 3.0), (0.2, 1.1))
 SWEEP = LogarithmicChirp(2.0, (1.5, 9.0), (0.1, 1.3), 0.4)
 WINDOW = Window((0.13, 1.62), 0.4, 0.5)
+TURNED = np.linalg.qr(np.arange(9.0).reshape(3, 3) ** 2 + np.eye(3))[0]
 SMOOTH = {
     "smooth step": SMOOTH_STEP,
     "haversine": Haversine((2.0, 0.5), (0.2, 1.1)),
@@ -140,6 +144,34 @@ def test_samples_and_integrals_do_not_depend_on_how_they_are_asked_for(signal, c
     integrals = Integrals(signal)
     parts = [integrals(T[i : i + chunk])[1] for i in range(0, len(T), chunk)]
     np.testing.assert_array_equal(np.concatenate(parts), Integrals(signal)(T)[1])
+
+
+DRIVES = SMOOTH | {
+    "a turning axis by a vector": Attitude((SWEEP, SMOOTH_STEP, WINDOW), "vector").axis(1, TURNED)[
+        2
+    ],
+    "a turning axis by angles": Attitude((SWEEP, SMOOTH_STEP, WINDOW), "angles").axis(0, TURNED)[1],
+    "a function of arrays": SmoothFunction(np.sin, np.cos, lambda t: -np.sin(t), vectorized=True),
+    "a function of numbers": SmoothFunction(math.sin, math.cos, lambda t: -math.sin(t)),
+}
+
+
+@by(DRIVES)
+def test_values_and_derivatives_of_drives_do_not_depend_on_how_they_are_asked_for(signal):
+    """To the bit, so that a run that is continued, in other blocks of steps, is the same; and they
+    are those of one time."""
+    found = np.array([values_of(signal, T), *derivatives_of(signal, T)])
+    for chunk in (1, 7):
+        blocks = [T[i : i + chunk] for i in range(0, len(T), chunk)]
+        parts = [np.array([values_of(signal, t), *derivatives_of(signal, t)]) for t in blocks]
+        np.testing.assert_array_equal(np.concatenate(parts, axis=1), found)
+    one_by_one = np.array([[signal(t), *signal.derivatives(t)] for t in T.tolist()]).T
+    np.testing.assert_allclose(found, one_by_one, rtol=1e-12, atol=1e-12)
+
+
+def test_a_function_of_arrays_that_does_not_return_one_is_an_error():
+    with pytest.raises(ModelError, match=r"expected 201 values at 201 times, got an array of sha"):
+        Function(np.max, vectorized=True).samples(T, H)
 
 
 def area(samples, h):

@@ -212,7 +212,7 @@ def test_the_derivatives_of_an_attitude(form, size):
     values = np.array([signal(0.37) for signal in signals])
     known = Rotation.from_rotvec(values) if form == "vector" else Rotation.from_euler("XYZ", values)
     np.testing.assert_allclose(R, known.as_matrix(), atol=1e-13)
-    np.testing.assert_allclose(attitude.samples(np.array([0.1, 0.37]))[1], R, atol=1e-13)
+    np.testing.assert_allclose(attitude.rotations(np.array([0.1, 0.37]))[1], R, atol=1e-13)
 
 
 @pytest.mark.parametrize("tilt", [0.5, 2.0])

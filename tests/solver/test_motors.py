@@ -239,6 +239,26 @@ def test_a_motor_brakes_with_its_whole_limit_at_any_speed():
     np.testing.assert_allclose(run.joint("axle").angle_rate, 10.0 - 4.0 * run.time, atol=1e-9)
 
 
+def test_a_servo_asks_for_its_reference_many_steps_at_once():
+    """1000 steps in a few calls, with the motion, to the bit, that steps one by one have."""
+    asked = []
+
+    def path(t):
+        asked.append(t)
+        return np.sin(t) ** 2
+
+    functions = path, lambda t: np.sin(2 * t), lambda t: 2 * np.cos(2 * t)
+    runs = []
+    for vectorized in (True, False):
+        reference = SmoothFunction(*functions, vectorized=vectorized)
+        motor = servo(stiffness=40.0, damping=4.0, integral=60.0, reference=reference)
+        runs.append(simulate(wheel(motor, h=1e-3, t_end=1.0)).joint("axle").angle)
+    calls = [np.size(t) for t in asked]
+    assert calls.count(1) >= 1000  # one by one
+    assert len([n for n in calls if n > 1]) <= 20
+    np.testing.assert_array_equal(*runs)
+
+
 # Implicit
 
 
