@@ -67,6 +67,8 @@ STRESSES = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 """The order of stresses and of strains, xx, yy, zz, yz, xz, xy; shear strains are engineering's,
 twice the tensor's.
 """
+NEARLY_INCOMPRESSIBLE = 2.0 * 1.45 / (3.0 * (1.0 - 2.0 * 0.45))
+"""Bulk modulus over shear modulus, that of nu = 0.45, above which a material is called so."""
 _PLACE = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
 
 
@@ -135,6 +137,12 @@ class Material(Table):
         R = self._directions
         turned: Array = np.einsum("ia,jb,kc,ld,ijkl->abcd", R, R, R, R, C, optimize=True)
         return turned
+
+    @property
+    def nearly_incompressible(self) -> bool:
+        """The bulk modulus is far above the shear moduli: nu > 0.45 of an isotropic material."""
+        C = self.elasticity
+        return bool(C[:3, :3].sum() / 9.0 > NEARLY_INCOMPRESSIBLE * C.diagonal()[3:].mean())
 
     @property
     def density(self) -> float:

@@ -164,10 +164,11 @@ class SolidSource:
         place = locate(mesh, point)
         if sensor.kind == "motion":
             return displacement_rows(mesh, place), point
-        strains = point_strain_rows(mesh, place)
+        owner = mesh.of_kind(self.materials.owners, place.kind)[place.row]
+        material = self.materials.values[owner]
+        strains = point_strain_rows(mesh, place, material)
         if sensor.kind == "stress":
-            owner = mesh.of_kind(self.materials.owners, place.kind)[place.row]
-            return sp.csr_array(self.materials.values[owner].elasticity) @ strains, point
+            return sp.csr_array(material.elasticity) @ strains, point
         d = unit_vector(sensor.direction)
         i, j = np.array(STRESSES).T
         return sp.csr_array((d[i] * d[j])[None]) @ strains, point
@@ -182,7 +183,7 @@ class SolidSource:
         if not stress:
             return FieldPoints(points.nodes, points.cells)
         C = np.array([material.elasticity for material in self.materials.values])
-        strains = strain_rows(self.mesh, points.of_elements)
+        strains = strain_rows(self.mesh, points.of_elements, self.materials.values, owners)
         return FieldPoints(points.nodes, points.cells, strains, C, points.owners)
 
     def shares(self) -> tuple[Share, ...]:
