@@ -148,7 +148,7 @@ def _of_locking(source: MeshSource) -> Iterator[str]:
             "of what they should be; use elements with nodes on their edges, or hexahedra with "
             "right angles"
         )
-    if source.keeps_volume():
+    if source.stiff_in_volume():
         yield (
             "four-node tetrahedra and wedges are too stiff for a nearly incompressible material, "
             "by a factor: use hexahedra, or tetrahedra with ten nodes"

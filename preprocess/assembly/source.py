@@ -164,7 +164,7 @@ class MeshSource(Source, Protocol):
         """The energy of bent elements over that of pure bending; 1 of elements that hold it."""
         ...
 
-    def keeps_volume(self) -> bool:
+    def stiff_in_volume(self) -> bool:
         """Whether a nearly incompressible material is in elements that are too stiff for it."""
         ...
 

@@ -32,7 +32,7 @@ from .element import SolidElement, cofactors, physical, points_of, reference
 
 
 def _of_hexahedron(xi: Array) -> Array:
-    return np.einsum("ij,iq->jiq", np.eye(3), 1.0 - 2.0 * xi)
+    return np.asarray(np.einsum("ij,iq->jiq", np.eye(3), 1.0 - 2.0 * xi))
 
 
 def _of_wedge(xi: Array) -> Array:
@@ -81,7 +81,8 @@ class Assumed:
     @property
     def columns(self) -> int:
         """Nodes and modes."""
-        return len(self.element.order) + (0 if self.modes is None else len(self.modes(self.xi)))
+        n_modes = 0 if self.modes is None else int(self.modes(self.xi).shape[0])
+        return n_modes + int(self.element.nodes.shape[1])
 
     def gradients(self, xi: Array, X: Array) -> tuple[Array, Array]:
         """Gradients (n, k + m, 3, q) [1/m] of nodes and modes, and det J (n, q), at xi (3, q)."""
@@ -201,12 +202,12 @@ class Strained:
         """(n, 6, 3 k, s): strains at points xi (3, s) from displacements of the nodes."""
         dN, _ = self.assumed.gradients(xi, self.X)
         n, c, _, s = dN.shape
-        rows = np.zeros((n, 6, c, 3, s))
+        by_axis = np.zeros((n, 6, c, 3, s))
         for row, (a, b) in enumerate(STRESSES):
-            rows[:, row, :, a] += dN[:, :, b]
+            by_axis[:, row, :, a] += dN[:, :, b]
             if a != b:
-                rows[:, row, :, b] += dN[:, :, a]
-        rows = rows.reshape(n, 6, 3 * c, s)
+                by_axis[:, row, :, b] += dN[:, :, a]
+        rows = by_axis.reshape(n, 6, 3 * c, s)
         if self.assumed.terms:
             traces = self.dN.reshape(n, 3 * c, -1) @ self.projection(xi).transpose(0, 2, 1)
             rows[:, :3] += ((traces - dN.reshape(n, 3 * c, s)) / 3.0)[:, None]
@@ -232,7 +233,7 @@ def _assumed(solid: SolidType, nearly_incompressible: bool) -> Assumed:
     element = reference(solid)
     if not (solid.locks or nearly_incompressible):
         return Assumed(element, element.xi, element.weights, None, 0)
-    # As many points as the lowest order bears: that keeps elements of any shape soft in bending.
+    # Modes and nodes of corners hold strains that are linear, which these points integrate.
     xi, weights = points_of(solid, solid.sampling) if solid.locks else (element.xi, element.weights)
     modes = None if solid.modes is None else MODES[solid.modes]
     return Assumed(element, xi, weights, modes, solid.terms)

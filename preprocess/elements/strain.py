@@ -36,7 +36,9 @@ def strain_rows(
     2 xy. Errors fall with h^2, of four-node tetrahedra with h.
     """
     n_p = 1 + max(int(numbers.max()) for numbers in points.values())
-    touching = sum(np.bincount(of[of >= 0], minlength=n_p) for of in points.values())
+    touching = np.zeros(n_p, dtype=np.int64)
+    for of in points.values():
+        touching += np.bincount(of[of >= 0], minlength=n_p)
     shape = (6 * n_p, 3 * len(mesh.points))
     total = sp.csr_array(shape)
     for kind, numbers in points.items():

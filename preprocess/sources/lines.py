@@ -145,7 +145,7 @@ class LineSource:
         """Lines hold pure bending exactly."""
         return 1.0
 
-    def keeps_volume(self) -> bool:
+    def stiff_in_volume(self) -> bool:
         return False
 
     def boundary(self) -> Iterator[tuple[Array, IntArray]]:

@@ -206,7 +206,7 @@ class SolidSource:
     def bending_excess(self) -> float:
         return bending_excess(self.mesh, self.materials.values, self.materials.owners)
 
-    def keeps_volume(self) -> bool:
+    def stiff_in_volume(self) -> bool:
         materials, owners = self.materials.values, self.materials.owners
         stiff = [i for i, material in enumerate(materials) if material.nearly_incompressible]
         return any(
