@@ -120,7 +120,7 @@ class Strained:
     @property
     def n_nodal(self) -> int:
         """The dofs 3 k of the nodes."""
-        return 3 * self.X.shape[1]
+        return 3 * int(self.X.shape[1])
 
     @cached_property
     def _at_integration(self) -> tuple[Array, Array]:
