@@ -181,8 +181,8 @@ def test_second_order_energy_knows_no_turn(kind, nu):
 
 
 def test_a_spinning_blade_of_hexahedra_stiffens_as_a_beam():
-    """Southwell's coefficient of the first flapwise mode of a uniform blade, 1.193: omega^2 grows by
-    it times the square of the spin.
+    """Southwell's coefficient of the first flapwise mode of a uniform blade, 1.193: omega^2 grows
+    by it times the square of the spin.
     """
     mesh = grid("hexahedron", (40, 2, 2), lambda x: x * [1.0, 0.02, 0.01])
     owners = np.zeros(mesh.n_elements, dtype=np.int64)
