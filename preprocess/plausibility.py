@@ -13,7 +13,6 @@ from .assembly.source import MeshSource, Source
 from .body.body import Body
 from .body.material import Material, Section
 from .errors import MethodError
-from .mesh.facets import Facets
 from .mesh.mesh import Mesh
 
 SOUND = (20.0, 30_000.0)
@@ -24,10 +23,8 @@ MODULUS = 1.3e12
 """Largest Young's modulus [Pa], above that of diamond."""
 SIZE = (1e-5, 100.0)
 """Sizes of parts [m]."""
-LINEAR = ("tetra", "hexahedron", "wedge")
-"""Solids with nodes at their corners alone."""
-THIN = 0.2
-"""Share of such elements with all nodes on the boundary from which on a body is called thin."""
+STIFF = 1.05
+"""Energy of bent elements over that of pure bending above which they are called too stiff."""
 DAMPING = 0.5
 """Modal damping ratio above which it may be in per cent."""
 DEPTH = 0.5
@@ -78,33 +75,26 @@ def doubts_of_source(body: Body, source: Source) -> Iterator[str]:
     """Doubts about the mesh of a body; none of matrices."""
     if body.matrices is None:
         on_mesh = cast(MeshSource, source)
-        yield from doubts_of_mesh(on_mesh.mesh, on_mesh.facets)
+        yield from doubts_of_mesh(on_mesh.mesh)
         yield from doubts_on_mesh(body, on_mesh)
 
 
-def doubts_of_mesh(mesh: Mesh, facets: Facets | None) -> Iterator[str]:
-    """Doubts about the size of a mesh, and elements that are too stiff in bending."""
+def doubts_of_mesh(mesh: Mesh) -> Iterator[str]:
+    """Doubts about the size of a mesh."""
     if not SIZE[0] <= mesh.size <= SIZE[1]:
         unit = "millimeters (scale = 1e-3)" if mesh.size > SIZE[1] else "meters (no scale)"
         yield (
             f"the mesh is {mesh.size:.4g} m large, parts are {SIZE[0]:g} to {SIZE[1]:g} m: "
             f"are its coordinates in {unit}?"
         )
-    if facets is None:
-        return
-    if "tetra" in mesh.body_types:
-        yield "four-node tetrahedra are too stiff in bending, by a factor: mesh with ten nodes"
-    elif (share := _one_element_thick(mesh, facets)) >= THIN:
-        where = "" if share == 1.0 else f" in {100.0 * share:.0f} % of the body"
-        yield (
-            f"linear elements, one through the thickness{where}, are too stiff in bending: "
-            "mesh with two or more, or with nodes on the edges"
-        )
 
 
 def doubts_on_mesh(body: Body, source: MeshSource) -> Iterator[str]:
-    """Doubts about what needs mesh and body file: sections, rigid pieces, the step and the band."""
+    """Doubts about what needs mesh and body file: elements that lock, sections, rigid pieces, the
+    step and the band.
+    """
     size = source.mesh.size
+    yield from _of_locking(source)
     for key, section in _sections(body):
         yield from _of_depth(key, section, size)
     for name, piece in body.masses.items():
@@ -150,15 +140,19 @@ def _sections(body: Body) -> Iterator[tuple[str, Section]]:
         yield f"sections.{group}", section
 
 
-def _one_element_thick(mesh: Mesh, facets: Facets) -> float:
-    """The share of elements, of linear ones, whose nodes all lie on the boundary."""
-    if not set(mesh.body_types) <= set(LINEAR):
-        return 0.0
-    outer = np.zeros(len(mesh.points), dtype=np.bool_)
-    for nodes in facets.patch(np.flatnonzero(facets.boundary)).values():
-        outer[nodes] = True
-    thin = np.concatenate([outer[mesh.cells[kind]].all(axis=1) for kind in mesh.body_types])
-    return float(thin.mean())
+def _of_locking(source: MeshSource) -> Iterator[str]:
+    excess = source.bending_excess()
+    if excess > STIFF:
+        yield (
+            f"these elements are too stiff in bending: deflections are about {1.0 / excess:.2g} "
+            "of what they should be; use elements with nodes on their edges, or hexahedra with "
+            "right angles"
+        )
+    if source.stiff_in_volume():
+        yield (
+            "four-node tetrahedra and wedges are too stiff for a nearly incompressible material, "
+            "by a factor: use hexahedra, or tetrahedra with ten nodes"
+        )
 
 
 def _of_material(key: str, material: Material) -> Iterator[str]:

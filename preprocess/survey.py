@@ -129,7 +129,7 @@ def survey(body: Body, progress: bool = False) -> Survey:
         resolution=source.resolution(band),
         doubts=(
             *doubts_of_body(body),
-            *doubts_of_mesh(source.mesh, source.facets),
+            *doubts_of_mesh(source.mesh),
             *doubts_on_mesh(body, source),
             *doubts_of_frequencies(body, float(min(frequencies.values, default=0.0))),
         ),

@@ -160,6 +160,14 @@ class MeshSource(Source, Protocol):
         """The shortest wave at a frequency [Hz] beside the spacing of the nodes."""
         ...
 
+    def bending_excess(self) -> float:
+        """The energy of bent elements over that of pure bending; 1 of elements that hold it."""
+        ...
+
+    def stiff_in_volume(self) -> bool:
+        """Whether a nearly incompressible material is in elements that are too stiff for it."""
+        ...
+
     def boundary(self) -> Iterator[tuple[Array, IntArray]]:
         """Polygons (m, k, 3) that turn outwards and their facets (m,), for each type of facet."""
         ...

@@ -67,6 +67,17 @@ STRESSES = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 """The order of stresses and of strains, xx, yy, zz, yz, xz, xy; shear strains are engineering's,
 twice the tensor's.
 """
+
+
+def _bulk_over_shear(nu: float) -> float:
+    """Bulk modulus over shear modulus of an isotropic material."""
+    return 2.0 * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu))
+
+
+NEARLY_INCOMPRESSIBLE = _bulk_over_shear(0.45)
+"""Bulk modulus over shear modulus above which a material is called so."""
+LARGEST_RATIO = 0.4999
+"""Largest Poisson's ratio, up to which the elements were compared with references."""
 _PLACE = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
 
 
@@ -121,6 +132,16 @@ class Material(Table):
             )
         return self
 
+    @model_validator(mode="after")
+    def _changes_its_volume(self) -> Self:
+        rounding = 1.0 + 1e-9
+        if self._relative_bulk_modulus > rounding * _bulk_over_shear(LARGEST_RATIO):
+            raise ValueError(
+                f"nu: expected at most {LARGEST_RATIO}, found {self.nu}: solids that keep their "
+                f"volume are not supported; use {LARGEST_RATIO}, or the measured bulk modulus"
+            )
+        return self
+
     @property
     def elasticity(self) -> Array:
         """C (6, 6) [Pa] in mesh axes, in the order of `STRESSES`: stresses = C strains."""
@@ -135,6 +156,17 @@ class Material(Table):
         R = self._directions
         turned: Array = np.einsum("ia,jb,kc,ld,ijkl->abcd", R, R, R, R, C, optimize=True)
         return turned
+
+    @property
+    def nearly_incompressible(self) -> bool:
+        """The bulk modulus is far above the shear moduli: nu > 0.45 of an isotropic material."""
+        return self._relative_bulk_modulus > NEARLY_INCOMPRESSIBLE
+
+    @property
+    def _relative_bulk_modulus(self) -> float:
+        """Bulk modulus over the mean of the shear moduli."""
+        C = self.elasticity
+        return float(C[:3, :3].sum() / 9.0 / C.diagonal()[3:].mean())
 
     @property
     def density(self) -> float:

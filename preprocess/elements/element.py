@@ -96,13 +96,19 @@ def _points(domain: type[Refdom], degree: int) -> tuple[Array, Array]:
     return _prism(degree) if domain is RefWedge else get_quadrature(domain, degree)
 
 
+def points_of(solid: SolidType, degree: int) -> tuple[Array, Array]:
+    """Points (3, q) and weights (q,) in a type of solid, exact for polynomials of a degree."""
+    return _points(reference(solid).shapes.refdom, degree)
+
+
 def solid_element(kind: str) -> SolidElement:
     """The reference element of a type of solid, by meshio's name."""
-    return _reference(SOLIDS[kind])
+    return reference(SOLIDS[kind])
 
 
 @cache
-def _reference(solid: SolidType) -> SolidElement:
+def reference(solid: SolidType) -> SolidElement:
+    """The reference element of a type of solid."""
     shapes = getattr(skfem, solid.shapes)()
     xi, weights = _points(shapes.refdom, solid.integration)
     samples, _ = _points(shapes.refdom, solid.sampling)

@@ -6,10 +6,12 @@ import numpy as np
 import scipy.sparse as sp
 
 from ...superelement.validation import Array
+from ..body.material import Material
 from ..mesh.mesh import Mesh
+from .assumed import assumed
 from .element import solid_element
 from .location import Location
-from .strain import STRAINS, at_samples
+from .strain import at_samples
 
 
 def displacement_rows(mesh: Mesh, place: Location) -> Any:
@@ -20,16 +22,15 @@ def displacement_rows(mesh: Mesh, place: Location) -> Any:
     return _spread(blocks, cell, len(mesh.points))
 
 
-def point_strain_rows(mesh: Mesh, place: Location) -> Any:
+def point_strain_rows(mesh: Mesh, place: Location, material: Material) -> Any:
     """Rows (6, 3 n), sparse: strains at a point, in the order xx, yy, zz, 2 yz, 2 xz, 2 xy.
 
     By the polynomial through the strains at the samples of its element, as at the nodes of the
-    surface (`strain_rows`), but of that element alone.
+    surface (`strain_rows`), but of that element alone, which is of `material`.
     """
-    solid, cell = solid_element(place.kind), mesh.cells[place.kind][place.row]
-    gradients = solid.gradients(solid.samples, mesh.points[cell][None])[0]  # (k, 3, s)
-    slopes = gradients @ at_samples(place.kind, place.xi[:, None])[0]  # (k, 3)
-    blocks = np.einsum("kc,cia->ika", slopes, STRAINS).reshape(6, -1)
+    cell, samples = mesh.cells[place.kind][place.row], solid_element(place.kind).samples
+    strained = assumed(place.kind, material).on(mesh.points[cell][None], material.elasticity)
+    blocks = strained.strains(samples)[0] @ at_samples(place.kind, place.xi[:, None])[0]
     return _spread(blocks, cell, len(mesh.points))
 
 

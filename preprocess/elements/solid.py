@@ -11,6 +11,8 @@ from ..errors import MeshError
 from ..mesh.mesh import IntArray, Mesh
 from ..threads import in_order
 from .assembly_map import pattern
+from .assumed import assumed
+from .batches import batched
 from .element import cofactors, physical, solid_element
 
 FLAT = 1e-10
@@ -68,18 +70,22 @@ def _element_matrices(kind: str, X: Array, material: Material) -> tuple[Array, A
 
     Of elements with nodes X (n, k, 3); both are flat.
     """
-    element = solid_element(kind)
+    element, strains = solid_element(kind), assumed(kind, material)
     k, q = len(element.order), len(element.weights)
     N, dN = element.N(element.xi), element.dN(element.xi)
     i, j = np.triu_indices(k)
     NN = N[i] * N[j] * element.weights  # (pairs, q)
-    C = material.elasticity_tensor.transpose(1, 3, 0, 2).reshape(9, 9)
     cof, det = cofactors(dN, X)
+    mass = (material.rho * (NN @ det.T)).ravel()
+    if not strains.plain:
+        K = strains.on(X, material.elasticity).stiffness().reshape(-1, k, 3, k, 3)
+        return K[:, i, :, j].ravel(), mass
+    C = material.elasticity_tensor.transpose(1, 3, 0, 2).reshape(9, 9)
     B = physical(dN, cof, det).reshape(len(X), 3 * k, q)
     # The integrals of gradients know no material: each pair of nodes has nine, which C contracts.
     G = ((B * (det * element.weights)[:, None]) @ B.transpose(0, 2, 1)).reshape(-1, k, 3, k, 3)
     stiffness = G[:, i, :, j].reshape(-1, 9) @ C
-    return stiffness.ravel(), (material.rho * (NN @ det.T)).ravel()
+    return stiffness.ravel(), mass
 
 
 def volumes(mesh: Mesh) -> Array:
@@ -91,14 +97,6 @@ def volumes(mesh: Mesh) -> Array:
         for _, rows in batched(np.zeros(len(cells), dtype=np.int64), max(1, BATCH // dN.size)):
             batches.append(cofactors(dN, mesh.points[cells[rows]])[1] @ element.weights)
     return np.concatenate(batches)
-
-
-def batched(owners: IntArray, size: int) -> Iterator[tuple[int, IntArray]]:
-    """Elements of one owner at a time, at most `size` of them: the owner, and which elements."""
-    for owner in np.unique(owners).tolist():
-        rows = np.flatnonzero(owners == owner)
-        for start in range(0, len(rows), size):
-            yield owner, rows[start : start + size]
 
 
 def check_jacobians(mesh: Mesh) -> None:

@@ -13,15 +13,11 @@ import numpy as np
 from ...superelement.validation import Array
 from ..body.material import STRESSES, Material
 from ..mesh.mesh import IntArray, Mesh
-from .element import cofactors, physical, solid_element
+from .assumed import PLACE, Strained, assumed
 from .inertia import Moved, NodalTensors
-from .solid import batched
 
 BATCH = 2**18
 """Numbers in the products of gradients of a batch of elements, so that they stay in the cache."""
-
-PLACE = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
-"""The number of a stress in the order of `STRESSES`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +44,7 @@ class SolidTensors(NodalTensors):
         r, columns = motions.shape[1], u.shape[1] + motions.shape[1]
         total = np.zeros((u.shape[1], r, r))
         for part in self._batches(columns):
-            a, b = u[part.dofs], motions[part.dofs]
+            a, b = part.moved(u), part.moved(motions)
             G = part.geometric(np.concatenate([b, a], axis=3))
             total += _works(G[:, r:], b, b)
             mixed = _works(G[:, :r], a, b).transpose(1, 0, 2)
@@ -66,42 +62,67 @@ class SolidTensors(NodalTensors):
         energy, loads = np.zeros((len(first),) * 2), np.zeros((len(motions), len(first)))
         row, table = (None, None) if moved is None else _table(moved, len(motions))
         for part in self._batches(len(first)):
-            H = part.gradients(motions[part.dofs])
+            H = part.gradients(part.moved(motions))
             strain = _second_strains(H[..., first], H[..., second])
             if row is not None and table is not None:
-                strain += _strains(part.gradients(table[row[part.dofs]]))
-            f = part.loads(part.stresses(strain))
-            energy += part.energy(strain)
+                strain += _strains(part.gradients(part.held(table[row[part.dofs]])))
+            strain = part.strained.with_projected_trace(strain)
+            f, relaxed = part.loads(part.stresses(strain))
+            energy += part.energy(strain) - relaxed
             np.add.at(loads, part.dofs.ravel(), f)
         return energy, loads
 
     def _batches(self, columns: int) -> Iterator["_Batch"]:
         """Some elements of one type and material at a time, for so many columns of strains."""
         for kind, cells in self.mesh.elements.items():
-            element = solid_element(kind)
-            dN = element.dN(element.xi)
-            per_point = 9 * columns + 6 * len(element.order) ** 2
-            size = max(1, BATCH // (per_point * len(element.weights)))
-            for material, rows in batched(self.mesh.of_kind(self.owners, kind), size):
-                cof, det = cofactors(dN, self.mesh.points[cells[rows]])
-                dofs = 3 * cells[rows][:, :, None] + np.arange(3)
-                C = self.materials[material].elasticity
-                yield _Batch(dofs, physical(dN, cof, det), det * element.weights, C)
+            for number, material in enumerate(self.materials):
+                strains, C = assumed(kind, material), material.elasticity
+                rows_of = np.flatnonzero(self.mesh.of_kind(self.owners, kind) == number)
+                per_point = 9 * columns + 6 * strains.columns**2
+                size = max(1, BATCH // (per_point * len(strains.weights)))
+                for start in range(0, len(rows_of), size):
+                    nodes = cells[rows_of[start : start + size]]
+                    strained = strains.on(self.mesh.points[nodes], C)
+                    yield _Batch(3 * nodes[:, :, None] + np.arange(3), strained)
 
 
 @dataclass(frozen=True, eq=False)
 class _Batch:
     """Elements of one type and material.
 
-    dofs (n, k, 3) of their nodes; dN (n, k, 3, q) [1/m] and dV (n, q) [m^3] at points of
-    integration; C (6, 6) [Pa]. Gradients (n, 3, q, 3, r): du_i/dx_m at [:, m, :, i]; strains
-    (6, n, q, r) in the order of `STRESSES`, and stresses (n, 3, q, 3, r) placed as gradients.
+    dofs (n, k, 3) of their nodes. Displacements (n, k + m, 3, r) of nodes and incompatible modes;
+    gradients (n, 3, q, 3, r): du_i/dx_m at [:, m, :, i]; strains (6, n, q, r) in the order of
+    `STRESSES`, and stresses (n, 3, q, 3, r) placed as gradients.
     """
 
     dofs: IntArray
-    dN: Array
-    dV: Array
-    C: Array
+    strained: Strained
+
+    @property
+    def dN(self) -> Array:
+        return self.strained.dN
+
+    @property
+    def dV(self) -> Array:
+        return self.strained.dV
+
+    @property
+    def C(self) -> Array:
+        return self.strained.C
+
+    def moved(self, u: Array) -> Array:
+        """Displacements of nodes, and of the modes that they bring about, of u (3 n, r)."""
+        of_nodes = u[self.dofs]
+        if self.strained.assumed.modes is None:
+            return of_nodes
+        n, k, _, r = of_nodes.shape
+        of_modes = self.strained.condensation @ of_nodes.reshape(n, 3 * k, r)
+        return np.concatenate([of_nodes, of_modes.reshape(n, -1, 3, r)], axis=1)
+
+    def held(self, of_nodes: Array) -> Array:
+        """Displacements of nodes (n, k, 3, r) alone."""
+        n, k, _, r = of_nodes.shape
+        return np.concatenate([of_nodes, np.zeros((n, self.dN.shape[1] - k, 3, r))], axis=1)
 
     def gradients(self, u: Array) -> Array:
         """Gradients of displacements (n, k, 3, r) of the nodes."""
@@ -113,22 +134,37 @@ class _Batch:
     def geometric(self, u: Array) -> Array:
         """int grad N.sigma(u) grad N^T dV (n, r, k, k): what the stress of u (n, k, 3, r) makes."""
         n, k, _, r = u.shape
-        strains = _strains(self.gradients(u)).reshape(6, -1)
-        sigma = (self.C @ strains).reshape(6, n, -1, r).swapaxes(0, 1)
+        strains = self.strained.with_projected_trace(_strains(self.gradients(u)))
+        sigma = self._stress(strains).swapaxes(0, 1)
         slopes = self.dN[:, :, None], (self.dN * self.dV[:, None, None])[:, None]
         products = [_symmetric(*slopes, i, j) for i, j in STRESSES]
         G = np.stack(products, axis=3).reshape(n, k * k, -1) @ sigma.reshape(n, -1, r)
         return np.ascontiguousarray(G.swapaxes(1, 2)).reshape(n, r, k, k)
 
     def stresses(self, strains: Array) -> Array:
-        sigma = (self.C @ strains.reshape(6, -1)).reshape(strains.shape)
-        return np.asarray(sigma[PLACE].transpose(2, 0, 3, 1, 4))
+        return np.asarray(self._stress(strains)[PLACE].transpose(2, 0, 3, 1, 4))
 
-    def loads(self, stresses: Array) -> Array:
-        """int stress.grad N dV (3 n k, r) on the dofs of every element."""
+    def _stress(self, strains: Array) -> Array:
+        """The stresses (6, n, q, r) that do work on strains, of strains with projected trace."""
+        sigma = (self.C @ strains.reshape(6, -1)).reshape(strains.shape)
+        return self.strained.with_projected_trace(sigma)
+
+    def loads(self, stresses: Array) -> tuple[Array, Array]:
+        """int stress.grad N dV (3 n k, r) on the dofs of every element.
+
+        And f^T K^-1 f (r, r) of the loads f on incompatible modes, which give way to them.
+        """
         n, _, q, _, r = stresses.shape
         weighted = (self.dN * self.dV[:, None, None]).reshape(n, -1, 3 * q)
-        return np.asarray((weighted @ stresses.reshape(n, 3 * q, 3 * r)).reshape(-1, r))
+        f = (weighted @ stresses.reshape(n, 3 * q, 3 * r)).reshape(n, -1, r)
+        k = self.strained.n_nodal
+        if f.shape[1] == k:
+            return f.reshape(-1, r), np.zeros((r, r))
+        of_modes = f[:, k:]
+        gave_way = np.linalg.solve(self.strained.full_stiffness[:, k:, k:], of_modes)
+        relaxed = of_modes.reshape(-1, r).T @ gave_way.reshape(-1, r)
+        condensed = f[:, :k] + self.strained.condensation.transpose(0, 2, 1) @ of_modes
+        return condensed.reshape(-1, r), relaxed
 
     def energy(self, strains: Array) -> Array:
         """int e_k.C e_l dV (r, r)."""

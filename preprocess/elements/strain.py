@@ -1,53 +1,64 @@
 """Strains at points of a solid mesh: sampled within elements, extrapolated to nodes, averaged."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 
 from ...superelement.validation import Array
-from ..body.material import STRESSES
+from ..body.material import Material
 from ..mesh.mesh import IntArray, Mesh
+from .assumed import assumed
+from .batches import batched
 from .element import solid_element
 
-# strain_i = sum_(c,a) STRAINS_(c,i,a) du_a/dx_c, shear strains being engineering's
-STRAINS = np.zeros((3, 6, 3))
-for _i, (_a, _c) in enumerate(STRESSES):
-    STRAINS[_c, _i, _a] = STRAINS[_a, _i, _c] = 1.0
+UNUSED = -1
+"""The owner of elements at none of the points."""
+BATCH = 2**20
+"""Numbers in the strains of a batch of elements."""
 
 
-def strain_rows(mesh: Mesh, points: Mapping[str, IntArray]) -> Any:
+def strain_rows(
+    mesh: Mesh,
+    points: Mapping[str, IntArray],
+    materials: Sequence[Material],
+    owners: IntArray,
+) -> Any:
     """Rows (6 p, 3 n), sparse: strains at p points from displacements of n nodes.
 
-    points: by type of element (n_elements, k), the point to which each node belongs, -1 for none.
-    The strain at a point is the mean over the elements that touch it. In an element the polynomial
-    through the strains at its samples is evaluated at its nodes: at the Gauss points of one order
-    less strains are more accurate than at the nodes themselves. Order: xx, yy, zz, 2 yz, 2 xz,
-    2 xy. Errors fall with h^2 for quadratic elements, with h for linear ones.
+    points: by type of element (n_elements, k), the point to which each node belongs, -1 for none;
+    owners (n_elements,): the number of each element's material in `materials`. The strain at a
+    point is the mean over the elements that touch it. In an element the polynomial through the
+    strains at its samples is evaluated at its nodes: at the Gauss points of one order less strains
+    are more accurate than at the nodes themselves. They are the strains whose energy is the
+    stiffness, incompatible modes and projected dilatation included. Order: xx, yy, zz, 2 yz, 2 xz,
+    2 xy. Errors fall with h^2, of four-node tetrahedra with h.
     """
     n_p = 1 + max(int(numbers.max()) for numbers in points.values())
-    slopes = [sp.csr_array((n_p, len(mesh.points))) for _ in range(3)]
     touching = np.zeros(n_p, dtype=np.int64)
+    for of in points.values():
+        touching += np.bincount(of[of >= 0], minlength=n_p)
+    shape = (6 * n_p, 3 * len(mesh.points))
+    total = sp.csr_array(shape)
     for kind, numbers in points.items():
-        rows = np.flatnonzero((numbers >= 0).any(axis=1))
-        solid, cells = solid_element(kind), mesh.cells[kind][rows]
-        element, node = np.nonzero(numbers[rows] >= 0)
-        point = numbers[rows[element], node]
-        touching += np.bincount(point, minlength=n_p)
-
-        n_samples = len(cells) * solid.samples.shape[1]
-        samples = np.arange(n_samples).reshape(len(cells), -1)  # (elements, q)
-        carry = _sparse(
-            _extrapolation(kind)[node], point[:, None], samples[element], (n_p, samples.size)
-        )
-        gradients = solid.gradients(solid.samples, mesh.points[cells])  # (elements, k, 3, q)
-        for c in range(3):
-            columns, shape = cells[:, :, None], (samples.size, len(mesh.points))
-            slopes[c] += carry @ _sparse(gradients[:, :, c], samples[:, None], columns, shape)
-    mean = sp.dia_array((1.0 / touching[None], [0]), shape=(n_p, n_p))
-    terms = zip(slopes, STRAINS, strict=True)
-    return sum(sp.kron(mean @ slope, strain, format="csr") for slope, strain in terms)
+        carry, samples = _extrapolation(kind), solid_element(kind).samples
+        k = numbers.shape[1]
+        used = (numbers >= 0).any(axis=1)
+        of_kind = np.where(used, mesh.of_kind(owners, kind), UNUSED)
+        for owner, rows in batched(of_kind, max(1, BATCH // (18 * k * samples.shape[1]))):
+            if owner == UNUSED:
+                continue
+            cells, of, material = mesh.cells[kind][rows], numbers[rows], materials[owner]
+            strained = assumed(kind, material).on(mesh.points[cells], material.elasticity)
+            element, node = np.nonzero(of >= 0)
+            point = of[element, node]
+            at_nodes = strained.strains(samples) @ carry.T  # (n, 6, 3 k, k)
+            values = at_nodes[element, :, :, node] / touching[point][:, None, None]
+            columns = (3 * cells[:, :, None] + np.arange(3)).reshape(-1, 1, 3 * k)[element]
+            rows_of = 6 * point[:, None, None] + np.arange(6)[:, None]
+            total = total + _sparse(values, rows_of, columns, shape)
+    return total
 
 
 def _extrapolation(kind: str) -> Array:
@@ -71,4 +82,6 @@ def _terms(xi: Array, n: int) -> Array:
 
 def _sparse(values: Array, rows: IntArray, columns: IntArray, shape: tuple[int, int]) -> Any:
     rows, columns = (np.broadcast_to(numbers, values.shape).ravel() for numbers in (rows, columns))
-    return sp.coo_array((values.ravel(), (rows, columns)), shape=shape).tocsr()
+    matrix = sp.coo_array((values.ravel(), (rows, columns)), shape=shape).tocsr()
+    matrix.eliminate_zeros()
+    return matrix

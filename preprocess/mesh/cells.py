@@ -31,7 +31,10 @@ class SolidType:
     facets: by type, the nodes of every face, which turns outwards; shapes: the element of
     scikit-fem by its name; order (k,): the shape function of each node; integration: the degree of
     polynomials that stiffness and mass integrate exactly, and sampling: that of the points of one
-    order less at which strains are sampled for recovery.
+    order less at which strains are sampled for recovery. terms: how many of 1, xi, eta, zeta the
+    dilatation of an element has where that is projected; modes: the incompatible modes that go
+    with it, by their name in elements.assumed. Both are used where the material is nearly
+    incompressible, and always for a type that `locks`: whose nodes alone are too stiff in bending.
     """
 
     facets: dict[str, list[list[int]]]
@@ -39,6 +42,9 @@ class SolidType:
     order: Sequence[int]
     integration: int
     sampling: int
+    terms: int = 0
+    modes: str | None = None
+    locks: bool = False
 
 
 FACETS = {
@@ -92,11 +98,17 @@ SOLIDS = {
         order=range(10),
         integration=5,
         sampling=2,
+        terms=4,
+        modes="tetrahedron",
     ),
-    "hexahedron": SolidType({"quad": _HEXAHEDRON}, "ElementHex1", _CORNERS, 5, 3),
-    "hexahedron20": SolidType({"quad8": _HEXAHEDRON20}, "ElementHexS2", [*_CORNERS, *_EDGES], 5, 3),
+    "hexahedron": SolidType(
+        {"quad": _HEXAHEDRON}, "ElementHex1", _CORNERS, 5, 3, 4, "hexahedron", locks=True
+    ),
+    "hexahedron20": SolidType(
+        {"quad8": _HEXAHEDRON20}, "ElementHexS2", [*_CORNERS, *_EDGES], 5, 3, 4
+    ),
     "hexahedron27": SolidType(
-        {"quad9": _HEXAHEDRON27}, "ElementHex2", [*_CORNERS, *_EDGES, *_FACES], 5, 3
+        {"quad9": _HEXAHEDRON27}, "ElementHex2", [*_CORNERS, *_EDGES, *_FACES], 5, 3, 4
     ),
     "wedge": SolidType(
         facets={
@@ -107,6 +119,9 @@ SOLIDS = {
         order=range(6),
         integration=4,
         sampling=2,
+        terms=4,
+        modes="wedge",
+        locks=True,
     ),
 }
 

@@ -141,6 +141,13 @@ class LineSource:
         shortest = min(section.shortest_wave(frequency) for section in self.sections.values)
         return Resolution(shortest, float(lengths(self.mesh).max()), NEEDED)
 
+    def bending_excess(self) -> float:
+        """Lines hold pure bending exactly."""
+        return 1.0
+
+    def stiff_in_volume(self) -> bool:
+        return False
+
     def boundary(self) -> Iterator[tuple[Array, IntArray]]:
         """Lines have no facets."""
         return iter(())

@@ -24,6 +24,7 @@ from ..body.loads import LoadPattern
 from ..body.material import STRESSES, Material
 from ..body.selection import InterfaceSelection
 from ..body.sensors import SensorPoint
+from ..elements.bending import bending_excess
 from ..elements.location import locate
 from ..elements.sampling import displacement_rows, point_strain_rows
 from ..elements.solid import check_jacobians, solid_matrices, volumes
@@ -44,6 +45,9 @@ LINEAR, QUADRATIC = 6, 4
 """Nodes in a wavelength: waves run too fast by (k h)^2 / 24, 5 per cent, and by sqrt(10) / pi - 1,
 1 per cent.
 """
+
+STIFF_IN_VOLUME = ("tetra", "wedge")
+"""Solids that are too stiff where the material is nearly incompressible."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,10 +168,11 @@ class SolidSource:
         place = locate(mesh, point)
         if sensor.kind == "motion":
             return displacement_rows(mesh, place), point
-        strains = point_strain_rows(mesh, place)
+        owner = mesh.of_kind(self.materials.owners, place.kind)[place.row]
+        material = self.materials.values[owner]
+        strains = point_strain_rows(mesh, place, material)
         if sensor.kind == "stress":
-            owner = mesh.of_kind(self.materials.owners, place.kind)[place.row]
-            return sp.csr_array(self.materials.values[owner].elasticity) @ strains, point
+            return sp.csr_array(material.elasticity) @ strains, point
         d = unit_vector(sensor.direction)
         i, j = np.array(STRESSES).T
         return sp.csr_array((d[i] * d[j])[None]) @ strains, point
@@ -182,7 +187,7 @@ class SolidSource:
         if not stress:
             return FieldPoints(points.nodes, points.cells)
         C = np.array([material.elasticity for material in self.materials.values])
-        strains = strain_rows(self.mesh, points.of_elements)
+        strains = strain_rows(self.mesh, points.of_elements, self.materials.values, owners)
         return FieldPoints(points.nodes, points.cells, strains, C, points.owners)
 
     def shares(self) -> tuple[Share, ...]:
@@ -197,6 +202,18 @@ class SolidSource:
             quadratic = nodes.shape[1] > FACETS[kind].corners
             spacing = max(spacing, float(edge) / (2 if quadratic else 1))
         return Resolution(shortest, spacing, QUADRATIC if quadratic else LINEAR)
+
+    def bending_excess(self) -> float:
+        return bending_excess(self.mesh, self.materials.values, self.materials.owners)
+
+    def stiff_in_volume(self) -> bool:
+        materials, owners = self.materials.values, self.materials.owners
+        stiff = [i for i, material in enumerate(materials) if material.nearly_incompressible]
+        return any(
+            bool(np.isin(self.mesh.of_kind(owners, kind), stiff).any())
+            for kind in STIFF_IN_VOLUME
+            if kind in self.mesh.elements
+        )
 
     def boundary(self) -> Iterator[tuple[Array, IntArray]]:
         for kind, first in self.facets.first.items():

@@ -75,9 +75,9 @@ def test_a_mesh_in_millimeters_is_doubted(solid_body, box):
 @pytest.mark.parametrize(
     ("kind", "divisions", "doubt"),
     [
-        ("tetra", (2, 2, 2), "four-node tetrahedra"),
-        ("hexahedron", (4, 1, 1), "one through the thickness"),
-        ("wedge", (4, 1, 1), "one through the thickness"),
+        ("tetra", (2, 2, 2), "too stiff in bending: deflections are about "),
+        ("wedge", (4, 1, 1), "too stiff in bending: deflections are about "),
+        ("hexahedron", (4, 1, 1), ""),
         ("hexahedron", (2, 2, 2), ""),
         ("hexahedron20", (4, 1, 1), ""),
         ("tetra10", (4, 1, 1), ""),
@@ -85,7 +85,7 @@ def test_a_mesh_in_millimeters_is_doubted(solid_body, box):
 )
 def test_elements_that_are_too_stiff_are_doubted(kind, divisions, doubt, solid_body, box):
     surveyed = survey(solid_body(box(kind, divisions=divisions)))
-    found = list(doubts_of_mesh(surveyed.mesh, surveyed.facets))
+    found = [text for text in surveyed.doubts if "stiff" in text]
     assert len(found) == bool(doubt)
     assert all(doubt in text for text in found)
 
@@ -189,7 +189,7 @@ def test_the_inertia_of_a_piece_in_square_millimeters_is_doubted(radius, doubted
 def test_beams_of_ten_micrometers_to_a_hundred_meters_are_taken(scale, doubted, beam_body, beam):
     """0.5 m times the scale, without the doubts of a step that is far too small or large."""
     mesh = read_source(beam_body(beam(4), scale=scale)).mesh
-    assert len(list(doubts_of_mesh(mesh, None))) == doubted
+    assert len(list(doubts_of_mesh(mesh))) == doubted
 
 
 @pytest.mark.parametrize(("nodes", "doubted"), [(0.011, False), (0.009, True)])

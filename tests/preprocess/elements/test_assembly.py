@@ -16,6 +16,7 @@ from duhamel.preprocess.mesh.mesh import Mesh
 from skfem.helpers import ddot, dot, sym_grad
 
 from ..blocks import mixed_mesh, named, solid_cells
+from ..differences import element_references
 
 E, NU, RHO = 2.1e11, 0.3, 7800.0
 STEEL = Material(E=E, nu=NU, rho=RHO)
@@ -91,20 +92,43 @@ def assert_equal(found, expected, rtol=1e-13):
     assert abs(found - expected).max() < rtol * abs(expected).max()
 
 
-def test_matrices_are_those_of_scikit_fem(kind):
-    mesh = curved(kind)
-    K, M = matrices(mesh, STEEL)
-    stiffness, mass = forms(mesh, hooke)
-    assert_equal(K, stiffness)
-    assert_equal(M, RHO * mass)
+TURNED_WOOD = WOOD.model_copy(update={"axes": ((1.0, 2.0, 0.5), (-1.0, 1.0, 0.0))})
+OF_NODES = ["tetra", "tetra10", "hexahedron20", "hexahedron27"]
+"""Types whose strains are those of their nodes, where the material is compressible."""
 
 
-def test_orthotropic_matrices_are_those_of_scikit_fem(kind):
+@pytest.mark.parametrize("kind", OF_NODES)
+def test_stiffnesses_are_those_of_scikit_fem(kind):
     mesh = curved(kind)
-    material = WOOD.model_copy(update={"axes": ((1.0, 2.0, 0.5), (-1.0, 1.0, 0.0))})
-    C = material.elasticity_tensor
-    K, _ = matrices(mesh, material)
+    assert_equal(matrices(mesh, STEEL)[0], forms(mesh, hooke)[0])
+
+
+def test_masses_are_those_of_scikit_fem(kind):
+    mesh = curved(kind)
+    assert_equal(matrices(mesh, STEEL)[1], RHO * forms(mesh, hooke)[1])
+
+
+@pytest.mark.parametrize("kind", OF_NODES)
+def test_orthotropic_stiffnesses_are_those_of_scikit_fem(kind):
+    mesh, C = curved(kind), TURNED_WOOD.elasticity_tensor
+    K, _ = matrices(mesh, TURNED_WOOD)
     assert_equal(K, forms(mesh, lambda strain: np.einsum("ijkl,kl...->ij...", C, strain))[0])
+
+
+@pytest.mark.parametrize("material", [STEEL, TURNED_WOOD], ids=["steel", "wood"])
+@pytest.mark.parametrize("kind", ["hexahedron", "wedge"])
+def test_stiffnesses_with_modes_are_those_of_their_least_energy(kind, material):
+    """Modes and projected dilatation, point by point, on elements of any shape."""
+    mesh = curved(kind, (2, 1, 1))
+    K, _ = matrices(mesh, material)
+    expected = np.zeros(K.shape)
+    owners = np.zeros(mesh.n_elements, dtype=np.int64)
+    for nodes, element in element_references(mesh, [material], owners):
+        units = np.eye(3 * len(nodes)).reshape(-1, len(nodes), 3)
+        strains = [element.linear(element.moved(unit)) for unit in units]
+        dofs = (3 * nodes[:, None] + np.arange(3)).ravel()
+        expected[np.ix_(dofs, dofs)] += [[element.work(a, b) for a in strains] for b in strains]
+    assert_equal(K.toarray(), expected, rtol=1e-12)
 
 
 def test_matrices_are_symmetric_to_the_last_bit(kind):

@@ -57,8 +57,8 @@ def test_energy_of_every_constant_strain(solid_body, box, kind):
             assert 0.5 * u @ (structure.K @ u) == pytest.approx(expected, rel=1e-12)
 
 
-@pytest.mark.parametrize("kind", ["tetra10", "hexahedron20", "hexahedron27"])
-def test_quadratic_elements_hold_pure_bending(solid_body, box, kind):
+@pytest.mark.parametrize("kind", ["hexahedron", "tetra10", "hexahedron20", "hexahedron27"])
+def test_hexahedra_and_quadratic_elements_hold_pure_bending(solid_body, box, kind):
     """u = (xy, -x^2/2 - nu (y^2 - z^2)/2, -nu yz) has stress E y along x alone: energy E int y^2 /
     2.
     """
