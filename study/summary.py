@@ -38,7 +38,7 @@ class Row:
 
 
 def write_summary(path: Path, study: Study, rows: Sequence[Row]) -> None:
-    """Write the summary, a table of comma-separated values.
+    """Write the summary, a table of comma-separated values; `StudyError` where it cannot be.
 
     Columns: case, parameters, status, numbers and outputs in SI units, message.
     """
@@ -49,7 +49,10 @@ def write_summary(path: Path, study: Study, rows: Sequence[Row]) -> None:
         values = [_cell(row.case.parameters[key]) for key in parameters]
         found = [row.numbers.get(name, "") for name in numbers]
         table.append([row.case.name, *values, row.status, *found, row.message])
-    write_rows(path, table)
+    try:
+        write_rows(path, table)
+    except OSError as error:
+        raise StudyError(f"{path}: cannot be written: {error.strerror or error}") from error
 
 
 def _cell(value: Any) -> Any:

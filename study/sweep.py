@@ -90,7 +90,12 @@ def _check(study: Study) -> None:
 def _write_sources(study: Study) -> None:
     try:
         study.folder.mkdir(parents=True, exist_ok=True)
-        for case in study.cases:
-            case.source.write_text(case.text, encoding="utf-8")
-    except (OSError, UnicodeEncodeError) as error:
+    except OSError as error:
         raise StudyError(f"{study.folder}: cannot be written: {error}") from error
+    for case in study.cases:
+        try:
+            case.source.write_text(case.text, encoding="utf-8")
+        except (OSError, UnicodeEncodeError) as error:
+            case.source.unlink(missing_ok=True)
+            why = getattr(error, "strerror", None) or error
+            raise StudyError(f"{case.source}: cannot be written: {why}") from error

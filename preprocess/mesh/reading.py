@@ -37,6 +37,8 @@ _FILES = {
     **dict.fromkeys((".xdmf", ".xmf"), xdmf.files_of),
 }
 """Which files a mesh is in, by suffix, of formats with more than one."""
+SIZES = (1e-12, 1e12)
+"""Sizes of meshes [m] whose volumes, inertias and stiffnesses are numbers; parts are far within."""
 LISTED = 3
 """Nodes that a warning lists."""
 
@@ -51,7 +53,8 @@ def read_mesh(path: str | os.PathLike[str], scale: float = 1.0) -> Mesh:
     path = Path(path)
     draft = read_draft(path)
     cells = {kind: rows for kind, rows in draft.cells.items() if len(rows)}
-    mesh = Mesh(path.name, scale * draft.points, cells, draft.groups, _body_types(path.name, cells))
+    points = _scaled(path, draft.points, scale)
+    mesh = Mesh(path.name, points, cells, draft.groups, _body_types(path.name, cells))
     loose = draft.points[~mesh.used]
     lost = [*draft.lost, *([_described(loose)] if len(loose) else [])]
     if lost:
@@ -59,6 +62,20 @@ def read_mesh(path: str | os.PathLike[str], scale: float = 1.0) -> Mesh:
             f"{path}: left out: {'; '.join(dict.fromkeys(lost))}", MeshWarning, stacklevel=2
         )
     return mesh.without_loose_nodes() if len(loose) else mesh
+
+
+def _scaled(path: Path, points: Array, scale: float) -> Array:
+    """Points in meters; `MeshError` for a mesh so small or large that its volumes are no numbers.
+
+    A mesh whose points all coincide passes: what its elements lack is told where they are read.
+    """
+    size = scale * float(np.ptp(points, axis=0).max())
+    if np.ptp(points, axis=0).any() and not SIZES[0] <= size <= SIZES[1]:
+        raise MeshError(
+            f"{path}: expected a mesh of {SIZES[0]:g} to {SIZES[1]:g} m, found {size:g} m "
+            f"(scale = {scale:g})"
+        )
+    return scale * points
 
 
 def read_draft(path: Path) -> Draft:

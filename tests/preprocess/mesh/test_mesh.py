@@ -177,3 +177,12 @@ def test_a_mesh_in_another_unit_of_length(solid_body, box, scale):
 def test_a_unit_of_length_is_positive(solid_body, box):
     with pytest.raises(ValidationError, match="scale"):
         solid_body(box("tetra"), scale=0.0)
+
+
+def test_a_mesh_whose_volumes_are_no_numbers_is_refused(box, tmp_path):
+    path = tmp_path / "box.vtk"
+    box("tetra").write(path)
+    with pytest.raises(
+        MeshError, match=r"box\.vtk: expected a mesh of 1e-12 to 1e\+12 m, found 1e-300 m"
+    ):
+        read_mesh(path, scale=1e-300)
