@@ -17,11 +17,12 @@ from ..solver import (
     simulate,
     start,
 )
+from ..solver import check as solver_check
 from ..superelement import SuperelementError
 from .case import Case
 from .digest import digest
 from .keys import matching
-from .outputs import check, values
+from .outputs import check, units, values
 
 SUPERELEMENTS = "bodies.*.superelement"
 RECORDED = "*.file"
@@ -52,6 +53,15 @@ class Simulation:
         This compiles the time loop before any case runs.
         """
         check(start(read_model(base)), outputs)
+
+    def size(self, base: Path) -> int:
+        try:
+            return solver_check(read_model(base)).results_size
+        except self.failures:  # of its first steps, which cases need not share
+            return 0
+
+    def units(self, case: Case, outputs: Mapping[str, str]) -> dict[str, str]:
+        return units(Results.read(case.target), outputs)
 
     def make(self, case: Case) -> None:
         model = read_model(case.source)

@@ -105,7 +105,9 @@ def load_set(results: Results, body: str, at: At) -> LoadSet:
         center=element.center,
         acceleration=force / element.mass,
         angular_velocity=omega,
-        angular_acceleration=np.linalg.solve(J, moment - np.cross(omega, J @ omega)),
+        angular_acceleration=np.asarray(
+            np.linalg.solve(J, moment - np.cross(omega, J @ omega)), dtype=np.float64
+        ),
         unit=_unit(element),
     )
 
