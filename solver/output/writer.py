@@ -2,6 +2,7 @@
 
 import os
 from dataclasses import replace
+from math import isfinite
 from pathlib import Path
 from typing import Any, cast
 
@@ -26,7 +27,7 @@ from .columns import requested
 from .inputs import drifts
 from .size import check_memory
 from .space import space_of
-from .validity import Judge
+from .validity import Judge, bands_of
 
 
 def check_output(path: Path, model: Model) -> None:
@@ -157,8 +158,11 @@ def _notes_of_signals(lowered: LoweredModel, steps: int) -> dict[str, Any]:
     """Notes that only some runs have.
 
     drift: lines about coordinates that are driven by their velocity or acceleration; records: the
-    digests of the files of recorded signals, and of the superelements of rigid bodies.
+    digests of the files of recorded signals, and of the superelements of rigid bodies; bands: a
+    line for each flexible body whose superelement is right up to a frequency [Hz].
     """
+    bands = bands_of(lowered.superelements).tolist()
+    of_bodies = zip(bands, lowered.model.flexible_bodies, strict=True)
     bodies = lowered.model.bodies.values()
     rigid = [b.source for b in bodies if isinstance(b, RigidSuperelement) and b.source]
     files = {record.digest for record in records_of(lowered.model)} | set(map(sha256, rigid))
@@ -166,5 +170,6 @@ def _notes_of_signals(lowered: LoweredModel, steps: int) -> dict[str, Any]:
         "contact_h": lowered.h if lowered.flight else None,
         "drift": "\n".join(map(str, drifts(lowered, steps * lowered.h))),
         "records": " ".join(sorted(files)),
+        "bands": "\n".join(f"{band!r} {name}" for band, name in of_bodies if isfinite(band)),
     }
     return {name: note for name, note in notes.items() if note}

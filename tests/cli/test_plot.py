@@ -1,12 +1,15 @@
 """`duhamel plot`: where the picture goes, what a panel is, and how it fails."""
 
+from dataclasses import replace
+
 import matplotlib.image
 import numpy as np
 import pytest
 from duhamel.cli import app
 from duhamel.cli.plot import _with_overlays
-from duhamel.solver import FlexibleBody, Model, Settings, Start, simulate
-from duhamel.view import panel, panels, runs_of
+from duhamel.results import peaks
+from duhamel.solver import FlexibleBody, Harmonic, Load, Model, Settings, Start, simulate
+from duhamel.view import curves, draw, panel, panels, runs_of
 
 
 @pytest.fixture
@@ -266,3 +269,23 @@ def test_a_picture_has_the_measured_curve(runner, results_file, tmp_path):
     )
     assert result.exit_code == 0, result.output
     assert results_file.with_suffix(".png").exists()
+
+
+def test_spectra_beyond_the_band_of_a_superelement_are_marked(runner, element, tmp_path):
+    """In the table of peaks, and in the picture from the band on."""
+    banded = replace(element, kernel=replace(element.kernel, band=40.0))
+    push = Load("force", "beam.tip", [1, 2, 3], Harmonic(1.0, 300.0))
+    model = Model({"beam": FlexibleBody(banded)}, loads=[push], settings=Settings(t_end=0.05))
+    file = tmp_path / "shaken.h5"
+    results = simulate(model, output=file)
+    assert results.bands == {"beam": 40.0}
+    asked = "srs(acceleration:beam.tip:z, from=10, to=200)"
+    (peak,) = peaks(results, [asked])
+    assert peak.at_largest > 40.0
+    told = runner.invoke(app, ["peaks", str(file), asked, "acceleration:beam.tip:z"])
+    assert f"{peak.at_largest:.5g} Hz*" in told.stdout
+    assert "* beyond the band of the superelement, 40 Hz" in told.stdout
+    assert told.stdout.count("*") == 2
+    (axes,) = draw(results.time, [curves(results, asked)]).axes
+    (shade,) = axes.patches
+    assert shade.get_x() == 40.0
