@@ -281,12 +281,12 @@ def sweep(
         )
     start = perf_counter()
     from .. import study
-    from .sweep import failures, shown_cases, told
+    from .sweep import failures, shown_cases, tell_size, told
 
     with errors_in_one_line(study):
         plan = study.read_study(study_file, output)
     with errors_in_one_line(study), shown_cases(len(plan.cases)) as finished:
-        rows = study.sweep(plan, workers, scheduler, force, finished)
+        rows = study.sweep(plan, workers, scheduler, force, finished, tell_size(plan.folder))
     failed = list(failures(rows))
     for line in failed:
         typer.echo(one_line(line), err=True)

@@ -1,10 +1,10 @@
-"""`duhamel export`: results for ParaView, for tables, for MATLAB."""
+"""`duhamel export`: results for ParaView, for tables, for MATLAB, loads for Abaqus and Nastran."""
 
 from enum import StrEnum
 from math import isfinite
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -22,9 +22,17 @@ class Format(StrEnum):
     VTK = "vtk"
     CSV = "csv"
     MAT = "mat"
+    ABAQUS = "abaqus"
+    NASTRAN = "nastran"
 
 
-SUFFIXES = {Format.VTK: ".vtkhdf", Format.CSV: ".csv", Format.MAT: ".mat"}
+SUFFIXES = {
+    Format.VTK: ".vtkhdf",
+    Format.CSV: ".csv",
+    Format.MAT: ".mat",
+    Format.ABAQUS: ".inp",
+    Format.NASTRAN: ".bdf",
+}
 """of files that are written"""
 
 Folder = Annotated[
@@ -38,7 +46,23 @@ Quantities = Annotated[
         show_default=False,
     ),
 ]
-To = Annotated[Format, typer.Option("--to", help="ParaView, tables, or MATLAB.")]
+To = Annotated[
+    Format,
+    typer.Option("--to", help="ParaView, tables, MATLAB, or loads for Abaqus or Nastran."),
+]
+At = Annotated[
+    str | None,
+    typer.Option(
+        "--at",
+        metavar="SECONDS",
+        help="The instant of loads [s], or worst, that of the largest load.",
+        show_default=False,
+    ),
+]
+BodyNames = Annotated[
+    list[str] | None,
+    typer.Option("--body", metavar="NAME", help="For loads; all flexible bodies unless given."),
+]
 Start = Annotated[
     float | None, typer.Option("--from", metavar="SECONDS", help="From this time [s].")
 ]
@@ -66,14 +90,18 @@ def export(
     frames: Frames = None,
     every: All = False,
     magnify: Magnified = None,
+    at: At = None,
+    bodies: BodyNames = None,
 ) -> None:
     """Write results for other programs into a folder.
 
     vtk: bodies as they move and deform, frames and contacts with their forces, for ParaView
     (VTKHDF). csv: tables, of all that was recorded or of the quantities that are named. mat: all
-    that was recorded, for MATLAB.
+    that was recorded, for MATLAB. abaqus, nastran: forces and moments on flexible bodies at an
+    instant with the inertia that balances them, as decks for static analyses.
     """
     _require_sense(to, quantities, frames, every, magnify)
+    when = _instant(to, at, bodies, start, end)
     begin = perf_counter()
     from .. import files, results
     from ..results.steps import window
@@ -88,6 +116,9 @@ def export(
             written = _write_vtk(read, folder, stem, rows, frames, every, magnify)
         elif to is Format.CSV:
             written = results.write_csv(read, folder, quantities or (), rows)
+        elif to is Format.ABAQUS or to is Format.NASTRAN:
+            program: Literal["abaqus", "nastran"] = "abaqus" if to is Format.ABAQUS else "nastran"
+            written = results.write_loads(read, folder, stem, program, bodies or (), when)
         else:
             written = (results.write_mat(read, folder / f"{stem}.mat", rows),)
     for path in written:
@@ -107,6 +138,30 @@ def _require_sense(
         raise typer.BadParameter(f"--magnify: expected a number, found {magnify}")
     if frames is not None and every:
         raise typer.BadParameter("expected one of --frames and --all")
+
+
+def _instant(
+    to: Format,
+    at: str | None,
+    bodies: list[str] | None,
+    start: float | None,
+    end: float | None,
+) -> "float | Literal['worst']":
+    """The time of loads [s], or "worst"."""
+    if to not in (Format.ABAQUS, Format.NASTRAN):
+        if at is not None or bodies:
+            raise typer.BadParameter(f"--at and --body go with --to abaqus or nastran, found {to}")
+    elif start is not None or end is not None:
+        raise typer.BadParameter("loads are those of an instant: --at, not --from and --until")
+    if at is None or at == "worst":
+        return "worst"
+    try:
+        time = float(at)
+    except ValueError:
+        time = float("nan")
+    if not isfinite(time):
+        raise typer.BadParameter(f"--at: expected a time [s] or worst, found {at!r}")
+    return time
 
 
 def _write_vtk(

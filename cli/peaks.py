@@ -7,6 +7,9 @@ from rich.text import Text
 
 from ..results import Peak
 
+BEYOND = "*"
+"""behind frequencies at which a spectrum is not to be trusted"""
+
 
 def peaks_table(name: str, peaks: Sequence[Peak]) -> Table:
     """A row for each number; times in seconds, frequencies in hertz."""
@@ -20,10 +23,14 @@ def peaks_table(name: str, peaks: Sequence[Peak]) -> Table:
             Text(peak.quantity + _place(peak)),
             Text(peak.unit),
             f"{peak.largest:.4g}",
-            f"{peak.at_largest:.5g} {peak.base}",
+            f"{peak.at_largest:.5g} {peak.base}{BEYOND if peak.is_beyond else ''}",
             f"{peak.smallest:.4g}",
             f"{peak.at_smallest:.5g} {peak.base}",
         )
+    if beyond := [peak for peak in peaks if peak.is_beyond]:
+        bands = ", ".join(f"{band:.4g} Hz" for band in sorted({peak.band for peak in beyond}))
+        table.caption = f"{BEYOND} beyond the band of the superelement, {bands}"
+        table.caption_justify = "left"
     return table
 
 

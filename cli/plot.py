@@ -11,15 +11,15 @@ from .completion import files as completed
 from .failures import errors_in_one_line, one_line
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from ..results.transforms import Window
-    from ..view import Run
+    from ..view import Curve, Run
 
 CSV = ".csv"
 """suffix of summaries of studies"""
 FILES = (".h5", ".hdf5", ".nc", CSV)
 """suffixes of files; other arguments are quantities"""
+SECOND_COLUMN = 2
+"""that of a measured curve unless another is named"""
 COMPARED = "compared"
 """behind the name of the first of several files, in that of their picture"""
 
@@ -67,6 +67,15 @@ Fields = Annotated[
         "several ones, or 'von_mises:*'.",
     ),
 ]
+Overlays = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--overlay",
+        metavar="FILE.csv[:COLUMN]",
+        help="A measured curve: a column by name or number, the second unless given, over the "
+        "first, in the units of the panel. Several: all in one panel, or one for each panel.",
+    ),
+]
 At = Annotated[
     str | None,
     typer.Option(metavar="SECONDS|worst", help="The time of a field: worst, unless given."),
@@ -84,6 +93,7 @@ def plot(
     size: Size = None,
     field: Fields = None,
     at: At = None,
+    overlay: Overlays = None,
 ) -> None:
     """Draw results over time: RESULTS.png beside the results file, unless given.
 
@@ -109,6 +119,7 @@ def plot(
     window, inches, time = _window(start, end), _inches(size), _time(at, field)
     if field and (quantities or len(files) > 1 or inches is not None):
         raise typer.BadParameter("--field: expected one file, no quantities and no --size")
+    _check_overlays(overlay, quantities)
     with errors_in_one_line(results, view):
         runs = view.runs_of(files, names.split(",") if names else ())
         target = output or _target(files, "field" if field else COMPARED)
@@ -119,7 +130,10 @@ def plot(
             of_bodies = [part for text in field for part in text.split(",")]
             figure = view.draw_body_fields(runs[0].results, of_bodies, time, window, heading)
         else:
-            figure = _figure(runs, quantities, gravities, window, heading)
+            panels = _panels(runs, quantities, gravities, window)
+            if overlay:
+                panels = _with_overlays(panels, overlay, window)
+            figure = view.draw(runs[0].results.time, panels, heading)
         if inches is not None:
             figure.set_size_inches(*inches)
         view.save(figure, target)
@@ -145,23 +159,45 @@ def _is_file(path: Path) -> bool:
         return False
 
 
-def _figure(
-    runs: "Sequence[Run]",
-    quantities: Sequence[str],
-    gravities: bool,
-    window: "Window | None",
-    title: str,
-) -> "Figure":
+def _panels(
+    runs: "Sequence[Run]", quantities: Sequence[str], gravities: bool, window: "Window | None"
+) -> "list[list[Curve]]":
     from .. import view
 
     if quantities:
-        panels = [view.panel(runs, text, gravities, window) for text in quantities]
-    elif len(runs) == 1 and window is None and not gravities:
-        panels = view.overview(runs[0].results)
-    else:
-        shown = view.overview_quantities(runs[0].results)
-        panels = [view.panel(runs, ",".join(panel), gravities, window) for panel in shown]
-    return view.draw(runs[0].results.time, panels, title)
+        return [view.panel(runs, text, gravities, window) for text in quantities]
+    if len(runs) == 1 and window is None and not gravities:
+        return view.overview(runs[0].results)
+    shown = view.overview_quantities(runs[0].results)
+    return [view.panel(runs, ",".join(panel), gravities, window) for panel in shown]
+
+
+def _check_overlays(overlay: Sequence[str] | None, quantities: Sequence[str]) -> None:
+    if overlay and not quantities:
+        raise typer.BadParameter("--overlay: expected quantities, beside which it is drawn")
+    if overlay and len(quantities) > 1 and len(overlay) != len(quantities):
+        raise typer.BadParameter(
+            f"--overlay: expected one panel, or one for each of {len(quantities)} panels, found "
+            f"{len(overlay)}"
+        )
+
+
+def _with_overlays(
+    panels: "Sequence[list[Curve]]", overlays: Sequence[str], window: "Window | None"
+) -> "list[list[Curve]]":
+    """The panels with measured curves: all in the only panel, or one in each."""
+    from .. import solver, view
+
+    drawn = list(panels)
+    with errors_in_one_line(solver):
+        for n, text in enumerate(overlays):
+            path, _, column = text.partition(":") if not _is_file(Path(text)) else (text, "", "")
+            chosen = int(column) if column.isdigit() else column or SECOND_COLUMN
+            times, values = solver.Recorded(path, chosen).points
+            name = f"{Path(path).name}, {column}" if column else Path(path).name
+            at = n if len(drawn) > 1 else 0
+            drawn[at] = view.overlaid(drawn[at], name, times, values, window)
+    return drawn
 
 
 def _target(files: Sequence[Path], what: str) -> Path:

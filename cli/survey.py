@@ -17,6 +17,8 @@ ESTIMATED = (
     "bodies, up to a quarter where thin walls meet"
 )
 
+STEPS_IN_PERIOD = 20
+"""time steps in a period that follow a vibration well, by docs/validity.md"""
 CROSSES = 5
 """lines of beams whose local axes are drawn"""
 
@@ -146,6 +148,12 @@ def _frequencies(survey: Survey) -> Iterator[Row]:
         f"  shortest {kind} wave [m]",
         f"{wave.wavelength:.4g}, {wave.nodes:.3g} nodes where they are sparse{hint}",
     )
+    if survey.body.impulse.band is not None:
+        yield (
+            f"  {STEPS_IN_PERIOD} steps at its end",
+            f"a run needs step = {1.0 / (STEPS_IN_PERIOD * band):.3g} s "
+            f"(impulse.step is {survey.body.impulse.step:.3g} s)",
+        )
 
 
 def _rotation(survey: Survey) -> Iterator[Row]:

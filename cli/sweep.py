@@ -1,13 +1,16 @@
 """The progress of `duhamel sweep`, its failures at the end, and what an interrupt leaves."""
 
+import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 
 import typer
 
+from ..files.memory import gigabytes
 from ..files.progress import Progress, Work
 from ..study import Row
-from ..study.sweep import OnFinished
+from ..study.sweep import OnBegin, OnFinished
 from .failures import one_line
 
 
@@ -31,6 +34,21 @@ def shown_cases(total: int) -> Iterator[OnFinished]:
                 f"interrupted: {work.done} of {total} cases are finished and kept; "
                 "the same command makes the others"
             ) from interrupt
+
+
+def tell_size(folder: Path) -> OnBegin:
+    """Tells what the cases will write, and whether the disk of their folder has room."""
+
+    def begin(cases: int, size: int) -> None:
+        if not size:
+            return
+        existing = next(path for path in (folder, *folder.parents) if path.is_dir())
+        free = shutil.disk_usage(existing).free
+        lacking = f", and the disk has {gigabytes(free)}: record less by [output]"
+        written = f"{cases} cases write about {gigabytes(size)}{lacking if size > free else ''}"
+        typer.echo(one_line(f"{folder}: {written}"), err=True)
+
+    return begin
 
 
 def failures(rows: Sequence[Row]) -> Iterator[str]:

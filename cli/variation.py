@@ -16,7 +16,9 @@ def draw(summary_file: Path, asked: Sequence[str], target: Path, title: str | No
     summary = read_summary(summary_file)
     outputs = _chosen(summary.numbers, asked)
     heading = summary_file.parent.name if title is None else title
-    figure = view.draw_variation(summary.parameters, outputs, heading)
+    figure = view.draw_variation(
+        summary.parameters, outputs, heading, summary.units, summary.failed
+    )
     view.save(figure, target)
 
 

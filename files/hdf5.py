@@ -89,7 +89,9 @@ def require_contained(file: h5py.File) -> None:
 
 
 def whole(dataset: h5py.Dataset) -> Any:
-    """All of a dataset; `FileError` where it does not fit into memory."""
+    """All of a dataset; `FileError` where it has no values or does not fit into memory."""
+    if dataset.shape is None:
+        raise FileError(f"{_shown(dataset.name)}: expected values, found an empty dataset")
     if dataset.nbytes > UNASKED and dataset.nbytes > (free := available()):
         raise FileError(
             f"{_shown(dataset.name)}: expected at most the {free} bytes of memory that are free, "

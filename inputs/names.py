@@ -4,9 +4,15 @@ LONGEST = 100
 """characters"""
 
 
-def is_name(name: str) -> bool:
-    """True for a name that can stand in paths of results, in references to frames and in messages.
+SEPARATORS = frozenset("./:")
+"""They separate names: frames from bodies, groups of files, the parts of a quantity."""
+FORM = f"1 to {LONGEST} printable characters without '.', '/' and ':'"
+"""of a name, in the words of errors"""
 
-    Of 1 to `LONGEST` printable characters, without dots and slashes.
+
+def is_name(name: str) -> bool:
+    """True for a name that can stand in references to frames, in files and in quantities.
+
+    It has 1 to `LONGEST` printable characters and none of `SEPARATORS`.
     """
-    return 0 < len(name) <= LONGEST and name.isprintable() and not {".", "/"} & set(name)
+    return 0 < len(name) <= LONGEST and name.isprintable() and not SEPARATORS & set(name)

@@ -2,7 +2,7 @@
 
 import difflib
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any, ClassVar, TypeVar
 
 from pydantic import (
@@ -93,7 +93,7 @@ def read_part(value: Any, kind: type[AnyTable]) -> AnyTable:
     try:
         return kind.model_validate(value)
     except ValidationError as error:
-        raise InputError(_messages(error.errors())) from error
+        raise InputError(_messages(error.errors(), value)) from error
 
 
 def _frozen(value: Any) -> Any:
@@ -106,21 +106,37 @@ def _plain(value: Any) -> Any:
     return [_plain(entry) for entry in value] if isinstance(value, tuple) else value
 
 
-def _messages(failures: Sequence[Mapping[str, Any]]) -> str:
-    """The first failures, and how many more there are."""
-    first = [_message(failure) for failure in failures[:MOST_FAILURES]]
+def _messages(failures: Sequence[Mapping[str, Any]], value: Any) -> str:
+    """The first failures of a value, and how many more there are."""
+    first = [_message(failure, value) for failure in failures[:MOST_FAILURES]]
     more = len(failures) - len(first)
     return "; ".join([*first, f"and {more} more"] if more else first)
 
 
-def _message(failure: Mapping[str, Any]) -> str:
+def _message(failure: Mapping[str, Any], value: Any) -> str:
     """One failure of pydantic as KEY: the expected value, found VALUE."""
     # A choice between types shows as a part of its own, in brackets, that is no key of the file.
-    parts = [str(part) for part in failure["loc"] if not str(part).startswith("(")]
-    key = dotted(parts)
+    parts = [part for part in failure["loc"] if not str(part).startswith("(")]
+    key = dotted(_named(parts, value))
     text = str(failure["msg"]).removeprefix("Value error, ")
     if failure["type"] == "missing":
         text = "missing"
     elif failure["type"] != "value_error":
         text = f"{text[0].lower()}{text[1:]}, found {quoted(_plain(failure['input']))}"
     return f"{key}: {text}" if key else text
+
+
+def _named(parts: Sequence[Any], value: Any) -> Iterator[str]:
+    """The parts of a key, with the names of entries of arrays that have one for their numbers."""
+    for part in parts:
+        value = _item(value, part)
+        name = value.get("name") if isinstance(part, int) and isinstance(value, Mapping) else None
+        yield name if isinstance(name, str) and name else str(part)
+
+
+def _item(value: Any, part: Any) -> Any:
+    """The value of a table or array at a key or number; None where it has none."""
+    if isinstance(value, Mapping):
+        return value.get(part)
+    is_in = isinstance(value, list | tuple) and isinstance(part, int) and part < len(value)
+    return value[part] if is_in else None

@@ -14,7 +14,7 @@ from .errors import (
     SeriesError,
     SeriesWarning,
 )
-from .exports import write_csv, write_mat, write_vtk
+from .exports import load_set, write_csv, write_loads, write_mat, write_vtk
 from .peaks import Peak, peaks
 from .results import Results
 from .space import Connection
@@ -29,9 +29,11 @@ __all__ = [
     "ResultsError",
     "SeriesError",
     "SeriesWarning",
+    "load_set",
     "peaks",
     "series",
     "write_csv",
+    "write_loads",
     "write_mat",
     "write_vtk",
 ]

@@ -446,10 +446,19 @@ def _text(value: Any) -> Any:
     return value.decode() if isinstance(value, bytes) else value
 
 
+def _require_distinct(dimension: str, names: tuple[str, ...]) -> None:
+    """`ResultsError` for a dimension with two entries of one name, of which none can be found."""
+    if len(set(names)) != len(names):
+        twice = next(name for number, name in enumerate(names) if name in names[:number])
+        raise ResultsError(f"{dimension}: expected different names, found {twice!r} more than once")
+
+
 def _read_contents(file: h5py.File) -> Contents:
     axes = {name: Axis(_strings(file, name)) for name in DIMENSIONS if name in file}
     del axes["time"]
     axes.pop("event", None)
+    for name, axis in axes.items():
+        _require_distinct(name, axis.names)
     quantities = tuple(quantity for quantity in QUANTITIES if quantity.name in file)
     events = EVENTS if "event_owner" in axes else ()
     for quantity in (*quantities, *events):

@@ -13,7 +13,7 @@ from .errors import QuantityError
 from .quantities import KINDS
 from .results import Results
 from .steps import batches
-from .transforms import IN_G, Series, in_g, parse, series
+from .transforms import FREQUENCY, IN_G, Series, in_g, parse, series
 from .wildcards import named, of_all
 
 Index = NDArray[np.int64]
@@ -55,6 +55,13 @@ class Peak:
     base: str
     place: tuple[float, ...] | None = None
     """of a stress: the point of the surface, in body axes [m]"""
+    band: float = np.inf
+    """of a spectrum: the frequency up to which the superelement is right [Hz]"""
+
+    @property
+    def is_beyond(self) -> bool:
+        """Whether the largest value is one of a spectrum beyond the band of the superelement."""
+        return self.base == FREQUENCY and self.at_largest > self.band
 
     @property
     def magnitude(self) -> float:
@@ -152,6 +159,7 @@ def _peak(quantity: str, made: Series, values: Array) -> Peak:
         float(values[low]),
         float(made.abscissa[low]),
         made.base,
+        band=made.band,
     )
 
 

@@ -308,7 +308,7 @@ def evaluate(results: Results, quantity: str) -> Evaluated:
             f"{quantity}: no quantity {kind_name!r}; there are: {', '.join(map(usage, KINDS))}"
         )
     kind = KINDS[kind_name]
-    axis = names.pop() if kind.axes and len(names) == len(kind.names) + 1 else ""
+    names, axis = _divided(results, kind, names)
     if len(names) != len(kind.names) or axis not in ("", *kind.axes):
         raise QuantityError(f"{quantity}: expected {usage(kind_name)}")
     try:
@@ -325,6 +325,34 @@ def usage(kind_name: str) -> str:
     """The form of a quantity of this kind, as in "force:JOINT|SPRING[:x|y|z]"."""
     kind = KINDS[kind_name]
     return ":".join([kind_name, *kind.names]) + (f"[:{'|'.join(kind.axes)}]" if kind.axes else "")
+
+
+def _divided(results: Results, kind: Kind, parts: list[str]) -> tuple[list[str], str]:
+    """The names and the axis, "" if none, of the parts of a quantity.
+
+    Files of earlier versions have names with colons: there the first name takes the parts that are
+    too many.
+    """
+    axis = parts[-1] if parts and parts[-1] in kind.axes else ""
+    names = parts[: len(parts) - bool(axis)]
+    surplus = len(names) - len(kind.names)
+    if kind.names and surplus > 0:
+        first = ":".join(names[: surplus + 1])
+        if any(first in names_in_role(results, role) for role in kind.names[0].split("|")):
+            return [first, *names[surplus + 1 :]], axis
+    if kind.axes and len(parts) == len(kind.names) + 1:
+        return parts[:-1], parts[-1]
+    return parts, ""
+
+
+def names_in_role(results: Results, role: str) -> tuple[str, ...]:
+    """The names of all that has a role, as BODY or COORDINATE."""
+    if role == "COORDINATE":
+        every = [name for joint in results.joints for name in results.joint(joint).coordinates]
+        return tuple(dict.fromkeys(every))
+    plural = {"BODY": "bodies", "ENERGY": "energies"}.get(role, f"{role.lower()}s")
+    names: tuple[str, ...] = getattr(results, plural)
+    return names
 
 
 def _is_body(results: Results, name: str) -> bool:

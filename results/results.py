@@ -12,7 +12,7 @@ import numpy as np
 from ..files.html import listed, table
 from ..superelement import Modes, Outline, Recovery, Superelement, SuperelementError, von_mises
 from ..superelement.validation import Array
-from .errors import ExportError, RecoveryError
+from .errors import ExportError, RecoveryError, ResultsError
 from .file import FileSource, netcdf
 from .motion import (
     BodyMotion,
@@ -383,6 +383,21 @@ class Results:
         if body not in self._superelements:
             self._superelements[body] = read_again(body, self.superelement_files.get(body))
         return self._superelements[body]
+
+    @property
+    def bands(self) -> dict[str, float]:
+        """The frequency up to which the superelement of a body is right [Hz].
+
+        Of flexible bodies whose superelement is exact, and in files of earlier versions, none.
+        """
+        rows = str(self.solver.get("bands", "")).splitlines()
+        pairs = [row.partition(" ") for row in rows]
+        try:
+            return {name: float(band) for band, _, name in pairs}
+        except ValueError as error:
+            raise ResultsError(
+                f"{self.name}: attribute bands: expected numbers: {error}"
+            ) from error
 
     @cached_property
     def _outlines(self) -> Outlines:

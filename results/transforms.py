@@ -68,6 +68,8 @@ class Series:
     treatment: tuple[str, ...] = ()
     ordinate: str = ""
     paper: str = "lines"
+    band: float = np.inf
+    """the frequency up to which the superelement that it is read at is right [Hz]"""
 
 
 @dataclass(frozen=True)
@@ -410,7 +412,17 @@ def _quantity(results: Results, quantity: str) -> Series:
         raise QuantityError(f"{quantity}: expected {form(quantity)}")
     found = evaluate(results, quantity)
     axes = () if found.axis else KINDS[found.kind].axes
-    return Series(found.kind, found.names, found.axis, axes, found.unit, results.time, found.values)
+    owners = {name.partition(".")[0] for name in found.names} & results.bands.keys()
+    return Series(
+        found.kind,
+        found.names,
+        found.axis,
+        axes,
+        found.unit,
+        results.time,
+        found.values,
+        band=min((results.bands[owner] for owner in owners), default=np.inf),
+    )
 
 
 def _within(found: Series, window: Window) -> Series:

@@ -6,7 +6,7 @@ from itertools import product
 from typing import TypeVar
 
 from .errors import QuantityError
-from .quantities import KINDS
+from .quantities import KINDS, names_in_role
 from .results import Results
 from .transforms import check, parse
 
@@ -63,7 +63,7 @@ def _owners(results: Results, role: str, pattern: str) -> list[str]:
         return [pattern]
     names: list[str] = []
     for word in role.split("|"):
-        names += _known(results, word)
+        names += names_in_role(results, word)
     return matching(names, pattern)
 
 
@@ -74,12 +74,3 @@ def matching(names: Iterable[str], pattern: str) -> list[str]:
     """
     escaped = "".join(f"[{letter}]" if letter in "[?" else letter for letter in pattern)
     return [name for name in dict.fromkeys(names) if fnmatchcase(name, escaped)]
-
-
-def _known(results: Results, word: str) -> tuple[str, ...]:
-    if word == "COORDINATE":
-        every = [name for joint in results.joints for name in results.joint(joint).coordinates]
-        return tuple(dict.fromkeys(every))
-    plural = {"BODY": "bodies", "ENERGY": "energies"}.get(word, f"{word.lower()}s")
-    names: tuple[str, ...] = getattr(results, plural)
-    return names

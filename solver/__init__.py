@@ -25,7 +25,7 @@ from .linear.frf import FrequencyResponse
 from .linear.linearize import LinearModel, linearize
 from .linear.modes import LinearModes
 from .linear.state_space import StateSpace
-from .model.bodies import FlexibleBody, Frame, Place, RigidBody, Start
+from .model.bodies import FlexibleBody, Frame, Place, RigidBody, RigidSuperelement, Start
 from .model.body_shapes import Box, Cylinder, Sphere, Surface
 from .model.composed import Delayed, Product, Sum
 from .model.contacts import Contact, Hertz
@@ -128,6 +128,7 @@ __all__ = [
     "Results",
     "ResultsError",
     "RigidBody",
+    "RigidSuperelement",
     "Sawtooth",
     "Settings",
     "ShapedNoise",

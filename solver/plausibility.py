@@ -12,13 +12,13 @@ from .arrays import Array
 from .errors import about
 from .lower.scheme import stepping_of
 from .model.bodies import Body, FlexibleBody
-from .model.curves import Constant, Harmonic, Polynomial
+from .model.curves import Constant, Harmonic, Polynomial, Pulse, Steps
 from .model.joints import Joint
 from .model.model import Model
 from .model.motions import PrescribedRotation
 from .model.noise import Noise, ShapedNoise
 from .model.profiles import Chirp, HalfSine, LogarithmicChirp, Sawtooth, Trapezoid
-from .model.signals import Signal, parts_of
+from .model.signals import Signal, breaks_of, parts_of, values_of
 
 TURN = 2.0 * np.pi
 OTHER_UNITS = {
@@ -45,6 +45,10 @@ ABOVE = 10.0
 """First frequency of a free body over the Nyquist frequency of the step."""
 FEWEST = 4.0
 """Steps in a period of a signal."""
+
+
+SAMPLES = 33
+"""Times of a run at which a signal that begins after it is looked at."""
 
 
 PULSES = (HalfSine, Trapezoid, Sawtooth)
@@ -184,9 +188,12 @@ def _angles(model: Model) -> Iterator[tuple[str, float]]:
     for motion in model.motions:
         if isinstance(motion, PrescribedRotation) and motion.angle is not None:
             yield from _angles_of_signal(f"motions.{motion.name}.angle", motion.angle)
+    kinds = {joint.name: joint.kind for joint in model.joints}
+    for motor in model.motors:
+        if motor.reference is not None and motor.coordinate in kinds[motor.joint].angles:
+            yield from _angles_of_signal(f"motors.{motor.name}.reference", motor.reference)
     for stop in model.stops:
-        kind = next(joint.kind for joint in model.joints if joint.name == stop.joint)
-        if stop.coordinate in kind.angles:
+        if stop.coordinate in kinds[stop.joint].angles:
             yield from ((f"stops.{stop.name}.range", limit) for limit in stop.range)
     for spring in model.springs:
         if spring.type == "torsion" and spring.rest is not None:
@@ -204,7 +211,10 @@ def _angles_of_joint(joint: Joint) -> Iterator[tuple[str, float]]:
 
 
 def _angles_of_signal(key: str, signal: Signal) -> Iterator[tuple[str, float]]:
-    """What is an angle in a signal that drives one; rates and tables may go on over many turns."""
+    """What is an angle in a signal that drives one, and the jumps of one that a servo follows.
+
+    Rates and tables may go on over many turns.
+    """
     if isinstance(signal, Constant):
         yield key, signal.value
     elif isinstance(signal, Polynomial):
@@ -212,6 +222,10 @@ def _angles_of_signal(key: str, signal: Signal) -> Iterator[tuple[str, float]]:
     elif isinstance(signal, Harmonic):
         yield f"{key}.amplitude", signal.amplitude
         yield f"{key}.offset", signal.offset
+    elif isinstance(signal, Steps):
+        yield f"{key}, its largest jump", float(np.abs(np.diff(signal.values, prepend=0.0)).max())
+    elif isinstance(signal, Pulse):
+        yield f"{key}.pulse", signal.value
 
 
 def _length(vector: Array) -> float:
@@ -221,8 +235,21 @@ def _length(vector: Array) -> float:
 def _of_signals(model: Model, h: float) -> Iterator[Doubt]:
     """Doubts about signals that the step does not resolve, and phases in degrees."""
     for key, signal in _signals(model):
+        yield from _of_beginning(key, signal, model.settings.t_end)
         for part in _within(signal):
             yield from _of_signal(key, part, h)
+
+
+def _of_beginning(key: str, signal: Signal, t_end: float) -> Iterator[Doubt]:
+    """A doubt about a signal that is zero until the end and begins afterwards."""
+    breaks = breaks_of(signal)
+    times = np.linspace(0.0, t_end, SAMPLES)
+    if breaks and min(breaks) >= t_end and not values_of(signal, times[:-1]).any():
+        yield Doubt(
+            f"{key} begins at {min(breaks):g} s, and the run ends at t_end = {t_end:g} s: "
+            "it does nothing",
+            severe=True,
+        )
 
 
 def _of_signal(key: str, signal: Signal, h: float) -> Iterator[Doubt]:

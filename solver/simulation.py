@@ -32,6 +32,7 @@ from .lower.lower import LoweredModel, lower
 from .model.model import Model
 from .model.settings import Settings
 from .model.signals import values_of
+from .output.branches import Branches
 from .output.columns import requested
 from .output.inputs import signal_warnings
 from .output.keeper import (
@@ -226,6 +227,7 @@ def march(course: Course, progress: bool = False) -> None:
     lowered, state, work, total = course.lowered, course.state, course.work, course.total
     begin, done, batch = course.begin(), int(state.step[0]), 16 * lowered.ratio
     writer = course.writer
+    branches = Branches(lowered)
     judge, convolution = Judge(lowered), DyadicConvolution(lowered.system.elastic)
     with (
         course.keeper() as keeper,
@@ -257,6 +259,7 @@ def march(course: Course, progress: bool = False) -> None:
             done += stride * taken
             shown.advance(stride * taken)
             check_range(lowered, state, done)
+            branches.check(work, done)
             if failed and not full:
                 cause = judge.cause(state, done - begin)
                 raise failure(lowered, state, work, done + 1, residual, cause)

@@ -51,6 +51,12 @@ class Kind(Protocol):
     def check(self, base: Path, outputs: Mapping[str, str]) -> None:
         """Raise one of `failures`, or `StudyError`, for what can be found before any case runs."""
 
+    def size(self, base: Path) -> int:
+        """Bytes of the target of a case that is as large as that of the base; 0 if not known."""
+
+    def units(self, case: Case, outputs: Mapping[str, str]) -> dict[str, str]:
+        """The units of the outputs, from the target; "" of numbers."""
+
     def make(self, case: Case) -> None:
         """Make the target from the source."""
 

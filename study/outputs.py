@@ -44,6 +44,8 @@ REDUCTIONS: dict[str, Callable[[Array, Array], float]] = {
 }
 OF_SPECTRA = ("max", "min", "argmax", "argmin")
 """the reductions that also hold over frequency"""
+OF_TIMES = ("argmax", "argmin")
+"""the reductions that give a time or a frequency"""
 VALUE = "value"
 """the reduction that takes the value at a time or frequency"""
 
@@ -72,6 +74,11 @@ def values(results: Results, outputs: Mapping[str, str]) -> dict[str, float]:
     `SeriesError` one that cannot be made of these results.
     """
     return {name: _named(name, _value, results, output) for name, output in outputs.items()}
+
+
+def units(results: Results, outputs: Mapping[str, str]) -> dict[str, str]:
+    """The units of the outputs by name, "" of numbers, as "m/s²" and "Hz"; as `values` raises."""
+    return {name: _named(name, _unit, results, output) for name, output in outputs.items()}
 
 
 def check(results: Results, outputs: Mapping[str, str]) -> None:
@@ -106,6 +113,21 @@ def _value(results: Results, output: str) -> float:
     if asked.reduction == VALUE:
         return _at(asked, found.abscissa, samples)
     return REDUCTIONS[asked.reduction](*_within(asked, found.abscissa, samples))
+
+
+def _unit(results: Results, output: str) -> str:
+    asked = _parsed(output)
+    if _is_event(asked.quantity):
+        _, owner, column, *_ = [*asked.quantity.split(":"), ""]
+        if asked.reduction == "count":
+            return ""
+        return _plain(results.unit("events", owner, column or "start"))
+    found = transforms.series(results, asked.quantity)
+    return _plain(found.base if asked.reduction in OF_TIMES else found.unit)
+
+
+def _plain(unit: str) -> str:
+    return "" if unit == "1" else unit
 
 
 def _look(results: Results, output: str) -> None:

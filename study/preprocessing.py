@@ -35,6 +35,12 @@ class Preprocessing:
                 "outputs: expected with a model, whose results they are of, found with a body"
             )
 
+    def size(self, base: Path) -> int:
+        return 0
+
+    def units(self, case: Case, outputs: Mapping[str, str]) -> dict[str, str]:
+        return {}
+
     def make(self, case: Case) -> None:
         write(case.target, build(read_body(case.source)))
 

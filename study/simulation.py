@@ -1,7 +1,7 @@
 """Studies of a model file: a case is a run."""
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
@@ -17,11 +17,12 @@ from ..solver import (
     simulate,
     start,
 )
+from ..solver import check as solver_check
 from ..superelement import SuperelementError
 from .case import Case
 from .digest import digest
 from .keys import matching
-from .outputs import check, values
+from .outputs import check, units, values
 
 SUPERELEMENTS = "bodies.*.superelement"
 RECORDED = "*.file"
@@ -52,6 +53,15 @@ class Simulation:
         This compiles the time loop before any case runs.
         """
         check(start(read_model(base)), outputs)
+
+    def size(self, base: Path) -> int:
+        try:
+            return solver_check(read_model(base)).results_size
+        except self.failures:  # of its first steps, which cases need not share
+            return 0
+
+    def units(self, case: Case, outputs: Mapping[str, str]) -> dict[str, str]:
+        return units(Results.read(case.target), outputs)
 
     def make(self, case: Case) -> None:
         model = read_model(case.source)
@@ -85,12 +95,23 @@ class Simulation:
 
 
 def _superelements(case: Case) -> dict[str, str]:
-    """The digests of the superelements by body, as results files keep them."""
-    named = matching(case.document, [SUPERELEMENTS])
-    return {key.split(".")[1]: digest(case.folder / path) for key, path in named}
+    """The digests of the superelements of flexible bodies, as results files keep them."""
+    return {name: digest(path) for name, path in _bodies(case, rigid=False)}
+
+
+def _bodies(case: Case, rigid: bool) -> Iterator[tuple[str, Path]]:
+    """The bodies with a superelement that are rigid, or those that are flexible, and its file."""
+    for key, path in matching(case.document, [SUPERELEMENTS]):
+        name = key.split(".")[1]
+        if bool(case.document["bodies"][name].get("rigid", False)) == rigid:
+            yield name, case.folder / path
 
 
 def _records(case: Case) -> str:
-    """The digests of the files of recorded signals, as the notes of a run keep them."""
+    """The digests of the other files that it is made from, as the notes of a run keep them.
+
+    Those of recorded signals, and the superelements of rigid bodies.
+    """
     named = {digest(case.folder / path) for _, path in matching(case.document, [RECORDED])}
+    named |= {digest(path) for _, path in _bodies(case, rigid=True)}
     return " ".join(sorted(named))

@@ -65,6 +65,10 @@ class Study:
         return self.folder / "summary.csv"
 
     @property
+    def units(self) -> Path:
+        return units_beside(self.summary)
+
+    @property
     def inputs(self) -> dict[str | os.PathLike[str], str]:
         """What the cases are made from, by path: the files of the study, and those they name."""
         named: dict[str | os.PathLike[str], str] = {
@@ -75,6 +79,11 @@ class Study:
         if self.table is not None:
             named[self.table] = "the table of the study"
         return named | {self.path: "the study file", self.base: "the base file"}
+
+
+def units_beside(summary: Path) -> Path:
+    """The file with the units of the outputs in a summary."""
+    return summary.with_name(f"{summary.stem}-units{summary.suffix}")
 
 
 def study_schema() -> dict[str, Any]:
@@ -101,7 +110,7 @@ def read_study(path: str | os.PathLike[str], folder: str | os.PathLike[str] | No
 def check_outputs(study: Study) -> None:
     """`StudyError` for a file of a case that would replace an input of the study."""
     targets = [target for case in study.cases for target in (case.source, case.target)]
-    if found := clash([*targets, study.summary], study.inputs):
+    if found := clash([*targets, study.summary, study.units], study.inputs):
         raise StudyError(f"{study.path}: {found}, which the study would replace")
 
 

@@ -4,7 +4,7 @@ import csv
 import io
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +15,12 @@ from ..inputs import InputError, quoted, read_text
 from ..superelement.validation import Array
 from .case import Case
 from .errors import StudyError
-from .study_file import Study
+from .study_file import Study, units_beside
 
 STATUS, MESSAGE = "status", "message"
 """columns: that after the parameters, and that after the numbers"""
+UNITS = ("output", "unit")
+"""columns of the file with units"""
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,7 @@ class Row:
 
 
 def write_summary(path: Path, study: Study, rows: Sequence[Row]) -> None:
-    """Write the summary, a table of comma-separated values.
+    """Write the summary, a table of comma-separated values; `StudyError` where it cannot be.
 
     Columns: case, parameters, status, numbers and outputs in SI units, message.
     """
@@ -49,7 +51,32 @@ def write_summary(path: Path, study: Study, rows: Sequence[Row]) -> None:
         values = [_cell(row.case.parameters[key]) for key in parameters]
         found = [row.numbers.get(name, "") for name in numbers]
         table.append([row.case.name, *values, row.status, *found, row.message])
-    write_rows(path, table)
+    try:
+        write_rows(path, table)
+    except OSError as error:
+        raise StudyError(f"{path}: cannot be written: {error.strerror or error}") from error
+
+
+def write_units(study: Study, rows: Sequence[Row]) -> None:
+    """Write the units of the outputs beside the summary, where a case is done that tells them."""
+    done = next((row.case for row in rows if row.status == "done"), None)
+    if done is None or not study.outputs:
+        return
+    found = study.kind.units(done, study.outputs)
+    try:
+        write_rows(study.units, [UNITS, *found.items()])
+    except OSError as error:
+        raise StudyError(f"{study.units}: cannot be written: {error.strerror or error}") from error
+
+
+def _read_units(path: Path) -> dict[str, str]:
+    """The units of outputs; none where the file is not there, as of older studies."""
+    if not path.is_file():
+        return {}
+    rows = list(csv.reader(io.StringIO(read_text(path), newline="")))
+    if rows[:1] != [list(UNITS)] or any(len(row) != len(UNITS) for row in rows if row):
+        raise StudyError(f"{path}: no units of a study")
+    return {row[0]: row[1] for row in rows[1:] if row}
 
 
 def _cell(value: Any) -> Any:
@@ -58,20 +85,24 @@ def _cell(value: Any) -> Any:
 
 @dataclass(frozen=True, eq=False)
 class Summary:
-    """The cases of a summary that are done, in their order.
+    """The cases of a summary that are done, in their order, and those that failed.
 
-    parameters: values as TOML has them by key; numbers (n,): those of runs, and outputs, by name.
+    parameters: values as TOML has them by key; numbers (n,): those of runs, and outputs, by name;
+    failed: values of the parameters of cases that failed; units: of outputs, by name.
     """
 
     parameters: Mapping[str, list[Any]]
     numbers: Mapping[str, Array]
+    failed: Mapping[str, list[Any]] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
 
 
 def read_summary(path: Path) -> Summary:
     """Read what `write_summary` wrote; `StudyError` names the file."""
     try:
         header, *rows = list(csv.reader(io.StringIO(read_text(path), newline=""))) or [[]]
-        return _summary(header, [row for row in rows if row])
+        found = _summary(header, [row for row in rows if row])
+        return replace(found, units=_read_units(units_beside(path)))
     except InputError as error:
         raise StudyError(str(error)) from error
     except (csv.Error, StudyError, ValueError) as error:
@@ -96,7 +127,9 @@ def _summary(header: Sequence[str], rows: Sequence[Sequence[str]]) -> Summary:
         header[i]: np.array([float(cell or "nan") for cell in columns[i]])
         for i in range(status + 1, len(header) - 1)
     }
-    return Summary(parameters, numbers)
+    failed = [row for row in rows if row[status] == "failed"]
+    lost = {header[i]: [_value(row[i]) for row in failed] for i in range(1, status)}
+    return Summary(parameters, numbers, lost)
 
 
 def _value(cell: str) -> Any:

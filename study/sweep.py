@@ -9,9 +9,13 @@ from .case import Case
 from .errors import StudyError
 from .processes import on_processes
 from .study_file import Study, check_outputs
-from .summary import Row, write_summary
+from .summary import Row, write_summary, write_units
 from .workers import Report, in_process, on_cluster
 
+OnBegin = Callable[[int, int], None]
+"""called before any case runs with how many will, and about how many bytes they write; 0 if that
+is not known
+"""
 OnFinished = Callable[[Row], None]
 """called with a case when it is finished, or is up to date"""
 
@@ -22,6 +26,7 @@ def sweep(
     scheduler: str | None = None,
     force: bool = False,
     on_finished: OnFinished = lambda row: None,
+    on_begin: OnBegin = lambda cases, size: None,
 ) -> tuple[Row, ...]:
     """Make the cases that are missing or out of date, and write FOLDER/summary.csv.
 
@@ -35,6 +40,7 @@ def sweep(
     todo = [case for case in study.cases if case.name not in made]
     if todo:
         _check(study)
+        on_begin(len(todo), len(todo) * study.kind.size(study.base))
         _write_sources(study)
     rows = {case.name: Row(case) for case in study.cases}
 
@@ -52,6 +58,7 @@ def sweep(
                 finish(case, report)
     finally:
         write_summary(study.summary, study, list(rows.values()))
+        write_units(study, list(rows.values()))
     return tuple(rows.values())
 
 
@@ -90,7 +97,12 @@ def _check(study: Study) -> None:
 def _write_sources(study: Study) -> None:
     try:
         study.folder.mkdir(parents=True, exist_ok=True)
-        for case in study.cases:
-            case.source.write_text(case.text, encoding="utf-8")
-    except (OSError, UnicodeEncodeError) as error:
+    except OSError as error:
         raise StudyError(f"{study.folder}: cannot be written: {error}") from error
+    for case in study.cases:
+        try:
+            case.source.write_text(case.text, encoding="utf-8")
+        except (OSError, UnicodeEncodeError) as error:
+            case.source.unlink(missing_ok=True)
+            why = getattr(error, "strerror", None) or error
+            raise StudyError(f"{case.source}: cannot be written: {why}") from error

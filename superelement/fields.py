@@ -59,6 +59,11 @@ def dataset(file: h5py.Group, name: str, *shape: int | str) -> Any:
     return hdf5.whole(found)
 
 
+def require_shape(file: h5py.Group, name: str, *shape: int) -> None:
+    """`SuperelementError` unless a dataset, of which nothing is read, has a shape."""
+    check_shape(name, _dataset(file, name).shape or (), shape)
+
+
 def numbers(file: h5py.Group, name: str, *shape: int | str) -> Array:
     """A dataset of finite numbers."""
     return checked(name, dataset(file, name, *shape), shape)

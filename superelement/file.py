@@ -30,6 +30,7 @@ from .fields import (
     put,
     put_large,
     rank,
+    require_shape,
     scalar,
     text,
     texts,
@@ -58,6 +59,10 @@ HAS_CHANNELS = 4
 """the version from which on it may have load patterns and sensors"""
 HAS_OUTLINE = 5
 """the version from which on it may have an outline"""
+PLACEMENT = "sha256"
+"""the attribute with the digest of rigid properties and positions of interfaces"""
+LISTED = 10
+"""values that an error lists"""
 FORM = "KM"
 """two projections of each soft shape, in stiffness and in mass"""
 
@@ -128,6 +133,7 @@ def _fill(file: h5py.File, body: Superelement) -> None:
     put(rigid, "mass", body.mass, "kg")
     put(rigid, "J_rot", body.J_rot, "kg m^2")
     put(rigid, "center", body.center, "m")
+    rigid.attrs[PLACEMENT] = _placement_digest(body)
     _put_interfaces(file.create_group("interfaces"), body)
     _put_kernel(file.create_group("kernel"), body.kernel)
     if body.modes is not None:
@@ -283,17 +289,24 @@ def _superelement(file: h5py.File, recovery: bool) -> Superelement:
     )
     _check_rows(file, body)
     require_sound(body)
+    _check_placement(file, body)
     return body
 
 
 def _interfaces(file: h5py.File) -> tuple[Interface, ...]:
-    labels = texts(file, "interfaces/name")
-    X = numbers(file, "interfaces/X", len(labels), 3)
-    rotations = numbers(file, "interfaces/rotations", len(labels))
+    """The interfaces; names are read when all shapes fit, for a damaged file may have many."""
+    rotations = numbers(file, "interfaces/rotations", "n")
+    n = len(rotations)
     if not np.isin(rotations, (0, 1)).all():
         raise SuperelementError(
-            f"interfaces/rotations: expected true or false, found {rotations.tolist()}"
+            f"interfaces/rotations: expected true or false, found {rotations[:LISTED].tolist()}"
         )
+    n_c = 3 * n + 3 * int(rotations.sum())
+    require_shape(file, "interfaces/name", n)
+    require_shape(file, "interfaces/row", n)
+    require_shape(file, "static/compliance", n_c, n_c)
+    X = numbers(file, "interfaces/X", n, 3)
+    labels = texts(file, "interfaces/name")
     return tuple(
         Interface(name, x, bool(rotates))
         for name, x, rotates in zip(labels, X, rotations, strict=True)
@@ -305,6 +318,29 @@ def _check_rows(file: h5py.File, body: Superelement) -> None:
     found = numbers(file, "interfaces/row", len(expected)).tolist()
     if found != expected:
         raise SuperelementError(f"interfaces/row: expected {expected}, found {found}")
+
+
+def _check_placement(file: h5py.File, body: Superelement) -> None:
+    """`SuperelementError` where rigid properties or positions are not those that were written.
+
+    Nothing else in the file depends on them, so that damage to them shows nowhere else. Files of
+    earlier builds, and those of other programs, have no digest.
+    """
+    parent = group(file, "rigid")
+    if PLACEMENT in parent.attrs and text(parent, PLACEMENT) != _placement_digest(body):
+        raise SuperelementError(
+            "rigid, interfaces: expected the numbers whose digest is in the file (attribute "
+            f"{PLACEMENT!r} of group 'rigid'), found others: the file is damaged or was edited; "
+            "make it again with `duhamel preprocess`"
+        )
+
+
+def _placement_digest(body: Superelement) -> str:
+    """The SHA-256 of mass, inertia, center of mass, and of positions and kinds of interfaces."""
+    X = [interface.X for interface in body.interfaces]
+    rotations = [interface.rotations for interface in body.interfaces]
+    values = np.concatenate([[body.mass], body.J_rot.ravel(), body.center, *X, rotations])
+    return hashlib.sha256(values.astype("<f8").tobytes()).hexdigest()
 
 
 def _kernel(file: h5py.File, n_c: int) -> Kernel:

@@ -19,6 +19,7 @@ from .linear import (
     draw_shapes,
 )
 from .naming import title_and_labels
+from .overlay import overlaid
 from .overview import overview, overview_quantities
 from .picture import draw, entitle, panels, save, style
 from .quantities import Curve, curves
@@ -61,6 +62,7 @@ __all__ = [
     "draw_variation",
     "entitle",
     "names_of",
+    "overlaid",
     "overview",
     "overview_quantities",
     "panel",

@@ -43,6 +43,8 @@ class Curve:
     """the name of its run, where there are several"""
     across: "Curve | None" = None
     """the quantity of its abscissa, if that is one"""
+    band: float = np.inf
+    """of a spectrum: the frequency up to which the superelement is right [Hz]"""
 
 
 def curves(
@@ -72,6 +74,7 @@ def curves(
             found.ordinate or naming.STATES.get(naming.subject(found), ""),
             found.paper,
             naming.along(found),
+            band=found.band,
         )
         for axis in (_moving_axes(axes, columns) if found.axes else axes)
     ]

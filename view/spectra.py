@@ -48,9 +48,27 @@ def fill(axes: Axes, curves: Sequence[Curve]) -> None:
         else:
             narrow = max(1.0, NARROWEST / (high / low)) ** 0.5
             axes.set_ylim(0.7 * low / narrow, 1.5 * high * narrow)
+    _shade_beyond(axes, curves)
     _mark(axes.xaxis, axes.get_xlim())
     if peaks.any():
         _mark(axes.yaxis, axes.get_ylim())
+
+
+def _shade_beyond(axes: Axes, curves: Sequence[Curve]) -> None:
+    """Shade frequencies beyond the band of the superelement that first ends."""
+    left, right = axes.get_xlim()
+    band = min(curve.band for curve in curves)
+    if band < right:
+        axes.axvspan(max(band, left), right, color="0.92", zorder=0, linewidth=0)
+        axes.set_xlim(left, right)
+        axes.annotate(
+            "beyond the band of the superelement",
+            (0.995, 0.02),
+            xycoords="axes fraction",
+            ha="right",
+            fontsize=7,
+            color="0.35",
+        )
 
 
 def _mark(axis: Axis, limits: tuple[float, float]) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
+from numpy.typing import NDArray
 
 from ..superelement.validation import Array
 from .errors import PictureError
@@ -21,6 +22,8 @@ MOST_PANELS = 5
 """beside one another: the parameters with the strongest correlations"""
 MOST_OUTPUTS = 12
 LEVELS = 12
+EDGE = 0.03
+"""of the height of a panel, at which cases that failed are marked"""
 LONGEST_LABEL = 40
 """characters"""
 LOG_SPAN = 30.0
@@ -45,16 +48,25 @@ class Axis:
 
 
 def draw_variation(
-    parameters: Mapping[str, Sequence[Any]], outputs: Mapping[str, Array], title: str = ""
+    parameters: Mapping[str, Sequence[Any]],
+    outputs: Mapping[str, Array],
+    title: str = "",
+    units: Mapping[str, str] | None = None,
+    failed: Mapping[str, Sequence[Any]] | None = None,
 ) -> Figure:
     """A row of panels for each output, over the parameters that vary.
 
     parameters: values of n cases by key; outputs (n,) by name, of which those that are no number
     are left out. One parameter: a line. Two: a line for each value of the second; contours where
     these are many, or scattered. More: points over each, with Spearman's rank correlation, and the
-    strongest first. Of an array the element that varies most is drawn. `PictureError` if nothing
-    varies.
+    strongest first. Of an array the element that varies most is drawn. units: of the outputs by
+    name; failed: values of k more cases, which have no outputs: crosses at the edge of the panels,
+    as of cases without a number. `PictureError` if nothing varies.
     """
+    units = {} if units is None else units
+    if failed and (lost := len(next(iter(failed.values())))):
+        parameters = {key: [*values, *failed[key]] for key, values in parameters.items()}
+        outputs = {name: np.append(values, [np.nan] * lost) for name, values in outputs.items()}
     axes = [axis for key, values in parameters.items() if (axis := _axis(key, values)) is not None]
     if not axes or not outputs:
         raise PictureError(
@@ -70,7 +82,8 @@ def draw_variation(
     with style():
         panels: Any = figure.subplots(len(outputs), columns, squeeze=False)
         for row, (name, values) in zip(panels, outputs.items(), strict=True):
-            _fill(list(row), axes, name, values)
+            label = f"{name} [{units[name]}]" if units.get(name) else name
+            _fill(list(row), axes, label, values)
         entitle(figure, title)
     return figure
 
@@ -112,6 +125,7 @@ def _labelled(key: str, texts: Sequence[str]) -> Axis:
 
 def _fill(panels: list[Axes], axes: Sequence[Axis], name: str, values: Array) -> None:
     known = np.isfinite(values)
+    every = axes
     axes = [Axis(axis.name, axis.values[known], axis.labels) for axis in axes]
     values = values[known]
     if not len(values):
@@ -123,6 +137,28 @@ def _fill(panels: list[Axes], axes: Sequence[Axis], name: str, values: Array) ->
         _draw_plane(panels[0], axes[0], axes[1], name, values)
     else:
         _draw_points(panels, axes, name, values)
+    if len(values) and not known.all():
+        _mark_failed(panels, every, ~known)
+
+
+def _mark_failed(panels: list[Axes], axes: Sequence[Axis], failed: NDArray[np.bool_]) -> None:
+    """Crosses at the lower edge of panels where cases have no number; in a plane, at their place.
+
+    Of more than two parameters the panels show others than the order of the axes: by their names.
+    """
+    shown = {_shown(axis.name): axis for axis in axes}
+    for panel in panels:
+        x = shown.get(panel.get_xlabel())
+        if x is None:
+            continue
+        y = shown.get(panel.get_ylabel())
+        at_edge: dict[str, Any] = (
+            {} if y is not None else {"transform": panel.get_xaxis_transform()}
+        )
+        height = np.full(int(failed.sum()), EDGE) if y is None else y.values[failed]
+        panel.plot(x.values[failed], height, "x", color="0.25", markersize=5, **at_edge)
+    where = f"{int(failed.sum())} failed: x"
+    panels[0].annotate(where, (1.0, 1.01), xycoords="axes fraction", ha="right", fontsize=7)
 
 
 def _draw_line(panel: Axes, axis: Axis, values: Array, label: str) -> None:

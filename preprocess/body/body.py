@@ -17,6 +17,7 @@ from pydantic import (
 )
 
 from ...inputs import (
+    FORM_OF_NAMES,
     Also,
     InputError,
     Table,
@@ -279,8 +280,7 @@ class Body(Table):
             for name in getattr(self, table):
                 if not is_name(name):
                     raise ValueError(
-                        f"{table}: expected a name of 1 to {LONGEST} characters without '/' and "
-                        f"'.', found {quoted(name)}"
+                        f"{table}: expected a name of {FORM_OF_NAMES}, found {quoted(name)}"
                     )
         for table in ("loads", "sensors"):
             for name in getattr(self, table):

@@ -2,7 +2,7 @@
 
 import os
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -31,12 +31,38 @@ _READERS = {
     ".xmf": xdmf.read,
 }
 """By suffix; meshio reads what is not here."""
+_BY_GMSH = (".step", ".stp", ".iges", ".igs", ".brep")
+_OF_CAD = (
+    *(".sldprt", ".sldasm", ".catpart", ".catproduct", ".prt", ".ipt", ".iam", ".par"),
+    *(".x_t", ".x_b", ".sat", ".jt", ".3dm", ".f3d", ".fcstd"),
+)
+_NO_MESH = {
+    **dict.fromkeys(
+        _BY_GMSH,
+        "is geometry, no mesh: mesh it first, as by `gmsh FILE -3 -order 2 -o part.msh`",
+    ),
+    **dict.fromkeys(
+        _OF_CAD,
+        "is geometry of a CAD program, no mesh: save it as STEP and mesh that, as by `gmsh "
+        "part.step -3 -order 2 -o part.msh`, or save a mesh as .inp or .bdf there",
+    ),
+    ".mnf": "is a modal neutral file, which has modes and no stiffness: take the mesh that it was "
+    "made from, or stiffness and mass matrices ([matrices])",
+    **dict.fromkeys(
+        (".odb", ".op2", ".rst", ".rth", ".frd", ".cae", ".wbpj", ".mph"),
+        "is a database or results of another program: save the mesh there as .inp, .bdf, .msh or "
+        ".med",
+    ),
+}
+"""What to do with files that are often taken for meshes, by suffix."""
 _FILES = {
     ".inp": files_of_abaqus,
     **dict.fromkeys((".bdf", ".nas", ".dat", ".fem"), files_of_nastran),
     **dict.fromkeys((".xdmf", ".xmf"), xdmf.files_of),
 }
 """Which files a mesh is in, by suffix, of formats with more than one."""
+SIZES = (1e-12, 1e12)
+"""Sizes of meshes [m] whose volumes, inertias and stiffnesses are numbers; parts are far within."""
 LISTED = 3
 """Nodes that a warning lists."""
 
@@ -51,7 +77,9 @@ def read_mesh(path: str | os.PathLike[str], scale: float = 1.0) -> Mesh:
     path = Path(path)
     draft = read_draft(path)
     cells = {kind: rows for kind, rows in draft.cells.items() if len(rows)}
-    mesh = Mesh(path.name, scale * draft.points, cells, draft.groups, _body_types(path.name, cells))
+    points = _scaled(path, draft.points, scale)
+    body_types = _body_types(path.name, cells, draft.lost)
+    mesh = Mesh(path.name, points, cells, draft.groups, body_types)
     loose = draft.points[~mesh.used]
     lost = [*draft.lost, *([_described(loose)] if len(loose) else [])]
     if lost:
@@ -61,9 +89,25 @@ def read_mesh(path: str | os.PathLike[str], scale: float = 1.0) -> Mesh:
     return mesh.without_loose_nodes() if len(loose) else mesh
 
 
+def _scaled(path: Path, points: Array, scale: float) -> Array:
+    """Points in meters; `MeshError` for a mesh so small or large that its volumes are no numbers.
+
+    A mesh whose points all coincide passes: what its elements lack is told where they are read.
+    """
+    size = scale * float(np.ptp(points, axis=0).max())
+    if np.ptp(points, axis=0).any() and not SIZES[0] <= size <= SIZES[1]:
+        raise MeshError(
+            f"{path}: expected a mesh of {SIZES[0]:g} to {SIZES[1]:g} m, found {size:g} m "
+            f"(scale = {scale:g})"
+        )
+    return scale * points
+
+
 def read_draft(path: Path) -> Draft:
     """Read a mesh file, of any cells; `MeshError` if it cannot be read."""
     with _about(path):
+        if (advice := _NO_MESH.get(path.suffix.lower())) is not None:
+            raise MeshError(advice)
         draft = _READERS.get(path.suffix.lower(), through_meshio.read)(path)
     if not len(draft.points):
         raise MeshError(f"{path}: the mesh has no points")
@@ -104,8 +148,11 @@ def _described(loose: Array) -> str:
     return f"{len(loose)} nodes that belong to no element, at {', '.join(listed)}"
 
 
-def _body_types(name: str, kinds: Iterable[str]) -> tuple[str, ...]:
-    """The types of the cells that make the body: the solid ones, else lines."""
+def _body_types(name: str, kinds: Iterable[str], lost: Sequence[str]) -> tuple[str, ...]:
+    """The types of the cells that make the body: the solid ones, else lines.
+
+    lost: what else the file has, for messages.
+    """
     unsupported = [kind for kind in kinds if kind not in (*SOLIDS, *DIMENSIONS)]
     if unsupported:
         raise MeshError(
@@ -117,9 +164,12 @@ def _body_types(name: str, kinds: Iterable[str]) -> tuple[str, ...]:
         return solids
     if "line" in kinds and all(kind in ("vertex", "line") for kind in kinds):
         return LINES
+    flat = [kind for kind in kinds if DIMENSIONS.get(kind) == 2]
+    shells = ": mesh the volume of a thin part, for shells are not supported" if flat else ""
+    besides = f"; left out: {'; '.join(dict.fromkeys(lost))}" if lost else ""
     raise MeshError(
         f"{name}: no body in cells of type {', '.join(kinds) or 'none'}; "
-        f"bodies are made of {_supported()}"
+        f"bodies are made of {_supported()}{shells}{besides}"
     )
 
 

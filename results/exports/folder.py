@@ -1,25 +1,86 @@
 """Folders that results are written into, and names in them."""
 
 import os
-from collections.abc import Iterable
+import shutil
+import tempfile
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
+from ...files.outputs import resolved
 from ..errors import ExportError
 
 LONGEST = 100
 """characters of the name of a file"""
 
 
-def made(folder: str | os.PathLike[str]) -> Path:
-    """A folder, made with those above it if it is not there; `ExportError` if it cannot be."""
-    path = Path(folder)
+class Export:
+    """Files that are written beside their folder's other files, and appear there in the end."""
+
+    def __init__(self, folder: Path, temporary: Path) -> None:
+        self.folder = folder
+        self._temporary = temporary
+        self._names: list[str] = []
+
+    @contextmanager
+    def file(self, name: str) -> Iterator[Path]:
+        """Where to write a file of this name; `ExportError` names it where that fails."""
+        self._names.append(name)
+        with _failures_named(self.folder / name):
+            yield self._temporary / name
+
+    @property
+    def paths(self) -> tuple[Path, ...]:
+        """Where the files are in the end, in the order in which they were written."""
+        return tuple(self.folder / name for name in self._names)
+
+    def appear(self) -> None:
+        for name in self._names:
+            with _failures_named(self.folder / name):
+                shutil.move(self._temporary / name, resolved(self.folder / name))
+
+
+@contextmanager
+def exported(folder: str | os.PathLike[str]) -> Iterator[Export]:
+    """Files for a folder, which is made with those above it if it is not there.
+
+    All of them appear when the block ends without an error. With one, the folder and its files stay
+    as they were, and folders that were made are removed. `ExportError` where it cannot be made.
+    """
+    place = Path(folder)
+    made = _make(place)
     try:
-        path.mkdir(parents=True, exist_ok=True)
+        with (
+            _failures_named(place),
+            tempfile.TemporaryDirectory(prefix=".export.", dir=place) as temporary,
+        ):
+            export = Export(place, Path(temporary))
+            yield export
+            export.appear()
+    except BaseException:
+        for path in made:
+            shutil.rmtree(path, ignore_errors=True)
+        raise
+
+
+def _make(folder: Path) -> list[Path]:
+    """Make a folder and those above it; the ones that were not there, innermost first."""
+    try:
+        missing = [path for path in (folder, *folder.parents) if not path.exists()]
+        folder.mkdir(parents=True, exist_ok=True)
     except (OSError, ValueError) as error:
-        raise ExportError(f"{path}: cannot be made a folder: {error}") from error
-    if not os.access(path, os.W_OK):
-        raise ExportError(f"{path}: cannot be written into")
-    return path
+        raise ExportError(f"{folder}: cannot be made a folder: {error}") from error
+    if not os.access(folder, os.W_OK):
+        raise ExportError(f"{folder}: cannot be written into")
+    return missing
+
+
+@contextmanager
+def _failures_named(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise ExportError(f"{path}: cannot be written: {error.strerror or error}") from error
 
 
 def distinct(names: Iterable[str], longest: int = LONGEST) -> list[str]:

@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from ...files import renamed_when_whole
 from ...files.memory import gigabytes, shortage
 from ...superelement.validation import Array
 from ..errors import ExportError
 from ..results import Results
 from ..schema import OWNERS, Quantity, attributes_of
-from .folder import distinct, made
+from .folder import distinct, exported
 
 MOST = (1 << 31) - 1
 """bytes of a variable in a file of version 5"""
@@ -59,7 +58,6 @@ def write_mat(results: Results, path: str | os.PathLike[str], rows: slice = slic
     from scipy.io import savemat
 
     target = Path(path)
-    made(target.parent)
     _require_room(results, target, rows)
     variables: Struct = {"time": _column(results.variable("time", rows)), **_owned(results, rows)}
     for group in ("energy", "momentum", "solver"):
@@ -69,7 +67,11 @@ def write_mat(results: Results, path: str | os.PathLike[str], rows: slice = slic
         variables["events"] = events
     variables["run"] = _struct(results.solver)
     variables["model"] = results.model
-    with renamed_when_whole(target) as temporary, temporary.open("wb") as file:
+    with (
+        exported(target.parent) as export,
+        export.file(target.name) as temporary,
+        temporary.open("wb") as file,
+    ):
         savemat(file, variables, long_field_names=True)
     return target
 

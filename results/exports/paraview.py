@@ -16,7 +16,7 @@ from ..errors import ExportError, RecoveryError
 from ..recovery import in_space
 from ..results import Results
 from ..steps import batches
-from .folder import made
+from .folder import exported
 from .vtkhdf import Cells, Grid, IntArray
 
 AT_ONCE = 1 << 20
@@ -44,19 +44,19 @@ def write_vtk(
     their numbers. magnification: of elastic displacements, in positions alone. `ExportError` where
     the run recorded neither bodies nor frames.
     """
-    place, paths = made(folder), []
     bodies, points = results.bodies, _points(results)
     if not bodies and not points:
         raise ExportError("the run recorded no body, frame or contact: nothing moves")
-    if bodies:
-        paths.append(place / f"{name}.vtkhdf")
-        _write_bodies(results, paths[-1], steps, magnification)
-    if points:
-        paths.append(place / f"{name}-points.vtkhdf")
-        _write_points(results, paths[-1], steps)
-    paths.append(place / f"{name}-names.csv")
-    write_rows(paths[-1], _names(results))
-    return tuple(paths)
+    with exported(folder) as export:
+        if bodies:
+            with export.file(f"{name}.vtkhdf") as path:
+                _write_bodies(results, path, steps, magnification)
+        if points:
+            with export.file(f"{name}-points.vtkhdf") as path:
+                _write_points(results, path, steps)
+        with export.file(f"{name}-names.csv") as path:
+            write_rows(path, _names(results))
+    return export.paths
 
 
 def _write_bodies(

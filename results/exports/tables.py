@@ -14,7 +14,7 @@ from ..results import Results
 from ..schema import EVENTS, Axes, Quantity
 from ..transforms import Series, parse, series
 from ..wildcards import named, of_all
-from .folder import distinct, made
+from .folder import distinct, exported
 
 Rows = Iterable[Sequence[Any]]
 
@@ -39,13 +39,12 @@ def write_csv(
     for anything; of those over other times or frequencies, as spectra, each a table of its own.
     rows: of the recorded steps; spectra are those of all.
     """
-    place, wanted = made(folder), tuple(quantities)
-    tables = _named(results, wanted, rows) if wanted else _groups(results, rows)
-    paths = []
-    for name, table in tables:
-        paths.append(place / f"{name}.csv")
-        write_rows(paths[-1], table)
-    return tuple(paths)
+    wanted = tuple(quantities)
+    with exported(folder) as export:
+        for name, table in _named(results, wanted, rows) if wanted else _groups(results, rows):
+            with export.file(f"{name}.csv") as path:
+                write_rows(path, table)
+    return export.paths
 
 
 def _groups(results: Results, rows: slice) -> Iterator[tuple[str, Rows]]:

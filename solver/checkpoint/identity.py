@@ -21,7 +21,7 @@ from ..errors import StateError
 from ..history.layout import Horizon
 from ..laws.law import LAWS
 from ..lower.lower import LoweredModel
-from ..model.bodies import FlexibleBody, RigidBody
+from ..model.bodies import FlexibleBody, RigidBody, RigidSuperelement
 from ..model.model import Model
 from ..model.recorded import Recorded, RecordedSpline
 from ..schema.entry import Beside, Entry, note
@@ -169,6 +169,10 @@ def _flat(key: str, value: Any) -> Iterator[tuple[str, Any]]:
     if isinstance(value, FlexibleBody):
         yield f"{key}.superelement", digest_of(value.superelement)
         yield f"{key}.second_order", value.rotation is not None
+        yield from _flat(key, value.start)
+    elif isinstance(value, RigidSuperelement):
+        yield f"{key}.superelement", digest_of(value.superelement)
+        yield f"{key}.rigid", True
         yield from _flat(key, value.start)
     elif isinstance(value, Recorded | RecordedSpline):
         # wherever the file is, and whatever else is in it

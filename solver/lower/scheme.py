@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from ...superelement import GeneralizedAlpha
+from ...superelement import GeneralizedAlpha, Superelement
 from ..errors import ModelError
 from ..history.layout import Horizon, Stepping
+from ..model.bodies import RigidSuperelement
 from ..model.model import Model
 from ..step.system import Newton, Scheme
 
@@ -26,7 +27,7 @@ def stepping_of(model: Model, earlier: Horizon | None = None) -> Stepping:
     forces grow without bound.
     """
     settings = model.settings
-    kernels = {name: body.superelement.kernel for name, body in model.flexible_bodies.items()}
+    kernels = {name: element.kernel for name, element in _superelements(model).items()}
     steps = {name: kernel.h for name, kernel in kernels.items()}
     radii = {name: kernel.scheme.rho_inf for name, kernel in kernels.items()}
     h = _chosen_or_common("step", settings.step, steps)
@@ -48,6 +49,19 @@ def stepping_of(model: Model, earlier: Horizon | None = None) -> Stepping:
         planned=earlier.planned if earlier else n_steps,
         ratio=ratio,
     )
+
+
+def _superelements(model: Model) -> dict[str, Superelement]:
+    """Those whose step and scheme count: of flexible bodies, or where there are none of rigid ones.
+
+    So that a model keeps its step where its only flexible body is made rigid.
+    """
+    flexible = {name: body.superelement for name, body in model.flexible_bodies.items()}
+    return flexible or {
+        name: body.superelement
+        for name, body in model.bodies.items()
+        if isinstance(body, RigidSuperelement)
+    }
 
 
 def _ratio(model: Model, h: float) -> int:

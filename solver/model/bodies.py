@@ -103,11 +103,7 @@ class FlexibleBody(Entry):
     second_order: SecondOrder = "auto"
 
     def validate(self) -> None:
-        given: object = self.superelement
-        if not isinstance(given, Superelement):
-            raise self.error(
-                f"superelement: expected one that superelement.read gave, got {given!r}"
-            )
+        _require_superelement(self, self.superelement)
         if self.second_order == "full" and self.superelement.rotation is None:
             raise self.error(
                 f"second_order = 'full': superelement {self.superelement.name!r} has no terms of "
@@ -145,7 +141,44 @@ class FlexibleBody(Entry):
 
     @cached_property
     def frames(self) -> Mapping[str, Frame]:
-        return {interface.name: Frame(interface.X) for interface in self.superelement.interfaces}
+        return _frames_of(self.superelement)
 
 
-Body = RigidBody | FlexibleBody
+@entry()
+class RigidSuperelement(Entry):
+    """A rigid body with the mass, inertia, interfaces and outline of a superelement.
+
+    Its interfaces are frames, which carry moments too. source: the path of the file of the
+    superelement, "" if there is none. In model files: `rigid = true` beside `superelement`.
+    """
+
+    superelement: Superelement
+    start: Annotated[Start, Beside()] = field(default_factory=Start)
+    source: str = ""
+
+    def validate(self) -> None:
+        _require_superelement(self, self.superelement)
+
+    @property
+    def mass(self) -> float:
+        return self.superelement.mass
+
+    @property
+    def inertia(self) -> Array:
+        return self.superelement.J_rot
+
+    @cached_property
+    def frames(self) -> Mapping[str, Frame]:
+        return _frames_of(self.superelement)
+
+
+def _require_superelement(body: Entry, given: object) -> None:
+    if not isinstance(given, Superelement):
+        raise body.error(f"superelement: expected one that superelement.read gave, got {given!r}")
+
+
+def _frames_of(superelement: Superelement) -> dict[str, Frame]:
+    return {interface.name: Frame(interface.X) for interface in superelement.interfaces}
+
+
+Body = RigidBody | FlexibleBody | RigidSuperelement

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import ModelError
-from ..schema.entry import Entry, Key, entry
+from ..schema.entry import LARGEST, Entry, Key, entry
 from ..schema.values import Numbers, SomeNumbers
 from . import pieces
 from .harmonics import harmonic_integrals
@@ -142,7 +142,14 @@ class Spline(Piecewise, Smooth, Pointwise, Entry):
         _check_table(self.times, self.values)
         if len(self.times) < 2:
             raise ModelError(f"a spline needs two or more points, got {len(self.times)}")
-        object.__setattr__(self, "_spline", CubicSpline(self.times, self.values, bc_type="natural"))
+        try:
+            with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+                spline = CubicSpline(self.times, self.values, bc_type="natural")
+        except (ValueError, np.linalg.LinAlgError) as error:
+            raise _too_steep(self.times) from error
+        if not np.isfinite(spline.c).all():
+            raise _too_steep(self.times)
+        object.__setattr__(self, "_spline", spline)
 
     def __call__(self, t: float) -> float:
         return float(self.values_at(np.array(t)))
@@ -356,3 +363,16 @@ def _check_table(times: tuple[float, ...], values: tuple[float, ...]) -> None:
         )
     if any(later <= earlier for earlier, later in pairwise(times)):
         raise ModelError(f"the times of a signal must increase, got {list(times)}")
+    with np.errstate(over="ignore"):
+        slopes = np.diff(values) / np.diff(times)
+    if not (np.abs(slopes) <= LARGEST).all():
+        raise _too_steep(times)
+
+
+def _too_steep(times: tuple[float, ...]) -> ModelError:
+    """The error of a curve whose slope or curvature is no number, or none that can be used."""
+    first = int(np.argmin(np.diff(times)))
+    return ModelError(
+        "the times of a signal are too close for its values: expected slopes and curvatures up to "
+        f"{LARGEST:g}, got times {times[first]!r} and {times[first + 1]!r}"
+    )

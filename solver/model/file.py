@@ -29,7 +29,15 @@ from ..schema.tables import (
 )
 from ..schema.values import ORIGIN
 from ..step.loads import LOAD_KINDS
-from .bodies import Body, FlexibleBody, Frame, RigidBody, SecondOrder, Start
+from .bodies import (
+    Body,
+    FlexibleBody,
+    Frame,
+    RigidBody,
+    RigidSuperelement,
+    SecondOrder,
+    Start,
+)
 from .body_shapes import BODY_SHAPES
 from .contacts import Contact
 from .couplers import Coupler
@@ -54,7 +62,11 @@ MOTIONS = PrescribedDisplacement, PrescribedRotation, PrescribedOrientation
 
 
 class _Body(Table):
-    """The table of a rigid or a flexible body."""
+    """The table of a rigid or a flexible body.
+
+    rigid: whether a body is to have the mass, inertia, interfaces and outline of its superelement
+    without its elasticity.
+    """
 
     model_config = ConfigDict(
         json_schema_extra={
@@ -63,6 +75,7 @@ class _Body(Table):
     )
 
     superelement: Annotated[Path, Field(strict=False)] | None = None
+    rigid: bool | None = None
     second_order: SecondOrder | None = None
 
     @model_validator(mode="after")
@@ -72,6 +85,13 @@ class _Body(Table):
             raise ValueError(f"the superelement brings {', '.join(both)}: give either, not both")
         if self.superelement is None and self.second_order is not None:
             raise ValueError("second_order belongs to flexible bodies, found no superelement")
+        if self.superelement is None and self.rigid is not None:
+            raise ValueError(
+                "rigid belongs to bodies with a superelement, found none: a body with mass and "
+                "inertia is rigid"
+            )
+        if self.rigid and self.second_order is not None:
+            raise ValueError("second_order belongs to flexible bodies, found rigid = true")
         if self.superelement is not None and not str(self.superelement).isprintable():
             raise ValueError(
                 f"superelement: expected a path, found {quoted(str(self.superelement))}"
@@ -86,7 +106,7 @@ def _optional(keys: Mapping[str, Any]) -> dict[str, Any]:
 
 
 _BODY: Any = create_model("Body", __base__=_Body, **_optional(keys_of(RigidBody)))
-_BODY.documented = RigidBody, Start, FlexibleBody
+_BODY.documented = RigidBody, Start, FlexibleBody, _Body
 _MOTION: Any = create_model(
     "Motion",
     __base__=Table,
@@ -207,8 +227,10 @@ def _body(
         source = folder / values["superelement"]
         if source not in superelements:
             superelements[source] = read(source, recovery=False)
-        second_order = values.get("second_order", "auto")
         start = entry_of(Start, values)
+        if values.get("rigid", False):
+            return RigidSuperelement(superelements[source], start, str(source))
+        second_order = values.get("second_order", "auto")
         return FlexibleBody(superelements[source], start, str(source), second_order)
     except ValueError as error:
         raise ModelError(f"bodies.{name}: {error}") from error
@@ -285,5 +307,9 @@ def _body_in_file(name: str, body: Body, folder: Path) -> dict[str, Any]:
         return table_in_file(body)
     if not body.source:
         raise ModelError(f"body {name!r}: its superelement is in no file: write it to one first")
-    chosen = {} if body.second_order == "auto" else {"second_order": body.second_order}
+    chosen: dict[str, Any] = {}
+    if isinstance(body, RigidSuperelement):
+        chosen = {"rigid": True}
+    elif body.second_order != "auto":
+        chosen = {"second_order": body.second_order}
     return {"superelement": relative(body.source, folder), **chosen, **table_in_file(body.start)}

@@ -2,13 +2,13 @@
 
 import itertools
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import KW_ONLY, field, replace
 from pathlib import Path
 from typing import Any
 
 from ...files.html import listed, table
-from ...inputs import is_name, quoted
+from ...inputs import FORM_OF_NAMES, is_name, quoted
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
 from ..schema.values import NONE, ORIGIN, Several, Vector
@@ -134,10 +134,13 @@ class Model(Entry):
             raise ModelError("bodies: expected at least one body, got none")
         for name, body in self.bodies.items():
             if name == GROUND or not is_name(name):
-                raise ModelError(f"bodies: a body cannot be named {quoted(name)}")
-            for frame in body.frames:
-                if not is_name(frame):
-                    raise ModelError(f"body {name!r}: a frame cannot be named {quoted(frame)}")
+                other = ", other than 'ground'" if name == GROUND else ""
+                raise ModelError(
+                    f"bodies: a body cannot be named {quoted(name)}: "
+                    f"expected {FORM_OF_NAMES}{other}"
+                )
+            _check_frame_names(f"body {name!r}", body.frames)
+        _check_frame_names("ground", self.ground_frames)
 
     @property
     def _named(self) -> dict[str, tuple[Named, ...]]:
@@ -169,7 +172,10 @@ class Model(Entry):
         for kind, couplings in groups.items():
             for coupling in couplings:
                 if not is_name(coupling.name):
-                    raise ModelError(f"{kind}s: a {kind} cannot be named {quoted(coupling.name)}")
+                    raise ModelError(
+                        f"{kind}s: a {kind} cannot be named {quoted(coupling.name)}: "
+                        f"expected {FORM_OF_NAMES}"
+                    )
                 if coupling.name in names:
                     raise ModelError(
                         f"{', '.join(f'{kind}s' for kind in groups)}: expected different names, "
@@ -272,6 +278,14 @@ class Model(Entry):
             raise ModelError(
                 f"{owner}: {body!r} is flexible: name one of its interfaces "
                 f"({', '.join(frames)}) as {body}.INTERFACE"
+            )
+
+
+def _check_frame_names(owner: str, frames: Iterable[str]) -> None:
+    for frame in frames:
+        if not is_name(frame):
+            raise ModelError(
+                f"{owner}: a frame cannot be named {quoted(frame)}: expected {FORM_OF_NAMES}"
             )
 
 

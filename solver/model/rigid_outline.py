@@ -5,7 +5,7 @@ import numpy as np
 from ...superelement import Outline
 from ...superelement.figures import box
 from ..arrays import Array
-from .bodies import RigidBody
+from .bodies import RigidBody, RigidSuperelement
 
 THINNEST = 1e-2
 """edge of a box, in the longest one"""
@@ -17,12 +17,16 @@ SMALLEST_SIZE = 0.01
 """nor shorter than so many sizes of the model, to be seen"""
 
 
-def outline_of_rigid(body: RigidBody, size: float) -> Outline:
+def outline_of_rigid(body: RigidBody | RigidSuperelement, size: float) -> Outline:
     """The outline of a rigid body, from its center of mass in body axes.
 
-    size: of the model [m], 0 where it is a point.
+    That of its superelement or its shape, or else a box. size: of the model [m], 0 where it is a
+    point.
     """
-    if body.shape is not None:
+    if isinstance(body, RigidSuperelement):
+        if body.superelement.outline is not None:
+            return body.superelement.outline
+    elif body.shape is not None:
         return body.shape.outline
     reach = max((float(np.linalg.norm(f.position)) for f in body.frames.values()), default=0.0)
     longest = max(LARGEST_REACH * reach, LARGEST_SIZE * size) or np.inf

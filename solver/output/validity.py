@@ -149,7 +149,7 @@ class Judge:
             "steps_per_period": 1.0 / (lowered.longest_step * frequencies),
             "kernel_error": np.array([e.kernel.error for e in lowered.superelements])
             + lowered.responses.truncations,
-            "kernel_band": frequencies / _bands(lowered.superelements),
+            "kernel_band": frequencies / bands_of(lowered.superelements),
             "energy_balance": _ratio(np.array([balance]), moved),
             "created_energy": _ratio(created, moved),
             "contact_steps": np.where(extremes.shortest > 0, extremes.shortest, np.nan),
@@ -324,7 +324,7 @@ def _first(elements: list[Superelement]) -> Array:
     return np.array([np.nan if m is None or not len(m.omega) else m.omega.min() for m in modes])
 
 
-def _bands(elements: list[Superelement]) -> Array:
+def bands_of(elements: list[Superelement]) -> Array:
     """The frequency up to which each superelement is right [Hz]; infinite where it is exact."""
     bands = []
     for element in elements:

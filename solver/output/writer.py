@@ -2,6 +2,7 @@
 
 import os
 from dataclasses import replace
+from math import isfinite
 from pathlib import Path
 from typing import Any, cast
 
@@ -11,11 +12,12 @@ from ...results.file import Extent, FileSource, FileWriter
 from ...results.results import Results
 from ...results.schema import Contents
 from ...results.source import Memory, Source, Writer
-from ...superelement import Superelement
+from ...superelement import Superelement, sha256
 from ..checkpoint.carried import Snapshot
 from ..checkpoint.file import SUFFIX, StateFile
 from ..errors import ResultsError
 from ..lower.lower import LoweredModel
+from ..model.bodies import FlexibleBody, RigidSuperelement
 from ..model.model import Model
 from ..model.recorded import records_of
 from ..model.settings import StartFrom
@@ -25,7 +27,7 @@ from .columns import requested
 from .inputs import drifts
 from .size import check_memory
 from .space import space_of
-from .validity import Judge
+from .validity import Judge, bands_of
 
 
 def check_output(path: Path, model: Model) -> None:
@@ -39,8 +41,9 @@ def check_output(path: Path, model: Model) -> None:
     except (FileError, OSError) as error:
         raise ResultsError(f"{path}: cannot be written: {error}") from error
     inputs: dict[str | os.PathLike[str], str] = {model.path: "the model file"}
-    for name, body in model.flexible_bodies.items():
-        inputs[body.source] = f"the superelement of body {name!r}"
+    for name, body in model.bodies.items():
+        if isinstance(body, FlexibleBody | RigidSuperelement):
+            inputs[body.source] = f"the superelement of body {name!r}"
     for record in records_of(model):
         inputs[record.file] = "a record that the model follows"
     if isinstance(start := model.settings.start, StartFrom):
@@ -155,11 +158,18 @@ def _notes_of_signals(lowered: LoweredModel, steps: int) -> dict[str, Any]:
     """Notes that only some runs have.
 
     drift: lines about coordinates that are driven by their velocity or acceleration; records: the
-    digests of the files of recorded signals.
+    digests of the files of recorded signals, and of the superelements of rigid bodies; bands: a
+    line for each flexible body whose superelement is right up to a frequency [Hz].
     """
+    bands = bands_of(lowered.superelements).tolist()
+    of_bodies = zip(bands, lowered.model.flexible_bodies, strict=True)
+    bodies = lowered.model.bodies.values()
+    rigid = [b.source for b in bodies if isinstance(b, RigidSuperelement) and b.source]
+    files = {record.digest for record in records_of(lowered.model)} | set(map(sha256, rigid))
     notes = {
         "contact_h": lowered.h if lowered.flight else None,
         "drift": "\n".join(map(str, drifts(lowered, steps * lowered.h))),
-        "records": " ".join(sorted({record.digest for record in records_of(lowered.model)})),
+        "records": " ".join(sorted(files)),
+        "bands": "\n".join(f"{band!r} {name}" for band, name in of_bodies if isfinite(band)),
     }
     return {name: note for name, note in notes.items() if note}

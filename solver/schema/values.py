@@ -59,7 +59,8 @@ NotNegative = Annotated[
 ]
 AtLeastOne = Annotated[float, number("a number from 1 to 100", float, lambda x: 1.0 <= x <= 100.0)]
 PositiveTime = Annotated[
-    float, number("a positive time, up to 1e100", float, lambda t: 0.0 < t <= LARGEST)
+    float,
+    number("a positive time, 1e-100 to 1e100", float, lambda t: 1.0 / LARGEST <= t <= LARGEST),
 ]
 Fraction = Annotated[float, number("a number from 0 to 1", float, lambda x: 0.0 <= x <= 1.0)]
 Tolerance = Annotated[float, number("a number between 0 and 1", float, lambda x: 0.0 < x < 1.0)]

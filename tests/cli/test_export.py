@@ -1,6 +1,7 @@
 """`duhamel export`: what it writes where, what it says, and what it refuses."""
 
 import csv
+import resource
 
 import h5py
 import pytest
@@ -108,3 +109,20 @@ def test_a_folder_in_the_place_of_a_file_is_one_line(runner, results_file, tmp_p
     assert result.exit_code == 1
     assert result.stderr.count("\n") == 1
     assert "cannot be made a folder" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("to", "name"),
+    [("vtk", "flight-results.vtkhdf"), ("csv", "bodies.csv"), ("mat", "flight-results.mat")],
+)
+def test_a_full_disk_names_the_file_and_leaves_nothing(runner, results_file, tmp_path, to, name):
+    """A limit of the size of files stands for it."""
+    folder, limits = tmp_path / "out" / "of", resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, limits[1]))
+    try:
+        result = runner.invoke(app, ["export", str(results_file), str(folder), "--to", to])
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert result.exit_code == 1
+    assert result.stderr == f"error: {folder / name}: cannot be written: File too large\n"
+    assert not (tmp_path / "out").exists()

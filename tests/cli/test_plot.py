@@ -1,10 +1,15 @@
 """`duhamel plot`: where the picture goes, what a panel is, and how it fails."""
 
+from dataclasses import replace
+
 import matplotlib.image
+import numpy as np
 import pytest
 from duhamel.cli import app
-from duhamel.solver import FlexibleBody, Model, Settings, Start, simulate
-from duhamel.view import panels
+from duhamel.cli.plot import _with_overlays
+from duhamel.results import peaks
+from duhamel.solver import FlexibleBody, Harmonic, Load, Model, Settings, Start, simulate
+from duhamel.view import curves, draw, panel, panels, runs_of
 
 
 @pytest.fixture
@@ -206,3 +211,81 @@ def test_what_cannot_be_drawn_is_one_line(runner, results_file, arguments, messa
     assert message in result.stderr
     assert result.stderr.count("\n") == 1
     assert not list(results_file.parent.glob("*.png"))
+
+
+def panels_with(run, quantities, overlays, window=None):
+    panels = [panel([run], text, window=window) for text in quantities]
+    return _with_overlays(panels, overlays, window)
+
+
+def test_measured_columns_are_drawn_beside_the_run(results_file, tmp_path):
+    """As they are in the file, cut by the window, under their names."""
+    rows = "t,speed,drift\n0,1.5,2\n0.004,2.5,2\n0.02,9,9\n"
+    (tmp_path / "rig.csv").write_text(rows)
+    (run,) = runs_of([results_file])
+    curves = panels_with(run, ["velocity:beam:x"], [str(tmp_path / "rig.csv")], (0.0, 0.01))
+    assert [curve.run for curve in curves[0]] == ["simulated", "rig.csv"]
+    measured = curves[0][1]
+    np.testing.assert_array_equal(measured.abscissa, [0.0, 0.004])
+    np.testing.assert_array_equal(measured.values, [1.5, 2.5])
+    assert (measured.unit, measured.words) == (curves[0][0].unit, curves[0][0].words)
+    both = [f"{tmp_path / 'rig.csv'}:drift", f"{tmp_path / 'rig.csv'}:2"]
+    two = panels_with(run, ["velocity:beam:x", "velocity:beam"], both)
+    assert [panel[-1].run for panel in two] == ["rig.csv, drift", "rig.csv, 2"]
+    assert [panel[-1].values[0] for panel in two] == [2.0, 1.5]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--overlay", "rig.csv"], "--overlay: expected quantities"),
+        (
+            ["velocity:beam:x", "velocity:beam:y", "--overlay", "rig.csv"],
+            "expected one panel, or one for each of 2 panels, found 1",
+        ),
+        (["velocity:beam:x", "--overlay", "rig.csv:load"], "no column 'load'; there are: 't', 'v'"),
+        (["velocity:beam:x", "--overlay", "gone.csv"], "gone.csv: not a readable file"),
+        (
+            ["position:beam:x against position:beam:y", "--overlay", "rig.csv"],
+            "expected a panel over time or frequency",
+        ),
+    ],
+)
+def test_what_cannot_be_overlaid_is_refused(
+    runner, results_file, tmp_path, monkeypatch, arguments, message
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "rig.csv").write_text("t,v\n0,1\n1,2\n")
+    result = runner.invoke(app, ["plot", str(results_file), *arguments])
+    assert result.exit_code != 0
+    assert message in " ".join(result.stderr.replace("│", " ").split())
+    assert not results_file.with_suffix(".png").exists()
+
+
+def test_a_picture_has_the_measured_curve(runner, results_file, tmp_path):
+    (tmp_path / "rig.csv").write_text("0 1\n0.005 2\n")
+    result = runner.invoke(
+        app, ["plot", str(results_file), "velocity:beam:x", "--overlay", str(tmp_path / "rig.csv")]
+    )
+    assert result.exit_code == 0, result.output
+    assert results_file.with_suffix(".png").exists()
+
+
+def test_spectra_beyond_the_band_of_a_superelement_are_marked(runner, element, tmp_path):
+    """In the table of peaks, and in the picture from the band on."""
+    banded = replace(element, kernel=replace(element.kernel, band=40.0))
+    push = Load("force", "beam.tip", [1, 2, 3], Harmonic(1.0, 300.0))
+    model = Model({"beam": FlexibleBody(banded)}, loads=[push], settings=Settings(t_end=0.05))
+    file = tmp_path / "shaken.h5"
+    results = simulate(model, output=file)
+    assert results.bands == {"beam": 40.0}
+    asked = "srs(acceleration:beam.tip:z, from=10, to=200)"
+    (peak,) = peaks(results, [asked])
+    assert peak.at_largest > 40.0
+    told = runner.invoke(app, ["peaks", str(file), asked, "acceleration:beam.tip:z"])
+    assert f"{peak.at_largest:.5g} Hz*" in told.stdout
+    assert "* beyond the band of the superelement, 40 Hz" in told.stdout
+    assert told.stdout.count("*") == 2
+    (axes,) = draw(results.time, [curves(results, asked)]).axes
+    (shade,) = axes.patches
+    assert shade.get_x() == 40.0

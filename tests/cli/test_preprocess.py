@@ -87,7 +87,9 @@ def test_what_a_mesh_loses_is_one_line_on_stderr(runner, body_file):
     result = runner.invoke(app, ["preprocess", str(body_file)])
     assert result.exit_code == 0, result.output
     told = [line for line in result.stderr.splitlines() if line.strip()]
-    assert told == [f"warning: {body_file.with_name('mesh.inp')}: left out: elements of type MASS"]
+    assert told == [
+        f"warning: {body_file.with_name('mesh.inp')}: left out: elements of type MASS (1)"
+    ]
     assert body_file.with_name("body.h5").is_file()
 
 
@@ -147,6 +149,18 @@ def test_a_dry_run_tells_and_draws_and_writes_no_superelement(runner, body_file)
         "from the mesh itself",
     ):
         assert words in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("band", "told"),
+    [("band = 1250\n", "a run needs step = 4e-05 s"), ("", "")],
+)
+def test_a_dry_run_tells_the_step_that_a_band_needs(runner, body_file, band, told):
+    """Twenty steps in the shortest period, 1 / (20 x 1250 Hz)."""
+    body_file.write_text(f"{body_file.read_text()}{band}")
+    result = runner.invoke(app, ["preprocess", str(body_file), "--dry-run"])
+    assert ("a run needs step" in result.stdout) == bool(told)
+    assert told in result.stdout
 
 
 @pytest.mark.parametrize(

@@ -196,3 +196,29 @@ def test_it_loads_neither_solver_nor_preprocess():
         [sys.executable, "-c", program], capture_output=True, text=True, check=True
     )
     assert done.stdout.strip() == "[]"
+
+
+def test_names_of_earlier_files_may_have_colons(edit):
+    def rename(file):
+        for dataset in filter(None, map(file.get, ("joint", "joint_coordinate"))):
+            dataset[:] = [text.replace("clamp", "motor:1") for text in dataset.asstr()[:]]
+
+    results = Results.read(edit(rename))
+    assert results.joints == ("motor:1",)
+    np.testing.assert_array_equal(
+        quantities.evaluate(results, "force:motor:1:y").values, TRAVEL[:, 1] + 1.0
+    )
+    np.testing.assert_array_equal(
+        quantities.evaluate(results, "coordinate:motor:1:angle").values, ANGLE
+    )
+    with pytest.raises(QuantityError, match="force:motor:2: expected force:JOINT"):
+        quantities.evaluate(results, "force:motor:2")
+
+
+def test_two_bodies_of_one_name_are_refused(edit):
+    def rename(file):
+        file["body"][:] = [file["body"][0]] * len(file["body"])
+
+    path = edit(rename)
+    with pytest.raises(ResultsError, match=r"body: expected different names, found .* more than"):
+        Results.read(path)

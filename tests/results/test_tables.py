@@ -7,8 +7,15 @@ import numpy as np
 import pytest
 import scipy.io
 import xarray as xr
-from duhamel.results import ExportError, QuantityError, Results, write_csv, write_mat
-from duhamel.results.exports import matlab
+from duhamel.results import (
+    ExportError,
+    QuantityError,
+    Results,
+    ResultsError,
+    write_csv,
+    write_mat,
+)
+from duhamel.results.exports import matlab, tables
 from duhamel.results.exports.matlab import identifiers
 from duhamel.results.file import FileWriter
 from duhamel.results.schema import EVENTS
@@ -219,3 +226,15 @@ def test_frames_are_even_over_time_where_steps_are_not():
 def test_a_window_outside_the_run_is_refused():
     with pytest.raises(ExportError, match=r"nothing was recorded from 2 to 3 s: .* 0 to 1 s"):
         window(np.array([0.0, 1.0]), 2.0, 3.0)
+
+
+def test_an_export_that_fails_leaves_the_files_of_an_earlier_one(run, tmp_path, monkeypatch):
+    before = {path: path.read_bytes() for path in write_csv(run, tmp_path)}
+    monkeypatch.setattr(tables, "_events", damaged)
+    with pytest.raises(ResultsError, match="damaged"):
+        write_csv(run, tmp_path, rows=slice(0, 1))
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def damaged(*_):
+    raise ResultsError("damaged")

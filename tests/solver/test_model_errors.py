@@ -95,6 +95,19 @@ MADE = {
         lambda: model(bodies={"a.b": body()}),
         "bodies: a body cannot be named 'a.b'",
     ),
+    "a joint with a colon": (
+        lambda: model((Joint("motor:1", "fixed", ("a", "ground")),)),
+        "joints: a joint cannot be named 'motor:1': expected 1 to 100 printable characters "
+        "without '.', '/' and ':'",
+    ),
+    "a frame of the ground with a NUL": (
+        lambda: replace(model(), ground_frames={"a\0b": Frame()}),
+        "ground: a frame cannot be named 'a\\x00b': expected 1 to 100 printable characters",
+    ),
+    "a step whose square is zero": (
+        lambda: Settings(t_end=1.0, step=1e-300),
+        "step: expected a positive time, 1e-100 to 1e100, got 1e-300",
+    ),
     "a joint with a slash": (
         lambda: model((Joint("a/b", "fixed", ("a", "ground")),)),
         "joints: a joint cannot be named 'a/b'",
@@ -220,14 +233,17 @@ MADE = {
         lambda: Start(position=[np.nan, 0, 0]),
         "position: expected three numbers, got [nan, 0, 0]",
     ),
-    "no time": (lambda: model(t_end=0.0), "t_end: expected a positive time, up to 1e100, got 0.0"),
+    "no time": (
+        lambda: model(t_end=0.0),
+        "t_end: expected a positive time, 1e-100 to 1e100, got 0.0",
+    ),
     "no end": (
         lambda: model(t_end=np.inf),
-        "t_end: expected a positive time, up to 1e100, got inf",
+        "t_end: expected a positive time, 1e-100 to 1e100, got inf",
     ),
     "a step backwards": (
         lambda: model(step=-1e-3),
-        "step: expected a positive time, up to 1e100, got -0.001",
+        "step: expected a positive time, 1e-100 to 1e100, got -0.001",
     ),
     "a radius above one": (
         lambda: model(rho_inf=1.5),
@@ -243,7 +259,7 @@ MADE = {
     ),
     "a memory of no length": (
         lambda: model(kernel_length=0.0),
-        "kernel_length: expected a positive time, up to 1e100, got 0.0",
+        "kernel_length: expected a positive time, 1e-100 to 1e100, got 0.0",
     ),
     "a tolerance of one": (
         lambda: model(tolerance=1.0),

@@ -9,8 +9,10 @@ from duhamel.solver import (
     Harmonic,
     Input,
     Joint,
+    Load,
     Model,
     ModelError,
+    OutOfRangeError,
     Place,
     Polynomial,
     RigidBody,
@@ -18,6 +20,7 @@ from duhamel.solver import (
     SmoothFunction,
     Spring,
     Start,
+    Steps,
     read_model,
     simulate,
     write_model,
@@ -189,6 +192,28 @@ def test_a_constant_velocity_joint_turns_evenly_over_full_turns():
 def test_a_constant_velocity_joint_takes_no_shafts_against_each_other():
     with pytest.raises(ModelError, match="second_axis: the shafts"):
         Joint("j", "constant_velocity", ["ground", "b"], [1, 0, 0], [-1, 0.1, 0])
+
+
+@pytest.mark.parametrize("torque", [0.0, 500.0])
+def test_a_constant_velocity_joint_that_takes_the_wrong_branch_stops_the_run(torque):
+    """A torque about the first shaft while the bend goes through 180 degrees; without it, the joint
+    comes through on its own branch, on which it does not twist.
+    """
+    bend, start, end = 2.5, 0.6, 1.4
+    body = RigidBody(1.0, [0.3, 0.2, 0.4], start=Start(angular_velocity=[0, 0, 1.0]))
+    shaft = [np.cos(bend), np.sin(bend), 0]
+    joint = Joint("bent", "constant_velocity", ["ground", "b"], [1, 0, 0], shaft)
+    twist = Load("torque", "b", [1, 0, 0], Steps((0.0, start), (0.0, torque)))
+    model = Model(
+        {"b": body}, [joint], [twist], settings=Settings(t_end=end, step=1e-3, rho_inf=0.5)
+    )
+    if torque:
+        with pytest.raises(OutOfRangeError, match="joint 'bent': its shafts have passed 180 degre"):
+            simulate(model)
+    else:
+        q = simulate(model).body("b").R[-1]
+        assert bend + end > np.pi
+        np.testing.assert_allclose(np.abs(q), np.abs([np.cos(0.7), 0, 0, np.sin(0.7)]), atol=1e-9)
 
 
 def differences(f, t, h=1e-3):

@@ -114,9 +114,9 @@ NUMBERS = {
     "gravity": "simulation.gravity",
     "mass": "bodies.bob.mass: ",
     "position": "bodies.bob.position",
-    "start": "joints.0.start.angle: ",
+    "start": "joints.pin.start.angle: ",
     "signal": "load (force) on 'bob': signal: ",
-    "stiffness": "springs.0.stiffness: ",
+    "stiffness": "springs.spring.stiffness: ",
 }
 OWNERS = {
     "gravity": "gravity: ",

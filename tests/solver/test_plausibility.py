@@ -7,6 +7,7 @@ import pytest
 from duhamel.solver import (
     Chirp,
     Constant,
+    Delayed,
     FlexibleBody,
     Frame,
     HalfSine,
@@ -15,18 +16,22 @@ from duhamel.solver import (
     Load,
     LogarithmicChirp,
     Model,
+    Motor,
     Noise,
     Polynomial,
     PrescribedDisplacement,
     PrescribedRotation,
+    Pulse,
     RigidBody,
     Settings,
     ShapedNoise,
     Spline,
     Spring,
     Start,
+    Steps,
     Stop,
     Sum,
+    Table,
     check,
     doubts,
 )
@@ -129,6 +134,39 @@ def test_a_torsion_spring_at_rest_beyond_a_turn_is_doubted(rest, doubted):
         "coil", "torsion", ("ground", "hub"), axis=[0, 0, 1], stiffness=1.0, rest=[rest]
     )
     only(told(model(springs=[spring])), "springs.coil.rest is 30 rad" if doubted else "")
+
+
+@pytest.mark.parametrize(
+    ("reference", "key"),
+    [
+        (Constant(11.5), "motors.servo.reference is 11.5 rad"),
+        (Steps((0.0, 0.01), (3.0, -8.5)), "motors.servo.reference, its largest jump is 11.5 rad"),
+        (Steps((0.0, 0.01, 0.02), (6.0, 12.0, 18.0)), ""),
+        (Constant(6.2), ""),
+    ],
+)
+def test_references_of_servos_above_a_turn_are_doubted(reference, key):
+    motor = Motor("servo", "pivot", "angle", reference=reference, stiffness=1.0, damping=1.0)
+    only(told(model(joints=[HINGE], motors=[motor]), severe=True), key)
+
+
+@pytest.mark.parametrize(
+    ("signal", "begins"),
+    [
+        (Pulse(1.0, 0.1, 0.2), "0.1 s"),
+        (HalfSine(1.0, start=0.3, duration=0.05), "0.3 s"),
+        (Delayed(0.2, Pulse(1.0, 0.0, 0.1)), "0.2 s"),
+        (Pulse(1.0, 0.09, 0.2), ""),
+        (Steps((0.2,), (0.0,)), "0.2 s"),
+        (Table((0.2, 0.3), (1.0, 2.0)), ""),
+        (Constant(0.0), ""),
+    ],
+)
+def test_loads_that_begin_after_the_end_are_doubted(signal, begins):
+    """A table is constant before its first time, and so does act."""
+    text = f"loads.0.signal begins at {begins}, and the run ends at t_end = 0.1 s" if begins else ""
+    push = Load("force", "hub", [1, 0, 0], signal)
+    only(told(model(loads=[push]), severe=True), text)
 
 
 def test_lengths_and_turns_of_long_drives_are_not_angles():

@@ -127,6 +127,14 @@ def test_values_of_signals():
         (lambda: Pulse(1.0, 0.2, 0.1), "must end after it starts, got start = 0.2, end = 0.1"),
         (lambda: Spline((0.0,), (1.0,)), "a spline needs two or more points, got 1"),
         (lambda: Spline((0.0, 1.0), (1.0,)), "as many values as times, got 2 times and 1 values"),
+        (
+            lambda: Spline((0.0, 1.0, 1.0 + 4e-16), (0.0, 1e90, 0.0)),
+            r"too close for its values: .* got times 1.0 and 1.0000000000000004",
+        ),
+        (
+            lambda: Table((0.0, 1e-310), (0.0, 1.0)),
+            r"too close for its values: .* got times 0.0 and 1e-310",
+        ),
         (lambda: Impulse(1.0, -0.1), "must act at t >= 0, got at = -0.1"),
     ],
 )

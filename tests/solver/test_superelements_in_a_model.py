@@ -6,18 +6,22 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     FlexibleBody,
+    Frame,
     Joint,
     Load,
     Model,
     ModelError,
+    RigidBody,
+    RigidSuperelement,
     Settings,
     Start,
     Steps,
     read_model,
     simulate,
+    write_model,
 )
 from duhamel.solver.lower.lower import lower
-from duhamel.superelement import write
+from duhamel.superelement import Outline, write
 
 from .frameworks import bar, framework
 
@@ -148,3 +152,47 @@ def test_a_body_without_modes_refuses_another_step(tmp_path):
     for other in ({"step": 1e-4}, {"rho_inf": 0.8}):
         with pytest.raises(ModelError, match=message):
             simulate(chain(others[0], measured, others[1], **other))
+
+
+def test_a_rigid_superelement_moves_as_the_rigid_body_of_its_mass(tmp_path):
+    """And has the step and the outline of the superelement, also when written and read back."""
+    link = bar(tmp_path, 0.3, stiffness=0.1, steps=500)
+    outline = Outline(np.eye(3), np.array([[0, 1, 2]]))
+    for name in ("upper", "lower"):
+        write(tmp_path / f"{name}.h5", replace(link, outline=outline))
+    text = PENDULUM.replace('.h5"', '.h5"\nrigid = true')
+    (tmp_path / "rigid.toml").write_text(text)
+    model = read_model(tmp_path / "rigid.toml")
+    assert all(isinstance(body, RigidSuperelement) for body in model.bodies.values())
+    write_model(tmp_path / "again.toml", model)
+    results = simulate(read_model(tmp_path / "again.toml"))
+    assert results.solver["h"] == link.kernel.h
+    np.testing.assert_array_equal(results.outline("lower").points, outline.points)
+
+    frames = {interface.name: Frame(interface.X) for interface in link.interfaces}
+    bodies = {
+        name: RigidBody(link.mass, link.J_rot, frames, body.start)
+        for name, body in model.bodies.items()
+    }
+    by_hand = replace(model, bodies=bodies).with_settings(step=link.kernel.h, rho_inf=0.9)
+    assert link.kernel.scheme.rho_inf == 0.9
+    expected = simulate(by_hand)
+    np.testing.assert_array_equal(results.body("lower").x, expected.body("lower").x)
+    assert np.ptp(results.body("lower").x[:, 2]) > 0.01
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        (
+            'rigid = true\nsecond_order = "off"',
+            "second_order belongs to flexible bodies, found rigid",
+        ),
+        ("rigid = 1", "bodies.upper.rigid: .* found 1"),
+        ("rigid = true\nmass = 1.0", "the superelement brings mass"),
+    ],
+)
+def test_what_a_rigid_superelement_cannot_have_is_refused(tmp_path, keys, message):
+    (tmp_path / "rigid.toml").write_text(PENDULUM.replace('upper.h5"', f'upper.h5"\n{keys}'))
+    with pytest.raises(ModelError, match=message):
+        read_model(tmp_path / "rigid.toml")

@@ -15,7 +15,7 @@ from duhamel.solver import (
     read_model,
     simulate,
 )
-from duhamel.study import Row, StudyError, read_study, sweep
+from duhamel.study import Row, StudyError, read_study, read_summary, sweep
 from duhamel.superelement import StepWarning, read, write
 
 from .conftest import MODEL, STUDY, datasets, make_element
@@ -232,7 +232,9 @@ def test_a_case_that_fails_is_told_and_the_others_run(study_file):
     path = study_file(FAILING)
     _, rows = run(path)
     assert [row.status for row in rows] == ["done", "failed", "done"]
-    assert "simulation.step: expected a positive time, up to 1e100, found -1.0" in rows[1].message
+    assert (
+        "simulation.step: expected a positive time, 1e-100 to 1e100, found -1.0" in rows[1].message
+    )
     told = summary(path)[1]
     assert (told["status"], told["angle"], told["message"]) == ("failed", "", rows[1].message)
     assert not (path.with_suffix("") / "case-0002.h5").exists()
@@ -417,3 +419,28 @@ def test_a_case_follows_a_record_and_runs_again_when_that_has_changed(study_file
     assert run(path)[0] == []
     record.write_text("0,4\n1,4\n")
     assert run(path)[0] == ran
+
+
+def test_units_of_outputs_stand_beside_the_summary_and_the_size_is_told_before(study_file):
+    """What is told is what the files of the cases take, but for what they have besides rows."""
+    text = STUDY.replace("[outputs]", '[outputs]\nlate = "argmax angle:hub:z"')
+    study = read_study(study_file(text))
+    told = []
+    sweep(study, workers=0, on_begin=lambda cases, size: told.append((cases, size)))
+    ((cases, size),) = told
+    assert cases == len(study.cases)
+    written = sum(case.target.stat().st_size for case in study.cases)
+    assert 0.2 * written < size < written
+    units = read_summary(study.summary).units
+    assert units["late"] == "s"
+    assert set(units) == set(study.outputs)
+    sweep(study, workers=0, on_begin=lambda cases, size: told.append((cases, size)))
+    assert len(told) == 1
+
+
+def test_failed_cases_are_in_the_summary_that_is_read(study_file):
+    study = read_study(study_file(FAILING))
+    sweep(study, workers=0)
+    found = read_summary(study.summary)
+    assert found.failed == {"simulation.step": [-1.0]}
+    assert len(found.parameters["simulation.step"]) == 2

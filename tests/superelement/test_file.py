@@ -450,6 +450,14 @@ FAULTS = {
         with_dataset("rigid/center", [0.0, 0.0]),
         r"center: expected shape \(3,\), found \(2,\)",
     ),
+    "center of mass at the origin": (
+        with_dataset("rigid/center", np.zeros(3)),
+        "rigid, interfaces: expected the numbers whose digest is in the file",
+    ),
+    "interfaces at the center of mass": (
+        with_dataset("interfaces/X", np.zeros((2, 3))),
+        "rigid, interfaces: expected the numbers whose digest is in the file",
+    ),
     "interface numbers": (
         with_dataset("interfaces/name", [1, 2]),
         "interfaces/name: expected text of shape",
@@ -623,6 +631,22 @@ FAULTS_OF_ROTATION = {
         "rotation/quartic: expected no negative strain energy along a coordinate",
     ),
 }
+
+
+def test_shapes_are_compared_before_names_are_read(make_element, path, monkeypatch):
+    """A damaged file may have a million names, which take half a minute to read."""
+    write(path, make_element())
+    with h5py.File(path, "r+") as file:
+        del file["interfaces"]
+        file["interfaces/name"] = ["a"] * 50
+        file["interfaces/X"] = np.zeros((50, 3))
+        file["interfaces/rotations"] = [True] * 50
+        file["interfaces/row"] = 6 * np.arange(50)
+    monkeypatch.setattr("duhamel.superelement.file.texts", None)
+    with pytest.raises(
+        SuperelementError, match=r"static/compliance: expected shape \(300, 300\), found \(9, 9\)"
+    ):
+        read(path)
 
 
 @pytest.mark.parametrize("fault", FAULTS_OF_ROTATION)

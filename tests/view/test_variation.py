@@ -85,3 +85,24 @@ def test_rank_correlations_are_those_of_scipy():
 def test_nothing_that_varies_is_refused():
     with pytest.raises(PictureError, match="expected parameters that vary and outputs"):
         draw_variation({"m": [1, 1]}, {"f": np.arange(2.0)})
+
+
+def test_cases_that_failed_are_crosses_and_units_stand_on_the_axis():
+    figure = draw_variation(
+        {"m": [3, 1, 2]}, {"peak": np.array([9.0, 1.0, 4.0])}, "", {"peak": "m/s²"}, {"m": [5, 4]}
+    )
+    (axes,) = figure.axes
+    assert axes.get_ylabel() == "peak [m/s²]"
+    line, crosses = axes.lines
+    assert np.array(line.get_data()).tolist() == [[1, 2, 3], [1, 4, 9]]
+    assert crosses.get_marker() == "x"
+    assert list(crosses.get_xdata()) == [5, 4]
+    assert [text.get_text() for text in axes.texts] == ["2 failed: x"]
+
+
+def test_in_a_plane_of_two_parameters_crosses_are_at_their_place():
+    x, y = np.random.default_rng(0).random((2, 40))
+    failed = {"x": [0.5], "y": [0.25]}
+    figure = draw_variation({"x": list(x), "y": list(y)}, {"f": x * y}, failed=failed)
+    crosses = next(line for line in figure.axes[0].lines if line.get_marker() == "x")
+    assert [list(crosses.get_xdata()), list(crosses.get_ydata())] == [[0.5], [0.25]]

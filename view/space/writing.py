@@ -186,7 +186,10 @@ class _Pipe:
         self._writer = writer
 
     def put(self, image: Image) -> None:
-        self._writer.send(image.tobytes())
+        try:
+            self._writer.send(image.tobytes())
+        except OSError as error:  # the pipe breaks: ffmpeg has ended
+            raise OSError("ffmpeg stopped: is the disk full?") from error
 
 
 def _picture(image: Image) -> Any:

@@ -12,6 +12,7 @@ from ....superelement.validation import Array
 from ...errors import MeshError
 from ..mesh import NONE, IntArray
 from .abaqus_deck import Keyword, keywords
+from .draft import not_in_the_body
 
 # Types of cells and numbers of nodes by the names of elements: solids, whatever makes facets,
 # trusses and beams.
@@ -32,6 +33,9 @@ _KINDS = (
     (r"T[23]D2|B[23][13]", "line", 2),
     (r"T[23]D3|B[23]2", "line3", 3),
 )
+# Shells and beams, which carry load in the deck. Membranes and trusses are what Gmsh writes for
+# groups of surfaces and lines.
+_STRUCTURAL = re.compile(r"(STRI|S|B)\d\w*")
 # The center of a C3D27 stands before the middles of its faces 1 to 6.
 _ORDER = {"hexahedron27": [*range(20), 26, 24, 23, 25, 21, 22, 20]}
 _GENERATED = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM")
@@ -121,6 +125,8 @@ def read_instances(path: Path, lost: list[str]) -> dict[str, Instance]:
     parts: dict[str, Part] = {}
     instances = {"": Instance("", assembly, np.zeros(3), np.zeros(3), np.eye(3))}
     left_out: Counter[str] = Counter()
+    structural: Counter[str] = Counter()
+    materials: list[str] = []
     for keyword in keywords(path):
         match keyword.name:
             case "PART":
@@ -138,8 +144,13 @@ def read_instances(path: Path, lost: list[str]) -> dict[str, Instance]:
             case "NODE":
                 _add_nodes(part, keyword)
             case "ELEMENT":
-                if not _add_elements(part, keyword):
-                    left_out[f"elements of type {keyword['TYPE'].upper()}"] += 1
+                kind = keyword["TYPE"].upper()
+                if (added := _add_elements(part, keyword)) is None:
+                    left_out[f"elements of type {kind}"] += len(keyword.data)
+                elif _STRUCTURAL.fullmatch(kind):
+                    structural[kind] += added
+            case "MATERIAL":
+                materials.append(keyword.get("NAME"))
             case "NSET":
                 part.nsets.add(keyword["NSET"], _entries(keyword), "INTERNAL" in keyword.parameters)
             case "ELSET":
@@ -155,7 +166,9 @@ def read_instances(path: Path, lost: list[str]) -> dict[str, Instance]:
                 )
             case name if name in _CONNECTIONS:
                 left_out[f"*{name}"] += 1
-    lost.extend(left_out)
+    lost.extend(f"{name} ({count})" for name, count in left_out.items())
+    kinds = {kind for instance in instances.values() for kind, *_ in instance.part.elements}
+    lost.extend(not_in_the_body(kinds, structural, materials))
     return instances
 
 
@@ -192,8 +205,8 @@ def _add_nodes(part: Part, keyword: Keyword) -> None:
         part.nsets.add(keyword["NSET"], [Entry(np.array(numbers, dtype=np.int64))])
 
 
-def _add_elements(part: Part, keyword: Keyword) -> bool:
-    """Add the elements of a keyword; false if their type makes no cells."""
+def _add_elements(part: Part, keyword: Keyword) -> int | None:
+    """Add the elements of a keyword, and give their number; None if their type makes no cells."""
     if keyword.get("INPUT"):
         raise MeshError(f"{keyword.location}: *ELEMENT: expected elements below it")
     numbers = NONE
@@ -214,7 +227,7 @@ def _add_elements(part: Part, keyword: Keyword) -> bool:
         part.elements.append((kind, numbers, nodes[:, _ORDER[kind]] if kind in _ORDER else nodes))
     if keyword.get("ELSET"):
         part.elsets.add(keyword["ELSET"], [Entry(numbers)])
-    return bool(kinds)
+    return len(numbers) if kinds else None
 
 
 def _entries(keyword: Keyword) -> list[Entry]:

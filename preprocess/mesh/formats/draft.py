@@ -1,12 +1,13 @@
 """A mesh while its file is being read."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ....superelement.validation import Array
+from ..cells import SOLIDS
 from ..mesh import NONE, Group, IntArray
 
 
@@ -64,6 +65,25 @@ class Draft:
             points = np.unique(np.concatenate([NONE, *self._points.get(name, [])]))
             groups[name] = Group({kind: rows for kind, rows in cells.items() if len(rows)}, points)
         return {name: group for name, group in groups.items() if group.kinds}
+
+
+def not_in_the_body(
+    kinds: Iterable[str], structural: Mapping[str, int], materials: Collection[str]
+) -> Iterator[str]:
+    """What a deck computes with and a body does not, in words.
+
+    kinds: the types of all cells; structural: the numbers of shells, beams and the like by the
+    names of their types in the deck, whose faces and lines serve as groups beside solids.
+    """
+    if structural and not set(SOLIDS).isdisjoint(kinds):
+        counts = ", ".join(f"{count} {name}" for name, count in structural.items())
+        yield (
+            f"stiffness and mass of {counts}: beside solid elements, shells and beams serve as "
+            "groups alone"
+        )
+    if materials:
+        listed = ", ".join(dict.fromkeys(materials))
+        yield f"materials {listed}: those of the body file are used"
 
 
 class Sequence:

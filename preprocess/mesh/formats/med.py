@@ -92,6 +92,10 @@ def _contents(file: Any) -> tuple[_Support, dict[str, _Support], dict[str, dict[
     mesh = file["ENS_MAA"][name]
     step = mesh if "NOE" in mesh else mesh[_only(mesh, "time step")]
     nodes = _support(step["NOE"], "COO", "f")
+    if not 1 <= nodes.values.shape[1] <= 3:
+        raise MeshError(
+            f"NOE/COO: expected 1 to 3 coordinates of a node, found {nodes.values.shape[1]}"
+        )
     points = np.zeros((len(nodes.values), 3))
     points[:, : nodes.values.shape[1]] = nodes.values
     cells = {code: _support(group, "NOD") for code, group in step["MAI"].items()}

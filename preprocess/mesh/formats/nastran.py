@@ -14,7 +14,7 @@ import numpy as np
 from ...errors import MeshError
 from ..mesh import NONE
 from ..numbering import Numbering
-from .draft import Draft
+from .draft import Draft, not_in_the_body
 from .nastran_deck import Card, read_cards
 from .nastran_frames import frame_of
 
@@ -45,6 +45,9 @@ _ORDER = {
     "hexahedron20": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15],
     "wedge15": [*range(9), 12, 13, 14, 9, 10, 11],
 }
+# Properties of shells and beams; without one, as Gmsh writes them, these are groups alone.
+_PROPERTY = re.compile(r"P(SHELL|COMP|SHEAR|BAR|BEAM|ROD|TUBE)\w*")
+_MATERIAL = re.compile(r"MAT\d+")
 # Other elements, rigid ones and constraints between points.
 _LEFT_OUT = re.compile(r"(?!CORD)C\w+|R(BAR|BE|JOINT|ROD|SPLINE|SSCON|TRPLT)\w*|MPC\w*")
 
@@ -56,6 +59,8 @@ def read(path: Path) -> Draft:
     sets: list[Card] = []
     systems: dict[int, Card] = {}
     left_out: Counter[str] = Counter()
+    materials: list[str] = []
+    properties: set[int] = set()
     default_system, names = 0, dict[int, str]()
     for card in read_cards(path, names):
         match card.name:
@@ -69,6 +74,10 @@ def read(path: Path) -> Draft:
                 sets.append(card)
             case name if name in _SOLIDS or name in _PARTS:
                 elements.append(card)
+            case name if _PROPERTY.fullmatch(name):
+                properties.add(card.integer(2))
+            case name if _MATERIAL.fullmatch(name):
+                materials.append(f"{name} {card.text(2)}")
             case name if _LEFT_OUT.fullmatch(name):
                 left_out[name] += 1
 
@@ -82,6 +91,10 @@ def read(path: Path) -> Draft:
         points[system == number] = frame_of(int(number), systems).to_basic(points[system == number])
     draft = Draft(points, [f"{name} ({count})" for name, count in left_out.items()], labels)
     _add_elements(draft, elements, numbering, names)
+    structural = Counter(
+        card.name for card in elements if card.name in _PARTS and _property(card) in properties
+    )
+    draft.lost.extend(not_in_the_body(draft.cells, structural, materials))
     for card in sets:
         _add_points(draft, card, numbering)
     return draft
@@ -93,7 +106,7 @@ def _add_elements(
     by_kind: dict[str, list[tuple[int, list[int]]]] = {}
     for card in cards:
         kind, given = _nodes(card)
-        by_kind.setdefault(kind, []).append((card.integer(3, card.integer(2)), given))
+        by_kind.setdefault(kind, []).append((_property(card), given))
     for kind, members in by_kind.items():
         nodes = numbering.rows([given for _, given in members], f"{kind} elements")
         rows = draft.add(kind, nodes[:, _ORDER[kind]] if kind in _ORDER else nodes)
@@ -105,8 +118,13 @@ def _add_elements(
                 draft.mark(name, kind, rows[properties == number])
 
 
+def _property(card: Card) -> int:
+    """The number of the property of an element: its own unless given."""
+    return card.integer(3, card.integer(2))
+
+
 def _nodes(card: Card) -> tuple[str, list[int]]:
-    """The type of cell of an element, and its nodes; the property is its number unless given."""
+    """The type of cell of an element, and its nodes."""
     if card.name in _PARTS:
         kind, count = _PARTS[card.name]
     else:

@@ -164,7 +164,8 @@ MISTAKES = [
     (
         "[interfaces.tip]",
         '[interfaces."a.b"]',
-        r"interfaces: expected a name of 1 to 100 characters without '/' and '\.', found 'a\.b'",
+        r"interfaces: expected a name of 1 to 100 printable characters without '\.', '/' and ':', "
+        r"found 'a\.b'",
     ),
     (
         "step = 6e-5",

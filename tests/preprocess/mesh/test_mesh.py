@@ -177,3 +177,28 @@ def test_a_mesh_in_another_unit_of_length(solid_body, box, scale):
 def test_a_unit_of_length_is_positive(solid_body, box):
     with pytest.raises(ValidationError, match="scale"):
         solid_body(box("tetra"), scale=0.0)
+
+
+def test_a_mesh_whose_volumes_are_no_numbers_is_refused(box, tmp_path):
+    path = tmp_path / "box.vtk"
+    box("tetra").write(path)
+    with pytest.raises(
+        MeshError, match=r"box\.vtk: expected a mesh of 1e-12 to 1e\+12 m, found 1e-300 m"
+    ):
+        read_mesh(path, scale=1e-300)
+
+
+@pytest.mark.parametrize(
+    ("suffix", "advice"),
+    [
+        (".step", "is geometry, no mesh: mesh it first, as by `gmsh FILE -3 -order 2"),
+        (".SLDPRT", "is geometry of a CAD program, no mesh: save it as STEP and mesh that"),
+        (".mnf", "is a modal neutral file, .* take the mesh that it was made from, or stiffness"),
+        (".odb", "is a database or results of another program: save the mesh there as .inp"),
+    ],
+)
+def test_what_is_no_mesh_is_told_what_to_do(tmp_path, suffix, advice):
+    path = tmp_path / f"part{suffix}"
+    path.write_bytes(b"ISO-10303-21;")
+    with pytest.raises(MeshError, match=rf"part{suffix}: {advice}"):
+        read_mesh(path)

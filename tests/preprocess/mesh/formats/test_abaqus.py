@@ -227,3 +227,22 @@ def test_what_is_left_out_is_told_in_one_warning(written):
 def test_errors_say_where_and_what(written, text, found):
     with pytest.raises(MeshError, match=r"mesh\.inp: (.*)" + found):
         read_mesh(written(text))
+
+
+def test_shells_and_materials_beside_solids_are_named(written):
+    """Their numbers are those of elements, not of keywords."""
+    shells = "*ELEMENT, TYPE=S4, ELSET=skin\n1, 1, 2, 3, 4\n2, 5, 6, 7, 8\n"
+    others = "*ELEMENT, TYPE=MASS\n3, 1\n4, 2\n5, 3\n*MATERIAL, NAME=STEEL\n*MATERIAL, NAME=FOAM\n"
+    with pytest.warns(MeshWarning) as told:
+        read_mesh(written(CUBE + shells + others))
+    assert str(told[0].message).partition("left out: ")[2] == (
+        "elements of type MASS (3); "
+        "stiffness and mass of 2 S4: beside solid elements, shells and beams serve as groups "
+        "alone; materials STEEL, FOAM: those of the body file are used"
+    )
+
+
+def test_where_shells_are_all_there_is_the_error_says_so(written):
+    nodes = CUBE.partition("*Element")[0]
+    with pytest.raises(MeshError, match=r"no body in cells of type quad; .*shells are not support"):
+        read_mesh(written(nodes + "*ELEMENT, TYPE=S4\n1, 1, 2, 3, 4\n"))

@@ -93,6 +93,16 @@ def test_errors_say_what(box, written):
         file[f"{STEP}/NOE/COO"].attrs["NBR"] = 26
     with pytest.raises(MeshError, match="NOE/COO: expected values for 26 entries, found 81"):
         read_mesh(path)
+    for empty, message in (
+        (h5py.Empty("f8"), "NOE/COO: expected values, found an empty dataset"),
+        (np.zeros(0), "NOE/COO: expected 1 to 3 coordinates of a node, found 0"),
+    ):
+        with h5py.File(path, "a") as file:
+            del file[f"{STEP}/NOE/COO"]
+            file[f"{STEP}/NOE/COO"] = empty
+            file[f"{STEP}/NOE/COO"].attrs["NBR"] = 27
+        with pytest.raises(MeshError, match=message):
+            read_mesh(path)
     with h5py.File(path, "a") as file:
         file.create_group("ENS_MAA/other")
     with pytest.raises(

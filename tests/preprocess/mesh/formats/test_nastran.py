@@ -173,3 +173,15 @@ def test_what_is_left_out_is_told_in_one_warning(written):
 def test_errors_say_where_and_what(written, text, found):
     with pytest.raises(MeshError, match=r"mesh\.bdf: (.*)" + found):
         read_mesh(written(text))
+
+
+@pytest.mark.parametrize("is_shell", [True, False])
+def test_shells_and_materials_beside_solids_are_named(written, is_shell):
+    """Faces without a property of shells, as Gmsh writes them, are groups alone."""
+    shell = "PSHELL,7,1,0.1\n" if is_shell else ""
+    deck = SHORT + CHEXA + "CQUAD4,2,7,1,2,3,4\nMAT1,1,2.1e11,,0.3,7800.\n" + shell
+    with pytest.warns(MeshWarning) as told:
+        read_mesh(written(deck))
+    words = "stiffness and mass of 1 CQUAD4: beside solid elements, shells and beams serve as "
+    assert (words in str(told[0].message)) == is_shell
+    assert "materials MAT1 1: those of the body file are used" in str(told[0].message)

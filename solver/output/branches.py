@@ -1,0 +1,62 @@
+"""Constant-velocity joints on the branch of their constraint that is none of such a joint.
+
+The constraint e1(A) e2(B) = e2(A) e1(B) holds where one frame is not twisted about the shaft of the
+other, q_3 = 0, and as well where it is turned by half a turn about any axis, q_0 = 0, with the
+quaternion q of B seen from A, for the difference is -4 q_0 q_3. The branches meet where the shafts
+point against each other, at 180 degrees, and a motion through there may go on along the wrong one.
+"""
+
+import numpy as np
+
+from ..arrays import Array
+from ..errors import OutOfRangeError
+from ..lower.lower import LoweredModel
+from ..step.system import Workspace
+
+LEAST = 1e-6
+"""q_3^2 above which a joint is on the wrong branch: below it both are the same to rounding"""
+
+
+class Branches:
+    """The constant-velocity joints of a model."""
+
+    def __init__(self, lowered: LoweredModel) -> None:
+        self._lowered = lowered
+        couplings = lowered.system.couplings
+        joints = lowered.model.joints
+        first = couplings.terms.range
+        self._rows = [
+            row
+            for row in range(len(couplings.rows.kind))
+            if first[row + 1] > first[row]
+            and (owner := lowered.coupling_of(row)) < len(joints)
+            and joints[owner].type == "constant_velocity"
+        ]
+
+    def check(self, work: Workspace, step: int) -> None:
+        """`OutOfRangeError` for a joint that has left the branch on which it started."""
+        for row in self._rows:
+            q_0, q_3 = self._squares(row, work)
+            if q_3 > max(q_0, LEAST):
+                name = self._lowered.model.joints[self._lowered.coupling_of(row)].name
+                reason = (
+                    f"joint {name!r}: its shafts have passed 180 degrees against each other, "
+                    "where a constant-velocity joint may turn in two ways: keep them apart by a "
+                    "stop, or take a universal joint"
+                )
+                time = step * self._lowered.h
+                raise OutOfRangeError(step, time, name, reason, self._lowered.model.path)
+
+    def _squares(self, row: int, work: Workspace) -> tuple[float, float]:
+        """q_0^2 and q_3^2 of the relative rotation of a joint, by one of its rows."""
+        rows, terms = self._lowered.system.couplings.rows, self._lowered.system.couplings.terms
+        term = terms.range[row]
+        e_A = _axes(rows.a[row], terms.rows.a[term])
+        e_B = _axes(terms.rows.b[term], rows.b[row])
+        D = work.frames.D
+        R = (D[rows.frame_a[row]] @ e_A).T @ (D[rows.frame_b[row]] @ e_B)
+        return 0.25 * (1.0 + np.trace(R)), 0.25 * (1.0 + R[2, 2] - R[0, 0] - R[1, 1])
+
+
+def _axes(e1: Array, e2: Array) -> Array:
+    return np.column_stack([e1, e2, np.cross(e1, e2)])
