@@ -129,7 +129,8 @@ class LinearModel:
 def linearize(model: Model, rotation: SteadyRotation | None = None) -> LinearModel:
     """The linear equations of a model about the equilibrium nearest to its start.
 
-    At rest, in the steady rotation of its settings, or in `rotation`; under gravity, and under the
+    At rest, in the steady rotation of its settings, or in `rotation`, which drives that turn the
+    mechanism then follow; under gravity, and under the
     loads at t = 0 where the model starts in equilibrium: where it starts as given, they begin
     then, and count for nothing, as velocities do. `ModelError` where there is no such equilibrium,
     for friction that acts, for laws with a memory other than Maxwell's or with a kink there, and

@@ -27,6 +27,7 @@ from duhamel.solver import (
     simulate,
 )
 from duhamel.solver.linear import modes as modes_module
+from duhamel.solver.linear import subspace
 from scipy.linalg import eigh
 from scipy.spatial.transform import Rotation
 
@@ -297,15 +298,32 @@ def _short_pulse():
     return Pulse(1.0, 0.0, 5e-3)
 
 
-def test_few_modes_of_a_large_model_are_those_of_all(line, monkeypatch):
-    model = held(line, Joint("hinge", "revolute", ("ground", "beam.root"), Z))
-    all_modes = linearize(model).modes(5)
-    monkeypatch.setattr(modes_module, "LARGEST", 10)
-    few = linearize(model).modes(5)
-    assert few.rigid == all_modes.rigid == 1
-    np.testing.assert_allclose(few.frequencies, all_modes.frequencies, rtol=1e-9)
-    with pytest.raises(ModelError, match="98 states: expected at most 10"):
-        linearize(model).modes()
+def test_few_modes_of_a_large_model_are_those_of_all(tmp_path, monkeypatch):
+    """Also where many coincide: of shafts that are alike, in both planes, and free to turn."""
+    shaft = make_line(tmp_path, 1.0, 9, section={**SECTION, "EI_z": SECTION["EI_y"]})
+    bodies = {
+        f"shaft{k}": FlexibleBody(shaft, Start([0, k, 0] - shaft.interface("root").X))
+        for k in range(5)
+    }
+    joints = [Joint(name, "revolute", ("ground", f"{name}.root"), [1, 0, 0]) for name in bodies]
+    linear = linearize(model_of(bodies, tuple(joints), step=1e-3))
+    all_modes = linear.modes()
+    monkeypatch.setattr(modes_module, "LARGEST", 10)  # which leaves iteration
+    few = linear.modes(20)
+    assert few.rigid == all_modes.rigid == 5
+    np.testing.assert_allclose(few.frequencies, all_modes.frequencies[:20], rtol=1e-8)
+    with pytest.raises(ModelError, match="states: expected at most 10"):
+        linear.modes()
+
+
+def test_iteration_finds_more_modes_that_coincide_than_a_block_has_vectors():
+    omega = np.concatenate([np.full(20, 1.0), np.geomspace(2.0, 1e3, 280)])
+    rotation = np.kron(np.diag(omega), [[0.0, 1.0], [-1.0, 0.0]])
+    turn, _ = np.linalg.qr(np.random.default_rng(1).normal(size=rotation.shape))
+    inverse = np.linalg.inv(turn @ rotation @ turn.T - 0.03 * np.eye(len(rotation)))
+    space = subspace.slowest(lambda x: inverse @ x, 600, 0.03, 22, 500)
+    found = np.sort(space.values[space.found & (space.values.imag > 0.0)].imag)
+    np.testing.assert_allclose(found[:22], omega[:22], rtol=1e-8)
 
 
 def test_shapes_satisfy_the_joints(line):
