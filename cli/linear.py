@@ -126,7 +126,7 @@ def campbell(
     from rich.console import Console
 
     from .. import solver, superelement, view
-    from .linear_report import campbell_picture, campbell_rows, campbell_table, crossing_lines
+    from .linear_report import campbell_picture, campbell_rows, campbell_tables, crossing_lines
 
     target = output or model_file.with_name(f"{model_file.stem}-campbell.png")
     try:
@@ -139,9 +139,13 @@ def campbell(
     with errors_in_one_line(solver, superelement, view):
         _require_no_model(target, model_file)
         diagram = solver.campbell(
-            solver.read_model(model_file), np.linspace(first, last, count).tolist(), n
+            solver.read_model(model_file),
+            np.linspace(first, last, count).tolist(),
+            n,
+            progress=True,
         )
-        Console().print(campbell_table(model_file.stem, diagram))
+        for table in campbell_tables(model_file.stem, diagram):
+            Console().print(table)
         for line in crossing_lines(diagram, wanted):
             typer.echo(one_line(line))
         _write(
