@@ -32,6 +32,8 @@ SHIFT = 0.03
 """sigma over a frequency of the model"""
 ITERATIONS = 12
 """of an eigenvalue that is followed, at most"""
+BESIDE = 1e-13
+"""relative distance from an eigenvalue of a free body at which equations are solved"""
 CONVERGED = 1e-12
 """relative change of an eigenvalue that ends an iteration"""
 GROWTH = 1e-6
@@ -363,6 +365,7 @@ def _followed(form: FirstOrder, s: complex, y: Complex) -> tuple[complex, "State
     e[form.n_e - n_x :] = y[n_r + chains.mode] / (1.0 + s * chains.tau)[:, None]
     states = States(y, s * y, e, np.zeros((form.equations.sizes.n_i, 1)))
     for _ in range(ITERATIONS):
+        s = _beside_poles(form, s)
         a = form.coordinates @ states.y
         moved = form.at(s).solve(states.y, states.v, states.e)
         factor = complex(np.vdot(a, form.coordinates @ moved.y) / np.vdot(a, a))
@@ -374,3 +377,12 @@ def _followed(form: FirstOrder, s: complex, y: Complex) -> tuple[complex, "State
         if abs(1.0 / factor) <= CONVERGED * abs(s):
             break
     return s, states
+
+
+def _beside_poles(form: FirstOrder, s: complex) -> complex:
+    """s, or just beside it where it is an eigenvalue of a body alone, whose response is infinite.
+
+    So it is for the modes of bodies that nothing holds.
+    """
+    nearest = np.abs(form.step(s)).min(initial=np.inf)
+    return s * (1.0 + BESIDE) if nearest < BESIDE * abs(s) ** 2 else s

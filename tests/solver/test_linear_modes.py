@@ -1,5 +1,6 @@
 """Modes of assembled models at rest, against closed forms, finite elements and the time domain."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -380,6 +381,24 @@ def test_a_material_gives_every_mode_half_its_loss_factor(lossy):
         inside = (found.frequencies > 10.0) & (found.frequencies < 2000.0)
         assert inside.sum() >= 5
         np.testing.assert_allclose(found.ratios[inside], 0.01, rtol=0.04)
+
+
+@pytest.mark.parametrize("loss_factor", [0.02, 0.1])
+def test_a_free_beam_that_loses_energy_has_the_complex_frequencies_of_its_own_modes(
+    tmp_path, loss_factor
+):
+    """omega^2 c(s) + s^2 = 0, found without a division by zero where the body resonates."""
+    damping = {"loss_factor": loss_factor, "band": [10.0, 4000.0]}
+    element = make_line(tmp_path, 1.0, 8, damping=damping)
+    chain, omega = element.modes.chain, np.sort(element.modes.omega)[:20]
+    with warnings.catch_warnings(action="error"):
+        found = linearize(held(element)).modes(26)
+    assert found.rigid == 6
+    s = found.values[6:]
+    c = 1.0 + (np.multiply.outer(s, chain.tau) / (1 + np.multiply.outer(s, chain.tau))) @ (
+        chain.amplitude
+    )
+    np.testing.assert_allclose(-(s**2) / c, omega**2, rtol=1e-9)
 
 
 def test_a_chain_in_state_space_is_that_of_the_responses(lossy):
