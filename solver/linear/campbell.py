@@ -21,6 +21,7 @@ from .linearize import LinearModel, linearize
 from .modes import Complex, LinearModes
 from .motion import Motion
 from .pose import Pose
+from .validity import LinearValidity
 
 STILL = 1e-8
 """of the largest spin, at which pairs of modes at rest are told apart"""
@@ -68,6 +69,8 @@ class Campbell:
     lines: tuple[Line, ...]
     unstable: NDArray[np.bool_]
     """whether a mode grows at each spin (n,)"""
+    validity: LinearValidity
+    """at the largest spin"""
 
     def crossings(self, order: float = 1.0) -> list[Crossing]:
         """Where lines meet order * spin / (2 pi), in the order of the spins."""
@@ -118,7 +121,9 @@ def campbell(
             found.append(_slowest_in_space(linear, modes))
             work.advance()
     grows = np.array([unstable for _, unstable in found])
-    return Campbell(speeds, tuple(_lines([points for points, _ in found], modes)), grows)
+    points = [points for points, _ in found]
+    highest = [frequency for point in points for _, frequency, _ in point]
+    return Campbell(speeds, tuple(_lines(points, modes)), grows, linear.validity(None, highest))
 
 
 Point = tuple[str, float, float]

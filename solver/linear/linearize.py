@@ -20,6 +20,7 @@ from .pose import pose_of
 from .shapes import Shape, shapes_of
 from .state_space import StateSpace, state_space_of
 from .steady import check_constant
+from .validity import LinearValidity, validity_of
 
 FEW = 60
 """modes of a model that has too many for all"""
@@ -67,6 +68,16 @@ class LinearModel:
         if any(isinstance(body, KernelBody) for body in self.equations.bodies):
             return None
         return self.modes(None if self.first_order.n <= LARGEST else FEW)
+
+    def validity(self, modes: LinearModes | None = None, frequencies: Any = ()) -> LinearValidity:
+        """How far this analysis can be trusted: `print(linear.validity())` shows a table.
+
+        modes: as found, frequencies [Hz]: of responses, which should be within the band of the
+        superelements.
+        """
+        highest = float(np.max(frequencies, initial=0.0))
+        form = None if modes is None else self.first_order
+        return validity_of(form, self.equations.pose, modes, highest)
 
     def motion(self, y: Any) -> Motion:
         """Motions of bodies and frames in motions y (n_y, k), as `LinearModes.y`."""
