@@ -183,7 +183,7 @@ def _whirls(
     """
     form, pose = linear.first_order, linear.equations.pose
     y = modes.y[:, members]
-    R = np.linalg.qr(form.coordinates @ y, mode="r")  # the inertia is a unit matrix there
+    R = np.linalg.qr(form.coordinates @ y)[1]  # the inertia is a unit matrix there
     if np.linalg.cond(R) > INDEPENDENT:
         R = np.eye(len(members))
     motion = linear.motion(y @ np.linalg.inv(R))

@@ -47,9 +47,10 @@ Moves = Callable[[Callable[[float], float]], bool]
 def _rate(joint: Joint, velocity: Array) -> float | None:
     """The rate of the angle of a joint between the ground and a body that turns about its axis."""
     grounded = [frame.partition(".")[0] == "ground" for frame in joint.between]
-    if "angle" not in joint.kind.angles or joint.kind.axes != 1 or sum(grounded) != 1:
+    axis = joint.axis
+    if axis is None or joint.kind.axes != 1 or sum(grounded) != 1:
         return None
-    along = float(np.asarray(joint.axis) @ velocity) / float(np.linalg.norm(joint.axis))
+    along = float(axis @ velocity) / float(np.linalg.norm(axis))
     return along if grounded[0] else -along
 
 
