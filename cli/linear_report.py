@@ -23,10 +23,10 @@ NEAR = 41
 NARROW = 1e-4
 """ratio of damping from which a resonance counts as so wide"""
 ROUNDING = 1e-9
-"""damping ratio that counts as none"""
+"""damping ratio, or frequency over the largest, that counts as none"""
 SHOWN = 12
 """modes that are drawn"""
-ABREAST = 7
+ABREAST = 6
 """lines of a Campbell diagram side by side"""
 WHIRLS = {"forward": "forw.", "backward": "backw.", "none": "none"}
 """names of whirl in narrow columns"""
@@ -175,6 +175,7 @@ def campbell_rows(diagram: Campbell) -> list[list[str]]:
 
 def campbell_tables(title: str, diagram: Campbell) -> Iterator[Table]:
     """Frequencies over the spin, as many lines side by side as fit into 80 columns."""
+    largest = max(float(np.nanmax(line.frequencies)) for line in diagram.lines)
     heads = [f"{k + 1} {WHIRLS[line.whirl]}" for k, line in enumerate(diagram.lines)]
     for first in range(0, len(heads), ABREAST):
         what = f"{title}: frequencies in space [Hz] over the spin [rad/s]" if not first else ""
@@ -185,8 +186,15 @@ def campbell_tables(title: str, diagram: Campbell) -> Iterator[Table]:
         lines = diagram.lines[first : first + ABREAST]
         for n, spin in enumerate(diagram.spins.tolist()):
             values = [line.frequencies[n] for line in lines]
-            table.add_row(f"{spin:.5g}", *("" if np.isnan(f) else f"{f:.5g}" for f in values))
+            table.add_row(f"{spin:.5g}", *(_rounded(f, largest) for f in values))
         yield table
+
+
+def _rounded(frequency: float, largest: float) -> str:
+    """A frequency with five digits, 0 where it is the rounding of the largest."""
+    if np.isnan(frequency):
+        return ""
+    return f"{frequency:.5g}" if frequency > ROUNDING * largest else "0"
 
 
 def crossing_lines(diagram: Campbell, orders: Sequence[float]) -> Iterator[str]:
