@@ -253,7 +253,7 @@ def run(
             if doubt.severe:
                 typer.echo(one_line(f"warning: {model_file}: {doubt.text}"), err=True)
         results = solver.simulate(model, output=target, progress=True, resume=resume, anyway=anyway)
-    for line in report(results):
+    for line in (*solver.given_moduli(model), *report(results)):
         typer.echo(one_line(line))
     steps, loop = int(results.solver["steps"]), float(results.solver["seconds"])
     speed = f", {1e6 * loop / steps:.1f} us per step" if steps else ""

@@ -96,19 +96,22 @@ def loss_in_words(modes: Modes, chain: Chain) -> str:
     low, high = chain.band
     fit = f"{low:g} to {high:g} Hz within {100.0 * chain.ripple:.2g} %"
     if chain.loss_factor:
-        at = np.array([2.0 * np.pi * chain.reference])
-        stiffer = 100.0 * float(chain.factor(at, 1)[0, 0].real - 1.0)
+        middle = np.sqrt(low * high)
+        stiffer = 100.0 * float(chain.factor(np.array([2.0 * np.pi * middle]), 1)[0, 0].real - 1.0)
+        moduli = chain.given_moduli or (
+            f"moduli given at rest; at {middle:.3g} Hz they are {stiffer:.2g} % higher"
+        )
         return (
             f"{chain.loss_factor:g} from {fit}, {len(chain.tau)} Maxwell elements: damping ratio "
-            f"{0.5 * chain.loss_factor:g}, free or held; moduli of the body file at "
-            f"{chain.reference:g} Hz, {stiffer:.2g} % above those of long times"
+            f"{0.5 * chain.loss_factor:g}, free or held; {moduli}"
         )
     resonances = modes.resonances / (2.0 * np.pi)
     losses = modes.loss_factors[(low <= resonances) & (resonances <= high)]
     found = f"{losses.min():.3g} to {losses.max():.3g}, " if len(losses) else ""
+    moduli = f"; {chain.given_moduli}" if chain.given_moduli else ""
     return (
         f"{found}by the strain energy that modes of the free body have in each material, those of "
-        f"the materials from {fit}"
+        f"the materials from {fit}{moduli}"
     )
 
 

@@ -66,6 +66,7 @@ def modes(model_file: ModelFile, n: ModeCount = 12, output: LinearOutput = None)
         found = linear.modes(n)
         title = _linear_title(model_file, linear.spin)
         Console().print(modes_table(title, found))
+        _tell_validity(model_file, linear.validity(found))
         if output is not None:
             _write(output, modes_csv(found), lambda: modes_picture(title, linear, found))
 
@@ -93,6 +94,7 @@ def frf(
         if static:
             response = linear.static(inputs, outputs)
             Console().print(static_table(response))
+            _tell_validity(model_file, linear.validity())
             if output is not None:
                 _write(output, response_csv({"": response}), None)
             return
@@ -107,6 +109,7 @@ def frf(
             f", {kind}" if len(kinds) > 1 else "": linear.frf(inputs, outputs, frequencies, kind)  # type: ignore[arg-type]
             for kind in kinds
         }
+        _tell_validity(model_file, linear.validity(None, frequencies))
         title = _linear_title(model_file, linear.spin)
         _write(target, response_csv(responses), lambda: response_picture(title, responses))
 
@@ -126,7 +129,7 @@ def campbell(
     from rich.console import Console
 
     from .. import solver, superelement, view
-    from .linear_report import campbell_picture, campbell_rows, campbell_table, crossing_lines
+    from .linear_report import campbell_picture, campbell_rows, campbell_tables, crossing_lines
 
     target = output or model_file.with_name(f"{model_file.stem}-campbell.png")
     try:
@@ -139,16 +142,29 @@ def campbell(
     with errors_in_one_line(solver, superelement, view):
         _require_no_model(target, model_file)
         diagram = solver.campbell(
-            solver.read_model(model_file), np.linspace(first, last, count).tolist(), n
+            solver.read_model(model_file),
+            np.linspace(first, last, count).tolist(),
+            n,
+            progress=True,
         )
-        Console().print(campbell_table(model_file.stem, diagram))
+        for table in campbell_tables(model_file.stem, diagram):
+            Console().print(table)
         for line in crossing_lines(diagram, wanted):
             typer.echo(one_line(line))
+        _tell_validity(model_file, diagram.validity)
         _write(
             target,
             campbell_rows(diagram),
             lambda: campbell_picture(model_file.stem, diagram, wanted),
         )
+
+
+def _tell_validity(model_file: Path, validity: Any) -> None:
+    """The table of validity where bodies deform, and a line on stderr for each limit passed."""
+    if validity.checks:
+        typer.echo(str(validity))
+    for warning in validity.warnings:
+        typer.echo(one_line(f"warning: {model_file}: {warning}"), err=True)
 
 
 def _linear_title(model_file: Path, spin: float) -> str:

@@ -23,9 +23,13 @@ NEAR = 41
 NARROW = 1e-4
 """ratio of damping from which a resonance counts as so wide"""
 ROUNDING = 1e-9
-"""damping ratio that counts as none"""
+"""damping ratio, or frequency over the largest, that counts as none"""
 SHOWN = 12
 """modes that are drawn"""
+ABREAST = 6
+"""lines of a Campbell diagram side by side"""
+WHIRLS = {"forward": "forw.", "backward": "backw.", "none": "none"}
+"""names of whirl in narrow columns"""
 
 
 def modes_table(title: str, modes: LinearModes) -> Table:
@@ -169,19 +173,32 @@ def campbell_rows(diagram: Campbell) -> list[list[str]]:
     return rows
 
 
-def campbell_table(title: str, diagram: Campbell) -> Table:
-    table = Table(title=Text(f"{title}: frequencies in space [Hz] over the spin [rad/s]"))
-    table.add_column("spin", justify="right")
-    for k, line in enumerate(diagram.lines):
-        table.add_column(f"{k + 1} {line.whirl}", justify="right")
-    for n, spin in enumerate(diagram.spins.tolist()):
-        values = [line.frequencies[n] for line in diagram.lines]
-        table.add_row(f"{spin:.5g}", *("" if np.isnan(f) else f"{f:.6g}" for f in values))
-    return table
+def campbell_tables(title: str, diagram: Campbell) -> Iterator[Table]:
+    """Frequencies over the spin, as many lines side by side as fit into 80 columns."""
+    largest = max(float(np.nanmax(line.frequencies)) for line in diagram.lines)
+    heads = [f"{k + 1} {WHIRLS[line.whirl]}" for k, line in enumerate(diagram.lines)]
+    for first in range(0, len(heads), ABREAST):
+        what = f"{title}: frequencies in space [Hz] over the spin [rad/s]" if not first else ""
+        table = Table(title=Text(what) if what else None)
+        table.add_column("spin", justify="right", no_wrap=True)
+        for head in heads[first : first + ABREAST]:
+            table.add_column(head, justify="right", no_wrap=True)
+        lines = diagram.lines[first : first + ABREAST]
+        for n, spin in enumerate(diagram.spins.tolist()):
+            values = [line.frequencies[n] for line in lines]
+            table.add_row(f"{spin:.5g}", *(_rounded(f, largest) for f in values))
+        yield table
+
+
+def _rounded(frequency: float, largest: float) -> str:
+    """A frequency with five digits, 0 where it is the rounding of the largest."""
+    if np.isnan(frequency):
+        return ""
+    return f"{frequency:.5g}" if frequency > ROUNDING * largest else "0"
 
 
 def crossing_lines(diagram: Campbell, orders: Sequence[float]) -> Iterator[str]:
-    """A line of text for each speed at which an engine order meets a mode."""
+    """A line of text for each speed at which an engine order meets a mode, or a mode grows."""
     for order in orders:
         for crossing in diagram.crossings(order):
             turns = 60.0 * crossing.spin / (2.0 * np.pi)
@@ -190,6 +207,8 @@ def crossing_lines(diagram: Campbell, orders: Sequence[float]) -> Iterator[str]:
                 f"{order:g}x meets line {crossing.line + 1} ({whirl}) at {crossing.spin:.6g} "
                 f"rad/s, {turns:.6g} turns per minute: {crossing.frequency:.6g} Hz"
             )
+    for spin in diagram.spins[diagram.unstable].tolist():
+        yield f"UNSTABLE at {spin:.6g} rad/s: a mode grows, see `duhamel modes` at that spin"
 
 
 def campbell_picture(title: str, diagram: Campbell, orders: Sequence[float]) -> Any:

@@ -19,7 +19,7 @@ def report(results: Results) -> Iterator[str]:
     if solver["removed"]:
         yield f"redundant constraints removed: {solver['removed']}"
     if damping := solver.get("damping"):
-        yield f"damping, about the start: {damping}"
+        yield f"damping ratios about the initial state: {damping}"
     if solver["assembly_error"] > NOTICEABLE:
         opening, joint = solver["assembly_error"], solver["assembly_error_at"]
         yield f"largest assembly error: {opening:.3g} m at {joint}"

@@ -34,6 +34,16 @@ def available(root: Path = ROOT) -> int:
     return min(_machine(root), *_control_groups(root), _address_space(root), sys.maxsize)
 
 
+def peak() -> int:
+    """The most memory that this process has had [bytes]; 0 where the system does not say."""
+    try:
+        from resource import RUSAGE_SELF, getrusage
+    except ImportError:
+        return 0
+    unit = 1 if sys.platform == "darwin" else 1024
+    return unit * getrusage(RUSAGE_SELF).ru_maxrss
+
+
 def scratch() -> int:
     """Bytes that temporary files may still take (TMPDIR)."""
     return shutil.disk_usage(tempfile.gettempdir()).free

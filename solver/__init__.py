@@ -11,7 +11,7 @@ from .errors import (
     StateError,
     ValidityWarning,
 )
-from .inspection import ModelCheck, check
+from .inspection import ModelCheck, check, given_moduli
 from .laws.bouc_wen import BoucWenLaw
 from .laws.check import check_law
 from .laws.dampers import DamperLaw, TabulatedDamperLaw
@@ -159,6 +159,7 @@ __all__ = [
     "check",
     "check_law",
     "doubts",
+    "given_moduli",
     "linearize",
     "model_schema",
     "read_model",

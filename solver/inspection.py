@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..files.memory import peak
 from ..results.schema import Contents
 from .arrays import Array
 from .errors import about
@@ -47,9 +48,10 @@ class ModelCheck:
     free_frequencies: the first of each superelement alone [Hz], by body; second_order: of each
     flexible body, the number of its coordinates, "off" or "none"; contacts: a line for each
     contact and stop, with its gap at the start; drifts: a line for each coordinate that is driven
-    by its velocity or acceleration, where it ends; motors: a line for each; seconds: of the time
-    loop;
-    memory: of the arrays of the run, results_size: of the results [bytes], with so many rows.
+    by its velocity or acceleration, where it ends; motors: a line for each; moduli: a line for each
+    body whose moduli are given at a frequency; seconds: of the time loop; memory: of the whole
+    process at most, with libraries and compiled code; results_size: of the results [bytes], with so
+    many rows.
     """
 
     bodies: int
@@ -71,6 +73,7 @@ class ModelCheck:
     drifts: tuple[str, ...] = ()
     damping: tuple[DampedMotion, ...] = ()
     motors: tuple[str, ...] = ()
+    moduli: tuple[str, ...] = ()
     warnings: tuple[str, ...] = field(default=())
 
     def __str__(self) -> str:
@@ -88,22 +91,23 @@ class ModelCheck:
         yield f"steps: {self.steps} of {self.step:g} s"
         yield self._line_of_frequencies()
         if self.damping:
-            yield f"damping, about the start: {damping_in_words(self.damping)}"
+            yield f"damping ratios about the initial state: {damping_in_words(self.damping)}"
+        yield from self.moduli
         yield from self.contacts
         yield from self.drifts
         yield from self.motors
-        yield f"to expect: about {self.seconds:.2g} s, {_megabytes(self.memory)} of memory"
+        yield f"expected: about {self.seconds:.2g} s, {_megabytes(self.memory)} of memory in all"
         yield f"results: {self.rows} rows, {_megabytes(self.results_size)}"
 
     def _line_of_frequencies(self) -> str:
         if self.frequencies is None:
             listed = ", ".join(f"{name} {f:.5g}" for name, f in self.free_frequencies.items())
-            return f"first frequencies of the bodies, free [Hz]: {listed or 'not known'}"
+            return f"natural frequencies of the bodies, free [Hz]: {listed or 'not known'}"
         if not len(self.frequencies):
-            return "first frequencies [Hz]: none, nothing is elastic"
+            return "natural frequencies [Hz]: none, nothing is elastic"
         first = ", ".join(f"{f:.5g}" for f in self.frequencies[:SHOWN])
-        undamped = ", undamped, of long times" if self.damping else ""
-        return f"first frequencies, about the start{undamped} [Hz]: {first}"
+        about = "linearized about the initial state, without damping, preload and spin"
+        return f"natural frequencies, {about} [Hz]: {first}"
 
 
 def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck:
@@ -126,6 +130,7 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
             check_memory(contents, rows)
         found, free = vibrations(initial), _free_frequencies(model)
         frequencies = None if found is None else found.frequencies
+        seconds = _seconds(initial)
         damped = () if found is None else tuple(damped_motions(initial, found))
     return ModelCheck(
         bodies=len(model.bodies),
@@ -140,12 +145,13 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
         damping=damped,
         free_frequencies=free,
         second_order={name: _second_order(b) for name, b in model.flexible_bodies.items()},
-        memory=_memory(initial),
+        memory=peak(),
         rows=rows,
         results_size=file_bytes(contents, rows),
         contacts=tuple(_contacts(initial)),
         drifts=tuple(map(str, drifts(lowered, lowered.h * lowered.n_steps))),
         motors=tuple(_motors(initial)),
+        moduli=tuple(given_moduli(model)),
         warnings=(
             *initial.warnings,
             *signal_warnings(lowered),
@@ -154,8 +160,16 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
             *_lacks(path, contents, rows),
             *(doubt.text for doubt in doubts(model)),
         ),
-        seconds=_seconds(initial),
+        seconds=seconds,
     )
+
+
+def given_moduli(model: Model) -> Iterator[str]:
+    """A line for each flexible body whose moduli are given at a frequency, not at rest."""
+    for name, body in model.flexible_bodies.items():
+        modes = body.superelement.modes
+        if modes is not None and modes.chain is not None and (words := modes.chain.given_moduli):
+            yield f"body {name!r}: {words}"
 
 
 def _megabytes(size: int) -> str:
@@ -238,11 +252,6 @@ def _described(coupling: Coupling) -> str:
         where = f"{'inside' if coupling.hollow else 'on'} a {coupling.shape}{radius}"
         return f"{ball} at {coupling.between[1]}, {where} at {coupling.between[0]}"
     return coupling.owner
-
-
-def _memory(initial: InitialState) -> int:
-    records = initial.lowered.system, initial.state, initial.work
-    return int(sum(array.nbytes for record in records for array in record.arrays()))
 
 
 def _seconds(initial: InitialState) -> float:

@@ -50,6 +50,17 @@ class Chain:
         object.__setattr__(self, "tau", tau)
         object.__setattr__(self, "amplitude", a)
 
+    @property
+    def given_moduli(self) -> str:
+        """By how much static moduli are lower than given ones, in words; "" for moduli at rest."""
+        if self.reference == 0.0:
+            return ""
+        m = self.amplitude.shape[1] if self.amplitude.ndim == 2 else 1
+        stiffer = self.factor(np.array([2.0 * np.pi * self.reference]), m).real
+        least, most = (f"{100.0 * (1.0 - 1.0 / c):.2g}" for c in (stiffer.min(), stiffer.max()))
+        lower = least if least == most else f"{least} to {most}"
+        return f"moduli given at {self.reference:.3g} Hz; the static moduli are {lower} % lower"
+
     def amplitudes(self, m: int) -> Array:
         """a (K, m) of m modes."""
         a = self.amplitude[:, None] if self.amplitude.ndim == 1 else self.amplitude

@@ -22,6 +22,8 @@ NOTHING = 1e-12
 """of the largest response: those below are rounding, and are not drawn"""
 LEGEND_LINE = 0.17
 """[inch]"""
+BEYOND_ORDERS = 1.25
+"""frequencies that are drawn, over those that engine orders reach"""
 MARKS = {"forward": "-", "backward": "--", "none": ":"}
 """lines of the kinds of whirl"""
 
@@ -85,7 +87,7 @@ def draw_campbell(
     figure.set_size_inches(WIDTH, 2.0 * PANEL_HEIGHT)
     turns = spins / (2.0 * np.pi)
     with style():
-        highest = max(float(np.nanmax(line.frequencies)) for line in lines)
+        highest = _band_of_interest(spins, lines, orders)
         named: set[str] = set()
         for line in lines:
             label = line.whirl if line.whirl not in named else None
@@ -113,6 +115,20 @@ def draw_campbell(
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
         entitle(figure, title)
     return figure
+
+
+def _band_of_interest(
+    spins: Array, lines: Sequence[CampbellLine], orders: Sequence[float]
+) -> float:
+    """The highest frequency [Hz] that is drawn.
+
+    A little beyond what the orders reach, but at least the lowest line that they do not reach.
+    """
+    reached = BEYOND_ORDERS * max(orders, default=1.0) * float(spins[-1]) / (2.0 * np.pi)
+    lowest = sorted(float(np.nanmin(line.frequencies)) for line in lines)
+    tops = sorted(float(np.nanmax(line.frequencies)) for line in lines)
+    above = next((frequency for frequency in lowest if frequency > reached), 0.0)
+    return min(max(reached, above), tops[-1])
 
 
 @dataclass(frozen=True, eq=False)

@@ -93,9 +93,8 @@ class Damping(Table):
 
     modal: zeta f / f_free of it is left to a mode that joints or clamps have brought from f_free
     down to f. loss_factor, that of all frequencies in `band` [Hz], is left whatever holds the body:
-    every mode has the ratio loss_factor / 2. The modulus of the body file is that at
-    reference_frequency [Hz], the geometric mean of the band unless given: a material that loses
-    energy stiffens with frequency. 0 for a modulus of long times.
+    every mode has the ratio loss_factor / 2. A material that loses energy stiffens with frequency:
+    the moduli of the body file are those at rest, or those at reference_frequency [Hz].
     """
 
     modal: Annotated[Ratios | None, BeforeValidator(_as_table), Also(float)] = None
@@ -135,10 +134,8 @@ class Damping(Table):
 
     @property
     def reference(self) -> float:
-        """The frequency [Hz] at which moduli are those of the body file."""
-        if self.reference_frequency is not None or self.band is None:
-            return self.reference_frequency or 0.0
-        return float(np.sqrt(self.band[0] * self.band[1]))
+        """The frequency [Hz] at which moduli are those of the body file; 0: at rest."""
+        return self.reference_frequency or 0.0
 
     @property
     def chain(self) -> Chain | None:

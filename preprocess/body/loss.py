@@ -16,13 +16,13 @@ STIFFNESSES = ("E", "G", "EA", "EI_y", "EI_z", "GJ", "GA_y", "GA_z")
 
 
 def relaxed(body: Body) -> Body:
-    """The body with moduli of long times, with which those of the file hold at the reference."""
+    """The body with static moduli, with which those of the file hold at the reference."""
     softness = {name: 1.0 / factor for name, factor in stiffenings(body).items() if factor != 1.0}
     return scaled(body, softness)
 
 
 def stiffenings(body: Body) -> dict[str, float]:
-    """The modulus at the reference frequency over that of long times, by group; "" of a whole."""
+    """The modulus at the reference frequency over the static one, by group; "" of a whole."""
     fits = fits_of(body)
     return {
         name: 1.0 if found is None else stiffening(found, body.damping.reference)

@@ -21,7 +21,7 @@ from ..mesh.nodes import Nodes
 class GivenSource:
     """Stiffness and mass without elements; nodes have three dofs or six.
 
-    stiffening: by which K is divided, to be that of a material with a loss factor at long times.
+    stiffening: by which K is divided, to be the static one of a material with a loss factor.
     """
 
     model: GivenModel

@@ -17,7 +17,7 @@ from .lines import LineSource
 def read_source(body: Body) -> Source:
     """Read the files of a body; `PreprocessError` names the file that cannot be read.
 
-    Materials with a loss factor have the moduli of long times.
+    Materials with a loss factor have their static moduli.
     """
     if body.matrices is not None:
         return GivenSource(read_matrices(body.matrices), stiffenings(body)[""])

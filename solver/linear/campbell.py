@@ -10,14 +10,18 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ...files.progress import Progress, Work
 from ..arrays import Array
 from ..errors import ModelError
 from ..model.model import Model
 from ..model.settings import SteadyRotation
 from .linearize import LinearModel, linearize
-from .modes import LARGEST
+from .modes import Complex, LinearModes
 from .motion import Motion
+from .pose import Pose
+from .validity import LinearValidity
 
 STILL = 1e-8
 """of the largest spin, at which pairs of modes at rest are told apart"""
@@ -25,6 +29,12 @@ ON_AXIS = 1e-3
 """distance from the axis, relative to the size of the model, of points that whirl with it"""
 FAINT = 1e-3
 """share of the axis in the motion of a mode, below which it does not whirl"""
+ALIKE = 1e-4
+"""relative difference of eigenvalues of modes that count as one"""
+INDEPENDENT = 1e6
+"""condition of modes that coincide, above which they are taken as they are"""
+LEAST = 12
+"""modes that are looked for"""
 FORWARD, BACKWARD, NONE = "forward", "backward", "none"
 
 
@@ -57,6 +67,10 @@ class Campbell:
 
     spins: Array
     lines: tuple[Line, ...]
+    unstable: NDArray[np.bool_]
+    """whether a mode grows at each spin (n,)"""
+    validity: LinearValidity
+    """at the largest spin"""
 
     def crossings(self, order: float = 1.0) -> list[Crossing]:
         """Where lines meet order * spin / (2 pi), in the order of the spins."""
@@ -84,11 +98,14 @@ def _roots(spins: Array, frequencies: Array, order: float) -> Iterator[float]:
             yield root
 
 
-def campbell(model: Model, spins: Sequence[float], modes: int = 8) -> Campbell:
+def campbell(
+    model: Model, spins: Sequence[float], modes: int = 8, progress: bool = False
+) -> Campbell:
     """The first modes of a model over spins [rad/s], about the axis of its steady rotation.
 
-    ModelError for a model without `steady_rotation`, whose axis and center count, and what
-    `linearize` refuses.
+    Drives that turn the model follow the spin. progress: tell on stderr how far it is. ModelError
+    for a model without `steady_rotation`, whose axis and center count, and what `linearize`
+    refuses.
     """
     rotation = model.settings.steady_rotation
     if rotation is None or not np.any(rotation.angular_velocity):
@@ -97,50 +114,112 @@ def campbell(model: Model, spins: Sequence[float], modes: int = 8) -> Campbell:
     if not len(speeds) or (speeds < 0.0).any() or (np.diff(speeds) <= 0.0).any():
         raise ModelError("spins: expected numbers >= 0 that increase")
     axis = rotation.angular_velocity / np.linalg.norm(rotation.angular_velocity)
-    points = []
-    for speed in np.maximum(speeds, STILL * speeds[-1]).tolist():
-        turned = SteadyRotation(speed * axis, rotation.center)
-        points.append(_points(linearize(model, turned), modes))
-    return Campbell(speeds, tuple(_lines(points, modes)))
+    found = []
+    with Progress(Work("Campbell diagram", len(speeds), "speeds"), shown=progress) as work:
+        for speed in np.maximum(speeds, STILL * speeds[-1]).tolist():
+            linear = linearize(model, SteadyRotation(speed * axis, rotation.center))
+            found.append(_slowest_in_space(linear, modes))
+            work.advance()
+    grows = np.array([unstable for _, unstable in found])
+    points = [points for points, _ in found]
+    highest = [frequency for point in points for _, frequency, _ in point]
+    return Campbell(speeds, tuple(_lines(points, modes)), grows, linear.validity(None, highest))
 
 
 Point = tuple[str, float, float]
 """whirl, frequency [Hz] and damping ratio of a mode"""
 
 
-def _points(linear: LinearModel, n: int) -> list[Point]:
-    """The n slowest modes in space, of four times as many: others are slow in the mechanism."""
-    form, spin = linear.first_order, linear.spin
-    modes = linear.modes(None if form.n <= LARGEST else 4 * n)
-    motion = linear.motion(modes.y)
-    points = []
-    for k in range(len(modes)):
-        omega = abs(float(modes.values[k].imag))
-        whirl = _whirl(linear, motion, k)
-        seen = {FORWARD: spin + omega, BACKWARD: spin - omega, NONE: omega}[whirl]
-        if whirl != NONE:
-            whirl = FORWARD if seen > 0.0 else BACKWARD
-        if omega > 0.0:
-            points.append((whirl, abs(seen) / (2.0 * np.pi), float(modes.ratios[k])))
-    return sorted(points, key=lambda point: point[1])[:n]
+def _slowest_in_space(linear: LinearModel, n: int) -> tuple[list[Point], bool]:
+    """The n modes that are slowest in space, and whether a mode grows.
+
+    A mode at f in space is seen at up to f + spin from the mechanism: so far modes are found.
+    """
+    asked = max(2 * n, LEAST)
+    while True:
+        modes = linear.modes(asked)
+        points = sorted(_points(linear, modes), key=lambda point: point[1])[:n]
+        if len(modes) < asked:
+            break
+        reach = (float(np.abs(modes.values[-1])) - linear.spin) / (2.0 * np.pi)
+        if len(points) == n and points[-1][1] <= reach:
+            break
+        asked *= 2
+    return points, bool(modes.unstable.any())
 
 
-def _whirl(linear: LinearModel, motion: Motion, k: int) -> str:
-    pose = linear.equations.pose
-    axis = pose.angular_velocity / pose.speed
+def _points(linear: LinearModel, modes: LinearModes) -> Iterator[Point]:
+    spin = linear.spin
+    for members in _alike(modes):
+        for whirl, value in _whirls(linear, modes, members):
+            omega = abs(value.imag)
+            seen = {FORWARD: spin + omega, BACKWARD: spin - omega, NONE: omega}[whirl]
+            if whirl != NONE:
+                whirl = FORWARD if seen > 0.0 else BACKWARD
+            if omega > 0.0:
+                yield whirl, abs(seen) / (2.0 * np.pi), -value.real / abs(value)
+
+
+def _alike(modes: LinearModes) -> Iterator[list[int]]:
+    """Numbers of modes, those whose eigenvalues nearly coincide together."""
+    group: list[int] = []
+    for k in range(modes.rigid, len(modes)):
+        value = modes.values[k]
+        if group and abs(value - modes.values[group[-1]]) > ALIKE * abs(value):
+            yield group
+            group = []
+        group.append(k)
+    if group:
+        yield group
+
+
+def _whirls(
+    linear: LinearModel, modes: LinearModes, members: list[int]
+) -> Iterator[tuple[str, complex]]:
+    """Whirl and eigenvalue of modes that nearly coincide.
+
+    Their motions y + i z = p exp(i omega t) + m exp(-i omega t) are combined to those in which
+    |p|^2 - |m|^2 over the axis is least and largest: so two planes at rest become two circles.
+    """
+    form, pose = linear.first_order, linear.equations.pose
+    y = modes.y[:, members]
+    R = np.linalg.qr(form.coordinates @ y)[1]  # the inertia is a unit matrix there
+    if np.linalg.cond(R) > INDEPENDENT:
+        R = np.eye(len(members))
+    motion = linear.motion(y @ np.linalg.inv(R))
+    with_spin, against, whole = _circles(motion, pose)
+    whole = whole + np.eye(len(members)) / float(pose.system.bodies.mass.sum())
+    _, combined = np.linalg.eigh(_square(with_spin) - _square(against))
+    values = R @ np.diag(modes.values[members]) @ np.linalg.inv(R)
+    for x in combined.T:
+        p, m = (float((np.abs(part @ x) ** 2).sum()) for part in (with_spin, against))
+        value = complex(x.conj() @ values @ x)
+        if p + m <= FAINT * float((x.conj() @ whole @ x).real):
+            yield NONE, value
+        else:
+            yield FORWARD if p >= m else BACKWARD, value
+
+
+def _square(matrix: Complex) -> Complex:
+    square: Complex = matrix.conj().T @ matrix
+    return square
+
+
+def _circles(motion: Motion, pose: Pose) -> tuple[Complex, Complex, Complex]:
+    """Circles of points on the axis with the spin and against it (n, k), and the square of all.
+
+    Of translations and of rotations times the size of the model. The last (k, k) are products of
+    all points, whose turning about the axis and motion along it counts: torsion does not whirl.
+    """
+    size, axis = pose.system.bodies.size, pose.angular_velocity / pose.speed
     first, second = _across(axis)
     arms = motion.points - pose.center
     off = np.linalg.norm(arms - np.outer(arms @ axis, axis), axis=1)
-    near = off <= ON_AXIS * pose.system.bodies.size
-    size = pose.system.bodies.size
-    moved = np.vstack([motion.translations[near, :, k], size * motion.rotations[near, :, k]])
-    y, z = moved @ first, moved @ second
-    with_spin = float((np.abs(y + 1j * z) ** 2).sum())
-    against = float((np.abs(y - 1j * z) ** 2).sum())
-    whole = float((np.abs(motion.translations[:, :, k]) ** 2).sum())
-    if with_spin + against <= FAINT * whole:
-        return NONE
-    return FORWARD if with_spin >= against else BACKWARD
+    near = off <= ON_AXIS * size
+    moved = np.concatenate([motion.translations[near], size * motion.rotations[near]])
+    y, z = np.einsum("nck,c->nk", moved, first), np.einsum("nck,c->nk", moved, second)
+    everything = np.concatenate([motion.translations, size * motion.rotations])
+    return y + 1j * z, y - 1j * z, _square(everything.reshape(-1, everything.shape[2]))
 
 
 def _across(axis: Array) -> tuple[Array, Array]:

@@ -20,6 +20,7 @@ from .pose import pose_of
 from .shapes import Shape, shapes_of
 from .state_space import StateSpace, state_space_of
 from .steady import check_constant
+from .validity import LinearValidity, validity_of
 
 FEW = 60
 """modes of a model that has too many for all"""
@@ -67,6 +68,16 @@ class LinearModel:
         if any(isinstance(body, KernelBody) for body in self.equations.bodies):
             return None
         return self.modes(None if self.first_order.n <= LARGEST else FEW)
+
+    def validity(self, modes: LinearModes | None = None, frequencies: Any = ()) -> LinearValidity:
+        """How far this analysis can be trusted: `print(linear.validity())` shows a table.
+
+        modes: as found, frequencies [Hz]: of responses, which should be within the band of the
+        superelements.
+        """
+        highest = float(np.max(frequencies, initial=0.0))
+        form = None if modes is None else self.first_order
+        return validity_of(form, self.equations.pose, modes, highest)
 
     def motion(self, y: Any) -> Motion:
         """Motions of bodies and frames in motions y (n_y, k), as `LinearModes.y`."""
@@ -129,7 +140,8 @@ class LinearModel:
 def linearize(model: Model, rotation: SteadyRotation | None = None) -> LinearModel:
     """The linear equations of a model about the equilibrium nearest to its start.
 
-    At rest, in the steady rotation of its settings, or in `rotation`; under gravity, and under the
+    At rest, in the steady rotation of its settings, or in `rotation`, which drives that turn the
+    mechanism then follow; under gravity, and under the
     loads at t = 0 where the model starts in equilibrium: where it starts as given, they begin
     then, and count for nothing, as velocities do. `ModelError` where there is no such equilibrium,
     for friction that acts, for laws with a memory other than Maxwell's or with a kink there, and

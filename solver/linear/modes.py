@@ -25,20 +25,23 @@ from ..start.matrices import dense_of
 from .blocks import diagonal_blocks
 from .equations import Equations, Forcing
 from .flexibility import ModalBody
+from .subspace import BLOCK, ZERO, Subspace, slowest
 
 Complex = NDArray[np.complex128]
 SHIFT = 0.03
 """sigma over a frequency of the model"""
-ZERO = 3e-5
-"""of sigma: eigenvalues below are motions that nothing resists"""
-SLOW, ITERATIONS = 3.0, 12
-"""eigenvalues below so many sigma are iterated together, so often"""
+ITERATIONS = 12
+"""of an eigenvalue that is followed, at most"""
+BESIDE = 1e-13
+"""relative distance from an eigenvalue of a free body at which equations are solved"""
 CONVERGED = 1e-12
 """relative change of an eigenvalue that ends an iteration"""
 GROWTH = 1e-6
 """of the size of an eigenvalue: a growth that is not rounding, which pairs that coincide have"""
 LARGEST = 1500
 """states up to which all modes are found at once"""
+SMALL = 240
+"""states up to which all modes take no longer than a few"""
 
 
 class FirstOrder:
@@ -281,13 +284,12 @@ def modes_of(form: FirstOrder, n: int | None) -> LinearModes:
 
     form: without chains of materials.
     """
-    values, x = _eigenvalues(form, n)
-    zeros = np.array([form.is_zero(value) for value in values.tolist()], dtype=bool)
-    upper = (values.imag > 0.0) | (values.imag == 0.0)
-    chosen = np.flatnonzero(upper & ~zeros)
-    chosen = chosen[np.lexsort((values[chosen].real, np.abs(values[chosen])))]
-    still = _motions_without_resistance(form, values)
-    values, x = values[chosen], x[:, chosen]
+    space = _subspace(form, n)
+    values = space.values
+    chosen = np.flatnonzero((values.imag >= 0.0) & space.found & ~space.free)
+    chosen = chosen[np.lexsort((values[chosen].real, np.abs(values[chosen])))][:n]
+    still = _motions_without_resistance(form, space)
+    values, x = values[chosen], space.states(chosen)
     states = form.solve(*form.split(x * (values - form.sigma)))
     found = LinearModes(
         np.concatenate([np.zeros(still.shape[1]), values]),
@@ -299,25 +301,24 @@ def modes_of(form: FirstOrder, n: int | None) -> LinearModes:
     return LinearModes(found.values[:n], found.y[:, :n], found.lam[:, :n])
 
 
-def _eigenvalues(form: FirstOrder, n: int | None) -> tuple[Complex, Complex]:
-    if form.n <= LARGEST or n is None or 2 * n + 26 >= form.n:
-        if form.n > LARGEST:
-            raise ModelError(
-                f"{form.n} states: expected at most {LARGEST} to find all modes, ask for fewer"
-            )
-        mu, x = np.linalg.eig(form.matrix)
-    else:
-        from scipy.sparse.linalg import LinearOperator, eigs
-
-        operator = LinearOperator(
-            (form.n, form.n), matvec=lambda x: form.apply(x.reshape(-1, 1))[:, 0], dtype=float
+def _subspace(form: FirstOrder, n: int | None) -> Subspace:
+    """The subspace in which the first n modes are, or all."""
+    if n is not None:
+        # bodies that are alike have modes that coincide, in two planes each
+        alike = max(BLOCK, 2 * len(form.bodies))
+        most = form.n if form.n > LARGEST else form.n // 2 if form.n > SMALL else 0
+        found = slowest(form.apply, form.n, form.sigma, n, most, alike)
+        if found is not None:
+            return found
+    if form.n > LARGEST:
+        raise ModelError(
+            f"{form.n} states: expected at most {LARGEST} to find all modes, ask for fewer"
         )
-        mu, x = eigs(operator, 2 * n + 24, v0=np.ones(form.n))
-    return (form.sigma + 1.0 / mu).astype(np.complex128), x.astype(np.complex128)
+    return Subspace(form.sigma, None, form.matrix)
 
 
-def _motions_without_resistance(form: FirstOrder, values: Complex) -> Array:
-    """Real motions y (n_y, k) that nothing resists, from the eigenvalues that were found.
+def _motions_without_resistance(form: FirstOrder, space: Subspace) -> Array:
+    """Real motions y (n_y, k) that nothing resists.
 
     A free motion has two zero eigenvalues, for position and velocity, with one eigenvector between
     them, which no eigenvalue solver tells well; the invariant subspace of all of them is certain.
@@ -327,25 +328,12 @@ def _motions_without_resistance(form: FirstOrder, values: Complex) -> Array:
     def is_zero(real: float, imaginary: float) -> bool:
         return form.is_zero(form.sigma + 1.0 / complex(real, imaginary))
 
-    if not any(form.is_zero(value) for value in values.tolist()):
+    if not space.free.any():
         return np.zeros((len(form.basis), 0))
-    if form.n <= LARGEST:
-        _, U, p = schur(form.matrix, sort=is_zero)
-    else:
-        slow = _slow_subspace(form, int((np.abs(values) < SLOW * form.sigma).sum()))
-        _, U, p = schur(slow.T @ form.apply(slow), sort=is_zero)
-        U = slow @ U
-    directions, size, _ = np.linalg.svd(U[: form.n_free, :p], full_matrices=False)
+    _, U, p = schur(space.matrix, sort=is_zero)
+    directions, size, _ = np.linalg.svd(space.lifted(U[:, :p])[: form.n_free], full_matrices=False)
     still: Array = form.basis @ directions[:, size > 1e-3]
     return still
-
-
-def _slow_subspace(form: FirstOrder, p: int) -> Array:
-    """The invariant subspace (n, p) of the p slowest eigenvalues, by iteration."""
-    X = np.random.default_rng(0).normal(size=(form.n, p))
-    for _ in range(ITERATIONS):
-        X, _ = np.linalg.qr(form.apply(X))
-    return X
 
 
 def frames_of(form: FirstOrder, y: Any) -> Any:
@@ -377,6 +365,7 @@ def _followed(form: FirstOrder, s: complex, y: Complex) -> tuple[complex, "State
     e[form.n_e - n_x :] = y[n_r + chains.mode] / (1.0 + s * chains.tau)[:, None]
     states = States(y, s * y, e, np.zeros((form.equations.sizes.n_i, 1)))
     for _ in range(ITERATIONS):
+        s = _beside_poles(form, s)
         a = form.coordinates @ states.y
         moved = form.at(s).solve(states.y, states.v, states.e)
         factor = complex(np.vdot(a, form.coordinates @ moved.y) / np.vdot(a, a))
@@ -388,3 +377,12 @@ def _followed(form: FirstOrder, s: complex, y: Complex) -> tuple[complex, "State
         if abs(1.0 / factor) <= CONVERGED * abs(s):
             break
     return s, states
+
+
+def _beside_poles(form: FirstOrder, s: complex) -> complex:
+    """s, or just beside it where it is an eigenvalue of a body alone, whose response is infinite.
+
+    So it is for the modes of bodies that nothing holds.
+    """
+    nearest = np.abs(form.step(s)).min(initial=np.inf)
+    return s * (1.0 + BESIDE) if nearest < BESIDE * abs(s) ** 2 else s

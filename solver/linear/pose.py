@@ -20,6 +20,7 @@ from ..model.settings import StartFrom, SteadyRotation
 from ..start.initial import InitialState, initialize
 from ..step.equations import evaluate
 from ..step.system import State, System, Workspace
+from .driven import driven_at
 
 BESIDE = 1e-6
 """relative change of a deformation, and a rate, beside which slopes are compared"""
@@ -69,8 +70,9 @@ def pose_of(model: Model, rotation: SteadyRotation | None = None) -> Pose:
 
     And under the loads at t = 0 where the model starts in equilibrium; where it starts as given,
     they begin then, and count for nothing, as velocities do. rotation: in place of the steady
-    rotation of its settings. `ModelError` where there is none, and for what has no linear
-    equations: friction that acts, laws with a memory but Maxwell's, laws with a kink there.
+    rotation of its settings; drives that turn the mechanism follow it.
+    `ModelError` where there is none, and for what has no linear equations: friction that acts, laws
+    with a memory but Maxwell's, laws with a kink there.
     """
     model = _at_rest(model, rotation)
     initial = initialize(model, lower(model), continuous=True)
@@ -107,6 +109,7 @@ def _at_rest(model: Model, rotation: SteadyRotation | None) -> Model:
         changes |= {"history": "recursive"}
     if rotation is not None:
         changes["steady_rotation"] = rotation
+        model = replace(model, **driven_at(model, rotation))
     zero = np.zeros(3)
     bodies = {
         name: replace(body, start=replace(body.start, velocity=zero, angular_velocity=zero))

@@ -10,6 +10,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import ModelError
+from ..step.bodies import largest_coordinate
+from ..step.force_laws import law_rounding
 from ..step.rotations import quaternion_exponential, quaternion_matrix, quaternion_product
 from .equations import Equations, Forcing, equations_of
 from .pose import Pose
@@ -112,11 +114,27 @@ def _in_bodies(pose: Pose) -> Array:
 
 
 def _force(pose: Pose) -> float:
-    """A force of the rotation, or of the loads [N, N m]."""
+    """A force of the rotation, of the loads, or that stiff springs make of rounding [N, N m]."""
     bodies = pose.system.bodies
     size = max(bodies.size, 1.0)
     spin = float(bodies.mass.sum()) * pose.speed**2 * bodies.size
-    return size * max(spin, float(np.abs(pose.state.couplings.lam).max(initial=0.0)))
+    return size * max(
+        spin, float(np.abs(pose.state.couplings.lam).max(initial=0.0)), _rounding(pose) / ALIKE
+    )
+
+
+def _rounding(pose: Pose) -> float:
+    """The largest change of the force of a law by the rounding of positions."""
+    couplings = pose.system.couplings
+    reach = largest_coordinate(pose.system.bodies, pose.state)
+    first = np.repeat(couplings.range[:-1], np.diff(couplings.range)).tolist()
+    return max(
+        (
+            law_rounding(pose.system, i, first[i], reach, pose.state, pose.work)
+            for i in np.flatnonzero(couplings.compliant).tolist()
+        ),
+        default=0.0,
+    )
 
 
 def _stiffness_scale(pose: Pose) -> float:

@@ -31,7 +31,7 @@ NOISE = 100.0
 
 @dataclass(frozen=True, eq=False)
 class Vibrations:
-    """Undamped vibrations about the start, with the stiffness of long times.
+    """Undamped vibrations about the initial state, with static stiffness.
 
     omega (r,) [rad/s], ascending; shapes (n, r): of y and the m modes eta, orthonormal; B (n_rows,
     n): the derivatives of all rows. Motions that nothing resists are left out.

@@ -1,11 +1,12 @@
 """`duhamel check`: a table of what holds, and the exit code."""
 
+import re
 from dataclasses import replace
 
 import h5py
 import pytest
 from duhamel.cli import app
-from duhamel.superelement import write
+from duhamel.superelement import Chain, sample_kernel, write
 
 
 def test_a_sound_superelement_passes(runner, element_file):
@@ -64,9 +65,25 @@ def test_a_model_is_told_about_and_nothing_is_written(runner, element_file):
     lines = dict(line.split(": ", 1) for line in result.stdout.splitlines())
     assert lines["bodies"] == "1, of which 1 flexible"
     assert lines["steps"] == "20 of 0.0005 s"
-    undamped = lines["first frequencies, about the start, undamped, of long times [Hz]"]
-    assert undamped.startswith("100, 200, 300")
+    about = "linearized about the initial state, without damping, preload and spin"
+    assert lines[f"natural frequencies, {about} [Hz]"].startswith("100, 200, 300")
+    megabytes = float(re.search(r"([\d.e+]+) MB of memory in all", result.stdout)[1])
+    assert 50.0 < megabytes < 50_000.0  # a process with numpy, and what tests before it took
     assert sorted(file.name for file in path.parent.iterdir()) == ["beam.h5", "flight.toml"]
+
+
+def test_moduli_that_are_given_at_a_frequency_are_told_by_check_and_run(
+    runner, element, element_file
+):
+    chain = Chain([1e-4, 1e-3], [0.02, 0.02], 0.03, (50.0, 2000.0), 316.2278, 0.0123)
+    modes, kernel = replace(element.modes, chain=chain), element.kernel
+    kernel = sample_kernel(modes, kernel.h, kernel.scheme, kernel.steps)
+    write(element_file, replace(element, modes=modes, kernel=kernel))
+    path = element_file.with_name("flight.toml")
+    path.write_text(MODEL)
+    line = "body 'beam': moduli given at 316 Hz; the static moduli are 1.6 % lower"
+    for command in ("check", "run"):
+        assert line in runner.invoke(app, [command, str(path)]).stdout.splitlines()
 
 
 def test_a_model_that_a_run_would_refuse_is_refused(runner, element_file):

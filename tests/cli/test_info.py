@@ -96,8 +96,8 @@ def test_a_missing_file_is_one_line_on_stderr(runner, tmp_path):
     assert result.stderr == f"error: {tmp_path / 'none.h5'}: no such file\n"
 
 
-def lossy(element, path, amplitude, loss_factor):
-    chain = Chain([1e-4, 1e-3], amplitude, loss_factor, (50.0, 2000.0), 0.0, 0.0123)
+def lossy(element, path, amplitude, loss_factor, reference=0.0):
+    chain = Chain([1e-4, 1e-3], amplitude, loss_factor, (50.0, 2000.0), reference, 0.0123)
     modes, kernel = replace(element.modes, chain=chain), element.kernel
     kernel = sample_kernel(modes, kernel.h, kernel.scheme, kernel.steps)
     write(path, replace(element, modes=modes, kernel=kernel))
@@ -108,8 +108,11 @@ def test_the_loss_factor_of_a_material_with_its_limits(runner, element, tmp_path
     path = lossy(element, tmp_path / "lossy.h5", [0.02, 0.02], 0.03)
     assert cells(runner.invoke(app, ["info", str(path)]).stdout)["loss factor"] == (
         "0.03 from 50 to 2000 Hz within 1.2 %, 2 Maxwell elements: damping ratio 0.015, free or "
-        "held; moduli of the body file at 0 Hz, 0 % above those of long times"
+        "held; moduli given at rest; at 316 Hz they are 1.7 % higher"
     )
+    path = lossy(element, tmp_path / "given.h5", [0.02, 0.02], 0.03, 316.2278)
+    found = cells(runner.invoke(app, ["info", str(path)]).stdout)["loss factor"]
+    assert found.endswith("held; moduli given at 316 Hz; the static moduli are 1.6 % lower")
 
 
 def test_loss_factors_of_several_materials_are_those_of_modes(runner, element, tmp_path):

@@ -96,6 +96,38 @@ def test_a_campbell_diagram_is_printed_and_drawn(runner, tmp_path):
     assert (tmp_path / "rotor-campbell.png").exists()
 
 
+def test_a_campbell_diagram_of_many_lines_fits_into_80_columns(runner, tmp_path, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    file = tmp_path / "rotor.toml"
+    disk = ROTOR[ROTOR.index("[bodies.disk]") : ROTOR.index("[[springs]]")]
+    bearing = ROTOR[ROTOR.index("[[springs]]") :]
+    copies = [
+        (disk + bearing).replace("disk", f"disk{k}").replace("bearing", f"bearing{k}")
+        for k in range(4)
+    ]
+    file.write_text(ROTOR + "".join(copies))
+    output = run(runner, "campbell", file, "--spin", 1000, 1200, 2, "-n", 15).stdout
+    rows = [line for line in output.splitlines() if line.startswith("\u2502")]
+    assert len(rows) >= 4  # two spins, in two tables at least
+    assert all(len(line) <= 80 and "\u2026" not in line for line in rows)
+
+
+def test_the_validity_of_a_linear_analysis_is_printed_and_warned_of(runner, element_file):
+    """A free body that turns at a tenth of its first frequency, 100 Hz, without [rotation]."""
+    file = element_file.with_name("spun.toml")
+    file.write_text(
+        "[simulation]\nt_end = 0.01\nstart = 'equilibrium'\n"
+        "steady_rotation = {angular_velocity = [62.83185, 0, 0]}\n"
+        "[bodies.beam]\nsuperelement = 'beam.h5'\n"
+    )
+    result = run(runner, "modes", file, "-n", 8)
+    assert "spin / first elastic frequency" in result.stdout
+    assert "poor" in result.stdout
+    assert f"warning: {file}: body 'beam': spin / first elastic frequency: 0.1, more than" in (
+        result.stderr
+    )
+
+
 def test_what_cannot_be_done_is_told_in_one_line(runner, pendulum, tmp_path):
     asked = ("--to", "coordinate:hinge:angle", "--band", 1, 10)
     result = run(runner, "frf", pendulum, "--from", "load:2", *asked, code=1)

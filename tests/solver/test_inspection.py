@@ -82,7 +82,7 @@ def test_the_frequency_of_a_mass_on_springs():
 def test_what_nothing_resists_has_no_frequency():
     found = check(model_of(bodies={"ball": ball()}, step=1e-3))
     assert found.frequencies.tolist() == []
-    assert "first frequencies [Hz]: none" in str(found)
+    assert "natural frequencies [Hz]: none" in str(found)
 
 
 def test_a_body_without_modes_leaves_the_frequencies_unknown(beam, measured):

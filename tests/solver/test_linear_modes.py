@@ -1,5 +1,6 @@
 """Modes of assembled models at rest, against closed forms, finite elements and the time domain."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -27,6 +28,7 @@ from duhamel.solver import (
     simulate,
 )
 from duhamel.solver.linear import modes as modes_module
+from duhamel.solver.linear import subspace
 from scipy.linalg import eigh
 from scipy.spatial.transform import Rotation
 
@@ -297,15 +299,32 @@ def _short_pulse():
     return Pulse(1.0, 0.0, 5e-3)
 
 
-def test_few_modes_of_a_large_model_are_those_of_all(line, monkeypatch):
-    model = held(line, Joint("hinge", "revolute", ("ground", "beam.root"), Z))
-    all_modes = linearize(model).modes(5)
-    monkeypatch.setattr(modes_module, "LARGEST", 10)
-    few = linearize(model).modes(5)
-    assert few.rigid == all_modes.rigid == 1
-    np.testing.assert_allclose(few.frequencies, all_modes.frequencies, rtol=1e-9)
-    with pytest.raises(ModelError, match="98 states: expected at most 10"):
-        linearize(model).modes()
+def test_few_modes_of_a_large_model_are_those_of_all(tmp_path, monkeypatch):
+    """Also where many coincide: of shafts that are alike, in both planes, and free to turn."""
+    shaft = make_line(tmp_path, 1.0, 9, section={**SECTION, "EI_z": SECTION["EI_y"]})
+    bodies = {
+        f"shaft{k}": FlexibleBody(shaft, Start([0, k, 0] - shaft.interface("root").X))
+        for k in range(5)
+    }
+    joints = [Joint(name, "revolute", ("ground", f"{name}.root"), [1, 0, 0]) for name in bodies]
+    linear = linearize(model_of(bodies, tuple(joints), step=1e-3))
+    all_modes = linear.modes()
+    monkeypatch.setattr(modes_module, "LARGEST", 10)  # which leaves iteration
+    few = linear.modes(20)
+    assert few.rigid == all_modes.rigid == 5
+    np.testing.assert_allclose(few.frequencies, all_modes.frequencies[:20], rtol=1e-8)
+    with pytest.raises(ModelError, match="states: expected at most 10"):
+        linear.modes()
+
+
+def test_iteration_finds_more_modes_that_coincide_than_a_block_has_vectors():
+    omega = np.concatenate([np.full(20, 1.0), np.geomspace(2.0, 1e3, 280)])
+    rotation = np.kron(np.diag(omega), [[0.0, 1.0], [-1.0, 0.0]])
+    turn, _ = np.linalg.qr(np.random.default_rng(1).normal(size=rotation.shape))
+    inverse = np.linalg.inv(turn @ rotation @ turn.T - 0.03 * np.eye(len(rotation)))
+    space = subspace.slowest(lambda x: inverse @ x, 600, 0.03, 22, 500)
+    found = np.sort(space.values[space.found & (space.values.imag > 0.0)].imag)
+    np.testing.assert_allclose(found[:22], omega[:22], rtol=1e-8)
 
 
 def test_shapes_satisfy_the_joints(line):
@@ -362,6 +381,24 @@ def test_a_material_gives_every_mode_half_its_loss_factor(lossy):
         inside = (found.frequencies > 10.0) & (found.frequencies < 2000.0)
         assert inside.sum() >= 5
         np.testing.assert_allclose(found.ratios[inside], 0.01, rtol=0.04)
+
+
+@pytest.mark.parametrize("loss_factor", [0.02, 0.1])
+def test_a_free_beam_that_loses_energy_has_the_complex_frequencies_of_its_own_modes(
+    tmp_path, loss_factor
+):
+    """omega^2 c(s) + s^2 = 0, found without a division by zero where the body resonates."""
+    damping = {"loss_factor": loss_factor, "band": [10.0, 4000.0]}
+    element = make_line(tmp_path, 1.0, 8, damping=damping)
+    chain, omega = element.modes.chain, np.sort(element.modes.omega)[:20]
+    with warnings.catch_warnings(action="error"):
+        found = linearize(held(element)).modes(26)
+    assert found.rigid == 6
+    s = found.values[6:]
+    c = 1.0 + (np.multiply.outer(s, chain.tau) / (1 + np.multiply.outer(s, chain.tau))) @ (
+        chain.amplitude
+    )
+    np.testing.assert_allclose(-(s**2) / c, omega**2, rtol=1e-9)
 
 
 def test_a_chain_in_state_space_is_that_of_the_responses(lossy):

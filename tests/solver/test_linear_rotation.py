@@ -11,8 +11,10 @@ from duhamel.solver import (
     Joint,
     Load,
     ModelError,
+    Motor,
     Polynomial,
     PrescribedDisplacement,
+    PrescribedRotation,
     RigidBody,
     Spring,
     Start,
@@ -235,6 +237,163 @@ def test_critical_speeds_are_where_the_first_order_meets_a_line():
     assert {whirl for whirl, _ in crossings} == {whirl for whirl, _ in expected}
     for whirl, spin in expected:
         assert min(abs(s / spin - 1.0) for w, s in crossings if w == whirl) < 1e-4
+
+
+def test_torsion_is_no_whirl():
+    """Two disks on bearings that a torsion spring joins: its frequency is the same at every spin.
+
+    They twist against each other at sqrt(k (1 / J_a + 1 / J_b)), while both whirl by the formula.
+    """
+    twisted = 40.0
+    one = rotor()
+    bodies = {"disk": one.bodies["disk"], "other": one.bodies["disk"]}
+    bearings = [
+        replace(spring, name=f"{name}-{spring.name}", between=(spring.between[0], end))
+        for name in bodies
+        for spring in one.springs
+        for end in [f"{name}.{spring.name}"]
+    ]
+    twist = Spring("twist", "torsion", ("disk", "other"), X, stiffness=twisted)
+    model = replace(one, bodies=bodies, springs=(*bearings, twist))
+    spins = np.array([0.0, 20.0, 150.0])
+    diagram = campbell(model, spins, modes=11)
+    lines = {whirl: [x for x in diagram.lines if x.whirl == whirl] for whirl in WHIRLS}
+    assert [len(lines[whirl]) for whirl in WHIRLS] == [4, 4, 1 + 2]  # two move along the axis
+    axial = np.sqrt(STIFFNESS / MASS)
+    none = np.sort([np.sqrt(2.0 * twisted / POLAR), axial, axial]) / (2.0 * np.pi)
+    for n, spin in enumerate(spins):
+        found = np.sort([line.frequencies[n] for line in lines["none"]])
+        np.testing.assert_allclose(found, none, rtol=1e-6)
+        for whirl, sign in (("forward", 1.0), ("backward", -1.0)):
+            omega = np.repeat(np.sort(sign * whirls(spin)[sign * whirls(spin) > 0.0]), 2)
+            found = [line.frequencies[n] for line in lines[whirl]]
+            np.testing.assert_allclose(np.sort(found), omega / (2.0 * np.pi), rtol=1e-6)
+
+
+WHIRLS = "forward", "backward", "none"
+ROSS = {
+    0.0: {"both": [43.1145, 84.2932, 276.7222], "none": [185.5806]},
+    500.0: {
+        "backward": [42.1491, 82.8669, 247.2860],
+        "forward": [44.0296, 85.7456, 304.9027],
+        "none": [185.5806],
+    },
+    1000.0: {
+        "backward": [41.1371, 81.4771, 219.0581],
+        "forward": [44.8924, 87.2131, 329.4017],
+        "none": [185.5806],
+    },
+}
+"""frequencies [Hz] by spin [rad/s]"""
+CRITICAL = [
+    ("backward", 267.687),
+    ("forward", 274.089),
+    ("backward", 520.308),
+    ("forward", 539.481),
+    ("none", 1166.037),
+    ("backward", 1283.309),
+]
+"""Where lines meet the spin [rad/s]. Both by ROSS 2.3.0 (ross-rotordynamics; Timbo et al., Journal
+of Open Source Software 5 (2020) 2120), `Rotor.run_modal` and `Rotor.run_critical_speed`, of the
+model in `two_disks`: 24 elements without shear, torsion and motion along the axis included."""
+
+
+@pytest.fixture(scope="module")
+def two_disks(tmp_path_factory):
+    """A steel shaft of 1.2 m and 40 mm, a disk between its bearings and one that overhangs."""
+    length, d, E, rho = 1.2, 0.04, 2.1e11, 7850.0
+    A, I_A = np.pi * d**2 / 4.0, np.pi * d**4 / 64.0
+    disks = {"mid": (12.0, [0.11, 0.06, 0.06]), "end": (4.0, [0.022, 0.012, 0.012])}
+    places = {"left": 0.0, "mid": 0.4, "right": 0.9, "end": 1.2}
+    shaft = make_line(
+        tmp_path_factory.mktemp("shaft"),
+        length,
+        24,
+        section={
+            "EA": E * A,
+            "EI_y": E * I_A,
+            "EI_z": E * I_A,
+            "GJ": E / 2.6 * 2.0 * I_A,
+            "mass_per_length": rho * A,
+            "rotary_inertia_y": rho * I_A,
+            "rotary_inertia_z": rho * I_A,
+            "polar_inertia_per_length": 2.0 * rho * I_A,
+        },
+        interfaces={name: {"node": [x, 0, 0]} for name, x in places.items()},
+        masses={n: {"interface": n, "mass": m, "inertia": J} for n, (m, J) in disks.items()},
+        rotation={"modes": 12, "soft": 8},
+    )
+    bearings = tuple(
+        Spring(
+            name, "bushing", (f"ground.{name}", f"shaft.{name}"), stiffness=[0, 2e7, 2e7, 0, 0, 0]
+        )
+        for name in ("left", "right")
+    )
+    return model_of(
+        {"shaft": FlexibleBody(shaft, Start(-shaft.interface("left").X))},
+        springs=bearings,
+        ground_frames={name: Frame([places[name], 0, 0]) for name in ("left", "right")},
+        step=1e-5,
+        start="equilibrium",
+        steady_rotation=SteadyRotation(X),
+    )
+
+
+def test_whirl_and_torsion_are_those_of_a_rotor_dynamics_code(two_disks):
+    diagram = campbell(two_disks, list(ROSS), modes=7)
+    for n, expected in enumerate(ROSS.values()):
+        for whirl in WHIRLS:
+            lines = [line.frequencies[n] for line in diagram.lines if line.whirl == whirl]
+            values = expected.get(whirl, expected.get("both"))
+            np.testing.assert_allclose(lines, values, rtol=2e-4, err_msg=f"{whirl} {n}")
+
+
+def test_critical_speeds_are_those_of_a_rotor_dynamics_code(two_disks):
+    diagram = campbell(two_disks, np.linspace(0.0, 1300.0, 14), modes=7)
+    found = [(diagram.lines[c.line].whirl, c.spin) for c in diagram.crossings(1.0)]
+    assert [whirl for whirl, _ in found] == [whirl for whirl, _ in CRITICAL]
+    speeds = [spin for _, spin in found]
+    np.testing.assert_allclose(speeds, [spin for _, spin in CRITICAL], rtol=3e-4)
+
+
+@pytest.mark.parametrize("turned_by", ["angle", "angular_velocity", "motion", "servo"])
+def test_a_drive_that_turns_a_shaft_follows_the_spin(turned_by):
+    """Whatever its speed in the model, and held by it the shaft whirls as without."""
+    free = rotor(t_end=1.0)
+    hub = RigidBody(1.0, [0.1] * 3)
+    axle = Joint("axle", "revolute", ("ground", "hub"), X)
+    shaft = Spring("shaft", "torsion", ("hub", "disk"), X, stiffness=30.0)
+    changes = {}
+    if turned_by == "motion":
+        turn = PrescribedRotation("turn", "hub", X, Polynomial((0.0, 500.0)))
+        changes["motions"] = (turn,)
+    elif turned_by == "servo":
+        servo = Motor("servo", "axle", "angle", damping=1e6, reference_rate=Constant(500.0))
+        changes["motors"] = (servo,)
+    else:
+        signal = {"angle": Polynomial((0.0, 500.0)), "angular_velocity": Constant(500.0)}
+        axle = replace(axle, **{turned_by: signal[turned_by]})
+    ball = Joint("ball", "spherical", ("ground", "hub"))
+    joints = (ball if turned_by == "motion" else axle,)
+    bodies = {**free.bodies, "hub": hub}
+    springs = (*free.springs, shaft)
+    model = replace(free, bodies=bodies, joints=joints, springs=springs, **changes)
+    diagram = campbell(model, [0.0, 70.0, 150.0], modes=6)
+    for n, spin in enumerate(diagram.spins):
+        found = [line.frequencies[n] for line in diagram.lines if line.whirl != "none"]
+        expected = np.sort(np.abs(whirls(spin))) / (2.0 * np.pi)
+        np.testing.assert_allclose(np.sort(found)[: len(expected)], expected, rtol=1e-6)
+        none = [line.frequencies[n] for line in diagram.lines if line.whirl == "none"]
+        assert np.abs(np.array(none) - np.sqrt(30.0 / POLAR) / (2.0 * np.pi)).min() < 1e-3
+
+
+def test_a_drive_that_holds_a_shaft_refuses_the_spin():
+    held = Joint("axle", "revolute", ("ground", "disk"), X, angle=Constant(0.0))
+    with pytest.raises(ModelError, match=r"joint 'axle': start = 'equilibrium': a steady rotation"):
+        campbell(model_of(rotor().bodies, (held,), **STEADY), [10.0, 70.0])
+
+
+STEADY = {"step": 1e-3, "start": "equilibrium", "steady_rotation": SteadyRotation(X)}
 
 
 def test_a_rotation_whose_equations_are_not_constant_is_refused():

@@ -146,7 +146,7 @@ def test_modal_ratios_of_the_free_body_are_less_where_it_is_clamped():
     ratios = [100 * motion.ratio for motion in found.damping]
     np.testing.assert_allclose(ratios[:2], 0.14, atol=0.005)
     np.testing.assert_allclose(ratios[2:], [1.3, 1.3, 1.6, 1.6], atol=0.05)
-    line = f"damping, about the start: {damping_in_words(found.damping)}"
+    line = f"damping ratios about the initial state: {damping_in_words(found.damping)}"
     assert line in str(found).splitlines()
     assert simulate(model).solver["damping"] == damping_in_words(found.damping)
 
@@ -197,7 +197,8 @@ def test_the_damping_of_servos_and_springs_is_that_of_the_linear_equations(lossy
     for motion in found:
         nearest = np.argmin(np.abs(linear.frequencies - motion.frequency))
         assert motion.frequency == pytest.approx(linear.frequencies[nearest], rel=1e-7)
-        assert motion.ratio == pytest.approx(linear.ratios[nearest], rel=1e-7)
+        # an error of an eigenvalue, relative to its size, is that of the ratio
+        assert motion.ratio == pytest.approx(linear.ratios[nearest], abs=1e-7)
 
 
 def pushed(element, joints=(), **settings):
@@ -244,7 +245,7 @@ def test_the_memory_of_a_kernel_is_that_of_its_motions(lossy):
 
 
 def test_a_body_at_rest_under_its_load_stays_there(lossy):
-    """With the stiffness of long times, whose springs have relaxed."""
+    """With the static stiffness, which is that of the body file: the chain has relaxed."""
     model = model_of(
         bodies={"beam": FlexibleBody(lossy.element)},
         joints=[Joint("hold", "fixed", ("ground", "beam.root"))],
@@ -256,10 +257,7 @@ def test_a_body_at_rest_under_its_load_stays_there(lossy):
     results = simulate(model)
     u, tip = results.frame("beam.tip").u, results.frame("beam.tip").position
     root = results.frame("beam.root").position
-    chain = lossy.element.modes.chain
-    softness = chain.factor(np.array([2 * np.pi * chain.reference]), 1)[0, 0].real
-    relaxed = softness * 1e-3 * 0.5**3 / (3 * EI)
-    assert tip[0, 1] - root[0, 1] == pytest.approx(relaxed, rel=1e-6)
+    assert tip[0, 1] - root[0, 1] == pytest.approx(1e-3 * 0.5**3 / (3 * EI), rel=1e-6)
     assert np.abs(u - u[0]).max() < 1e-9 * np.abs(u).max()
 
 

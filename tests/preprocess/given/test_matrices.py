@@ -154,7 +154,7 @@ def test_the_same_superelement_from_every_format(original, tmp_path, writer):
 def test_matrices_of_a_material_that_loses_energy(solid, tmp_path):
     """They are those at the reference frequency."""
     model = export(assemble(solid))
-    loss = {"loss_factor": 0.1, "band": (100.0, 4000.0)}
+    loss = {"loss_factor": 0.1, "band": (100.0, 4000.0), "reference_frequency": 600.0}
     body = given(model.write(tmp_path), interfaces=ends(model), damping=loss)
     lossy = solid.model_copy(update={"damping": Damping.model_validate(loss)})
     assert_equal(build(body), build(lossy))

@@ -1,0 +1,165 @@
+"""How far a linear analysis can be trusted: the limits of its equations, as those of a run.
+
+Linear equations are exact for small motions about their equilibrium. What limits them is the model
+of the bodies there: how far they deform, how fast they turn, what loads them along their length,
+and up to which frequency their superelements are right. Sources of the limits: docs/linear.md.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from ...results.validity import CRITERIA, Check, Criterion, Validity
+from ..arrays import Array
+from ..model.bodies import FlexibleBody
+from .modes import FirstOrder, LinearModes
+from .pose import Pose
+
+SHARE = 0.01
+"""of the inertia of a mode, from which on a body takes part in it"""
+EULER = np.pi**2 / 22.3733**2
+"""buckling load of a pinned bar over mass, length and the square of its first frequency, free"""
+_ROTATION = "make its superelement with [rotation], for terms of second order"
+LINEAR_CRITERIA = {
+    criterion.name: criterion
+    for criterion in (
+        CRITERIA["elastic_rotation"],
+        CRITERIA["elastic_displacement"],
+        CRITERIA["second_order_rotation"],
+        CRITERIA["second_order_displacement"],
+        Criterion(
+            "linear_spin",
+            "body",
+            "spin / first elastic frequency",
+            "",
+            0.03,
+            0.05,
+            f"stiffening by rotation is missing: {_ROTATION}",
+        ),
+        Criterion(
+            "second_order_spin",
+            "body",
+            "spin / frequency of its terms of second order",
+            "",
+            0.6,
+            0.9,
+            "its terms of second order are too few for this spin: raise rotation.modes of the body "
+            "file, or divide the body into several superelements",
+        ),
+        Criterion(
+            "axial_preload",
+            "body",
+            "axial load / estimated buckling load",
+            "",
+            0.02,
+            0.05,
+            f"the load changes its bending stiffness, which is left out: {_ROTATION}",
+        ),
+        CRITERIA["kernel_error"],
+        Criterion(
+            "linear_band",
+            "body",
+            "highest frequency / band of the superelement",
+            "",
+            0.8,
+            1.0,
+            "ask for lower frequencies, or make the superelement for a smaller step or more band",
+        ),
+    )
+}
+"""Criteria of linear analyses, in the order of their table."""
+
+
+class LinearValidity(Validity):
+    """How far a linear analysis can be trusted: `print(linear.validity())` shows it."""
+
+    @property
+    def worst(self) -> tuple[Check, ...]:
+        """The worst check of each criterion that applies."""
+        groups = [
+            [check for check in self.checks if check.criterion is criterion]
+            for criterion in LINEAR_CRITERIA.values()
+        ]
+        return tuple(max(group, key=Check.distance) for group in groups if group)
+
+    def _poor(self) -> Sequence[Check]:
+        order = list(LINEAR_CRITERIA)
+        poor = [check for check in self.checks if check.verdict == "poor"]
+        return sorted(poor, key=lambda c: (order.index(c.criterion.name), -c.distance()))
+
+
+def validity_of(
+    form: FirstOrder | None, pose: Pose, modes: LinearModes | None, highest: float
+) -> LinearValidity:
+    """The validity of a pose, of modes that were found, and of responses up to a frequency [Hz]."""
+    checks: list[Check] = []
+    for e, (name, body) in enumerate(pose.lowered.model.flexible_bodies.items()):
+        frequency = highest
+        if form is not None and modes is not None:
+            frequency = max(highest, _highest(form, modes, e))
+        checks += _of_deformation(pose, e, body)
+        for criterion, value in _of_body(pose, e, body, frequency):
+            checks.append(Check(LINEAR_CRITERIA[criterion], name, value))
+    return LinearValidity(tuple(checks))
+
+
+def _of_deformation(pose: Pose, e: int, body: FlexibleBody) -> Iterator[Check]:
+    """The elastic motion of each interface in the equilibrium."""
+    elastic, frames, u = pose.system.elastic, pose.system.frames, pose.state.interfaces.u
+    order = "second_order" if _is_stiffened(body) else "elastic"
+    for f in np.flatnonzero(frames.dof >= 0).tolist():
+        if elastic.of_body[frames.body[f]] != e:
+            continue
+        dof, name = int(frames.dof[f]), pose.lowered.frame_names[f]
+        moved = float(np.linalg.norm(u[dof : dof + 3])) / float(elastic.size[e])
+        yield Check(LINEAR_CRITERIA[f"{order}_displacement"], name, moved)
+        if frames.rotations[f]:
+            turned = float(np.linalg.norm(u[dof + 3 : dof + 6]))
+            yield Check(LINEAR_CRITERIA[f"{order}_rotation"], name, turned)
+
+
+def _of_body(pose: Pose, e: int, body: FlexibleBody, highest: float) -> Iterator[tuple[str, float]]:
+    kernel, modes, spin = body.superelement.kernel, body.superelement.modes, pose.speed
+    yield "kernel_error", kernel.error
+    if highest > 0.0:
+        h_min = 0.0 if modes is None else modes.h_min
+        band = min(kernel.band or np.inf, 0.25 / h_min if h_min > 0.0 else np.inf)
+        if np.isfinite(band):
+            yield "linear_band", highest / band
+    if modes is None or not len(modes.omega):
+        return
+    omega = np.sort(modes.omega)
+    rotation = body.rotation
+    if rotation is None or not _is_stiffened(body):
+        load = _axial_load(pose, e) / float(EULER * body.mass * omega[0] ** 2)
+        yield "axial_preload", load / float(pose.system.elastic.size[e])
+        if spin > 0.0:
+            yield "linear_spin", spin / float(omega[0])
+    elif spin > 0.0:
+        top = omega[max(rotation.n_low, 1) - 1]
+        yield "second_order_spin", spin / float(np.sqrt(omega[0] * top))
+
+
+def _is_stiffened(body: FlexibleBody) -> bool:
+    return body.rotation is not None and bool(body.rotation.stiffens)
+
+
+def _axial_load(pose: Pose, e: int) -> float:
+    """The largest load of an interface along the line from the center of mass to it [N]."""
+    elastic, frames, p = pose.system.elastic, pose.system.frames, pose.state.interfaces.p
+    largest = 0.0
+    for f in np.flatnonzero(frames.dof >= 0).tolist():
+        lever, dof = frames.X[f], int(frames.dof[f])
+        length = float(np.linalg.norm(lever))
+        if elastic.of_body[frames.body[f]] == e and length > 0.0:
+            largest = max(largest, abs(float(p[dof : dof + 3] @ lever)) / length)
+    return largest
+
+
+def _highest(form: FirstOrder, modes: LinearModes, e: int) -> float:
+    """The highest frequency [Hz] of modes in which a body takes part."""
+    first = form.equations.sizes.n_r + sum(body.m for body in form.bodies[:e])
+    own: Array = (np.abs(modes.y[first : first + form.bodies[e].m]) ** 2).sum(axis=0)
+    whole: Any = (np.abs(form.coordinates @ modes.y) ** 2).sum(axis=0)
+    return float(modes.frequencies[own > SHARE * whole].max(initial=0.0))
