@@ -36,8 +36,8 @@ from .step.system import Inputs, Run
 
 AHEAD = 256
 """steps for which the signals that are not inputs are sampled at once, and between checks"""
-CHATTER, SHORTEST = 300, 2
-"""steps for which each swing of an input is so short: white noise does not do so by chance"""
+SHORTEST = 2
+"""steps of a swing of an input: for `AHEAD` steps white noise does not swing so fast by chance"""
 CALM = 1e-6
 """of the largest value of an input, below which its swings are none"""
 PAST = "past/"
@@ -136,7 +136,8 @@ class Simulator:
         self._live = carried(state=state, work=initial.work, output=output)
         self._sampled_from = 0
         self._begin, self._output, self._has_ended = self._number, output, False
-        self._chatter = Chatter(self.inputs)
+        self._chattering: set[str] = set()
+        self._told: list[tuple[float, ...]] = []
         record(self._run, 0)
         self._start = Energies.of(output)
         none = Inputs(load=load[:0], drive=drive[:0], motor=motor[:0], row=row[:0], ahead=1)
@@ -186,10 +187,10 @@ class Simulator:
             cause = Judge(self._lowered).cause(self._state, number - 1)
             raise failure(self._lowered, self._state, self._work, number, residual, cause)
         self._number = number
-        if line := self._chatter.seen(inputs, number * self._h):
-            warnings.warn(line, ValidityWarning, stacklevel=2)
+        self._told.append(tuple(inputs))
         if number % AHEAD == 0:
             self._removed.check(self._work, self.time)
+            self._check_inputs()
         self._convolution.update(self._state)
         return self._gather()
 
@@ -257,6 +258,19 @@ class Simulator:
         self._number = number
         return self._gather()
 
+    def _check_inputs(self) -> None:
+        """Warn, once of each, of inputs that have chattered in the last `AHEAD` steps."""
+        told, self._told = np.array(self._told, dtype=np.float64), []
+        for name, values in zip(self.inputs, told.T, strict=True):
+            if len(values) == AHEAD and name not in self._chattering and _chatters(values):
+                self._chattering.add(name)
+                line = (
+                    f"input {name!r} chatters: until t = {self.time:.6g} s it went up and down "
+                    f"every {SHORTEST} steps or sooner, by {np.ptp(values[-8:]):.3g}, for {AHEAD} "
+                    f"steps: take smaller gains of its controller, or a smaller step"
+                )
+                warnings.warn(line, ValidityWarning, stacklevel=3)
+
     def _gather(self) -> Array:
         if self._sources:
             np.concatenate(self._sources, out=self._outputs)
@@ -275,45 +289,15 @@ class Simulator:
         self._motor[:] = self._sampled.motor[k]
 
 
-class Chatter:
-    """Notices inputs that go up and down every `SHORTEST` steps or sooner, and do not calm."""
-
-    def __init__(self, names: Sequence[str]) -> None:
-        self._inputs = [Swings(name) for name in names]
-
-    def seen(self, inputs: Any, time: float) -> str:
-        """A warning where an input has chattered for `CHATTER` steps; "" otherwise."""
-        for swings, value in zip(self._inputs, inputs, strict=True):
-            if swings.follow(float(value)):
-                return (
-                    f"input {swings.name!r} chatters: until t = {time:.6g} s it has changed its "
-                    f"direction every {SHORTEST} steps or sooner for {CHATTER} steps, by "
-                    f"{swings.change:.3g}, and does not calm: take smaller gains of its "
-                    f"controller, or a smaller step"
-                )
-        return ""
-
-
-class Swings:
-    """The last swings up and down of an input. change: the largest step of the last one."""
-
-    def __init__(self, name: str) -> None:
-        self.name, self.change = name, 0.0
-        self._last = self._direction = self._largest = self._first = 0.0
-        self._lasted = self._steps = 0
-
-    def follow(self, value: float) -> bool:
-        """Take the value of a step; True where the input has just chattered for so long."""
-        change, self._last = value - self._last, value
-        self._largest = max(self._largest, abs(value))
-        self._lasted += 1
-        self._steps += 1
-        if change * self._direction < 0.0:
-            self._lasted, self.change = 0, abs(change)
-        if change:
-            self._direction = change
-        if self._lasted >= SHORTEST or self.change <= CALM * self._largest:
-            self._steps = 0
-        if self._steps == 1:
-            self._first = self.change
-        return self._steps == CHATTER and self.change >= 0.5 * self._first
+def _chatters(values: Array) -> bool:
+    """Whether an input (n,) goes up and down every `SHORTEST` steps, or sooner, without calming."""
+    changes = np.diff(values)
+    moving = np.flatnonzero(changes)
+    turns = moving[1:][np.diff(np.sign(changes[moving])) != 0.0]
+    if not len(turns) or np.diff(turns).max(initial=0) > SHORTEST:
+        return False
+    if max(turns[0], len(changes) - turns[-1]) > 2 * SHORTEST:
+        return False
+    sizes = np.abs(changes)
+    first, last = sizes[: len(sizes) // 4].max(), sizes[-len(sizes) // 4 :].max()
+    return bool(last > max(0.5 * first, CALM * np.abs(values).max()))

@@ -176,7 +176,8 @@ class _Problem:
     def _diagonals(self, s: complex) -> tuple[Complex, Complex]:
         """D(s) and its derivative (n,)."""
         c, slope = self._materials(s)
-        D, derivative = s * s + s * self._rates, 2.0 * s + self._rates
+        rates = self._rates.astype(np.complex128)
+        D, derivative = s * s + s * rates, 2.0 * s + rates
         elastic = slice(len(D) - len(c), None)
         D[elastic] += self._stiffness * c
         derivative[elastic] += self._stiffness * slope
@@ -184,7 +185,7 @@ class _Problem:
 
     def _laws(self, s: complex) -> tuple[Complex, Complex]:
         """Z(s) and its derivative: springs, dampers, those that relax, integrals of motors."""
-        Z = self._S + s * self._dampers
+        Z: Complex = self._S + s * self._dampers
         slope = self._dampers.astype(np.complex128)
         slack, i, m = 1.0 + s * self._tau, self._relaxing, self._motors
         np.add.at(Z, (i, i), self._kappa * s * self._tau / slack)
