@@ -1,16 +1,23 @@
 """Simulations step by step, for controllers, co-simulation and real time."""
 
+import os
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
+from types import TracebackType
 from typing import Any
 
 import numpy as np
 
-from ..results.motion import Events
+from ..results.motion import Energy, Events
+from ..results.results import Results
+from ..results.schema import QUANTITIES, Batch, Energies
+from ..results.validity import Validity
 from .arrays import Array
 from .checkpoint.carried import Snapshot, carried
 from .checkpoint.moment import Moment
-from .errors import ModelError, about
+from .errors import ModelError, ValidityWarning, about
 from .history.uniform import UniformConvolution
 from .lower.allocation import make_output
 from .model.curves import Input
@@ -18,7 +25,9 @@ from .model.model import Model
 from .model.settings import Settings
 from .output.columns import axes_of, check_names, views
 from .output.events import waiting
+from .output.recording import Recording
 from .output.validity import Judge, check_range
+from .output.writer import check_output
 from .simulation import failure, signals
 from .start.initial import initialize, lower_to_start
 from .step.loop import advance
@@ -27,6 +36,10 @@ from .step.system import Inputs, Run
 
 AHEAD = 256
 """steps for which the signals that are not inputs are sampled at once, and between checks"""
+SHORTEST = 2
+"""steps of a swing of an input: for `AHEAD` steps white noise does not swing so fast by chance"""
+CALM = 1e-6
+"""of the largest value of an input, below which its swings are none"""
 PAST = "past/"
 """names of the arrays of the convolution begin with it"""
 
@@ -34,9 +47,11 @@ PAST = "past/"
 class Simulator:
     """A model from t = 0 to t_end, with the values of its `Input` signals given step by step.
 
-        simulator = Simulator(model, outputs=["joints/pivot/angle", "frames/beam.tip/position"])
-        while True:
-            simulator.step([controller(simulator.outputs)])
+        outputs = ["joints/pivot/angle", "frames/beam.tip/position"]
+        with Simulator(model, outputs, results="run.h5") as simulator:
+            while simulator.time < 1.0:
+                simulator.step([controller(simulator.outputs)])
+            print(simulator.energy.balance, simulator.validity)
 
     `step` takes the values at the end of the step, in the order of `inputs`. Loads are linear
     between them: a force that is to be held from one step to the next acts half a step early, with
@@ -48,6 +63,12 @@ class Simulator:
     `outputs` (n,) are the chosen quantities of results, one after the other, at the present `time`;
     `views` has those of each name, in arrays that every step changes. They are those of `simulate`.
 
+    results: a results file, by default none: what `simulate` writes of the same steps. `finish`, or
+    the end of the `with` block, ends it; `energy` and `validity` are there without it too. A file
+    goes on in time alone: no `restore` with it. Warns (`ValidityWarning`) of limits of the method
+    that were passed when it ends, and at once of an input that chatters: that goes up and down from
+    step to step, as that of a controller does whose gains are too large for its delay.
+
     Raises ModelError for a model that cannot start, an unknown output, a wrong number of inputs and
     a step beyond t_end; ConvergenceError where Newton's method fails and OutOfRangeError where a
     body deforms too far for linear elasticity, after which there are no further steps but from an
@@ -55,10 +76,18 @@ class Simulator:
     """
 
     def __init__(
-        self, model: Model, outputs: Sequence[str], settings: Settings | None = None
+        self,
+        model: Model,
+        outputs: Sequence[str],
+        settings: Settings | None = None,
+        *,
+        results: str | os.PathLike[str] | None = None,
     ) -> None:
         if settings is not None:
             model = replace(model, settings=settings)
+        path = None if results is None else Path(results)
+        if path is not None:
+            check_output(path, model)
         with about(model.path):
             lowered, source = lower_to_start(model)
             if lowered.flight is not None:
@@ -71,6 +100,7 @@ class Simulator:
             check_range(lowered, state, 0)
             output = make_output(lowered, 1)
             sources = {name: views(lowered, name, output) for name in outputs}
+            self._recording = None if path is None else Recording(path, initial)
         self._sources = [view for name in outputs for view in sources[name]]
         self._outputs = np.zeros(sum(map(len, self._sources)))
         lengths = [sum(map(len, sources[name])) for name in outputs]
@@ -105,7 +135,11 @@ class Simulator:
         self._number, self._n_steps, self._h = int(state.step[0]), lowered.n_steps, lowered.h
         self._live = carried(state=state, work=initial.work, output=output)
         self._sampled_from = 0
+        self._begin, self._output, self._has_ended = self._number, output, False
+        self._chattering: set[str] = set()
+        self._told: list[tuple[float, ...]] = []
         record(self._run, 0)
+        self._start = Energies.of(output)
         none = Inputs(load=load[:0], drive=drive[:0], motor=motor[:0], row=row[:0], ahead=1)
         advance(self._run, none)
         self._gather()
@@ -132,7 +166,12 @@ class Simulator:
             values = np.asarray(inputs, dtype=np.float64).tolist()
             raise ModelError(f"inputs: expected values of {list(self.inputs)}, got {values}")
         number = self._number + 1
+        if self._recording is not None:
+            # not earlier, since it takes the events, which are those of the last step until now
+            self._recording.keep(self._number, self._output)
         self._contacts.n_events[0] = 0
+        if self._has_ended:
+            raise ModelError("step: the results have been ended by finish")
         if number > self._n_steps:
             t_end = self._lowered.model.settings.t_end
             raise ModelError(f"t_end = {t_end:.9g} s has been reached")
@@ -148,10 +187,53 @@ class Simulator:
             cause = Judge(self._lowered).cause(self._state, number - 1)
             raise failure(self._lowered, self._state, self._work, number, residual, cause)
         self._number = number
+        self._told.append(tuple(inputs))
         if number % AHEAD == 0:
             self._removed.check(self._work, self.time)
+            self._check_inputs()
         self._convolution.update(self._state)
         return self._gather()
+
+    @property
+    def energy(self) -> Energy:
+        """The energies at the present time, each (1,) [J], as those of results."""
+        batch = Batch(np.array([self._number]), self._h, self._output, self._start)
+        named = [quantity for quantity in QUANTITIES if quantity.key.startswith("energy/")]
+        return Energy(**{quantity.attribute: quantity.take(batch, {}) for quantity in named})
+
+    @property
+    def validity(self) -> Validity:
+        """How far the steps until now can be trusted, as that of results."""
+        return Judge(self._lowered).validity(self._state, self._number - self._begin)
+
+    def finish(self) -> Results:
+        """End the results file, at t_end or before, and open it; there are no further steps."""
+        if self._recording is None:
+            raise ModelError("finish: this Simulator writes no results: expected results = FILE")
+        self._recording.keep(self._number, self._output)
+        results, self._recording = self._recording.finish(), None
+        self._has_ended = True
+        for line in results.validity.brief():
+            warnings.warn(line, ValidityWarning, stacklevel=2)
+        return results
+
+    def __enter__(self) -> "Simulator":
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._recording is None:
+            return
+        if error is None:
+            self.finish()
+        else:
+            self._recording.keep(self._number, self._output)
+            self._recording.abandon(kind, error, trace)
+            self._recording = None
 
     def save(self) -> Moment:
         """The present state, to go back to."""
@@ -165,6 +247,8 @@ class Simulator:
         All that follows is then to the bit what followed when it was saved. `StateError` for a
         state of another model, version or machine.
         """
+        if self._recording is not None:
+            raise ModelError("restore: expected a Simulator without a results file")
         moment.check(self._lowered)
         number, arrays = moment.snapshot
         own = {name: array for name, array in arrays.items() if not name.startswith(PAST)}
@@ -173,6 +257,19 @@ class Simulator:
         self._convolution.load(number, past)
         self._number = number
         return self._gather()
+
+    def _check_inputs(self) -> None:
+        """Warn, once of each, of inputs that have chattered in the last `AHEAD` steps."""
+        told, self._told = np.array(self._told, dtype=np.float64), []
+        for name, values in zip(self.inputs, told.T, strict=True):
+            if len(values) == AHEAD and name not in self._chattering and _chatters(values):
+                self._chattering.add(name)
+                line = (
+                    f"input {name!r} chatters: until t = {self.time:.6g} s it went up and down "
+                    f"every {SHORTEST} steps or sooner, by {np.ptp(values[-8:]):.3g}, for {AHEAD} "
+                    f"steps: take smaller gains of its controller, or a smaller step"
+                )
+                warnings.warn(line, ValidityWarning, stacklevel=3)
 
     def _gather(self) -> Array:
         if self._sources:
@@ -190,3 +287,17 @@ class Simulator:
         self._load[:] = self._sampled.load[k]
         self._drive[:] = self._sampled.drive[k]
         self._motor[:] = self._sampled.motor[k]
+
+
+def _chatters(values: Array) -> bool:
+    """Whether an input (n,) goes up and down every `SHORTEST` steps, or sooner, without calming."""
+    changes = np.diff(values)
+    moving = np.flatnonzero(changes)
+    turns = moving[1:][np.diff(np.sign(changes[moving])) != 0.0]
+    if not len(turns) or np.diff(turns).max(initial=0) > SHORTEST:
+        return False
+    if max(turns[0], len(changes) - turns[-1]) > 2 * SHORTEST:
+        return False
+    sizes = np.abs(changes)
+    first, last = sizes[: len(sizes) // 4].max(), sizes[-len(sizes) // 4 :].max()
+    return bool(last > max(0.5 * first, CALM * np.abs(values).max()))

@@ -3,8 +3,8 @@
 An object file in the user's cache is named by the content of all that it depends on: the sources of
 the compiled functions and of the compiler, the layout of records, the versions of Python, numba and
 llvmlite, and the processor. So it serves all environments of a user, survives reinstallations, and
-is never stale. A file is code that runs with the rights of who loads it: one that somebody else
-owns or may write is not loaded.
+is never stale. A file is code that runs with the rights of the user who loads it: `cache` reads
+none that somebody else owns or may write to.
 
 In the environment, `DUHAMEL_CACHE` names another folder; `DUHAMEL_COMPILER=stock` compiles by
 numba's public interface alone, which takes minutes, and `DUHAMEL_COMPILER=quick` never does;
@@ -14,14 +14,11 @@ numba's public interface alone, which takes minutes, and `DUHAMEL_COMPILER=quick
 import hashlib
 import os
 import re
-import shutil
-import stat
 import subprocess
 import sys
-import tempfile
 import threading
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import suppress
 from functools import cache
 from importlib import metadata
 from pathlib import Path
@@ -30,6 +27,7 @@ from typing import Any
 import numpy as np
 
 from . import marks
+from .cache import NotPrivateError, cache_folder, is_private, opened_cache, tell_once
 
 COMPILER = ("build", "calls", "dispatch", "marks", "struct")
 """the files of this folder that machine code depends on"""
@@ -96,15 +94,6 @@ class BuildError(Exception):
     """`build` fails: numba's internals are not as it expects."""
 
 
-def cache_folder() -> Path:
-    """The folder of the user's compiled code."""
-    if given := os.environ.get("DUHAMEL_CACHE"):
-        return Path(given)
-    import platformdirs
-
-    return Path(platformdirs.user_cache_dir("duhamel", appauthor=False))
-
-
 @cache
 def key() -> str:
     """A digest of all that the machine code depends on (16 hexadecimal digits)."""
@@ -146,83 +135,41 @@ def _constants() -> Iterator[tuple[str, Any]]:
 # The cache
 
 
-def _path() -> Path:
-    return cache_folder() / f"step-{key()}.o"
+def _name() -> str:
+    return f"step-{key()}.o"
 
 
 def _cached_code() -> bytes | None:
     """The object file in the cache; None if there is none, or not a whole one, or not our own."""
     try:
-        with open(_path(), "rb") as file:
-            if not _is_our_own(os.fstat(file.fileno())):
-                _announce(f"{_path()} is not used: another user owns it or may write it")
-                return None
-            content = file.read()
+        with opened_cache() as folder:
+            content = folder.read(_name())
+    except NotPrivateError as refusal:
+        tell_once(str(refusal))
+        return None
     except OSError:
         return None
     code, digest = content[:-DIGEST], content[-DIGEST:]
     return code if hashlib.sha256(code).digest() == digest else None
 
 
-def _is_our_own(status: os.stat_result) -> bool:
-    """True where nobody writes but this user and root."""
-    if not hasattr(os, "geteuid"):
-        return True  # Windows keeps the folders of users apart
-    by_others = status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
-    return status.st_uid in (0, os.geteuid()) and not by_others
-
-
 def _new_code() -> bytes:
-    """The object file made now, and kept if that can be; `BuildError` where `build` fails."""
-    with _one_process_at_a_time():
-        code = _cached_code()  # another process may have made it while this one waited
-        if code is None:
-            code = _built_code()
-            try:
-                _keep(code)
-            except OSError as error:
-                _announce(f"compiled code cannot be kept (DUHAMEL_CACHE names a folder): {error}")
-        return code
+    """The object file made now, and kept if that can be; `BuildError` where `build` fails.
 
-
-@contextmanager
-def _one_process_at_a_time() -> Iterator[None]:
-    """Of several that start at once one builds; where nothing can be locked, each does."""
-    with ExitStack() as stack:
-        with suppress(OSError, ImportError):  # a folder that cannot be written; Windows
-            import fcntl
-
-            cache_folder().mkdir(parents=True, exist_ok=True, mode=0o700)
-            file = stack.enter_context(open(cache_folder() / "lock", "w"))
-            fcntl.flock(file, fcntl.LOCK_EX)
-        yield
-
-
-def _keep(code: bytes) -> None:
-    """Write the object file, whole or not at all, and remove the oldest ones."""
-    path = _path()
-    path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.stem, suffix=".part")
+    Of several processes that start at once one builds, while the others wait.
+    """
+    code = None
     try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(code + hashlib.sha256(code).digest())
-        Path(name).replace(path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
-    _remove_oldest("step-*.o", KEPT)
-    _remove_oldest("step-*.part", KEPT)
-
-
-def _remove_oldest(pattern: str, kept: int) -> None:
-    """Files or folders of the cache but for the newest ones; other processes may be quicker."""
-    with suppress(OSError):
-        by_age = sorted(cache_folder().glob(pattern), key=lambda path: path.stat().st_mtime)
-        for old in by_age[:-kept]:
-            if old.is_dir():
-                shutil.rmtree(old, ignore_errors=True)
-            else:
-                old.unlink()
+        with opened_cache(make=True) as folder, folder.locked():
+            code = _cached_code()  # another process may have made it while this one waited
+            if code is None:
+                code = _built_code()
+                folder.write(_name(), code + hashlib.sha256(code).digest())
+                folder.remove_oldest("step-*.o", KEPT)
+                folder.remove_oldest("step-*.part", KEPT)
+    except OSError as error:
+        _announce(f"compiled code cannot be kept (DUHAMEL_CACHE names a folder): {error}")
+    return code or _built_code()
 
 
 # Building
@@ -321,27 +268,33 @@ def _load_stock() -> None:
 
     if not _stock_is_kept():
         _announce("numba's public interface compiles now: three to four minutes, kept for later")
-    folder = _stock_folder()
+    stock.bind(_made_stock_folder())
+    with suppress(OSError), opened_cache() as folder:
+        folder.remove_oldest("stock-*", KEPT_STOCK)
+
+
+def _made_stock_folder() -> Path | None:
+    """The folder in which numba keeps its code, made where it is not; None where that cannot be."""
     try:
-        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-        can_keep = _is_our_own(folder.stat())
+        with opened_cache(make=True) as folder:
+            stock_folder = folder.path / _stock_name()
+        stock_folder.mkdir(exist_ok=True, mode=0o700)
+        return stock_folder if is_private(stock_folder.lstat()) else None
     except OSError:
-        can_keep = False
-    stock.bind(folder if can_keep else None)
-    _remove_oldest("stock-*", KEPT_STOCK)
+        return None
 
 
 def _stock_is_kept() -> bool:
     """True where the stock compiler has been here with these sources and versions."""
-    folder = _stock_folder()
     try:
-        return _is_our_own(folder.stat()) and any(folder.rglob("*.nbi"))
+        folder = cache_folder() / _stock_name()
+        return is_private(folder.lstat()) and any(folder.rglob("*.nbi"))
     except OSError:
         return False
 
 
-def _stock_folder() -> Path:
-    return cache_folder() / f"stock-{key()}"
+def _stock_name() -> str:
+    return f"stock-{key()}"
 
 
 def _announce(message: str) -> None:

@@ -16,7 +16,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ..arrays import Array
 from ..compiler.marks import compiled
@@ -31,6 +30,8 @@ V0 = 0
 CORRECTIONS = 60
 """of Newton's method for the force on a patch, which is monotone"""
 CLOSE = 1e-14
+ROOT = 1e-15
+"""width, relative to it, of the interval in which the factor of a restitution is found"""
 SMALL, TERMS = 0.05, 14
 """argument below which a difference of logarithms is a series, of so many terms"""
 
@@ -46,7 +47,11 @@ def restitution_factor(e: float) -> float:
 
     if missed(last) > 0.0:  # e < 0.03: a = 1 / e to rounding
         return last
-    return float(brentq(missed, 0.2 * (1.0 - e), last, xtol=1e-300, rtol=1e-14))
+    lower, upper = 0.2 * (1.0 - e), last
+    while upper - lower > ROOT * upper:  # bisection: scipy's root finders take .3 s to load
+        middle = 0.5 * (lower + upper)
+        lower, upper = (middle, upper) if missed(middle) > 0.0 else (lower, middle)
+    return 0.5 * (lower + upper)
 
 
 def _excess(x: float) -> float:

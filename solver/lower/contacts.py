@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from ..arrays import Array
 from ..model.contacts import Contact
@@ -30,6 +29,8 @@ def shape_parameters(contact: Contact) -> list[float]:
 
 def _spline(points: Array) -> list[float]:
     """The pieces of a cubic spline over the lengths of its chords, as `Profile` reads them."""
+    from scipy.interpolate import CubicSpline  # slow to load, and few models have a profile
+
     lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
     closed = bool((points[0] == points[-1]).all())
     ends = "periodic" if closed else "natural"

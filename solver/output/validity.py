@@ -8,6 +8,7 @@ from ...superelement import Superelement
 from ..arrays import Array, Index, as_index
 from ..errors import OutOfRangeError
 from ..lower.lower import LoweredModel
+from ..step.bodies import largest_coordinate
 from ..step.extremes import FARTHEST_MOVE, FARTHEST_TURN
 from ..step.history import modal_energy
 from ..step.rows import ANGLE
@@ -20,6 +21,8 @@ STILL = 1e-6
 """kinetic energy of vibration over the energy that moves, below which a body counts as rigid"""
 ROUNDING = 1e-13
 """of an energy, after many steps"""
+POSITION = 64 * np.finfo(float).eps
+"""of a coordinate, relative to the largest one, and of an angle"""
 BORNE = 0.7
 """turn of a body on joints in a step over 1 - rho_inf, from which on multipliers may grow"""
 OFF_AXIS = 0.1
@@ -130,9 +133,10 @@ class Judge:
     def _measure(self, state: State, taken: int) -> dict[str, Array]:
         extremes, lowered = state.extremes, self._lowered
         elastic = lowered.system.elastic
-        moved = float(extremes.moved[0])
+        rounding = self._rounding(state)
+        moved = max(float(extremes.moved[0]), rounding)
         frequencies = self._frequencies(state, taken)
-        balance = max(0.0, float(extremes.balance[0]) - self._rounding(state))
+        balance = max(0.0, float(extremes.balance[0]) - rounding)
         rotation = np.sqrt(extremes.rotation[self._interfaces])
         displacement = np.sqrt(extremes.displacement[self._interfaces]) / self._sizes
         spin = np.sqrt(extremes.spin[elastic.body])
@@ -185,7 +189,20 @@ class Judge:
         elastic = energies.modal[0] + energies.convolved[0]
         largest = abs(energies.potential[0]) + energies.kinetic[0] + abs(elastic)
         largest += state.extremes.stored.sum() + weight * bodies.size
-        return ROUNDING * float(largest)
+        return ROUNDING * float(largest) + self._energy_at_rest(state)
+
+    def _energy_at_rest(self, state: State) -> float:
+        """What bodies and springs at rest have by the rounding of positions, and of angles.
+
+        Velocities are then that rounding over the step.
+        """
+        system = self._lowered.system
+        bodies, rounded = system.bodies, POSITION * largest_coordinate(system.bodies, state)
+        inertia = np.trace(bodies.J_rot, axis1=1, axis2=2).sum() * POSITION**2
+        inertia += bodies.mass.sum() * rounded**2
+        lengths = np.where(self._lowered.measures_lengths, rounded, POSITION)
+        stiffness = np.abs(system.couplings.laws.stiffness).sum(axis=1)
+        return float(inertia / system.scheme.h**2 + stiffness @ lengths**2)
 
     def _numerical(self, state: State, moved: float) -> Array:
         elastic, energies = self._lowered.system.elastic, state.energies

@@ -13,23 +13,22 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array
+from ..arrays import Array, Index
 from ..checkpoint.carried import Snapshot, carried
 from ..laws.law import LAWS
 from ..laws.maxwell import MaxwellLaw
 from ..step.system import System
-from .frequencies import Vibrations, spring_slopes, unknowns_of, vibrations
+from .frequencies import Vibrations, null_space, spring_slopes, unknowns_of, vibrations
 from .initial import InitialState
 
 Complex = NDArray[np.complex128]
 
 SHOWN = 6
-KEPT = 300
-"""Vibrations, the lowest, in which those that are damped are looked for."""
 QUICK = 600
 """Unknowns up to which a run tells of its damping."""
 ITERATIONS = 20
-CONVERGED = 1e-13
+CONVERGED, ROUNDED = 1e-13, 1e-6
+"""Changes, relative to s, that end the iteration: at once, and where they no longer shrink."""
 NOTHING = 1e-12
 """A ratio that is rounding."""
 
@@ -63,9 +62,8 @@ def damped_motions(initial: InitialState, found: Vibrations) -> list[DampedMotio
     """The first vibrations with their damping, in the order of the undamped ones; none where
     nothing damps.
 
-    Those that are overdamped are left out. By inverse iteration on A(s), in the lowest `KEPT`
-    undamped ones. Source: K. Rothe, H. Voss, Numerische Mathematik 56 (1989); A. Ruhe, SIAM Journal
-    on Numerical Analysis 10 (1973) 674-689.
+    Those that are overdamped are left out. By inverse iteration on A(s). Source: K. Rothe, H. Voss,
+    Numerische Mathematik 56 (1989); A. Ruhe, SIAM Journal on Numerical Analysis 10 (1973) 674-689.
     """
     if not _is_damped(initial.lowered.system):
         return []
@@ -96,59 +94,105 @@ def _relaxing(system: System) -> Array:
     return np.concatenate(found)
 
 
+def _without_rigid_joints(B: Array, shapes: Array, m: int, hard: Index) -> tuple[Array, Array]:
+    """The rows (n_rows, n) and shapes (n, r) in motions y that joints of rigid bodies leave free.
+
+    Their kinetic energy stays y^T y / 2. Rows of these joints are then zeros.
+    """
+    n_y = B.shape[1] - m
+    rigid = hard[~B[hard, n_y:].any(axis=1)]
+    if not len(rigid):
+        return B, shapes
+    free = null_space(B[rigid, :n_y])
+    rest = np.hstack([B[:, :n_y] @ free, B[:, n_y:]])
+    rest[rigid] = 0.0
+    return rest, np.vstack([free.T @ shapes[:n_y], shapes[n_y:]])
+
+
 class _Problem:
-    """A(s) and its derivative, in the coordinates of the lowest undamped vibrations."""
+    """A(s) and its derivative, as diagonal matrices and a few rows.
+
+        A(s) z = D(s) z + B^T f,     f = Z(s) B z of laws,     B z = 0 of constraints
+
+    D: of y and eta alone; f: forces of rows. So systems with A(s) are solved for f alone.
+    """
 
     def __init__(self, initial: InitialState, found: Vibrations) -> None:
         system = initial.lowered.system
-        self.omega = found.omega[:KEPT]
-        shapes = found.shapes[:, :KEPT]
-        self._eta = shapes[len(shapes) - found.m :]
-        self._stiffness = system.elastic.modes.stiffness
-        self._chains = system.elastic.modes.chains
-        self._range = system.elastic.modes.range
-        self._step = system.scheme.h
-        moved = found.B @ shapes
-        dampers = spring_slopes(system, initial.state, initial.work, rates=True)
-        self._C = (self._eta.T * system.elastic.modes.damping) @ self._eta
-        self._C += moved.T @ dampers @ moved
+        modes = system.elastic.modes
+        self.omega = found.omega
+        hard = np.flatnonzero(system.couplings.compliant == 0)
+        B, self._shapes = _without_rigid_joints(found.B, found.shapes, found.m, hard)
+        self._rows = np.flatnonzero(B.any(axis=1))
+        self._B = B[self._rows]
+        self._hard = np.isin(self._rows, hard)
+        self._rates = np.zeros(B.shape[1])
+        self._rates[B.shape[1] - found.m :] = modes.damping
+        self._stiffness, self._chains, self._range = modes.stiffness, modes.chains, modes.range
+        self._step, own = system.scheme.h, np.ix_(self._rows, self._rows)
+        self._S = spring_slopes(system, initial.state, initial.work)[own]
+        self._dampers = spring_slopes(system, initial.state, initial.work, rates=True)[own]
         row, self._kappa, self._tau = _relaxing(system).T
-        self._relaxing = moved[row.astype(np.int64)]
+        place = np.zeros(len(B), dtype=np.int64)
+        place[self._rows] = np.arange(len(self._rows))
+        self._relaxing = place[row.astype(np.int64)]
         motors = system.couplings.laws.motors
-        self._integral = (moved[motors.row].T * motors.integral) @ moved[motors.row]
+        self._motors, self._integral = place[motors.row], motors.integral
 
     def solve(self, j: int) -> complex | None:
         """s of the damped vibration that is nearest to undamped vibration j; None where none is."""
-        s, v = 1j * complex(self.omega[j]), np.zeros(len(self.omega), dtype=np.complex128)
-        v[j] = 1.0
+        s, shape = 1j * complex(self.omega[j]), self._shapes[:, j]
+        v, previous = shape.astype(np.complex128), np.inf
         for _ in range(ITERATIONS):
-            A, slope = self._matrices(s)
-            try:
-                x = np.linalg.solve(A, slope @ v)
-            except np.linalg.LinAlgError:
+            x = self._solution(s, v)
+            if x is None:
                 return s
-            change = 1.0 / complex(x[j])
-            s, v = s - change, x / x[j]
-            if abs(change) <= CONVERGED * abs(s):
+            along = complex(shape @ x)
+            change, v = 1.0 / along, x / along
+            s -= change
+            settled = ROUNDED * abs(s) >= previous <= abs(change)
+            if abs(change) <= CONVERGED * abs(s) or settled:
                 return s
+            previous = abs(change)
         return None
 
-    def _matrices(self, s: complex) -> tuple[Complex, Complex]:
-        c, slope = self._materials(s)
-        diagonal = np.eye(len(self.omega))
-        A = s * s * diagonal + s * self._C + np.diag(self.omega**2)
-        A = A + (self._eta.T * (self._stiffness * (c - 1.0))) @ self._eta
-        derivative = 2.0 * s * diagonal + self._C
-        r, r_slope = self._branches(s)
-        A, derivative = A + r, derivative + r_slope
-        return A, derivative + (self._eta.T * (self._stiffness * slope)) @ self._eta
+    def _solution(self, s: complex, v: Complex) -> Complex | None:
+        """A(s)^-1 A'(s) v; None where A(s) is singular, as it is at a solution."""
+        D, D_slope = self._diagonals(s)
+        Z, Z_slope = self._laws(s)
+        if not D.all():
+            return None
+        right = D_slope * v + self._B.T @ (Z_slope @ (self._B @ v))
+        weighed = self._B / D
+        acting = Z + np.diag(self._hard)
+        W = acting @ (weighed @ self._B.T) + np.diag(~self._hard)
+        try:
+            forces = np.linalg.solve(W, acting @ (weighed @ right))
+        except np.linalg.LinAlgError:
+            return None
+        x: Complex = (right - self._B.T @ forces) / D
+        return x
 
-    def _branches(self, s: complex) -> tuple[Complex, Complex]:
-        """D^T r(s) D of springs that relax and of the integrals of motors, and its derivative."""
-        slack, gradient = 1.0 + s * self._tau, self._relaxing
-        r = (gradient.T * (self._kappa * s * self._tau / slack)) @ gradient
-        slope = (gradient.T * (self._kappa * self._tau / slack**2)) @ gradient
-        return r + self._integral / s, slope - self._integral / s**2
+    def _diagonals(self, s: complex) -> tuple[Complex, Complex]:
+        """D(s) and its derivative (n,)."""
+        c, slope = self._materials(s)
+        rates = self._rates.astype(np.complex128)
+        D, derivative = s * s + s * rates, 2.0 * s + rates
+        elastic = slice(len(D) - len(c), None)
+        D[elastic] += self._stiffness * c
+        derivative[elastic] += self._stiffness * slope
+        return D, derivative
+
+    def _laws(self, s: complex) -> tuple[Complex, Complex]:
+        """Z(s) and its derivative: springs, dampers, those that relax, integrals of motors."""
+        Z: Complex = self._S + s * self._dampers
+        slope = self._dampers.astype(np.complex128)
+        slack, i, m = 1.0 + s * self._tau, self._relaxing, self._motors
+        np.add.at(Z, (i, i), self._kappa * s * self._tau / slack)
+        np.add.at(slope, (i, i), self._kappa * self._tau / slack**2)
+        np.add.at(Z, (m, m), self._integral / s)
+        np.add.at(slope, (m, m), -self._integral / s**2)
+        return Z, slope
 
     def _materials(self, s: complex) -> tuple[Complex, Complex]:
         """c(s) and its derivative (m,), of every mode."""

@@ -30,6 +30,7 @@ from ..step.system import Elastic, Motors, State, System, Workspace
 from .assembly import drive_rates, follow_turns
 from .servos import Holding
 from .steady import SteadyMotion
+from .unbalanced import causes, free_groups
 
 MAX_ITERATIONS = 400
 TOLERANCE = 1e-12
@@ -44,6 +45,14 @@ UNLOADED = 1e-3
 """error of a servo that TOLERANCE of is its rounding"""
 FIRST_STEP = 0.05
 """length of the first step, relative to the size of the model"""
+LEAST_SHARE = 1e-3
+"""of all forces, that the first step is taken under at least"""
+MAX_RISE, SMALL_RESIDUAL, REMEMBERED = 4.0, 1e-3, 8
+"""by how much the residual may rise above the largest of those remembered, unless it is small"""
+MAX_CAUTION = 8.0
+"""steps with a rising residual that are remembered: from six on the inertia does not fall"""
+PATIENCE = 5
+"""steps without progress after which rounding is asked for"""
 LARGEST = 1e200
 """inertia of a step that no longer moves anything"""
 DETOUR, MAX_DETOURS = 1.3, 10
@@ -159,7 +168,7 @@ class _Search:
     ) -> None:
         self.system, self.lengths = _at_rest(lowered), lowered.measures_lengths
         self.motion, self.state, self.work = motion, state, work
-        self.free = _free_groups(self.system)
+        self.free = free_groups(self.system)
         work.interfaces.history[:] = 0.0
         work.interfaces.rate_predicted[:] = 0.0
         self._evaluate()
@@ -188,12 +197,19 @@ class _Search:
         return "a motor cannot reach its reference"
 
     def flow(self) -> str:
-        """Pseudo-transient continuation; why it found no equilibrium, "" if it found one."""
-        pull = _accelerations(self.system, self.work)
-        beta = pull / (FIRST_STEP * self.system.bodies.size) if pull > 0.0 else 1.0
-        residual, best, idle, singular = self._residual(), np.inf, 0, 0
+        """Pseudo-transient continuation; why it found no equilibrium, "" if it found one.
+
+        A step may raise the residual, as those do in which contacts open and close; but not above
+        all of the last ones, and where steps often do, they become shorter.
+        """
+        beta, residual = self._first_inertia(), self._residual()
+        best, nearest, recent = residual, self.saved(), [residual]
+        caution, idle, singular = 0.0, 0, 0
         for _ in range(MAX_ITERATIONS):
-            if residual <= TOLERANCE or (idle > 5 and (best <= ACCEPTED or self._is_rounding())):
+            if residual <= TOLERANCE:
+                return ""
+            if idle > PATIENCE and (best <= ACCEPTED or self._is_rounding()):
+                self.restore(nearest)
                 return ""
             saved = self.saved()
             if not self._step(beta):
@@ -202,15 +218,31 @@ class _Search:
                     return "the equations are singular"
                 continue
             previous, residual = residual, self._residual()
-            if not residual < 4.0 * max(previous, 1e-3):
+            if not residual < MAX_RISE * max(*recent, SMALL_RESIDUAL):
                 self.restore(saved)
-                residual, beta = previous, min(10.0 * beta, LARGEST)
+                residual, beta, idle = previous, min(10.0 * beta, LARGEST), idle + 1
                 continue
-            beta *= np.clip(residual / previous, 0.1, 2.0)
+            rises = residual > previous
+            caution = min(caution + 1.0, MAX_CAUTION) if rises else max(caution - 0.25, 0.0)
+            beta *= np.clip(residual / previous, min(1.0, 0.1 * 1.5**caution), 2.0)
             self._continue_angles()
             idle = 0 if residual < 0.5 * best else idle + 1
-            best = min(best, residual)
+            if residual < best:
+                best, nearest = residual, self.saved()
+            recent = [*recent, residual][-REMEMBERED:]
         return f"relative residual {best:.3e} after {MAX_ITERATIONS} steps"
+
+    def _first_inertia(self) -> float:
+        """The inertia of a first step of `FIRST_STEP`, under the forces that are out of balance.
+
+        Or under a share of all forces, where that is more: with hardly any inertia the pivots of
+        bodies, which are eliminated before their joints, would be rounding alone.
+        """
+        system, (rounding, _) = self.system, self._law_rounding()
+        forces, _ = _largest_forces(system, self.work, (rounding / ACCEPTED, 0.0))
+        least = LEAST_SHARE * forces / float(system.bodies.mass.sum())
+        pull = max(_accelerations(system, self.work), least)
+        return pull / (FIRST_STEP * system.bodies.size) if pull > 0.0 else 1.0
 
     def _continue_angles(self) -> None:
         """Let the angles of constraints, and those that motors act on, go on over full turns."""
@@ -254,32 +286,29 @@ class _Search:
         evaluate(self.system, self.state, self.work)
         set_force_scales(self.system, self.state, self.work)
 
-    def _residual(self, least: float = 0.0) -> float:
+    def _residual(self, least: tuple[float, float] = (0.0, 0.0)) -> float:
         parts = _relative_residuals(self.system, self.lengths, self.state, self.work, least)
         return max(float(values.max(initial=0.0)) for values in parts)
 
     def _is_rounding(self) -> bool:
         """Whether all that is left are forces of laws by the rounding of positions.
 
-        So it is where nothing is loaded, far from the origin.
+        So it is where nothing is loaded: there forces are rounding, and so is what is left of them.
         """
+        force, moment = self._law_rounding()
+        size = self.system.bodies.size
+        floors = (force + moment / size) / TOLERANCE, (moment + force * size) / TOLERANCE
+        return self._residual(floors) <= TOLERANCE
+
+    def _law_rounding(self) -> tuple[float, float]:
+        """The largest force and moment of a law by the rounding of positions."""
         couplings, reach = self.system.couplings, largest_coordinate(self.system.bodies, self.state)
         first = np.repeat(couplings.range[:-1], np.diff(couplings.range)).tolist()
-        forces = [
-            law_rounding(self.system, i, first[i], reach, self.state, self.work)
-            for i in np.flatnonzero(couplings.compliant).tolist()
-        ]
-        return self._residual(max(forces, default=0.0) / TOLERANCE) <= TOLERANCE
-
-
-def _free_groups(system: System) -> list[Index]:
-    """Groups of bodies that hang together, by their numbers, without those held by the ground."""
-    body, rows = system.frames.body, system.couplings.rows
-    group = np.arange(len(system.bodies.mass) + 1)  # the last one: of the ground, body -1
-    for a, b in {*zip(body[rows.frame_a].tolist(), body[rows.frame_b].tolist(), strict=True)}:
-        group[group == group[a]] = group[b]
-    free = np.unique(group[:-1][group[:-1] != group[-1]])
-    return [np.flatnonzero(group[:-1] == number) for number in free]
+        rounded = np.zeros(len(first))
+        for i in np.flatnonzero(couplings.compliant).tolist():
+            rounded[i] = law_rounding(self.system, i, first[i], reach, self.state, self.work)
+        lengths = self.lengths
+        return float(rounded[lengths].max(initial=0.0)), float(rounded[~lengths].max(initial=0.0))
 
 
 def _at_rest(lowered: LoweredModel) -> System:
@@ -350,12 +379,12 @@ def _relative_residuals(
     lengths: NDArray[np.bool_],
     state: State,
     work: Workspace,
-    least: float = 0.0,
+    least: tuple[float, float] = (0.0, 0.0),
 ) -> tuple[Array, ...]:
     """Residuals relative to the largest forces and moments in the system, and to its size.
 
     Of the forces (n_b,) and moments (n_b,) on bodies, the rows (n_rows,) and the active elastic
-    dofs (n_a,). least: a force [N] below which none counts as the largest.
+    dofs (n_a,). least: a force [N] and a moment [N m] below which none counts as the largest.
     """
     within, size = _centrifugal_scales(system, state, work), system.bodies.size
     forces, moments = _largest_forces(system, work, least)
@@ -370,17 +399,19 @@ def _relative_residuals(
     )
 
 
-def _largest_forces(system: System, work: Workspace, least: float = 0.0) -> tuple[float, float]:
+def _largest_forces(
+    system: System, work: Workspace, least: tuple[float, float] = (0.0, 0.0)
+) -> tuple[float, float]:
     """The largest sums of forces and of moments on a body; moments at least of small levers.
 
     And those by which servos would answer to `UNLOADED`, where nothing loads them.
     """
     lengths, answers = _answers(system, work)
     forces = max(
-        float(work.bodies.force_scale[:, 0].max()), answers[lengths].max(initial=1e-300), least
+        float(work.bodies.force_scale[:, 0].max()), answers[lengths].max(initial=1e-300), least[0]
     )
     levered = max(forces * 1e-3 * system.bodies.size, answers[~lengths].max(initial=0.0))
-    return forces, max(float(work.bodies.force_scale[:, 1].max()), levered)
+    return forces, max(float(work.bodies.force_scale[:, 1].max()), levered, least[1])
 
 
 def _answers(system: System, work: Workspace) -> tuple[NDArray[np.bool_], Array]:
@@ -424,9 +455,8 @@ def _failure(lowered: LoweredModel, reason: str, state: State, work: Workspace) 
     if rows.max(initial=0.0) > bodies.max():
         worst = lowered.owner_of(int(np.argmax(rows)))
     return ModelError(
-        f"start = 'equilibrium': none found, {reason}; farthest from it is {worst}. Usual causes: "
-        f"a body that falls freely, a mechanism that turns freely about an axis across gravity, "
-        f"loads that nothing balances"
+        f"start = 'equilibrium': none found, {reason}; farthest from it is {worst}. "
+        f"In the last state: {causes(lowered, state, work)}"
     )
 
 

@@ -65,7 +65,7 @@ def vibrations(initial: InitialState, largest: int = LARGEST) -> Vibrations | No
     B = _jacobian(lowered, initial.state, initial.work)
     K = np.diag(np.concatenate([np.zeros(n - len(stiffness)), stiffness]))
     K += B.T @ spring_slopes(system, initial.state, initial.work) @ B
-    free = _null_space(B[constraint_rows(system)])
+    free = null_space(B[constraint_rows(system)])
     values, vectors = np.linalg.eigh(free.T @ K @ free)
     rounding = NOISE * n * np.finfo(float).eps * np.abs(values).max(initial=0.0)
     resisted = values > rounding
@@ -109,7 +109,7 @@ def spring_slopes(system: System, state: State, work: Workspace, rates: bool = F
     return S
 
 
-def _null_space(C: Array) -> Array:
+def null_space(C: Array) -> Array:
     """An orthonormal basis (n, n - rows) of what independent rows leave free."""
     length = np.linalg.norm(C, axis=1)
     Q, _ = np.linalg.qr((C / np.where(length > 0.0, length, 1.0)[:, None]).T, mode="complete")

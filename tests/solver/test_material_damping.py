@@ -171,6 +171,28 @@ def test_dampers_are_in_the_damping_of_the_assembled_model():
             assert found[0].frequency == pytest.approx(20 * np.sqrt(1 - 0.05**2) / (2 * np.pi))
 
 
+def test_the_damping_of_a_long_chain_of_masses_is_that_of_the_formula():
+    """omega_k = 2 omega_0 sin((2 k - 1) pi / (4 n + 2)), zeta_k = d omega_k / (2 c).
+
+    Of n masses m, one after the other by springs c and dampers d, omega_0^2 = c / m.
+    """
+    n, m, c, d = 60, 2.0, 3e4, 4.0
+    names = ["ground", *(f"m{k}" for k in range(n))]
+    model = model_of(
+        bodies={name: RigidBody(m, [1.0, 1.0, 1.0]) for name in names[1:]},
+        joints=[Joint(f"j{k}", "prismatic", (names[k], names[k + 1]), [1, 0, 0]) for k in range(n)],
+        motors=[Motor(f"s{k}", f"j{k}", "distance", stiffness=c, damping=d) for k in range(n)],
+        t_end=0.01,
+        step=1e-3,
+    )
+    omega = 2.0 * np.sqrt(c / m) * np.sin((2.0 * np.arange(1, 7) - 1.0) * np.pi / (4 * n + 2))
+    ratio = d * omega / (2.0 * c)
+    found = check(model).damping
+    np.testing.assert_allclose([motion.ratio for motion in found], ratio, rtol=1e-8)
+    damped = omega * np.sqrt(1.0 - ratio**2) / (2.0 * np.pi)
+    np.testing.assert_allclose([motion.frequency for motion in found], damped, rtol=1e-8)
+
+
 COMPLIANT = {
     "damping": Motor("servo", "hinge", "angle", stiffness=40.0, damping=2.0),
     "integral": Motor("servo", "hinge", "angle", stiffness=40.0, damping=2.0, integral=25.0),

@@ -2,22 +2,29 @@
 they are off.
 """
 
+import warnings
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from duhamel.solver import (
+    Contact,
     ConvergenceError,
     FlexibleBody,
     Frame,
+    Impact,
     Input,
     Joint,
     Load,
     Model,
     ModelError,
+    Motor,
+    OutputRequest,
     Place,
     Polynomial,
     Pulse,
+    Results,
     RigidBody,
     Settings,
     Simulator,
@@ -25,6 +32,7 @@ from duhamel.solver import (
     Start,
     Steps,
     Table,
+    ValidityWarning,
     read_model,
     simulate,
 )
@@ -217,3 +225,92 @@ on = "stone"
 direction = [1, 0, 0]
 signal = {input = "thrust", value = 3}
 """
+
+
+def hit(coarse, load, **settings):
+    """The rotor, whose tip strikes a wall."""
+    model = rotor(coarse, load, **settings)
+    wall = Contact(
+        "wall",
+        ("ground.wall", "beam.tip"),
+        "plane",
+        0.01,
+        [0, -1, 0],
+        impact=Impact(stiffness=1e6, restitution=0.5),
+    )
+    return replace(model, contacts=[wall], ground_frames={"wall": Frame([0, 0.012, 0])})
+
+
+@pytest.mark.parametrize("every", [1, 7])
+def test_its_results_file_is_that_of_a_run(every, coarse, tmp_path):
+    values = values_at(range(STEPS + 1))
+    told = Table(tuple(H * np.arange(STEPS + 1)), tuple(values))
+    settings = {"output": OutputRequest(every=every)}
+    simulate(hit(coarse, told, **settings), output=tmp_path / "run.h5")
+    model = hit(coarse, Input("motor", values[0]), **settings)
+    with Simulator(model, OUTPUTS, results=tmp_path / "steps.h5") as simulator:
+        events = [simulator.events]
+        for value in values[1:]:
+            simulator.step([value])
+            events.append(simulator.events)
+        energy, validity = simulator.energy, simulator.validity
+    run, steps = Results.read(tmp_path / "run.h5"), Results.read(tmp_path / "steps.h5")
+    assert steps.contents.quantities == run.contents.quantities
+    for name in ("time", "iterations", "residual"):
+        np.testing.assert_array_equal(getattr(steps, name), getattr(run, name))
+    for part in ("energy", "momentum"):
+        for name, column in vars(getattr(run, part)).items():
+            np.testing.assert_array_equal(vars(getattr(steps, part))[name], column)
+    np.testing.assert_array_equal(steps.joint("clamp").force, run.joint("clamp").force)
+    found, expected = steps.contact("wall").events, run.contact("wall").events
+    assert len(found.start) == sum(len(each["wall"].start) for each in events) > 0
+    np.testing.assert_array_equal(found.impulse, expected.impulse)
+    assert steps.validity == run.validity == validity
+    assert steps.solver["finished"]
+    assert steps.solver["steps"] == STEPS
+    if every == 1:
+        for name, column in vars(energy).items():
+            np.testing.assert_array_equal(column, vars(run.energy)[name][-1:])
+
+
+def test_a_results_file_holds_the_steps_before_an_error_or_an_early_end(coarse, tmp_path):
+    model, path = rotor(coarse, Input("motor")), tmp_path / "steps.h5"
+    with suppress(ZeroDivisionError), Simulator(model, OUTPUTS, results=path) as simulator:
+        for k in range(9):
+            simulator.step([1.0 / (5.0 - k)])
+    assert len(Results.read(path).time) == 6
+    assert not Results.read(path).solver["finished"]
+    simulator = Simulator(model, OUTPUTS, results=path)
+    moment = simulator.save()
+    simulator.step([1.0])
+    with pytest.raises(ModelError, match="restore: expected a Simulator without a results file"):
+        simulator.restore(moment)
+    assert simulator.finish().time.tolist() == [0.0, H]
+    with pytest.raises(ModelError, match="the results have been ended"):
+        simulator.step([1.0])
+    with pytest.raises(ModelError, match="finish: this Simulator writes no results"):
+        Simulator(model, OUTPUTS).finish()
+
+
+@pytest.mark.parametrize(("damping", "is_stable"), [(15.0, True), (45.0, False)])
+def test_a_controller_whose_gain_is_too_large_for_its_delay_is_told(damping, is_stable):
+    """A damper d of a wheel J, told a step late and linear in between, is stable for d < 2 J / h:
+
+    z^2 + (a / 2 - 1) z + a / 2 = 0 with a = d h / J. Its torque is limited.
+    """
+    J, h = 0.02, 1e-3
+    model = Model(
+        {"wheel": RigidBody(1.0, [J, J, J], start=Start(angular_velocity=[0, 0, 1.0]))},
+        [Joint("axle", "revolute", ("ground", "wheel"), [0, 0, 1])],
+        motors=[Motor("drive", "axle", "angle", torque=Input("torque"), limit=30.0)],
+        settings=Settings(t_end=0.6, step=h),
+    )
+    simulator = Simulator(model, ["joints/axle/angle_rate"])
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        for _ in range(600):
+            simulator.step([np.clip(-damping * simulator.outputs[0], -30.0, 30.0)])
+    told = [str(each.message) for each in caught if each.category is ValidityWarning]
+    assert len(told) == (0 if is_stable else 1)
+    assert is_stable or told[0].startswith("input 'torque' chatters: until t = 0.512 s")
+    assert (abs(simulator.outputs[0]) < 1e-3) == is_stable

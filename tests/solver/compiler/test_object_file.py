@@ -5,11 +5,13 @@ import resource
 import stat
 import subprocess
 import sys
+import tempfile
 import threading
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from duhamel.solver.compiler import cache as cache_module
 from duhamel.solver.compiler import marks, object_file
 from duhamel.solver.step import newton
 from duhamel.solver.step.elimination import factorize
@@ -40,7 +42,11 @@ def compiled():
     """The object file of this session."""
     with pytest.raises(TypeError):
         factorize(None)
-    return object_file._path()
+    return kept_file()
+
+
+def kept_file():
+    return cache_module.cache_folder() / object_file._name()
 
 
 def run(code, **environment):
@@ -66,13 +72,13 @@ def test_code_is_built_once_and_found_again(cache, made):
 def test_only_the_user_may_read_and_write_it(cache, made):
     object_file._new_code()
     assert stat.S_IMODE(cache.stat().st_mode) == 0o700
-    assert stat.S_IMODE(object_file._path().stat().st_mode) == 0o600
+    assert stat.S_IMODE(kept_file().stat().st_mode) == 0o600
 
 
 @pytest.mark.parametrize("damage", ["truncated", "empty", "flipped bit", "no digest"])
 def test_a_damaged_file_is_built_again(cache, made, damage):
     object_file._new_code()
-    path = object_file._path()
+    path = kept_file()
     content = path.read_bytes()
     path.write_bytes(
         {
@@ -91,20 +97,95 @@ def test_a_damaged_file_is_built_again(cache, made, damage):
 @pytest.mark.parametrize("mode", [0o620, 0o602, 0o666])
 def test_a_file_that_others_may_write_is_not_loaded(cache, made, mode, capsys):
     object_file._new_code()
-    object_file._path().chmod(mode)
+    kept_file().chmod(mode)
     assert object_file._cached_code() is None
-    assert "is not used: another user owns it or may write it" in capsys.readouterr().err
+    assert "is not used: another user owns it or may write to it" in capsys.readouterr().err
     object_file._new_code()
-    assert stat.S_IMODE(object_file._path().stat().st_mode) == 0o600
+    assert stat.S_IMODE(kept_file().stat().st_mode) == 0o600
 
 
 def test_a_file_of_another_user_is_not_loaded():
-    def is_our_own(uid):
-        return object_file._is_our_own(SimpleNamespace(st_uid=uid, st_mode=0o100600))
+    def is_private(uid):
+        return cache_module.is_private(SimpleNamespace(st_uid=uid, st_mode=0o100600))
 
-    assert is_our_own(os.geteuid())
-    assert is_our_own(0)
-    assert not is_our_own(os.geteuid() + 1)
+    assert is_private(os.geteuid())
+    assert is_private(0)
+    assert not is_private(os.geteuid() + 1)
+
+
+@pytest.mark.parametrize("kind", ["link", "pipe", "folder"])
+def test_only_a_regular_file_is_loaded(cache, made, tmp_path, kind):
+    """A link may lead to a file of the user, as to a download, that somebody else has made."""
+    object_file._new_code()
+    path, content = kept_file(), kept_file().read_bytes()
+    path.unlink()
+    if kind == "link":
+        (tmp_path / "download").write_bytes(content)
+        path.symlink_to(tmp_path / "download")
+    elif kind == "pipe":
+        os.mkfifo(path)
+    else:
+        path.mkdir()
+    assert object_file._cached_code() is None
+
+
+def test_a_link_named_lock_empties_no_file(cache, made, tmp_path):
+    diary = tmp_path / "diary.txt"
+    diary.write_text("precious")
+    cache.mkdir(mode=0o700)
+    (cache / "lock").symlink_to(diary)
+    assert object_file._new_code() == CODE
+    assert diary.read_text() == "precious"
+
+
+@pytest.fixture
+def home(monkeypatch, tmp_path):
+    """The user's own folder of caches, which is not yet there."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "home"))
+    return tmp_path / "home" / "duhamel"
+
+
+@pytest.mark.parametrize("mode", [0o777, 0o1777, 0o770, 0o702])
+def test_a_folder_that_others_may_write_to_is_neither_read_nor_written(
+    cache, home, made, capsys, mode
+):
+    object_file._new_code()
+    before = {path.name: path.stat().st_mtime_ns for path in cache.iterdir()}
+    cache.chmod(mode)
+    assert object_file._cached_code() is None
+    assert f"folder {cache} is not used" in (message := capsys.readouterr().err)
+    assert f"{home} is tried instead" in message
+    assert object_file._new_code() == CODE
+    assert kept_file().parent == home
+    assert {path.name: path.stat().st_mtime_ns for path in cache.iterdir()} == before
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root gives folders away")
+@pytest.mark.parametrize("given_away", ["folder", "link to it"])
+def test_a_folder_of_another_user_is_not_used(cache, home, made, given_away):
+    object_file._new_code()
+    if given_away == "folder":
+        os.chown(cache, 65534, 65534)
+    else:
+        cache.rename(home.parent.parent / "moved")
+        cache.symlink_to(home.parent.parent / "moved")
+        os.chown(cache, 65534, 65534, follow_symlinks=False)
+    assert object_file._cached_code() is None
+    assert kept_file().parent == home
+
+
+def test_where_no_folder_is_private_code_is_used_and_not_kept(
+    cache, home, made, monkeypatch, tmp_path, capsys
+):
+    monkeypatch.setattr(tempfile, "gettempdir", lambda: str(tmp_path))
+    places = [cache, home, tmp_path / f"duhamel-{os.geteuid()}"]
+    for place in places:
+        place.mkdir(parents=True)
+        place.chmod(0o777)
+    assert object_file._cached_code() is None
+    assert object_file._new_code() == CODE
+    assert "compiled code cannot be kept" in capsys.readouterr().err
+    assert not any(any(place.iterdir()) for place in places)
 
 
 def test_a_folder_that_cannot_be_made_is_named_and_the_code_used(
@@ -131,7 +212,7 @@ def test_a_full_disk_leaves_no_half_file(cache, made, capsys):
 
 
 def test_the_newest_files_stay(cache, made):
-    cache.mkdir()
+    cache.mkdir(mode=0o700)
     for k in range(12):
         path = cache / f"step-{k:016}.o"
         path.touch()
@@ -140,7 +221,7 @@ def test_the_newest_files_stay(cache, made):
     left = sorted(path.name for path in cache.glob("step-*"))
     oldest = 12 + 1 - object_file.KEPT
     numbers = [f"step-{k:016}.o" for k in range(oldest, 12)]
-    assert left == sorted([*numbers, object_file._path().name])
+    assert left == sorted([*numbers, kept_file().name])
 
 
 def test_the_newest_stock_folders_stay(cache, monkeypatch):

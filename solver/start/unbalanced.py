@@ -1,0 +1,82 @@
+"""Why a model has found no equilibrium, as far as its last state tells."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..arrays import Array, Index
+from ..lower.lower import LoweredModel
+from ..step.system import State, System, Workspace
+
+UNBALANCED = 1e-6
+"""net force on bodies that nothing holds, relative to all forces on a body, that moves them"""
+FAR = 1.0
+"""displacement in the search, over the size of the model, of a body that nothing stops"""
+TURNED = 0.5
+"""rotation in the search [rad] of a body that may turn on"""
+
+
+def causes(lowered: LoweredModel, state: State, work: Workspace) -> str:
+    """What the last state of a search shows, as sentences of a message."""
+    found = next(_causes(lowered, state, work), "")
+    return found or "its loads may be such that nothing balances them, or it is at a buckling load"
+
+
+def _causes(lowered: LoweredModel, state: State, work: Workspace) -> Iterator[str]:
+    """The causes that apply, the most certain ones first."""
+    names, size = lowered.body_names, lowered.system.bodies.size
+    scale = float(work.bodies.force_scale[:, 0].max())
+    for group in free_groups(lowered.system):
+        force = float(np.linalg.norm(work.bodies.residual[group, :3].sum(axis=0)))
+        if force > UNBALANCED * scale:
+            yield (
+                f"no joint, spring or contact holds body {names[group[0]]!r}, on which a force of "
+                f"{force:.6g} N is left: it falls freely"
+            )
+    distance = np.linalg.norm(state.bodies.x - [pose.x for pose in lowered.poses], axis=1)
+    farthest = int(np.argmax(distance))
+    if distance[farthest] > FAR * size:
+        yield (
+            f"body {names[farthest]!r} has moved {distance[farthest]:.3g} m from its place in the "
+            f"model without coming to rest: its joints leave it free to, and no spring or contact "
+            f"stops it"
+        )
+    if touching := _touching(lowered, work):
+        listed = ", ".join(touching[:3])
+        yield (
+            f"{listed} may open and close in turn, as stiff contacts do: place the bodies where "
+            f"they touch, or take a smaller stiffness"
+        )
+    angle = _turned(lowered, state)
+    widest = int(np.argmax(angle))
+    if angle[widest] > TURNED:
+        yield (
+            f"body {names[widest]!r} has turned by {angle[widest]:.3g} rad without coming to rest: "
+            f"its joints leave it free to turn, and no spring or motor holds it"
+        )
+
+
+def free_groups(system: System) -> list[Index]:
+    """Groups of bodies that hang together, by their numbers, without those held by the ground."""
+    body, rows = system.frames.body, system.couplings.rows
+    group = np.arange(len(system.bodies.mass) + 1)  # the last one: of the ground, body -1
+    for a, b in {*zip(body[rows.frame_a].tolist(), body[rows.frame_b].tolist(), strict=True)}:
+        group[group == group[a]] = group[b]
+    free = np.unique(group[:-1][group[:-1] != group[-1]])
+    return [np.flatnonzero(group[:-1] == number) for number in free]
+
+
+def _touching(lowered: LoweredModel, work: Workspace) -> list[str]:
+    """Contacts and stops that carry a force, or would at their penetration."""
+    couplings = lowered.system.couplings
+    rows = couplings.range[couplings.contact].tolist()
+    closed = [lowered.owner_of(row) for row in rows if work.couplings.scale[row] > 0.0]
+    return closed
+
+
+def _turned(lowered: LoweredModel, state: State) -> Array:
+    """Angles [rad] between the rotations of bodies and those in the model (n_b,)."""
+    R = np.array([pose.R for pose in lowered.poses])
+    chord = np.linalg.norm(state.bodies.R - R, axis=(1, 2)) / np.sqrt(8.0)  # sin(angle / 2)
+    angles: Array = 2.0 * np.arcsin(np.minimum(chord, 1.0))
+    return angles

@@ -1,0 +1,165 @@
+"""Equilibria that are hard to find: without loads, with integrals of servos, of stiff contacts."""
+
+import re
+
+import numpy as np
+import pytest
+from duhamel.solver import (
+    Constant,
+    Contact,
+    FlexibleBody,
+    Frame,
+    Impact,
+    Joint,
+    Load,
+    Model,
+    ModelError,
+    Motor,
+    Place,
+    RigidBody,
+    Settings,
+    Spring,
+    Start,
+    simulate,
+    start,
+)
+from scipy.spatial.transform import Rotation
+
+L, EI, MASS, G = 0.5, 5.5, 0.0429, 9.81
+AT = {"at": Frame([0, 0, 0])}
+
+
+def held_by_a_bushing(seed, place, size, stiffness):
+    """Two bars, in any attitude, between a clamp and a bushing at rest."""
+    rng = np.random.default_rng(seed)
+    first, second = Rotation.random(2, rng)
+    axis = rng.normal(size=3)
+    tip = place + first.apply([size, 0, 0])
+    end = tip + second.apply([size, 0, 0])
+
+    def bar(begin, turn):
+        frames = {"a": Frame([-size / 2, 0, 0]), "b": Frame([size / 2, 0, 0])}
+        center = begin + turn.apply([size / 2, 0, 0])
+        given = Start(position=center, rotation=turn.as_rotvec())
+        return RigidBody(1.0, [0.01 * size**2] * 3, frames, start=given)
+
+    return Model(
+        {"first": bar(place, first), "second": bar(tip, second)},
+        [
+            Joint("clamp", "fixed", ("ground.clamp", "first.a")),
+            Joint("knee", "revolute", ("first.b", "second.a"), axis=axis / np.linalg.norm(axis)),
+        ],
+        springs=[
+            Spring(
+                "bushing",
+                "bushing",
+                ("second.b", "ground.end"),
+                stiffness=stiffness * np.array([1e4, 2e4, 5e3, 1, 2, 3]),
+            )
+        ],
+        ground_frames={"clamp": Frame(place), "end": Frame(end)},
+        settings=Settings(t_end=1e-3, step=1e-4, start="equilibrium"),
+    )
+
+
+@pytest.mark.parametrize("seed", range(16))
+def test_an_unloaded_model_is_in_equilibrium_and_stays_there(seed):
+    """Without a warning: the energy that moves is rounding, and so is the error of its balance."""
+    rng = np.random.default_rng(1000 + seed)
+    place, size, stiffness = np.zeros(3), 0.5, 1.0
+    if seed % 2:
+        place, size = rng.normal(size=3), 10.0 ** rng.uniform(-2, 2)
+        stiffness = 10.0 ** rng.uniform(-2, 6)
+    results = simulate(held_by_a_bushing(seed, place, size, stiffness))
+    x = results.body("second").x
+    assert not list(results.validity.brief())
+    assert np.abs(x - x[0]).max() < 1e-12 * np.abs(x).max()
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_integrals_of_servos_hold_what_an_elastic_arm_weighs(beam, seed):
+    rng = np.random.default_rng(seed)
+    tool, gain = rng.uniform(0.1, 1.0), 10.0 ** rng.uniform(1, 4)
+    bodies = {
+        "upper": FlexibleBody(beam.element, Start(position=[L / 2, 0, 0])),
+        "elbow": RigidBody(0.5, [1e-4] * 3, AT, Start(place=Place("at", "upper.tip"))),
+        "lower": FlexibleBody(beam.element, Start(place=Place("root", "elbow.at"))),
+        "tool": RigidBody(tool, [1e-4] * 3, AT, Start(place=Place("at", "lower.tip"))),
+    }
+    joints = [
+        Joint("shoulder", "revolute", ("ground", "upper.root"), axis=[0, 1, 0]),
+        Joint("flange", "fixed", ("upper.tip", "elbow.at")),
+        Joint("knee", "revolute", ("elbow.at", "lower.root"), axis=[0, 1, 0]),
+        Joint("grip", "fixed", ("lower.tip", "tool.at")),
+    ]
+    motors = [
+        Motor("lift", "shoulder", "angle", stiffness=5e3, damping=9.0, integral=gain),
+        Motor("bend", "knee", "angle", stiffness=800.0, damping=5.0, integral=0.3 * gain),
+    ]
+    settings = Settings(t_end=6e-3, start="equilibrium")
+    results = start(Model(bodies, joints, motors=motors, gravity=[0, 0, -G], settings=settings))
+    for joint in ("shoulder", "knee"):
+        assert abs(results.joint(joint).angle[0]) < 1e-12
+    weights = np.array([MASS, 0.5, MASS, tool]) * G
+    arms = np.array([results.body(name).x[0, 0] for name in bodies])
+    assert abs(results.motor("lift").torque[0]) == pytest.approx(weights @ arms, rel=1e-9)
+
+
+@pytest.mark.parametrize("stiffness", [1e6, 1e8, 1e10])
+@pytest.mark.parametrize("depth", [1e-9, 1e-7, -1e-6, -1e-3])
+@pytest.mark.parametrize("mass", [0.02, 0.1])
+def test_a_ball_that_just_touches_a_cantilever_rests_on_its_tip(beam, stiffness, depth, mass):
+    radius = 0.01
+    model = Model(
+        {
+            "beam": FlexibleBody(beam.element, Start(position=[L / 2, 0, 0])),
+            "ball": RigidBody(mass, [1e-6] * 3, {}, Start(position=[L, 0, radius - depth])),
+        },
+        [
+            Joint("clamp", "fixed", ("ground", "beam.root")),
+            Joint("guide", "prismatic", ("ground", "ball"), axis=[0, 0, 1]),
+        ],
+        contacts=[
+            Contact(
+                "touch",
+                ("beam.tip", "ball"),
+                "plane",
+                radius,
+                [0, 0, 1],
+                impact=Impact(stiffness=stiffness),
+            )
+        ],
+        gravity=[0, 0, -G],
+        settings=Settings(t_end=6e-3, start="equilibrium"),
+    )
+    results = start(model)
+    sag = mass * G * L**3 / (3 * EI) + MASS * G * L**3 / (8 * EI)
+    assert -results.frame("beam.tip").position[0, 2] == pytest.approx(sag, rel=1e-3)
+
+
+ARM = {"arm": RigidBody(1.0, [0.01] * 3, {})}
+TORQUE = [Load("torque", "arm", [0, 0, 1], Constant(1.0))]
+WITHOUT = {
+    "a body that falls": ([], [], r"no joint, spring or contact holds body 'arm'"),
+    "a body that slides down": (
+        [Joint("guide", "prismatic", ("ground", "arm"), axis=[0, 0, 1])],
+        [],
+        r"body 'arm' has moved [\d.]+ m from its place in the model without coming to rest",
+    ),
+    "a wheel that is turned": (
+        [Joint("pivot", "revolute", ("ground", "arm"), axis=[0, 0, 1])],
+        TORQUE,
+        r"body 'arm' has turned by [\d.]+ rad without coming to rest",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", WITHOUT)
+def test_a_model_without_equilibrium_is_told_the_cause_that_applies(case):
+    joints, loads, cause = WITHOUT[case]
+    settings = Settings(t_end=1e-3, step=1e-4, start="equilibrium")
+    model = Model(ARM, joints, loads=loads, gravity=[0, 0, -G], settings=settings)
+    with pytest.raises(ModelError, match=cause) as refusal:
+        start(model)
+    causes = [text for _, _, text in WITHOUT.values() if re.search(text, str(refusal.value))]
+    assert causes == [cause]
