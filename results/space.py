@@ -7,6 +7,24 @@ from ..superelement import Outline
 from ..superelement.validation import Array
 
 
+@dataclass(frozen=True)
+class Place:
+    """A point of a body at rest.
+
+    position: in the coordinates of the mesh, or from the center of mass in body axes where the mesh
+    is not known [m]; node: its number in the mesh file, None where that gives none.
+    """
+
+    position: tuple[float, float, float]
+    in_mesh: bool = True
+    node: int | None = None
+
+    def __str__(self) -> str:
+        x, y, z = (f"{coordinate:.4g}" for coordinate in self.position)
+        where = f"({x}, {y}, {z}) m " + ("of the mesh" if self.in_mesh else "in body axes")
+        return where if self.node is None else f"{where}, node {self.node}"
+
+
 @dataclass(frozen=True, eq=False)
 class Connection:
     """What acts between two frames.

@@ -51,7 +51,8 @@ def read_mesh(path: str | os.PathLike[str], scale: float = 1.0) -> Mesh:
     path = Path(path)
     draft = read_draft(path)
     cells = {kind: rows for kind, rows in draft.cells.items() if len(rows)}
-    mesh = Mesh(path.name, scale * draft.points, cells, draft.groups, _body_types(path.name, cells))
+    body_types = _body_types(path.name, cells)
+    mesh = Mesh(path.name, scale * draft.points, cells, draft.groups, body_types, draft.labels)
     loose = draft.points[~mesh.used]
     lost = [*draft.lost, *([_described(loose)] if len(loose) else [])]
     if lost:

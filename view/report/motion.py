@@ -117,7 +117,8 @@ def motion(results: Results, field: str = "") -> Motion | None:
                 _values(body, numbers, parts, chosen) if body.name in shown else None,
             )
         )
-    placing = Placing(Tracks(results, time[rows]), bodies, magnification)
+    tracks = Tracks(results, time[rows])
+    placing = Placing(tracks, bodies_on_stage(results, tracks), magnification)
     return Motion(
         time[rows],
         deforming,

@@ -67,7 +67,10 @@ class Mark:
 
 
 class Placing:
-    """Where frames are seen when deformation is magnified."""
+    """Where frames are seen when deformation is magnified.
+
+    tracks, bodies: at the same times.
+    """
 
     def __init__(self, tracks: Tracks, bodies: tuple[Body, ...], magnification: float) -> None:
         self.tracks, self._magnification = tracks, magnification
