@@ -30,8 +30,8 @@ STARTS = ("given", "equilibrium")
 """of runs that do not go on from another one, whose modes would not start at rest"""
 
 
-KEPT = 1 << 28
-"""bytes of modal coordinates of a body that are kept, lest they are stepped again"""
+KEPT = 1 << 29
+"""bytes of modal coordinates of all bodies that are kept, lest they are stepped again"""
 
 
 class Stepping(NamedTuple):
@@ -165,6 +165,11 @@ class ModalSteps:
         self._kept: list[Array] | None = None
         if size <= KEPT:
             self._kept = [np.empty((len(p), len(modes.omega))) for _ in range(1 + self._apart)]
+
+    @property
+    def nbytes(self) -> int:
+        """Of what is kept, when all steps were passed."""
+        return sum(kept.nbytes for kept in self._kept or ())
 
     @property
     def n(self) -> int:

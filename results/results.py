@@ -31,6 +31,7 @@ from .motion import (
 from .outlines import Outlines
 from .outlines import Source as OutlineSource
 from .recovery import (
+    KEPT,
     STARTS,
     Instants,
     ModalSteps,
@@ -435,9 +436,11 @@ class Results:
         if made is None or made[0] is not element or made[1].n != len(time):
             run = stepping(self._source.name, self.solver, time)
             made = element, ModalSteps(*self._loads(body, element, of_element), run)
+            if sum(steps.nbytes for _, steps in (made, *self._made_steps.values())) > KEPT:
+                self._made_steps.clear()
             self._made_steps[body] = made
             self._made_extremes = {
-                key: e for key, e in self._made_extremes.items() if key[0] != body
+                key: found for key, found in self._made_extremes.items() if key[0] != body
             }
         return recovery, made[1]
 

@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 from ..results import QuantityError, Results
 from ..results.transforms import Window
 from ..results.wildcards import STAR, matching
-from ..superelement.validation import Array
 from .field_kinds import FIELDS, WORST
 from .fields import Field, draw_fields
 from .picture import entitle

@@ -9,7 +9,6 @@ from ..results import QuantityError, Results
 from ..results.peaks import largest_over_time
 from ..results.steps import inside
 from ..results.transforms import Window
-from ..superelement.validation import Array
 
 
 def worst_time(

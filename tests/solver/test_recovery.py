@@ -14,6 +14,7 @@ from duhamel.preprocess.body.body import NonlinearCoordinates, RecoveredFields
 from duhamel.preprocess.body.material import Material
 from duhamel.preprocess.recovery import recover
 from duhamel.preprocess.sources.reading import read_source
+from duhamel.results import peaks
 from duhamel.solver import (
     Constant,
     FlexibleBody,
@@ -28,7 +29,6 @@ from duhamel.solver import (
     SteadyRotation,
     simulate,
 )
-from duhamel.results import peaks
 from duhamel.superelement import Recovery, read, write
 from scipy.linalg import lu_factor, lu_solve
 from scipy.spatial.transform import Rotation
