@@ -26,13 +26,29 @@ class Place:
 
 
 @dataclass(frozen=True, eq=False)
+class ContactShape:
+    """What the ball of a contact touches, about the first frame; a plane has its axis alone.
+
+    radius: of a sphere or cylinder, else 0 [m]; length: of a cylinder, half to each side, or inf
+    [m]; across (3,): a unit vector across the axis, in the axes in which that is; curve (n, 2): of
+    a profile, along that vector and along axis x across, else (0, 2) [m].
+    """
+
+    radius: float
+    length: float
+    across: Array
+    curve: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Connection:
     """What acts between two frames.
 
     name; group: "joints", "springs", "contacts", "motions", "motors", "stops" or "couplers"; type:
     "revolute", ...; between: "BODY.FRAME", "BODY" for its center of mass, or "ground.NAME", or
     "ground" where the other frame starts; axis (3,): of a joint and others that have one, a unit
-    vector in the axes of the first frame, which for "ground" are those of space; else None.
+    vector in the axes of the first frame, which for "ground" are those of space; else None;
+    shape: of a contact; None of others, and in files of earlier versions of Duhamel.
     """
 
     name: str
@@ -40,6 +56,7 @@ class Connection:
     type: str
     between: tuple[str, str]
     axis: Array | None = None
+    shape: ContactShape | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,8 +10,9 @@ from ...results.rotations import rotate
 from ...results.steps import batches, evenly
 from ...superelement.validation import Array
 from ..space.bodies import Body, bodies_on_stage
-from ..space.marks import Placing
-from ..space.stage import chosen_field, chosen_magnification, colored, unknown
+from ..space.marks import Mark as StageMark
+from ..space.marks import Placing, shapes_of
+from ..space.stage import chosen_field, chosen_magnification, colored, size_of, unknown
 from ..space.tracks import Tracks
 from .simplify import IntArray, simplified
 
@@ -64,6 +65,7 @@ class Mark:
 class Motion:
     """The bodies and marks of an animation, and what there is to say of it.
 
+    surroundings: the shapes that contacts touch, whose poses stretch them too;
     time (k,) [s]: the instants of motion; deforming (f,): those of deformation; origin (3,) [m];
     turn: largest angle between two instants [rad]; points: (drawn, of the bodies); field: of the
     colors, "" where no body has one; failed: why bodies have none; remarks: where deformation is
@@ -82,6 +84,7 @@ class Motion:
     failed: Sequence[str]
     recorded: int
     remarks: Sequence[str]
+    surroundings: Sequence[Shape] = ()
 
 
 def motion(results: Results, field: str = "") -> Motion | None:
@@ -132,7 +135,16 @@ def motion(results: Results, field: str = "") -> Motion | None:
         tuple(failed.values()),
         len(time),
         [remark for body in bodies if (remark := results.outline_remark(body.name))],
+        [_around(mark, origin) for mark in shapes_of(results, placing, size_of(bodies))],
     )
+
+
+def _around(mark: StageMark, origin: Array) -> Shape:
+    """The shape of a contact at all instants."""
+    poses = np.zeros((len(mark.x), 4, 4))
+    poses[:, :3, :3], poses[:, :3, 3], poses[:, 3, 3] = mark.A, mark.x - origin, 1.0
+    glyph = mark.glyph
+    return Shape(mark.color, glyph.points, glyph.triangles, glyph.lines, poses)
 
 
 def _instants(results: Results, time: Array, n_bodies: int) -> tuple[IntArray, float]:

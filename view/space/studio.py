@@ -239,7 +239,7 @@ class _MarkFigure:
             ambient=0.45,
             diffuse=0.6,
             lighting=shaded,
-            opacity=0.85 if shaded else 1.0,
+            opacity=mark.opacity if shaded else 1.0,
         )
         if mark.before:
             _bring_forward(actor, IN_FRONT)
