@@ -1,7 +1,7 @@
 """The group `space` of a results file: outlines one after the other, connections, ground frames."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import repeat
+from itertools import pairwise, repeat
 from typing import Any
 
 import h5py
@@ -214,8 +214,8 @@ def _shapes(group: h5py.Group, n: int) -> Iterator[ContactShape | None]:
             "curve_points",
         )
     )
-    ends = zip(first[:-1], first[1:], strict=True)
-    for radius, length, e1, (a, b) in zip(radii, lengths, across, ends, strict=True):
+    columns = zip(radii, lengths, across, pairwise(first), strict=True)
+    for radius, length, e1, (a, b) in columns:
         known = not np.isnan(radius)
         yield ContactShape(float(radius), float(length), e1, curves[a:b]) if known else None
 

@@ -1,6 +1,6 @@
 """What the animation of a report shows: instants, bodies, how far they deform, marks."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -87,10 +87,13 @@ class Motion:
     surroundings: Sequence[Shape] = ()
 
 
-def motion(results: Results, field: str = "") -> Motion | None:
+def motion(
+    results: Results, field: str = "", on_body: Callable[[], object] | None = None
+) -> Motion | None:
     """The motion of all bodies that were recorded; None if none was.
 
-    field: one of `field_kinds.FIELDS`; by default as films have it.
+    field: one of `field_kinds.FIELDS`; by default as films have it; on_body: called when one more
+    body is made.
     """
     names, time = results.bodies, results.time
     if not names or not len(time):
@@ -120,6 +123,8 @@ def motion(results: Results, field: str = "") -> Motion | None:
                 _values(body, numbers, parts, chosen) if body.name in shown else None,
             )
         )
+        if on_body is not None:
+            on_body()
     tracks = Tracks(results, time[rows])
     placing = Placing(tracks, bodies_on_stage(results, tracks), magnification)
     return Motion(
