@@ -39,8 +39,9 @@ def still(motion: Motion) -> str:
             axes.add_collection(LineCollection(list(seen[shape.lines][..., :2]), colors=[color]))
     around = [(_seen(motion, s) @ view.T)[s.triangles][..., :2] for s in motion.surroundings]
     if around:
-        faint = {"facecolors": SURROUNDINGS, "alpha": 0.5 * SEEN_THROUGH, "linewidths": 0.0}
-        axes.add_collection(PolyCollection([*np.concatenate(around)], **faint))
+        tint = (*to_rgb(SURROUNDINGS), 0.5 * SEEN_THROUGH)
+        faint = PolyCollection([*np.concatenate(around)], facecolors=[tint], linewidths=0.0)
+        axes.add_collection(faint)
     if facets:
         corners, shades = np.concatenate(facets), np.concatenate(colors)
         order = np.argsort(corners[..., 2].mean(axis=1))

@@ -218,9 +218,11 @@ def _basis(coupling: Connection) -> Array:
     """e1, e2, e3 = axis of a shape as columns (3, 3), in the axes of its first frame."""
     axis = E_Z if coupling.axis is None else np.asarray(coupling.axis, dtype=float)
     if coupling.shape is None:
-        return along(axis[None])[0]
+        any_basis: Array = along(axis[None])[0]
+        return any_basis
     across = coupling.shape.across
-    return np.column_stack([across, np.cross(axis, across), axis])
+    basis: Array = np.column_stack([across, np.cross(axis, across), axis])
+    return basis
 
 
 def _alike(coupling: Connection) -> str:

@@ -106,7 +106,6 @@ class Studio:
     def _picture(self) -> Image:
         """What is drawn, each pixel the mean of those drawn for it."""
         from PIL import Image as Images
-        from vtkmodules.util.numpy_support import vtk_to_numpy
         from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 
         width, height = self._size
@@ -115,7 +114,7 @@ class Studio:
         read = vtkUnsignedCharArray()
         window.GetPixelData(0, 0, width - 1, height - 1, 0, read, 0)
         # from below to above
-        drawn = np.ascontiguousarray(vtk_to_numpy(read).reshape(height, width, 3)[::-1])
+        drawn = np.ascontiguousarray(np.frombuffer(read, np.uint8).reshape(height, width, 3)[::-1])
         if self._finer == 1:
             return drawn
         return np.asarray(Images.fromarray(drawn).reduce(self._finer))
