@@ -131,7 +131,7 @@ def animate(
         run = results.Results.read(results_file)
         if found := clash([target], {results_file: "the results file"}):
             raise pictures.PictureError(f"{found}, which the film would replace")
-        with shown_frames() as on_frame:
+        with shown("frames") as on_frame:
             film = pictures.animate(
                 run,
                 target,
@@ -188,15 +188,18 @@ def told(film: "Film") -> str:
     )
     if film.magnification != 1.0:
         words.append(f"deformation x {film.magnification:g}")
+    if film.field:
+        which = "this time" if film.frames == 1 else "all frames"
+        words.append(f"colors up to {film.scale_end}, the largest of {which}")
     return ", ".join(words)
 
 
 @contextmanager
-def shown_frames() -> Iterator[Callable[[int, int], object]]:
-    """Progress with the time that remains, told the frames that are done and all of them."""
+def shown(unit: str) -> Iterator[Callable[[int, int], object]]:
+    """Progress with the time that remains, told the parts that are done and all of them."""
     from ..files.progress import Progress, Work
 
-    with Progress(Work(unit="frames")) as work:
+    with Progress(Work(unit=unit)) as work:
 
         def tell(done: int, total: int) -> None:
             work.total = total

@@ -311,12 +311,14 @@ def peaks(
     from rich.console import Console
 
     from .. import results
-    from .peaks import peaks_table
+    from .peaks import peaks_table, places
 
     with errors_in_one_line(results):
         read = results.Results.read(results_file)
         found = results.peaks(read, quantities or (), gravities)
     Console().print(peaks_table(results_file.stem, found))
+    for place in places(found):
+        typer.echo(one_line(place))
 
 
 @app.command()

@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from .animation import shown
 from .arguments import ResultsFile
 from .failures import errors_in_one_line, one_line
 
@@ -41,7 +42,8 @@ def report(
         raise typer.BadParameter(f"--field: expected one of {expected}, found {field!r}")
     with errors_in_one_line(view):
         try:
-            view.write_report(Results.read(results_file), target, title, field)
+            with shown("parts") as on_part:
+                view.write_report(Results.read(results_file), target, title, field, on_part)
         except RecoveryError as error:
             raise view.PictureError(str(error)) from error
     megabytes, seconds = target.stat().st_size / 1e6, perf_counter() - start

@@ -20,7 +20,7 @@ def peaks_table(name: str, peaks: Sequence[Peak]) -> Table:
         table.add_column(heading, justify="right", no_wrap=True)
     for peak in peaks:
         table.add_row(
-            Text(peak.quantity + _place(peak)),
+            Text(peak.quantity),
             Text(peak.unit),
             f"{peak.largest:.4g}",
             f"{peak.at_largest:.5g} {peak.base}{BEYOND if peak.is_beyond else ''}",
@@ -34,8 +34,6 @@ def peaks_table(name: str, peaks: Sequence[Peak]) -> Table:
     return table
 
 
-def _place(peak: Peak) -> str:
-    """In body axes [m]."""
-    if peak.place is None:
-        return ""
-    return f" at ({', '.join(f'{x:.4g}' for x in peak.place)}) m"
+def places(peaks: Sequence[Peak]) -> list[str]:
+    """A line for each peak whose place on a body is known."""
+    return [f"{peak.quantity}: largest at {peak.place}" for peak in peaks if peak.place]

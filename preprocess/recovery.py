@@ -45,7 +45,8 @@ def recover(body: Body, source: Source, structure: Structure, shapes: Shapes) ->
     X = source.nodes.points[points.nodes] - structure.rigid.center
     phi = _at_points(points, structure.T, shapes)
     turns = None if structure.turns is None else _at_points(points, structure.turns, shapes)
-    return Recovery(X, points.cells, phi, _stresses(points, structure, shapes), turns)
+    stress = _stresses(points, structure, shapes)
+    return Recovery(X, points.cells, phi, stress, turns, points.labels)
 
 
 def _at_points(points: FieldPoints, T: Any, shapes: Shapes) -> Array:

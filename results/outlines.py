@@ -1,6 +1,7 @@
 """The bodies of a run in space: outlines at rest and as they move and deform."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from functools import cached_property
 from typing import Any, Literal, NamedTuple, Protocol
 
@@ -15,12 +16,14 @@ from .motion import BodyMotion, FrameMotion
 from .recovery import in_space, instants
 from .rotations import inverse
 from .schema import SuperelementFile
-from .space import Space
+from .space import Place, Space
 
 Source = Literal["rigid", "recovery", "interfaces"]
 FIELDS = ("displacement", "velocity", "von_mises")
 KEPT = 1 << 28
 """bytes of motions that are kept, which is less time than to read them again"""
+ROUNDING = 1e-9
+"""of coordinates, over the size of a body"""
 SMALL = 0.05
 """edge of the box of a body of which nothing is known, in the size of the run"""
 
@@ -138,6 +141,18 @@ class Outlines:
         if name == "von_mises":
             return self._von_mises(body, t)
         raise RecoveryError(f"field {name!r}: expected one of {', '.join(FIELDS)}")
+
+    def place(self, body: str, point: int) -> Place:
+        """Where a point is at rest: in the mesh, where the superelement is at hand."""
+        outline, center, node = self.at_rest(body), None, None
+        if body in self._results.superelement_files:
+            with suppress(RecoveryError, ResultsError, SuperelementError):
+                element = self._results.superelement(body)
+                center, node = element.center, _node_at(point, outline, element.recovery)
+        X = outline.points + (0.0 if center is None else center)
+        rounding = ROUNDING * float(np.ptp(X, axis=0).max(initial=0.0))
+        x, y, z = np.where(np.abs(X[point]) > rounding, X[point], 0.0).tolist()
+        return Place((x, y, z), center is not None, node)
 
     def _found_source(self, body: str) -> Source:
         self.at_rest(body)
@@ -278,6 +293,13 @@ class Outlines:
         points = [results.body(name).x[0] for name in results.bodies]
         points += [results.frame(name).position[0] for name in results.frames]
         return float(np.linalg.norm(np.ptp(points, axis=0))) or 1.0
+
+
+def _node_at(point: int, outline: Outline, recovery: Recovery | None) -> int | None:
+    """The number of the node of a point in the mesh file, where it is known."""
+    if recovery is None or recovery.nodes is None or not outline.fits(recovery):
+        return None
+    return int(recovery.nodes[point if outline.node is None else outline.node[point]])
 
 
 def _seen(x: Array, R: Array, point: Array) -> Array:

@@ -3,20 +3,17 @@
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..superelement.validation import Array
 from .errors import QuantityError
 from .quantities import KINDS
 from .results import Results
+from .space import Place
 from .steps import batches
 from .transforms import FREQUENCY, IN_G, Series, in_g, parse, series
 from .wildcards import named, of_all
-
-Index = NDArray[np.int64]
 
 UNASKED = (
     "acceleration",
@@ -53,8 +50,8 @@ class Peak:
     smallest: float
     at_smallest: float
     base: str
-    place: tuple[float, ...] | None = None
-    """of a stress: the point of the surface, in body axes [m]"""
+    place: Place | None = None
+    """of a stress: the point of the surface, in the mesh"""
     band: float = np.inf
     """of a spectrum: the frequency up to which the superelement is right [Hz]"""
 
@@ -106,30 +103,20 @@ def _stress(results: Results, quantity: str) -> Peak:
     if body not in results.superelement_files:
         known = ", ".join(results.superelement_files) or "none"
         raise QuantityError(f"{quantity}: no flexible body {body!r}; there are: {known}")
-    time = results.time
-    recovery = results.superelement(body).recovery
-    number = 1 if recovery is None else len(recovery.points)
-    largest, points = largest_over_time(partial(results.von_mises, body), time, number)
-    high, low = int(largest.argmax()), int(largest.argmin())
-    place = None if recovery is None else tuple(recovery.points[points[high]].tolist())
-    extremes = float(largest[high]), float(time[high]), float(largest[low]), float(time[low])
-    return Peak(quantity, "Pa", *extremes, "s", place)
+    found, time = results.field_extremes(body, "von_mises"), results.time
+    at_largest, at_smallest = float(time[found.at_largest]), float(time[found.at_smallest])
+    extremes = found.largest, at_largest, found.smallest, at_smallest
+    return Peak(quantity, "Pa", *extremes, "s", results.place(body, found.point))
 
 
-def largest_over_time(
-    values: Callable[[Array], Array], time: Array, points: int
-) -> tuple[Array, Index]:
-    """The largest of the values (k, p) at each of the times (n,), and the point that has it (n,).
+def largest_over_time(values: Callable[[Array], Array], time: Array, points: int) -> Array:
+    """The largest (n,) of the values (k, p) at each of the times (n,).
 
     values: a function of times (k,), at so many points, of which few enough for memory are taken
     at once.
     """
-    largest, places = np.zeros(len(time)), np.zeros(len(time), dtype=np.int64)
-    for rows in batches(len(time), AT_ONCE // max(points, 1)):
-        found = values(time[rows])
-        places[rows] = found.argmax(axis=1)
-        largest[rows] = found.max(axis=1)
-    return largest, places
+    parts = batches(len(time), AT_ONCE // max(points, 1))
+    return np.concatenate([values(time[rows]).max(axis=1) for rows in parts])
 
 
 def _of(results: Results, quantity: str, gravities: bool) -> Iterator[Peak]:

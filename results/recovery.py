@@ -9,8 +9,8 @@ stepped as the run was, whatever the form of its history, so that phi_C eta are 
 that it recorded. It adds no cost to the time loop.
 """
 
-from collections.abc import Mapping
-from itertools import islice
+from collections.abc import Iterator, Mapping
+from itertools import islice, pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -28,6 +28,10 @@ Index = NDArray[np.int64]
 
 STARTS = ("given", "equilibrium")
 """of runs that do not go on from another one, whose modes would not start at rest"""
+
+
+KEPT = 1 << 29
+"""bytes of modal coordinates of all bodies that are kept, lest they are stepped again"""
 
 
 class Stepping(NamedTuple):
@@ -139,30 +143,82 @@ def second_order_loads(omega: Array, force: Array, mass: float) -> Array:
     return np.hstack([np.column_stack(on_inertia), force / np.sqrt(mass)])
 
 
-def modal_coordinates(
-    modes: Modes, p: Array, run: Stepping, steps: Index, stress: bool = False
-) -> Array:
-    """Modal coordinates eta (k, m) at some steps (k,), of displacements or of stresses.
+class ModalSteps:
+    """Modal coordinates of a body at the steps of a run, from one pass over them.
 
-    They differ by the springs of a chain, eta + sum_k a_k q_k, of a material with a loss factor.
+    eta of displacements, or eta + sum_k a_k q_k of stresses: they differ by the springs of a chain,
+    of a material with a loss factor. What was passed is kept where there is room for all, so that
+    nothing is stepped twice.
 
-    p (n, n_dofs): the loads of all steps up to the last of these, on the rows of phi.
+    p (n, n_dofs): the loads of all steps, on the rows of phi.
 
     A start in equilibrium is at eta = phi_C^T p_0 / omega^2, any other at eta = 0 with the
     acceleration phi_C^T p_0, which is zero in eq. (55), the paper's rule. Source:
     initial.py, docs/theory.md, Impulse responses.
     """
-    at_once = p[0] @ modes.phi
-    start: dict[str, Array] = {}
-    if run.start == "equilibrium":
-        start = {"eta": at_once / modes.omega**2}
-    elif run.rule == "consistent":
-        start = {"acceleration": at_once}
-    loads = p[1:] if run.rule == "consistent" else 0.5 * (p[1:] + p[:-1])
-    etas = stressed(modes, run.h, run.scheme, (load @ modes.phi for load in loads), **start)
-    chosen, which = set(steps.tolist()), int(stress)
-    eta_at = {n: eta[which] for n, eta in enumerate(islice(etas, max(chosen) + 1)) if n in chosen}
-    return np.array([eta_at[n] for n in steps.tolist()])
+
+    def __init__(self, modes: Modes, p: Array, run: Stepping) -> None:
+        self._modes, self._p, self._run = modes, p, run
+        self._apart = modes.chain is not None
+        self._next, self._etas = 0, self._steps()
+        size = (2 if self._apart else 1) * 8 * len(p) * len(modes.omega)
+        self._kept: list[Array] | None = None
+        if size <= KEPT:
+            self._kept = [np.empty((len(p), len(modes.omega))) for _ in range(1 + self._apart)]
+
+    @property
+    def nbytes(self) -> int:
+        """Of what is kept, when all steps were passed."""
+        return sum(kept.nbytes for kept in self._kept or ())
+
+    @property
+    def n(self) -> int:
+        """How many steps there are, with the start."""
+        return len(self._p)
+
+    def at(self, steps: Index, stress: bool = False) -> Array:
+        """eta (k, m) at some steps (k,)."""
+        which = int(stress and self._apart)
+        if self._kept is not None:
+            self._pass_to(int(steps.max(initial=-1)) + 1)
+            return self._kept[which][steps]
+        chosen = set(steps.tolist())
+        passed = enumerate(islice(self._steps(), max(chosen, default=-1) + 1))
+        eta_at = {n: eta[which] for n, eta in passed if n in chosen}
+        return np.array([eta_at[n] for n in steps.tolist()])
+
+    def blocks(self, rows: slice, length: int, stress: bool = False) -> Iterator[tuple[int, Array]]:
+        """All steps of a range, some at once: the number of the first one, and eta (k, m)."""
+        first, last, _ = rows.indices(self.n)
+        starts = range(first, last, length)
+        if self._kept is not None:
+            for start in starts:
+                yield start, self.at(np.arange(start, min(start + length, last)), stress)
+            return
+        which = int(stress and self._apart)
+        passing = islice(self._steps(), first, last)
+        for start in starts:
+            yield start, np.array([eta[which] for eta in islice(passing, length)])
+
+    def _pass_to(self, end: int) -> None:
+        """Keep the steps before this one."""
+        assert self._kept is not None
+        for n, eta in zip(range(self._next, end), self._etas, strict=False):
+            for kept, values in zip(self._kept, eta, strict=False):
+                kept[n] = values
+        self._next = max(self._next, end)
+
+    def _steps(self) -> Iterator[tuple[Array, Array]]:
+        modes, p, run = self._modes, self._p, self._run
+        at_once = p[0] @ modes.phi
+        start: dict[str, Array] = {}
+        if run.start == "equilibrium":
+            start = {"eta": at_once / modes.omega**2}
+        elif run.rule == "consistent":
+            start = {"acceleration": at_once}
+        halves = run.rule != "consistent"
+        loads = (0.5 * (a + b) if halves else b for a, b in pairwise(p))
+        return stressed(modes, run.h, run.scheme, (load @ modes.phi for load in loads), **start)
 
 
 def in_space(x: Array, R: Array, points: Array) -> Array:

@@ -31,19 +31,21 @@ from .motion import (
 from .outlines import Outlines
 from .outlines import Source as OutlineSource
 from .recovery import (
+    KEPT,
     STARTS,
     Instants,
+    ModalSteps,
     in_space,
     instants,
     interface_loads,
-    modal_coordinates,
     read_again,
     second_order_loads,
     stepping,
 )
 from .schema import EVENTS, OWNERS, QUANTITIES, Contents, SuperelementFile, attributes_of
+from .search import BLOCK, LENGTHS, Extremes, Field, extremes
 from .source import ALL, Selection, Source
-from .space import Connection
+from .space import Connection, Place
 from .summary import rows, spanned
 from .validity import Check, Validity
 
@@ -64,6 +66,8 @@ class Results:
     ) -> None:
         self._source = source
         self._superelements = dict(superelements or {})
+        self._made_steps: dict[str, tuple[Superelement, ModalSteps]] = {}
+        self._made_extremes: dict[tuple[str, str, int, int], Extremes] = {}
 
     @classmethod
     def read(
@@ -303,8 +307,12 @@ class Results:
     def stress(self, body: str, t: Any) -> Array:
         """Stresses xx, yy, zz, yz, xz, xy there, (p, 6) or (k, p, 6), in body axes [Pa]."""
         recovery, eta, _ = self._recover(body, t, stress=True)
+        self._stress_modes(body, recovery)
+        return recovery.stresses(eta).reshape(*np.shape(t), -1, 6)
+
+    def _stress_modes(self, body: str, recovery: Recovery) -> Array:
         try:
-            return recovery.stresses(eta).reshape(*np.shape(t), -1, 6)
+            return recovery.stress_modes
         except SuperelementError as error:
             raise RecoveryError(f"body {body!r}: {error}") from error
 
@@ -403,6 +411,10 @@ class Results:
     def _outlines(self) -> Outlines:
         return Outlines(self, self._source.space())
 
+    def place(self, body: str, point: int) -> Place:
+        """Where a point of the outline of a body is at rest."""
+        return self._outlines.place(body, point)
+
     def recoverable(self, body: str) -> Recovery:
         """The recovery of a body; `RecoveryError` where the run does not allow it."""
         return self._checked_recovery(body)[1]
@@ -423,13 +435,46 @@ class Results:
 
     def _recover(self, body: str, t: Any, stress: bool = False) -> tuple[Recovery, Array, Instants]:
         """The recovery of a body, and its modal coordinates (k, m) at times t (k,)."""
-        element, recovery, of_element = self._checked_recovery(body)
+        recovery, modal = self._modal_steps(body)
         when = instants(self.time, np.atleast_1d(np.asarray(t, dtype=float)))
-        modes, loads = self._loads(body, element, of_element)
-        run = stepping(self._source.name, self.solver, self.time)
         steps = np.append(when.before, when.after)
-        eta = modal_coordinates(modes, loads, run, steps, stress)
-        return recovery, when.of(*np.split(eta, 2)), when
+        return recovery, when.of(*np.split(modal.at(steps, stress), 2)), when
+
+    def _modal_steps(self, body: str) -> tuple[Recovery, ModalSteps]:
+        """The recovery of a body, and its modal coordinates at all steps, which are kept.
+
+        They are made again where more was recorded since, or another superelement is given.
+        """
+        element, recovery, of_element = self._checked_recovery(body)
+        time = self.time
+        made = self._made_steps.get(body)
+        if made is None or made[0] is not element or made[1].n != len(time):
+            run = stepping(self._source.name, self.solver, time)
+            made = element, ModalSteps(*self._loads(body, element, of_element), run)
+            if sum(steps.nbytes for _, steps in (made, *self._made_steps.values())) > KEPT:
+                self._made_steps.clear()
+            self._made_steps[body] = made
+            self._made_extremes = {
+                key: found for key, found in self._made_extremes.items() if key[0] != body
+            }
+        return recovery, made[1]
+
+    def field_extremes(self, body: str, name: str, rows: slice = ALL) -> Extremes:
+        """The extremes over recorded steps of the largest value of a field at any point of a body.
+
+        name: "von_mises" or "displacement"; rows: among these steps, from which its numbers of
+        steps count too. All points and steps are counted, though most need not be computed; what
+        was found is kept.
+        """
+        recovery, modal = self._modal_steps(body)
+        first, last, _ = rows.indices(modal.n)
+        key = body, name, first, last
+        if key not in self._made_extremes:
+            stress = name == "von_mises"
+            shapes = self._stress_modes(body, recovery) if stress else recovery.phi
+            blocks = modal.blocks(slice(first, last), BLOCK, stress)
+            self._made_extremes[key] = extremes(Field(shapes, LENGTHS[name]), blocks)
+        return self._made_extremes[key]
 
     def _loads(self, body: str, element: Superelement, modes: Modes) -> tuple[Modes, Array]:
         """The loads that drove a body (n, n_dofs), and its modes with the rows that they act on."""

@@ -7,6 +7,39 @@ from ..superelement import Outline
 from ..superelement.validation import Array
 
 
+@dataclass(frozen=True)
+class Place:
+    """A point of a body at rest.
+
+    position: in the coordinates of the mesh, or from the center of mass in body axes where the mesh
+    is not known [m]; node: its number in the mesh file, None where that gives none.
+    """
+
+    position: tuple[float, float, float]
+    in_mesh: bool = True
+    node: int | None = None
+
+    def __str__(self) -> str:
+        x, y, z = (f"{coordinate:.4g}" for coordinate in self.position)
+        where = f"({x}, {y}, {z}) m " + ("of the mesh" if self.in_mesh else "in body axes")
+        return where if self.node is None else f"{where}, node {self.node}"
+
+
+@dataclass(frozen=True, eq=False)
+class ContactShape:
+    """What the ball of a contact touches, about the first frame; a plane has its axis alone.
+
+    radius: of a sphere or cylinder, else 0 [m]; length: of a cylinder, half to each side, or inf
+    [m]; across (3,): a unit vector across the axis, in the axes in which that is; curve (n, 2): of
+    a profile, along that vector and along axis x across, else (0, 2) [m].
+    """
+
+    radius: float
+    length: float
+    across: Array
+    curve: Array
+
+
 @dataclass(frozen=True, eq=False)
 class Connection:
     """What acts between two frames.
@@ -14,7 +47,8 @@ class Connection:
     name; group: "joints", "springs", "contacts", "motions", "motors", "stops" or "couplers"; type:
     "revolute", ...; between: "BODY.FRAME", "BODY" for its center of mass, or "ground.NAME", or
     "ground" where the other frame starts; axis (3,): of a joint and others that have one, a unit
-    vector in the axes of the first frame, which for "ground" are those of space; else None.
+    vector in the axes of the first frame, which for "ground" are those of space; else None;
+    shape: of a contact; None of others, and in files of earlier versions of Duhamel.
     """
 
     name: str
@@ -22,6 +56,7 @@ class Connection:
     type: str
     between: tuple[str, str]
     axis: Array | None = None
+    shape: ContactShape | None = None
 
 
 @dataclass(frozen=True, eq=False)

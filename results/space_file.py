@@ -1,6 +1,7 @@
 """The group `space` of a results file: outlines one after the other, connections, ground frames."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise, repeat
 from typing import Any
 
 import h5py
@@ -11,7 +12,7 @@ from ..superelement import Outline, SuperelementError
 from ..superelement.cells import padded
 from ..superelement.validation import Array
 from .errors import ResultsError
-from .space import Connection, Space
+from .space import Connection, ContactShape, Space
 
 GROUP = "space"
 TEXT = h5py.string_dtype()
@@ -99,6 +100,28 @@ class _Writer:
         axes = [nothing if one.axis is None else one.axis for one in connections]
         what = "axis, in the axes of the first frame"
         self._put("connection_axis", ("connection", "axis"), np.array(axes), what, "1")
+        if any(one.shape is not None for one in connections):
+            self._put_shapes([one.shape for one in connections])
+
+    def _put_shapes(self, shapes: Sequence[ContactShape | None]) -> None:
+        """Of all connections; nan where one has no shape, which only contacts have."""
+        none = ContactShape(np.nan, np.nan, np.full(3, np.nan), np.zeros((0, 2)))
+        every = [shape or none for shape in shapes]
+        radii, lengths = (np.array([getattr(s, n) for s in every]) for n in ("radius", "length"))
+        first = np.cumsum([0, *(len(shape.curve) for shape in every)])
+        self._dimension("curve_bound", len(first))
+        self._dimension("plane_axis", 2)
+        self._dimension("curve_point", int(first[-1]))
+        self._put("contact_radius", ("connection",), radii, "of a sphere or cylinder, or 0", "m")
+        self._put("contact_length", ("connection",), lengths, "of a cylinder, or inf", "m")
+        across = np.array([shape.across for shape in every])
+        what = "across the axis, in the axes of the first frame"
+        self._put("contact_across", ("connection", "axis"), across, what, "1")
+        what = "first point of the curve of each profile, then the number of all"
+        self._put("first_curve_point", ("curve_bound",), first, what)
+        curves = np.concatenate([shape.curve for shape in every])
+        what = "points of profiles, along contact_across and axis x contact_across"
+        self._put("curve_points", ("curve_point", "plane_axis"), curves, what, "m")
 
     def _put_ground_frames(self, frames: Mapping[str, Array]) -> None:
         self._put_texts("ground_frame", "ground_frame", "frames fixed in space", list(frames))
@@ -170,8 +193,31 @@ def _connections(group: h5py.Group) -> Iterator[Connection]:
     names = ("", "_group", "_type", "_first", "_second")
     columns = [texts(group[f"connection{name}"]) for name in names]
     axes = whole(group["connection_axis"])
-    for name, of, kind, first, second, axis in zip(*columns, axes, strict=True):
-        yield Connection(name, of, kind, (first, second), None if np.isnan(axis[0]) else axis)
+    shapes = _shapes(group, len(axes))
+    for name, of, kind, first, second, axis, shape in zip(*columns, axes, shapes, strict=True):
+        known = None if np.isnan(axis[0]) else axis
+        yield Connection(name, of, kind, (first, second), known, shape)
+
+
+def _shapes(group: h5py.Group, n: int) -> Iterator[ContactShape | None]:
+    """The shape of each of n connections; None of all where the file has none."""
+    if "contact_radius" not in group:
+        yield from repeat(None, n)
+        return
+    radii, lengths, across, first, curves = (
+        whole(group[name])
+        for name in (
+            "contact_radius",
+            "contact_length",
+            "contact_across",
+            "first_curve_point",
+            "curve_points",
+        )
+    )
+    columns = zip(radii, lengths, across, pairwise(first), strict=True)
+    for radius, length, e1, (a, b) in columns:
+        known = not np.isnan(radius)
+        yield ContactShape(float(radius), float(length), e1, curves[a:b]) if known else None
 
 
 def _ground_frames(group: h5py.Group) -> Iterator[tuple[str, Array]]:

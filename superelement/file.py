@@ -237,6 +237,8 @@ def _put_recovery(parent: h5py.Group, recovery: Recovery) -> None:
         put_large(parent, "stress", recovery.stress, "Pa/(m sqrt(kg))", np.float32)
     if recovery.phi_rotation is not None:
         put_large(parent, "phi_rotation", recovery.phi_rotation, "1/(sqrt(kg) m)", np.float32)
+    if recovery.nodes is not None:
+        put_large(parent, "node", recovery.nodes)
 
 
 def _put_outline(file: h5py.File, outline: Outline, recovery: Recovery | None) -> None:
@@ -473,7 +475,9 @@ def _recovery(file: h5py.File) -> Recovery | None:
     turns = None
     if "recovery/phi_rotation" in file:
         turns = numbers(file, "recovery/phi_rotation", len(points), 3, phi.shape[2])
-    return Recovery(points, dataset(file, "recovery/cells", "n", "k"), phi, stress, turns)
+    nodes = dataset(file, "recovery/node", len(points)) if "recovery/node" in file else None
+    cells = dataset(file, "recovery/cells", "n", "k")
+    return Recovery(points, cells, phi, stress, turns, nodes)
 
 
 def _outline(file: h5py.File) -> Outline | None:

@@ -1,6 +1,7 @@
 """The surface of the mesh, with the displacements and stresses of modes there."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +17,8 @@ class Recovery:
     fills short rows), each of the type of its number of points, in meshio's order: 2 line,
     3 triangle, 4 quad, 6 triangle6, 8 quad8, 9 quad9; phi (p, 3, m); stress (p, 6, m) in the order
     xx, yy, zz, yz, xz, xy, or None. phi_rotation (p, 3, m): of nodes of beams, their small
-    rotations theta = phi_rotation eta, or None.
+    rotations theta = phi_rotation eta, or None. nodes (p,): the number that the mesh file gives to
+    the node of each point, or None where it gives none.
     """
 
     points: Array
@@ -24,6 +26,7 @@ class Recovery:
     phi: Array
     stress: Array | None = None
     phi_rotation: Array | None = None
+    nodes: IntArray | None = None
 
     def __post_init__(self) -> None:
         points = checked("recovery: points", self.points, ("p", 3))
@@ -38,6 +41,8 @@ class Recovery:
             shape = (len(points), 3, phi.shape[2])
             turns = checked("recovery: phi_rotation", self.phi_rotation, shape)
             object.__setattr__(self, "phi_rotation", turns)
+        if self.nodes is not None:
+            object.__setattr__(self, "nodes", _checked_nodes(self.nodes, len(points)))
 
     def displacement(self, eta: Array) -> Array:
         """u = phi eta (..., p, 3) [m] in body axes, from modal coordinates (..., m)."""
@@ -51,11 +56,16 @@ class Recovery:
 
     def stresses(self, eta: Array) -> Array:
         """sigma = stress eta (..., p, 6) [Pa], body axes; `SuperelementError` without stresses."""
+        return _superpose(self.stress_modes, eta)
+
+    @property
+    def stress_modes(self) -> Array:
+        """`stress`; `SuperelementError` without stresses."""
         if self.stress is None:
             raise SuperelementError(
                 "recovery: no stress modes, which only solids have and [recovery] stress asks for"
             )
-        return _superpose(self.stress, eta)
+        return self.stress
 
 
 def von_mises(stress: Array) -> Array:
@@ -69,6 +79,17 @@ def von_mises(stress: Array) -> Array:
     )
     equivalent: Array = np.sqrt(square)
     return equivalent
+
+
+def _checked_nodes(value: Any, n_points: int) -> IntArray:
+    nodes = np.array(value)
+    if nodes.shape != (n_points,) or not np.issubdtype(nodes.dtype, np.integer):
+        raise SuperelementError(
+            f"recovery: nodes: expected {n_points} integers, found {nodes.dtype} {nodes.shape}"
+        )
+    nodes = nodes.astype(np.int64)
+    nodes.flags.writeable = False
+    return nodes
 
 
 def _superpose(shapes: Array, eta: Array) -> Array:

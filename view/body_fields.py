@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 from ..results import QuantityError, Results
 from ..results.transforms import Window
 from ..results.wildcards import STAR, matching
-from ..superelement.validation import Array
 from .field_kinds import FIELDS, WORST
 from .fields import Field, draw_fields
 from .picture import entitle
@@ -19,8 +18,6 @@ from .worst import worst_time
 
 BLENDED = "interfaces"
 """where a body without recovery has its deformation from"""
-ROUNDING = 1e-9
-"""of coordinates, over the size of a body"""
 HEADER = 0.5
 """height of the title [inch]"""
 
@@ -44,7 +41,7 @@ def draw_body_fields(
     """Bodies in space at a time, colored by a field: "von_mises:rod", "displacement:*".
 
     Magnitudes on the outlines of bodies, of a displacement the elastic one; the largest value is
-    marked, and the title says its time and its place in body axes, and where a deformation is
+    marked, and the title says its time and its place in the mesh, and where a deformation is
     interpolated between the interfaces of a body without recovery. at: a time [s], or "worst", when
     the largest value of the run, or of the window, is. QuantityError says what there is,
     RecoveryError what is missing.
@@ -63,18 +60,11 @@ def draw_body_fields(
     figure = draw_fields(surfaces, label, 10.0**-exponent, Scene(markers=[mark]))
     power = exponent_of(chosen.time)
     when = f"{chosen.time / 10.0**power:.6g} {PREFIXES[power]}s"
-    place = _place(results.outline(body).points, k)
-    line = f"{body} at {when}: {value} at ({place}) m in body axes"
+    line = f"{body} at {when}: {value} at {results.place(body, k)}"
     if blended := [name for name in chosen.bodies if results.outline_source(name) == BLENDED]:
         line = f"{line}; interpolated between the interfaces of {', '.join(blended)}"
     _head(figure, title, line)
     return figure
-
-
-def _place(points: Array, k: int) -> str:
-    """The coordinates of a point, zero where they are rounding."""
-    rounding = ROUNDING * float(np.ptp(points, axis=0).max())
-    return ", ".join(f"{x:.4g}" for x in np.where(np.abs(points[k]) > rounding, points[k], 0.0))
 
 
 def _chosen(

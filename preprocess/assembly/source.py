@@ -22,7 +22,8 @@ class FieldPoints:
     nodes (p,): the node of each point; cells (n, k): lines or facets as rows of points, -1 filling
     short ones. strains (6 p, 3 n) sparse: strains at the points from displacements of the n nodes
     of the source; C (materials, 6, 6) [Pa] and owners (p,): the elasticity of the material of each
-    point. Without strains, displacements alone.
+    point. Without strains, displacements alone. labels (p,): the numbers of the nodes in the mesh
+    file, None where it gives none.
     """
 
     nodes: IntArray
@@ -30,6 +31,7 @@ class FieldPoints:
     strains: Any | None = None
     C: Array | None = None
     owners: IntArray | None = None
+    labels: IntArray | None = None
 
 
 @dataclass(frozen=True)

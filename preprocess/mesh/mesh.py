@@ -37,6 +37,8 @@ class Group:
 class Mesh:
     """Points (n, 3) [m]; cells (n_cells, k) by type, both as meshio names and orders; groups.
 
+    labels (n,): the numbers that the file gives to points, None if none.
+
     `body_types` are the types of the cells that make the body: lines alone, or solid cells of one
     or more types. Elements are counted through these types in their order: number n is a row of the
     first type with rows to spare.
@@ -47,6 +49,7 @@ class Mesh:
     cells: Mapping[str, IntArray]
     groups: Mapping[str, Group]
     body_types: tuple[str, ...]
+    labels: IntArray | None = None
 
     @property
     def used(self) -> NDArray[np.bool_]:
@@ -127,6 +130,7 @@ class Mesh:
             cells={kind: new_row[self.cells[kind][chosen]] for kind, chosen in rows.items()},
             groups={name: remaining(self.groups[name]) for name in groups},
             body_types=tuple(rows),
+            labels=None if self.labels is None else self.labels[used],
         )
         return part, np.flatnonzero(used)
 
@@ -163,4 +167,5 @@ class Mesh:
             points=self.points[used],
             cells={kind: new_row[cells[whole[kind]]] for kind, cells in self.cells.items()},
             groups={name: remaining(group) for name, group in self.groups.items()},
+            labels=None if self.labels is None else self.labels[used],
         )

@@ -79,7 +79,7 @@ def read_mesh(path: str | os.PathLike[str], scale: float = 1.0) -> Mesh:
     cells = {kind: rows for kind, rows in draft.cells.items() if len(rows)}
     points = _scaled(path, draft.points, scale)
     body_types = _body_types(path.name, cells, draft.lost)
-    mesh = Mesh(path.name, points, cells, draft.groups, body_types)
+    mesh = Mesh(path.name, points, cells, draft.groups, body_types, draft.labels)
     loose = draft.points[~mesh.used]
     lost = [*draft.lost, *([_described(loose)] if len(loose) else [])]
     if lost:

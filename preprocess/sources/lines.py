@@ -132,7 +132,8 @@ class LineSource:
     def field_points(self, stress: bool) -> FieldPoints:
         """All nodes, joined by the lines."""
         self.check_fields(stress)
-        return FieldPoints(np.arange(len(self.mesh.points)), self.mesh.cells["line"])
+        nodes = np.arange(len(self.mesh.points))
+        return FieldPoints(nodes, self.mesh.cells["line"], labels=self.mesh.labels)
 
     def shares(self) -> tuple[Share, ...]:
         return self.sections.shares(lengths(self.mesh))

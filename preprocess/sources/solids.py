@@ -184,11 +184,12 @@ class SolidSource:
         """The nodes of the surface, one for each material that bounds there."""
         owners = self.materials.owners
         points = surface_points(self.mesh, self.facets, owners)
+        labels = None if self.mesh.labels is None else self.mesh.labels[points.nodes]
         if not stress:
-            return FieldPoints(points.nodes, points.cells)
+            return FieldPoints(points.nodes, points.cells, labels=labels)
         C = np.array([material.elasticity for material in self.materials.values])
         strains = strain_rows(self.mesh, points.of_elements, self.materials.values, owners)
-        return FieldPoints(points.nodes, points.cells, strains, C, points.owners)
+        return FieldPoints(points.nodes, points.cells, strains, C, points.owners, labels)
 
     def shares(self) -> tuple[Share, ...]:
         return self.materials.shares(volumes(self.mesh))

@@ -1,6 +1,7 @@
 """The shapes of contacts as numbers."""
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -28,15 +29,20 @@ def shape_parameters(contact: Contact) -> list[float]:
 
 
 def _spline(points: Array) -> list[float]:
-    """The pieces of a cubic spline over the lengths of its chords, as `Profile` reads them."""
+    """The pieces of the curve through points, as `Profile` reads them."""
+    spline = curve_through(points)
+    lengths, closed = np.diff(spline.x), bool((points[0] == points[-1]).all())
+    pieces = [[length, *spline.c[:, i, 0], *spline.c[:, i, 1]] for i, length in enumerate(lengths)]
+    return [len(lengths), *np.ravel(pieces).tolist(), float(closed)]
+
+
+def curve_through(points: Array) -> Any:
+    """The `scipy.interpolate.CubicSpline` through points (n, 2) over the lengths of its chords."""
     from scipy.interpolate import CubicSpline  # slow to load, and few models have a profile
 
     lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    closed = bool((points[0] == points[-1]).all())
-    ends = "periodic" if closed else "natural"
-    spline = CubicSpline(np.cumsum([0.0, *lengths]), points, bc_type=ends)
-    pieces = [[length, *spline.c[:, i, 0], *spline.c[:, i, 1]] for i, length in enumerate(lengths)]
-    return [len(lengths), *np.ravel(pieces).tolist(), float(closed)]
+    ends = "periodic" if (points[0] == points[-1]).all() else "natural"
+    return CubicSpline(np.cumsum([0.0, *lengths]), points, bc_type=ends)
 
 
 def contact_axes(contact: Contact, D: Array) -> tuple[Array, Array]:

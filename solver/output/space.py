@@ -4,9 +4,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ...results.space import Connection, Space
+from ...results.space import Connection, ContactShape, Space
 from ...superelement import Outline
 from ..arrays import Array
+from ..lower.contacts import contact_axes, curve_through
 from ..lower.lower import LoweredModel
 from ..lower.numbering import between, side_names
 from ..model.bodies import FlexibleBody
@@ -19,6 +20,9 @@ from ..model.motors import JointMotor
 from ..model.rigid_outline import outline_of_rigid
 from ..model.springs import Spring
 from ..model.stops import JointStop
+
+PER_PIECE = 8
+"""points of a profile that are drawn, for each of its pieces"""
 
 
 def space_of(lowered: LoweredModel, bodies: Iterable[str]) -> Space:
@@ -61,7 +65,24 @@ def _connection(lowered: LoweredModel, coupling: Coupling) -> Connection:
         _type(coupling),
         (first, second),
         _axis(lowered, coupling),
+        _shape(lowered, coupling) if isinstance(coupling, Contact) else None,
     )
+
+
+def _shape(lowered: LoweredModel, contact: Contact) -> ContactShape:
+    """The shape of a contact in the axes that its axis has."""
+    names = dict(zip(lowered.frame_names, lowered.frame_poses, strict=True))
+    D = names[side_names(contact)[0]].R
+    across = contact_axes(contact, D)[1]
+    first, _ = between(contact)
+    curve = np.zeros((0, 2))
+    if contact.points is not None:
+        spline = curve_through(contact.points)
+        n = len(spline.x) - 1
+        curve = spline(np.interp(np.linspace(0, n, PER_PIECE * n + 1), np.arange(n + 1), spline.x))
+    length = np.inf if contact.length is None else contact.length
+    across = D @ across if first == "ground" else across
+    return ContactShape(contact.radius or 0.0, length, across, curve)
 
 
 def group_of(coupling: Coupling) -> str:

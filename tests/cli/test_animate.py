@@ -1,9 +1,12 @@
 """`duhamel animate`: where the film goes, what is told, and how it fails."""
 
+from dataclasses import replace
+
 import pytest
 from duhamel.cli import app
-from duhamel.cli.animation import size_of
+from duhamel.cli.animation import size_of, told
 from duhamel.solver import FlexibleBody, Model, Settings, Start, simulate
+from duhamel.view import Film
 from PIL import Image
 
 TINY = ["--size", "160x90"]
@@ -29,6 +32,13 @@ def test_the_film_stands_beside_the_results(runner, results_file):
     target = results_file.with_suffix(".mp4")
     assert result.stdout.startswith(f"{target}: 3 frames, 0.12 s long, ")
     assert target.stat().st_size > 0
+
+
+def test_the_end_of_the_scale_is_told_with_what_it_is_the_largest_of():
+    many = Film(3, 0.1, 1.0, "von_mises", 3.494e6)
+    assert told(many).endswith("colors up to 3.49 MPa, the largest of all frames")
+    assert told(replace(many, frames=1)).endswith("3.49 MPa, the largest of this time")
+    assert "colors" not in told(replace(many, field=""))
 
 
 def test_at_a_time_it_is_a_picture(runner, results_file):

@@ -20,7 +20,7 @@ def test_a_report_stands_beside_the_results_unless_told_otherwise(
 ):
     asked = []
 
-    def written(results, path, title, field):
+    def written(results, path, title, field, on_part):
         asked.append((results.name, path, title, field))
         Path(path).write_text("page")
 

@@ -5,7 +5,7 @@ should.
 import meshio
 import numpy as np
 import pytest
-from duhamel.preprocess import BodyError, MethodError, assemble, build
+from duhamel.preprocess import BodyError, MeshWarning, MethodError, assemble, build
 from duhamel.preprocess.body.body import Damping
 from duhamel.preprocess.recovery import recover
 from duhamel.preprocess.responses.band import Band
@@ -285,3 +285,33 @@ def test_batches_of_nodes_with_rotations_change_nothing(beam_body, beam, monkeyp
     np.testing.assert_array_equal(parts.phi, whole.phi)
     np.testing.assert_array_equal(parts.phi_rotation, whole.phi_rotation)
     assert parts.stress is None
+
+
+DECK = """*Node
+ 900, 0, 0, 0
+ {}
+*Element, type=C3D8, elset=all
+ 1, 10, 20, 30, 40, 50, 60, 70, 80
+*Nset, nset=root
+ 10, 40, 50, 80
+*Nset, nset=tip
+ 20, 30, 60, 70
+"""
+
+
+def test_points_have_the_numbers_of_their_nodes_in_the_file(solid_body, box, tmp_path):
+    """A node that no element has comes first, and is left out."""
+    corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+    places = {10 * (i + 1): (x, y, i // 4) for i, (x, y, _) in enumerate(2 * corners)}
+    lines = [f"{label}, {x}, {y}, {z}" for label, (x, y, z) in places.items()]
+    (tmp_path / "cube.inp").write_text(DECK.format("\n ".join(lines)))
+    body = solid_body(box("hexahedron"), recovery=STRESS)
+    body = body.model_copy(update={"mesh": tmp_path / "cube.inp"})
+    with pytest.warns(MeshWarning, match="1 nodes that belong to no element"):
+        recovery, structure = field(body, lambda X: X)
+    found = dict(
+        zip(recovery.nodes.tolist(), recovery.points + structure.rigid.center, strict=True)
+    )
+    assert set(found) == set(places)
+    for label, place in places.items():
+        np.testing.assert_allclose(found[label], place, atol=1e-12)

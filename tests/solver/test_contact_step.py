@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from duhamel.results.recovery import interface_loads, modal_coordinates, stepping
+from duhamel.results.recovery import ModalSteps, interface_loads, stepping
 from duhamel.solver import (
     Contact,
     FlexibleBody,
@@ -210,7 +210,7 @@ def test_displacements_are_those_of_the_modes_all_along(element, chain, step):
         u.append(frame.u)
     run = stepping("", results.solver, results.time)
     assert set(np.unique(run.h)) == {results.solver["h"], results.solver["contact_h"]}
-    eta = modal_coordinates(element.modes, np.hstack(loads), run, np.arange(len(results.time)))
+    eta = ModalSteps(element.modes, np.hstack(loads), run).at(np.arange(len(results.time)))
     expected = np.hstack(u)
     np.testing.assert_allclose(
         eta @ element.modes.phi.T, expected, atol=1e-12 * np.abs(expected).max()

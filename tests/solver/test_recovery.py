@@ -14,6 +14,7 @@ from duhamel.preprocess.body.body import NonlinearCoordinates, RecoveredFields
 from duhamel.preprocess.body.material import Material
 from duhamel.preprocess.recovery import recover
 from duhamel.preprocess.sources.reading import read_source
+from duhamel.results import peaks
 from duhamel.solver import (
     Constant,
     FlexibleBody,
@@ -82,6 +83,40 @@ def test_the_field_at_the_interfaces_is_what_the_run_recorded(
     coarse_beam, hub_and_beam, rule, history
 ):
     assert_recorded(simulate(spun(coarse_beam, hub_and_beam, rule=rule, history=history)))
+
+
+@pytest.mark.parametrize("rows", [slice(None), slice(37, 190)])
+@pytest.mark.parametrize("name", ["displacement", "von_mises"])
+@pytest.mark.parametrize("kept", [0, 1 << 20])
+def test_extremes_of_a_field_are_those_of_all_its_values(
+    coarse_beam, hub_and_beam, monkeypatch, name, rows, kept
+):
+    monkeypatch.setattr("duhamel.results.recovery.KEPT", kept)
+    results = simulate(spun(coarse_beam, hub_and_beam))
+    every = results.displacement("beam", results.time)
+    over_time = np.linalg.norm(every, axis=-1).max(axis=1)
+    if name == "von_mises":
+        over_time = results.von_mises("beam", results.time).max(axis=1)
+    found, shown = results.field_extremes("beam", name, rows), over_time[rows]
+    assert found.largest == pytest.approx(shown.max(), rel=1e-12)
+    assert found.smallest == pytest.approx(shown.min(), rel=1e-12)
+    assert over_time[found.at_largest] == pytest.approx(found.largest, rel=1e-12)
+    assert over_time[found.at_smallest] == pytest.approx(found.smallest, rel=1e-12)
+    assert results.field_extremes("beam", name, rows) is found
+
+
+def test_the_place_of_a_peak_is_told_as_the_mesh_has_it(coarse_beam, hub_and_beam):
+    model = spun(coarse_beam, hub_and_beam)
+    element = model.bodies["beam"].superelement
+    recovery = replace(element.recovery, nodes=[7, 401])
+    element = replace(element, recovery=recovery, center=[10.0, 20.0, 30.0], outline=None)
+    bodies = {**model.bodies, "beam": replace(model.bodies["beam"], superelement=element)}
+    results = simulate(replace(model, bodies=bodies))
+    (peak,) = peaks(results, ["von_mises:beam"])
+    point = results.von_mises("beam", peak.at_largest).argmax()
+    assert peak.place.node == recovery.nodes[point]
+    np.testing.assert_allclose(peak.place.position, recovery.points[point] + element.center)
+    assert not results.place("hub", 0).in_mesh
 
 
 @RULES

@@ -185,7 +185,8 @@ def large_surface(element: Superelement) -> Superelement:
         return rng.normal(size=(p, k, m)).astype(np.float32).astype(float)
 
     cells = rng.integers(-1, p, (p, 6))
-    recovery = Recovery(rng.normal(size=(p, 3)), cells, singles(3), singles(6), singles(3))
+    nodes = rng.permutation(p) + 1
+    recovery = Recovery(rng.normal(size=(p, 3)), cells, singles(3), singles(6), singles(3), nodes)
     outline = Outline(rng.normal(size=(p, 3)), np.maximum(cells, 0))
     return replace(element, recovery=recovery, outline=outline)
 

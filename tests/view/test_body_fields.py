@@ -5,6 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from duhamel import view
+from duhamel.results.search import Extremes
+from duhamel.results.space import Place
 from duhamel.superelement import Outline
 from duhamel.view.body_fields import draw_body_fields
 
@@ -36,6 +38,13 @@ class Run:
         far = np.abs(np.asarray(t) - at)[..., None]
         return value * np.maximum(1.0 - far, 0.0) * np.where(np.arange(4) == point, 1.0, 0.5)
 
+    def field_extremes(self, body, name, rows):
+        over_time = self.outline_field(body, TIME[rows], name).max(axis=1)
+        return Extremes(over_time.max(), rows.start + int(over_time.argmax()), WORST[body][1], 0, 0)
+
+    def place(self, body, point):
+        return Place(tuple(SQUARE[point] + 1.0), node=100 + point)
+
 
 def texts(figure):
     heading = figure.get_suptitle()
@@ -47,7 +56,7 @@ def test_the_worst_time_is_that_of_the_largest_value_of_all_bodies():
     figure = draw_body_fields(Run(), ["von_mises:*"], title="slider")
     title, line, *_ = texts(figure)
     assert title == "slider"
-    assert line.startswith("rod at 0.7 s: 5 MPa at (1, 1, 0) m in body axes")
+    assert line.startswith("rod at 0.7 s: 5 MPa at (2, 2, 1) m of the mesh, node 102")
     *views, bar = figure.axes
     assert bar.get_title(loc="left") == "von Mises stress [MPa]"
     assert bar.get_xlim() == pytest.approx((0.0, 5.0))
@@ -58,7 +67,7 @@ def test_the_worst_time_is_that_of_the_largest_value_of_all_bodies():
 def test_a_field_at_a_time():
     figure = draw_body_fields(Run(), ["von_mises:pin"], 0.4)
     assert figure.get_suptitle() == (
-        "pin at 0.4 s: 1.8 MPa at (1, 0, 0) m in body axes; "
+        "pin at 0.4 s: 1.8 MPa at (2, 1, 1) m of the mesh, node 101; "
         "interpolated between the interfaces of pin"
     )
 

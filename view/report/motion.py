@@ -1,6 +1,6 @@
 """What the animation of a report shows: instants, bodies, how far they deform, marks."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,8 +10,9 @@ from ...results.rotations import rotate
 from ...results.steps import batches, evenly
 from ...superelement.validation import Array
 from ..space.bodies import Body, bodies_on_stage
-from ..space.marks import Placing
-from ..space.stage import chosen_field, chosen_magnification, colored, unknown
+from ..space.marks import Mark as StageMark
+from ..space.marks import Placing, shapes_of
+from ..space.stage import chosen_field, chosen_magnification, colored, size_of, unknown
 from ..space.tracks import Tracks
 from .simplify import IntArray, simplified
 
@@ -64,6 +65,7 @@ class Mark:
 class Motion:
     """The bodies and marks of an animation, and what there is to say of it.
 
+    surroundings: the shapes that contacts touch, whose poses stretch them too;
     time (k,) [s]: the instants of motion; deforming (f,): those of deformation; origin (3,) [m];
     turn: largest angle between two instants [rad]; points: (drawn, of the bodies); field: of the
     colors, "" where no body has one; failed: why bodies have none; remarks: where deformation is
@@ -82,12 +84,16 @@ class Motion:
     failed: Sequence[str]
     recorded: int
     remarks: Sequence[str]
+    surroundings: Sequence[Shape] = ()
 
 
-def motion(results: Results, field: str = "") -> Motion | None:
+def motion(
+    results: Results, field: str = "", on_body: Callable[[], object] | None = None
+) -> Motion | None:
     """The motion of all bodies that were recorded; None if none was.
 
-    field: one of `field_kinds.FIELDS`; by default as films have it.
+    field: one of `field_kinds.FIELDS`; by default as films have it; on_body: called when one more
+    body is made.
     """
     names, time = results.bodies, results.time
     if not names or not len(time):
@@ -117,7 +123,10 @@ def motion(results: Results, field: str = "") -> Motion | None:
                 _values(body, numbers, parts, chosen) if body.name in shown else None,
             )
         )
-    placing = Placing(Tracks(results, time[rows]), bodies, magnification)
+        if on_body is not None:
+            on_body()
+    tracks = Tracks(results, time[rows])
+    placing = Placing(tracks, bodies_on_stage(results, tracks), magnification)
     return Motion(
         time[rows],
         deforming,
@@ -131,7 +140,16 @@ def motion(results: Results, field: str = "") -> Motion | None:
         tuple(failed.values()),
         len(time),
         [remark for body in bodies if (remark := results.outline_remark(body.name))],
+        [_around(mark, origin) for mark in shapes_of(results, placing, size_of(bodies))],
     )
+
+
+def _around(mark: StageMark, origin: Array) -> Shape:
+    """The shape of a contact at all instants."""
+    poses = np.zeros((len(mark.x), 4, 4))
+    poses[:, :3, :3], poses[:, :3, 3], poses[:, 3, 3] = mark.A, mark.x - origin, 1.0
+    glyph = mark.glyph
+    return Shape(mark.color, glyph.points, glyph.triangles, glyph.lines, poses)
 
 
 def _instants(results: Results, time: Array, n_bodies: int) -> tuple[IntArray, float]:

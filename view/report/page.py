@@ -1,8 +1,9 @@
 """One page from results: its parts in order, with all that it needs inside."""
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from importlib.resources import files
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -29,24 +30,47 @@ from .tables import (
 )
 
 ROOM = files(__package__)
+OnPart = Callable[[int, int], object]
+"""is told how many parts are made, of how many"""
+LATER = 4
+"""parts beside the bodies: plots, their pages, tables, the scene"""
 
 
-def page(results: Results, title: str = "", field: str = "") -> Markup:
+def page(
+    results: Results, title: str = "", field: str = "", on_part: OnPart | None = None
+) -> Markup:
     """The page as HTML. field: of the colors of the animation."""
     source = origin(results)
     heading = title or source.name
+    made = _counted(len(results.bodies) + LATER, on_part)
+    moving = motion(results, field, made)
     drawn = list(plots(results))
-    moving = motion(results, field)
-    parts = [*_motion(moving), *_plots(results, drawn), *_tables(results, source)]
+    made()
+    parts = [*_motion(moving), *_plots(results, drawn)]
+    made()
+    parts += _tables(results, source)
+    made()
     links = contents([(identity, text) for identity, text, _ in parts])
     sections = (section(identity, text, body) for identity, text, body in parts)
     packed = {"plotly": libraries.plotly()}
     if moving is not None:
         packed |= {"k3d": libraries.k3d(), "scene": libraries.text(scene(moving))}
+    made()
     data = _data(results, [plot for _, group in drawn for plot in group], moving)
     packed["data"] = libraries.packed(json.dumps(data, allow_nan=False).encode())
     main = element("main", head(results, source, heading), links, _without_scripts(), *sections)
     return Markup(f"<!doctype html>\n{_document(heading, main, packed)}\n")
+
+
+def _counted(total: int, on_part: OnPart | None) -> Callable[[], None]:
+    """What is called when one more part is made."""
+    numbers = count(1)
+
+    def made() -> None:
+        if on_part is not None:
+            on_part(next(numbers), total)
+
+    return made
 
 
 def _document(title: str, main: Markup, packed: Mapping[str, str]) -> Markup:

@@ -9,6 +9,7 @@ from matplotlib.colors import to_hex, to_rgb
 
 from ...superelement.validation import Array
 from ..space.camera import ISO, axes_towards
+from ..space.marks import SEEN_THROUGH
 from ..styles import COLORS
 from .libraries import package
 from .motion import Mark, Motion, Shape
@@ -36,6 +37,8 @@ PALE = 0.45
 FINE = 2.0**-14
 """positions are rounded to this part of the size of a body, or less"""
 SHADES = 255
+SURROUNDINGS = "#b08d57"
+"""color of the shapes of contacts"""
 GRID = 0xC9D1D9
 WHITE = 0xFFFFFF
 """what colors of a field are multiplied with"""
@@ -82,6 +85,10 @@ def scene(motion: Motion) -> bytes:
     for shape, color in zip(motion.shapes, body_colors(motion.shapes), strict=True):
         for drawn in _drawn(k3d, motion, shape, color):
             plot += drawn
+    for shape in motion.surroundings:
+        for drawn in _drawn(k3d, motion, shape, SURROUNDINGS):
+            drawn.opacity = SEEN_THROUGH
+            plot += drawn
     for drawn in _marks(k3d, motion, float(np.linalg.norm(high - low))):
         plot += drawn
     snapshot: bytes = plot.get_binary_snapshot(9)
@@ -91,7 +98,7 @@ def scene(motion: Motion) -> bytes:
 def bounds(motion: Motion) -> tuple[Array, Array]:
     """The box that holds all bodies at all times (3,), (3,) [m], with some room."""
     lows, highs = [], []
-    for shape in motion.shapes:
+    for shape in (*motion.shapes, *motion.surroundings):
         if len(shape.points):
             reach = float(np.linalg.norm(shape.points, axis=1).max())
             if shape.u is not None:

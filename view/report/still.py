@@ -10,8 +10,9 @@ from matplotlib.figure import Figure
 
 from ...superelement.validation import Array
 from ..space.camera import axes_towards
+from ..space.marks import SEEN_THROUGH
 from .motion import Motion, Shape
-from .scene import body_colors, bounds, cameras
+from .scene import SURROUNDINGS, body_colors, bounds, cameras
 
 WIDTH, HEIGHT, DOTS = 9.0, 4.8, 100
 """[inch], per inch"""
@@ -36,6 +37,11 @@ def still(motion: Motion) -> str:
             colors.append(_shaded(corners, color))
         if len(shape.lines):
             axes.add_collection(LineCollection(list(seen[shape.lines][..., :2]), colors=[color]))
+    around = [(_seen(motion, s) @ view.T)[s.triangles][..., :2] for s in motion.surroundings]
+    if around:
+        tint = (*to_rgb(SURROUNDINGS), 0.5 * SEEN_THROUGH)
+        faint = PolyCollection([*np.concatenate(around)], facecolors=[tint], linewidths=0.0)
+        axes.add_collection(faint)
     if facets:
         corners, shades = np.concatenate(facets), np.concatenate(colors)
         order = np.argsort(corners[..., 2].mean(axis=1))

@@ -58,7 +58,7 @@ def peaks_table(results: Results) -> Markup:
         return note(f"No table of peaks: {error}")
     rows = [
         (
-            peak.quantity,
+            peak.quantity if peak.place is None else f"{peak.quantity} at {peak.place}",
             peak.unit,
             short(peak.largest),
             f"{peak.at_largest:.5g} {peak.base}",

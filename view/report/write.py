@@ -7,28 +7,33 @@ from ...files.outputs import AnyPath, clash, renamed_when_whole
 from ...results import Results
 from ..errors import PictureError
 from .libraries import package
-from .page import page
+from .page import OnPart, page
 
 SUFFIXES = (".html", ".htm")
 
 
 def write_report(
-    results: Results, path: str | os.PathLike[str], title: str = "", field: str = ""
+    results: Results,
+    path: str | os.PathLike[str],
+    title: str = "",
+    field: str = "",
+    on_part: OnPart | None = None,
 ) -> None:
     """Write the report of a run as one page of HTML.
 
     It needs no network and no other file: the motion in space, plots that zoom, tables of validity,
     peaks, contacts, balances and bodies, and where everything comes from. title: the name of the
     results file, unless given. field: "von_mises", "displacement" or "velocity" for the colors of
-    the animation; by default the first of them that is known. The file appears whole or not at all.
-    Raises PictureError where it cannot be written, would replace the results or a superelement, or
-    where the packages of the extra `report` are missing.
+    the animation; by default the first of them that is known. on_part: told how many parts are
+    made, of how many. The file appears whole or not at all. Raises PictureError where it cannot be
+    written, would replace the results or a superelement, or where the packages of the extra
+    `report` are missing.
     """
     path = Path(path)
     _check(results, path)
     for name in ("plotly", "k3d"):
         package(name)
-    text = page(results, title, field)
+    text = page(results, title, field, on_part)
     try:
         with renamed_when_whole(path) as temporary:
             temporary.write_text(text, encoding="utf-8", newline="\n")

@@ -13,6 +13,7 @@ from ...results.transforms import Window
 from ...superelement.validation import Array
 from ..errors import PictureError
 from ..field_kinds import FIELDS, WORST
+from ..prefixes import PREFIXES, exponent_of
 from ..worst import worst_time
 from .bodies import bodies_on_stage
 from .camera import Camera, Fitting, chosen_axes, spread_of
@@ -45,6 +46,15 @@ class Film:
     field: str
     largest: float
     warnings: tuple[str, ...] = ()
+
+    @property
+    def scale_end(self) -> str:
+        """The end of the scale of colors with its unit; "" without colors."""
+        if not self.field:
+            return ""
+        unit = FIELDS[self.field][1]
+        exponent = exponent_of(self.largest, unit)
+        return f"{self.largest / 10.0**exponent:.3g} {PREFIXES[exponent]}{unit}"
 
 
 def animate(
@@ -142,8 +152,9 @@ def letters(stage: Stage, when: Timing, title: str, axes: Array) -> Lettering:
     kinds = dict.fromkeys(mark.kind for mark in stage.marks)
     legend = [(kind, color) for kind, color in LEGEND.items() if kind in kinds]
     label, unit = FIELDS[stage.field] if stage.field else ("", "")
+    ends = "of all frames" if len(when.times) > 1 else "at this time"
     return Lettering(
-        title, tuple(notes), tuple(legend), label, unit, stage.largest, COLOR_MAP, axes
+        title, tuple(notes), tuple(legend), label, unit, stage.largest, ends, COLOR_MAP, axes
     )
 
 

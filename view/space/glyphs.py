@@ -25,16 +25,16 @@ class Glyph:
     lines: IntArray = field(default_factory=NO_LINES.copy)
 
 
-def turned(profile: Array) -> Glyph:
+def turned(profile: Array, around: int = AROUND) -> Glyph:
     """A surface of revolution.   profile (k, 2): radii and heights, from below to above"""
-    angles = 2.0 * np.pi * np.arange(AROUND) / AROUND
+    angles = 2.0 * np.pi * np.arange(around) / around
     ring = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    rings = [np.column_stack([r * ring, np.full(AROUND, z)]) for r, z in profile]
-    here = np.arange(AROUND)
-    beside = (here + 1) % AROUND
+    rings = [np.column_stack([r * ring, np.full(around, z)]) for r, z in profile]
+    here = np.arange(around)
+    beside = (here + 1) % around
     triangles = []
     for k in range(len(profile) - 1):
-        low, high = k * AROUND, (k + 1) * AROUND
+        low, high = k * around, (k + 1) * around
         triangles.append(np.column_stack([low + here, low + beside, high + beside]))
         triangles.append(np.column_stack([low + here, high + beside, high + here]))
     return Glyph(np.concatenate(rings), np.concatenate(triangles))
@@ -43,6 +43,21 @@ def turned(profile: Array) -> Glyph:
 def solid(outline: Outline) -> Glyph:
     """A figure, as boxes and cylinders."""
     return Glyph(outline.points, outline.triangles)
+
+
+def tube() -> Glyph:
+    """An open cylinder of radius 1 from z = -0.5 to 0.5."""
+    return turned(np.array([(1.0, -0.5), (1.0, 0.5)]), 2 * AROUND)
+
+
+def extruded(curve: Array) -> Glyph:
+    """A strip along a curve (n, 2) in the plane of x and y, from z = -0.5 to 0.5."""
+    n = len(curve)
+    points = np.vstack([np.column_stack([curve, np.full(n, z)]) for z in (-0.5, 0.5)])
+    here = np.arange(n - 1)
+    lower = np.column_stack([here, here + 1, here + n + 1])
+    upper = np.column_stack([here, here + n + 1, here + n])
+    return Glyph(points, np.concatenate([lower, upper]))
 
 
 def arrow() -> Glyph:

@@ -32,7 +32,8 @@ DPI = 100.0
 class Lettering:
     """title: above; notes: below; legend: words with their colors, below on the right.
 
-    label, unit, largest: of the scale of colors from 0 on, none if there is no label; color_map.
+    label, unit, largest: of the scale of colors from 0 on, none if there is no label; ends: of
+    which frames the largest value is the largest; color_map.
     """
 
     title: str = ""
@@ -41,6 +42,7 @@ class Lettering:
     label: str = ""
     unit: str = ""
     largest: float = 0.0
+    ends: str = ""
     color_map: Any = "turbo"
     axes: Array = field(default_factory=lambda: np.eye(3))
 
@@ -154,6 +156,15 @@ def _draw_scale(figure: Figure, frame: Frame, words: Lettering, points: float) -
         f"{name}\n[{PREFIXES[exponent]}{words.unit}]",
         fontsize=SMALL * points,
         va="bottom",
+        linespacing=1.15,
+    )
+    figure.text(
+        1.0 - (SIDE - 34.0) * e / width,
+        0.14,
+        f"up to the\nlargest value\n{words.ends}",
+        color="0.35",
+        fontsize=0.8 * SMALL * points,
+        va="top",
         linespacing=1.15,
     )
 

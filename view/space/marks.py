@@ -17,17 +17,24 @@ from .holding import HANGING, place_of
 from .tracks import GROUND, Track, Tracks
 
 JOINT, SPRING, CONTACT, FORCE = "#274c8f", "#1b7f4d", "#d62728", "#d9480f"
-GROUNDED, LEG, FLOOR = "#5c636a", "#9aa1ab", "#e9e4da"
+GROUNDED, LEG, FLOOR, SURFACE = "#5c636a", "#9aa1ab", "#e9e4da", "#b08d57"
+SHADED, SEEN_THROUGH = 0.85, 0.3
+"""opacity of marks, and of what is around or in bodies"""
 LONGEST = 0.15
 """of arrows, over the size of the model"""
 BEYOND = 0.15
 """how far a floor reaches beyond what comes near it, over the size of the model"""
+LARGEST = 2.0
+"""radius of a round shape, over the size of the model, up to which it is drawn"""
+NEAR = 0.04
+"""the same of a shape that a body carries"""
 LEAST = 0.03
 """of the largest force: those below have no arrow"""
 WIDE = 1.5
 """width of springs over the radius of marks"""
 
 ARROW, TRIAD, COIL, SEGMENT = glyphs.arrow(), glyphs.triad(), glyphs.coil(), glyphs.segment()
+TUBE = glyphs.tube()
 SPHERE, PLATE = glyphs.solid(figures.sphere(1.0)), glyphs.solid(figures.box([1.0, 1.0, 0.0]))
 E_Z = np.array([0.0, 0.0, 1.0])
 BY_TYPE: dict[str, Glyph] = {
@@ -48,7 +55,8 @@ BY_TYPE: dict[str, Glyph] = {
 class Mark:
     """A glyph and where it is: its points turn and stretch by A (k, 3, 3) and lie at x (k, 3).
 
-    A is 0 where there is nothing to see; before: it is seen through all bodies.
+    A is 0 where there is nothing to see; before: it is seen through all bodies; opacity: from 0
+    to 1.
     """
 
     kind: str
@@ -57,6 +65,7 @@ class Mark:
     x: Array
     A: Array
     before: bool = True
+    opacity: float = SHADED
 
     def position(self, rows: slice) -> Array:
         """(k, p, 3) [m]"""
@@ -67,7 +76,10 @@ class Mark:
 
 
 class Placing:
-    """Where frames are seen when deformation is magnified."""
+    """Where frames are seen when deformation is magnified.
+
+    tracks, bodies: at the same times.
+    """
 
     def __init__(self, tracks: Tracks, bodies: tuple[Body, ...], magnification: float) -> None:
         self.tracks, self._magnification = tracks, magnification
@@ -112,10 +124,11 @@ def marks_of(results: Results, placing: Placing, radius: float, size: float) -> 
             found += _joint(coupling, ends, placing, radius)
         if coupling.group in HANGING:
             found += _grounds(coupling, placing.tracks, radius)
-    found += _floors(results, placing, size)
+    found += shapes_of(results, placing, size)
     found += _legs(results, placing, radius)
     found += _forces(results, placing, size)
-    return tuple(found)
+    # What is seen through is drawn in this order.
+    return tuple(sorted(found, key=lambda mark: mark.before))
 
 
 def largest_force(results: Results, tracks: Tracks) -> float:
@@ -176,26 +189,76 @@ def _grounds(coupling: Connection, tracks: Tracks, radius: float) -> Iterator[Ma
             yield Mark("ground", GROUNDED, TRIAD, track.position, A)
 
 
-def _floors(results: Results, placing: Placing, size: float) -> Iterator[Mark]:
-    """The planes of the ground that contacts meet, under all that comes near them."""
-    met: dict[str, tuple[Connection, list[Array]]] = {}
+def shapes_of(results: Results, placing: Placing, size: float) -> Iterator[Mark]:
+    """The shapes that the balls of contacts touch; one for contacts that share it.
+
+    What has no end reaches as far as the balls come, and somewhat beyond.
+    """
+    met: dict[str, tuple[Connection, Track, list[Array]]] = {}
     for coupling in results.couplings:
         first, second = coupling.between
-        track = placing.find(second)
-        if coupling.type == "plane" and is_ground(first) and coupling.axis is not None and track:
-            met.setdefault(f"{first} {coupling.axis}", (coupling, []))[1].append(track.position)
-    for coupling, positions in met.values():
-        plane = placing.tracks.end(*coupling.between)
-        assert plane is not None
-        assert coupling.axis is not None
-        axes = along(np.asarray(coupling.axis, dtype=float)[None])[0]
-        flat = (np.concatenate(positions) - plane.position[0]) @ axes
-        low, high = flat.min(axis=0) - BEYOND * size, flat.max(axis=0) + BEYOND * size
-        middle, extent = 0.5 * (low + high), high - low
-        x = plane.position[0] + axes[:, :2] @ middle[:2]
-        A = axes * [*extent[:2], 1.0]
-        k = len(plane.position)
-        yield Mark("ground", FLOOR, PLATE, np.tile(x, (k, 1)), np.tile(A, (k, 1, 1)), before=False)
+        if coupling.group != "contacts":
+            continue
+        carrier, ball = placing.tracks.end(first, second), placing.find(second)
+        if carrier is None or ball is None:
+            continue
+        basis = _basis(coupling)
+        apart = carrier.seen_from(ball.position) @ basis
+        met.setdefault(_alike(coupling), (coupling, carrier, []))[2].append(apart)
+    for coupling, carrier, apart_all in met.values():
+        apart = np.concatenate(apart_all)
+        low, high = apart.min(axis=0), apart.max(axis=0)
+        beyond = (BEYOND if is_ground(coupling.between[0]) else NEAR) * size
+        yield from _shape(
+            coupling, placing.seen(carrier), carrier, low - beyond, high + beyond, size
+        )
+
+
+def _basis(coupling: Connection) -> Array:
+    """e1, e2, e3 = axis of a shape as columns (3, 3), in the axes of its first frame."""
+    axis = E_Z if coupling.axis is None else np.asarray(coupling.axis, dtype=float)
+    if coupling.shape is None:
+        any_basis: Array = along(axis[None])[0]
+        return any_basis
+    across = coupling.shape.across
+    basis: Array = np.column_stack([across, np.cross(axis, across), axis])
+    return basis
+
+
+def _alike(coupling: Connection) -> str:
+    """What contacts with one shape have in common."""
+    shape = coupling.shape
+    own = "" if shape is None else f"{shape.radius} {shape.length} {shape.curve.tolist()}"
+    return f"{coupling.between[0]} {coupling.type} {coupling.axis} {own}"
+
+
+def _shape(
+    coupling: Connection, x: Array, carrier: Track, low: Array, high: Array, size: float
+) -> Iterator[Mark]:
+    """The shape of a contact at x (k, 3), and from low to high (3,) in its own axes where it is
+    without end; none of one that stands for a face that is hardly curved.
+    """
+    shape, middle, extent = coupling.shape, 0.5 * (low + high), high - low
+    if coupling.type == "plane":
+        glyph, middle, extent = PLATE, middle * [1, 1, 0], np.array([*extent[:2], 1.0])
+        color, opacity = FLOOR, SHADED
+    elif shape is None or shape.radius > LARGEST * size:
+        return
+    else:
+        color, opacity, round_ = SURFACE, SEEN_THROUGH, shape.radius
+        if np.isfinite(shape.length):
+            middle, extent[2] = np.zeros(3), shape.length
+        middle = middle * [0, 0, 1]
+        if coupling.type == "sphere":
+            glyph, middle, extent = SPHERE, np.zeros(3), np.full(3, round_)
+        elif coupling.type == "cylinder":
+            glyph, extent = TUBE, np.array([round_, round_, extent[2]])
+        else:
+            glyph, extent = glyphs.extruded(shape.curve), np.array([1.0, 1.0, extent[2]])
+    basis = _basis(coupling)
+    A = np.stack([carrier.turned(column) for column in (basis * extent).T], axis=2)
+    at = x + carrier.turned(basis @ middle)
+    yield Mark("shapes", color, glyph, at, A, before=False, opacity=opacity)
 
 
 def _legs(results: Results, placing: Placing, radius: float) -> Iterator[Mark]:

@@ -19,6 +19,8 @@ Single = NDArray[np.float32]
 NO_FIELD = "none"
 AT_ONCE = 3_000_000
 """points of all bodies, times frames, of which positions and values are in memory"""
+KEPT = 1 << 29
+"""bytes of positions and values of all frames that are kept"""
 SEEN = 0.02
 """largest deformation over the size of the model that is seen without magnification"""
 WANTED = 0.05
@@ -67,7 +69,9 @@ class Stage:
         self.size = size_of(self.bodies)
         points = sum(len(body.X) for body in self.bodies)
         self._rows = batches(len(times), AT_ONCE // max(points, 1))
-        self._last: Batch | None = None
+        # All passes over the frames need the same positions, which is most of the work.
+        self._keeps = 16 * points * len(times) <= KEPT
+        self._kept: dict[int, Batch] = {}
         self.middle: Array = np.mean([body.track.position[0] for body in self.bodies], axis=0)
         remarks = (results.outline_remark(body.name) for body in self.bodies)
         self.remarks = tuple(remark for remark in remarks if remark)
@@ -88,11 +92,13 @@ class Stage:
         return colored(self.bodies, self.field)
 
     def batches(self) -> Iterator[Batch]:
-        """All frames, a few at once; the last batch is kept."""
-        for rows in self._rows:
-            if self._last is None or self._last.rows != rows:
-                self._last = self._batch(rows)
-            yield self._last
+        """All frames, a few at once; they are kept where there is room, else the last ones."""
+        for number, rows in enumerate(self._rows):
+            if number not in self._kept:
+                if not self._keeps:
+                    self._kept.clear()
+                self._kept[number] = self._batch(rows)
+            yield self._kept[number]
 
     def mark_positions(self, rows: slice) -> Iterator[Array]:
         """Positions (k, p, 3) of the points of each mark, from the middle of the stage."""

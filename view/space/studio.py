@@ -13,6 +13,7 @@ from ..scene import color as color_of
 from .bodies import Body
 from .camera import Camera
 from .lettering import Frame, Image
+from .marks import Mark
 from .stage import Batch, Stage
 from .surface import IntArray, mesh_edges, surface
 
@@ -27,6 +28,11 @@ APART = 7.0
 NEAR, IN_FRONT = 400.0, 66000.0
 """how far edges are before their facets, and marks before all bodies, in units of depth"""
 EDGE = (0.25, 0.27, 0.30)
+FINER = 2
+"""pixels drawn for each one shown, across and down: by software that is cheaper than the samples
+of OpenGL, and smoother"""
+MOST_PIXELS = 16_000_000
+"""drawn in that way; larger pictures are smoothed by OpenGL"""
 NEEDED = "duhamel animate needs pyvista: pip install 'duhamel[view]'"
 BLIND = (
     "OpenGL was not found, not even in software: Debian has it in libgl1, libegl1, libegl-mesa0 "
@@ -59,14 +65,23 @@ class Studio:
 
     def __init__(self, stage: Stage, camera: Camera, frame: Frame) -> None:
         self._stage, self._frame = stage, frame
-        self._plotter = _window(frame.size)
+        width, height = frame.size
+        self._finer = FINER if FINER**2 * width * height <= MOST_PIXELS else 1
+        self._size = self._finer * width, self._finer * height
+        self._plotter = _window(self._size)
         self._plotter.set_background("white")
-        self._plotter.enable_anti_aliasing("msaa", multi_samples=4)
+        # What is seen through is drawn last, in its order: sorting it by depth takes as long again.
+        self._plotter.renderer.SetUseOIT(False)
+        if self._finer == 1:
+            self._plotter.enable_anti_aliasing("msaa", multi_samples=4)
+        else:
+            self._plotter.disable_anti_aliasing()
         pixel = frame.pixel(camera.height)
         self._figures = [
-            _BodyFigure(self._plotter, stage, number, pixel) for number in range(len(stage.bodies))
+            _BodyFigure(self._plotter, stage, number, pixel, self._finer)
+            for number in range(len(stage.bodies))
         ]
-        self._marks = [_MarkFigure(self._plotter, mark) for mark in stage.marks]
+        self._marks = [_MarkFigure(self._plotter, mark, self._finer) for mark in stage.marks]
         self._set_light(camera)
         self._aim(camera)
 
@@ -86,8 +101,23 @@ class Studio:
                 figure.move(positions[k], None if values is None else values[k])
             for mark, places in zip(self._marks, marks, strict=True):
                 mark.move(places[k])
-            self._plotter.render()
-            yield np.asarray(self._plotter.screenshot(return_img=True))[:, :, :3]
+            yield self._picture()
+
+    def _picture(self) -> Image:
+        """What is drawn, each pixel the mean of those drawn for it."""
+        from PIL import Image as Images
+        from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
+
+        width, height = self._size
+        window = self._plotter.render_window
+        window.Render()
+        read = vtkUnsignedCharArray()
+        window.GetPixelData(0, 0, width - 1, height - 1, 0, read, 0)
+        # from below to above
+        drawn = np.ascontiguousarray(np.frombuffer(read, np.uint8).reshape(height, width, 3)[::-1])
+        if self._finer == 1:
+            return drawn
+        return np.asarray(Images.fromarray(drawn).reduce(self._finer))
 
     def _set_light(self, camera: Camera) -> None:
         library = pyvista()
@@ -120,7 +150,7 @@ class Studio:
 class _BodyFigure:
     """The triangles and lines of a body."""
 
-    def __init__(self, plotter: Any, stage: Stage, number: int, pixel: float) -> None:
+    def __init__(self, plotter: Any, stage: Stage, number: int, pixel: float, finer: int) -> None:
         body = stage.bodies[number]
         outline, told = body.outline, body.name not in stage.untold and body in stage.colored()
         self._colored = bool(stage.field) and told
@@ -144,20 +174,21 @@ class _BodyFigure:
                 diffuse=0.85,
                 specular=0.12,
                 specular_power=12,
+                culling="back" if self._surface.closed else False,
                 **style,
             ).prop.interpolation = "Phong"
             edges = _drawn_edges(body, self._surface.edges, pixel)
             if len(edges):
                 self._lines = _mesh(body.X, lines=edges)
                 drawn = plotter.add_mesh(
-                    self._lines, color=EDGE, line_width=1.0, opacity=0.55, lighting=False
+                    self._lines, color=EDGE, line_width=1.0 * finer, opacity=0.55, lighting=False
                 )
                 _bring_forward(drawn, NEAR)
         if len(outline.lines):
             self._rods = _mesh(body.X, lines=outline.lines)
             self._rods.point_data["value"] = np.zeros(len(body.X), np.float32)
             style["render_lines_as_tubes"] = True
-            plotter.add_mesh(self._rods, line_width=6.0, **style)
+            plotter.add_mesh(self._rods, line_width=6.0 * finer, **style)
 
     def move(self, points: Array, values: Array | None) -> None:
         if self._mesh is not None and self._surface is not None:
@@ -196,18 +227,18 @@ def _width(body: Body) -> float:
 class _MarkFigure:
     """A mark, which lies before all bodies."""
 
-    def __init__(self, plotter: Any, mark: Any) -> None:
+    def __init__(self, plotter: Any, mark: Mark, finer: int) -> None:
         glyph = mark.glyph
         self._mesh = _mesh(glyph.points, triangles=glyph.triangles, lines=glyph.lines)
         shaded = bool(len(glyph.triangles))
         actor = plotter.add_mesh(
             self._mesh,
             color=mark.color,
-            line_width=2.5,
+            line_width=2.5 * finer,
             ambient=0.45,
             diffuse=0.6,
             lighting=shaded,
-            opacity=0.85 if shaded else 1.0,
+            opacity=mark.opacity if shaded else 1.0,
         )
         if mark.before:
             _bring_forward(actor, IN_FRONT)

@@ -28,12 +28,14 @@ class Surface:
     """Triangles with points that are doubled along sharp edges.
 
     copies (q,): which point of the body each one is; triangles (m, 3): rows of them; edges (e, 2):
-    the sharp ones, as rows of points of the body.
+    the sharp ones, as rows of points of the body; closed: it encloses something and turns outwards,
+    so that its insides are never seen.
     """
 
     copies: IntArray
     triangles: IntArray
     edges: IntArray
+    closed: bool
     _spread: sparse.csr_array
 
     def normals(self, points: Array) -> Array:
@@ -59,7 +61,18 @@ def surface(points: Array, triangles: IntArray) -> Surface:
     split = which.reshape(-1, 3)
     rows, columns = split.ravel(), np.repeat(np.arange(m), 3)
     spread = sparse.csr_array((np.ones(3 * m), (rows, columns)), shape=(len(unique), m))
-    return Surface(unique[:, 0], split, np.vstack([sides[~smooth], open_sides]), spread)
+    edges = np.vstack([sides[~smooth], open_sides])
+    return Surface(unique[:, 0], split, edges, _closed(points, triangles, open_sides), spread)
+
+
+def _closed(points: Array, triangles: IntArray, open_sides: IntArray) -> bool:
+    """Whether triangles meet at all sides, run through once each way, around a volume above 0."""
+    ends = np.concatenate([triangles[:, [i, (i + 1) % 3]] for i in range(3)])
+    ways = np.unique(ends, axis=0)
+    centered = points - points.mean(axis=0)
+    a, b, c = centered[triangles].transpose(1, 0, 2)
+    volume = np.einsum("ij,ij->", a, np.cross(b, c))
+    return not len(open_sides) and len(ways) == len(ends) and bool(volume > 0.0)
 
 
 def _neighbors(triangles: IntArray) -> tuple[IntArray, IntArray, IntArray, IntArray]:

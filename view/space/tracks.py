@@ -6,6 +6,7 @@ import numpy as np
 
 from ...results import Results
 from ...results.recovery import Instants, in_space, instants
+from ...results.rotations import inverse
 from ...superelement.validation import Array
 
 GROUND = "ground"
@@ -29,6 +30,13 @@ class Track:
         """A vector (3,) of its axes in space (k, 3)."""
         still = np.broadcast_to(vector, (len(self.position), 1, 3))
         return in_space(np.zeros((len(still), 3)), self.rotation, still)[:, 0]
+
+    def seen_from(self, position: Array) -> Array:
+        """Positions (k, 3) in space from its own, in its axes."""
+        back = inverse(self.rotation)
+        still = np.zeros((len(back), 3))
+        seen: Array = in_space(still, back, (position - self.position)[:, None])[:, 0]
+        return seen
 
 
 class Tracks:

@@ -40,6 +40,13 @@ def parsed(page_file):
     return Parsed(page_file.read_text(encoding="utf-8"))
 
 
+def test_the_parts_that_are_made_are_told_up_to_all_of_them(results, tmp_path):
+    told = []
+    view.write_report(results, tmp_path / "x.html", on_part=lambda *numbers: told.append(numbers))
+    total = len(results.bodies) + page.LATER
+    assert told == [(n, total) for n in range(1, total + 1)]
+
+
 def test_no_element_names_an_address_outside_the_page(parsed):
     addresses = [
         value

@@ -124,6 +124,16 @@ def test_marks_stand_at_their_frames_on_bodies_as_they_are_drawn(results):
     assert set(marks) >= {"clamp", EVIL}
 
 
+def test_marks_move_at_all_instants_where_a_large_body_deforms_at_fewer(results, monkeypatch):
+    every = motion(results)
+    monkeypatch.setattr("duhamel.view.report.motion.POINT_FRAMES", 30 * len(every.shapes[1].points))
+    few = motion(results)
+    assert len(few.deforming) == 30 < len(few.time) == len(every.time)
+    assert few.magnification == every.magnification
+    for mark, same in zip(few.marks, every.marks, strict=True):
+        np.testing.assert_allclose(mark.positions, same.positions, atol=1e-12)
+
+
 def test_far_from_the_origin_positions_keep_their_precision(results):
     moved = _Moved(results)
     near, far = motion(results), motion(moved)

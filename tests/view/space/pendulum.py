@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from duhamel.results import Connection, RecoveryError
+from duhamel.results.search import Extremes
 from duhamel.superelement import Outline
 
 BEND = 1e-3
@@ -83,6 +84,10 @@ class Pendulum:
         if name not in self.known:
             raise RecoveryError(f"body {body!r}: no {name}")
         return np.linalg.norm(self.outline_displacement(body, t), axis=-1)
+
+    def field_extremes(self, body: str, name: str, rows: slice) -> Extremes:
+        over_time = self.outline_field(body, TIME[rows], name).max(axis=1)
+        return Extremes(over_time.max(), rows.start + int(over_time.argmax()), 0, 0.0, 0)
 
     def _bent(self, points: Any, t: Any) -> Any:
         u = np.zeros((len(t), *points.shape))
