@@ -5,10 +5,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from ..results.schema import Contents
+from ..results.validity import Validity
 from .arrays import Array
 from .errors import about
 from .history.cost import history_costs
@@ -20,6 +22,7 @@ from .model.stops import JointStop
 from .output.columns import requested
 from .output.inputs import drifts, signal_warnings
 from .output.size import check_memory, file_bytes, lack_of_disk
+from .output.validity import Judge
 from .output.writer import check_output, contents_of, make_writer, rows_of
 from .plausibility import doubts
 from .simulation import Course, march
@@ -32,6 +35,7 @@ TRIAL = 128
 """steps that are taken to measure the time of one"""
 SHOWN = 6
 """frequencies"""
+NOTHING_JUDGED = Validity(())
 FEW = 20
 """steps in a period below which a motion is not what it should be: an error of some per cent"""
 
@@ -44,7 +48,8 @@ class ModelCheck:
     bodies rigid; assembly_error: the largest opening of a joint as given [m]; step, t_end [s];
     frequencies: of the assembled model about its start [Hz], None where they are not known;
     damping: frequencies and ratios of the first of them, none where nothing damps them;
-    free_frequencies: the first of each superelement alone [Hz], by body; second_order: of each
+    validity: of the first steps, which are taken to measure the time; free_frequencies: the first
+    of each superelement alone [Hz], by body; second_order: of each
     flexible body, the number of its coordinates, "off" or "none"; contacts: a line for each
     contact and stop, with its gap at the start; drifts: a line for each coordinate that is driven
     by its velocity or acceleration, where it ends; motors: a line for each; seconds: of the time
@@ -71,6 +76,7 @@ class ModelCheck:
     drifts: tuple[str, ...] = ()
     damping: tuple[DampedMotion, ...] = ()
     motors: tuple[str, ...] = ()
+    validity: Validity = NOTHING_JUDGED
     warnings: tuple[str, ...] = field(default=())
 
     def __str__(self) -> str:
@@ -127,6 +133,7 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
         found, free = vibrations(initial), _free_frequencies(model)
         frequencies = None if found is None else found.frequencies
         damped = () if found is None else tuple(damped_motions(initial, found))
+    trial = _try(initial)
     return ModelCheck(
         bodies=len(model.bodies),
         flexible=len(model.flexible_bodies),
@@ -153,8 +160,10 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
             *_fast_servos(initial),
             *_lacks(path, contents, rows),
             *(doubt.text for doubt in doubts(model)),
+            *(f"in the first {trial.steps} steps: {line}" for line in trial.validity.brief()),
         ),
-        seconds=_seconds(initial),
+        validity=trial.validity,
+        seconds=trial.seconds,
     )
 
 
@@ -245,18 +254,27 @@ def _memory(initial: InitialState) -> int:
     return int(sum(array.nbytes for record in records for array in record.arrays()))
 
 
-def _seconds(initial: InitialState) -> float:
-    """The time of all steps [s], by that of the first ones, and the growth of the history."""
-    lowered = initial.lowered
+class _Trial(NamedTuple):
+    """Of the first steps: their number, the time of all steps of the run [s], the validity."""
+
+    steps: int
+    seconds: float
+    validity: Validity
+
+
+def _try(initial: InitialState) -> _Trial:
+    """Take the first steps. The time is theirs, with the growth of the history."""
+    lowered, judge = initial.lowered, Judge(initial.lowered)
     begin = int(initial.state.step[0])
     n = min(TRIAL * lowered.ratio, lowered.n_steps - begin)
     if n == 0:
-        return 0.0
+        return _Trial(0, 0.0, judge.validity(initial.state, 0))
     writer = make_writer(None, initial, n)
     started = time.perf_counter()
     march(Course(initial.lowered, initial.state, initial.work, initial.removed, writer, begin + n))
     measured = (time.perf_counter() - started) / n
-    return (lowered.n_steps - begin) * (measured + 1e-9 * _history_cost(lowered))
+    seconds = (lowered.n_steps - begin) * (measured + 1e-9 * _history_cost(lowered))
+    return _Trial(n // lowered.ratio, seconds, judge.validity(initial.state, n))
 
 
 def _history_cost(lowered: LoweredModel) -> float:
