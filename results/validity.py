@@ -55,7 +55,6 @@ _DIVIDE = "divide the body into several superelements"
 MEND_DEFORMATION = f"{_DIVIDE}, or check loads and units"
 """what to do where a body deforms beyond linear elasticity"""
 _ADD_ROTATION = "add [rotation] to its body file, which needs the mesh"
-_SMALLER_STEP = "take a smaller step"
 _LIST = (
     Criterion(
         "elastic_rotation",
@@ -155,7 +154,7 @@ _LIST = (
         "",
         5e-3,
         2e-2,
-        f"its rotation is not resolved by the step: {_SMALLER_STEP}",
+        "its rotation is not resolved by the step: take a smaller step",
     ),
     Criterion(
         "steps_per_period",
@@ -164,7 +163,7 @@ _LIST = (
         "",
         20.0,
         8.0,
-        f"its period is wrong by several per cent: {_SMALLER_STEP}",
+        "its period is wrong by several per cent: take a smaller step",
         least=True,
     ),
     Criterion(
@@ -192,7 +191,7 @@ _LIST = (
         "",
         1e-3,
         1e-2,
-        _SMALLER_STEP,
+        "take a smaller step",
     ),
     Criterion(
         "created_energy",
@@ -201,7 +200,7 @@ _LIST = (
         "",
         1e-3,
         1e-2,
-        f"the step is too large for so stiff a law: {_SMALLER_STEP}",
+        "the step is too large for so stiff a law: take a smaller step",
     ),
     Criterion(
         "contact_steps",
@@ -210,7 +209,7 @@ _LIST = (
         "",
         40.0,
         20.0,
-        f"peak forces need 20 for 1 %: {_SMALLER_STEP}",
+        "peak forces need 20 for 1 %: take a smaller step",
         least=True,
     ),
     Criterion(
@@ -267,7 +266,7 @@ _LIST = (
         "rad",
         0.25 * math.pi,
         0.5 * math.pi,
-        f"its full turns may be miscounted: {_SMALLER_STEP}",
+        "its full turns may be miscounted: take a smaller step",
     ),
 )
 CRITERIA = {criterion.name: criterion for criterion in _LIST}

@@ -29,6 +29,8 @@ LASTING = 10.0
 change is a blow and no vibration"""
 SHORTEST = 0.5
 """periods in a run from which on a motion is a vibration"""
+DENSITY = 8000.0
+"""[kg/m^3] of a body whose volume is not known, as of lines: that of steel"""
 ROUNDING = 1e-13
 """of an energy, after many steps"""
 BORNE = 0.7
@@ -202,24 +204,24 @@ def _axial_loads(reading: Reading) -> Array:
 def _missing_stress(reading: Reading) -> Array:
     """rho Omega^2 r^2 with the mean density and the farthest point from the center of mass.
 
-    The largest stress of a free thin ring; up to a factor of three that of bars, disks and blades.
+    The largest stress of a free thin ring, and up to a factor of about two that of disks and bars.
     """
     elements = reading.lowered.superelements
     values = [
         _dynamic_pressure(element, spin)
         for element, spin in zip(elements, reading.spin, strict=True)
     ]
-    return np.array(values)[reading.subjects.stressed]
+    stresses: Array = np.array(values, dtype=np.float64)[reading.subjects.stressed]
+    return stresses
 
 
 def _dynamic_pressure(element: Superelement, spin: float) -> float:
-    outline = element.outline
-    if spin == 0.0:
-        return 0.0
-    if outline is None or not (volume := abs(outline.volume)):
-        return np.nan
-    radius = float(np.linalg.norm(outline.points, axis=1).max())
-    return element.mass / volume * (spin * radius) ** 2
+    outline, density, radius = element.outline, DENSITY, 0.5 * element.size
+    if outline is not None and len(outline.points):
+        radius = float(np.linalg.norm(outline.points, axis=1).max())
+        if volume := abs(outline.volume):
+            density = element.mass / volume
+    return density * (spin * radius) ** 2
 
 
 def _joint_turns(reading: Reading) -> Array:

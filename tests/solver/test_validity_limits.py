@@ -32,7 +32,7 @@ from duhamel.solver import (
 )
 from duhamel.solver.history.axial import axial_weights
 from duhamel.solver.model.rigid_outline import box_of_inertia
-from duhamel.superelement import Recovery
+from duhamel.superelement import Outline, Recovery
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
@@ -333,6 +333,14 @@ def test_stress_that_is_not_computed_is_told_in_pascal(bar, stress):
     found = validity.values("missing_stress")["bar"]
     assert found == pytest.approx(stress, rel=0.01)
     assert warned(validity, "missing_stress") == (stress > 1e6)
+
+
+def test_a_body_of_unknown_volume_is_taken_for_steel(bar):
+    lines = Outline(bar.outline.points[[0, -1]], [[0, 1]])
+    half = np.linalg.norm(lines.points[0])
+    for outline, radius in ((lines, half), (None, 0.5 * bar.size)):
+        found = spinning(replace(bar, outline=outline), 20.0).values("missing_stress")["bar"]
+        assert found == pytest.approx(8000.0 * (20.0 * radius) ** 2)
 
 
 def test_a_body_without_stresses_misses_none(bar):
