@@ -149,7 +149,7 @@ _LIST = (
     ),
     Criterion(
         "angular_momentum",
-        "body",
+        "free body",
         "angular momentum error",
         "",
         5e-3,

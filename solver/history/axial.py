@@ -31,7 +31,7 @@ from collections.abc import Collection, Iterator
 
 import numpy as np
 
-from ...superelement import Superelement
+from ...superelement import Interface, Superelement
 from ..arrays import Array, as_index
 from ..model.bodies import FlexibleBody
 from ..step.system import AxialForces
@@ -41,12 +41,15 @@ FREE_BAR = 22.373**2
 """omega^2 m L^3 / EI of the first bending mode of a free uniform bar"""
 DIRECTIONS = 3
 """that are looked at in each body, the softest first"""
+MOST = 40
+"""interfaces of a body whose pairs are looked at"""
 PARALLEL = 0.9
 """cosine of two lines from which on the softer one stands for both"""
 
 
-def lay_out_axial(bodies: Collection[FlexibleBody]) -> AxialForces:
-    """The axial forces of all bodies that stress does not stiffen."""
+def lay_out_axial(bodies: Collection[FlexibleBody], h: float) -> AxialForces:
+    """The axial forces of all bodies that stress does not stiffen, for steps h [s]."""
+    shares: list[float] = []
     weights: list[Array] = []
     of_body: list[int] = []
     for e, body in enumerate(bodies):
@@ -55,8 +58,17 @@ def lay_out_axial(bodies: Collection[FlexibleBody]) -> AxialForces:
         for weight in axial_weights(body.superelement):
             weights.append(np.pad(weight, (0, body.n_dofs - len(weight))))
             of_body.append(e)
+            shares.append(_share(body.superelement, h))
     together, start = packed(weights, range(len(weights)))
-    return AxialForces(body=as_index(of_body), start=start, weight=together)
+    return AxialForces(body=as_index(of_body), start=start, weight=together, share=np.array(shares))
+
+
+def _share(element: Superelement, h: float) -> float:
+    """Of a step in a mean over 1 / omega_1; 1 where the frequency is not known."""
+    if element.modes is None or not len(element.modes.omega):
+        return 1.0
+    angle = h * float(element.modes.omega.min())
+    return angle / (1.0 + angle)
 
 
 def axial_weights(element: Superelement) -> list[Array]:
@@ -67,7 +79,7 @@ def axial_weights(element: Superelement) -> list[Array]:
 
 def _lines_between(element: Superelement) -> Iterator[tuple[Array, float]]:
     """Directions between interfaces with 1 / (P L) = c / pi^2, the softest first."""
-    turning = [interface for interface in element.interfaces if interface.rotations]
+    turning = _far_apart([i for i in element.interfaces if i.rotations])
     if len(turning) < 2:
         return
     points = np.array([interface.X for interface in turning])
@@ -89,6 +101,18 @@ def _lines_between(element: Superelement) -> Iterator[tuple[Array, float]]:
         if len(chosen) < DIRECTIONS and all(abs(e[k] @ other) < PARALLEL for other in chosen):
             chosen.append(e[k])
             yield e[k], float(softness[k])
+
+
+def _far_apart(interfaces: list[Interface]) -> list[Interface]:
+    """At most `MOST` of them, each the farthest from those before it."""
+    if len(interfaces) <= MOST:
+        return interfaces
+    points = np.array([interface.X for interface in interfaces])
+    chosen, distance = [], np.linalg.norm(points, axis=1)
+    for _ in range(MOST):
+        chosen.append(int(distance.argmax()))
+        distance = np.minimum(distance, np.linalg.norm(points - points[chosen[-1]], axis=1))
+    return [interfaces[i] for i in chosen]
 
 
 def _line_of_bar(element: Superelement) -> Iterator[tuple[Array, float]]:

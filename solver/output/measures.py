@@ -55,6 +55,10 @@ class Subjects:
         """those of them whose stress stiffens them"""
         self.stressed = ~self.stiffened & np.array([_has_stress(e) for e in elements], bool)
         """bodies that are not, of which stress or strain is known"""
+        self.stress_by_spin = np.array(
+            [_stress_by_spin(e) for e, known in zip(elements, self.stressed, strict=True) if known]
+        )
+        """of these, in proportion to the square of their spin"""
         self.interfaces = np.flatnonzero(frames.dof >= 0)
         of_interfaces = elastic.of_body[frames.body[self.interfaces]]
         self.curved = self.stiffened[of_interfaces]
@@ -169,7 +173,7 @@ class Reading:
         mean = (motion.sum.reshape(-1, 2, 3) ** 2).sum(axis=2) / n
         unsteady = np.maximum(motion.square - mean, 0.0)
         # sums of squares of the velocity of a vibration, and its frequency, as in `_highest`
-        known = motion.bends > 0.0
+        known = (motion.bends > 0.0) & (motion.changes > 0.0)
         square = motion.bends / np.where(known, motion.changes, 1.0)
         vibration = motion.changes / np.where(known, square, 1.0)
         periods = _periods(square)
@@ -206,22 +210,18 @@ def _missing_stress(reading: Reading) -> Array:
 
     The largest stress of a free thin ring, and up to a factor of about two that of disks and bars.
     """
-    elements = reading.lowered.superelements
-    values = [
-        _dynamic_pressure(element, spin)
-        for element, spin in zip(elements, reading.spin, strict=True)
-    ]
-    stresses: Array = np.array(values, dtype=np.float64)[reading.subjects.stressed]
-    return stresses
+    stressed = reading.subjects.stressed
+    return reading.subjects.stress_by_spin * reading.spin[stressed] ** 2
 
 
-def _dynamic_pressure(element: Superelement, spin: float) -> float:
+def _stress_by_spin(element: Superelement) -> float:
+    """rho r^2 [Pa s^2]"""
     outline, density, radius = element.outline, DENSITY, 0.5 * element.size
     if outline is not None and len(outline.points):
         radius = float(np.linalg.norm(outline.points, axis=1).max())
         if volume := abs(outline.volume):
             density = element.mass / volume
-    return density * (spin * radius) ** 2
+    return density * radius**2
 
 
 def _joint_turns(reading: Reading) -> Array:
@@ -238,10 +238,10 @@ def _joint_turns(reading: Reading) -> Array:
 
 
 def _angular_momenta(reading: Reading) -> Array:
-    """Over the largest of the body; nan where it hardly turns."""
+    """Over the largest of each free body; nan where it hardly turns."""
     momentum, bodies = reading.extremes.momentum, reading.lowered.system.bodies
     inertia = np.trace(bodies.J_rot, axis1=1, axis2=2) / 3.0
-    turns = 0.5 * momentum.largest / inertia > STILL * reading.moved
+    turns = 0.5 * momentum.largest / inertia[bodies.free] > STILL * reading.moved
     largest = np.where(turns, momentum.largest, np.nan)
     errors: Array = np.sqrt(momentum.largest_defect / np.where(largest > 0.0, largest, np.nan))
     return errors
@@ -353,7 +353,11 @@ _LIST = (
     Measure(
         "joint_turn", lambda s: [s.lowered.body_names[b] for b in s.jointed.tolist()], _joint_turns
     ),
-    Measure("angular_momentum", lambda s: s.lowered.body_names, _angular_momenta),
+    Measure(
+        "angular_momentum",
+        lambda s: [s.lowered.body_names[b] for b in s.lowered.system.bodies.free.tolist()],
+        _angular_momenta,
+    ),
     Measure("steps_per_period", lambda s: s.lowered.body_names, _steps_per_period),
     Measure(
         "kernel_error",

@@ -8,7 +8,7 @@ import math
 
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
-from .axial import follow_axial_forces
+from .axial import follow_axial_forces, start_axial_forces
 from .bodies import rigid_energies, spin_of
 from .body_extremes import follow_bodies, start_bodies
 from .contacts import settle_contacts
@@ -48,14 +48,15 @@ def start_extremes(system: System, state: State, work: Workspace) -> None:
         k = system.couplings.contact_of[j]
         if k >= 0:
             state.contacts.work_done[k] = stored
-    start_bodies(state, work)
+    start_bodies(system.bodies, state, work)
+    start_axial_forces(system.elastic, state)
     _follow_state(system, state, work)
 
 
 @compiled
 def follow_extremes(system: System, state: State, work: Workspace) -> None:
     """Take the state at the end of a step into the extremes."""
-    follow_bodies(system.scheme, state, work)
+    follow_bodies(system, state, work)
     _follow_state(system, state, work)
 
 

@@ -57,6 +57,8 @@ class Newton(Struct):
 
 
 class Bodies(Struct):
+    free: Index = array("n_free")
+    """numbers of those that no constraint holds"""
     mass: Array = array("n_b")
     J_rot: Array = array("n_b", 3, 3)
     gravity: Array = array(3)
@@ -348,6 +350,8 @@ class AxialForces(Struct):
     start: Index = array("n_axial")
     """first of its weights, one for each dof of the body"""
     weight: Array = array("n_weights")
+    share: Array = array("n_axial")
+    """of a step in the time over which forces are averaged"""
 
 
 class Elastic(Struct):
@@ -611,7 +615,7 @@ class MotionExtremes(Struct):
     row: Index = array(1)
     """steps of the longest size in a row"""
     steps: Index = array(1)
-    """such steps in all"""
+    """such steps in all that followed another, over which all sums are"""
     velocity: Array = array("n_b", 6)
     """at the last step"""
     change: Array = array("n_b", 6)
@@ -629,17 +633,17 @@ class MotionExtremes(Struct):
 
 
 class MomentumExtremes(Struct):
-    """Angular momentum of bodies, in space (body_extremes.py)."""
+    """Angular momentum of free bodies, in space (body_extremes.py)."""
 
-    momentum: Array = array("n_b", 3)
+    momentum: Array = array("n_free", 3)
     """at the last step"""
-    moment: Array = array("n_b", 3)
+    moment: Array = array("n_free", 3)
     """that acts there"""
-    defect: Array = array("n_b", 3)
+    defect: Array = array("n_free", 3)
     """what moments do not explain"""
-    largest: Array = array("n_b")
+    largest: Array = array("n_free")
     """squares, of the momentum"""
-    largest_defect: Array = array("n_b")
+    largest_defect: Array = array("n_free")
 
 
 class ExtremeState(Struct):
@@ -687,7 +691,9 @@ class ExtremeState(Struct):
     arm: Array = array("n_k")
     """square of the arm of the normal force about the frame that carries the shape"""
     axial: Array = array("n_axial")
-    """axial forces over critical loads"""
+    """largest axial forces over critical loads"""
+    axial_mean: Array = array("n_axial")
+    """the same of late, with their signs"""
     motion: MotionExtremes
     momentum: MomentumExtremes
     left: Index = array(1)
