@@ -211,7 +211,8 @@ def _missing_stress(reading: Reading) -> Array:
     The largest stress of a free thin ring, and up to a factor of about two that of disks and bars.
     """
     stressed = reading.subjects.stressed
-    return reading.subjects.stress_by_spin * reading.spin[stressed] ** 2
+    stresses: Array = reading.subjects.stress_by_spin * reading.spin[stressed] ** 2
+    return stresses
 
 
 def _stress_by_spin(element: Superelement) -> float:
