@@ -1,11 +1,12 @@
 """Bases for the responses of interfaces, side by side: what each costs, keeps, and errs by.
 
-A free prism of 1 x 1 x 0.6 m of quadratic tetrahedra with two interfaces on half of its ends, as many
-modes in the band as compact bodies have:
+A free prism of 1 x 1 x 0.6 m of quadratic tetrahedra with two interfaces on half of its ends, with
+as many modes in the band as compact bodies have:
 
 - Krylov blocks with the shift of the time step, with a low one (that of the package), and with
   several shifts in the band, each of which takes a factor;
-- eigenmodes up to multiples of the band by Lanczos's method, with static and instantaneous responses.
+- eigenmodes up to multiples of the band by Lanczos's method, with static and instantaneous
+  responses.
 
 python benchmarks/reduction.py [DIVISIONS]    of 1 m; 8 is 7803 unknowns
 """
@@ -97,7 +98,7 @@ def blocks_of(structure, shifts, band, truth, enough=TOLERANCE, most=120):
 
 
 def lanczos(structure, limit: float):
-    """Eigenmodes up to `limit` [Hz] and the static and instantaneous responses of the interfaces."""
+    """Eigenmodes up to `limit` [Hz], static and instantaneous responses of the interfaces."""
     s, solved = (2.0 * np.pi * 1000.0) ** 2, 0
     factor = factorize(structure.K + s * structure.M, "S")
 

@@ -29,16 +29,11 @@ def spanned(time: Array) -> str:
 
 
 def _validity(validity: Validity) -> Iterator[str]:
-    """What is not good, the worst first; else that all is."""
-    verdicts = [check.verdict for check in validity.worst]
-    for wanted in ("poor", "fair"):
-        for check, verdict in zip(validity.worst, verdicts, strict=True):
-            if verdict == wanted:
-                measured = check.criterion.measured(check.value)
-                owner = f" of {check.owner}" if check.owner else ""
-                yield f"{verdict}: {check.criterion.quantity}{owner}: {measured}"
-    if not {"poor", "fair"} & set(verdicts):
-        yield "good in all that is counted" if "good" in verdicts else "not counted"
+    """A summary, and the worst of each criterion beyond its limit."""
+    yield validity.summary
+    for check in validity.worst:
+        if check.verdict == "poor":
+            yield f"{check.sentence}, limit {check.criterion.bound(check.criterion.limit)}"
 
 
 def _groups(recorded: tuple[str, ...]) -> dict[str, list[str]]:

@@ -1,7 +1,8 @@
 """The validity of a run: what it has passed at most, against the limits of the method.
 
-Values count every step, recorded or not. Up to `good` of its criterion a value costs about one per
-cent of what it bears on; beyond `limit` it is warned of. Sources of the limits: docs/validity.md.
+Values count every step, recorded or not. Up to `good` of its criterion a value costs about 1 % of
+accuracy in what it affects; beyond `limit` a run warns of it. Sources of the limits:
+docs/validity.md.
 """
 
 import math
@@ -17,9 +18,10 @@ SHOWN = 10
 class Criterion:
     """A measure of validity.
 
-    name: as in files; quantity: the same in words, of the `owner`, unless a check is of another
-    kind; good, limit: see above; least: values may not be below the limit instead of above; advice:
-    what to do beyond it.
+    name: as in files; quantity: what is measured, in a few words; owner: the kind of object that
+    has a value each, unless a check names another kind; good: the recommended range ends here;
+    limit: values beyond are warned of; least: both are lower bounds, not upper ones; advice: what
+    to do beyond the limit. How each is measured: solver/output/measures.py.
     """
 
     name: str
@@ -44,190 +46,231 @@ class Criterion:
         """A value with its unit."""
         return f"{value:.3g} {self.unit}".rstrip()
 
+    def bound(self, value: float) -> str:
+        """A bound as tables write it, "< 0.1 rad"."""
+        return f"{'>' if self.least else '<'} {self.measured(value)}"
+
 
 _DIVIDE = "divide the body into several superelements"
-MEND_DEFORMATION = f"{_DIVIDE}, or look at loads and units"
+MEND_DEFORMATION = f"{_DIVIDE}, or check loads and units"
 """what to do where a body deforms beyond linear elasticity"""
-CRITERIA = {
-    criterion.name: criterion
-    for criterion in (
-        Criterion(
-            "elastic_rotation",
-            "interface",
-            "elastic rotation",
-            "rad",
-            0.1,
-            0.3,
-            f"elasticity is linear: {MEND_DEFORMATION}",
-        ),
-        Criterion(
-            "elastic_displacement",
-            "interface",
-            "elastic displacement over the size of its body",
-            "",
-            0.015,
-            0.045,
-            f"elasticity is linear: {MEND_DEFORMATION}",
-        ),
-        Criterion(
-            "second_order_rotation",
-            "interface",
-            "elastic rotation, of second order",
-            "rad",
-            0.2,
-            0.4,
-            f"elasticity is of second order: {MEND_DEFORMATION}",
-        ),
-        Criterion(
-            "second_order_displacement",
-            "interface",
-            "elastic displacement, of second order, over the size of its body",
-            "",
-            0.03,
-            0.06,
-            f"elasticity is of second order: {MEND_DEFORMATION}",
-        ),
-        Criterion(
-            "spin",
-            "body",
-            "spin over the first elastic frequency",
-            "",
-            0.03,
-            0.1,
-            "there is no stiffening by rotation: let it have terms of second order, by [rotation] "
-            "of its body file, which needs its mesh for that",
-        ),
-        Criterion(
-            "spin_turn",
-            "body",
-            "turn in a step",
-            "rad",
-            0.12,
-            0.15,
-            "its motion may become unstable: take a smaller step or rho_inf",
-        ),
-        Criterion(
-            "inertia_taken",
-            "body",
-            "part of a moment of inertia that elastic motion takes",
-            "",
-            0.5,
-            0.9,
-            f"nothing resists its turning where all is taken: {_DIVIDE}",
-        ),
-        Criterion(
-            "joint_turn",
-            "jointed body",
-            "turn about a distant axis in a step over what joints bear, 0.7 (1 - rho_inf) rad",
-            "",
-            0.8,
-            1.0,
-            "forces of its joints may alternate and grow: take a smaller step or rho_inf",
-        ),
-        Criterion(
-            "steps_per_period",
-            "body",
-            "steps in a period of its fastest vibration",
-            "",
-            20.0,
-            8.0,
-            "its period is wrong by several per cent: take a smaller step",
-            least=True,
-        ),
-        Criterion(
-            "kernel_error",
-            "body",
-            "error of impulse responses",
-            "",
-            0.01,
-            0.05,
-            "ask for a smaller error or more modes in the body file, or for a longer memory",
-        ),
-        Criterion(
-            "kernel_band",
-            "body",
-            "fastest vibration over the band of the superelement",
-            "",
-            0.8,
-            1.0,
-            "make the superelement for a smaller step, a wider band or more modes",
-        ),
-        Criterion(
-            "energy_balance",
-            "model",
-            "error of the energy balance over the energy that moves",
-            "",
-            1e-3,
-            1e-2,
-            "take a smaller step",
-        ),
-        Criterion(
-            "created_energy",
-            "spring",
-            "energy created by its force law over the energy that moves",
-            "",
-            1e-3,
-            1e-2,
-            "the step is too large for so stiff a law: take a smaller step",
-        ),
-        Criterion(
-            "contact_steps",
-            "contact",
-            "steps of the shortest, from closing to opening",
-            "",
-            40.0,
-            20.0,
-            "peak forces need 20 for 1 %: take a smaller step",
-            least=True,
-        ),
-        Criterion(
-            "hertz_radius",
-            "contact",
-            "radius of the patch over that of the ball",
-            "",
-            0.17,
-            1.0 / 3.0,
-            "the law of Hertz is that of small patches: give a table, `law`",
-        ),
-        Criterion(
-            "numerical_dissipation",
-            "model",
-            "energy that time stepping took from vibration over the energy that moves",
-            "",
-            1e-2,
-            1e-1,
-            "take a smaller step, or rho_inf nearer to 1",
-        ),
-        Criterion(
-            "joint_opening",
-            "joint",
-            "opening, in rad or over the size of the model",
-            "",
-            1e-8,
-            1e-6,
-            "take a smaller tolerance or more iterations",
-        ),
-        Criterion(
-            "motor_steps",
-            "motor",
-            "steps in a period of its servo, of the fastest pole at the start",
-            "",
-            20.0,
-            8.0,
-            "the servo is too fast for the step: take a smaller step, or smaller gains",
-            least=True,
-        ),
-        Criterion(
-            "missed_turn",
-            "angle",
-            "difference from what the rate foretold",
-            "rad",
-            0.25 * math.pi,
-            0.5 * math.pi,
-            "its full turns may be miscounted: take a smaller step",
-        ),
-    )
-}
+_ADD_ROTATION = "add [rotation] to its body file, which needs the mesh"
+_LIST = (
+    Criterion(
+        "elastic_rotation",
+        "interface",
+        "elastic rotation",
+        "rad",
+        0.1,
+        0.3,
+        f"elasticity is linear: {MEND_DEFORMATION}",
+    ),
+    Criterion(
+        "elastic_displacement",
+        "interface",
+        "elastic displacement / body size",
+        "",
+        0.015,
+        0.045,
+        f"elasticity is linear: {MEND_DEFORMATION}",
+    ),
+    Criterion(
+        "second_order_rotation",
+        "interface",
+        "elastic rotation, second-order body",
+        "rad",
+        0.2,
+        0.4,
+        f"elasticity is of second order: {MEND_DEFORMATION}",
+    ),
+    Criterion(
+        "second_order_displacement",
+        "interface",
+        "elastic displacement / body size, second-order body",
+        "",
+        0.03,
+        0.06,
+        f"elasticity is of second order: {MEND_DEFORMATION}",
+    ),
+    Criterion(
+        "axial_load",
+        "body",
+        "axial force / Euler load",
+        "",
+        0.02,
+        0.05,
+        "the force changes its bending stiffness, which linear elasticity does not see, nor "
+        f"buckling: {_ADD_ROTATION}",
+    ),
+    Criterion(
+        "spin",
+        "body",
+        "spin / first elastic frequency",
+        "",
+        0.03,
+        0.05,
+        f"centrifugal stiffening is missing: {_ADD_ROTATION}",
+    ),
+    Criterion(
+        "missing_stress",
+        "body",
+        "centrifugal stress not computed",
+        "Pa",
+        1e5,
+        1e6,
+        f"its stresses and strains do not include those of spin: {_ADD_ROTATION}",
+    ),
+    Criterion(
+        "spin_turn",
+        "body",
+        "rotation per step, second-order body",
+        "rad",
+        0.12,
+        0.15,
+        "its motion may become unstable: take a smaller step or rho_inf",
+    ),
+    Criterion(
+        "inertia_taken",
+        "body",
+        "inertia lost to elastic motion / inertia",
+        "",
+        0.5,
+        0.9,
+        f"nothing resists its rotation where all is lost: {_DIVIDE}",
+    ),
+    Criterion(
+        "joint_turn",
+        "jointed body",
+        "rotation per step / joint limit",
+        "",
+        0.8,
+        1.0,
+        "forces of its joints may alternate and grow: take a smaller step or rho_inf",
+    ),
+    Criterion(
+        "angular_momentum",
+        "free body",
+        "angular momentum error",
+        "",
+        5e-3,
+        2e-2,
+        "its rotation is not resolved by the step: take a smaller step",
+    ),
+    Criterion(
+        "steps_per_period",
+        "body",
+        "time steps per period of the fastest vibration",
+        "",
+        20.0,
+        8.0,
+        "its period is wrong by several per cent: take a smaller step",
+        least=True,
+    ),
+    Criterion(
+        "kernel_error",
+        "body",
+        "error of impulse responses",
+        "",
+        0.01,
+        0.05,
+        "request a smaller error or more modes in the body file, or a longer memory",
+    ),
+    Criterion(
+        "kernel_band",
+        "body",
+        "fastest vibration / band of the superelement",
+        "",
+        0.8,
+        1.0,
+        "make the superelement for a smaller step, a wider band or more modes",
+    ),
+    Criterion(
+        "energy_balance",
+        "model",
+        "energy balance error / total energy",
+        "",
+        1e-3,
+        1e-2,
+        "take a smaller step",
+    ),
+    Criterion(
+        "created_energy",
+        "spring",
+        "energy created by the force law / total energy",
+        "",
+        1e-3,
+        1e-2,
+        "the step is too large for so stiff a law: take a smaller step",
+    ),
+    Criterion(
+        "contact_steps",
+        "contact",
+        "time steps of the shortest contact",
+        "",
+        40.0,
+        20.0,
+        "peak forces need 20 for 1 %: take a smaller step",
+        least=True,
+    ),
+    Criterion(
+        "contact_arm",
+        "contact",
+        "distance of the contact force from its frame / body size",
+        "",
+        0.1,
+        0.2,
+        "the body does not bend between the frame and the contact: attach the contact to a nearer "
+        "interface",
+    ),
+    Criterion(
+        "hertz_radius",
+        "contact",
+        "contact patch radius / ball radius",
+        "",
+        0.17,
+        1.0 / 3.0,
+        "Hertz's law holds for small patches: give a table, `law`",
+    ),
+    Criterion(
+        "numerical_dissipation",
+        "model",
+        "numerical dissipation / total energy",
+        "",
+        1e-2,
+        1e-1,
+        "take a smaller step, or rho_inf nearer to 1",
+    ),
+    Criterion(
+        "joint_opening",
+        "joint",
+        "joint constraint violation, rad or / model size",
+        "",
+        1e-8,
+        1e-6,
+        "take a smaller tolerance or more iterations",
+    ),
+    Criterion(
+        "motor_steps",
+        "motor",
+        "time steps per period of the servo, at the start",
+        "",
+        20.0,
+        8.0,
+        "the servo is too fast for the step: take a smaller step, or smaller gains",
+        least=True,
+    ),
+    Criterion(
+        "missed_turn",
+        "angle",
+        "joint angle increment minus rate prediction",
+        "rad",
+        0.25 * math.pi,
+        0.5 * math.pi,
+        "its full turns may be miscounted: take a smaller step",
+    ),
+)
+CRITERIA = {criterion.name: criterion for criterion in _LIST}
+"""all criteria by name, in the order of tables"""
 
 
 class Check(NamedTuple):
@@ -258,10 +301,18 @@ class Check(NamedTuple):
         criterion = self.criterion
         kind = self.kind or criterion.owner
         who = f"{kind} {self.owner!r}" if self.owner else f"the {kind}"
-        side = "less" if criterion.least else "more"
         return (
-            f"{who}: {criterion.quantity}: {criterion.measured(self.value)}, {side} than "
-            f"{criterion.measured(criterion.limit)}: {criterion.advice}"
+            f"{who}: {criterion.quantity}: {criterion.measured(self.value)} "
+            f"(limit {criterion.bound(criterion.limit)}): {criterion.advice}"
+        )
+
+    @property
+    def sentence(self) -> str:
+        """The value, its owner and the recommended range."""
+        criterion, owner = self.criterion, f" of {self.owner}" if self.owner else ""
+        return (
+            f"{criterion.quantity}{owner}: {criterion.measured(self.value)} "
+            f"(recommended {criterion.bound(criterion.good)})"
         )
 
     def distance(self) -> float:
@@ -301,12 +352,28 @@ class Validity:
             if len(lines) > SHOWN:
                 yield f"and {len(lines) - SHOWN} more: {criterion.quantity}"
 
+    @property
+    def summary(self) -> str:
+        """One or two sentences: whether limits are respected, and what is not as recommended."""
+        if not any(check.verdict != "unknown" for check in self.checks):
+            return "No validity criterion was evaluated."
+        if n := len(self._poor()):
+            return f"{n} value{'s exceed their limits' if n > 1 else ' exceeds its limit'}."
+        fair = [check.sentence for check in self.worst if check.verdict == "fair"]
+        if not fair:
+            return "All validity limits respected, all values in their recommended ranges."
+        some = "One value is" if len(fair) == 1 else f"{len(fair)} values are"
+        return (
+            f"All validity limits respected. {some} outside the recommended range: "
+            f"{'; '.join(fair)}."
+        )
+
     def __str__(self) -> str:
-        rows: list[tuple[str, ...]] = [("", "worst", "of", "good", "limit", "")]
+        rows: list[tuple[str, ...]] = [("", "value", "where", "recommended", "limit", "")]
         rows += [_row(check) for check in self.worst]
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         lines = ("  ".join(map(str.ljust, row, widths)) for row in rows)
-        return "\n".join(line.rstrip() for line in lines)
+        return "\n".join([*(line.rstrip() for line in lines), self.summary])
 
     def _poor(self) -> Sequence[Check]:
         order = list(CRITERIA)
@@ -317,6 +384,6 @@ class Validity:
 def _row(check: Check) -> tuple[str, ...]:
     criterion, verdict = check.criterion, check.verdict
     value = verdict if verdict == "unknown" else criterion.measured(check.value)
-    limits = (f"{criterion.good:.3g}", f"{criterion.limit:.3g}")
+    limits = (criterion.bound(criterion.good), criterion.bound(criterion.limit))
     note = verdict if verdict in ("fair", "poor") else ""
-    return (f"{criterion.quantity}", value, check.owner or criterion.owner, *limits, note)
+    return (criterion.quantity, value, check.owner or criterion.owner, *limits, note)

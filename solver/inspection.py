@@ -5,11 +5,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from ..files.memory import peak
 from ..results.schema import Contents
+from ..results.validity import Validity
 from .arrays import Array
 from .errors import about
 from .history.cost import history_costs
@@ -21,6 +23,7 @@ from .model.stops import JointStop
 from .output.columns import requested
 from .output.inputs import drifts, signal_warnings
 from .output.size import check_memory, file_bytes, lack_of_disk
+from .output.validity import Judge
 from .output.writer import check_output, contents_of, make_writer, rows_of
 from .plausibility import doubts
 from .simulation import Course, march
@@ -33,6 +36,7 @@ TRIAL = 128
 """steps that are taken to measure the time of one"""
 SHOWN = 6
 """frequencies"""
+NOTHING_JUDGED = Validity(())
 FEW = 20
 """steps in a period below which a motion is not what it should be: an error of some per cent"""
 
@@ -45,10 +49,10 @@ class ModelCheck:
     bodies rigid; assembly_error: the largest opening of a joint as given [m]; step, t_end [s];
     frequencies: of the assembled model about its start [Hz], None where they are not known;
     damping: frequencies and ratios of the first of them, none where nothing damps them;
-    free_frequencies: the first of each superelement alone [Hz], by body; second_order: of each
-    flexible body, the number of its coordinates, "off" or "none"; contacts: a line for each
-    contact and stop, with its gap at the start; drifts: a line for each coordinate that is driven
-    by its velocity or acceleration, where it ends; motors: a line for each; moduli: a line for each
+    validity: of the first steps, which are taken to measure the time; free_frequencies: the first
+    of each superelement alone [Hz], by body; second_order: of each flexible body, the number of its
+    coordinates, "off" or "none"; contacts: a line for each contact and stop, with its gap at the
+    start; drifts: a line for each coordinate that is driven by its velocity or acceleration, where it ends; motors: a line for each; moduli: a line for each
     body whose moduli are given at a frequency; seconds: of the time loop; memory: of the whole
     process at most, with libraries and compiled code; results_size: of the results [bytes], with so
     many rows.
@@ -74,6 +78,7 @@ class ModelCheck:
     damping: tuple[DampedMotion, ...] = ()
     motors: tuple[str, ...] = ()
     moduli: tuple[str, ...] = ()
+    validity: Validity = NOTHING_JUDGED
     warnings: tuple[str, ...] = field(default=())
 
     def __str__(self) -> str:
@@ -130,8 +135,10 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
             check_memory(contents, rows)
         found, free = vibrations(initial), _free_frequencies(model)
         frequencies = None if found is None else found.frequencies
-        seconds = _seconds(initial)
         damped = () if found is None else tuple(damped_motions(initial, found))
+        contacts, motors = tuple(_contacts(initial)), tuple(_motors(initial))
+        fast = tuple(_fast_servos(initial))
+        trial = _try(initial)  # from here on the state is that after some steps
     return ModelCheck(
         bodies=len(model.bodies),
         flexible=len(model.flexible_bodies),
@@ -148,19 +155,21 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
         memory=peak(),
         rows=rows,
         results_size=file_bytes(contents, rows),
-        contacts=tuple(_contacts(initial)),
+        contacts=contacts,
         drifts=tuple(map(str, drifts(lowered, lowered.h * lowered.n_steps))),
-        motors=tuple(_motors(initial)),
+        motors=motors,
         moduli=tuple(given_moduli(model)),
         warnings=(
             *initial.warnings,
             *signal_warnings(lowered),
             *_warnings(frequencies, free, lowered.longest_step),
-            *_fast_servos(initial),
+            *fast,
             *_lacks(path, contents, rows),
             *(doubt.text for doubt in doubts(model)),
+            *(f"in the first {trial.steps} steps: {line}" for line in trial.validity.brief()),
         ),
-        seconds=seconds,
+        validity=trial.validity,
+        seconds=trial.seconds,
     )
 
 
@@ -254,18 +263,27 @@ def _described(coupling: Coupling) -> str:
     return coupling.owner
 
 
-def _seconds(initial: InitialState) -> float:
-    """The time of all steps [s], by that of the first ones, and the growth of the history."""
-    lowered = initial.lowered
+class _Trial(NamedTuple):
+    """Of the first steps: their number, the time of all steps of the run [s], the validity."""
+
+    steps: int
+    seconds: float
+    validity: Validity
+
+
+def _try(initial: InitialState) -> _Trial:
+    """Take the first steps. The time is theirs, with the growth of the history."""
+    lowered, judge = initial.lowered, Judge(initial.lowered)
     begin = int(initial.state.step[0])
     n = min(TRIAL * lowered.ratio, lowered.n_steps - begin)
     if n == 0:
-        return 0.0
+        return _Trial(0, 0.0, judge.validity(initial.state, 0))
     writer = make_writer(None, initial, n)
     started = time.perf_counter()
     march(Course(initial.lowered, initial.state, initial.work, initial.removed, writer, begin + n))
     measured = (time.perf_counter() - started) / n
-    return (lowered.n_steps - begin) * (measured + 1e-9 * _history_cost(lowered))
+    seconds = (lowered.n_steps - begin) * (measured + 1e-9 * _history_cost(lowered))
+    return _Trial(n // lowered.ratio, seconds, judge.validity(initial.state, n))
 
 
 def _history_cost(lowered: LoweredModel) -> float:

@@ -13,6 +13,7 @@ from ..model.bodies import FlexibleBody
 from ..model.model import Model
 from ..model.settings import Settings
 from ..step.system import Elastic, Frames, Kernels, Modes
+from .axial import lay_out_axial
 from .chains import elements_of, hardening_of, lay_out_chains
 from .cost import cheapest_history
 from .dyadic import power_above
@@ -126,6 +127,7 @@ def lay_out_elastic(model: Model, frames: Frames, stepping: Stepping) -> tuple[E
         G_active=G_active,
         G_active_start=G_active_start,
         length=np.concatenate([np.empty(0), *map(lengths_of, bodies.values())])[active],
+        axial=lay_out_axial(bodies.values(), stepping.h),
         modes=_lay_out_modes(histories, owners, stepping.h),
         kernels=_lay_out_kernels(histories, owners),
         second=lay_out_second_order(

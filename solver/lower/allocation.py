@@ -36,6 +36,8 @@ def sizes_of(system: System, n_steps: int) -> dict[str, int]:
         "n_g": len(elastic.pattern_dof),
         "n_d": len(system.couplings.driven),
         "n_e": len(elastic.body),
+        "n_axial": len(elastic.axial.body),
+        "n_free": len(system.bodies.free),
         "n_u": int(elastic.dof[-1]),
         "n_a": len(elastic.active),
         "n_m": len(elastic.modes.stiffness),

@@ -18,7 +18,7 @@ from ..model.settings import StartFrom
 from ..model.signals import Signal, SmoothSignal
 from ..model.stops import JointStop
 from ..step.rows import measures_length
-from ..step.system import Bodies, Elastic, LoadPatterns, Loads, Sensors, System
+from ..step.system import Bodies, Couplings, Elastic, LoadPatterns, Loads, Sensors, System
 from .checks import check_assembled, check_masses, check_moments
 from .elimination_order import lay_out_pattern
 from .friction import Bristle, bristle_of
@@ -130,7 +130,7 @@ def lower(
     system = System(
         scheme=lay_out_scheme(stepping),
         newton=lay_out_newton(model),
-        bodies=_lay_out_bodies(model, size),
+        bodies=_lay_out_bodies(model, size, frames, couplings),
         frames=frames.arrays,
         couplings=couplings,
         observers=lay_out_rows(list(observers.values())),
@@ -219,9 +219,14 @@ def _observers(model: Model, frames: NumberedFrames) -> dict[tuple[str, str], Ro
     }
 
 
-def _lay_out_bodies(model: Model, size: float) -> Bodies:
+def _lay_out_bodies(
+    model: Model, size: float, frames: NumberedFrames, couplings: Couplings
+) -> Bodies:
     bodies = model.bodies.values()
+    rows, hard = couplings.rows, couplings.compliant == 0
+    held = frames.arrays.body[np.concatenate([rows.frame_a[hard], rows.frame_b[hard]])]
     return Bodies(
+        free=np.setdiff1d(np.arange(len(bodies)), held),
         mass=np.array([body.mass for body in bodies], dtype=float),
         J_rot=np.array([body.inertia for body in bodies], dtype=float),
         gravity=model.gravity.copy(),

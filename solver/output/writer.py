@@ -25,9 +25,10 @@ from ..start.damping import damping_of
 from ..start.initial import InitialState
 from .columns import requested
 from .inputs import drifts
+from .measures import bands_of
 from .size import check_memory
 from .space import space_of
-from .validity import Judge, bands_of
+from .validity import Judge
 
 
 def check_output(path: Path, model: Model) -> None:

@@ -166,6 +166,13 @@ def spin_momentum(b: int, state: State, work: Workspace) -> Vector:
 
 
 @compiled
+def spin_moment(b: int, state: State, work: Workspace) -> Vector:
+    """The moment about the center of mass of body b that its motion needs, in body axes."""
+    inertia, gyroscopic = _inertia_moments(b, state, work)
+    return add(inertia, gyroscopic)
+
+
+@compiled
 def add_inertia(system: System, state: State, work: Workspace) -> None:
     """S += h^2 S_rr."""
     bodies, scheme, pattern = system.bodies, system.scheme, system.pattern

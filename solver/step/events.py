@@ -2,7 +2,10 @@
 
 from ..compiler.marks import compiled
 from .contacts import penetration_of
+from .gaps import contact_arm
+from .rows import GAP
 from .system import ContactState, Couplings, State, Workspace
+from .vectors import dot
 
 START, END, STEPS, PEAK, IMPULSE, CLOSING, OPENING, RESTITUTION, DISSIPATED = range(9)
 """columns of an event, those of results/schema.py"""
@@ -34,6 +37,9 @@ def follow_contact(couplings: Couplings, j: int, state: State, work: Workspace) 
         contacts.peak[k] = max(contacts.peak[k], abs(old.lam[i]))
         contacts.impulse[k] += h * abs(old.lam[i])
         state.extremes.depth[k] = max(state.extremes.depth[k], after)
+        if couplings.rows.kind[i] == GAP:
+            arm = contact_arm(couplings.rows, i, work)
+            state.extremes.arm[k] = max(state.extremes.arm[k], dot(arm, arm))
     else:
         _end_contact(state, k, crossing, max(-side * out.rate[i], 0.0))
 

@@ -8,7 +8,9 @@ import math
 
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
+from .axial import follow_axial_forces, start_axial_forces
 from .bodies import rigid_energies, spin_of
+from .body_extremes import follow_bodies, start_bodies
 from .contacts import settle_contacts
 from .couplings import spring_energy
 from .force_laws import remember_laws
@@ -46,15 +48,24 @@ def start_extremes(system: System, state: State, work: Workspace) -> None:
         k = system.couplings.contact_of[j]
         if k >= 0:
             state.contacts.work_done[k] = stored
-    follow_extremes(system, state, work)
+    start_bodies(system.bodies, state, work)
+    start_axial_forces(system.elastic, state)
+    _follow_state(system, state, work)
 
 
 @compiled
 def follow_extremes(system: System, state: State, work: Workspace) -> None:
     """Take the state at the end of a step into the extremes."""
+    follow_bodies(system, state, work)
+    _follow_state(system, state, work)
+
+
+@compiled
+def _follow_state(system: System, state: State, work: Workspace) -> None:
     _follow_frames(system.frames, system.elastic, state)
     _follow_spins(state)
     _follow_inertia(system.elastic, state, work)
+    follow_axial_forces(system.elastic, state)
     _follow_openings(system.couplings, state, work)
     if system.scheme.stride == system.scheme.ratio:
         _follow_vibration(system.elastic, state, work)

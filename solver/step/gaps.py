@@ -278,6 +278,12 @@ def contact_motion(
 
 
 @compiled
+def contact_arm(rows: Rows, i: int, work: Workspace) -> Vector:
+    """The arm of the normal force about frame A, in space: n x Delta, of the last gradient."""
+    return triple(work.couplings.gradient[i], 3)
+
+
+@compiled
 def _velocity(f: int, lever: Vector, work: Workspace) -> Vector:
     """Of a point at a lever from frame f, that moves with it."""
     V = work.frames.V[f]

@@ -57,6 +57,8 @@ class Newton(Struct):
 
 
 class Bodies(Struct):
+    free: Index = array("n_free")
+    """numbers of those that no constraint holds"""
     mass: Array = array("n_b")
     J_rot: Array = array("n_b", 3, 3)
     gravity: Array = array(3)
@@ -340,6 +342,18 @@ class SecondOrder(Struct):
     """(n_e + 1,) the first number of the slopes A q (n, r) of each body"""
 
 
+class AxialForces(Struct):
+    """Axial forces of flexible bodies over critical loads (axial.py)."""
+
+    body: Index = array("n_axial")
+    """the flexible body of each"""
+    start: Index = array("n_axial")
+    """first of its weights, one for each dof of the body"""
+    weight: Array = array("n_weights")
+    share: Array = array("n_axial")
+    """of a step in the time over which forces are averaged"""
+
+
 class Elastic(Struct):
     """Flexible bodies and their elastic dofs.
 
@@ -374,6 +388,7 @@ class Elastic(Struct):
     modes: Modes
     kernels: Kernels
     second: SecondOrder
+    axial: AxialForces
 
 
 class Pattern(Struct):
@@ -591,6 +606,46 @@ class EnergyState(Struct):
     """work of each spring or damper on the bodies"""
 
 
+class MotionExtremes(Struct):
+    """Sums over steps from which the frequencies of bodies as a whole follow (body_extremes.py).
+
+    Of velocities in space and of angular velocities in body axes, the second index 0 and 1.
+    """
+
+    row: Index = array(1)
+    """steps of the longest size in a row"""
+    steps: Index = array(1)
+    """such steps in all that followed another, over which all sums are"""
+    velocity: Array = array("n_b", 6)
+    """at the last step"""
+    change: Array = array("n_b", 6)
+    """in it"""
+    sum: Array = array("n_b", 6)
+    """of velocities"""
+    square: Array = array("n_b", 2)
+    """sums of their squares, as the next two"""
+    changes: Array = array("n_b", 2)
+    """of changes in a step"""
+    bends: Array = array("n_b", 2)
+    """of changes of these"""
+    largest: Array = array("n_b", 2)
+    """the largest square of a change"""
+
+
+class MomentumExtremes(Struct):
+    """Angular momentum of free bodies, in space (body_extremes.py)."""
+
+    momentum: Array = array("n_free", 3)
+    """at the last step"""
+    moment: Array = array("n_free", 3)
+    """that acts there"""
+    defect: Array = array("n_free", 3)
+    """what moments do not explain"""
+    largest: Array = array("n_free")
+    """squares, of the momentum"""
+    largest_defect: Array = array("n_free")
+
+
 class ExtremeState(Struct):
     """The largest values of all steps, recorded or not, and sums over them (extremes.py)."""
 
@@ -633,6 +688,14 @@ class ExtremeState(Struct):
     """the largest force of contacts that have ended"""
     depth: Array = array("n_k")
     """penetration"""
+    arm: Array = array("n_k")
+    """square of the arm of the normal force about the frame that carries the shape"""
+    axial: Array = array("n_axial")
+    """largest axial forces over critical loads"""
+    axial_mean: Array = array("n_axial")
+    """the same of late, with their signs"""
+    motion: MotionExtremes
+    momentum: MomentumExtremes
     left: Index = array(1)
     """1 + the first frame that left the range of linear elasticity, 0: none"""
 

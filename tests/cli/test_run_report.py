@@ -64,12 +64,12 @@ def test_validity_is_told_with_a_warning_for_each_limit_passed(speed, warned, ru
     path.write_text(SPINNING.replace("SPEED", str(speed)))
     result = runner.invoke(app, ["run", str(path)])
     assert result.exit_code == 0, result.output
-    (line,) = [line for line in result.stdout.splitlines() if line.startswith("spin over")]
-    assert re.search(r" beam +0\.03 +0\.1( +poor)?$", line)
+    (line,) = [line for line in result.stdout.splitlines() if line.startswith("spin /")]
+    assert re.search(r" beam +< 0\.03 +< 0\.05( +poor)?$", line)
     assert line.endswith("poor") == warned
     warning = (
-        r"warning: body 'beam': spin over the first elastic frequency: 0\.\d+, more than 0\.1: "
-        r"there is no stiffening by rotation: let it have terms of second order, by \[rotation\]"
+        r"warning: body 'beam': spin / first elastic frequency: 0\.\d+ \(limit < 0\.05\): "
+        r"centrifugal stiffening is missing: add \[rotation\] to its body file"
     )
     assert bool(re.search(warning, result.stderr)) == warned
 

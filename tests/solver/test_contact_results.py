@@ -258,12 +258,14 @@ def test_contacts_are_neither_joints_nor_springs():
 
 def test_too_few_steps_in_a_contact_are_warned_of_by_name():
     few = Impact(stiffness=STIFFNESS * 36)
-    with pytest.warns(ValidityWarning, match=r"^contact 'floor': steps of the shortest.*: [67], "):
+    with pytest.warns(
+        ValidityWarning, match=r"^contact 'floor': time steps of the shortest.*: [67] "
+    ):
         results = simulate(ball(impact=few))
     assert results.validity.values("contact_steps")["floor"] == results.events["floor"].shortest
     bar = pendulum()
     stiff = replace(bar.stops[0], impact=Impact(stiffness=1e7))
-    with pytest.warns(ValidityWarning, match=r"^stop 'rest': steps of the shortest"):
+    with pytest.warns(ValidityWarning, match=r"^stop 'rest': time steps of the shortest"):
         simulate(replace(bar, stops=[stiff]))
     assert not simulate(ball()).validity.warnings
     assert np.isnan(simulate(ball(t_end=0.01)).validity.values("contact_steps")["floor"])
@@ -287,7 +289,7 @@ def test_a_graze_is_no_short_contact():
 
 def test_energy_that_a_contact_creates_is_of_a_contact():
     hard = Impact(stiffness=1e4 * STIFFNESS)
-    with pytest.warns(ValidityWarning, match="^contact 'floor': energy created by its force law"):
+    with pytest.warns(ValidityWarning, match="^contact 'floor': energy created by the force law"):
         simulate(ball(impact=hard, speed=3.0))
 
 
@@ -301,7 +303,7 @@ def test_a_patch_too_large_for_hertz_is_warned_of(speed, warned):
     deepest = -results.contact("floor").gap.min()
     ratio = results.validity.values("hertz_radius")["floor"]
     assert ratio == pytest.approx(np.sqrt(deepest / R), rel=1e-12)
-    told = "contact 'floor': radius of the patch over that of the ball"
+    told = "contact 'floor': contact patch radius / ball radius"
     assert any(line.startswith(told) for line in results.validity.warnings) == warned
 
 

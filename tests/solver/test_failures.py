@@ -105,7 +105,7 @@ CASES = {
             RigidBody(1.0, [0.1, 0.2, 0.25], HALF, Start(angular_velocity=[1e3, 3e3, 5e2])),
             [Joint("ball", "spherical", ("ground", "a.near"))],
         ),
-        "likely cause: jointed body 'a': turn about a distant axis .* take a smaller step",
+        "likely cause: jointed body 'a': rotation per step .* take a smaller step",
     ),
     "a body without mass under a force": (
         lambda: pushed(Constant(1.0), bar(1e-30, [1e-30] * 3), PIVOT),

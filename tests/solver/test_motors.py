@@ -272,7 +272,7 @@ def test_gains_that_no_explicit_servo_bears(factor, limit):
         lambda t: np.sin(t) ** 2, lambda t: np.sin(2 * t), lambda t: 2 * np.cos(2 * t)
     )
     motor = servo(stiffness=k, damping=np.sqrt(k * J), integral=10 * k, reference=path, limit=limit)
-    with pytest.warns(ValidityWarning, match=r"motor 'servo': steps in a period"):
+    with pytest.warns(ValidityWarning, match=r"motor 'servo': time steps per period"):
         run = simulate(wheel(motor, h))
     error = np.abs(run.motor("servo").error).max()
     assert error < 10.0 / factor

@@ -40,7 +40,7 @@ def test_a_model_is_one_line(model):
 def test_results_tell_duration_steps_validity_and_what_was_recorded(model):
     results = simulate(model)
     shown = results._repr_html_()
-    for text in ("0 to 0.01 s", "10, 11 rows recorded", "good in all that is counted", "energy"):
+    for text in ("0 to 0.01 s", "10, 11 rows recorded", "All validity limits respected", "energy"):
         assert text in shown
     assert "<script>" not in shown
     assert repr(results) == "<Results: 0 to 0.01 s, 11 rows, bodies hub>"
@@ -55,4 +55,4 @@ def test_results_of_little_are_shown_too(model):
 
 def test_validity_that_is_not_good_is_told(model):
     shown = simulate(replace(model, settings=Settings(t_end=40.0, step=0.5)))._repr_html_()
-    assert "poor: error of the energy balance over the energy that moves: 0.999" in shown
+    assert "energy balance error / total energy: 0.999" in shown

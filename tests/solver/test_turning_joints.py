@@ -31,11 +31,11 @@ def rods(turn, rho_inf, steps=3000):
 
 
 def run(model):
-    """Results, and the warnings about turns."""
+    """Results, and the warnings about rotation in a step."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         results = simulate(model)
-    return results, [str(w.message) for w in caught if "turn about" in str(w.message)]
+    return results, [str(w.message) for w in caught if "rotation per step" in str(w.message)]
 
 
 @pytest.mark.parametrize("rho_inf", [0.8, 0.9, 0.95, 0.99])
@@ -54,7 +54,8 @@ def test_beyond_the_limit_the_run_says_so(rho_inf):
     _, told = run(rods(0.75 * (1.0 - rho_inf), rho_inf, steps=10))
     assert told
     assert all(line.startswith("jointed body 'b") for line in told)
-    with pytest.raises(ConvergenceError, match=r"likely cause: jointed body 'b.': turn about"):
+    cause = r"likely cause: jointed body 'b.': rotation per step"
+    with pytest.raises(ConvergenceError, match=cause):
         run(rods(2.0 * (1.0 - rho_inf), rho_inf, steps=10000))
 
 

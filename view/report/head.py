@@ -6,8 +6,6 @@ from .markup import Markup, element, facts, joined
 from .numbers import counted, seconds
 from .origin import Origin, opening
 
-GOOD = "Within all limits: every check is in its good range."
-
 
 def head(results: Results, origin: Origin, title: str) -> Markup:
     """Title, verdict, summary."""
@@ -23,11 +21,9 @@ def head(results: Results, origin: Origin, title: str) -> Markup:
 
 
 def verdict(results: Results) -> Markup:
-    """Whether a limit was passed, with the names of what passed it."""
+    """Whether a limit was exceeded, with the names of what exceeds it."""
     checks = results.validity.checks
     poor = [check for check in checks if check.verdict == "poor"]
-    fair = [check for check in checks if check.verdict == "fair"]
-    unknown = [check for check in checks if check.verdict == "unknown"]
     if not results.solver.get("finished", True):
         unfinished = "The run did not come to its end: what follows is as far as it got. "
     else:
@@ -36,20 +32,12 @@ def verdict(results: Results) -> Markup:
         lines = [element("li", line) for line in results.validity.warnings[:SHOWN]]
         if len(poor) > SHOWN:
             lines.append(element("li", f"and {len(poor) - SHOWN} more: see the table of validity"))
-        text = f"{unfinished}{counted(len(poor), 'limit')} of the method passed:"
+        text = f"{unfinished}{results.validity.summary}"
         return element("div", element("strong", text), element("ul", *lines), class_="verdict poor")
-    if fair:
-        names = ", ".join(
-            f"{check.criterion.quantity} of {check.owner or 'the model'}" for check in fair[:SHOWN]
-        )
-        more = f", and {len(fair) - SHOWN} more" if len(fair) > SHOWN else ""
-        text = f"{unfinished}No limit passed. Above its good range, below its limit: {names}{more}."
-        return element("div", text, class_="verdict fair")
-    if not checks or len(unknown) == len(checks):
-        text = f"{unfinished}Nothing is known of the validity of this run: it has no checks."
-        return element("div", text, class_="verdict fair")
-    kind = "fair" if unfinished else "good"
-    return element("div", unfinished + GOOD, class_=f"verdict {kind}")
+    verdicts = {check.verdict for check in checks}
+    good = "good" in verdicts and "fair" not in verdicts and not unfinished
+    text = unfinished + results.validity.summary
+    return element("div", text, class_=f"verdict {'good' if good else 'fair'}")
 
 
 def sentence(results: Results) -> str:

@@ -25,7 +25,7 @@ def validity_table(results: Results) -> Markup:
     checks = results.validity.checks
     if not checks:
         return note("These results hold no checks of validity.")
-    columns = ("", "worst", "of", "good", "limit", "verdict")
+    columns = ("", "value", "where", "recommended", "limit", "verdict")
     worst = table(columns, map(_check_row, results.validity.worst), "tntnn")
     every = _limited(columns, [_check_row(check) for check in checks], "tntnn")
     return joined([worst, folded(f"All {len(checks)} checks", every)])
@@ -36,9 +36,8 @@ def _check_row(check: Check) -> tuple[object, ...]:
     value = "unknown" if verdict == "unknown" else criterion.measured(check.value)
     owner = check.owner or criterion.owner
     word = element("span", verdict, class_=f"word {verdict}")
-    limits = (f"{criterion.good:.3g}", f"{criterion.limit:.3g}")
-    least = "at least: " if criterion.least else ""
-    return (criterion.quantity, value, owner, least + limits[0], least + limits[1], word)
+    limits = (criterion.bound(criterion.good), criterion.bound(criterion.limit))
+    return (criterion.quantity, value, owner, *limits, word)
 
 
 def _stress_peaks(results: Results) -> tuple[Peak, ...]:

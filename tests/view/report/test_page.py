@@ -102,13 +102,13 @@ def test_a_passed_limit_stands_at_the_top_with_its_name(results, monkeypatch):
     told = verdict(results)
     assert 'class="verdict poor"' in told
     assert "beam.tip" in told
-    assert "elastic rotation: 0.5 rad, more than 0.3 rad" in told
+    assert "elastic rotation: 0.5 rad (limit &lt; 0.3 rad)" in told
 
 
 def test_a_run_within_all_limits_says_so(results, monkeypatch):
     checks = type(results.validity)((type(results.validity.checks[0]).of("spin:beam", 0.01),))
     monkeypatch.setattr(Results, "validity", property(lambda self: checks))
-    assert "Within all limits" in verdict(results)
+    assert "All validity limits respected" in verdict(results)
 
 
 def test_the_page_is_not_written_over_the_results(results, run_file, tmp_path):
