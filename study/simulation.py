@@ -9,6 +9,7 @@ from typing import ClassVar
 from ..results import Results, ResultsError
 from ..solver import (
     ConvergenceError,
+    MissedContactError,
     ModelError,
     OutOfRangeError,
     StateError,
@@ -39,6 +40,7 @@ class Simulation:
             ModelError,
             StateError,
             ConvergenceError,
+            MissedContactError,
             OutOfRangeError,
             ResultsError,
             SuperelementError,

@@ -6,12 +6,12 @@ from numpy.typing import NDArray
 from ...results.validity import CRITERIA, MEND_DEFORMATION, Check, Validity
 from ...superelement import Superelement
 from ..arrays import Array, Index, as_index
-from ..errors import OutOfRangeError
+from ..errors import MissedContactError, OutOfRangeError
 from ..lower.lower import LoweredModel
 from ..step.extremes import FARTHEST_MOVE, FARTHEST_TURN
 from ..step.history import modal_energy
 from ..step.rows import ANGLE
-from ..step.system import State
+from ..step.system import State, Workspace
 
 TINY = 1e-300
 SHARE = 0.01
@@ -22,6 +22,8 @@ ROUNDING = 1e-13
 """of an energy, after many steps"""
 BORNE = 0.7
 """turn of a body on joints in a step over 1 - rho_inf, from which on multipliers may grow"""
+PART_OF_SIZE = 0.1
+"""way of a ball in a step, over the size of ball and shape, in which it cannot pass unnoticed"""
 OFF_AXIS = 0.1
 """part of the lever of a joint across the spin, from which on the joint is off its axis"""
 CAUSES = (
@@ -248,6 +250,33 @@ def check_range(lowered: LoweredModel, state: State, taken: int) -> None:
     passed = _beyond(lowered, f, np.sqrt(extremes.rotation[f]), np.sqrt(extremes.displacement[f]))
     raise OutOfRangeError(
         taken, taken * lowered.h, lowered.frame_names[f], passed, lowered.model.path
+    )
+
+
+def check_passages(lowered: LoweredModel, state: State, work: Workspace, taken: int) -> None:
+    """`MissedContactError` where a ball passed through a shape in the last step.
+
+    taken: the steps before that.
+    """
+    if not (passed := int(state.contacts.passed[0])):
+        return
+    couplings, V = lowered.system.couplings, work.frames.V
+    j = int(couplings.contact[passed - 1])
+    row = int(couplings.range[j])
+    f, g = int(couplings.rows.frame_a[row]), int(couplings.rows.frame_b[row])
+    delta = work.frames.r[g] - work.frames.r[f]
+    speed = float(np.linalg.norm(V[g, :3] - V[f, :3] - np.cross(V[f, 3:], delta)))
+    size = float(couplings.rows.size[row])
+    step = min(PART_OF_SIZE * size / speed, 0.5 * lowered.h)
+    reason = f"its ball passed through its shape within one step of {lowered.h:.3g} s, at "
+    reason += f"{speed:.3g} m/s: "
+    if np.isfinite(size):
+        reason += f"it moves by {speed * lowered.h:.3g} m there, and both together measure "
+        reason += f"{size:.3g} m: "
+    reason += f"expected a `contact_step` (or `step`) of {step:.2g} s or less in [simulation]"
+    number = taken + 1
+    raise MissedContactError(
+        number, number * lowered.h, lowered.coupling_names[j], reason, lowered.model.path
     )
 
 

@@ -98,6 +98,8 @@ class Rows(Struct):
     """the axis carried by frame B, in its axes"""
     shape: Index = array("n")
     """of the surface in rows of contacts (shapes.py)"""
+    size: Array = array("n")
+    """in rows of contacts: radii of ball and surface together; infinite of planes and other rows"""
     first: Index = array("n_1")
     """(n + 1,) the first of the parameters of each row"""
     parameters: Array = array("n_parameters")
@@ -523,6 +525,10 @@ class ContactState(Struct):
     n_events: Index = array(1)
     event_contact: Index = array("n_v")
     """contact that each event is of"""
+    place: Array = array("n_k", 3)
+    """of the ball in the axes of frame A, at the last step"""
+    passed: Index = array(1)
+    """1 + the first contact whose ball passed unnoticed in the last step, 0: none (passages.py)"""
     event: Array = array("n_v", 9)
     """start, end, steps, peak, impulse, closing and opening speed, restitution, dissipated"""
 
