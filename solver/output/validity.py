@@ -69,7 +69,7 @@ class Judge:
         motors = lowered.system.couplings.laws.motor
         self._springs = np.unique(self._owners[(compliant == 1) & (motors < 0)])
         self._contacts = lowered.system.couplings.contact
-        self._hertzian, self._radii = _hertzian(lowered)
+        self._hertzian, self._patches = _hertzian(lowered)
         self._hinges = _hinges(lowered)
         self._jointed = np.unique(frames.body[self._hinges])
         self._angles = np.flatnonzero(lowered.system.observers.kind == ANGLE)
@@ -155,8 +155,7 @@ class Judge:
             "energy_balance": _ratio(np.array([balance]), moved),
             "created_energy": _ratio(created, moved),
             "contact_steps": np.where(extremes.shortest > 0, extremes.shortest, np.nan),
-            "hertz_radius": np.sqrt(extremes.depth[self._hertzian] * self._radii[0])
-            / self._radii[1],
+            "hertz_radius": np.sqrt(extremes.depth[self._hertzian]) * self._patches,
             "numerical_dissipation": self._numerical(state, moved),
             "joint_opening": self._openings(state),
             "motor_steps": self._motor_steps(state),
@@ -317,16 +316,13 @@ def _called(lowered: LoweredModel, j: int, kind: str) -> str:
 
 
 def _hertzian(lowered: LoweredModel) -> tuple[Index, Array]:
-    """The contacts by the law of Hertz: their numbers, and (2, n) their effective radii [m], and
-    those of their smaller partners.
+    """The contacts by the law of Hertz: their numbers, and the size of the patch of each over the
+    radius along it, at a penetration of 1 m.
     """
-    contacts = [
-        (k, contact.effective_radius, contact.smaller_radius)
-        for k, contact in enumerate(lowered.model.contacts)
-        if contact.hertz is not None
-    ]
-    numbers, *radii = zip(*contacts, strict=True) if contacts else ((), (), ())
-    return as_index(numbers), np.array(radii, dtype=np.float64)
+    contacts = lowered.model.contacts
+    numbers = [k for k, contact in enumerate(contacts) if contact.hertz is not None]
+    patches = [contacts[k].patch_over_radius for k in numbers]
+    return as_index(numbers), np.array(patches, dtype=np.float64)
 
 
 def _hinges(lowered: LoweredModel) -> Index:

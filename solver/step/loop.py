@@ -9,6 +9,7 @@ from .events import is_full
 from .extremes import follow_extremes
 from .force_laws import remember_laws
 from .frames import move_frame_velocities, move_frames
+from .friction import keep_status
 from .history import finish_history, quiet_modes, start_history
 from .interfaces import add_elastic_work, finish_interfaces, predict_interfaces
 from .loads import add_load_work
@@ -75,6 +76,7 @@ def prepare(system: System, state: State, work: Workspace) -> None:
         move_frame_velocities(system.frames, system.frames.n_acting, state, work)
         work.matrix.current[0] = int(renew(system, state, work))
     copy(state.couplings.lam, work.couplings.lam_n)
+    keep_status(system.couplings, work)
     expect_coordinates(system.couplings, system.scheme.h, state, work)
     start_history(system.elastic, system.scheme, state, work)
     predict_bodies(system.scheme, state, work)

@@ -779,6 +779,8 @@ class CouplingWork(Struct):
     """time since the memories are those of the state, infinite at the start [s]"""
     status: Index = array("n_j")
     """contacts and friction: 0 open, 1 closed, or sticks, 2 slips"""
+    status_n: Index = array("n_j")
+    """the status at the start of the step"""
     holds: Index = array(1)
     """1: friction sticks whatever its force, as long as Newton's method looks for where it would"""
     blocked: Index = array("n_i")
