@@ -181,6 +181,16 @@ CRITERIA = {
             least=True,
         ),
         Criterion(
+            "contact_depth",
+            "contact",
+            "penetration over the radius of the ball",
+            "",
+            0.3,
+            1.0,
+            "its center is beyond the surface: take a stiffer contact, a smaller step or a larger "
+            "ball",
+        ),
+        Criterion(
             "hertz_radius",
             "contact",
             "radius of the patch over that of the ball",
@@ -230,16 +240,25 @@ CRITERIA = {
 }
 
 
+class UsedStep(NamedTuple):
+    """The step that a criterion is about: its key in [simulation], and its size [s]."""
+
+    key: str
+    size: float
+
+
 class Check(NamedTuple):
     """The value of a criterion for one owner: a body, "BODY.FRAME", ...; "" is the whole model.
 
-    kind: what the owner is, where it is not what the criterion says.
+    kind: what the owner is, where it is not what the criterion says; step: of criteria that count
+    steps, where it is known.
     """
 
     criterion: Criterion
     owner: str
     value: float
     kind: str = ""
+    step: UsedStep | None = None
 
     @classmethod
     def of(cls, name: str, value: float) -> "Check":
@@ -261,8 +280,23 @@ class Check(NamedTuple):
         side = "less" if criterion.least else "more"
         return (
             f"{who}: {criterion.quantity}: {criterion.measured(self.value)}, {side} than "
-            f"{criterion.measured(criterion.limit)}: {criterion.advice}"
+            f"{criterion.measured(criterion.limit)}: {criterion.advice}{self._remedy()}"
         )
+
+    def _remedy(self) -> str:
+        """The key to change and its value, where the steps are too few."""
+        if self.step is None or not 0.0 < self.value < math.inf:
+            return ""
+        (key, size), enough = self.step, self.criterion.good
+        return f": {key} = {_rounded_down(size * self.value / enough)} s (now {size:.3g} s)"
+
+    def with_step(self, step: float, contact_step: float) -> "Check":
+        """The same of a run with these steps [s], if it counts steps."""
+        if not self.criterion.least:
+            return self
+        in_contact = self.criterion.name == "contact_steps" and contact_step < step
+        size = contact_step if self.criterion.name == "contact_steps" else step
+        return self._replace(step=UsedStep("contact_step" if in_contact else "step", size))
 
     def distance(self) -> float:
         """An order of checks of one criterion: the larger, the worse; what is unknown is best."""
@@ -312,6 +346,12 @@ class Validity:
         order = list(CRITERIA)
         poor = [check for check in self.checks if check.verdict == "poor"]
         return sorted(poor, key=lambda c: (order.index(c.criterion.name), -c.distance()))
+
+
+def _rounded_down(value: float) -> str:
+    """Two digits of a positive number, no more than it."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return f"{math.floor(value / unit + 1e-9) * unit:.2g}"
 
 
 def _row(check: Check) -> tuple[str, ...]:

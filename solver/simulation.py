@@ -44,8 +44,9 @@ from .output.keeper import (
     settle_checkpoint,
     start_of,
 )
+from .output.passages import check_passages
 from .output.recorder import NO_ENERGIES, Recorder
-from .output.validity import Judge, check_passages, check_range, torn
+from .output.validity import Judge, check_range, torn
 from .output.writer import (
     check_output,
     make_writer,

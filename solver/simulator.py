@@ -18,7 +18,8 @@ from .model.model import Model
 from .model.settings import Settings
 from .output.columns import axes_of, check_names, views
 from .output.events import waiting
-from .output.validity import Judge, check_passages, check_range
+from .output.passages import check_passages
+from .output.validity import Judge, check_range
 from .simulation import failure, signals
 from .start.initial import initialize, lower_to_start
 from .step.loop import advance

@@ -164,7 +164,7 @@ class Contact(Entry):
 
     @property
     def _curvatures(self) -> tuple[float, float]:
-        """Sums of the curvatures of ball and shape [1/m]: along the axis of a cylinder, around it."""
+        """Sums of the curvatures of ball and shape [1/m], along and around the axis."""
         own = 1.0 / self.ball
         around = own if self.radius is None else own + (-1.0 if self.hollow else 1.0) / self.radius
         return (around if self.shape == "sphere" else own), around

@@ -6,12 +6,12 @@ from numpy.typing import NDArray
 from ...results.validity import CRITERIA, MEND_DEFORMATION, Check, Validity
 from ...superelement import Superelement
 from ..arrays import Array, Index, as_index
-from ..errors import MissedContactError, OutOfRangeError
+from ..errors import OutOfRangeError
 from ..lower.lower import LoweredModel
 from ..step.extremes import FARTHEST_MOVE, FARTHEST_TURN
 from ..step.history import modal_energy
 from ..step.rows import ANGLE
-from ..step.system import State, Workspace
+from ..step.system import State
 
 TINY = 1e-300
 SHARE = 0.01
@@ -22,8 +22,6 @@ ROUNDING = 1e-13
 """of an energy, after many steps"""
 BORNE = 0.7
 """turn of a body on joints in a step over 1 - rho_inf, from which on multipliers may grow"""
-PART_OF_SIZE = 0.1
-"""way of a ball in a step, over the size of ball and shape, in which it cannot pass unnoticed"""
 OFF_AXIS = 0.1
 """part of the lever of a joint across the spin, from which on the joint is off its axis"""
 CAUSES = (
@@ -70,6 +68,7 @@ class Judge:
         self._springs = np.unique(self._owners[(compliant == 1) & (motors < 0)])
         self._contacts = lowered.system.couplings.contact
         self._hertzian, self._patches = _hertzian(lowered)
+        self._balls, self._ball_radii = _balls(lowered)
         self._hinges = _hinges(lowered)
         self._jointed = np.unique(frames.body[self._hinges])
         self._angles = np.flatnonzero(lowered.system.observers.kind == ANGLE)
@@ -125,6 +124,8 @@ class Judge:
             chosen = self._of_order[criterion]
             names = owners[CRITERIA[criterion].owner]
             return [name for name, applies in zip(names, chosen, strict=True) if applies]
+        if criterion == "contact_depth":
+            return [couplings[self._contacts[k]] for k in self._balls]
         if criterion == "hertz_radius":
             return [couplings[self._contacts[k]] for k in self._hertzian]
         return owners[CRITERIA[criterion].owner]
@@ -155,6 +156,7 @@ class Judge:
             "energy_balance": _ratio(np.array([balance]), moved),
             "created_energy": _ratio(created, moved),
             "contact_steps": np.where(extremes.shortest > 0, extremes.shortest, np.nan),
+            "contact_depth": extremes.depth[self._balls] / self._ball_radii,
             "hertz_radius": np.sqrt(extremes.depth[self._hertzian]) * self._patches,
             "numerical_dissipation": self._numerical(state, moved),
             "joint_opening": self._openings(state),
@@ -252,33 +254,6 @@ def check_range(lowered: LoweredModel, state: State, taken: int) -> None:
     )
 
 
-def check_passages(lowered: LoweredModel, state: State, work: Workspace, taken: int) -> None:
-    """`MissedContactError` where a ball passed through a shape in the last step.
-
-    taken: the steps before that.
-    """
-    if not (passed := int(state.contacts.passed[0])):
-        return
-    couplings, V = lowered.system.couplings, work.frames.V
-    j = int(couplings.contact[passed - 1])
-    row = int(couplings.range[j])
-    f, g = int(couplings.rows.frame_a[row]), int(couplings.rows.frame_b[row])
-    delta = work.frames.r[g] - work.frames.r[f]
-    speed = float(np.linalg.norm(V[g, :3] - V[f, :3] - np.cross(V[f, 3:], delta)))
-    size = float(couplings.rows.size[row])
-    step = min(PART_OF_SIZE * size / speed, 0.5 * lowered.h)
-    reason = f"its ball passed through its shape within one step of {lowered.h:.3g} s, at "
-    reason += f"{speed:.3g} m/s: "
-    if np.isfinite(size):
-        reason += f"it moves by {speed * lowered.h:.3g} m there, and both together measure "
-        reason += f"{size:.3g} m: "
-    reason += f"expected a `contact_step` (or `step`) of {step:.2g} s or less in [simulation]"
-    number = taken + 1
-    raise MissedContactError(
-        number, number * lowered.h, lowered.coupling_names[j], reason, lowered.model.path
-    )
-
-
 def torn(lowered: LoweredModel, state: State) -> str:
     """The interface that is far out of range in a state that need not be that of a step, or ""."""
     frames, u = lowered.system.frames, state.interfaces.u
@@ -323,6 +298,13 @@ def _hertzian(lowered: LoweredModel) -> tuple[Index, Array]:
     numbers = [k for k, contact in enumerate(contacts) if contact.hertz is not None]
     patches = [contacts[k].patch_over_radius for k in numbers]
     return as_index(numbers), np.array(patches, dtype=np.float64)
+
+
+def _balls(lowered: LoweredModel) -> tuple[Index, Array]:
+    """The contacts of balls, not of points: their numbers and radii [m]."""
+    radii = [contact.ball for contact in lowered.model.contacts]
+    numbers = [k for k, radius in enumerate(radii) if radius > 0.0]
+    return as_index(numbers), np.array([radii[k] for k in numbers], dtype=np.float64)
 
 
 def _hinges(lowered: LoweredModel) -> Index:

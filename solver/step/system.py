@@ -516,6 +516,8 @@ class ContactState(Struct):
     closing_speed: Array = array("n_k")
     peak: Array = array("n_k")
     impulse: Array = array("n_k")
+    total_impulse: Array = array("n_k")
+    """since t = 0"""
     work: Array = array("n_k")
     """on the bodies, before it closed"""
     work_done: Array = array("n_k")
