@@ -26,7 +26,19 @@ from .kinds import delta_of
 from .rotations import stumpff
 from .rows import GAP
 from .system import Couplings, Rows, State, System, Workspace
-from .vectors import Vector, add, cross, dot, rotate, rotate_back, row, scale, subtract, triple
+from .vectors import (
+    Vector,
+    add,
+    cross,
+    dot,
+    magnitude,
+    rotate,
+    rotate_back,
+    row,
+    scale,
+    subtract,
+    triple,
+)
 
 FINEST = 0.01
 """shortest part of a path that is looked at, over the size of ball and shape"""
@@ -88,22 +100,23 @@ def _has_passed(
     start = row(state.contacts.place, k)
     before, after = state.couplings.coordinate[i], work.couplings.coordinate[i]
     travel = _length(subtract(place, start))
-    (psi_A, l_A), (psi_B, l_B) = (
-        _turn(system, rows.frame_a[i], state, work),
-        _turn(system, rows.frame_b[i], state, work),
-    )
-    delta = delta_of(rows, i, work)
-    angle_A, angle_B = _length(psi_A), _length(psi_B)
-    arms = angle_A * angle_A * (_length(l_A) + _length(delta)) + angle_B * angle_B * _length(l_B)
-    bend = arms / 8.0 + 0.5 * angle_A * travel
+    f, g = rows.frame_a[i], rows.frame_b[i]
+    square_A, arm_A = _turn_and_arm(system, f, work)
+    square_B, arm_B = _turn_and_arm(system, g, work)
+    apart = magnitude(delta_of(rows, i, work))
+    bend = 0.125 * (square_A * (arm_A + apart) + square_B * arm_B)
+    bend += 0.5 * math.sqrt(square_A) * travel
     if before + after > 2.0 * travel + 8.0 * bend:  # far away, and in a smooth motion for sure
         return False
-    path = _path(system, i, (psi_A, l_A), (psi_B, l_B), start, state, work)
+    closed = before < 0.0 or after < 0.0
+    if closed and travel < LONG_TRAVEL * size:
+        return False
+    path = _path(
+        system, i, _turn(system, f, state, work), _turn(system, g, state, work), start, state, work
+    )
     sag = 0.25 * _length(subtract(path[5], path[6]))
     length = travel + 4.0 * (bend + sag)
-    if before < 0.0 or after < 0.0:
-        if travel < LONG_TRAVEL * size:
-            return False
+    if closed:
         deep = max(-before, -after) + 0.1 * FINEST * size
         return _reaches(rows, i, path, False, deep, length, 1.0 / PLACES_OF_CLOSED, work)
     if before + after > length or length < FINEST * size < math.inf:
@@ -130,6 +143,16 @@ def _were_closed(state: State) -> bool:
 @compiled
 def _length(a: Vector) -> float:
     return math.sqrt(dot(a, a))
+
+
+@compiled
+def _turn_and_arm(system: System, f: int, work: Workspace) -> tuple[float, float]:
+    """The square of the angle of the body of frame f in the step, and no less than its lever."""
+    b = system.frames.body[f]
+    if b < 0:
+        return 0.0, 0.0
+    psi = row(work.bodies.psi, b)
+    return dot(psi, psi), magnitude(row(work.frames.lever, f))
 
 
 @compiled
