@@ -59,6 +59,7 @@ def _contact(events: Events, unit: str) -> str:
         return "never closed"
     n, shortest = events.impacts, events.shortest
     parts = [f"{n} impact{'' if n == 1 else 's'}", f"peak {events.peak.max():.4g} {unit}"]
+    parts.append(f"impulse {events.impulse.sum():.4g} {unit} s")
     if shortest is not None:
         parts.append(f"shortest {shortest} steps")
     if n < len(events):

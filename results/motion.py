@@ -1,7 +1,7 @@
 """Motions of bodies, frames, joints and springs, energies and momenta over time."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -130,7 +130,7 @@ class Events:
         return int(steps.min()) if len(steps) else None
 
     def __str__(self) -> str:
-        names = [field.name for field in fields(self)]
+        names = [own.name for own in fields(self)]
         columns = [[name, *(f"{x:.6g}" for x in getattr(self, name))] for name in names]
         widths = [max(map(len, column)) for column in columns]
         rows = zip(*columns, strict=True)
@@ -180,6 +180,9 @@ class ContactMotion:
     state: Array
     """(n,) 0 open, 1 closed or sticks, 2 slips"""
     events: Events
+    impulse: Array = field(default_factory=lambda: np.empty(0))
+    """(n,) integral of the normal force since t = 0 [N s], counted at every step; (0,) of files
+    before version 8"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,6 +196,8 @@ class StopMotion:
     state: Array
     """(n,) 0 open, 1 closed"""
     events: Events
+    impulse: Array = field(default_factory=lambda: np.empty(0))
+    """(n,) integral of the force since t = 0 [N s, N m s], as that of a contact"""
 
 
 @dataclass(frozen=True, eq=False)

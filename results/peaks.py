@@ -20,6 +20,7 @@ UNASKED = (
     "sensor_acceleration",
     "force",
     "normal_force",
+    "impulse",
     "elastic_displacement",
     "strain",
     "stress",

@@ -123,6 +123,16 @@ def normal_force(results: Results, contact: str) -> Array:
     return force if force.ndim == 1 else force[:, 0]
 
 
+def impulse(results: Results, contact: str) -> Array:
+    """The integral of the normal force of a contact or stop since t = 0 (n,) [N s, N m s]."""
+    found = _contact(results, contact).impulse
+    if len(found) < len(results.time):
+        raise QuantityError(
+            f"{results.name} is of an earlier version, which has the impulse of each event alone"
+        )
+    return found
+
+
 def friction_force(results: Results, contact: str) -> Array:
     """Friction of a contact on the second body, along t1 and t2 (n, 2) [N]."""
     return _touching(results, contact).force[:, 1:]
@@ -153,6 +163,10 @@ def gap_unit(results: Results, contact: str) -> str:
 
 def normal_force_unit(results: Results, contact: str) -> str:
     return _contact_unit(results, contact, "force")
+
+
+def impulse_unit(results: Results, contact: str) -> str:
+    return _contact_unit(results, contact, "impulse")
 
 
 def _contact_unit(results: Results, contact: str, attribute: str) -> str:
@@ -270,6 +284,7 @@ KINDS = {
     "coupler_force": Kind(coupler_force, coupler_force_unit, ("COUPLER",), axes=()),
     "gap": Kind(gap, gap_unit, ("CONTACT|STOP",), axes=()),
     "normal_force": Kind(normal_force, normal_force_unit, ("CONTACT|STOP",), axes=()),
+    "impulse": Kind(impulse, impulse_unit, ("CONTACT|STOP",), axes=()),
     "friction_force": Kind(friction_force, "N", ("CONTACT",), axes=TANGENTS),
     "slip": Kind(slip, "m/s", ("CONTACT",), axes=TANGENTS),
     "contact_state": Kind(contact_state, "1", ("CONTACT|STOP",), axes=()),

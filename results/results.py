@@ -1,7 +1,8 @@
 """`Results`: the record of a run, in memory or in a file, read when asked for."""
 
+import math
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -42,7 +43,15 @@ from .recovery import (
     second_order_loads,
     stepping,
 )
-from .schema import EVENTS, OWNERS, QUANTITIES, Contents, SuperelementFile, attributes_of
+from .schema import (
+    EVENTS,
+    OWNERS,
+    QUANTITIES,
+    Contents,
+    Quantity,
+    SuperelementFile,
+    attributes_of,
+)
 from .search import BLOCK, LENGTHS, Extremes, Field, extremes
 from .source import ALL, Selection, Source
 from .space import Connection, Place
@@ -199,7 +208,11 @@ class Results:
     def validity(self) -> Validity:
         """How far the run can be trusted: what it passed at most, as far as it got."""
         names, values = self._source.contents().checks, self._source.checks().tolist()
-        return Validity(tuple(map(Check.of, names, values)))
+        notes = self.solver
+        step = float(notes.get("h", math.nan))
+        in_contact = float(notes.get("contact_step", step))
+        checks = map(Check.of, names, values)
+        return Validity(tuple(check.with_step(step, in_contact) for check in checks))
 
     @property
     def model(self) -> str:
@@ -287,7 +300,7 @@ class Results:
             (event,) = (quantity for quantity in EVENTS if quantity.attribute == attribute)
             of_entries = event.units(axes)
             return of_entries[axes["event_owner"].number(owner) if len(of_entries) > 1 else 0]
-        for name, quantity, entries in attributes_of(axes, group, owner):
+        for name, quantity, entries in self._attributes(group, owner):
             if name == attribute:
                 of_entries = quantity.units(axes)
                 if len(of_entries) > 1:
@@ -534,9 +547,14 @@ class Results:
         return self._joined(
             [
                 (attribute, (quantity, entries))
-                for attribute, quantity, entries in attributes_of(contents.axes, group, owner)
+                for attribute, quantity, entries in self._attributes(group, owner)
             ]
         )
+
+    def _attributes(self, group: str, owner: str) -> Iterator[tuple[str, Quantity, Any]]:
+        """The attributes of an owner that these results have."""
+        contents = self._source.contents()
+        return attributes_of(contents.axes, group, owner, contents.quantities)
 
     def _group(self, group: str) -> dict[str, Array]:
         """The recorded arrays of a group without owners, by attribute."""

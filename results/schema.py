@@ -19,7 +19,7 @@ from ..superelement.validation import Array
 from .space import Space
 
 FORMAT = "duhamel-results"
-VERSION = 7
+VERSION = 8
 EARLIEST = 3
 """of which all that is there is the same"""
 
@@ -221,7 +221,8 @@ class Quantity:
     unit: in the spelling of UDUNITS; where entries are lengths or angles, that of each.
     key: "GROUP/ATTRIBUTE" of the reader; quantities with the same one are joined along the last
     axis, and "{}" stands for the name of a coordinate. source: the array of the time loop that
-    holds it, by default of its own name; or else derive: the function that computes it.
+    holds it, by default of its own name; or else derive: the function that computes it. since: the
+    version of files that has it first, where an owner had others before.
     """
 
     name: str
@@ -232,6 +233,7 @@ class Quantity:
     source: str = ""
     derive: Callable[[Batch], Array] | None = None
     integer: bool = False
+    since: int = EARLIEST
 
     def __post_init__(self) -> None:
         if self.derive is None and not self.source:
@@ -524,6 +526,15 @@ QUANTITIES = (
         integer=True,
     ),
     Quantity(
+        "contact_impulse",
+        _CONTACT,
+        "N s",
+        "integral of the normal force since t = 0",
+        "contacts/impulse",
+        "normal_impulse",
+        since=8,
+    ),
+    Quantity(
         "stop_gap",
         _STOP,
         ("m", "rad"),
@@ -547,6 +558,15 @@ QUANTITIES = (
         "stops/state",
         "contact_state",
         integer=True,
+    ),
+    Quantity(
+        "stop_impulse",
+        _STOP,
+        ("N s", "N m s"),
+        "integral of the force or moment since t = 0",
+        "stops/impulse",
+        "normal_impulse",
+        since=8,
     ),
     Quantity("pattern_load", _PATTERN, "1", "amplitude of each load pattern", "patterns/load"),
     Quantity(
@@ -830,14 +850,19 @@ def lay_out(
     return Contents(kept, quantities, superelements, checks)
 
 
-def attributes_of(axes: Axes, group: str, owner: str) -> Iterator[tuple[str, Quantity, Any]]:
+def attributes_of(
+    axes: Axes, group: str, owner: str, quantities: Sequence[Quantity] = QUANTITIES
+) -> Iterator[tuple[str, Quantity, Any]]:
     """The attributes of an owner, each with its quantity and entries of the quantity's dimension.
 
-    An entry is a number, or a slice of those that the owner has of a ragged dimension.
+    An entry is a number, or a slice of those that the owner has of a ragged dimension, which may be
+    none. quantities: those that there are, in a file of an earlier version fewer.
     """
     for quantity in QUANTITIES:
         dimension = quantity.owned
         if quantity.group != group or dimension is None:
+            continue
+        if quantity.since > EARLIEST and quantity not in quantities:
             continue
         axis = axes.get(dimension.name, Axis(()))
         if not dimension.ragged:

@@ -223,9 +223,19 @@ _LIST = (
         "interface",
     ),
     Criterion(
+        "contact_depth",
+        "contact",
+        "penetration / ball radius",
+        "",
+        0.3,
+        1.0,
+        "the center of the ball is beyond the surface: take a stiffer contact, a smaller step or a "
+        "larger ball",
+    ),
+    Criterion(
         "hertz_radius",
         "contact",
-        "contact patch radius / ball radius",
+        "contact patch semi-axis / surface radius",
         "",
         0.17,
         1.0 / 3.0,
@@ -273,16 +283,25 @@ CRITERIA = {criterion.name: criterion for criterion in _LIST}
 """all criteria by name, in the order of tables"""
 
 
+class UsedStep(NamedTuple):
+    """The step that a criterion is about: its key in [simulation], and its size [s]."""
+
+    key: str
+    size: float
+
+
 class Check(NamedTuple):
     """The value of a criterion for one owner: a body, "BODY.FRAME", ...; "" is the whole model.
 
-    kind: what the owner is, where it is not what the criterion says.
+    kind: what the owner is, where it is not what the criterion says; step: of criteria that count
+    steps, where it is known.
     """
 
     criterion: Criterion
     owner: str
     value: float
     kind: str = ""
+    step: UsedStep | None = None
 
     @classmethod
     def of(cls, name: str, value: float) -> "Check":
@@ -303,7 +322,7 @@ class Check(NamedTuple):
         who = f"{kind} {self.owner!r}" if self.owner else f"the {kind}"
         return (
             f"{who}: {criterion.quantity}: {criterion.measured(self.value)} "
-            f"(limit {criterion.bound(criterion.limit)}): {criterion.advice}"
+            f"(limit {criterion.bound(criterion.limit)}): {criterion.advice}{self._remedy()}"
         )
 
     @property
@@ -314,6 +333,21 @@ class Check(NamedTuple):
             f"{criterion.quantity}{owner}: {criterion.measured(self.value)} "
             f"(recommended {criterion.bound(criterion.good)})"
         )
+
+    def _remedy(self) -> str:
+        """The key to change and its value, where the steps are too few."""
+        if self.step is None or not 0.0 < self.value < math.inf:
+            return ""
+        (key, size), enough = self.step, self.criterion.good
+        return f": {key} = {_rounded_down(size * self.value / enough)} s (now {size:.3g} s)"
+
+    def with_step(self, step: float, contact_step: float) -> "Check":
+        """The same of a run with these steps [s], if it counts steps."""
+        if not self.criterion.least:
+            return self
+        in_contact = self.criterion.name == "contact_steps" and contact_step < step
+        size = contact_step if self.criterion.name == "contact_steps" else step
+        return self._replace(step=UsedStep("contact_step" if in_contact else "step", size))
 
     def distance(self) -> float:
         """An order of checks of one criterion: the larger, the worse; what is unknown is best."""
@@ -379,6 +413,12 @@ class Validity:
         order = list(CRITERIA)
         poor = [check for check in self.checks if check.verdict == "poor"]
         return sorted(poor, key=lambda c: (order.index(c.criterion.name), -c.distance()))
+
+
+def _rounded_down(value: float) -> str:
+    """Two digits of a positive number, no more than it."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return f"{math.floor(value / unit + 1e-9) * unit:.2g}"
 
 
 def _row(check: Check) -> tuple[str, ...]:

@@ -4,6 +4,7 @@ from ..results.results import Results
 from .checkpoint.moment import Moment
 from .errors import (
     ConvergenceError,
+    MissedContactError,
     ModelError,
     OutOfRangeError,
     RecoveryError,
@@ -105,6 +106,7 @@ __all__ = [
     "Load",
     "LogarithmicChirp",
     "MaxwellLaw",
+    "MissedContactError",
     "Model",
     "ModelCheck",
     "ModelError",

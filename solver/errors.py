@@ -11,6 +11,7 @@ from ..results.errors import RecoveryError, ResultsError
 
 __all__ = [
     "ConvergenceError",
+    "MissedContactError",
     "ModelError",
     "OutOfRangeError",
     "RecoveryError",
@@ -74,6 +75,20 @@ class OutOfRangeError(RuntimeError):
         self.step, self.time, self.interface = step, time, interface
         where = f"{model}: " if model else ""
         super().__init__(f"{where}stopped in step {step} (t = {time:.9g} s): {reason}")
+
+
+class MissedContactError(RuntimeError):
+    """A ball passed through the shape of its contact within one step.
+
+    step, time [s]: where; contact: its name; model: the name of the model file.
+    """
+
+    def __init__(self, step: int, time: float, contact: str, reason: str, model: str) -> None:
+        self.step, self.time, self.contact = step, time, contact
+        where = f"{model}: " if model else ""
+        super().__init__(
+            f"{where}contact {contact!r}: stopped in step {step} (t = {time:.9g} s): {reason}"
+        )
 
 
 class ValidityWarning(UserWarning):

@@ -52,10 +52,10 @@ class ModelCheck:
     validity: of the first steps, which are taken to measure the time; free_frequencies: the first
     of each superelement alone [Hz], by body; second_order: of each flexible body, the number of its
     coordinates, "off" or "none"; contacts: a line for each contact and stop, with its gap at the
-    start; drifts: a line for each coordinate that is driven by its velocity or acceleration, where it ends; motors: a line for each; moduli: a line for each
-    body whose moduli are given at a frequency; seconds: of the time loop; memory: of the whole
-    process at most, with libraries and compiled code; results_size: of the results [bytes], with so
-    many rows.
+    start; drifts: a line for each coordinate that is driven by its velocity or acceleration, where
+    it ends; motors: a line for each; moduli: a line for each body whose moduli are given at a
+    frequency; seconds: of the time loop; memory: of the whole process at most, with libraries and
+    compiled code; results_size: of the results [bytes], with so many rows.
     """
 
     bodies: int

@@ -50,6 +50,10 @@ FEWEST = 4.0
 SAMPLES = 33
 """Times of a run at which a signal that begins after it is looked at."""
 
+CONFORMAL = 0.05
+"""Clearance of a ball in a bore over its radius, below which the surfaces are nearly alike."""
+SMALL_PATCH = 0.17
+"""Size of Hertz's patch over the radius, up to which his law holds to 1 % (docs/validity.md)."""
 
 PULSES = (HalfSine, Trapezoid, Sawtooth)
 WITH_PHASE = (Harmonic, Chirp, LogarithmicChirp)
@@ -73,6 +77,7 @@ def doubts(model: Model) -> tuple[Doubt, ...]:
         *_of_sizes(model),
         *_of_angles(model),
         *_of_signals(model, h),
+        *_of_contacts(model),
         *_of_step(model, h),
     )
 
@@ -304,6 +309,22 @@ def _signals(model: Model) -> Iterator[tuple[str, Signal]]:
                     for signal in signals
                     if isinstance(signal, Signal)
                 )
+
+
+def _of_contacts(model: Model) -> Iterator[Doubt]:
+    """Hertz's law of surfaces that are nearly alike, whose patch is soon as large as the ball."""
+    for contact in model.contacts:
+        if contact.hertz is None or contact.radius is None or not contact.hollow:
+            continue
+        clearance = contact.radius / contact.ball - 1.0
+        if clearance < CONFORMAL:
+            depth = (SMALL_PATCH / contact.patch_over_radius) ** 2
+            force = contact.law().stiffness * depth**1.5
+            yield Doubt(
+                f"contacts.{contact.name}.hertz: a ball of {contact.ball:g} m in a {contact.shape} "
+                f"of {contact.radius:g} m, a clearance of {100 * clearance:.2g} %: Hertz's law "
+                f"holds up to {force:.3g} N, where its patch is {SMALL_PATCH:g} of the radius"
+            )
 
 
 def _of_step(model: Model, h: float) -> Iterator[Doubt]:

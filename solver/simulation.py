@@ -20,6 +20,7 @@ from .checkpoint.carried import carried
 from .diagnosis import likely_cause
 from .errors import (
     ConvergenceError,
+    MissedContactError,
     ModelError,
     OutOfRangeError,
     StateError,
@@ -44,6 +45,7 @@ from .output.keeper import (
     settle_checkpoint,
     start_of,
 )
+from .output.passages import check_passages
 from .output.recorder import NO_ENERGIES, Recorder
 from .output.validity import Judge, check_range, torn
 from .output.writer import (
@@ -84,8 +86,9 @@ def simulate(
 
     Raises ModelError for a model that cannot start or whose redundant constraints are needed later,
     ConvergenceError where Newton's method fails, OutOfRangeError where a body deforms too far for
-    linear elasticity, StateError for a state that does not belong to the model, or is none, and
-    ResultsError for a file that cannot be written. The steps before a failure or an interrupt are
+    linear elasticity, MissedContactError where a ball passes through a shape in one step,
+    StateError for a state that does not belong to the model, or is none, and ResultsError for a
+    file that cannot be written. The steps before a failure or an interrupt are
     in the file, or in OUTPUT.partial where earlier results stand, which stay until a run has ended
     well. Warns (`ValidityWarning`) of every limit of the method that the run has passed:
     `Results.validity`.
@@ -186,7 +189,7 @@ def _finish(course: Course, progress: bool) -> Results:
         writer.note(finished=True, seconds=time.perf_counter() - started, **_taken(course))
         settle_checkpoint(writer)
         writer.finish()
-    except (ConvergenceError, ModelError, OutOfRangeError) as error:
+    except (ConvergenceError, MissedContactError, ModelError, OutOfRangeError) as error:
         error.args = (f"{error}{writer.where()}",)
         raise
     except KeyboardInterrupt as interrupt:
@@ -251,6 +254,7 @@ def march(course: Course, progress: bool = False) -> None:
             steps = done + stride * np.arange(1, n + 1)
             rows = recorder.rows(steps, stride)
             taken, residual, failed = phases.advance(signals(lowered, steps[0], rows, stride))
+            check_passages(lowered, state, work, done + stride * taken)
             full = is_full(state.contacts)  # of events, which the recorder takes
             if time.perf_counter() - judged > writer.pause:
                 writer.check(judge.values(state, done + stride * taken - begin))

@@ -25,6 +25,7 @@ from .model.model import Model
 from .model.settings import Settings
 from .output.columns import axes_of, check_names, views
 from .output.events import waiting
+from .output.passages import check_passages
 from .output.recording import Recording
 from .output.validity import Judge, check_range
 from .output.writer import check_output
@@ -71,7 +72,8 @@ class Simulator:
 
     Raises ModelError for a model that cannot start, an unknown output, a wrong number of inputs and
     a step beyond t_end; ConvergenceError where Newton's method fails and OutOfRangeError where a
-    body deforms too far for linear elasticity, after which there are no further steps but from an
+    body deforms too far for linear elasticity and MissedContactError where a ball passes through
+    a shape in one step, after which there are no further steps but from an
     earlier state: `save` gives the present one, and `restore` goes back.
     """
 
@@ -182,6 +184,7 @@ class Simulator:
         # a kernel ends with the run
         last = number == self._n_steps
         taken, residual = advance(self._run, self._last if last else self._next)
+        check_passages(self._lowered, self._state, self._work, number - 1)
         check_range(self._lowered, self._state, number)
         if not taken:
             cause = Judge(self._lowered).cause(self._state, number - 1)

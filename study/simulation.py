@@ -9,6 +9,7 @@ from typing import ClassVar
 from ..results import Results, ResultsError
 from ..solver import (
     ConvergenceError,
+    MissedContactError,
     ModelError,
     OutOfRangeError,
     StateError,
@@ -40,6 +41,7 @@ class Simulation:
             ModelError,
             StateError,
             ConvergenceError,
+            MissedContactError,
             OutOfRangeError,
             ResultsError,
             SuperelementError,

@@ -39,6 +39,7 @@ KIND_WORDS = {
 FORCES = {
     "coupler_force": ("force", "moment"),
     "normal_force": ("normal force", "moment"),
+    "impulse": ("impulse", "angular impulse"),
     "motor_torque": ("force", "torque"),
 }
 """words of a force, and of a moment by the same name"""

@@ -28,6 +28,17 @@ def shape_parameters(contact: Contact) -> list[float]:
     return [contact.ball, side, *parameters]
 
 
+def size_of(contact: Contact) -> float:
+    """A length [m] within which the ball meets or passes the shape; infinite for a plane.
+
+    The radii of both together; for a profile the shortest distance of its points, and the ball.
+    """
+    if contact.points is not None:
+        spans = np.linalg.norm(np.diff(contact.points, axis=0), axis=1)
+        return contact.ball + float(spans.min())
+    return math.inf if contact.radius is None else contact.ball + contact.radius
+
+
 def _spline(points: Array) -> list[float]:
     """The pieces of the curve through points, as `Profile` reads them."""
     spline = curve_through(points)

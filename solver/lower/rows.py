@@ -1,5 +1,6 @@
 """The rows of joints, motions and springs as arrays, seen from the frames at the start."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
@@ -23,7 +24,7 @@ from ..model.stops import JointStop
 from ..step.gaps import FirstSlip, Gap, SecondSlip
 from ..step.rows import Angle, AngleOfA, Attitude, Distance, Rotation, Translation
 from ..step.system import Couplings, Friction, Laws, Motors, Rows, Terms
-from .contacts import SHAPES, contact_axes, shape_parameters
+from .contacts import SHAPES, contact_axes, shape_parameters, size_of
 from .friction import Bristle, normal_weights
 from .placement import Pose
 
@@ -52,6 +53,8 @@ class Row:
     shape: int = 0
     parameters: Sequence[float] = ()
     """of the shape of a contact"""
+    size: float = math.inf
+    """of a contact's ball and shape"""
     normal: tuple[float, int] = (0.0, 0)
     """weight and group in the normal force of friction"""
     rubs: bool = False
@@ -370,11 +373,11 @@ def contact_rows(contact: Contact, sides: Sides) -> list[Row]:
     """The gap, and slip along two tangents where there is friction."""
     axis, across = contact_axes(contact, sides.pose_a.R)
     A, B, shape = sides.frame_a, sides.frame_b, SHAPES[contact.shape]
-    parameters = shape_parameters(contact)
+    parameters, size = shape_parameters(contact), size_of(contact)
     gap = Row(Gap.number, A, B, axis, across, laws=(contact.law(),), normal=(1.0, 0))
     slips = [Row(kind.number, A, B, axis, across, rubs=True) for kind in (FirstSlip, SecondSlip)]
     rows = [gap, *slips] if contact.friction is not None else [gap]
-    return [replace(row, shape=shape, parameters=parameters) for row in rows]
+    return [replace(row, shape=shape, parameters=parameters, size=size) for row in rows]
 
 
 def stop_rows(coupling: JointStop, sides: Sides) -> list[Row]:
@@ -400,6 +403,7 @@ def lay_out_rows(rows: Sequence[Row]) -> Rows:
         a_turned=as_rows([row.a_turned for row in rows]),
         b=as_rows([row.b for row in rows]),
         shape=as_index([row.shape for row in rows]),
+        size=np.array([row.size for row in rows], dtype=np.float64),
         first=as_index(np.cumsum([0, *(len(row.parameters) for row in rows)])),
         parameters=np.array([x for row in rows for x in row.parameters], dtype=np.float64),
         zero=np.array([row.zero for row in rows], dtype=np.float64),

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..laws.contact import ContactLaw
+from ..laws.hertz import Patch, patch_of
 from ..schema.entry import Beside, Entry, entry, one_of
 from ..schema.values import (
     ABSENT,
@@ -138,21 +139,35 @@ class Contact(Entry):
         """The law of the gap."""
         if self.hertz is None:
             return self.impact.beyond((0.0, math.inf))
-        stiffness = 4.0 / 3.0 * self.hertz.modulus * math.sqrt(self.effective_radius)
+        stiffness = self.hertz.modulus * self._patch.stiffness
         return self.impact.hertzian(stiffness, self.hertz.patch_compliance(self.patch))
 
     @property
-    def effective_radius(self) -> float:
-        """(k1 k2)^(-1/2) of the sums k1, k2 of the curvatures of both surfaces."""
-        own = 1.0 / self.ball
-        curved = own if self.radius is None else own + (-1.0 if self.hollow else 1.0) / self.radius
-        other = curved if self.shape == "sphere" else own
-        return 1.0 / math.sqrt(curved * other)
+    def patch_over_radius(self) -> float:
+        """The semi-axes of Hertz's patch over the smaller radius along each, the larger ratio.
+
+        At a penetration of 1 m: it grows with the root of that.
+        """
+        along, around = self._curvatures
+        patch = self._patch
+        sizes = (patch.long, patch.short) if along <= around else (patch.short, patch.long)
+        shape = math.inf if self.radius is None or self.hollow else self.radius
+        ball_alone = self.shape == "cylinder"
+        return max(
+            sizes[0] / (self.ball if ball_alone else min(self.ball, shape)),
+            sizes[1] / min(self.ball, shape),
+        )
 
     @property
-    def smaller_radius(self) -> float:
-        """Of the ball, or of a smaller shape."""
-        return min(self.ball, self.ball if self.radius is None else self.radius)
+    def _patch(self) -> Patch:
+        return patch_of(*self._curvatures)
+
+    @property
+    def _curvatures(self) -> tuple[float, float]:
+        """Sums of the curvatures of ball and shape [1/m], along and around the axis."""
+        own = 1.0 / self.ball
+        around = own if self.radius is None else own + (-1.0 if self.hollow else 1.0) / self.radius
+        return (around if self.shape == "sphere" else own), around
 
     def _check_shape(self) -> None:
         kind = self.kind

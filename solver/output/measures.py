@@ -77,7 +77,8 @@ class Subjects:
         driven = couplings.laws.motor >= 0
         self.springs = np.unique(self.coupling[(couplings.compliant == 1) & ~driven])
         self.contacts = couplings.contact
-        self.hertzian, self.radii = _hertzian(lowered)
+        self.hertzian, self.patches = _hertzian(lowered)
+        self.balls, self.ball_radii = _balls(lowered)
         self.carried = self._carried()
         self.hinges = _hinges(lowered)
         self.jointed = np.unique(frames.body[self.hinges])
@@ -404,12 +405,14 @@ _LIST = (
         _contact_arms,
     ),
     Measure(
+        "contact_depth",
+        lambda s: s.of_couplings(s.contacts[s.balls], "contact"),
+        lambda r: r.extremes.depth[r.subjects.balls] / r.subjects.ball_radii,
+    ),
+    Measure(
         "hertz_radius",
         lambda s: s.of_couplings(s.contacts[s.hertzian], "contact"),
-        lambda r: (
-            np.sqrt(r.extremes.depth[r.subjects.hertzian] * r.subjects.radii[0])
-            / r.subjects.radii[1]
-        ),
+        lambda r: np.sqrt(r.extremes.depth[r.subjects.hertzian]) * r.subjects.patches,
     ),
     Measure("numerical_dissipation", lambda s: [""] if s.has_modes else [], _numerical),
     Measure("joint_opening", lambda s: s.of_couplings(s.joints, "joint"), _openings),
@@ -456,16 +459,20 @@ def _called(lowered: LoweredModel, j: int, kind: str) -> str:
 
 
 def _hertzian(lowered: LoweredModel) -> tuple[Index, Array]:
-    """The contacts by the law of Hertz: their numbers, and (2, n) their effective radii [m], and
-    those of their smaller partners.
+    """The contacts by the law of Hertz: their numbers, and the size of the patch of each over the
+    radius along it, at a penetration of 1 m.
     """
-    contacts = [
-        (k, contact.effective_radius, contact.smaller_radius)
-        for k, contact in enumerate(lowered.model.contacts)
-        if contact.hertz is not None
-    ]
-    numbers, *radii = zip(*contacts, strict=True) if contacts else ((), (), ())
-    return as_index(numbers), np.array(radii, dtype=np.float64)
+    contacts = lowered.model.contacts
+    numbers = [k for k, contact in enumerate(contacts) if contact.hertz is not None]
+    patches = [contacts[k].patch_over_radius for k in numbers]
+    return as_index(numbers), np.array(patches, dtype=np.float64)
+
+
+def _balls(lowered: LoweredModel) -> tuple[Index, Array]:
+    """The contacts of balls, not of points: their numbers and radii [m]."""
+    radii = [contact.ball for contact in lowered.model.contacts]
+    numbers = [k for k, radius in enumerate(radii) if radius > 0.0]
+    return as_index(numbers), np.array([radii[k] for k in numbers], dtype=np.float64)
 
 
 def _hinges(lowered: LoweredModel) -> Index:

@@ -134,25 +134,34 @@ def _superelements(model: Model) -> dict[str, Superelement]:
 def _notes(initial: InitialState, steps: int) -> dict[str, Any]:
     lowered, model = initial.lowered, initial.lowered.model
     start = model.settings.start
-    return {
-        "h": lowered.longest_step,
-        "rho_inf": lowered.scheme.rho_inf,
-        "steps": steps // lowered.ratio,
-        "rule": model.settings.rule,
-        "start": str(start.path if isinstance(start, StartFrom) else start),
-        "every": model.settings.output.every,
-        "finished": False,
-        "degrees_of_freedom": initial.degrees_of_freedom,
-        "assembly_error": initial.assembly_error.opening,
-        "assembly_error_at": initial.assembly_error.opening_at,
-        "velocity_error": initial.assembly_error.velocity,
-        "velocity_error_at": initial.assembly_error.velocity_at,
-        "moved": initial.moved,
-        "velocity_correction": initial.velocity_correction,
-        "removed": initial.removed.names,
-        "truncation": _truncation(lowered),
-        "damping": damping_of(initial),
-    } | _notes_of_signals(lowered, steps)
+    return (
+        {
+            "h": lowered.longest_step,
+            "rho_inf": lowered.scheme.rho_inf,
+            "steps": steps // lowered.ratio,
+            "rule": model.settings.rule,
+            "start": str(start.path if isinstance(start, StartFrom) else start),
+            "every": model.settings.output.every,
+            "finished": False,
+            "degrees_of_freedom": initial.degrees_of_freedom,
+            "assembly_error": initial.assembly_error.opening,
+            "assembly_error_at": initial.assembly_error.opening_at,
+            "velocity_error": initial.assembly_error.velocity,
+            "velocity_error_at": initial.assembly_error.velocity_at,
+            "moved": initial.moved,
+            "velocity_correction": initial.velocity_correction,
+            "removed": initial.removed.names,
+            "truncation": _truncation(lowered),
+            "damping": damping_of(initial),
+        }
+        | _notes_of_contacts(lowered)
+        | _notes_of_signals(lowered, steps)
+    )
+
+
+def _notes_of_contacts(lowered: LoweredModel) -> dict[str, Any]:
+    """The step in contacts, of runs with two sizes of steps."""
+    return {} if lowered.flight is None else {"contact_step": lowered.h}
 
 
 def _notes_of_signals(lowered: LoweredModel, steps: int) -> dict[str, Any]:

@@ -32,7 +32,7 @@ from .handover import hand_over, predecessor
 from .inertia import elastic_accelerations, interface_accelerance, inverse_inertia
 from .jacobian import constraint_jacobian, constraint_rows, row_rates
 from .matrices import solve
-from .penetration import penetrations
+from .penetration import check_depths, penetrations
 from .redundancy import count_degrees_of_freedom, redundant_rows
 from .removed import RemovedRows
 from .servos import check_holding, set_poles
@@ -122,9 +122,10 @@ def initialize(
         _start_loaded(lowered, state, work)
     else:
         evaluate(lowered.system, state, work)
-        closed = tuple(penetrations(lowered, work))
+        check_depths(lowered, work)
         correction = fit_velocities(lowered, state, work, _targets(lowered, "_rate"))
         _start_unloaded(lowered, state, work)
+        closed = tuple(penetrations(lowered, state, work))
     _start_work(lowered.system, state, work)
     start_extremes(lowered.system, state, work)
     set_poles(lowered, state, work)

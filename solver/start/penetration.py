@@ -2,33 +2,76 @@
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from ..lower.lower import LoweredModel
 from ..model.contacts import Contact
 from ..step.contacts import penetration_of
-from ..step.system import Workspace
+from ..step.system import State, Workspace
 
 DEEPEST = 0.1
 """penetration over the size of the model at which a run does not start"""
 NOTICEABLE = 1e-9
 """penetration over the size of the model, or angle, that is not of rounding"""
+BALANCED = 0.1
+"""force on a body over that of its contact, up to which the other forces hold the contact closed"""
 
 
-def penetrations(lowered: LoweredModel, work: Workspace) -> Iterator[str]:
-    """A line for each contact and stop that starts closed, with its depth.
+def check_depths(lowered: LoweredModel, work: Workspace) -> None:
+    """`ModelError` for a ball that is deeper than its radius, or than a tenth of the model.
 
-    `ModelError` for a ball that is deeper than its radius, or than a tenth of the model. The
-    coordinates in `work` are those of the start.
+    The coordinates in `work` are those of the start.
     """
-    couplings, size = lowered.system.couplings, float(lowered.system.bodies.size)
-    for j in couplings.contact.tolist():
-        row, coupling = couplings.range[j], lowered.model.couplings[j]
-        length = bool(lowered.measures_lengths[row])
-        depth, _ = penetration_of(couplings, row, float(work.couplings.coordinate[row]))
-        if depth <= NOTICEABLE * (size if length else 1.0):
-            continue
+    size = float(lowered.system.bodies.size)
+    for j, depth in _closed(lowered, work):
+        coupling = lowered.model.couplings[j]
         if isinstance(coupling, Contact):
             _check(coupling, depth, size)
-        yield f"{coupling.owner}: starts {depth:.6g} {'m' if length else 'rad'} deep"
+
+
+def penetrations(lowered: LoweredModel, state: State, work: Workspace) -> Iterator[str]:
+    """A line for each contact and stop that starts closed and drives its bodies apart.
+
+    Not for one that weight or other forces hold closed, as at its static depth. The accelerations
+    in `state` are those of the start.
+    """
+    for j, depth in _closed(lowered, work):
+        if not _is_held(lowered, j, state):
+            length = lowered.measures_lengths[lowered.system.couplings.range[j]]
+            owner = lowered.model.couplings[j].owner
+            yield f"{owner}: starts {depth:.6g} {'m' if length else 'rad'} deep"
+
+
+def _closed(lowered: LoweredModel, work: Workspace) -> list[tuple[int, float]]:
+    """The couplings that are contacts or stops and start closed, with their depths."""
+    couplings, size = lowered.system.couplings, float(lowered.system.bodies.size)
+    found = []
+    for j in couplings.contact.tolist():
+        row = couplings.range[j]
+        length = bool(lowered.measures_lengths[row])
+        depth, _ = penetration_of(couplings, row, float(work.couplings.coordinate[row]))
+        if depth > NOTICEABLE * (size if length else 1.0):
+            found.append((j, depth))
+    return found
+
+
+def _is_held(lowered: LoweredModel, j: int, state: State) -> bool:
+    """Whether the bodies of contact j are accelerated no more than gravity alone would, or by no
+    more than a tenth of what the contact alone would.
+    """
+    system = lowered.system
+    row = int(system.couplings.range[j])
+    force, fall = abs(float(state.couplings.lam[row])), float(np.linalg.norm(system.bodies.gravity))
+    for f in (system.couplings.rows.frame_a[row], system.couplings.rows.frame_b[row]):
+        b = int(system.frames.body[f])
+        if b < 0:
+            continue
+        reach = max(float(np.linalg.norm(system.frames.X[f])), NOTICEABLE * system.bodies.size)
+        linear, angular = np.linalg.norm(state.bodies.v_dot[b].reshape(2, 3), axis=1)
+        by_contact = force / float(system.bodies.mass[b])
+        if linear + reach * angular > max(fall, BALANCED * by_contact):
+            return False
+    return True
 
 
 def _check(contact: Contact, depth: float, size: float) -> None:

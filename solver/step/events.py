@@ -36,6 +36,7 @@ def follow_contact(couplings: Couplings, j: int, state: State, work: Workspace) 
         contacts.steps[k] += 1
         contacts.peak[k] = max(contacts.peak[k], abs(old.lam[i]))
         contacts.impulse[k] += h * abs(old.lam[i])
+        contacts.total_impulse[k] += h * abs(old.lam[i])
         state.extremes.depth[k] = max(state.extremes.depth[k], after)
         if couplings.rows.kind[i] == GAP:
             arm = contact_arm(couplings.rows, i, work)

@@ -15,6 +15,7 @@ from .contacts import settle_contacts
 from .couplings import spring_energy
 from .force_laws import remember_laws
 from .observers import start_coordinates
+from .passages import start_places
 from .second_order import inertia_taken, start_curvatures
 from .system import Couplings, Elastic, ExtremeState, Frames, State, System, Workspace
 from .terms import keep_terms
@@ -36,6 +37,7 @@ def start_extremes(system: System, state: State, work: Workspace) -> None:
     copy(state.interfaces.rate, work.interfaces.rate_n)
     remember_laws(system.couplings.laws, state, work)
     settle_contacts(system.couplings, work)
+    start_places(system.couplings, state, work)
     start_coordinates(system.observers, state, work)
     start_curvatures(system.elastic, state, work)
     energies, extremes = state.energies, state.extremes

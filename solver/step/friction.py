@@ -5,12 +5,15 @@ deflection s of the bristle at the start, both of one or two rows, the force of 
 f = stiffness s+ + damping (s+ - s) / h:
 
     f* = stiffness s + (stiffness + damping / h) dc
-    |f*| <= mu N:   f = f*,                   s+ = s + dc       sticks
-    else:           f = mu N e, e = f*/|f*|,  s+ by the same    slips
+    |f*| <= mu_h N:   f = f*,                   s+ = s + dc       sticks
+    else:             f = mu N e, e = f*/|f*|,  s+ by the same    slips
 
     mu = sliding + (static - sliding) exp(-(|w| / speed)^2)
+    mu_h = mu if it slipped at the start of the step, else static
 
-and phi = lambda + f + viscous w. What sticks does not creep, and what slips takes f (f* - f) /
+What sticks moves by its bristle alone: its rate w is no speed of slip, and does not lower what it
+takes to break away. What slips goes on by its rate, in which the bristle has no part worth naming.
+And phi = lambda + f + viscous w. What sticks does not creep, and what slips takes f (f* - f) /
 (stiffness + damping / h) >= 0. Source: docs/theory.md, Contact.
 """
 
@@ -25,14 +28,22 @@ STICKS, SLIPS = 1, 2
 GROUPS = 3
 """of rows in a normal force"""
 
-Bristle = tuple[float, float, float, float]
-"""normal force, |f*|, limit mu N and its derivative by |w|"""
+Bristle = tuple[float, float, float, float, float]
+"""normal force, |f*|, mu_h N, mu N and its derivative by |w|"""
 
 
 @compiled
 def _root(square: float) -> float:
     # of a constant zero LLVM would make a call of sqrtf, which is not linked
     return math.sqrt(square) if square > 0.0 else 0.0
+
+
+@compiled
+def keep_status(couplings: Couplings, work: Workspace) -> None:
+    """Whether friction sticks or slips at the start of a step."""
+    for w in range(len(couplings.switching)):
+        j = couplings.switching[w]
+        work.couplings.status_n[j] = work.couplings.status[j]
 
 
 @compiled
@@ -106,7 +117,8 @@ def bristle_of(couplings: Couplings, j: int, first: int, state: State, work: Wor
         )
     mu = friction.sliding[r] + excess
     slope = -2.0 * excess * speed / (limit * limit) * N if excess > 0.0 else 0.0
-    return N, _root(squares), mu * N, slope
+    hold = mu if work.couplings.status_n[j] == SLIPS else friction.static[r]
+    return N, _root(squares), hold * N, mu * N, slope
 
 
 @compiled
@@ -121,8 +133,8 @@ def set_friction_residual(
             out.phi[i] = state.couplings.lam[i]
             out.scale[i] = abs(out.phi[i])
         return
-    _, size, limit, _ = bristle_of(couplings, j, first, state, work)
-    sticks = size < limit or out.holds[0] == 1
+    _, size, hold, limit, _ = bristle_of(couplings, j, first, state, work)
+    sticks = size < hold or out.holds[0] == 1
     out.status[j] = STICKS if sticks else SLIPS
     share = 1.0 if sticks else limit / max(size, 1e-300)
     for i in range(friction.first[r], end):
@@ -149,7 +161,7 @@ def set_friction_derivative(
             out.A[i, :] = 0.0
             out.Z[i, :] = 0.0
         return
-    N, size, limit, slope = bristle_of(couplings, j, first, state, work)
+    N, size, _, limit, slope = bristle_of(couplings, j, first, state, work)
     slides = out.status[j] == SLIPS
     share = limit / max(size, 1e-300) if slides else 1.0
     speed = _speed(couplings, r, work)
@@ -179,8 +191,8 @@ def bend_bristle(couplings: Couplings, j: int, first: int, state: State, work: W
     """The bristle of coupling j at the end of a step."""
     friction, r, out = couplings.friction, couplings.friction_of[j], work.couplings
     holds = couplings.contact_of[j] < 0 or out.status[j] > 0
-    _, size, limit, _ = bristle_of(couplings, j, first, state, work)
-    share = 1.0 if size < limit else limit / max(size, 1e-300)
+    _, size, _, limit, _ = bristle_of(couplings, j, first, state, work)
+    share = limit / max(size, 1e-300) if out.status[j] == SLIPS else 1.0
     for i in range(friction.first[r], friction.first[r] + friction.n[r]):
         force = share * trial_force(couplings, r, i, state, work)
         bristle = state.couplings.bristle[i]

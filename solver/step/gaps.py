@@ -50,16 +50,45 @@ ZERO = (0.0, 0.0, 0.0)
 
 
 @compiled
+def place_of_ball(rows: Rows, i: int, work: Workspace) -> Vector:
+    """y, the center of the ball from frame A in the axes of A."""
+    return rotate_back(work.frames.D, rows.frame_a[i], delta_of(rows, i, work))
+
+
+@compiled
 def _surface(rows: Rows, i: int, work: Workspace) -> tuple[float, Vector, Curvature, float]:
     """The gap, n and K in the axes of A, and how far the ball is beyond the ends of the shape."""
+    return _surface_at(rows, i, place_of_ball(rows, i, work))
+
+
+@compiled
+def _surface_at(rows: Rows, i: int, y: Vector) -> tuple[float, Vector, Curvature, float]:
+    """The same with the ball at y."""
     parameters = rows.parameters[rows.first[i] : rows.first[i + 1]]
-    y = rotate_back(work.frames.D, rows.frame_a[i], delta_of(rows, i, work))
     s, n, K, beyond = surface_at(
         rows.shape[i], parameters[SHAPE:], row(rows.a, i), row(rows.a_turned, i), y
     )
     side = parameters[SIDE]
     K = (side * K[0], side * K[1], side * K[2], side * K[3], side * K[4], side * K[5])
     return side * s - parameters[BALL], scale(side, n), K, beyond
+
+
+@compiled
+def gap_at(rows: Rows, i: int, y: Vector, blocked: bool) -> tuple[float, bool]:
+    """The gap with the ball at y, and whether a contact cannot begin there (`is_blocked`).
+
+    blocked: whether it could not at the place before.
+    """
+    gap, _, _, beyond = _surface_at(rows, i, y)
+    blocked = gap < 0.0 and (beyond > 0.0 or blocked)
+    return _open_past_ends(gap, beyond, blocked), blocked
+
+
+@compiled
+def _open_past_ends(gap: float, beyond: float, blocked: bool) -> float:
+    if beyond > 0.0:
+        return max(gap, 0.0) + beyond
+    return abs(gap) if blocked else gap
 
 
 @compiled
@@ -118,9 +147,7 @@ class Gap:
             gradient[k] = -n[k]
             gradient[3 + k] = lever[k]
             gradient[6 + k] = n[k]
-        if beyond > 0.0:
-            return max(gap, 0.0) + beyond
-        return abs(gap) if work.couplings.blocked[i] else gap
+        return _open_past_ends(gap, beyond, work.couplings.blocked[i] == 1)
 
     @staticmethod
     def add_tangent(

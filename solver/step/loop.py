@@ -9,11 +9,13 @@ from .events import is_full
 from .extremes import follow_extremes
 from .force_laws import remember_laws
 from .frames import move_frame_velocities, move_frames
+from .friction import keep_status
 from .history import finish_history, quiet_modes, start_history
 from .interfaces import add_elastic_work, finish_interfaces, predict_interfaces
 from .loads import add_load_work
 from .newton import converge, renew
 from .observers import follow_coordinates
+from .passages import follow_passages
 from .patterns import add_pattern_work
 from .record import record
 from .system import Inputs, Run, State, System, Workspace
@@ -29,7 +31,8 @@ def advance(run: Run, inputs: Inputs) -> tuple[int, float]:
     Fewer than asked where Newton's method failed, where a body left the range of linear elasticity,
     which `state.extremes.left` tells, or where the events of contacts are to be taken (`is_full`);
     of two sizes of steps also where those of the other are due (`OTHER_SIZE`), and where the last,
-    which does not count, closed a contact in flight.
+    which does not count, closed a contact in flight. In the last, which does not count either, a
+    ball passed through a shape where `state.contacts.passed` says so.
     """
     system, state, work, output = run.system, run.state, run.work, run.output
     n, residual = len(inputs.load), 0.0
@@ -49,7 +52,8 @@ def advance(run: Run, inputs: Inputs) -> tuple[int, float]:
         if not converged:
             return k, residual
         _finish(system, state, work)
-        if system.scheme.stride > 1 and is_closed(system.couplings, work):
+        in_flight = system.scheme.stride > 1
+        if state.contacts.passed[0] or (in_flight and is_closed(system.couplings, work)):
             return k, residual
         row = inputs.row[k]
         if row >= 0:
@@ -72,6 +76,7 @@ def prepare(system: System, state: State, work: Workspace) -> None:
         move_frame_velocities(system.frames, system.frames.n_acting, state, work)
         work.matrix.current[0] = int(renew(system, state, work))
     copy(state.couplings.lam, work.couplings.lam_n)
+    keep_status(system.couplings, work)
     expect_coordinates(system.couplings, system.scheme.h, state, work)
     start_history(system.elastic, system.scheme, state, work)
     predict_bodies(system.scheme, state, work)
@@ -89,6 +94,7 @@ def _finish(system: System, state: State, work: Workspace) -> None:
     add_elastic_work(system.elastic, state, work)
     add_load_work(system.loads, state, work)
     add_pattern_work(system.patterns, state, work)
+    follow_passages(system, state, work)
     add_coupling_work(system.couplings, state, work)
     remember_laws(system.couplings.laws, state, work)
     settle_contacts(system.couplings, work)

@@ -77,6 +77,7 @@ def _record_switching(run: Run, j: int, k: int) -> None:
     beyond, _ = penetration_of(couplings, i, run.work.couplings.coordinate[i])
     output.gap[k, c] = 0.0 - beyond
     output.normal_force[k, c] = lam[i]
+    output.normal_impulse[k, c] = run.state.contacts.total_impulse[c]
     output.contact_state[k, c] = status
     for x in range(3):
         output.contact_force[k, c, x] = lam[i + x] if i + x < couplings.range[j + 1] else 0.0

@@ -100,6 +100,8 @@ class Rows(Struct):
     """the axis carried by frame B, in its axes"""
     shape: Index = array("n")
     """of the surface in rows of contacts (shapes.py)"""
+    size: Array = array("n")
+    """in rows of contacts: radii of ball and surface together; infinite of planes and other rows"""
     first: Index = array("n_1")
     """(n + 1,) the first of the parameters of each row"""
     parameters: Array = array("n_parameters")
@@ -529,6 +531,8 @@ class ContactState(Struct):
     closing_speed: Array = array("n_k")
     peak: Array = array("n_k")
     impulse: Array = array("n_k")
+    total_impulse: Array = array("n_k")
+    """since t = 0"""
     work: Array = array("n_k")
     """on the bodies, before it closed"""
     work_done: Array = array("n_k")
@@ -538,6 +542,10 @@ class ContactState(Struct):
     n_events: Index = array(1)
     event_contact: Index = array("n_v")
     """contact that each event is of"""
+    place: Array = array("n_k", 3)
+    """of the ball in the axes of frame A, at the last step"""
+    passed: Index = array(1)
+    """1 + the first contact whose ball passed unnoticed in the last step, 0: none (passages.py)"""
     event: Array = array("n_v", 9)
     """start, end, steps, peak, impulse, closing and opening speed, restitution, dissipated"""
 
@@ -836,6 +844,8 @@ class CouplingWork(Struct):
     """time since the memories are those of the state, infinite at the start [s]"""
     status: Index = array("n_j")
     """contacts and friction: 0 open, 1 closed, or sticks, 2 slips"""
+    status_n: Index = array("n_j")
+    """the status at the start of the step"""
     holds: Index = array(1)
     """1: friction sticks whatever its force, as long as Newton's method looks for where it would"""
     blocked: Index = array("n_i")

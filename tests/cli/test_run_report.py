@@ -206,14 +206,17 @@ def test_each_contact_is_a_line_and_quantities_of_it_can_be_drawn(runner, tmp_pa
     assert result.exit_code == 0, result.output
     floor, roof = (line for line in result.stdout.splitlines() if line.startswith("contacts: "))
     found = re.fullmatch(
-        r"contacts: floor: (\d+) impacts, peak (\S+) N, shortest (\d+) steps", floor
+        r"contacts: floor: (\d+) impacts, peak (\S+) N, impulse (\S+) N s, shortest (\d+) steps",
+        floor,
     )
     events = Results.read(tmp_path / "ball-results.h5").events["floor"]
     assert int(found[1]) == len(events) == 2
     assert float(found[2]) == pytest.approx(events.peak.max(), rel=1e-3)
-    assert int(found[3]) == events.steps.min()
+    assert float(found[3]) == pytest.approx(events.impulse.sum(), rel=1e-3)
+    assert int(found[4]) == events.steps.min()
     assert roof == "contacts: roof: never closed"
     names = ["gap:floor", "normal_force:floor", "slip:floor:t1", "friction_force:floor"]
+    names += ["impulse:floor"]
     target = tmp_path / "ball-results.h5"
     assert runner.invoke(app, ["plot", str(target), *names, "contact_state:roof"]).exit_code == 0
     refused = runner.invoke(app, ["plot", str(target), "gap:wall"])

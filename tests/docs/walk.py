@@ -68,6 +68,8 @@ def run(command: str, folder: Path) -> str:
     words = shlex.split(command)
     if words[0] == "duhamel":
         words = [sys.executable, "-m", "duhamel.cli", *words[1:]]
+    elif words[0] == "python":
+        words[0] = sys.executable
     elif words[0] == "gmsh":
         words = [sys.executable, "-c", _GMSH, *words[1:]]
     done = subprocess.run(

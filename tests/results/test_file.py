@@ -13,7 +13,9 @@ import numpy as np
 import pytest
 from duhamel.results import Results, ResultsError
 from duhamel.results import file as file_module
+from duhamel.results.errors import QuantityError
 from duhamel.results.file import CHUNK, Extent, FileSource, FileWriter, chunks
+from duhamel.results.quantities import evaluate
 from duhamel.results.schema import EVENTS, QUANTITIES, EventRows, SuperelementFile
 from duhamel.results.source import Memory
 
@@ -182,7 +184,7 @@ def test_only_rows_that_are_whole_count(tmp_path):
     [
         (
             {"version": 2},
-            "results file of version 2; this Duhamel reads versions 3 to 7: run the model again",
+            "results file of version 2; this Duhamel reads versions 3 to 8: run the model again",
         ),
         (
             {"format": "duhamel-superelement"},
@@ -211,6 +213,25 @@ def test_earlier_versions_are_read_whose_bodies_have_no_second_order(version, tm
         assert "body_second_order_force" not in file
     assert Results.read(path).body("b0").second_order_force.shape == (2, 0)
     assert Results.read(path).motors == ()
+
+
+def test_contacts_of_earlier_files_are_read_without_their_impulse(tmp_path):
+    path, contents = tmp_path / "out.h5", make_contents()
+    earlier = replace(contents, quantities=tuple(q for q in contents.quantities if q.since < 8))
+    output = make_output(contents, 2)
+    write(path, earlier, output, (2,)).finish()
+    with h5py.File(path, "a") as file:
+        assert "contact_impulse" not in file
+        file.attrs["version"] = 7
+    results = Results.read(path)
+    np.testing.assert_array_equal(results.contact("k0").gap, output.gap[:, 0])
+    assert results.contact("k0").impulse.shape == results.stop("e0").impulse.shape == (0,)
+    with pytest.raises(QuantityError, match=r"^impulse:k0: .*out.h5 is of an earlier version"):
+        evaluate(results, "impulse:k0")
+    write(tmp_path / "new.h5", contents, output, (2,)).finish()
+    new = Results.read(tmp_path / "new.h5")
+    np.testing.assert_array_equal(new.contact("k0").impulse, output.normal_impulse[:, 0])
+    np.testing.assert_array_equal(evaluate(new, "impulse:e0").values, new.stop("e0").impulse)
 
 
 def test_an_earlier_file_stays_until_the_run_has_ended_well(tmp_path):

@@ -147,7 +147,7 @@ def cut(file, name, data):
         ),
         (
             lambda file: file.attrs.update(version=2),
-            "disc-results.h5: results file of version 2; this Duhamel reads versions 3 to 7: "
+            "disc-results.h5: results file of version 2; this Duhamel reads versions 3 to 8: "
             "run the model again$",
         ),
         (

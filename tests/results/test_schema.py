@@ -44,7 +44,7 @@ def test_names_dimensions_and_units():
         assert angular or isinstance(quantity.unit, str)
         assert isinstance(quantity.unit, tuple) or not quantity.owned or not quantity.owned.ragged
         for unit in quantity.unit if isinstance(quantity.unit, tuple) else (quantity.unit,):
-            known = r"1|s-[12]|(kg|m2?|N|J|W|Pa|rad|s)( (m2?|s))?( ?s-[12])?"
+            known = r"1|s-[12]|(kg|m2?|N|J|W|Pa|rad|s)( (m2?|s))?( s| ?s-[12])?"
             assert re.fullmatch(known, unit), unit
 
 

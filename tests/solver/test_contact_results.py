@@ -1,5 +1,6 @@
 """What results say of contacts, stops and friction, and of each time that they were closed."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -269,6 +270,37 @@ def test_too_few_steps_in_a_contact_are_warned_of_by_name():
         simulate(replace(bar, stops=[stiff]))
     assert not simulate(ball()).validity.warnings
     assert np.isnan(simulate(ball(t_end=0.01)).validity.values("contact_steps")["floor"])
+
+
+def test_the_warning_of_too_few_steps_names_the_key_and_its_value():
+    """That with which the shortest contact has its 40 steps."""
+    for key, contact_step in (("step", None), ("contact_step", 5e-5)):
+        model = ball(impact=Impact(stiffness=STIFFNESS * (36 if contact_step is None else 600)))
+        model = model.with_settings(contact_step=contact_step)
+        few = "contact 'floor': steps of the shortest"
+        (line,) = (w for w in simulate(model).validity.warnings if w.startswith(few))
+        value = float(re.search(rf": {key} = (\S+) s \(now (\S+) s\)$", line)[1])
+        settings = {key: model.settings.step / round(model.settings.step / value + 0.49)}
+        results = simulate(model.with_settings(**settings))
+        assert not any(line.startswith(few) for line in results.validity.warnings)
+        assert 36 <= results.validity.values("contact_steps")["floor"] <= 48
+
+
+def test_a_ball_deeper_than_its_radius_is_warned_of():
+    soft = simulate(ball(impact=Impact(stiffness=1e3), speed=2.5))
+    depth = -soft.contact("floor").gap.min() / R
+    assert depth > 1.0
+    assert soft.validity.values("contact_depth")["floor"] == pytest.approx(depth, rel=1e-3)
+    assert any("its center is beyond the surface" in line for line in soft.validity.warnings)
+
+
+@pytest.mark.parametrize(("part", "warned"), [(0.5, False), (1.0, False), (3.0, True)])
+def test_a_ball_that_its_weight_holds_closed_is_not_warned_of(part, warned):
+    """At its static depth m g / K it rests; three times as deep it is thrown up."""
+    model = ball(height=0.0)
+    mass, law = model.bodies["ball"].mass, Impact(stiffness=1e4, damping=1.0)
+    model = ball(height=-part * mass * G / 1e4, impact=law, t_end=2e-3)
+    assert bool(check(model).warnings) == warned
 
 
 def test_a_graze_is_no_short_contact():

@@ -7,11 +7,13 @@ import pytest
 from duhamel.solver import (
     Chirp,
     Constant,
+    Contact,
     Delayed,
     FlexibleBody,
     Frame,
     HalfSine,
     Harmonic,
+    Hertz,
     Joint,
     Load,
     LogarithmicChirp,
@@ -294,3 +296,24 @@ def test_a_body_with_one_interface_at_its_center_raises_none(random_element):
 def test_check_tells_the_doubts_among_its_warnings():
     asked = model(gravity=[0, 0, -9810])
     assert doubts(asked)[0].text in check(asked).warnings
+
+
+@pytest.mark.parametrize(("radius", "start"), [(0.0106, ""), (0.0101, "contacts.bore.hertz: ")])
+def test_a_ball_in_a_tight_bore_is_told_the_force_up_to_which_hertz_holds(radius, start):
+    """1 % of clearance: the patch is 0.17 of the radius around the bore at 2.3 kN."""
+    bore = Contact(
+        "bore",
+        ("ground.hole", "hub"),
+        "cylinder",
+        0.01,
+        [0, 0, 1],
+        radius=radius,
+        hollow=True,
+        hertz=Hertz([2.1e11, 2.1e11], [0.3, 0.3]),
+    )
+    texts = told(model(contacts=[bore], ground_frames={"hole": Frame()}), severe=False)
+    only(texts, start)
+    if start:
+        depth = (0.17 / bore.patch_over_radius) ** 2
+        assert f"holds up to {bore.law().stiffness * depth**1.5:.3g} N" in texts[0]
+        assert "a clearance of 1 %" in texts[0]

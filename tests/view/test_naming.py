@@ -27,6 +27,8 @@ NAMES = {
     ("gap:ends", "m"): "ends, gap",
     ("normal_force:ends", "N"): "ends, normal force",
     ("normal_force:stop", "N m"): "stop, moment",
+    ("impulse:ends", "N s"): "ends, impulse",
+    ("impulse:stop", "N m s"): "stop, angular impulse",
     ("friction_force:corner 1:t1", "N"): "corner 1, friction force along t1",
     ("slip:corner 1:t2", "m/s"): "corner 1, slip along t2",
     ("contact_state:ends", "1"): "ends, state",
