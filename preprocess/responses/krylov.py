@@ -201,7 +201,8 @@ class KrylovSpace:
         K, q = self._stiffness[start:, start:], Q[start:]
         K = np.triu(K) + np.triu(K, 1).T
         energy = np.einsum("ik,ik->k", q, K @ q) / omega**2
-        return np.abs(0.5 * (energy - np.einsum("ik,ik->k", q, q)))
+        changes: Array = np.abs(0.5 * (energy - np.einsum("ik,ik->k", q, q)))
+        return changes
 
     def with_rotation(self, modes: Modes, Q: Array) -> Modes:
         """The same modes, which loads of rotation excite beside those on interfaces: phi (n_c + 6,

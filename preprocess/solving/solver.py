@@ -16,6 +16,7 @@ from .cost import BLOCKS, FEW, Cost, basis_bytes, factor_cost, gradient_cost, gr
 from .factor import COARSER, Solve, factorize, note
 from .gradients import ConjugateGradients, NotConvergedError, given_up
 from .loops import with_loops
+from .mixed import BYTES, SECONDS, MixedFactor, single_factor
 from .multigrid import Multigrid
 from .panels import in_blocks
 
@@ -25,6 +26,8 @@ number of blocks to expect
 """
 COMPACT = 0.5
 """Share that most bodies take of what a factor costs by its formula, which is that of a cube."""
+MIXED = 150_000
+"""Unknowns from which on a factor is one in single precision, unless the body file asks for one."""
 LARGEST = 3.0
 """The largest eigenvalue of D^-1 S, about."""
 
@@ -47,6 +50,23 @@ def factorized(
     return factorize(structure.K + shift * structure.M, name, _basis(structure))
 
 
+def mixed(
+    structure: Structure, shift: float, name: str, accuracy: float, blocks: int = BLOCKS
+) -> Solve:
+    """By a factor in single precision and conjugate gradients, or by one in double where the matrix
+    asks too much of that.
+    """
+    K, M = structure.K, structure.M
+    factor = partial(factorized, structure, shift, name, accuracy)
+    needed = BYTES * factor_cost(structure.n_u, K.nnz, structure.P_C.shape[0]).bytes
+    require({f"the factor of {name} ({structure.n_u} unknowns)": needed}, COARSER)
+    single = single_factor(K + shift * M)
+    if single is None:
+        return factor()
+    note("rslab in single precision, refined")
+    return Patient(MixedFactor(name, partial(_product, K, M, shift), single, accuracy), factor)
+
+
 def iterated(
     structure: Structure, shift: float, name: str, accuracy: float, blocks: int = BLOCKS
 ) -> Solve:
@@ -54,15 +74,15 @@ def iterated(
     K, M = structure.K, structure.M
     what = f"solving with {name} ({structure.n_u} unknowns) without a factor"
     require({what: costs(structure, shift, accuracy).iterative.bytes}, COARSER)
-    blocks = in_blocks(K, M, shift)
+    panels = in_blocks(K, M, shift)
     precondition = None
     if gradient_steps(condition(structure, shift), accuracy) > FEW:
         try:
-            precondition = with_loops(partial(Multigrid, blocks, structure.U))
+            precondition = with_loops(partial(Multigrid, panels, structure.U))
         except np.linalg.LinAlgError as error:
             raise given_up(name, structure.n_u, "the digits of single precision") from error
     note("conjugate gradients" + (" with multigrid" if precondition else ""))
-    return ConjugateGradients(name, blocks, partial(_product, K, M, shift), accuracy, precondition)
+    return ConjugateGradients(name, panels, partial(_product, K, M, shift), accuracy, precondition)
 
 
 def cheaper(
@@ -73,7 +93,8 @@ def cheaper(
     By a factor, too, once gradients do not converge and it has room.
     """
     both = costs(structure, shift, accuracy, blocks)
-    factor = partial(factorized, structure, shift, name, accuracy)
+    by_factor = factorized if structure.n_u < MIXED else mixed
+    factor = partial(by_factor, structure, shift, name, accuracy)
     if both.cheaper == "factor":
         return factor()
     try:
@@ -129,8 +150,11 @@ class Costs:
 def costs(structure: Structure, shift: float, accuracy: float, blocks: int = BLOCKS) -> Costs:
     """The costs for a structure; the room is what memory has left beside the basis."""
     sizes = structure.n_u, structure.K.nnz, structure.P_C.shape[0]
+    factor = factor_cost(*sizes, blocks)
+    if structure.n_u >= MIXED:
+        factor = Cost(SECONDS * factor.seconds, BYTES * factor.bytes)
     return Costs(
-        factor_cost(*sizes, blocks),
+        factor,
         gradient_cost(*sizes, condition(structure, shift), accuracy, blocks),
         free := available(),
         free - sum(_basis(structure).values()),

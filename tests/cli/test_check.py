@@ -1,11 +1,13 @@
 """`duhamel check`: a table of what holds, and the exit code."""
 
 import re
+import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import h5py
 import pytest
-from duhamel.cli import app
+from duhamel.cli import app, projects
 from duhamel.superelement import Chain, sample_kernel, write
 
 
@@ -17,6 +19,31 @@ def test_a_sound_superelement_passes(runner, element_file):
     assert "NO" not in result.stdout
     for words in ("static/compliance", "passivity", "reciprocity", "no rigid motion"):
         assert words in result.stdout
+
+
+def test_a_superelement_is_compared_with_a_static_solution_of_its_mesh(runner, tmp_path):
+    """Beside its mesh, by itself; elsewhere, if told the body file. One of a stiffer body is not
+    its own.
+    """
+    starter = Path(projects.__file__).parent / "starters" / "solid-project"
+    folder = tmp_path / "made"
+    shutil.copytree(starter, folder)
+    (body,) = (file for file in folder.glob("*.toml") if "[interfaces" in file.read_text())
+    assert runner.invoke(app, ["preprocess", str(body)]).exit_code == 0
+    file = body.with_suffix(".h5")
+    beside = runner.invoke(app, ["check", str(file)])
+    assert beside.exit_code == 0, beside.output
+    assert "the static solution" in " ".join(beside.stdout.split())
+    alone = shutil.copy(file, tmp_path / "alone.h5")
+    result = runner.invoke(app, ["check", str(alone)])
+    assert result.exit_code == 0
+    assert "not compared with its mesh" in result.stdout
+    assert runner.invoke(app, ["check", str(alone), "--body", str(body)]).exit_code == 0
+    stiffer = folder / "stiffer.toml"
+    stiffer.write_text(re.sub(r"(?m)^E = .*", "E = 2.2e11", body.read_text()))
+    result = runner.invoke(app, ["check", str(alone), "--body", str(stiffer)])
+    assert result.exit_code == 1
+    assert "static/compliance: expected the static solution of the mesh, found" in result.stderr
 
 
 def test_what_does_not_hold_is_a_line_each_and_the_exit_code_says_so(runner, element, tmp_path):
