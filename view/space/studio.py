@@ -111,7 +111,7 @@ class Studio:
         width, height = self._size
         window = self._plotter.render_window
         window.Render()
-        read = vtkUnsignedCharArray()
+        read: Any = vtkUnsignedCharArray()
         window.GetPixelData(0, 0, width - 1, height - 1, 0, read, 0)
         # from below to above
         drawn = np.ascontiguousarray(np.frombuffer(read, np.uint8).reshape(height, width, 3)[::-1])
