@@ -50,6 +50,7 @@ ABOUT = {
     "preprocess/plausibility": "doubts about units",
     "preprocess/survey": "the dry run",
     "preprocess/build": "body to superelement",
+    "preprocess/verification": "statics of the mesh beside it",
     "preprocess/parallel": "the same on several processes",
     "solver/arrays": "types of arrays",
     "solver/errors": "one exception for each failure",
