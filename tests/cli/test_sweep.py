@@ -1,5 +1,7 @@
 """`duhamel sweep`: its progress, and the picture of its outputs."""
 
+import re
+
 import pytest
 from duhamel.cli.app import app
 from duhamel.cli.sweep import shown_cases
@@ -54,7 +56,7 @@ def test_a_summary_is_drawn(tmp_path):
         ("a,b\n1,2\n", [], "no summary of a study: expected columns case, parameters, status"),
         ("", [], "no summary of a study: expected columns"),
         (SUMMARY.replace(",4.0,", ",four,"), [], "no summary of a study"),
-        (SUMMARY.replace("case-0002,2", "case-0002,1"), [], "expected parameters that vary"),
+        (re.sub(r"(case-\d+),\d", r"\1,1", SUMMARY), [], "expected parameters that vary"),
     ],
 )
 def test_what_is_no_summary_is_refused_in_one_line(tmp_path, text, names, message):
