@@ -14,9 +14,6 @@ F = 4/3 E* sqrt(r) d^(3/2). Source: K. L. Johnson, Contact Mechanics, 1985, sect
 import math
 from typing import NamedTuple
 
-from scipy.optimize import brentq
-from scipy.special import ellipkm1, elliprd
-
 FLATTEST = 1e-24
 """(b/a)^2 of the longest patch, of curvatures whose ratio is about 1e-22"""
 
@@ -35,6 +32,8 @@ class Patch(NamedTuple):
 
 def patch_of(k1: float, k2: float) -> Patch:
     """The patch of two sums of curvatures [1/m], both positive, in any order."""
+    from scipy.special import ellipkm1, elliprd  # slow to load, and few models need it
+
     least, most = min(k1, k2), max(k1, k2)
     square = _square_of_axes(most / least)
     K = float(ellipkm1(square))
@@ -47,6 +46,8 @@ def patch_of(k1: float, k2: float) -> Patch:
 
 def _square_of_axes(ratio: float) -> float:
     """(b/a)^2 of a ratio k2 / k1 >= 1."""
+    from scipy.optimize import brentq
+    from scipy.special import elliprd
 
     def excess(logarithm: float) -> float:
         square = math.exp(logarithm)

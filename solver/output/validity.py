@@ -30,7 +30,7 @@ class Judge:
     """
 
     def __init__(self, lowered: LoweredModel) -> None:
-        self._subjects = Subjects(lowered)
+        self._subjects, self._steps = Subjects(lowered), (lowered.longest_step, lowered.h)
         self.names = tuple(
             f"{name}:{owner}"
             for name in CRITERIA
@@ -46,7 +46,8 @@ class Judge:
 
     def validity(self, state: State, taken: int) -> Validity:
         checks = zip(self.names, self.values(state, taken).tolist(), strict=True)
-        return Validity(tuple(Check.of(name, value) for name, value in checks))
+        found = (Check.of(name, value).with_step(*self._steps) for name, value in checks)
+        return Validity(tuple(found))
 
     def cause(self, state: State, taken: int) -> str:
         """Why Newton's method may have failed: the first warning of a body beyond the range."""

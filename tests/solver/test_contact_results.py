@@ -277,7 +277,7 @@ def test_the_warning_of_too_few_steps_names_the_key_and_its_value():
     for key, contact_step in (("step", None), ("contact_step", 5e-5)):
         model = ball(impact=Impact(stiffness=STIFFNESS * (36 if contact_step is None else 600)))
         model = model.with_settings(contact_step=contact_step)
-        few = "contact 'floor': steps of the shortest"
+        few = "contact 'floor': time steps of the shortest"
         (line,) = (w for w in simulate(model).validity.warnings if w.startswith(few))
         value = float(re.search(rf": {key} = (\S+) s \(now (\S+) s\)$", line)[1])
         settings = {key: model.settings.step / round(model.settings.step / value + 0.49)}
@@ -291,7 +291,7 @@ def test_a_ball_deeper_than_its_radius_is_warned_of():
     depth = -soft.contact("floor").gap.min() / R
     assert depth > 1.0
     assert soft.validity.values("contact_depth")["floor"] == pytest.approx(depth, rel=1e-3)
-    assert any("its center is beyond the surface" in line for line in soft.validity.warnings)
+    assert any("the center of the ball is beyond the surface" in line for line in soft.validity.warnings)
 
 
 @pytest.mark.parametrize(("part", "warned"), [(0.5, False), (1.0, False), (3.0, True)])
@@ -335,7 +335,7 @@ def test_a_patch_too_large_for_hertz_is_warned_of(speed, warned):
     deepest = -results.contact("floor").gap.min()
     ratio = results.validity.values("hertz_radius")["floor"]
     assert ratio == pytest.approx(np.sqrt(deepest / R), rel=1e-12)
-    told = "contact 'floor': contact patch radius / ball radius"
+    told = "contact 'floor': contact patch semi-axis / surface radius"
     assert any(line.startswith(told) for line in results.validity.warnings) == warned
 
 
