@@ -21,7 +21,7 @@ import math
 
 from ..compiler.marks import compiled
 from .contacts import is_closed
-from .gaps import gap_at, place_of_ball
+from .gaps import BALL, gap_at, place_of_ball
 from .kinds import delta_of
 from .rotations import stumpff
 from .rows import GAP
@@ -44,6 +44,9 @@ FINEST = 0.01
 """shortest part of a path that is looked at, over the size of ball and shape"""
 NEGLIGIBLE = 1e-5
 """depth over that size that no step need show"""
+GRAZE = 1e-3
+"""depth in a plane over the radius of the ball that is none: it is slower than forces make it in a
+step"""
 PATH_ERROR = 0.05
 """error of a path over its deviation from a straight line"""
 MOST_PLACES = 1000
@@ -124,7 +127,10 @@ def _has_passed(
     if size == math.inf and min(before, after) > bend + sag:
         return False
     finest = max(1.0 / MOST_PLACES, min(FINEST * size / length, 1.0 / PLACES_OF_PLANE))
-    deep = PATH_ERROR * (bend + sag) if size == math.inf else NEGLIGIBLE * size + PATH_ERROR * sag
+    if size == math.inf:
+        deep = max(PATH_ERROR * (bend + sag), GRAZE * rows.parameters[rows.first[i] + BALL])
+    else:
+        deep = NEGLIGIBLE * size + PATH_ERROR * sag
     if not _reaches(rows, i, path, True, deep, length, finest, work):
         return False
     smooth = not is_closed(system.couplings, work) and not _were_closed(state)
