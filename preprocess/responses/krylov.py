@@ -62,6 +62,8 @@ times as much was seen.
 """
 FINEST = 1e-11
 """The accuracy that solutions can reach, whatever is asked for."""
+OF_FIELDS = 0.1
+"""Part of it where fields count: stresses at a point err by some times the error in energy."""
 Watch = Callable[[str], None]
 Mask = NDArray[np.bool_]
 RitzModes = Callable[[int], tuple[Modes, Array]]
@@ -294,7 +296,8 @@ def krylov_modes(
         lost = agreed(partial(_lost, band, modes, weak, fields))
     modes, Q = _only(modes, ~weak), Q[:, ~weak]
     loads = space.with_rotation(modes, Q).phi if chain else modes.phi
-    few = agreed(lambda: condensed(modes, damping, band, CONDENSED * tolerance, fields, loads))
+    share = CONDENSED * tolerance * (OF_FIELDS if fields else 1.0)
+    few = agreed(lambda: condensed(modes, damping, band, share, fields, loads))
     stated = error + lost + few.error + unsolved
     return few.modes, space_shapes(space.basis, Q @ few.Y), stated
 
