@@ -8,6 +8,8 @@ PACKAGES := files inputs superelement results preprocess solver view study cli
 DATA := $(wildcard cli/starters/*/*) view/report/page.css view/report/page.js
 SOURCES := pyproject.toml $(shell find $(PACKAGES) top -name '*.py' -o -name py.typed) $(DATA)
 EVERY := test gallery cholmod peer notebooks
+# Each process takes one thread. A file's tests go to one of them, for what they share is made once.
+PARALLEL := -n 2 --dist loadfile
 LOCK := --quiet --upgrade --generate-hashes --python-version 3.11 --custom-compile-command "make constraints"
 
 CORE := $(patsubst %,solver/step/%.py,rotations rows frames history newton equations interfaces \
@@ -40,8 +42,8 @@ demo: $(VENV)/.installed ## a mesh of a beam, its superelement, the paper's Case
 	  --title "Case 1: a beam on a hub that a torque turns and stops" -o out/case1.png
 	@echo "hub speed and tip deflection: $(CURDIR)/out/case1.png"
 
-test: $(VENV)/.installed ## the tests
-	$(BIN)/python -m pytest
+test: $(VENV)/.installed ## the tests, on two processes; takes some six minutes
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest $(PARALLEL)
 
 lint: $(VENV)/.installed build/types/.linked ## style and types
 	$(BIN)/ruff check .
@@ -56,7 +58,7 @@ large-validation: $(VENV)/.validation ## exact problems with a million unknowns;
 
 wheel-test: $(CI)/3.11/.wheel ## all tests, of the wheel, with every extra: none may be skipped
 	$(CI)/3.11/bin/python .ci/check_wheel.py build/wheel/*.whl
-	$(CI)/3.11/bin/pytest --complete
+	$(CI)/3.11/bin/pytest --complete $(PARALLEL)
 
 plain-test: $(CI)/3.11/.wheel ## tests that run compiled code as plain Python
 	NUMBA_DISABLE_JIT=1 $(CI)/3.11/bin/pytest -q $(PLAIN)
