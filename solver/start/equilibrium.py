@@ -47,6 +47,8 @@ FIRST_STEP = 0.05
 """length of the first step, relative to the size of the model"""
 LEAST_SHARE = 1e-3
 """of all forces, that the first step is taken under at least"""
+NO_FORCE = 1e-300
+"""the largest force where there is none, by which others are divided"""
 MAX_RISE, SMALL_RESIDUAL, REMEMBERED = 4.0, 1e-3, 8
 """by how much the residual may rise above the largest of those remembered, unless it is small"""
 MAX_CAUTION = 8.0
@@ -235,12 +237,15 @@ class _Search:
     def _first_inertia(self) -> float:
         """The inertia of a first step of `FIRST_STEP`, under the forces that are out of balance.
 
-        Or under a share of all forces, where that is more: with hardly any inertia the pivots of
-        bodies, which are eliminated before their joints, would be rounding alone.
+        Or under a share of all forces, the centrifugal ones too, where that is more: with hardly
+        any inertia the pivots of bodies, which are eliminated before their joints, would be
+        rounding alone. A body that turns about its center, and that nothing holds, has no others.
         """
         system, (rounding, _) = self.system, self._law_rounding()
         forces, _ = _largest_forces(system, self.work, (rounding / ACCEPTED, 0.0))
-        least = LEAST_SHARE * forces / float(system.bodies.mass.sum())
+        loads = forces / float(system.bodies.mass.sum()) if forces > NO_FORCE else 0.0
+        spin = np.zeros(3) if self.motion is None else self.motion.angular_velocity
+        least = LEAST_SHARE * (loads + float(spin @ spin) * system.bodies.size)
         pull = max(_accelerations(system, self.work), least)
         return pull / (FIRST_STEP * system.bodies.size) if pull > 0.0 else 1.0
 
@@ -408,7 +413,7 @@ def _largest_forces(
     """
     lengths, answers = _answers(system, work)
     forces = max(
-        float(work.bodies.force_scale[:, 0].max()), answers[lengths].max(initial=1e-300), least[0]
+        float(work.bodies.force_scale[:, 0].max()), answers[lengths].max(initial=NO_FORCE), least[0]
     )
     levered = max(forces * 1e-3 * system.bodies.size, answers[~lengths].max(initial=0.0))
     return forces, max(float(work.bodies.force_scale[:, 1].max()), levered, least[1])
