@@ -300,9 +300,9 @@ def mechanisms(draw, free=False, conservative=False, loops=True, friction=True, 
 
 def run(model):
     """The results of a mechanism; no example is one whose joints say the same twice, nor one that
-    leaves the range in which bodies can be integrated, or starts beyond it: slim ones, that a spring
-    on them swings in less than a step: there Newton's iterations overflow, of which numpy warns
-    where compiled code does not.
+    leaves the range in which bodies can be integrated, or starts beyond it: slim ones, that a
+    spring on them swings in less than a step: there Newton's iterations overflow, of which numpy
+    warns where compiled code does not.
     """
     try:
         with np.errstate(over="ignore", invalid="ignore"):
