@@ -15,7 +15,6 @@ CAUSES = (
     "elastic_displacement",
     "second_order_rotation",
     "second_order_displacement",
-    "spin",
     "spin_turn",
     "inertia_taken",
     "joint_turn",

@@ -46,8 +46,6 @@ KINDS = sorted(JOINT_TYPES.keys() - {"rod"})
 """of joints between frames in one place, where a rod has no direction"""
 ROUNDED = 1e-6
 """[m] a gap that rounding does not close"""
-BEYOND = ("turns by", "too short for the step", "(limit ")
-"""what messages say of a body that is beyond the range in which it can be integrated"""
 BEFORE = {"bar": "left", "wing": "left"}
 """the interface by which a flexible body hangs on the one before it"""
 
@@ -300,9 +298,9 @@ def mechanisms(draw, free=False, conservative=False, loops=True, friction=True, 
 
 def run(model):
     """The results of a mechanism; no example is one whose joints say the same twice, nor one that
-    leaves the range in which bodies can be integrated, or starts beyond it: slim ones, that a
-    spring on them swings in less than a step: there Newton's iterations overflow, of which numpy
-    warns where compiled code does not.
+    leaves the range in which bodies can be integrated: slim ones, that a spring on them swings in
+    less than a step: there Newton's iterations overflow, of which numpy warns where compiled code
+    does not.
     """
     try:
         with np.errstate(over="ignore", invalid="ignore"):
@@ -314,8 +312,7 @@ def run(model):
     except OutOfRangeError:
         reject()
     except ConvergenceError as error:
-        # a limit that the start has passed, as one of spin, is named in place of what it leads to
-        beyond = any(words in str(error) for words in BEYOND)
+        beyond = any(words in str(error) for words in ("turns by", "too short for the step"))
         if beyond or has_left_range(model, error.step - 1):
             reject()
         raise
