@@ -27,7 +27,7 @@ PLAIN := tests/solver/test_rotations.py tests/solver/test_tangents.py tests/solv
   --hypothesis-profile=faults tests/solver/properties/test_conservation.py
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint validation large-validation fuzz benchmark soak mutants docs notebooks constraints clean
+.PHONY: help demo test slow-test lint validation large-validation fuzz benchmark soak mutants docs notebooks constraints clean
 .PHONY: wheel-test plain-test coverage python-test lowest-test audit
 .DELETE_ON_ERROR:
 
@@ -42,8 +42,11 @@ demo: $(VENV)/.installed ## a mesh of a beam, its superelement, the paper's Case
 	  --title "Case 1: a beam on a hub that a torque turns and stops" -o out/case1.png
 	@echo "hub speed and tip deflection: $(CURDIR)/out/case1.png"
 
-test: $(VENV)/.installed ## the tests, on two processes; takes some six minutes
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest $(PARALLEL)
+test: $(VENV)/.installed ## the tests that take up to three seconds each, on two processes
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest $(PARALLEL) -m "not slow and not validation and not large and not soak"
+
+slow-test: $(VENV)/.installed ## those that take longer, which .ci/run runs too
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest $(PARALLEL) -m "slow and not validation and not large and not soak"
 
 lint: $(VENV)/.installed build/types/.linked ## style and types
 	$(BIN)/ruff check .

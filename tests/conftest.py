@@ -2,6 +2,7 @@
 
 import signal
 from collections.abc import Callable, Generator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -12,6 +13,19 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--complete", action="store_true", help="what would be skipped is missing: an error"
     )
+
+
+SLOW = Path(__file__).parent / "slow.txt"
+"""tests that take more than three seconds, a line each, without their parameters; or whole files"""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark what is listed as slow."""
+    listed = set(SLOW.read_text(encoding="utf-8").split())
+    for item in items:
+        test = item.nodeid.partition("[")[0]
+        if listed & {test, test.partition("::")[0]}:
+            item.add_marker("slow")
 
 
 @pytest.fixture(autouse=True)
