@@ -16,7 +16,7 @@ ABOVE = 1.3
 """Frequencies up to this multiple of the top of the band stay as they are."""
 FEWEST = 3
 """Shifts before the first look at the error."""
-DEPENDENT = 1e-10
+DEPENDENT = 1e-7
 """Length of a direction, relative to the longest, that others have already."""
 
 
