@@ -45,7 +45,7 @@ demo: $(VENV)/.installed ## a mesh of a beam, its superelement, the paper's Case
 test: $(VENV)/.installed ## the tests that take up to three seconds each, on two processes
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest $(PARALLEL) -m "not slow and not validation and not large and not soak"
 
-slow-test: $(VENV)/.installed ## those that take longer, which .ci/run runs too
+slow-test: $(VENV)/.installed ## those that take longer, as tests/slow.txt lists them; .ci/run runs them too
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest $(PARALLEL) -m "slow and not validation and not large and not soak"
 
 lint: $(VENV)/.installed build/types/.linked ## style and types
