@@ -16,8 +16,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 SLOW = Path(__file__).parent / "slow.txt"
-"""tests that take more than three seconds, a line each, without their parameters; and files that take
-ten or more"""
+"""tests that take more than three seconds, a line each, without their parameters; and files that
+take ten or more"""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
