@@ -87,8 +87,9 @@ def test_a_process_that_fails_ends_the_others(failing):
 
 @pytest.mark.parametrize("killed", [0, 1])
 def test_a_process_that_is_killed_ends_the_others(bar, killed):
+    # Some ten seconds of work a process, for it must not end before two of them are seen.
     body_file = bar(
-        {"band = 10000": "band = 45000", "tolerance = 1e-5": "tolerance = 1e-12"}, (12, 4, 4)
+        {"band = 10000": "band = 45000", "tolerance = 1e-5": "tolerance = 1e-12"}, (24, 8, 8)
     )
     with start(2, *PREPROCESS, str(body_file)) as running:
         ranks = at_work(running)
