@@ -2,6 +2,15 @@
 
 from ..results.results import Results
 from .checkpoint.moment import Moment
+from .couplings.contacts import Contact, Hertz
+from .couplings.couplers import Coupler
+from .couplings.friction import Coulomb, JointFriction, Stribeck
+from .couplings.impact import ForceTable, Impact
+from .couplings.joints import Joint
+from .couplings.motions import PrescribedDisplacement, PrescribedOrientation, PrescribedRotation
+from .couplings.motors import Motor
+from .couplings.springs import Spring
+from .couplings.stops import Stop
 from .errors import (
     ConvergenceError,
     MissedContactError,
@@ -28,10 +37,14 @@ from .linear.modes import LinearModes
 from .linear.state_space import StateSpace
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, RigidSuperelement, Start
 from .model.body_shapes import Box, Cylinder, Sphere, Surface
-from .model.composed import Delayed, Product, Sum
-from .model.contacts import Contact, Hertz
-from .model.couplers import Coupler
-from .model.curves import (
+from .model.file import model_schema, read_model, write_model
+from .model.loads import Load, PatternLoad
+from .model.model import Model
+from .model.output_request import OutputRequest
+from .model.settings import Settings, StartFrom, SteadyRotation
+from .plausibility import Doubt, doubts
+from .signals.composed import Delayed, Product, Sum
+from .signals.curves import (
     Constant,
     Function,
     Harmonic,
@@ -44,17 +57,8 @@ from .model.curves import (
     Steps,
     Table,
 )
-from .model.file import model_schema, read_model, write_model
-from .model.friction import Coulomb, JointFriction, Stribeck
-from .model.impact import ForceTable, Impact
-from .model.joints import Joint
-from .model.loads import Load, PatternLoad
-from .model.model import Model
-from .model.motions import PrescribedDisplacement, PrescribedOrientation, PrescribedRotation
-from .model.motors import Motor
-from .model.noise import Noise, ShapedNoise
-from .model.output_request import OutputRequest
-from .model.profiles import (
+from .signals.noise import Noise, ShapedNoise
+from .signals.profiles import (
     Chirp,
     HalfSine,
     Haversine,
@@ -64,11 +68,7 @@ from .model.profiles import (
     Trapezoid,
     Window,
 )
-from .model.recorded import Recorded, RecordedSpline
-from .model.settings import Settings, StartFrom, SteadyRotation
-from .model.springs import Spring
-from .model.stops import Stop
-from .plausibility import Doubt, doubts
+from .signals.recorded import Recorded, RecordedSpline
 from .simulation import simulate, start
 from .simulator import Simulator
 

@@ -13,13 +13,13 @@ from ..files.memory import peak
 from ..results.schema import Contents
 from ..results.validity import Validity
 from .arrays import Array
+from .couplings.contacts import Contact
+from .couplings.stops import JointStop
 from .errors import about
 from .history.cost import history_costs
 from .lower.lower import LoweredModel
 from .model.bodies import FlexibleBody
-from .model.contacts import Contact
 from .model.model import Coupling, Model
-from .model.stops import JointStop
 from .output.columns import requested
 from .output.inputs import drifts, signal_warnings
 from .output.size import check_memory, file_bytes, lack_of_disk

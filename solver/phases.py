@@ -15,7 +15,7 @@ import numpy as np
 from .arrays import Array
 from .checkpoint.carried import Snapshot, carried
 from .lower.lower import LoweredModel
-from .model.signals import Signal, corners_of, jumps_of
+from .signals.signal import Signal, corners_of, jumps_of
 from .start.initial import modes_of
 from .step.contacts import approaches
 from .step.loop import OTHER_SIZE, advance

@@ -9,16 +9,16 @@ from typing import NamedTuple
 import numpy as np
 
 from .arrays import Array
+from .couplings.joints import Joint
+from .couplings.motions import PrescribedRotation
 from .errors import about
 from .lower.scheme import stepping_of
 from .model.bodies import Body, FlexibleBody
-from .model.curves import Constant, Harmonic, Polynomial, Pulse, Steps
-from .model.joints import Joint
 from .model.model import Model
-from .model.motions import PrescribedRotation
-from .model.noise import Noise, ShapedNoise
-from .model.profiles import Chirp, HalfSine, LogarithmicChirp, Sawtooth, Trapezoid
-from .model.signals import Signal, breaks_of, parts_of, values_of
+from .signals.curves import Constant, Harmonic, Polynomial, Pulse, Steps
+from .signals.noise import Noise, ShapedNoise
+from .signals.profiles import Chirp, HalfSine, LogarithmicChirp, Sawtooth, Trapezoid
+from .signals.signal import Signal, breaks_of, parts_of, values_of
 
 TURN = 2.0 * np.pi
 OTHER_UNITS = {

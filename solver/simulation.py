@@ -32,7 +32,6 @@ from .lower.allocation import allocate
 from .lower.lower import LoweredModel, lower
 from .model.model import Model
 from .model.settings import Settings
-from .model.signals import values_of
 from .output.branches import Branches
 from .output.columns import requested
 from .output.inputs import signal_warnings
@@ -57,6 +56,7 @@ from .output.writer import (
 )
 from .phases import Phases
 from .schema.entry import LARGEST
+from .signals.signal import values_of
 from .start.initial import initialize, lower_to_start
 from .start.removed import RemovedRows
 from .step.events import is_full

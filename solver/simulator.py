@@ -20,7 +20,6 @@ from .checkpoint.moment import Moment
 from .errors import ModelError, ValidityWarning, about
 from .history.uniform import UniformConvolution
 from .lower.allocation import make_output
-from .model.curves import Input
 from .model.model import Model
 from .model.settings import Settings
 from .output.columns import axes_of, check_names, views
@@ -29,6 +28,7 @@ from .output.passages import check_passages
 from .output.recording import Recording
 from .output.validity import Judge, check_range
 from .output.writer import check_output
+from .signals.curves import Input
 from .simulation import failure, signals
 from .start.initial import initialize, lower_to_start
 from .step.loop import advance

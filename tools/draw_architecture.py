@@ -58,6 +58,8 @@ ABOUT = {
     "solver/schema": "fields of entries, declared once",
     "solver/laws": "force laws, compiled",
     "solver/step": "one time step, compiled",
+    "solver/signals": "functions of time",
+    "solver/couplings": "joints, springs, contacts, ...",
     "solver/model": "what a user says",
     "solver/history": "layout of modes and kernels",
     "solver/lower": "from names to numbers",

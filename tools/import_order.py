@@ -70,6 +70,8 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "schema",
         "laws",
         "step",
+        "signals",
+        "couplings",
         "model",
         "history",
         "lower",

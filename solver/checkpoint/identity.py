@@ -23,9 +23,9 @@ from ..laws.law import LAWS
 from ..lower.lower import LoweredModel
 from ..model.bodies import FlexibleBody, RigidBody, RigidSuperelement
 from ..model.model import Model
-from ..model.recorded import Recorded, RecordedSpline
 from ..schema.entry import Beside, Entry, note
 from ..schema.tables import declared, key_of
+from ..signals.recorded import Recorded, RecordedSpline
 from ..step.system import Laws
 from .layout import Layout, layout_of
 

@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..model.curves import Constant, Polynomial
-from ..model.joints import Joint
+from ..couplings.joints import Joint
+from ..couplings.motions import PrescribedMotion, PrescribedRotation
+from ..couplings.motors import Motor
 from ..model.model import Model
-from ..model.motions import PrescribedMotion, PrescribedRotation
-from ..model.motors import Motor
 from ..model.settings import SteadyRotation
-from ..model.signals import SmoothSignal
+from ..signals.curves import Constant, Polynomial
+from ..signals.signal import SmoothSignal
 
 SAMPLES = 65
 """times at which a drive is compared with its start"""

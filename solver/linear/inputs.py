@@ -19,9 +19,9 @@ import numpy as np
 from ..arrays import Array
 from ..errors import ModelError
 from ..lower.lower import LoweredModel
-from ..model.curves import Constant, Input
 from ..model.loads import Load
 from ..model.model import GROUND, Model
+from ..signals.curves import Constant, Input
 from ..step.rows import ATTITUDE
 from .equations import Forcing
 from .pose import Pose

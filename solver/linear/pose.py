@@ -6,17 +6,17 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
+from ..couplings.joints import Joint
+from ..couplings.motors import Motor
 from ..errors import ModelError
 from ..laws.contact import ContactLaw
 from ..laws.law import LAWS
 from ..laws.maxwell import MaxwellLaw
 from ..lower.lower import LoweredModel, lower
-from ..model.curves import Constant
-from ..model.joints import Joint
 from ..model.model import Model
-from ..model.motors import Motor
 from ..model.output_request import OutputRequest
 from ..model.settings import StartFrom, SteadyRotation
+from ..signals.curves import Constant
 from ..start.initial import InitialState, initialize
 from ..step.equations import evaluate
 from ..step.system import State, System, Workspace

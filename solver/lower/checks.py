@@ -4,11 +4,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from ..couplings.contacts import Contact
+from ..couplings.joints import Joint
+from ..couplings.motions import PrescribedMotion
 from ..errors import ModelError
-from ..model.contacts import Contact
-from ..model.joints import Joint
 from ..model.model import GROUND, Coupling, Model
-from ..model.motions import PrescribedMotion
 from ..step.rows import measures_length
 from .numbering import NumberedFrames, side_names
 from .rows import Row, joint_drives

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..model.contacts import Contact
-from ..model.joints import basis_about
+from ..couplings.contacts import Contact
+from ..couplings.joints import basis_about
 from ..step.shapes import Cylinder, Plane, Profile, Sphere
 
 SHAPES = {

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array
-from ..model.contacts import Contact
-from ..model.friction import FrictionCoefficient, JointFriction
-from ..model.joints import Joint
+from ..couplings.contacts import Contact
+from ..couplings.friction import FrictionCoefficient, JointFriction
+from ..couplings.joints import Joint
 from ..model.model import GROUND, Coupling, Model
 from .placement import Pose
 

@@ -8,15 +8,15 @@ from numpy.typing import NDArray
 
 from ...superelement import GeneralizedAlpha, Superelement
 from ..arrays import Array, as_index, as_rows
+from ..couplings.contacts import Contact
+from ..couplings.couplers import JointCoupler
+from ..couplings.joints import Joint
+from ..couplings.stops import JointStop
 from ..history.layout import Horizon, Responses, Stepping, lay_out_elastic
-from ..model.contacts import Contact
-from ..model.couplers import JointCoupler
-from ..model.joints import Joint
 from ..model.loads import AnyLoad
 from ..model.model import Model
 from ..model.settings import StartFrom
-from ..model.signals import Signal, SmoothSignal
-from ..model.stops import JointStop
+from ..signals.signal import Signal, SmoothSignal
 from ..step.rows import measures_length
 from ..step.system import Bodies, Couplings, Elastic, LoadPatterns, Loads, Sensors, System
 from .checks import check_assembled, check_masses, check_moments

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..couplings.couplers import JointCoupler
+from ..couplings.motions import PrescribedMotion
+from ..couplings.motors import JointMotor
+from ..couplings.stops import JointStop
 from ..model.bodies import FlexibleBody
-from ..model.couplers import JointCoupler
 from ..model.model import GROUND, Coupling, Model
-from ..model.motions import PrescribedMotion
-from ..model.motors import JointMotor
-from ..model.stops import JointStop
 from ..step.rotations import quaternion_of
 from ..step.system import Frames
 from .placement import Pose, frame_pose

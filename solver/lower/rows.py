@@ -7,20 +7,20 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..arrays import Array, Index, as_index, as_rows
+from ..couplings.contacts import Contact
+from ..couplings.couplers import JointCoupler
+from ..couplings.joints import ABOUT_E3, NO_ROTATION, TURN, Joint, basis_about, bent
+from ..couplings.motions import PrescribedDisplacement, PrescribedMotion, PrescribedOrientation
+from ..couplings.motors import JointMotor, Motor
+from ..couplings.springs import Spring
+from ..couplings.stops import JointStop
 from ..laws.law import ForceLaw
-from ..model.attitude import Attitude as Rotations
-from ..model.contacts import Contact
-from ..model.couplers import JointCoupler
-from ..model.curves import Constant
-from ..model.drives import IntegratedDrive
-from ..model.joints import ABOUT_E3, NO_ROTATION, TURN, Joint, basis_about, bent
 from ..model.model import Coupling
-from ..model.motions import PrescribedDisplacement, PrescribedMotion, PrescribedOrientation
-from ..model.motors import JointMotor, Motor
-from ..model.orientations import OrientationDrive
-from ..model.signals import SmoothSignal
-from ..model.springs import Spring
-from ..model.stops import JointStop
+from ..signals.attitude import Attitude as Rotations
+from ..signals.curves import Constant
+from ..signals.drives import IntegratedDrive
+from ..signals.orientations import OrientationDrive
+from ..signals.signal import SmoothSignal
 from ..step.gaps import FirstSlip, Gap, SecondSlip
 from ..step.rows import Angle, AngleOfA, Attitude, Distance, Rotation, Translation
 from ..step.system import Couplings, Friction, Laws, Motors, Rows, Terms
@@ -325,7 +325,7 @@ def motion_rows(motion: PrescribedMotion, sides: Sides) -> list[Row]:
 
 
 def _oriented(motion: PrescribedOrientation, sides: Sides) -> list[Row]:
-    """The rows of an orientation, see solver/model/orientations.py."""
+    """The rows of an orientation, see solver/signals/orientations.py."""
     in_a, in_b = sides.carried(np.eye(3))
     A, B, angles = sides.frame_a, sides.frame_b, motion.drives
     return [

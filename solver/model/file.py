@@ -13,6 +13,14 @@ from pydantic import ConfigDict, Field, create_model, model_validator
 from ...files import renamed_when_whole
 from ...inputs import InputError, Shown, Table, Vector, document_of, quoted, read_table
 from ...superelement import Superelement, read
+from ..couplings.contacts import Contact
+from ..couplings.couplers import Coupler
+from ..couplings.friction import FRICTION_COEFFICIENTS
+from ..couplings.joints import Joint
+from ..couplings.motions import PrescribedDisplacement, PrescribedOrientation, PrescribedRotation
+from ..couplings.motors import Motor
+from ..couplings.springs import Spring
+from ..couplings.stops import Stop
 from ..errors import ModelError, about
 from ..laws.law import FORCE_LAWS
 from ..schema.entry import Entry, filled
@@ -28,6 +36,7 @@ from ..schema.tables import (
     value_of,
 )
 from ..schema.values import ORIGIN
+from ..signals.signal import SIGNALS
 from ..step.loads import LOAD_KINDS
 from .bodies import (
     Body,
@@ -39,19 +48,10 @@ from .bodies import (
     Start,
 )
 from .body_shapes import BODY_SHAPES
-from .contacts import Contact
-from .couplers import Coupler
-from .friction import FRICTION_COEFFICIENTS
-from .joints import Joint
 from .loads import AnyLoad, Load, PatternLoad
 from .model import Model
-from .motions import PrescribedDisplacement, PrescribedOrientation, PrescribedRotation
-from .motors import Motor
 from .output_request import OutputRequest
 from .settings import INTERVALS, Settings, StartFrom
-from .signals import SIGNALS
-from .springs import Spring
-from .stops import Stop
 
 SHORT_ARRAY = re.compile(r"\[\n((?:[^\[\]\n]*,\n)+) *\]")
 """an array of numbers or words as tomli_w writes it, an item a line"""

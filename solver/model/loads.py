@@ -5,8 +5,8 @@ from typing import Annotated, Any
 from ...superelement import Pattern, Superelement
 from ..schema.entry import Entry, entry, one_of
 from ..schema.values import Vector
+from ..signals.signal import AnySignal
 from ..step.loads import LOAD_KINDS
-from .signals import AnySignal
 
 
 @entry()

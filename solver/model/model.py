@@ -9,19 +9,19 @@ from typing import Any
 
 from ...files.html import listed, table
 from ...inputs import FORM_OF_NAMES, is_name, quoted
+from ..couplings.contacts import Contact
+from ..couplings.couplers import Coupler, JointCoupler
+from ..couplings.joints import Joint
+from ..couplings.motions import PrescribedMotion
+from ..couplings.motors import JointMotor, Motor
+from ..couplings.springs import Spring
+from ..couplings.stops import JointStop, Stop
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
 from ..schema.values import NONE, ORIGIN, Several, Vector
 from .bodies import Body, FlexibleBody, Frame
-from .contacts import Contact
-from .couplers import Coupler, JointCoupler
-from .joints import Joint
 from .loads import AnyLoad, Load, PatternLoad
-from .motions import PrescribedMotion
-from .motors import JointMotor, Motor
 from .settings import Settings
-from .springs import Spring
-from .stops import JointStop, Stop
 from .summary import counted, rows
 
 GROUND = "ground"

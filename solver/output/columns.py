@@ -16,15 +16,15 @@ from ...results.schema import (
 )
 from ...superelement.sensor import KINDS
 from ..arrays import Array
+from ..couplings.contacts import Contact
+from ..couplings.couplers import JointCoupler
+from ..couplings.joints import Joint
+from ..couplings.motions import PrescribedMotion
+from ..couplings.springs import Spring
+from ..couplings.stops import JointStop
 from ..errors import ModelError
 from ..lower.lower import LoweredModel, pattern_names
-from ..model.contacts import Contact
-from ..model.couplers import JointCoupler
-from ..model.joints import Joint
 from ..model.model import GROUND, Model
-from ..model.motions import PrescribedMotion
-from ..model.springs import Spring
-from ..model.stops import JointStop
 from ..step.system import Output
 
 SENSOR_KINDS = tuple(KINDS)

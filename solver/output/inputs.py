@@ -5,13 +5,21 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..lower.lower import LoweredModel
-from ..model.curves import Impulse, Input
-from ..model.drives import Drift, IntegratedDrive, drift_of
 from ..model.loads import Load, PatternLoad
-from ..model.orientations import OrientationDrive
-from ..model.quadrature import Integrals
-from ..model.recorded import Recorded, RecordedSpline
-from ..model.signals import Signal, SmoothSignal, breaks_of, corners_of, is_any, parts_of, values_of
+from ..signals.curves import Impulse, Input
+from ..signals.drives import Drift, IntegratedDrive, drift_of
+from ..signals.orientations import OrientationDrive
+from ..signals.quadrature import Integrals
+from ..signals.recorded import Recorded, RecordedSpline
+from ..signals.signal import (
+    Signal,
+    SmoothSignal,
+    breaks_of,
+    corners_of,
+    is_any,
+    parts_of,
+    values_of,
+)
 
 MISSED = 0.01
 """of the area under the size of a load"""

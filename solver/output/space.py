@@ -7,19 +7,19 @@ import numpy as np
 from ...results.space import Connection, ContactShape, Space
 from ...superelement import Outline
 from ..arrays import Array
+from ..couplings.contacts import Contact
+from ..couplings.couplers import JointCoupler
+from ..couplings.joints import Joint
+from ..couplings.motions import PrescribedDisplacement, PrescribedRotation
+from ..couplings.motors import JointMotor
+from ..couplings.springs import Spring
+from ..couplings.stops import JointStop
 from ..lower.contacts import contact_axes, curve_through
 from ..lower.lower import LoweredModel
 from ..lower.numbering import between, side_names
 from ..model.bodies import FlexibleBody
-from ..model.contacts import Contact
-from ..model.couplers import JointCoupler
-from ..model.joints import Joint
 from ..model.model import Coupling, Model
-from ..model.motions import PrescribedDisplacement, PrescribedRotation
-from ..model.motors import JointMotor
 from ..model.rigid_outline import outline_of_rigid
-from ..model.springs import Spring
-from ..model.stops import JointStop
 
 PER_PIECE = 8
 """points of a profile that are drawn, for each of its pieces"""

@@ -19,8 +19,8 @@ from ..errors import ResultsError
 from ..lower.lower import LoweredModel
 from ..model.bodies import FlexibleBody, RigidSuperelement
 from ..model.model import Model
-from ..model.recorded import records_of
 from ..model.settings import StartFrom
+from ..signals.recorded import records_of
 from ..start.damping import damping_of
 from ..start.initial import InitialState
 from .columns import requested

@@ -3,10 +3,10 @@
 from collections.abc import Iterator
 from typing import Any
 
+from ..couplings.couplers import JointCoupler
+from ..couplings.motors import JointMotor
+from ..couplings.stops import JointStop
 from ..lower.lower import LoweredModel
-from ..model.couplers import JointCoupler
-from ..model.motors import JointMotor
-from ..model.stops import JointStop
 from ..step.system import State, Workspace
 
 

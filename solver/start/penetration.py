@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..couplings.contacts import Contact
 from ..lower.lower import LoweredModel
-from ..model.contacts import Contact
 from ..step.contacts import penetration_of
 from ..step.system import State, Workspace
 

@@ -36,9 +36,9 @@ from duhamel.solver import (
     Trapezoid,
     Window,
 )
-from duhamel.solver.model.attitude import Attitude
-from duhamel.solver.model.quadrature import Integrals, is_closed
-from duhamel.solver.model.signals import breaks_of, derivatives_of, is_smooth, values_of
+from duhamel.solver.signals.attitude import Attitude
+from duhamel.solver.signals.quadrature import Integrals, is_closed
+from duhamel.solver.signals.signal import breaks_of, derivatives_of, is_smooth, values_of
 from scipy.integrate import quad
 
 H = 0.01

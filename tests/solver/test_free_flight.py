@@ -17,7 +17,7 @@ from duhamel.solver import (
     Start,
     simulate,
 )
-from duhamel.solver.model.joints import JOINT_TYPES
+from duhamel.solver.couplings.joints import JOINT_TYPES
 from scipy.spatial.transform import Rotation
 
 from .frameworks import bar, framework

@@ -19,7 +19,7 @@ from duhamel.solver import (
     simulate,
 )
 from duhamel.solver.inspection import FEW
-from duhamel.solver.model.curves import Constant
+from duhamel.solver.signals.curves import Constant
 
 from .models import model_of
 

@@ -47,7 +47,7 @@ from duhamel.solver import (
     start,
     write_model,
 )
-from duhamel.solver.model.orientations import OrientationDrive
+from duhamel.solver.signals.orientations import OrientationDrive
 from scipy.spatial.transform import Rotation
 
 AXIS = np.array([1.0, 2.0, 2.0]) / 3.0

@@ -28,10 +28,10 @@ from duhamel.solver import (
     simulate,
     write_model,
 )
-from duhamel.solver.model.joints import JOINT_TYPES, Angle, JointType
-from duhamel.solver.model.signals import SIGNALS, Pointwise
-from duhamel.solver.model.springs import SPRING_TYPES, SpringType
+from duhamel.solver.couplings.joints import JOINT_TYPES, Angle, JointType
+from duhamel.solver.couplings.springs import SPRING_TYPES, SpringType
 from duhamel.solver.schema.entry import Entry, entry
+from duhamel.solver.signals.signal import SIGNALS, Pointwise
 
 Z = [0, 0, 1]
 ARRAYS = {

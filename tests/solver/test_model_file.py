@@ -16,7 +16,7 @@ from duhamel.solver import (
     read_model,
     simulate,
 )
-from duhamel.solver.model.drives import ANGULAR, LINEAR
+from duhamel.solver.signals.drives import ANGULAR, LINEAR
 from duhamel.superelement import write
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "file-formats.md"

@@ -56,11 +56,11 @@ from duhamel.solver import (
     read_model,
     write_model,
 )
+from duhamel.solver.couplings.joints import JOINT_TYPES
+from duhamel.solver.couplings.motions import PrescribedMotion
+from duhamel.solver.couplings.springs import SPRING_TYPES
 from duhamel.solver.model import signals
-from duhamel.solver.model.joints import JOINT_TYPES
 from duhamel.solver.model.loads import LOAD_KINDS
-from duhamel.solver.model.motions import PrescribedMotion
-from duhamel.solver.model.springs import SPRING_TYPES
 from duhamel.superelement import Channels, Interface, Pattern, Superelement, write
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

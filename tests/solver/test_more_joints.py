@@ -25,7 +25,7 @@ from duhamel.solver import (
     simulate,
     write_model,
 )
-from duhamel.solver.model.attitude import Attitude
+from duhamel.solver.signals.attitude import Attitude
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 

@@ -37,7 +37,7 @@ from duhamel.solver import (
     check,
     doubts,
 )
-from duhamel.solver.model.impact import Impact
+from duhamel.solver.couplings.impact import Impact
 
 BALL = RigidBody(2.0, [0.1, 0.1, 0.1], {"tip": Frame([0.5, 0, 0])})
 HINGE = Joint("pivot", "revolute", ("ground", "hub"), axis=[0, 0, 1])

@@ -42,9 +42,9 @@ def test_the_model_has_every_part():
     types = {joint.type for joint in model.joints}
     assert types == {name for name in every_part.JOINTS if not name.startswith("driven")}
     from duhamel.solver import UserLaw
+    from duhamel.solver.couplings.joints import JOINT_TYPES
+    from duhamel.solver.couplings.springs import SPRING_TYPES
     from duhamel.solver.laws.law import FORCE_LAWS
-    from duhamel.solver.model.joints import JOINT_TYPES
-    from duhamel.solver.model.springs import SPRING_TYPES
 
     assert types == set(JOINT_TYPES)
     assert {spring.type for spring in model.springs} == set(SPRING_TYPES)

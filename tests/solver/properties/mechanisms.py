@@ -33,7 +33,7 @@ from duhamel.solver import (
     ValidityWarning,
     simulate,
 )
-from duhamel.solver.model.joints import JOINT_TYPES
+from duhamel.solver.couplings.joints import JOINT_TYPES
 from hypothesis import reject
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation

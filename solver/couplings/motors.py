@@ -11,10 +11,10 @@ from ...inputs import expected
 from ..arrays import Array
 from ..schema.entry import Entry, Takes, entry
 from ..schema.values import Infinite, Name, NotNegative, Positive, PositiveTime, limits
-from .curves import Constant, Input
+from ..signals.curves import Constant, Input
+from ..signals.signal import AnySignal, Pointwise, Signal, derivatives_of, is_smooth, values_of
 from .joints import Joint
 from .on_coordinate import OnCoordinate
-from .signals import AnySignal, Pointwise, Signal, derivatives_of, is_smooth, values_of
 
 NONE = Constant(0.0)
 

@@ -18,7 +18,7 @@ from ..errors import ModelError
 from .composed import has_slope, slope_of
 from .curves import Impulse, Input
 from .quadrature import Integrals
-from .signals import Signal, SmoothSignal, is_any, jumps_of, parts_of
+from .signal import Signal, SmoothSignal, is_any, jumps_of, parts_of
 
 
 class DriveKeys(NamedTuple):

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array, Index, as_index
-from .signals import Signal, breaks_of, corners_of, values_of
+from .signal import Signal, breaks_of, corners_of, values_of
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 """of Gauss' rule in each piece of half a hat, between the breaks of the signal"""

@@ -17,7 +17,7 @@ from ..schema.values import Positive
 from .columns import column_of, number_of_column
 from .curves import Piecewise, Spline, Table
 from .pieces import Pieces
-from .signals import SIGNALS, Pointwise, Smooth
+from .signal import SIGNALS, Pointwise, Smooth
 
 
 def _column(value: Any) -> str | int:

@@ -22,9 +22,9 @@ from ..arrays import Array
 from ..errors import ModelError
 from ..schema.entry import Entry, entry, one_of
 from ..schema.values import Name, NotZero, SomeNonZero, Words
-from .curves import Input, SmoothFunction
+from ..signals.curves import Input, SmoothFunction
+from ..signals.signal import DrivingSignal, SmoothSignal, derivatives_of, is_any, values_of
 from .joints import Joint
-from .signals import DrivingSignal, SmoothSignal, derivatives_of, is_any, values_of
 
 NEEDS = {
     "gear": ("teeth", "radii"),

@@ -10,7 +10,7 @@ from ..schema.entry import Entry, Key, Takes, entry
 from ..schema.values import NotNegative, Positive, points
 from .harmonics import harmonic_integrals
 from .profiles import Frequencies
-from .signals import SIGNALS, Pointwise, Smooth
+from .signal import SIGNALS, Pointwise, Smooth
 
 MOST = 100_000
 """lines of a spectrum"""

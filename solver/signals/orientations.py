@@ -14,7 +14,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import ModelError
-from .signals import SmoothSignal, values_of
+from .signal import SmoothSignal, values_of
 
 LARGEST = 1.0
 """of the angles [rad]; the rows are regular up to somewhat more"""

@@ -15,7 +15,7 @@ from ..schema.values import Numbers, SomeNumbers
 from . import pieces
 from .harmonics import harmonic_integrals
 from .pieces import Pieces
-from .signals import SIGNALS, Pointwise, Smooth
+from .signal import SIGNALS, Pointwise, Smooth
 
 
 class Piecewise:

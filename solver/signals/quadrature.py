@@ -13,7 +13,7 @@ from numpy.polynomial import legendre
 
 from ..arrays import Array
 from ..errors import ModelError
-from .signals import Signal, breaks_of, parts_of, values_of
+from .signal import Signal, breaks_of, parts_of, values_of
 
 TOLERANCE = 1e-14
 """of the last coefficients of a panel, relative to the largest value so far"""

@@ -11,7 +11,7 @@ from ..schema.entry import Entry, Key, Takes, entry
 from ..schema.forms import Members
 from .curves import Impulse, Input
 from .sampling import samples_of
-from .signals import (
+from .signal import (
     SIGNALS,
     AnySignal,
     Signal,

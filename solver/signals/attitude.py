@@ -16,7 +16,7 @@ import numpy as np
 from ..arrays import Array
 from ..schema.entry import Takes
 from ..schema.forms import Members
-from .signals import SIGNALS, SmoothSignal, is_smooth, values_of
+from .signal import SIGNALS, SmoothSignal, is_smooth, values_of
 
 SMALL = 1e-2
 """square of an angle below which functions of it are sums of a few powers"""

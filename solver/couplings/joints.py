@@ -24,11 +24,11 @@ import numpy as np
 from ..arrays import Array
 from ..schema.entry import Entry, entry, one_of
 from ..schema.values import ABSENT, Name, NotZero, NumbersByName, OptionalDirection, Pair
-from .attitude import Attitude, Attitudes
-from .curves import Input
-from .drives import ANGULAR, LINEAR, DriveKeys, IntegratedDrive, drive_of
+from ..signals.attitude import Attitude, Attitudes
+from ..signals.curves import Input
+from ..signals.drives import ANGULAR, LINEAR, DriveKeys, IntegratedDrive, drive_of
+from ..signals.signal import AnySignal, DrivingSignal, SmoothSignal, is_any
 from .friction import JointFriction
-from .signals import AnySignal, DrivingSignal, SmoothSignal, is_any
 
 
 @dataclass(frozen=True)

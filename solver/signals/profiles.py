@@ -14,7 +14,7 @@ from ..schema.entry import Entry, Key, Takes, entry
 from ..schema.values import NotNegative, Positive, reals
 from .sampling import samples_of
 from .shapes import Shape, half_wave, quintic, raised_cosine, ramp, rise
-from .signals import SIGNALS, Pointwise, Smooth
+from .signal import SIGNALS, Pointwise, Smooth
 
 
 def _pair(value: Any) -> tuple[float, float]:

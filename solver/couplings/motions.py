@@ -7,10 +7,18 @@ from typing import Any, ClassVar
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
 from ..schema.values import ABSENT, Direction, Name, NumbersByName
-from .composed import OptionalParts
-from .curves import Input
-from .drives import ANGULAR, LINEAR, DriveKeys, IntegratedDrive, drive_of, given_drive, refusal
-from .signals import AnySignal, DrivingSignal, SmoothSignal, is_any, is_smooth
+from ..signals.composed import OptionalParts
+from ..signals.curves import Input
+from ..signals.drives import (
+    ANGULAR,
+    LINEAR,
+    DriveKeys,
+    IntegratedDrive,
+    drive_of,
+    given_drive,
+    refusal,
+)
+from ..signals.signal import AnySignal, DrivingSignal, SmoothSignal, is_any, is_smooth
 
 ROUNDING = 1e-12
 """value at t = 0, relative to those at some later times, that counts as none"""

@@ -1,0 +1,1 @@
+"""Functions of time: what drives joints and motions, and what loads and motors follow."""
