@@ -13,13 +13,11 @@ from ..files.memory import peak
 from ..results.schema import Contents
 from ..results.validity import Validity
 from .arrays import Array
-from .couplings.contacts import Contact
-from .couplings.stops import JointStop
 from .errors import about
 from .history.cost import history_costs
 from .lower.lower import LoweredModel
 from .model.bodies import FlexibleBody
-from .model.model import Coupling, Model
+from .model.model import Model
 from .output.columns import requested
 from .output.inputs import drifts, signal_warnings
 from .output.size import check_memory, file_bytes, lack_of_disk
@@ -222,7 +220,7 @@ def _contacts(initial: InitialState) -> Iterator[str]:
         row, coupling = couplings.range[j], lowered.model.couplings[j]
         beyond, _ = penetration_of(couplings, row, float(coordinate[row]))
         gap = f"{0.0 - beyond:.4g} {'m' if lowered.measures_lengths[row] else 'rad'}"
-        yield f"{coupling.owner}: {_described(coupling)}; gap at the start {gap}"
+        yield f"{coupling.owner}: {coupling.in_words}; gap at the start {gap}"
 
 
 def _motors(initial: InitialState) -> Iterator[str]:
@@ -247,20 +245,6 @@ def _fast_servos(initial: InitialState) -> Iterator[str]:
                 f"{motor.owner}: its servo has {2.0 * np.pi / turn:.2g} steps in a period: "
                 f"expected {FEW} or more, simulation.step = {2.0 * np.pi / (FEW * pole):.2g}"
             )
-
-
-def _described(coupling: Coupling) -> str:
-    """What a contact or a stop is, in words."""
-    if isinstance(coupling, JointStop):
-        stop = coupling.stop
-        lower, upper = stop.range
-        return f"{stop.coordinate} of joint {stop.joint!r} in [{lower:g}, {upper:g}]"
-    if isinstance(coupling, Contact):
-        ball = f"ball of {coupling.ball:g} m" if coupling.ball else "point"
-        radius = "" if coupling.radius is None else f" of {coupling.radius:g} m"
-        where = f"{'inside' if coupling.hollow else 'on'} a {coupling.shape}{radius}"
-        return f"{ball} at {coupling.between[1]}, {where} at {coupling.between[0]}"
-    return coupling.owner
 
 
 class _Trial(NamedTuple):

@@ -9,8 +9,6 @@ from typing import NamedTuple
 import numpy as np
 
 from .arrays import Array
-from .couplings.joints import Joint
-from .couplings.motions import PrescribedRotation
 from .errors import about
 from .lower.scheme import stepping_of
 from .model.bodies import Body, FlexibleBody
@@ -188,31 +186,13 @@ def _angles(model: Model) -> Iterator[tuple[str, float]]:
                 yield f"bodies.{name}.frames.{frame}.rotation", _length(place.rotation)
     for frame, place in model.ground_frames.items():
         yield f"ground.frames.{frame}.rotation", _length(place.rotation)
-    for joint in model.joints:
-        yield from _angles_of_joint(joint)
-    for motion in model.motions:
-        if isinstance(motion, PrescribedRotation) and motion.angle is not None:
-            yield from _angles_of_signal(f"motions.{motion.name}.angle", motion.angle)
-    kinds = {joint.name: joint.kind for joint in model.joints}
-    for motor in model.motors:
-        if motor.reference is not None and motor.coordinate in kinds[motor.joint].angles:
-            yield from _angles_of_signal(f"motors.{motor.name}.reference", motor.reference)
-    for stop in model.stops:
-        if stop.coordinate in kinds[stop.joint].angles:
-            yield from ((f"stops.{stop.name}.range", limit) for limit in stop.range)
-    for spring in model.springs:
-        if spring.type == "torsion" and spring.rest is not None:
-            yield f"springs.{spring.name}.rest", float(np.max(spring.rest))
-
-
-def _angles_of_joint(joint: Joint) -> Iterator[tuple[str, float]]:
-    for table in ("start", "drawn"):
-        for coordinate, value in getattr(joint, table).items():
-            if coordinate in joint.kind.angles:
-                yield f"joints.{joint.name}.{table}.{coordinate}", value
-    for coordinate, signal in joint.drives.items():
-        if coordinate in joint.kind.angles:
-            yield from _angles_of_signal(f"joints.{joint.name}.{coordinate}", signal)
+    for coupling in model.couplings:
+        for key, angle in coupling.given_angles():
+            whole_key = f"{coupling.group}.{coupling.name}.{key}"
+            if isinstance(angle, float):
+                yield whole_key, angle
+            else:
+                yield from _angles_of_signal(whole_key, angle)
 
 
 def _angles_of_signal(key: str, signal: Signal) -> Iterator[tuple[str, float]]:

@@ -6,11 +6,13 @@ inside. Force and damping are those of `ContactLaw` (solver/laws/contact.py).
 """
 
 import math
-from dataclasses import dataclass, field
-from typing import Annotated, Any
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
+from ...results.space import ContactShape
 from ..arrays import Array
 from ..laws.contact import ContactLaw
 from ..laws.hertz import Patch, patch_of
@@ -25,16 +27,28 @@ from ..schema.values import (
     Pair,
     Positive,
 )
-from .friction import AnyCoefficient
+from ..step.gaps import FirstSlip, Gap, SecondSlip
+from ..step.shapes import Cylinder, Plane, Profile, Sphere
+from .coupling import GROUND, Coupling, Inertia, side_names
+from .friction import AnyCoefficient, Bristle, resolved_spring
 from .impact import Impact
+from .joints import basis_about
+from .rows import Row, Sides
 
 NO_PATCH: Any = (0.0, 0.0)
 
 
+DEEPEST_START = 0.1
+"""penetration over the size of the model at which a run does not start"""
+PROFILE_POINTS = 8
+"""points of a profile that are drawn, for each of its pieces"""
+
+
 @dataclass(frozen=True)
 class ShapeType:
-    """Which keys a shape takes."""
+    """Which keys a shape takes, and its number in compiled code."""
 
+    number: int
     round: bool = False
     """has a radius"""
     hollow: bool = False
@@ -48,10 +62,10 @@ class ShapeType:
 
 
 SHAPE_TYPES = {
-    "plane": ShapeType(axis=True),
-    "sphere": ShapeType(round=True, hollow=True),
-    "cylinder": ShapeType(round=True, hollow=True, axis=True, length=True),
-    "profile": ShapeType(axis=True, points=True, hollow=True),
+    "plane": ShapeType(Plane.number, axis=True),
+    "sphere": ShapeType(Sphere.number, round=True, hollow=True),
+    "cylinder": ShapeType(Cylinder.number, round=True, hollow=True, axis=True, length=True),
+    "profile": ShapeType(Profile.number, axis=True, points=True, hollow=True),
 }
 
 
@@ -87,7 +101,7 @@ def _flexibility(E: float, nu: float) -> float:
 
 
 @entry()
-class Contact(Entry):
+class Contact(Entry, Coupling):
     """A ball about the second frame against a shape that the first carries.
 
     axis (3,), in space at the start: the normal of a plane, towards the ball, or the axis of a
@@ -103,6 +117,9 @@ class Contact(Entry):
     """
 
     label = "contact {name!r}"
+    group: ClassVar[str] = "contacts"
+    dimension: ClassVar[str] = "contact"
+    opens: ClassVar[bool] = True
 
     name: Name
     between: Pair
@@ -141,6 +158,102 @@ class Contact(Entry):
             return self.impact.beyond((0.0, math.inf))
         stiffness = self.hertz.modulus * self._patch.stiffness
         return self.impact.hertzian(stiffness, self.hertz.patch_compliance(self.patch))
+
+    @property
+    def type(self) -> str:
+        return self.shape
+
+    @property
+    def described(self) -> str:
+        return self.owner
+
+    @property
+    def in_words(self) -> str:
+        ball = f"ball of {self.ball:g} m" if self.ball else "point"
+        radius = "" if self.radius is None else f" of {self.radius:g} m"
+        where = f"{'inside' if self.hollow else 'on'} a {self.type}{radius}"
+        return f"{ball} at {self.between[1]}, {where} at {self.between[0]}"
+
+    @property
+    def axis_in_space(self) -> Array | None:
+        return self.axis
+
+    def rows(self, sides: Sequence[Sides]) -> list[Row]:
+        """The gap, and slip along two tangents where there is friction."""
+        (own,) = sides
+        A, B, (axis, across) = own.frame_a, own.frame_b, self._axes(own.pose_a.R)
+        gap = Row(Gap.number, A, B, axis, across, laws=(self.law(),), normal=(1.0, 0))
+        slips = [
+            Row(kind.number, A, B, axis, across, has_friction=True)
+            for kind in (FirstSlip, SecondSlip)
+        ]
+        rows = [gap, *slips] if self.friction is not None else [gap]
+        number, parameters, size = self.kind.number, self._parameters(), self._size
+        return [replace(row, shape=number, parameters=parameters, size=size) for row in rows]
+
+    def bristle(self, inertia: Inertia, sides: Sides, h: float) -> Bristle | None:
+        if self.friction is None:
+            return None
+        spring = self.tangential_stiffness, self.tangential_damping
+        return Bristle(self.friction, *resolved_spring(*spring, inertia(None), h))
+
+    def loaded_by_moments(self, rows: Sequence[Row]) -> Mapping[str, str]:
+        first, second = side_names(self)
+        causes = {first: f"{self.owner}, whose shape it carries"}
+        if self.friction is not None and self.ball > 0.0:
+            causes[second] = f"{self.owner}, with friction on a ball"
+        return causes
+
+    def check_depth(self, depth: float, size: float) -> None:
+        """`ModelError` for a ball that is deeper than its radius, or than a tenth of the model."""
+        limits = {"a tenth of the size of the model": DEEPEST_START * size}
+        if self.ball > 0.0:
+            limits["the radius of its ball"] = self.ball
+        for name, limit in limits.items():
+            if depth > limit:
+                raise self.error(f"starts {depth:.6g} m deep: expected at most {name}, {limit:.6g}")
+
+    def drawn_shape(self, D: Array) -> ContactShape:
+        """In the axes that its axis has: those of the first frame, or of space for the ground."""
+        _, across = self._axes(D)
+        curve = np.zeros((0, 2))
+        if self.points is not None:
+            spline = curve_through(self.points)
+            n = len(spline.x) - 1
+            pieces = np.linspace(0, n, PROFILE_POINTS * n + 1)
+            curve = spline(np.interp(pieces, np.arange(n + 1), spline.x))
+        length = np.inf if self.length is None else self.length
+        across = D @ across if self.between[0] == GROUND else across
+        return ContactShape(self.radius or 0.0, length, across, curve)
+
+    def _axes(self, D: Array) -> tuple[Array, Array]:
+        """The axis of the shape and one across it, in the axes D (3, 3) of the first frame."""
+        if self.axis is None:
+            return np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
+        basis = D.T @ basis_about(self.axis, D)
+        return basis[:, 2], basis[:, 0]
+
+    def _parameters(self) -> list[float]:
+        """Ball, side and what the shape asks for."""
+        side = -1.0 if self.hollow else 1.0
+        length = math.inf if self.length is None else self.length
+        own: list[float] = []
+        if self.points is not None:
+            own = _pieces(self.points)
+        elif self.radius is not None:
+            own = [self.radius, 0.5 * length] if self.kind.length else [self.radius]
+        return [self.ball, side, *own]
+
+    @property
+    def _size(self) -> float:
+        """A length [m] within which the ball meets or passes the shape; infinite for a plane.
+
+        The radii of both together; for a profile the shortest distance of its points, and the ball.
+        """
+        if self.points is not None:
+            spans = np.linalg.norm(np.diff(self.points, axis=0), axis=1)
+            return self.ball + float(spans.min())
+        return math.inf if self.radius is None else self.ball + self.radius
 
     @property
     def patch_over_radius(self) -> float:
@@ -214,3 +327,20 @@ class Contact(Entry):
             raise self.error(f"patch: expected two radii of at least 0, got {list(self.patch)}")
         if any(self.patch) and self.hertz is None:
             raise self.error("patch: belongs to hertz, got none")
+
+
+def _pieces(points: Array) -> list[float]:
+    """The pieces of the curve through points, as `Profile` reads them."""
+    spline = curve_through(points)
+    lengths, closed = np.diff(spline.x), bool((points[0] == points[-1]).all())
+    pieces = [[length, *spline.c[:, i, 0], *spline.c[:, i, 1]] for i, length in enumerate(lengths)]
+    return [len(lengths), *np.ravel(pieces).tolist(), float(closed)]
+
+
+def curve_through(points: Array) -> Any:
+    """The `scipy.interpolate.CubicSpline` through points (n, 2) over the lengths of its chords."""
+    from scipy.interpolate import CubicSpline  # slow to load, and few models have a profile
+
+    lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    ends = "periodic" if (points[0] == points[-1]).all() else "natural"
+    return CubicSpline(np.cumsum([0.0, *lengths]), points, bc_type=ends)

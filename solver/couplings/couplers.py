@@ -12,9 +12,9 @@ axes of their joints, of distances forces along them. Forces of teeth, which loa
 not modeled.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Annotated
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Annotated, ClassVar
 
 import numpy as np
 
@@ -22,9 +22,11 @@ from ..arrays import Array
 from ..errors import ModelError
 from ..schema.entry import Entry, entry, one_of
 from ..schema.values import Name, NotZero, SomeNonZero, Words
-from ..signals.curves import Input, SmoothFunction
+from ..signals.curves import Constant, Input, SmoothFunction
 from ..signals.signal import DrivingSignal, SmoothSignal, derivatives_of, is_any, values_of
+from .coupling import Coupling
 from .joints import Joint
+from .rows import Row, Sides, Term
 
 NEEDS = {
     "gear": ("teeth", "radii"),
@@ -79,6 +81,9 @@ class Coupler(Entry):
                 f"got {list(self.factors)}"
             )
 
+    def bound(self, joints: Mapping[str, Joint]) -> "JointCoupler":
+        return JointCoupler.of(self, joints)
+
     @property
     def factors(self) -> tuple[float, ...]:
         """The ratio of each coordinate."""
@@ -95,15 +100,19 @@ class Coupler(Entry):
 
 
 @dataclass(frozen=True)
-class JointCoupler:
+class JointCoupler(Coupling):
     """A coupler with its joints, and which coordinate of each it takes."""
+
+    group: ClassVar[str] = "couplers"
+    dimension: ClassVar[str] = "coupler"
+    keeps_turns: ClassVar[bool] = True
 
     coupler: Coupler
     joints: tuple[Joint, ...]
     coordinates: tuple[str, ...]
 
     @classmethod
-    def of(cls, coupler: Coupler, joints: dict[str, Joint]) -> "JointCoupler":
+    def of(cls, coupler: Coupler, joints: Mapping[str, Joint]) -> "JointCoupler":
         """ModelError unless joints of these names have coordinates that fit."""
         found = [_coordinate(coupler, reference, joints) for reference in coupler.joints]
         if len(set(found)) < len(found):
@@ -124,43 +133,60 @@ class JointCoupler:
         return self.coupler.owner
 
     @property
-    def joint(self) -> Joint:
-        """The joint whose frames those of the coupler are."""
-        return self.joints[0]
-
-    @property
-    def between(self) -> tuple[str, str]:
-        return self.joint.between
-
-    @property
     def type(self) -> str:
         return self.coupler.type
 
     @property
-    def ratios(self) -> tuple[float, ...]:
-        return self.coupler.factors
+    def between(self) -> tuple[str, str]:
+        return self.joints[0].between
 
     @property
-    def angular(self) -> bool:
-        """True where the first coordinate is an angle."""
-        return self.joint.kind.unit(self.coordinates[0]) == "rad"
+    def framed_by(self) -> Sequence[Coupling]:
+        return self.joints
 
-    def scaled(self, offset: SmoothSignal) -> SmoothSignal:
-        """The offset over the first ratio."""
-        first = self.ratios[0]
+    @property
+    def joint_coordinates(self) -> Sequence[tuple[str, str]]:
+        names = (joint.name for joint in self.joints)
+        return tuple(zip(names, self.coordinates, strict=True))
 
-        def derivative(k: int) -> Callable[[Array], Array]:
-            return lambda t: derivatives_of(offset, t)[k] / first
-
-        return SmoothFunction(
-            lambda t: values_of(offset, t) / first, derivative(0), derivative(1), vectorized=True
-        )
+    @property
+    def axis_in_space(self) -> Array | None:
+        return self.joints[0].axis_in_space
 
     def error(self, message: str) -> ModelError:
         return self.coupler.error(message)
 
+    def rows(self, sides: Sequence[Sides]) -> list[Row]:
+        """One row: the first coordinate and, by their ratios to it, the others.
 
-def _coordinate(coupler: Coupler, reference: str, joints: dict[str, Joint]) -> tuple[str, str]:
+        q_1 + sum_k (ratio_k / ratio_1) q_k = offset / ratio_1
+        """
+        observed = [joint.observed(own) for joint, own in zip(self.joints, sides, strict=True)]
+        coordinates = zip(observed, self.coordinates, strict=True)
+        first, *others = (rows[name] for rows, name in coordinates)
+        lead, *following = self.coupler.factors
+        ratios = [ratio / lead for ratio in following]
+        terms = tuple(Term(row, ratio) for row, ratio in zip(others, ratios, strict=True))
+        drawn = first.start + sum(term.ratio * term.row.start for term in terms)
+        offset = self.coupler.offset
+        if offset is not None and not isinstance(offset, Constant):
+            return [replace(first, terms=terms, drive=_over(offset, lead), drawn=drawn)]
+        value = drawn if offset is None else offset(0.0) / lead
+        return [replace(first, terms=terms, zero=first.zero + value, start=first.start - value)]
+
+
+def _over(offset: SmoothSignal, ratio: float) -> SmoothSignal:
+    """An offset over a ratio."""
+
+    def derivative(k: int) -> Callable[[Array], Array]:
+        return lambda t: derivatives_of(offset, t)[k] / ratio
+
+    return SmoothFunction(
+        lambda t: values_of(offset, t) / ratio, derivative(0), derivative(1), vectorized=True
+    )
+
+
+def _coordinate(coupler: Coupler, reference: str, joints: Mapping[str, Joint]) -> tuple[str, str]:
     """Joint and coordinate of "JOINT.COORDINATE" or "JOINT"."""
     name, _, coordinate = reference.partition(".")
     if name not in joints:

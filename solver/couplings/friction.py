@@ -1,5 +1,7 @@
-"""Coefficients of friction, and the friction of a joint."""
+"""Coefficients of friction, the friction of a joint, and the spring that holds what sticks."""
 
+import math
+from dataclasses import dataclass
 from typing import Annotated, Any
 
 from ..errors import ModelError
@@ -81,3 +83,29 @@ class JointFriction(Entry):
     viscous: NotNegative = 0.0
     stiffness: Positive | None = None
     damping: NotNegative | None = None
+
+
+RESOLVED_TURN = 0.3
+"""angular frequency of a bristle times the step, where nobody says how stiff it is"""
+DAMPING_OF_BRISTLE = 0.2
+"""damping of a bristle over sqrt(stiffness inertia), where nobody says: a ratio of 0.1"""
+
+
+@dataclass(frozen=True)
+class Bristle:
+    """Friction of the last rows of a coupling, with the spring and damper of what sticks."""
+
+    coefficient: FrictionCoefficient
+    stiffness: float
+    damping: float
+    viscous: float = 0.0
+    preload: float = 0.0
+
+
+def resolved_spring(
+    stiffness: float | None, damping: float | None, inertia: float, h: float
+) -> tuple[float, float]:
+    """Stiffness and damping of a bristle that moves an inertia, by default those of its step."""
+    stiffness = inertia * (RESOLVED_TURN / h) ** 2 if stiffness is None else stiffness
+    damping = DAMPING_OF_BRISTLE * math.sqrt(stiffness * inertia) if damping is None else damping
+    return stiffness, damping

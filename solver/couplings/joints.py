@@ -14,10 +14,10 @@ keeps |r_B - r_A|, a screw couples its distance and its angle, a constant-veloci
 whereby B is turned against A about an axis across both shafts, e3(A) and e3(B).
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import Annotated, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -28,7 +28,12 @@ from ..signals.attitude import Attitude, Attitudes
 from ..signals.curves import Input
 from ..signals.drives import ANGULAR, LINEAR, DriveKeys, IntegratedDrive, drive_of
 from ..signals.signal import AnySignal, DrivingSignal, SmoothSignal, is_any
-from .friction import JointFriction
+from ..step.rows import Angle as AngleRow
+from ..step.rows import AngleOfA, Distance, Rotation, Translation
+from ..step.rows import Attitude as AttitudeRow
+from .coupling import Coupling, Inertia, length_of, side_names
+from .friction import Bristle, JointFriction, resolved_spring
+from .rows import Row, Sides, Term
 
 
 @dataclass(frozen=True)
@@ -133,7 +138,7 @@ FRICTION_COORDINATES = {"revolute": "angle", "prismatic": "distance"}
 
 
 @entry()
-class Joint(Entry):
+class Joint(Entry, Coupling):
     """A joint between two frames.
 
     Frames are "BODY.FRAME", "BODY" (its origin) or "ground" (where the other frame starts).
@@ -157,6 +162,8 @@ class Joint(Entry):
     """
 
     label = "joint {name!r}"
+    group: ClassVar[str] = "joints"
+    dimension: ClassVar[str] = "joint"
 
     name: Name
     type: Annotated[str, one_of(JOINT_TYPES)]
@@ -275,6 +282,192 @@ class Joint(Entry):
         if drive is not None and not (by_acceleration and name.endswith("_rate")):
             raise self.error(f"start: {name} is driven")
 
+    @property
+    def axis_in_space(self) -> Array | None:
+        return self.axis
+
+    def rows(self, sides: Sequence[Sides]) -> list[Row]:
+        """Constraints: its table, a row of its own, then its drives; at last its friction.
+
+        The axes of a joint with the ground are carried by the body, as its other vectors are: rows
+        are the same from both sides, e_i(A) . e_j(B) as e_j(B) . e_i(A).
+        """
+        (own,) = sides
+        kind, rotations = self.kind, self.kind.rotations
+        basis = self.basis(own.pose_a.R)
+        drives = self.drives_from(own)
+        in_a, in_b = self._carried(basis, own)
+        driven = bool(drives) or self.attitude is not None
+        turned = own.fixed_a and not (driven or kind.sided or kind.own)
+        if turned:
+            own, rotations = own.swapped(), tuple((j, i) for i, j in rotations)
+            in_a, in_b = in_b, in_a
+        A, B = own.frame_a, own.frame_b
+        rows = [Row(Translation.number, A, B, in_a[:, k]) for k in kind.translations]
+        rows += [Row(Rotation.number, A, B, in_a[:, i], b=in_b[:, j]) for i, j in rotations]
+        if self.friction is not None:
+            weights = self._normal_weights(self.friction)
+            rows = [replace(row, normal=n) for row, n in zip(rows, weights, strict=True)]
+        rows += self._own_rows(own, in_a, in_b)
+        if "distance" in drives and kind.own != "rod":
+            row = self.observed(own)["distance"]
+            rows.append(replace(row, drive=drives["distance"], drawn=self.drawn.get("distance")))
+        if "angle" in drives and self.type != "universal":
+            drawn = self.drawn.get("angle")
+            rows.append(driven_angle(A, B, in_a, in_b, drives["angle"], drawn))
+        if self.type == "universal":
+            rows += self._driven_angles(own)
+        if self.attitude is not None:
+            rows += [
+                Row(AttitudeRow.number, A, B, b=in_b[:, j], axis=self.attitude.axis(i, in_a))
+                for i, j in NO_ROTATION
+            ]
+        if self.friction is not None and self.type == "revolute":
+            axes = in_a[:, 0], in_a[:, 1], in_b[:, 0]
+            rows.append(Row(AngleRow.number, A, B, *axes, has_friction=True))
+        elif self.friction is not None:
+            rows.append(Row(Translation.number, A, B, in_a[:, 2], has_friction=True))
+        return [replace(row, swapped=turned) if turned else row for row in rows]
+
+    def observed(self, sides: Sides) -> dict[str, Row]:
+        """The coordinates that it leaves free or drives, by name."""
+        basis = self.basis(sides.pose_a.R)
+        in_a, in_b = sides.carried(basis)
+        gap = sides.gap(basis)
+        rows = {}
+        for name, k in self.kind.distances.items():
+            start = self.drawn_at(name, float(gap[k]))
+            zero = float(gap[k]) - start if name in self.drawn else 0.0
+            A, B = sides.frame_a, sides.frame_b
+            rows[name] = Row(Translation.number, A, B, in_a[:, k], start=start, zero=zero)
+        for name, angle in self.kind.angles.items():
+            start = self.drawn_at(name, 0.0)
+            axes, other, A, B = in_a, in_b, sides.frame_a, sides.frame_b
+            if angle.by_b:
+                axes, other, A, B = other, axes, B, A
+            b, zero = other[:, angle.i], -start
+            if angle == TURN:
+                # at the start e_j is e_i turned towards e_k by the starting angle
+                b, zero = np.cos(start) * b + np.sin(start) * other[:, angle.k], 0.0
+            row = Row(AngleRow.number, A, B, axes[:, angle.i], axes[:, angle.k], b, start=start)
+            rows[name] = replace(row, zero=zero)
+        return rows
+
+    def drives_from(self, sides: Sides) -> dict[str, SmoothSignal]:
+        """The signals of driven coordinates; a distance that is integrated starts where it is."""
+        drives = self.drives
+        distance = drives.get("distance")
+        if isinstance(distance, IntegratedDrive) and "distance" not in self.drawn:
+            drives["distance"] = distance.starting_at(self._placed_distance(sides))
+        return drives
+
+    def _placed_distance(self, sides: Sides) -> float:
+        gap = sides.gap(self.basis(sides.pose_a.R))
+        return float(np.linalg.norm(gap) if self.kind.own == "rod" else gap[2])
+
+    def _carried(self, basis: Array, sides: Sides) -> tuple[Array, Array]:
+        """Axes of the first frame and of the second at the start, in those of the frames."""
+        in_a, in_b = sides.carried(basis)
+        if self.kind.own == "constant velocity":
+            in_b = sides.pose_b.R.T @ bent(basis, self.second_axis)
+        if self.attitude is not None:
+            R, _, _ = self.attitude.rotation(0.0)
+            in_b = in_b @ R
+        return in_a, in_b
+
+    def _own_rows(self, sides: Sides, in_a: Array, in_b: Array) -> list[Row]:
+        """The row that no table makes: of a rod, a screw, a constant-velocity joint."""
+        A, B, own = sides.frame_a, sides.frame_b, self.kind.own
+        if own == "rod":
+            length = length_of(self, sides)
+            if drive := self.drives_from(sides).get("distance"):
+                return [Row(Distance.number, A, B, drive=drive, start=length)]
+            return [Row(Distance.number, A, B, zero=length)]
+        if own == "screw":
+            rows = self.observed(sides)
+            distance, ratio = rows["distance"], -(self.lead or 0.0) / (2.0 * np.pi)
+            angle = rows["angle"]
+            offset = distance.start + ratio * angle.start
+            turning = Term(angle, ratio, own=True)
+            distance = replace(distance, zero=distance.zero + offset, start=distance.start - offset)
+            return [replace(distance, terms=(turning,))]
+        if own == "constant velocity":
+            across = Row(Rotation.number, A, B, in_a[:, 1], b=in_b[:, 0])
+            rows_12 = Row(Rotation.number, A, B, in_a[:, 0], b=in_b[:, 1])
+            return [replace(rows_12, terms=(Term(across, -1.0, own=True),))]
+        return []
+
+    def _driven_angles(self, sides: Sides) -> list[Row]:
+        """The rows of the driven angles of a universal joint, all from its first frame."""
+        rows, driven = self.observed(sides), []
+        for name, drive in self.drives.items():
+            row = replace(rows[name], drive=drive, drawn=self.drawn.get(name))
+            if self.kind.angles[name].by_b:
+                A, B = sides.frame_a, sides.frame_b
+                row = replace(row, kind=AngleOfA.number, frame_a=A, frame_b=B)
+            driven.append(row)
+        return driven
+
+    def bristle(self, inertia: Inertia, sides: Sides, h: float) -> Bristle | None:
+        friction = self.friction
+        if friction is None:
+            return None
+        axis = self.basis(sides.pose_a.R)[:, 2] if self.type == "revolute" else None
+        return Bristle(
+            friction.coefficient,
+            *resolved_spring(friction.stiffness, friction.damping, inertia(axis), h),
+            friction.viscous,
+            friction.preload * (friction.radius or 1.0),
+        )
+
+    def _normal_weights(self, friction: JointFriction) -> list[tuple[float, int]]:
+        """Weight and group of each row in the normal force, by which friction is one of the
+        joint's coordinate: times the radius of a revolute joint.
+        """
+        kind, arm = self.kind, friction.radius or 1.0
+        bearings = 2.0 * arm / friction.width if friction.width else 0.0
+        forces = [(arm, 1 if k == 2 else 0) for k in kind.translations]
+        # a moment about e3 of a prismatic joint turns what those across e3 tilt
+        moments = [(bearings, 1 if {i, j} == {0, 1} else 2) for i, j in kind.rotations]
+        return forces + moments
+
+    def loaded_by_moments(self, rows: Sequence[Row]) -> Mapping[str, str]:
+        causes = super().loaded_by_moments(rows)
+        if not causes and self.kind.sided:
+            return {side_names(self)[0]: f"{self.described}, whose axis it carries"}
+        return causes
+
+    def check_opening(self, sides: Sides, limit: float) -> None:
+        """`ModelError` where its frames do not meet at the start.
+
+        Directions in which it slides do not count.
+        """
+        gap = sides.gap(self.basis(sides.pose_a.R))
+        opening = [gap[k] for k in self.kind.translations]
+        start = ""
+        drive = self.drives_from(sides).get("distance")
+        if drive is not None and "distance" not in self.drawn:
+            distance = drive(0.0)
+            opening.append(self._placed_distance(sides) - distance)
+            start = f", the distance starts at {distance:.6g}"
+        worst = max(map(abs, opening), default=0.0)
+        if worst > limit:
+            first, second = self.between
+            r_a, r_b = sides.pose_a.x.tolist(), sides.pose_b.x.tolist()
+            raise self.error(
+                f"open by {worst:.6g} m at the start: {first} is at {r_a}, "
+                f"{second} at {r_b}{start}; assemble = true would close it"
+            )
+
+    def given_angles(self) -> Iterator[tuple[str, Any]]:
+        for table in ("start", "drawn"):
+            for coordinate, value in getattr(self, table).items():
+                if coordinate in self.kind.angles:
+                    yield f"{table}.{coordinate}", value
+        for coordinate, signal in self.drives.items():
+            if coordinate in self.kind.angles:
+                yield coordinate, signal
+
     def basis(self, D: Array) -> Array:
         """The joint axes e1, e2, e3 at the start, in space, as columns (3, 3).
 
@@ -286,6 +479,18 @@ class Joint(Entry):
             return basis_about(self.axis, D)
         third = np.cross(self.axis, self.second_axis)
         return np.column_stack([self.axis, self.second_axis, third])
+
+
+def driven_angle(
+    A: int, B: int, in_a: Array, in_b: Array, angle: SmoothSignal, drawn: float | None = None
+) -> Row:
+    """The row of a driven angle: e1(A), turned about e3 by the signal, stays across an axis of B.
+
+    That axis is e2 turned by minus the angle where the bodies are placed, by default angle(0).
+    """
+    start = angle(0.0) if drawn is None else drawn
+    e2 = np.cos(start) * in_b[:, 1] - np.sin(start) * in_b[:, 0]
+    return Row(Rotation.number, A, B, in_a[:, 0], in_a[:, 1], e2, drive=angle, drawn=drawn)
 
 
 def bent(basis: Array, second_axis: Array | None) -> Array:

@@ -1,9 +1,12 @@
 """Prescribed motions of a frame: a displacement or a rotation that follows a signal."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
+import numpy as np
+
+from ..arrays import Array
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
 from ..schema.values import ABSENT, Direction, Name, NumbersByName
@@ -18,7 +21,12 @@ from ..signals.drives import (
     given_drive,
     refusal,
 )
+from ..signals.orientations import OrientationDrive
 from ..signals.signal import AnySignal, DrivingSignal, SmoothSignal, is_any, is_smooth
+from ..step.rows import Rotation, Translation
+from .coupling import GROUND, Coupling
+from .joints import ABOUT_E3, basis_about, driven_angle
+from .rows import Row, Sides
 
 ROUNDING = 1e-12
 """value at t = 0, relative to those at some later times, that counts as none"""
@@ -26,8 +34,39 @@ TIMES = tuple(10.0**k for k in range(-6, 1))
 """[s]"""
 
 
+class PrescribedMotion(Entry, Coupling):
+    """A motion of the frame `on` against space, where the frame starts."""
+
+    label = "motion {name!r}"
+    group: ClassVar[str] = "motions"
+    dimension: ClassVar[str] = "joint"
+    keys: ClassVar[DriveKeys]
+
+    if TYPE_CHECKING:  # fields of its kinds
+
+        @property
+        def on(self) -> str: ...
+
+    @property
+    def type(self) -> str:
+        return self.keys.coordinate
+
+    @property
+    def described(self) -> str:
+        return self.owner
+
+    @property
+    def between(self) -> tuple[str, str]:
+        return GROUND, self.on
+
+    def bound(self, joints: Mapping[str, Any]) -> Coupling:
+        if self.on.partition(".")[0] == GROUND:
+            raise self.error(f"expected a frame of a body, got {self.on!r}")
+        return self
+
+
 @entry()
-class PrescribedDisplacement(Entry):
+class PrescribedDisplacement(PrescribedMotion):
     """A displacement along a direction that follows a signal.
 
         direction . (r(t) - r(0)) = displacement(t) [m],    displacement(0) = 0
@@ -37,7 +76,6 @@ class PrescribedDisplacement(Entry):
     `acceleration` may be given; start: {"displacement_rate": ...} with the latter.
     """
 
-    label = "motion {name!r}"
     keys: ClassVar[DriveKeys] = DriveKeys("displacement", *LINEAR)
     unit: ClassVar[str] = "m"
 
@@ -56,9 +94,19 @@ class PrescribedDisplacement(Entry):
     def drive(self) -> SmoothSignal:
         return _drive(self)
 
+    @property
+    def axis_in_space(self) -> Array | None:
+        return self.direction
+
+    def rows(self, sides: Sequence[Sides]) -> list[Row]:
+        """A translation along the direction."""
+        (own,) = sides
+        along = own.pose_a.R.T @ self.direction
+        return [Row(Translation.number, own.frame_a, own.frame_b, along, drive=self.drive)]
+
 
 @entry()
-class PrescribedRotation(Entry):
+class PrescribedRotation(PrescribedMotion):
     """A rotation about an axis that follows a signal.
 
         D(t) = exp(angle(t) axis~) D(0),    angle(0) = 0 [rad]
@@ -69,7 +117,6 @@ class PrescribedRotation(Entry):
     the latter.
     """
 
-    label = "motion {name!r}"
     keys: ClassVar[DriveKeys] = DriveKeys("angle", *ANGULAR)
     unit: ClassVar[str] = "rad"
 
@@ -88,9 +135,25 @@ class PrescribedRotation(Entry):
     def drive(self) -> SmoothSignal:
         return _drive(self)
 
+    @property
+    def axis_in_space(self) -> Array | None:
+        return self.axis
+
+    def rows(self, sides: Sequence[Sides]) -> list[Row]:
+        """The axis is kept, as by a revolute joint, and the angle about it driven."""
+        (own,) = sides
+        A, B = own.frame_a, own.frame_b
+        in_a, in_b = own.carried(basis_about(self.axis, own.pose_a.R))
+        rows = [Row(Rotation.number, A, B, in_a[:, i], b=in_b[:, j]) for i, j in ABOUT_E3]
+        return [*rows, driven_angle(A, B, in_a, in_b, self.drive)]
+
+    def given_angles(self) -> Iterator[tuple[str, Any]]:
+        if self.angle is not None:
+            yield "angle", self.angle
+
 
 @entry()
-class PrescribedOrientation(Entry):
+class PrescribedOrientation(PrescribedMotion):
     """Rotations about all three axes of space that follow signals, each of up to 1 rad.
 
         D(t) = R_z(angles[2]) R_y(angles[1]) R_x(angles[0]) D(0),    angles(0) = 0 [rad]
@@ -100,7 +163,6 @@ class PrescribedOrientation(Entry):
     angles they are those of the frame about x, y and z.
     """
 
-    label = "motion {name!r}"
     keys: ClassVar[DriveKeys] = DriveKeys("angles", "angular_velocities", "angular_accelerations")
 
     name: Name
@@ -125,6 +187,24 @@ class PrescribedOrientation(Entry):
         x, y, z = (self._angle(key, signal) for signal in signals)
         return x, y, z
 
+    def rows(self, sides: Sequence[Sides]) -> list[Row]:
+        """One for each of the three axes, see solver/signals/orientations.py."""
+        (own,) = sides
+        in_a, in_b = own.carried(np.eye(3))
+        A, B, angles = own.frame_a, own.frame_b, self.drives
+        return [
+            Row(
+                Rotation.number,
+                A,
+                B,
+                in_a[:, (j + 1) % 3],
+                -in_a[:, j],
+                in_b[:, j],
+                drive=OrientationDrive(angles, j, self.owner),
+            )
+            for j in (1, 2, 0)
+        ]
+
     def _angle(self, key: str, signal: Any) -> SmoothSignal:
         order = self.keys.index(key)
         reason = refusal(signal, order) if order else ""
@@ -138,9 +218,6 @@ class PrescribedOrientation(Entry):
             return IntegratedDrive(signal, order, error=self.error)
         driving: SmoothSignal = signal
         return driving
-
-
-PrescribedMotion = PrescribedDisplacement | PrescribedRotation | PrescribedOrientation
 
 
 def _drive(motion: PrescribedDisplacement | PrescribedRotation) -> SmoothSignal:

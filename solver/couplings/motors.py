@@ -1,9 +1,9 @@
 """Motors: a torque or a force on a joint coordinate, by a signal or by a servo."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Annotated, Any
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from ..signals.curves import Constant, Input
 from ..signals.signal import AnySignal, Pointwise, Signal, derivatives_of, is_smooth, values_of
 from .joints import Joint
 from .on_coordinate import OnCoordinate
+from .rows import Row, Sides
 
 NONE = Constant(0.0)
 
@@ -112,6 +113,10 @@ class Motor(Entry):
         self._check_reference()
         self._check_limit()
 
+    def bound(self, joints: Mapping[str, Joint]) -> "JointMotor":
+        bound: JointMotor = JointMotor.of(self, joints)
+        return bound
+
     def _check_reference(self) -> None:
         if self.reference is not None and not self.is_servo:
             raise self.error("reference: needs stiffness, damping or integral, found none")
@@ -163,32 +168,28 @@ class Rate(Pointwise):
         return derivatives_of(self.signal, t)[0]
 
 
-@dataclass(frozen=True)
 class JointMotor(OnCoordinate):
     """A motor with the joint that it belongs to."""
 
-    motor: Motor
-    joint: Joint
+    part: Motor
+    group: ClassVar[str] = "motors"
+    dimension: ClassVar[str] = "motor"
+    keeps_turns: ClassVar[bool] = True
 
-    @property
-    def part(self) -> Motor:
-        return self.motor
+    def __post_init__(self) -> None:
+        """`ModelError` for a coordinate that the joint has not, or drives, or of another kind."""
+        super().__post_init__()
+        if self.coordinate in self.joint.drives:
+            raise self.error(f"coordinate: {self.coordinate} of {self.joint.name!r} is driven")
+        if self.part.torque is not None and not self.turns:
+            raise self.error(f"torque: {self.coordinate!r} is a distance and takes a force")
+        if self.part.force is not None and self.turns:
+            raise self.error(f"force: {self.coordinate!r} is an angle and takes a torque")
 
-    def check(self) -> None:
-        """ModelError for a coordinate that the joint has not, or drives, or that is of another
-        kind.
-        """
-        motor, kind = self.motor, self.joint.kind
-        free = kind.coordinates
-        if motor.coordinate not in free:
-            raise self.error(
-                f"coordinate: joint {motor.joint!r} has {', '.join(free) or 'none'}, "
-                f"got {motor.coordinate!r}"
-            )
-        if motor.coordinate in self.joint.drives:
-            raise self.error(f"coordinate: {motor.coordinate} of {motor.joint!r} is driven")
-        turns = kind.unit(motor.coordinate) == "rad"
-        if motor.torque is not None and not turns:
-            raise self.error(f"torque: {motor.coordinate!r} is a distance and takes a force")
-        if motor.force is not None and turns:
-            raise self.error(f"force: {motor.coordinate!r} is an angle and takes a torque")
+    def rows(self, sides: Sequence[Sides]) -> list[Row]:
+        """The joint coordinate with its motor."""
+        return [replace(self.row(sides), motor=self.part)]
+
+    def given_angles(self) -> Iterator[tuple[str, Any]]:
+        if self.turns and self.part.reference is not None:
+            yield "reference", self.part.reference

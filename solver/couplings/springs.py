@@ -11,9 +11,9 @@ c, with the laws of each coordinate added:
     -stiffness (c - rest) - damping dc/dt - laws(c - rest, dc/dt)
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -31,7 +31,11 @@ from ..schema.values import (
     Pair,
     is_symmetric,
 )
+from ..step.rows import Angle as AngleRow
+from ..step.rows import Distance, Rotation, Translation
+from .coupling import Coupling, length_of
 from .joints import Angle, basis_about
+from .rows import Row, Sides
 
 AXES = ("x", "y", "z", "rx", "ry", "rz")
 """the coordinates of a bushing"""
@@ -65,7 +69,7 @@ SPRING_TYPES = {
 
 
 @entry()
-class Spring(Entry):
+class Spring(Entry, Coupling):
     """A spring with a damper between frames A and B, given as in a joint.
 
     stiffness, damping: a number, or for a bushing six numbers or a symmetric (6, 6) matrix
@@ -80,6 +84,8 @@ class Spring(Entry):
     """
 
     label = "spring {name!r}"
+    group: ClassVar[str] = "springs"
+    dimension: ClassVar[str] = "spring"
 
     name: Name
     type: Annotated[str, one_of(SPRING_TYPES)]
@@ -134,6 +140,45 @@ class Spring(Entry):
         for axis in axes or ():
             if axis not in AXES:
                 raise self.error(f"law: expected axes {', '.join(AXES)}, got {dotted([axis])}")
+
+    @property
+    def axis_in_space(self) -> Array | None:
+        return self.axis
+
+    def rows(self, sides: Sequence[Sides]) -> list[Row]:
+        """Its coordinates with their laws."""
+        (own,) = sides
+        kind, basis = self.kind, self.basis(own.pose_a.R)
+        in_a, in_b = own.carried(basis)
+        A, B = own.frame_a, own.frame_b
+        gap = own.gap(basis)
+        rows = []
+        if kind.distance:
+            rows.append(Row(Distance.number, A, B, start=length_of(self, own)))
+        rows += [
+            Row(Translation.number, A, B, in_a[:, k], start=float(gap[k]))
+            for k in kind.translations
+        ]
+        rows += [
+            Row(AngleRow.number, A, B, in_a[:, t.i], in_a[:, t.k], in_b[:, t.j])
+            for t in kind.angles
+        ]
+        rows += [Row(Rotation.number, A, B, in_a[:, i], b=in_b[:, j]) for i, j in kind.rotations]
+        rest = np.array([row.start for row in rows]) if self.rest is None else self.rest
+        return [
+            replace(
+                row,
+                rest=float(rest[i]),
+                stiffness=self.stiffness[i],
+                damping=self.damping[i],
+                laws=self.laws_of_rows[i],
+            )
+            for i, row in enumerate(rows)
+        ]
+
+    def given_angles(self) -> Iterator[tuple[str, Any]]:
+        if self.kind.angles and self.rest is not None:
+            yield "rest", float(np.max(self.rest))
 
     def basis(self, D: Array) -> Array:
         """The axes of the spring at the start, in space, as columns (3, 3).

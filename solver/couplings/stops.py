@@ -1,13 +1,15 @@
 """Stops: limits of joint coordinates."""
 
-from dataclasses import dataclass, field
-from typing import Annotated
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import field, replace
+from typing import Annotated, Any, ClassVar
 
 from ..schema.entry import Beside, Entry, entry
 from ..schema.values import Limits, Name
 from .impact import Impact
 from .joints import Joint
 from .on_coordinate import OnCoordinate
+from .rows import Row, Sides
 
 
 @entry()
@@ -31,14 +33,28 @@ class Stop(Entry):
             found = "none" if self.impact.law is None else "both"
             raise self.error(f"expected one of stiffness and law, found {found}")
 
+    def bound(self, joints: Mapping[str, Joint]) -> "JointStop":
+        bound: JointStop = JointStop.of(self, joints)
+        return bound
 
-@dataclass(frozen=True)
+
 class JointStop(OnCoordinate):
     """A stop with the joint that it belongs to."""
 
-    stop: Stop
-    joint: Joint
+    part: Stop
+    group: ClassVar[str] = "stops"
+    dimension: ClassVar[str] = "stop"
+    opens: ClassVar[bool] = True
 
     @property
-    def part(self) -> Stop:
-        return self.stop
+    def in_words(self) -> str:
+        lower, upper = self.part.range
+        return f"{self.coordinate} of joint {self.joint.name!r} in [{lower:g}, {upper:g}]"
+
+    def rows(self, sides: Sequence[Sides]) -> list[Row]:
+        """The joint coordinate with the law beyond its limits."""
+        return [replace(self.row(sides), laws=(self.part.impact.beyond(self.part.range),))]
+
+    def given_angles(self) -> Iterator[tuple[str, Any]]:
+        if self.turns:
+            yield from (("range", limit) for limit in self.part.range)

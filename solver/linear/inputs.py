@@ -17,10 +17,11 @@ from itertools import pairwise
 import numpy as np
 
 from ..arrays import Array
+from ..couplings.coupling import GROUND
 from ..errors import ModelError
 from ..lower.lower import LoweredModel
 from ..model.loads import Load
-from ..model.model import GROUND, Model
+from ..model.model import Model
 from ..signals.curves import Constant, Input
 from ..step.rows import ATTITUDE
 from .equations import Forcing

@@ -2,16 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
-from ..couplings.contacts import Contact
-from ..couplings.joints import Joint
-from ..couplings.motions import PrescribedMotion
+from ..couplings.coupling import GROUND
+from ..couplings.rows import Row
 from ..errors import ModelError
-from ..model.model import GROUND, Coupling, Model
-from ..step.rows import measures_length
-from .numbering import NumberedFrames, side_names
-from .rows import Row, joint_drives
+from ..model.model import Model
+from .numbering import NumberedFrames
 
 ASSEMBLY_TOLERANCE = 1e-3
 """largest opening of a joint, relative to the size of the model, that is closed unasked"""
@@ -20,29 +15,9 @@ LARGEST_MASS_RATIO = 1e15
 
 
 def check_assembled(model: Model, size: float, frames: NumberedFrames) -> None:
-    """`ModelError` for a joint whose frames do not meet at the start.
-
-    Directions in which the joint slides do not count. size: of the model [m].
-    """
-    for joint in model.joints:
-        sides = frames.sides(joint)
-        gap = sides.gap(joint.basis(sides.pose_a.R))
-        opening = [gap[k] for k in joint.kind.translations]
-        start = ""
-        drive = joint_drives(joint, sides).get("distance")
-        if drive is not None and "distance" not in joint.drawn:
-            distance = drive(0.0)
-            drawn = np.linalg.norm(gap) if joint.kind.own == "rod" else gap[2]
-            opening.append(float(drawn) - distance)
-            start = f", the distance starts at {distance:.6g}"
-        worst = max(map(abs, opening), default=0.0)
-        if worst > ASSEMBLY_TOLERANCE * size:
-            first, second = joint.between
-            r_a, r_b = sides.pose_a.x.tolist(), sides.pose_b.x.tolist()
-            raise joint.error(
-                f"open by {worst:.6g} m at the start: {first} is at {r_a}, "
-                f"{second} at {r_b}{start}; assemble = true would close it"
-            )
+    """`ModelError` for a joint whose frames do not meet at the start. size: of the model [m]."""
+    for coupling in model.couplings:
+        coupling.check_opening(frames.sides(coupling), ASSEMBLY_TOLERANCE * size)
 
 
 def check_masses(model: Model) -> None:
@@ -68,15 +43,7 @@ def check_moments(model: Model, frames: NumberedFrames, rows: Mapping[str, Seque
     """
     causes: dict[str, str] = {}
     for coupling in model.couplings:
-        if isinstance(coupling, Contact):
-            first, second = side_names(coupling)
-            causes[first] = f"{coupling.owner}, whose shape it carries"
-            if coupling.friction is not None and coupling.ball > 0.0:
-                causes[second] = f"{coupling.owner}, with friction on a ball"
-        elif not all(measures_length(row.kind) for row in rows[coupling.name]):
-            causes |= dict.fromkeys(side_names(coupling), _described(coupling))
-        elif isinstance(coupling, Joint) and coupling.kind.sided:
-            causes[side_names(coupling)[0]] = f"{_described(coupling)}, whose axis it carries"
+        causes |= coupling.loaded_by_moments(rows[coupling.name])
     causes |= {load.on: f"torque on {load.on!r}" for load in model.frame_loads if load.kind.moment}
     for frame, cause in causes.items():
         f = frames.number(frame)
@@ -84,10 +51,3 @@ def check_moments(model: Model, frames: NumberedFrames, rows: Mapping[str, Seque
             raise ModelError(
                 f"{cause}: interface {frame!r} has no rotations and carries forces alone"
             )
-
-
-def _described(coupling: Coupling) -> str:
-    """A coupling as messages name it, with its type if it has one."""
-    if isinstance(coupling, PrescribedMotion | Contact):
-        return coupling.owner
-    return f"{coupling.owner} ({coupling.type})"

@@ -8,10 +8,8 @@ from numpy.typing import NDArray
 
 from ...superelement import GeneralizedAlpha, Superelement
 from ..arrays import Array, as_index, as_rows
-from ..couplings.contacts import Contact
-from ..couplings.couplers import JointCoupler
-from ..couplings.joints import Joint
-from ..couplings.stops import JointStop
+from ..couplings.friction import Bristle
+from ..couplings.rows import Pose, Row
 from ..history.layout import Horizon, Responses, Stepping, lay_out_elastic
 from ..model.loads import AnyLoad
 from ..model.model import Model
@@ -21,10 +19,10 @@ from ..step.rows import measures_length
 from ..step.system import Bodies, Couplings, Elastic, LoadPatterns, Loads, Sensors, System
 from .checks import check_assembled, check_masses, check_moments
 from .elimination_order import lay_out_pattern
-from .friction import Bristle, bristle_of
+from .friction import inertia_between
 from .numbering import NumberedFrames, number_frames
-from .placement import Pose, place_bodies
-from .rows import Row, coupling_rows, joint_observers, lay_out_couplings, lay_out_rows
+from .placement import place_bodies
+from .rows import lay_out_couplings, lay_out_rows
 from .scheme import lay_out_newton, lay_out_scheme, round_up, stepping_of
 from .size import model_size
 
@@ -116,7 +114,7 @@ def lower(
     couplings, drives = lay_out_couplings(
         list(rows.values()),
         _bristles(model, poses, frames, stepping),
-        [isinstance(coupling, Contact | JointStop) for coupling in model.couplings],
+        [coupling.opens for coupling in model.couplings],
     )
     laid_out = [row for coupling in rows.values() for row in coupling]
     laws = [law for row in laid_out for law in row.laws]
@@ -183,8 +181,7 @@ def _rows(model: Model, frames: NumberedFrames, without: frozenset[int]) -> dict
     number = 0
     for coupling in model.couplings:
         rows[coupling.name] = []
-        of_joints = coupling.joints if isinstance(coupling, JointCoupler) else (coupling,)
-        for row in coupling_rows(coupling, [frames.sides(joint) for joint in of_joints]):
+        for row in coupling.rows([frames.sides(framing) for framing in coupling.framed_by]):
             if number not in without:
                 rows[coupling.name].append(row)
             number += 1
@@ -202,20 +199,18 @@ def _bristles(
     """The friction of each coupling, resolved by the longest step in which it acts."""
     bristles = []
     for coupling in model.couplings:
-        axis = np.zeros(3)
-        if isinstance(coupling, Joint):
-            axis = coupling.basis(frames.sides(coupling).pose_a.R)[:, 2]
-        acting = stepping if isinstance(coupling, Contact) else stepping.in_flight
-        bristles.append(bristle_of(coupling, model, poses, axis, acting.h))
+        acting = stepping if coupling.opens else stepping.in_flight
+        moved = inertia_between(coupling, model, poses)
+        bristles.append(coupling.bristle(moved, frames.sides(coupling), acting.h))
     return bristles
 
 
 def _observers(model: Model, frames: NumberedFrames) -> dict[tuple[str, str], Row]:
     """The rows that only observe joint coordinates, by joint and coordinate."""
     return {
-        (joint.name, coordinate): row
-        for joint in model.joints
-        for coordinate, row in joint_observers(joint, frames.sides(joint)).items()
+        (coupling.name, coordinate): row
+        for coupling in model.couplings
+        for coordinate, row in coupling.observed(frames.sides(coupling)).items()
     }
 
 

@@ -4,16 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..couplings.couplers import JointCoupler
-from ..couplings.motions import PrescribedMotion
-from ..couplings.motors import JointMotor
-from ..couplings.stops import JointStop
+from ..couplings.coupling import GROUND, Coupling, side_names
+from ..couplings.rows import Pose, Sides
 from ..model.bodies import FlexibleBody
-from ..model.model import GROUND, Coupling, Model
+from ..model.model import Model
 from ..step.rotations import quaternion_of
 from ..step.system import Frames
-from .placement import Pose, frame_pose
-from .rows import Sides
+from .placement import frame_pose
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +40,7 @@ def number_frames(model: Model, poses: dict[str, Pose]) -> NumberedFrames:
     """Number the frames of a model whose bodies start in the given poses."""
     named: dict[str, Pose] = {}
     for coupling in model.couplings:
-        first, second = between(coupling)
+        first, second = coupling.between
         for name, side, other in zip(
             side_names(coupling), (first, second), (second, first), strict=True
         ):
@@ -56,25 +53,6 @@ def number_frames(model: Model, poses: dict[str, Pose]) -> NumberedFrames:
             named.setdefault(f"{body}.{frame}", frame_pose(model, poses, f"{body}.{frame}"))
     numbers = {name: f for f, name in enumerate(named)}
     return NumberedFrames(named, numbers, _arrays(model, list(named), n_acting))
-
-
-def between(coupling: Coupling) -> tuple[str, str]:
-    """The frames that a coupling names; a motion acts against the ground."""
-    return (GROUND, coupling.on) if isinstance(coupling, PrescribedMotion) else coupling.between
-
-
-def side_names(coupling: Coupling) -> tuple[str, str]:
-    """The frames of a coupling by name, with one of its own in place of the bare ground.
-
-    The latter is fixed in space at the starting pose of the other side.
-    """
-    owner = coupling.name
-    if isinstance(coupling, JointStop | JointMotor | JointCoupler):
-        owner = coupling.joint.name
-    first, second = (
-        f"{GROUND}.({owner})" if side == GROUND else side for side in between(coupling)
-    )
-    return first, second
 
 
 def _arrays(model: Model, frame_names: list[str], n_acting: int) -> Frames:

@@ -1,27 +1,15 @@
 """Starting poses of the bodies of a model: by position and rotation, or by one frame on another."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Array
+from ..couplings.coupling import GROUND
+from ..couplings.rows import Pose
 from ..errors import ModelError
 from ..model.bodies import Frame
-from ..model.model import GROUND, Model
+from ..model.model import Model
 from ..step.rotations import rotation_matrix
-
-
-@dataclass(frozen=True, eq=False)
-class Pose:
-    """Position x (3,) in space and rotation R (3, 3) to space."""
-
-    x: Array
-    R: Array
-
-    def carry(self, frame: Frame) -> "Pose":
-        """The pose in space of a frame of the body that has this pose."""
-        return Pose(self.x + self.R @ frame.position, self.R @ rotation_matrix(frame.rotation))
 
 
 def place_bodies(model: Model) -> dict[str, Pose]:

@@ -5,9 +5,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..arrays import Array
+from ..couplings.rows import Pose
 from ..model.model import Model
 from .numbering import NumberedFrames
-from .placement import Pose
 
 
 def model_size(model: Model, poses: Mapping[str, Pose], frames: NumberedFrames) -> float:

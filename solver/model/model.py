@@ -2,7 +2,7 @@
 
 import itertools
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import KW_ONLY, field, replace
 from pathlib import Path
 from typing import Any
@@ -10,12 +10,13 @@ from typing import Any
 from ...files.html import listed, table
 from ...inputs import FORM_OF_NAMES, is_name, quoted
 from ..couplings.contacts import Contact
-from ..couplings.couplers import Coupler, JointCoupler
+from ..couplings.couplers import Coupler
+from ..couplings.coupling import GROUND, Coupling
 from ..couplings.joints import Joint
 from ..couplings.motions import PrescribedMotion
-from ..couplings.motors import JointMotor, Motor
+from ..couplings.motors import Motor
 from ..couplings.springs import Spring
-from ..couplings.stops import JointStop, Stop
+from ..couplings.stops import Stop
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
 from ..schema.values import NONE, ORIGIN, Several, Vector
@@ -24,9 +25,7 @@ from .loads import AnyLoad, Load, PatternLoad
 from .settings import Settings
 from .summary import counted, rows
 
-GROUND = "ground"
 Named = Joint | Spring | PrescribedMotion | Contact | Stop | Motor | Coupler
-Coupling = Joint | PrescribedMotion | Spring | Contact | JointStop | JointMotor | JointCoupler
 
 
 @entry()
@@ -99,28 +98,21 @@ class Model(Entry):
 
     @property
     def couplings(self) -> tuple[Coupling, ...]:
-        """Joints, motions, springs, contacts, stops, motors, couplers, as the solver has them."""
-        return (
+        """Joints, motions, springs, contacts, stops, motors, couplers, as the solver has them.
+
+        ModelError for what acts on a joint, or on a coordinate of one, that there is not.
+        """
+        joints = {joint.name: joint for joint in self.joints}
+        parts: tuple[Named, ...] = (
             *self.joints,
             *self.motions,
             *self.springs,
             *self.contacts,
-            *self._joint_stops(),
-            *self._joint_motors(),
-            *self._joint_couplers(),
+            *self.stops,
+            *self.motors,
+            *self.couplers,
         )
-
-    def _joint_stops(self) -> Iterator[JointStop]:
-        joints = {joint.name: joint for joint in self.joints}
-        return (JointStop(stop, joints[stop.joint]) for stop in self.stops)
-
-    def _joint_couplers(self) -> Iterator[JointCoupler]:
-        joints = {joint.name: joint for joint in self.joints}
-        return (JointCoupler.of(coupler, joints) for coupler in self.couplers)
-
-    def _joint_motors(self) -> Iterator[JointMotor]:
-        joints = {joint.name: joint for joint in self.joints}
-        return (JointMotor(motor, joints[motor.joint]) for motor in self.motors)
+        return tuple(part.bound(joints) for part in parts)
 
     def with_settings(self, **changes: Any) -> "Model":
         """This mechanism with some of its settings changed."""
@@ -194,48 +186,15 @@ class Model(Entry):
                 self._check_frame(owner, place.on)
 
     def _check_couplings(self) -> None:
-        self._check_stops()
-        self._check_motors()
-        joined: tuple[Joint | Spring | Contact, ...] = (
-            *self.joints,
-            *self.springs,
-            *self.contacts,
-        )
-        for coupling in joined:
+        for coupling in self.couplings:
             first, second = coupling.between
             self._check_frame(coupling.owner, first)
             self._check_frame(coupling.owner, second)
             if first.partition(".")[0] == second.partition(".")[0]:
                 raise coupling.error(f"expected frames of two bodies, got {[first, second]}")
 
-        joints = {joint.name: joint for joint in self.joints}
-        for coupler in self.couplers:
-            JointCoupler.of(coupler, joints)
-
-    def _check_stops(self) -> None:
-        joints = {joint.name: joint for joint in self.joints}
-        for stop in self.stops:
-            if stop.joint not in joints:
-                known = ", ".join(joints) or "none"
-                raise stop.error(f"joint: no joint {stop.joint!r}; there are: {known}")
-            kind = joints[stop.joint].kind
-            free = kind.coordinates
-            if stop.coordinate not in free:
-                raise stop.error(
-                    f"coordinate: joint {stop.joint!r} has {', '.join(free) or 'none'}, "
-                    f"got {stop.coordinate!r}"
-                )
-
-    def _check_motors(self) -> None:
-        joints = {joint.name: joint for joint in self.joints}
-        for motor in self.motors:
-            if motor.joint not in joints:
-                known = ", ".join(joints) or "none"
-                raise motor.error(f"joint: no joint {motor.joint!r}; there are: {known}")
-            JointMotor(motor, joints[motor.joint]).check()
-
     def _check_loads(self) -> None:
-        for load in (*self.motions, *self.frame_loads):
+        for load in self.frame_loads:
             self._check_frame(load.owner, load.on)
             if load.on.partition(".")[0] == GROUND:
                 raise load.error(f"expected a frame of a body, got {load.on!r}")

@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
 from itertools import pairwise
-from typing import Any
 
 from ...results.schema import (
     OWNERS,
@@ -16,15 +15,10 @@ from ...results.schema import (
 )
 from ...superelement.sensor import KINDS
 from ..arrays import Array
-from ..couplings.contacts import Contact
-from ..couplings.couplers import JointCoupler
-from ..couplings.joints import Joint
-from ..couplings.motions import PrescribedMotion
-from ..couplings.springs import Spring
-from ..couplings.stops import JointStop
+from ..couplings.coupling import GROUND
 from ..errors import ModelError
 from ..lower.lower import LoweredModel, pattern_names
-from ..model.model import GROUND, Model
+from ..model.model import Model
 from ..step.system import Output
 
 SENSOR_KINDS = tuple(KINDS)
@@ -53,8 +47,8 @@ def axes_of(lowered: LoweredModel) -> dict[str, Axis]:
     owners: dict[str, list[tuple[int, str]]] = {
         "body": list(enumerate(lowered.body_names)),
         "frame": [(f, name) for f, name in enumerate(lowered.frame_names) if _on_body(name)],
-        "joint": _numbered(model, Joint | PrescribedMotion),
-        "spring": _numbered(model, Spring),
+        "joint": _numbered(model, "joint"),
+        "spring": _numbered(model, "spring"),
     }
     axes = {key: _axis(entries) for key, entries in owners.items()}
     numbers = [
@@ -76,7 +70,7 @@ def axes_of(lowered: LoweredModel) -> dict[str, Axis]:
     joints = {joint.name: joint.kind for joint in model.joints}
     angular = [joints[joint].unit(name) == "rad" for joint, name in lowered.observers]
     axes["joint_coordinate"] = _axis(list(enumerate(names)), angular)
-    couplers = [(int(couplings.range[j]), name) for j, name in _numbered(model, JointCoupler)]
+    couplers = [(int(couplings.range[j]), name) for j, name in _numbered(model, "coupler")]
     axes["coupler"] = _axis(couplers, [not lengths[row] for row, _ in couplers])
     return axes | _switching_axes(lowered) | _channel_axes(model)
 
@@ -104,8 +98,8 @@ def _switching_axes(lowered: LoweredModel) -> dict[str, Axis]:
     def turns(owners: list[tuple[int, str]]) -> list[bool]:
         return [bool(angular[couplings.range[j]]) for j, _ in owners]
 
-    contacts, stops = _numbered(model, Contact), _numbered(model, JointStop)
-    rubbing = [(j, n) for j, n in _numbered(model, Joint) if couplings.friction_of[j] >= 0]
+    contacts, stops = _numbered(model, "contact"), _numbered(model, "stop")
+    rubbing = [(j, n) for j, n in _numbered(model, "joint") if couplings.friction_of[j] >= 0]
     first = couplings.friction.first
     friction = [(int(couplings.friction_of[j]), f"{name}.friction") for j, name in rubbing]
     return {
@@ -120,9 +114,9 @@ def _switching_axes(lowered: LoweredModel) -> dict[str, Axis]:
     }
 
 
-def _numbered(model: Model, kind: Any) -> list[tuple[int, str]]:
-    """The couplings of a kind, with their numbers."""
-    return [(j, c.name) for j, c in enumerate(model.couplings) if isinstance(c, kind)]
+def _numbered(model: Model, dimension: str) -> list[tuple[int, str]]:
+    """The couplings that results record along a dimension, with their numbers."""
+    return [(j, c.name) for j, c in enumerate(model.couplings) if c.dimension == dimension]
 
 
 def _on_body(frame: str) -> bool:

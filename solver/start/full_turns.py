@@ -1,64 +1,49 @@
-"""Full turns of the angles that stops and motors act on, at the start."""
+"""Full turns of the joint coordinates that stops, motors and couplers act on, at the start."""
 
 from collections.abc import Iterator
-from typing import Any
+from dataclasses import dataclass
 
-from ..couplings.couplers import JointCoupler
-from ..couplings.motors import JointMotor
-from ..couplings.stops import JointStop
+from ..couplings.coupling import Coupling
 from ..lower.lower import LoweredModel
 from ..step.system import State, Workspace
 
 
+@dataclass(frozen=True)
+class _Observed:
+    """A row that is a coordinate of a joint, or a sum of several, with their observers."""
+
+    coupling: Coupling
+    row: int
+    first: int
+    """the observer of the row's own coordinate"""
+    terms: slice
+    others: list[int]
+    """the observers of its terms"""
+    shift: float
+    """how far the zero of the sum is from that of the first coordinate"""
+
+
 def continue_angles(lowered: LoweredModel, state: State, work: Workspace) -> None:
-    """Let the coordinates of stops and motors have the turns of the joints that they belong to."""
-    for row, observer in _observed(lowered, JointStop | JointMotor):
-        work.couplings.near[row] = state.observers.value[observer]
-    _continue_couplers(lowered, state, work)
-
-
-def _continue_couplers(lowered: LoweredModel, state: State, work: Workspace) -> None:
-    """Let couplers have the turns of their joints."""
-    for row, terms, first, others, shift in _coupled(lowered):
-        work.couplings.near[row] = state.observers.value[first] - shift
-        work.terms.near[terms] = state.observers.value[others]
-
-
-def _turn_coupled(lowered: LoweredModel, state: State, work: Workspace) -> None:
-    """Let the joints of couplers have their turns."""
-    for row, terms, first, others, shift in _coupled(lowered):
-        state.observers.value[first] = work.couplings.coordinate[row] + shift
-        state.observers.value[others] = work.terms.coordinate[terms]
-
-
-def _coupled(lowered: LoweredModel) -> Iterator[tuple[int, slice, int, list[int], float]]:
-    """Rows of couplers, their terms, the observers of both, and of the first how far the zero of
-    the sum is from its own.
-    """
-    couplings, observers = lowered.system.couplings, lowered.system.observers
-    for j, coupling in enumerate(lowered.model.couplings):
-        if isinstance(coupling, JointCoupler):
-            row = int(couplings.range[j])
-            names = zip(coupling.joints, coupling.coordinates, strict=True)
-            first, *others = (lowered.observers.index((joint.name, name)) for joint, name in names)
-            shift = float(couplings.rows.zero[row] - observers.zero[first])
-            terms = slice(int(couplings.terms.range[row]), int(couplings.terms.range[row + 1]))
-            yield row, terms, first, others, shift
+    """Let what acts on joint coordinates have the turns of the joints."""
+    for seen in _observed(lowered):
+        work.couplings.near[seen.row] = state.observers.value[seen.first] - seen.shift
+        work.terms.near[seen.terms] = state.observers.value[seen.others]
 
 
 def turn_joints(lowered: LoweredModel, state: State, work: Workspace) -> None:
-    """Let joints have the turns of the coordinates that motors act on."""
-    for row, observer in _observed(lowered, JointMotor):
-        state.observers.value[observer] = work.couplings.coordinate[row]
-    _turn_coupled(lowered, state, work)
+    """Let joints have the turns of the coordinates that keep theirs."""
+    for seen in _observed(lowered):
+        if seen.coupling.keeps_turns:
+            state.observers.value[seen.first] = work.couplings.coordinate[seen.row] + seen.shift
+            state.observers.value[seen.others] = work.terms.coordinate[seen.terms]
 
 
-def _observed(lowered: LoweredModel, kinds: Any) -> Iterator[tuple[int, int]]:
-    """The rows of couplings on joint coordinates, with the observers of these."""
-    first = lowered.system.couplings.range
+def _observed(lowered: LoweredModel) -> Iterator[_Observed]:
+    couplings, observers = lowered.system.couplings, lowered.system.observers
     for j, coupling in enumerate(lowered.model.couplings):
-        if isinstance(coupling, kinds):
-            yield (
-                int(first[j]),
-                lowered.observers.index((coupling.joint.name, coupling.coordinate)),
-            )
+        if coupling.joint_coordinates:
+            row = int(couplings.range[j])
+            first, *others = map(lowered.observers.index, coupling.joint_coordinates)
+            shift = float(couplings.rows.zero[row] - observers.zero[first])
+            terms = slice(int(couplings.terms.range[row]), int(couplings.terms.range[row + 1]))
+            yield _Observed(coupling, row, first, terms, others, shift)

@@ -4,13 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..couplings.contacts import Contact
 from ..lower.lower import LoweredModel
 from ..step.contacts import penetration_of
 from ..step.system import State, Workspace
 
-DEEPEST = 0.1
-"""penetration over the size of the model at which a run does not start"""
 NOTICEABLE = 1e-9
 """penetration over the size of the model, or angle, that is not of rounding"""
 BALANCED = 0.1
@@ -24,9 +21,7 @@ def check_depths(lowered: LoweredModel, work: Workspace) -> None:
     """
     size = float(lowered.system.bodies.size)
     for j, depth in _closed(lowered, work):
-        coupling = lowered.model.couplings[j]
-        if isinstance(coupling, Contact):
-            _check(coupling, depth, size)
+        lowered.model.couplings[j].check_depth(depth, size)
 
 
 def penetrations(lowered: LoweredModel, state: State, work: Workspace) -> Iterator[str]:
@@ -72,12 +67,3 @@ def _is_held(lowered: LoweredModel, j: int, state: State) -> bool:
         if linear + reach * angular > max(fall, BALANCED * by_contact):
             return False
     return True
-
-
-def _check(contact: Contact, depth: float, size: float) -> None:
-    limits = {"a tenth of the size of the model": DEEPEST * size}
-    if contact.ball > 0.0:
-        limits["the radius of its ball"] = contact.ball
-    for name, limit in limits.items():
-        if depth > limit:
-            raise contact.error(f"starts {depth:.6g} m deep: expected at most {name}, {limit:.6g}")

@@ -1,0 +1,142 @@
+"""What the solver asks of a coupling: all that a new kind needs is one class."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from ...results.space import ContactShape
+from ..arrays import Array
+from ..errors import ModelError
+from ..step.rows import measures_length
+from .friction import Bristle
+from .rows import Row, Sides
+
+GROUND = "ground"
+"""the name of space among the bodies"""
+Inertia = Callable[[Array | None], float]
+"""the reduced mass of both sides [kg]; with an axis (3,) in space, that of inertias about it"""
+Turns = Callable[[Any], bool]
+"""whether a signal that drives an angle moves with time"""
+
+
+class Coupling:
+    """What acts between two frames, or on coordinates of joints, by rows.
+
+    Everything outside of its class asks these questions alone, and none which kind it is.
+    """
+
+    group: ClassVar[str]
+    """the array of tables in model files that holds it, which pictures name too: "springs" """
+    dimension: ClassVar[str]
+    """the dimension of results files along which its kind is recorded: "spring" """
+    opens: ClassVar[bool] = False
+    """it acts by a `ContactLaw` on its first row, and has events"""
+    keeps_turns: ClassVar[bool] = False
+    """its angle knows its full turns, and the joint that it acts on learns them from it"""
+
+    if TYPE_CHECKING:  # fields of some kinds, which a property of this class would hide
+
+        @property
+        def name(self) -> str: ...
+
+        @property
+        def type(self) -> str:
+            """What kind of its group it is, as pictures name it: "bushing"."""
+
+        @property
+        def between(self) -> tuple[str, str]:
+            """Its frames: "BODY.FRAME", "BODY" (its center of mass) or "ground"."""
+
+        @property
+        def owner(self) -> str:
+            """It as messages name it: "spring 'mount'"."""
+
+        def error(self, message: str) -> ModelError:
+            """An error that names it."""
+
+    def bound(self, joints: Mapping[str, Any]) -> "Coupling":
+        """The coupling that it is among the joints of a model, by name."""
+        return self
+
+    @property
+    def described(self) -> str:
+        """It as messages name it, with its type if that tells more."""
+        return f"{self.owner} ({self.type})"
+
+    @property
+    def in_words(self) -> str:
+        """What it does, for `check`."""
+        return self.described
+
+    @property
+    def framed_by(self) -> "Sequence[Coupling]":
+        """The couplings between whose frames it acts: itself, or the joints of its coordinates."""
+        return (self,)
+
+    @property
+    def joint_coordinates(self) -> Sequence[tuple[str, str]]:
+        """The coordinates that it acts on, each by its joint and its name."""
+        return ()
+
+    @property
+    def axis_in_space(self) -> Array | None:
+        """The axis that pictures show (3,), in space at the start."""
+        return None
+
+    def drawn_shape(self, D: Array) -> ContactShape | None:
+        """What the ball of a contact touches; D (3, 3): the axes of the first frame."""
+        return None
+
+    def rows(self, sides: Sequence[Sides]) -> list[Row]:
+        """Its rows, in the order of its coordinates or constraints.
+
+        sides: the frames of each that it is framed by, at the start.
+        """
+        raise NotImplementedError
+
+    def observed(self, sides: Sides) -> dict[str, Row]:
+        """The coordinates that results record beside the rows, by name."""
+        return {}
+
+    def bristle(self, inertia: Inertia, sides: Sides, h: float) -> Bristle | None:
+        """The friction of its last rows, in steps of h [s]; None where there is none."""
+        return None
+
+    def loaded_by_moments(self, rows: Sequence[Row]) -> Mapping[str, str]:
+        """The frames of `side_names` on which it puts moments, and why, as messages say it."""
+        if all(measures_length(row.kind) for row in rows):
+            return {}
+        return dict.fromkeys(side_names(self), self.described)
+
+    def check_opening(self, sides: Sides, limit: float) -> None:
+        """`ModelError` where its frames are further apart at the start than a limit [m]."""
+
+    def check_depth(self, depth: float, size: float) -> None:
+        """`ModelError` for a contact that starts too deep [m] in a model of a size [m]."""
+
+    def given_angles(self) -> Iterator[tuple[str, Any]]:
+        """Numbers [rad], and signals of angles, which may be in degrees by mistake, by key."""
+        return iter(())
+
+
+def side_names(coupling: Coupling) -> tuple[str, str]:
+    """The frames of a coupling by name, with one of its own in place of the bare ground.
+
+    The latter is fixed in space at the starting pose of the other side.
+    """
+    own = coupling.framed_by[0]
+    first, second = (f"{GROUND}.({own.name})" if side == GROUND else side for side in own.between)
+    return first, second
+
+
+def length_of(coupling: Coupling, sides: Sides) -> float:
+    """The distance of two frames at the start [m], which must not be zero."""
+    length = float(np.linalg.norm(sides.gap(np.eye(3))))
+    if length <= COINCIDENT * float(np.abs([sides.pose_a.x, sides.pose_b.x]).max()):
+        raise coupling.error(f"its ends {list(coupling.between)} coincide at the start")
+    return length
+
+
+COINCIDENT = 1e-12
+"""distance of points, relative to their coordinates, that has lost its direction by rounding"""
