@@ -52,6 +52,7 @@ lint: $(VENV)/.installed build/types/.linked ## style and types
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	MYPYPATH=build/types $(BIN)/mypy -p duhamel
+	$(BIN)/python tools/budget.py
 
 validation: $(VENV)/.validation ## published problems and peer codes; takes minutes
 	$(BIN)/python -m pytest -m validation --complete

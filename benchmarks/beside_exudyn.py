@@ -24,7 +24,16 @@ from pathlib import Path
 from statistics import median
 
 from duhamel.preprocess import build, read_body
-from duhamel.solver import FlexibleBody, Joint, Model, Place, Settings, Start, read_model, simulate
+from duhamel.solver import (
+    FlexibleBody,
+    Model,
+    Place,
+    Revolute,
+    Settings,
+    Start,
+    read_model,
+    simulate,
+)
 from duhamel.superelement import Superelement, write
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
@@ -226,7 +235,7 @@ def our_chain(bar: Superelement, n: int, t_end: float) -> Model:
     return Model(
         bodies={f"bar{i}": FlexibleBody(bar, start) for i, start in enumerate(starts)},
         joints=tuple(
-            Joint(f"joint{i}", "revolute", (support, f"bar{i}.root"), axis=[0, 0, 1])
+            Revolute(support, f"bar{i}.root", [0, 0, 1], name=f"joint{i}")
             for i, support in enumerate(supports)
         ),
         gravity=GRAVITY,

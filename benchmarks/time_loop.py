@@ -21,7 +21,14 @@ from typing import NamedTuple
 
 import numpy as np
 from duhamel.preprocess import build, read_body
-from duhamel.solver import FlexibleBody, Joint, Model, Settings, Start, read_model
+from duhamel.solver import (
+    FlexibleBody,
+    Model,
+    Revolute,
+    Settings,
+    Start,
+    read_model,
+)
 from duhamel.solver.lower.allocation import make_output
 from duhamel.solver.simulation import signals
 from duhamel.solver.start.initial import initialize
@@ -118,7 +125,7 @@ def many_modes() -> None:
     for m in (60, 200, 400, 800):
         model = Model(
             {"body": FlexibleBody(element(m))},
-            [Joint("pivot", "revolute", ("ground", "body.i0"), [0, 0, 1])],
+            [Revolute("ground", "body.i0", [0, 0, 1], name="pivot")],
             gravity=[0, -9.81, 0],
             settings=Settings(t_end=2000 * H),
         )
@@ -166,9 +173,7 @@ def chain(element: Superelement, n: int, steps: int) -> Model:
             f"body{k}": FlexibleBody(element, Start(position=[LENGTH * (k + 0.5), 0, 0]))
             for k in range(n)
         },
-        joints=[
-            Joint(f"joint{k}", "revolute", (ends[k], f"body{k}.root"), [0, 0, 1]) for k in range(n)
-        ],
+        joints=[Revolute(ends[k], f"body{k}.root", [0, 0, 1], name=f"joint{k}") for k in range(n)],
         gravity=[0, -9.81, 0],
         settings=Settings(t_end=steps * H, step=H),
     )

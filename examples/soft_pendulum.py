@@ -80,7 +80,7 @@ def in_parts(model: solver.Model) -> solver.Model:
         before = f"part_{n}.tip"
         start = solver.Start(place=solver.Place("root", before))
         bodies[f"part_{n + 1}"] = replace(part, start=start)
-        joints.append(solver.Joint(f"joint_{n}", "fixed", (before, f"part_{n + 1}.root")))
+        joints.append(solver.Fixed(before, f"part_{n + 1}.root", name=f"joint_{n}"))
     return replace(model, bodies=bodies, joints=tuple(joints))
 
 

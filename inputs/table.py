@@ -121,6 +121,12 @@ def _message(failure: Mapping[str, Any], value: Any) -> str:
     text = str(failure["msg"]).removeprefix("Value error, ")
     if failure["type"] == "missing":
         text = "missing"
+    elif failure["type"] == "union_tag_not_found":
+        key, text = f"{key}.type", "missing"
+    elif failure["type"] == "union_tag_invalid":
+        *others, last = failure["ctx"]["expected_tags"].split(", ")
+        found = quoted(failure["ctx"]["tag"])
+        key, text = f"{key}.type", f"expected {', '.join(others)} or {last}, found {found}"
     elif failure["type"] != "value_error":
         text = f"{text[0].lower()}{text[1:]}, found {quoted(_plain(failure['input']))}"
     return f"{key}: {text}" if key else text
@@ -129,6 +135,8 @@ def _message(failure: Mapping[str, Any], value: Any) -> str:
 def _named(parts: Sequence[Any], value: Any) -> Iterator[str]:
     """The parts of a key, with the names of entries of arrays that have one for their numbers."""
     for part in parts:
+        if isinstance(value, Mapping) and part not in value and part == value.get("type"):
+            continue  # pydantic names the member of a union, which is no key of the file
         value = _item(value, part)
         name = value.get("name") if isinstance(part, int) and isinstance(value, Mapping) else None
         yield name if isinstance(name, str) and name else str(part)

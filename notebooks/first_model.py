@@ -23,12 +23,13 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 from duhamel import preprocess, solver
 from duhamel.solver import (
+    Fixed,
     FlexibleBody,
     Frame,
-    Joint,
     Load,
     Model,
     Place,
+    Revolute,
     RigidBody,
     Settings,
     Start,
@@ -56,8 +57,8 @@ print("first frequencies, free [Hz]:", (beam.modes.omega[:4] / 6.283185).round(1
 # %%
 hub = RigidBody(0.01, [0.0095095, 0.0095095, 0.019019], {"rim": Frame([0.05, 0, 0])})
 blade = FlexibleBody(beam, start=Start(place=Place("root", "hub.rim")))
-pivot = Joint("pivot", "revolute", ("ground", "hub"), axis=[0, 0, 1])
-clamp = Joint("clamp", "fixed", ("hub.rim", "beam.root"))
+pivot = Revolute("ground", "hub", [0, 0, 1], name="pivot")
+clamp = Fixed("hub.rim", "beam.root", name="clamp")
 torque = Load("torque", "hub", [0, 0, 1], solver.Steps([0, 0.05, 0.15, 0.2], [2, 0, -2, 0]))
 model = Model(
     {"hub": hub, "beam": blade}, [pivot, clamp], loads=[torque], settings=Settings(t_end=0.3)

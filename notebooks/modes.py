@@ -24,12 +24,13 @@ import matplotlib.pyplot as plt
 import numpy as np
 from duhamel import preprocess, solver
 from duhamel.solver import (
+    Fixed,
     FlexibleBody,
     Frame,
-    Joint,
     Load,
     Model,
     Place,
+    Revolute,
     RigidBody,
     Settings,
     Spring,
@@ -42,8 +43,8 @@ ROOT = Path.cwd().parent  # the checkout of the sources
 beam = preprocess.build(preprocess.read_body(ROOT / "meshes/beam/beam.toml"))
 hub = RigidBody(0.01, [0.0095095, 0.0095095, 0.019019], {"rim": Frame([0.05, 0, 0])})
 blade = FlexibleBody(beam, start=Start(place=Place("root", "hub.rim")))
-pivot = Joint("pivot", "revolute", ("ground", "hub"), axis=[0, 0, 1])
-clamp = Joint("clamp", "fixed", ("hub.rim", "beam.root"))
+pivot = Revolute("ground", "hub", [0, 0, 1], name="pivot")
+clamp = Fixed("hub.rim", "beam.root", name="clamp")
 spring = Spring(
     "spring", "torsion", ("ground", "hub"), stiffness=50.0, damping=0.02, axis=[0, 0, 1]
 )

@@ -22,7 +22,15 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 from duhamel import preprocess, solver
 from duhamel.results import series
-from duhamel.solver import FlexibleBody, HalfSine, Joint, Model, Place, Settings, Start
+from duhamel.solver import (
+    FlexibleBody,
+    HalfSine,
+    Model,
+    Place,
+    Prismatic,
+    Settings,
+    Start,
+)
 
 ROOT = Path.cwd().parent  # the checkout of the sources
 G = 9.80665
@@ -30,12 +38,8 @@ G = 9.80665
 # %%
 beam = preprocess.build(preprocess.read_body(ROOT / "meshes/beam/beam.toml"))
 shelf = FlexibleBody(beam, start=Start(place=Place("root", "ground")))
-table = Joint(
-    "table",
-    "prismatic",
-    ("ground", "beam.root"),
-    axis=[0, 0, 1],
-    acceleration=HalfSine(50 * G, 6e-3, 1e-3),
+table = Prismatic(
+    "ground", "beam.root", [0, 0, 1], name="table", acceleration=HalfSine(50 * G, 6e-3, 1e-3)
 )
 settings = Settings(t_end=0.1, step=2e-5, rho_inf=0.9)
 results = solver.simulate(Model({"beam": shelf}, [table], settings=settings))

@@ -6,7 +6,22 @@ from .couplings.contacts import Contact, Hertz
 from .couplings.couplers import Coupler
 from .couplings.friction import Coulomb, JointFriction, Stribeck
 from .couplings.impact import ForceTable, Impact
-from .couplings.joints import Joint
+from .couplings.joint import Joint
+from .couplings.joints import (
+    JOINTS,
+    ConstantVelocity,
+    Cylindrical,
+    Fixed,
+    Planar,
+    PointOnLine,
+    PointOnPlane,
+    Prismatic,
+    Revolute,
+    Rod,
+    Screw,
+    Spherical,
+    Universal,
+)
 from .couplings.motions import PrescribedDisplacement, PrescribedOrientation, PrescribedRotation
 from .couplings.motors import Motor
 from .couplings.springs import Spring
@@ -73,19 +88,23 @@ from .simulation import simulate, start
 from .simulator import Simulator
 
 __all__ = [
+    "JOINTS",
     "BoucWenLaw",
     "Box",
     "Campbell",
     "Chirp",
     "Constant",
+    "ConstantVelocity",
     "Contact",
     "ConvergenceError",
     "Coulomb",
     "Coupler",
     "Cylinder",
+    "Cylindrical",
     "DamperLaw",
     "Delayed",
     "Doubt",
+    "Fixed",
     "FlexibleBody",
     "ForceLaw",
     "ForceTable",
@@ -118,10 +137,14 @@ __all__ = [
     "OutputRequest",
     "PatternLoad",
     "Place",
+    "Planar",
+    "PointOnLine",
+    "PointOnPlane",
     "Polynomial",
     "PrescribedDisplacement",
     "PrescribedOrientation",
     "PrescribedRotation",
+    "Prismatic",
     "Product",
     "Pulse",
     "Recorded",
@@ -129,15 +152,19 @@ __all__ = [
     "RecoveryError",
     "Results",
     "ResultsError",
+    "Revolute",
     "RigidBody",
     "RigidSuperelement",
+    "Rod",
     "Sawtooth",
+    "Screw",
     "Settings",
     "ShapedNoise",
     "Simulator",
     "SmoothFunction",
     "SmoothStep",
     "Sphere",
+    "Spherical",
     "Spline",
     "Spring",
     "Start",
@@ -154,6 +181,7 @@ __all__ = [
     "TabulatedDamperLaw",
     "TabulatedLaw",
     "Trapezoid",
+    "Universal",
     "UserLaw",
     "ValidityWarning",
     "Window",

@@ -8,12 +8,13 @@ from duhamel.results import Results
 from duhamel.solver import (
     Constant,
     Contact,
+    Fixed,
     FlexibleBody,
     Frame,
     Impact,
-    Joint,
     Model,
     PrescribedDisplacement,
+    Revolute,
     RigidBody,
     Settings,
     Start,
@@ -222,7 +223,7 @@ def arm_on_stop(impact: ArmOnStop, element: Superelement, t_end: float, h: float
     )
     model = Model(
         {"arm": arm},
-        [Joint("hinge", "revolute", ("ground", "arm.root"), axis=[0.0, 1.0, 0.0])],
+        [Revolute("ground", "arm.root", [0.0, 1.0, 0.0], name="hinge")],
         contacts=[stop],
         ground_frames={"stop": Frame([length, 0.0, 0.0])},
         settings=Settings(t_end=t_end, step=h, rho_inf=RHO_INF),
@@ -252,7 +253,7 @@ def hammer_on_lug(hammer: Hammer, bracket: Superelement, t_end: float, h: float)
         [1e-3 * hammer.mass] * 3,
         start=Start(position=lug, velocity=[hammer.speed, 0.0, 0.0]),
     )
-    bolts = [Joint(f"bolt_{n}", "fixed", ("ground", f"bracket.bolt_{n}")) for n in range(1, 5)]
+    bolts = [Fixed("ground", f"bracket.bolt_{n}", name=f"bolt_{n}") for n in range(1, 5)]
     touch = Contact(
         TOUCH,
         ("hammer", "bracket.lug_1"),

@@ -32,7 +32,7 @@ from ..step.shapes import Cylinder, Plane, Profile, Sphere
 from .coupling import GROUND, Coupling, Inertia, side_names
 from .friction import AnyCoefficient, Bristle, resolved_spring
 from .impact import Impact
-from .joints import basis_about
+from .joint import basis_about
 from .rows import Row, Sides
 
 NO_PATCH: Any = (0.0, 0.0)

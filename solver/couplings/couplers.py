@@ -25,7 +25,7 @@ from ..schema.values import Name, NotZero, SomeNonZero, Words
 from ..signals.curves import Constant, Input, SmoothFunction
 from ..signals.signal import DrivingSignal, SmoothSignal, derivatives_of, is_any, values_of
 from .coupling import Coupling
-from .joints import Joint
+from .joint import Joint
 from .rows import Row, Sides, Term
 
 NEEDS = {
@@ -118,7 +118,7 @@ class JointCoupler(Coupling):
         if len(set(found)) < len(found):
             raise coupler.error(f"joints: expected different ones, got {list(coupler.joints)}")
         chosen, names = zip(*((joints[joint], name) for joint, name in found), strict=True)
-        units = tuple(joint.kind.unit(name) for joint, name in zip(chosen, names, strict=True))
+        units = tuple(joint.unit(name) for joint, name in zip(chosen, names, strict=True))
         if units != (expected := COORDINATES.get(coupler.type, units)):
             kinds = " and ".join({"rad": "an angle", "m": "a distance"}[u] for u in expected)
             raise coupler.error(f"joints: expected {kinds}, got {list(coupler.joints)}")
@@ -192,7 +192,7 @@ def _coordinate(coupler: Coupler, reference: str, joints: Mapping[str, Joint]) -
     if name not in joints:
         known = ", ".join(joints) or "none"
         raise coupler.error(f"joints: no joint {name!r}; there are: {known}")
-    free = joints[name].kind.coordinates
+    free = joints[name].coordinates
     if not coordinate and len(free) == 1:
         return name, free[0]
     if coordinate not in free:

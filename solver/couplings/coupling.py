@@ -35,6 +35,9 @@ class Coupling:
     keeps_turns: ClassVar[bool] = False
     """its angle knows its full turns, and the joint that it acts on learns them from it"""
 
+    has_branches: ClassVar[bool] = False
+    """its constraint holds on a second branch too, see solver/output/branches.py"""
+
     if TYPE_CHECKING:  # fields of some kinds, which a property of this class would hide
 
         @property

@@ -1,7 +1,7 @@
 """Prescribed motions of a frame: a displacement or a rotation that follows a signal."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import field, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -17,6 +17,7 @@ from ..signals.drives import (
     LINEAR,
     DriveKeys,
     IntegratedDrive,
+    angle_at_rate,
     drive_of,
     given_drive,
     refusal,
@@ -25,7 +26,7 @@ from ..signals.orientations import OrientationDrive
 from ..signals.signal import AnySignal, DrivingSignal, SmoothSignal, is_any, is_smooth
 from ..step.rows import Rotation, Translation
 from .coupling import GROUND, Coupling
-from .joints import ABOUT_E3, basis_about, driven_angle
+from .joint import ABOUT_E3, basis_about, driven_angle
 from .rows import Row, Sides
 
 ROUNDING = 1e-12
@@ -58,6 +59,12 @@ class PrescribedMotion(Entry, Coupling):
     @property
     def between(self) -> tuple[str, str]:
         return GROUND, self.on
+
+    def turned_at(self, velocity: Array, moves: Callable[[Any], bool]) -> "PrescribedMotion":
+        """It with a drive that follows a steady angular velocity (3,) in space [rad/s], where its
+        own drive is one about an axis that moves with time.
+        """
+        return self
 
     def bound(self, joints: Mapping[str, Any]) -> Coupling:
         if self.on.partition(".")[0] == GROUND:
@@ -146,6 +153,12 @@ class PrescribedRotation(PrescribedMotion):
         in_a, in_b = own.carried(basis_about(self.axis, own.pose_a.R))
         rows = [Row(Rotation.number, A, B, in_a[:, i], b=in_b[:, j]) for i, j in ABOUT_E3]
         return [*rows, driven_angle(A, B, in_a, in_b, self.drive)]
+
+    def turned_at(self, velocity: Array, moves: Callable[[Any], bool]) -> PrescribedMotion:
+        if not moves(self.drive):
+            return self
+        along = float(self.axis @ velocity) / float(np.linalg.norm(self.axis))
+        return replace(self, start={}, **angle_at_rate(self.angle, along))
 
     def given_angles(self) -> Iterator[tuple[str, Any]]:
         if self.angle is not None:

@@ -13,7 +13,7 @@ from ..schema.entry import Entry, Takes, entry
 from ..schema.values import Infinite, Name, NotNegative, Positive, PositiveTime, limits
 from ..signals.curves import Constant, Input
 from ..signals.signal import AnySignal, Pointwise, Signal, derivatives_of, is_smooth, values_of
-from .joints import Joint
+from .joint import Joint
 from .on_coordinate import OnCoordinate
 from .rows import Row, Sides
 

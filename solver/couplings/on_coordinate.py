@@ -7,7 +7,7 @@ from typing import Any
 from ..arrays import Array
 from ..errors import ModelError
 from .coupling import Coupling
-from .joints import Joint
+from .joint import Joint
 from .rows import Row, Sides
 
 
@@ -30,7 +30,7 @@ class OnCoordinate(Coupling):
         return cls(part, joints[part.joint])
 
     def __post_init__(self) -> None:
-        free = self.joint.kind.coordinates
+        free = self.joint.coordinates
         if self.coordinate not in free:
             raise self.error(
                 f"coordinate: joint {self.joint.name!r} has {', '.join(free) or 'none'}, "
@@ -79,7 +79,7 @@ class OnCoordinate(Coupling):
     @property
     def turns(self) -> bool:
         """Whether the coordinate is an angle."""
-        return self.joint.kind.unit(self.coordinate) == "rad"
+        return self.joint.unit(self.coordinate) == "rad"
 
     def error(self, message: str) -> ModelError:
         error: ModelError = self.part.error(message)

@@ -34,7 +34,7 @@ from ..schema.values import (
 from ..step.rows import Angle as AngleRow
 from ..step.rows import Distance, Rotation, Translation
 from .coupling import Coupling, length_of
-from .joints import Angle, basis_about
+from .joint import Angle, basis_about
 from .rows import Row, Sides
 
 AXES = ("x", "y", "z", "rx", "ry", "rz")

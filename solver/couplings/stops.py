@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar
 from ..schema.entry import Beside, Entry, entry
 from ..schema.values import Limits, Name
 from .impact import Impact
-from .joints import Joint
+from .joint import Joint
 from .on_coordinate import OnCoordinate
 from .rows import Row, Sides
 

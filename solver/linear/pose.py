@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..couplings.joints import Joint
+from ..couplings.joint import Joint
 from ..couplings.motors import Motor
 from ..errors import ModelError
 from ..laws.contact import ContactLaw

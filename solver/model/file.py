@@ -16,7 +16,7 @@ from ...superelement import Superelement, read
 from ..couplings.contacts import Contact
 from ..couplings.couplers import Coupler
 from ..couplings.friction import FRICTION_COEFFICIENTS
-from ..couplings.joints import Joint
+from ..couplings.joints import JOINTS
 from ..couplings.motions import PrescribedDisplacement, PrescribedOrientation, PrescribedRotation
 from ..couplings.motors import Motor
 from ..couplings.springs import Spring
@@ -32,6 +32,7 @@ from ..schema.tables import (
     present_keys,
     table_in_file,
     table_of,
+    table_of_kinds,
     tables_of,
     value_of,
 )
@@ -139,7 +140,7 @@ class _ModelFile(Table):
     output: table_of(OutputRequest) = table_of(OutputRequest)()  # type: ignore[valid-type]
     bodies: dict[str, _BODY] = Field(min_length=1)
     ground: _Ground = _Ground()
-    joints: tuple[table_of(Joint), ...] = ()  # type: ignore[valid-type]
+    joints: tuple[table_of_kinds(JOINTS), ...] = ()  # type: ignore[valid-type]
     loads: tuple[_LOAD, ...] = ()
     springs: tuple[table_of(Spring), ...] = ()  # type: ignore[valid-type]
     motions: tuple[_MOTION, ...] = ()

@@ -12,7 +12,7 @@ from ...inputs import FORM_OF_NAMES, is_name, quoted
 from ..couplings.contacts import Contact
 from ..couplings.couplers import Coupler
 from ..couplings.coupling import GROUND, Coupling
-from ..couplings.joints import Joint
+from ..couplings.joint import Joint
 from ..couplings.motions import PrescribedMotion
 from ..couplings.motors import Motor
 from ..couplings.springs import Spring

@@ -23,14 +23,13 @@ class Branches:
     def __init__(self, lowered: LoweredModel) -> None:
         self._lowered = lowered
         couplings = lowered.system.couplings
-        joints = lowered.model.joints
         first = couplings.terms.range
         self._rows = [
             row
-            for row in range(len(couplings.rows.kind))
+            for j, coupling in enumerate(lowered.model.couplings)
+            if coupling.has_branches
+            for row in range(couplings.range[j], couplings.range[j + 1])
             if first[row + 1] > first[row]
-            and (owner := lowered.coupling_of(row)) < len(joints)
-            and joints[owner].type == "constant_velocity"
         ]
 
     def check(self, work: Workspace, step: int) -> None:
@@ -38,7 +37,7 @@ class Branches:
         for row in self._rows:
             q_0, q_3 = self._squares(row, work)
             if q_3 > max(q_0, LEAST):
-                name = self._lowered.model.joints[self._lowered.coupling_of(row)].name
+                name = self._lowered.coupling_names[self._lowered.coupling_of(row)]
                 reason = (
                     f"joint {name!r}: its shafts have passed 180 degrees against each other, "
                     "where a constant-velocity joint may turn in two ways: keep them apart by a "

@@ -67,7 +67,7 @@ def axes_of(lowered: LoweredModel) -> dict[str, Axis]:
         ]
         axes[ragged] = _axis(entries, [not lengths[row] for row, _ in entries])
     names = [f"{joint}.{coordinate}" for joint, coordinate in lowered.observers]
-    joints = {joint.name: joint.kind for joint in model.joints}
+    joints = {joint.name: joint for joint in model.joints}
     angular = [joints[joint].unit(name) == "rad" for joint, name in lowered.observers]
     axes["joint_coordinate"] = _axis(list(enumerate(names)), angular)
     couplers = [(int(couplings.range[j]), name) for j, name in _numbered(model, "coupler")]

@@ -81,6 +81,16 @@ class Beside:
     """An annotation: in model files the keys of this entry stand beside those of its owner."""
 
 
+@dataclass(frozen=True)
+class ItemOf:
+    """An annotation: in model files the field is an item of an array, with others of its key."""
+
+    key: str
+    number: int
+    in_file: Any
+    """the type of the array"""
+
+
 AnyEntry = TypeVar("AnyEntry", bound="Entry")
 
 
@@ -108,10 +118,13 @@ class Entry:
 
     label: ClassVar[str] = ""
     """the name of an entry in messages, by its fields: "joint {name!r}" """
+    tag: ClassVar[str] = ""
+    """the value of the key `type`, of entries that model files tell apart by it"""
 
     @property
     def owner(self) -> str:
-        return filled(self.label, vars(self))
+        tag = {"type": self.tag} if self.tag else {}
+        return filled(self.label, tag | vars(self))
 
     def __post_init__(self) -> None:
         kind: Any = type(self)

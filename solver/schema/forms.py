@@ -1,4 +1,4 @@
-"""Families of entries that model files distinguish by a key: signals, force laws."""
+"""Families of entries that model files distinguish: by the key `type`, or by which key is there."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,6 +7,20 @@ from typing import Any, TypeVar
 from .entry import Entry
 
 AnyEntryType = TypeVar("AnyEntryType", bound=type[Entry])
+
+
+class Kinds(dict[str, Any]):
+    """The classes of entries that stand in one array of tables, by its key `type`."""
+
+    def in_files(self, tag: str) -> Callable[[AnyEntryType], AnyEntryType]:
+        """Make an entry known to model files: a table with type = tag."""
+
+        def register(kind: AnyEntryType) -> AnyEntryType:
+            kind.tag = tag
+            self[tag] = kind
+            return kind
+
+        return register
 
 
 @dataclass(frozen=True)

@@ -5,15 +5,16 @@ from collections.abc import Mapping
 from dataclasses import MISSING, Field, fields
 from functools import cache
 from types import UnionType
-from typing import Annotated, Any, ClassVar, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Literal, TypeVar, Union, get_args, get_origin
 
 import numpy as np
+from pydantic import Field as PydanticField
 from pydantic import create_model
 
 from ...inputs import Shown, Table, dotted, member_of, quoted, read_part
 from ..errors import ModelError
-from .entry import Beside, Entry, Key, LeftOut, Takes, annotations, filled, note
-from .forms import Family, Form, Members
+from .entry import Beside, Entry, ItemOf, Key, LeftOut, Takes, annotations, filled, note
+from .forms import Family, Form, Kinds, Members
 from .json_schema import members_of, told
 
 AnyEntry = TypeVar("AnyEntry", bound=Entry)
@@ -28,9 +29,18 @@ class EntryTable(Table):
 @cache
 def table_of(kind: type[Entry]) -> type[EntryTable]:
     """The table in which a model file gives an entry."""
-    table = create_model(kind.__name__, __base__=EntryTable, **keys_of(kind))
+    keys = keys_of(kind)
+    if kind.tag:
+        keys = {"type": (Literal[kind.tag], ...), **keys}
+    table = create_model(kind.__name__, __base__=EntryTable, **keys)
     table.entry, table.documented = kind, (kind,)
     return table
+
+
+def table_of_kinds(kinds: Kinds) -> Any:
+    """The table in which a model file gives an entry of one of several kinds."""
+    tables = tuple(table_of(kind) for kind in kinds.values())
+    return Annotated[Union[tables], PydanticField(discriminator="type")]  # noqa: UP007 - of a tuple of types
 
 
 def keys_of(kind: type[Entry]) -> dict[str, Any]:
@@ -42,6 +52,8 @@ def keys_of(kind: type[Entry]) -> dict[str, Any]:
     for field, hint in declared(kind):
         if note(hint, Beside):
             keys |= keys_of(_bare(hint))
+        elif item := note(hint, ItemOf):
+            keys[item.key] = (item.in_file, ...)
         else:
             required = _is_required(field) and note(hint, LeftOut) is None
             kind_in_file: Any = Annotated[type_in_file(hint), told(field, hint)]
@@ -63,6 +75,8 @@ def entry_of(kind: type[AnyEntry], table: Mapping[str, Any]) -> AnyEntry:
                 values[field.name] = entry_of(_bare(hint), table)
             except ModelError as error:
                 raise _owned(kind, values, str(error)) from error
+        elif item := note(hint, ItemOf):
+            values[field.name] = table[item.key][item.number]
         elif (key := key_of(field, hint)) in table:
             try:
                 values[field.name] = _read(hint, table[key])
@@ -124,14 +138,16 @@ def present_keys(table: Table) -> dict[str, Any]:
 
 def table_in_file(entry: Entry) -> dict[str, Any]:
     """The table of an entry in a file, without keys that have their defaults."""
-    table: dict[str, Any] = {}
+    table: dict[str, Any] = {"type": entry.tag} if entry.tag else {}
     for field, hint in declared(type(entry)):
         value = in_file(entry, field.name, getattr(entry, field.name), hint)
         if note(hint, Beside):
             table |= value
+        elif item := note(hint, ItemOf):
+            table.setdefault(item.key, []).append(value)
         elif value != _default_in_file(entry, field, hint):
             table[key_of(field, hint)] = value
-    return table
+    return {key: table[key] for key in ("name", *table) if key in table}
 
 
 def in_file(owner: Entry, name: str, value: Any, hint: Any) -> Any:

@@ -15,7 +15,7 @@ from pydantic import AfterValidator, AllowInfNan
 from ... import inputs
 from ...inputs import expected
 from ..arrays import Array
-from .entry import LARGEST, LeftOut, Takes, real
+from .entry import LARGEST, ItemOf, LeftOut, Takes, real
 
 ORIGIN: Any = (0.0, 0.0, 0.0)
 """the default of a `Vector`"""
@@ -118,6 +118,14 @@ def some_numbers(value: Any) -> tuple[float, ...]:
     return stored
 
 
+def frame_name(value: Any) -> str:
+    """The name of a frame, or of what has one, as handles of bodies and frames do."""
+    name = getattr(value, "frame_name", value)
+    if not isinstance(name, str):
+        raise TypeError
+    return name
+
+
 def pair(value: Any) -> tuple[str, str]:
     first, second = value
     return first, second
@@ -178,6 +186,7 @@ SomeNonZero = Annotated[
         Annotated[tuple[float, ...], AfterValidator(some_non_zero)],
     ),
 ]
+FrameName = Annotated[str, Takes("the name of a frame", frame_name, str)]
 Name = Annotated[str, LeftOut("")]
 """a name; what has none in a file is numbered"""
 NumbersByName = Annotated[
@@ -197,10 +206,10 @@ Limits = Annotated[
     ),
 ]
 Words = Annotated[tuple[str, ...], Takes("names", tuple, tuple[str, ...])]
-Pair = Annotated[
-    tuple[str, str],
-    Takes("two frames", pair, Annotated[tuple[str, str], expected("the names of two frames")]),
-]
+_TwoFrames = Annotated[tuple[str, str], expected("the names of two frames")]
+Pair = Annotated[tuple[str, str], Takes("two frames", pair, _TwoFrames)]
+FrameA = Annotated[FrameName, ItemOf("between", 0, _TwoFrames)]
+FrameB = Annotated[FrameName, ItemOf("between", 1, _TwoFrames)]
 
 if TYPE_CHECKING:
 

@@ -16,7 +16,7 @@ import numpy as np
 from ..arrays import Array
 from ..errors import ModelError
 from .composed import has_slope, slope_of
-from .curves import Impulse, Input
+from .curves import Constant, Impulse, Input, Polynomial
 from .quadrature import Integrals
 from .signal import Signal, SmoothSignal, is_any, jumps_of, parts_of
 
@@ -111,6 +111,14 @@ def drive_of(owner: _Driven, keys: DriveKeys) -> SmoothSignal | None:
         raise owner.error(f"{key}: {reason}")
     rate = owner.start.get(keys.rate, 0.0) if order == 2 else 0.0
     return IntegratedDrive(signal, order, rate=rate, error=owner.error)
+
+
+def angle_at_rate(angle: SmoothSignal | None, rate: float) -> Mapping[str, Any]:
+    """The keys of an angle that turns at a constant rate [rad/s] from where its drive starts."""
+    steady = {"angle": None, "angular_velocity": None, "angular_acceleration": None}
+    if angle is None:
+        return {**steady, "angular_velocity": Constant(rate)}
+    return {**steady, "angle": Polynomial((angle(0.0), rate))}
 
 
 def refusal(signal: Signal, order: int) -> str:

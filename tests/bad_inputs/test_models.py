@@ -17,9 +17,9 @@ from duhamel.solver import (
     simulate,
 )
 from duhamel.solver.laws.law import FORCE_LAWS
-from duhamel.solver.model import signals
 from duhamel.solver.model.body_shapes import BODY_SHAPES
 from duhamel.solver.model.file import _ModelFile
+from duhamel.solver.signals import signal as signals
 
 from .messages import complaint
 from .models import DOCUMENTS, LAWS, PART, RECORD, SHAPES, SIGNALS

@@ -17,12 +17,13 @@ from duhamel.solver import (
     FlexibleBody,
     Frame,
     Harmonic,
-    Joint,
     Load,
     Model,
     OutputRequest,
+    Revolute,
     RigidBody,
     Settings,
+    Spherical,
     Start,
     read_model,
     simulate,
@@ -117,7 +118,7 @@ def test_ten_million_steps_of_two_bodies_that_fly(tmp_path):
             name: FlexibleBody(link, Start([0.1 + 0.2 * k, 0, 0], angular_velocity=spins[k]))
             for k, name in enumerate("ab")
         },
-        [Joint("ball", "spherical", ("a.right", "b.left"))],
+        [Spherical("a.right", "b.left", name="ball")],
         settings=Settings(t_end=1.0, step=2e-4, rho_inf=0.9),
     )
     results = long_run(model, 10_000_000, tmp_path)
@@ -147,7 +148,7 @@ def test_a_hundred_thousand_steps_of_two_hundred_bodies(tmp_path):
     }
     supports = ["ground", *(f"b{k}.right" for k in range(n - 1))]
     joints = [
-        Joint(f"j{k}", "revolute", (support, f"b{k}.left"), [0, 1, 0])
+        Revolute(support, f"b{k}.left", [0, 1, 0], name=f"j{k}")
         for k, support in enumerate(supports)
     ]
     model = Model(

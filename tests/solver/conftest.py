@@ -13,7 +13,16 @@ import numpy as np
 import pytest
 from duhamel.preprocess import Structure, assemble, build, read_body
 from duhamel.preprocess.body.body import Damping
-from duhamel.solver import FlexibleBody, Frame, Joint, Model, Place, RigidBody, Start
+from duhamel.solver import (
+    JOINTS,
+    Fixed,
+    FlexibleBody,
+    Frame,
+    Model,
+    Place,
+    RigidBody,
+    Start,
+)
 from duhamel.solver.step import rotations
 from duhamel.superelement import GeneralizedAlpha, Interface, Modes, Superelement, sample_kernel
 from duhamel.superelement import Rotation as SecondOrder
@@ -98,8 +107,8 @@ def hub_and_beam() -> Callable[..., Model]:
         return model_of(
             bodies={"hub": hub, "beam": FlexibleBody(beam.element, start)},
             joints=(
-                Joint("pivot", pivot, ("ground", "hub"), axis),
-                Joint("clamp", "fixed", ("hub.rim", "beam.root")),
+                JOINTS[pivot]("ground", "hub", axis, name="pivot"),
+                Fixed("hub.rim", "beam.root", name="clamp"),
             ),
             **settings,
         )

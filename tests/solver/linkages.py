@@ -1,7 +1,19 @@
 """Mechanisms that close upon themselves: linkages of rigid and flexible members."""
 
+from dataclasses import MISSING, fields
+
 import numpy as np
-from duhamel.solver import FlexibleBody, Frame, Joint, RigidBody, Start
+from duhamel.solver import (
+    JOINTS,
+    FlexibleBody,
+    Frame,
+    Prismatic,
+    Revolute,
+    RigidBody,
+    Spherical,
+    Start,
+    Universal,
+)
 
 from .frameworks import bar
 from .models import model_of
@@ -50,10 +62,10 @@ def four_bar(folder, stiffness=0.05, drive=None, **settings):
             ),
         },
         joints=(
-            Joint("A", "revolute", ("ground.A", "crank.pin"), Z, angle=drive),
-            Joint("B", "revolute", ("crank.end", "rod.left"), Z),
-            Joint("C", "revolute", ("rod.right", "rocker.left"), Z),
-            Joint("D", "revolute", ("rocker.right", "ground.D"), Z),
+            Revolute("ground.A", "crank.pin", Z, name="A", angle=drive),
+            Revolute("crank.end", "rod.left", Z, name="B"),
+            Revolute("rod.right", "rocker.left", Z, name="C"),
+            Revolute("rocker.right", "ground.D", Z, name="D"),
         ),
         ground_frames={"A": Frame(), "D": Frame(BASE * X)},
         **settings,
@@ -70,10 +82,10 @@ def slider_crank(folder, **settings):
             "piston": RigidBody(0.03, [1e-5, 1e-5, 1e-5], {"eye": Frame()}, Start(P)),
         },
         joints=(
-            Joint("A", "revolute", ("ground", "crank.pin"), Z),
-            Joint("B", "revolute", ("crank.end", "rod.left"), Z),
-            Joint("C", "revolute", ("rod.right", "piston.eye"), Z),
-            Joint("D", "prismatic", ("ground", "piston"), X),
+            Revolute("ground", "crank.pin", Z, name="A"),
+            Revolute("crank.end", "rod.left", Z, name="B"),
+            Revolute("rod.right", "piston.eye", Z, name="C"),
+            Prismatic("ground", "piston", X, name="D"),
         ),
         **settings,
     )
@@ -95,10 +107,16 @@ def spatial_four_bar(folder, **settings):
             "rocker": RigidBody(0.05, [2e-4, 2e-4, 1e-5], frames, Start(0.5 * (C + D))),
         },
         joints=(
-            Joint("A", "revolute", ("ground", "crank.pin"), Z),
-            Joint("B", "spherical", ("crank.end", "rod.left")),
-            Joint("C", "universal", ("rod.right", "rocker.end"), np.cross(C - B, X), X),
-            Joint("D", "revolute", ("rocker.pin", "ground"), X),
+            Revolute("ground", "crank.pin", Z, name="A"),
+            Spherical("crank.end", "rod.left", name="B"),
+            Universal("rod.right", "rocker.end", np.cross(C - B, X), X, name="C"),
+            Revolute("rocker.pin", "ground", X, name="D"),
         ),
         **settings,
     )
+
+
+def n_axes(kind):
+    """How many axes a type of joint needs: none, `axis`, or `second_axis` too."""
+    needed = {field.name for field in fields(JOINTS[kind]) if field.default is MISSING}
+    return len(needed & {"axis", "second_axis"})

@@ -10,14 +10,15 @@ from duhamel.solver import (
     FlexibleBody,
     Frame,
     Function,
-    Joint,
     Load,
     Model,
     ModelError,
     Polynomial,
     RigidBody,
     Settings,
+    Spherical,
     Start,
+    Universal,
     simulate,
 )
 from scipy.spatial.transform import Rotation
@@ -137,10 +138,10 @@ def test_a_loop_that_elasticity_alone_opens_does_not_brake_a_spin(shift, tmp_pat
         ),
     }
     joints = [
-        Joint("pivot", "universal", ("ground", "wing.left"), [1, 0, 0], [0, 1, 0]),
-        Joint("end", "spherical", ("wing.tip", "bar.left")),
-        Joint("first", "spherical", ("link.one", "wing.left")),
-        Joint("second", "spherical", ("bar.left", "link.two")),
+        Universal("ground", "wing.left", [1, 0, 0], [0, 1, 0], name="pivot"),
+        Spherical("wing.tip", "bar.left", name="end"),
+        Spherical("link.one", "wing.left", name="first"),
+        Spherical("bar.left", "link.two", name="second"),
     ]
     model = Model(bodies, joints, settings=Settings(t_end=4e-4, step=2e-4))
     turn = Rotation.from_rotvec([1.1, -2.0, 0.7])

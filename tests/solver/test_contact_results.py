@@ -11,11 +11,11 @@ from duhamel.solver import (
     Frame,
     Hertz,
     Impact,
-    Joint,
     JointFriction,
     Model,
     ModelError,
     OutputRequest,
+    Revolute,
     RigidBody,
     Settings,
     Simulator,
@@ -54,7 +54,7 @@ def pendulum(lower=-0.1, upper=np.inf, t_end=0.5, **joint):
     bar = RigidBody(1.0, [1 / 12] * 3, {"pin": Frame([-0.5, 0, 0])}, Start(position=[0.5, 0, 0]))
     return Model(
         {"bar": bar},
-        [Joint("pivot", "revolute", ("ground.pin", "bar.pin"), [0, -1, 0], **joint)],
+        [Revolute("ground.pin", "bar.pin", [0, -1, 0], name="pivot", **joint)],
         stops=[Stop("rest", "pivot", "angle", [lower, upper], Impact(stiffness=5e4))],
         ground_frames={"pin": Frame()},
         gravity=[0, 0, -G],

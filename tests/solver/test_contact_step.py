@@ -14,12 +14,12 @@ from duhamel.solver import (
     Impact,
     Impulse,
     Input,
-    Joint,
     Load,
     Model,
     ModelError,
     OutputRequest,
     Pulse,
+    Revolute,
     RigidBody,
     Settings,
     Simulator,
@@ -71,7 +71,7 @@ def pendulum(step, ratio=None, t_end=0.4):
     )
     return Model(
         {"bob": bob},
-        [Joint("pin", "revolute", ["ground.wall", "bob.pin"], [0, 0, 1])],
+        [Revolute("ground.wall", "bob.pin", [0, 0, 1], name="pin")],
         loads=[Load("torque", "bob", [0, 0, 1], Harmonic(1.0, 3.0))],
         stops=[Stop("stop", "pin", "angle", [-1.0, np.inf], Impact(stiffness=2e4))],
         ground_frames={"wall": Frame()},

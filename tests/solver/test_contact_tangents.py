@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 from duhamel.solver import (
+    JOINTS,
     Contact,
+    Cylindrical,
     ForceTable,
     Hertz,
     Impact,
-    Joint,
     JointFriction,
     Stop,
     Stribeck,
@@ -127,7 +128,7 @@ def test_the_newton_matrix_of_a_law(make_pair, compliance):  # noqa: F811
 
 @pytest.mark.parametrize("coordinate", ["angle", "distance"])
 def test_the_newton_matrix_of_a_stop(make_pair, coordinate):  # noqa: F811
-    joint = Joint("joint", "cylindrical", ("a.i0", "b.i0"), axis=AXIS)
+    joint = Cylindrical("a.i0", "b.i0", AXIS, name="joint")
     stop = Stop("stop", "joint", coordinate, [10.0, 11.0], Impact(stiffness=30.0, exponent=1.5))
     assert_newton_matrix(closed(make_pair(("rigid", "flexible"), (joint,), stops=(stop,))))
 
@@ -138,7 +139,7 @@ def test_the_newton_matrix_of_friction_in_a_joint(make_pair, kind, coefficient):
     radius = 0.2 if kind == "revolute" else None
     stribeck = Stribeck(2.0 * coefficient, coefficient, 3.0)
     friction = JointFriction(stribeck, radius, 0.5, 0.1, 0.3, 3.0, 0.6)
-    joint = Joint("joint", kind, ("a.i0", "b.i0"), axis=AXIS, friction=friction)
+    joint = JOINTS[kind]("a.i0", "b.i0", AXIS, name="joint", friction=friction)
     point = closed(make_pair(("rigid", "flexible"), (joint,)), seed=3)
     assert point.work.couplings.status[0] == (2 if coefficient < 1.0 else 1)
     assert_newton_matrix(point)

@@ -11,10 +11,12 @@ from duhamel.solver import (
     Frame,
     Hertz,
     Impact,
-    Joint,
     JointFriction,
     Load,
+    Planar,
     Polynomial,
+    Prismatic,
+    Revolute,
     RigidBody,
     Spring,
     Start,
@@ -354,7 +356,7 @@ def test_a_journal_hangs_in_its_bore(angle):
     )
     model = model_of(
         {"journal": RigidBody(m, [0.1] * 3, start=Start(g / G * (play + 0.5 * depth)))},
-        [Joint("plane", "planar", ("ground", "journal"), [0, 0, 1])],
+        [Planar("ground", "journal", [0, 0, 1], name="plane")],
         contacts=(contact,),
         **FLOOR,
         gravity=g,
@@ -447,8 +449,8 @@ def test_a_follower_on_an_eccentric_cam():
     model = model_of(
         {"cam": cam, "foot": foot},
         [
-            Joint("shaft", "revolute", ("ground", "cam"), UP, angle=Polynomial((0.0, speed))),
-            Joint("guide", "prismatic", ("ground", "foot"), [0, 1, 0]),
+            Revolute("ground", "cam", UP, name="shaft", angle=Polynomial((0.0, speed))),
+            Prismatic("ground", "foot", [0, 1, 0], name="guide"),
         ],
         contacts=(contact,),
         springs=(Spring("back", "point", ("ground.under", "foot"), stiffness=500.0, rest=[0.01]),),
@@ -506,7 +508,7 @@ def test_backlash_of_a_torsion_pendulum():
     J, K, play = 0.01, 40.0, 0.02
     model = model_of(
         {"wheel": RigidBody(1.0, [J] * 3, start=Start(angular_velocity=[0, 0, 2.0]))},
-        [Joint("axle", "revolute", ("ground", "wheel"), UP)],
+        [Revolute("ground", "wheel", UP, name="axle")],
         stops=(Stop("play", "axle", "angle", (-play, play), Impact(stiffness=K, exponent=1.5)),),
         t_end=2.0,
         step=1e-4,
@@ -528,7 +530,7 @@ def test_a_stop_on_one_side(one_side):
     wheel = RigidBody(1.0, [0.01] * 3, start=Start(angular_velocity=[0, 0, 2.0]))
     model = model_of(
         {"wheel": wheel},
-        [Joint("axle", "revolute", ("ground", "wheel"), UP)],
+        [Revolute("ground", "wheel", UP, name="axle")],
         stops=(Stop("end", "axle", "angle", one_side, Impact(stiffness=1e3, restitution=0.5)),),
         t_end=1.0,
         step=1e-4,
@@ -544,7 +546,7 @@ def test_friction_stops_a_wheel(coefficient):
     friction = JointFriction(coefficient, r)
     model = model_of(
         {"wheel": RigidBody(m, [J] * 3, start=Start(angular_velocity=[0, 0, 0.3]))},
-        [Joint("axle", "revolute", ("ground", "wheel"), UP, friction=friction)],
+        [Revolute("ground", "wheel", UP, name="axle", friction=friction)],
         gravity=[0, -G, 0],
         t_end=2.5,
         step=1e-3,
@@ -564,7 +566,7 @@ def test_friction_of_a_guide_on_an_incline(mu):
     friction = JointFriction(Coulomb(mu))
     model = model_of(
         {"block": RigidBody(2.0, [0.5] * 3)},
-        [Joint("guide", "prismatic", ("ground", "block"), axis, friction=friction)],
+        [Prismatic("ground", "block", axis, name="guide", friction=friction)],
         gravity=[0, 0, -G],
         t_end=1.0,
         step=1e-3,
@@ -582,7 +584,7 @@ def test_friction_by_thrust_moments_and_preload(width, moment):
     tilt = Load("torque", "wheel", [moment, 0.0, 0.0], Constant(1.0))
     model = model_of(
         {"wheel": RigidBody(2.0, [J] * 3, start=Start(angular_velocity=[0, 0, w0]))},
-        [Joint("axle", "revolute", ("ground", "wheel"), UP, friction=friction)],
+        [Revolute("ground", "wheel", UP, name="axle", friction=friction)],
         loads=(tilt,),
         gravity=[0, 0, -G],
         t_end=0.5,
@@ -700,8 +702,8 @@ def test_stick_and_slip_have_the_period_of_the_closed_form(speed, stiffness):
             "belt": RigidBody(5.0, [1.0] * 3, start=Start(velocity=[V, 0, 0])),
         },
         (
-            Joint("guide", "planar", ("ground.floor", "mass"), [0, 1, 0]),
-            Joint("drive", "prismatic", ("ground", "belt"), [1, 0, 0], velocity=Constant(V)),
+            Planar("ground.floor", "mass", [0, 1, 0], name="guide"),
+            Prismatic("ground", "belt", [1, 0, 0], name="drive", velocity=Constant(V)),
         ),
         springs=(
             Spring("spring", "bushing", ("ground.floor", "mass"), stiffness=[k, 0, 0, 0, 1000, 0]),

@@ -8,10 +8,10 @@ from duhamel.solver import (
     FlexibleBody,
     Frame,
     Impact,
-    Joint,
     Load,
     Model,
     Place,
+    Revolute,
     RigidBody,
     Settings,
     Simulator,
@@ -43,12 +43,7 @@ def test_a_chain_that_folds_by_couplers_has_one_degree_of_freedom(order):
     names = [f"l{k}" for k in range(n)]
     bodies = {f"l{k}": link(k) for k in range(n)}
     joints = [
-        Joint(
-            f"j{k}",
-            "revolute",
-            ["ground" if k == 0 else f"l{k - 1}.far", f"l{k}.near"],
-            [0, 0, 1],
-        )
+        Revolute("ground" if k == 0 else f"l{k - 1}.far", f"l{k}.near", [0, 0, 1], name=f"j{k}")
         for k in range(n)
     ]
     couplers = [
@@ -76,8 +71,8 @@ def lever(**given):
         "wheel": RigidBody(1.0, [0.1, 0.1, 0.1], start=Start([0, 1.0, 0])),
     }
     joints = [
-        Joint("p", "revolute", ["ground", "lever.eye"], [0, 0, 1]),
-        Joint("q", "revolute", ["ground", "wheel"], [0, 0, 1]),
+        Revolute("ground", "lever.eye", [0, 0, 1], name="p"),
+        Revolute("ground", "wheel", [0, 0, 1], name="q"),
     ]
     springs = [
         Spring("coil", "torsion", ["ground", "wheel"], [0, 0, 1], stiffness=0.5, damping=0.1)
@@ -177,8 +172,8 @@ def test_gears_on_flexible_bodies_are_the_same_with_every_history(random_element
         for k, (name, element) in enumerate(zip("ab", elements, strict=True))
     }
     joints = [
-        Joint("p", "revolute", ["ground", "a.i0"], [0, 0, 1]),
-        Joint("q", "revolute", ["ground", "b.i0"], [0, 0, 1]),
+        Revolute("ground", "a.i0", [0, 0, 1], name="p"),
+        Revolute("ground", "b.i0", [0, 0, 1], name="q"),
     ]
     couplers = [Coupler("gear", "gear", ["p", "q"], teeth=[1, 2])]
     loads = [Load("force", "a.i1", [1.0, 2.0, 0.5], Constant(1.0))]

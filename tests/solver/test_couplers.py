@@ -5,14 +5,17 @@ import pytest
 from duhamel.solver import (
     Constant,
     Coupler,
+    Cylindrical,
     Frame,
     Harmonic,
-    Joint,
     Load,
     Model,
     ModelError,
     Polynomial,
+    Prismatic,
+    Revolute,
     RigidBody,
+    Screw,
     Settings,
     Start,
     simulate,
@@ -39,8 +42,8 @@ def gears(origin=(0.0, 0.0, 0.0), axes=((0, 0, 1), (0, 0, 1)), more=(), joints=(
     return Model(
         {"a": wheel(J_1, position=origin), "b": wheel(J_2, position=origin + OFF)},
         [
-            Joint("p", "revolute", ["ground", "a"], axes[0]),
-            Joint("q", "revolute", ["ground", "b"], axes[1]),
+            Revolute("ground", "a", axes[0], name="p"),
+            Revolute("ground", "b", axes[1], name="q"),
             *joints,
         ],
         couplers=[Coupler("gear", "gear", ["p", "q"], **coupler), *more],
@@ -92,7 +95,7 @@ def test_the_offset_of_a_coupler_moves_the_wheels_at_the_start():
 
 
 def test_a_joint_that_starts_elsewhere_takes_the_gear_along():
-    joints = [Joint("p", "revolute", ["ground", "a"], [0, 0, 1], start={"angle": 12.5})]
+    joints = [Revolute("ground", "a", [0, 0, 1], name="p", start={"angle": 12.5})]
     model = gears()
     model = Model(
         model.bodies, [*joints, model.joints[1]], couplers=model.couplers, settings=settings()
@@ -116,10 +119,10 @@ def test_a_bevel_differential_shares_the_torque_and_adds_the_rates():
         "right": wheel(J_s, position=[0.1, 0.0, 0.0]),
     }
     joints = [
-        Joint("cage", "revolute", ["ground", "cage"], [1, 0, 0]),
-        Joint("pin", "revolute", ["cage.pin", "pinion"], [0, 1, 0]),
-        Joint("left", "revolute", ["cage.left", "left"], [-1, 0, 0]),
-        Joint("right", "revolute", ["cage.right", "right"], [1, 0, 0]),
+        Revolute("ground", "cage", [1, 0, 0], name="cage"),
+        Revolute("cage.pin", "pinion", [0, 1, 0], name="pin"),
+        Revolute("cage.left", "left", [-1, 0, 0], name="left"),
+        Revolute("cage.right", "right", [1, 0, 0], name="right"),
     ]
     couplers = [
         Coupler("mesh", "gear", ["pin", "left"], teeth=[12, 12]),
@@ -149,8 +152,8 @@ def test_a_rack_pushes_with_the_torque_over_the_radius():
     model = Model(
         {"pinion": wheel(J_1), "bar": RigidBody(m, [1, 1, 1], start=Start([1.0, -r, 0.0]))},
         [
-            Joint("p", "revolute", ["ground", "pinion"], [0, 0, 1]),
-            Joint("q", "prismatic", ["ground", "bar"], [1, 0, 0]),
+            Revolute("ground", "pinion", [0, 0, 1], name="p"),
+            Prismatic("ground", "bar", [1, 0, 0], name="q"),
         ],
         couplers=[Coupler("rack", "rack", ["p", "q"], radius=r)],
         loads=[Load("torque", "pinion", [0, 0, TORQUE], Constant(1.0))],
@@ -174,13 +177,13 @@ def test_a_screw_turns_torque_into_force(form, lead):
     balance = force * lead / (2 * np.pi)
     if form == "joint":
         bodies = {"nut": wheel(J, m, **start)}
-        joints = [Joint("q", "screw", ["ground", "nut"], e, lead=lead)]
+        joints = [Screw("ground", "nut", e, name="q", lead=lead)]
         couplers = []
     else:
         bodies = {"spindle": wheel(J / 2, **start), "nut": wheel(J / 2, m, **start)}
         joints = [
-            Joint("p", "revolute", ["ground", "spindle"], e),
-            Joint("q", "cylindrical", ["ground", "nut"], e),
+            Revolute("ground", "spindle", e, name="p"),
+            Cylindrical("ground", "nut", e, name="q"),
         ]
         couplers = [
             Coupler("screw", "screw", ["p", "q.distance"], lead=lead),
@@ -203,7 +206,7 @@ def test_a_screw_turns_torque_into_force(form, lead):
 
 def test_a_screw_carries_its_axial_force_as_a_moment():
     lead, force = 0.02, 100.0
-    joints = [Joint("q", "screw", ["ground", "nut"], [0, 0, 1], lead=lead, angle=Constant(0.0))]
+    joints = [Screw("ground", "nut", [0, 0, 1], name="q", lead=lead, angle=Constant(0.0))]
     loads = [Load("force", "nut", [0, 0, -force], Constant(1.0))]
     run = simulate(Model({"nut": wheel(0.1)}, joints, loads, settings=settings(t_end=0.01)))
     np.testing.assert_allclose(run.joint("q").force[:, 2], force, rtol=1e-9)
@@ -219,9 +222,9 @@ def test_a_planetary_gear_by_three_coordinates():
         "planet": wheel(0.02, 0.5, position=[0.2, 0.0, 0.0]),
     }
     joints = [
-        Joint("s", "revolute", ["ground", "sun"], [0, 0, 1]),
-        Joint("c", "revolute", ["ground", "carrier"], [0, 0, 1]),
-        Joint("p", "revolute", ["carrier.pin", "planet"], [0, 0, 1]),
+        Revolute("ground", "sun", [0, 0, 1], name="s"),
+        Revolute("ground", "carrier", [0, 0, 1], name="c"),
+        Revolute("carrier.pin", "planet", [0, 0, 1], name="p"),
     ]
     z_s, z_p, z_r = 20.0, 15.0, 50.0
     couplers = [
@@ -246,8 +249,8 @@ def test_the_error_of_a_gear_pendulum_is_of_second_order():
         model = Model(
             {"bob": bob, "fly": wheel(0.02, position=[1.0, 0.0, 0.0])},
             [
-                Joint("p", "revolute", ["ground", "bob.eye"], [0, 0, 1]),
-                Joint("q", "revolute", ["ground", "fly"], [0, 0, 1]),
+                Revolute("ground", "bob.eye", [0, 0, 1], name="p"),
+                Revolute("ground", "fly", [0, 0, 1], name="q"),
             ],
             couplers=[Coupler("gear", "gear", ["p", "q"], teeth=[3, 1])],
             gravity=[0, -9.81, 0],
@@ -269,8 +272,8 @@ def test_a_coupler_that_follows_from_others_is_refused():
 
 
 def test_a_coupler_of_driven_joints_is_refused():
-    joints = [Joint("p", "revolute", ["ground", "a"], [0, 0, 1], angle=Polynomial((0.0, 1.0)))]
-    joints.append(Joint("q", "revolute", ["ground", "b"], [0, 0, 1], angle=Constant(0.0)))
+    joints = [Revolute("ground", "a", [0, 0, 1], name="p", angle=Polynomial((0.0, 1.0)))]
+    joints.append(Revolute("ground", "b", [0, 0, 1], name="q", angle=Constant(0.0)))
     model = gears()
     model = Model(model.bodies, joints, couplers=model.couplers, settings=settings())
     with pytest.raises(ModelError, match="is driven against other constraints"):

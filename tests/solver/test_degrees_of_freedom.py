@@ -5,21 +5,24 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from duhamel.solver import (
+    JOINTS,
     Constant,
     FlexibleBody,
     Frame,
     Harmonic,
-    Joint,
     Load,
     Model,
     ModelError,
     Polynomial,
     PrescribedDisplacement,
     PrescribedRotation,
+    Prismatic,
     Results,
+    Revolute,
     RigidBody,
     Settings,
     Simulator,
+    Spherical,
     Start,
     simulate,
 )
@@ -62,7 +65,7 @@ def chain(*types, length=0.2):
     return Model(
         bodies={name: link(p, q) for name, p, q in zip(names, ends[:-1], ends[1:], strict=True)},
         joints=[
-            Joint(f"J{k}", kind, (parent, f"{name}.near"), *axes.get(kind, ()))
+            JOINTS[kind](parent, f"{name}.near", *axes.get(kind, ()), name=f"J{k}")
             for k, (kind, parent, name) in enumerate(zip(types, parents[:-1], names, strict=True))
         ],
         settings=Settings(t_end=0.01, step=1e-3),
@@ -163,9 +166,7 @@ def bennett(drive=None, **settings):
         "link2.far",
         "ground",
     ]
-    joints = [
-        Joint(f"J{k}", "revolute", tuple(sides[2 * k : 2 * k + 2]), axes[k]) for k in range(4)
-    ]
+    joints = [Revolute(*tuple(sides[2 * k : 2 * k + 2]), axes[k], name=f"J{k}") for k in range(4)]
     joints[0] = replace(joints[0], angle=drive)
     return Model(links, joints, settings=Settings(t_end=1.0, step=1e-2, rho_inf=0.9, **settings))
 
@@ -198,9 +199,7 @@ def test_bennetts_linkage_moves_as_its_closed_form():
 def test_constraints_that_contradict_each_other_are_named():
     """A drive against a joint that blocks it, a linkage that cannot close."""
     model = chain("fixed", "revolute")
-    doubled = Joint(
-        "again", "revolute", ("link0.far", "link1.near"), Y, angle=Polynomial((0.0, 1.0))
-    )
+    doubled = Revolute("link0.far", "link1.near", Y, name="again", angle=Polynomial((0.0, 1.0)))
     blocked = replace(model.joints[1], type="fixed", axis=None)
     with pytest.raises(ModelError, match="driven against other constraints"):
         simulate(
@@ -208,7 +207,7 @@ def test_constraints_that_contradict_each_other_are_named():
                 redundant="remove"
             )
         )
-    far = Joint("far", "spherical", ("link1.far", "ground.nail"))
+    far = Spherical("link1.far", "ground.nail", name="far")
     out_of_reach = replace(
         model, joints=(*model.joints, far), ground_frames={"nail": Frame(0.5 * X + 0.3 * Z)}
     ).with_settings(assemble=True)
@@ -219,7 +218,7 @@ def test_constraints_that_contradict_each_other_are_named():
 def planar(links, pins, **settings):
     """Rigid links in a plane, by their ends, on hinges across it."""
     bodies = {name: link(p, q) for name, (p, q) in links.items()}
-    joints = [Joint(name, "revolute", sides, Z) for name, sides in pins.items()]
+    joints = [Revolute(*sides, Z, name=name) for name, sides in pins.items()]
     options = {"t_end": 1.0, "step": 1e-3, "redundant": "remove"} | settings
     return Model(bodies, joints, gravity=[0, -9.81, 0], settings=Settings(**options))
 
@@ -253,7 +252,7 @@ def equal_slider_crank(angle, **settings):
         },
         **settings,
     )
-    guide = Joint("guide", "prismatic", ("ground", "slider.near"), X)
+    guide = Prismatic("ground", "slider.near", X, name="guide")
     push = Load("force", "slider.near", X, Constant(1.0))
     return replace(model, joints=(*model.joints, guide), loads=(push,))
 

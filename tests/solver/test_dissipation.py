@@ -7,12 +7,13 @@ import pytest
 from duhamel.solver import (
     Constant,
     Frame,
-    Joint,
     Model,
     ModelError,
     PrescribedDisplacement,
+    Revolute,
     RigidBody,
     Settings,
+    Spherical,
     Spring,
     Start,
     simulate,
@@ -23,7 +24,7 @@ Z, RADIUS = [0, 0, 1], 0.99
 
 def pendulum(**settings):
     rod = RigidBody(1.0, [0.01, 0.09, 0.09], {"eye": Frame([-0.5, 0, 0])}, Start([0.5, 0, 0]))
-    pivot = Joint("pivot", "revolute", ("ground", "rod.eye"), Z)
+    pivot = Revolute("ground", "rod.eye", Z, name="pivot")
     return Model({"rod": rod}, [pivot], gravity=[0, -9.81, 0], settings=Settings(**settings))
 
 
@@ -33,7 +34,7 @@ def two_bodies(**settings):
         "a": RigidBody(1.0, [0.01, 0.02, 0.03], {"end": Frame([0.5, 0, 0])}, spin),
         "b": RigidBody(1.0, [0.03, 0.02, 0.01], {"end": Frame([-0.5, 0, 0])}, Start([1.0, 0, 0])),
     }
-    ball = Joint("ball", "spherical", ("a.end", "b.end"))
+    ball = Spherical("a.end", "b.end", name="ball")
     return Model(bodies, [ball], settings=Settings(**settings))
 
 

@@ -7,12 +7,13 @@ from duhamel.preprocess.body.body import NonlinearCoordinates
 from duhamel.results.validity import CRITERIA
 from duhamel.solver import (
     Constant,
+    Fixed,
     FlexibleBody,
     Frame,
-    Joint,
     Load,
     Model,
     Place,
+    Revolute,
     RigidBody,
     Settings,
     Start,
@@ -59,7 +60,7 @@ def bent(beam, alpha):
     return start(
         Model(
             {"beam": FlexibleBody(beam.element)},
-            [Joint("clamp", "fixed", ("ground", "beam.root"))],
+            [Fixed("ground", "beam.root", name="clamp")],
             [Load("force", "beam.tip", [0, 1, 0], Constant(alpha * EI / L**2))],
             settings=Settings(t_end=6e-5, start="equilibrium"),
         )
@@ -123,7 +124,7 @@ def test_a_column_near_its_buckling_load(curved, part, precision):
     P, small = part * np.pi**2 * EI / (4.0 * L**2), 1e-4
     model = Model(
         {"beam": FlexibleBody(curved.element)},
-        [Joint("clamp", "fixed", ("ground", "beam.root"))],
+        [Fixed("ground", "beam.root", name="clamp")],
         [Load("force", "beam.tip", [-P, small, 0], Constant(1.0))],
         settings=Settings(t_end=6e-5, start="equilibrium"),
     )
@@ -181,8 +182,8 @@ def rotating(beam, ratio):
     model = Model(
         {"hub": hub, "beam": FlexibleBody(beam.element, Start(place=Place("root", "hub.rim")))},
         [
-            Joint("pivot", "revolute", ("ground", "hub"), [0, 0, 1]),
-            Joint("clamp", "fixed", ("hub.rim", "beam.root")),
+            Revolute("ground", "hub", [0, 0, 1], name="pivot"),
+            Fixed("hub.rim", "beam.root", name="clamp"),
         ],
         [Load("force", "beam.tip", [0, 0, 1], Constant(force))],
         settings=Settings(

@@ -7,15 +7,17 @@ import pytest
 from duhamel.solver import (
     Constant,
     Contact,
+    Fixed,
     FlexibleBody,
     Frame,
     Impact,
-    Joint,
     Load,
     Model,
     ModelError,
     Motor,
     Place,
+    Prismatic,
+    Revolute,
     RigidBody,
     Settings,
     Spring,
@@ -46,8 +48,8 @@ def held_by_a_bushing(seed, place, size, stiffness):
     return Model(
         {"first": bar(place, first), "second": bar(tip, second)},
         [
-            Joint("clamp", "fixed", ("ground.clamp", "first.a")),
-            Joint("knee", "revolute", ("first.b", "second.a"), axis=axis / np.linalg.norm(axis)),
+            Fixed("ground.clamp", "first.a", name="clamp"),
+            Revolute("first.b", "second.a", axis / np.linalg.norm(axis), name="knee"),
         ],
         springs=[
             Spring(
@@ -87,10 +89,10 @@ def test_integrals_of_servos_hold_what_an_elastic_arm_weighs(beam, seed):
         "tool": RigidBody(tool, [1e-4] * 3, AT, Start(place=Place("at", "lower.tip"))),
     }
     joints = [
-        Joint("shoulder", "revolute", ("ground", "upper.root"), axis=[0, 1, 0]),
-        Joint("flange", "fixed", ("upper.tip", "elbow.at")),
-        Joint("knee", "revolute", ("elbow.at", "lower.root"), axis=[0, 1, 0]),
-        Joint("grip", "fixed", ("lower.tip", "tool.at")),
+        Revolute("ground", "upper.root", [0, 1, 0], name="shoulder"),
+        Fixed("upper.tip", "elbow.at", name="flange"),
+        Revolute("elbow.at", "lower.root", [0, 1, 0], name="knee"),
+        Fixed("lower.tip", "tool.at", name="grip"),
     ]
     motors = [
         Motor("lift", "shoulder", "angle", stiffness=5e3, damping=9.0, integral=gain),
@@ -116,8 +118,8 @@ def test_a_ball_that_just_touches_a_cantilever_rests_on_its_tip(beam, stiffness,
             "ball": RigidBody(mass, [1e-6] * 3, {}, Start(position=[L, 0, radius - depth])),
         },
         [
-            Joint("clamp", "fixed", ("ground", "beam.root")),
-            Joint("guide", "prismatic", ("ground", "ball"), axis=[0, 0, 1]),
+            Fixed("ground", "beam.root", name="clamp"),
+            Prismatic("ground", "ball", [0, 0, 1], name="guide"),
         ],
         contacts=[
             Contact(
@@ -142,12 +144,12 @@ TORQUE = [Load("torque", "arm", [0, 0, 1], Constant(1.0))]
 WITHOUT = {
     "a body that falls": ([], [], r"no joint, spring or contact holds body 'arm'"),
     "a body that slides down": (
-        [Joint("guide", "prismatic", ("ground", "arm"), axis=[0, 0, 1])],
+        [Prismatic("ground", "arm", [0, 0, 1], name="guide")],
         [],
         r"body 'arm' has moved [\d.]+ m from its place in the model without coming to rest",
     ),
     "a wheel that is turned": (
-        [Joint("pivot", "revolute", ("ground", "arm"), axis=[0, 0, 1])],
+        [Revolute("ground", "arm", [0, 0, 1], name="pivot")],
         TORQUE,
         r"body 'arm' has turned by [\d.]+ rad without coming to rest",
     ),

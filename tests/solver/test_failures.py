@@ -9,13 +9,14 @@ from duhamel.solver import (
     ConvergenceError,
     Frame,
     Function,
-    Joint,
     Load,
     Model,
     Polynomial,
+    Revolute,
     RigidBody,
     Settings,
     SmoothFunction,
+    Spherical,
     Spring,
     Start,
     TabulatedLaw,
@@ -51,7 +52,7 @@ def late(value):
 
 def driven(value):
     drive = SmoothFunction(late(value), lambda t: 0.0, lambda t: 0.0)
-    return one(bar(), [Joint("pivot", "revolute", ("ground", "a"), Z, angle=drive)])
+    return one(bar(), [Revolute("ground", "a", Z, name="pivot", angle=drive)])
 
 
 def rocker():
@@ -70,14 +71,14 @@ def rocker():
         "C": ("rod.far", "rocker.far"),
         "D": ("ground", "rocker.near"),
     }
-    joints = [Joint(name, "revolute", between, Z) for name, between in sides.items()]
+    joints = [Revolute(*between, Z, name=name) for name, between in sides.items()]
     joints[0] = replace(joints[0], angle=Polynomial((0.0, 1.0)))
     settings = Settings(t_end=3.0, step=1e-3, redundant="remove")
     bodies = {"crank": link(A, B), "rod": link(B, C), "rocker": link(D, C)}
     return Model(bodies, joints, settings=settings)
 
 
-PIVOT = (Joint("pivot", "revolute", ("ground", "a.near"), Z),)
+PIVOT = (Revolute("ground", "a.near", Z, name="pivot"),)
 WALL = TabulatedLaw((-1.0, -0.5, -0.4999999, 1.0), (-1e9, -1e9, 0.0, 0.0))
 CASES = {
     "a load that is no number": (
@@ -103,7 +104,7 @@ CASES = {
     "a body that spins fast": (
         lambda: one(
             RigidBody(1.0, [0.1, 0.2, 0.25], HALF, Start(angular_velocity=[1e3, 3e3, 5e2])),
-            [Joint("ball", "spherical", ("ground", "a.near"))],
+            [Spherical("ground", "a.near", name="ball")],
         ),
         "likely cause: jointed body 'a': rotation per step .* take a smaller step",
     ),

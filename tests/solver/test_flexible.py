@@ -5,13 +5,15 @@ import pytest
 from duhamel.preprocess.body.body import Damping
 from duhamel.solver import (
     Constant,
+    Fixed,
     FlexibleBody,
     Harmonic,
     Impulse,
-    Joint,
     Load,
     Model,
+    Revolute,
     Settings,
+    Spherical,
     Start,
     simulate,
 )
@@ -76,7 +78,7 @@ def cantilever(element, **settings):
                 element, Start(position=[0.3, -0.1, 0.2], rotation=[0.2, -0.4, 0.7])
             )
         },
-        (Joint("wall", "fixed", ("ground", "beam.root")),),
+        (Fixed("ground", "beam.root", name="wall"),),
         **settings,
     )
 
@@ -114,8 +116,8 @@ def double_pendulum(element, **settings):
     return model_of(
         {"a": FlexibleBody(element, a), "b": FlexibleBody(element, b)},
         (
-            Joint("shoulder", "spherical", ("ground", "a.root")),
-            Joint("elbow", "spherical", ("a.tip", "b.root")),
+            Spherical("ground", "a.root", name="shoulder"),
+            Spherical("a.tip", "b.root", name="elbow"),
         ),
         gravity=[0.0, -9.81, 0.0],
         **{"rho_inf": 0.9} | settings,
@@ -164,7 +166,7 @@ def test_two_flexible_bodies_in_free_flight_keep_their_momenta(random_element):
         bodies = {name: FlexibleBody(elements[name], starts[name]) for name in "ab"}
         model = Model(
             bodies,
-            (Joint("hinge", "revolute", ("a.i0", "b.i0"), [1, 1, 1]),),
+            (Revolute("a.i0", "b.i0", [1, 1, 1], name="hinge"),),
             settings=Settings(t_end=0.5, step=h, rho_inf=0.9),
         )
         linear, angular = momenta(simulate(model), elements)

@@ -5,18 +5,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from duhamel.solver import (
+    JOINTS,
     Constant,
+    Fixed,
     FlexibleBody,
     Frame,
     Harmonic,
-    Joint,
     Load,
     Model,
     Place,
+    Planar,
     Polynomial,
     PrescribedDisplacement,
     PrescribedRotation,
+    Prismatic,
     Results,
+    Revolute,
     RigidBody,
     Settings,
     Spring,
@@ -51,18 +55,10 @@ def crane(beam):
             "bob": RigidBody(0.02, [1e-6, 1e-6, 1e-6], {}, afloat),
         },
         joints=(
-            Joint(
-                "pivot",
-                "revolute",
-                ("ground.post", "hub"),
-                [0.1, 0.2, 1.0],
-                angle=Harmonic(0.4, 3.0),
-            ),
-            Joint("clamp", "fixed", ("hub.rim", "beam.root")),
-            Joint(
-                "slider", "prismatic", ("beam.tip", "weight.eye"), [0.0, 1.0, 0.3], distance=slide
-            ),
-            Joint("rest", "planar", ("ground", "bob"), [0.0, 0.3, 1.0]),
+            Revolute("ground.post", "hub", [0.1, 0.2, 1.0], name="pivot", angle=Harmonic(0.4, 3.0)),
+            Fixed("hub.rim", "beam.root", name="clamp"),
+            Prismatic("beam.tip", "weight.eye", [0.0, 1.0, 0.3], name="slider", distance=slide),
+            Planar("ground", "bob", [0.0, 0.3, 1.0], name="rest"),
         ),
         loads=(
             Load("force", "weight", [0.2, 0.1, 0.3], Steps((0.0, 0.03), (1.0, -1.0))),
@@ -121,7 +117,7 @@ def test_energies_do_not_depend_on_the_frame(beam, part):
 
 UNEVEN = [900.0, 300.0, 2000.0, 8.0, 3.0, 15.0]
 COUPLINGS = {
-    name: Joint("j", name, ("a.f", "b.g"), **axes)
+    name: JOINTS[name]("a.f", "b.g", name="j", **axes)
     for name, axes in {
         "fixed": {},
         "spherical": {},
@@ -132,16 +128,12 @@ COUPLINGS = {
         "planar": {"axis": [0, 0, 1]},
     }.items()
 } | {
-    "planar on the ground": Joint("j", "planar", ("ground.post", "b.g"), [0, 1, 0]),
-    "planar on the bare ground": Joint("j", "planar", ("ground", "b.g"), [0, 1, 1]),
-    "started": Joint(
-        "j",
-        "planar",
-        ("a.f", "b.g"),
-        [0, 0, 1],
-        start={"distance": 0.05, "second_distance_rate": 0.3},
+    "planar on the ground": Planar("ground.post", "b.g", [0, 1, 0], name="j"),
+    "planar on the bare ground": Planar("ground", "b.g", [0, 1, 1], name="j"),
+    "started": Planar(
+        "a.f", "b.g", [0, 0, 1], name="j", start={"distance": 0.05, "second_distance_rate": 0.3}
     ),
-    "driven": Joint("j", "revolute", ("ground.post", "b.g"), [0, 0, 1], angle=Harmonic(0.5, 2.0)),
+    "driven": Revolute("ground.post", "b.g", [0, 0, 1], name="j", angle=Harmonic(0.5, 2.0)),
     "path": PrescribedDisplacement("j", "b.g", [0, 0.6, 0.8], Polynomial((0.0, 0.0, 1.0))),
     "turn": PrescribedRotation("j", "b.g", [0, 0.6, 0.8], Polynomial((0.0, 0.0, 1.0))),
     "point": Spring("j", "point", ("a", "b"), stiffness=300.0, damping=1.0),
@@ -161,7 +153,6 @@ COUPLINGS = {
 def pair(coupling):
     """Two bodies that move and turn, with axes of their own, and what couples them."""
     parts = {"joints": (), "springs": (), "motions": ()}
-    kind = {Joint: "joints", Spring: "springs"}.get(type(coupling), "motions")
     a = RigidBody(
         1.0,
         [0.01, 0.02, 0.015],
@@ -180,7 +171,7 @@ def pair(coupling):
         gravity=[1.0, 2.0, -9.0],
         ground_frames={"post": Frame([0.1, -0.1, 0.2], [0.0, 0.0, 0.3])},
         settings=Settings(t_end=0.2, step=1e-3, assemble=True, tolerance=1e-12),
-        **(parts | {kind: (coupling,)}),
+        **(parts | {coupling.group: (coupling,)}),
     )
 
 

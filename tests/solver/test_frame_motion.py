@@ -8,12 +8,13 @@ from duhamel.solver import (
     FlexibleBody,
     Frame,
     Harmonic,
-    Joint,
     Load,
     Model,
     RigidBody,
     Settings,
+    Spherical,
     Start,
+    Universal,
     simulate,
 )
 from duhamel.superelement import GeneralizedAlpha
@@ -36,8 +37,8 @@ def swinging(element, **settings):
     return Model(
         {"rigid": carrier, "flexible": flexible},
         (
-            Joint("pivot", "spherical", ("ground", "rigid.pivot")),
-            Joint("cross", "universal", ("rigid.f", "flexible.i0"), [1, 0, 0], [0, 1, 0]),
+            Spherical("ground", "rigid.pivot", name="pivot"),
+            Universal("rigid.f", "flexible.i0", [1, 0, 0], [0, 1, 0], name="cross"),
         ),
         (
             # starts with s = s' = 0, so that no derivative jumps at t = 0

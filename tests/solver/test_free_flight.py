@@ -5,22 +5,26 @@ energy.
 import numpy as np
 import pytest
 from duhamel.solver import (
+    JOINTS,
     Constant,
+    Cylindrical,
     FlexibleBody,
     Frame,
     Harmonic,
-    Joint,
     Load,
     Model,
+    Revolute,
     RigidBody,
     Settings,
+    Spherical,
     Start,
+    Universal,
     simulate,
 )
-from duhamel.solver.couplings.joints import JOINT_TYPES
 from scipy.spatial.transform import Rotation
 
 from .frameworks import bar, framework
+from .linkages import n_axes
 from .models import model_of
 
 FORCE, G = np.array([0.4, -0.3, 0.5]), np.array([0.0, 0.0, -9.81])
@@ -33,9 +37,7 @@ def rotations(motion):
 
 def pair(kind, left, right, **settings):
     """Two flexible bodies that fly, tumbling, with one joint between them."""
-    axes = {0: {}, 1: {"axis": AXIS}, 2: {"axis": AXIS, "second_axis": SECOND}}[
-        JOINT_TYPES[kind].axes
-    ]
+    axes = {0: {}, 1: {"axis": AXIS}, 2: {"axis": AXIS, "second_axis": SECOND}}[n_axes(kind)]
     lead = {"lead": 0.1} if kind == "screw" else {}
     turn = Rotation.from_rotvec([0.3, -0.2, 0.5])
     place = left.interface("right").X - turn.as_matrix() @ right.interface("left").X
@@ -48,12 +50,12 @@ def pair(kind, left, right, **settings):
                 right, Start(place, turn.as_rotvec(), angular_velocity=[-1.0, 2.0, 1.0])
             ),
         },
-        joints=(Joint("joint", kind, ("a.right", "b.left"), **axes, **lead),),
+        joints=(JOINTS[kind]("a.right", "b.left", name="joint", **axes, **lead),),
         **settings,
     )
 
 
-@pytest.mark.parametrize("kind", sorted(JOINT_TYPES.keys() - {"rod"}))
+@pytest.mark.parametrize("kind", sorted(JOINTS.keys() - {"rod"}))
 def test_reactions_between_flexible_frames_are_in_equilibrium(kind, tmp_path):
     """At every step: m x'' = F and J omega' + omega x J omega = M of what acts on a body's frames.
 
@@ -123,11 +125,11 @@ def flying_chain(folder, **settings):
         "f": FlexibleBody(link, start(5, [0.0, 0.0, 7.0])),
     }
     joints = (
-        Joint("ab", "spherical", ("a.far", "b.left")),
-        Joint("bc", "universal", ("b.right", "c.left"), [0, 1, 0], [0, 0, 1]),
-        Joint("cd", "revolute", ("c.right", "d.near"), [0, 1, 1]),
-        Joint("de", "cylindrical", ("d.far", "e.near"), [1, 0, 0]),
-        Joint("ef", "revolute", ("e.far", "f.left"), [0, 1, 0]),
+        Spherical("a.far", "b.left", name="ab"),
+        Universal("b.right", "c.left", [0, 1, 0], [0, 0, 1], name="bc"),
+        Revolute("c.right", "d.near", [0, 1, 1], name="cd"),
+        Cylindrical("d.far", "e.near", [1, 0, 0], name="de"),
+        Revolute("e.far", "f.left", [0, 1, 0], name="ef"),
     )
     return Model(bodies=bodies, joints=joints, settings=Settings(t_end=0.1, **settings))
 

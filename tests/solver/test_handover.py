@@ -7,7 +7,6 @@ import pytest
 from duhamel.solver import (
     Frame,
     Harmonic,
-    Joint,
     Model,
     ModelError,
     Polynomial,
@@ -15,6 +14,7 @@ from duhamel.solver import (
     RigidBody,
     Settings,
     Simulator,
+    Spherical,
     Start,
     StateError,
     check,
@@ -97,7 +97,7 @@ def test_a_latch_that_opens_lets_the_body_fly_on(coarse, tmp_path):
 def test_a_new_joint_must_be_closed_where_the_state_begins(coarse, tmp_path):
     model = machine(coarse, LAST)
     start = first_run(model, tmp_path / "first.h5")
-    hook = Joint("hook", "spherical", ("ground", "arm.end"))
+    hook = Spherical("ground", "arm.end", name="hook")
     with pytest.raises(StateError, match=r"joint 'hook': is open by 0\.\d+ m where the state"):
         simulate(replace(model, joints=(*model.joints, hook)).with_settings(start=start))
     end = simulate(model.with_settings(t_end=FIRST * H)).frame("arm.end").position[-1]

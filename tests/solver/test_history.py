@@ -8,17 +8,20 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     Constant,
+    Cylindrical,
+    Fixed,
     FlexibleBody,
     Harmonic,
     Impulse,
-    Joint,
     Load,
     Model,
     ModelError,
     OutputRequest,
+    Revolute,
     RigidBody,
     Settings,
     Simulator,
+    Spherical,
     Start,
     simulate,
 )
@@ -44,13 +47,10 @@ def tangle(first, second, third, **settings):
     return Model(
         bodies=bodies,
         joints=(
-            Joint("ab", "revolute", ("a.i0", "b.i1"), [0.3, 0.5, 1.0]),
-            Joint("ac", "spherical", ("a.i1", "c.i0")),
-            Joint(
-                "weld",
-                "cylindrical",
-                ("block", "c.i2"),
-                third.interface("i2").X + bodies["c"].start.position,
+            Revolute("a.i0", "b.i1", [0.3, 0.5, 1.0], name="ab"),
+            Spherical("a.i1", "c.i0", name="ac"),
+            Cylindrical(
+                "block", "c.i2", third.interface("i2").X + bodies["c"].start.position, name="weld"
             ),
         ),
         loads=(
@@ -154,7 +154,7 @@ def test_loads_at_rest_are_felt_beyond_any_memory(elements, monkeypatch):
     monkeypatch.setattr(dyadic, "BLOCK", 8)
     model = Model(
         bodies={"a": FlexibleBody(damped(elements[0]))},
-        joints=(Joint("root", "fixed", ("ground", "a.i0")),),
+        joints=(Fixed("ground", "a.i0", name="root"),),
         loads=(Load("force", "a.i1", [0.0, 1.0, 0.0], Constant(2.0)),),
         settings=Settings(
             t_end=STEPS * 1e-3,

@@ -5,11 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from duhamel.solver import (
+    Fixed,
     FlexibleBody,
     Frame,
-    Joint,
     Load,
     ModelError,
+    Prismatic,
     ResultsError,
     RigidBody,
     Spring,
@@ -37,7 +38,7 @@ def ball(**settings):
 def clamped(element, **settings):
     return model_of(
         bodies={"beam": FlexibleBody(element)},
-        joints=(Joint("clamp", "fixed", ("ground.wall", "beam.root")),),
+        joints=(Fixed("ground.wall", "beam.root", name="clamp"),),
         ground_frames=WALL,
         t_end=0.3,
         **settings,
@@ -66,7 +67,7 @@ def test_the_frequency_of_a_mass_on_springs():
     """A linear one and the slope of a law beside it, at the deformation of the start."""
     law = TabulatedLaw((-1.0, 0.0, 1.0), (-30.0, 0.0, 70.0))
     spring = Spring("s", "point", ("ground.post", "ball"), stiffness=50.0, rest=0.5, law=law)
-    rail = Joint("rail", "prismatic", ("ground", "ball"), [1, 0, 0])
+    rail = Prismatic("ground", "ball", [1, 0, 0], name="rail")
     model = model_of(
         bodies={"ball": ball(start=Start(position=[0.9, 0, 0]))},
         joints=(rail,),
@@ -100,7 +101,7 @@ def test_a_step_that_is_long_for_the_first_frequency_is_told(beam):
 
 
 def test_redundant_constraints_are_named():
-    joints = tuple(Joint(name, "fixed", ("ground", "ball")) for name in ("first", "second"))
+    joints = tuple(Fixed("ground", "ball", name=name) for name in ("first", "second"))
     model = model_of(bodies={"ball": ball()}, joints=joints, step=1e-3)
     with pytest.raises(ModelError, match="redundant"):
         check(model)

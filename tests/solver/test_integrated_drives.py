@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from duhamel.results import Results
 from duhamel.solver import (
+    JOINTS,
     Constant,
     Contact,
+    Cylindrical,
     Frame,
     Function,
     HalfSine,
@@ -17,7 +19,6 @@ from duhamel.solver import (
     Impact,
     Impulse,
     Input,
-    Joint,
     Load,
     Model,
     ModelError,
@@ -26,10 +27,12 @@ from duhamel.solver import (
     PrescribedDisplacement,
     PrescribedOrientation,
     PrescribedRotation,
+    Prismatic,
     Product,
     Pulse,
     Recorded,
     ResultsError,
+    Revolute,
     RigidBody,
     Settings,
     Simulator,
@@ -59,7 +62,7 @@ def pushed(h=1e-3, t_end=0.1, body=BODY, settings=None, **drive):
     return Model(
         {"block": body},
         motions=[PrescribedDisplacement("push", "block", AXIS, **drive)],
-        joints=[Joint("rail", "prismatic", ("ground", "block"), AXIS)],
+        joints=[Prismatic("ground", "block", AXIS, name="rail")],
         settings=Settings(t_end=t_end, step=h, **(settings or {})),
     )
 
@@ -92,11 +95,11 @@ def test_a_slide_starts_where_its_body_is_placed(kind):
     model = Model(
         {"block": away},
         joints=[
-            Joint(
-                "rail",
-                kind,
-                ("ground.wall", "block"),
+            JOINTS[kind](
+                "ground.wall",
+                "block",
                 AXIS,
+                name="rail",
                 acceleration=Constant(2.0),
                 start={"distance_rate": -0.3},
             )
@@ -116,7 +119,7 @@ def test_a_driven_joint_turns_by_the_integrals_of_its_signal(between):
     for key, power in (("angular_velocity", 1), ("angular_acceleration", 2)):
         model = Model(
             {"arm": RigidBody(1.0, [0.1, 0.2, 0.3])},
-            joints=[Joint("j", "revolute", between, AXIS, **{key: Constant(30.0)})],
+            joints=[Revolute(*between, AXIS, name="j", **{key: Constant(30.0)})],
             settings=Settings(t_end=1.0, step=2e-3),
         )
         run = simulate(model)
@@ -211,11 +214,11 @@ def test_a_spin_by_acceleration_starts_in_steady_rotation():
     model = Model(
         {"rotor": RigidBody(2.0, [0.1, 0.1, 0.15])},
         joints=[
-            Joint(
-                "j",
-                "revolute",
-                ("ground", "rotor"),
+            Revolute(
+                "ground",
+                "rotor",
                 [0, 0, 1],
+                name="j",
                 angular_acceleration=faster,
                 start={"angle_rate": 2.0},
             )
@@ -240,11 +243,11 @@ def test_drives_come_back_from_a_file(tmp_path):
     (tmp_path / "sub").mkdir()
     (tmp_path / "base.csv").write_text("t,a\n0,0\n0.05,2\n0.1,0\n")
     record = Recorded(tmp_path / "base.csv", "a", 9.81)
-    joint = Joint(
-        "j",
-        "cylindrical",
-        ("ground", "block"),
+    joint = Cylindrical(
+        "ground",
+        "block",
         AXIS,
+        name="j",
         angular_acceleration=record,
         velocity=Harmonic(1.0, 2.0),
         start={"angle_rate": 1.0 / 3.0},
@@ -292,13 +295,13 @@ def test_drives_that_cannot_be_are_refused(drive, message):
 
 def test_a_joint_names_the_key_that_it_does_not_take():
     with pytest.raises(ModelError, match="revolute joint is driven by angle, got acceleration"):
-        Joint("j", "revolute", ("ground", "a"), [0, 0, 1], acceleration=Constant(1.0))
+        Revolute("ground", "a", [0, 0, 1], name="j", acceleration=Constant(1.0))
     with pytest.raises(ModelError, match="start: angle is driven"):
-        Joint(
-            "j",
-            "revolute",
-            ("ground", "a"),
+        Revolute(
+            "ground",
+            "a",
             [0, 0, 1],
+            name="j",
             angular_acceleration=Constant(1.0),
             start={"angle": 1.0},
         )

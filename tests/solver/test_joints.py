@@ -3,22 +3,24 @@
 import numpy as np
 import pytest
 from duhamel.solver import (
+    JOINTS,
     Constant,
     Frame,
-    Joint,
     Load,
     Model,
     Polynomial,
+    Revolute,
     RigidBody,
     Settings,
     Start,
+    Universal,
     simulate,
 )
 from scipy.spatial.transform import Rotation
 
 AXIS, SECOND = np.array([1.0, 2.0, 2.0]) / 3.0, np.array([2.0, -2.0, 1.0]) / 3.0
 # translations along e1, e2, e3 and rotations that a joint leaves free, and its rows
-JOINTS = {
+EVERY_JOINT = {
     "fixed": ({}, [], 0, 6),
     "spherical": ({}, [], 3, 3),
     "revolute": ({"axis": AXIS}, [], 1, 5),
@@ -44,7 +46,7 @@ def relative_motion(type_, axes):
         {"g": Frame([-0.2, 0.4, 0.1])},
         Start([0.5, -0.2, -0.2], [0.0, 0.0, 0.0]),
     )
-    joint = Joint("joint", type_, ("a.f", "b.g"), **axes)
+    joint = JOINTS[type_]("a.f", "b.g", name="joint", **axes)
     loads = (
         Load("force", "b", [3.0, -2.0, 5.0], Constant(1.0)),
         Load("torque", "b", [1.0, 2.0, -1.5], Constant(1.0)),
@@ -68,9 +70,9 @@ def relative_motion(type_, axes):
     return results, translation, relative
 
 
-@pytest.mark.parametrize("name", JOINTS)
+@pytest.mark.parametrize("name", EVERY_JOINT)
 def test_a_joint_blocks_what_it_should_and_nothing_else(name):
-    axes, sliding, turning, rows = JOINTS[name]
+    axes, sliding, turning, rows = EVERY_JOINT[name]
     results, translation, relative = relative_motion(name, axes)
     assert results.joint("joint").multipliers.shape[1] == rows == 6 - len(sliding) - turning
     for k in range(3):
@@ -94,10 +96,10 @@ def test_a_joint_blocks_what_it_should_and_nothing_else(name):
     assert np.abs(results.energy.balance).max() < 1e-5 * results.energy.kinetic.max()
 
 
-@pytest.mark.parametrize("name", JOINTS)
+@pytest.mark.parametrize("name", EVERY_JOINT)
 def test_a_joint_wrench_keeps_the_second_body_in_its_motion(name):
     """m x'' = force + loads on B, at every step."""
-    results, _, _ = relative_motion(name, JOINTS[name][0])
+    results, _, _ = relative_motion(name, EVERY_JOINT[name][0])
     applied = np.array([3.0, -2.0, 5.0]) + 2.0 * np.array([0, 0, -9.81])
     expected = 2.0 * results.body("b").v_dot[:, :3] - applied
     np.testing.assert_allclose(results.joint("joint").force, expected, rtol=0, atol=1e-8)
@@ -107,7 +109,7 @@ def test_a_joint_wrench_keeps_the_second_body_in_its_motion(name):
 def test_a_revolute_joint_turns_more_than_half_a_turn():
     """A drive passes half a turn, and several whole ones."""
     drive = Polynomial((0.0, 0.0, 20.0))
-    joint = Joint("motor", "revolute", ("ground", "body"), AXIS, angle=drive)
+    joint = Revolute("ground", "body", AXIS, name="motor", angle=drive)
     body = RigidBody(1.0, [1.0, 2.0, 1.5])
     results = simulate(
         Model({"body": body}, (joint,), settings=Settings(t_end=1.0, step=1e-3, rho_inf=0.9))
@@ -122,7 +124,7 @@ def test_a_universal_joint_keeps_its_axes_across_whichever_side_is_the_ground(gr
     between = ("ground", "body") if ground_first else ("body", "ground")
     model = Model(
         {"body": RigidBody(1.0, [1.0, 2.0, 1.5], start=Start(angular_velocity=[1.0, 2.0, 0.0]))},
-        [Joint("cross", "universal", between, [1, 0, 0], [0, 1, 0])],
+        [Universal(*between, [1, 0, 0], [0, 1, 0], name="cross")],
         [Load("torque", "body", [0.5, 1.0, 2.0], Constant(1.0))],
         settings=Settings(t_end=1.0, step=1e-3),
     )

@@ -5,17 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from duhamel.solver import (
+    JOINTS,
     BoucWenLaw,
     Constant,
     DamperLaw,
     Frame,
     Harmonic,
-    Joint,
     Load,
     MaxwellLaw,
     Model,
     ModelError,
     OneSidedLaw,
+    Prismatic,
     RigidBody,
     Settings,
     Spring,
@@ -45,7 +46,7 @@ def block(*springs, force=None, h=1e-3, t_end=2.0, v=0.0, **settings):
     start = Start(position=[1.0, 0, 0], velocity=[v, 0, 0])
     return Model(
         {"block": RigidBody(MASS, [0.1] * 3, start=start)},
-        [Joint("rail", "prismatic", ("ground", "block"), [1, 0, 0])],
+        [Prismatic("ground", "block", [1, 0, 0], name="rail")],
         loads,
         springs,
         settings=Settings(**{"t_end": t_end, "step": h, "rho_inf": 0.9} | settings),
@@ -173,7 +174,7 @@ def test_a_bushing_with_a_law_on_an_axis(axis):
         return simulate(
             Model(
                 {"block": RigidBody(0.5, [0.1] * 3)},
-                [Joint("guide", kind, ("ground", "block"), along)],
+                [JOINTS[kind]("ground", "block", along, name="guide")],
                 [load],
                 [spring],
                 ground_frames=frames,

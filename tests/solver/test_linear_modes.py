@@ -10,15 +10,17 @@ from duhamel.solver import (
     BoucWenLaw,
     Coupler,
     DamperLaw,
+    Fixed,
     FlexibleBody,
     Frame,
-    Joint,
     JointFriction,
     Load,
     MaxwellLaw,
     Model,
     ModelError,
     Motor,
+    Prismatic,
+    Revolute,
     RigidBody,
     Settings,
     Spring,
@@ -79,7 +81,7 @@ def held(element, *joints, **model):
     return model_of({"beam": FlexibleBody(element, start)}, joints, step=1e-3, **model)
 
 
-CLAMP = Joint("clamp", "fixed", ("ground", "beam.root"))
+CLAMP = Fixed("ground", "beam.root", name="clamp")
 
 
 def bending(element, roots, length, EI):
@@ -102,7 +104,7 @@ def test_a_clamped_beam_by_the_formula(line):
 
 def test_a_pinned_beam_by_the_formula(line):
     """In the plane of the pins; it is free to turn about them."""
-    found = linearize(held(line, Joint("pin", "revolute", ("ground", "beam.root"), Z))).modes(8)
+    found = linearize(held(line, Revolute("ground", "beam.root", Z, name="pin"))).modes(8)
     assert found.rigid == 1
     expected = bending(line, np.array([3.9266023120]), 1.0, SECTION["EI_z"])
     assert np.abs(found.frequencies / expected - 1.0).min() < 2e-4
@@ -115,7 +117,7 @@ def test_two_beams_clamped_together_are_the_long_one(tmp_path):
         "beam": FlexibleBody(short, Start(-short.interface("root").X)),
         "other": FlexibleBody(short, Start([0.5, 0, 0] - short.interface("root").X)),
     }
-    joints = (CLAMP, Joint("weld", "fixed", ("beam.tip", "other.root")))
+    joints = (CLAMP, Fixed("beam.tip", "other.root", name="weld"))
     parts = linearize(model_of(bodies, joints, step=1e-3)).modes()
     assert len(parts) == len(whole) == 48
     np.testing.assert_allclose(parts.frequencies, whole.frequencies, rtol=1e-8)
@@ -130,14 +132,14 @@ def test_the_modes_of_a_jointed_beam_are_those_of_its_finite_elements(beam):
     _, _, V = np.linalg.svd(P)
     free = V[root.n_dofs :].T
     expected = np.sqrt(eigh(free.T @ K @ free, free.T @ M @ free, eigvals_only=True))
-    joint = Joint("clamp", "fixed", ("ground", "beam.root"))
+    joint = Fixed("ground", "beam.root", name="clamp")
     found = linearize(held(beam.element, joint)).modes()
     np.testing.assert_allclose(2.0 * np.pi * found.frequencies, expected, rtol=1e-7)
 
 
 def pendulum(angle=0.0, gravity=-9.81):
     body = RigidBody(2.0, [0.01, 0.02, 0.03], {"p": Frame([0, 0.5, 0])}, Start([0, -0.5, 0]))
-    hinge = Joint("hinge", "revolute", ("ground", "body.p"), Z)
+    hinge = Revolute("ground", "body.p", Z, name="hinge")
     return model_of({"body": body}, (hinge,), gravity=[0, gravity, 0], step=1e-3)
 
 
@@ -163,8 +165,8 @@ def test_a_double_pendulum_of_point_masses():
         "b": RigidBody(1.0, small, {"p": Frame([0, 1, 0])}, Start([0, -2, 0])),
     }
     joints = (
-        Joint("one", "revolute", ("ground", "a.p"), Z),
-        Joint("two", "revolute", ("a", "b.p"), Z),
+        Revolute("ground", "a.p", Z, name="one"),
+        Revolute("a", "b.p", Z, name="two"),
     )
     found = linearize(model_of(bodies, joints, gravity=[0, -9.81, 0], step=1e-3)).modes()
     expected = np.sqrt((2.0 + np.array([-1, 1]) * np.sqrt(2.0)) * 9.81)
@@ -173,7 +175,7 @@ def test_a_double_pendulum_of_point_masses():
 
 def test_a_slow_pendulum_on_a_stiff_beam_is_not_lost_in_rounding(line):
     """Its frequency is 1e-6 of the highest; a bar of the same mass is the reference."""
-    hinge = Joint("hinge", "revolute", ("ground", "beam.root"), [0, 1, 0])
+    hinge = Revolute("ground", "beam.root", [0, 1, 0], name="hinge")
     found = linearize(held(line, hinge, gravity=[0.01, 0, 0])).modes(1)
     assert found.frequencies[0] == pytest.approx(np.sqrt(1.5 * 0.01) / (2.0 * np.pi), rel=1e-5)
 
@@ -195,7 +197,7 @@ def test_frequencies_are_the_same_a_kilometer_away_and_turned(line):
             )
             for name, body in bodies.items()
         }
-        joints = (Joint("clamp", "fixed", ("ground.at", "beam.root")),)
+        joints = (Fixed("ground.at", "beam.root", name="clamp"),)
         axis = R.apply([1, 0, 0])
         springs = (Spring("s", "bushing", ("beam.tip", "mass"), axis, **spring),)
         ground = {"at": Frame(x, R.as_rotvec())}
@@ -209,7 +211,7 @@ def test_frequencies_are_the_same_a_kilometer_away_and_turned(line):
 def test_gravity_stiffens_a_hanging_chain_and_softens_a_standing_one(line):
     """By the forces in the joint alone: the beam itself has no terms of second order here."""
     swing = [
-        linearize(held(line, Joint("h", "revolute", ("ground", "beam.root"), Z), gravity=[g, 0, 0]))
+        linearize(held(line, Revolute("ground", "beam.root", Z, name="h"), gravity=[g, 0, 0]))
         .modes(1)
         .values[0]
         for g in (9.81, -9.81)
@@ -220,7 +222,7 @@ def test_gravity_stiffens_a_hanging_chain_and_softens_a_standing_one(line):
 
 def oscillator(law=None, **spring):
     body = RigidBody(2.0, [0.1, 0.1, 0.1], start=Start([1.0, 0, 0]))
-    slide = Joint("slide", "prismatic", ("ground", "body"), [1, 0, 0])
+    slide = Prismatic("ground", "body", [1, 0, 0], name="slide")
     laws = {} if law is None else {"law": {"x": law}}
     k = [spring.get("stiffness", 50.0), 0, 0, 0, 0, 0]
     d = [spring.get("damping", 0.0), 0, 0, 0, 0, 0]
@@ -271,7 +273,7 @@ def test_a_law_counts_with_its_slope_where_the_spring_is_loaded():
 
 def test_decay_and_frequency_are_those_of_a_run(random_element):
     element = random_element(3, (True, False), omega=(50.0, 400.0))
-    joint = Joint("clamp", "fixed", ("ground", "body.i0"))
+    joint = Fixed("ground", "body.i0", name="clamp")
     start = Start(-element.interface("i0").X)
     kick = Load("force", "body.i1", [1e-3, 2e-3, 0.0], _short_pulse())
     model = Model(
@@ -306,7 +308,7 @@ def test_few_modes_of_a_large_model_are_those_of_all(tmp_path, monkeypatch):
         f"shaft{k}": FlexibleBody(shaft, Start([0, k, 0] - shaft.interface("root").X))
         for k in range(5)
     }
-    joints = [Joint(name, "revolute", ("ground", f"{name}.root"), [1, 0, 0]) for name in bodies]
+    joints = [Revolute("ground", f"{name}.root", [1, 0, 0], name=name) for name in bodies]
     linear = linearize(model_of(bodies, tuple(joints), step=1e-3))
     all_modes = linear.modes()
     monkeypatch.setattr(modes_module, "LARGEST", 10)  # which leaves iteration
@@ -328,7 +330,7 @@ def test_iteration_finds_more_modes_that_coincide_than_a_block_has_vectors():
 
 
 def test_shapes_satisfy_the_joints(line):
-    linear = linearize(held(line, Joint("hinge", "revolute", ("ground", "beam.root"), Z)))
+    linear = linearize(held(line, Revolute("ground", "beam.root", Z, name="hinge")))
     found = linear.modes(6)
     motion = linear.motion(found.y)
     at = motion.names.index("beam.root")
@@ -338,12 +340,8 @@ def test_shapes_satisfy_the_joints(line):
 
 
 def test_what_cannot_be_linearized_is_refused_by_name(line, measured):
-    hinge = Joint(
-        "hinge",
-        "revolute",
-        ("ground", "beam.root"),
-        Z,
-        friction=JointFriction(0.1, radius=0.01),
+    hinge = Revolute(
+        "ground", "beam.root", Z, name="hinge", friction=JointFriction(0.1, radius=0.01)
     )
     with pytest.raises(ModelError, match="joint 'hinge': friction sticks or slips"):
         linearize(held(line, hinge))
@@ -376,7 +374,7 @@ def lossy(tmp_path_factory):
 
 def test_a_material_gives_every_mode_half_its_loss_factor(lossy):
     """Whatever holds the beam, in the band; the modes are found without those of the chain."""
-    for joints in ((), (CLAMP,), (Joint("pin", "revolute", ("ground", "beam.root"), Z),)):
+    for joints in ((), (CLAMP,), (Revolute("ground", "beam.root", Z, name="pin"),)):
         found = linearize(held(lossy, *joints)).modes(14)
         inside = (found.frequencies > 10.0) & (found.frequencies < 2000.0)
         assert inside.sum() >= 5
@@ -438,8 +436,8 @@ def test_a_gear_carries_the_inertia_of_its_wheel_over():
         "b": RigidBody(1.0, [J_2] * 3, start=Start([0.5, 0, 0])),
     }
     joints = (
-        Joint("first", "revolute", ("ground", "a"), Z),
-        Joint("second", "revolute", ("ground", "b"), Z),
+        Revolute("ground", "a", Z, name="first"),
+        Revolute("ground", "b", Z, name="second"),
     )
     spring = Spring("s", "torsion", ("ground", "a"), Z, stiffness=k)
     gear = Coupler("gear", "gear", ["first", "second"], teeth=[20, 50])

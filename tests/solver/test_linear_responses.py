@@ -6,19 +6,22 @@ import numpy as np
 import pytest
 from duhamel.results import QuantityError
 from duhamel.solver import (
+    JOINTS,
     Constant,
+    Fixed,
     FlexibleBody,
     Frame,
     Function,
     Harmonic,
     Input,
-    Joint,
     Load,
     MaxwellLaw,
     Model,
     ModelError,
     PatternLoad,
     PrescribedDisplacement,
+    Prismatic,
+    Revolute,
     RigidBody,
     Settings,
     Spring,
@@ -79,8 +82,8 @@ def test_a_drive_shakes_what_stands_on_its_base():
         "base": RigidBody(5.0, [1.0] * 3),
         "mass": RigidBody(2.0, [0.1] * 3, start=Start([1.0, 0, 0])),
     }
-    base = Joint("table", "prismatic", ("ground", "base"), [1, 0, 0], distance=Constant(0.0))
-    slide = Joint("slide", "prismatic", ("base", "mass"), [1, 0, 0])
+    base = Prismatic("ground", "base", [1, 0, 0], name="table", distance=Constant(0.0))
+    slide = Prismatic("base", "mass", [1, 0, 0], name="slide")
     zeros = [0.0] * 5
     spring = Spring(
         "s", "bushing", ("base", "mass"), stiffness=[50.0, *zeros], damping=[3.0, *zeros]
@@ -124,7 +127,7 @@ def test_static_coefficients_are_differences_of_equilibria(line):
 
     def model(force):
         start_of_beam = Start(-line.interface("root").X)
-        hinge = Joint("hinge", "revolute", ("ground", "beam.root"), [0, 0, 1])
+        hinge = Revolute("ground", "beam.root", [0, 0, 1], name="hinge")
         rope = Spring("rope", "point", ("ground.top", "beam.tip"), stiffness=300.0, rest=0.9)
         load = Load("force", "beam.tip", [0.3, 1.0, 0.0], Constant(force))
         return model_of(
@@ -145,7 +148,7 @@ def test_static_coefficients_are_differences_of_equilibria(line):
 
 
 def test_bodies_may_be_springs_or_rigid(line):
-    linear = linearize(held(line, Joint("pin", "revolute", ("ground", "beam.root"), [0, 0, 1])))
+    linear = linearize(held(line, Revolute("ground", "beam.root", [0, 0, 1], name="pin")))
     asked = ["force:beam.tip:y"], ["position:beam.tip:y"]
     low, high = 0.5, 40.0
     dynamic, static, rigid = (
@@ -161,7 +164,8 @@ def test_bodies_may_be_springs_or_rigid(line):
 
 @pytest.mark.parametrize("joint", ["fixed", "revolute"])
 def test_state_space_has_the_same_responses(line, joint):
-    joint = Joint("j", joint, ("ground", "beam.root"), None if joint == "fixed" else [0, 0, 1])
+    axis = () if joint == "fixed" else ([0, 0, 1],)
+    joint = JOINTS[joint]("ground", "beam.root", *axis, name="j")
     linear = linearize(held(line, joint))
     inputs = ["force:beam.tip:y", "torque:beam.tip:x"]
     outputs = ["position:beam.tip", "acceleration:beam.tip:y", "force:j:y", "angle:beam.root:z"]
@@ -199,7 +203,7 @@ def test_the_response_to_an_impulse_is_that_of_a_run(random_element):
     """Its transform, at the frequencies that the scheme has in place of the true ones."""
     element = random_element(5, (True, False), omega=(100.0, 600.0))
     element = replace(element, modes=replace(element.modes, zeta=np.full(8, 0.5)))
-    joint = Joint("clamp", "fixed", ("ground", "body.i0"))
+    joint = Fixed("ground", "body.i0", name="clamp")
     h, n = 1e-3, 6000
 
     def blow(t):
@@ -229,7 +233,7 @@ def test_a_body_known_by_its_kernel_has_the_response_of_its_modes(random_element
     h = 2e-4
     kernel = sample_kernel(form, h, element.kernel.scheme, 9000)
     element = replace(element, modes=form, kernel=kernel)
-    joint = Joint("clamp", "fixed", ("ground", "body.i0"))
+    joint = Fixed("ground", "body.i0", name="clamp")
     asked = ["force:body.i1:y"], ["position:body.i1", "moment:clamp"], [0.0, 3.0, 40.0, 90.0]
 
     def response(element):
@@ -256,7 +260,7 @@ def test_a_response_in_steady_rotation_turns_with_the_mechanism():
     spin, k, m = 12.0, 2e4, 2.0
     bodies = {"hub": RigidBody(1.0, [0.1] * 3), "mass": RigidBody(m, [0.1] * 3)}
     springs = Spring("s", "bushing", ("hub", "mass"), stiffness=[k, k, k, 50.0, 50.0, 50.0])
-    axle = Joint("axle", "revolute", ("ground", "hub"), [0, 0, 1])
+    axle = Revolute("ground", "hub", [0, 0, 1], name="axle")
     model = model_of(bodies, (axle,), springs=(springs,), step=1e-3)
     linear = linearize(model, SteadyRotation([0, 0, spin]))
     outputs = ["position:mass:x", "position:mass:y", "velocity:mass:x", "acceleration:mass:y"]
@@ -287,7 +291,7 @@ def test_an_open_contact_is_not_there_and_a_closed_one_has_its_stiffness():
         axis=[0, 0, 1],
         impact=Impact(stiffness=1e6, exponent=1.5),
     )
-    guide = Joint("guide", "prismatic", ("ground", "ball"), [0, 0, 1])
+    guide = Prismatic("ground", "ball", [0, 0, 1], name="guide")
     model = model_of(
         {"ball": ball},
         (guide,),

@@ -6,16 +6,18 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     Constant,
+    Fixed,
     FlexibleBody,
     Frame,
-    Joint,
     Load,
     ModelError,
     Motor,
     Polynomial,
     PrescribedDisplacement,
     PrescribedRotation,
+    Revolute,
     RigidBody,
+    Spherical,
     Spring,
     Start,
     SteadyRotation,
@@ -93,7 +95,7 @@ def test_damping_that_turns_with_the_shaft_makes_it_whirl_above_its_critical_spe
         stiffness=[k, k, k, 1e5, 1e5, 1e5],
         damping=[c, c, c, 0, 0, 0],
     )
-    joint = Joint("axle", "revolute", ("ground", "hub"), X)
+    joint = Revolute("ground", "hub", X, name="axle")
     settings = {"start": "equilibrium", "steady_rotation": SteadyRotation(X)}
     model = model_of(bodies, (joint,), springs=(shaft,), step=1e-3, **settings)
     critical = np.sqrt(k / m)
@@ -133,8 +135,8 @@ def test_a_whirling_pendulum():
     }
     axis = [0.0, 0.0, 1.0]
     joints = (
-        Joint("axle", "revolute", ("ground", "hub"), axis),
-        Joint("hinge", "revolute", ("hub.rim", "stone.p"), axis),
+        Revolute("ground", "hub", axis, name="axle"),
+        Revolute("hub.rim", "stone.p", axis, name="hinge"),
     )
     held = replace(joints[0], angle=Polynomial((0.0, spin)))
     settings = {"start": "equilibrium", "steady_rotation": SteadyRotation(spin * np.array(axis))}
@@ -152,7 +154,7 @@ def column(tmp_path_factory):
 def test_a_column_loses_its_frequency_towards_the_load_of_euler(column):
     """Pinned at both ends: f^2 = f_0^2 (1 - P / P_E)."""
     euler = np.pi**2 * 30.0
-    hinge = Joint("root", "revolute", ("ground", "beam.root"), [0, 0, 1])
+    hinge = Revolute("ground", "beam.root", [0, 0, 1], name="root")
 
     def frequency(share):
         load = Load("force", "beam.tip", [-share * euler, 0, 0], Constant(1.0))
@@ -179,12 +181,12 @@ def _hold(name, direction):
 def test_the_equations_with_second_order_are_those_of_a_lagrangian(column, with_second_order):
     """M and K symmetric, C skew, in steady rotation, with loads and any terms of second order."""
     element = with_second_order(column)
-    hinge = Joint("root", "fixed", ("hub", "beam.root"))
+    hinge = Fixed("hub", "beam.root", name="root")
     bodies = {
         "hub": RigidBody(1.0, [0.1] * 3),
         "beam": FlexibleBody(element, Start(-element.interface("root").X)),
     }
-    axle = Joint("axle", "revolute", ("ground", "hub"), [0, 0, 1])
+    axle = Revolute("ground", "hub", [0, 0, 1], name="axle")
     force = Load("force", "beam.tip", [5.0, 1.0, 2.0], Constant(1.0), follower=False)
     model = model_of(bodies, (axle, hinge), step=1e-3)
     for spin, loads in ((0.0, (force,)), (25.0, ())):
@@ -361,7 +363,7 @@ def test_a_drive_that_turns_a_shaft_follows_the_spin(turned_by):
     """Whatever its speed in the model, and held by it the shaft whirls as without."""
     free = rotor(t_end=1.0)
     hub = RigidBody(1.0, [0.1] * 3)
-    axle = Joint("axle", "revolute", ("ground", "hub"), X)
+    axle = Revolute("ground", "hub", X, name="axle")
     shaft = Spring("shaft", "torsion", ("hub", "disk"), X, stiffness=30.0)
     changes = {}
     if turned_by == "motion":
@@ -373,7 +375,7 @@ def test_a_drive_that_turns_a_shaft_follows_the_spin(turned_by):
     else:
         signal = {"angle": Polynomial((0.0, 500.0)), "angular_velocity": Constant(500.0)}
         axle = replace(axle, **{turned_by: signal[turned_by]})
-    ball = Joint("ball", "spherical", ("ground", "hub"))
+    ball = Spherical("ground", "hub", name="ball")
     joints = (ball if turned_by == "motion" else axle,)
     bodies = {**free.bodies, "hub": hub}
     springs = (*free.springs, shaft)
@@ -388,7 +390,7 @@ def test_a_drive_that_turns_a_shaft_follows_the_spin(turned_by):
 
 
 def test_a_drive_that_holds_a_shaft_refuses_the_spin():
-    held = Joint("axle", "revolute", ("ground", "disk"), X, angle=Constant(0.0))
+    held = Revolute("ground", "disk", X, name="axle", angle=Constant(0.0))
     with pytest.raises(ModelError, match=r"joint 'axle': start = 'equilibrium': a steady rotation"):
         campbell(model_of(rotor().bodies, (held,), **STEADY), [10.0, 70.0])
 
@@ -403,7 +405,7 @@ def test_a_rotation_whose_equations_are_not_constant_is_refused():
         linearize(rotor(uneven=2.0), spinning)
     with pytest.raises(ModelError, match=r"a steady rotation of .* deforms it"):
         linearize(rotor(gravity=[0, 0, -9.81]), spinning)
-    axle = Joint("axle", "revolute", ("ground", "disk"), X)
+    axle = Revolute("ground", "disk", X, name="axle")
     heavy = RigidBody(MASS, [POLAR, DIAMETRAL, DIAMETRAL])
     model = model_of({"disk": heavy}, (axle,), gravity=[0, 0, -9.81], step=1e-3)
     linearize(model, spinning)  # the joint carries the weight

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     Constant,
+    Fixed,
     FlexibleBody,
-    Joint,
     Load,
     Polynomial,
     PrescribedDisplacement,
+    Revolute,
     RigidBody,
     Start,
     SteadyRotation,
@@ -39,8 +40,8 @@ def turning(element, spin):
     beam = FlexibleBody(element, Start(-element.interface("root").X))
     bodies = {"hub": RigidBody(1.0, [0.1] * 3), "beam": beam}
     joints = (
-        Joint("axle", "revolute", ("ground", "hub"), Z, angle=Polynomial((0.0, 1.0))),
-        Joint("clamp", "fixed", ("hub", "beam.root")),
+        Revolute("ground", "hub", Z, name="axle", angle=Polynomial((0.0, 1.0))),
+        Fixed("hub", "beam.root", name="clamp"),
     )
     model = model_of(bodies, joints, step=1e-3, start="equilibrium")
     return linearize(model, SteadyRotation([0.0, 0.0, spin]))
@@ -106,7 +107,7 @@ def test_an_axial_load_is_measured_by_the_buckling_load(line, share):
     sides = {"y": [0, 1, 0], "z": [0, 0, 1]}
     column = model_of(
         {"beam": FlexibleBody(line, Start(-line.interface("root").X))},
-        (Joint("root", "revolute", ("ground", "beam.root"), Z),),
+        (Revolute("ground", "beam.root", Z, name="root"),),
         loads=(push,),
         motions=tuple(
             PrescribedDisplacement(name, "beam.tip", direction, Constant(0.0))

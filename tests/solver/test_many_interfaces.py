@@ -10,14 +10,15 @@ from duhamel.solver import (
     FlexibleBody,
     Frame,
     Harmonic,
-    Joint,
     Load,
     Model,
     Place,
+    Revolute,
     RigidBody,
     Settings,
     Spring,
     Start,
+    Universal,
     simulate,
 )
 
@@ -54,8 +55,8 @@ def rig(shape, folder, names):
             ),
         },
         joints=(
-            Joint("pivot", "revolute", ("ground", "body.a"), [0.2, 1.0, 0.3]),
-            Joint("ball", "universal", ("body.c", "mass.eye"), [1, 0, 0], [0, 1, 0]),
+            Revolute("ground", "body.a", [0.2, 1.0, 0.3], name="pivot"),
+            Universal("body.c", "mass.eye", [1, 0, 0], [0, 1, 0], name="ball"),
         ),
         springs=(Spring("coil", "point", ("ground.hook", "body.b"), stiffness=30.0, damping=0.02),),
         loads=(

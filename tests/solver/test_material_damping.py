@@ -8,13 +8,15 @@ from duhamel.preprocess import read_body
 from duhamel.preprocess.body.damping import Damping
 from duhamel.solver import (
     Constant,
+    Fixed,
     FlexibleBody,
     Frame,
     Function,
-    Joint,
     Load,
     MaxwellLaw,
     Motor,
+    Prismatic,
+    Revolute,
     RigidBody,
     Spring,
     Start,
@@ -108,8 +110,8 @@ def pole_of(square, chain):
 
 HOLDS = {
     "free": ([], []),
-    "clamped": (range(6), [Joint("hold", "fixed", ("ground", "beam.root"))]),
-    "pinned": ([0, 1, 2, 3, 4], [Joint("hold", "revolute", ("ground", "beam.root"), [0, 0, 1])]),
+    "clamped": (range(6), [Fixed("ground", "beam.root", name="hold")]),
+    "pinned": ([0, 1, 2, 3, 4], [Revolute("ground", "beam.root", [0, 0, 1], name="hold")]),
 }
 
 
@@ -138,7 +140,7 @@ def test_modal_ratios_of_the_free_body_are_less_where_it_is_clamped():
     beam = make_beam(damping=Damping.model_validate({"modal": 0.02}))
     model = model_of(
         bodies={"beam": FlexibleBody(beam.element)},
-        joints=[Joint("hold", "fixed", ("ground", "beam.root"))],
+        joints=[Fixed("ground", "beam.root", name="hold")],
         t_end=0.01,
         step=1e-4,
     )
@@ -157,7 +159,7 @@ def test_dampers_are_in_the_damping_of_the_assembled_model():
     for coefficient, expected in ((2.0, 0.05), (0.0, None)):
         model = model_of(
             bodies={"block": RigidBody(1.0, [1.0, 1.0, 1.0])},
-            joints=[Joint("guide", "prismatic", ("ground", "block"), [1, 0, 0])],
+            joints=[Prismatic("ground", "block", [1, 0, 0], name="guide")],
             springs=[replace(spring, damping=coefficient)],
             ground_frames={"post": Frame([-1.0, 0, 0])},
             t_end=0.01,
@@ -180,7 +182,7 @@ def test_the_damping_of_a_long_chain_of_masses_is_that_of_the_formula():
     names = ["ground", *(f"m{k}" for k in range(n))]
     model = model_of(
         bodies={name: RigidBody(m, [1.0, 1.0, 1.0]) for name in names[1:]},
-        joints=[Joint(f"j{k}", "prismatic", (names[k], names[k + 1]), [1, 0, 0]) for k in range(n)],
+        joints=[Prismatic(names[k], names[k + 1], [1, 0, 0], name=f"j{k}") for k in range(n)],
         motors=[Motor(f"s{k}", f"j{k}", "distance", stiffness=c, damping=d) for k in range(n)],
         t_end=0.01,
         step=1e-3,
@@ -207,10 +209,10 @@ COMPLIANT = {
 @pytest.mark.parametrize("has_beam", [False, True], ids=["rigid", "lossy"])
 def test_the_damping_of_servos_and_springs_is_that_of_the_linear_equations(lossy, kind, has_beam):
     bodies = {"arm": RigidBody(1.0, [0.5, 0.5, 0.5])}
-    joints = [Joint("hinge", "revolute", ("ground", "arm"), Z)]
+    joints = [Revolute("ground", "arm", Z, name="hinge")]
     if has_beam:
         bodies["beam"] = FlexibleBody(lossy.element, Start([0.25, 0, 0]))
-        joints.append(Joint("clamp", "fixed", ("arm", "beam.root")))
+        joints.append(Fixed("arm", "beam.root", name="clamp"))
     part = COMPLIANT[kind]
     parts = {"motors": [part]} if isinstance(part, Motor) else {"springs": [part]}
     model = model_of(bodies=bodies, joints=joints, t_end=0.01, step=1e-3, **parts)
@@ -257,7 +259,7 @@ def test_kernels_have_the_chain_too(lossy, history):
 @pytest.mark.filterwarnings("ignore::duhamel.solver.ValidityWarning")
 def test_the_memory_of_a_kernel_is_that_of_its_motions(lossy):
     """The error that is stated for a kernel that is cut off bounds what it does."""
-    joints = [Joint("hold", "fixed", ("ground", "beam.root"))]
+    joints = [Fixed("ground", "beam.root", name="hold")]
     settings = {"t_end": 0.8, "step": 2e-4, "rho_inf": 0.9}
     whole = simulate(pushed(lossy.element, joints, **settings))
     cut = simulate(pushed(lossy.element, joints, history="direct", kernel_length=0.3, **settings))
@@ -270,7 +272,7 @@ def test_a_body_at_rest_under_its_load_stays_there(lossy):
     """With the static stiffness, which is that of the body file: the chain has relaxed."""
     model = model_of(
         bodies={"beam": FlexibleBody(lossy.element)},
-        joints=[Joint("hold", "fixed", ("ground", "beam.root"))],
+        joints=[Fixed("ground", "beam.root", name="hold")],
         loads=[Load("force", "beam.tip", [0, 1e-3, 0], Constant(1.0))],
         t_end=0.02,
         step=1e-4,
@@ -321,7 +323,7 @@ def test_stresses_follow_the_springs_of_the_chain(lossy):
 
 def test_the_linear_model_has_the_springs_of_the_chain(lossy):
     """Modes and frequency responses, against the mesh."""
-    joints = [Joint("hold", "fixed", ("ground", "beam.root"))]
+    joints = [Fixed("ground", "beam.root", name="hold")]
     model = model_of(
         bodies={"beam": FlexibleBody(lossy.element)}, joints=joints, t_end=0.01, step=1e-4
     )

@@ -8,15 +8,16 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     Constant,
+    Cylindrical,
     FlexibleBody,
     Frame,
     Harmonic,
-    Joint,
     Load,
     Model,
     ModelError,
     Motor,
     PrescribedDisplacement,
+    Revolute,
     RigidBody,
     Settings,
     Simulator,
@@ -28,7 +29,7 @@ from duhamel.solver import (
     simulate,
     write_model,
 )
-from duhamel.solver.couplings.joints import JOINT_TYPES, Angle, JointType
+from duhamel.solver.couplings.joint import ABOUT_E3, TURN, JointWithAxis
 from duhamel.solver.couplings.springs import SPRING_TYPES, SpringType
 from duhamel.solver.schema.entry import Entry, entry
 from duhamel.solver.signals.signal import SIGNALS, Pointwise
@@ -37,7 +38,7 @@ Z = [0, 0, 1]
 ARRAYS = {
     "position": lambda x: Frame(x).position,
     "rotation": lambda x: Start(rotation=x).rotation,
-    "axis": lambda x: Joint("j", "revolute", ("a", "b"), x).axis,
+    "axis": lambda x: Revolute("a", "b", x, name="j").axis,
     "direction": lambda x: Load("force", "a", x, Constant(1.0)).direction,
     "gravity": lambda x: Model({"a": RigidBody(1.0, [1, 1, 1])}, gravity=x).gravity,
     "center": lambda x: SteadyRotation(Z, x).center,
@@ -85,14 +86,14 @@ def test_points_of_signals_may_be_lists_and_are_kept_as_tuples(kind):
 def test_a_unit_vector_is_kept_to_the_last_bit():
     rng = np.random.default_rng(0)
     for axis in rng.normal(size=(1000, 3)):
-        unit = Joint("j", "revolute", ("a", "b"), axis).axis
+        unit = Revolute("a", "b", axis, name="j").axis
         assert np.linalg.norm(unit) == pytest.approx(1.0, abs=4e-16)
-        assert Joint("j", "revolute", ("a", "b"), unit).axis.tolist() == unit.tolist()
+        assert Revolute("a", "b", unit, name="j").axis.tolist() == unit.tolist()
 
 
 def pendulum(**settings):
     bob = RigidBody(1.0, [0.1, 0.1, 0.1], {"eye": Frame([-0.5, 0, 0])})
-    pin = Joint("pin", "revolute", ("ground", "bob.eye"), Z)
+    pin = Revolute("ground", "bob.eye", Z, name="pin")
     settings = Settings(**{"t_end": 0.02, "step": 1e-3} | settings)
     return Model({"bob": bob}, [pin], gravity=[0, -9.81, 0], settings=settings)
 
@@ -164,17 +165,22 @@ def test_a_signal_of_a_users_own_is_read_and_written(tmp_path):
     np.testing.assert_array_equal(simulate(again).body("bob").x, simulate(model).body("bob").x)
 
 
-def test_a_joint_of_a_users_own_is_a_row_of_the_table(monkeypatch, tmp_path):
+def test_a_joint_of_a_users_own_is_a_class():
     """A pin that slides along its axis and turns about it is cylindrical by another name."""
-    sleeve = JointType(
-        (0, 1), ((0, 2), (1, 2)), axes=1, distances={"slide": 2}, angles={"turn": Angle(0, 1, 0)}
-    )
-    monkeypatch.setitem(JOINT_TYPES, "sleeve", sleeve)
+
+    @entry()
+    class Sleeve(JointWithAxis):
+        translations = (0, 1)
+        rotations = ABOUT_E3
+        free_distances = {"slide": 2}  # noqa: RUF012
+        free_angles = {"turn": TURN}  # noqa: RUF012
+
+    Sleeve.tag = "sleeve"
     model = pendulum()
-    model = replace(model, joints=[replace(model.joints[0], type="sleeve")])
-    write_model(tmp_path / "model.toml", model)
-    results = simulate(read_model(tmp_path / "model.toml"))
-    expected = simulate(replace(model, joints=[replace(model.joints[0], type="cylindrical")]))
+    pin = model.joints[0]
+    sleeve = Sleeve(*pin.between, pin.axis, name="pin")
+    results = simulate(replace(model, joints=[sleeve]))
+    expected = simulate(replace(model, joints=[Cylindrical(*pin.between, pin.axis, name="pin")]))
     found, wanted = results.joint("pin").coordinates, expected.joint("pin").coordinates
     np.testing.assert_array_equal(found["turn"], wanted["angle"])
     np.testing.assert_array_equal(found["slide"], wanted["distance"])

@@ -6,8 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from duhamel.solver import (
+    JOINTS,
     Constant,
     ConvergenceError,
+    Fixed,
     FlexibleBody,
     Frame,
     Function,
@@ -19,11 +21,15 @@ from duhamel.solver import (
     Place,
     Polynomial,
     PrescribedDisplacement,
+    Prismatic,
+    Revolute,
     RigidBody,
     Settings,
+    Spherical,
     Spring,
     Start,
     Steps,
+    Universal,
     read_model,
     simulate,
 )
@@ -45,7 +51,7 @@ def model(joints=(), loads=(), **settings):
 
 
 def weld(*between):
-    return Joint("weld", "fixed", between)
+    return Fixed(*between, name="weld")
 
 
 MADE = {
@@ -96,7 +102,7 @@ MADE = {
         "bodies: a body cannot be named 'a.b'",
     ),
     "a joint with a colon": (
-        lambda: model((Joint("motor:1", "fixed", ("a", "ground")),)),
+        lambda: model((Fixed("a", "ground", name="motor:1"),)),
         "joints: a joint cannot be named 'motor:1': expected 1 to 100 printable characters "
         "without '.', '/' and ':'",
     ),
@@ -109,7 +115,7 @@ MADE = {
         "step: expected a positive time, 1e-100 to 1e100, got 1e-300",
     ),
     "a joint with a slash": (
-        lambda: model((Joint("a/b", "fixed", ("a", "ground")),)),
+        lambda: model((Fixed("a", "ground", name="a/b"),)),
         "joints: a joint cannot be named 'a/b'",
     ),
     "a frame with a slash": (
@@ -117,25 +123,25 @@ MADE = {
         "body 'a': a frame cannot be named 'x/y'",
     ),
     "a joint of an unknown type": (
-        lambda: Joint("j", "hinge", ("a", "b")),
+        lambda: JOINTS["hinge"]("a", "b", name="j"),
         "joint 'j': type: expected 'fixed', 'spherical', 'revolute', 'universal', 'cylindrical', "
         "'prismatic', 'planar', 'rod', 'screw', 'constant_velocity', 'point_on_line' or "
         "'point_on_plane', got 'hinge'",
     ),
     "a joint of three": (
-        lambda: Joint("j", "fixed", ("a", "b", "c")),
+        lambda: Fixed(*("a", "b", "c"), name="j"),
         "joint 'j': between: expected two frames, got",
     ),
     "an axis too many": (
-        lambda: Joint("j", "fixed", ("a", "b"), [0, 0, 1]),
+        lambda: Fixed("a", "b", [0, 0, 1], name="j"),
         "joint 'j': a fixed joint takes neither axis nor second_axis",
     ),
     "an axis too few": (
-        lambda: Joint("j", "revolute", ("a", "b")),
+        lambda: Revolute("a", "b", name="j"),
         "joint 'j': a revolute joint takes axis alone",
     ),
     "one axis for two": (
-        lambda: Joint("j", "universal", ("a", "b"), [0, 0, 1]),
+        lambda: Universal("a", "b", [0, 0, 1], name="j"),
         "joint 'j': a universal joint takes axis and second_axis",
     ),
     "an axis too few of a torsion spring": (
@@ -159,23 +165,23 @@ MADE = {
         "spring 's': second_axis: expected an axis perpendicular to axis at the start",
     ),
     "an axis without direction": (
-        lambda: Joint("j", "revolute", ("a", "b"), [0, 0, 0]),
+        lambda: Revolute("a", "b", [0, 0, 0], name="j"),
         "joint 'j': axis: expected three numbers that are not all zero, got [0, 0, 0]",
     ),
     "oblique axes": (
-        lambda: Joint("j", "universal", ("a", "b"), [0, 0, 1], [0, 1, 1]),
+        lambda: Universal("a", "b", [0, 0, 1], [0, 1, 1], name="j"),
         "joint 'j': the axes of a universal joint must be perpendicular at the start",
     ),
     "a drive of the wrong kind": (
-        lambda: Joint("j", "revolute", ("a", "b"), [0, 0, 1], distance=Constant(1.0)),
+        lambda: Revolute("a", "b", [0, 0, 1], name="j", distance=Constant(1.0)),
         "joint 'j': a revolute joint is driven by angle, got distance",
     ),
     "a drive of what has none": (
-        lambda: Joint("j", "fixed", ("a", "b"), angle=Constant(1.0)),
+        lambda: Fixed("a", "b", name="j", angle=Constant(1.0)),
         "joint 'j': a fixed joint is driven by nothing, got angle",
     ),
     "a drive that jumps": (
-        lambda: Joint("j", "revolute", ("a", "b"), [0, 0, 1], angle=Steps((0.0,), (1.0,))),
+        lambda: Revolute("a", "b", [0, 0, 1], name="j", angle=Steps((0.0,), (1.0,))),
         "joint 'j': angle: expected a smooth signal (constant, harmonic, polynomial, spline, "
         "smooth step, chirp, noise, or of such parts), "
         "got steps",
@@ -293,7 +299,7 @@ def two_pins(*others):
         "a": RigidBody(1.0, [1.0, 2.0, 1.5], frames),
         "b": RigidBody(1.0, [1.0, 2.0, 1.5], opposite, Start([1.0, 0, 0])),
     }
-    pins = [Joint(name, "spherical", (f"a.{name}", f"b.{name}")) for name in ("low", "high")]
+    pins = [Spherical(f"a.{name}", f"b.{name}", name=name) for name in ("low", "high")]
     joints = [other for other in others if isinstance(other, Joint)]
     motions = [other for other in others if not isinstance(other, Joint)]
     return model((*pins, *joints), bodies=bodies, motions=motions)
@@ -307,13 +313,13 @@ STARTED = {
     ),
     "a distance that starts elsewhere": (
         lambda: model(
-            (Joint("j", "prismatic", ("a", "b"), [1, 0, 0], distance=Polynomial((0.75, 1.0))),)
+            (Prismatic("a", "b", [1, 0, 0], name="j", distance=Polynomial((0.75, 1.0))),)
         ),
         "joint 'j': open by 0.25 m at the start: a is at [0.0, 0.0, 0.0], b at [1.0, 0.0, 0.0], "
         "the distance starts at 0.75",
     ),
     "redundant joints": (
-        lambda: model((weld("a.f", "b.f"), Joint("again", "revolute", ("a.f", "b.f"), [0, 0, 1]))),
+        lambda: model((weld("a.f", "b.f"), Revolute("a.f", "b.f", [0, 0, 1], name="again"))),
         "joints: 11 constraints of which 5 are redundant; on one another depend weld "
         "(translation 1, translation 2, "
         "translation 3, rotation 2, rotation 3), again (translation 1, translation 2, "
@@ -326,7 +332,7 @@ STARTED = {
         lambda: model(
             (
                 weld("a.f", "b.f"),
-                Joint("motor", "revolute", ("a.f", "b.f"), [0, 0, 1], angle=Harmonic(1.0, 1.0)),
+                Revolute("a.f", "b.f", [0, 0, 1], name="motor", angle=Harmonic(1.0, 1.0)),
             ),
         ),
         "joints: motor (rotation 3) is driven against other constraints: on one another depend "
@@ -377,7 +383,7 @@ def test_a_flexible_body_is_joined_by_an_interface(element):
             "joint 'j': 'e' is flexible: name one of its interfaces (i0, i1) as e.INTERFACE"
         ),
     ):
-        Model(flexible(e=element), (Joint("j", "spherical", ("ground", "e")),))
+        Model(flexible(e=element), (Spherical("ground", "e", name="j"),))
 
 
 def test_an_interface_without_rotations_carries_no_moments(element):
@@ -386,7 +392,7 @@ def test_an_interface_without_rotations_carries_no_moments(element):
         ModelError,
         match=re.escape("joint 'j' (fixed): interface 'e.i1' has no rotations and carries"),
     ):
-        simulate(Model(start, (Joint("j", "fixed", ("ground", "e.i1")),)))
+        simulate(Model(start, (Fixed("ground", "e.i1", name="j"),)))
     load = Load("torque", "e.i1", [1, 0, 0], Constant(1.0))
     with pytest.raises(
         ModelError,

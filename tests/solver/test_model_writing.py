@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from duhamel.solver import (
+    JOINTS,
     Chirp,
     Constant,
     Delayed,
@@ -21,7 +22,6 @@ from duhamel.solver import (
     Haversine,
     Impulse,
     Input,
-    Joint,
     Load,
     LogarithmicChirp,
     Model,
@@ -56,12 +56,13 @@ from duhamel.solver import (
     read_model,
     write_model,
 )
-from duhamel.solver.couplings.joints import JOINT_TYPES
 from duhamel.solver.couplings.motions import PrescribedMotion
 from duhamel.solver.couplings.springs import SPRING_TYPES
-from duhamel.solver.model import signals
 from duhamel.solver.model.loads import LOAD_KINDS
+from duhamel.solver.signals import signal as signals
 from duhamel.superelement import Channels, Interface, Pattern, Superelement, write
+
+from .linkages import n_axes
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 MODELS = [path for path in sorted(EXAMPLES.glob("*.toml")) if "[bodies" in path.read_text()]
@@ -166,7 +167,7 @@ def everything(random_element, tmp_path):
     sheet.write_text("t,ax\n0,1\n0.3,2\n")
     recorded = Recorded(sheet, "ax", 9.81), RecordedSpline(sheet, 2, 1.0, "t", 1e-3, 0.1)
     element = random_element(1, (True, False))
-    names = [f"b{k}" for k in range(len(JOINT_TYPES) + 1)]
+    names = [f"b{k}" for k in range(len(JOINTS) + 1)]
     bodies = {name: body(k, position=rng.normal(size=3)) for k, name in enumerate(names)}
     bodies["placed"] = body(1, place=Place("f", "b0.g"))
     place = Start(rng.normal(size=3), rng.normal(size=3))
@@ -176,15 +177,15 @@ def everything(random_element, tmp_path):
     smooth |= {"second_angle": Polynomial((0.0, 0.1)), "rotation_vector": [Constant(0.1)] * 3}
     only = {"screw": "angle", "spherical": "rotation_vector"}
     joints = []
-    for k, (name, kind) in enumerate(JOINT_TYPES.items()):
-        given = {} if kind.axes == 0 else axes[kind.axes - 1]
-        driven = [only[name]] if name in only else kind.drives
+    for k, (name, kind) in enumerate(JOINTS.items()):
+        given = axes[n_axes(name) - 1] if n_axes(name) else {}
+        driven = [only[name]] if name in only else sorted(smooth.keys() & vars(kind).keys())
         given = given | {drive: smooth[drive] for drive in driven}
         given |= {"lead": 0.02} if name == "screw" else {}
         given |= {"drawn": {"angle": 0.25}} if name == "cylindrical" else {}
-        if kind.angles and not kind.drives:
+        if name == "planar":
             given["start"] = {"angle": 1.0 / 3.0}
-        joints.append(Joint(name, name, (f"b{k}.f", f"b{k + 1}.g"), **given))
+        joints.append(JOINTS[name](f"b{k}.f", f"b{k + 1}.g", name=name, **given))
     half = rng.normal(size=(6, 6))
     springs = (
         Spring("point", "point", ("b0", "ground.wall"), stiffness=1.0 / 3.0, rest=0.1),
@@ -245,9 +246,9 @@ def everything(random_element, tmp_path):
 
 
 def test_a_model_of_everything_comes_back_exactly(everything, tmp_path):
-    assert {joint.type for joint in everything.joints} == set(JOINT_TYPES)
+    assert {joint.type for joint in everything.joints} == set(JOINTS)
     assert {spring.type for spring in everything.springs} == set(SPRING_TYPES)
-    assert {type(motion) for motion in everything.motions} == set(PrescribedMotion.__args__)
+    assert {type(motion) for motion in everything.motions} == set(PrescribedMotion.__subclasses__())
     assert {load.type for load in everything.loads} == set(LOAD_KINDS)
     known = {form.kind for forms in signals.SIGNALS.forms.values() for form in forms}
     assert {type(load.signal) for load in everything.loads} == known | {Constant}

@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     ConvergenceError,
+    Fixed,
     FlexibleBody,
     Frame,
     Input,
-    Joint,
     Load,
     Model,
     Moment,
     Place,
+    Revolute,
     RigidBody,
     Settings,
     Simulator,
@@ -48,8 +49,8 @@ def rotor(element, **settings):
     return Model(
         bodies={"hub": hub, "beam": beam},
         joints=(
-            Joint("pivot", "revolute", ("ground", "hub"), [0, 0, 1]),
-            Joint("clamp", "fixed", ("hub.rim", "beam.root")),
+            Revolute("ground", "hub", [0, 0, 1], name="pivot"),
+            Fixed("hub.rim", "beam.root", name="clamp"),
         ),
         loads=(
             Load("torque", "hub", [0, 0, 1], Input("torque")),

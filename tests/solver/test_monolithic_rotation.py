@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from duhamel.solver import (
+    JOINTS,
+    Fixed,
     FlexibleBody,
     Frame,
-    Joint,
     Load,
     Place,
     Polynomial,
@@ -62,8 +63,8 @@ def carousel(element, spin, loads, pivot, **settings):
     return model_of(
         bodies={"hub": hub, "body": FlexibleBody(element, start)},
         joints=(
-            Joint("pivot", pivot, ("ground", "hub"), axis),
-            Joint("clamp", "fixed", ("hub.rim", "body.i0")),
+            JOINTS[pivot]("ground", "hub", axis, name="pivot"),
+            Fixed("hub.rim", "body.i0", name="clamp"),
         ),
         loads=loads,
         t_end=STEPS * H,

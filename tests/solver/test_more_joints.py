@@ -4,23 +4,32 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     Constant,
+    ConstantVelocity,
     Coupler,
+    Cylindrical,
+    Fixed,
     Frame,
     Harmonic,
     Input,
-    Joint,
     Load,
     Model,
     ModelError,
     OutOfRangeError,
     Place,
+    PointOnLine,
+    PointOnPlane,
     Polynomial,
+    Revolute,
     RigidBody,
+    Rod,
+    Screw,
     Settings,
     SmoothFunction,
+    Spherical,
     Spring,
     Start,
     Steps,
+    Universal,
     read_model,
     simulate,
     write_model,
@@ -48,7 +57,7 @@ def test_a_stone_on_a_rod_swings_as_a_pendulum(origin):
     body = stone(position=origin + turn @ [L, 0, 0])
     model = Model(
         {"stone": body},
-        [Joint("rod", "rod", ["ground.pin", "stone"])],
+        [Rod("ground.pin", "stone", name="rod")],
         ground_frames={"pin": Frame(origin)},
         gravity=turn @ [0, -G, 0],
         settings=settings(step=5e-4),
@@ -77,7 +86,7 @@ def test_a_rod_that_shortens_speeds_up_as_a_skater_does():
     length = Polynomial((L, 0.0, -0.3))
     model = Model(
         {"stone": stone(position=[L, 0, 0], velocity=[0, v, 0])},
-        [Joint("rod", "rod", ["ground.pin", "stone"], distance=length)],
+        [Rod("ground.pin", "stone", name="rod", distance=length)],
         ground_frames={"pin": Frame()},
         settings=settings(),
     )
@@ -91,14 +100,14 @@ def test_a_rod_that_shortens_speeds_up_as_a_skater_does():
 
 
 def test_a_rod_needs_ends_that_are_apart():
-    joints = [Joint("rod", "rod", ["ground", "stone"])]
+    joints = [Rod("ground", "stone", name="rod")]
     model = Model({"stone": stone()}, joints, settings=settings())
     with pytest.raises(ModelError, match=r"joint 'rod': its ends .* coincide"):
         simulate(model)
 
 
 def test_a_rod_of_another_length_than_drawn_is_assembled_if_asked_for():
-    joint = Joint("rod", "rod", ["ground.pin", "stone"], distance=Constant(0.5))
+    joint = Rod("ground.pin", "stone", name="rod", distance=Constant(0.5))
     model = Model(
         {"stone": stone(position=[0.8, 0, 0])},
         [joint],
@@ -119,8 +128,8 @@ def test_a_bead_on_a_turning_line_flies_outwards():
     model = Model(
         {"arm": arm, "bead": stone(m, position=r_0 * turn[:, 0])},
         [
-            Joint("axle", "revolute", ["ground", "arm"], turn[:, 2], angle=Polynomial((0, omega))),
-            Joint("line", "point_on_line", ["arm.slot", "bead"], turn[:, 0]),
+            Revolute("ground", "arm", turn[:, 2], name="axle", angle=Polynomial((0, omega))),
+            PointOnLine("arm.slot", "bead", turn[:, 0], name="line"),
         ],
         settings=settings(t_end=0.8, rho_inf=0.3),
     )
@@ -138,7 +147,7 @@ def test_a_ball_slides_down_a_plane():
     normal = np.array([np.sin(tilt), 0.0, np.cos(tilt)])
     model = Model(
         {"ball": stone(position=FAR + np.cross(normal, [0, 1, 0]))},
-        [Joint("plane", "point_on_plane", ["ground.slope", "ball"], normal)],
+        [PointOnPlane("ground.slope", "ball", normal, name="plane")],
         ground_frames={"slope": Frame(FAR)},
         gravity=[0, 0, -G],
         settings=settings(),
@@ -157,8 +166,8 @@ def shafts(joint, bend=0.6):
     z = np.array([0, 0, 1.0])
     between = ["first.end", "second.end"]
     middle = {
-        "universal": Joint("middle", "universal", between, z, np.cross(v, z)),
-        "constant_velocity": Joint("middle", "constant_velocity", between, u, v),
+        "universal": Universal(*between, z, np.cross(v, z), name="middle"),
+        "constant_velocity": ConstantVelocity(*between, u, v, name="middle"),
     }[joint]
     inertia = [0.2, 0.2, 0.2]
     bodies = {
@@ -166,8 +175,8 @@ def shafts(joint, bend=0.6):
         "second": RigidBody(1.0, inertia, {"end": Frame(-0.5 * v)}, Start(0.5 * v)),
     }
     joints = [
-        Joint("in", "revolute", ["ground", "first"], u, angle=Polynomial((0.0, 10.0))),
-        Joint("out", "revolute", ["ground", "second"], v),
+        Revolute("ground", "first", u, name="in", angle=Polynomial((0.0, 10.0))),
+        Revolute("ground", "second", v, name="out"),
         middle,
     ]
     return simulate(Model(bodies, joints, settings=settings(redundant="remove")))
@@ -191,7 +200,7 @@ def test_a_constant_velocity_joint_turns_evenly_over_full_turns():
 
 def test_a_constant_velocity_joint_takes_no_shafts_against_each_other():
     with pytest.raises(ModelError, match="second_axis: the shafts"):
-        Joint("j", "constant_velocity", ["ground", "b"], [1, 0, 0], [-1, 0.1, 0])
+        ConstantVelocity("ground", "b", [1, 0, 0], [-1, 0.1, 0], name="j")
 
 
 @pytest.mark.parametrize("torque", [0.0, 500.0])
@@ -202,7 +211,7 @@ def test_a_constant_velocity_joint_that_takes_the_wrong_branch_stops_the_run(tor
     bend, start, end = 2.5, 0.6, 1.4
     body = RigidBody(1.0, [0.3, 0.2, 0.4], start=Start(angular_velocity=[0, 0, 1.0]))
     shaft = [np.cos(bend), np.sin(bend), 0]
-    joint = Joint("bent", "constant_velocity", ["ground", "b"], [1, 0, 0], shaft)
+    joint = ConstantVelocity("ground", "b", [1, 0, 0], shaft, name="bent")
     twist = Load("torque", "b", [1, 0, 0], Steps((0.0, start), (0.0, torque)))
     model = Model(
         {"b": body}, [joint], [twist], settings=Settings(t_end=end, step=1e-3, rho_inf=0.5)
@@ -246,10 +255,10 @@ def test_a_body_on_a_driven_ball_joint_cones(tilt):
     A, C, f = 0.3, 0.4, 1.0
     rate = 2 * np.pi * f
     turn = TURN
-    joint = Joint(
-        "ball",
-        "spherical",
-        ["ground.post", "top"],
+    joint = Spherical(
+        "ground.post",
+        "top",
+        name="ball",
         rotation_vector=[Harmonic(-tilt, f), Harmonic(tilt, f, np.pi / 2), Constant(0.0)],
     )
     post = Frame(FAR, turn.as_rotvec())
@@ -271,7 +280,7 @@ def test_a_body_on_a_driven_ball_joint_cones(tilt):
 
 def test_cardan_angles_turn_about_new_axes():
     angles = [Polynomial((0.0, 1.0)), Polynomial((0.0, 2.0)), Polynomial((0.0, -1.0))]
-    joint = Joint("ball", "spherical", ["ground", "b"], cardan_angles=angles)
+    joint = Spherical("ground", "b", name="ball", cardan_angles=angles)
     run = simulate(Model({"b": stone()}, [joint], settings=settings()))
     values = np.outer(run.time, [1.0, 2.0, -1.0])
     expected = Rotation.from_euler("XYZ", values)
@@ -284,8 +293,8 @@ def test_cardan_angles_turn_about_new_axes():
 def test_a_universal_joint_follows_two_angles():
     """R = R_x(a) R_y(b), with no pose in which it could not."""
     first, second = Harmonic(3.0, 0.7), Polynomial((0.0, 4.0))
-    joint = Joint(
-        "u", "universal", ["ground", "b"], [1, 0, 0], [0, 1, 0], angle=first, second_angle=second
+    joint = Universal(
+        "ground", "b", [1, 0, 0], [0, 1, 0], name="u", angle=first, second_angle=second
     )
     run = simulate(Model({"b": stone()}, [joint], settings=settings()))
     a, b = run.joint("u").angle, run.joint("u").second_angle
@@ -301,21 +310,21 @@ def test_a_universal_joint_follows_two_angles():
 def test_a_spherical_joint_follows_one_kind_of_signals():
     three = [Constant(0.0)] * 3
     with pytest.raises(ModelError, match="rotation_vector or cardan_angles, got both"):
-        Joint("j", "spherical", ["ground", "b"], rotation_vector=three, cardan_angles=three)
+        Spherical("ground", "b", name="j", rotation_vector=three, cardan_angles=three)
     with pytest.raises(ModelError, match="rotation_vector: expected three smooth signals"):
-        Joint("j", "spherical", ["ground", "b"], rotation_vector=three[:2])
+        Spherical("ground", "b", name="j", rotation_vector=three[:2])
     told = [Constant(0.0), Input("pitch"), Constant(0.0)]
     with pytest.raises(ModelError, match="cardan_angles: takes no input"):
-        Joint("j", "spherical", ["ground", "b"], cardan_angles=told)
+        Spherical("ground", "b", name="j", cardan_angles=told)
     with pytest.raises(ModelError, match="a fixed joint is driven by nothing"):
-        Joint("j", "fixed", ["ground", "b"], rotation_vector=three)
+        Fixed("ground", "b", name="j", rotation_vector=three)
 
 
 def pendulum(**joint):
     bob = RigidBody(1.0, [0.1, 0.1, 0.1], {"eye": Frame([0.0, 0.5, 0.0])}, Start([0, -0.5, 0]))
     return Model(
         {"bob": bob},
-        [Joint("p", "cylindrical", ["ground.pin", "bob.eye"], [0, 0, 1], **joint)],
+        [Cylindrical("ground.pin", "bob.eye", [0, 0, 1], name="p", **joint)],
         ground_frames={"pin": Frame([0.0, 0.0, 0.1])},
         gravity=[0, -G, 0],
         settings=settings(t_end=0.5, assemble=True),
@@ -346,7 +355,7 @@ def test_an_angle_of_a_universal_joint_is_measured_from_where_it_is_drawn():
     axes = ([1, 0, 0], [0, 1, 0])
     drawn = {"angle": 0.5, "second_angle": -0.25}
     drive = {"second_angle": Constant(1.75)}
-    joint = Joint("u", "universal", ["ground", "b"], *axes, drawn=drawn, **drive)
+    joint = Universal("ground", "b", *axes, name="u", drawn=drawn, **drive)
     run = simulate(Model({"b": stone()}, [joint], settings=settings(t_end=0.01)))
     np.testing.assert_allclose(run.joint("u").second_angle, 1.75, atol=1e-12)
     R = Rotation.from_quat(run.body("b").R[0], scalar_first=True)
@@ -355,14 +364,14 @@ def test_an_angle_of_a_universal_joint_is_measured_from_where_it_is_drawn():
 
 def test_drawn_names_a_coordinate():
     with pytest.raises(ModelError, match="drawn: a revolute joint takes angle, got 'distance'"):
-        Joint("j", "revolute", ["ground", "b"], [0, 0, 1], drawn={"distance": 1.0})
+        Revolute("ground", "b", [0, 0, 1], name="j", drawn={"distance": 1.0})
 
 
 def test_a_screw_needs_a_lead():
     with pytest.raises(ModelError, match="lead: a screw joint needs a lead"):
-        Joint("j", "screw", ["ground", "b"], [0, 0, 1])
+        Screw("ground", "b", [0, 0, 1], name="j")
     with pytest.raises(ModelError, match="lead: a revolute joint takes no lead"):
-        Joint("j", "revolute", ["ground", "b"], [0, 0, 1], lead=0.1)
+        Revolute("ground", "b", [0, 0, 1], name="j", lead=0.1)
 
 
 def test_what_has_no_name_is_numbered_by_type(tmp_path):
@@ -407,7 +416,7 @@ def test_a_number_that_is_taken_is_passed_over():
     wheels = {name: stone() for name in "abc"}
     names = ["", "revolute 3", ""]
     joints = [
-        Joint(name, "revolute", ["ground", body], [0, 0, 1])
+        Revolute("ground", body, [0, 0, 1], name=name)
         for name, body in zip(names, wheels, strict=True)
     ]
     spring = Spring("revolute 1", "torsion", ["a", "b"], [0, 0, 1], stiffness=1.0)
@@ -417,7 +426,7 @@ def test_a_number_that_is_taken_is_passed_over():
 
 def test_an_error_of_what_has_no_name_says_its_type():
     with pytest.raises(ModelError, match=r"joint without a name \(revolute\): a"):
-        Joint("", "revolute", ["ground", "b"])
+        Revolute("ground", "b")
 
 
 def test_a_body_is_placed_by_its_center():
@@ -442,7 +451,7 @@ def test_a_body_is_placed_by_its_center():
 def test_a_driven_ball_joint_follows_functions():
     zero = SmoothFunction(lambda t: 0.0, lambda t: 0.0, lambda t: 0.0)
     spin = SmoothFunction(lambda t: t**2, lambda t: 2 * t, lambda t: 2.0)
-    joint = Joint("ball", "spherical", ["ground", "b"], rotation_vector=[zero, zero, spin])
+    joint = Spherical("ground", "b", name="ball", rotation_vector=[zero, zero, spin])
     run = simulate(Model({"b": stone()}, [joint], settings=settings()))
     np.testing.assert_allclose(run.body("b").v[:, 5], 2 * run.time, atol=1e-5)
     np.testing.assert_allclose(run.joint("ball").moment[:, 2], 0.2, rtol=1e-3)
@@ -451,8 +460,8 @@ def test_a_driven_ball_joint_follows_functions():
 def test_new_joints_are_written_and_read(tmp_path):
     angles = [Constant(0.5), Harmonic(1, 2), Constant(0.0)]
     joints = [
-        Joint("a", "screw", ["ground", "b"], [0, 0, 1], lead=0.02, drawn={"angle": 1.0}),
-        Joint("b", "spherical", ["b", "c"], cardan_angles=angles),
+        Screw("ground", "b", [0, 0, 1], name="a", lead=0.02, drawn={"angle": 1.0}),
+        Spherical("b", "c", name="b", cardan_angles=angles),
     ]
     coupler = Coupler("m", "linear", ["a.angle", "a.distance"], ratios=[1, 2], offset=Constant(3.0))
     model = Model({"b": stone(), "c": stone()}, joints, couplers=[coupler])

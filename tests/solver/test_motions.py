@@ -3,17 +3,21 @@
 import numpy as np
 import pytest
 from duhamel.solver import (
+    JOINTS,
     Constant,
+    Cylindrical,
+    Fixed,
     FlexibleBody,
     Frame,
     Harmonic,
-    Joint,
     Load,
     Model,
     ModelError,
     Polynomial,
     PrescribedDisplacement,
     PrescribedRotation,
+    Prismatic,
+    Revolute,
     RigidBody,
     Settings,
     Start,
@@ -50,7 +54,7 @@ def test_a_slide_is_shaken():
         results = simulate(
             Model(
                 {"block": RigidBody(m, [0.1, 0.2, 0.3])},
-                (Joint("rail", "prismatic", ("ground", "block"), AXIS),),
+                (Prismatic("ground", "block", AXIS, name="rail"),),
                 motions=(PrescribedDisplacement("shake", "block", AXIS, shake),),
                 settings=Settings(t_end=1.0, step=h, rho_inf=0.9),
             )
@@ -110,7 +114,7 @@ def test_a_driven_angle_of_several_turns():
     results = simulate(
         Model(
             {"disk": RigidBody(1.0, [0.1, 0.2, J])},
-            (Joint("motor", "revolute", ("ground", "disk"), [0, 0, 1], angle=drive),),
+            (Revolute("ground", "disk", [0, 0, 1], name="motor", angle=drive),),
             settings=Settings(t_end=2.0, step=h, rho_inf=0.5),
         )
     )
@@ -140,7 +144,7 @@ def test_a_coordinate_that_is_watched_goes_on_over_full_turns():
                             1.0, [1, 1, 2], start=Start(angular_velocity=[0, 0, speed])
                         )
                     },
-                    (Joint("axle", "revolute", between, [0, 0, 1]),),
+                    (Revolute(*between, [0, 0, 1], name="axle"),),
                     settings=Settings(t_end=1.0, step=1e-3),
                 )
             )
@@ -178,7 +182,7 @@ def moving(name, element, h):
     return simulate(
         Model(
             {"a": a, "b": b},
-            (Joint("joint", name, ("a.i0", "b.g"), **axes),),
+            (JOINTS[name]("a.i0", "b.g", name="joint", **axes),),
             loads,
             settings=Settings(t_end=0.4, step=h, rho_inf=0.7),
         )
@@ -206,7 +210,7 @@ def test_joint_coordinates_and_their_rates(random_element, name):
     assert (orders > 1.9).all(), (orders, errors)
     A, B = results.frame("a.i0"), results.frame("b.g")
     turns = [Rotation.from_quat(frame.rotation, scalar_first=True) for frame in (A, B)]
-    basis = Joint("joint", name, ("a", "b"), **axes).basis(turns[0][0].as_matrix())
+    basis = JOINTS[name]("a", "b", name="joint", **axes).basis(turns[0][0].as_matrix())
     e_a, e_b = ((turn * turn[0].inv()).as_matrix() @ basis for turn in turns)
     gap = np.einsum("tik,ti->tk", e_a, B.position - A.position)
     relative = np.einsum("tik,tij->tkj", e_a, e_b)
@@ -237,9 +241,7 @@ def test_a_driven_cylindrical_joint_screws():
     """Both drives at once: a helix."""
     turn, rise, h = Polynomial((0.2, 6.0, 3.0)), Harmonic(0.1, 1.0), 1e-3
     body = RigidBody(2.0, [1.0, 1.5, 0.8], {"grip": Frame([0.3, 0, 0])}, Start([-0.3, 0, 0]))
-    joint = Joint(
-        "screw", "cylindrical", ("ground", "body.grip"), [0, 0, 1], angle=turn, distance=rise
-    )
+    joint = Cylindrical("ground", "body.grip", [0, 0, 1], name="screw", angle=turn, distance=rise)
     results = simulate(
         Model({"body": body}, (joint,), settings=Settings(t_end=1.0, step=h, rho_inf=0.9))
     )
@@ -311,8 +313,8 @@ def test_a_frame_whose_whole_motion_is_given_moves_as_one_on_a_driven_table(rand
     at = given.frame("beam.i0").position[0]
     table = RigidBody(5.0, [1.0, 2.0, 3.0], start=Start(at))
     joints = (
-        Joint("pivot", "revolute", ("ground", "table"), AXIS, angle=angle),
-        Joint("weld", "fixed", ("table", "beam.i0")),
+        Revolute("ground", "table", AXIS, name="pivot", angle=angle),
+        Fixed("table", "beam.i0", name="weld"),
     )
     driven = simulate(model_of({"table": table, "beam": beam}, joints, **common))
     np.testing.assert_allclose(given.body("beam").x, driven.body("beam").x, rtol=0, atol=1e-11)

@@ -7,21 +7,24 @@ import numpy as np
 import pytest
 from duhamel.results import Results
 from duhamel.solver import (
+    JOINTS,
     Constant,
     ConvergenceError,
+    Fixed,
     FlexibleBody,
     Frame,
     Function,
     Harmonic,
     Impact,
     Input,
-    Joint,
     Load,
     Model,
     ModelError,
     Motor,
     Place,
     Polynomial,
+    Prismatic,
+    Revolute,
     RigidBody,
     Settings,
     Simulator,
@@ -56,7 +59,7 @@ def wheel(motor, h=1e-2, t_end=2.0, at=(0.0, 0.0, 0.0), start=(), **settings):
     body = RigidBody(1.0, [J, J, J], start=Start(position=at))
     return Model(
         {"wheel": body},
-        joints=[Joint("axle", "revolute", ["ground", "wheel"], TURN, start=dict(start))],
+        joints=[Revolute("ground", "wheel", TURN, name="axle", start=dict(start))],
         motors=[motor],
         settings=Settings(t_end=t_end, step=h, **settings),
     )
@@ -126,7 +129,7 @@ def test_a_torque_turns_a_wheel_as_a_load_does():
     bodies = {"one": RigidBody(1.0, [J, J, J]), "two": RigidBody(2.0, [2 * J, 2 * J, 2 * J])}
     model = Model(
         bodies,
-        joints=[Joint("axle", "revolute", ["one", "two"], TURN)],
+        joints=[Revolute("one", "two", TURN, name="axle")],
         motors=[servo(torque=Harmonic(3.0, 0.5))],
         settings=Settings(t_end=2.0, step=1e-2),
     )
@@ -142,7 +145,7 @@ def test_a_torque_turns_a_wheel_as_a_load_does():
 def test_a_force_drives_a_slide():
     model = Model(
         {"slide": RigidBody(2.0, [J, J, J])},
-        joints=[Joint("rail", "prismatic", ["ground", "slide"], TURN)],
+        joints=[Prismatic("ground", "slide", TURN, name="rail")],
         motors=[Motor("push", "rail", "distance", force=Constant(3.0))],
         settings=Settings(t_end=0.1, step=1e-3),
     )
@@ -315,7 +318,7 @@ def test_the_newton_matrix_of_a_motor(make_pair, coordinate, limit):  # noqa: F8
         limit=limit,
         speed=None if limit is None else 20.0,
     )
-    joint = Joint("joint", kind, ("a.i0", "b.i0"), axis, second)
+    joint = JOINTS[kind]("a.i0", "b.i0", axis, second, name="joint")
     point = Point.of(make_pair(("rigid", "flexible"), (joint,), motors=(motor,)), seed=5)
     rng = np.random.default_rng(2)
     point.work.couplings.elapsed[0] = point.system.scheme.h
@@ -365,9 +368,7 @@ def arm(h=1e-3, at=(1.0, 0.0, 2.0), angle=0.0, **keys):
     )
     return Model(
         {"arm": body},
-        joints=[
-            Joint("pin", "revolute", ["ground.post", "arm.pin"], [0, -1, 0], start={"angle": angle})
-        ],
+        joints=[Revolute("ground.post", "arm.pin", [0, -1, 0], name="pin", start={"angle": angle})],
         motors=[Motor("servo", "pin", "angle", limit=limit, **keys)],
         ground_frames={"post": Frame(at)},
         gravity=[0, 0, -9.81],
@@ -538,8 +539,8 @@ def test_a_servo_that_holds_is_a_spring_with_a_damper(coarse, history):
     model = Model(
         bodies={"hub": hub, "beam": FlexibleBody(coarse, Start(place=Place("root", "hub.rim")))},
         joints=(
-            Joint("pivot", "revolute", ("ground", "hub"), [0, 0, 1]),
-            Joint("clamp", "fixed", ("hub.rim", "beam.root")),
+            Revolute("ground", "hub", [0, 0, 1], name="pivot"),
+            Fixed("hub.rim", "beam.root", name="clamp"),
         ),
         loads=[Load("force", "beam.tip", [0, 1.0, 0], Steps((0.0,), (3.0,)))],
         settings=Settings(step=5e-4, t_end=0.03, history=history),
@@ -610,8 +611,8 @@ def test_the_inertia_of_a_servo_is_that_of_all_that_it_moves():
     model = Model(
         bodies,
         joints=[
-            Joint("axle", "revolute", ["ground", "wheel"], TURN),
-            Joint("weld", "fixed", ["wheel", "disk"]),
+            Revolute("ground", "wheel", TURN, name="axle"),
+            Fixed("wheel", "disk", name="weld"),
         ],
         motors=[servo(stiffness=(J + 1e-4) * 100.0, damping=0.1)],
         settings=Settings(t_end=0.01, step=1e-3),

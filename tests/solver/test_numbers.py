@@ -8,14 +8,15 @@ from duhamel.solver import (
     Harmonic,
     Impulse,
     Input,
-    Joint,
     Load,
     Model,
     ModelError,
     Polynomial,
     PrescribedDisplacement,
     PrescribedRotation,
+    Prismatic,
     Pulse,
+    Revolute,
     RigidBody,
     Settings,
     Spline,
@@ -56,8 +57,8 @@ MAKERS = {
     "a position": lambda x: Start([x, 0, 0]),
     "a velocity": lambda x: Start(velocity=[x, 0, 0]),
     "an angular velocity": lambda x: Start(angular_velocity=[x, 0, 0]),
-    "an axis": lambda x: Joint("j", "revolute", ON, [0, 0, x]),
-    "a starting angle": lambda x: Joint("j", "revolute", ON, Z, start={"angle": x}),
+    "an axis": lambda x: Revolute(*ON, [0, 0, x], name="j"),
+    "a starting angle": lambda x: Revolute(*ON, Z, name="j", start={"angle": x}),
     "a direction": lambda x: Load("force", "a", [0, x, 0], Constant(1.0)),
     "a stiffness": lambda x: Spring("s", "point", ON, stiffness=x),
     "six stiffnesses": lambda x: Spring("s", "bushing", ON, stiffness=[x] * 6),
@@ -149,7 +150,7 @@ def test_text_is_no_number():
 
 @pytest.mark.parametrize("size", [1e-200, 1e-80, 1e90])
 def test_an_axis_of_any_length_is_a_direction(size):
-    joint = Joint("j", "revolute", ON, [size, size, 0.0])
+    joint = Revolute(*ON, [size, size, 0.0], name="j")
     np.testing.assert_allclose(joint.axis, [np.sqrt(0.5), np.sqrt(0.5), 0], rtol=1e-15)
 
 
@@ -178,7 +179,7 @@ def test_a_motion_measured_at_constant_speed_starts_in_steady_rotation():
     """The second derivative of its spline is zero but for rounding."""
     assert TURNING.derivatives(0.0)[1] != 0.0
     disk = RigidBody(1.0, UNIT)
-    bearing = Joint("bearing", "revolute", ("ground", "disk"), Z, angle=TURNING)
+    bearing = Revolute("ground", "disk", Z, name="bearing", angle=TURNING)
     rotation = SteadyRotation([0, 0, 20.0])
     settings = Settings(t_end=0.6, step=1e-3, start="equilibrium", steady_rotation=rotation)
     results = simulate(Model({"disk": disk}, [bearing], settings=settings))
@@ -189,7 +190,7 @@ def test_a_drive_that_accelerates_is_refused_where_its_rate_is_rounding():
     """A sine from its crest."""
     crest = Harmonic(0.3, 2.0, 0.5 * np.pi)
     assert crest.derivatives(0.0)[0] != 0.0
-    slide = Joint("slide", "prismatic", ("ground", "bob"), Z, distance=crest)
+    slide = Prismatic("ground", "bob", Z, name="slide", distance=crest)
     settings = Settings(t_end=0.6, step=1e-3, start="equilibrium", assemble=True)
     with pytest.raises(ModelError, match="takes drives without acceleration"):
         simulate(Model({"bob": RigidBody(1.0, UNIT)}, [slide], settings=settings))
@@ -202,7 +203,7 @@ def test_a_measured_motion_starts_in_equilibrium():
     drive = Spline((0.0, 0.1, 0.25, 0.6), (0.1 + 0.2, 0.3, 0.3, 0.3))
     bob = RigidBody(1.0, UNIT)
     for signal in (level, drive):
-        slide = Joint("slide", "prismatic", ("ground", "bob"), Z, distance=signal)
+        slide = Prismatic("ground", "bob", Z, name="slide", distance=signal)
         settings = Settings(t_end=0.6, step=1e-3, start="equilibrium", assemble=True)
         simulate(Model({"bob": bob}, [slide], gravity=[1, 0, 0], settings=settings))
 

@@ -12,16 +12,17 @@ from duhamel.solver import (
     Box,
     Constant,
     Contact,
+    Fixed,
     FlexibleBody,
     Frame,
     Impact,
-    Joint,
     Load,
     Model,
     OutputRequest,
     PrescribedDisplacement,
     RecoveryError,
     Results,
+    Revolute,
     RigidBody,
     Settings,
     Spring,
@@ -61,7 +62,7 @@ def cantilever(element, at=(0.0, 0.0, 0.0), **settings):
     root = element.interface("root").X
     return Model(
         bodies={"beam": FlexibleBody(element, Start(position=np.array(at) - root))},
-        joints=[Joint("clamp", "fixed", ("ground", "beam.root"))],
+        joints=[Fixed("ground", "beam.root", name="clamp")],
         loads=[Load("force", "beam.tip", [0.1, 1.0, 0.5], Constant(1.0))],
         settings=Settings(t_end=0.02, step=2e-4, **settings),
     )
@@ -219,8 +220,8 @@ def mechanism(recovered, tmp_path_factory):
     model = Model(
         {"hub": hub, "beam": beam, "twin": replace(beam, start=Start([0, 9, 0])), "ball": ball},
         [
-            Joint("pivot", "revolute", ("ground.post", "hub"), [0, 0, 1]),
-            Joint("clamp", "fixed", ("hub.f", "beam.root")),
+            Revolute("ground.post", "hub", [0, 0, 1], name="pivot"),
+            Fixed("hub.f", "beam.root", name="clamp"),
         ],
         springs=[Spring("coil", "torsion", ("hub.f", "ball"), [1, 0, 0], 1.0)],
         contacts=[

@@ -6,10 +6,10 @@ import h5py
 import numpy as np
 import pytest
 from duhamel.solver import (
+    Fixed,
     FlexibleBody,
     Frame,
     Harmonic,
-    Joint,
     Load,
     Model,
     ModelError,
@@ -17,6 +17,7 @@ from duhamel.solver import (
     Place,
     RecoveryError,
     Results,
+    Revolute,
     RigidBody,
     Settings,
     Spring,
@@ -43,8 +44,8 @@ def model(coarse):
     return Model(
         bodies={"hub": hub, "beam": beam},
         joints=(
-            Joint("pivot", "revolute", ("ground", "hub"), [0, 0, 1]),
-            Joint("clamp", "fixed", ("hub.rim", "beam.root")),
+            Revolute("ground", "hub", [0, 0, 1], name="pivot"),
+            Fixed("hub.rim", "beam.root", name="clamp"),
         ),
         springs=(
             Spring("tether", "point", ("ground.hook", "beam.tip"), stiffness=2.0, damping=0.01),

@@ -8,9 +8,9 @@ from duhamel.solver import (
     Contact,
     Frame,
     Impact,
-    Joint,
     MissedContactError,
     Model,
+    Revolute,
     RigidBody,
     Settings,
     Simulator,
@@ -120,7 +120,7 @@ def test_a_pendulum_passes_a_peg_by_the_arc_of_its_bob(side, gap, passes):
     place = (length + side * (SIZE + gap)) * np.array([-np.sin(angle), 0.0, -np.cos(angle)])
     model = Model(
         {"bob": bob},
-        [Joint("pin", "revolute", ("ground.pin", "bob.pin"), [0, 1, 0])],
+        [Revolute("ground.pin", "bob.pin", [0, 1, 0], name="pin")],
         contacts=[
             Contact(
                 "peg",

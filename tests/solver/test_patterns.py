@@ -8,13 +8,13 @@ from duhamel.preprocess.body.body import Damping, Impulse
 from duhamel.solver import (
     Constant,
     Contact,
+    Fixed,
     FlexibleBody,
     Frame,
     Function,
     Harmonic,
     Impact,
     Input,
-    Joint,
     Load,
     Model,
     ModelError,
@@ -54,7 +54,7 @@ def cantilever(element, load=1.0, **settings):
     signal = Constant(load) if isinstance(load, float) else load
     return Model(
         {"beam": FlexibleBody(element)},
-        [Joint("clamp", "fixed", ["ground", "beam.root"])],
+        [Fixed("ground", "beam.root", name="clamp")],
         [PatternLoad("beam", "wind", signal)],
         settings=Settings(**{"t_end": 0.02, "step": H, **settings}),
     )
@@ -219,7 +219,7 @@ def test_a_model_a_kilometer_away_and_turned_moves_the_same(windy):
     X = windy.element.interface("root").X.copy()
     turn = Rotation.from_rotvec([0.3, -0.2, 0.1])
     body = FlexibleBody(windy.element, replace(place, position=place.position - turn.apply(X)))
-    joint = Joint("clamp", "fixed", ["ground.wall", "beam.root"])
+    joint = Fixed("ground.wall", "beam.root", name="clamp")
     model = replace(model, bodies={"beam": body}, joints=[joint], ground_frames=wall)
 
     def moved():

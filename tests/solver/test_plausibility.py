@@ -14,7 +14,6 @@ from duhamel.solver import (
     HalfSine,
     Harmonic,
     Hertz,
-    Joint,
     Load,
     LogarithmicChirp,
     Model,
@@ -23,7 +22,9 @@ from duhamel.solver import (
     Polynomial,
     PrescribedDisplacement,
     PrescribedRotation,
+    Prismatic,
     Pulse,
+    Revolute,
     RigidBody,
     Settings,
     ShapedNoise,
@@ -40,7 +41,7 @@ from duhamel.solver import (
 from duhamel.solver.couplings.impact import Impact
 
 BALL = RigidBody(2.0, [0.1, 0.1, 0.1], {"tip": Frame([0.5, 0, 0])})
-HINGE = Joint("pivot", "revolute", ("ground", "hub"), axis=[0, 0, 1])
+HINGE = Revolute("ground", "hub", [0, 0, 1], name="pivot")
 H = 1e-3
 
 
@@ -172,7 +173,7 @@ def test_loads_that_begin_after_the_end_are_doubted(signal, begins):
 
 
 def test_lengths_and_turns_of_long_drives_are_not_angles():
-    slide = Joint("slide", "prismatic", ("ground", "hub"), axis=[0, 0, 1], start={"distance": 90})
+    slide = Prismatic("ground", "hub", [0, 0, 1], name="slide", start={"distance": 90})
     assert told(model(joints=[slide])) == []
     spun = replace(HINGE, angle=Spline([0.0, 1.0, 2.0], [0.0, 50.0, 300.0]))
     assert told(model(joints=[spun])) == []

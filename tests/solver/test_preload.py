@@ -8,9 +8,9 @@ from duhamel.solver import (
     Constant,
     FlexibleBody,
     Frame,
-    Joint,
     Load,
     Model,
+    Revolute,
     Settings,
     Spring,
     Start,
@@ -59,9 +59,9 @@ def between_walls(folder):
             "b": FlexibleBody(beam, Start([0.45, 0, 0])),
         },
         joints=(
-            Joint("A", "revolute", ("ground", "a.left"), y),
-            Joint("B", "revolute", ("a.right", "b.left"), y),
-            Joint("C", "revolute", ("b.right", "ground"), y),
+            Revolute("ground", "a.left", y, name="A"),
+            Revolute("a.right", "b.left", y, name="B"),
+            Revolute("b.right", "ground", y, name="C"),
         ),
     )
 

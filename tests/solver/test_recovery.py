@@ -17,14 +17,16 @@ from duhamel.preprocess.sources.reading import read_source
 from duhamel.results import peaks
 from duhamel.solver import (
     Constant,
+    Fixed,
     FlexibleBody,
     Harmonic,
-    Joint,
     Load,
     Model,
     RecoveryError,
     Results,
+    Revolute,
     Settings,
+    Spherical,
     Start,
     SteadyRotation,
     simulate,
@@ -127,7 +129,7 @@ def test_the_same_from_equilibrium(coarse_beam, rule, history):
     """
     model = Model(
         bodies={"beam": FlexibleBody(watched(coarse_beam.element), Start(position=[0.25, 0, 0]))},
-        joints=[Joint("clamp", "fixed", ("ground", "beam.root"))],
+        joints=[Fixed("ground", "beam.root", name="clamp")],
         loads=[Load("force", "beam.tip", [0.3, 1, -1], Harmonic(1.0, 30.0, offset=1.0))],
         gravity=[0, 0, -9.81],
         settings=Settings(t_end=0.05, step=2e-4, start="equilibrium", rule=rule, history=history),
@@ -140,7 +142,7 @@ def test_the_same_from_a_steady_rotation(coarse_beam):
     spin = 30.0
     model = Model(
         bodies={"beam": FlexibleBody(watched(coarse_beam.element), Start(position=[0.25, 0, 0]))},
-        joints=[Joint("pivot", "revolute", ("ground", "beam.root"), axis=[0, 0, 1])],
+        joints=[Revolute("ground", "beam.root", [0, 0, 1], name="pivot")],
         loads=[
             Load("force", "beam.tip", [0, 0, 1], Harmonic(0.5, 30.0, offset=0.5), follower=True)
         ],
@@ -341,7 +343,7 @@ def test_fields_are_those_of_the_unreduced_model(tmp_path):
                 element, Start(position=[0.15, 0, 0], angular_velocity=[5.0, 0, 30.0])
             )
         },
-        joints=[Joint("pivot", "spherical", ("ground", "bar.root"))],
+        joints=[Spherical("ground", "bar.root", name="pivot")],
         loads=[
             Load("force", "bar.tip", [100.0, 200.0, 300.0], Constant(1.0)),
             Load("torque", "bar.tip", [20.0, 5.0, 10.0], Constant(1.0), follower=True),
@@ -361,7 +363,7 @@ def test_fields_of_krylov_modes_are_right_to_the_tolerance(tmp_path, tolerance):
     signal = Harmonic(0.5, 1000.0, phase=-0.5 * np.pi, offset=0.5)
     model = Model(
         bodies={"bar": FlexibleBody(element, Start(position=[0.15, 0, 0]))},
-        joints=[Joint("pivot", "spherical", ("ground", "bar.root"))],
+        joints=[Spherical("ground", "bar.root", name="pivot")],
         loads=[
             Load("force", "bar.tip", [100.0, 200.0, 300.0], signal),
             Load("torque", "bar.tip", [20.0, 5.0, 10.0], signal, follower=True),
@@ -428,7 +430,7 @@ def test_a_cantilever_in_bending():
     L, width, depth = np.ptp(element.recovery.points, axis=0)
     model = Model(
         bodies={"bar": FlexibleBody(element, Start(position=[0.5 * L, 0, 0]))},
-        joints=[Joint("clamp", "fixed", ("ground", "bar.root"))],
+        joints=[Fixed("ground", "bar.root", name="clamp")],
         loads=[Load("force", "bar.tip", [0, 0, 1], Constant(1.0))],
         settings=Settings(start="equilibrium", t_end=1e-3),
     )

@@ -16,18 +16,19 @@ from duhamel.results import Results, ResultsError
 from duhamel.solver import (
     Contact,
     ConvergenceError,
+    Fixed,
     FlexibleBody,
     Frame,
     Function,
     Harmonic,
     Impact,
-    Joint,
     Load,
     Model,
     ModelError,
     OutOfRangeError,
     OutputRequest,
     Place,
+    Revolute,
     RigidBody,
     Settings,
     Spring,
@@ -85,11 +86,9 @@ def machine(element, steps=STEPS, every=1, **settings):
     return Model(
         bodies={"hub": hub, "beam": beam, "arm": arm},
         joints=(
-            Joint("pivot", "revolute", ("ground.pivot", "hub"), [0, 0, 1]),
-            Joint("clamp", "fixed", ("hub.rim", "beam.root")),
-            Joint(
-                "wrist", "revolute", ("hub.pin", "arm.pin"), [0, 0, 1], angle=Harmonic(0.3, 30.0)
-            ),
+            Revolute("ground.pivot", "hub", [0, 0, 1], name="pivot"),
+            Fixed("hub.rim", "beam.root", name="clamp"),
+            Revolute("hub.pin", "arm.pin", [0, 0, 1], name="wrist", angle=Harmonic(0.3, 30.0)),
         ),
         loads=(
             Load("torque", "hub", [0, 0, 1], Steps((0.0, 0.0131), (1.0, -2.0))),
@@ -536,8 +535,8 @@ def model_file(coarse, tmp_path_factory):
     model = Model(
         {"hub": hub, "beam": FlexibleBody(coarse, place, str(folder / "coarse.h5"))},
         joints=(
-            Joint("pivot", "revolute", ("ground", "hub"), [0, 0, 1]),
-            Joint("clamp", "fixed", ("hub.rim", "beam.root")),
+            Revolute("ground", "hub", [0, 0, 1], name="pivot"),
+            Fixed("hub.rim", "beam.root", name="clamp"),
         ),
         loads=(Load("torque", "hub", [0, 0, 1], Harmonic(0.05, 3.0)),),
         settings=Settings(t_end=12_000 * H, step=H, checkpoint=0.05),

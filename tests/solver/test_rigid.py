@@ -6,12 +6,14 @@ from duhamel.solver import (
     Constant,
     Frame,
     Harmonic,
-    Joint,
     Load,
     Model,
     Polynomial,
+    Prismatic,
+    Revolute,
     RigidBody,
     Settings,
+    Spherical,
     Start,
     simulate,
 )
@@ -66,7 +68,7 @@ def test_the_period_of_a_pendulum(arm, small):
     assert omega == pytest.approx(small, abs=5e-4)
     model = Model(
         bodies={"bar": bar(arm, amplitude)},
-        joints=(Joint("pivot", "revolute", ("ground", "bar.pivot"), [0, 0, 1]),),
+        joints=(Revolute("ground", "bar.pivot", [0, 0, 1], name="pivot"),),
         gravity=[0, -G, 0],
         settings=Settings(t_end=6.0, step=h, rho_inf=0.9),
     )
@@ -133,7 +135,7 @@ def heavy_top(h, gyration=(0.234375, 0.46875, 0.234375), t_end=1.0):
     )
     model = Model(
         {"top": body},
-        (Joint("foot", "spherical", ("ground", "top.foot")),),
+        (Spherical("ground", "top.foot", name="foot"),),
         gravity=[0, 0, -G],
         settings=Settings(t_end=t_end, step=h, rho_inf=0.9),
     )
@@ -189,7 +191,7 @@ def test_the_angle_of_a_revolute_joint_is_driven():
     """
     drive, h = Harmonic(0.7, 2.0, 0.4, 0.3), 1e-3
     body = RigidBody(2.0, [1.0, 1.5, 0.8], {}, Start(rotation=[0, 0, 0.9]))
-    joint = Joint("motor", "revolute", ("ground", "body"), [0, 0, 1], angle=drive)
+    joint = Revolute("ground", "body", [0, 0, 1], name="motor", angle=drive)
     results = simulate(
         Model({"body": body}, (joint,), settings=Settings(t_end=1.0, step=h, rho_inf=0.9))
     )
@@ -209,7 +211,7 @@ def test_the_distance_of_a_prismatic_joint_is_driven():
     """x = s(t) along an oblique axis under gravity; the force is m (s'' - g . axis)."""
     axis, drive, h = np.array([1.0, 2.0, 2.0]) / 3.0, Polynomial((0.0, 0.5, -1.5, 0.7)), 1e-3
     body = RigidBody(2.0, [1.0, 1.5, 0.8], {"grip": Frame([0.2, 0.1, -0.3])})
-    joint = Joint("slide", "prismatic", ("ground", "body.grip"), axis, distance=drive)
+    joint = Prismatic("ground", "body.grip", axis, name="slide", distance=drive)
     results = simulate(
         Model(
             {"body": body},
@@ -271,7 +273,7 @@ def test_the_work_of_a_drive_is_counted():
     for h in (2e-3, 1e-3, 5e-4):
         body = RigidBody(2.0, [1.0, 1.5, 0.8], {"pivot": Frame([0.3, 0, 0])})
         swing = Harmonic(0.7, 2.0, 0.5 * np.pi, 0.3)
-        joint = Joint("motor", "revolute", ("ground", "body.pivot"), [0, 0, 1], angle=swing)
+        joint = Revolute("ground", "body.pivot", [0, 0, 1], name="motor", angle=swing)
         energy = simulate(
             Model(
                 {"body": body},

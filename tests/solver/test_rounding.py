@@ -8,10 +8,10 @@ import pytest
 from duhamel.solver import (
     Constant,
     Frame,
-    Joint,
     Load,
     Model,
     ModelError,
+    Revolute,
     RigidBody,
     Settings,
     Spring,
@@ -75,9 +75,7 @@ def chain(masses, **settings):
         inertia = mass / 300.0 * np.array([1.0, 2.0, 3.0])
         bodies[f"b{i}"] = RigidBody(mass, inertia, frames, Start([0.1 + 0.2 * i, 0, 0]))
     parents = ["ground", *(f"b{i}.far" for i in range(len(masses) - 1))]
-    joints = [
-        Joint(f"j{i}", "revolute", (parent, f"b{i}.near"), Z) for i, parent in enumerate(parents)
-    ]
+    joints = [Revolute(parent, f"b{i}.near", Z, name=f"j{i}") for i, parent in enumerate(parents)]
     options = {"t_end": 0.2, "step": 1e-3} | settings
     return Model(bodies, joints, gravity=[0, -9.81, 0], settings=Settings(**options))
 

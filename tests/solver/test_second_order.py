@@ -8,12 +8,13 @@ from duhamel.solver import (
     Constant,
     FlexibleBody,
     Harmonic,
-    Joint,
     Load,
     Model,
     ModelError,
+    Revolute,
     RigidBody,
     Settings,
+    Spherical,
     Spring,
     Start,
     simulate,
@@ -46,7 +47,7 @@ def test_the_newton_matrix(bodies):
     )
     model = Model(
         bodies,
-        (Joint("hinge", "revolute", ("ground", "a.i0"), AXIS, angle=Harmonic(0.8, 1.0, 0.5)),),
+        (Revolute("ground", "a.i0", AXIS, name="hinge", angle=Harmonic(0.8, 1.0, 0.5)),),
         (Load("force", "b.i1", [1.0, 2.0, -1.0], Constant(1.0), follower=True),),
         (bushing,),
         settings=Settings(t_end=1.0, step=1e-2, rho_inf=0.8),
@@ -70,7 +71,7 @@ def tumbling(element, h, rho_inf=0.9, **choice):
         )
         for name in "ab"
     }
-    joint = Joint("hinge", "spherical", ("a.i0", "b.i0"))
+    joint = Spherical("a.i0", "b.i0", name="hinge")
     settings = Settings(t_end=0.2, step=h, rho_inf=rho_inf)
     return Model(bodies, (joint,), gravity=[0.0, 0.0, -9.81], settings=settings)
 

@@ -9,11 +9,11 @@ import pytest
 from duhamel.solver import (
     FlexibleBody,
     Harmonic,
-    Joint,
     Load,
     Model,
     RecoveryError,
     Results,
+    Revolute,
     Settings,
     Simulator,
     Start,
@@ -161,7 +161,7 @@ def test_fields_are_driven_by_the_loads_of_rotation(element):
 def test_so_are_those_of_a_steady_rotation(element):
     model = Model(
         {"beam": FlexibleBody(telling(element), Start(position=[0.25, 0, 0]))},
-        [Joint("pivot", "revolute", ("ground", "beam.root"), axis=[0, 0, 1])],
+        [Revolute("ground", "beam.root", [0, 0, 1], name="pivot")],
         [Load("force", "beam.tip", [0, 0, 1], Harmonic(2.0, 30.0, offset=2.0))],
         settings=Settings(
             t_end=0.02, step=2e-4, start="equilibrium", steady_rotation=SteadyRotation([0, 0, 30.0])

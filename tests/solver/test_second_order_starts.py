@@ -5,14 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from duhamel.solver import (
+    JOINTS,
     Constant,
     FlexibleBody,
-    Joint,
     Load,
     Model,
     ModelError,
     Polynomial,
     Settings,
+    Spherical,
     Start,
     SteadyRotation,
     check,
@@ -36,7 +37,7 @@ def held(element, kind, second_order="full", **given):
     axis = AXIS if kind == "revolute" else None
     return Model(
         {"a": FlexibleBody(element, start, second_order=second_order)},
-        [Joint("joint", kind, ("ground", "a.i0"), axis, angle=given.get("angle"))],
+        [JOINTS[kind]("ground", "a.i0", axis, name="joint", angle=given.get("angle"))],
         loads=given.get("loads", ()),
         gravity=9.81 * AXIS,
         settings=Settings(**({"t_end": 0.1, "step": 1e-4, "rho_inf": 0.9} | settings)),
@@ -93,8 +94,8 @@ def test_accelerations_at_the_start_are_those_of_the_motion(element):
         model = Model(
             {"a": FlexibleBody(element, start)},
             [
-                Joint("near", "spherical", ("ground", "a.i0")),
-                Joint("far", "spherical", ("ground", "a.i1")),
+                Spherical("ground", "a.i0", name="near"),
+                Spherical("ground", "a.i1", name="far"),
             ],
             settings=Settings(t_end=5 * h, step=h, rho_inf=0.9),
         )

@@ -9,9 +9,9 @@ from duhamel.preprocess.body.body import Impulse, RecoveredFields
 from duhamel.results.quantities import QuantityError, evaluate
 from duhamel.solver import (
     Constant,
+    Fixed,
     FlexibleBody,
     Harmonic,
-    Joint,
     Load,
     Model,
     ModelError,
@@ -90,7 +90,7 @@ def test_a_point_reads_the_field_there(run, element):
 def test_the_same_of_a_clamped_beam(element, start):
     model = Model(
         {"beam": FlexibleBody(element)},
-        [Joint("clamp", "fixed", ["ground", "beam.root"])],
+        [Fixed("ground", "beam.root", name="clamp")],
         [PatternLoad("beam", "wind", Harmonic(2.0, 50.0, 0.4, 1.0))],
         settings=Settings(t_end=0.02, step=H, start=start),
     )
@@ -105,7 +105,7 @@ def test_a_gauge_reads_the_moment_over_the_stiffness(element):
     """A cantilever at rest under a force on its tip: strain = -F L y / EI at the root."""
     model = Model(
         {"beam": FlexibleBody(element)},
-        [Joint("clamp", "fixed", ["ground", "beam.root"])],
+        [Fixed("ground", "beam.root", name="clamp")],
         [Load("force", "beam.tip", [0, 1e-4, 0], Constant(1.0))],
         settings=Settings(t_end=H, step=H, start="equilibrium"),
     )
@@ -178,7 +178,7 @@ def test_a_frequency_response_of_a_gauge(element):
     """At 0 Hz: the moment over the stiffness, of a force and of a load pattern."""
     model = Model(
         {"beam": FlexibleBody(element)},
-        [Joint("clamp", "fixed", ["ground", "beam.root"])],
+        [Fixed("ground", "beam.root", name="clamp")],
         [PatternLoad("beam", "wind", Constant(0.0))],
         settings=Settings(t_end=H, step=H),
     )

@@ -9,12 +9,12 @@ from duhamel.solver import (
     Function,
     Harmonic,
     Impulse,
-    Joint,
     Load,
     Model,
     ModelError,
     Polynomial,
     Pulse,
+    Revolute,
     RigidBody,
     Settings,
     SmoothFunction,
@@ -179,7 +179,7 @@ def test_a_smooth_function_drives_a_joint():
     )
     model = Model(
         bodies={"arm": RigidBody(1.0, [1.0, 1.0, 1.0])},
-        joints=(Joint("drive", "revolute", ("ground", "arm"), axis=[0, 0, 1], angle=swing),),
+        joints=(Revolute("ground", "arm", [0, 0, 1], name="drive", angle=swing),),
         settings=Settings(t_end=2.0, step=1e-3),
     )
     results = simulate(model)
@@ -220,7 +220,7 @@ def test_a_spline_drives_and_loads_as_the_motion_that_it_passes_through():
     body = RigidBody(2.0, [1.0, 1.0, 1.0])
     driven = Model(
         bodies={"arm": body},
-        joints=(Joint("drive", "revolute", ("ground", "arm"), axis=[0, 0, 1], angle=measured),),
+        joints=(Revolute("ground", "arm", [0, 0, 1], name="drive", angle=measured),),
         settings=Settings(t_end=1.0, step=1e-3),
     )
     coordinates = simulate(driven).joint("drive").coordinates

@@ -11,11 +11,11 @@ import pytest
 from duhamel.solver import (
     Contact,
     ConvergenceError,
+    Fixed,
     FlexibleBody,
     Frame,
     Impact,
     Input,
-    Joint,
     Load,
     Model,
     ModelError,
@@ -25,6 +25,7 @@ from duhamel.solver import (
     Polynomial,
     Pulse,
     Results,
+    Revolute,
     RigidBody,
     Settings,
     Simulator,
@@ -60,8 +61,8 @@ def rotor(coarse, load, angle=None, **settings):
     model = Model(
         bodies={"hub": hub, "beam": FlexibleBody(coarse, Start(place=Place("root", "hub.rim")))},
         joints=(
-            Joint("pivot", "revolute", ("ground", "hub"), [0, 0, 1], angle=angle),
-            Joint("clamp", "fixed", ("hub.rim", "beam.root")),
+            Revolute("ground", "hub", [0, 0, 1], name="pivot", angle=angle),
+            Fixed("hub.rim", "beam.root", name="clamp"),
         ),
         loads=loads,
         settings=Settings(step=H, t_end=STEPS * H),
@@ -301,7 +302,7 @@ def test_a_controller_whose_gain_is_too_large_for_its_delay_is_told(damping, is_
     J, h = 0.02, 1e-3
     model = Model(
         {"wheel": RigidBody(1.0, [J, J, J], start=Start(angular_velocity=[0, 0, 1.0]))},
-        [Joint("axle", "revolute", ("ground", "wheel"), [0, 0, 1])],
+        [Revolute("ground", "wheel", [0, 0, 1], name="axle")],
         motors=[Motor("drive", "axle", "angle", torque=Input("torque"), limit=30.0)],
         settings=Settings(t_end=0.6, step=h),
     )

@@ -4,7 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from duhamel.solver import Constant, Frame, Joint, Load, Model, RigidBody, Settings, Start, simulate
+from duhamel.solver import (
+    JOINTS,
+    Constant,
+    Frame,
+    Load,
+    Model,
+    RigidBody,
+    Settings,
+    Spherical,
+    Start,
+    simulate,
+)
 from duhamel.solver.lower.lower import lower
 from duhamel.solver.start import matrices
 from duhamel.solver.start.initial import initialize
@@ -36,7 +47,7 @@ def test_the_size_is_the_extent_wherever_the_origin_is_and_however_axes_are(shif
         )
         for i in range(3)
     }
-    joints = [Joint(f"j{i}", "spherical", (f"b{i}.end", f"b{i + 1}.end")) for i in range(2)]
+    joints = [Spherical(f"b{i}.end", f"b{i + 1}.end", name=f"j{i}") for i in range(2)]
     settings = Settings(t_end=1.0, step=1e-3, assemble=True)
     size = lower(Model(bodies, joints, settings=settings)).system.bodies.size
     assert size == pytest.approx(0.75, rel=1e-12)  # 0.15 .. 0.75: three centers, two ends
@@ -56,7 +67,7 @@ def test_an_open_joint_is_refused_wherever_the_origin_is():
         }
         model = Model(
             bodies,
-            [Joint("hinge", "spherical", ("a.end", "b.end"))],
+            [Spherical("a.end", "b.end", name="hinge")],
             settings=Settings(t_end=1.0, step=1e-3),
         )
         with pytest.raises(ValueError, match=r"joint 'hinge': open by 0\.001 m at the start"):
@@ -97,7 +108,7 @@ def test_a_wheel_whose_frames_are_all_at_the_origin_turns_under_a_torque(joint):
     axes = {"revolute": ([0, 0, 1],), "spherical": (), "universal": ([0, 0, 1], [1, 0, 0])}[joint]
     model = Model(
         {"wheel": RigidBody(3.0, [0.1, 0.1, 0.2])},
-        [Joint("hub", joint, ("ground", "wheel"), *axes)],
+        [JOINTS[joint]("ground", "wheel", *axes, name="hub")],
         [Load("torque", "wheel", [0, 0, 1], Constant(0.4))],
         gravity=[0, 0, -9.81],
         settings=Settings(t_end=1.0, step=1e-3),
@@ -118,7 +129,7 @@ def test_a_gyroscope_of_any_size_precesses_alike(unit):
         start = Start(center, tilt, angular_velocity=[0, 0, 150.0])
         inertia = np.array([0.01, 0.01, 0.02]) * unit**2
         top = RigidBody(1.0, inertia, frames, start)
-        joint = Joint("tip", "spherical", ("ground", "top.tip"))
+        joint = Spherical("ground", "top.tip", name="tip")
         settings = Settings(t_end=0.5, step=5e-4)
         model = Model({"top": top}, [joint], gravity=[0, 0, -9.81 * unit], settings=settings)
         return simulate(model).body("top").x / unit

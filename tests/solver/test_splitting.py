@@ -6,7 +6,16 @@ Terms of second order differ: each piece has a floating frame of its own, which 
 
 import numpy as np
 import pytest
-from duhamel.solver import FlexibleBody, Harmonic, Joint, Load, Model, Settings, Start, simulate
+from duhamel.solver import (
+    Fixed,
+    FlexibleBody,
+    Harmonic,
+    Load,
+    Model,
+    Settings,
+    Start,
+    simulate,
+)
 
 from .frameworks import framework
 
@@ -29,18 +38,18 @@ def whole(bars, folder):
     points = list(dict.fromkeys(point for ends in bars for point in ends))
     element = framework(folder, bars, {f"p{k}": point for k, point in enumerate(points)})
     frames = {point: f"body.p{k}" for k, point in enumerate(points)}
-    return {"body": placed(element)}, [Joint("wall", "fixed", ("ground", frames[ROOT]))], frames
+    return {"body": placed(element)}, [Fixed("ground", frames[ROOT], name="wall")], frames
 
 
 def pieces(bars, folder):
     """A body for each bar, welded to the first that ends where it does."""
     bodies, frames = {}, {}
-    joints = [Joint("wall", "fixed", ("ground", "bar0.near"))]
+    joints = [Fixed("ground", "bar0.near", name="wall")]
     for k, (near, far) in enumerate(bars):
         bodies[f"bar{k}"] = placed(framework(folder, [(near, far)], {"near": near, "far": far}))
         for point, frame in ((near, f"bar{k}.near"), (far, f"bar{k}.far")):
             if point in frames:
-                joints.append(Joint(f"weld{len(joints)}", "fixed", (frames[point], frame)))
+                joints.append(Fixed(frames[point], frame, name=f"weld{len(joints)}"))
             else:
                 frames[point] = frame
     return bodies, joints, frames

@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     Constant,
+    Fixed,
     FlexibleBody,
     Frame,
     Harmonic,
-    Joint,
     Load,
     Model,
     ModelError,
+    Revolute,
     RigidBody,
     Settings,
     Spring,
@@ -113,7 +114,7 @@ def test_a_tabulated_law_of_an_oscillator():
         results = simulate(
             Model(
                 {"disk": RigidBody(1.0, [1, 1, J], start=Start(angular_velocity=[0, 0, 3.0]))},
-                (Joint("axle", "revolute", ("ground", "disk"), [0, 0, 1]),),
+                (Revolute("ground", "disk", [0, 0, 1], name="axle"),),
                 springs=(Spring("coil", "torsion", ("ground", "disk"), [0, 0, 1], law=law),),
                 settings=Settings(t_end=2.0, step=h, rho_inf=0.9),
             )
@@ -192,7 +193,7 @@ def test_a_torsion_spring_counts_full_turns():
     results = simulate(
         Model(
             {"disk": RigidBody(1.0, [1, 1, J], start=Start(angular_velocity=[0, 0, speed]))},
-            (Joint("axle", "revolute", ("ground", "disk"), [0, 0, 1]),),
+            (Revolute("ground", "disk", [0, 0, 1], name="axle"),),
             springs=(Spring("coil", "torsion", ("ground", "disk"), [0, 0, 1], stiffness=k),),
             settings=Settings(t_end=10.0, step=2e-3, rho_inf=0.9),
         )
@@ -304,7 +305,7 @@ def test_a_stiff_bushing_is_nearly_a_weld(random_element):
     weld = simulate(
         model_of(
             {"beam": beam},
-            (Joint("weld", "fixed", ("ground", "beam.i0")),),
+            (Fixed("ground", "beam.i0", name="weld"),),
             **common,
         )
     )
@@ -416,7 +417,7 @@ def test_what_pulls_a_cantilever_by_a_spring_finds_its_stiffness(coarse):
     results = simulate(
         Model(
             {"beam": FlexibleBody(coarse, Start(position=[0.25, 0, 0]))},
-            (Joint("wall", "fixed", ("ground", "beam.root")),),
+            (Fixed("ground", "beam.root", name="wall"),),
             springs=(Spring("pull", "point", ("ground.hook", "beam.tip"), stiffness=k, rest=0.1),),
             ground_frames={"hook": Frame([0.5, 0, 0.1 + away])},
             settings=Settings(t_end=0.01, start="equilibrium"),

@@ -7,18 +7,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from duhamel.solver import (
+    JOINTS,
     Constant,
+    Fixed,
     FlexibleBody,
     Frame,
-    Joint,
     Load,
     Model,
     ModelError,
     Place,
     Polynomial,
+    Revolute,
     RigidBody,
     Settings,
+    Spherical,
     Start,
+    Universal,
     simulate,
     start,
 )
@@ -34,7 +38,7 @@ HISTORIES = pytest.mark.parametrize("history", ["recursive", "direct"])
 def test_a_loaded_cantilever_rests_where_beam_theory_says(beam, history, rule):
     model = Model(
         bodies={"beam": FlexibleBody(beam.element, Start(position=[L / 2, 0, 0]))},
-        joints=[Joint("clamp", "fixed", ("ground", "beam.root"))],
+        joints=[Fixed("ground", "beam.root", name="clamp")],
         loads=[Load("force", "beam.tip", [0, 0, -1], Constant(1.0))],
         gravity=[0, 0, -G],
         settings=Settings(t_end=0.03, start="equilibrium", history=history, rule=rule),
@@ -53,8 +57,8 @@ def test_hanging_beams_find_their_place_and_stay_there(beam, history):
             "lower": FlexibleBody(beam.element, Start(place=Place("root", "upper.tip"))),
         },
         joints=[
-            Joint("pin", "revolute", ("ground", "upper.root"), axis=[0, 1, 0]),
-            Joint("knee", "revolute", ("upper.tip", "lower.root"), axis=[0, 1, 0]),
+            Revolute("ground", "upper.root", [0, 1, 0], name="pin"),
+            Revolute("upper.tip", "lower.root", [0, 1, 0], name="knee"),
         ],
         gravity=[0, 0, -G],
         settings=Settings(t_end=0.03, start="equilibrium", history=history),
@@ -88,9 +92,7 @@ def four_bar(**settings):
             "b": bar(2, position=[1, 0, 1]),
             "c": bar(1, position=[2, 0, 0.5], rotation=[0, np.pi / 2, 0]),
         },
-        joints=[
-            Joint(name, "revolute", frames, axis=[0, 1, 0]) for name, frames in between.items()
-        ],
+        joints=[Revolute(*frames, [0, 1, 0], name=name) for name, frames in between.items()],
         gravity=[0, 0, -G],
         settings=Settings(t_end=0.2, step=1e-3, **settings),
     )
@@ -112,8 +114,8 @@ def test_without_redundant_constraints_the_motion_is_that_of_freed_joints():
     assert removed.solver["degrees_of_freedom"] == 1
     assert removed.solver["removed"]
     model = four_bar()
-    freed = {"B": Joint("B", "spherical", ("a.r", "b.l"))}
-    freed["C"] = Joint("C", "universal", ("b.r", "c.l"), axis=[0, 1, 0], second_axis=[0, 0, 1])
+    freed = {"B": Spherical("a.r", "b.l", name="B")}
+    freed["C"] = Universal("b.r", "c.l", [0, 1, 0], [0, 0, 1], name="C")
     by_hand = simulate(
         replace(model, joints=[freed.get(joint.name, joint) for joint in model.joints])
     )
@@ -124,8 +126,8 @@ def test_without_redundant_constraints_the_motion_is_that_of_freed_joints():
 def test_a_closed_loop_starts_from_a_joint_angle_and_its_rate():
     model = four_bar(redundant="remove")
     first = model.joints[0]
-    asked = Joint(
-        first.name, first.type, first.between, first.axis, start={"angle": 0.5, "angle_rate": 2.0}
+    asked = JOINTS[first.type](
+        *first.between, first.axis, name=first.name, start={"angle": 0.5, "angle_rate": 2.0}
     )
     results = simulate(replace(model, joints=(asked, *model.joints[1:])))
     coordinates = results.joint("A").coordinates
@@ -138,7 +140,7 @@ def pendulum(place=(0.5, 0, 0), joint=None, **settings):
     """A bob half a meter from the pin, about z."""
     start = Start(position=place, velocity=settings.pop("velocity", [0, 0, 0]))
     bob = RigidBody(1.0, [0.1, 0.1, 0.1], {"pin": Frame([-0.5, 0, 0])}, start)
-    pin = Joint("pin", "revolute", ("ground.pin", "bob.pin"), axis=[0, 0, 1])
+    pin = Revolute("ground.pin", "bob.pin", [0, 0, 1], name="pin")
     common = {"t_end": 0.01, "step": 1e-3, "ground_frames": {"pin": Frame()}}
     joints = [replace(pin, **(joint or {}))]
     return model_of({"bob": bob}, joints, **(common | settings))
@@ -164,7 +166,7 @@ def test_two_bodies_thrown_anywhere_are_joined(beam, kind, seed):
         name: FlexibleBody(beam.element, Start(0.5 * rng.normal(size=3), rng.normal(size=3)))
         for name in "ab"
     }
-    joint = Joint("joint", kind, ("a.tip", "b.root"), **JOINED[kind])
+    joint = JOINTS[kind]("a.tip", "b.root", name="joint", **JOINED[kind])
     start(Model(bodies, [joint], settings=Settings(t_end=1e-3, assemble=True)))
 
 

@@ -5,17 +5,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from duhamel.solver import (
+    JOINTS,
+    Fixed,
     FlexibleBody,
     Frame,
     Harmonic,
-    Joint,
     Model,
     ModelError,
     Place,
     Polynomial,
     PrescribedRotation,
+    Revolute,
     RigidBody,
     Settings,
+    Spherical,
     Spring,
     Start,
     SteadyRotation,
@@ -41,8 +44,8 @@ def rotor(beam, drive=None, spin=SPIN, **settings):
             "beam": FlexibleBody(beam.element, Start(place=Place("root", "hub.rim"))),
         },
         joints=[
-            Joint("pivot", "revolute", ("ground", "hub"), axis=Z, angle=drive),
-            Joint("clamp", "fixed", ("hub.rim", "beam.root")),
+            Revolute("ground", "hub", Z, name="pivot", angle=drive),
+            Fixed("hub.rim", "beam.root", name="clamp"),
         ],
         **(common | {"steady_rotation": SteadyRotation(spin * Z)} | settings),
     )
@@ -88,7 +91,7 @@ def test_a_rotor_driven_at_constant_speed_starts_still(beam):
 def test_a_hub_turned_at_constant_speed_starts_still(beam):
     """The same by a prescribed motion, which takes the place of the bearing's axes."""
     model = rotor(beam)
-    pivot = Joint("pivot", "spherical", ("ground", "hub"))
+    pivot = Spherical("ground", "hub", name="pivot")
     turn = PrescribedRotation("turn", "hub", Z, Polynomial((0.0, SPIN)))
     _, displacement = unsteadiness(
         simulate(replace(model, joints=(pivot, model.joints[1]), motions=(turn,)))
@@ -132,7 +135,7 @@ def floating(n):
         f"b{i}": RigidBody(1.0, [1e-3, 4e-3, 4e-3], frames, Start([0.2 * i - 0.1 * (n - 1), 0, 0]))
         for i in range(n)
     }
-    joints = [Joint(f"j{i}", "spherical", (f"b{i - 1}.far", f"b{i}.near")) for i in range(1, n)]
+    joints = [Spherical(f"b{i - 1}.far", f"b{i}.near", name=f"j{i}") for i in range(1, n)]
     settings = Settings(
         start="equilibrium",
         steady_rotation=SteadyRotation(20.0 * Z),
@@ -180,7 +183,7 @@ def test_flexible_bodies_that_nothing_holds_turn_steadily(beam, n, spin):
         f"b{i}": FlexibleBody(beam.element, Start((i - 0.5 * n) * (tip - root) - root))
         for i in range(n)
     }
-    joints = [Joint(f"j{i}", "fixed", (f"b{i - 1}.tip", f"b{i}.root")) for i in range(1, n)]
+    joints = [Fixed(f"b{i - 1}.tip", f"b{i}.root", name=f"j{i}") for i in range(1, n)]
     results = simulate(
         model_of(
             bodies,
@@ -198,7 +201,7 @@ def test_flexible_bodies_that_nothing_holds_turn_steadily(beam, n, spin):
 def disk(*springs, pivot="revolute", drive=None, motions=(), **settings):
     body = RigidBody(1.0, [0.1, 0.1, 0.2], {"rim": Frame([0.3, 0, 0])})
     axis = None if pivot == "spherical" else Z
-    joint = Joint("pivot", pivot, ("ground", "disk"), axis, angle=drive)
+    joint = JOINTS[pivot]("ground", "disk", axis, name="pivot", angle=drive)
     start = {"start": "equilibrium", "t_end": 0.01, "step": 1e-3}
     hook = {"hook": Frame([0.0, 0.4, 0.0])}
     return model_of(

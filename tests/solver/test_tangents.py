@@ -7,21 +7,30 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from duhamel.solver import (
+    JOINTS,
     Constant,
+    ConstantVelocity,
     ConvergenceError,
     Coupler,
+    Cylindrical,
+    Fixed,
     FlexibleBody,
     Frame,
     Harmonic,
-    Joint,
     Load,
     Model,
+    Planar,
     Polynomial,
+    Revolute,
     RigidBody,
+    Rod,
+    Screw,
     Settings,
+    Spherical,
     Spring,
     Start,
     TabulatedLaw,
+    Universal,
     simulate,
 )
 from duhamel.solver.lower.lower import LoweredModel
@@ -41,7 +50,7 @@ from .models import model_of
 AXIS, SECOND = np.array([1.0, 2.0, 2.0]) / 3.0, np.array([2.0, -2.0, 1.0]) / 3.0
 BENT = np.array([2.0, 2.0, 1.0]) / 3.0
 SWAY_2 = Polynomial((0.1, 0.3, -0.2))
-JOINTS = {
+EVERY_JOINT = {
     "fixed": {},
     "spherical": {},
     "revolute": {"axis": AXIS},
@@ -238,19 +247,19 @@ def ends_of(name):
 
 
 @pytest.mark.parametrize("kinds", PAIRS, ids="-".join)
-@pytest.mark.parametrize("name", JOINTS)
+@pytest.mark.parametrize("name", EVERY_JOINT)
 def test_rows_of_a_joint(make_pair, name, kinds):
     """Jacobian, wrench and derivative of B^T lambda."""
-    joint = Joint("joint", name.split()[-1], ends_of(name), **JOINTS[name])
+    joint = JOINTS[name.split()[-1]](*ends_of(name), name="joint", **EVERY_JOINT[name])
     assert_tangents(make_pair(kinds, (joint,), assemble=True))
 
 
-@pytest.mark.parametrize("name", JOINTS)
+@pytest.mark.parametrize("name", EVERY_JOINT)
 def test_rows_of_a_joint_to_the_ground(make_pair, name):
     ends = ends_of(name)[1].replace("b", "a")
     ground = "ground" if ends == "a.i0" else "ground.post"
     for between in ((ground, ends), (ends, ground)):
-        joint = Joint("joint", name.split()[-1], between, **JOINTS[name])
+        joint = JOINTS[name.split()[-1]](*between, name="joint", **EVERY_JOINT[name])
         post = {"post": Frame([0.2, -0.1, 0.3])} if ground != "ground" else {}
         model = make_pair(("flexible", "rigid"), (joint,), ground_frames=post, assemble=True)
         assert_tangents(model, seed=3)
@@ -269,8 +278,8 @@ def test_the_tangent_of_many_joints_and_loads_on_shared_frames(make_pair):
     model = make_pair(
         ("flexible", "flexible"),
         (
-            Joint("one", "revolute", ("a.i0", "b.i0"), AXIS),
-            Joint("two", "universal", ("ground", "a.i0"), AXIS, SECOND),
+            Revolute("a.i0", "b.i0", AXIS, name="one"),
+            Universal("ground", "a.i0", AXIS, SECOND, name="two"),
         ),
         loads=(
             Load("force", "b.i1", [1.0, 0.0, 2.0], Constant(1.0), follower=True),
@@ -292,9 +301,9 @@ def coupled(make_body, **settings):
         "d": make_body("rigid", 8),
     }
     joints = (
-        Joint("one", "universal", ("ground", "a.i0"), AXIS, SECOND),
-        Joint("two", "cylindrical", ("a.i0", "b.i0"), AXIS),
-        Joint("three", "revolute", ("c.i0", "d.i0"), SECOND),
+        Universal("ground", "a.i0", AXIS, SECOND, name="one"),
+        Cylindrical("a.i0", "b.i0", AXIS, name="two"),
+        Revolute("c.i0", "d.i0", SECOND, name="three"),
     )
     couplers = (Coupler("mix", "linear", COUPLED, ratios=[1.0, 2.0, -0.5, 3.0]),)
     return model_of(bodies, joints, couplers=couplers, **{"step": 1e-2, "rho_inf": 0.8} | settings)
@@ -440,7 +449,7 @@ def test_the_newton_matrix_entry_by_entry(make_body, rule):
         Load("torque", "b.i0", [1.0, -2.0, 3.0], Constant(1.0), follower=True),
         Load("torque", "a.i0", [0.0, 1.0, 2.0], Constant(1.0)),
     )
-    joints = (Joint("motor", "revolute", ("c.i0", "a.i0"), AXIS, angle=Harmonic(0.8, 1.0, 0.5)),)
+    joints = (Revolute("c.i0", "a.i0", AXIS, name="motor", angle=Harmonic(0.8, 1.0, 0.5)),)
     point = Point.of(
         Model(
             bodies,
@@ -485,8 +494,8 @@ def chain(make_body, omega=(50.0, 5000.0), **settings):
     return model_of(
         bodies,
         (
-            Joint("ab", "revolute", ("a.i0", "b.i0"), AXIS),
-            Joint("bc", "universal", ("b.i0", "c.i0"), AXIS, SECOND),
+            Revolute("a.i0", "b.i0", AXIS, name="ab"),
+            Universal("b.i0", "c.i0", AXIS, SECOND, name="bc"),
         ),
         loads=(Load("force", "a.i0", [1.0, 2.0, -1.0], Constant(60.0), follower=True),),
         **{"gravity": [0, 0, -9.81], "step": 1e-2, "rho_inf": 0.8} | settings,
@@ -605,15 +614,15 @@ def test_the_convective_term_of_every_kind_of_row(make_body):
         **{name: make_body("rigid", seed) for seed, name in enumerate("efgh", 9)},
     }
     joints = (
-        Joint("wrist", "universal", ("ground", "a.i0"), AXIS, SECOND),
-        Joint("fixed", "fixed", ("a.i0", "b.i0")),
-        Joint("motor", "cylindrical", ("b.i0", "c.i0"), AXIS, angle=SWAY, distance=SWAY),
-        Joint("ball", "spherical", ("c.i0", "d.i0"), rotation_vector=[SWAY, SWAY_2, SWAY]),
-        Joint("bolt", "screw", ("c.i0", "e.i0"), AXIS, lead=0.7),
-        Joint("shaft", "constant_velocity", ("e.i0", "f.i0"), AXIS, BENT),
-        Joint("arm", "universal", ("ground", "g.i0"), AXIS, SECOND, angle=SWAY, second_angle=SWAY),
-        Joint("table", "planar", ("ground", "h.i0"), AXIS),
-        Joint("strut", "rod", ("ground.post", "h.i1"), distance=Polynomial((1.5, 0.2, 0.1))),
+        Universal("ground", "a.i0", AXIS, SECOND, name="wrist"),
+        Fixed("a.i0", "b.i0", name="fixed"),
+        Cylindrical("b.i0", "c.i0", AXIS, name="motor", angle=SWAY, distance=SWAY),
+        Spherical("c.i0", "d.i0", name="ball", rotation_vector=[SWAY, SWAY_2, SWAY]),
+        Screw("c.i0", "e.i0", AXIS, name="bolt", lead=0.7),
+        ConstantVelocity("e.i0", "f.i0", AXIS, BENT, name="shaft"),
+        Universal("ground", "g.i0", AXIS, SECOND, name="arm", angle=SWAY, second_angle=SWAY),
+        Planar("ground", "h.i0", AXIS, name="table"),
+        Rod("ground.post", "h.i1", name="strut", distance=Polynomial((1.5, 0.2, 0.1))),
     )
     couplers = (
         Coupler(

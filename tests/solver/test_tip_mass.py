@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from duhamel.preprocess.body.body import PointMass
 from duhamel.solver import (
+    Cylindrical,
+    Fixed,
     FlexibleBody,
     Frame,
     Impulse,
-    Joint,
     Load,
     Model,
     Place,
@@ -42,14 +43,14 @@ def tip_path(element, lumped, size):
         "beam": FlexibleBody(element, Start(place=Place("root", "hub.rim"))),
     }
     joints = [
-        Joint("axis", "cylindrical", ("ground", "hub"), [0, 0, 1]),
-        Joint("clamp", "fixed", ("hub.rim", "beam.root")),
+        Cylindrical("ground", "hub", [0, 0, 1], name="axis"),
+        Fixed("hub.rim", "beam.root", name="clamp"),
     ]
     tip = "beam.tip"
     if not lumped:
         tip = "ball.center"
         bodies["ball"] = RigidBody(MASS, INERTIA, {"center": Frame()}, Start(position=[0.55, 0, 0]))
-        joints.append(Joint("weld", "fixed", ("beam.tip", "ball.center")))
+        joints.append(Fixed("beam.tip", "ball.center", name="weld"))
     loads = (
         Load("torque", "hub", [0, 0, 1.8 * size], Pulse(1.0, 0.0, 0.1)),
         Load("force", "hub", [0, 0, 2.5 * size], Pulse(1.0, 0.0, 0.1)),

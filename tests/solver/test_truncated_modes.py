@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 from duhamel.preprocess import build, read_body
-from duhamel.solver import Constant, FlexibleBody, Joint, Load, Start, simulate
+from duhamel.solver import (
+    Constant,
+    Fixed,
+    FlexibleBody,
+    Load,
+    Start,
+    simulate,
+)
 from duhamel.superelement import StepWarning
 
 from .conftest import BEAM
@@ -22,7 +29,7 @@ def cantilever(element, **settings):
     """Under a force at the tip; the step resolves more than the modes hold, which is told."""
     model = model_of(
         bodies={"beam": FlexibleBody(element, Start(position=[LENGTH / 2, 0, 0]))},
-        joints=(Joint("clamp", "fixed", ("ground", "beam.root")),),
+        joints=(Fixed("ground", "beam.root", name="clamp"),),
         loads=(Load("force", "beam.tip", [0, FORCE, 0], Constant(1.0)),),
         step=1e-4,
         rho_inf=0.9,

@@ -7,10 +7,10 @@ import pytest
 from duhamel.solver import (
     ConvergenceError,
     Frame,
-    Joint,
     Model,
     RigidBody,
     Settings,
+    Spherical,
     Start,
     simulate,
 )
@@ -26,7 +26,7 @@ def rods(turn, rho_inf, steps=3000):
         x = 0.1 + 0.2 * i
         start = Start([x, 0, 0], velocity=[0, spin * x, 0], angular_velocity=[0, 0, spin])
         bodies[f"b{i}"] = RigidBody(1.0, [1e-4, 1 / 300, 1 / 300], ends, start)
-        joints.append(Joint(f"j{i}", "spherical", (parent, f"b{i}.near")))
+        joints.append(Spherical(parent, f"b{i}.near", name=f"j{i}"))
     return Model(bodies, joints, settings=Settings(t_end=steps * H, step=H, rho_inf=rho_inf))
 
 
@@ -63,7 +63,7 @@ def test_a_top_turns_as_fast_as_it_likes():
     """Its joint is on the axis that it spins about."""
     start = Start([0, 0, 0.1], angular_velocity=[0, 0, 300.0])
     top = RigidBody(1.0, [0.01, 0.01, 0.02], {"tip": Frame([0, 0, -0.1])}, start)
-    joint = Joint("tip", "spherical", ("ground", "top.tip"))
+    joint = Spherical("ground", "top.tip", name="tip")
     results, told = run(
         Model({"top": top}, [joint], gravity=[0, 0, -9.81], settings=Settings(t_end=1.0, step=H))
     )

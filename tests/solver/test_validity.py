@@ -12,17 +12,18 @@ from duhamel.results.validity import CRITERIA, Check
 from duhamel.solver import (
     Constant,
     ConvergenceError,
+    Fixed,
     FlexibleBody,
     Frame,
     Harmonic,
     Impulse,
     Input,
-    Joint,
     Load,
     Model,
     OutOfRangeError,
     OutputRequest,
     Polynomial,
+    Revolute,
     RigidBody,
     Settings,
     Simulator,
@@ -156,7 +157,7 @@ def cantilever(beam, force, direction=(0, 1, 0), **settings):
     """The paper's beam, clamped, under a dead force on its tip, in equilibrium."""
     return model_of(
         {"beam": FlexibleBody(beam)},
-        [Joint("clamp", "fixed", ("ground", "beam.root"))],
+        [Fixed("ground", "beam.root", name="clamp")],
         loads=(Load("force", "beam.tip", direction, Constant(force)),),
         start="equilibrium",
         t_end=6e-4,
@@ -217,8 +218,8 @@ def test_a_steady_rotation_far_out_of_range_is_refused(coarse):
     model = Model(
         {"beam": FlexibleBody(coarse, Start([0.25, 0, 0])), "tip": tip},
         [
-            Joint("pivot", "revolute", ("ground", "beam.root"), [0, 0, 1]),
-            Joint("weld", "fixed", ("beam.tip", "tip")),
+            Revolute("ground", "beam.root", [0, 0, 1], name="pivot"),
+            Fixed("beam.tip", "tip", name="weld"),
         ],
         settings=Settings(
             t_end=1.0,
@@ -415,8 +416,8 @@ def test_validity_is_indifferent_to_the_frame(hub_and_beam, coarse_beam):
         moved = Model(
             {"hub": hub, "beam": model.bodies["beam"]},
             [
-                Joint("pivot", "revolute", ("ground", "hub"), axis),
-                Joint("clamp", "fixed", ("hub.rim", "beam.root")),
+                Revolute("ground", "hub", axis, name="pivot"),
+                Fixed("hub.rim", "beam.root", name="clamp"),
             ],
             [Load("torque", "hub", axis, torque)],
             settings=model.settings,
@@ -451,7 +452,7 @@ TURNS = 2.0 * np.pi * 700.0
 @pytest.mark.parametrize("driven", [False, True])
 def test_angles_keep_their_turns_where_a_step_turns_more_than_half_a_one(driven):
     signal = Polynomial([0.0, TURNS]) if driven else None
-    hinge = Joint("hinge", "revolute", ("ground", "wheel"), [0, 0, 1], angle=signal)
+    hinge = Revolute("ground", "wheel", [0, 0, 1], name="hinge", angle=signal)
     wheel = RigidBody(1.0, [1.0, 1.0, 1.0], start=Start(angular_velocity=[0, 0, TURNS]))
     model = Model({"wheel": wheel}, [hinge], settings=Settings(t_end=0.1, step=H))
     results = simulate(model)
@@ -474,7 +475,7 @@ def test_a_torsion_spring_keeps_its_turns_where_a_step_turns_more_than_half_a_on
 def test_turns_that_the_rate_cannot_count_are_warned_of():
     """As where the last step's rate says two radians, and the angle moved by none."""
     wheel = RigidBody(1.0, [1.0, 1.0, 1.0])
-    hinge = Joint("hinge", "revolute", ("ground", "wheel"), [0, 0, 1])
+    hinge = Revolute("ground", "wheel", [0, 0, 1], name="hinge")
     initial = initialize(Model({"wheel": wheel}, [hinge], settings=Settings(t_end=0.1, step=H)))
     lowered, state = initial.lowered, initial.state
     output = make_output(lowered, 1)

@@ -13,18 +13,21 @@ from duhamel.results.validity import CRITERIA
 from duhamel.solver import (
     Constant,
     Contact,
+    Fixed,
     FlexibleBody,
     Frame,
     Harmonic,
     Impact,
     Impulse,
-    Joint,
     Load,
     Model,
+    PointOnLine,
+    Prismatic,
     RigidBody,
     Settings,
     Spring,
     Start,
+    Universal,
     check,
     linearize,
     simulate,
@@ -56,12 +59,10 @@ def warned(validity, criterion):
 
 def hinged(element, force):
     """The beam hinged at both ends, under an axial force, tension positive, in equilibrium."""
-    universal = Joint(
-        "root", "universal", ("ground", "beam.root"), [0, 1, 0], second_axis=[0, 0, 1]
-    )
+    universal = Universal("ground", "beam.root", [0, 1, 0], [0, 0, 1], name="root")
     return model_of(
         {"beam": FlexibleBody(element, Start([0.5 * L, 0, 0]))},
-        [universal, Joint("tip", "point_on_line", ("ground.tip", "beam.tip"), [1, 0, 0])],
+        [universal, PointOnLine("ground.tip", "beam.tip", [1, 0, 0], name="tip")],
         loads=[Load("force", "beam.tip", [1, 0, 0], Constant(force))],
         ground_frames={"tip": Frame([L, 0, 0])},
         start="equilibrium",
@@ -91,7 +92,7 @@ def test_what_a_clamped_column_misses_is_less(beam, share):
     """
     model = model_of(
         {"beam": FlexibleBody(beam.element, Start([0.5 * L, 0, 0]))},
-        [Joint("clamp", "fixed", ("ground", "beam.root"))],
+        [Fixed("ground", "beam.root", name="clamp")],
         loads=[
             Load("force", "beam.tip", [1, 0, 0], Constant(share * EULER)),
             Load("force", "beam.tip", [0, 1, 0], Constant(1e-3)),
@@ -122,7 +123,7 @@ def test_a_hanging_beam_bears_half_its_weight_in_the_mean(beam, ends):
     element = make_beam(interfaces=interfaces).element
     model = model_of(
         {"beam": FlexibleBody(element, Start([0.5 * L, 0, 0]))},
-        [Joint("clamp", "fixed", ("ground", "beam.root"))],
+        [Fixed("ground", "beam.root", name="clamp")],
         gravity=[G, 0, 0],
         start="equilibrium",
         t_end=1e-3,
@@ -170,8 +171,8 @@ def beside_a_slow_mass(steps, periods=60):
             "slow": RigidBody(1000.0, [10.0] * 3, start=slow),
         },
         [
-            Joint("x", "prismatic", ("ground", "fast"), [1, 0, 0]),
-            Joint("y", "prismatic", ("ground", "slow"), [0, 1, 0]),
+            Prismatic("ground", "fast", [1, 0, 0], name="x"),
+            Prismatic("ground", "slow", [0, 1, 0], name="y"),
         ],
         springs=[
             Spring("stiff", "point", ("ground.wall", "fast"), stiffness=omega**2),
@@ -288,7 +289,7 @@ def hit(element, carrier):
     return simulate(
         Model(
             {"beam": FlexibleBody(element, Start([0.5 * L, 0, 0])), "ball": ball},
-            [Joint("clamp", "fixed", ("ground", "beam.root"))],
+            [Fixed("ground", "beam.root", name="clamp")],
             contacts=[
                 Contact(
                     "c",

@@ -9,13 +9,15 @@ falls almost linearly with the load, is extrapolated to zero.
 import numpy as np
 import pytest
 from duhamel.solver import (
+    JOINTS,
     Constant,
+    Fixed,
     FlexibleBody,
     Frame,
-    Joint,
     Load,
     Model,
     Place,
+    Prismatic,
     Pulse,
     RigidBody,
     Settings,
@@ -62,14 +64,15 @@ def column(folder, EA=1e5, points=None, **rotation):
 def held(beam, ends, P, kick=1e-4):
     """A column from the origin along x, and its tip under a dead load -P; moments kick its ends."""
     root, tip = ends
-    clamp = Joint("root", root, ("ground", "beam.root"), Z if root == "revolute" else None)
+    axes = {"revolute": (Z,), "fixed": ()}
+    clamp = JOINTS[root]("ground", "beam.root", *axes[root], name="root")
     bodies, joints = {"beam": FlexibleBody(beam, Start(-beam.interface("root").X))}, [clamp]
     if tip:
         on = Start(place=Place("center", "beam.tip"))
         bodies["slider"] = RigidBody(1e-6, 1e-9 * np.ones(3), {"center": Frame()}, on)
         joints += [
-            Joint("guide", "prismatic", ("ground", "slider.center"), X),
-            Joint("tip", tip, ("slider.center", "beam.tip"), Z if tip == "revolute" else None),
+            Prismatic("ground", "slider.center", X, name="guide"),
+            JOINTS[tip]("slider.center", "beam.tip", *axes[tip], name="tip"),
         ]
     signal, on = Pulse(kick, 0.0, 0.1), "middle" if tip else "tip"
     return Model(
@@ -126,8 +129,8 @@ def test_clamps_that_do_not_move_stiffen_a_beam(P, tmp_path_factory):
     model = Model(
         bodies={"beam": FlexibleBody(beam, Start(-beam.interface("root").X))},
         joints=(
-            Joint("left", "fixed", ("ground", "beam.root")),
-            Joint("right", "fixed", ("ground.right", "beam.tip")),
+            Fixed("ground", "beam.root", name="left"),
+            Fixed("ground.right", "beam.tip", name="right"),
         ),
         loads=(Load("force", "beam.middle", [0, P, 0], Constant(1.0)),),
         ground_frames={"right": Frame([1, 0, 0])},

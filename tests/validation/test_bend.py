@@ -16,7 +16,16 @@ it is linear. Tolerance 5 %; ten superelements are nearer to the reference.
 
 import numpy as np
 import pytest
-from duhamel.solver import Constant, FlexibleBody, Joint, Load, Model, Settings, Start, simulate
+from duhamel.solver import (
+    Constant,
+    Fixed,
+    FlexibleBody,
+    Load,
+    Model,
+    Settings,
+    Start,
+    simulate,
+)
 
 from .straight_beam import beam_superelement
 
@@ -66,8 +75,8 @@ def bend(folder, n):
     return Model(
         bodies=bodies,
         joints=(
-            Joint("clamp", "fixed", ("ground", "b0.root")),
-            *(Joint(f"j{i}", "fixed", (f"b{i}.tip", f"b{i + 1}.root")) for i in range(n - 1)),
+            Fixed("ground", "b0.root", name="clamp"),
+            *(Fixed(f"b{i}.tip", f"b{i + 1}.root", name=f"j{i}") for i in range(n - 1)),
         ),
         loads=(Load("force", f"b{n - 1}.tip", [0, 0, FORCE], Constant(1.0)),),
         settings=Settings(start="equilibrium", t_end=0.05, step=1e-3),

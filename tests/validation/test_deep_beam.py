@@ -29,12 +29,12 @@ from duhamel.solver import (
     Constant,
     FlexibleBody,
     Impulse,
-    Joint,
     Load,
     Model,
     PrescribedDisplacement,
     Settings,
     Start,
+    Universal,
     simulate,
 )
 
@@ -82,9 +82,7 @@ def supported(beam, loads, **settings):
     first, last = "beam.n0", f"beam.n{ELEMENTS}"
     return Model(
         bodies={"beam": FlexibleBody(beam, Start(position=[0.5 * L, 0, 0]))},
-        joints=(
-            Joint("support", "universal", ("ground", first), axis=[0, 1, 0], second_axis=[0, 0, 1]),
-        ),
+        joints=(Universal("ground", first, [0, 1, 0], [0, 0, 1], name="support"),),
         motions=(
             PrescribedDisplacement("across", last, [0, 1, 0], Constant(0.0)),
             PrescribedDisplacement("up", last, [0, 0, 1], Constant(0.0)),

@@ -30,9 +30,10 @@ import pytest
 pytest.importorskip("exudyn")
 
 from duhamel.solver import (
+    Cylindrical,
+    Fixed,
     FlexibleBody,
     Frame,
-    Joint,
     Load,
     Model,
     Place,
@@ -97,7 +98,7 @@ def ball_on(tip):
     ball = RigidBody(
         TIP_MASS, TIP_INERTIA * np.ones(3), {"center": Frame([0, 0, 0])}, Start([a + L, 0, 0])
     )
-    weld = Joint("weld", "fixed", (tip, "ball.center"))
+    weld = Fixed(tip, "ball.center", name="weld")
     return (
         {"ball": ball},
         (weld,),
@@ -122,8 +123,8 @@ def motion(part, n, force, pulse, gravity, ball=False):
             **more_bodies,
         },
         joints=(
-            Joint("axis", "cylindrical", ("ground", "hub"), axis=[0, 0, 1]),
-            *(Joint(f"j{i}", "fixed", (on, f"b{i}.root")) for i, on in enumerate(supports)),
+            Cylindrical("ground", "hub", [0, 0, 1], name="axis"),
+            *(Fixed(on, f"b{i}.root", name=f"j{i}") for i, on in enumerate(supports)),
             *more_joints,
         ),
         loads=(

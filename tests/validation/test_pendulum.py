@@ -27,11 +27,12 @@ import pytest
 pytest.importorskip("exudyn")
 
 from duhamel.solver import (
+    Fixed,
     FlexibleBody,
     Frame,
-    Joint,
     Model,
     Place,
+    Revolute,
     RigidBody,
     Settings,
     Start,
@@ -87,9 +88,9 @@ def motion(body, part, beams, parts, t_end=T_END, step=STEP):
     places += [Start(place=Place("root", f"b{i}.tip")) for i in range(n - 1)]
     supports = ["ground", *(f"b{i}.tip" for i in range(n - 1))]
     joints = tuple(
-        Joint(f"j{i}", "fixed", (support, f"b{i}.root"))
+        Fixed(support, f"b{i}.root", name=f"j{i}")
         if i % parts
-        else Joint(f"j{i}", "revolute", (support, f"b{i}.root"), axis=[0, 0, 1])
+        else Revolute(support, f"b{i}.root", [0, 0, 1], name=f"j{i}")
         for i, support in enumerate(supports)
     )
     model = Model(

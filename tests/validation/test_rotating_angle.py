@@ -17,10 +17,11 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     Constant,
+    Fixed,
     FlexibleBody,
-    Joint,
     Load,
     Model,
+    Revolute,
     RigidBody,
     Settings,
     Start,
@@ -48,14 +49,14 @@ Z = np.array([0.0, 0.0, 1.0])
 def tip_moves(folder: Path, pieces: int, spin: float) -> np.ndarray:
     """Of the angle as so many bodies in a row, in steady rotation (3,)."""
     bodies = {"hub": RigidBody(1.0, [1.0, 1.0, 1.0])}
-    joints = [Joint("pivot", "revolute", ("ground", "hub"), axis=Z)]
+    joints = [Revolute("ground", "hub", Z, name="pivot")]
     carrier = "hub"
     for i, nodes in enumerate(np.array_split(np.arange(12), pieces)):
         points = POINTS[nodes[0] : nodes[-1] + 2]
         ends = {"root": 0, "tip": len(points) - 1}
         element = beam_superelement(folder, points, SECTION, ends, rotation={})
         bodies[f"b{i}"] = FlexibleBody(element, Start(position=element.center))
-        joints.append(Joint(f"j{i}", "fixed", (carrier, f"b{i}.root")))
+        joints.append(Fixed(carrier, f"b{i}.root", name=f"j{i}"))
         carrier = f"b{i}.tip"
     start = {"start": "equilibrium", "steady_rotation": SteadyRotation(spin * Z)}
     settings = Settings(t_end=1e-4, step=1e-4, rho_inf=0.9, **start)

@@ -24,12 +24,13 @@ pytest.importorskip("exudyn")
 
 from duhamel.preprocess import build, read_body
 from duhamel.solver import (
+    Fixed,
     FlexibleBody,
     Frame,
-    Joint,
     Load,
     Model,
     Place,
+    Revolute,
     RigidBody,
     Settings,
     Start,
@@ -59,8 +60,8 @@ def motion(beam, phi, C_0, rule, t_end=0.3):
     model = Model(
         bodies={"hub": hub, "beam": FlexibleBody(beam, Start(place=Place("root", "hub.rim")))},
         joints=(
-            Joint("pivot", "revolute", ("ground", "hub"), axis=[0, 0, 1]),
-            Joint("clamp", "fixed", ("hub.rim", "beam.root")),
+            Revolute("ground", "hub", [0, 0, 1], name="pivot"),
+            Fixed("hub.rim", "beam.root", name="clamp"),
         ),
         loads=(Load("torque", "hub", [0, 0, C_0], Steps(TIMES, VALUES)),),
         settings=Settings(t_end=t_end, rule=rule),

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     FlexibleBody,
-    Joint,
     Load,
     Model,
     Polynomial,
     Pulse,
+    Revolute,
     Settings,
     Start,
     SteadyRotation,
@@ -53,9 +53,7 @@ def kicked(beam, gamma, step=STEP, t_end=T_END, unit=1.0):
     root = beam.interface("root").X
     model = Model(
         bodies={"beam": FlexibleBody(beam, Start(-root))},
-        joints=(
-            Joint("drive", "revolute", ("ground", "beam.root"), Z, angle=Polynomial((0.0, gamma))),
-        ),
+        joints=(Revolute("ground", "beam.root", Z, name="drive", angle=Polynomial((0.0, gamma))),),
         loads=(Load("force", "beam.tip", unit * KICK, Pulse(1.0, 0.0, 50 * step), follower=True),),
         settings=Settings(
             t_end=t_end,

@@ -14,12 +14,13 @@ explained.
 import numpy as np
 import pytest
 from duhamel.solver import (
+    Fixed,
     FlexibleBody,
     Frame,
-    Joint,
     Load,
     Model,
     Place,
+    Revolute,
     RigidBody,
     Settings,
     Start,
@@ -72,8 +73,8 @@ def motion(blade):
     model = Model(
         bodies={"hub": hub, "blade": FlexibleBody(blade, Start(place=Place("root", "hub.rim")))},
         joints=(
-            Joint("pivot", "revolute", ("ground", "hub"), axis=[0, 0, 1]),
-            Joint("clamp", "fixed", ("hub.rim", "blade.root")),
+            Revolute("ground", "hub", [0, 0, 1], name="pivot"),
+            Fixed("hub.rim", "blade.root", name="clamp"),
         ),
         loads=(
             Load(

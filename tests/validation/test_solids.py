@@ -22,7 +22,16 @@ them, by no more than sum s_j 2 pi |f_j - f_j'| t_end and the static difference.
 
 import numpy as np
 import pytest
-from duhamel.solver import Constant, FlexibleBody, Joint, Load, Model, Settings, Start, simulate
+from duhamel.solver import (
+    Constant,
+    Fixed,
+    FlexibleBody,
+    Load,
+    Model,
+    Settings,
+    Start,
+    simulate,
+)
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
@@ -146,7 +155,7 @@ def tip_response(part, length, t_end):
     """Deflection of the tip (n_t,) under a force along z from t = 0 on, with the root on ground."""
     model = Model(
         bodies={"bar": FlexibleBody(part, Start(position=[0.5 * length, 0, 0]))},
-        joints=(Joint("clamp", "fixed", ("ground", "bar.root")),),
+        joints=(Fixed("ground", "bar.root", name="clamp"),),
         loads=(Load("force", "bar.tip", [0, 0, 1.0], Constant(1.0)),),
         settings=Settings(t_end=t_end, step=STEP * length, rho_inf=0.9),
     )

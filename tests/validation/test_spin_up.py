@@ -21,10 +21,11 @@ rotation, 1.2 * 36 * 10^3 / (3 * 2.8e7) and the little that the stretch adds.
 import numpy as np
 import pytest
 from duhamel.solver import (
+    Fixed,
     FlexibleBody,
-    Joint,
     Model,
     Place,
+    Revolute,
     Settings,
     SmoothFunction,
     Start,
@@ -73,8 +74,8 @@ def chain(folder, n, step=1e-2, **settings):
     return Model(
         bodies={f"b{i}": FlexibleBody(link, place) for i, place in enumerate(places)},
         joints=(
-            Joint("drive", "revolute", ("ground", "b0.root"), axis=[0, 0, 1], angle=SPIN_UP),
-            *(Joint(f"j{i}", "fixed", (f"b{i}.tip", f"b{i + 1}.root")) for i in range(n - 1)),
+            Revolute("ground", "b0.root", [0, 0, 1], name="drive", angle=SPIN_UP),
+            *(Fixed(f"b{i}.tip", f"b{i + 1}.root", name=f"j{i}") for i in range(n - 1)),
         ),
         settings=Settings(t_end=20.0, step=step, rho_inf=0.9),
     )
@@ -166,7 +167,7 @@ def turned_bar(element, step, t_end):
     start = Start(-element.interface("root").X)
     model = Model(
         bodies={"bar": FlexibleBody(element, start)},
-        joints=(Joint("drive", "revolute", ("ground", "bar.root"), axis=[0, 0, 1], angle=OF_BAR),),
+        joints=(Revolute("ground", "bar.root", [0, 0, 1], name="drive", angle=OF_BAR),),
         settings=Settings(t_end=t_end, step=step, rho_inf=0.9),
     )
     return simulate(model).frame("bar.tip").position

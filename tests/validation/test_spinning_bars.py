@@ -14,9 +14,9 @@ import pytest
 from duhamel.preprocess import assemble, build
 from duhamel.solver import (
     FlexibleBody,
-    Joint,
     Model,
     Polynomial,
+    Revolute,
     Settings,
     Start,
     SteadyRotation,
@@ -96,7 +96,7 @@ def turning(element, spin, joints=(), start=None):
 
 
 def clamped(element, spin):
-    drive = Joint("drive", "revolute", ("ground", "bar.root"), Z, angle=Polynomial((0.0, spin)))
+    drive = Revolute("ground", "bar.root", Z, name="drive", angle=Polynomial((0.0, spin)))
     start = Start(-element.interface("root").X)
     return turning(element, spin, (drive,), start)
 

@@ -11,11 +11,11 @@ import pytest
 from duhamel.solver import (
     FlexibleBody,
     Frame,
-    Joint,
     Load,
     Model,
     Pulse,
     Settings,
+    Spherical,
     Start,
     SteadyRotation,
     linearize,
@@ -65,8 +65,8 @@ def kicked(shaft, spin, t_end=T_END):
     model = Model(
         bodies={"shaft": FlexibleBody(shaft, Start(start))},
         joints=(
-            Joint("left", "spherical", ("ground", "shaft.left")),
-            Joint("right", "spherical", ("ground.right", "shaft.right")),
+            Spherical("ground", "shaft.left", name="left"),
+            Spherical("ground.right", "shaft.right", name="right"),
         ),
         loads=(
             Load("force", "shaft.disk", [0, 0.3, 0], Pulse(1.0, 0.0, 1e-3)),
@@ -102,8 +102,8 @@ def test_linear_analysis_has_the_whirl(shaft, spin):
     model = Model(
         bodies={"shaft": FlexibleBody(shaft, Start(-shaft.interface("left").X))},
         joints=(
-            Joint("left", "spherical", ("ground", "shaft.left")),
-            Joint("right", "spherical", ("ground.right", "shaft.right")),
+            Spherical("ground", "shaft.left", name="left"),
+            Spherical("ground.right", "shaft.right", name="right"),
         ),
         ground_frames={"right": Frame([L, 0, 0])},
         settings=Settings(t_end=T_END, step=STEP, rho_inf=0.9),

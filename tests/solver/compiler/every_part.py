@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from duhamel.solver import (
+    JOINTS,
     BoucWenLaw,
     Constant,
     Coupler,
@@ -15,7 +16,6 @@ from duhamel.solver import (
     FlexibleBody,
     Frame,
     Harmonic,
-    Joint,
     Load,
     MaxwellLaw,
     Model,
@@ -25,6 +25,7 @@ from duhamel.solver import (
     PrescribedDisplacement,
     PrescribedRotation,
     Pulse,
+    Revolute,
     RigidBody,
     Settings,
     Spring,
@@ -52,7 +53,7 @@ from duhamel.superelement import (
 
 H, STEPS = 1e-3, 30
 AXIS, SECOND = np.array([1.0, 2.0, 2.0]) / 3.0, np.array([2.0, -2.0, 1.0]) / 3.0
-JOINTS: dict[str, dict[str, Any]] = {
+EVERY_JOINT: dict[str, dict[str, Any]] = {
     "fixed": {},
     "spherical": {},
     "revolute": {"axis": AXIS},
@@ -166,10 +167,12 @@ def make_model() -> Model:
         return name
 
     joints = []
-    for name, given in JOINTS.items():
+    for name, given in EVERY_JOINT.items():
         body = add_body(name.replace(" ", "_"))
         support = "ground.post" if name == "rod" else "ground"
-        joints.append(Joint(name, name.removeprefix("driven "), (support, f"{body}.i0"), **given))
+        joints.append(
+            JOINTS[name.removeprefix("driven ")](support, f"{body}.i0", name=name, **given)
+        )
     springs = []
     for name, given in SPRINGS.items():
         body = add_body(f"on_{name}")
@@ -177,7 +180,7 @@ def make_model() -> Model:
     for name, by_modes in (("modal", True), ("convolved", False)):
         shape = element(len(bodies), by_modes)
         bodies[name] = FlexibleBody(shape, Start(-shape.interface("i0").X))
-        joints.append(Joint(f"hinge of {name}", "revolute", ("ground", f"{name}.i0"), AXIS))
+        joints.append(Revolute("ground", f"{name}.i0", AXIS, name=f"hinge of {name}"))
         springs.append(
             Spring(f"end of {name}", "point", ("ground.post", f"{name}.i1"), stiffness=50.0)
         )

@@ -40,13 +40,12 @@ def quick(tmp_path_factory):
 def test_the_model_has_every_part():
     model = every_part.make_model()
     types = {joint.type for joint in model.joints}
-    assert types == {name for name in every_part.JOINTS if not name.startswith("driven")}
-    from duhamel.solver import UserLaw
-    from duhamel.solver.couplings.joints import JOINT_TYPES
+    assert types == {name for name in every_part.EVERY_JOINT if not name.startswith("driven")}
+    from duhamel.solver import JOINTS, UserLaw
     from duhamel.solver.couplings.springs import SPRING_TYPES
     from duhamel.solver.laws.law import FORCE_LAWS
 
-    assert types == set(JOINT_TYPES)
+    assert types == set(JOINTS)
     assert {spring.type for spring in model.springs} == set(SPRING_TYPES)
     laws = {law.number for spring in model.springs for row in spring.laws_of_rows for law in row}
     known = {form.kind.number for forms in FORCE_LAWS.forms.values() for form in forms}

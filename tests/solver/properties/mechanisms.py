@@ -14,6 +14,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 from duhamel.solver import (
+    JOINTS,
     Constant,
     Contact,
     ConvergenceError,
@@ -21,28 +22,28 @@ from duhamel.solver import (
     Frame,
     Harmonic,
     Impact,
-    Joint,
     Load,
     Model,
     ModelError,
     OutOfRangeError,
     RigidBody,
     Settings,
+    Spherical,
     Spring,
     Start,
     ValidityWarning,
     simulate,
 )
-from duhamel.solver.couplings.joints import JOINT_TYPES
 from hypothesis import reject
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from ..frameworks import bar, framework
+from ..linkages import n_axes
 
 GROUND = "ground"
 STEP, STEPS = 5e-4, 24
-KINDS = sorted(JOINT_TYPES.keys() - {"rod"})
+KINDS = sorted(JOINTS.keys() - {"rod"})
 """of joints between frames in one place, where a rod has no direction"""
 ROUNDED = 1e-6
 """[m] a gap that rounding does not close"""
@@ -87,7 +88,7 @@ def directions(draw):
 @st.composite
 def geometry_of(draw, kind):
     """The axes, and the lead of a screw, that a joint of this kind takes."""
-    n = JOINT_TYPES[kind].axes
+    n = n_axes(kind)
     if n == 0:
         return {}
     axis = draw(directions())
@@ -170,7 +171,9 @@ def hang(draw, sketch, free):
     if support is not None:
         kind = draw(st.sampled_from(KINDS))
         geometry = draw(geometry_of(kind))
-        sketch.joints.append(Joint(sketch.new("j"), kind, (support, f"{name}.left"), **geometry))
+        sketch.joints.append(
+            JOINTS[kind](support, f"{name}.left", name=sketch.new("j"), **geometry)
+        )
 
 
 def link(draw, sketch):
@@ -185,7 +188,7 @@ def link(draw, sketch):
         0.05, np.full(3, 0.05 * (0.05 + length) ** 2), frames, Start(middle)
     )
     for end, frame in zip((first, second), frames, strict=True):
-        sketch.joints.append(Joint(sketch.new("j"), "spherical", (end, f"{name}.{frame}")))
+        sketch.joints.append(Spherical(end, f"{name}.{frame}", name=sketch.new("j")))
 
 
 def spring(draw, sketch, conservative):
