@@ -10,7 +10,13 @@ import argparse
 import time
 
 import numpy as np
-from duhamel.solver import Constant, FlexibleBody, Load, Model, Settings
+from duhamel.solver import (
+    LOADS,
+    Constant,
+    FlexibleBody,
+    Model,
+    Settings,
+)
 from duhamel.solver.arrays import Array
 from duhamel.solver.history.cost import cheapest_history, history_costs
 from duhamel.solver.history.dyadic import DyadicConvolution
@@ -55,7 +61,7 @@ def element(n_c: int, m: int) -> Superelement:
 def measure(body: Superelement, history: str, n_steps: int) -> float:
     """Microseconds a step."""
     loads = tuple(
-        Load(kind, f"body.{interface.name}", [0.0, 0.0, 1.0], Constant(1.0))
+        LOADS[kind](f"body.{interface.name}", [0.0, 0.0, 1.0], Constant(1.0))
         for interface in body.interfaces
         for kind in ("force", "torque")
     )

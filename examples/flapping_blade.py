@@ -124,7 +124,7 @@ def ringing(model: solver.Model, spin: float, near: Array) -> tuple[list[float],
     steady = replace(
         model,
         joints=(replace(shaft, angle=solver.Polynomial((0.0, spin))), flap),
-        loads=(solver.Load("force", "blade.tip", Z, solver.Pulse(20.0, 0.01, 0.03)),),
+        loads=(solver.Force("blade.tip", Z, solver.Pulse(20.0, 0.01, 0.03)),),
     ).with_settings(t_end=RINGING, step=STEP, steady_rotation=solver.SteadyRotation(spin * Z))
     results = solver.simulate(steady)
     angle = results.joint("flap").coordinates["angle"]

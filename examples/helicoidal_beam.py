@@ -124,7 +124,7 @@ def variants(case: str) -> Iterator[tuple[str, solver.Model]]:
         yield f"{case}-beam-rotation-lumped", with_lumped_tip(printed, body)
     if case == "case4":
         weight = printed.bodies["hub"].mass * G
-        lift = solver.Load("force", "hub", [0, 0, weight], solver.Constant(1.0))
+        lift = solver.Force("hub", [0, 0, weight], solver.Constant(1.0))
         yield f"{case}-beam-weightless", replace(printed, loads=(*printed.loads, lift))
 
 

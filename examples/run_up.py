@@ -125,9 +125,7 @@ def expected_at(spins: Array) -> Array:
 def frequencies(model: solver.Model, spin: float, near: Array) -> list[float]:
     """Of CURVES [rad/s], after a kick at the tip while the blade turns steadily."""
     (shaft,) = model.joints
-    kick = solver.Load(
-        "force", "blade.tip", [0, 1, 1], solver.Pulse(50.0, 1e-3, 2e-3), follower=True
-    )
+    kick = solver.Force("blade.tip", [0, 1, 1], solver.Pulse(50.0, 1e-3, 2e-3), follower=True)
     steady = replace(
         model,
         joints=(replace(shaft, angle=solver.Polynomial((0.0, spin))),),
@@ -177,7 +175,7 @@ def excitation(shaft: solver.Joint) -> solver.Load:
     def force(t: float) -> float:
         return FORCE * float(np.cos(ORDER * angle(t)))
 
-    return solver.Load("force", "blade.tip", Z, solver.Function(force))
+    return solver.Force("blade.tip", Z, solver.Function(force))
 
 
 def forced_beam(time: Array, shaft: solver.Joint) -> Array:

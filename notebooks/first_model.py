@@ -26,13 +26,13 @@ from duhamel.solver import (
     Fixed,
     FlexibleBody,
     Frame,
-    Load,
     Model,
     Place,
     Revolute,
     RigidBody,
     Settings,
     Start,
+    Torque,
 )
 
 ROOT = Path.cwd().parent  # the checkout of the sources
@@ -59,7 +59,7 @@ hub = RigidBody(0.01, [0.0095095, 0.0095095, 0.019019], {"rim": Frame([0.05, 0, 
 blade = FlexibleBody(beam, start=Start(place=Place("root", "hub.rim")))
 pivot = Revolute("ground", "hub", [0, 0, 1], name="pivot")
 clamp = Fixed("hub.rim", "beam.root", name="clamp")
-torque = Load("torque", "hub", [0, 0, 1], solver.Steps([0, 0.05, 0.15, 0.2], [2, 0, -2, 0]))
+torque = Torque("hub", [0, 0, 1], solver.Steps([0, 0.05, 0.15, 0.2], [2, 0, -2, 0]))
 model = Model(
     {"hub": hub, "beam": blade}, [pivot, clamp], loads=[torque], settings=Settings(t_end=0.3)
 )

@@ -27,7 +27,6 @@ from duhamel.solver import (
     Fixed,
     FlexibleBody,
     Frame,
-    Load,
     Model,
     Place,
     Revolute,
@@ -35,6 +34,7 @@ from duhamel.solver import (
     Settings,
     Spring,
     Start,
+    Torque,
 )
 
 ROOT = Path.cwd().parent  # the checkout of the sources
@@ -48,7 +48,7 @@ clamp = Fixed("hub.rim", "beam.root", name="clamp")
 spring = Spring(
     "spring", "torsion", ("ground", "hub"), stiffness=50.0, damping=0.02, axis=[0, 0, 1]
 )
-torque = Load("torque", "hub", [0, 0, 1], solver.Constant(0.0))
+torque = Torque("hub", [0, 0, 1], solver.Constant(0.0))
 model = Model(
     {"hub": hub, "beam": blade},
     [pivot, clamp],

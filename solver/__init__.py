@@ -53,7 +53,7 @@ from .linear.state_space import StateSpace
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, RigidSuperelement, Start
 from .model.body_shapes import Box, Cylinder, Sphere, Surface
 from .model.file import model_schema, read_model, write_model
-from .model.loads import Load, PatternLoad
+from .model.loads import LOADS, Drag, Force, Load, PatternLoad, Torque
 from .model.model import Model
 from .model.output_request import OutputRequest
 from .model.settings import Settings, StartFrom, SteadyRotation
@@ -89,6 +89,7 @@ from .simulator import Simulator
 
 __all__ = [
     "JOINTS",
+    "LOADS",
     "BoucWenLaw",
     "Box",
     "Campbell",
@@ -104,8 +105,10 @@ __all__ = [
     "DamperLaw",
     "Delayed",
     "Doubt",
+    "Drag",
     "Fixed",
     "FlexibleBody",
+    "Force",
     "ForceLaw",
     "ForceTable",
     "Frame",
@@ -180,6 +183,7 @@ __all__ = [
     "Table",
     "TabulatedDamperLaw",
     "TabulatedLaw",
+    "Torque",
     "Trapezoid",
     "Universal",
     "UserLaw",

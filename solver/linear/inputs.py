@@ -20,7 +20,7 @@ from ..arrays import Array
 from ..couplings.coupling import GROUND
 from ..errors import ModelError
 from ..lower.lower import LoweredModel
-from ..model.loads import Load
+from ..model.loads import DirectedLoad, Force, Load, Torque
 from ..model.model import Model
 from ..signals.curves import Constant, Input
 from ..step.rows import ATTITUDE
@@ -61,7 +61,8 @@ def _unit_load(model: Model, name: str) -> Load:
     on, axis = rest
     if on.partition(".")[0] not in (GROUND, *model.bodies):
         raise ModelError(f"{name}: no body or frame {on!r}; there are: {', '.join(model.bodies)}")
-    return Load(kind, on, np.eye(3)[AXES.index(axis)], Constant(0.0))
+    directed: dict[str, type[DirectedLoad]] = {"force": Force, "torque": Torque}
+    return directed[kind](on, np.eye(3)[AXES.index(axis)], Constant(0.0))
 
 
 def channels(model: Model, lowered: LoweredModel, names: Sequence[str]) -> list[Channel]:
@@ -83,8 +84,7 @@ def _channel(model: Model, lowered: LoweredModel, name: str) -> Channel:
         if not 1 <= number <= len(model.loads):
             raise ModelError(f"{name}: expected load:1 to load:{len(model.loads)}, by their order")
         load = model.loads[number - 1]
-        unit = UNITS[load.type] if isinstance(load, Load) else ""
-        return Channel(name, (_numbers(model, lowered)[number - 1],), unit=unit)
+        return Channel(name, (_numbers(model, lowered)[number - 1],), unit=load.unit)
     if kind == "motor":
         return _motor(model, name, rest)
     drives = _drives(lowered)

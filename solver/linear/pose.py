@@ -117,7 +117,7 @@ def _at_rest(model: Model, rotation: SteadyRotation | None) -> Model:
     }
     loads, motors = model.loads, model.motors
     if settings.start != "equilibrium":
-        loads = tuple(replace(load, signal=Constant(0.0)) for load in loads)
+        loads = tuple(load.unloaded() for load in loads)
         motors = tuple(_without_torque(motor) for motor in motors)
     joints = tuple(_without_rates(joint) for joint in model.joints)
     return replace(

@@ -277,10 +277,15 @@ def _lay_out_sensors(model: Model, elastic: Elastic) -> Sensors:
 
 
 def _lay_out_loads(model: Model, frames: NumberedFrames) -> Loads:
+    loads = model.frame_loads
+    by_velocity = [load.kind.by_velocity for load in loads]
+    parameters = [load.parameters for load in loads]
     return Loads(
-        frame=as_index([frames.number(load.on) for load in model.frame_loads]),
-        kind=as_index([load.kind.number for load in model.frame_loads]),
-        moment=as_index([load.kind.moment for load in model.frame_loads]),
-        follower=as_index([load.follower for load in model.frame_loads]),
-        direction=as_rows([load.direction for load in model.frame_loads]),
+        frame=as_index([frames.number(load.on) for load in loads]),
+        kind=as_index([load.kind.number for load in loads]),
+        moment=as_index([load.kind.moment for load in loads]),
+        by_velocity=as_index(by_velocity),
+        first=as_index(np.cumsum([0, *map(len, parameters)])),
+        parameters=np.array([number for numbers in parameters for number in numbers], dtype=float),
+        n_by_velocity=sum(by_velocity),
     )

@@ -11,7 +11,7 @@ import tomli_w
 from pydantic import ConfigDict, Field, create_model, model_validator
 
 from ...files import renamed_when_whole
-from ...inputs import InputError, Shown, Table, Vector, document_of, quoted, read_table
+from ...inputs import InputError, Table, Vector, document_of, quoted, read_table
 from ...superelement import Superelement, read
 from ..couplings.contacts import Contact
 from ..couplings.couplers import Coupler
@@ -23,7 +23,7 @@ from ..couplings.springs import Spring
 from ..couplings.stops import Stop
 from ..errors import ModelError, about
 from ..laws.law import FORCE_LAWS
-from ..schema.entry import Entry, filled
+from ..schema.entry import filled
 from ..schema.json_schema import definition
 from ..schema.paths import beside, relative
 from ..schema.tables import (
@@ -38,7 +38,6 @@ from ..schema.tables import (
 )
 from ..schema.values import ORIGIN
 from ..signals.signal import SIGNALS
-from ..step.loads import LOAD_KINDS
 from .bodies import (
     Body,
     FlexibleBody,
@@ -49,7 +48,7 @@ from .bodies import (
     Start,
 )
 from .body_shapes import BODY_SHAPES
-from .loads import AnyLoad, Load, PatternLoad
+from .loads import LOADS
 from .model import Model
 from .output_request import OutputRequest
 from .settings import INTERVALS, Settings, StartFrom
@@ -120,17 +119,6 @@ _SIMULATION: Any = create_model("Simulation", __base__=Table, **_SETTINGS, gravi
 _SIMULATION.documented = (Settings,)
 
 
-PATTERN = "pattern"
-"""the type of loads that are no `Load` on a frame"""
-_LOAD_TYPE = Annotated[str, Shown(lambda: {"type": "string", "enum": [*LOAD_KINDS, PATTERN]})]
-_LOAD: Any = create_model(
-    "Load",
-    __base__=Table,
-    **{**_optional(keys_of(Load) | keys_of(PatternLoad)), "type": (_LOAD_TYPE, ...)},
-)
-_LOAD.documented = Load, PatternLoad
-
-
 class _Ground(Table):
     frames: dict[str, table_of(Frame)] = Field(default_factory=dict)  # type: ignore[valid-type]
 
@@ -141,7 +129,7 @@ class _ModelFile(Table):
     bodies: dict[str, _BODY] = Field(min_length=1)
     ground: _Ground = _Ground()
     joints: tuple[table_of_kinds(JOINTS), ...] = ()  # type: ignore[valid-type]
-    loads: tuple[_LOAD, ...] = ()
+    loads: tuple[table_of_kinds(LOADS), ...] = ()  # type: ignore[valid-type]
     springs: tuple[table_of(Spring), ...] = ()  # type: ignore[valid-type]
     motions: tuple[_MOTION, ...] = ()
     contacts: tuple[table_of(Contact), ...] = ()  # type: ignore[valid-type]
@@ -204,7 +192,7 @@ def _model(file: _ModelFile, text: str, path: Path) -> Model:
             for name, body in file.bodies.items()
         },
         joints=value_of(file.joints),
-        loads=tuple(_load(n, present_keys(load)) for n, load in enumerate(file.loads)),
+        loads=value_of(file.loads),
         springs=value_of(file.springs),
         motions=tuple(_motion(present_keys(motion)) for motion in file.motions),
         contacts=value_of(file.contacts),
@@ -237,23 +225,6 @@ def _body(
         raise ModelError(f"bodies.{name}: {error}") from error
 
 
-def _load(number: int, values: dict[str, Any]) -> AnyLoad:
-    """A load on a frame, or a load pattern, by its type; number: its place in the file, from 0."""
-    kind = values["type"]
-    own: type[AnyLoad] = PatternLoad if kind == PATTERN else Load
-    keys = {"type": (str, ...), **keys_of(own)}
-    for key in values:
-        if key not in keys:
-            raise ModelError(
-                f"loads.{number}: unknown key {quoted(key)} of a load of type {quoted(kind)}; "
-                f"known are {', '.join(keys)}"
-            )
-    for key, (_, default) in keys.items():
-        if default is ... and key not in values:
-            raise ModelError(f"loads.{number}.{key}: missing")
-    return entry_of(own, values)
-
-
 def _motion(values: dict[str, Any]) -> Any:
     """A motion of the kind that has these keys."""
     values = {"name": ""} | values
@@ -283,7 +254,7 @@ def _document(model: Model, folder: Path) -> dict[str, Any]:
         "output": output,
         "ground": {"frames": _frames(model.ground_frames)} if model.ground_frames else {},
         "bodies": {name: _body_in_file(name, body, folder) for name, body in model.bodies.items()},
-        **{name: [_entry_in_file(entry) for entry in getattr(model, name)] for name in LISTS},
+        **{name: [table_in_file(entry) for entry in getattr(model, name)] for name in LISTS},
     }
     return {key: table for key, table in document.items() if table}
 
@@ -292,11 +263,6 @@ def _on_one_line(array: re.Match[str]) -> str:
     """An array of numbers or words as users write it, if it is not long."""
     items = ", ".join(line.strip().removesuffix(",") for line in array[1].splitlines())
     return f"[{items}]" if len(items) < LONG else array[0]
-
-
-def _entry_in_file(entry: Entry) -> dict[str, Any]:
-    kind = {"type": PATTERN} if isinstance(entry, PatternLoad) else {}
-    return kind | table_in_file(entry)
 
 
 def _frames(frames: Mapping[str, Frame]) -> dict[str, Any]:

@@ -1,35 +1,130 @@
-"""Loads on frames, and patterns of loads on flexible bodies."""
+"""Loads on frames, one class for each kind, and patterns of loads on flexible bodies."""
 
-from typing import Annotated, Any
+from dataclasses import field, replace
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from ...superelement import Pattern, Superelement
-from ..schema.entry import Entry, entry, one_of
-from ..schema.values import Vector
+from ..schema.entry import Entry, entry
+from ..schema.forms import Kinds
+from ..schema.values import FrameName, NotNegative, Vector
+from ..signals.curves import Constant
 from ..signals.signal import AnySignal
-from ..step.loads import LOAD_KINDS
+from ..step import loads as compiled
+
+LOADS = Kinds()
+"""the classes of loads, by their types in model files"""
 
 
 @entry()
 class Load(Entry):
-    """A force [N] or torque [N m] on a frame: signal(t) times `direction`, whose length counts.
+    """A load on a frame, whose force or moment one of the kinds of solver/step/loads.py gives.
 
-    `direction` (3,) is in space, or in the axes of the frame when the load follows it.
+    on: "BODY.FRAME", or "BODY" for its center of mass.
     """
 
     label = "load ({type}) on {on!r}"
+    kind: ClassVar[Any]
+    """the class that computes it"""
 
-    type: Annotated[str, one_of(LOAD_KINDS)]
-    on: str
+    on: FrameName
+
+    if TYPE_CHECKING:  # a field of every load
+
+        @property
+        def signal(self) -> AnySignal: ...
+
+    @property
+    def type(self) -> str:
+        return self.tag
+
+    @property
+    def unit(self) -> str:
+        """That of its signal."""
+        return ""
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """The numbers that its kind reads at each step."""
+        return ()
+
+    def unloaded(self) -> "Load":
+        """It without what acts at rest, as linear analyses of a model at rest take it."""
+        return self
+
+
+@entry()
+class DirectedLoad(Load):
+    """signal(t) times a direction, whose length counts.
+
+    direction (3,): in space, or in the axes of the frame when the load follows it.
+    """
+
     direction: Vector
     signal: AnySignal
     follower: bool = False
 
     @property
-    def kind(self) -> Any:
-        """The class of solver/step/loads.py that computes the load."""
-        return LOAD_KINDS[self.type]
+    def unit(self) -> str:
+        return "N m" if self.kind.moment else "N"
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        x, y, z = self.direction.tolist()
+        return x, y, z, float(self.follower)
+
+    def unloaded(self) -> Load:
+        return replace(self, signal=Constant(0.0))
 
 
+@LOADS.in_files("force")
+@entry()
+class Force(DirectedLoad):
+    """A force [N] at the origin of a frame: signal(t) times `direction`, whose length counts.
+
+    direction (3,): in space, or in the axes of the frame with follower = True.
+    """
+
+    kind: ClassVar[Any] = compiled.Force
+
+
+@LOADS.in_files("torque")
+@entry()
+class Torque(DirectedLoad):
+    """A torque [N m] on a frame: signal(t) times `direction`, whose length counts.
+
+    direction (3,): in space, or in the axes of the frame with follower = True.
+    """
+
+    kind: ClassVar[Any] = compiled.Torque
+
+
+@LOADS.in_files("drag")
+@entry()
+class Drag(Load):
+    """A force against the velocity v of a frame in space, as of air or water at rest.
+
+        f = -signal(t) (linear + quadratic |v|) v
+
+    linear [N s/m]; quadratic [N s^2/m^2]: of a body in a flow 1/2 density area coefficient; signal:
+    a factor of time, by default 1.
+    """
+
+    kind: ClassVar[Any] = compiled.Drag
+
+    quadratic: NotNegative = 0.0
+    linear: NotNegative = 0.0
+    signal: AnySignal = field(default_factory=lambda: Constant(1.0))
+
+    def validate(self) -> None:
+        if self.quadratic == 0.0 and self.linear == 0.0:
+            raise self.error("expected quadratic or linear of more than 0, found none")
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        return self.quadratic, self.linear
+
+
+@LOADS.in_files("pattern")
 @entry()
 class PatternLoad(Entry):
     """A load pattern of a flexible body: signal(t) times the loads of its body file.
@@ -42,6 +137,13 @@ class PatternLoad(Entry):
     body: str
     pattern: str
     signal: AnySignal
+
+    @property
+    def unit(self) -> str:
+        return ""
+
+    def unloaded(self) -> "PatternLoad":
+        return replace(self, signal=Constant(0.0))
 
     @property
     def owner_of_pattern(self) -> str:

@@ -1,10 +1,11 @@
-"""Loads on frames, an open set of kinds: forces and torques, in space or following the frame.
+"""Loads on frames, an open set of kinds: forces and torques, drag.
 
-A kind is a class with `@load_kind`, whose name model files use. It gives the force or torque from
-the signal, the direction and the motion of the frame, and its derivative; work, wrench and Newton's
-matrix follow.
+A kind is a class with `@load_kind`. It gives the force or torque from the signal, parameters of its
+own and the motion of the frame, and its derivatives; work, wrench and Newton's matrix follow. The
+classes by which users give loads are those of solver/model/loads.py.
 """
 
+import math
 from collections.abc import Callable
 from typing import Any, TypeVar
 
@@ -15,27 +16,29 @@ from ..compiler.memory import copy
 from .frames import add_pair_tangent, add_wrench_scale, pull_back
 from .rotations import relative_rotation
 from .system import Loads, State, System, Workspace
-from .vectors import UNITS, Vector, add_to_row, cross, rotate, row, scale
+from .vectors import UNITS, Vector, add_to_row, cross, dot, rotate, scale, triple
 
-LOAD_KINDS: dict[str, Any] = {}
-"""kinds of loads by name, in the order of their numbers"""
+LOAD_KINDS: list[Any] = []
+"""kinds of loads, in the order of their numbers"""
 AnyKind = TypeVar("AnyKind", bound=type)
 ZERO = (0.0, 0.0, 0.0)
 
 
-def load_kind(name: str, *, moment: bool) -> Callable[[AnyKind], AnyKind]:
+def load_kind(*, moment: bool, by_velocity: bool = False) -> Callable[[AnyKind], AnyKind]:
     """Register a kind of load, which acts as a moment or as a force.
 
     The class has two compiled functions. `evaluate` returns the force or moment of load m, in
-    space. `add_tangent` adds its derivative by (delta r, delta theta) of the frame, in space, to H
-    (3, 6), which is zero before, and returns False where there is none.
+    space. `add_tangent` adds its derivative by (delta r, delta theta) of the frame, and where it
+    depends on them by its velocity and angular velocity, all in space, to H (3, 12), which is zero
+    before; it returns False where there is none. Parameter k of load m is
+    loads.parameters[loads.first[m] + k].
     """
 
     def register(kind: Any) -> Any:
-        kind.number, kind.moment = len(LOAD_KINDS), moment
+        kind.number, kind.moment, kind.by_velocity = len(LOAD_KINDS), moment, by_velocity
         compiled(kind.evaluate)
         compiled(kind.add_tangent)
-        LOAD_KINDS[name] = kind
+        LOAD_KINDS.append(kind)
         return kind
 
     return register
@@ -43,15 +46,20 @@ def load_kind(name: str, *, moment: bool) -> Callable[[AnyKind], AnyKind]:
 
 @compiled
 def _directed(loads: Loads, m: int, work: Workspace) -> Vector:
-    """s direction, or s D direction of a follower."""
-    direction = scale(work.loads.value[m], row(loads.direction, m))
-    return rotate(work.frames.D, loads.frame[m], direction) if loads.follower[m] else direction
+    """s direction, or s D direction of a follower; parameters: direction, follower."""
+    direction = scale(work.loads.value[m], triple(loads.parameters, loads.first[m]))
+    return rotate(work.frames.D, loads.frame[m], direction) if _follows(loads, m) else direction
+
+
+@compiled
+def _follows(loads: Loads, m: int) -> bool:
+    return loads.parameters[loads.first[m] + 3] != 0.0  # type: ignore[no-any-return]
 
 
 @compiled
 def _add_directed_tangent(loads: Loads, m: int, work: Workspace, H: Array) -> bool:
     """df = dtheta x f of a follower."""
-    if not loads.follower[m]:
+    if not _follows(loads, m):
         return False
     vector = _directed(loads, m, work)
     for j in range(3):
@@ -61,7 +69,7 @@ def _add_directed_tangent(loads: Loads, m: int, work: Workspace, H: Array) -> bo
     return True
 
 
-@load_kind("force", moment=False)
+@load_kind(moment=False)
 class Force:
     """A force at the origin of the frame."""
 
@@ -69,7 +77,7 @@ class Force:
     add_tangent = staticmethod(_add_directed_tangent)
 
 
-@load_kind("torque", moment=True)
+@load_kind(moment=True)
 class Torque:
     """A torque on the frame."""
 
@@ -77,16 +85,41 @@ class Torque:
     add_tangent = staticmethod(_add_directed_tangent)
 
 
+@load_kind(moment=False, by_velocity=True)
+class Drag:
+    """f = -s (linear + quadratic |v|) v; parameters: quadratic, linear."""
+
+    @staticmethod
+    def evaluate(loads: Loads, m: int, work: Workspace) -> Vector:
+        v, first = triple(work.frames.V[loads.frame[m]], 0), loads.first[m]
+        speed = math.sqrt(dot(v, v))
+        factor = loads.parameters[first + 1] + loads.parameters[first] * speed
+        return scale(-work.loads.value[m] * factor, v)
+
+    @staticmethod
+    def add_tangent(loads: Loads, m: int, work: Workspace, H: Array) -> bool:
+        """df/dv = -s ((linear + quadratic |v|) I + quadratic v v^T / |v|)"""
+        v, first = triple(work.frames.V[loads.frame[m]], 0), loads.first[m]
+        s, quadratic = work.loads.value[m], loads.parameters[first]
+        speed = math.sqrt(dot(v, v))
+        for i in range(3):
+            H[i, 6 + i] -= s * (loads.parameters[first + 1] + quadratic * speed)
+            if speed > 0.0:
+                for j in range(3):
+                    H[i, 6 + j] -= s * quadratic * v[i] * v[j] / speed
+        return True
+
+
 _evaluate = dispatcher(
     "evaluate_load",
     "loads, m, work",
-    [kind.evaluate for kind in LOAD_KINDS.values()],
+    [kind.evaluate for kind in LOAD_KINDS],
     otherwise="0.0, 0.0, 0.0",
 )
 _add_tangent = dispatcher(
     "add_load_tangent",
     "loads, m, work, H",
-    [kind.add_tangent for kind in LOAD_KINDS.values()],
+    [kind.add_tangent for kind in LOAD_KINDS],
     otherwise="False",
 )
 
@@ -119,7 +152,7 @@ def add_load_scales(system: System, state: State, work: Workspace) -> None:
 def linearize_loads(system: System, state: State, work: Workspace) -> None:
     """K += the tangents of loads that depend on the motion of their frame."""
     loads, frames, pattern = system.loads, system.frames, system.pattern
-    H, half, tangent = work.loads.tangent, work.frames.half_tangent, work.frames.pair_tangent
+    H, half, tangent = work.loads.tangent, work.loads.half_tangent, work.frames.pair_tangent
     for m in range(len(loads.frame)):
         f = loads.frame[m]
         if frames.body[f] < 0:
@@ -127,14 +160,18 @@ def linearize_loads(system: System, state: State, work: Workspace) -> None:
         H[:] = 0.0
         if not _add_tangent(loads.kind[m], loads, m, work, H):
             continue
-        for j in range(6):
+        n = 12 if loads.by_velocity[m] else 6
+        for j in range(n):
             vector = (H[0, j], H[1, j], H[2, j])
             wrench = (ZERO, vector) if loads.moment[m] else (vector, ZERO)
-            pull_back(frames, f, wrench, state, work, half[j, :12])
+            pull_back(frames, f, wrench, state, work, half[j])
         for z in range(12):
             by_r = (half[0, z], half[1, z], half[2, z])
             by_theta = (half[3, z], half[4, z], half[5, z])
             pull_back(frames, f, (by_r, by_theta), state, work, tangent[z, :12])
+            for j in range(6, n):
+                for k in range(12):
+                    tangent[z, k] += half[j, z] * work.frames.rate_map[f, j - 6, k]
         add_pair_tangent(frames, (f, f), (0, 0), pattern.body_block[frames.body[f]], work)
 
 

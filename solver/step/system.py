@@ -230,8 +230,12 @@ class Loads(Struct):
     """loads.py has them"""
     moment: Index = array("n_l")
     """1: acts as a moment, 0: as a force"""
-    follower: Index = array("n_l")
-    direction: Array = array("n_l", 3)
+    by_velocity: Index = array("n_l")
+    """1: depends on the velocity of the frame"""
+    first: Index = array("n_l1")
+    """(n_l + 1,) the first of the parameters of each"""
+    parameters: Array = array("n_load_parameters")
+    n_by_velocity: int
 
 
 class LoadPatterns(Struct):
@@ -905,8 +909,10 @@ class ObserverWork(Struct):
 class LoadWork(Struct):
     value: Array = array("n_y")
     """of the signals at the end of the step, those of patterns last"""
-    tangent: Array = array(3, 6)
-    """derivative of a load by (delta r, delta theta) of its frame, in space"""
+    tangent: Array = array(3, 12)
+    """derivative of a load by (delta r, delta theta) and the velocities of its frame, in space"""
+    half_tangent: Array = array(12, 12)
+    """the same of generalized forces"""
     motion: Array = array(3)
     """displacement or rotation of a loaded frame in a step"""
 

@@ -11,7 +11,16 @@ from duhamel.preprocess.mesh.formats.abaqus_deck import keywords
 from duhamel.preprocess.mesh.formats.nastran_deck import read_cards
 from duhamel.results import Results
 from duhamel.results.rotations import inverse, rotate
-from duhamel.solver import FlexibleBody, Harmonic, Load, Model, Settings, Start, simulate
+from duhamel.solver import (
+    FlexibleBody,
+    Force,
+    Harmonic,
+    Model,
+    Settings,
+    Start,
+    Torque,
+    simulate,
+)
 from duhamel.superelement import Pattern, write
 
 DIGITS = 1e-9
@@ -41,9 +50,9 @@ def body(element, unit, tmp_path):
 def results_file(body, tmp_path):
     """It tumbles under gravity and loads in space."""
     loads = [
-        Load("force", "beam.tip", [1, 2, 3], Harmonic(1e-3, 30.0, offset=2e-3)),
-        Load("force", "beam.root", [0, -1, 1], Harmonic(1e-3, 11.0)),
-        Load("torque", "beam.root", [3, -1, 2], Harmonic(1e-3, 17.0)),
+        Force("beam.tip", [1, 2, 3], Harmonic(1e-3, 30.0, offset=2e-3)),
+        Force("beam.root", [0, -1, 1], Harmonic(1e-3, 11.0)),
+        Torque("beam.root", [3, -1, 2], Harmonic(1e-3, 17.0)),
     ]
     model = Model({"beam": body}, loads=loads, gravity=[0, 0, -9.81], settings=Settings(t_end=0.05))
     simulate(model, output=tmp_path / "run.h5")

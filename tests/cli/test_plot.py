@@ -8,7 +8,15 @@ import pytest
 from duhamel.cli import app
 from duhamel.cli.plot import _with_overlays
 from duhamel.results import peaks
-from duhamel.solver import FlexibleBody, Harmonic, Load, Model, Settings, Start, simulate
+from duhamel.solver import (
+    FlexibleBody,
+    Force,
+    Harmonic,
+    Model,
+    Settings,
+    Start,
+    simulate,
+)
 from duhamel.view import curves, draw, panel, panels, runs_of
 
 
@@ -274,7 +282,7 @@ def test_a_picture_has_the_measured_curve(runner, results_file, tmp_path):
 def test_spectra_beyond_the_band_of_a_superelement_are_marked(runner, element, tmp_path):
     """In the table of peaks, and in the picture from the band on."""
     banded = replace(element, kernel=replace(element.kernel, band=40.0))
-    push = Load("force", "beam.tip", [1, 2, 3], Harmonic(1.0, 300.0))
+    push = Force("beam.tip", [1, 2, 3], Harmonic(1.0, 300.0))
     model = Model({"beam": FlexibleBody(banded)}, loads=[push], settings=Settings(t_end=0.05))
     file = tmp_path / "shaken.h5"
     results = simulate(model, output=file)

@@ -17,7 +17,6 @@ from duhamel.solver import (
     FlexibleBody,
     Frame,
     Harmonic,
-    Load,
     Model,
     OutputRequest,
     Revolute,
@@ -25,6 +24,7 @@ from duhamel.solver import (
     Settings,
     Spherical,
     Start,
+    Torque,
     read_model,
     simulate,
 )
@@ -94,7 +94,7 @@ def test_ten_million_steps_of_a_damped_beam_on_a_hub(tmp_path):
     model = replace(
         case,
         bodies=case.bodies | {"beam": replace(case.bodies["beam"], superelement=damped)},
-        loads=(Load("torque", "hub", [0, 0, 1], Harmonic(1.0, 5.0, np.pi / 2)),),
+        loads=(Torque("hub", [0, 0, 1], Harmonic(1.0, 5.0, np.pi / 2)),),
         settings=Settings(t_end=1.0, step=6e-5),
     )
     results = long_run(model, 10_000_000, tmp_path)

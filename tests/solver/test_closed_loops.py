@@ -10,7 +10,6 @@ from duhamel.solver import (
     FlexibleBody,
     Frame,
     Function,
-    Load,
     Model,
     ModelError,
     Polynomial,
@@ -18,6 +17,7 @@ from duhamel.solver import (
     Settings,
     Spherical,
     Start,
+    Torque,
     Universal,
     simulate,
 )
@@ -45,7 +45,7 @@ def test_a_flexible_loop_stays_closed_and_converges_with_order_two(make, tmp_pat
     """Ends of the rod and energy balance err with the square of the step; joints open by Newton's
     tolerance at most.
     """
-    torque = Load("torque", "crank", Z, Function(lambda t: 0.05 * np.sin(np.pi * t / 0.1) ** 2))
+    torque = Torque("crank", Z, Function(lambda t: 0.05 * np.sin(np.pi * t / 0.1) ** 2))
     model = make(tmp_path, loads=(torque,), t_end=0.1)
     finest = simulate(model.with_settings(step=2.5e-5))
     assert np.abs(finest.frame("rod.right").u).max() > 3e-4

@@ -8,13 +8,13 @@ from duhamel.results.recovery import ModalSteps, interface_loads, stepping
 from duhamel.solver import (
     Contact,
     FlexibleBody,
+    Force,
     Frame,
     Harmonic,
     Hertz,
     Impact,
     Impulse,
     Input,
-    Load,
     Model,
     ModelError,
     OutputRequest,
@@ -26,6 +26,7 @@ from duhamel.solver import (
     Start,
     Steps,
     Stop,
+    Torque,
     simulate,
 )
 from duhamel.solver.lower.lower import lower
@@ -72,7 +73,7 @@ def pendulum(step, ratio=None, t_end=0.4):
     return Model(
         {"bob": bob},
         [Revolute("ground.wall", "bob.pin", [0, 0, 1], name="pin")],
-        loads=[Load("torque", "bob", [0, 0, 1], Harmonic(1.0, 3.0))],
+        loads=[Torque("bob", [0, 0, 1], Harmonic(1.0, 3.0))],
         stops=[Stop("stop", "pin", "angle", [-1.0, np.inf], Impact(stiffness=2e4))],
         ground_frames={"wall": Frame()},
         gravity=[0, -9.81, 0],
@@ -236,7 +237,7 @@ def test_loads_that_jump_keep_their_area(signal):
     ends = []
     for step, contact_step in ((1e-3, 1e-5), (1e-5, None)):
         model = dropped(step, contact_step, t_end=0.03)
-        push = Load("force", "ball", [1, 0, 0], signal)
+        push = Force("ball", [1, 0, 0], signal)
         results = simulate(replace(model, loads=[push]))
         ends.append(results.body("ball").v[-1, 0])
     assert ends[0] == pytest.approx(ends[1], rel=1e-10)
@@ -328,6 +329,6 @@ def test_it_is_refused_without_modes(element):
 
 def test_a_simulator_refuses_it():
     model = dropped(1e-4, 1e-5)
-    loads = [Load("force", "ball", [0, 0, 1], Input("push"))]
+    loads = [Force("ball", [0, 0, 1], Input("push"))]
     with pytest.raises(ModelError, match="contact_step: a Simulator takes steps of one size"):
         Simulator(replace(model, loads=loads), [])

@@ -12,7 +12,6 @@ from duhamel.solver import (
     Hertz,
     Impact,
     JointFriction,
-    Load,
     Planar,
     Polynomial,
     Prismatic,
@@ -22,6 +21,7 @@ from duhamel.solver import (
     Start,
     Stop,
     Stribeck,
+    Torque,
     simulate,
 )
 from duhamel.solver.laws.contact import restitution_factor
@@ -581,7 +581,7 @@ def test_friction_by_thrust_moments_and_preload(width, moment):
     """mu r (|thrust| + preload + 2 M / width), and what is viscous."""
     J, mu, r, w0 = 0.5, 0.1, 0.05, 3.0
     friction = JointFriction(mu, r, width, preload=7.0, viscous=0.02)
-    tilt = Load("torque", "wheel", [moment, 0.0, 0.0], Constant(1.0))
+    tilt = Torque("wheel", [moment, 0.0, 0.0], Constant(1.0))
     model = model_of(
         {"wheel": RigidBody(2.0, [J] * 3, start=Start(angular_velocity=[0, 0, w0]))},
         [Revolute("ground", "wheel", UP, name="axle", friction=friction)],

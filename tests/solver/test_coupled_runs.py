@@ -6,9 +6,9 @@ from duhamel.solver import (
     Constant,
     Coupler,
     FlexibleBody,
+    Force,
     Frame,
     Impact,
-    Load,
     Model,
     Place,
     Revolute,
@@ -20,6 +20,7 @@ from duhamel.solver import (
     StartFrom,
     StateError,
     Stop,
+    Torque,
     simulate,
 )
 
@@ -92,7 +93,7 @@ def test_a_geared_lever_rests_where_spring_and_weight_balance():
 
 def test_a_run_in_two_parts_is_one_to_the_bit(tmp_path):
     """A wheel that has turned by many turns meanwhile."""
-    load = Load("torque", "wheel", [0, 0, 30.0], Constant(1.0))
+    load = Torque("wheel", [0, 0, 30.0], Constant(1.0))
     model = lever(loads=[load], settings=settings(checkpoint=1e3))
     whole = simulate(model, output=tmp_path / "whole.h5")
     short = model.with_settings(t_end=0.3)
@@ -105,7 +106,7 @@ def test_a_run_in_two_parts_is_one_to_the_bit(tmp_path):
 
 def test_a_run_goes_on_with_its_gear_and_with_one_that_is_new(tmp_path):
     """A new one has the turns of its joints, and must fit them."""
-    load = Load("torque", "wheel", [0, 0, 30.0], Constant(1.0))
+    load = Torque("wheel", [0, 0, 30.0], Constant(1.0))
     model = lever(loads=[load], settings=settings(checkpoint=1e3))
     first = simulate(model, output=tmp_path / "first.h5")
     onwards = model.with_settings(start=StartFrom(tmp_path / "first.h5"), t_end=0.6)
@@ -176,7 +177,7 @@ def test_gears_on_flexible_bodies_are_the_same_with_every_history(random_element
         Revolute("ground", "b.i0", [0, 0, 1], name="q"),
     ]
     couplers = [Coupler("gear", "gear", ["p", "q"], teeth=[1, 2])]
-    loads = [Load("force", "a.i1", [1.0, 2.0, 0.5], Constant(1.0))]
+    loads = [Force("a.i1", [1.0, 2.0, 0.5], Constant(1.0))]
     model = Model(bodies, joints, loads, couplers=couplers)
 
     def run(kind):

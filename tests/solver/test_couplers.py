@@ -6,9 +6,9 @@ from duhamel.solver import (
     Constant,
     Coupler,
     Cylindrical,
+    Force,
     Frame,
     Harmonic,
-    Load,
     Model,
     ModelError,
     Polynomial,
@@ -18,6 +18,7 @@ from duhamel.solver import (
     Screw,
     Settings,
     Start,
+    Torque,
     simulate,
 )
 from scipy.spatial.transform import Rotation
@@ -47,7 +48,7 @@ def gears(origin=(0.0, 0.0, 0.0), axes=((0, 0, 1), (0, 0, 1)), more=(), joints=(
             *joints,
         ],
         couplers=[Coupler("gear", "gear", ["p", "q"], **coupler), *more],
-        loads=[Load("torque", "a", TORQUE * np.array(axes[0]), Constant(1.0))],
+        loads=[Torque("a", TORQUE * np.array(axes[0]), Constant(1.0))],
         settings=settings(),
     )
 
@@ -130,8 +131,8 @@ def test_a_bevel_differential_shares_the_torque_and_adds_the_rates():
     ]
     cage, drag = 3.0, -1.0
     loads = [
-        Load("torque", "cage", [cage, 0, 0], Constant(1.0)),
-        Load("torque", "right", [drag, 0, 0], Constant(1.0)),
+        Torque("cage", [cage, 0, 0], Constant(1.0)),
+        Torque("right", [drag, 0, 0], Constant(1.0)),
     ]
     model = Model(bodies, joints, loads, couplers=couplers, settings=settings())
     run = simulate(model)
@@ -156,7 +157,7 @@ def test_a_rack_pushes_with_the_torque_over_the_radius():
             Prismatic("ground", "bar", [1, 0, 0], name="q"),
         ],
         couplers=[Coupler("rack", "rack", ["p", "q"], radius=r)],
-        loads=[Load("torque", "pinion", [0, 0, TORQUE], Constant(1.0))],
+        loads=[Torque("pinion", [0, 0, TORQUE], Constant(1.0))],
         settings=settings(),
     )
     run = simulate(model)
@@ -191,8 +192,8 @@ def test_a_screw_turns_torque_into_force(form, lead):
         ]
     torque = 1.5 * balance
     loads = [
-        Load("force", "nut", -force * e, Constant(1.0)),
-        Load("torque", next(iter(bodies)), torque * e, Constant(1.0)),
+        Force("nut", -force * e, Constant(1.0)),
+        Torque(next(iter(bodies)), torque * e, Constant(1.0)),
     ]
     model = Model(bodies, joints, loads, couplers=couplers, settings=settings(t_end=0.1))
     run = simulate(model)
@@ -207,7 +208,7 @@ def test_a_screw_turns_torque_into_force(form, lead):
 def test_a_screw_carries_its_axial_force_as_a_moment():
     lead, force = 0.02, 100.0
     joints = [Screw("ground", "nut", [0, 0, 1], name="q", lead=lead, angle=Constant(0.0))]
-    loads = [Load("force", "nut", [0, 0, -force], Constant(1.0))]
+    loads = [Force("nut", [0, 0, -force], Constant(1.0))]
     run = simulate(Model({"nut": wheel(0.1)}, joints, loads, settings=settings(t_end=0.01)))
     np.testing.assert_allclose(run.joint("q").force[:, 2], force, rtol=1e-9)
     np.testing.assert_allclose(run.joint("q").moment[:, 2], 0.0, atol=1e-9)
@@ -231,7 +232,7 @@ def test_a_planetary_gear_by_three_coordinates():
         Coupler("inner", "linear", ["s", "c", "p"], ratios=[z_s, -z_s, z_p]),
         Coupler("outer", "linear", ["p", "c"], ratios=[z_p, z_r]),
     ]
-    loads = [Load("torque", "sun", [0, 0, 1], Constant(TORQUE))]
+    loads = [Torque("sun", [0, 0, 1], Constant(TORQUE))]
     run = simulate(Model(bodies, joints, loads, couplers=couplers, settings=settings()))
     i = 1 + z_r / z_s
     s, c = run.joint("s").angle, run.joint("c").angle

@@ -8,9 +8,9 @@ from duhamel.solver import (
     JOINTS,
     Constant,
     FlexibleBody,
+    Force,
     Frame,
     Harmonic,
-    Load,
     Model,
     ModelError,
     Polynomial,
@@ -253,7 +253,7 @@ def equal_slider_crank(angle, **settings):
         **settings,
     )
     guide = Prismatic("ground", "slider.near", X, name="guide")
-    push = Load("force", "slider.near", X, Constant(1.0))
+    push = Force("slider.near", X, Constant(1.0))
     return replace(model, joints=(*model.joints, guide), loads=(push,))
 
 

@@ -9,8 +9,8 @@ from duhamel.solver import (
     Constant,
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
-    Load,
     Model,
     Place,
     Revolute,
@@ -61,7 +61,7 @@ def bent(beam, alpha):
         Model(
             {"beam": FlexibleBody(beam.element)},
             [Fixed("ground", "beam.root", name="clamp")],
-            [Load("force", "beam.tip", [0, 1, 0], Constant(alpha * EI / L**2))],
+            [Force("beam.tip", [0, 1, 0], Constant(alpha * EI / L**2))],
             settings=Settings(t_end=6e-5, start="equilibrium"),
         )
     )
@@ -125,7 +125,7 @@ def test_a_column_near_its_buckling_load(curved, part, precision):
     model = Model(
         {"beam": FlexibleBody(curved.element)},
         [Fixed("ground", "beam.root", name="clamp")],
-        [Load("force", "beam.tip", [-P, small, 0], Constant(1.0))],
+        [Force("beam.tip", [-P, small, 0], Constant(1.0))],
         settings=Settings(t_end=6e-5, start="equilibrium"),
     )
     k = np.sqrt(complex(P / EI))
@@ -185,7 +185,7 @@ def rotating(beam, ratio):
             Revolute("ground", "hub", [0, 0, 1], name="pivot"),
             Fixed("hub.rim", "beam.root", name="clamp"),
         ],
-        [Load("force", "beam.tip", [0, 0, 1], Constant(force))],
+        [Force("beam.tip", [0, 0, 1], Constant(force))],
         settings=Settings(
             t_end=6e-5, start="equilibrium", steady_rotation=SteadyRotation([0, 0, speed])
         ),

@@ -4,14 +4,22 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from duhamel.solver import Constant, FlexibleBody, Harmonic, Load, Steps, simulate
+from duhamel.solver import (
+    Constant,
+    FlexibleBody,
+    Force,
+    Harmonic,
+    Steps,
+    Torque,
+    simulate,
+)
 from duhamel.superelement import GeneralizedAlpha, Interface, Modes, Superelement, sample_kernel
 
 from .models import model_of
 
 
 def turned(on, signal):
-    return (Load("torque", on, [0, 0, 1], signal),)
+    return (Torque(on, [0, 0, 1], signal),)
 
 
 def test_without_numerical_dissipation_modes_store_what_loads_put_in(beam):
@@ -51,7 +59,7 @@ def damped(zeta, omega=100.0):
 
 def held(zeta, **settings):
     """Under a constant force of 3 N from t = 0 on, until all vibration has gone."""
-    loads = (Load("force", "body.point", [1, 0, 0], Constant(3.0)),)
+    loads = (Force("body.point", [1, 0, 0], Constant(3.0)),)
     model = model_of({"body": FlexibleBody(damped(zeta))}, loads=loads, t_end=2.0, **settings)
     return simulate(model).energy
 
@@ -73,7 +81,7 @@ def test_the_dissipation_of_modes_converges_to_the_exact_one():
     for h in (2e-3, 1e-3, 5e-4):
         model = model_of(
             {"body": FlexibleBody(damped(zeta))},
-            loads=(Load("force", "body.point", [1, 0, 0], Constant(1.0)),),
+            loads=(Force("body.point", [1, 0, 0], Constant(1.0)),),
             t_end=0.1,
             step=h,
             rho_inf=0.9,

@@ -11,7 +11,6 @@ from duhamel.solver import (
     FlexibleBody,
     Frame,
     Impact,
-    Load,
     Model,
     ModelError,
     Motor,
@@ -22,6 +21,7 @@ from duhamel.solver import (
     Settings,
     Spring,
     Start,
+    Torque,
     simulate,
     start,
 )
@@ -140,7 +140,7 @@ def test_a_ball_that_just_touches_a_cantilever_rests_on_its_tip(beam, stiffness,
 
 
 ARM = {"arm": RigidBody(1.0, [0.01] * 3, {})}
-TORQUE = [Load("torque", "arm", [0, 0, 1], Constant(1.0))]
+TORQUE = [Torque("arm", [0, 0, 1], Constant(1.0))]
 WITHOUT = {
     "a body that falls": ([], [], r"no joint, spring or contact holds body 'arm'"),
     "a body that slides down": (

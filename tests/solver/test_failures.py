@@ -7,9 +7,9 @@ import pytest
 from duhamel.solver import (
     Constant,
     ConvergenceError,
+    Force,
     Frame,
     Function,
-    Load,
     Model,
     Polynomial,
     Revolute,
@@ -42,7 +42,7 @@ def one(body, joints=(), loads=(), springs=(), **settings):
 
 
 def pushed(signal, body=None, joints=()):
-    return one(body or bar(), joints, [Load("force", "a", [0, 1, 0], signal)])
+    return one(body or bar(), joints, [Force("a", [0, 1, 0], signal)])
 
 
 def late(value):

@@ -7,14 +7,15 @@ from duhamel.solver import (
     Constant,
     Fixed,
     FlexibleBody,
+    Force,
     Harmonic,
     Impulse,
-    Load,
     Model,
     Revolute,
     Settings,
     Spherical,
     Start,
+    Torque,
     simulate,
 )
 from duhamel.superelement import GeneralizedAlpha
@@ -63,7 +64,7 @@ def test_the_frequencies_of_a_beam_on_a_hub(beam, hub_and_beam, phi, frequencies
     314 Hz).
     """
     h, rho_inf = 1e-4, 0.99
-    blow = Load("torque", "hub", [0, 0, 1], Impulse(1e-6, 0.0))
+    blow = Torque("hub", [0, 0, 1], Impulse(1e-6, 0.0))
     model = hub_and_beam(beam, phi, loads=(blow,), t_end=2.0, step=h, rho_inf=rho_inf)
     u = simulate(model).frame("beam.tip").u[:, 1]
     found = [frequency(u, h, rho_inf, near) for near in frequencies]
@@ -89,7 +90,7 @@ def test_a_cantilever_settles_at_its_static_deflection():
     """
     element = make_beam(damping=Damping.model_validate({"modal": 3.0})).element
     F, R = 0.01, Rotation.from_rotvec([0.2, -0.4, 0.7])
-    load = Load("force", "beam.tip", R.apply([0, 0, 1]), Constant(F))
+    load = Force("beam.tip", R.apply([0, 0, 1]), Constant(F))
     results = simulate(cantilever(element, loads=(load,), t_end=1.5, step=2e-4, rho_inf=0.8))
     tip, wall = results.frame("beam.tip"), results.joint("wall")
     moved = R.inv().apply(tip.position[-1] - tip.position[0])
@@ -191,7 +192,7 @@ def test_the_consistent_rule_is_passive_and_the_papers_is_not(beam, rho_inf):
     """A load just above the first resonance, where the beam answers like a mass: eq. (55) gives
     energy away.
     """
-    load = Load("force", "beam.tip", [0, 0.01, 0.02], Harmonic(1.0, 140.0))
+    load = Force("beam.tip", [0, 0.01, 0.02], Harmonic(1.0, 140.0))
     body = {"beam": FlexibleBody(beam.element)}
     least = {}
     for rule in ("consistent", "paper"):

@@ -9,9 +9,9 @@ from duhamel.solver import (
     Constant,
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
     Harmonic,
-    Load,
     Model,
     Place,
     Planar,
@@ -26,6 +26,7 @@ from duhamel.solver import (
     Spring,
     Start,
     Steps,
+    Torque,
     simulate,
 )
 from scipy.spatial.transform import Rotation
@@ -61,10 +62,10 @@ def crane(beam):
             Planar("ground", "bob", [0.0, 0.3, 1.0], name="rest"),
         ),
         loads=(
-            Load("force", "weight", [0.2, 0.1, 0.3], Steps((0.0, 0.03), (1.0, -1.0))),
-            Load("torque", "beam.tip", [0.002, 0.0, 0.001], Constant(1.0), follower=True),
-            Load("force", "bob", [0.0, 0.01, 0.0], Constant(1.0), follower=True),
-            Load("torque", "hub", [0.0, 0.01, 0.0], Constant(1.0)),
+            Force("weight", [0.2, 0.1, 0.3], Steps((0.0, 0.03), (1.0, -1.0))),
+            Torque("beam.tip", [0.002, 0.0, 0.001], Constant(1.0), follower=True),
+            Force("bob", [0.0, 0.01, 0.0], Constant(1.0), follower=True),
+            Torque("hub", [0.0, 0.01, 0.0], Constant(1.0)),
         ),
         ground_frames={"post": Frame([0.1, 0.0, 0.2], [0.1, 0.2, 0.3])},
         gravity=[0.5, -1.0, -9.7],
@@ -165,8 +166,8 @@ def pair(coupling):
     return Model(
         {"a": a, "b": b},
         loads=[
-            Load("force", "b.g", [3.0, -2.0, 5.0], Constant(1.0)),
-            Load("torque", "a", [0.1, 0.05, 0.1], Constant(1.0), follower=True),
+            Force("b.g", [3.0, -2.0, 5.0], Constant(1.0)),
+            Torque("a", [0.1, 0.05, 0.1], Constant(1.0), follower=True),
         ],
         gravity=[1.0, 2.0, -9.0],
         ground_frames={"post": Frame([0.1, -0.1, 0.2], [0.0, 0.0, 0.3])},

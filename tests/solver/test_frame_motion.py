@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     FlexibleBody,
+    Force,
     Frame,
     Harmonic,
-    Load,
     Model,
     RigidBody,
     Settings,
     Spherical,
     Start,
+    Torque,
     Universal,
     simulate,
 )
@@ -42,13 +43,9 @@ def swinging(element, **settings):
         ),
         (
             # starts with s = s' = 0, so that no derivative jumps at t = 0
-            Load("force", "flexible.i1", [2.0, 3.0, -1.0], Harmonic(-6.0, 1.5, 0.5 * np.pi, 6.0)),
-            Load(
-                "torque",
-                "rigid.f",
-                [1.0, -1.0, 2.0],
-                Harmonic(-3.0, 2.0, 0.5 * np.pi, 3.0),
-                follower=True,
+            Force("flexible.i1", [2.0, 3.0, -1.0], Harmonic(-6.0, 1.5, 0.5 * np.pi, 6.0)),
+            Torque(
+                "rigid.f", [1.0, -1.0, 2.0], Harmonic(-3.0, 2.0, 0.5 * np.pi, 3.0), follower=True
             ),
         ),
         settings=Settings(t_end=0.5, rho_inf=0.6, **settings),

@@ -9,15 +9,16 @@ from duhamel.solver import (
     Constant,
     Cylindrical,
     FlexibleBody,
+    Force,
     Frame,
     Harmonic,
-    Load,
     Model,
     Revolute,
     RigidBody,
     Settings,
     Spherical,
     Start,
+    Torque,
     Universal,
     simulate,
 )
@@ -69,8 +70,8 @@ def test_reactions_between_flexible_frames_are_in_equilibrium(kind, tmp_path):
         "b": framework(tmp_path, bars, points, stiffness=0.1),
     }
     loads = (
-        Load("force", "b.wing", FORCE, Constant(1.0)),
-        Load("torque", "a.left", [0.0, 0.01, 0.02], Harmonic(1.0, 30.0), follower=True),
+        Force("b.wing", FORCE, Constant(1.0)),
+        Torque("a.left", [0.0, 0.01, 0.02], Harmonic(1.0, 30.0), follower=True),
     )
     model = pair(kind, elements["a"], elements["b"], loads=loads, gravity=G, t_end=0.1)
     results = simulate(model)

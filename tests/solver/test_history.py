@@ -11,9 +11,9 @@ from duhamel.solver import (
     Cylindrical,
     Fixed,
     FlexibleBody,
+    Force,
     Harmonic,
     Impulse,
-    Load,
     Model,
     ModelError,
     OutputRequest,
@@ -23,6 +23,7 @@ from duhamel.solver import (
     Simulator,
     Spherical,
     Start,
+    Torque,
     simulate,
 )
 from duhamel.solver.history import dyadic
@@ -54,9 +55,9 @@ def tangle(first, second, third, **settings):
             ),
         ),
         loads=(
-            Load("force", "b.i0", [1.0, -2.0, 0.5], Constant(3.0)),
-            Load("torque", "a.i0", [0.2, 0.0, 1.0], Harmonic(2.0, 40.0, 1.0), follower=True),
-            Load("force", "c.i1", [0.0, 1.0, 0.0], Harmonic(5.0, 13.0, 1.0)),
+            Force("b.i0", [1.0, -2.0, 0.5], Constant(3.0)),
+            Torque("a.i0", [0.2, 0.0, 1.0], Harmonic(2.0, 40.0, 1.0), follower=True),
+            Force("c.i1", [0.0, 1.0, 0.0], Harmonic(5.0, 13.0, 1.0)),
         ),
         gravity=[0.0, 0.0, -9.81],
         settings=Settings(t_end=STEPS * 1e-3, step=1e-3, rho_inf=0.9, tolerance=1e-13, **settings),
@@ -155,7 +156,7 @@ def test_loads_at_rest_are_felt_beyond_any_memory(elements, monkeypatch):
     model = Model(
         bodies={"a": FlexibleBody(damped(elements[0]))},
         joints=(Fixed("ground", "a.i0", name="root"),),
-        loads=(Load("force", "a.i1", [0.0, 1.0, 0.0], Constant(2.0)),),
+        loads=(Force("a.i1", [0.0, 1.0, 0.0], Constant(2.0)),),
         settings=Settings(
             t_end=STEPS * 1e-3,
             step=1e-3,
@@ -203,7 +204,7 @@ def test_a_step_finer_than_the_modes_hold_for_is_told_once(history, random_eleme
 
 def test_modes_that_have_died_out_come_to_rest(beam):
     """Denormal numbers, on which arithmetic is slow, are not what a long run ends with."""
-    blow = Load("force", "beam.tip", [1.0, 1.0, 1.0], Impulse(1e-4, at=0.0))
+    blow = Force("beam.tip", [1.0, 1.0, 1.0], Impulse(1e-4, at=0.0))
     model = Model(
         {"beam": FlexibleBody(beam.element)},
         loads=[blow],

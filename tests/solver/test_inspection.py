@@ -7,8 +7,8 @@ import pytest
 from duhamel.solver import (
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
-    Load,
     ModelError,
     Prismatic,
     ResultsError,
@@ -109,7 +109,7 @@ def test_redundant_constraints_are_named():
 
 
 def test_what_a_run_refuses_is_refused_by_the_same_words():
-    load = Load("force", "ball", [1, 0, 0], Constant(1.0))
+    load = Force("ball", [1, 0, 0], Constant(1.0))
     falls = model_of(bodies={"ball": ball()}, loads=(load,), start="equilibrium", step=1e-3)
     asks = model_of(bodies={"ball": ball()}, step=1e-3)
     asks = asks.with_settings(output=type(asks.settings.output)(quantities=("nonsense",)))

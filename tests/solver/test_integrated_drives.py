@@ -12,6 +12,7 @@ from duhamel.solver import (
     Constant,
     Contact,
     Cylindrical,
+    Force,
     Frame,
     Function,
     HalfSine,
@@ -19,7 +20,6 @@ from duhamel.solver import (
     Impact,
     Impulse,
     Input,
-    Load,
     Model,
     ModelError,
     Noise,
@@ -314,7 +314,7 @@ def test_the_area_that_steps_miss_is_told():
     for signal, warned in ((table, True), (HalfSine(100.0, 2e-3, 1.03e-2), False)):
         model = Model(
             {"block": BODY},
-            loads=[Load("force", "block", [1, 0, 0], signal)],
+            loads=[Force("block", [1, 0, 0], signal)],
             settings=Settings(t_end=0.05, step=1e-3),
         )
         with warnings.catch_warnings(record=True) as caught:
@@ -417,7 +417,7 @@ def test_a_restart_goes_on_to_the_bit_and_knows_the_numbers_of_its_record(tmp_pa
         record = Recorded(places[name], 2, 30.0)
         swept = Product((record, Window((0.0, 0.2), 0.05, 0.05), Noise(1.0, (5.0, 50.0), 1.0)))
         run = pushed(t_end=t_end, acceleration=swept, settings={"checkpoint": {"every": 7}})
-        return replace(run, loads=[Load("force", "block", [1, 2, 3], swept)])
+        return replace(run, loads=[Force("block", [1, 2, 3], swept)])
 
     target = tmp_path / "run.h5"
     simulate(model("here", 0.1), output=target)
@@ -452,7 +452,7 @@ def test_a_pulse_in_flight_keeps_its_momentum(long):
                 impact=Impact(stiffness=1e6),
             )
         ],
-        loads=[Load("force", "ball", [1, 0, 0], HalfSine(1000.0, 2.3e-3, 0.0113))],
+        loads=[Force("ball", [1, 0, 0], HalfSine(1000.0, 2.3e-3, 0.0113))],
         ground_frames={"wall": Frame()},
         settings=Settings(t_end=0.1, step=long, contact_step=1e-4, rho_inf=0.5),
     )

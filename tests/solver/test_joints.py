@@ -5,14 +5,15 @@ import pytest
 from duhamel.solver import (
     JOINTS,
     Constant,
+    Force,
     Frame,
-    Load,
     Model,
     Polynomial,
     Revolute,
     RigidBody,
     Settings,
     Start,
+    Torque,
     Universal,
     simulate,
 )
@@ -48,9 +49,9 @@ def relative_motion(type_, axes):
     )
     joint = JOINTS[type_]("a.f", "b.g", name="joint", **axes)
     loads = (
-        Load("force", "b", [3.0, -2.0, 5.0], Constant(1.0)),
-        Load("torque", "b", [1.0, 2.0, -1.5], Constant(1.0)),
-        Load("torque", "a", [-1.0, 0.5, 1.0], Constant(1.0)),
+        Force("b", [3.0, -2.0, 5.0], Constant(1.0)),
+        Torque("b", [1.0, 2.0, -1.5], Constant(1.0)),
+        Torque("a", [-1.0, 0.5, 1.0], Constant(1.0)),
     )
     model = Model(
         {"a": a, "b": b},
@@ -125,7 +126,7 @@ def test_a_universal_joint_keeps_its_axes_across_whichever_side_is_the_ground(gr
     model = Model(
         {"body": RigidBody(1.0, [1.0, 2.0, 1.5], start=Start(angular_velocity=[1.0, 2.0, 0.0]))},
         [Universal(*between, [1, 0, 0], [0, 1, 0], name="cross")],
-        [Load("torque", "body", [0.5, 1.0, 2.0], Constant(1.0))],
+        [Torque("body", [0.5, 1.0, 2.0], Constant(1.0))],
         settings=Settings(t_end=1.0, step=1e-3),
     )
     results = simulate(model)

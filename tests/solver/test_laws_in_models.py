@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     JOINTS,
+    LOADS,
     BoucWenLaw,
     Constant,
     DamperLaw,
+    Force,
     Frame,
     Harmonic,
-    Load,
     MaxwellLaw,
     Model,
     ModelError,
@@ -42,7 +43,7 @@ POST = {"ground_frames": {"post": Frame()}}
 
 def block(*springs, force=None, h=1e-3, t_end=2.0, v=0.0, **settings):
     """A mass on a rail, 1 m from a post, on springs whose deformation is its way."""
-    loads = [] if force is None else [Load("force", "block", [1, 0, 0], force)]
+    loads = [] if force is None else [Force("block", [1, 0, 0], force)]
     start = Start(position=[1.0, 0, 0], velocity=[v, 0, 0])
     return Model(
         {"block": RigidBody(MASS, [0.1] * 3, start=start)},
@@ -166,7 +167,7 @@ def test_a_bushing_with_a_law_on_an_axis(axis):
     along = np.eye(3)[k % 3]
     kind = "prismatic" if k < 3 else "revolute"
     law = [LAWS["Bouc-Wen"], LAWS["damper"]]
-    load = Load("force" if k < 3 else "torque", "block", along, Harmonic(1.0, 2.0))
+    load = LOADS["force" if k < 3 else "torque"]("block", along, Harmonic(1.0, 2.0))
     far = "torsion" if k >= 3 else "point"
     frames = {"near": Frame(), "far": Frame(-along)}
 

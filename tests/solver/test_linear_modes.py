@@ -12,9 +12,9 @@ from duhamel.solver import (
     DamperLaw,
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
     JointFriction,
-    Load,
     MaxwellLaw,
     Model,
     ModelError,
@@ -275,7 +275,7 @@ def test_decay_and_frequency_are_those_of_a_run(random_element):
     element = random_element(3, (True, False), omega=(50.0, 400.0))
     joint = Fixed("ground", "body.i0", name="clamp")
     start = Start(-element.interface("i0").X)
-    kick = Load("force", "body.i1", [1e-3, 2e-3, 0.0], _short_pulse())
+    kick = Force("body.i1", [1e-3, 2e-3, 0.0], _short_pulse())
     model = Model(
         {"body": FlexibleBody(element, start)},
         (joint,),

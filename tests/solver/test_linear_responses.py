@@ -10,11 +10,11 @@ from duhamel.solver import (
     Constant,
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
     Function,
     Harmonic,
     Input,
-    Load,
     MaxwellLaw,
     Model,
     ModelError,
@@ -103,8 +103,8 @@ def test_a_drive_shakes_what_stands_on_its_base():
 def test_an_input_moves_all_that_follows_it():
     gas = Input("gas")
     loads = (
-        Load("force", "body", [2.0, 0, 0], gas),
-        Load("force", "body", [1.0, 0, 0], gas),
+        Force("body", [2.0, 0, 0], gas),
+        Force("body", [1.0, 0, 0], gas),
     )
     linear = linearize(replace(oscillator(damping=3.0), loads=loads))
     inputs = ["gas", "load:1", "force:body:x"]
@@ -129,7 +129,7 @@ def test_static_coefficients_are_differences_of_equilibria(line):
         start_of_beam = Start(-line.interface("root").X)
         hinge = Revolute("ground", "beam.root", [0, 0, 1], name="hinge")
         rope = Spring("rope", "point", ("ground.top", "beam.tip"), stiffness=300.0, rest=0.9)
-        load = Load("force", "beam.tip", [0.3, 1.0, 0.0], Constant(force))
+        load = Force("beam.tip", [0.3, 1.0, 0.0], Constant(force))
         return model_of(
             {"beam": FlexibleBody(line, start_of_beam)},
             (hinge,),
@@ -187,7 +187,7 @@ def test_state_space_gives_the_run_under_small_loads(line):
     def push(t):
         return 1e-3 * np.sin(40.0 * t) * np.exp(-5.0 * t)
 
-    load = Load("force", "beam.tip", [0, 1.0, 0.5], Function(push))
+    load = Force("beam.tip", [0, 1.0, 0.5], Function(push))
     model = held(line, CLAMP, loads=(load,))
     model = model.with_settings(t_end=0.2, step=2.5e-5, rho_inf=0.9)
     run = simulate(model)
@@ -209,7 +209,7 @@ def test_the_response_to_an_impulse_is_that_of_a_run(random_element):
     def blow(t):
         return 1e-4 if abs(t - 10 * h) < 0.5 * h else 0.0
 
-    load = Load("force", "body.i1", [1.0, 0.5, 0.2], Function(blow))
+    load = Force("body.i1", [1.0, 0.5, 0.2], Function(blow))
     body = FlexibleBody(element, Start(-element.interface("i0").X))
     settings = Settings(t_end=n * h, step=h, rho_inf=0.9)
     model = Model({"body": body}, (joint,), (load,), settings=settings)
@@ -348,7 +348,7 @@ def test_a_pattern_of_loads_and_sensors_inside_the_body(tmp_path):
     )
     loads = (
         PatternLoad("beam", "wind", Constant(0.0)),
-        Load("force", "beam.tip", [0, 1.0, 0], Constant(0.0)),
+        Force("beam.tip", [0, 1.0, 0], Constant(0.0)),
     )
     linear = linearize(held(element, CLAMP, loads=loads))
     inputs = ["load:1", "load:2", "force:beam.tip:y"]

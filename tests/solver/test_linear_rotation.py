@@ -8,8 +8,8 @@ from duhamel.solver import (
     Constant,
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
-    Load,
     ModelError,
     Motor,
     Polynomial,
@@ -157,7 +157,7 @@ def test_a_column_loses_its_frequency_towards_the_load_of_euler(column):
     hinge = Revolute("ground", "beam.root", [0, 0, 1], name="root")
 
     def frequency(share):
-        load = Load("force", "beam.tip", [-share * euler, 0, 0], Constant(1.0))
+        load = Force("beam.tip", [-share * euler, 0, 0], Constant(1.0))
         start = Start(-column.interface("root").X)
         model = model_of(
             {"beam": FlexibleBody(column, start)},
@@ -187,7 +187,7 @@ def test_the_equations_with_second_order_are_those_of_a_lagrangian(column, with_
         "beam": FlexibleBody(element, Start(-element.interface("root").X)),
     }
     axle = Revolute("ground", "hub", [0, 0, 1], name="axle")
-    force = Load("force", "beam.tip", [5.0, 1.0, 2.0], Constant(1.0), follower=False)
+    force = Force("beam.tip", [5.0, 1.0, 2.0], Constant(1.0), follower=False)
     model = model_of(bodies, (axle, hinge), step=1e-3)
     for spin, loads in ((0.0, (force,)), (25.0, ())):
         rotation = SteadyRotation([0, 0, spin]) if spin else None

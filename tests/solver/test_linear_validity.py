@@ -8,7 +8,7 @@ from duhamel.solver import (
     Constant,
     Fixed,
     FlexibleBody,
-    Load,
+    Force,
     Polynomial,
     PrescribedDisplacement,
     Revolute,
@@ -103,7 +103,7 @@ def test_a_body_without_terms_of_second_order_that_spins(line, share, verdict):
 def test_an_axial_load_is_measured_by_the_buckling_load(line, share):
     """Of a column on two hinges, by Euler: its frequency would be sqrt(1 - P / P_E) of its own."""
     euler = np.pi**2 * ROUND["EI_y"]
-    push = Load("force", "beam.tip", [-share * euler, 0, 0], Constant(1.0))
+    push = Force("beam.tip", [-share * euler, 0, 0], Constant(1.0))
     sides = {"y": [0, 1, 0], "z": [0, 0, 1]}
     column = model_of(
         {"beam": FlexibleBody(line, Start(-line.interface("root").X))},
@@ -139,7 +139,7 @@ def test_frequencies_beyond_the_band_of_a_superelement_are_warned_of(tmp_path):
 def test_the_deformation_of_the_equilibrium_is_that_of_the_elastica(line):
     """A cantilever under P at its tip: P L^2 / (2 EI) of rotation, P L^3 / (3 EI) of deflection."""
     P = 0.2 * ROUND["EI_y"]
-    load = Load("force", "beam.tip", [0, P, 0], Constant(1.0))
+    load = Force("beam.tip", [0, P, 0], Constant(1.0))
     model = held(line, CLAMP, loads=(load,))
     loaded = linearize(replace(model, settings=replace(model.settings, start="equilibrium")))
     checks = loaded.validity().checks

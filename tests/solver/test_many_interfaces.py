@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     FlexibleBody,
+    Force,
     Frame,
     Harmonic,
-    Load,
     Model,
     Place,
     Revolute,
@@ -18,6 +18,7 @@ from duhamel.solver import (
     Settings,
     Spring,
     Start,
+    Torque,
     Universal,
     simulate,
 )
@@ -60,8 +61,8 @@ def rig(shape, folder, names):
         ),
         springs=(Spring("coil", "point", ("ground.hook", "body.b"), stiffness=30.0, damping=0.02),),
         loads=(
-            Load("force", "body.d", [0.3, 1.0, 0.5], Harmonic(0.2, 11.0)),
-            Load("torque", "body.d", [0.0, 1.0, 1.0], Harmonic(0.01, 17.0), follower=True),
+            Force("body.d", [0.3, 1.0, 0.5], Harmonic(0.2, 11.0)),
+            Torque("body.d", [0.0, 1.0, 1.0], Harmonic(0.01, 17.0), follower=True),
         ),
         ground_frames={"hook": hook},
         gravity=[0.0, 0.0, -9.81],
@@ -104,7 +105,7 @@ def test_an_idle_interface_moves_as_one_that_is_loaded_by_zero(shape, tmp_path):
     idle = {"jack": "hub", "grid": "f"}[shape]
     model = rig(shape, tmp_path, list(POINTS[shape]))
     free = simulate(model).frame(f"body.{idle}")
-    nothing = Load("force", f"body.{idle}", [1.0, 0.0, 0.0], Harmonic(0.0, 1.0))
+    nothing = Force(f"body.{idle}", [1.0, 0.0, 0.0], Harmonic(0.0, 1.0))
     touched = simulate(replace(model, loads=(*model.loads, nothing))).frame(f"body.{idle}")
     assert np.abs(free.u).max() > 1e-4
     np.testing.assert_allclose(touched.position, free.position, rtol=0, atol=1e-11)

@@ -10,9 +10,9 @@ from duhamel.solver import (
     Constant,
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
     Function,
-    Load,
     MaxwellLaw,
     Motor,
     Prismatic,
@@ -21,6 +21,7 @@ from duhamel.solver import (
     Spring,
     Start,
     Table,
+    Torque,
     check,
     simulate,
 )
@@ -53,8 +54,8 @@ def test_a_lossy_beam_swings_like_its_unreduced_model_with_a_chain_at_every_node
     lossy, hub_and_beam, rho_inf
 ):
     loads = (
-        Load("torque", "hub", [0, 0, 0.2], PULSE),
-        Load("force", "beam.tip", [0.3, 0.0, 1.0], Constant(0.5)),
+        Torque("hub", [0, 0, 0.2], PULSE),
+        Force("beam.tip", [0.3, 0.0, 1.0], Constant(0.5)),
     )
     settings = {"loads": loads, "t_end": 250 * H, "step": H, "rho_inf": rho_inf}
     model = hub_and_beam(lossy, 0.5, "spherical", (1.0, 2.0, 5.0), **settings)
@@ -230,7 +231,7 @@ def pushed(element, joints=(), **settings):
     noise = np.random.default_rng(0).standard_normal((2, 201))
     t = np.linspace(0.0, 0.04, 201)
     loads = [
-        Load("force", f"beam.{name}", [0.3, 1, -0.5], Table(t, values))
+        Force(f"beam.{name}", [0.3, 1, -0.5], Table(t, values))
         for name, values in zip(("root", "tip"), noise, strict=True)
     ]
     return model_of(bodies={"beam": FlexibleBody(element)}, joints=joints, loads=loads, **settings)
@@ -273,7 +274,7 @@ def test_a_body_at_rest_under_its_load_stays_there(lossy):
     model = model_of(
         bodies={"beam": FlexibleBody(lossy.element)},
         joints=[Fixed("ground", "beam.root", name="hold")],
-        loads=[Load("force", "beam.tip", [0, 1e-3, 0], Constant(1.0))],
+        loads=[Force("beam.tip", [0, 1e-3, 0], Constant(1.0))],
         t_end=0.02,
         step=1e-4,
         start="equilibrium",

@@ -10,9 +10,9 @@ from duhamel.solver import (
     Constant,
     Cylindrical,
     FlexibleBody,
+    Force,
     Frame,
     Harmonic,
-    Load,
     Model,
     ModelError,
     Motor,
@@ -25,6 +25,7 @@ from duhamel.solver import (
     Start,
     SteadyRotation,
     Steps,
+    Torque,
     read_model,
     simulate,
     write_model,
@@ -39,7 +40,7 @@ ARRAYS = {
     "position": lambda x: Frame(x).position,
     "rotation": lambda x: Start(rotation=x).rotation,
     "axis": lambda x: Revolute("a", "b", x, name="j").axis,
-    "direction": lambda x: Load("force", "a", x, Constant(1.0)).direction,
+    "direction": lambda x: Force("a", x, Constant(1.0)).direction,
     "gravity": lambda x: Model({"a": RigidBody(1.0, [1, 1, 1])}, gravity=x).gravity,
     "center": lambda x: SteadyRotation(Z, x).center,
     "stiffness": lambda x: Spring("s", "point", ("a", "b"), stiffness=x[2]).stiffness[0],
@@ -68,7 +69,7 @@ def test_limits_of_a_motor_may_be_given_as_arrays(kind):
     ("make", "message"),
     [
         (lambda: Model({"a": RigidBody(1.0, [1, 1, 1])}, motors=[3]), "motors: .* got 3"),
-        (lambda: Load("force", "a", Z, Harmonic), "signal: expected a signal such as Constant"),
+        (lambda: Force("a", Z, Harmonic), "signal: expected a signal such as Constant"),
         (lambda: FlexibleBody("beam.h5"), "superelement: .* got 'beam.h5'"),
     ],
 )
@@ -154,7 +155,7 @@ def test_a_signal_of_a_users_own_is_read_and_written(tmp_path):
     try:
         model = replace(
             pendulum(),
-            loads=[Load("torque", "bob", Z, Decay(0.1)), Load("torque", "bob", Z, Decay(0.2, 3.0))],
+            loads=[Torque("bob", Z, Decay(0.1)), Torque("bob", Z, Decay(0.2, 3.0))],
         )
         write_model(tmp_path / "model.toml", model)
         again = read_model(tmp_path / "model.toml")

@@ -11,6 +11,7 @@ from duhamel.solver import (
     ConvergenceError,
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
     Function,
     Harmonic,
@@ -29,6 +30,7 @@ from duhamel.solver import (
     Spring,
     Start,
     Steps,
+    Torque,
     Universal,
     read_model,
     simulate,
@@ -68,11 +70,11 @@ MADE = {
         "joint 'weld': no frame 'wall' on 'ground'; it has: none",
     ),
     "a load on nothing": (
-        lambda: model((), (Load("force", "c", [1, 0, 0], Constant(1.0)),)),
+        lambda: model((), (Force("c", [1, 0, 0], Constant(1.0)),)),
         "load (force) on 'c': no body 'c'; there are: ground, a, b",
     ),
     "a load on the ground": (
-        lambda: model((), (Load("torque", "ground", [1, 0, 0], Constant(1.0)),)),
+        lambda: model((), (Torque("ground", [1, 0, 0], Constant(1.0)),)),
         "load (torque) on 'ground': expected a frame of a body, got 'ground'",
     ),
     "a place on nothing": (
@@ -191,11 +193,11 @@ MADE = {
         "load (moment) on 'a': type: expected 'force' or 'torque', got 'moment'",
     ),
     "a load with two numbers": (
-        lambda: Load("force", "a", [1, 0], Constant(1.0)),
+        lambda: Force("a", [1, 0], Constant(1.0)),
         "load (force) on 'a': direction: expected three numbers, got [1, 0]",
     ),
     "a load without a signal": (
-        lambda: Load("force", "a", [1, 0, 0], 2.0),
+        lambda: Force("a", [1, 0, 0], 2.0),
         "load (force) on 'a': signal: expected a signal such as Constant, got 2.0",
     ),
     "no mass": (
@@ -393,7 +395,7 @@ def test_an_interface_without_rotations_carries_no_moments(element):
         match=re.escape("joint 'j' (fixed): interface 'e.i1' has no rotations and carries"),
     ):
         simulate(Model(start, (Fixed("ground", "e.i1", name="j"),)))
-    load = Load("torque", "e.i1", [1, 0, 0], Constant(1.0))
+    load = Torque("e.i1", [1, 0, 0], Constant(1.0))
     with pytest.raises(
         ModelError,
         match=re.escape("torque on 'e.i1': interface 'e.i1' has no rotations and carries"),
@@ -434,7 +436,7 @@ def test_a_load_that_is_no_number_stops_the_run():
     with pytest.raises(
         ConvergenceError, match=r"no convergence in step 6 \(t = 0.06 s\): relative residual inf"
     ):
-        simulate(model((), (Load("force", "a", [1, 0, 0], signal),)))
+        simulate(model((), (Force("a", [1, 0, 0], signal),)))
 
 
 FILE = """

@@ -8,9 +8,9 @@ from duhamel.solver import (
     ConvergenceError,
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
     Input,
-    Load,
     Model,
     Moment,
     Place,
@@ -22,6 +22,7 @@ from duhamel.solver import (
     Spring,
     Start,
     StateError,
+    Torque,
 )
 from duhamel.solver.history import uniform
 
@@ -53,8 +54,8 @@ def rotor(element, **settings):
             Fixed("hub.rim", "beam.root", name="clamp"),
         ),
         loads=(
-            Load("torque", "hub", [0, 0, 1], Input("torque")),
-            Load("force", "beam.tip", [0, 1, 0], ramp, follower=True),
+            Torque("hub", [0, 0, 1], Input("torque")),
+            Force("beam.tip", [0, 1, 0], ramp, follower=True),
         ),
         springs=(Spring("coil", "bushing", ("ground", "beam.tip"), stiffness=[5.0] * 6),),
         settings=Settings(step=H, t_end=STEPS * H, **settings),

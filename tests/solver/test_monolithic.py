@@ -2,7 +2,14 @@
 
 import numpy as np
 import pytest
-from duhamel.solver import Constant, Function, Load, Steps, simulate
+from duhamel.solver import (
+    Constant,
+    Force,
+    Function,
+    Steps,
+    Torque,
+    simulate,
+)
 from scipy.spatial.transform import Rotation
 
 from .monolithic import Reference
@@ -98,13 +105,13 @@ def assert_equal_motions(model, reference):
 @pytest.mark.parametrize("rho_inf", [0.9, 0.5])
 @pytest.mark.parametrize(("phi", "signal"), [(4.0, STEPS), (0.5, PULSE)], ids=["steps", "pulse"])
 def test_a_rotating_beam_moves_like_its_unreduced_model(beam, hub_and_beam, phi, signal, rho_inf):
-    torque = Load("torque", "hub", [0, 0, 2 * phi**0.5], signal)
+    torque = Torque("hub", [0, 0, 2 * phi**0.5], signal)
     model = hub_and_beam(beam, phi, loads=(torque,), t_end=600 * H, step=H, rho_inf=rho_inf)
     assert_equal_motions(model, reference_of(model, beam))
 
 
 def test_a_thousand_steps_of_the_papers_second_case(beam, hub_and_beam):
-    torque = Load("torque", "hub", [0, 0, 1], STEPS)
+    torque = Torque("hub", [0, 0, 1], STEPS)
     model = hub_and_beam(beam, 0.5, loads=(torque,), t_end=1000 * 6e-5, step=6e-5, rho_inf=0.9)
     assert_equal_motions(model, reference_of(model, beam))
 
@@ -115,8 +122,8 @@ def test_a_beam_swings_in_space_like_its_unreduced_model(coarse_beam, hub_and_be
     t = 0 on.
     """
     torque, lift = (
-        Load("torque", "hub", [0, 0, 0.2], PULSE),
-        Load("force", "beam.tip", LIFT, Constant(0.5)),
+        Torque("hub", [0, 0, 0.2], PULSE),
+        Force("beam.tip", LIFT, Constant(0.5)),
     )
     gravity, spin = np.array([0, -3.0, -9.81]), (1.0, 2.0, 5.0)
     settings = {

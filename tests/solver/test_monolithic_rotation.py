@@ -10,12 +10,13 @@ from duhamel.solver import (
     JOINTS,
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
-    Load,
     Place,
     Polynomial,
     RigidBody,
     Start,
+    Torque,
     simulate,
 )
 from duhamel.superelement import Chain
@@ -112,8 +113,8 @@ LIFT = np.array([0.3, -0.5, 1.0])
 def ramps():
     """From zero on, so that the start has no load."""
     return (
-        Load("torque", "hub", [0, 0, 0.3], Polynomial((0.0, 1.0))),
-        Load("force", "body.i1", LIFT, Polynomial((0.0, 1.0))),
+        Torque("hub", [0, 0, 0.3], Polynomial((0.0, 1.0))),
+        Force("body.i1", LIFT, Polynomial((0.0, 1.0))),
     )
 
 

@@ -11,7 +11,6 @@ from duhamel.solver import (
     Frame,
     Harmonic,
     Input,
-    Load,
     Model,
     ModelError,
     OutOfRangeError,
@@ -29,6 +28,7 @@ from duhamel.solver import (
     Spring,
     Start,
     Steps,
+    Torque,
     Universal,
     read_model,
     simulate,
@@ -212,7 +212,7 @@ def test_a_constant_velocity_joint_that_takes_the_wrong_branch_stops_the_run(tor
     body = RigidBody(1.0, [0.3, 0.2, 0.4], start=Start(angular_velocity=[0, 0, 1.0]))
     shaft = [np.cos(bend), np.sin(bend), 0]
     joint = ConstantVelocity("ground", "b", [1, 0, 0], shaft, name="bent")
-    twist = Load("torque", "b", [1, 0, 0], Steps((0.0, start), (0.0, torque)))
+    twist = Torque("b", [1, 0, 0], Steps((0.0, start), (0.0, torque)))
     model = Model(
         {"b": body}, [joint], [twist], settings=Settings(t_end=end, step=1e-3, rho_inf=0.5)
     )

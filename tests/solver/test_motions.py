@@ -8,9 +8,9 @@ from duhamel.solver import (
     Cylindrical,
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
     Harmonic,
-    Load,
     Model,
     ModelError,
     Polynomial,
@@ -21,6 +21,7 @@ from duhamel.solver import (
     RigidBody,
     Settings,
     Start,
+    Torque,
     read_model,
     simulate,
 )
@@ -175,9 +176,9 @@ def moving(name, element, h):
         Start([0.2, -0.4, -0.1]),
     )
     loads = (
-        Load("force", "b", [3.0, -2.0, 5.0], Harmonic(1.0, 2.0, 1.0)),
-        Load("torque", "b", [6.0, 9.0, -5.0], Constant(1.0)),
-        Load("force", "a.i1", [1.0, 0.5, 1.0], Harmonic(5.0, 3.0)),
+        Force("b", [3.0, -2.0, 5.0], Harmonic(1.0, 2.0, 1.0)),
+        Torque("b", [6.0, 9.0, -5.0], Constant(1.0)),
+        Force("a.i1", [1.0, 0.5, 1.0], Harmonic(5.0, 3.0)),
     )
     return simulate(
         Model(

@@ -12,12 +12,12 @@ from duhamel.solver import (
     ConvergenceError,
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
     Function,
     Harmonic,
     Impact,
     Input,
-    Load,
     Model,
     ModelError,
     Motor,
@@ -542,7 +542,7 @@ def test_a_servo_that_holds_is_a_spring_with_a_damper(coarse, history):
             Revolute("ground", "hub", [0, 0, 1], name="pivot"),
             Fixed("hub.rim", "beam.root", name="clamp"),
         ),
-        loads=[Load("force", "beam.tip", [0, 1.0, 0], Steps((0.0,), (3.0,)))],
+        loads=[Force("beam.tip", [0, 1.0, 0], Steps((0.0,), (3.0,)))],
         settings=Settings(step=5e-4, t_end=0.03, history=history),
     )
     spring = Spring("coil", "torsion", ("ground", "hub"), [0, 0, 1], **gains)

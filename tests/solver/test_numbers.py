@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     Constant,
+    Force,
     Frame,
     Harmonic,
     Impulse,
     Input,
-    Load,
     Model,
     ModelError,
     Polynomial,
@@ -59,7 +59,7 @@ MAKERS = {
     "an angular velocity": lambda x: Start(angular_velocity=[x, 0, 0]),
     "an axis": lambda x: Revolute(*ON, [0, 0, x], name="j"),
     "a starting angle": lambda x: Revolute(*ON, Z, name="j", start={"angle": x}),
-    "a direction": lambda x: Load("force", "a", [0, x, 0], Constant(1.0)),
+    "a direction": lambda x: Force("a", [0, x, 0], Constant(1.0)),
     "a stiffness": lambda x: Spring("s", "point", ON, stiffness=x),
     "six stiffnesses": lambda x: Spring("s", "bushing", ON, stiffness=[x] * 6),
     "a damping": lambda x: Spring("s", "point", ON, damping=x),

@@ -4,7 +4,11 @@ responses).
 
 import numpy as np
 import pytest
-from duhamel.solver import Function, Load, simulate
+from duhamel.solver import (
+    Function,
+    Torque,
+    simulate,
+)
 
 STEPS = np.array([4e-4, 2e-4, 1e-4, 5e-5])
 T_END = 0.1
@@ -19,7 +23,7 @@ def hub_angle(beam, hub_and_beam, h, rho_inf, rule):
     model = hub_and_beam(
         beam,
         0.5,
-        loads=(Load("torque", "hub", [0, 0, 1], Function(torque)),),
+        loads=(Torque("hub", [0, 0, 1], Function(torque)),),
         t_end=T_END,
         step=h,
         rho_inf=rho_inf,

@@ -14,9 +14,9 @@ from duhamel.solver import (
     Contact,
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
     Impact,
-    Load,
     Model,
     OutputRequest,
     PrescribedDisplacement,
@@ -63,7 +63,7 @@ def cantilever(element, at=(0.0, 0.0, 0.0), **settings):
     return Model(
         bodies={"beam": FlexibleBody(element, Start(position=np.array(at) - root))},
         joints=[Fixed("ground", "beam.root", name="clamp")],
-        loads=[Load("force", "beam.tip", [0.1, 1.0, 0.5], Constant(1.0))],
+        loads=[Force("beam.tip", [0.1, 1.0, 0.5], Constant(1.0))],
         settings=Settings(t_end=0.02, step=2e-4, **settings),
     )
 

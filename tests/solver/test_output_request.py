@@ -8,9 +8,9 @@ import pytest
 from duhamel.solver import (
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
     Harmonic,
-    Load,
     Model,
     ModelError,
     OutputRequest,
@@ -50,7 +50,7 @@ def model(coarse):
         springs=(
             Spring("tether", "point", ("ground.hook", "beam.tip"), stiffness=2.0, damping=0.01),
         ),
-        loads=(Load("force", "beam.tip", [0, 0, 1], Harmonic(1.0, 300.0), follower=True),),
+        loads=(Force("beam.tip", [0, 0, 1], Harmonic(1.0, 300.0), follower=True),),
         ground_frames={"hook": Frame([0.6, 0.2, 0])},
         settings=Settings(step=H, t_end=STEPS * H),
     )

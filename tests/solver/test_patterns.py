@@ -10,6 +10,7 @@ from duhamel.solver import (
     Contact,
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
     Function,
     Harmonic,
@@ -25,6 +26,7 @@ from duhamel.solver import (
     Start,
     StartFrom,
     Steps,
+    Torque,
     read_model,
     simulate,
     write_model,
@@ -63,8 +65,8 @@ def cantilever(element, load=1.0, **settings):
 @pytest.mark.parametrize("rho_inf", [0.9, 0.5])
 def test_a_beam_in_the_wind_moves_like_its_unreduced_model(windy, hub_and_beam, rho_inf):
     """On a spherical pivot, spinning, under gravity, with damping and a force on its tip."""
-    torque = Load("torque", "hub", [0, 0, 0.2], Steps((0.0, 0.05), (1.0, -1.0)))
-    tip = Load("force", "beam.tip", [0.3, 0.0, 1.0], Constant(0.5))
+    torque = Torque("hub", [0, 0, 0.2], Steps((0.0, 0.05), (1.0, -1.0)))
+    tip = Force("beam.tip", [0.3, 0.0, 1.0], Constant(0.5))
     gravity, spin = np.array([0, -3.0, -9.81]), (1.0, 2.0, 5.0)
     settings = {"t_end": 500 * H, "step": H, "rho_inf": rho_inf, "gravity": gravity}
     loads = (torque, PatternLoad("beam", "wind", GUST), tip)
@@ -114,7 +116,7 @@ def test_a_pattern_that_is_a_force_on_an_interface_moves_the_body_as_that(coarse
         simulate(replace(model, loads=[load]))
         for load in (
             PatternLoad("beam", "same", signal),
-            Load("force", "beam.tip", along, signal, follower=True),
+            Force("beam.tip", along, signal, follower=True),
         )
     )
     for name in ("root", "tip"):
@@ -313,7 +315,7 @@ def test_a_body_with_terms_of_second_order_feels_small_patterns_alike(windy, wit
 def test_a_model_with_patterns_is_written_and_read(windy, tmp_path):
     write(tmp_path / "beam.h5", windy.element)
     body = FlexibleBody(windy.element, source=str(tmp_path / "beam.h5"))
-    tip = Load("force", "beam.tip", [0, 0, 1], Constant(1.0))
+    tip = Force("beam.tip", [0, 0, 1], Constant(1.0))
     model = replace(cantilever(windy.element), bodies={"beam": body})
     model = replace(model, loads=[*model.loads, tip])
     write_model(tmp_path / "model.toml", model)
@@ -334,7 +336,7 @@ def test_messages_of_patterns(windy):
 
 
 def test_loads_on_frames_may_stand_before_and_behind_patterns(windy):
-    tip = Load("force", "beam.tip", [0, 1e-3, 0], Constant(1.0))
+    tip = Force("beam.tip", [0, 1e-3, 0], Constant(1.0))
     model = cantilever(windy.element)
     runs = [
         simulate(replace(model, loads=loads))

@@ -10,11 +10,11 @@ from duhamel.solver import (
     Contact,
     Delayed,
     FlexibleBody,
+    Force,
     Frame,
     HalfSine,
     Harmonic,
     Hertz,
-    Load,
     LogarithmicChirp,
     Model,
     Motor,
@@ -168,7 +168,7 @@ def test_references_of_servos_above_a_turn_are_doubted(reference, key):
 def test_loads_that_begin_after_the_end_are_doubted(signal, begins):
     """A table is constant before its first time, and so does act."""
     text = f"loads.0.signal begins at {begins}, and the run ends at t_end = 0.1 s" if begins else ""
-    push = Load("force", "hub", [1, 0, 0], signal)
+    push = Force("hub", [1, 0, 0], signal)
     only(told(model(loads=[push]), severe=True), text)
 
 
@@ -217,7 +217,7 @@ def test_speeds_above_that_of_sound_in_steel_are_doubted(start, key):
 def test_oscillations_that_the_step_does_not_resolve_are_doubted(key, frequency, doubted):
     signal = Harmonic(1.0, frequency)
     parts = {
-        "loads.0.signal": {"loads": [Load("force", "hub", [1, 0, 0], signal)]},
+        "loads.0.signal": {"loads": [Force("hub", [1, 0, 0], signal)]},
         "joints.pivot.angle": {"joints": [replace(HINGE, angle=signal)]},
         "motions.m.displacement": {
             "motions": [PrescribedDisplacement("m", "hub", [1, 0, 0], signal)]
@@ -240,21 +240,21 @@ def test_oscillations_that_the_step_does_not_resolve_are_doubted(key, frequency,
     ids=["chirp", "logarithmic", "noise", "shaped", "sum"],
 )
 def test_the_highest_frequency_of_a_band_counts(signal, frequency, doubted):
-    load = Load("force", "hub", [1, 0, 0], signal(frequency))
+    load = Force("hub", [1, 0, 0], signal(frequency))
     found = told(model(loads=[load]), severe=True)
     only(found, "loads.0.signal: its highest frequency, 251 Hz" if doubted else "")
 
 
 @pytest.mark.parametrize(("duration", "doubted"), [(4.1e-3, False), (3.9e-3, True)])
 def test_pulses_of_few_steps_are_doubted(duration, doubted):
-    load = Load("force", "hub", [1, 0, 0], HalfSine(1.0, duration))
+    load = Force("hub", [1, 0, 0], HalfSine(1.0, duration))
     found = told(model(loads=[load]), severe=False)
     only(found, "loads.0.signal: a pulse of 0.0039 s has 3.9 steps of 0.001 s" if doubted else "")
 
 
 @pytest.mark.parametrize(("phase", "doubted"), [(6.28, False), (90.0, True)])
 def test_phases_in_degrees_are_doubted(phase, doubted):
-    load = Load("force", "hub", [1, 0, 0], Harmonic(1.0, 5.0, phase))
+    load = Force("hub", [1, 0, 0], Harmonic(1.0, 5.0, phase))
     only(told(model(loads=[load])), "loads.0.signal.phase is 90 rad" if doubted else "")
 
 

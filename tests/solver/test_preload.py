@@ -7,8 +7,8 @@ import pytest
 from duhamel.solver import (
     Constant,
     FlexibleBody,
+    Force,
     Frame,
-    Load,
     Model,
     Revolute,
     Settings,
@@ -76,7 +76,7 @@ def wound_four_bar(folder):
         springs=(
             Spring("coil", "torsion", ("ground.A", "crank.pin"), Z, stiffness=0.3, rest=[0.2]),
         ),
-        loads=(Load("force", "rocker.left", np.cross(Z, C), Constant(1.0)),),
+        loads=(Force("rocker.left", np.cross(Z, C), Constant(1.0)),),
     )
 
 

@@ -19,8 +19,8 @@ from duhamel.solver import (
     Constant,
     Fixed,
     FlexibleBody,
+    Force,
     Harmonic,
-    Load,
     Model,
     RecoveryError,
     Results,
@@ -29,6 +29,7 @@ from duhamel.solver import (
     Spherical,
     Start,
     SteadyRotation,
+    Torque,
     simulate,
 )
 from duhamel.superelement import Recovery, read, write
@@ -70,9 +71,9 @@ def spun(beam, hub_and_beam, **settings):
         beam, 0.5, pivot="spherical", spin=(0.0, 3.0, 20.0), t_end=0.05, step=2e-4, **settings
     )
     loads = (
-        Load("torque", "hub", [0.3, 0.0, 1.0], Constant(1.0)),
-        Load("force", "beam.tip", [0.0, 0.5, 1.0], Constant(1.0)),
-        Load("torque", "beam.tip", [0.1, 0.05, -0.1], Constant(1.0), follower=True),
+        Torque("hub", [0.3, 0.0, 1.0], Constant(1.0)),
+        Force("beam.tip", [0.0, 0.5, 1.0], Constant(1.0)),
+        Torque("beam.tip", [0.1, 0.05, -0.1], Constant(1.0), follower=True),
     )
     element = watched(model.bodies["beam"].superelement)
     bodies = {**model.bodies, "beam": replace(model.bodies["beam"], superelement=element)}
@@ -130,7 +131,7 @@ def test_the_same_from_equilibrium(coarse_beam, rule, history):
     model = Model(
         bodies={"beam": FlexibleBody(watched(coarse_beam.element), Start(position=[0.25, 0, 0]))},
         joints=[Fixed("ground", "beam.root", name="clamp")],
-        loads=[Load("force", "beam.tip", [0.3, 1, -1], Harmonic(1.0, 30.0, offset=1.0))],
+        loads=[Force("beam.tip", [0.3, 1, -1], Harmonic(1.0, 30.0, offset=1.0))],
         gravity=[0, 0, -9.81],
         settings=Settings(t_end=0.05, step=2e-4, start="equilibrium", rule=rule, history=history),
     )
@@ -143,9 +144,7 @@ def test_the_same_from_a_steady_rotation(coarse_beam):
     model = Model(
         bodies={"beam": FlexibleBody(watched(coarse_beam.element), Start(position=[0.25, 0, 0]))},
         joints=[Revolute("ground", "beam.root", [0, 0, 1], name="pivot")],
-        loads=[
-            Load("force", "beam.tip", [0, 0, 1], Harmonic(0.5, 30.0, offset=0.5), follower=True)
-        ],
+        loads=[Force("beam.tip", [0, 0, 1], Harmonic(0.5, 30.0, offset=0.5), follower=True)],
         settings=Settings(
             t_end=0.05, step=2e-4, start="equilibrium", steady_rotation=SteadyRotation([0, 0, spin])
         ),
@@ -345,8 +344,8 @@ def test_fields_are_those_of_the_unreduced_model(tmp_path):
         },
         joints=[Spherical("ground", "bar.root", name="pivot")],
         loads=[
-            Load("force", "bar.tip", [100.0, 200.0, 300.0], Constant(1.0)),
-            Load("torque", "bar.tip", [20.0, 5.0, 10.0], Constant(1.0), follower=True),
+            Force("bar.tip", [100.0, 200.0, 300.0], Constant(1.0)),
+            Torque("bar.tip", [20.0, 5.0, 10.0], Constant(1.0), follower=True),
         ],
         settings=Settings(t_end=0.006),
     )
@@ -365,8 +364,8 @@ def test_fields_of_krylov_modes_are_right_to_the_tolerance(tmp_path, tolerance):
         bodies={"bar": FlexibleBody(element, Start(position=[0.15, 0, 0]))},
         joints=[Spherical("ground", "bar.root", name="pivot")],
         loads=[
-            Load("force", "bar.tip", [100.0, 200.0, 300.0], signal),
-            Load("torque", "bar.tip", [20.0, 5.0, 10.0], signal, follower=True),
+            Force("bar.tip", [100.0, 200.0, 300.0], signal),
+            Torque("bar.tip", [20.0, 5.0, 10.0], signal, follower=True),
         ],
         settings=Settings(t_end=0.006),
     )
@@ -385,7 +384,7 @@ def test_a_bar_under_way_carries_the_inertia_of_what_is_beyond(tmp_path):
     )
     model = Model(
         bodies={"bar": FlexibleBody(element)},
-        loads=[Load("force", "bar.root", [push, 0, 0], Constant(1.0))],
+        loads=[Force("bar.root", [push, 0, 0], Constant(1.0))],
         settings=Settings(t_end=0.02),
     )
     stress = simulate(model).stress("bar", 0.02)
@@ -431,7 +430,7 @@ def test_a_cantilever_in_bending():
     model = Model(
         bodies={"bar": FlexibleBody(element, Start(position=[0.5 * L, 0, 0]))},
         joints=[Fixed("ground", "bar.root", name="clamp")],
-        loads=[Load("force", "bar.tip", [0, 0, 1], Constant(1.0))],
+        loads=[Force("bar.tip", [0, 0, 1], Constant(1.0))],
         settings=Settings(start="equilibrium", t_end=1e-3),
     )
     stress = simulate(model).stress("bar", 1e-3)

@@ -18,11 +18,11 @@ from duhamel.solver import (
     ConvergenceError,
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
     Function,
     Harmonic,
     Impact,
-    Load,
     Model,
     ModelError,
     OutOfRangeError,
@@ -37,6 +37,7 @@ from duhamel.solver import (
     Steps,
     Stop,
     TabulatedLaw,
+    Torque,
     simulate,
     simulation,
     write_model,
@@ -91,8 +92,8 @@ def machine(element, steps=STEPS, every=1, **settings):
             Revolute("hub.pin", "arm.pin", [0, 0, 1], name="wrist", angle=Harmonic(0.3, 30.0)),
         ),
         loads=(
-            Load("torque", "hub", [0, 0, 1], Steps((0.0, 0.0131), (1.0, -2.0))),
-            Load("force", "beam.tip", [0, 3, 0], Harmonic(1.0, 70.0), follower=True),
+            Torque("hub", [0, 0, 1], Steps((0.0, 0.0131), (1.0, -2.0))),
+            Force("beam.tip", [0, 3, 0], Harmonic(1.0, 70.0), follower=True),
         ),
         springs=(
             Spring("coil", "bushing", ("ground", "beam.tip"), stiffness=[5.0] * 6),
@@ -215,7 +216,7 @@ def test_it_is_so_for_a_body_without_modes(random_element, measured, form, tmp_p
     body = FlexibleBody(element, Start(angular_velocity=[0, 0, 90.0]))
     model = Model(
         {"b": body},
-        loads=(Load("force", "b.i0", [0, 1, 0], Harmonic(1e-3, 50.0)),),
+        loads=(Force("b.i0", [0, 1, 0], Harmonic(1e-3, 50.0)),),
         settings=Settings(t_end=0.15, history=form),
     )
     simulate(model, output=tmp_path / "whole.h5")
@@ -256,7 +257,7 @@ def interrupting(model, at, error):
             raise error
         return 0.0
 
-    return replace(model, loads=(*model.loads, Load("force", "hub", [1, 0, 0], Function(value))))
+    return replace(model, loads=(*model.loads, Force("hub", [1, 0, 0], Function(value))))
 
 
 @pytest.mark.parametrize("at", [0, 1, 17, 80])
@@ -278,7 +279,7 @@ def test_a_run_goes_on_after_an_interrupt(coarse, at, tmp_path):
 
 def test_a_run_that_fails_keeps_the_state_before(coarse, tmp_path):
     model, path = machine(coarse, checkpoint={"every": 10}), tmp_path / "out.h5"
-    kick = Load("force", "beam.tip", [1, 0, 0], Steps((0.0, 55.5 * H), (0.0, 1e60)))
+    kick = Force("beam.tip", [1, 0, 0], Steps((0.0, 55.5 * H), (0.0, 1e60)))
     failing = replace(model, loads=(*model.loads, kick))
     with pytest.raises((ConvergenceError, OutOfRangeError), match=r"step 5[56]"):
         simulate(failing, output=path)
@@ -538,7 +539,7 @@ def model_file(coarse, tmp_path_factory):
             Revolute("ground", "hub", [0, 0, 1], name="pivot"),
             Fixed("hub.rim", "beam.root", name="clamp"),
         ),
-        loads=(Load("torque", "hub", [0, 0, 1], Harmonic(0.05, 3.0)),),
+        loads=(Torque("hub", [0, 0, 1], Harmonic(0.05, 3.0)),),
         settings=Settings(t_end=12_000 * H, step=H, checkpoint=0.05),
     )
     write_model(folder / "model.toml", model)

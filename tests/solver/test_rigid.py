@@ -6,7 +6,6 @@ from duhamel.solver import (
     Constant,
     Frame,
     Harmonic,
-    Load,
     Model,
     Polynomial,
     Prismatic,
@@ -15,6 +14,7 @@ from duhamel.solver import (
     Settings,
     Spherical,
     Start,
+    Torque,
     simulate,
 )
 from scipy.integrate import solve_ivp
@@ -258,7 +258,7 @@ def test_a_follower_torque_spins_a_body_and_its_work_is_counted():
         {"knob": Frame([0.3, 0, 0], [0, 0.5 * np.pi, 0])},
         Start(rotation=[0.4, -0.2, 0.9]),
     )
-    load = Load("torque", "body.knob", [1, 0, 0], Constant(2.0), follower=True)
+    load = Torque("body.knob", [1, 0, 0], Constant(2.0), follower=True)
     results = simulate(
         Model({"body": body}, loads=(load,), settings=Settings(t_end=1.0, step=1e-3, rho_inf=0.9))
     )

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     Constant,
+    Force,
     Frame,
-    Load,
     Model,
     ModelError,
     Revolute,
@@ -59,7 +59,7 @@ def test_a_load_on_the_frame_of_the_spring_that_holds_it_is_in_equilibrium():
     model = Model(
         {"bob": RigidBody(1.0, [0.1, 0.1, 0.1])},
         springs=[bush],
-        loads=[Load("force", "bob", [1.0, 2.0, 3.0], Constant(1.0))],
+        loads=[Force("bob", [1.0, 2.0, 3.0], Constant(1.0))],
         ground_frames={"wall": tilted},
         settings=Settings(t_end=1e-3, step=1e-3, start="equilibrium"),
     )

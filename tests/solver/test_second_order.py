@@ -7,8 +7,8 @@ import pytest
 from duhamel.solver import (
     Constant,
     FlexibleBody,
+    Force,
     Harmonic,
-    Load,
     Model,
     ModelError,
     Revolute,
@@ -48,7 +48,7 @@ def test_the_newton_matrix(bodies):
     model = Model(
         bodies,
         (Revolute("ground", "a.i0", AXIS, name="hinge", angle=Harmonic(0.8, 1.0, 0.5)),),
-        (Load("force", "b.i1", [1.0, 2.0, -1.0], Constant(1.0), follower=True),),
+        (Force("b.i1", [1.0, 2.0, -1.0], Constant(1.0), follower=True),),
         (bushing,),
         settings=Settings(t_end=1.0, step=1e-2, rho_inf=0.8),
     )

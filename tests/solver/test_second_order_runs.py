@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     FlexibleBody,
+    Force,
     Harmonic,
-    Load,
     Model,
     RecoveryError,
     Results,
@@ -162,7 +162,7 @@ def test_so_are_those_of_a_steady_rotation(element):
     model = Model(
         {"beam": FlexibleBody(telling(element), Start(position=[0.25, 0, 0]))},
         [Revolute("ground", "beam.root", [0, 0, 1], name="pivot")],
-        [Load("force", "beam.tip", [0, 0, 1], Harmonic(2.0, 30.0, offset=2.0))],
+        [Force("beam.tip", [0, 0, 1], Harmonic(2.0, 30.0, offset=2.0))],
         settings=Settings(
             t_end=0.02, step=2e-4, start="equilibrium", steady_rotation=SteadyRotation([0, 0, 30.0])
         ),

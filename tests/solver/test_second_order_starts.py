@@ -8,7 +8,6 @@ from duhamel.solver import (
     JOINTS,
     Constant,
     FlexibleBody,
-    Load,
     Model,
     ModelError,
     Polynomial,
@@ -16,6 +15,7 @@ from duhamel.solver import (
     Spherical,
     Start,
     SteadyRotation,
+    Torque,
     check,
     simulate,
 )
@@ -46,7 +46,7 @@ def held(element, kind, second_order="full", **given):
 
 def test_a_loaded_body_rests(element):
     """Bent far enough that its terms of second order move it."""
-    moments = [Load("torque", f"a.i{k}", s * AXIS, Constant(3e3)) for k, s in ((0, 1), (1, -1))]
+    moments = [Torque(f"a.i{k}", s * AXIS, Constant(3e3)) for k, s in ((0, 1), (1, -1))]
     at_rest = {"loads": moments, "start": "equilibrium"}
     found = simulate(held(element, "fixed", **at_rest)).frame("a.i1").u
     linear = simulate(held(element, "fixed", "off", **at_rest)).frame("a.i1").u

@@ -11,8 +11,8 @@ from duhamel.solver import (
     Constant,
     Fixed,
     FlexibleBody,
+    Force,
     Harmonic,
-    Load,
     Model,
     ModelError,
     PatternLoad,
@@ -44,7 +44,7 @@ def thrown(element):
     return Model(
         {"beam": FlexibleBody(element, start)},
         loads=[
-            Load("force", "beam.tip", [0.2, 1.0, -0.5], Harmonic(1.0, 30.0)),
+            Force("beam.tip", [0.2, 1.0, -0.5], Harmonic(1.0, 30.0)),
             PatternLoad("beam", "wind", Harmonic(2.0, 50.0, 0.4)),
         ],
         gravity=[0.0, 0.0, -9.81],
@@ -106,7 +106,7 @@ def test_a_gauge_reads_the_moment_over_the_stiffness(element):
     model = Model(
         {"beam": FlexibleBody(element)},
         [Fixed("ground", "beam.root", name="clamp")],
-        [Load("force", "beam.tip", [0, 1e-4, 0], Constant(1.0))],
+        [Force("beam.tip", [0, 1e-4, 0], Constant(1.0))],
         settings=Settings(t_end=H, step=H, start="equilibrium"),
     )
     strain = simulate(model).sensor("beam.gauge").value[0, 0]
@@ -146,7 +146,7 @@ def test_output_takes_sensors_by_name(thrown):
 def test_a_sensor_carries_no_load(element):
     body = {"beam": FlexibleBody(element)}
     with pytest.raises(ModelError, match="no frame 'end' on 'beam'"):
-        Model(body, loads=[Load("force", "beam.end", [1, 0, 0], Constant(1.0))])
+        Model(body, loads=[Force("beam.end", [1, 0, 0], Constant(1.0))])
 
 
 def test_sensors_do_not_change_the_motion(thrown, run, element):

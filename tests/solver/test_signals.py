@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     Constant,
+    Force,
     Function,
     Harmonic,
     Impulse,
-    Load,
     Model,
     ModelError,
     Polynomial,
@@ -21,6 +21,7 @@ from duhamel.solver import (
     Spline,
     Steps,
     Table,
+    Torque,
     simulate,
 )
 
@@ -158,7 +159,7 @@ def test_a_body_gains_the_momentum_of_its_loads(signal, impulse, rho_inf):
     """m v = the area under the load, to rounding, once the scheme has forgotten the jumps; and
     likewise J omega.
     """
-    loads = (Load("force", "body", [0, 0, 1], signal), Load("torque", "body", [2, 0, 0], signal))
+    loads = (Force("body", [0, 0, 1], signal), Torque("body", [2, 0, 0], signal))
     model = Model(
         {"body": RigidBody(2.0, [0.5, 1.0, 1.5])},
         (),
@@ -229,7 +230,7 @@ def test_a_spline_drives_and_loads_as_the_motion_that_it_passes_through():
     np.testing.assert_allclose(coordinates["angle_rate"], 1.5 * np.cos(5.0 * t), rtol=0, atol=1e-4)
     pushed = Model(
         {"arm": body},
-        loads=(Load("force", "arm", [1, 0, 0], measured),),
+        loads=(Force("arm", [1, 0, 0], measured),),
         settings=Settings(t_end=1.0, step=1e-3),
     )
     np.testing.assert_allclose(

@@ -13,10 +13,10 @@ from duhamel.solver import (
     ConvergenceError,
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
     Impact,
     Input,
-    Load,
     Model,
     ModelError,
     Motor,
@@ -33,6 +33,7 @@ from duhamel.solver import (
     Start,
     Steps,
     Table,
+    Torque,
     ValidityWarning,
     read_model,
     simulate,
@@ -54,9 +55,9 @@ def rotor(coarse, load, angle=None, **settings):
     """
     hub = RigidBody(0.01, [0.006, 0.007, 0.01], {"rim": Frame([0.05, 0, 0])})
     loads = (
-        Load("torque", "hub", [0, 0, 1], load),
-        Load("force", "beam.tip", [0, 0, 0.2], Steps((0.0, 0.0103), (1.0, -2.0))),
-        Load("force", "beam.tip", [0, 1, 0], load, follower=True),
+        Torque("hub", [0, 0, 1], load),
+        Force("beam.tip", [0, 0, 0.2], Steps((0.0, 0.0103), (1.0, -2.0))),
+        Force("beam.tip", [0, 1, 0], load, follower=True),
     )
     model = Model(
         bodies={"hub": hub, "beam": FlexibleBody(coarse, Start(place=Place("root", "hub.rim")))},
@@ -143,8 +144,7 @@ def test_a_simulator_closes_a_loop(coarse):
 
     def apart(step):
         loads = tuple(
-            Load("torque", "hub", [0, 0, 1], signal)
-            for signal in (Input("motor"), Pulse(5.0, 0.0, 5e-3))
+            Torque("hub", [0, 0, 1], signal) for signal in (Input("motor"), Pulse(5.0, 0.0, 5e-3))
         )
         model = rotor(coarse, Input("motor"), step=step, loads=loads)
         simulator, angle = Simulator(model, ["joints/pivot/angle"]), 0.0

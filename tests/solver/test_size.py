@@ -8,12 +8,12 @@ from duhamel.solver import (
     JOINTS,
     Constant,
     Frame,
-    Load,
     Model,
     RigidBody,
     Settings,
     Spherical,
     Start,
+    Torque,
     simulate,
 )
 from duhamel.solver.lower.lower import lower
@@ -109,7 +109,7 @@ def test_a_wheel_whose_frames_are_all_at_the_origin_turns_under_a_torque(joint):
     model = Model(
         {"wheel": RigidBody(3.0, [0.1, 0.1, 0.2])},
         [JOINTS[joint]("ground", "wheel", *axes, name="hub")],
-        [Load("torque", "wheel", [0, 0, 1], Constant(0.4))],
+        [Torque("wheel", [0, 0, 1], Constant(0.4))],
         gravity=[0, 0, -9.81],
         settings=Settings(t_end=1.0, step=1e-3),
     )

@@ -9,8 +9,8 @@ import pytest
 from duhamel.solver import (
     Fixed,
     FlexibleBody,
+    Force,
     Harmonic,
-    Load,
     Model,
     Settings,
     Start,
@@ -58,7 +58,7 @@ def pieces(bars, folder):
 def swing(assembly, force):
     """Displacements of all points under a harmonic force at the tip."""
     bodies, joints, frames = assembly
-    load = Load("force", frames[TIP], [0.2, 1.0, 0.7], Harmonic(force, 12.0))
+    load = Force(frames[TIP], [0.2, 1.0, 0.7], Harmonic(force, 12.0))
     results = simulate(Model(bodies, joints, [load], settings=Settings(t_end=0.1)))
     positions = [results.frame(frame).position for frame in frames.values()]
     return np.hstack([position - position[0] for position in positions])

@@ -6,9 +6,9 @@ from duhamel.solver import (
     Constant,
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
     Harmonic,
-    Load,
     Model,
     ModelError,
     Revolute,
@@ -300,7 +300,7 @@ def test_a_stiff_bushing_is_nearly_a_weld(random_element):
     element = random_element(1, (True, False))
     R = Rotation.from_rotvec([0.3, -0.2, 0.5])
     beam = FlexibleBody(element, Start(-R.as_matrix() @ element.interface("i0").X, R.as_rotvec()))
-    load = Load("force", "beam.i1", [1.0, 2.0, -1.0], Harmonic(1.0, 1.0))
+    load = Force("beam.i1", [1.0, 2.0, -1.0], Harmonic(1.0, 1.0))
     common = {"loads": (load,), "t_end": 0.5, "step": 1e-3, "rho_inf": 0.8}
     weld = simulate(
         model_of(
@@ -361,7 +361,7 @@ def test_a_bushing_gives_way_along_its_axes(name):
     model = Model(
         {"bob": RigidBody(1.0, [0.1, 0.1, 0.1])},
         springs=[bush],
-        loads=[Load("force", "bob", force, Constant(1.0))],
+        loads=[Force("bob", force, Constant(1.0))],
         ground_frames={"wall": Frame(rotation=TILTED.as_rotvec())},
         settings=Settings(t_end=1e-3, step=1e-3, start="equilibrium"),
     )
@@ -452,7 +452,7 @@ def test_a_preloaded_spring_without_motion_stays_still():
             springs=(
                 Spring("coil", "point", ("ground.hook", "mass"), stiffness=1e8, damping=10.0),
             ),
-            loads=(Load("force", "mass", [0, 0, -1], Constant(3.0)),),
+            loads=(Force("mass", [0, 0, -1], Constant(3.0)),),
             ground_frames={"hook": Frame()},
             gravity=[0, 0, -G],
             settings=Settings(t_end=0.3, step=1e-3, start="equilibrium"),

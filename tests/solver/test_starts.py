@@ -11,8 +11,8 @@ from duhamel.solver import (
     Constant,
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
-    Load,
     Model,
     ModelError,
     Place,
@@ -39,7 +39,7 @@ def test_a_loaded_cantilever_rests_where_beam_theory_says(beam, history, rule):
     model = Model(
         bodies={"beam": FlexibleBody(beam.element, Start(position=[L / 2, 0, 0]))},
         joints=[Fixed("ground", "beam.root", name="clamp")],
-        loads=[Load("force", "beam.tip", [0, 0, -1], Constant(1.0))],
+        loads=[Force("beam.tip", [0, 0, -1], Constant(1.0))],
         gravity=[0, 0, -G],
         settings=Settings(t_end=0.03, start="equilibrium", history=history, rule=rule),
     )

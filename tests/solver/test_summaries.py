@@ -5,12 +5,12 @@ from dataclasses import replace
 import pytest
 from duhamel.solver import (
     Constant,
-    Load,
     Model,
     OutputRequest,
     Revolute,
     RigidBody,
     Settings,
+    Torque,
     simulate,
 )
 
@@ -21,7 +21,7 @@ BAD = "<script>alert(1)</script>".replace("/", "|")
 def model():
     hub = RigidBody(mass=2.0, inertia=[0.1, 0.2, 0.25])
     pin = Revolute("ground", "hub", [0, 0, 1], name=BAD)
-    push = Load("torque", "hub", [0, 0, 1], Constant(1.0))
+    push = Torque("hub", [0, 0, 1], Constant(1.0))
     return Model({"hub": hub}, [pin], [push], settings=Settings(t_end=0.01, step=1e-3))
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     FlexibleBody,
+    Force,
     Frame,
-    Load,
     Model,
     ModelError,
     Revolute,
@@ -96,7 +96,7 @@ def chain(*elements, **settings):
             Revolute("a.right", "b.left", [0, 0, 1], name="B"),
             Universal("b.right", "c.left", [0, 1, 0], [1, 0, 0], name="C"),
         ),
-        loads=(Load("force", "c.right", [0.1, 1.0, 0.5], Steps((0.0, 0.01), (0.5, 0.0))),),
+        loads=(Force("c.right", [0.1, 1.0, 0.5], Steps((0.0, 0.01), (0.5, 0.0))),),
         settings=Settings(t_end=0.05, **settings),
     )
 

@@ -12,15 +12,16 @@ from duhamel.solver import (
     Cylindrical,
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
     Impulse,
-    Load,
     Model,
     Place,
     Pulse,
     RigidBody,
     Settings,
     Start,
+    Torque,
     simulate,
 )
 
@@ -52,9 +53,9 @@ def tip_path(element, lumped, size):
         bodies["ball"] = RigidBody(MASS, INERTIA, {"center": Frame()}, Start(position=[0.55, 0, 0]))
         joints.append(Fixed("beam.tip", "ball.center", name="weld"))
     loads = (
-        Load("torque", "hub", [0, 0, 1.8 * size], Pulse(1.0, 0.0, 0.1)),
-        Load("force", "hub", [0, 0, 2.5 * size], Pulse(1.0, 0.0, 0.1)),
-        Load("force", tip, [size, -size, size], Impulse(0.02, 0.15)),
+        Torque("hub", [0, 0, 1.8 * size], Pulse(1.0, 0.0, 0.1)),
+        Force("hub", [0, 0, 2.5 * size], Pulse(1.0, 0.0, 0.1)),
+        Force(tip, [size, -size, size], Impulse(0.02, 0.15)),
     )
     results = simulate(
         Model(bodies, tuple(joints), loads, settings=Settings(t_end=0.25, step=2e-4, rho_inf=0.7))

@@ -7,7 +7,7 @@ from duhamel.solver import (
     Constant,
     Fixed,
     FlexibleBody,
-    Load,
+    Force,
     Start,
     simulate,
 )
@@ -30,7 +30,7 @@ def cantilever(element, **settings):
     model = model_of(
         bodies={"beam": FlexibleBody(element, Start(position=[LENGTH / 2, 0, 0]))},
         joints=(Fixed("ground", "beam.root", name="clamp"),),
-        loads=(Load("force", "beam.tip", [0, FORCE, 0], Constant(1.0)),),
+        loads=(Force("beam.tip", [0, FORCE, 0], Constant(1.0)),),
         step=1e-4,
         rho_inf=0.9,
         **settings,

@@ -14,11 +14,11 @@ from duhamel.solver import (
     ConvergenceError,
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
     Harmonic,
     Impulse,
     Input,
-    Load,
     Model,
     OutOfRangeError,
     OutputRequest,
@@ -32,6 +32,7 @@ from duhamel.solver import (
     SteadyRotation,
     Steps,
     TabulatedLaw,
+    Torque,
     ValidityWarning,
     simulate,
     start,
@@ -79,7 +80,7 @@ def one_mode(omega=100.0, zeta=0.0, phi=1.0, h=H):
 
 def pushed(element, signal, **settings):
     """A force along x on a free body with one mode."""
-    loads = (Load("force", "body.point", [1, 0, 0], signal),)
+    loads = (Force("body.point", [1, 0, 0], signal),)
     settings = {"t_end": 1.0, "step": H, "rho_inf": 0.9} | settings
     return model_of({"body": FlexibleBody(element)}, loads=loads, **settings)
 
@@ -98,7 +99,7 @@ def value(results, criterion):
 @pytest.mark.parametrize("every", [1, 1000])
 @pytest.mark.parametrize("history", ["recursive", "direct", "fft"])
 def test_extremes_count_every_step_in_every_history(hub_and_beam, coarse_beam, every, history):
-    torque = (Load("torque", "hub", [0, 0, 1], Steps((0.0, 0.05, 0.1), (2.0, -2.0, 0.0))),)
+    torque = (Torque("hub", [0, 0, 1], Steps((0.0, 0.05, 0.1), (2.0, -2.0, 0.0))),)
     model = hub_and_beam(coarse_beam, 4.0, loads=torque, t_end=0.06, history=history)
     whole = simulate(model)
     results = simulate(model.with_settings(output=OutputRequest(every=every)))
@@ -158,7 +159,7 @@ def cantilever(beam, force, direction=(0, 1, 0), **settings):
     return model_of(
         {"beam": FlexibleBody(beam)},
         [Fixed("ground", "beam.root", name="clamp")],
-        loads=(Load("force", "beam.tip", direction, Constant(force)),),
+        loads=(Force("beam.tip", direction, Constant(force)),),
         start="equilibrium",
         t_end=6e-4,
         **settings,
@@ -392,7 +393,7 @@ def test_a_model_at_rest_is_in_balance(coarse):
 
 def test_an_open_joint_is_named(hub_and_beam, coarse_beam):
     """One iteration for each of some large steps leaves joints open."""
-    torque = (Load("torque", "hub", [0, 0, 1], Constant(2.0)),)
+    torque = (Torque("hub", [0, 0, 1], Constant(2.0)),)
     model = hub_and_beam(coarse_beam, 4.0, loads=torque, t_end=0.3, step=1e-2)
     closed = simulate(model).validity.values("joint_opening")
     left = simulate(model.with_settings(fixed_iterations=1)).validity
@@ -419,7 +420,7 @@ def test_validity_is_indifferent_to_the_frame(hub_and_beam, coarse_beam):
                 Revolute("ground", "hub", axis, name="pivot"),
                 Fixed("hub.rim", "beam.root", name="clamp"),
             ],
-            [Load("torque", "hub", axis, torque)],
+            [Torque("hub", axis, torque)],
             settings=model.settings,
         )
         checks = simulate(moved).validity.checks
@@ -430,7 +431,7 @@ def test_validity_is_indifferent_to_the_frame(hub_and_beam, coarse_beam):
 
 def test_interpreted_and_compiled_extremes_agree(hub_and_beam, coarse_beam):
     """The slow path, Python, of the same functions."""
-    torque = (Load("torque", "hub", [0, 0, 1], Constant(2.0)),)
+    torque = (Torque("hub", [0, 0, 1], Constant(2.0)),)
     initial = initialize(hub_and_beam(coarse_beam, 4.0, loads=torque, t_end=0.06))
     lowered, state, work = initial.lowered, initial.state, initial.work
     run = Run(system=lowered.system, state=state, work=work, output=make_output(lowered, 1))

@@ -15,11 +15,11 @@ from duhamel.solver import (
     Contact,
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
     Harmonic,
     Impact,
     Impulse,
-    Load,
     Model,
     PointOnLine,
     Prismatic,
@@ -27,6 +27,7 @@ from duhamel.solver import (
     Settings,
     Spring,
     Start,
+    Torque,
     Universal,
     check,
     linearize,
@@ -63,7 +64,7 @@ def hinged(element, force):
     return model_of(
         {"beam": FlexibleBody(element, Start([0.5 * L, 0, 0]))},
         [universal, PointOnLine("ground.tip", "beam.tip", [1, 0, 0], name="tip")],
-        loads=[Load("force", "beam.tip", [1, 0, 0], Constant(force))],
+        loads=[Force("beam.tip", [1, 0, 0], Constant(force))],
         ground_frames={"tip": Frame([L, 0, 0])},
         start="equilibrium",
         t_end=1e-3,
@@ -94,8 +95,8 @@ def test_what_a_clamped_column_misses_is_less(beam, share):
         {"beam": FlexibleBody(beam.element, Start([0.5 * L, 0, 0]))},
         [Fixed("ground", "beam.root", name="clamp")],
         loads=[
-            Load("force", "beam.tip", [1, 0, 0], Constant(share * EULER)),
-            Load("force", "beam.tip", [0, 1, 0], Constant(1e-3)),
+            Force("beam.tip", [1, 0, 0], Constant(share * EULER)),
+            Force("beam.tip", [0, 1, 0], Constant(1e-3)),
         ],
         start="equilibrium",
         t_end=1e-3,
@@ -138,7 +139,7 @@ def test_a_blow_along_a_beam_counts_by_its_impulse(beam):
     h = 6e-5
     model = model_of(
         {"beam": FlexibleBody(beam.element)},
-        loads=[Load("force", "beam.tip", [1, 0, 0], Impulse(EULER * h, 0.003))],
+        loads=[Force("beam.tip", [1, 0, 0], Impulse(EULER * h, 0.003))],
         t_end=0.006,
         step=h,
     )
@@ -201,7 +202,7 @@ def test_a_rigid_mass_on_a_spring_has_its_steps_in_a_period(steps):
 def test_blows_and_steady_motion_are_no_vibration():
     """Nor is what gravity does, however few steps there are."""
     body = {"ball": RigidBody(1.0, [0.1] * 3, start=Start(velocity=[3.0, 0, 0]))}
-    blow = Load("force", "ball", [1, 0, 0], Impulse(5.0, 0.5))
+    blow = Force("ball", [1, 0, 0], Impulse(5.0, 0.5))
     results = simulate(model_of(body, loads=[blow], gravity=[0, 0, -G], step=1e-2))
     assert np.isnan(results.validity.values("steps_per_period")["ball"])
     assert not results.validity.warnings
@@ -209,7 +210,7 @@ def test_blows_and_steady_motion_are_no_vibration():
 
 def test_a_driven_mass_vibrates_with_its_force():
     body = {"ball": RigidBody(1.0, [0.1] * 3)}
-    force = Load("force", "ball", [1, 0, 0], Harmonic(1.0, 10.0))
+    force = Force("ball", [1, 0, 0], Harmonic(1.0, 10.0))
     found = simulate(model_of(body, loads=[force], step=1e-2)).validity
     assert found.values("steps_per_period")["ball"] == pytest.approx(10.0, rel=0.03)
 
@@ -257,7 +258,7 @@ def test_a_free_wheel_spins_about_its_axis_as_fast_as_it_likes():
 @pytest.mark.parametrize("moment", [Impulse(0.3, 0.05), Constant(3.0)])
 def test_moments_explain_what_a_free_body_gains(moment):
     wheel = RigidBody(1.0, [0.1, 0.1, 0.2], start=Start(angular_velocity=[0, 0, 5.0]))
-    load = Load("torque", "wheel", [1, 0, 0], moment)
+    load = Torque("wheel", [1, 0, 0], moment)
     validity = simulate(model_of({"wheel": wheel}, loads=[load], t_end=0.1, step=1e-3)).validity
     assert validity.values("angular_momentum")["wheel"] < 5e-3
 

@@ -13,8 +13,8 @@ from duhamel.solver import (
     Constant,
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
-    Load,
     Model,
     Place,
     Prismatic,
@@ -79,8 +79,8 @@ def held(beam, ends, P, kick=1e-4):
         bodies=bodies,
         joints=joints,
         loads=(
-            Load("force", "beam.tip", -P * X, Constant(1.0)),
-            Load("force", f"beam.{on}", [0, 1, 0], signal),
+            Force("beam.tip", -P * X, Constant(1.0)),
+            Force(f"beam.{on}", [0, 1, 0], signal),
         ),
         settings=Settings(t_end=20.0, step=STEP, rho_inf=0.9, start="equilibrium"),
     )
@@ -132,7 +132,7 @@ def test_clamps_that_do_not_move_stiffen_a_beam(P, tmp_path_factory):
             Fixed("ground", "beam.root", name="left"),
             Fixed("ground.right", "beam.tip", name="right"),
         ),
-        loads=(Load("force", "beam.middle", [0, P, 0], Constant(1.0)),),
+        loads=(Force("beam.middle", [0, P, 0], Constant(1.0)),),
         ground_frames={"right": Frame([1, 0, 0])},
         settings=Settings(t_end=0.01, step=1e-3, start="equilibrium"),
     )

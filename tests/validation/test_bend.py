@@ -20,7 +20,7 @@ from duhamel.solver import (
     Constant,
     Fixed,
     FlexibleBody,
-    Load,
+    Force,
     Model,
     Settings,
     Start,
@@ -78,7 +78,7 @@ def bend(folder, n):
             Fixed("ground", "b0.root", name="clamp"),
             *(Fixed(f"b{i}.tip", f"b{i + 1}.root", name=f"j{i}") for i in range(n - 1)),
         ),
-        loads=(Load("force", f"b{n - 1}.tip", [0, 0, FORCE], Constant(1.0)),),
+        loads=(Force(f"b{n - 1}.tip", [0, 0, FORCE], Constant(1.0)),),
         settings=Settings(start="equilibrium", t_end=0.05, step=1e-3),
     )
 

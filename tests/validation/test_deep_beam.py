@@ -28,12 +28,13 @@ import pytest
 from duhamel.solver import (
     Constant,
     FlexibleBody,
+    Force,
     Impulse,
-    Load,
     Model,
     PrescribedDisplacement,
     Settings,
     Start,
+    Torque,
     Universal,
     simulate,
 )
@@ -104,9 +105,9 @@ def test_the_frequencies_are_those_of_fv5(tmp_path):
     # Off the symmetries, so that every mode takes part.
     blow = Impulse(1.0, 0.0)
     loads = (
-        Load("force", "beam.n3", [0, 1e3, 1e3], blow),
-        Load("torque", "beam.n9", [1e3, 0, 0], blow),
-        Load("force", f"beam.n{ELEMENTS}", [1e3, 0, 0], blow),
+        Force("beam.n3", [0, 1e3, 1e3], blow),
+        Torque("beam.n9", [1e3, 0, 0], blow),
+        Force(f"beam.n{ELEMENTS}", [1e3, 0, 0], blow),
     )
     h = 4e-5
     results = simulate(supported(superelement(tmp_path), loads, t_end=1.0, step=h, rho_inf=0.99))
@@ -130,7 +131,7 @@ def uniform_load(signal):
     """Along y; the end nodes bear half an element."""
     share = FORCE * L / ELEMENTS
     return tuple(
-        Load("force", f"beam.n{i}", [0, share if 0 < i < ELEMENTS else 0.5 * share, 0], signal)
+        Force(f"beam.n{i}", [0, share if 0 < i < ELEMENTS else 0.5 * share, 0], signal)
         for i in range(ELEMENTS + 1)
     )
 

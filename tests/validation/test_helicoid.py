@@ -33,14 +33,15 @@ from duhamel.solver import (
     Cylindrical,
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
-    Load,
     Model,
     Place,
     Pulse,
     RigidBody,
     Settings,
     Start,
+    Torque,
     simulate,
 )
 
@@ -102,7 +103,7 @@ def ball_on(tip):
     return (
         {"ball": ball},
         (weld,),
-        (Load("force", "ball.center", BLOW.force, Pulse(1.0, BLOW.start, BLOW.end)),),
+        (Force("ball.center", BLOW.force, Pulse(1.0, BLOW.start, BLOW.end)),),
     )
 
 
@@ -128,8 +129,8 @@ def motion(part, n, force, pulse, gravity, ball=False):
             *more_joints,
         ),
         loads=(
-            Load("torque", "hub", [0, 0, TORQUE], Pulse(1.0, 0.0, pulse)),
-            Load("force", "hub", [0, 0, force], Pulse(1.0, 0.0, pulse)),
+            Torque("hub", [0, 0, TORQUE], Pulse(1.0, 0.0, pulse)),
+            Force("hub", [0, 0, force], Pulse(1.0, 0.0, pulse)),
             *more_loads,
         ),
         gravity=[0, 0, -gravity],

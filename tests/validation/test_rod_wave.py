@@ -12,7 +12,14 @@ to 1e-4.
 
 import numpy as np
 import pytest
-from duhamel.solver import Constant, FlexibleBody, Load, Model, Settings, simulate
+from duhamel.solver import (
+    Constant,
+    FlexibleBody,
+    Force,
+    Model,
+    Settings,
+    simulate,
+)
 
 from .straight_beam import along, beam_superelement
 
@@ -40,7 +47,7 @@ def motion(tmp_path_factory):
     )
     model = Model(
         bodies={"rod": FlexibleBody(rod)},
-        loads=(Load("force", "rod.near", [F, 0, 0], Constant(1.0)),),
+        loads=(Force("rod.near", [F, 0, 0], Constant(1.0)),),
         settings=Settings(t_end=2.0 * L / c, step=0.5 * L / (ELEMENTS * c), rho_inf=0.5),
     )
     results = simulate(model)

@@ -19,7 +19,7 @@ from duhamel.solver import (
     Constant,
     Fixed,
     FlexibleBody,
-    Load,
+    Force,
     Model,
     Revolute,
     RigidBody,
@@ -60,7 +60,7 @@ def tip_moves(folder: Path, pieces: int, spin: float) -> np.ndarray:
         carrier = f"b{i}.tip"
     start = {"start": "equilibrium", "steady_rotation": SteadyRotation(spin * Z)}
     settings = Settings(t_end=1e-4, step=1e-4, rho_inf=0.9, **start)
-    load = Load("force", carrier, 0.02 * Z, Constant(1.0))
+    load = Force(carrier, 0.02 * Z, Constant(1.0))
     results = simulate(Model(bodies, tuple(joints), loads=(load,), settings=settings))
     return results.frame(carrier).position[0] - POINTS[-1]
 

@@ -27,7 +27,6 @@ from duhamel.solver import (
     Fixed,
     FlexibleBody,
     Frame,
-    Load,
     Model,
     Place,
     Revolute,
@@ -35,6 +34,7 @@ from duhamel.solver import (
     Settings,
     Start,
     Steps,
+    Torque,
     simulate,
 )
 
@@ -63,7 +63,7 @@ def motion(beam, phi, C_0, rule, t_end=0.3):
             Revolute("ground", "hub", [0, 0, 1], name="pivot"),
             Fixed("hub.rim", "beam.root", name="clamp"),
         ),
-        loads=(Load("torque", "hub", [0, 0, C_0], Steps(TIMES, VALUES)),),
+        loads=(Torque("hub", [0, 0, C_0], Steps(TIMES, VALUES)),),
         settings=Settings(t_end=t_end, rule=rule),
     )
     results = simulate(model)

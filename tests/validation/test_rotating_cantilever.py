@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     FlexibleBody,
-    Load,
+    Force,
     Model,
     Polynomial,
     Pulse,
@@ -54,7 +54,7 @@ def kicked(beam, gamma, step=STEP, t_end=T_END, unit=1.0):
     model = Model(
         bodies={"beam": FlexibleBody(beam, Start(-root))},
         joints=(Revolute("ground", "beam.root", Z, name="drive", angle=Polynomial((0.0, gamma))),),
-        loads=(Load("force", "beam.tip", unit * KICK, Pulse(1.0, 0.0, 50 * step), follower=True),),
+        loads=(Force("beam.tip", unit * KICK, Pulse(1.0, 0.0, 50 * step), follower=True),),
         settings=Settings(
             t_end=t_end,
             step=step,

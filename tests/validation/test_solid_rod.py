@@ -21,7 +21,14 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from duhamel.solver import Constant, FlexibleBody, Load, Model, Settings, simulate
+from duhamel.solver import (
+    Constant,
+    FlexibleBody,
+    Force,
+    Model,
+    Settings,
+    simulate,
+)
 
 from .solid_bar import solid_superelement
 
@@ -84,7 +91,7 @@ def motion(request, tmp_path_factory):
     )
     model = Model(
         bodies={"rod": FlexibleBody(rod)},
-        loads=(Load("force", "rod.root", [F, 0, 0], Constant(1.0)),),
+        loads=(Force("rod.root", [F, 0, 0], Constant(1.0)),),
         settings=Settings(t_end=2.0 * L / c, step=case.step, rho_inf=RHO_INF),
     )
     print(f"{case.kind}: {len(rod.modes.omega)} modes, error {rod.kernel.error:.1e}")

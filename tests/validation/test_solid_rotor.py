@@ -17,7 +17,6 @@ from duhamel.solver import (
     Fixed,
     FlexibleBody,
     Frame,
-    Load,
     Model,
     Place,
     Revolute,
@@ -25,6 +24,7 @@ from duhamel.solver import (
     Settings,
     Start,
     Steps,
+    Torque,
     simulate,
 )
 
@@ -76,11 +76,7 @@ def motion(blade):
             Revolute("ground", "hub", [0, 0, 1], name="pivot"),
             Fixed("hub.rim", "blade.root", name="clamp"),
         ),
-        loads=(
-            Load(
-                "torque", "hub", [0, 0, 2.0], Steps((0.0, 0.05, 0.15, 0.2), (1.0, 0.0, -1.0, 0.0))
-            ),
-        ),
+        loads=(Torque("hub", [0, 0, 2.0], Steps((0.0, 0.05, 0.15, 0.2), (1.0, 0.0, -1.0, 0.0))),),
         settings=Settings(t_end=T_END, step=6e-5, rho_inf=0.9),
     )
     results = simulate(model)

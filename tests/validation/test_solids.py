@@ -26,7 +26,7 @@ from duhamel.solver import (
     Constant,
     Fixed,
     FlexibleBody,
-    Load,
+    Force,
     Model,
     Settings,
     Start,
@@ -156,7 +156,7 @@ def tip_response(part, length, t_end):
     model = Model(
         bodies={"bar": FlexibleBody(part, Start(position=[0.5 * length, 0, 0]))},
         joints=(Fixed("ground", "bar.root", name="clamp"),),
-        loads=(Load("force", "bar.tip", [0, 0, 1.0], Constant(1.0)),),
+        loads=(Force("bar.tip", [0, 0, 1.0], Constant(1.0)),),
         settings=Settings(t_end=t_end, step=STEP * length, rho_inf=0.9),
     )
     results = simulate(model)

@@ -10,14 +10,15 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     FlexibleBody,
+    Force,
     Frame,
-    Load,
     Model,
     Pulse,
     Settings,
     Spherical,
     Start,
     SteadyRotation,
+    Torque,
     linearize,
     simulate,
 )
@@ -69,8 +70,8 @@ def kicked(shaft, spin, t_end=T_END):
             Spherical("ground.right", "shaft.right", name="right"),
         ),
         loads=(
-            Load("force", "shaft.disk", [0, 0.3, 0], Pulse(1.0, 0.0, 1e-3)),
-            Load("torque", "shaft.disk", [0, 0, 0.1], Pulse(1.0, 0.0, 1e-3)),
+            Force("shaft.disk", [0, 0.3, 0], Pulse(1.0, 0.0, 1e-3)),
+            Torque("shaft.disk", [0, 0, 0.1], Pulse(1.0, 0.0, 1e-3)),
         ),
         ground_frames={"right": Frame([L, 0, 0])},
         settings=Settings(

@@ -14,9 +14,9 @@ from duhamel.solver import (
     Coupler,
     DamperLaw,
     FlexibleBody,
+    Force,
     Frame,
     Harmonic,
-    Load,
     MaxwellLaw,
     Model,
     Motor,
@@ -32,6 +32,7 @@ from duhamel.solver import (
     Start,
     TabulatedDamperLaw,
     TabulatedLaw,
+    Torque,
     UserLaw,
 )
 from duhamel.solver.arrays import Array
@@ -199,10 +200,10 @@ def make_model() -> Model:
             PrescribedRotation("turn", f"{turned}.i1", AXIS, Polynomial((0.0, 0.0, 5.0))),
         ),
         loads=(
-            Load("force", "modal.i1", [1.0, -2.0, 0.5], Constant(20.0)),
-            Load("force", "convolved.i1", [1.0, 2.0, 0.5], Pulse(9.0, 0.0, 0.01), follower=True),
-            Load("torque", "spherical", [1.0, 0.0, 2.0], Harmonic(7.0, 30.0)),
-            Load("torque", "modal.i0", [1.0, 1.0, 2.0], Constant(2.0), follower=True),
+            Force("modal.i1", [1.0, -2.0, 0.5], Constant(20.0)),
+            Force("convolved.i1", [1.0, 2.0, 0.5], Pulse(9.0, 0.0, 0.01), follower=True),
+            Torque("spherical", [1.0, 0.0, 2.0], Harmonic(7.0, 30.0)),
+            Torque("modal.i0", [1.0, 1.0, 2.0], Constant(2.0), follower=True),
         ),
         settings=Settings(t_end=STEPS * H, step=H, rho_inf=0.8),
         gravity=[0.0, 0.0, -9.81],

@@ -15,6 +15,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from duhamel.solver import (
     JOINTS,
+    LOADS,
     Constant,
     Contact,
     ConvergenceError,
@@ -22,7 +23,6 @@ from duhamel.solver import (
     Frame,
     Harmonic,
     Impact,
-    Load,
     Model,
     ModelError,
     OutOfRangeError,
@@ -266,7 +266,7 @@ def load(draw, sketch):
     direction = draw(vectors(1.0 if kind == "force" else 0.02))
     on = draw(st.sampled_from(sketch.frames() if kind == "force" else broad))
     follower = draw(st.booleans())
-    sketch.loads.append(Load(kind, on, direction, signal, follower=follower))
+    sketch.loads.append(LOADS[kind](on, direction, signal, follower=follower))
 
 
 @st.composite
