@@ -26,10 +26,8 @@ gigabytes.
 """
 RISE = 100.0
 """Of the low shift, where solutions do not converge with it."""
-WIDE = 48
-"""Columns that are corrected at once: one solution for all of them takes twice as long as for 12,
-and their residuals are to be small next to the basis.
-"""
+WIDE = 16
+"""Modes that are corrected at once: as many as solutions take at the price of fewer."""
 
 
 class KrylovSpace:

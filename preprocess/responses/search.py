@@ -126,7 +126,8 @@ class Search:
             errors[space.blocks] = max(found.error, found.lost)
             check = _next_check(errors, space.blocks, self._goal)
             n_c: int = space.structure.P_C.shape[0]
-            self._require_room(found, (check - space.blocks) * n_c)
+            more = (check - space.blocks) * n_c
+            self._require_room(found, more + (self._corrections(found) if space.rough else 0))
         modes, Q = self._modes_of(space.blocks)
         return Found(modes, Q, 0.0, np.zeros(len(modes.omega), dtype=bool))
 
@@ -155,12 +156,15 @@ class Search:
         """
         space, before = self.space, found
         while space.rough or not found.enough:
-            top = 2.0 * np.pi * self.band.top
-            inside = int((found.modes.omega <= top).sum())
-            self._require_room(found, inside + space.structure.P_C.shape[0])
-            space.correct(found.modes.omega, found.Q, top)
+            self._require_room(found, self._corrections(found))
+            space.correct(found.modes.omega, found.Q, 2.0 * np.pi * self.band.top)
             found = self._found(found.error)
         return replace(found, error=max(found.error, before.error))
+
+    def _corrections(self, found: Found) -> int:
+        """The vectors that a correction adds: of modes in the band, and of static responses."""
+        inside = found.modes.omega <= 2.0 * np.pi * self.band.top
+        return int(inside.sum()) + int(self.space.structure.P_C.shape[0])
 
     @property
     def _goal(self) -> float:

@@ -15,6 +15,10 @@ MOST_STEPS = 12
 """Steps after which the factor is no preconditioner: two or three are taken by bodies of solids."""
 SAFETY = 0.1
 """Share of the accuracy that is aimed at, for what is left is estimated."""
+COLUMNS = 16
+"""Solutions have multiples of so many columns, the last filled with zeros: rslab takes a fifth less
+time for 16 than for 12.
+"""
 BYTES = 0.5
 """Of a factor in double precision."""
 SECONDS = 0.55
@@ -96,7 +100,10 @@ def single_factor(S: Any) -> Callable[[Array], Array] | None:
         # Columns of length one: their squares are far from the ends of single precision.
         sizes = np.linalg.norm(R, axis=0)
         unit = np.where(sizes > 0.0, sizes, 1.0)
-        found: Array = factor.solve_many((R / unit).astype(np.float32)).astype(np.float64)
+        n, k = R.shape
+        filled = np.zeros((n, -(-k // COLUMNS) * COLUMNS), dtype=np.float32)
+        np.divide(R, unit, out=filled[:, :k], casting="same_kind")
+        found: Array = factor.solve_many(filled)[:, :k].astype(np.float64)
         found *= unit / scale
         return found
 
