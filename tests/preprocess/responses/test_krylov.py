@@ -9,18 +9,15 @@ import pytest
 import scipy.sparse as sp
 from duhamel.preprocess import MeshError, MethodError, assemble, build
 from duhamel.preprocess.body.body import Damping
+from duhamel.preprocess.responses.accuracy import solution_accuracy, unsolved_error
 from duhamel.preprocess.responses.band import Band
 from duhamel.preprocess.responses.basis import Basis
 from duhamel.preprocess.responses.condensation import condensed
 from duhamel.preprocess.responses.damping import damping_ratios
-from duhamel.preprocess.responses.krylov import (
-    KrylovSpace,
-    krylov_modes,
-    solution_accuracy,
-    unsolved_error,
-)
+from duhamel.preprocess.responses.krylov import KrylovSpace
 from duhamel.preprocess.responses.march import march_kernel
 from duhamel.preprocess.responses.modal import elastic_modes, elastic_shapes
+from duhamel.preprocess.responses.search import krylov_modes
 from duhamel.preprocess.solving.solver import factorized, iterated
 from duhamel.superelement import GeneralizedAlpha, Modes, sample_kernel
 
