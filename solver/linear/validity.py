@@ -123,8 +123,7 @@ def _of_body(pose: Pose, e: int, body: FlexibleBody, highest: float) -> Iterator
     kernel, modes, spin = body.superelement.kernel, body.superelement.modes, pose.speed
     yield "kernel_error", kernel.error
     if highest > 0.0:
-        h_min = 0.0 if modes is None else modes.h_min
-        band = min(kernel.band or np.inf, 0.25 / h_min if h_min > 0.0 else np.inf)
+        band = body.superelement.band
         if np.isfinite(band):
             yield "linear_band", highest / band
     if modes is None or not len(modes.omega):
