@@ -20,8 +20,13 @@ forces of translation have none about the center of mass:
 
     N = sum_i (e . X_i)(e . p_i) / L
 
-A body with fewer interfaces that turn is judged along its axis of least inertia as a uniform bar
-with its first frequency when free, omega_1^2 = 500.56 EI / (m L^3).
+A body with one interface that turns is judged along the line from there to its center of mass. A
+unit moment at the end of a uniform free bar, which the inertia of the bar balances, is
+1 - 3 s^2 + 2 s^3 along it, so that it turns that end by 13 L / (35 EI). With a heavy mass at both
+ends that is L / (3 EI), with one at the other end 17 L / (35 EI): a third at most, where its
+frequency would mislead by the ratio of masses. A body of which no interface turns is judged along
+its axis of least inertia as a uniform bar with its first frequency when free,
+omega_1^2 = 500.56 EI / (m L^3).
 
 Source: Timoshenko and Gere, Theory of Elastic Stability, 2.1; Blevins, Formulas for Natural
 Frequency and Mode Shape, table 8-1.
@@ -37,6 +42,8 @@ from ..model.bodies import FlexibleBody
 from ..step.system import AxialForces
 from .packing import packed
 
+TURN_OF_END = 13.0 / 35.0
+"""EI / L by which a unit moment at the end of a free uniform bar turns that"""
 FREE_BAR = 22.373**2
 """omega^2 m L^3 / EI of the first bending mode of a free uniform bar"""
 DIRECTIONS = 3
@@ -73,15 +80,19 @@ def _share(element: Superelement, h: float) -> float:
 
 def axial_weights(element: Superelement) -> list[Array]:
     """Rows w (n_c,) with N / P = w . p for loads p at the interfaces; none where P is unknown."""
-    lines = list(_lines_between(element)) or list(_line_of_bar(element))
+    turning = [interface for interface in element.interfaces if interface.rotations]
+    if len(turning) > 1:
+        lines = list(_lines_between(element, turning))
+    else:
+        lines = list(_line_from(element, turning[0]) if turning else _line_of_bar(element))
     return [_dipole(element, direction, factor) for direction, factor in lines]
 
 
-def _lines_between(element: Superelement) -> Iterator[tuple[Array, float]]:
+def _lines_between(
+    element: Superelement, interfaces: list[Interface]
+) -> Iterator[tuple[Array, float]]:
     """Directions between interfaces with 1 / (P L) = c / pi^2, the softest first."""
-    turning = _far_apart([i for i in element.interfaces if i.rotations])
-    if len(turning) < 2:
-        return
+    turning = _far_apart(interfaces)
     points = np.array([interface.X for interface in turning])
     rows = np.array([element.rows(interface.name).start + 3 for interface in turning])
     rotations = (rows[:, None] + np.arange(3)).ravel()
@@ -101,6 +112,18 @@ def _lines_between(element: Superelement) -> Iterator[tuple[Array, float]]:
         if len(chosen) < DIRECTIONS and all(abs(e[k] @ other) < PARALLEL for other in chosen):
             chosen.append(e[k])
             yield e[k], float(softness[k])
+
+
+def _line_from(element: Superelement, end: Interface) -> Iterator[tuple[Array, float]]:
+    """The direction from an interface to the center of mass, and 1 / (P L) by how it turns."""
+    apart = float(np.linalg.norm(end.X))
+    if apart <= 1e-6 * element.size:
+        return
+    e = end.X / apart
+    turns = slice(element.rows(end.name).start + 3, element.rows(end.name).stop)
+    across = np.eye(3) - np.outer(e, e)
+    softest = np.linalg.eigvalsh(across @ element.compliance[turns, turns] @ across)[-1]
+    yield e, float(softest) / TURN_OF_END / np.pi**2
 
 
 def _far_apart(interfaces: list[Interface]) -> list[Interface]:

@@ -18,8 +18,6 @@ from .pose import Pose
 
 SHARE = 0.01
 """of the inertia of a mode, from which on a body takes part in it"""
-EULER = np.pi**2 / 22.3733**2
-"""buckling load of a pinned bar over mass, length and the square of its first frequency, free"""
 _ROTATION = "make its superelement with [rotation], for terms of second order"
 LINEAR_CRITERIA = {
     criterion.name: criterion
@@ -50,7 +48,7 @@ LINEAR_CRITERIA = {
         Criterion(
             "axial_preload",
             "body",
-            "axial load / estimated buckling load",
+            "axial force / Euler load",
             "",
             0.02,
             0.05,
@@ -131,8 +129,7 @@ def _of_body(pose: Pose, e: int, body: FlexibleBody, highest: float) -> Iterator
     omega = np.sort(modes.omega)
     rotation = body.rotation
     if rotation is None or not _is_stiffened(body):
-        load = _axial_load(pose, e) / float(EULER * body.mass * omega[0] ** 2)
-        yield "axial_preload", load / float(pose.system.elastic.size[e])
+        yield "axial_preload", _axial_load(pose, e)
         if spin > 0.0:
             yield "linear_spin", spin / float(omega[0])
     elif spin > 0.0:
@@ -145,15 +142,11 @@ def _is_stiffened(body: FlexibleBody) -> bool:
 
 
 def _axial_load(pose: Pose, e: int) -> float:
-    """The largest load of an interface along the line from the center of mass to it [N]."""
-    elastic, frames, p = pose.system.elastic, pose.system.frames, pose.state.interfaces.p
-    largest = 0.0
-    for f in np.flatnonzero(frames.dof >= 0).tolist():
-        lever, dof = frames.X[f], int(frames.dof[f])
-        length = float(np.linalg.norm(lever))
-        if elastic.of_body[frames.body[f]] == e and length > 0.0:
-            largest = max(largest, abs(float(p[dof : dof + 3] @ lever)) / length)
-    return largest
+    """The largest axial force of a body over its Euler load, as runs have it (history/axial.py)."""
+    elastic, axial = pose.system.elastic, pose.system.elastic.axial
+    p = pose.state.interfaces.p[elastic.dof[e] : elastic.dof[e + 1]]
+    starts = axial.start[axial.body == e]
+    return max((abs(float(axial.weight[k : k + len(p)] @ p)) for k in starts), default=np.nan)
 
 
 def _highest(form: FirstOrder, modes: LinearModes, e: int) -> float:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from duhamel.preprocess import read_body
-from duhamel.preprocess.body.body import NonlinearCoordinates
+from duhamel.preprocess.body.body import NonlinearCoordinates, PointMass
 from duhamel.preprocess.body.selection import InterfaceSelection
 from duhamel.results.validity import CRITERIA
 from duhamel.solver import (
@@ -81,6 +81,36 @@ def test_an_axial_force_changes_the_frequency_by_half_its_share_of_eulers_load(b
     assert error == pytest.approx(abs((1.0 + share) ** -0.5 - 1.0), rel=0.05)
     assert validity.values("axial_load")["beam"] == pytest.approx(abs(share), rel=1e-3)
     assert warned(validity, "axial_load") == (error > 0.026)
+
+
+@pytest.mark.parametrize("places", [(0.0, L), (0.5 * L,)])
+def test_heavy_masses_change_neither_the_axial_force_nor_eulers_load(places):
+    """Whatever frequency the free body has by them: in runs, and in linear analysis."""
+    masses = {f"m{x}": PointMass(node=(x, 0.0, 0.0), mass=10.0 * MASS) for x in places}
+    model = hinged(make_beam(masses=masses).element, 0.06 * EULER)
+    validity, linear = start(model).validity, linearize(model).validity()
+    (preload,) = (c.value for c in linear.checks if c.criterion.name == "axial_preload")
+    assert [preload, validity.values("axial_load")["beam"]] == pytest.approx([0.06] * 2, rel=1e-3)
+    assert warned(validity, "axial_load")
+    assert any("axial force" in line for line in linear.warnings)
+
+
+@pytest.mark.parametrize("mass", [1.0, 10.0, 100.0])
+def test_a_heavy_tip_that_hangs_on_a_beam_with_one_interface(mass):
+    """Its weight is the axial force, which the value tells to a third."""
+    masses = {"tip": PointMass(node=(L, 0.0, 0.0), mass=mass * MASS)}
+    root = {"root": PAPERS.interfaces["root"]}
+    element = make_beam(masses=masses, interfaces=root).element
+    weight = (mass + 0.5) * MASS
+    model = model_of(
+        {"beam": FlexibleBody(element, Start(-element.interface("root").X))},
+        [Joint("clamp", "fixed", ("ground", "beam.root"))],
+        gravity=[0.05 * EULER / weight, 0, 0],
+        start="equilibrium",
+        t_end=1e-3,
+        step=1e-4,
+    )
+    assert 0.045 < start(model).validity.values("axial_load")["beam"] < 0.067
 
 
 @pytest.mark.parametrize("share", [-0.045, 0.045])
