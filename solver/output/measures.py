@@ -193,7 +193,7 @@ _LIST = (
     Measure(
         "contact_steps",
         lambda s: s.of_couplings(s.contacts, "contact"),
-        lambda r: np.where(r.extremes.shortest > 0, r.extremes.shortest, np.nan),
+        lambda r: np.where(r.extremes.shortest > 0, r.extremes.shortest * r.subjects.rises, np.nan),
     ),
     Measure(
         "contact_arm",

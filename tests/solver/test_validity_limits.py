@@ -34,6 +34,7 @@ from duhamel.solver.history.axial import axial_weights
 from duhamel.solver.model.rigid_outline import box_of_inertia
 from duhamel.superelement import Outline, Recovery
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 from .conftest import BEAM, line_mesh, make_beam
@@ -395,3 +396,54 @@ def test_a_body_of_unknown_volume_is_taken_for_steel(bar):
 def test_a_body_without_stresses_misses_none(bar):
     bare = replace(bar, recovery=replace(bar.recovery, stress=None))
     assert not spinning(bare, 100.0).values("missing_stress")
+
+
+# Steps of an impact
+
+
+@pytest.mark.parametrize("steps", [20, 42])
+@pytest.mark.parametrize("restitution", [1.0, 0.5, 0.1])
+def test_the_peak_of_an_impact_is_right_to_two_per_cent_or_warned_of(restitution, steps):
+    """Of a ball on a wall, the worst of four phases of the contact in its step."""
+    e, m, speed, K, radius = restitution, 0.03, 1.0, 3e7, 0.01
+    damped = 0.0
+    if e < 1.0:  # a (1 + e) = ln((1 + a) / (1 - e a))
+        damped = brentq(
+            lambda a: a * (1.0 + e) - np.log((1.0 + a) / (1.0 - e * a)), 1e-6, (1.0 - 1e-9) / e
+        )
+
+    def force(d, rate):
+        return np.maximum(0.0, K * d * (1.0 + damped * rate / speed))
+
+    period = 2.0 * np.pi * np.sqrt(m / K)
+    right = solve_ivp(
+        lambda t, y: [y[1], -force(*y) / m],
+        (0, 6.0 * period),
+        [0.0, speed],
+        rtol=1e-9,
+        atol=1e-15,
+        max_step=period / 500,
+    )
+    closed = right.y[0] >= 0.0
+    duration, peak = right.t[closed][-1], force(*right.y).max()
+    h, errors, warnings = duration / steps, [], []
+    for phase in np.arange(4) / 4.0:
+        start_ = Start([0, 0, radius + speed * (2.0 + phase) * h], velocity=[0, 0, -speed])
+        wall = Contact(
+            "wall",
+            ("ground.wall", "ball"),
+            "plane",
+            ball=radius,
+            axis=[0, 0, 1],
+            impact=Impact(stiffness=K, restitution=e),
+        )
+        ball = RigidBody(m, [1e-6] * 3, start=start_)
+        settings = Settings(t_end=1.3 * duration + 5 * h, step=h)
+        model = Model(
+            {"ball": ball}, contacts=[wall], ground_frames={"wall": Frame()}, settings=settings
+        )
+        results = simulate(model)
+        errors.append(abs(np.abs(results.contact("wall").force).max() / peak - 1.0))
+        warnings.append(warned(results.validity, "contact_steps"))
+    assert max(errors) < 0.02 or all(warnings)
+    assert max(errors) > 0.005 or not any(warnings)
