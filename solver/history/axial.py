@@ -20,6 +20,10 @@ forces of translation have none about the center of mass:
 
     N = sum_i (e . X_i)(e . p_i) / L
 
+A spin omega adds the tension of the centrifugal forces about the center of mass,
+
+    N = (omega^2 - (e . omega)^2) int (e . x)^2 dm / L,       int x x^T dm = tr J / 2 I - J
+
 A body with one interface that turns is judged along the line from there to its center of mass. A
 unit moment at the end of a uniform free bar, which the inertia of the bar balances, is
 1 - 3 s^2 + 2 s^3 along it, so that it turns that end by 13 L / (35 EI). With a heavy mass at both
@@ -58,16 +62,29 @@ def lay_out_axial(bodies: Collection[FlexibleBody], h: float) -> AxialForces:
     """The axial forces of all bodies that stress does not stiffen, for steps h [s]."""
     shares: list[float] = []
     weights: list[Array] = []
+    lines: list[Array] = []
+    spreads: list[float] = []
     of_body: list[int] = []
     for e, body in enumerate(bodies):
         if body.rotation is not None and body.rotation.stiffens:
             continue
-        for weight in axial_weights(body.superelement):
+        element = body.superelement
+        for line, factor in _lines(element):
+            weight = _dipole(element, line, factor)
             weights.append(np.pad(weight, (0, body.n_dofs - len(weight))))
+            lines.append(line)
+            spreads.append(factor * _second_moment(element, line))
             of_body.append(e)
-            shares.append(_share(body.superelement, h))
+            shares.append(_share(element, h))
     together, start = packed(weights, range(len(weights)))
-    return AxialForces(body=as_index(of_body), start=start, weight=together, share=np.array(shares))
+    return AxialForces(
+        body=as_index(of_body),
+        start=start,
+        weight=together,
+        line=np.array(lines).reshape(-1, 3),
+        spread=np.array(spreads),
+        share=np.array(shares),
+    )
 
 
 def _share(element: Superelement, h: float) -> float:
@@ -80,12 +97,15 @@ def _share(element: Superelement, h: float) -> float:
 
 def axial_weights(element: Superelement) -> list[Array]:
     """Rows w (n_c,) with N / P = w . p for loads p at the interfaces; none where P is unknown."""
+    return [_dipole(element, line, factor) for line, factor in _lines(element)]
+
+
+def _lines(element: Superelement) -> list[tuple[Array, float]]:
+    """Directions (3,) with 1 / (P L)."""
     turning = [interface for interface in element.interfaces if interface.rotations]
     if len(turning) > 1:
-        lines = list(_lines_between(element, turning))
-    else:
-        lines = list(_line_from(element, turning[0]) if turning else _line_of_bar(element))
-    return [_dipole(element, direction, factor) for direction, factor in lines]
+        return list(_lines_between(element, turning))
+    return list(_line_from(element, turning[0]) if turning else _line_of_bar(element))
 
 
 def _lines_between(
@@ -144,6 +164,11 @@ def _line_of_bar(element: Superelement) -> Iterator[tuple[Array, float]]:
         axis: Array = np.linalg.eigh(element.J_rot)[1][:, 0]
         stiffness = float(element.modes.omega.min()) ** 2 * element.mass / FREE_BAR
         yield axis, 1.0 / (np.pi**2 * stiffness * element.size**2)
+
+
+def _second_moment(element: Superelement, e: Array) -> float:
+    """int (e . x)^2 dm about the center of mass [kg m^2]"""
+    return float(0.5 * np.trace(element.J_rot) - e @ element.J_rot @ e)
 
 
 def _dipole(element: Superelement, e: Array, factor: float) -> Array:

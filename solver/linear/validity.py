@@ -13,6 +13,7 @@ import numpy as np
 from ...results.validity import CRITERIA, Check, Criterion, Validity
 from ..arrays import Array
 from ..model.bodies import FlexibleBody
+from ..step.axial import axial_force
 from .modes import FirstOrder, LinearModes
 from .pose import Pose
 
@@ -142,11 +143,10 @@ def _is_stiffened(body: FlexibleBody) -> bool:
 
 
 def _axial_load(pose: Pose, e: int) -> float:
-    """The largest axial force of a body over its Euler load, as runs have it (history/axial.py)."""
-    elastic, axial = pose.system.elastic, pose.system.elastic.axial
-    p = pose.state.interfaces.p[elastic.dof[e] : elastic.dof[e + 1]]
-    starts = axial.start[axial.body == e]
-    return max((abs(float(axial.weight[k : k + len(p)] @ p)) for k in starts), default=np.nan)
+    """The largest axial force of a body over its Euler load, as runs have it (step/axial.py)."""
+    elastic = pose.system.elastic
+    own = np.flatnonzero(elastic.axial.body == e).tolist()
+    return max((abs(axial_force(elastic, i, pose.state)) for i in own), default=np.nan)
 
 
 def _highest(form: FirstOrder, modes: LinearModes, e: int) -> float:

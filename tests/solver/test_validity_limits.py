@@ -25,6 +25,7 @@ from duhamel.solver import (
     Settings,
     Spring,
     Start,
+    SteadyRotation,
     check,
     linearize,
     simulate,
@@ -94,6 +95,38 @@ def test_heavy_masses_change_neither_the_axial_force_nor_eulers_load(places):
     assert [preload, validity.values("axial_load")["beam"]] == pytest.approx([0.06] * 2, rel=1e-3)
     assert warned(validity, "axial_load")
     assert any("axial force" in line for line in linear.warnings)
+
+
+@pytest.mark.parametrize("spin", [0.029, 0.049])
+@pytest.mark.parametrize("mass", [0.0, 10.0, 100.0])
+def test_heavy_ends_of_a_free_beam_that_spins_stretch_it(mass, spin):
+    """By M Omega^2 L / 2, and its own mass by m Omega^2 L / 12 in the mean.
+
+    The bending frequency across the plane of rotation rises as that of a hinged beam at most.
+    """
+    ends = (0.0, L) if mass else ()
+    masses = {f"m{x}": PointMass(node=(x, 0.0, 0.0), mass=mass * MASS) for x in ends}
+    elements = [
+        make_beam(masses=masses, **changes).element
+        for changes in ({}, {"rotation": NonlinearCoordinates(modes=8)})
+    ]
+    omega = spin * elements[0].modes.omega.min()
+    found = []
+    for element in elements:
+        model = model_of({"beam": FlexibleBody(element)}, t_end=6e-4, step=6e-5)
+        linear = linearize(model, SteadyRotation([0, 0, omega]))
+        frequencies = linear.modes(12).frequencies
+        found.append(frequencies[frequencies > 0.3 * element.modes.frequencies.min()].min())
+        if element is elements[0]:
+            (preload,) = (
+                c.value for c in linear.validity().checks if c.criterion.name == "axial_preload"
+            )
+    turning = FlexibleBody(elements[0], Start(angular_velocity=[0, 0, omega]))
+    validity = simulate(model_of({"beam": turning}, t_end=6e-4, step=6e-5)).validity
+    force = (mass / 2.0 + 1.0 / 12.0) * MASS * omega**2 * L / EULER
+    assert preload == pytest.approx(force, rel=1e-3)
+    assert validity.values("axial_load")["beam"] == pytest.approx(force, rel=1e-3)
+    assert abs(found[0] / found[1] - 1.0) < 0.026 or warned(validity, "axial_load")
 
 
 @pytest.mark.parametrize("mass", [1.0, 10.0, 100.0])

@@ -171,7 +171,7 @@ def in_motion(case, clamp, far, converge=False):
         right = dense_motion(h / FINER, FINER * STEPS, 1.0).eta[:: 2 * FINER] @ at.T
         coarse = simulate(replace(model, settings=replace(model.settings, step=2.0 * h)))
         errors = [relative(x, force * right) for x in (moved(coarse), found[::2])]
-        # A quarter where all that the pulse excites has many steps; errors of 20 % are not there yet.
+        # A quarter once all that the pulse excites has many steps, where errors are not 20 %.
         assert errors[1] < max(0.7 * errors[0], NONLINEAR * SMALL[far])
 
     frequencies = trial.chosen["f"] * np.array([0.1, 0.45, 0.93, 1.31, 2.2, 3.7])
