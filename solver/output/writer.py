@@ -25,7 +25,6 @@ from ..start.damping import damping_of
 from ..start.initial import InitialState
 from .columns import requested
 from .inputs import drifts
-from .measures import bands_of
 from .size import check_memory
 from .space import space_of
 from .validity import Judge
@@ -171,7 +170,7 @@ def _notes_of_signals(lowered: LoweredModel, steps: int) -> dict[str, Any]:
     digests of the files of recorded signals, and of the superelements of rigid bodies; bands: a
     line for each flexible body whose superelement is right up to a frequency [Hz].
     """
-    bands = bands_of(lowered.superelements).tolist()
+    bands = [element.band for element in lowered.superelements]
     of_bodies = zip(bands, lowered.model.flexible_bodies, strict=True)
     bodies = lowered.model.bodies.values()
     rigid = [b.source for b in bodies if isinstance(b, RigidSuperelement) and b.source]

@@ -355,6 +355,24 @@ def test_an_exhausted_space_gives_the_exact_kernel(beam_body, beam):
     assert difference(g, expected).max() < 1e-9
 
 
+def test_a_band_above_all_modes_of_a_coarse_mesh_gives_all_of_them(solid_body, box):
+    """Then nothing is left beyond the band that could be condensed."""
+    impulse = {"step": 1e-8, "steps": 2}
+    made = {
+        method: build(
+            solid_body(
+                box("tetra", (0.1, 0.1, 0.1), (2, 2, 1)), impulse={**impulse, "method": method}
+            )
+        )
+        for method in ("krylov", "modal")
+    }
+    found, right = made["krylov"], made["modal"]
+    assert found.kernel.band > right.modes.frequencies.max()
+    for name in ("compliance", "accelerance"):
+        expected = getattr(right, name)
+        np.testing.assert_allclose(getattr(found, name), expected, atol=1e-9 * expected.max())
+
+
 def test_shapes_are_the_modes_of_the_whole_mesh(block):
     """At the interfaces phi; everywhere mass-normalized, elastic, and with stiffness omega^2; by
     both methods.
