@@ -55,7 +55,7 @@ At = Annotated[
     typer.Option(
         "--at",
         metavar="SECONDS",
-        help="The instant of loads [s], or worst, that of the largest load.",
+        help="The instant of loads, or worst, that of the largest load.",
         show_default=False,
     ),
 ]
@@ -63,12 +63,8 @@ BodyNames = Annotated[
     list[str] | None,
     typer.Option("--body", metavar="NAME", help="For loads; all flexible bodies unless given."),
 ]
-Start = Annotated[
-    float | None, typer.Option("--from", metavar="SECONDS", help="From this time [s].")
-]
-End = Annotated[
-    float | None, typer.Option("--until", metavar="SECONDS", help="Up to this time [s].")
-]
+Start = Annotated[float | None, typer.Option("--from", metavar="SECONDS", help="From this time.")]
+End = Annotated[float | None, typer.Option("--until", metavar="SECONDS", help="Up to this time.")]
 Frames = Annotated[
     int | None,
     typer.Option(min=1, help=f"Steps for vtk, evenly over time: {MOST} unless given."),

@@ -46,7 +46,7 @@ Static = Annotated[bool, typer.Option("--static", help="Static influence coeffic
 ModeCount = Annotated[int, typer.Option("-n", "--modes", min=1, max=10_000, help="How many.")]
 Spins = Annotated[
     tuple[float, float, int],
-    typer.Option("--spin", metavar="FROM TO COUNT", help="Speeds [rad/s]."),
+    typer.Option("--spin", metavar="FROM TO COUNT", help="Speeds in rad/s."),
 ]
 Orders = Annotated[
     str, typer.Option(metavar="ORDER,ORDER", help="Engine orders: times a revolution.")
@@ -90,7 +90,8 @@ def frf(
     target = output or model_file.with_name(f"{model_file.stem}-frf.png")
     with errors_in_one_line(solver, superelement, view):
         _require_no_model(target, model_file)
-        linear = solver.linearize(solver.read_model(model_file))
+        model = solver.read_model(model_file)
+        linear = solver.linearize(model)
         if static:
             response = linear.static(inputs, outputs)
             Console().print(static_table(response))
@@ -103,7 +104,9 @@ def frf(
         known = linear.known_modes()
         if band is None and known is None:
             raise typer.BadParameter("--band: needed where a body is known by a kernel alone")
-        frequencies = grid(band or band_of(known), points, known)  # type: ignore[arg-type]
+        flexible = model.flexible_bodies.values()
+        limit = min((body.superelement.kernel.band for body in flexible), default=float("inf"))
+        frequencies = grid(band or band_of(known, limit), points, known)  # type: ignore[arg-type]
         kinds = bodies or ["dynamic"]
         responses = {
             f", {kind}" if len(kinds) > 1 else "": linear.frf(inputs, outputs, frequencies, kind)  # type: ignore[arg-type]

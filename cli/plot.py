@@ -45,18 +45,18 @@ Title = Annotated[
 Gravities = Annotated[bool, typer.Option("--g", help="Accelerations in g = 9.80665 m/s².")]
 Start = Annotated[
     float | None,
-    typer.Option("--from", metavar="SECONDS", help="From this time [s], spectra too."),
+    typer.Option("--from", metavar="SECONDS", help="From this time, spectra too."),
 ]
 End = Annotated[
     float | None,
-    typer.Option("--to", "--until", metavar="SECONDS", help="Up to this time [s], spectra too."),
+    typer.Option("--to", "--until", metavar="SECONDS", help="Up to this time, spectra too."),
 ]
 Names = Annotated[
     str | None,
     typer.Option(metavar="NAME,NAME", help="Of several files, in the legend."),
 ]
 Size = Annotated[
-    str | None, typer.Option(metavar="WIDTHxHEIGHT", help="Of the picture [inch], as 8x5.")
+    str | None, typer.Option(metavar="WIDTHxHEIGHT", help="Of the picture in inches, as 8x5.")
 ]
 Fields = Annotated[
     list[str] | None,

@@ -8,6 +8,8 @@ from importlib.metadata import version
 import duhamel
 import pytest
 from duhamel.cli import app
+from rich.text import Text
+from typer.main import get_command
 
 
 def test_the_version_is_told(runner):
@@ -24,6 +26,13 @@ def test_the_package_runs_as_a_module(module):
 
 def test_the_package_says_its_version():
     assert duhamel.__version__ == version("duhamel")
+
+
+def test_no_word_of_help_is_taken_for_markup():
+    """As a unit in brackets: "[s]" is what rich strikes through."""
+    for command in get_command(app).commands.values():
+        for text in (command.help, *(getattr(each, "help", "") for each in command.params)):
+            assert Text.from_markup(text or "").plain == (text or "")
 
 
 def test_help_says_where_to_begin():
