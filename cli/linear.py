@@ -9,6 +9,9 @@ import typer
 from .arguments import ModelFile
 from .failures import errors_in_one_line, one_line
 
+WELL_WITHIN = 0.75
+"""of the band of a superelement: there a response needs no remark"""
+
 LinearOutput = Annotated[
     Path | None,
     typer.Option(
@@ -104,8 +107,8 @@ def frf(
         known = linear.known_modes()
         if band is None and known is None:
             raise typer.BadParameter("--band: needed where a body is known by a kernel alone")
-        flexible = model.flexible_bodies.values()
-        limit = min((body.superelement.kernel.band for body in flexible), default=float("inf"))
+        bands = [body.superelement.kernel.band for body in model.flexible_bodies.values()]
+        limit = min((WELL_WITHIN * width for width in bands if width), default=float("inf"))
         frequencies = grid(band or band_of(known, limit), points, known)  # type: ignore[arg-type]
         kinds = bodies or ["dynamic"]
         responses = {
@@ -185,9 +188,13 @@ def _require_no_model(target: Path | None, model_file: Path) -> None:
 def _write(target: Path, rows: list[list[str]], picture: Callable[[], Any] | None) -> None:
     """A table where the suffix is .csv, else a picture."""
     from .. import files, view
+    from ..files.outputs import in_words
 
     if target.suffix.lower() == ".csv":
-        files.write_rows(target, rows)
+        try:
+            files.write_rows(target, rows)
+        except OSError as error:
+            raise view.PictureError(f"{target}: cannot be written: {in_words(error)}") from error
     elif picture is None:
         raise view.PictureError(f"{target}: expected a table, .csv")
     else:

@@ -103,7 +103,7 @@ def grid(band: tuple[float, float], n: int, modes: LinearModes | None) -> Array:
 def band_of(modes: LinearModes, limit: float = np.inf) -> tuple[float, float]:
     """From a fifth of the first frequency to twice the tenth, but not beyond a limit [Hz].
 
-    limit: the least band of the superelements; a first frequency beyond it stays in the band.
+    limit: where the superelements end; a first frequency beyond it is shown all the same.
     """
     moving = np.sort(modes.frequencies[modes.frequencies > 0.0])
     if not len(moving):

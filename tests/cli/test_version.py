@@ -4,6 +4,7 @@ import pydoc
 import subprocess
 import sys
 from importlib.metadata import version
+from pathlib import Path
 
 import duhamel
 import pytest
@@ -45,3 +46,18 @@ def test_the_package_itself_loads_nothing():
     code = "import sys; before = set(sys.modules); import duhamel; print(set(sys.modules) - before)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "{'duhamel'}\n"
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="Linux has it")
+@pytest.mark.parametrize("words", ["--help", "run --help", "schema model"])
+def test_a_full_disk_under_the_output_is_one_line(words):
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "duhamel", *words.split()],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
+    assert done.returncode == 1
+    assert done.stderr == ("error: standard output: cannot be written: No space left on device\n")
