@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from .arguments import ResultsFile
+from .arguments import ResultsFile, time_or_worst
 from .failures import errors_in_one_line, one_line
 
 if TYPE_CHECKING:
@@ -149,15 +149,7 @@ def _instant(
             raise typer.BadParameter(f"--at and --body go with --to abaqus or nastran, found {to}")
     elif start is not None or end is not None:
         raise typer.BadParameter("loads are those of an instant: --at, not --from and --until")
-    if at is None or at == "worst":
-        return "worst"
-    try:
-        time = float(at)
-    except ValueError:
-        time = float("nan")
-    if not isfinite(time):
-        raise typer.BadParameter(f"--at: expected a time [s] or worst, found {at!r}")
-    return time
+    return time_or_worst(at)
 
 
 def _write_vtk(

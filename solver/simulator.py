@@ -5,7 +5,6 @@ import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import numpy as np
@@ -223,19 +222,14 @@ class Simulator:
     def __enter__(self) -> "Simulator":
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *failure: Any) -> None:
         if self._recording is None:
             return
-        if error is None:
+        if failure[1] is None:
             self.finish()
         else:
             self._recording.keep(self._number, self._output)
-            self._recording.abandon(kind, error, trace)
+            self._recording.abandon(*failure)
             self._recording = None
 
     def save(self) -> Moment:
