@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..files.blas import one_blas_thread
 from ..results.motion import Energy, Events
 from ..results.results import Results
 from ..results.schema import QUANTITIES, Batch, Energies
@@ -89,7 +90,7 @@ class Simulator:
         path = None if results is None else Path(results)
         if path is not None:
             check_output(path, model)
-        with about(model.path):
+        with about(model.path), one_blas_thread():
             lowered, source = lower_to_start(model)
             if lowered.flight is not None:
                 raise ModelError("simulation: contact_step: a Simulator takes steps of one size")
