@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from ...files import FileError, require_regular
-from ...files.outputs import clash
+from ...files.outputs import clash, in_words
 from ...results.file import Extent, FileSource, FileWriter
 from ...results.results import Results
 from ...results.schema import Contents
@@ -39,7 +39,7 @@ def check_output(path: Path, model: Model) -> None:
     except FileNotFoundError:
         return
     except (FileError, OSError) as error:
-        raise ResultsError(f"{path}: cannot be written: {error}") from error
+        raise ResultsError(f"{path}: cannot be written: {in_words(error)}") from error
     inputs: dict[str | os.PathLike[str], str] = {model.path: "the model file"}
     for name, body in model.bodies.items():
         if isinstance(body, FlexibleBody | RigidSuperelement):

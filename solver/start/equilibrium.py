@@ -91,6 +91,13 @@ def _negligible(lowered: LoweredModel) -> Array:
     return limits
 
 
+def _negligible_references(lowered: LoweredModel) -> Array:
+    """Rates of the references of motors that count as none (n_motors,), as those of drives."""
+    times = np.linspace(0.0, lowered.model.settings.t_end, SAMPLES)
+    rates = lowered.motor_signals[2::3]
+    return STEADY * np.array([np.abs(rate.samples(times, lowered.h)).max() for rate in rates])
+
+
 def check_steady(
     lowered: LoweredModel, motion: SteadyMotion | None, state: State, work: Workspace
 ) -> None:
@@ -122,6 +129,7 @@ def check_steady(
     speed = float(np.linalg.norm(Omega))
     allowed = STEADY * np.where(lengths, speed * lowered.system.bodies.size, speed)
     allowed += np.array([*_negligible(lowered)[:, 0], 0.0])[couplings.drive]
+    allowed[laws.motors.row] += _negligible_references(lowered)
     if not (rates > allowed).any():
         return
     i = int(np.argmax(rates - allowed))

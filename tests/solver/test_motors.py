@@ -401,6 +401,15 @@ def test_a_reference_that_moves_is_no_equilibrium():
         start(moving)
 
 
+def test_a_reference_at_rest_but_for_rounding_is_an_equilibrium():
+    """A sine from its trough: the cosine of a float near pi / 2 is 6e-17, not 0."""
+    trough = Harmonic(0.3, 2.0, phase=-np.pi / 2, offset=0.3)
+    model = wheel(servo(stiffness=40.0, damping=3.0, reference=trough), t_end=0.1)
+    run = simulate(model.with_settings(start="equilibrium"))
+    assert run.joint("axle").angle[0] == pytest.approx(0.0, abs=1e-12)
+    assert run.joint("axle").angle_rate[0] == 0.0
+
+
 def test_angles_count_over_full_turns():
     """A reference of two turns from the start, and a start after three, with a stop there."""
     path = SmoothFunction(
