@@ -41,19 +41,17 @@ Magnify = Annotated[
 ]
 FromTime = Annotated[
     float | None,
-    typer.Option("--from", metavar="SECONDS", help="From this time [s].", show_default=False),
+    typer.Option("--from", metavar="SECONDS", help="From this time.", show_default=False),
 ]
 ToTime = Annotated[
     float | None,
-    typer.Option(
-        "--to", "--until", metavar="SECONDS", help="Up to this time [s].", show_default=False
-    ),
+    typer.Option("--to", "--until", metavar="SECONDS", help="Up to this time.", show_default=False),
 ]
 AtTime = Annotated[
     str | None,
     typer.Option(
         metavar="SECONDS|worst",
-        help="One picture, of a time [s] or of the largest value of the field.",
+        help="One picture, of a time or of the largest value of the field.",
         show_default=False,
     ),
 ]

@@ -1,7 +1,8 @@
 """Arguments that several commands have: files that they read, completed by their suffixes."""
 
+from math import isfinite
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -28,3 +29,16 @@ ResultsFile = Annotated[
         autocompletion=files(*HDF5, ".nc"),
     ),
 ]
+
+
+def time_or_worst(at: str | None) -> "float | Literal['worst']":
+    """What --at says: a time [s], or "worst", which it is unless given."""
+    if at is None or at == "worst":
+        return "worst"
+    try:
+        time = float(at)
+    except ValueError:
+        time = float("nan")
+    if not isfinite(time):
+        raise typer.BadParameter(f"--at: expected a time [s] or worst, found {at!r}")
+    return time

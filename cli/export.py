@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from .arguments import ResultsFile
+from .arguments import ResultsFile, time_or_worst
 from .failures import errors_in_one_line, one_line
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ At = Annotated[
     typer.Option(
         "--at",
         metavar="SECONDS",
-        help="The instant of loads [s], or worst, that of the largest load.",
+        help="The instant of loads, or worst, that of the largest load.",
         show_default=False,
     ),
 ]
@@ -63,12 +63,8 @@ BodyNames = Annotated[
     list[str] | None,
     typer.Option("--body", metavar="NAME", help="For loads; all flexible bodies unless given."),
 ]
-Start = Annotated[
-    float | None, typer.Option("--from", metavar="SECONDS", help="From this time [s].")
-]
-End = Annotated[
-    float | None, typer.Option("--until", metavar="SECONDS", help="Up to this time [s].")
-]
+Start = Annotated[float | None, typer.Option("--from", metavar="SECONDS", help="From this time.")]
+End = Annotated[float | None, typer.Option("--until", metavar="SECONDS", help="Up to this time.")]
 Frames = Annotated[
     int | None,
     typer.Option(min=1, help=f"Steps for vtk, evenly over time: {MOST} unless given."),
@@ -153,15 +149,7 @@ def _instant(
             raise typer.BadParameter(f"--at and --body go with --to abaqus or nastran, found {to}")
     elif start is not None or end is not None:
         raise typer.BadParameter("loads are those of an instant: --at, not --from and --until")
-    if at is None or at == "worst":
-        return "worst"
-    try:
-        time = float(at)
-    except ValueError:
-        time = float("nan")
-    if not isfinite(time):
-        raise typer.BadParameter(f"--at: expected a time [s] or worst, found {at!r}")
-    return time
+    return time_or_worst(at)
 
 
 def _write_vtk(

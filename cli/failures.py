@@ -1,5 +1,6 @@
 """Errors and warnings of the packages as lines of text."""
 
+import errno
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,12 +11,21 @@ from typing import Any, NoReturn
 import typer
 from typer.core import TyperGroup
 
+from ..files.outputs import in_words
+
 LONGEST = 2000
 """characters of a line"""
 
 
 class Commands(TyperGroup):
     """The commands; what the machine refuses them is told in one line, wherever it happens."""
+
+    def make_context(self, *names: Any, **more: Any) -> Any:
+        """Read the options, of which some print: what the machine refuses them is told as well."""
+        try:
+            return super().make_context(*names, **more)
+        except OSError as error:
+            _fail(_of_the_system(error), error)
 
     def invoke(self, ctx: Any) -> Any:
         try:
@@ -25,9 +35,21 @@ class Commands(TyperGroup):
         except RecursionError as error:
             _fail(f"nested too deep: {error}", error)
         except OSError as error:
-            _fail(str(error), error)
+            _fail(_of_the_system(error), error)
         except KeyboardInterrupt as interrupt:
             _stop(interrupt)
+
+
+def _of_the_system(error: OSError) -> str:
+    """What the system said; where nothing names a file, it was the output that is full.
+
+    A reader that has gone, as `head`, is passed on: that is no error worth a line.
+    """
+    if error.errno == errno.EPIPE:
+        raise error
+    if error.filename is None and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
+        return f"standard output: cannot be written: {in_words(error)}"
+    return str(error)
 
 
 def one_line(text: object) -> str:

@@ -9,6 +9,9 @@ import typer
 from .arguments import ModelFile
 from .failures import errors_in_one_line, one_line
 
+WELL_WITHIN = 0.75
+"""of the band of a superelement: there a response needs no remark"""
+
 LinearOutput = Annotated[
     Path | None,
     typer.Option(
@@ -46,7 +49,7 @@ Static = Annotated[bool, typer.Option("--static", help="Static influence coeffic
 ModeCount = Annotated[int, typer.Option("-n", "--modes", min=1, max=10_000, help="How many.")]
 Spins = Annotated[
     tuple[float, float, int],
-    typer.Option("--spin", metavar="FROM TO COUNT", help="Speeds [rad/s]."),
+    typer.Option("--spin", metavar="FROM TO COUNT", help="Speeds in rad/s."),
 ]
 Orders = Annotated[
     str, typer.Option(metavar="ORDER,ORDER", help="Engine orders: times a revolution.")
@@ -90,7 +93,8 @@ def frf(
     target = output or model_file.with_name(f"{model_file.stem}-frf.png")
     with errors_in_one_line(solver, superelement, view):
         _require_no_model(target, model_file)
-        linear = solver.linearize(solver.read_model(model_file))
+        model = solver.read_model(model_file)
+        linear = solver.linearize(model)
         if static:
             response = linear.static(inputs, outputs)
             Console().print(static_table(response))
@@ -103,7 +107,9 @@ def frf(
         known = linear.known_modes()
         if band is None and known is None:
             raise typer.BadParameter("--band: needed where a body is known by a kernel alone")
-        frequencies = grid(band or band_of(known), points, known)  # type: ignore[arg-type]
+        bands = [body.superelement.kernel.band for body in model.flexible_bodies.values()]
+        limit = min((WELL_WITHIN * width for width in bands if width), default=float("inf"))
+        frequencies = grid(band or band_of(known, limit), points, known)  # type: ignore[arg-type]
         kinds = bodies or ["dynamic"]
         responses = {
             f", {kind}" if len(kinds) > 1 else "": linear.frf(inputs, outputs, frequencies, kind)  # type: ignore[arg-type]
@@ -182,9 +188,13 @@ def _require_no_model(target: Path | None, model_file: Path) -> None:
 def _write(target: Path, rows: list[list[str]], picture: Callable[[], Any] | None) -> None:
     """A table where the suffix is .csv, else a picture."""
     from .. import files, view
+    from ..files.outputs import in_words
 
     if target.suffix.lower() == ".csv":
-        files.write_rows(target, rows)
+        try:
+            files.write_rows(target, rows)
+        except OSError as error:
+            raise view.PictureError(f"{target}: cannot be written: {in_words(error)}") from error
     elif picture is None:
         raise view.PictureError(f"{target}: expected a table, .csv")
     else:

@@ -100,12 +100,16 @@ def grid(band: tuple[float, float], n: int, modes: LinearModes | None) -> Array:
     return joined[inside]
 
 
-def band_of(modes: LinearModes) -> tuple[float, float]:
-    """From a fifth of the first frequency to twice the tenth."""
+def band_of(modes: LinearModes, limit: float = np.inf) -> tuple[float, float]:
+    """From a fifth of the first frequency to twice the tenth, but not beyond a limit [Hz].
+
+    limit: where the superelements end; a first frequency beyond it is shown all the same.
+    """
     moving = np.sort(modes.frequencies[modes.frequencies > 0.0])
     if not len(moving):
         return 1.0, 1000.0
-    return float(moving[0]) / 5.0, 2.0 * float(moving[:10][-1])
+    first = float(moving[0])
+    return first / 5.0, max(min(2.0 * float(moving[:10][-1]), limit), 2.0 * first)
 
 
 def response_csv(responses: Mapping[str, FrequencyResponse]) -> list[list[str]]:

@@ -1,12 +1,12 @@
 """`duhamel plot`: results over time, over frequency, against one another, and fields."""
 
 from collections.abc import Sequence
-from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from .arguments import time_or_worst
 from .completion import files as completed
 from .failures import errors_in_one_line, one_line
 
@@ -45,18 +45,18 @@ Title = Annotated[
 Gravities = Annotated[bool, typer.Option("--g", help="Accelerations in g = 9.80665 m/s².")]
 Start = Annotated[
     float | None,
-    typer.Option("--from", metavar="SECONDS", help="From this time [s], spectra too."),
+    typer.Option("--from", metavar="SECONDS", help="From this time, spectra too."),
 ]
 End = Annotated[
     float | None,
-    typer.Option("--to", "--until", metavar="SECONDS", help="Up to this time [s], spectra too."),
+    typer.Option("--to", "--until", metavar="SECONDS", help="Up to this time, spectra too."),
 ]
 Names = Annotated[
     str | None,
     typer.Option(metavar="NAME,NAME", help="Of several files, in the legend."),
 ]
 Size = Annotated[
-    str | None, typer.Option(metavar="WIDTHxHEIGHT", help="Of the picture [inch], as 8x5.")
+    str | None, typer.Option(metavar="WIDTHxHEIGHT", help="Of the picture in inches, as 8x5.")
 ]
 Fields = Annotated[
     list[str] | None,
@@ -208,19 +208,11 @@ def _target(files: Sequence[Path], what: str) -> Path:
     return first.with_name(f"{first.stem}-{what}.png")
 
 
-def _time(at: str | None, field: Sequence[str] | None) -> "float | str":
+def _time(at: str | None, field: Sequence[str] | None) -> "float | Literal['worst']":
     """The time of a field [s], or "worst"."""
     if at is not None and not field:
         raise typer.BadParameter("--at goes with --field")
-    if at is None or at == "worst":
-        return "worst"
-    try:
-        time = float(at)
-    except ValueError:
-        time = float("nan")
-    if not isfinite(time):
-        raise typer.BadParameter(f"--at: expected a time [s] or worst, found {at!r}")
-    return time
+    return time_or_worst(at)
 
 
 def _heading(files: Sequence[Path]) -> str:

@@ -51,6 +51,12 @@ def renamed_when_whole(path: Path, durable: bool = False) -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
 
 
+def in_words(error: Exception) -> str:
+    """Why a file cannot be written, in one line, without the name of its temporary file."""
+    said = getattr(error, "strerror", None) or str(error).partition("\n")[0]
+    return said or type(error).__name__
+
+
 def replace_durably(source: Path, target: Path) -> None:
     """Rename a file, so that after a loss of power one or the other stands at the target whole."""
     for path in (source, source.parent):

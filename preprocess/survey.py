@@ -23,9 +23,10 @@ from .plausibility import (
     refused_where_singular,
 )
 from .progress import shown_stages
+from .responses.accuracy import solution_accuracy
 from .responses.impulse import band_of
-from .responses.krylov import shifts, solution_accuracy
 from .responses.modal import SMALL
+from .responses.shifts import shifts
 from .solving.cost import Cost, krylov_cost
 from .solving.solver import costs
 from .sources.lines import LineSource

@@ -19,7 +19,7 @@ import numpy as np
 
 from ..files import in_one_line, require_regular
 from ..files.hdf5 import DAMAGE, require_contained, texts
-from ..files.outputs import replace_durably, resolved
+from ..files.outputs import in_words, replace_durably, resolved
 from ..superelement.validation import Array
 from .errors import ResultsError
 from .journal import BusyError, Journal, JournaledFile, partial_of, recover, uninterrupted
@@ -415,7 +415,7 @@ def _failures_named(path: Path) -> Iterator[None]:
     except ResultsError as error:
         raise ResultsError(f"{path}: {error}") from error
     except OSError as error:
-        raise ResultsError(f"{path}: cannot be written: {error.strerror or error}") from error
+        raise ResultsError(f"{path}: cannot be written: {in_words(error)}") from error
 
 
 def _check_format(file: h5py.File) -> None:

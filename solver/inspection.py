@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..files.blas import one_blas_thread
 from ..files.memory import peak
 from ..results.schema import Contents
 from ..results.validity import Validity
@@ -123,7 +124,7 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
     path = None if output is None else Path(output)
     if path is not None:
         check_output(path, model)
-    with about(model.path):
+    with about(model.path), one_blas_thread():
         lowered, source = lower_to_start(model)
         requested(lowered)  # as `simulate`: before anything is compiled
         initial = initialize(model, lowered, source)

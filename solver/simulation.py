@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..files.blas import one_blas_thread
 from ..files.progress import Progress, Work
 from ..results.file import FileWriter
 from ..results.results import Results
@@ -114,7 +115,7 @@ def start(model: Model) -> Results:
 def _run(model: Model, output: Path | None, progress: bool, steps: int | None = None) -> Results:
     if output is not None:
         check_output(output, model)
-    with about(model.path):
+    with about(model.path), one_blas_thread():
         lowered, source = lower_to_start(model)
         requested(lowered)  # refuses what there is not, before anything is compiled
         initial = initialize(model, lowered, source)

@@ -5,11 +5,11 @@ import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import numpy as np
 
+from ..files.blas import one_blas_thread
 from ..results.motion import Energy, Events
 from ..results.results import Results
 from ..results.schema import QUANTITIES, Batch, Energies
@@ -90,7 +90,7 @@ class Simulator:
         path = None if results is None else Path(results)
         if path is not None:
             check_output(path, model)
-        with about(model.path):
+        with about(model.path), one_blas_thread():
             lowered, source = lower_to_start(model)
             if lowered.flight is not None:
                 raise ModelError("simulation: contact_step: a Simulator takes steps of one size")
@@ -223,19 +223,14 @@ class Simulator:
     def __enter__(self) -> "Simulator":
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *failure: Any) -> None:
         if self._recording is None:
             return
-        if error is None:
+        if failure[1] is None:
             self.finish()
         else:
             self._recording.keep(self._number, self._output)
-            self._recording.abandon(kind, error, trace)
+            self._recording.abandon(*failure)
             self._recording = None
 
     def save(self) -> Moment:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..files import write_rows
+from ..files.outputs import in_words
 from ..inputs import InputError, quoted, read_text
 from ..superelement.validation import Array
 from .case import Case
@@ -54,7 +55,7 @@ def write_summary(path: Path, study: Study, rows: Sequence[Row]) -> None:
     try:
         write_rows(path, table)
     except OSError as error:
-        raise StudyError(f"{path}: cannot be written: {error.strerror or error}") from error
+        raise StudyError(f"{path}: cannot be written: {in_words(error)}") from error
 
 
 def write_units(study: Study, rows: Sequence[Row]) -> None:
@@ -66,7 +67,7 @@ def write_units(study: Study, rows: Sequence[Row]) -> None:
     try:
         write_rows(study.units, [UNITS, *found.items()])
     except OSError as error:
-        raise StudyError(f"{study.units}: cannot be written: {error.strerror or error}") from error
+        raise StudyError(f"{study.units}: cannot be written: {in_words(error)}") from error
 
 
 def _read_units(path: Path) -> dict[str, str]:

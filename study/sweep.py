@@ -4,6 +4,7 @@ from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
 from dataclasses import replace
 
+from ..files.outputs import in_words
 from ..results import SeriesError
 from .case import Case
 from .errors import StudyError
@@ -98,11 +99,10 @@ def _write_sources(study: Study) -> None:
     try:
         study.folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise StudyError(f"{study.folder}: cannot be written: {error}") from error
+        raise StudyError(f"{study.folder}: cannot be written: {in_words(error)}") from error
     for case in study.cases:
         try:
             case.source.write_text(case.text, encoding="utf-8")
         except (OSError, UnicodeEncodeError) as error:
             case.source.unlink(missing_ok=True)
-            why = getattr(error, "strerror", None) or error
-            raise StudyError(f"{case.source}: cannot be written: {why}") from error
+            raise StudyError(f"{case.source}: cannot be written: {in_words(error)}") from error

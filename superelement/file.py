@@ -15,7 +15,7 @@ import numpy as np
 
 from ..files import renamed_when_whole
 from ..files.hdf5 import opened
-from ..files.outputs import resolved
+from ..files.outputs import in_words, resolved
 from .chain import Chain
 from .channels import Channels
 from .checks import require_sound
@@ -82,7 +82,7 @@ def write(path: str | os.PathLike[str], superelement: Superelement) -> None:
         with renamed_when_whole(Path(path)) as temporary:
             temporary.write_bytes(image.getbuffer())
     except OSError as error:
-        raise SuperelementError(f"{path}: cannot be written: {error}") from error
+        raise SuperelementError(f"{path}: cannot be written: {in_words(error)}") from error
 
 
 def require_writable(path: str | os.PathLike[str]) -> None:
@@ -98,7 +98,7 @@ def require_writable(path: str | os.PathLike[str]) -> None:
         else:
             return
     except (OSError, ValueError) as error:  # a name that is too long, or with a NUL
-        why = f"cannot be written: {error}"
+        why = f"cannot be written: {in_words(error)}"
     raise SuperelementError(f"{path}: {why}")
 
 

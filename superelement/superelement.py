@@ -130,6 +130,13 @@ class Superelement:
         return self.kernel.n_c
 
     @property
+    def band(self) -> float:
+        """The frequency up to which it is right [Hz]; infinite where it is exact."""
+        h_min = 0.0 if self.modes is None else self.modes.h_min
+        by_modes = 0.25 / h_min if h_min > 0.0 else np.inf
+        return float(min(by_modes, self.kernel.band or np.inf))
+
+    @property
     def size(self) -> float:
         """The length of the body [m]: of a uniform bar of its mass and largest moment of inertia.
 

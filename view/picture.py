@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from ..files.outputs import renamed_when_whole
+from ..files.outputs import in_words, renamed_when_whole
 from ..superelement.validation import Array
 from . import naming, planes, spectra
 from .errors import PictureError
@@ -189,7 +189,7 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
         with renamed_when_whole(path) as whole:
             whole.write_bytes(image.getbuffer())
     except OSError as error:
-        raise PictureError(f"{path}: cannot be written: {error.strerror or error}") from error
+        raise PictureError(f"{path}: cannot be written: {in_words(error)}") from error
 
 
 def _check_panel(curves: Sequence[Curve]) -> None:

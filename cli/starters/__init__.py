@@ -6,6 +6,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Literal
 
+from ...files.outputs import in_words
+
 __all__ = ["StarterError", "commands", "make"]
 
 KINDS = Literal["beam", "solid", "mechanism"]
@@ -36,8 +38,7 @@ def make(kind: KINDS, folder: Path, schemas: Mapping[str, Any]) -> None:
             path.write_bytes(content)
     except OSError as error:
         _remove(made)
-        reason = error.strerror or error
-        raise StarterError(f"{folder}: no project can be written: {reason}") from error
+        raise StarterError(f"{folder}: no project can be written: {in_words(error)}") from error
 
 
 def commands(kind: KINDS) -> list[str]:

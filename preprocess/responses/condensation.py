@@ -46,6 +46,8 @@ def condensed(
     """
     high = modes.omega > ABOVE * 2.0 * np.pi * band.top
     identity = np.eye(len(modes.omega))
+    if not loads[:, high].any():
+        return Condensed(modes, identity, 0.0)
     squares, blocks = modes.omega[high] ** 2, []
     for shift, excited in _shifts(band, len(modes.phi), len(loads)):
         blocks.append(loads[:excited, high].T / (squares + shift)[:, None])

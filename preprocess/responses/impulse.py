@@ -12,10 +12,10 @@ from ..memory import require
 from ..progress import Stages
 from ..solving.solver import Solver, solver_of
 from .band import Band
-from .krylov import krylov_modes
 from .losses import with_losses
 from .march import march_kernel
 from .modal import SMALL, elastic_shapes
+from .search import krylov_modes
 from .shapes import Shapes
 from .truncated import METHODS, RIGHT, truncated_modes
 

@@ -1,73 +1,33 @@
-"""Impulse responses from the block Krylov space of the time step's own matrix."""
+"""The block Krylov space of a body's matrices, its interface loads, and one or two shifts."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
-from functools import partial
-from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
 from ...files.memory import available, scratch
-from ...superelement import GeneralizedAlpha, Modes
+from ...superelement import Modes
 from ...superelement.validation import Array
 from ..assembly.structure import RIGID, Structure
-from ..body.damping import Damping, Rayleigh
 from ..errors import MethodError
 from ..solving.cost import BLOCKS, REAL, WORK
-from ..solving.factor import Factor
+from ..solving.factor import Factor, Solve
 from ..solving.gradients import NotConvergedError
-from ..solving.solver import Solver, factorized
-from .band import LEAST_DAMPING, Band
+from ..solving.solver import Patient, Solver, factorized
 from .basis import Basis
-from .condensation import condensed
-from .damping import damped_modes
-from .lowest import first_square
 from .ritz import ritz_modes, space_shapes
-from .shapes import Shapes
-from .static import slow_chain
 
 FEWEST = 2
-"""Blocks before the first estimate of the error."""
+"""Blocks that a space must have room for."""
 LIMIT = 4000
 """Vectors at most: beyond, the dense eigenproblems of the space take minutes and its basis
 gigabytes.
 """
-GROWTH = 0.1
-"""The error is estimated at the latest when the space has grown by this share of itself."""
-SAFETY = 2.0
-"""What the last block has changed counts so many times: alone, it is down to 0.6 of the error at
-times.
-"""
-LOW = 0.1
-"""The shift of all blocks but the first, over the square of the first frequency, about."""
 RISE = 100.0
 """Of the low shift, where solutions do not converge with it."""
-NEAR = 4.0
-"""A step whose shift is within this factor of the low one, squared, serves for both."""
-STALLED = 0.3
-"""An error that has not fallen to so much of the least before is no longer falling."""
-LOWEST = 6
-"""Modes, the lowest, whose frequencies rounding disturbs most."""
-SMALL_ERROR = 1e-3
-"""No larger error is put down to rounding."""
-CONDENSED = 0.1
-"""Share of the tolerance that may be spent on condensing the modes above the band."""
-UNSOLVED = 0.1
-"""Share that may be spent on solutions without a factor."""
-AMPLIFIED = 1e3
-"""What the square of the error of solutions, in energy, is in the transfer function: five hundred
-times as much was seen.
-"""
-FINEST = 1e-11
-"""The accuracy that solutions can reach, whatever is asked for."""
-OF_FIELDS = 0.1
-"""Part of it where fields count: stresses at a point err by some times the error in energy."""
-Watch = Callable[[str], None]
-Mask = NDArray[np.bool_]
-RitzModes = Callable[[int], tuple[Modes, Array]]
-"""modes of the first blocks of a space, and their coordinates in it"""
+WIDE = 16
+"""Modes that are corrected at once: as many as solutions take at the price of fewer."""
 
 
 class KrylovSpace:
@@ -83,11 +43,13 @@ class KrylovSpace:
     Every block sees waves travel for one step, so low frequencies take many where steps are far
     finer than they need. With a second, `lower` shift the first block is as before, which makes
     g[0] exact, and all others are made with the matrix of that shift: a rational Krylov space.
+    Without `at_once` the first one is as well, and the shift of the step is not used.
     Source: A. Ruhe, Linear Algebra Appl. 58 (1984) 391-405.
 
     solver: makes of a shift what solves with the matrix of that shift, to an accuracy relative in
-    energy. `MemoryShortageError` if that does not fit into the memory together with the basis that
-    is to be expected.
+    energy. Where it has a quick way, all blocks but the first are made in that way unless
+    `refined`; `correct` then adds what they have missed. `MemoryShortageError` if a solver does not
+    fit into the memory together with the basis that is to be expected.
     """
 
     def __init__(
@@ -97,16 +59,24 @@ class KrylovSpace:
         lower: float | None = None,
         solver: Solver = factorized,
         accuracy: float = 0.0,
+        at_once: bool = True,
+        refined: bool = True,
     ) -> None:
         self.structure, n_u = structure, structure.n_u
         self._solver, self._accuracy, self._highest = solver, accuracy, shift
-        expected = BLOCKS if lower is None else 1
-        self._solve = solver(structure, shift, "the matrix of the time step", accuracy, expected)
-        self._first = self._solve(structure.loads)
-        self.inexact = not isinstance(self._solve, Factor)
-        self._lower = lower
+        self._refined = refined
+        self._lower: float | None = None
+        self._solve: Solve | None = None
+        self.inexact = self.rough = False
+        if lower is None or at_once:
+            expected = BLOCKS if lower is None else 1
+            self._solve_with(shift, "the matrix of the time step", expected)
+            self._first = self._next(structure.loads)
         if lower is not None:
+            self._lower = lower
             self._solve_with(lower)
+            if not at_once:
+                self._first = self._next(structure.loads)
         memory, disk = (self._vectors(place) for place in (available, scratch))
         n_c = structure.P_C.shape[0]
         in_file = memory < RIGID + (BLOCKS + WORK) * n_c and disk > memory
@@ -120,6 +90,7 @@ class KrylovSpace:
         self.basis = Basis(structure, min(n_u, self._most), in_file)
         self.basis.extend(structure.U)
         self._ends = [RIGID]
+        self._newest = RIGID
         self._stiffness = np.zeros((0, 0))
 
     @property
@@ -153,36 +124,73 @@ class KrylovSpace:
             W = self._first
         else:
             shift = self._lower
-            W = self._next(self.structure.M @ self.basis.V[:, self._ends[-2] :])
+            W = self._next(self.structure.M @ self.basis.V[:, self._newest :], self._refined)
             if self._lower != shift:
                 near = 0
         if not self.basis.extend(W, near=near):
             return False
-        self._ends.append(self.basis.columns)
+        self._end_block()
         return True
-
-    def _solve_with(self, lower: float) -> None:
-        """Solve with the matrix of a low shift from now on."""
-        del self._solve  # two might not fit
-        self._lower = lower
-        name = "the matrix of a low shift"
-        self._solve = self._solver(self.structure, lower, name, self._accuracy, BLOCKS)
-        self.inexact |= not isinstance(self._solve, Factor)
-
-    def _next(self, B: Array) -> Array:
-        """S^-1 B, with a higher shift from here on where the low one asks too much of gradients."""
-        while True:
-            try:
-                return self._solve(B)
-            except NotConvergedError:
-                if self._lower is None or RISE * self._lower > self._highest:
-                    raise
-                self._solve_with(RISE * self._lower)
 
     def add(self, W: Array) -> None:
         """Add displacements W (n_u, k) as a block that no other grows from."""
         self.basis.extend(W)
+        self._end_block()
+
+    def correct(self, omega: Array, Q: Array, limit: float) -> None:
+        """Add as a block what modes up to `limit` [rad/s] and static responses miss.
+
+            S^-1 (K X - M X diag(omega^2)),    S^-1 (F - K X_0),    X_0 = X diag(1 / omega^2) X^T F
+
+        of all modes X, omega (m,) and Q (r, m) as `ritz` has them, by S^-1 as it is. If that is
+        exact, nothing is new in it but directions of the next Krylov block. Source: E. R. Davidson,
+        J. Comput. Phys. 17 (1975) 87-94.
+        """
+        if not self.rough:  # this is a block of its own then, not the rest of one
+            self._newest = self._ends[-1]
+        for residuals in self._residuals(omega, Q, limit):
+            self.basis.extend(self._next(residuals, self._refined))
         self._ends.append(self.basis.columns)
+        self.rough = False
+
+    def _residuals(self, omega: Array, Q: Array, limit: float) -> Iterator[Array]:
+        """What the equations of modes and of static responses leave (n_u, k), `WIDE` at a time."""
+        K, M, V = self.structure.K, self.structure.M, self.basis.V[:, RIGID : RIGID + len(Q)]
+        inside = int(np.searchsorted(omega, limit))
+        for start in range(0, inside, WIDE):
+            chosen = slice(start, min(start + WIDE, inside))
+            X = V @ Q[:, chosen]
+            yield K @ X - (M @ X) * omega[chosen] ** 2
+        loads = self.structure.loads
+        X_0 = V @ (Q @ ((Q.T @ self.structure.total(V.T @ loads)) / omega[:, None] ** 2))
+        yield loads - K @ X_0
+
+    def _end_block(self) -> None:
+        self._newest = self._ends[-1]
+        self._ends.append(self.basis.columns)
+
+    def _solve_with(
+        self, shift: float, name: str = "the matrix of a low shift", blocks: int = BLOCKS
+    ) -> None:
+        """Solve with the matrix of a shift from now on."""
+        self._solve = None  # two might not fit
+        self._solve = self._solver(self.structure, shift, name, self._accuracy, blocks)
+        self.inexact |= not isinstance(self._solve, Factor)
+
+    def _next(self, B: Array, refined: bool = True) -> Array:
+        """S^-1 B, with a higher shift from here on where the low one asks too much of gradients."""
+        while True:
+            solve = self._solve
+            assert solve is not None
+            quick = solve.quick if isinstance(solve, Patient) and not refined else None
+            self.rough |= quick is not None
+            try:
+                return (quick or solve)(B)
+            except NotConvergedError:
+                if self._lower is None or RISE * self._lower > self._highest:
+                    raise
+                self._lower *= RISE
+                self._solve_with(self._lower)
 
     def ritz(self, blocks: int) -> tuple[Array, Array]:
         """omega (m,) [rad/s] and Q (r, m) of the first blocks, as `ritz_modes` has them."""
@@ -192,14 +200,15 @@ class KrylovSpace:
         return ritz_modes(self.structure, V, self._stiffness[:size, :size])
 
     def frequency_changes(self, omega: Array, Q: Array) -> Array:
-        """The relative changes (m,) of the frequencies omega of all blocks by the last one.
+        """The relative changes (m,) of the frequencies omega of all blocks by the last one, and by
+        what has corrected it.
 
             q^T (V^T K V - omega^2) q / (2 omega^2)
 
-        of the part q of a mode in that block: Ritz values are stationary.
+        of the part q of a mode in them: Ritz values are stationary.
         """
         self._reduce_stiffness()
-        start = self._ends[-2] - RIGID
+        start = self._newest - RIGID
         K, q = self._stiffness[start:, start:], Q[start:]
         K = np.triu(K) + np.triu(K, 1).T
         energy = np.einsum("ik,ik->k", q, K @ q) / omega**2
@@ -222,202 +231,3 @@ class KrylovSpace:
             new = self.structure.total(V.T @ (self.structure.K @ V[:, done:]))
             left = np.pad(self._stiffness, ((0, self.dimension - done), (0, 0)))
             self._stiffness = np.hstack([left, new])
-
-
-def krylov_modes(
-    structure: Structure,
-    damping: Damping,
-    band: Band,
-    tolerance: float,
-    watch: Watch,
-    fields: bool = False,
-    solver: Solver = factorized,
-) -> tuple[Modes, Shapes, float]:
-    """Modes right to `tolerance` in the band, their shapes, and the estimated error.
-
-    The estimate is the change by the last block, times `SAFETY`, and what condensing the modes
-    above the band and leaving out those that loads hardly excite makes, each a tenth of the
-    tolerance at most; without a factor another tenth, for the solutions. Where the space is
-    exhausted it holds every mode that the interfaces can excite. Where rounding keeps the error
-    above the tolerance, it is stated as it is. With `fields` it includes the displacements and
-    strains of the whole body; where the structure has loads of rotation, their slow responses.
-    `watch` is called with the progress as text. `MethodError` if the tolerance asks for a larger
-    space than `LIMIT` or the memory allows.
-    """
-    chain, agreed = slow_chain(structure), structure.processes.agreed
-    shift, lower = shifts(structure, damping, band)
-    accuracy = solution_accuracy(tolerance, fields)
-    space = KrylovSpace(structure, shift, lower, solver, accuracy)
-    unsolved = unsolved_error(accuracy, fields) if space.inexact else 0.0
-
-    def modes_of(blocks: int) -> tuple[Modes, Array]:
-        omega, Q = space.ritz(blocks)
-        phi = space_shapes(space.basis, Q)(structure.P_C)
-        return damped_modes(damping, omega, phi, band.finest_step), Q
-
-    check, errors = FEWEST, dict[int, float]()
-    while space.grow():
-        if space.blocks < check:
-            continue
-        modes, Q = modes_of(space.blocks)
-        before, Q_before = modes_of(space.blocks - 1)
-        turn = Q[: len(Q_before)].T @ Q_before if fields else None
-        error = agreed(partial(_change, band, before, modes, turn, tolerance))
-        enough = (1.0 - 2.0 * CONDENSED) * tolerance - unsolved
-        earlier = min(errors.values(), default=np.inf)
-        stalled = STALLED * earlier <= error <= rounding_error(space, modes, Q)
-        if error <= enough or stalled:
-            weak = _weak(space, modes, Q, band, max(error, tolerance))
-            lost = agreed(partial(_lost, band, modes, weak, fields))
-            if lost <= CONDENSED * max(error, tolerance):
-                watch(f"{space.blocks} blocks, error {error:.1e}")
-                break
-            error = max(error, lost)
-        errors[space.blocks] = error
-        watch(f"{space.blocks} blocks, error {error:.1e}")
-        check = _next_check(errors, space.blocks, enough)
-        room = space.room
-        more = (check - space.blocks) * structure.P_C.shape[0] + sum(W.shape[1] for W in chain)
-        if space.basis.columns + more > room:
-            raise MethodError(
-                f"impulse.method krylov: an error of {tolerance:g} up to {band.limit:g} Hz takes "
-                f"more than the {room} vectors that there is time and memory for, found "
-                f"{error:.1e} with {space.dimension}: raise impulse.tolerance, lower "
-                "impulse.band, or use method march"
-            )
-    else:
-        (modes, Q), error, lost = modes_of(space.blocks), 0.0, 0.0
-        weak = np.zeros(len(modes.omega), dtype=bool)
-
-    if chain:
-        modes, Q, slow_error = _with_rotation(space, chain, modes_of, band, tolerance)
-        error = max(error, slow_error)
-        weak = _weak(space, modes, Q, band, max(error, tolerance))
-        lost = agreed(partial(_lost, band, modes, weak, fields))
-    modes, Q = _only(modes, ~weak), Q[:, ~weak]
-    loads = space.with_rotation(modes, Q).phi if chain else modes.phi
-    share = CONDENSED * tolerance * (OF_FIELDS if fields else 1.0)
-    few = agreed(lambda: condensed(modes, damping, band, share, fields, loads))
-    stated = error + lost + few.error + unsolved
-    return few.modes, space_shapes(space.basis, Q @ few.Y), stated
-
-
-def _weak(space: KrylovSpace, modes: Modes, Q: Array, band: Band, error: float) -> Mask:
-    """The modes (m,) in the band whose frequency is not right to the error yet.
-
-    They are those that loads hardly excite, which converge last. Kept, they would be listed with a
-    frequency that no mode of the body has.
-    """
-    inside = modes.omega <= 2.0 * np.pi * band.top
-    weak: Mask = inside & (SAFETY * space.frequency_changes(modes.omega, Q) > error)
-    return weak
-
-
-def _only(modes: Modes, chosen: Any) -> Modes:
-    return replace(
-        modes, omega=modes.omega[chosen], zeta=modes.zeta[chosen], phi=modes.phi[:, chosen]
-    )
-
-
-def _lost(band: Band, modes: Modes, weak: Mask, fields: bool) -> float:
-    """The error that leaving out the weak modes makes."""
-    if not weak.any():
-        return 0.0
-    few, turn = _only(modes, ~weak), np.eye(len(modes.omega))[:, ~weak]
-    error = band.error(few, modes)
-    return max(error, band.field_error(few, modes, turn)) if fields else error
-
-
-def rounding_error(space: KrylovSpace, modes: Modes, Q: Array) -> float:
-    """What rounding of the stiffness may make of the largest error, up to `SMALL_ERROR`.
-
-        eps x^T D x / omega^2,    x: a mode,    D: the diagonal of K
-
-    of a squared frequency, which counts 1 / (2 LEAST_DAMPING) times at a resonance. Elements that
-    are far stiffer than the body, as short ones of a slender beam, have much of it.
-    """
-    structure, lowest = space.structure, np.argsort(modes.omega)[:LOWEST]
-    X = space_shapes(space.basis, Q[:, lowest]).combined(np.eye(len(lowest)))
-    stiffness = structure.total(np.einsum("i,ik,ik->k", structure.K.diagonal(), X, X))
-    share = np.finfo(float).eps * float((stiffness / modes.omega[lowest] ** 2).max())
-    return min(SMALL_ERROR, 0.5 * share / LEAST_DAMPING)
-
-
-def _next_check(errors: dict[int, float], blocks: int, tolerance: float) -> int:
-    """The number of blocks at which the error is to be estimated next: where it would be within the
-    tolerance if it went on falling as it did, at the latest by `GROWTH`.
-    """
-    latest = 1 + int(GROWTH * blocks)
-    if len(errors) > 1:
-        (earlier, before), (_, error) = list(errors.items())[-2:]
-        decades = np.log(before / error) / (blocks - earlier) if 0.0 < error < before else 0.0
-        if decades > 0.0:
-            latest = min(latest, max(1, int(np.ceil(np.log(error / tolerance) / decades))))
-    return blocks + latest
-
-
-def shifts(structure: Structure, damping: Damping, band: Band) -> tuple[float, float | None]:
-    """s of the time step, for the first block, and a low one for all others.
-
-    Where the first is low enough, there is no other. A low shift tells low frequencies apart, and
-    static responses are nearly its own; it takes the fewest blocks for the whole of the band.
-    """
-    shift = _shift(damping, band.scheme, band.h)
-    low = LOW * first_square(structure)
-    return shift, low if shift > NEAR**2 * low else None
-
-
-def solution_accuracy(tolerance: float, fields: bool) -> float:
-    """The error of solutions, in energy, that takes its share of the tolerance.
-
-    Transfer functions, which see loads where they act, err with its square; fields with itself.
-    """
-    share = UNSOLVED * tolerance
-    error = share / np.sqrt(AMPLIFIED) if fields else np.sqrt(share / AMPLIFIED)
-    return max(FINEST, float(error))
-
-
-def unsolved_error(accuracy: float, fields: bool) -> float:
-    """What solutions of an accuracy leave of the error, the other way round."""
-    return float(np.sqrt(AMPLIFIED) * accuracy if fields else AMPLIFIED * accuracy**2)
-
-
-def _with_rotation(
-    space: KrylovSpace, chain: list[Array], modes_of: RitzModes, band: Band, tolerance: float
-) -> tuple[Modes, Array, float]:
-    """The modes once the space holds slow responses to loads of rotation too, and their error.
-
-    It takes blocks of the chain until the last changes these responses by less than the tolerance.
-    """
-    error = 0.0
-    better: Modes | None = None
-    for W in chain:
-        space.add(W)
-        modes, Q = modes_of(space.blocks)
-        before, better = better, space.with_rotation(modes, Q)
-        if before is not None:
-            error = SAFETY * band.slow_error(before, better)
-            if error <= tolerance:
-                break
-    return modes, Q, error
-
-
-def _shift(damping: Damping, scheme: GeneralizedAlpha, h: float) -> float:
-    """s for which K + s M is the matrix of the time step, up to a factor.
-
-    Modal ratios add no matrix to it.
-    """
-    mass, stiffness = (damping.rayleigh or Rayleigh()).coefficients
-    velocity, hardening = scheme.gamma_prime(h), 0.0
-    if (chain := damping.chain) is not None:
-        hardening = float(chain.step(h)[1] @ chain.amplitude)
-    return (scheme.beta_prime(h) + velocity * mass) / (1.0 + hardening + velocity * stiffness)
-
-
-def _change(band: Band, before: Modes, modes: Modes, turn: Array | None, enough: float) -> float:
-    """The error that the last block leaves to be expected: what it has changed, times `SAFETY`.
-
-    turn (m, m'): the modes before it in terms of those with it, where fields count.
-    """
-    error = SAFETY * band.error(before, modes, enough)
-    return error if turn is None else max(error, SAFETY * band.field_error(before, modes, turn))

@@ -89,7 +89,8 @@ def slow_chain(structure: Structure) -> list[Array]:
     if structure.inertia is None:
         return []
     solve = static_solver(structure)
-    basis = Basis(structure, structure.n_u)
+    most = structure.U.shape[1] + CHAIN * structure.inertia_loads.shape[1]
+    basis = Basis(structure, most)
     basis.extend(structure.U)
     blocks = [refined(structure, solve, structure.inertia_loads)]
     while len(blocks) < CHAIN and (new := basis.extend(blocks[-1])):

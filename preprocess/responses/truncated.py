@@ -11,9 +11,9 @@ from ...superelement.validation import Array
 from ..assembly.structure import Structure
 from ..body.damping import Damping
 from .band import Band
-from .krylov import Watch, krylov_modes
 from .modal import SMALL, elastic_shapes
 from .reduction import Reduction, craig_bampton, rubin
+from .search import Watch, krylov_modes
 from .shapes import Shapes
 
 RIGHT = 1e-2

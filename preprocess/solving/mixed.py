@@ -15,6 +15,10 @@ MOST_STEPS = 12
 """Steps after which the factor is no preconditioner: two or three are taken by bodies of solids."""
 SAFETY = 0.1
 """Share of the accuracy that is aimed at, for what is left is estimated."""
+COLUMNS = 16
+"""Solutions have multiples of so many columns, the last filled with zeros: rslab takes a fifth less
+time for 16 than for 12.
+"""
 BYTES = 0.5
 """Of a factor in double precision."""
 SECONDS = 0.55
@@ -39,6 +43,16 @@ class MixedFactor:
     ) -> None:
         self._name, self._product, self._factor = name, product, factor
         self._enough = (SAFETY * accuracy) ** 2
+        self._errors: list[float] = []
+
+    @property
+    def first_error(self) -> float:
+        """The largest error that a first step has left, relative in energy."""
+        return max(self._errors, default=np.inf)
+
+    def once(self, b: Array) -> Array:
+        """S~^-1 b, half the work of a solution: right to about `first_error`."""
+        return self._factor(b)
 
     def __call__(self, b: Array) -> Array:
         R = b.reshape(len(b), -1).copy()
@@ -46,14 +60,18 @@ class MixedFactor:
         Z = self._factor(R)
         P, remaining = Z, _dots(R, Z)
         gain_before = np.full(R.shape[1], np.inf)
-        for _ in range(MOST_STEPS):
+        first = np.zeros(R.shape[1])
+        for number in range(MOST_STEPS):
             SP = self._product(P)
             step = _over(remaining, _dots(P, SP))
             X += step * P
             gain = step * remaining
             energy += gain
+            if number == 0:
+                first = gain
             left = gain * np.sqrt(_over(gain, gain_before))
-            if (left <= self._enough * energy).all() and np.isfinite(gain_before).all():
+            if number > 0 and (left <= self._enough * energy).all():
+                self._errors.append(float(np.sqrt(_over(energy - first, energy)).max()))
                 return X.reshape(b.shape)
             R -= step * SP
             Z = self._factor(R)
@@ -82,7 +100,10 @@ def single_factor(S: Any) -> Callable[[Array], Array] | None:
         # Columns of length one: their squares are far from the ends of single precision.
         sizes = np.linalg.norm(R, axis=0)
         unit = np.where(sizes > 0.0, sizes, 1.0)
-        found: Array = factor.solve_many((R / unit).astype(np.float32)).astype(np.float64)
+        n, k = R.shape
+        filled = np.zeros((n, -(-k // COLUMNS) * COLUMNS), dtype=np.float32)
+        np.divide(R, unit, out=filled[:, :k], casting="same_kind")
+        found: Array = factor.solve_many(filled)[:, :k].astype(np.float64)
         found *= unit / scale
         return found
 

@@ -28,6 +28,8 @@ COMPACT = 0.5
 """Share that most bodies take of what a factor costs by its formula, which is that of a cube."""
 MIXED = 150_000
 """Unknowns from which on a factor is one in single precision, unless the body file asks for one."""
+ROUGH = 1e-3
+"""Error, relative in energy, of solutions that a space may be made of and corrected afterwards."""
 LARGEST = 3.0
 """The largest eigenvalue of D^-1 S, about."""
 
@@ -118,6 +120,14 @@ class Patient:
         except NotConvergedError:
             self._solve = self._factor()
             return self._solve(b)
+
+    @property
+    def quick(self) -> Solve | None:
+        """Solutions at half the work, right to `ROUGH`; None where there are no such."""
+        solve = self._solve
+        if isinstance(solve, Patient):
+            return solve.quick
+        return solve.once if isinstance(solve, MixedFactor) and solve.first_error <= ROUGH else None
 
 
 @dataclass(frozen=True)

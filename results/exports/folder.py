@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from ...files.outputs import resolved
+from ...files.outputs import in_words, resolved
 from ..errors import ExportError
 
 LONGEST = 100
@@ -69,7 +69,7 @@ def _make(folder: Path) -> list[Path]:
         missing = [path for path in (folder, *folder.parents) if not path.exists()]
         folder.mkdir(parents=True, exist_ok=True)
     except (OSError, ValueError) as error:
-        raise ExportError(f"{folder}: cannot be made a folder: {error}") from error
+        raise ExportError(f"{folder}: cannot be made a folder: {in_words(error)}") from error
     if not os.access(folder, os.W_OK):
         raise ExportError(f"{folder}: cannot be written into")
     return missing
@@ -80,7 +80,7 @@ def _failures_named(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise ExportError(f"{path}: cannot be written: {error.strerror or error}") from error
+        raise ExportError(f"{path}: cannot be written: {in_words(error)}") from error
 
 
 def distinct(names: Iterable[str], longest: int = LONGEST) -> list[str]:

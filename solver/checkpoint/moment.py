@@ -3,6 +3,7 @@
 import os
 from pathlib import Path
 
+from ...files.outputs import in_words
 from ..errors import ResultsError
 from ..lower.lower import LoweredModel
 from .carried import Snapshot
@@ -32,7 +33,7 @@ class Moment:
         try:
             file.write(Path(path))
         except OSError as error:
-            raise ResultsError(f"{path}: cannot be written: {error.strerror or error}") from error
+            raise ResultsError(f"{path}: cannot be written: {in_words(error)}") from error
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> "Moment":

@@ -26,6 +26,7 @@ from ..schema.values import (
     OptionalPoints,
     Pair,
     Positive,
+    ZeroOrPositive,
 )
 from ..step.gaps import FirstSlip, Gap, SecondSlip
 from ..step.shapes import Cylinder, Plane, Profile, Sphere
@@ -124,7 +125,7 @@ class Contact(Entry, Coupling):
     name: Name
     between: Pair
     shape: Annotated[str, one_of(SHAPE_TYPES)]
-    ball: NotNegative
+    ball: ZeroOrPositive
     axis: OptionalDirection = ABSENT
     radius: Positive | None = None
     hollow: bool = False

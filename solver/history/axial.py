@@ -20,8 +20,17 @@ forces of translation have none about the center of mass:
 
     N = sum_i (e . X_i)(e . p_i) / L
 
-A body with fewer interfaces that turn is judged along its axis of least inertia as a uniform bar
-with its first frequency when free, omega_1^2 = 500.56 EI / (m L^3).
+A spin omega adds the tension of the centrifugal forces about the center of mass,
+
+    N = (omega^2 - (e . omega)^2) int (e . x)^2 dm / L,       int x x^T dm = tr J / 2 I - J
+
+A body with one interface that turns is judged along the line from there to its center of mass. A
+unit moment at the end of a uniform free bar, which the inertia of the bar balances, is
+1 - 3 s^2 + 2 s^3 along it, so that it turns that end by 13 L / (35 EI). With a heavy mass at both
+ends that is L / (3 EI), with one at the other end 17 L / (35 EI): a third at most, where its
+frequency would mislead by the ratio of masses. A body of which no interface turns is judged along
+its axis of least inertia as a uniform bar with its first frequency when free,
+omega_1^2 = 500.56 EI / (m L^3).
 
 Source: Timoshenko and Gere, Theory of Elastic Stability, 2.1; Blevins, Formulas for Natural
 Frequency and Mode Shape, table 8-1.
@@ -37,6 +46,8 @@ from ..model.bodies import FlexibleBody
 from ..step.system import AxialForces
 from .packing import packed
 
+TURN_OF_END = 13.0 / 35.0
+"""EI / L by which a unit moment at the end of a free uniform bar turns that"""
 FREE_BAR = 22.373**2
 """omega^2 m L^3 / EI of the first bending mode of a free uniform bar"""
 DIRECTIONS = 3
@@ -51,16 +62,29 @@ def lay_out_axial(bodies: Collection[FlexibleBody], h: float) -> AxialForces:
     """The axial forces of all bodies that stress does not stiffen, for steps h [s]."""
     shares: list[float] = []
     weights: list[Array] = []
+    lines: list[Array] = []
+    spreads: list[float] = []
     of_body: list[int] = []
     for e, body in enumerate(bodies):
         if body.rotation is not None and body.rotation.stiffens:
             continue
-        for weight in axial_weights(body.superelement):
+        element = body.superelement
+        for line, factor in _lines(element):
+            weight = _dipole(element, line, factor)
             weights.append(np.pad(weight, (0, body.n_dofs - len(weight))))
+            lines.append(line)
+            spreads.append(factor * _second_moment(element, line))
             of_body.append(e)
-            shares.append(_share(body.superelement, h))
+            shares.append(_share(element, h))
     together, start = packed(weights, range(len(weights)))
-    return AxialForces(body=as_index(of_body), start=start, weight=together, share=np.array(shares))
+    return AxialForces(
+        body=as_index(of_body),
+        start=start,
+        weight=together,
+        line=np.array(lines).reshape(-1, 3),
+        spread=np.array(spreads),
+        share=np.array(shares),
+    )
 
 
 def _share(element: Superelement, h: float) -> float:
@@ -73,15 +97,22 @@ def _share(element: Superelement, h: float) -> float:
 
 def axial_weights(element: Superelement) -> list[Array]:
     """Rows w (n_c,) with N / P = w . p for loads p at the interfaces; none where P is unknown."""
-    lines = list(_lines_between(element)) or list(_line_of_bar(element))
-    return [_dipole(element, direction, factor) for direction, factor in lines]
+    return [_dipole(element, line, factor) for line, factor in _lines(element)]
 
 
-def _lines_between(element: Superelement) -> Iterator[tuple[Array, float]]:
+def _lines(element: Superelement) -> list[tuple[Array, float]]:
+    """Directions (3,) with 1 / (P L)."""
+    turning = [interface for interface in element.interfaces if interface.rotations]
+    if len(turning) > 1:
+        return list(_lines_between(element, turning))
+    return list(_line_from(element, turning[0]) if turning else _line_of_bar(element))
+
+
+def _lines_between(
+    element: Superelement, interfaces: list[Interface]
+) -> Iterator[tuple[Array, float]]:
     """Directions between interfaces with 1 / (P L) = c / pi^2, the softest first."""
-    turning = _far_apart([i for i in element.interfaces if i.rotations])
-    if len(turning) < 2:
-        return
+    turning = _far_apart(interfaces)
     points = np.array([interface.X for interface in turning])
     rows = np.array([element.rows(interface.name).start + 3 for interface in turning])
     rotations = (rows[:, None] + np.arange(3)).ravel()
@@ -103,6 +134,18 @@ def _lines_between(element: Superelement) -> Iterator[tuple[Array, float]]:
             yield e[k], float(softness[k])
 
 
+def _line_from(element: Superelement, end: Interface) -> Iterator[tuple[Array, float]]:
+    """The direction from an interface to the center of mass, and 1 / (P L) by how it turns."""
+    apart = float(np.linalg.norm(end.X))
+    if apart <= 1e-6 * element.size:
+        return
+    e = end.X / apart
+    turns = slice(element.rows(end.name).start + 3, element.rows(end.name).stop)
+    across = np.eye(3) - np.outer(e, e)
+    softest = np.linalg.eigvalsh(across @ element.compliance[turns, turns] @ across)[-1]
+    yield e, float(softest) / TURN_OF_END / np.pi**2
+
+
 def _far_apart(interfaces: list[Interface]) -> list[Interface]:
     """At most `MOST` of them, each the farthest from those before it."""
     if len(interfaces) <= MOST:
@@ -121,6 +164,11 @@ def _line_of_bar(element: Superelement) -> Iterator[tuple[Array, float]]:
         axis: Array = np.linalg.eigh(element.J_rot)[1][:, 0]
         stiffness = float(element.modes.omega.min()) ** 2 * element.mass / FREE_BAR
         yield axis, 1.0 / (np.pi**2 * stiffness * element.size**2)
+
+
+def _second_moment(element: Superelement, e: Array) -> float:
+    """int (e . x)^2 dm about the center of mass [kg m^2]"""
+    return float(0.5 * np.trace(element.J_rot) - e @ element.J_rot @ e)
 
 
 def _dipole(element: Superelement, e: Array, factor: float) -> Array:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ...files.blas import one_blas_thread
 from ..errors import ModelError, about
 from ..model.model import Model
 from ..model.settings import SteadyRotation
@@ -39,8 +40,9 @@ class LinearModel:
 
     @cached_property
     def equations(self) -> Equations:
-        equations = equations_of(pose_of(self.model, self.rotation))
-        check_constant(equations)
+        with one_blas_thread():
+            equations = equations_of(pose_of(self.model, self.rotation))
+            check_constant(equations)
         return equations
 
     @cached_property
@@ -57,7 +59,7 @@ class LinearModel:
 
         ModelError for a body that is known by a kernel alone.
         """
-        with about(self.model.path):
+        with about(self.model.path), one_blas_thread():
             found = modes_of(self.first_order, n)
             if self.equations.is_chained:
                 found = with_chains(self.equations, found)
@@ -102,7 +104,7 @@ class LinearModel:
         for an output that there is not, and ModelError for a frequency without damping at which the
         model resonates.
         """
-        with about(self.model.path):
+        with about(self.model.path), one_blas_thread():
             equations, found = self._with(inputs)
             equations = equations.with_bodies(bodies)
             return frequency_response(equations, found, outputs, np.asarray(frequencies, float))
@@ -112,7 +114,7 @@ class LinearModel:
 
         ModelError where a motion that nothing resists makes them infinite.
         """
-        with about(self.model.path):
+        with about(self.model.path), one_blas_thread():
             equations, found = self._with(inputs)
             return static_response(equations, found, outputs)
 
@@ -123,7 +125,7 @@ class LinearModel:
 
         Modes that are left out count with their static response.
         """
-        with about(self.model.path):
+        with about(self.model.path), one_blas_thread():
             equations, found = self._with(inputs)
             return state_space_of(FirstOrder(equations), found, outputs, modes)
 

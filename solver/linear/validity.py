@@ -13,13 +13,12 @@ import numpy as np
 from ...results.validity import CRITERIA, Check, Criterion, Validity
 from ..arrays import Array
 from ..model.bodies import FlexibleBody
+from ..step.axial import axial_force
 from .modes import FirstOrder, LinearModes
 from .pose import Pose
 
 SHARE = 0.01
 """of the inertia of a mode, from which on a body takes part in it"""
-EULER = np.pi**2 / 22.3733**2
-"""buckling load of a pinned bar over mass, length and the square of its first frequency, free"""
 _ROTATION = "make its superelement with [rotation], for terms of second order"
 LINEAR_CRITERIA = {
     criterion.name: criterion
@@ -50,7 +49,7 @@ LINEAR_CRITERIA = {
         Criterion(
             "axial_preload",
             "body",
-            "axial load / estimated buckling load",
+            "axial force / Euler load",
             "",
             0.02,
             0.05,
@@ -123,8 +122,7 @@ def _of_body(pose: Pose, e: int, body: FlexibleBody, highest: float) -> Iterator
     kernel, modes, spin = body.superelement.kernel, body.superelement.modes, pose.speed
     yield "kernel_error", kernel.error
     if highest > 0.0:
-        h_min = 0.0 if modes is None else modes.h_min
-        band = min(kernel.band or np.inf, 0.25 / h_min if h_min > 0.0 else np.inf)
+        band = body.superelement.band
         if np.isfinite(band):
             yield "linear_band", highest / band
     if modes is None or not len(modes.omega):
@@ -132,8 +130,7 @@ def _of_body(pose: Pose, e: int, body: FlexibleBody, highest: float) -> Iterator
     omega = np.sort(modes.omega)
     rotation = body.rotation
     if rotation is None or not _is_stiffened(body):
-        load = _axial_load(pose, e) / float(EULER * body.mass * omega[0] ** 2)
-        yield "axial_preload", load / float(pose.system.elastic.size[e])
+        yield "axial_preload", _axial_load(pose, e)
         if spin > 0.0:
             yield "linear_spin", spin / float(omega[0])
     elif spin > 0.0:
@@ -146,15 +143,10 @@ def _is_stiffened(body: FlexibleBody) -> bool:
 
 
 def _axial_load(pose: Pose, e: int) -> float:
-    """The largest load of an interface along the line from the center of mass to it [N]."""
-    elastic, frames, p = pose.system.elastic, pose.system.frames, pose.state.interfaces.p
-    largest = 0.0
-    for f in np.flatnonzero(frames.dof >= 0).tolist():
-        lever, dof = frames.X[f], int(frames.dof[f])
-        length = float(np.linalg.norm(lever))
-        if elastic.of_body[frames.body[f]] == e and length > 0.0:
-            largest = max(largest, abs(float(p[dof : dof + 3] @ lever)) / length)
-    return largest
+    """The largest axial force of a body over its Euler load, as runs have it (step/axial.py)."""
+    elastic = pose.system.elastic
+    own = np.flatnonzero(elastic.axial.body == e).tolist()
+    return max((abs(axial_force(elastic, i, pose.state)) for i in own), default=np.nan)
 
 
 def _highest(form: FirstOrder, modes: LinearModes, e: int) -> float:

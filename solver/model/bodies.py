@@ -88,8 +88,26 @@ class RigidBody(Entry):
             )
 
 
+class _OfSuperelement:
+    """Mass, inertia and frames of a body with a `superelement`: its interfaces."""
+
+    superelement: Superelement
+
+    @property
+    def mass(self) -> float:
+        return self.superelement.mass
+
+    @property
+    def inertia(self) -> Array:
+        return self.superelement.J_rot
+
+    @cached_property
+    def frames(self) -> Mapping[str, Frame]:
+        return {each.name: Frame(each.X) for each in self.superelement.interfaces}
+
+
 @entry()
-class FlexibleBody(Entry):
+class FlexibleBody(_OfSuperelement, Entry):
     """A body that moves as a whole and deforms as its superelement; its frames are its interfaces.
 
     source: the path of the file of the superelement, "" if there is none. second_order: whether its
@@ -131,21 +149,9 @@ class FlexibleBody(Entry):
         """All elastic dofs."""
         return self.n_outer + self.n_inner
 
-    @property
-    def mass(self) -> float:
-        return self.superelement.mass
-
-    @property
-    def inertia(self) -> Array:
-        return self.superelement.J_rot
-
-    @cached_property
-    def frames(self) -> Mapping[str, Frame]:
-        return _frames_of(self.superelement)
-
 
 @entry()
-class RigidSuperelement(Entry):
+class RigidSuperelement(_OfSuperelement, Entry):
     """A rigid body with the mass, inertia, interfaces and outline of a superelement.
 
     Its interfaces are frames, which carry moments too. source: the path of the file of the
@@ -159,26 +165,10 @@ class RigidSuperelement(Entry):
     def validate(self) -> None:
         _require_superelement(self, self.superelement)
 
-    @property
-    def mass(self) -> float:
-        return self.superelement.mass
-
-    @property
-    def inertia(self) -> Array:
-        return self.superelement.J_rot
-
-    @cached_property
-    def frames(self) -> Mapping[str, Frame]:
-        return _frames_of(self.superelement)
-
 
 def _require_superelement(body: Entry, given: object) -> None:
     if not isinstance(given, Superelement):
         raise body.error(f"superelement: expected one that superelement.read gave, got {given!r}")
-
-
-def _frames_of(superelement: Superelement) -> dict[str, Frame]:
-    return {interface.name: Frame(interface.X) for interface in superelement.interfaces}
 
 
 Body = RigidBody | FlexibleBody | RigidSuperelement

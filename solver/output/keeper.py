@@ -5,7 +5,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Protocol
 
-from ...files.outputs import remove_orphans, replace_durably, resolved
+from ...files.outputs import in_words, remove_orphans, replace_durably, resolved
 from ...results.file import FileWriter, unfinished
 from ...results.schema import Energies
 from ...results.source import Writer
@@ -80,7 +80,7 @@ class FileKeeper:
             state.write(self._path)
         except OSError as error:
             raise ResultsError(
-                f"{self._path}: cannot be written: {error.strerror or error}; "
+                f"{self._path}: cannot be written: {in_words(error)}; "
                 f"the state of step {max(self._kept.step, 0)} stays"
             ) from error
         self._kept, self._last = self._newest, time.monotonic()
@@ -141,7 +141,7 @@ def settle_checkpoint(writer: Writer) -> None:
         else:
             later.unlink(missing_ok=True)
     except OSError as error:
-        raise ResultsError(f"{later}: cannot be written: {error.strerror or error}") from error
+        raise ResultsError(f"{later}: cannot be written: {in_words(error)}") from error
 
 
 def start_of(state: StateFile) -> tuple[int, Energies]:

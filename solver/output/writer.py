@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from ...files import FileError, require_regular
-from ...files.outputs import clash
+from ...files.outputs import clash, in_words
 from ...results.file import Extent, FileSource, FileWriter
 from ...results.results import Results
 from ...results.schema import Contents
@@ -25,7 +25,6 @@ from ..start.damping import damping_of
 from ..start.initial import InitialState
 from .columns import requested
 from .inputs import drifts
-from .measures import bands_of
 from .size import check_memory
 from .space import space_of
 from .validity import Judge
@@ -40,7 +39,7 @@ def check_output(path: Path, model: Model) -> None:
     except FileNotFoundError:
         return
     except (FileError, OSError) as error:
-        raise ResultsError(f"{path}: cannot be written: {error}") from error
+        raise ResultsError(f"{path}: cannot be written: {in_words(error)}") from error
     inputs: dict[str | os.PathLike[str], str] = {model.path: "the model file"}
     for name, body in model.bodies.items():
         if isinstance(body, FlexibleBody | RigidSuperelement):
@@ -171,7 +170,7 @@ def _notes_of_signals(lowered: LoweredModel, steps: int) -> dict[str, Any]:
     digests of the files of recorded signals, and of the superelements of rigid bodies; bands: a
     line for each flexible body whose superelement is right up to a frequency [Hz].
     """
-    bands = bands_of(lowered.superelements).tolist()
+    bands = [element.band for element in lowered.superelements]
     of_bodies = zip(bands, lowered.model.flexible_bodies, strict=True)
     bodies = lowered.model.bodies.values()
     rigid = [b.source for b in bodies if isinstance(b, RigidSuperelement) and b.source]

@@ -123,8 +123,13 @@ class Entry:
 
     @property
     def owner(self) -> str:
-        tag = {"type": self.tag} if self.tag else {}
-        return filled(self.label, tag | vars(self))
+        return self.named(vars(self))
+
+    @classmethod
+    def named(cls, values: Mapping[str, Any]) -> str:
+        """The name in messages of an entry with these fields, of which some may be missing."""
+        tag = {"type": cls.tag} if cls.tag else {}
+        return filled(cls.label, {**tag, **values})
 
     def __post_init__(self) -> None:
         kind: Any = type(self)

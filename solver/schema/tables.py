@@ -13,7 +13,7 @@ from pydantic import create_model
 
 from ...inputs import Shown, Table, dotted, member_of, quoted, read_part
 from ..errors import ModelError
-from .entry import Beside, Entry, ItemOf, Key, LeftOut, Takes, annotations, filled, note
+from .entry import Beside, Entry, ItemOf, Key, LeftOut, Takes, annotations, note
 from .forms import Family, Form, Kinds, Members
 from .json_schema import members_of, told
 
@@ -118,7 +118,7 @@ def _holds_tables(value: Any) -> bool:
 
 def _owned(kind: type[Entry], values: Mapping[str, Any], message: str) -> ModelError:
     """An error of an entry of which some values are known, its name among them."""
-    return ModelError(f"{filled(kind.label, values)}: {message}" if kind.label else message)
+    return ModelError(f"{kind.named(values)}: {message}" if kind.label else message)
 
 
 def value_of(value: Any) -> Any:

@@ -57,6 +57,14 @@ NotZero = Annotated[
 NotNegative = Annotated[
     float, number("a number of at least 0, up to 1e100", float, lambda x: 0.0 <= x <= LARGEST)
 ]
+ZeroOrPositive = Annotated[
+    float,
+    number(
+        "0, or a number from 1e-100 to 1e100",
+        float,
+        lambda x: x == 0.0 or 1.0 / LARGEST <= x <= LARGEST,
+    ),
+]
 AtLeastOne = Annotated[float, number("a number from 1 to 100", float, lambda x: 1.0 <= x <= 100.0)]
 PositiveTime = Annotated[
     float,

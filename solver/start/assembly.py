@@ -21,9 +21,10 @@ from ..step.equations import evaluate, linearize
 from ..step.observers import linearize_observers
 from ..step.rotations import tangent_inverse
 from ..step.system import State, System, Workspace
+from .dependence import least_solution, owners_of_columns
 from .inertia import inverse_root
 from .jacobian import constraint_jacobian, constraint_rows, jacobian
-from .matrices import Matrix, above, dense_of, factorize_square, unit_rows
+from .matrices import Matrix, above, factorize_square, unit_rows
 
 LARGEST_TURN = 0.2
 """rad; a joint that starts farther from its target is moved in several stages"""
@@ -193,8 +194,8 @@ def _least_change(system: System, state: State, B: Matrix, c: Array) -> Array:
     """L A^T (A A^T)^-1 c with A = B L, L L^T = M^-1.
 
     Its rows are scaled to unit length, so that light bodies cost no digits. Rows that may depend on
-    one another take the pseudo-inverse of a dense A; levers are differences of positions, so that
-    far from the origin such rows are told apart less sharply.
+    one another take the pseudo-inverse of A; levers are differences of positions, so that far from
+    the origin such rows are told apart less sharply.
     """
     if not B.shape[0]:
         return np.zeros(B.shape[1])
@@ -203,7 +204,8 @@ def _least_change(system: System, state: State, B: Matrix, c: Array) -> Array:
     solve = factorize_square(A)
     if solve is None:
         rounded = EPS * _reach(system, state) * float(scale.max() * abs(L).max())
-        y = np.linalg.lstsq(dense_of(A), scale * c, rcond=max(1e-11, 10.0 * rounded))[0]
+        owners = owners_of_columns(system, A)
+        y = least_solution(A, scale * c, owners, max(1e-11, 10.0 * rounded))
     else:
         y = A.T @ solve(scale * c)
     change: Array = L @ y

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.lib.stride_tricks import as_strided
 from numpy.typing import NDArray
 
-from ..arrays import Array, Index
+from ..arrays import Array, Index, as_index
 from ..errors import ModelError
 from ..history.layout import active_flexibility
 from ..lower.lower import LoweredModel
@@ -55,6 +55,8 @@ MAX_CAUTION = 8.0
 """steps with a rising residual that are remembered: from six on the inertia does not fall"""
 PATIENCE = 5
 """steps without progress after which rounding is asked for"""
+LARGEST_WAY = 1.0
+"""by which a body may move or turn in a step, relative to the size of the model"""
 LARGEST = 1e200
 """inertia of a step that no longer moves anything"""
 DETOUR, MAX_DETOURS = 1.3, 10
@@ -85,6 +87,13 @@ def _negligible(lowered: LoweredModel) -> Array:
         motion = np.abs([(drive(t), *drive.derivatives(t)) for t in times]).max(axis=0)
         limits[d] = STEADY * (motion[1:] + motion[:-1] / T)
     return limits
+
+
+def _negligible_references(lowered: LoweredModel) -> Array:
+    """Rates of the references of motors that count as none (n_motors,), as those of drives."""
+    times = np.linspace(0.0, lowered.model.settings.t_end, SAMPLES)
+    rates = lowered.motor_signals[2::3]
+    return STEADY * np.array([np.abs(rate.samples(times, lowered.h)).max() for rate in rates])
 
 
 def check_steady(
@@ -118,6 +127,7 @@ def check_steady(
     speed = float(np.linalg.norm(Omega))
     allowed = STEADY * np.where(lengths, speed * lowered.system.bodies.size, speed)
     allowed += np.array([*_negligible(lowered)[:, 0], 0.0])[couplings.drive]
+    allowed[laws.motors.row] += _negligible_references(lowered)
     if not (rates > allowed).any():
         return
     i = int(np.argmax(rates - allowed))
@@ -171,6 +181,8 @@ class _Search:
         self.system, self.lengths = _at_rest(lowered), lowered.measures_lengths
         self.motion, self.state, self.work = motion, state, work
         self.free = free_groups(self.system)
+        self.way = 0.0
+        self.passable, self.half_shapes = _passable(lowered)
         work.interfaces.history[:] = 0.0
         work.interfaces.rate_predicted[:] = 0.0
         self._evaluate()
@@ -202,9 +214,12 @@ class _Search:
         """Pseudo-transient continuation; why it found no equilibrium, "" if it found one.
 
         A step may raise the residual, as those do in which contacts open and close; but not above
-        all of the last ones, and where steps often do, they become shorter.
+        all of the last ones, and where steps often do, they become shorter. Nor may it move bodies
+        farther than its equations tell, by the size of the model or through one another: residuals
+        are relative to forces, which are large where bodies are thrown about. Steps much shorter
+        than a first one grow, however slowly the residual falls.
         """
-        beta, residual = self._first_inertia(), self._residual()
+        beta, residual, size = self._first_inertia(), self._residual(), self.system.bodies.size
         best, nearest, recent = residual, self.saved(), [residual]
         caution, idle, singular = 0.0, 0, 0
         for _ in range(MAX_ITERATIONS):
@@ -213,26 +228,44 @@ class _Search:
             if idle > PATIENCE and (best <= ACCEPTED or self._is_rounding()):
                 self.restore(nearest)
                 return ""
-            saved = self.saved()
+            saved, balls = self.saved(), self._balls()
             if not self._step(beta):
                 singular, beta = singular + 1, DETOUR * beta
                 if singular > MAX_DETOURS:
                     return "the equations are singular"
                 continue
             previous, residual = residual, self._residual()
-            if not residual < MAX_RISE * max(*recent, SMALL_RESIDUAL):
+            astray = self.way > LARGEST_WAY * size or self._has_passed(balls)
+            if astray or not residual < MAX_RISE * max(*recent, SMALL_RESIDUAL):
                 self.restore(saved)
                 residual, beta, idle = previous, min(10.0 * beta, LARGEST), idle + 1
                 continue
             rises = residual > previous
             caution = min(caution + 1.0, MAX_CAUTION) if rises else max(caution - 0.25, 0.0)
-            beta *= np.clip(residual / previous, min(1.0, 0.1 * 1.5**caution), 2.0)
+            change = residual / previous
+            if not rises:
+                change = min(change, self.way / (FIRST_STEP * size))
+            beta *= np.clip(change, min(1.0, 0.1 * 1.5**caution), 2.0)
             self._continue_angles()
             idle = 0 if residual < 0.5 * best else idle + 1
             if residual < best:
                 best, nearest = residual, self.saved()
             recent = [*recent, residual][-REMEMBERED:]
         return f"relative residual {best:.3e} after {MAX_ITERATIONS} steps"
+
+    def _balls(self) -> tuple[Array, Array]:
+        """Where balls are from the shapes that they may pass (k, 3), and how far they may go (k,).
+
+        That is half into the shape: beyond its middle the contact would push to the other side.
+        """
+        rows, r = self.system.couplings.rows, self.work.frames.r
+        places = r[rows.frame_b[self.passable]] - r[rows.frame_a[self.passable]]
+        return places, np.abs(self.work.couplings.coordinate[self.passable]) + self.half_shapes
+
+    def _has_passed(self, balls: tuple[Array, Array]) -> bool:
+        """Whether a ball has gone farther than it may, from where it was."""
+        places, room = balls
+        return bool((np.linalg.norm(self._balls()[0] - places, axis=1) > room).any())
 
     def _first_inertia(self) -> float:
         """The inertia of a first step of `FIRST_STEP`, under the forces that are out of balance.
@@ -264,7 +297,7 @@ class _Search:
             _add_centrifugal(system, self.motion, state, work)
         if not factorize(system.pattern, work.matrix.S, work.matrix.pivots):
             return False
-        correct(system, state, work)
+        self.way = correct(system, state, work)
         work.bodies.quaternion_n[:] = state.bodies.quaternion
         work.bodies.psi[:] = 0.0
         self._evaluate()
@@ -314,6 +347,17 @@ class _Search:
             rounded[i] = law_rounding(self.system, i, first[i], reach, self.state, self.work)
         lengths = self.lengths
         return float(rounded[lengths].max(initial=0.0)), float(rounded[~lengths].max(initial=0.0))
+
+
+def _passable(lowered: LoweredModel) -> tuple[Index, Array]:
+    """The gaps, by row, of balls that may pass through a shape, and half the size of both (k,)."""
+    couplings, found = lowered.system.couplings, []
+    for j in couplings.contact.tolist():
+        row = int(couplings.range[j])
+        size = float(couplings.rows.size[row])
+        if np.isfinite(size):
+            found.append((row, 0.5 * size))
+    return as_index([row for row, _ in found]), np.array([half for _, half in found])
 
 
 def _at_rest(lowered: LoweredModel) -> System:

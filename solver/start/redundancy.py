@@ -1,16 +1,15 @@
 """Redundant constraints, by factorization and by name; degrees of freedom of a mechanism."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..arrays import Array
 from ..errors import ModelError
 from ..lower.lower import LoweredModel
 from ..step.system import State, Workspace
+from .dependence import INVOLVED, dependences, owners_of_columns, rows_to_leave_out
 from .inertia import accelerance_root, geometric_scale
 from .jacobian import constraint_jacobian, constraint_rows
-from .matrices import Matrix, beside, dense_of, factorize_square, unit_rows
+from .matrices import Matrix, beside, factorize_square, unit_rows
 from .nearby import poses_nearby
 
 RANK_TOLERANCE = 1e-9
@@ -21,7 +20,7 @@ def count_degrees_of_freedom(lowered: LoweredModel, state: State, work: Workspac
     """Degrees of freedom with all bodies rigid: six for each less the rank of the constraints."""
     J = _rigid_jacobian(lowered, state, work)
     n, n_q = J.shape
-    return int(n_q - (n if _clearly_independent(J) else rank(dense_of(J))))
+    return int(n_q - (n if _clearly_independent(J) else _rank(lowered, J)))
 
 
 def redundant_rows(lowered: LoweredModel, state: State, work: Workspace) -> frozenset[int]:
@@ -33,16 +32,18 @@ def redundant_rows(lowered: LoweredModel, state: State, work: Workspace) -> froz
     """
     hard = constraint_rows(lowered.system)
     J = _jacobian(lowered, state, work)
-    redundancy = None if _clearly_independent(J) else find_redundancy(dense_of(J))
-    if redundancy is None:
+    if _clearly_independent(J):
         return frozenset()
-    involved = hard[redundancy.involved].tolist()
-    removable = hard[redundancy.removable].tolist()
+    null = _dependences(lowered, J)
+    if not null.shape[1]:
+        return frozenset()
+    involved = hard[np.abs(null).max(axis=1) > INVOLVED].tolist()
+    removable = hard[rows_to_leave_out(null)].tolist()
     dependent = describe_rows(lowered, involved)
-    rigid = dense_of(_rigid_jacobian(lowered, state, work))
+    rigid = _rigid_jacobian(lowered, state, work)
     here = len(hard) - len(removable)
     for _ in poses_nearby(lowered, state, work, rigid):
-        if rank(dense_of(_jacobian(lowered, state, work))) > here:
+        if _rank(lowered, _jacobian(lowered, state, work)) > here:
             raise ModelError(
                 f"joints: the start is a singular pose: {dependent} depend on one another there, "
                 "but not beside it, so that the motion from there is not determined; start the "
@@ -88,45 +89,14 @@ def describe_rows(lowered: LoweredModel, rows: list[int]) -> str:
     return ", ".join(f"{joint} ({', '.join(names)})" for joint, names in by_joint.items())
 
 
-@dataclass(frozen=True)
-class Redundancy:
-    """The rows of a dependence, by number, and those to remove to leave the others independent."""
-
-    involved: list[int]
-    removable: list[int]
-
-
-def find_redundancy(J: Array) -> Redundancy | None:
-    """The dependent rows of a Jacobian (n, m), by its left null space; None if there are none.
-
-    Of equal choices, later rows are removable.
-    """
-    if not len(J):
-        return None
-    null = _left_null_space(J)
-    if not null.shape[1]:
-        return None
-    involved = np.flatnonzero(np.abs(null).max(axis=1) > 1e-6)
-    later = 1.0 + 1e-3 * np.arange(len(J)) / len(J)
-    from scipy.linalg import qr
-
-    _, _, pivots = qr(null.T * later, pivoting=True, mode="economic")
-    return Redundancy(involved.tolist(), sorted(pivots[: null.shape[1]].tolist()))
-
-
-def rank(J: Array) -> int:
-    return len(J) - _left_null_space(J).shape[1] if len(J) else 0
-
-
-def _left_null_space(J: Array) -> Array:
+def _dependences(lowered: LoweredModel, J: Matrix) -> Array:
     """Vectors y (n, k) with y^T J = 0, J's rows scaled to unit length."""
-    length = np.linalg.norm(J, axis=1)
-    scaled = J / np.where(length > 0.0, length, 1.0)[:, None]
-    left, values, _ = np.linalg.svd(scaled, full_matrices=True)
-    small = np.concatenate([values, np.zeros(len(J) - len(values))]) < RANK_TOLERANCE * max(
-        1.0, values.max(initial=0.0)
-    )
-    return np.asarray(left[:, small])
+    scaled, _ = unit_rows(J)
+    return dependences(scaled, owners_of_columns(lowered.system, J), RANK_TOLERANCE)
+
+
+def _rank(lowered: LoweredModel, J: Matrix) -> int:
+    return int(J.shape[0] - _dependences(lowered, J).shape[1])
 
 
 def _rigid_jacobian(lowered: LoweredModel, state: State, work: Workspace) -> Matrix:

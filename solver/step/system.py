@@ -356,6 +356,10 @@ class AxialForces(Struct):
     start: Index = array("n_axial")
     """first of its weights, one for each dof of the body"""
     weight: Array = array("n_weights")
+    line: Array = array("n_axial", 3)
+    """the direction of each, in body axes"""
+    spread: Array = array("n_axial")
+    """second moment of the mass along it, over the critical load and its length [s^2]"""
     share: Array = array("n_axial")
     """of a step in the time over which forces are averaged"""
 

@@ -192,11 +192,45 @@ signal = 1.0
 """
 """a small one, for the many forms of signals"""
 
+AXIS = {"axis": [0, 0, 1]}
+JOINTS: dict[str, dict[str, Any]] = {
+    "fixed": {},
+    "spherical": {},
+    "revolute": AXIS,
+    "universal": AXIS | {"second_axis": [1, 0, 0]},
+    "cylindrical": AXIS,
+    "prismatic": AXIS,
+    "planar": AXIS,
+    "rod": {"between": ["ground.far", "hub"]},
+    "screw": AXIS | {"lead": 0.1},
+    "constant_velocity": AXIS,
+    "point_on_line": AXIS,
+    "point_on_plane": AXIS,
+}
+LOADS: dict[str, dict[str, Any]] = {
+    "force": {"direction": [0, 0, 1], "signal": 1.0},
+    "torque": {"direction": [0, 0, 1], "signal": 1.0},
+    "drag": {"quadratic": 1.0},
+}
+
+
+def pushed(**tables: Any) -> dict[str, Any]:
+    """A small document with other joints or loads."""
+    far = {"frames": {"far": {"position": [0, 0, 1]}}}
+    return tomllib.loads(PUSH) | {"ground": far} | tables
+
+
 DOCUMENTS: dict[str, dict[str, Any]] = {
     "mechanism": tomllib.loads(MECHANISM),
     "steady": tomllib.loads(STEADY),
     "push": tomllib.loads(PUSH),
 }
+KINDS = {
+    f"{kind} joint": pushed(joints=[{"type": kind, "between": ["ground", "hub"]} | keys])
+    for kind, keys in JOINTS.items()
+} | {f"{kind}": pushed(loads=[{"type": kind, "on": "hub"} | keys]) for kind, keys in LOADS.items()}
+"""documents with one joint or one load, of each kind"""
+DOCUMENTS |= KINDS
 
 SIGNALS: dict[str, dict[str, Any]] = {
     "Steps": {"times": [0, 1], "values": [2, 3]},

@@ -22,7 +22,7 @@ from duhamel.solver.model.file import _ModelFile
 from duhamel.solver.signals import signal as signals
 
 from .messages import complaint
-from .models import DOCUMENTS, LAWS, PART, RECORD, SHAPES, SIGNALS
+from .models import DOCUMENTS, KINDS, LAWS, PART, RECORD, SHAPES, SIGNALS
 from .values import UNKNOWN, VALUES, Place, changed, declared, dotted, table_kinds, value_at
 
 REFUSALS = ModelError, ConvergenceError, ResultsError
@@ -43,6 +43,9 @@ def keys() -> Iterator[tuple[str, Place]]:
     """Each key of each table, in the first of the documents that has the table."""
     for name in ("mechanism", "steady"):
         yield from ((name, place) for place in declared(_ModelFile, DOCUMENTS[name]))
+    for name in KINDS:
+        places = declared(_ModelFile, DOCUMENTS[name])
+        yield from ((name, at) for at in places if at[0] in ("joints", "loads") and len(at) == 3)
 
 
 def keys_of_forms() -> Iterator[tuple[str, Place, dict[str, Any]]]:

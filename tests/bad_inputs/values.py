@@ -62,8 +62,16 @@ def declared(kind: type[BaseModel], document: Any, at: Place = ()) -> Iterator[P
         yield (*at, key)
         for table in table_kinds(field.annotation):
             for place, value in _tables_in(field.annotation, document.get(key), (*at, key)):
-                yield from declared(table, value, place)
+                if _is_of_kind(value, table):
+                    yield from declared(table, value, place)
     yield (*at, UNKNOWN)
+
+
+def _is_of_kind(value: Mapping[str, Any], table: type[BaseModel]) -> bool:
+    """Whether a value is of the kind that this table is for, where the key `type` tells."""
+    tag = table.model_fields.get("type")
+    kinds = get_args(tag.annotation) if tag is not None else ()
+    return not kinds or value.get("type") in kinds
 
 
 def table_kinds(annotation: Any) -> Iterator[type[BaseModel]]:

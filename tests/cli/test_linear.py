@@ -1,10 +1,13 @@
 """`duhamel modes`, `duhamel frf` and `duhamel campbell`: what they print and write."""
 
 import csv
+import resource
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from duhamel.cli import app
+from duhamel.superelement import write
 
 PENDULUM = """
 [simulation]
@@ -66,6 +69,30 @@ def test_modes_are_printed_and_drawn(runner, pendulum, tmp_path):
     run(runner, "modes", pendulum, "-o", tmp_path / "modes.csv")
     rows = list(csv.DictReader((tmp_path / "modes.csv").read_text().splitlines()))
     assert float(rows[0]["frequency_Hz"]) == pytest.approx(FREQUENCY, rel=1e-12)
+
+
+def test_a_full_disk_names_the_table(runner, pendulum, tmp_path):
+    """A limit of the size of files stands for it."""
+    target, limits = tmp_path / "modes.csv", resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (10, limits[1]))
+    try:
+        result = run(runner, "modes", pendulum, "-o", target, code=1)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert result.stderr == f"error: {target}: cannot be written: File too large\n"
+    assert list(tmp_path.iterdir()) == [pendulum]
+
+
+def test_responses_are_drawn_within_the_band_of_the_superelements(runner, element, tmp_path):
+    """Unless a band is given: twice the tenth frequency of a model may be far beyond it."""
+    write(tmp_path / "beam.h5", replace(element, kernel=replace(element.kernel, band=500.0)))
+    model = tmp_path / "model.toml"
+    model.write_text("simulation.t_end = 0.1\n[bodies.beam]\nsuperelement = 'beam.h5'\n")
+    asked = ("--from", "force:beam.tip:y", "--to", "elastic_displacement:beam.tip:y")
+    result = run(runner, "frf", model, *asked, "-o", tmp_path / "frf.csv")
+    assert "All validity limits respected, all values in their recommended" in result.stdout
+    *_, last = csv.reader((tmp_path / "frf.csv").read_text().splitlines())
+    assert 300.0 < float(last[0]) < 0.8 * 500.0
 
 
 def test_frequency_responses_are_written(runner, pendulum, tmp_path):

@@ -9,8 +9,8 @@ from duhamel.preprocess import BodyError, MeshWarning, MethodError, assemble, bu
 from duhamel.preprocess.body.body import Damping
 from duhamel.preprocess.recovery import recover
 from duhamel.preprocess.responses.band import Band
-from duhamel.preprocess.responses.krylov import krylov_modes
 from duhamel.preprocess.responses.modal import elastic_shapes
+from duhamel.preprocess.responses.search import krylov_modes
 from duhamel.preprocess.solving.factor import factorize
 from duhamel.preprocess.sources.reading import read_source
 from duhamel.superelement import GeneralizedAlpha, read, write

@@ -94,7 +94,7 @@ def hub_and_beam() -> Callable[..., Model]:
         spin: Any = (0.0, 0.0, 0.0),
         **settings: Any,
     ) -> Model:
-        axis = [0, 0, 1] if pivot == "revolute" else None
+        axis = [[0, 0, 1]] if pivot == "revolute" else []
         omega = np.asarray(spin, dtype=float)
         J = phi * BEAM_INERTIA
         hub = RigidBody(
@@ -107,7 +107,7 @@ def hub_and_beam() -> Callable[..., Model]:
         return model_of(
             bodies={"hub": hub, "beam": FlexibleBody(beam.element, start)},
             joints=(
-                JOINTS[pivot]("ground", "hub", axis, name="pivot"),
+                JOINTS[pivot]("ground", "hub", *axis, name="pivot"),
                 Fixed("hub.rim", "beam.root", name="clamp"),
             ),
             **settings,

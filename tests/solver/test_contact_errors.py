@@ -89,7 +89,7 @@ STOPS = [
 ]
 FRICTIONS = [
     ("revolute", "{coefficient = 0.1}", "friction: radius: a revolute joint needs one"),
-    ("spherical", "{coefficient = 0.1}", "friction: revolute and prismatic joints take it"),
+    ("spherical", "{coefficient = 0.1}", "unknown key 'friction'"),
     ("prismatic", "{radius = 0.1}", "friction: radius: a prismatic joint takes none"),
     ("revolute", "{coefficient = -1, radius = 1}", "friction: coefficient: sliding: expected"),
     ("revolute", "{mu = 0.3}", "friction: unknown key 'mu'"),

@@ -13,7 +13,6 @@ from duhamel.solver import (
     Stop,
     Stribeck,
 )
-from duhamel.solver.start import penetration
 
 from .test_tangents import (  # noqa: F401 - fixtures
     AXIS,
@@ -68,7 +67,7 @@ FRICTIONS = {
 @pytest.fixture(autouse=True)
 def deep(monkeypatch):
     """Balls may start as deep as they like."""
-    monkeypatch.setattr(penetration, "_check", lambda contact, depth, size: None)
+    monkeypatch.setattr(Contact, "check_depth", lambda contact, depth, size: None)
 
 
 def contact(shape="plane", compliance="linear", friction="none", between=("a.i0", "b.i0")):

@@ -7,6 +7,7 @@ import pytest
 from duhamel.solver import (
     JOINTS,
     Constant,
+    Fixed,
     FlexibleBody,
     Force,
     Frame,
@@ -200,7 +201,7 @@ def test_constraints_that_contradict_each_other_are_named():
     """A drive against a joint that blocks it, a linkage that cannot close."""
     model = chain("fixed", "revolute")
     doubled = Revolute("link0.far", "link1.near", Y, name="again", angle=Polynomial((0.0, 1.0)))
-    blocked = replace(model.joints[1], type="fixed", axis=None)
+    blocked = Fixed(*model.joints[1].between, name=model.joints[1].name)
     with pytest.raises(ModelError, match="driven against other constraints"):
         simulate(
             replace(model, joints=(model.joints[0], blocked, doubled)).with_settings(

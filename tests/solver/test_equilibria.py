@@ -19,6 +19,7 @@ from duhamel.solver import (
     Revolute,
     RigidBody,
     Settings,
+    Spherical,
     Spring,
     Start,
     Torque,
@@ -165,3 +166,73 @@ def test_a_model_without_equilibrium_is_told_the_cause_that_applies(case):
         start(model)
     causes = [text for _, _, text in WITHOUT.values() if re.search(text, str(refusal.value))]
     assert causes == [cause]
+
+
+def hung_out_chain(links, length=0.1):
+    """Links that start in a horizontal line, each on a spherical joint of the one before."""
+    ends = {"begin": Frame([-length / 2, 0, 0]), "end": Frame([length / 2, 0, 0])}
+    inertia = 0.1 * length**2 * np.array([0.01, 1 / 12, 1 / 12])
+    bodies = {
+        f"link{k}": RigidBody(0.1, inertia, ends, Start([(k + 0.5) * length, 0, 0]))
+        for k in range(links)
+    }
+    before = ["ground", *(f"link{k}.end" for k in range(links))]
+    joints = [Spherical(before[k], f"link{k}.begin", name=f"joint{k}") for k in range(links)]
+    return Model(
+        bodies,
+        joints,
+        gravity=[0, 0, -G],
+        settings=Settings(t_end=0.01, step=1e-3, start="equilibrium"),
+    )
+
+
+def test_a_chain_of_thirty_links_hangs_down():
+    results = simulate(hung_out_chain(30))
+    for k in range(30):
+        position = results.body(f"link{k}").x[0]
+        np.testing.assert_allclose(position, [0, 0, -0.1 * (k + 0.5)], rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("stiffness", [1e5, 1e8])
+@pytest.mark.parametrize("gap", [0.0, 0.01])
+def test_balls_on_one_another_rest_at_the_sum_of_their_penetrations(stiffness, gap):
+    """Contact k carries the balls above: x_j is lower by the sum of (n - k) m g / stiffness."""
+    n, radius, impact = 10, 0.1, Impact(stiffness)
+    floor = Contact("c0", ("ground.floor", "b0"), "plane", radius, axis=[0, 0, 1], impact=impact)
+    between = [
+        Contact(f"c{k}", (f"b{k - 1}", f"b{k}"), "sphere", radius, radius=radius, impact=impact)
+        for k in range(1, n)
+    ]
+    heights = radius + (2 * radius + gap) * np.arange(n)
+    model = Model(
+        {f"b{k}": RigidBody(1.0, [0.004] * 3, {}, Start([0, 0, heights[k]])) for k in range(n)},
+        [Prismatic("ground", f"b{k}", [0, 0, 1], name=f"guide{k}") for k in range(n)],
+        contacts=[floor, *between],
+        ground_frames={"floor": Frame()},
+        gravity=[0, 0, -G],
+        settings=Settings(t_end=1e-4, step=1e-5, start="equilibrium"),
+    )
+    results = simulate(model)
+    sunk = np.cumsum((n - np.arange(n)) * G / stiffness)
+    rest = radius * (1 + 2 * np.arange(n)) - sunk
+    found = [results.body(f"b{k}").x[0, 2] for k in range(n)]
+    np.testing.assert_allclose(found, rest, rtol=0, atol=1e-8 * sunk[-1] + 1e-14)
+
+
+def test_a_soft_spring_on_a_very_stiff_one_sags_by_its_own_stiffness():
+    """1 kg on 100 N/m, on 1 kg on 1e12 N/m, whose rounding is 1e-4 N."""
+    springs = [
+        Spring("stiff", "bushing", ("ground.foot", "below"), stiffness=[1e12] * 6),
+        Spring("soft", "bushing", ("below", "above"), stiffness=[1e2] * 6),
+    ]
+    model = Model(
+        {
+            "below": RigidBody(1.0, [0.01] * 3, {}, Start([0, 0, 1])),
+            "above": RigidBody(1.0, [0.01] * 3, {}, Start([0, 0, 2])),
+        },
+        springs=springs,
+        ground_frames={"foot": Frame([0, 0, 1])},
+        gravity=[0, 0, -G],
+        settings=Settings(t_end=1e-5, step=1e-6, start="equilibrium"),
+    )
+    assert simulate(model).body("above").x[0, 2] == pytest.approx(2.0 - G / 1e2, abs=1e-6)

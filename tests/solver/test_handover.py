@@ -102,7 +102,7 @@ def test_a_new_joint_must_be_closed_where_the_state_begins(coarse, tmp_path):
         simulate(replace(model, joints=(*model.joints, hook)).with_settings(start=start))
     end = simulate(model.with_settings(t_end=FIRST * H)).frame("arm.end").position[-1]
     model = replace(model, ground_frames={**model.ground_frames, "hook": Frame(end)})
-    hook = replace(hook, between=("ground.hook", "arm.end"))
+    hook = replace(hook, frame_a="ground.hook")
     with pytest.raises(StateError, match=r"joint 'hook': opens at \d+.* it takes an impulse"):
         simulate(replace(model, joints=(*model.joints, hook)).with_settings(start=start))
 

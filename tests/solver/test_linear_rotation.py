@@ -191,7 +191,7 @@ def test_the_equations_with_second_order_are_those_of_a_lagrangian(column, with_
     model = model_of(bodies, (axle, hinge), step=1e-3)
     for spin, loads in ((0.0, (force,)), (25.0, ())):
         rotation = SteadyRotation([0, 0, spin]) if spin else None
-        joints = (axle if spin else replace(axle, type="fixed", axis=None), hinge)
+        joints = (axle if spin else Fixed("ground", "hub", name="axle"), hinge)
         settings = replace(model.settings, start="equilibrium")
         linear = linearize(replace(model, joints=joints, loads=loads, settings=settings), rotation)
         form = FirstOrder(linear.equations)

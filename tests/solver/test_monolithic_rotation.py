@@ -60,11 +60,11 @@ def carousel(element, spin, loads, pivot, **settings):
         place=Place("i0", "hub.rim"), velocity=np.cross(spin, center), angular_velocity=spin
     )
     hub = RigidBody(0.5, [0.6, 0.7, 0.8], {"rim": Frame(RIM)}, Start(angular_velocity=spin))
-    axis = [0, 0, 1] if pivot == "revolute" else None
+    axis = [[0, 0, 1]] if pivot == "revolute" else []
     return model_of(
         bodies={"hub": hub, "body": FlexibleBody(element, start)},
         joints=(
-            JOINTS[pivot]("ground", "hub", axis, name="pivot"),
+            JOINTS[pivot]("ground", "hub", *axis, name="pivot"),
             Fixed("hub.rim", "body.i0", name="clamp"),
         ),
         loads=loads,

@@ -7,7 +7,6 @@ from duhamel.solver import (
     ConstantVelocity,
     Coupler,
     Cylindrical,
-    Fixed,
     Frame,
     Harmonic,
     Input,
@@ -316,8 +315,6 @@ def test_a_spherical_joint_follows_one_kind_of_signals():
     told = [Constant(0.0), Input("pitch"), Constant(0.0)]
     with pytest.raises(ModelError, match="cardan_angles: takes no input"):
         Spherical("ground", "b", name="j", cardan_angles=told)
-    with pytest.raises(ModelError, match="a fixed joint is driven by nothing"):
-        Fixed("ground", "b", name="j", rotation_vector=three)
 
 
 def pendulum(**joint):
@@ -368,9 +365,9 @@ def test_drawn_names_a_coordinate():
 
 
 def test_a_screw_needs_a_lead():
-    with pytest.raises(ModelError, match="lead: a screw joint needs a lead"):
+    with pytest.raises(TypeError, match="missing 1 required positional argument: 'lead'"):
         Screw("ground", "b", [0, 0, 1], name="j")
-    with pytest.raises(ModelError, match="lead: a revolute joint takes no lead"):
+    with pytest.raises(TypeError, match="unexpected keyword argument 'lead'"):
         Revolute("ground", "b", [0, 0, 1], name="j", lead=0.1)
 
 
@@ -425,8 +422,8 @@ def test_a_number_that_is_taken_is_passed_over():
 
 
 def test_an_error_of_what_has_no_name_says_its_type():
-    with pytest.raises(ModelError, match=r"joint without a name \(revolute\): a"):
-        Revolute("ground", "b")
+    with pytest.raises(ModelError, match=r"joint without a name \(revolute\): axis: expected"):
+        Revolute("ground", "b", [0, 0, 0])
 
 
 def test_a_body_is_placed_by_its_center():

@@ -300,11 +300,11 @@ def test_a_stiff_servo_between_two_limits_finds_its_side(factor):
 def test_the_newton_matrix_of_a_motor(make_pair, coordinate, limit):  # noqa: F811
     """Entry by entry, at a limit that falls with the speed too."""
     kinds = {
-        "angle": ("cylindrical", AXIS, None),
-        "distance": ("cylindrical", AXIS, None),
+        "angle": ("cylindrical", AXIS),
+        "distance": ("cylindrical", AXIS),
         "second_angle": ("universal", AXIS, SECOND),
     }
-    kind, axis, second = kinds[coordinate]
+    kind, *axes = kinds[coordinate]
     key = "force" if coordinate == "distance" else "torque"
     motor = Motor(
         "motor",
@@ -318,7 +318,7 @@ def test_the_newton_matrix_of_a_motor(make_pair, coordinate, limit):  # noqa: F8
         limit=limit,
         speed=None if limit is None else 20.0,
     )
-    joint = JOINTS[kind]("a.i0", "b.i0", axis, second, name="joint")
+    joint = JOINTS[kind]("a.i0", "b.i0", *axes, name="joint")
     point = Point.of(make_pair(("rigid", "flexible"), (joint,), motors=(motor,)), seed=5)
     rng = np.random.default_rng(2)
     point.work.couplings.elapsed[0] = point.system.scheme.h
@@ -400,6 +400,15 @@ def test_a_reference_that_moves_is_no_equilibrium():
     moving = arm(stiffness=100.0, reference=Polynomial([0.0, 0.2]))
     with pytest.raises(ModelError, match=r"motor 'servo': start = 'equilibrium': rest"):
         start(moving)
+
+
+def test_a_reference_at_rest_but_for_rounding_is_an_equilibrium():
+    """A sine from its trough: the cosine of a float near pi / 2 is 6e-17, not 0."""
+    trough = Harmonic(0.3, 2.0, phase=-np.pi / 2, offset=0.3)
+    model = wheel(servo(stiffness=40.0, damping=3.0, reference=trough), t_end=0.1)
+    run = simulate(model.with_settings(start="equilibrium"))
+    assert run.joint("axle").angle[0] == pytest.approx(0.0, abs=1e-12)
+    assert run.joint("axle").angle_rate[0] == 0.0
 
 
 def test_angles_count_over_full_turns():

@@ -34,10 +34,11 @@ def held(element, kind, second_order="full", **given):
     spin = settings.pop("spin", 0.0)
     X = element.interface("i0").X
     start = Start(-X, velocity=np.cross(spin * AXIS, -X), angular_velocity=spin * AXIS)
-    axis = AXIS if kind == "revolute" else None
+    of_joint = {"angle": given["angle"]} if "angle" in given else {}
+    axis = [AXIS] if kind == "revolute" else []
     return Model(
         {"a": FlexibleBody(element, start, second_order=second_order)},
-        [JOINTS[kind]("ground", "a.i0", axis, name="joint", angle=given.get("angle"))],
+        [JOINTS[kind]("ground", "a.i0", *axis, name="joint", **of_joint)],
         loads=given.get("loads", ()),
         gravity=9.81 * AXIS,
         settings=Settings(**({"t_end": 0.1, "step": 1e-4, "rho_inf": 0.9} | settings)),

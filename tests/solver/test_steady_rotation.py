@@ -200,8 +200,9 @@ def test_flexible_bodies_that_nothing_holds_turn_steadily(beam, n, spin):
 
 def disk(*springs, pivot="revolute", drive=None, motions=(), **settings):
     body = RigidBody(1.0, [0.1, 0.1, 0.2], {"rim": Frame([0.3, 0, 0])})
-    axis = None if pivot == "spherical" else Z
-    joint = JOINTS[pivot]("ground", "disk", axis, name="pivot", angle=drive)
+    axis = [] if pivot == "spherical" else [Z]
+    given = {} if drive is None else {"angle": drive}
+    joint = JOINTS[pivot]("ground", "disk", *axis, name="pivot", **given)
     start = {"start": "equilibrium", "t_end": 0.01, "step": 1e-3}
     hook = {"hook": Frame([0.0, 0.4, 0.0])}
     return model_of(

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from duhamel.preprocess import read_body
-from duhamel.preprocess.body.body import NonlinearCoordinates
+from duhamel.preprocess.body.body import NonlinearCoordinates, PointMass
 from duhamel.preprocess.body.selection import InterfaceSelection
 from duhamel.results.validity import CRITERIA
 from duhamel.solver import (
@@ -27,6 +27,7 @@ from duhamel.solver import (
     Settings,
     Spring,
     Start,
+    SteadyRotation,
     Torque,
     Universal,
     check,
@@ -38,6 +39,7 @@ from duhamel.solver.history.axial import axial_weights
 from duhamel.solver.model.rigid_outline import box_of_inertia
 from duhamel.superelement import Outline, Recovery
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 from .conftest import BEAM, line_mesh, make_beam
@@ -83,6 +85,68 @@ def test_an_axial_force_changes_the_frequency_by_half_its_share_of_eulers_load(b
     assert error == pytest.approx(abs((1.0 + share) ** -0.5 - 1.0), rel=0.05)
     assert validity.values("axial_load")["beam"] == pytest.approx(abs(share), rel=1e-3)
     assert warned(validity, "axial_load") == (error > 0.026)
+
+
+@pytest.mark.parametrize("places", [(0.0, L), (0.5 * L,)])
+def test_heavy_masses_change_neither_the_axial_force_nor_eulers_load(places):
+    """Whatever frequency the free body has by them: in runs, and in linear analysis."""
+    masses = {f"m{x}": PointMass(node=(x, 0.0, 0.0), mass=10.0 * MASS) for x in places}
+    model = hinged(make_beam(masses=masses).element, 0.06 * EULER)
+    validity, linear = start(model).validity, linearize(model).validity()
+    (preload,) = (c.value for c in linear.checks if c.criterion.name == "axial_preload")
+    assert [preload, validity.values("axial_load")["beam"]] == pytest.approx([0.06] * 2, rel=1e-3)
+    assert warned(validity, "axial_load")
+    assert any("axial force" in line for line in linear.warnings)
+
+
+@pytest.mark.parametrize("spin", [0.029, 0.049])
+@pytest.mark.parametrize("mass", [0.0, 10.0, 100.0])
+def test_heavy_ends_of_a_free_beam_that_spins_stretch_it(mass, spin):
+    """By M Omega^2 L / 2, and its own mass by m Omega^2 L / 12 in the mean.
+
+    The bending frequency across the plane of rotation rises as that of a hinged beam at most.
+    """
+    ends = (0.0, L) if mass else ()
+    masses = {f"m{x}": PointMass(node=(x, 0.0, 0.0), mass=mass * MASS) for x in ends}
+    elements = [
+        make_beam(masses=masses, **changes).element
+        for changes in ({}, {"rotation": NonlinearCoordinates(modes=8)})
+    ]
+    omega = spin * elements[0].modes.omega.min()
+    found = []
+    for element in elements:
+        model = model_of({"beam": FlexibleBody(element)}, t_end=6e-4, step=6e-5)
+        linear = linearize(model, SteadyRotation([0, 0, omega]))
+        frequencies = linear.modes(12).frequencies
+        found.append(frequencies[frequencies > 0.3 * element.modes.frequencies.min()].min())
+        if element is elements[0]:
+            (preload,) = (
+                c.value for c in linear.validity().checks if c.criterion.name == "axial_preload"
+            )
+    turning = FlexibleBody(elements[0], Start(angular_velocity=[0, 0, omega]))
+    validity = simulate(model_of({"beam": turning}, t_end=6e-4, step=6e-5)).validity
+    force = (mass / 2.0 + 1.0 / 12.0) * MASS * omega**2 * L / EULER
+    assert preload == pytest.approx(force, rel=1e-3)
+    assert validity.values("axial_load")["beam"] == pytest.approx(force, rel=1e-3)
+    assert abs(found[0] / found[1] - 1.0) < 0.026 or warned(validity, "axial_load")
+
+
+@pytest.mark.parametrize("mass", [1.0, 10.0, 100.0])
+def test_a_heavy_tip_that_hangs_on_a_beam_with_one_interface(mass):
+    """Its weight is the axial force, which the value tells to a third."""
+    masses = {"tip": PointMass(node=(L, 0.0, 0.0), mass=mass * MASS)}
+    root = {"root": PAPERS.interfaces["root"]}
+    element = make_beam(masses=masses, interfaces=root).element
+    weight = (mass + 0.5) * MASS
+    model = model_of(
+        {"beam": FlexibleBody(element, Start(-element.interface("root").X))},
+        [Fixed("ground", "beam.root", name="clamp")],
+        gravity=[0.05 * EULER / weight, 0, 0],
+        start="equilibrium",
+        t_end=1e-3,
+        step=1e-4,
+    )
+    assert 0.045 < start(model).validity.values("axial_load")["beam"] < 0.067
 
 
 @pytest.mark.parametrize("share", [-0.045, 0.045])
@@ -367,3 +431,54 @@ def test_a_body_of_unknown_volume_is_taken_for_steel(bar):
 def test_a_body_without_stresses_misses_none(bar):
     bare = replace(bar, recovery=replace(bar.recovery, stress=None))
     assert not spinning(bare, 100.0).values("missing_stress")
+
+
+# Steps of an impact
+
+
+@pytest.mark.parametrize("steps", [20, 42])
+@pytest.mark.parametrize("restitution", [1.0, 0.5, 0.1])
+def test_the_peak_of_an_impact_is_right_to_two_per_cent_or_warned_of(restitution, steps):
+    """Of a ball on a wall, the worst of four phases of the contact in its step."""
+    e, m, speed, K, radius = restitution, 0.03, 1.0, 3e7, 0.01
+    damped = 0.0
+    if e < 1.0:  # a (1 + e) = ln((1 + a) / (1 - e a))
+        damped = brentq(
+            lambda a: a * (1.0 + e) - np.log((1.0 + a) / (1.0 - e * a)), 1e-6, (1.0 - 1e-9) / e
+        )
+
+    def force(d, rate):
+        return np.maximum(0.0, K * d * (1.0 + damped * rate / speed))
+
+    period = 2.0 * np.pi * np.sqrt(m / K)
+    right = solve_ivp(
+        lambda t, y: [y[1], -force(*y) / m],
+        (0, 6.0 * period),
+        [0.0, speed],
+        rtol=1e-9,
+        atol=1e-15,
+        max_step=period / 500,
+    )
+    closed = right.y[0] >= 0.0
+    duration, peak = right.t[closed][-1], force(*right.y).max()
+    h, errors, warnings = duration / steps, [], []
+    for phase in np.arange(4) / 4.0:
+        start_ = Start([0, 0, radius + speed * (2.0 + phase) * h], velocity=[0, 0, -speed])
+        wall = Contact(
+            "wall",
+            ("ground.wall", "ball"),
+            "plane",
+            ball=radius,
+            axis=[0, 0, 1],
+            impact=Impact(stiffness=K, restitution=e),
+        )
+        ball = RigidBody(m, [1e-6] * 3, start=start_)
+        settings = Settings(t_end=1.3 * duration + 5 * h, step=h)
+        model = Model(
+            {"ball": ball}, contacts=[wall], ground_frames={"wall": Frame()}, settings=settings
+        )
+        results = simulate(model)
+        errors.append(abs(np.abs(results.contact("wall").force).max() / peak - 1.0))
+        warnings.append(warned(results.validity, "contact_steps"))
+    assert max(errors) < 0.02 or all(warnings)
+    assert max(errors) > 0.005 or not any(warnings)

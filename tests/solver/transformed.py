@@ -8,6 +8,8 @@ import numpy as np
 from duhamel.solver import FlexibleBody, Frame, Harmonic, PrescribedRotation
 from scipy.spatial.transform import Rotation
 
+AXES = "axis", "second_axis"
+
 
 def turned(model, Q, shift):
     """The whole model turned by Q about the origin of space, then moved by shift (3,)."""
@@ -35,7 +37,7 @@ def turned(model, Q, shift):
             name: replace(body, start=start(body.start)) for name, body in model.bodies.items()
         },
         joints=[
-            replace(j, axis=direction(j.axis), second_axis=direction(j.second_axis))
+            replace(j, **{key: direction(getattr(j, key)) for key in AXES if hasattr(j, key)})
             for j in model.joints
         ],
         springs=[

@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from ...files.outputs import AnyPath, clash, renamed_when_whole
+from ...files.outputs import AnyPath, clash, in_words, renamed_when_whole
 from ...results import Results
 from ..errors import PictureError
 from .libraries import package
@@ -38,7 +38,7 @@ def write_report(
         with renamed_when_whole(path) as temporary:
             temporary.write_text(text, encoding="utf-8", newline="\n")
     except OSError as error:
-        raise PictureError(f"{path}: cannot be written: {error}") from error
+        raise PictureError(f"{path}: cannot be written: {in_words(error)}") from error
 
 
 def _check(results: Results, path: Path) -> None:

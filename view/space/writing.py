@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ...files.outputs import renamed_when_whole
+from ...files.outputs import in_words, renamed_when_whole
 from ..errors import PictureError
 from .lettering import Image
 
@@ -69,8 +69,7 @@ def written(path: Path, size: tuple[int, int], fps: float, frames: int) -> Itera
                 yield sink
                 sink.save(temporary)
     except OSError as error:
-        what = (str(error).splitlines() or ["nobody knows why"])[0]
-        raise PictureError(f"{path}: cannot be written: {what}") from error
+        raise PictureError(f"{path}: cannot be written: {in_words(error)}") from error
 
 
 class _Still:
@@ -90,8 +89,15 @@ class _Stills:
     def put(self, image: Image) -> None:
         self._number += 1
         name = NUMBERED.sub(lambda found: found[0] % self._number, self._path.name, count=1)
-        with renamed_when_whole(self._path.with_name(name)) as temporary:
-            _picture(image).save(temporary, format="PNG")
+        path = self._path.with_name(name)
+        try:
+            with renamed_when_whole(path) as temporary:
+                _picture(image).save(temporary, format="PNG")
+        except OSError as error:
+            raise PictureError(
+                f"{path}: cannot be written: {in_words(error)}; {self._number - 1} frames before "
+                "it are written"
+            ) from error
 
 
 class _Moving:

@@ -9,18 +9,15 @@ import pytest
 import scipy.sparse as sp
 from duhamel.preprocess import MeshError, MethodError, assemble, build
 from duhamel.preprocess.body.body import Damping
+from duhamel.preprocess.responses.accuracy import solution_accuracy, unsolved_error
 from duhamel.preprocess.responses.band import Band
 from duhamel.preprocess.responses.basis import Basis
 from duhamel.preprocess.responses.condensation import condensed
 from duhamel.preprocess.responses.damping import damping_ratios
-from duhamel.preprocess.responses.krylov import (
-    KrylovSpace,
-    krylov_modes,
-    solution_accuracy,
-    unsolved_error,
-)
+from duhamel.preprocess.responses.krylov import KrylovSpace
 from duhamel.preprocess.responses.march import march_kernel
 from duhamel.preprocess.responses.modal import elastic_modes, elastic_shapes
+from duhamel.preprocess.responses.search import krylov_modes
 from duhamel.preprocess.solving.solver import factorized, iterated
 from duhamel.superelement import GeneralizedAlpha, Modes, sample_kernel
 
@@ -356,6 +353,24 @@ def test_an_exhausted_space_gives_the_exact_kernel(beam_body, beam):
     assert len(modes.omega) == 18
     g, expected = (sample_kernel(m, 1e-4, band.scheme, 1000).g for m in (modes, truth))
     assert difference(g, expected).max() < 1e-9
+
+
+def test_a_band_above_all_modes_of_a_coarse_mesh_gives_all_of_them(solid_body, box):
+    """Then nothing is left beyond the band that could be condensed."""
+    impulse = {"step": 1e-8, "steps": 2}
+    made = {
+        method: build(
+            solid_body(
+                box("tetra", (0.1, 0.1, 0.1), (2, 2, 1)), impulse={**impulse, "method": method}
+            )
+        )
+        for method in ("krylov", "modal")
+    }
+    found, right = made["krylov"], made["modal"]
+    assert found.kernel.band > right.modes.frequencies.max()
+    for name in ("compliance", "accelerance"):
+        expected = getattr(right, name)
+        np.testing.assert_allclose(getattr(found, name), expected, atol=1e-9 * expected.max())
 
 
 def test_shapes_are_the_modes_of_the_whole_mesh(block):

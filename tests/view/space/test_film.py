@@ -1,5 +1,7 @@
 """Films: as many frames as asked, one scale, whole files, and what is refused."""
 
+import errno
+import os
 import sys
 
 import numpy as np
@@ -74,6 +76,21 @@ def red(image):
 def test_numbered_pictures(tmp_path):
     animate(Pendulum(), tmp_path / "frame-%03d.png", frames=3, size=TINY)
     assert sorted(p.name for p in tmp_path.iterdir()) == [f"frame-00{n}.png" for n in (1, 2, 3)]
+
+
+def test_a_full_disk_names_the_picture_of_many(tmp_path, monkeypatch):
+    save = Image.Image.save
+
+    def saved(image, path, **keys):
+        if len(list(tmp_path.glob("frame-*"))) == 2:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        save(image, path, **keys)
+
+    monkeypatch.setattr(Image.Image, "save", saved)
+    message = "frame-003.png: cannot be written: No space left on device; 2 frames before it are"
+    with pytest.raises(PictureError, match=message):
+        animate(Pendulum(), tmp_path / "frame-%03d.png", frames=4, size=TINY)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["frame-001.png", "frame-002.png"]
 
 
 @pytest.mark.parametrize(
