@@ -38,7 +38,7 @@ CONTACTS = [
     (ROUND | {"radius": "0.01", "hollow": "true"}, "ball: expected less than the hollow radius"),
     ({"hollow": "true"}, "hollow: a plane cannot be"),
     ({"length": "1"}, "length: a plane takes none"),
-    ({"ball": "-1"}, "ball: expected a number of at least 0"),
+    ({"ball": "-1"}, "ball: expected 0, or a number from 1e-100 to 1e100"),
     ({"ball": None}, "ball: missing"),
     ({"restitution": "0"}, "restitution: expected a positive number"),
     ({"restitution": "1.1"}, "restitution: expected more than 0 and at most 1, got 1.1"),

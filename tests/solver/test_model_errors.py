@@ -483,7 +483,7 @@ FILES = {
     ),
     "a load of no type": (
         {"rest": "[[loads]]\ntype='push'\non='a'\ndirection=[1,0,0]\nsignal=1"},
-        "load (push) on 'a': type: expected 'force' or 'torque', got 'push'",
+        "loads.0.type: expected 'force', 'torque', 'drag' or 'pattern', found 'push'",
     ),
     "a law of one point": (
         {

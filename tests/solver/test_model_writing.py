@@ -215,6 +215,10 @@ def everything(random_element, tmp_path):
         LOADS[kinds[k % 2]]("b0.f", rng.normal(size=3), signal, follower=k % 3 == 0)
         for k, signal in enumerate([*SIGNALS, *recorded])
     ]
+    loads += [
+        Drag("b0.f", quadratic=1.0 / 3.0, linear=0.1, signal=Harmonic(0.1, 3.0)),
+        PatternLoad("e", element.patterns[0].name, Constant(1.0 / 3.0)),
+    ]
     settings = Settings(
         t_end=1.0 / 3.0,
         step=1e-3,

@@ -320,7 +320,7 @@ def test_a_model_with_patterns_is_written_and_read(windy, tmp_path):
     model = replace(model, loads=[*model.loads, tip])
     write_model(tmp_path / "model.toml", model)
     again = read_model(tmp_path / "model.toml")
-    assert [type(load) for load in again.loads] == [PatternLoad, Load]
+    assert [type(load) for load in again.loads] == [PatternLoad, Force]
     first = again.loads[0]
     assert (first.body, first.pattern, first.signal) == ("beam", "wind", Constant(1.0))
 
