@@ -103,8 +103,9 @@ def _rises(lowered: LoweredModel) -> Array:
     A free body that meets a wall with the restitution e has it after about e^0.9 / 2 of the
     duration.
     """
-    laws = [*lowered.model.contacts, *lowered.model.stops]
-    restitution = np.array([law.impact.restitution for law in laws], dtype=np.float64)
+    impacts = [contact.impact for contact in lowered.model.contacts]
+    impacts += [stop.impact for stop in lowered.model.stops]
+    restitution = np.array([impact.restitution for impact in impacts], dtype=np.float64)
     rises: Array = np.minimum(1.0, 0.5 * restitution**0.9 / EARLY)
     return rises
 
