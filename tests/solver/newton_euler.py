@@ -21,6 +21,8 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 RTOL, ATOL = 1e-11, 1e-12
+LONGEST = 0.004
+"""[s], a step from which a trial does not leave all range"""
 DEPENDENT = 1e-7
 """singular values, over the largest, of rows that depend on one another, as far as they drift"""
 
@@ -416,9 +418,11 @@ class Reference:
 
     def run(self, times):
         """States (times, ...) and wrenches of joints (times, n_joints, 6)."""
-        solution = solve_ivp(
-            self._rhs, (0.0, times[-1]), self.y0, "DOP853", times, rtol=RTOL, atol=ATOL
-        )
+        span, tolerances = (0.0, times[-1]), {"rtol": RTOL, "atol": ATOL}
+        with np.errstate(over="ignore", invalid="ignore"):  # of trial steps, which are taken back
+            solution = solve_ivp(
+                self._rhs, span, self.y0, "DOP853", times, max_step=LONGEST, **tolerances
+            )
         assert solution.success, solution.message
         states = [self.split(y) for y in solution.y.T]
         wrenches = [self.dynamics(t, y)[1] for t, y in zip(times, solution.y.T, strict=True)]
