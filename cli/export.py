@@ -100,9 +100,10 @@ def export(
     when = _instant(to, at, bodies, start, end)
     begin = perf_counter()
     from .. import files, results
+    from ..files.progress import Progress, Work
     from ..results.steps import window
 
-    with errors_in_one_line(results, files):
+    with errors_in_one_line(results, files), Progress(Work("writing")):
         read = results.Results.read(results_file)
         for path in folder.glob(f"*{SUFFIXES[to]}"):
             files.require_no_input(path, [results_file])

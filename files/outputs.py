@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import tempfile
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
@@ -35,7 +36,7 @@ def renamed_when_whole(path: Path, durable: bool = False) -> Iterator[Path]:
     """
     path = resolved(path)
     remove_orphans(path)
-    handle, name = tempfile.mkstemp(prefix=f"{_prefix(path)}{os.getpid()}.", dir=path.parent)
+    handle, name = tempfile.mkstemp(prefix=temporary_prefix(path), dir=path.parent)
     os.close(handle)
     temporary = Path(name)
     try:
@@ -77,13 +78,25 @@ def resolved(path: Path) -> Path:
         raise OSError(str(error)) from error
 
 
+def temporary_prefix(path: Path) -> str:
+    """What the temporary files and folders of `path` that this process makes begin with."""
+    return f"{_prefix(path)}{os.getpid()}."
+
+
 def remove_orphans(path: Path) -> None:
-    """Remove temporary files of `path` whose process has died on this machine."""
+    """Remove temporary files and folders of `path` whose process has died on this machine."""
     pattern = re.compile(rf"{re.escape(_prefix(path))}(\d+)\.\w+")
     for entry in os.listdir(path.parent):
         match = pattern.fullmatch(entry)
         if match and not _alive(int(match[1])):
-            path.with_name(entry).unlink(missing_ok=True)
+            _remove(path.with_name(entry))
+
+
+def _remove(path: Path) -> None:
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        path.unlink(missing_ok=True)
 
 
 def _prefix(path: Path) -> str:

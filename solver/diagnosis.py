@@ -15,9 +15,10 @@ from .start.inertia import geometric_scale, inverse_inertia
 from .start.jacobian import constraint_jacobian, constraint_rows, coupling_jacobian
 from .start.matrices import dense_of, is_small, unit_rows
 from .start.redundancy import describe_rows
-from .step.bodies import accelerate
+from .step.bodies import accelerate, largest_coordinate
 from .step.equations import evaluate, linearize
 from .step.force_laws import law_of_row
+from .step.friction import friction_rounding, set_normal_force
 from .step.system import State, Workspace
 
 LARGE_TURN = 0.5
@@ -32,6 +33,8 @@ NEARLY_DEPENDENT = 0.03
 INVOLVED = 0.1
 """share of a row in a dependence from which on it is named"""
 FEW_ITERATIONS = 10
+COARSE_BRISTLE = 1e-3
+"""rounding of a bristle's force, over that at which it slips, which hides whether it does"""
 MOTOR_SIGNALS = ("torque or force", "reference", "reference_rate")
 
 
@@ -143,6 +146,25 @@ def _dependence(failure: Failure) -> str:
     )
 
 
+def _bristle(failure: Failure) -> str:
+    """Friction that sticks by so stiff a spring that positions have no digits for its bend."""
+    lowered, state, work, _ = failure
+    couplings = lowered.system.couplings
+    friction, reach = couplings.friction, largest_coordinate(lowered.system.bodies, state)
+    for j in np.flatnonzero(couplings.friction_of >= 0).tolist():
+        r, first = int(couplings.friction_of[j]), int(couplings.range[j])
+        row, stiffness = int(friction.first[r]), float(friction.stiffness[r])
+        normal = set_normal_force(couplings, first, r, work.couplings.lam_n, work)
+        limit = float(friction.static[r]) * normal
+        if friction_rounding(couplings, j, row, reach, work) > COARSE_BRISTLE * limit > 0.0:
+            return (
+                f"{lowered.owner_of(row)}: sticks by a spring of {stiffness:.3g}, which bends by "
+                f"{limit / stiffness:.2g} before it slips, near the rounding of positions: take "
+                "a smaller stiffness of friction"
+            )
+    return ""
+
+
 def _stiffness(failure: Failure) -> str:
     """A spring whose period is less than a few steps."""
     lowered = failure.lowered
@@ -197,4 +219,4 @@ def _iterations(failure: Failure) -> str:
     return f"max_iterations = {limit} are few" if limit < FEW_ITERATIONS else ""
 
 
-CAUSES = (_turn, _flight, _stiffness, _iterations, _dependence)
+CAUSES = (_turn, _flight, _bristle, _stiffness, _iterations, _dependence)

@@ -63,6 +63,8 @@ LONGEST_LINE, LONGEST_LABEL = 100, 34
 """characters of a line of the title of a panel, and of a legend"""
 
 DOTS_PER_INCH = 110
+LINES, FINE_DOTS = ("pdf", "svg", "svgz", "eps", "ps"), 300
+"""files of lines, and the dots per inch of pictures within them"""
 
 LONGEST_TITLE = 300
 """characters: layout takes time with the square of their number"""
@@ -179,7 +181,8 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     with warnings.catch_warnings():
         warnings.filterwarnings("error", message="constrained_layout not applied")
         try:
-            figure.savefig(image, format=suffix, dpi=DOTS_PER_INCH)
+            dots = FINE_DOTS if suffix in LINES else DOTS_PER_INCH
+            figure.savefig(image, format=suffix, dpi=dots)
         except UserWarning as error:
             wide, high = figure.get_size_inches()
             raise PictureError(

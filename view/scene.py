@@ -31,6 +31,8 @@ LINE, LETTER = 0.2, 0.085
 """height of a line of text, width of a letter [inch]"""
 CROSS = 0.45
 """length of the axes of a section [inch]"""
+MOST_DRAWN = 3000
+"""facets that a PDF or SVG holds one by one; more are a picture in it: tens of megabytes else"""
 FINE = 20_000
 """facets above which their edges would blacken the picture and are left out"""
 
@@ -228,6 +230,7 @@ def _paint(axes: Axes, scene: Scene, view: View) -> None:
     facets = PolyCollection(
         [polygons[i] for i in order], facecolors=faces, edgecolors=edges, linewidths=0.3
     )
+    facets.set_rasterized(len(polygons) > MOST_DRAWN)
     axes.add_collection(facets, autolim=False)
     axes.add_collection(
         LineCollection(list(view.on_paper(scene.lines)), colors="0.45", linewidths=1.8),

@@ -142,14 +142,14 @@ class KrylovSpace:
 
             S^-1 (K X - M X diag(omega^2)),    S^-1 (F - K X_0),    X_0 = X diag(1 / omega^2) X^T F
 
-        of all modes X, omega (m,) and Q (r, m) as `ritz` has them, by S^-1 as it is. If that is
-        exact, nothing is new in it but directions of the next Krylov block. Source: E. R. Davidson,
-        J. Comput. Phys. 17 (1975) 87-94.
+        of all modes X, omega (m,) and Q (r, m) as `ritz` has them. These solutions are refined, so
+        that what they change tells what is missed, however wrong the quick ones are. Source: E. R.
+        Davidson, J. Comput. Phys. 17 (1975) 87-94.
         """
         if not self.rough:  # this is a block of its own then, not the rest of one
             self._newest = self._ends[-1]
         for residuals in self._residuals(omega, Q, limit):
-            self.basis.extend(self._next(residuals, self._refined))
+            self.basis.extend(self._next(residuals))
         self._ends.append(self.basis.columns)
         self.rough = False
 

@@ -137,7 +137,8 @@ class Search:
         It takes blocks of the chain until the last changes these responses by less than the
         tolerance.
         """
-        error, better = 0.0, None
+        error = 0.0
+        better: Modes | None = None
         for W in chain:
             self.space.add(W)
             modes, Q = self._modes_of(self.space.blocks)

@@ -7,9 +7,11 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from ...files.outputs import in_words, resolved
+from ...files.outputs import in_words, remove_orphans, resolved, temporary_prefix
 from ..errors import ExportError
 
+UNFINISHED = "export"
+"""the name that hidden folders of files stand for until they appear"""
 LONGEST = 100
 """characters of the name of a file"""
 
@@ -45,18 +47,19 @@ def exported(folder: str | os.PathLike[str]) -> Iterator[Export]:
     """Files for a folder, which is made with those above it if it is not there.
 
     All of them appear when the block ends without an error. With one, the folder and its files stay
-    as they were, and folders that were made are removed. `ExportError` where it cannot be made.
+    as they were, and folders that were made are removed. What exports that were killed left there
+    is removed too. `ExportError` where it cannot be made.
     """
     place = Path(folder)
-    made = _make(place)
+    made, unfinished = _make(place), place / UNFINISHED
     try:
-        with (
-            _failures_named(place),
-            tempfile.TemporaryDirectory(prefix=".export.", dir=place) as temporary,
-        ):
-            export = Export(place, Path(temporary))
-            yield export
-            export.appear()
+        with _failures_named(place):
+            remove_orphans(unfinished)
+            prefix = temporary_prefix(unfinished)
+            with tempfile.TemporaryDirectory(prefix=prefix, dir=place) as temporary:
+                export = Export(place, Path(temporary))
+                yield export
+                export.appear()
     except BaseException:
         for path in made:
             shutil.rmtree(path, ignore_errors=True)

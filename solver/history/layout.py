@@ -7,7 +7,7 @@ import numpy as np
 
 from ...files.memory import shortage
 from ...superelement import Chain, GeneralizedAlpha, Superelement, SuperelementError
-from ..arrays import Array, Index, as_index
+from ..arrays import Array, Index, as_index, distinct
 from ..errors import ModelError
 from ..model.bodies import FlexibleBody
 from ..model.model import Model
@@ -96,12 +96,12 @@ def lay_out_elastic(model: Model, frames: Frames, stepping: Stepping) -> tuple[E
         np.arange(last - body.n_inner, last)
         for body, last in zip(bodies.values(), dofs[1:], strict=True)
     ]
-    active = np.unique(np.concatenate([_active_dofs(frames), *inner])).astype(np.int64)
+    active = distinct(np.concatenate([_active_dofs(frames), *inner])).astype(np.int64)
     active_range = np.searchsorted(active, dofs)
     numbers = {name: b for b, name in enumerate(model.bodies)}
     patterns = _pattern_dofs(bodies, dofs)
     loaded_patterns = [patterns[load.owner_of_pattern] for load in model.pattern_loads]
-    loaded = np.unique(np.concatenate([active, as_index(loaded_patterns)])).astype(np.int64)
+    loaded = distinct(np.concatenate([active, as_index(loaded_patterns)])).astype(np.int64)
     loaded_range = np.searchsorted(loaded, dofs)
     owners = [id(body.superelement) + (body.rotation is None) for body in bodies.values()]
     histories = _histories(model, owners, np.diff(loaded_range).tolist(), stepping)

@@ -220,8 +220,10 @@ def _lay_out_bodies(
     bodies = model.bodies.values()
     rows, hard = couplings.rows, couplings.compliant == 0
     held = frames.arrays.body[np.concatenate([rows.frame_a[hard], rows.frame_b[hard]])]
+    free = np.ones(len(bodies), dtype=bool)
+    free[held[held >= 0]] = False
     return Bodies(
-        free=np.setdiff1d(np.arange(len(bodies)), held),
+        free=np.flatnonzero(free),
         mass=np.array([body.mass for body in bodies], dtype=float),
         J_rot=np.array([body.inertia for body in bodies], dtype=float),
         gravity=model.gravity.copy(),

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..arrays import distinct
 from ..lower.lower import LoweredModel
 from ..model.loads import Load, PatternLoad
 from ..signals.curves import Impulse, Input
@@ -70,7 +71,7 @@ def _missed_area(load: Load | PatternLoad, lowered: LoweredModel) -> Iterator[st
     signal, h, t_end = load.signal, lowered.h, lowered.h * lowered.n_steps
     # long steps in flight become short ones about corners
     step = h if corners_of(signal) else lowered.longest_step
-    breaks = np.unique([time for time in breaks_of(signal) if 0.0 <= time <= t_end])
+    breaks = distinct([time for time in breaks_of(signal) if 0.0 <= time <= t_end])
     if is_any(signal, Impulse) or is_any(signal, Input) or len(breaks) < 2:
         return
     if np.diff(breaks).min() >= RESOLVED * step:
@@ -81,7 +82,7 @@ def _missed_area(load: Load | PatternLoad, lowered: LoweredModel) -> Iterator[st
     samples = signal.samples(t, h)
     found = step * (samples.sum() - 0.5 * (samples[0] + samples[-1]))
     once, _ = Integrals(signal)(t[[0, -1]])
-    fine = np.unique(np.concatenate([t, breaks]))
+    fine = distinct(np.concatenate([t, breaks]))
     scale = float(np.trapezoid(np.abs(values_of(signal, fine)), fine))
     if abs(found - (once[1] - once[0])) > MISSED * scale:
         yield (

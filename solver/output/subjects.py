@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...superelement import Superelement
-from ..arrays import Array, Index, as_index
+from ..arrays import Array, Index, as_index, distinct
 from ..lower.lower import LoweredModel
 from ..step.rows import ANGLE, GAP
 
@@ -45,16 +45,16 @@ class Subjects:
         owners = [lowered.coupling_of(row) for row in range(len(couplings.compliant))]
         self.coupling = np.array(owners, dtype=np.int64)
         """the coupling of each row"""
-        self.joints = np.unique(self.coupling[couplings.compliant == 0])
+        self.joints = distinct(self.coupling[couplings.compliant == 0])
         driven = couplings.laws.motor >= 0
-        self.springs = np.unique(self.coupling[(couplings.compliant == 1) & ~driven])
+        self.springs = distinct(self.coupling[(couplings.compliant == 1) & ~driven])
         self.contacts = couplings.contact
         self.rises = _rises(lowered)
         self.hertzian, self.patches = _hertzian(lowered)
         self.balls, self.ball_radii = _balls(lowered)
         self.carried = self._carried()
         self.hinges = _hinges(lowered)
-        self.jointed = np.unique(frames.body[self.hinges])
+        self.jointed = distinct(frames.body[self.hinges])
         self.angles = np.flatnonzero(lowered.system.observers.kind == ANGLE)
         self.servos = np.array([motor.is_servo for motor in lowered.model.motors], dtype=bool)
         self.has_modes = bool(elastic.modes.range.any())
@@ -103,8 +103,9 @@ def _rises(lowered: LoweredModel) -> Array:
     A free body that meets a wall with the restitution e has it after about e^0.9 / 2 of the
     duration.
     """
-    laws = [*lowered.model.contacts, *lowered.model.stops]
-    restitution = np.array([law.impact.restitution for law in laws], dtype=np.float64)
+    impacts = [contact.impact for contact in lowered.model.contacts]
+    impacts += [stop.impact for stop in lowered.model.stops]
+    restitution = np.array([impact.restitution for impact in impacts], dtype=np.float64)
     rises: Array = np.minimum(1.0, 0.5 * restitution**0.9 / EARLY)
     return rises
 
@@ -130,7 +131,7 @@ def _hinges(lowered: LoweredModel) -> Index:
     """The frames of bodies that carry constraints, by number."""
     couplings, body = lowered.system.couplings, lowered.system.frames.body
     hard = couplings.compliant == 0
-    frames = np.unique([couplings.rows.frame_a[hard], couplings.rows.frame_b[hard]])
+    frames = distinct([couplings.rows.frame_a[hard], couplings.rows.frame_b[hard]])
     hinges: Index = frames[body[frames] >= 0]
     return hinges
 

@@ -8,7 +8,9 @@ from ..errors import OutOfRangeError
 from ..lower.lower import LoweredModel
 from ..step.extremes import FARTHEST_MOVE, FARTHEST_TURN
 from ..step.system import State
-from .measures import MEASURES, Reading, Subjects
+from .measures import MEASURES
+from .reading import Reading
+from .subjects import Subjects
 
 CAUSES = (
     "elastic_rotation",

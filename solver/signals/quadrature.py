@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import legendre
 
-from ..arrays import Array
+from ..arrays import Array, distinct
 from ..errors import ModelError
 from .signal import Signal, breaks_of, parts_of, values_of
 
@@ -60,7 +60,7 @@ class _Panels:
 
     def __init__(self, signal: Signal) -> None:
         self._signal = signal
-        self._breaks = np.unique([b for b in breaks_of(signal) if b > 0.0])
+        self._breaks = distinct([b for b in breaks_of(signal) if b > 0.0])
         self._largest = 0.0
         self._ends: list[float] = [0.0]
         self._series: list[Array] = []

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Array, Index
+from ..arrays import Array, Index, distinct
 from ..step.system import System
 from .matrices import Matrix, dense_of, factorize_square, unit_rows
 
@@ -205,7 +205,7 @@ class _Elimination:
 def _merge(fronts: list[_Front]) -> _Front:
     """All their rows."""
     sizes = [len(front.carried) for front in fronts]
-    places = np.unique(np.concatenate([front.places for front in fronts]))
+    places = distinct(np.concatenate([front.places for front in fronts]))
     carried = np.zeros((sum(sizes), len(places)))
     entries: dict[int, Array] = {}
     first = 0

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..arrays import Array, Index
+from ..arrays import Array, Index, distinct
 from ..lower.lower import LoweredModel
 from ..step.system import State, System, Workspace
 
@@ -39,7 +39,7 @@ def _causes(lowered: LoweredModel, state: State, work: Workspace) -> Iterator[st
         yield (
             f"body {names[farthest]!r} has moved {distance[farthest]:.3g} m from its place in the "
             f"model without coming to rest: its joints leave it free to, and no spring or contact "
-            f"stops it"
+            f"stops it{_without_friction(lowered)}"
         )
     if touching := _touching(lowered, work):
         listed = ", ".join(touching[:3])
@@ -53,7 +53,14 @@ def _causes(lowered: LoweredModel, state: State, work: Workspace) -> Iterator[st
         yield (
             f"body {names[widest]!r} has turned by {angle[widest]:.3g} rad without coming to rest: "
             f"its joints leave it free to turn, and no spring or motor holds it"
+            f"{_without_friction(lowered)}"
         )
+
+
+def _without_friction(lowered: LoweredModel) -> str:
+    """That friction holds nothing here, for models that have it."""
+    has_friction = bool((lowered.system.couplings.friction_of >= 0).any())
+    return "; friction does not count: it acts from the first step on" if has_friction else ""
 
 
 def free_groups(system: System) -> list[Index]:
@@ -62,7 +69,7 @@ def free_groups(system: System) -> list[Index]:
     group = np.arange(len(system.bodies.mass) + 1)  # the last one: of the ground, body -1
     for a, b in {*zip(body[rows.frame_a].tolist(), body[rows.frame_b].tolist(), strict=True)}:
         group[group == group[a]] = group[b]
-    free = np.unique(group[:-1][group[:-1] != group[-1]])
+    free = distinct(group[:-1][group[:-1] != group[-1]])
     return [np.flatnonzero(group[:-1] == number) for number in free]
 
 

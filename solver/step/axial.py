@@ -43,4 +43,4 @@ def axial_force(elastic: Elastic, i: int, state: State) -> float:
     for c in range(elastic.loaded_range[e], elastic.loaded_range[e + 1]):
         k = elastic.loaded[c]
         total += axial.weight[start + k] * p[k]
-    return total
+    return float(total)

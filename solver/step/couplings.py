@@ -29,6 +29,7 @@ from .frames import (
 from .friction import (
     bend_bristle,
     bristle_energy,
+    friction_rounding,
     set_friction_derivative,
     set_friction_residual,
 )
@@ -364,6 +365,9 @@ def relative_coupling_residual(
         for i in range(couplings.range[j], couplings.range[j + 1]):
             if couplings.compliant[i] and switching:
                 scale, floor = _forces_beside(system, i, reach if at_rest else 0.0, work)
+                if at_rest:
+                    floor += law_rounding(system, i, couplings.range[j], reach, state, work)
+                    floor += friction_rounding(couplings, j, i, reach, work)
                 worst = max(worst, relative(out.phi[i], scale, floor, tolerance))
             elif couplings.compliant[i]:
                 floor = ROUNDING * out.scale[i]

@@ -21,7 +21,8 @@ import math
 
 from ..arrays import Array
 from ..compiler.marks import compiled
-from .rows import slips
+from .measure import ROUNDING
+from .rows import measures_length, slips
 from .system import Couplings, State, Workspace
 
 STICKS, SLIPS = 1, 2
@@ -198,6 +199,18 @@ def bend_bristle(couplings: Couplings, j: int, first: int, state: State, work: W
         bristle = state.couplings.bristle[i]
         bend = (force - friction.stiffness[r] * bristle) / _steepness(couplings, r, work)
         state.couplings.bristle[i] = bristle + bend if holds else 0.0
+
+
+@compiled
+def friction_rounding(couplings: Couplings, j: int, i: int, reach: float, work: Workspace) -> float:
+    """Change of the bristle's force in row i of coupling j by the rounding of positions."""
+    r = couplings.friction_of[j]
+    if r < 0 or i < couplings.friction.first[r] or not _acts(work):
+        return 0.0
+    kind = couplings.rows.kind[i]
+    length = slips(kind) or measures_length(kind)
+    size = reach if length else max(1.0, abs(work.couplings.coordinate[i]))
+    return float(ROUNDING * _steepness(couplings, r, work) * size)
 
 
 @compiled

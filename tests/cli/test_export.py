@@ -2,6 +2,8 @@
 
 import csv
 import resource
+import subprocess
+import sys
 
 import h5py
 import pytest
@@ -109,6 +111,24 @@ def test_a_folder_in_the_place_of_a_file_is_one_line(runner, results_file, tmp_p
     assert result.exit_code == 1
     assert result.stderr.count("\n") == 1
     assert "cannot be made a folder" in result.stderr
+
+
+def test_what_a_killed_export_left_is_removed_by_the_next(runner, results_file, tmp_path):
+    """Hundreds of megabytes of a film of a large part."""
+    folder = tmp_path / "out"
+    folder.mkdir()
+    killed = (
+        "import os, signal, sys\nfrom pathlib import Path\n"
+        "from duhamel.results.exports.folder import exported\n"
+        f"with exported({str(folder)!r}) as export, export.file('whole.csv') as file:\n"
+        "    Path(file).write_text('half')\n"
+        "    os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    subprocess.run([sys.executable, "-c", killed], check=False)
+    assert len(list(folder.rglob("whole.csv"))) == 1
+    result = runner.invoke(app, ["export", str(results_file), str(folder), "--to", "mat"])
+    assert result.exit_code == 0
+    assert [path.name for path in folder.iterdir()] == ["flight-results.mat"]
 
 
 @pytest.mark.parametrize(

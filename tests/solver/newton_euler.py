@@ -21,6 +21,8 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 RTOL, ATOL = 1e-11, 1e-12
+LONGEST = 0.004
+"""[s], a step from which a trial does not leave all range"""
 DEPENDENT = 1e-7
 """singular values, over the largest, of rows that depend on one another, as far as they drift"""
 
@@ -170,7 +172,7 @@ class Reference:
             ]
         )
         angles = [
-            joint.angle(0.0) if getattr(joint, "angle", None) is not None else 0.0
+            joint.angle(0.0) if "angle" in joint.drives else 0.0
             for joint in (*model.joints, *model.springs)
             if joint.name in self.angles
         ]
@@ -251,7 +253,7 @@ class Reference:
             "screw": lambda: on_axis + parallel + [self._screw(joint, pair, a, state)],
         }[joint.type]()
         goals = np.zeros((len(rows), 2))
-        if joint.angle is not None:
+        if "angle" in joint.drives:
             rows.append(pair.angle(a[0], state[4][self.angles[joint.name]]))
             goals = np.vstack([goals, self.drive])
         return rows, goals, pair
@@ -312,7 +314,7 @@ class Reference:
         state = self.split(y)
         B, c, rates, blocks = [], [], [], []
         for k, joint in enumerate(self.model.joints):
-            if joint.angle is not None:
+            if "angle" in joint.drives:
                 self.drive = np.array(joint.angle.derivatives(t))
             rows, goals, pair = self._joint_rows(k, state)
             B.append(self._scatter(rows, self.joints[k][0]))
@@ -417,9 +419,11 @@ class Reference:
 
     def run(self, times):
         """States (times, ...) and wrenches of joints (times, n_joints, 6)."""
-        solution = solve_ivp(
-            self._rhs, (0.0, times[-1]), self.y0, "DOP853", times, rtol=RTOL, atol=ATOL
-        )
+        span, tolerances = (0.0, times[-1]), {"rtol": RTOL, "atol": ATOL}
+        with np.errstate(over="ignore", invalid="ignore"):  # of trial steps, which are taken back
+            solution = solve_ivp(
+                self._rhs, span, self.y0, "DOP853", times, max_step=LONGEST, **tolerances
+            )
         assert solution.success, solution.message
         states = [self.split(y) for y in solution.y.T]
         wrenches = [self.dynamics(t, y)[1] for t, y in zip(times, solution.y.T, strict=True)]

@@ -201,6 +201,42 @@ def test_what_slides_slides_by_coulomb():
     assert abs(v[-1]) < 1e-4
 
 
+@pytest.mark.parametrize("stiffness", [1e9, 1e10])
+@pytest.mark.parametrize("mu", [0.3, Stribeck(0.4, 0.3, 0.01)])
+def test_a_sledge_stops_and_sticks_by_very_stiff_bristles(mu, stiffness):
+    """Which give way by less than 1e-9 m, in forces a few digits above the rounding of positions.
+
+    It brakes by sliding friction over v^2 / (2 mu g).
+    """
+    K, legs = 1e6, [[x, y, -0.05] for x in (-0.05, 0.05) for y in (-0.05, 0.05)]
+    frames = {f"leg{k}": Frame(leg) for k, leg in enumerate(legs)}
+    start = Start([0, 0, 0.05 - G / 4 / K], velocity=[1, 0, 0])
+    contacts = [
+        Contact(
+            f"floor{k}",
+            ("ground.floor", f"sledge.leg{k}"),
+            "plane",
+            0.0,
+            axis=[0, 0, 1],
+            impact=Impact(stiffness=K, damping=1.0),
+            friction=mu,
+            tangential_stiffness=stiffness,
+        )
+        for k in range(4)
+    ]
+    model = model_of(
+        {"sledge": RigidBody(1.0, [0.01] * 3, frames, start)},
+        contacts=contacts,
+        **FLOOR,
+        gravity=[0, 0, -G],
+        t_end=0.5,
+        step=1e-3,
+    )
+    sledge = simulate(model).body("sledge")
+    assert sledge.x[-1, 0] == pytest.approx(1.0 / (2.0 * 0.3 * G), rel=5e-3)
+    assert abs(sledge.v[-1, 0]) < 2e-3
+
+
 def test_a_ball_that_slides_begins_to_roll():
     """At 5/7 of its speed; it loses 1/7 of m v^2, to the second order of the step."""
     m, r, K = 1.0, 0.1, 1e6

@@ -219,6 +219,22 @@ def test_balls_on_one_another_rest_at_the_sum_of_their_penetrations(stiffness, g
     np.testing.assert_allclose(found, rest, rtol=0, atol=1e-8 * sunk[-1] + 1e-14)
 
 
+def test_a_block_that_friction_alone_would_hold_is_refused_with_that_reason():
+    rubs = {"impact": Impact(1e5), "friction": 0.5, "tangential_stiffness": 1e5}
+    model = Model(
+        {"block": RigidBody(1.0, [0.01] * 3, {}, Start([0, 0, 0.1]))},
+        loads=[Load("force", "block", [1, 0, 0], Constant(1.0))],
+        contacts=[Contact("floor", ("ground.floor", "block"), "plane", 0.1, [0, 0, 1], **rubs)],
+        ground_frames={"floor": Frame()},
+        gravity=[0, 0, -G],
+        settings=Settings(t_end=0.01, step=1e-3, start="equilibrium"),
+    )
+    with pytest.raises(
+        ModelError, match=r"'block'.*friction does not count: it acts from the first"
+    ):
+        simulate(model)
+
+
 def test_a_soft_spring_on_a_very_stiff_one_sags_by_its_own_stiffness():
     """1 kg on 100 N/m, on 1 kg on 1e12 N/m, whose rounding is 1e-4 N."""
     springs = [

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     Constant,
+    Contact,
     ConvergenceError,
     Force,
     Frame,
     Function,
+    Impact,
     Model,
     Polynomial,
     Revolute,
@@ -53,6 +55,21 @@ def late(value):
 def driven(value):
     drive = SmoothFunction(late(value), lambda t: 0.0, lambda t: 0.0)
     return one(bar(), [Revolute("ground", "a", Z, name="pivot", angle=drive)])
+
+
+def sledge():
+    """On four legs, whose friction sticks by a spring beyond all digits of positions."""
+    legs = {f"leg{k}": Frame([0.05 * (-1) ** k, 0.05 * (-1) ** (k // 2), -0.05]) for k in range(4)}
+    law = {"impact": Impact(1e6, damping=1.0), "friction": 0.3, "tangential_stiffness": 1e12}
+    contacts = [Contact(leg, ("ground.floor", f"a.{leg}"), "plane", 0.0, Z, **law) for leg in legs]
+    start = Start([0, 0, 0.05 - 9.81 / 4e6], velocity=[1, 0, 0])
+    return Model(
+        {"a": RigidBody(1.0, [0.01] * 3, legs, start)},
+        contacts=contacts,
+        gravity=[0, 0, -9.81],
+        ground_frames={"floor": Frame()},
+        settings=Settings(t_end=0.6, step=1e-3),
+    )
 
 
 def rocker():
@@ -130,6 +147,10 @@ CASES = {
             springs=[Spring("wall", "point", ("ground.post", "a"), law=WALL, rest=[1.0])],
         ),
         "likely cause: spring 'wall': its law is too steep there for the step",
+    ),
+    "a sledge on rigid bristles": (
+        sledge,
+        "sticks by a spring of 1e+12, which bends by .* before it slips",
     ),
     "few iterations": (
         lambda: replace(

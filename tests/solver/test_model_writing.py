@@ -166,7 +166,10 @@ def everything(random_element, tmp_path):
     sheet.parent.mkdir()
     sheet.write_text("t,ax\n0,1\n0.3,2\n")
     recorded = Recorded(sheet, "ax", 9.81), RecordedSpline(sheet, 2, 1.0, "t", 1e-3, 0.1)
+    spread = Channels((Pattern("wind", np.zeros(3), np.zeros(3)),), (), None)
     element = random_element(1, (True, False))
+    phi = np.zeros((1, len(element.modes.omega)))
+    element = replace(element, channels=replace(spread, phi=phi))
     names = [f"b{k}" for k in range(len(JOINTS) + 1)]
     bodies = {name: body(k, position=rng.normal(size=3)) for k, name in enumerate(names)}
     bodies["placed"] = body(1, place=Place("f", "b0.g"))

@@ -112,12 +112,11 @@ class Studio:
         window = self._plotter.render_window
         window.Render()
         read: Any = vtkUnsignedCharArray()
-        window.GetPixelData(0, 0, width - 1, height - 1, 0, read, 0)
-        # from below to above
-        drawn = np.ascontiguousarray(np.frombuffer(read, np.uint8).reshape(height, width, 3)[::-1])
-        if self._finer == 1:
-            return drawn
-        return np.asarray(Images.fromarray(drawn).reduce(self._finer))
+        # as OpenGL has them, in four bytes and from below to above: three would be made one by one
+        window.GetRGBACharPixelData(0, 0, width - 1, height - 1, 0, read, 0)
+        drawn: Any = Images.frombuffer("RGBX", self._size, read, "raw", "RGBX", 0, -1)
+        picture: Image = np.asarray(drawn.reduce(self._finer))[..., :3]
+        return picture
 
     def _set_light(self, camera: Camera) -> None:
         library = pyvista()

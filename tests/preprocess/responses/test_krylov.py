@@ -18,7 +18,7 @@ from duhamel.preprocess.responses.krylov import KrylovSpace
 from duhamel.preprocess.responses.march import march_kernel
 from duhamel.preprocess.responses.modal import elastic_modes, elastic_shapes
 from duhamel.preprocess.responses.search import krylov_modes
-from duhamel.preprocess.solving.solver import factorized, iterated
+from duhamel.preprocess.solving.solver import Patient, factorized, iterated
 from duhamel.superelement import GeneralizedAlpha, Modes, sample_kernel
 
 NONE = Damping()
@@ -529,3 +529,55 @@ def test_a_basis_that_memory_does_not_hold_is_in_a_file(solid_body, box, monkeyp
     assert spaces[1].room > spaces[1].basis.columns
     one, other = (space.ritz(6)[0] for space in spaces)
     np.testing.assert_allclose(one[:20], other[:20], rtol=1e-7)
+
+
+# Solvers of large bodies
+
+
+@pytest.mark.parametrize(("finer", "matrices"), [(1, 1), (50, 2)])
+def test_the_matrix_of_the_step_is_solved_with_only_where_it_is_far_above_the_band(
+    block, finer, matrices
+):
+    """Both ways g[0] is right: of what a load does within the step."""
+    structure, h = block
+    band, shifts = Band(h / finer, GeneralizedAlpha(0.9), 0.25 / h), []
+
+    def counted(structure, shift, *others):
+        shifts.append(shift)
+        return factorized(structure, shift, *others)
+
+    modes, _, stated = krylov_modes(structure, NONE, band, 1e-6, lambda text: None, solver=counted)
+    assert len(shifts) == matrices
+    truth = all_modes(structure, NONE)
+    g, exact = (sample_kernel(m, band.h, band.scheme, 1).g for m in (modes, truth))
+    assert difference(g, exact)[0] <= stated + 1e-8
+
+
+@pytest.mark.parametrize(("wrong", "tolerance"), [("noise", 1e-6), ("stiffness", 1e-4)])
+def test_what_quick_solutions_miss_is_corrected_and_stated(block, wrong, tolerance):
+    """Displacements with noise, and those of a body that is stiffer even as a rigid one."""
+    structure, h = block
+    noise = 1.0 + 1e-5 * np.random.default_rng(0).standard_normal((structure.n_u, 1))
+    D = sp.diags_array(noise[:, 0])
+    stiffer = replace(structure, K=(D @ structure.K @ D).tocsc())
+    band, truth = half_nyquist(h, GeneralizedAlpha(0.9)), all_modes(structure, NONE)
+
+    class Rough(Patient):
+        def __init__(self, structure, *others):
+            exact, stiff = factorized(structure, *others), factorized(stiffer, *others)
+            super().__init__(exact, lambda: exact)
+            self._quick = stiff if wrong == "stiffness" else lambda b: noise * exact(noise * b)
+
+        @property
+        def quick(self):
+            return self._quick
+
+    modes, _, stated = krylov_modes(
+        structure, NONE, band, tolerance, lambda text: None, False, Rough
+    )
+    assert stated <= tolerance
+    assert band.error(modes, truth) <= stated + 1e-8
+    inside = modes.frequencies < band.limit
+    np.testing.assert_allclose(
+        modes.omega[inside], truth.omega[: inside.sum()], rtol=max(1e-2 * tolerance, 1e-10)
+    )
