@@ -9,6 +9,7 @@ from duhamel.solver import (
     Contact,
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
     Impact,
     Model,
@@ -223,7 +224,7 @@ def test_a_block_that_friction_alone_would_hold_is_refused_with_that_reason():
     rubs = {"impact": Impact(1e5), "friction": 0.5, "tangential_stiffness": 1e5}
     model = Model(
         {"block": RigidBody(1.0, [0.01] * 3, {}, Start([0, 0, 0.1]))},
-        loads=[Load("force", "block", [1, 0, 0], Constant(1.0))],
+        loads=[Force("block", [1, 0, 0], Constant(1.0))],
         contacts=[Contact("floor", ("ground.floor", "block"), "plane", 0.1, [0, 0, 1], **rubs)],
         ground_frames={"floor": Frame()},
         gravity=[0, 0, -G],

@@ -21,9 +21,9 @@ def test_a_first_run_of_a_small_model_loads_no_masked_arrays():
     """Nor scipy: either takes as long as a third of the start."""
     code = """
 import sys
-from duhamel.solver import Frame, Joint, Model, RigidBody, Settings, Start, simulate
+from duhamel.solver import Frame, Model, Revolute, RigidBody, Settings, Start, simulate
 arm = RigidBody(1.0, [0.01] * 3, {"end": Frame([-0.5, 0, 0])}, Start([0.5, 0, 0]))
-hinge = Joint("hinge", "revolute", ("ground", "arm.end"), [0, 0, 1])
+hinge = Revolute("ground", "arm.end", [0, 0, 1], name="hinge")
 simulate(Model({"arm": arm}, [hinge], settings=Settings(t_end=0.01, step=1e-3)))
 print(*sys.modules)
 """

@@ -16,7 +16,6 @@ from duhamel.solver import (
     Harmonic,
     Impact,
     Input,
-    Load,
     Model,
     ModelError,
     PatternLoad,
