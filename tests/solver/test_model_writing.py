@@ -163,7 +163,6 @@ def everything(random_element, tmp_path):
     default.
     """
     rng = np.random.default_rng(0)
-    write(tmp_path / "e.h5", random_element(1, (True, False)))
     sheet = tmp_path / "records" / "shaker.csv"
     sheet.parent.mkdir()
     sheet.write_text("t,ax\n0,1\n0.3,2\n")
@@ -172,6 +171,7 @@ def everything(random_element, tmp_path):
     element = random_element(1, (True, False))
     phi = np.zeros((1, len(element.modes.omega)))
     element = replace(element, channels=replace(spread, phi=phi))
+    write(tmp_path / "e.h5", element)
     names = [f"b{k}" for k in range(len(JOINTS) + 1)]
     bodies = {name: body(k, position=rng.normal(size=3)) for k, name in enumerate(names)}
     bodies["placed"] = body(1, place=Place("f", "b0.g"))
