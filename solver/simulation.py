@@ -187,7 +187,8 @@ def _finish(course: Course, progress: bool) -> Results:
     writer, started = course.writer, time.perf_counter()
     try:
         march(course, progress)
-        writer.note(finished=True, seconds=time.perf_counter() - started, **_taken(course))
+        taken = int(course.state.taken[0])
+        writer.note(finished=True, seconds=time.perf_counter() - started, steps=taken)
         settle_checkpoint(writer)
         writer.finish()
     except (ConvergenceError, MissedContactError, ModelError, OutOfRangeError) as error:
@@ -214,11 +215,6 @@ def _left(course: Course) -> str:
     if state.exists():
         return f"{stopped}{rows}, and its last state beside them: --continue goes on from that"
     return f"{stopped}{rows}; without [simulation] checkpoint it cannot go on from there"
-
-
-def _taken(course: Course) -> dict[str, int]:
-    """A note of the number of steps, where they are of two sizes."""
-    return {"steps": int(course.state.taken[0])} if course.lowered.flight else {}
 
 
 def _warn(lines: Iterable[str], stacklevel: int) -> None:

@@ -46,6 +46,8 @@ def test_the_same_model_goes_on_as_if_it_were_one_run(coarse, history, tmp_path)
     whole = simulate(model)
     second = simulate(model.with_settings(start=first_run(model, tmp_path / "first.h5")))
     np.testing.assert_array_equal(second.time, whole.time[FIRST:])
+    taken = [run.solver["steps"] for run in (second, whole)]
+    assert taken == [len(run.time) - 1 for run in (second, whole)]
     for found, expected in (
         (second.body("hub").v, whole.body("hub").v),
         (second.body("beam").x, whole.body("beam").x),
