@@ -17,7 +17,9 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..arrays import Array
+from ..errors import ModelError
 from ..schema.entry import Entry, entry
+from ..schema.forms import ByType
 from ..schema.values import Direction, FrameA, FrameB, Name, NumbersByName
 from ..signals.drives import ANGULAR, LINEAR, DriveKeys, IntegratedDrive, drive_of
 from ..signals.signal import AnySignal, DrivingSignal, SmoothSignal
@@ -52,7 +54,7 @@ SPAN_A_PLANE = 0.9
 
 
 @entry()
-class Joint(Entry, Coupling):
+class Joint(Entry, Coupling, metaclass=ByType):
     """A joint between two frames.
 
     frame_a, frame_b: "BODY.FRAME", "BODY" (its center of mass), or "ground" (where the other frame
@@ -85,6 +87,24 @@ class Joint(Entry, Coupling):
     name: Name = ""
     start: NumbersByName = field(default_factory=dict)
     drawn: NumbersByName = field(default_factory=dict)
+
+    @classmethod
+    def of_type(
+        cls, name: str, type: str, between: Sequence[str], *axes: Any, **given: Any
+    ) -> "Joint":
+        """The joint of a type that model files know; keys that are None count as not given."""
+        from .joints import JOINTS  # which stand on this class
+
+        kind = JOINTS.get(type)
+        if kind is None:
+            raise ModelError(
+                f"joint {name!r}: type: expected {', '.join(map(repr, JOINTS))}, got {type!r}"
+            )
+        keys = {key: value for key, value in given.items() if value is not None}
+        placed = dict(zip(("axis", "second_axis"), axes, strict=False))
+        keys |= {key: value for key, value in placed.items() if value is not None}
+        made: Joint = kind(*between, name=name, **keys)
+        return made
 
     @property
     def type(self) -> str:

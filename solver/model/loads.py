@@ -4,8 +4,9 @@ from dataclasses import field, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from ...superelement import Pattern, Superelement
+from ..errors import ModelError
 from ..schema.entry import Entry, entry
-from ..schema.forms import Kinds
+from ..schema.forms import ByType, Kinds
 from ..schema.values import FrameName, NotNegative, Vector
 from ..signals.curves import Constant
 from ..signals.signal import AnySignal
@@ -16,7 +17,7 @@ LOADS = Kinds()
 
 
 @entry()
-class Load(Entry):
+class Load(Entry, metaclass=ByType):
     """A load on a frame, whose force or moment one of the kinds of solver/step/loads.py gives.
 
     on: "BODY.FRAME", or "BODY" for its center of mass.
@@ -32,6 +33,16 @@ class Load(Entry):
 
         @property
         def signal(self) -> AnySignal: ...
+
+    @classmethod
+    def of_type(cls, type: str, on: str, *given: Any, **keys: Any) -> "Load":
+        """The load of a type that model files know."""
+        kind = LOADS.get(type)
+        if kind is None or not issubclass(kind, Load):
+            known = ", ".join(map(repr, LOADS))
+            raise ModelError(f"load ({type}) on {on!r}: type: expected {known}, got {type!r}")
+        made: Load = kind(on, *given, **keys)
+        return made
 
     @property
     def type(self) -> str:

@@ -23,6 +23,18 @@ class Kinds(dict[str, Any]):
         return register
 
 
+class ByType(type):
+    """The class of a base of kinds, whose own call makes the kind that `of_type` chooses.
+
+    So `Joint("pin", "revolute", ["ground", "arm"], [0, 0, 1])` of earlier versions still is a
+    `Revolute`. A kind itself is made as any class.
+    """
+
+    def __call__(cls, *args: Any, **given: Any) -> Any:
+        of_type = vars(cls).get("of_type")
+        return super().__call__(*args, **given) if of_type is None else cls.of_type(*args, **given)  # type: ignore[attr-defined]
+
+
 @dataclass(frozen=True)
 class Form:
     """An entry as model files give it: a table with a key, and flag = true if it has one."""

@@ -13,6 +13,8 @@ from duhamel.solver import (
     Force,
     Frame,
     Harmonic,
+    Joint,
+    Load,
     Model,
     ModelError,
     Motor,
@@ -26,6 +28,7 @@ from duhamel.solver import (
     SteadyRotation,
     Steps,
     Torque,
+    Universal,
     read_model,
     simulate,
     write_model,
@@ -164,6 +167,20 @@ def test_a_signal_of_a_users_own_is_read_and_written(tmp_path):
         SIGNALS.forms.update(before)
     assert [load.signal for load in again.loads] == [load.signal for load in model.loads]
     np.testing.assert_array_equal(simulate(again).body("bob").x, simulate(model).body("bob").x)
+
+
+def test_joints_and_loads_are_made_by_their_types_as_well():
+    """As earlier versions made them."""
+    joint = Joint("pin", "revolute", ("ground", "arm"), [0, 0, 2], friction=None)
+    assert type(joint) is Revolute
+    assert joint.between == ("ground", "arm")
+    np.testing.assert_array_equal(joint.axis, [0, 0, 1])
+    assert type(Joint("j", "universal", ("a", "b"), [0, 0, 1], [1, 0, 0])) is Universal
+    assert type(Load("torque", "arm", [1, 0, 0], Constant(1.0), follower=True)) is Torque
+    with pytest.raises(ModelError, match=r"joint 'pin': type: expected 'fixed', .*, got 'hinge'"):
+        Joint("pin", "hinge", ("ground", "arm"))
+    with pytest.raises(ModelError, match=r"load \(push\) on 'arm': type: expected 'force', .*"):
+        Load("push", "arm", [1, 0, 0], Constant(1.0))
 
 
 def test_a_joint_of_a_users_own_is_a_class():
