@@ -141,18 +141,22 @@ def test_what_does_not_fit_is_refused_before_it_starts(attempt, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("method", "needs"),
+    ("method", "matrix", "needs"),
     [
-        ("march", "GB of memory, 6e-05"),
-        ("krylov", r"GB of memory and the Krylov basis 0.000345 GB, 6e-05"),
+        ("march", "the matrix of the time step", "GB of memory, 6e-05"),
+        (
+            "krylov",
+            "the matrix of a low shift",
+            r"GB of memory and the Krylov basis 0.000345 GB, 6e-05",
+        ),
     ],
 )
-def test_a_body_that_does_not_fit_is_refused(beam_body, beam, monkeypatch, method, needs):
+def test_a_body_that_does_not_fit_is_refused(beam_body, beam, monkeypatch, method, matrix, needs):
     """The basis of 6 + 12 (20 + 8) vectors of 126 unknowns along with the factor."""
     monkeypatch.setattr("duhamel.preprocess.memory.available", lambda: 60_000)
     body = beam_body(beam(20), impulse={"step": 6e-5, "steps": 10, "method": method})
     message = (
-        r"factorization of the matrix of the time step \(126 unknowns\) needs "
+        rf"factorization of {matrix} \(126 unknowns\) needs "
         rf"\S+ {needs} GB are available: use a"
     )
     with pytest.raises(MemoryShortageError, match=message):
