@@ -16,8 +16,8 @@ GROUND = "ground"
 """the name of space among the bodies"""
 Inertia = Callable[[Array | None], float]
 """the reduced mass of both sides [kg]; with an axis (3,) in space, that of inertias about it"""
-Turns = Callable[[Any], bool]
-"""whether a signal that drives an angle moves with time"""
+COINCIDENT = 1e-12
+"""distance of points, relative to their coordinates, that has lost its direction by rounding"""
 
 
 class Coupling:
@@ -139,7 +139,3 @@ def length_of(coupling: Coupling, sides: Sides) -> float:
     if length <= COINCIDENT * float(np.abs([sides.pose_a.x, sides.pose_b.x]).max()):
         raise coupling.error(f"its ends {list(coupling.between)} coincide at the start")
     return length
-
-
-COINCIDENT = 1e-12
-"""distance of points, relative to their coordinates, that has lost its direction by rounding"""
