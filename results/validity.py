@@ -21,7 +21,8 @@ class Criterion:
     name: as in files; quantity: what is measured, in a few words; owner: the kind of object that
     has a value each, unless a check names another kind; good: the recommended range ends here;
     limit: values beyond are warned of; least: both are lower bounds, not upper ones; advice: what
-    to do beyond the limit. How each is measured: solver/output/measures.py.
+    to do beyond the limit; measures: what the value is, exactly. How each is measured:
+    solver/output/measures.py.
     """
 
     name: str
@@ -32,6 +33,7 @@ class Criterion:
     limit: float
     advice: str
     least: bool = False
+    measures: str = ""
 
     def verdict(self, value: float) -> str:
         """ "good", "fair", "poor" beyond the limit; "unknown" for what is no number."""
@@ -45,6 +47,17 @@ class Criterion:
     def measured(self, value: float) -> str:
         """A value with its unit."""
         return f"{value:.3g} {self.unit}".rstrip()
+
+    @property
+    def explanation(self) -> str:
+        """What it measures, its bounds, and what to do beyond them, in a few lines."""
+        of = f", for each {self.owner}" if self.owner != "model" else ""
+        return (
+            f"{self.name}: {self.quantity}\n"
+            f"  measures: {self.measures}\n"
+            f"  recommended {self.bound(self.good)}, limit {self.bound(self.limit)}{of}\n"
+            f"  beyond the limit: {self.advice}"
+        )
 
     def bound(self, value: float) -> str:
         """A bound as tables write it, "< 0.1 rad"."""
@@ -64,6 +77,10 @@ _LIST = (
         0.1,
         0.3,
         f"elasticity is linear: {MEND_DEFORMATION}",
+        measures=(
+            "the largest elastic rotation of an interface in the floating frame, of a body "
+            "without terms of second order"
+        ),
     ),
     Criterion(
         "elastic_displacement",
@@ -73,6 +90,10 @@ _LIST = (
         0.015,
         0.045,
         f"elasticity is linear: {MEND_DEFORMATION}",
+        measures=(
+            "the largest elastic displacement of an interface over the size of its body, of "
+            "a body without terms of second order"
+        ),
     ),
     Criterion(
         "second_order_rotation",
@@ -82,6 +103,10 @@ _LIST = (
         0.2,
         0.4,
         f"elasticity is of second order: {MEND_DEFORMATION}",
+        measures=(
+            "the largest elastic rotation of an interface in the floating frame, of a body "
+            "with terms of second order"
+        ),
     ),
     Criterion(
         "second_order_displacement",
@@ -91,6 +116,10 @@ _LIST = (
         0.03,
         0.06,
         f"elasticity is of second order: {MEND_DEFORMATION}",
+        measures=(
+            "the largest elastic displacement of an interface over the size of its body, of "
+            "a body with terms of second order"
+        ),
     ),
     Criterion(
         "axial_load",
@@ -101,6 +130,10 @@ _LIST = (
         0.05,
         "the force changes its bending stiffness, which linear elasticity does not see, nor "
         f"buckling: {_ADD_ROTATION}",
+        measures=(
+            "the largest mean axial force, tension or compression, over Euler's load of the "
+            "body hinged at both ends; blows count by their impulse"
+        ),
     ),
     Criterion(
         "spin",
@@ -110,6 +143,10 @@ _LIST = (
         0.03,
         0.05,
         f"centrifugal stiffening is missing: {_ADD_ROTATION}",
+        measures=(
+            "the largest angular velocity of a body without terms of second order over its "
+            "first frequency when free"
+        ),
     ),
     Criterion(
         "missing_stress",
@@ -119,6 +156,10 @@ _LIST = (
         1e5,
         1e6,
         f"its stresses and strains do not include those of spin: {_ADD_ROTATION}",
+        measures=(
+            "an estimate of the centrifugal stress that is not computed, rho Omega^2 r^2 "
+            "with the mean density and the farthest point"
+        ),
     ),
     Criterion(
         "spin_turn",
@@ -128,6 +169,7 @@ _LIST = (
         0.12,
         0.15,
         "its motion may become unstable: take a smaller step or rho_inf",
+        measures="the largest turn in a step of a body with terms of second order",
     ),
     Criterion(
         "inertia_taken",
@@ -137,6 +179,10 @@ _LIST = (
         0.5,
         0.9,
         f"nothing resists its rotation where all is lost: {_DIVIDE}",
+        measures=(
+            "the part of a moment of inertia that the elastic motion of a body with terms of "
+            "second order takes"
+        ),
     ),
     Criterion(
         "joint_turn",
@@ -146,6 +192,10 @@ _LIST = (
         0.8,
         1.0,
         "forces of its joints may alternate and grow: take a smaller step or rho_inf",
+        measures=(
+            "the largest turn in a step of a body on joints over 0.7 (1 - rho_inf) rad, if a "
+            "joint is off the axis of its spin"
+        ),
     ),
     Criterion(
         "angular_momentum",
@@ -155,6 +205,10 @@ _LIST = (
         5e-3,
         2e-2,
         "its rotation is not resolved by the step: take a smaller step",
+        measures=(
+            "the part of the angular momentum of a body that nothing holds, over its "
+            "largest, that the moments on it do not explain"
+        ),
     ),
     Criterion(
         "steps_per_period",
@@ -165,6 +219,10 @@ _LIST = (
         8.0,
         "its period is wrong by several per cent: take a smaller step",
         least=True,
+        measures=(
+            "time steps per period of the highest frequency that carries energy, of the "
+            "body's vibration and of its motion as a whole"
+        ),
     ),
     Criterion(
         "kernel_error",
@@ -174,6 +232,7 @@ _LIST = (
         0.01,
         0.05,
         "request a smaller error or more modes in the body file, or a longer memory",
+        measures="the error that the superelement of a body states, and that of a memory cut off",
     ),
     Criterion(
         "kernel_band",
@@ -183,6 +242,10 @@ _LIST = (
         0.8,
         1.0,
         "make the superelement for a smaller step, a wider band or more modes",
+        measures=(
+            "the highest frequency that carries energy over the one up to which the "
+            "superelement is right"
+        ),
     ),
     Criterion(
         "energy_balance",
@@ -192,6 +255,7 @@ _LIST = (
         1e-3,
         1e-2,
         "take a smaller step",
+        measures="the largest error of the energy balance over the energy that moves",
     ),
     Criterion(
         "created_energy",
@@ -201,6 +265,7 @@ _LIST = (
         1e-3,
         1e-2,
         "the step is too large for so stiff a law: take a smaller step",
+        measures="what a law gave back of what it took, over the energy that moves",
     ),
     Criterion(
         "contact_steps",
@@ -211,6 +276,10 @@ _LIST = (
         20.0,
         "peak forces need 20 for 1 %: take a smaller step",
         least=True,
+        measures=(
+            "steps of the shortest contact from closing to opening, of those whose peak is 5 "
+            "% of the largest or more; with a restitution e below 0.46 times 2 e^0.9"
+        ),
     ),
     Criterion(
         "contact_arm",
@@ -221,6 +290,10 @@ _LIST = (
         0.2,
         "the body does not bend between the frame and the contact: attach the contact to a nearer "
         "interface",
+        measures=(
+            "the largest arm of the normal force about the interface that carries the shape, "
+            "over the size of the body"
+        ),
     ),
     Criterion(
         "contact_depth",
@@ -231,6 +304,7 @@ _LIST = (
         1.0,
         "the center of the ball is beyond the surface: take a stiffer contact, a smaller step or a "
         "larger ball",
+        measures="the largest penetration over the radius of the ball",
     ),
     Criterion(
         "hertz_radius",
@@ -240,6 +314,9 @@ _LIST = (
         0.17,
         1.0 / 3.0,
         "Hertz's law holds for small patches: give a table, `law`",
+        measures=(
+            "the largest semi-axis of the patch over the smaller radius of the surfaces along it"
+        ),
     ),
     Criterion(
         "numerical_dissipation",
@@ -249,6 +326,7 @@ _LIST = (
         1e-2,
         1e-1,
         "take a smaller step, or rho_inf nearer to 1",
+        measures="what time stepping took from the modes, over the energy that moves",
     ),
     Criterion(
         "joint_opening",
@@ -258,6 +336,10 @@ _LIST = (
         1e-8,
         1e-6,
         "take a smaller tolerance or more iterations",
+        measures=(
+            "by how much the constraints of a joint are open: angles in rad, lengths over "
+            "the size of the model"
+        ),
     ),
     Criterion(
         "motor_steps",
@@ -268,6 +350,10 @@ _LIST = (
         8.0,
         "the servo is too fast for the step: take a smaller step, or smaller gains",
         least=True,
+        measures=(
+            "time steps in a period of the fastest pole of the servo's loop at the start, "
+            "all bodies rigid"
+        ),
     ),
     Criterion(
         "missed_turn",
@@ -277,6 +363,7 @@ _LIST = (
         0.25 * math.pi,
         0.5 * math.pi,
         "its full turns may be miscounted: take a smaller step",
+        measures="by how much the rate of an angle missed it over a step",
     ),
 )
 CRITERIA = {criterion.name: criterion for criterion in _LIST}

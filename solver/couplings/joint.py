@@ -19,7 +19,7 @@ import numpy as np
 from ..arrays import Array
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
-from ..schema.forms import ByType
+from ..schema.forms import ByType, kinds_of
 from ..schema.values import Direction, FrameA, FrameB, Name, NumbersByName
 from ..signals.drives import ANGULAR, LINEAR, DriveKeys, IntegratedDrive, drive_of
 from ..signals.signal import AnySignal, DrivingSignal, SmoothSignal
@@ -93,17 +93,14 @@ class Joint(Entry, Coupling, metaclass=ByType):
         cls, name: str, type: str, between: Sequence[str], *axes: Any, **given: Any
     ) -> "Joint":
         """The joint of a type that model files know; keys that are None count as not given."""
-        from .joints import JOINTS  # which stand on this class
-
-        kind = JOINTS.get(type)
-        if kind is None:
-            raise ModelError(
-                f"joint {name!r}: type: expected {', '.join(map(repr, JOINTS))}, got {type!r}"
-            )
+        kinds = kinds_of(cls)
+        if type not in kinds:
+            known = ", ".join(map(repr, kinds))
+            raise ModelError(f"joint {name!r}: type: expected {known}, got {type!r}")
         keys = {key: value for key, value in given.items() if value is not None}
         placed = dict(zip(("axis", "second_axis"), axes, strict=False))
         keys |= {key: value for key, value in placed.items() if value is not None}
-        made: Joint = kind(*between, name=name, **keys)
+        made: Joint = kinds[type](*between, name=name, **keys)
         return made
 
     @property
@@ -208,6 +205,7 @@ class Joint(Entry, Coupling, metaclass=ByType):
         (own,) = sides
         rotations = self.rotations
         in_a, in_b = self.carried(self.basis(own.pose_a.R), own)
+        # A row whose axes the ground carried would change with the axes of space; the body's do not.
         turned = own.fixed_a and not (self.is_driven or self.side_dependent)
         if turned:
             own, rotations = own.swapped(), tuple((j, i) for i, j in rotations)
@@ -217,6 +215,7 @@ class Joint(Entry, Coupling, metaclass=ByType):
         rows += [Row(Rotation.number, A, B, in_a[:, i], b=in_b[:, j]) for i, j in rotations]
         rows = self.with_friction(rows, in_a, in_b)
         n_table = len(self.translations) + len(self.rotations)
+        # Friction reads the multipliers of the table before it, and stands behind all other rows.
         rows[n_table:n_table] = [
             *self.own_rows(own, in_a, in_b),
             *self.driven_rows(own, in_a, in_b),

@@ -261,6 +261,7 @@ class Screw(DrivesAngle, DrivesDistance, JointWithAxis):
         rows = self.observed(sides)
         distance, angle, ratio = rows["distance"], rows["angle"], -self.lead / (2.0 * np.pi)
         offset = distance.start + ratio * angle.start
+        # The nut keeps its place on the thread where the bodies are placed.
         distance = replace(distance, zero=distance.zero + offset, start=distance.start - offset)
         return [replace(distance, terms=(Term(angle, ratio, own=True),))]
 

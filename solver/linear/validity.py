@@ -35,6 +35,9 @@ LINEAR_CRITERIA = {
             0.03,
             0.05,
             f"stiffening by rotation is missing: {_ROTATION}",
+            measures=(
+                "the spin over the first elastic frequency of a body without [rotation], when free"
+            ),
         ),
         Criterion(
             "second_order_spin",
@@ -45,6 +48,10 @@ LINEAR_CRITERIA = {
             0.9,
             "its terms of second order are too few for this spin: raise rotation.modes of the body "
             "file, or divide the body into several superelements",
+            measures=(
+                "the spin over sqrt(f_1 f_n): the first frequency of a body with [rotation], "
+                "when free, and the last one of rotation.modes"
+            ),
         ),
         Criterion(
             "axial_preload",
@@ -54,6 +61,10 @@ LINEAR_CRITERIA = {
             0.02,
             0.05,
             f"the load changes its bending stiffness, which is left out: {_ROTATION}",
+            measures=(
+                "the mean axial force in the equilibrium over Euler's load of the body "
+                "hinged at both ends"
+            ),
         ),
         CRITERIA["kernel_error"],
         Criterion(
@@ -64,6 +75,10 @@ LINEAR_CRITERIA = {
             0.8,
             1.0,
             "ask for lower frequencies, or make the superelement for a smaller step or more band",
+            measures=(
+                "the highest frequency of a mode in which the body moves, or of a response, "
+                "over the band of its superelement"
+            ),
         ),
     )
 }

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from ...superelement import Pattern, Superelement
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
-from ..schema.forms import ByType, Kinds
+from ..schema.forms import ByType, Kinds, kinds_of
 from ..schema.values import FrameName, NotNegative, Vector
 from ..signals.curves import Constant
 from ..signals.signal import AnySignal
@@ -37,11 +37,11 @@ class Load(Entry, metaclass=ByType):
     @classmethod
     def of_type(cls, type: str, on: str, *given: Any, **keys: Any) -> "Load":
         """The load of a type that model files know."""
-        kind = LOADS.get(type)
-        if kind is None or not issubclass(kind, Load):
-            known = ", ".join(map(repr, LOADS))
+        kinds = kinds_of(cls)
+        if type not in kinds:
+            known = ", ".join(map(repr, kinds))
             raise ModelError(f"load ({type}) on {on!r}: type: expected {known}, got {type!r}")
-        made: Load = kind(on, *given, **keys)
+        made: Load = kinds[type](on, *given, **keys)
         return made
 
     @property
@@ -80,6 +80,7 @@ class DirectedLoad(Load):
 
     @property
     def parameters(self) -> tuple[float, ...]:
+        # Compiled code reads numbers alone: whether it follows the frame is one of them.
         x, y, z = self.direction.tolist()
         return x, y, z, float(self.follower)
 

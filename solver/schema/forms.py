@@ -35,6 +35,14 @@ class ByType(type):
         return super().__call__(*args, **given) if of_type is None else cls.of_type(*args, **given)  # type: ignore[attr-defined]
 
 
+def kinds_of(base: Any) -> dict[str, Any]:
+    """The classes that stand on another and have a type, by that."""
+    found: dict[str, Any] = {}
+    for kind in base.__subclasses__():
+        found |= ({kind.tag: kind} if "tag" in vars(kind) else {}) | kinds_of(kind)
+    return found
+
+
 @dataclass(frozen=True)
 class Form:
     """An entry as model files give it: a table with a key, and flag = true if it has one."""

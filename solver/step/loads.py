@@ -104,6 +104,7 @@ class Drag:
         speed = math.sqrt(dot(v, v))
         for i in range(3):
             H[i, 6 + i] -= s * (loads.parameters[first + 1] + quadratic * speed)
+            # At rest the direction of v is unknown, and its part of the derivative vanishes.
             if speed > 0.0:
                 for j in range(3):
                     H[i, 6 + j] -= s * quadratic * v[i] * v[j] / speed
@@ -160,6 +161,7 @@ def linearize_loads(system: System, state: State, work: Workspace) -> None:
         H[:] = 0.0
         if not _add_tangent(loads.kind[m], loads, m, work, H):
             continue
+        # The map of velocities is computed for loads that need it only.
         n = 12 if loads.by_velocity[m] else 6
         for j in range(n):
             vector = (H[0, j], H[1, j], H[2, j])

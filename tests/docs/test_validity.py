@@ -4,6 +4,7 @@ import math
 import re
 from pathlib import Path
 
+from duhamel.cli.explain import ALL_CRITERIA
 from duhamel.results.validity import CRITERIA
 
 PAGE = Path(__file__).parents[2] / "docs" / "validity.md"
@@ -13,6 +14,8 @@ def test_the_page_has_the_limits_of_every_criterion():
     rows = re.findall(
         r"^\| `(\w+)` \| [^|]* \| ([\d.e-]+)[^|]* \| ([\d.e-]+)", PAGE.read_text(), re.M
     )
+    for name, own in ALL_CRITERIA.items():
+        assert own.measures, name
     listed = {name: (float(good), float(limit)) for name, good, limit in rows}
     assert listed.keys() == CRITERIA.keys()
     for name, limits in listed.items():

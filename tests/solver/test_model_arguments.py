@@ -177,9 +177,9 @@ def test_joints_and_loads_are_made_by_their_types_as_well():
     np.testing.assert_array_equal(joint.axis, [0, 0, 1])
     assert type(Joint("j", "universal", ("a", "b"), [0, 0, 1], [1, 0, 0])) is Universal
     assert type(Load("torque", "arm", [1, 0, 0], Constant(1.0), follower=True)) is Torque
-    with pytest.raises(ModelError, match=r"joint 'pin': type: expected 'fixed', .*, got 'hinge'"):
+    with pytest.raises(ModelError, match=r"joint 'pin': type: expected .*'fixed'.*, got 'hinge'"):
         Joint("pin", "hinge", ("ground", "arm"))
-    with pytest.raises(ModelError, match=r"load \(push\) on 'arm': type: expected 'force', .*"):
+    with pytest.raises(ModelError, match=r"load \(push\) on 'arm': type: expected .*'force'.*"):
         Load("push", "arm", [1, 0, 0], Constant(1.0))
 
 
