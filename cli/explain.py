@@ -29,6 +29,4 @@ def similar_names(words: str) -> list[str]:
 def criteria_overview() -> list[str]:
     """A line for each criterion."""
     width = max(map(len, ALL_CRITERIA))
-    return [
-        f"{criterion.name:{width}}  {criterion.quantity}" for criterion in ALL_CRITERIA.values()
-    ]
+    return [f"{name:{width}}  {criterion.quantity}" for name, criterion in ALL_CRITERIA.items()]

@@ -205,7 +205,7 @@ class Joint(Entry, Coupling, metaclass=ByType):
         (own,) = sides
         rotations = self.rotations
         in_a, in_b = self.carried(self.basis(own.pose_a.R), own)
-        # A row whose axes the ground carried would change with the axes of space; the body's do not.
+        # Rows whose axes the ground carries depend on the axes of space; those of a body do not.
         turned = own.fixed_a and not (self.is_driven or self.side_dependent)
         if turned:
             own, rotations = own.swapped(), tuple((j, i) for i, j in rotations)
