@@ -167,7 +167,7 @@ def rescaled(model, units):
         model,
         bodies={name: body(given) for name, given in model.bodies.items()},
         joints=[
-            given if given.lead is None else replace(given, lead=a * given.lead)
+            replace(given, lead=a * given.lead) if hasattr(given, "lead") else given
             for given in model.joints
         ],
         springs=[spring(given) for given in model.springs],
