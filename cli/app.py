@@ -204,7 +204,7 @@ def _preprocess(body_file: Path, output: Path | None, build: "Callable[..., Supe
     for doubt in doubts:
         typer.echo(one_line(f"warning: {body_file}: {doubt}"), err=True)
     with errors_in_one_line(superelement):
-        superelement.write(target, element)
+        superelement.write(element, target)
     if element.modes is not None and element.modes.chain is not None:
         typer.echo(one_line(f"loss factor: {loss_in_words(element.modes, element.modes.chain)}"))
     megabytes = target.stat().st_size / 1e6

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..files import in_one_line
 from ..files.memory import available
-from ..superelement import Provenance, Rotation, Superelement, sha256
+from ..superelement import Provenance, Rotation, Superelement
 from .assembly.losses import lossy_parts
 from .assembly.second_order import SecondOrder, second_order
 from .assembly.source import Source
@@ -156,7 +156,7 @@ def superelement_of(
         provenance=Provenance(
             body=body.text,
             mesh=", ".join(path.name for path in body.files),
-            mesh_sha256=", ".join(sha256(path) for path in body.files),
+            mesh_sha256=body.digests,
             method=responses.method,
             tolerance=responses.tolerance,
             versions=_versions(summaries),

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from pydantic import ValidationError
 
-from ..superelement import Check, Superelement, sha256
+from ..superelement import Check, Superelement
 from ..superelement.checks import ROUNDING, deviation, scale_of
 from .body.body import Body
 from .build import assemble, memory_shortage_told
@@ -56,7 +56,7 @@ def body_of(element: Superelement, folder: Path) -> Body | None:
         return None
     if not all(path.is_file() for path in body.files):
         return None
-    return body if ", ".join(map(sha256, body.files)) == kept.mesh_sha256 else None
+    return body if body.digests == kept.mesh_sha256 else None
 
 
 def _table(text: str) -> object:

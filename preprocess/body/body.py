@@ -3,16 +3,19 @@
 import os
 import tomllib
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import (
     BeforeValidator,
     Field,
     NonNegativeFloat,
+    PlainSerializer,
     PositiveFloat,
     PositiveInt,
     PrivateAttr,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
     model_validator,
 )
 
@@ -29,7 +32,9 @@ from ...inputs import (
     read_table,
 )
 from ...inputs.names import LONGEST
+from ...superelement import sha256
 from ..errors import BodyError
+from ..mesh.mesh import Mesh
 from .damping import Damping, check_fit
 from .loads import LoadPattern
 from .material import Material, Section
@@ -43,6 +48,26 @@ TRUNCATED: tuple[Method, ...] = ("craig-bampton", "rubin")
 SHORTEST, LONGEST_STEP = 1e-30, 1e6
 """steps [s]"""
 FilePath = Annotated[Path, Field(strict=False)]
+
+
+def _mesh_or_path(value: Any, path_of: ValidatorFunctionWrapHandler) -> Any:
+    return value if isinstance(value, Mesh) else path_of(value)
+
+
+def _mesh_in_words(mesh: Any) -> str:
+    return mesh.name if isinstance(mesh, Mesh) else str(mesh)
+
+
+if TYPE_CHECKING:
+    AnyMesh = Path | Mesh
+else:
+    AnyMesh = Annotated[
+        Path,
+        Field(strict=False),
+        WrapValidator(_mesh_or_path),
+        PlainSerializer(_mesh_in_words, when_used="json"),
+    ]
+    """the path of a mesh file or, of a body that is made in Python, a mesh"""
 MOST = 32
 """modes, or soft shapes, of which the inertia and stiffness of a body may depend"""
 
@@ -240,7 +265,7 @@ class Body(Table):
     """
 
     name: str
-    mesh: FilePath | None = None
+    mesh: AnyMesh | None = None
     matrices: Matrices | None = None
     scale: PositiveFloat = 1.0
     section: Section | None = None
@@ -384,15 +409,22 @@ class Body(Table):
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """The file of the mesh, or those of the matrices."""
-        mesh = () if self.mesh is None else (self.mesh,)
+        """The file of the mesh, or those of the matrices; none of a mesh in memory."""
+        mesh = (self.mesh,) if isinstance(self.mesh, Path) else ()
         matrices = () if self.matrices is None else self.matrices.files.values()
         return (*mesh, *matrices)
+
+    @property
+    def digests(self) -> str:
+        """The digests of its files, or of its mesh, by which a superelement knows them again."""
+        if isinstance(self.mesh, Mesh):
+            return self.mesh.sha256
+        return ", ".join(map(sha256, self.files))
 
     def relative_to(self, folder: Path) -> "Body":
         """A copy whose relative paths start from a folder."""
         paths: dict[str, Path | Matrices] = {}
-        if self.mesh is not None:
+        if isinstance(self.mesh, Path):
             paths["mesh"] = folder / self.mesh
         if self.matrices is not None:
             paths["matrices"] = self.matrices.relative_to(folder)

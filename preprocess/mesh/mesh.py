@@ -1,5 +1,6 @@
 """Meshes and their named groups."""
 
+import hashlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import accumulate
@@ -78,6 +79,18 @@ class Mesh:
     @property
     def n_elements(self) -> int:
         return sum(len(cells) for cells in self.elements.values())
+
+    @property
+    def sha256(self) -> str:
+        """A digest of points, cells and groups, by which a mesh without a file is known again."""
+        digest = hashlib.sha256(np.ascontiguousarray(self.points).tobytes())
+        for kind, cells in sorted(self.cells.items()):
+            digest.update(kind.encode() + np.ascontiguousarray(cells, dtype=np.int64).tobytes())
+        for name, group in sorted(self.groups.items()):
+            digest.update(name.encode() + group.points.tobytes())
+            for kind, rows in sorted(group.cells.items()):
+                digest.update(kind.encode() + rows.tobytes())
+        return digest.hexdigest()
 
     def members(self, group: str) -> IntArray:
         """The numbers of the elements in a group."""

@@ -75,21 +75,25 @@ def read_mesh(path: str | os.PathLike[str], scale: float = 1.0) -> Mesh:
     than is read of it: nodes that belong to no element are left out.
     """
     path = Path(path)
-    draft = read_draft(path)
+    return finished(path, read_draft(path), scale)
+
+
+def finished(source: Path, draft: Draft, scale: float) -> Mesh:
+    """The mesh of a draft, in meters; errors and warnings as of `read_mesh` name the source."""
     cells = {kind: rows for kind, rows in draft.cells.items() if len(rows)}
-    points = _scaled(path, draft.points, scale)
-    body_types = _body_types(path.name, cells, draft.lost)
-    mesh = Mesh(path.name, points, cells, draft.groups, body_types, draft.labels)
+    points = _scaled(source, draft.points, scale)
+    body_types = _body_types(source.name, cells, draft.lost)
+    mesh = Mesh(source.name, points, cells, draft.groups, body_types, draft.labels)
     loose = draft.points[~mesh.used]
     lost = [*draft.lost, *([_described(loose)] if len(loose) else [])]
     if lost:
         warnings.warn(
-            f"{path}: left out: {'; '.join(dict.fromkeys(lost))}", MeshWarning, stacklevel=2
+            f"{source}: left out: {'; '.join(dict.fromkeys(lost))}", MeshWarning, stacklevel=3
         )
     return mesh.without_loose_nodes() if len(loose) else mesh
 
 
-def _scaled(path: Path, points: Array, scale: float) -> Array:
+def _scaled(source: Path, points: Array, scale: float) -> Array:
     """Points in meters; `MeshError` for a mesh so small or large that its volumes are no numbers.
 
     A mesh whose points all coincide passes: what its elements lack is told where they are read.
@@ -97,7 +101,7 @@ def _scaled(path: Path, points: Array, scale: float) -> Array:
     size = scale * float(np.ptp(points, axis=0).max())
     if np.ptp(points, axis=0).any() and not SIZES[0] <= size <= SIZES[1]:
         raise MeshError(
-            f"{path}: expected a mesh of {SIZES[0]:g} to {SIZES[1]:g} m, found {size:g} m "
+            f"{source}: expected a mesh of {SIZES[0]:g} to {SIZES[1]:g} m, found {size:g} m "
             f"(scale = {scale:g})"
         )
     return scale * points
@@ -109,12 +113,17 @@ def read_draft(path: Path) -> Draft:
         if (advice := _NO_MESH.get(path.suffix.lower())) is not None:
             raise MeshError(advice)
         draft = _READERS.get(path.suffix.lower(), through_meshio.read)(path)
+    check_points(path, draft)
+    return draft
+
+
+def check_points(source: Path, draft: Draft) -> None:
+    """`MeshError` for a mesh without points, or with one that is nowhere."""
     if not len(draft.points):
-        raise MeshError(f"{path}: the mesh has no points")
+        raise MeshError(f"{source}: the mesh has no points")
     if not np.isfinite(draft.points).all():
         point = int(np.flatnonzero(~np.isfinite(draft.points).all(axis=1))[0])
-        raise MeshError(f"{path}: point {point} is at {draft.points[point].tolist()}")
-    return draft
+        raise MeshError(f"{source}: point {point} is at {draft.points[point].tolist()}")
 
 
 def files_of(path: Path) -> list[Path]:

@@ -8,6 +8,7 @@ from ..body.loss import relaxed, stiffenings
 from ..errors import BodyError
 from ..given.matrices import read_matrices
 from ..mesh.cells import LINES
+from ..mesh.mesh import Mesh
 from ..mesh.reading import files_of as mesh_files
 from ..mesh.reading import read_mesh
 from .given import GivenSource
@@ -26,7 +27,7 @@ def read_source(body: Body) -> Source:
 
 def files_of(body: Body) -> tuple[Path, ...]:
     """All files that a body is read from, with those that they name; `MeshError` as `read_mesh`."""
-    if body.mesh is not None:
+    if isinstance(body.mesh, Path):
         return tuple(mesh_files(body.mesh))
     if body.matrices is None:
         return ()
@@ -38,7 +39,7 @@ def read_mesh_source(body: Body) -> MeshSource:
     """Read the mesh of a body; `BodyError` for a body of matrices."""
     if body.mesh is None:
         raise BodyError("a dry run draws what was selected on a mesh, found [matrices]")
-    mesh = read_mesh(body.mesh, body.scale)
+    mesh = body.mesh if isinstance(body.mesh, Mesh) else read_mesh(body.mesh, body.scale)
     if mesh.body_types == LINES:
         return LineSource(mesh, body)
     from .solids import SolidSource

@@ -21,7 +21,7 @@ import numpy as np
 from ..arrays import Array
 from ..errors import ModelError
 from ..schema.entry import Entry, entry, one_of
-from ..schema.values import Name, NotZero, SomeNonZero, Words
+from ..schema.values import JointNames, Name, NotZero, SomeNonZero
 from ..signals.curves import Constant, Input, SmoothFunction
 from ..signals.signal import DrivingSignal, SmoothSignal, derivatives_of, is_any, values_of
 from .coupling import Coupling
@@ -52,10 +52,11 @@ class Coupler(Entry):
     """
 
     label = "coupler {name!r}"
+    group: ClassVar[str] = "couplers"
 
     name: Name
     type: Annotated[str, one_of(NEEDS)]
-    joints: Words
+    joints: JointNames
     ratios: SomeNonZero | None = None
     teeth: SomeNonZero | None = None
     radii: SomeNonZero | None = None

@@ -9,7 +9,7 @@ import numpy as np
 from ..arrays import Array
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
-from ..schema.values import ABSENT, Direction, Name, NumbersByName
+from ..schema.values import ABSENT, Direction, FrameName, Name, NumbersByName
 from ..signals.composed import OptionalParts
 from ..signals.curves import Input
 from ..signals.drives import (
@@ -87,7 +87,7 @@ class PrescribedDisplacement(PrescribedMotion):
     unit: ClassVar[str] = "m"
 
     name: Name
-    on: str
+    on: FrameName
     direction: Direction
     displacement: DrivingSignal | None = None
     velocity: AnySignal | None = None
@@ -128,7 +128,7 @@ class PrescribedRotation(PrescribedMotion):
     unit: ClassVar[str] = "rad"
 
     name: Name
-    on: str
+    on: FrameName
     axis: Direction
     angle: DrivingSignal | None = None
     angular_velocity: AnySignal | None = None
@@ -179,7 +179,7 @@ class PrescribedOrientation(PrescribedMotion):
     keys: ClassVar[DriveKeys] = DriveKeys("angles", "angular_velocities", "angular_accelerations")
 
     name: Name
-    on: str
+    on: FrameName
     angles: OptionalParts = ABSENT
     angular_velocities: OptionalParts = ABSENT
     angular_accelerations: OptionalParts = ABSENT

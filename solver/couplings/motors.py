@@ -10,7 +10,7 @@ import numpy as np
 from ...inputs import expected
 from ..arrays import Array
 from ..schema.entry import Entry, Takes, entry
-from ..schema.values import Infinite, Name, NotNegative, Positive, PositiveTime, limits
+from ..schema.values import Infinite, JointName, Name, NotNegative, Positive, PositiveTime, limits
 from ..signals.curves import Constant, Input
 from ..signals.signal import AnySignal, Pointwise, Signal, derivatives_of, is_smooth, values_of
 from .joint import Joint
@@ -66,9 +66,10 @@ class Motor(Entry):
     """
 
     label = "motor {name!r}"
+    group: ClassVar[str] = "motors"
 
     name: Name
-    joint: str
+    joint: JointName
     coordinate: str
     torque: AnySignal | None = None
     force: AnySignal | None = None

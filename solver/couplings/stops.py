@@ -5,7 +5,7 @@ from dataclasses import field, replace
 from typing import Annotated, Any, ClassVar
 
 from ..schema.entry import Beside, Entry, entry
-from ..schema.values import Limits, Name
+from ..schema.values import JointName, Limits, Name
 from .impact import Impact
 from .joint import Joint
 from .on_coordinate import OnCoordinate
@@ -21,9 +21,10 @@ class Stop(Entry):
     """
 
     label = "stop {name!r}"
+    group: ClassVar[str] = "stops"
 
     name: Name
-    joint: str
+    joint: JointName
     coordinate: str
     range: Limits
     impact: Annotated[Impact, Beside()] = field(default_factory=Impact)

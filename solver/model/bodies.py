@@ -11,7 +11,7 @@ from ...superelement import Rotation, Superelement
 from ...superelement.rotation import INERTIA
 from ..arrays import Array
 from ..schema.entry import Beside, Entry, entry
-from ..schema.values import ABSENT, ORIGIN, Inertia, Name, Positive, Vector
+from ..schema.values import ABSENT, ORIGIN, FrameName, Inertia, Name, Positive, Vector
 from .body_shapes import AnyBodyShape
 
 SecondOrder = Literal["auto", "full", "off"]
@@ -39,7 +39,7 @@ class Place(Entry):
     """
 
     frame: Name
-    on: str
+    on: FrameName
 
 
 @entry()
@@ -68,6 +68,7 @@ class RigidBody(Entry):
 
     mass [kg]; inertia about the center of mass in body axes, (3,) principal or (3, 3) [kg m^2]. No
     principal inertia exceeds the sum of the other two: no distribution of mass has such a one.
+    frames: by name, where there is no rotation by their positions (3,) [m] alone.
     shape: what it looks like, of which nothing else depends; by default a box of its inertia.
     """
 
@@ -78,6 +79,11 @@ class RigidBody(Entry):
     shape: AnyBodyShape | None = ABSENT
 
     def validate(self) -> None:
+        frames = {
+            name: frame if isinstance(frame, Frame) else Frame(frame)
+            for name, frame in self.frames.items()
+        }
+        object.__setattr__(self, "frames", frames)
         principal = np.linalg.eigvalsh(self.inertia).tolist()
         if not principal[0] > 0.0:
             raise self.error(f"inertia: expected positive principal values, got {principal}")

@@ -1,17 +1,16 @@
 """Model files: what users write to run a simulation, as a `Model` and back."""
 
 import os
-import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, overload
 
-import tomli_w
 from pydantic import ConfigDict, Field, create_model, model_validator
 
-from ...files import renamed_when_whole
-from ...inputs import InputError, Table, Vector, document_of, quoted, read_table
+from ...files import object_and_path, renamed_when_whole
+from ...files.outputs import AnyPath
+from ...inputs import InputError, Table, Vector, document_of, quoted, read_table, toml_of
 from ...superelement import Superelement, read
 from ..couplings.contacts import Contact
 from ..couplings.couplers import Coupler
@@ -53,9 +52,6 @@ from .model import Model
 from .output_request import OutputRequest
 from .settings import INTERVALS, Settings, StartFrom
 
-SHORT_ARRAY = re.compile(r"\[\n((?:[^\[\]\n]*,\n)+) *\]")
-"""an array of numbers or words as tomli_w writes it, an item a line"""
-LONG = 80
 LISTS = ("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers")
 """the arrays of tables, in the order in which they are written"""
 MOTIONS = PrescribedDisplacement, PrescribedRotation, PrescribedOrientation
@@ -164,19 +160,23 @@ def read_model(path: str | os.PathLike[str]) -> Model:
         return _model(file, text, path)
 
 
-def write_model(path: str | os.PathLike[str], model: Model) -> None:
+@overload
+def write_model(model: Model, path: AnyPath, /) -> None: ...
+@overload
+def write_model(path: AnyPath, model: Model, /) -> None: ...
+def write_model(model: Any, path: Any, /) -> None:
     """Write a model as a file that reads back to an equal one; it appears whole or not at all.
 
-    Superelements, and the run that it starts from, are named by their paths, relative to the new
-    file. ModelError names a body whose
-    superelement is in no file, and a load, joint, motion or motor that follows a Python function.
+    `write_model(path, model)` is understood too. Superelements, and the run that it starts from,
+    are named by their paths, relative to the new file. ModelError names a body whose superelement
+    is in no file, and a load, joint, motion or motor that follows a Python function.
     """
+    model, path = object_and_path(model, path)
     path = Path(path)
     with beside(path.parent):
         document = _document(model, path.parent)
-    text = SHORT_ARRAY.sub(_on_one_line, tomli_w.dumps(document))
     with renamed_when_whole(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+        temporary.write_text(toml_of(document), encoding="utf-8")
 
 
 def _model(file: _ModelFile, text: str, path: Path) -> Model:
@@ -257,12 +257,6 @@ def _document(model: Model, folder: Path) -> dict[str, Any]:
         **{name: [table_in_file(entry) for entry in getattr(model, name)] for name in LISTS},
     }
     return {key: table for key, table in document.items() if table}
-
-
-def _on_one_line(array: re.Match[str]) -> str:
-    """An array of numbers or words as users write it, if it is not long."""
-    items = ", ".join(line.strip().removesuffix(",") for line in array[1].splitlines())
-    return f"[{items}]" if len(items) < LONG else array[0]
 
 
 def _frames(frames: Mapping[str, Frame]) -> dict[str, Any]:

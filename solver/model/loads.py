@@ -7,7 +7,7 @@ from ...superelement import Pattern, Superelement
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
 from ..schema.forms import ByType, Kinds, kinds_of
-from ..schema.values import FrameName, NotNegative, Vector
+from ..schema.values import BodyName, FrameName, NotNegative, Vector
 from ..signals.curves import Constant
 from ..signals.signal import AnySignal
 from ..step import loads as compiled
@@ -24,6 +24,7 @@ class Load(Entry, metaclass=ByType):
     """
 
     label = "load ({type}) on {on!r}"
+    group: ClassVar[str] = "loads"
     kind: ClassVar[Any]
     """the class that computes it"""
 
@@ -145,8 +146,9 @@ class PatternLoad(Entry):
     """
 
     label = "load (pattern) on {body!r}"
+    group: ClassVar[str] = "loads"
 
-    body: str
+    body: BodyName
     pattern: str
     signal: AnySignal
 

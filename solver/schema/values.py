@@ -6,7 +6,7 @@ are arrays.
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,6 +25,12 @@ ABSENT: Any = None
 """the default of an optional array"""
 ROUNDING = 1e-15
 """largest difference of the length of a unit vector from 1"""
+AXES = {
+    f"{sign}{axis}": tuple((-1.0 if sign else 1.0) * (k == n) for k in range(3))
+    for n, axis in enumerate("xyz")
+    for sign in ("", "-")
+}
+"""the axes of space in words"""
 SYMMETRY = 1e-9
 """largest difference across the diagonal, relative to the largest entry"""
 Item = TypeVar("Item")
@@ -92,8 +98,11 @@ def vector(value: Any) -> Array:
 
 
 def direction(value: Any) -> Array:
-    """The unit vector along a vector; one that has unit length to rounding stays as it is."""
-    along = vector(value)
+    """The unit vector along a vector; one that has unit length to rounding stays as it is.
+
+    "x", "-z", ... are the axes and their opposites.
+    """
+    along = vector(AXES.get(value, value) if isinstance(value, str) else value)
     largest = float(np.abs(along).max())
     if largest == 0.0:
         raise ValueError
@@ -134,9 +143,23 @@ def frame_name(value: Any) -> str:
     return name
 
 
+def name_of(value: Any) -> str:
+    """A name, or that of what has one, as a joint or the handle of a body."""
+    name = getattr(value, "name", value)
+    if not isinstance(name, str):
+        raise TypeError
+    return name
+
+
+def names(value: Any) -> tuple[str, ...]:
+    if isinstance(value, str):
+        raise TypeError
+    return tuple(map(name_of, value))
+
+
 def pair(value: Any) -> tuple[str, str]:
     first, second = value
-    return first, second
+    return frame_name(first), frame_name(second)
 
 
 def limits(value: Any) -> tuple[float, float]:
@@ -194,7 +217,6 @@ SomeNonZero = Annotated[
         Annotated[tuple[float, ...], AfterValidator(some_non_zero)],
     ),
 ]
-FrameName = Annotated[str, Takes("the name of a frame", frame_name, str)]
 Name = Annotated[str, LeftOut("")]
 """a name; what has none in a file is numbered"""
 NumbersByName = Annotated[
@@ -213,13 +235,54 @@ Limits = Annotated[
         ],
     ),
 ]
-Words = Annotated[tuple[str, ...], Takes("names", tuple, tuple[str, ...])]
-_TwoFrames = Annotated[tuple[str, str], expected("the names of two frames")]
-Pair = Annotated[tuple[str, str], Takes("two frames", pair, _TwoFrames)]
-FrameA = Annotated[FrameName, ItemOf("between", 0, _TwoFrames)]
-FrameB = Annotated[FrameName, ItemOf("between", 1, _TwoFrames)]
+Words = Annotated[tuple[str, ...], Takes("names", names, tuple[str, ...])]
+
+
+class Framed(Protocol):
+    """What has a frame, as the handles of frames and bodies of a mechanism."""
+
+    @property
+    def frame_name(self) -> str: ...
+
+
+class Named(Protocol):
+    """What has a name, as a joint or the handle of a body."""
+
+    @property
+    def name(self) -> str: ...
+
 
 if TYPE_CHECKING:
+
+    class FrameName:
+        """A frame, or the name of one; the name."""
+
+        def __get__(self, owner: Any, kind: Any = None) -> str: ...
+        def __set__(self, owner: Any, value: str | Framed) -> None: ...
+
+    class BodyName:
+        """A body or joint, or the name of one; the name."""
+
+        def __get__(self, owner: Any, kind: Any = None) -> str: ...
+        def __set__(self, owner: Any, value: str | Named) -> None: ...
+
+    class JointNames:
+        """Joints, or their names; the names."""
+
+        def __get__(self, owner: Any, kind: Any = None) -> tuple[str, ...]: ...
+        def __set__(self, owner: Any, value: Sequence[str | Named]) -> None: ...
+
+    class Pair:
+        """Two frames, or their names; the names."""
+
+        def __get__(self, owner: Any, kind: Any = None) -> tuple[str, str]: ...
+        def __set__(self, owner: Any, value: Sequence[str | Framed]) -> None: ...
+
+    class Direction:
+        """Three numbers that are not all zero, or "x", "y", "z"; a unit vector (3,)."""
+
+        def __get__(self, owner: Any, kind: Any = None) -> Array: ...
+        def __set__(self, owner: Any, value: ArrayLike | str) -> None: ...
 
     class Vector:
         """Three numbers; an array (3,)."""
@@ -228,10 +291,10 @@ if TYPE_CHECKING:
         def __set__(self, owner: Any, value: ArrayLike) -> None: ...
 
     class OptionalDirection:
-        """Three numbers that are not all zero; a unit vector (3,)."""
+        """Three numbers that are not all zero, or "x", "y", "z"; a unit vector (3,)."""
 
         def __get__(self, owner: Any, kind: Any = None) -> Array | None: ...
-        def __set__(self, owner: Any, value: ArrayLike | None) -> None: ...
+        def __set__(self, owner: Any, value: ArrayLike | str | None) -> None: ...
 
     class OptionalPoints:
         """Pairs of numbers; an array (n, 2)."""
@@ -257,11 +320,21 @@ if TYPE_CHECKING:
         def __get__(self, owner: Any, kind: Any = None) -> tuple[Item, ...]: ...
         def __set__(self, owner: Any, value: Iterable[Item]) -> None: ...
 
-    Direction = Vector
+    FrameA = FrameName
+    FrameB = FrameName
+    JointName = BodyName
     Inertia = Vector
     Coefficients = Vector
     SomeNumbers = Numbers
 else:
+    _TwoFrames = Annotated[tuple[str, str], expected("the names of two frames")]
+    FrameName = Annotated[str, Takes("the name of a frame", frame_name, str)]
+    FrameA = Annotated[FrameName, ItemOf("between", 0, _TwoFrames)]
+    FrameB = Annotated[FrameName, ItemOf("between", 1, _TwoFrames)]
+    Pair = Annotated[tuple[str, str], Takes("two frames", pair, _TwoFrames)]
+    BodyName = Annotated[str, Takes("the name of a body", name_of, str)]
+    JointName = Annotated[str, Takes("the name of a joint", name_of, str)]
+    JointNames = Annotated[tuple[str, ...], Takes("names of joints", names, tuple[str, ...])]
 
     class Several:
         def __class_getitem__(cls, item: Any) -> Any:
