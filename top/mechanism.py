@@ -127,7 +127,7 @@ class Mechanism:
     'revolute 1'
     >>> run = m.simulate(0.1, step=1e-3)
     >>> round(float(run["revolute 1"].angle[-1]), 3)
-    0.091
+    0.09
     """
 
     def __init__(self, gravity: ArrayLike = (0.0, 0.0, 0.0)) -> None:
@@ -232,7 +232,7 @@ class Mechanism:
         return self._add_body(_body(what, given, rigid, second_order), name)
 
     def model(self, settings: solver.Settings | None = None) -> solver.Model:
-        """The mechanism as the solver takes it, frozen and checked; `ModelError` says if it is not."""
+        """The mechanism as the solver takes it; `ModelError` says what is wrong with it."""
         entries: dict[str, Any] = self._entries
         return solver.Model(
             bodies=self.bodies,
@@ -302,7 +302,7 @@ class Mechanism:
         return solver.check(self.model())
 
     def linear(self, angular_velocity: ArrayLike | None = None) -> solver.LinearModel:
-        """The linear equations about the equilibrium, at rest or in steady rotation (3,) [rad/s]."""
+        """The linear equations about the equilibrium, at rest or in a steady rotation [rad/s]."""
         rotation = None if angular_velocity is None else solver.SteadyRotation(angular_velocity)
         return solver.linearize(self.model(), rotation)
 

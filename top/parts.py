@@ -382,7 +382,7 @@ class Part:
             rho_inf=rho_inf,
             solver=solver,
         )
-        told: list[str] = []
+        told = list(preprocess.doubts_of_body(body))
         built = preprocess.build(body, progress=progress, told=told.append)
         for doubt in told:
             warnings.warn(f"{self.name}: {doubt}", preprocess.PlausibilityWarning, stacklevel=2)
@@ -426,11 +426,12 @@ class Beam(Part):
     >>> import numpy as np
     >>> points = np.linspace([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], 21)
     >>> steel = du.Material(E=210e9, nu=0.3, rho=7850.0)
-    >>> beam = du.Beam(points, section=du.Section.rectangle(steel, width=0.02, height=0.01))
+    >>> section = du.Section.rectangle(steel, width=0.01, height=0.01)
+    >>> beam = du.Beam(points, section=section)
     >>> beam.interface("root", points[0])
     >>> beam.interface("tip", points[-1])
     >>> beam.superelement(step=1e-5).mass.__round__(6)
-    1.57
+    0.785
     """
 
     def __init__(

@@ -14,6 +14,7 @@ from pydantic import (
     PositiveFloat,
     PositiveInt,
     PrivateAttr,
+    SerializationInfo,
     ValidatorFunctionWrapHandler,
     WrapValidator,
     model_validator,
@@ -54,7 +55,10 @@ def _mesh_or_path(value: Any, path_of: ValidatorFunctionWrapHandler) -> Any:
     return value if isinstance(value, Mesh) else path_of(value)
 
 
-def _mesh_in_words(mesh: Any) -> str:
+def _mesh_in_words(mesh: Any, info: SerializationInfo) -> Any:
+    """In JSON the path, or the name of a mesh in memory."""
+    if not info.mode_is_json():
+        return mesh
     return mesh.name if isinstance(mesh, Mesh) else str(mesh)
 
 
@@ -65,7 +69,7 @@ else:
         Path,
         Field(strict=False),
         WrapValidator(_mesh_or_path),
-        PlainSerializer(_mesh_in_words, when_used="json"),
+        PlainSerializer(_mesh_in_words),
     ]
     """the path of a mesh file or, of a body that is made in Python, a mesh"""
 MOST = 32

@@ -81,7 +81,7 @@ class Section(Table):
     ) -> "Section":
         """A Timoshenko section of one isotropic material, from its moments of area."""
         E, G, rho = material.young, material.shear, material.rho
-        of_shape: dict[str, Any] = {
+        of_shape = {
             "EA": E * area,
             "EI_y": E * I_y,
             "EI_z": E * I_z,
@@ -91,7 +91,8 @@ class Section(Table):
             "mass_per_length": rho * area,
             "polar_inertia_per_length": rho * (I_y + I_z),
         }
-        return cls(**{key: float(value) for key, value in of_shape.items()}, **more)
+        given: dict[str, Any] = {key: float(value) for key, value in of_shape.items()}
+        return cls(**given, **more)
 
     @property
     def density(self) -> float:

@@ -9,6 +9,7 @@ from typing import Any
 import meshio
 import numpy as np
 
+from ...superelement.validation import Array
 from ..errors import MeshError
 from .cells import FACETS, SOLIDS
 from .formats.draft import Draft
@@ -22,6 +23,13 @@ FORMS = (
 )
 BY_NODES = {2: "line", **{len(kind.order): name for name, kind in SOLIDS.items()}}
 """the types of cells that are given by their nodes alone"""
+
+REFLECTIONS = {
+    "tetra": [1, 0, 2, 3],
+    "tetra10": [1, 0, 2, 3, 4, 6, 5, 8, 7, 9],
+    "wedge": [0, 2, 1, 3, 5, 4],
+}
+"""the nodes of the same cell seen in a mirror; the first four tell which of both it is"""
 
 
 def mesh_of(given: Any, scale: float = 1.0) -> Mesh:
@@ -139,8 +147,11 @@ def _of_skfem(mesh: Any) -> Draft:
         raise MeshError(
             f"expected one of {_supported()} of scikit-fem, found {type(mesh).__name__}"
         )
-    draft = draft_of(to_meshio(mesh, encode_cell_data=False))
+    whole = to_meshio(mesh, encode_cell_data=False)
     kind = TYPE_MESH_MAPPING[type(mesh)]
+    if kind in REFLECTIONS:
+        _turn(whole.cells[0].data, whole.points, REFLECTIONS[kind])
+    draft = draft_of(whole)
     for name, members in (mesh.subdomains or {}).items():
         draft.mark(name, kind, members)
     for name, members in (mesh.boundaries or {}).items():
@@ -153,6 +164,14 @@ def _of_skfem(mesh: Any) -> Draft:
         for facet_kind, rows in _facets(kind, cells, corners):
             draft.mark(name, facet_kind, draft.add(facet_kind, rows))
     return draft
+
+
+def _turn(cells: IntArray, points: Array, reflection: list[int]) -> None:
+    """Give cells (m, k) a positive volume: scikit-fem leaves the order of their nodes open."""
+    a, b, c, d = (points[cells[:, k]] for k in range(4))
+    volumes = np.einsum("mi,mi->m", np.cross(b - a, c - a), d - a)
+    inverted = volumes < 0.0
+    cells[inverted] = cells[inverted][:, reflection]
 
 
 def _facets(kind: str, cells: IntArray, corners: IntArray) -> Iterator[tuple[str, IntArray]]:

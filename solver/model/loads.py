@@ -7,7 +7,7 @@ from ...superelement import Pattern, Superelement
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
 from ..schema.forms import ByType, Kinds, kinds_of
-from ..schema.values import BodyName, FrameName, NotNegative, Vector
+from ..schema.values import AxisOrVector, BodyName, FrameName, NotNegative
 from ..signals.curves import Constant
 from ..signals.signal import AnySignal
 from ..step import loads as compiled
@@ -71,7 +71,7 @@ class DirectedLoad(Load):
     direction (3,): in space, or in the axes of the frame when the load follows it.
     """
 
-    direction: Vector
+    direction: AxisOrVector
     signal: AnySignal
     follower: bool = False
 

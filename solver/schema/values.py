@@ -97,12 +97,14 @@ def vector(value: Any) -> Array:
     return components
 
 
-def direction(value: Any) -> Array:
-    """The unit vector along a vector; one that has unit length to rounding stays as it is.
+def axis_or_vector(value: Any) -> Array:
+    """Three numbers; "x", "-z", ... are the axes and their opposites."""
+    return vector(AXES.get(value, value) if isinstance(value, str) else value)
 
-    "x", "-z", ... are the axes and their opposites.
-    """
-    along = vector(AXES.get(value, value) if isinstance(value, str) else value)
+
+def direction(value: Any) -> Array:
+    """The unit vector along a vector; one that has unit length to rounding stays as it is."""
+    along = axis_or_vector(value)
     largest = float(np.abs(along).max())
     if largest == 0.0:
         raise ValueError
@@ -284,6 +286,12 @@ if TYPE_CHECKING:
         def __get__(self, owner: Any, kind: Any = None) -> Array: ...
         def __set__(self, owner: Any, value: ArrayLike | str) -> None: ...
 
+    class AxisOrVector:
+        """Three numbers, or "x", "y", "z"; an array (3,), whose length counts."""
+
+        def __get__(self, owner: Any, kind: Any = None) -> Array: ...
+        def __set__(self, owner: Any, value: ArrayLike | str) -> None: ...
+
     class Vector:
         """Three numbers; an array (3,)."""
 
@@ -341,6 +349,7 @@ else:
             return Annotated[tuple, Takes("a sequence", tuple, tuple)]
 
     Vector = Annotated[np.ndarray, Takes("three numbers", vector, inputs.Vector)]
+    AxisOrVector = Annotated[np.ndarray, Takes("three numbers", axis_or_vector, inputs.Vector)]
     Direction = Annotated[
         np.ndarray, Takes("three numbers that are not all zero", direction, inputs.Vector)
     ]
