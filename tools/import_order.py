@@ -62,6 +62,8 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "connectivity",
         "formats",
         "reading",
+        "writing",
+        "in_memory",
     ),
     "solver": (
         "arrays",
