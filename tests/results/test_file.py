@@ -13,10 +13,12 @@ import numpy as np
 import pytest
 from duhamel.results import Results, ResultsError
 from duhamel.results import file as file_module
+from duhamel.results.batches import EventRows
+from duhamel.results.contents import SuperelementFile
 from duhamel.results.errors import QuantityError
 from duhamel.results.file import CHUNK, Extent, FileSource, FileWriter, chunks
+from duhamel.results.motion import EVENTS, QUANTITIES
 from duhamel.results.quantities import evaluate
-from duhamel.results.schema import EVENTS, QUANTITIES, EventRows, SuperelementFile
 from duhamel.results.source import Memory
 
 from .writing import NOTES, batch, make_contents, make_events, make_output
