@@ -175,11 +175,8 @@ def table() -> str:
     """The variables as a table in Markdown, for the documentation."""
     lines = ["| variable | dimensions | unit | |", "|---|---|---|---|"]
     for quantity in (*QUANTITIES, EVENT_NUMBER, EVENT_OF, *EVENTS):
-        unit = quantity.unit
-        if not isinstance(unit, str):
-            unit = " or ".join(dict.fromkeys(unit))
         lines.append(
-            f"| `{quantity.name}` | {', '.join(quantity.dimensions)} | {unit} "
-            f"| {quantity.description} |"
+            f"| `{quantity.name}` | {', '.join(quantity.dimensions)} "
+            f"| {' or '.join(quantity.all_units)} | {quantity.description} |"
         )
     return "\n".join(lines)

@@ -637,11 +637,18 @@ class Solution(Recorded, group="solver"):
     """How the equations of the steps were solved."""
 
     iterations: Array = quantity(
-        "1", "iterations of Newton's method", name="newton_iterations", integer=True
+        "1",
+        "iterations of Newton's method",
+        name="newton_iterations",
+        integer=True,
+        words="Newton iterations",
     )
     """(n,) iterations of Newton's method"""
     residual: Array = quantity(
-        "1", "relative residual at the end of the step", name="newton_residual"
+        "1",
+        "relative residual at the end of the step",
+        name="newton_residual",
+        words="Newton residual",
     )
     """(n,) relative residual at the end of the step"""
 

@@ -32,12 +32,15 @@ class Kind:
     """A kind of quantity: its function of results and names, its unit, and how it is named."""
 
     values: Callable[..., Array]
-    unit: str | Callable[..., str]
-    """or a function of the results and the names"""
+    units: tuple[str, ...]
+    """the one that it has, or those that it may have"""
     names: tuple[str, ...]
     """the meaning of each name"""
+    description: str
     axes: tuple[str, ...] = AXES
     """of its components; none: a scalar"""
+    unit_of: Callable[..., str] | None = None
+    """of the results and the names, where it may have several"""
     words: tuple[str, ...] = ()
     """its name in a legend; a second one is that of moments, where the first is that of forces"""
     along: str = "along"
@@ -52,6 +55,9 @@ class Kind:
     def named(self, unit: str) -> str:
         """Its name in a legend, of the quantity that has this unit."""
         return self.words["N m" in unit and len(self.words) > 1]
+
+    def unit(self, results: Results, *names: str) -> str:
+        return self.unit_of(results, *names) if self.unit_of else self.units[0]
 
 
 def angle(results: Results, name: str) -> Array:
@@ -161,6 +167,7 @@ def _recorded(
     names: Iterable[str],
     made: Callable[[Array], Array] = lambda values: values,
     axes: tuple[str, ...] | None = None,
+    description: str = "",
     words: tuple[str, ...] = (),
     in_peaks: bool = False,
     section: str = "",
@@ -176,21 +183,24 @@ def _recorded(
         record = _record(records, results, *owner)
         return made(results.variable(record.name, owner="".join(owner)))
 
-    def unit(results: Results, *owner: str) -> str:
+    def unit_of(results: Results, *owner: str) -> str:
         record, axes = _record(records, results, *owner), results.contents.axes
         entries = record.entries(axes, *owner) if owner else slice(None)
         return readable(record.units(axes, entries)[0])
 
+    units = [unit for one in records for unit in one.all_units]
     return Kind(
         values,
-        unit,
+        tuple(dict.fromkeys(map(readable, units))),
         ("|".join(map(_role, records)),) if _role(first) else (),
-        first.components if axes is None else axes,
-        words or max(map(_words, records), key=len),
-        "about" if first.unit in ABOUT_AXES else "along",
-        first.states,
-        in_peaks or any(one.in_peaks for one in records),
-        section or first.section,
+        description or "; ".join(dict.fromkeys(one.description for one in records)),
+        axes=first.components if axes is None else axes,
+        unit_of=unit_of,
+        words=words or max(map(_words, records), key=len),
+        along="about" if first.unit in ABOUT_AXES else "along",
+        states=first.states,
+        in_peaks=in_peaks or any(one.in_peaks for one in records),
+        section=section or first.section,
     )
 
 
@@ -210,32 +220,71 @@ def _of_records() -> dict[str, Kind]:
     return {name: _recorded(variables) for name, variables in names.items()}
 
 
+ENERGIES = {one.attribute: _words(one)[0] for one in Energy.quantities}
+"""energies as a legend has them"""
 KINDS = _of_records() | {
-    "displacement": Kind(displacement, "m", (MOVING, MOVING), words=("displacement",)),
-    "angle": Kind(angle, "rad", (MOVING,), words=("angle",), along="about"),
+    "displacement": Kind(
+        displacement,
+        ("m",),
+        (MOVING, MOVING),
+        "of the first, in the axes of the second, since t = 0",
+        words=("displacement",),
+    ),
+    "angle": Kind(
+        angle,
+        ("rad",),
+        (MOVING,),
+        "turned since t = 0 about x, y, z, beyond full turns too",
+        words=("angle",),
+        along="about",
+    ),
     "angular_velocity": Kind(
-        angular_velocity, "rad/s", (MOVING,), words=("angular velocity",), along="about"
+        angular_velocity,
+        ("rad/s",),
+        (MOVING,),
+        "angular velocity, in space",
+        words=("angular velocity",),
+        along="about",
     ),
     "angular_acceleration": Kind(
-        angular_acceleration, "rad/s²", (MOVING,), words=("angular acceleration",), along="about"
+        angular_acceleration,
+        ("rad/s²",),
+        (MOVING,),
+        "angular acceleration, in space",
+        words=("angular acceleration",),
+        along="about",
     ),
-    "coordinate": Kind(coordinate, coordinate_unit, ("JOINT", "COORDINATE"), axes=()),
-    "energy": Kind(energy, "J", ("ENERGY",), axes=(), words=("energy",)),
+    "coordinate": Kind(
+        coordinate,
+        ("rad", "m", "rad/s", "m/s", "N m", "N", "1"),
+        ("JOINT", "COORDINATE"),
+        "`angle`, `distance_rate`, ...; `friction` on the coordinate; `friction_state`: 1 sticks, "
+        "2 slips",
+        axes=(),
+        unit_of=coordinate_unit,
+    ),
+    "energy": Kind(energy, ("J",), ("ENERGY",), ", ".join(ENERGIES), axes=(), words=("energy",)),
     "normal_force": _recorded(
         ("contact_force", "stop_force"),
         lambda force: force if force.ndim == 1 else force[:, 0],
         axes=(),
+        description="along the normal on the second body, or on the coordinate",
         words=("normal force", "moment"),
         in_peaks=True,
         section="Contacts",
     ),
     "friction_force": _recorded(
-        ("contact_force",), lambda force: force[:, 1:], axes=TANGENTS, words=("friction force",)
+        ("contact_force",),
+        lambda force: force[:, 1:],
+        axes=TANGENTS,
+        description="of the second body along t1, t2",
+        words=("friction force",),
     ),
     "strain": Kind(
         lambda results, name: _sensor(results, name, "strain", "sensor_value")[:, 0],
-        "1",
+        ("1",),
         ("SENSOR",),
+        "of a gauge",
         axes=(),
         words=("strain",),
         in_peaks=True,
@@ -243,8 +292,9 @@ KINDS = _of_records() | {
     ),
     "stress": Kind(
         lambda results, name: _sensor(results, name, "stress", "sensor_value"),
-        "Pa",
+        ("Pa",),
         ("SENSOR",),
+        "`xx` to `xy` of a sensor of stresses, in body axes",
         axes=CHANNELS["stress"],
         words=("stress",),
         along="",
@@ -253,21 +303,21 @@ KINDS = _of_records() | {
     ),
     "sensor_displacement": Kind(
         lambda results, name: _sensor(results, name, "motion", "sensor_value"),
-        "m",
+        ("m",),
         ("SENSOR",),
+        "elastic displacement of its point, in body axes",
         words=("elastic displacement",),
     ),
     "sensor_acceleration": Kind(
         lambda results, name: _sensor(results, name, "motion", "sensor_acceleration"),
-        "m/s²",
+        ("m/s²",),
         ("SENSOR",),
+        "acceleration of its point in space, in body axes",
         words=("acceleration",),
         along="along body",
         in_peaks=True,
     ),
 }
-ENERGIES = {one.attribute: _words(one)[0] for one in Energy.quantities}
-"""energies as a legend has them"""
 
 position = KINDS["position"].values
 """Position of the center of mass of a body, or of the origin of a frame [m]."""
@@ -314,7 +364,7 @@ def evaluate(results: Results, quantity: str) -> Evaluated:
         raise QuantityError(f"{quantity}: expected {usage(kind_name)}")
     try:
         values = kind.values(results, *names)
-        unit = kind.unit if isinstance(kind.unit, str) else kind.unit(results, *names)
+        unit = kind.unit(results, *names)
     except QuantityError as error:
         raise QuantityError(f"{quantity}: {error}") from error
     states = _coordinate(results, *names).states if kind_name == "coordinate" else kind.states
@@ -327,6 +377,17 @@ def usage(kind_name: str) -> str:
     """The form of a quantity of this kind, as in "force:JOINT|SPRING[:x|y|z]"."""
     kind = KINDS[kind_name]
     return ":".join([kind_name, *kind.names]) + (f"[:{'|'.join(kind.axes)}]" if kind.axes else "")
+
+
+def table() -> str:
+    """The kinds as a table in Markdown, for the documentation."""
+    lines = ["| written | unit | what |", "|---|---|---|"]
+    for name, kind in KINDS.items():
+        roles = [role.split("|") for role in kind.names]
+        written = ":".join([name, *(first for first, *_ in roles)])
+        forms = " or ".join(f"`{form}`" for form in (written, *(roles[0][1:] if roles else ())))
+        lines.append(f"| {forms} | {' or '.join(kind.units)} | {kind.description} |")
+    return "\n".join(lines)
 
 
 def _divided(results: Results, kind: Kind, parts: list[str]) -> tuple[list[str], str]:

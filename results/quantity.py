@@ -130,17 +130,22 @@ class Quantity:
         array: Array = getattr(batch.output, self.source)[: len(batch.steps)]
         return array[:, _together(axes[self.dimensions[1]].rows)] if self.owned else array
 
+    @property
+    def all_units(self) -> tuple[str, ...]:
+        """The units that its entries may have, each once."""
+        return tuple(dict.fromkeys((self.unit,) if isinstance(self.unit, str) else self.unit))
+
     def __str__(self) -> str:
         """As "center of mass, in space [m]"."""
-        units = (self.unit,) if isinstance(self.unit, str) else dict.fromkeys(self.unit)
-        unit = ", ".join(map(readable, units))
+        unit = ", ".join(map(readable, self.all_units))
         return self.description if unit == "1" else f"{self.description} [{unit}]"
 
 
 def lacking(results: str, version: int, names: str, since: int = 0) -> str:
     """The message that results have no such variables, with the version of their file."""
-    later = f", which files have since version {since}" if since > version else ""
-    return f"{results}: variable {names}: expected numbers, found none in version {version}{later}"
+    later = f"; files have it since version {since}" if since > version else ""
+    file = f"a file of version {version}{later}"
+    return f"{results}: variable {names}: expected numbers, found none in {file}"
 
 
 def _together(rows: Sequence[int]) -> Any:
