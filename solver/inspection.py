@@ -11,7 +11,7 @@ import numpy as np
 
 from ..files.blas import one_blas_thread
 from ..files.memory import peak
-from ..results.schema import Contents
+from ..results.contents import Contents
 from ..results.validity import Validity
 from .arrays import Array
 from .errors import about

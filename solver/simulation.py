@@ -12,9 +12,9 @@ import numpy as np
 
 from ..files.blas import one_blas_thread
 from ..files.progress import Progress, Work
+from ..results.batches import Energies
 from ..results.file import FileWriter
 from ..results.results import Results
-from ..results.schema import Energies
 from ..results.source import Writer
 from .arrays import Array, Index
 from .checkpoint.carried import carried

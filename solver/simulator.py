@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from ..files.blas import one_blas_thread
+from ..results.batches import Batch, Energies
 from ..results.motion import Energy, Events
 from ..results.results import Results
-from ..results.schema import QUANTITIES, Batch, Energies
 from ..results.validity import Validity
 from .arrays import Array
 from .checkpoint.carried import Snapshot, carried
@@ -201,8 +201,7 @@ class Simulator:
     def energy(self) -> Energy:
         """The energies at the present time, each (1,) [J], as those of results."""
         batch = Batch(np.array([self._number]), self._h, self._output, self._start)
-        named = [quantity for quantity in QUANTITIES if quantity.key.startswith("energy/")]
-        return Energy(**{quantity.attribute: quantity.take(batch, {}) for quantity in named})
+        return Energy({one.attribute: one.take(batch, {}) for one in Energy.quantities})
 
     @property
     def validity(self) -> Validity:

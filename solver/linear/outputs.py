@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...results.batches import Batch
 from ...results.quantities import KINDS, Evaluated, evaluate
 from ...results.results import Results
 from ...results.rotations import product, rotate
-from ...results.schema import Batch
 from ...results.source import Memory
 from ..arrays import Array
 from ..lower.allocation import make_output

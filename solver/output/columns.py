@@ -4,15 +4,9 @@ from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
 from itertools import pairwise
 
-from ...results.schema import (
-    OWNERS,
-    QUANTITIES,
-    Axis,
-    Contents,
-    SuperelementFile,
-    attributes_of,
-    lay_out,
-)
+from ...results.contents import Contents, SuperelementFile, attributes_of, lay_out
+from ...results.dimensions import Axis
+from ...results.motion import OWNERS, QUANTITIES
 from ...superelement.sensor import KINDS
 from ..arrays import Array
 from ..couplings.coupling import GROUND
@@ -152,7 +146,7 @@ def available(lowered: LoweredModel) -> dict[str, None]:
     names = [quantity.key for quantity in QUANTITIES if quantity.source and not quantity.owned]
     for group, dimension in OWNERS.items():
         for owner in axes[dimension].names:
-            attributes = [name for name, _, _ in attributes_of(axes, group, owner)]
+            attributes = [name for name, _, _ in attributes_of(QUANTITIES, axes, group, owner)]
             names += [f"{group}/{owner}/{attribute}" for attribute in attributes]
     return dict.fromkeys(names)
 
@@ -161,7 +155,7 @@ def _views(axes: dict[str, Axis], name: str, output: Output) -> Iterator[Array]:
     key, _, attribute = name.rpartition("/")
     group, _, owner = key.partition("/")
     if group in OWNERS:
-        for name_of_owner, quantity, entries in attributes_of(axes, group, owner):
+        for name_of_owner, quantity, entries in attributes_of(QUANTITIES, axes, group, owner):
             if name_of_owner == attribute:
                 rows = axes[quantity.dimensions[1]].rows[entries]
                 if isinstance(rows, tuple):

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ...results.schema import EVENTS, EventRows
+from ...results.batches import EventRows
+from ...results.motion import EVENTS
 from ..arrays import Array, Index
 from ..lower.lower import LoweredModel
 from ..step.couplings import spring_energy

@@ -6,8 +6,8 @@ from types import TracebackType
 from typing import Protocol
 
 from ...files.outputs import in_words, remove_orphans, replace_durably, resolved
+from ...results.batches import Energies
 from ...results.file import FileWriter, unfinished
-from ...results.schema import Energies
 from ...results.source import Writer
 from ..checkpoint.carried import Arrays, Snapshot
 from ..checkpoint.file import SUFFIX, StateFile, read_state

@@ -5,7 +5,7 @@ from types import TracebackType
 
 import numpy as np
 
-from ...results.schema import Batch, Energies, EventRows
+from ...results.batches import Batch, Energies, EventRows
 from ...results.source import Writer
 from ..arrays import Index
 from ..lower.allocation import make_output

@@ -5,8 +5,8 @@ import shutil
 from pathlib import Path
 
 from ...files.memory import gigabytes, shortage
+from ...results.contents import Contents
 from ...results.file import chunks
-from ...results.schema import Contents
 from ..errors import ModelError
 
 NUMBER = 8

@@ -8,9 +8,9 @@ from typing import Any, cast
 
 from ...files import FileError, require_regular
 from ...files.outputs import clash, in_words
+from ...results.contents import Contents
 from ...results.file import Extent, FileSource, FileWriter
 from ...results.results import Results
-from ...results.schema import Contents
 from ...results.source import Memory, Source, Writer
 from ...superelement import Superelement, sha256
 from ..checkpoint.carried import Snapshot

@@ -8,7 +8,7 @@ from .system import ContactState, Couplings, State, Workspace
 from .vectors import dot
 
 START, END, STEPS, PEAK, IMPULSE, CLOSING, OPENING, RESTITUTION, DISSIPATED = range(9)
-"""columns of an event, those of results/schema.py"""
+"""columns of an event, those of `Events` in results/motion.py"""
 GRAZE = 0.05
 """peak over the largest of its contact below which nobody asks for the peak"""
 

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...results.schema import output_fields
+from ...results.contents import output_fields
 from ..arrays import Array, Index
 from ..compiler.struct import ArrayField, Struct, array
 
@@ -1029,7 +1029,7 @@ def _output_fields() -> dict[str, ArrayField]:
 
 
 class Output(Struct, fields=_output_fields()):
-    """The quantities of steps, one row per step: those of the table in results/schema.py."""
+    """The quantities of steps, one row per step: those of the records in results/motion.py."""
 
     if TYPE_CHECKING:
 
