@@ -40,7 +40,7 @@ AHEAD = 256
 """steps for which the signals that are not inputs are sampled at once, and between checks"""
 SHORTEST = 2
 """steps of a swing of an input: for `AHEAD` steps white noise does not swing so fast by chance"""
-ENOUGH = 128
+ENOUGH_STEPS = 128
 """steps for which that is as good as sure, at the end of a run"""
 LAST, GROWTH = 8, 10.0
 """of the last steps before a failure, in which swings of an input grew by more than this factor"""
@@ -221,7 +221,7 @@ class Simulator:
         self._recording.keep(self._number, self._output)
         results, self._recording = self._recording.finish(), None
         self._has_ended = True
-        self._check_inputs(ENOUGH)
+        self._check_inputs(ENOUGH_STEPS)
         for line in results.validity.brief():
             warnings.warn(line, ValidityWarning, stacklevel=2)
         return results
@@ -263,7 +263,7 @@ class Simulator:
         return self._gather()
 
     def _check_inputs(self, enough: int) -> None:
-        """Warn, once of each, of inputs that have chattered in the last steps, if there are enough."""
+        """Warn, once of each, of inputs that chattered in the last steps, if there are enough."""
         for name, values in zip(self.inputs, np.array(self._told).T, strict=False):
             if len(values) >= enough and name not in self._chattering and _chatters(values):
                 self._chattering.add(name)
