@@ -2,6 +2,7 @@
 
 import os
 import warnings
+from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -39,6 +40,10 @@ AHEAD = 256
 """steps for which the signals that are not inputs are sampled at once, and between checks"""
 SHORTEST = 2
 """steps of a swing of an input: for `AHEAD` steps white noise does not swing so fast by chance"""
+ENOUGH_STEPS = 128
+"""steps for which that is as good as sure, at the end of a run"""
+LAST, GROWTH = 8, 10.0
+"""of the last steps before a failure, in which swings of an input grew by more than this factor"""
 CALM = 1e-6
 """of the largest value of an input, below which its swings are none"""
 PAST = "past/"
@@ -139,7 +144,7 @@ class Simulator:
         self._sampled_from = 0
         self._begin, self._output, self._has_ended = self._number, output, False
         self._chattering: set[str] = set()
-        self._told: list[tuple[float, ...]] = []
+        self._told: deque[tuple[float, ...]] = deque(maxlen=AHEAD)
         record(self._run, 0)
         self._start = Energies.of(output)
         none = Inputs(load=load[:0], drive=drive[:0], motor=motor[:0], row=row[:0], ahead=1)
@@ -181,19 +186,19 @@ class Simulator:
             self._set_signals(number)
         for values, i, k in self._destinations:
             values[i] = inputs[k]
+        self._told.append(tuple(inputs))
         # a kernel ends with the run
         last = number == self._n_steps
         taken, residual = advance(self._run, self._last if last else self._next)
         check_passages(self._lowered, self._state, self._work, number - 1)
         check_range(self._lowered, self._state, number)
         if not taken:
-            cause = Judge(self._lowered).cause(self._state, number - 1)
+            cause = self._growing_input() or Judge(self._lowered).cause(self._state, number - 1)
             raise failure(self._lowered, self._state, self._work, number, residual, cause)
         self._number = number
-        self._told.append(tuple(inputs))
         if number % AHEAD == 0:
             self._removed.check(self._work, self.time)
-            self._check_inputs()
+            self._check_inputs(AHEAD)
         self._convolution.update(self._state)
         return self._gather()
 
@@ -215,6 +220,7 @@ class Simulator:
         self._recording.keep(self._number, self._output)
         results, self._recording = self._recording.finish(), None
         self._has_ended = True
+        self._check_inputs(ENOUGH_STEPS)
         for line in results.validity.brief():
             warnings.warn(line, ValidityWarning, stacklevel=2)
         return results
@@ -255,18 +261,28 @@ class Simulator:
         self._number = number
         return self._gather()
 
-    def _check_inputs(self) -> None:
-        """Warn, once of each, of inputs that have chattered in the last `AHEAD` steps."""
-        told, self._told = np.array(self._told, dtype=np.float64), []
-        for name, values in zip(self.inputs, told.T, strict=True):
-            if len(values) == AHEAD and name not in self._chattering and _chatters(values):
+    def _check_inputs(self, enough: int) -> None:
+        """Warn, once of each, of inputs that chattered in the last steps, if there are enough."""
+        for name, values in zip(self.inputs, np.array(self._told).T, strict=False):
+            if len(values) >= enough and name not in self._chattering and _chatters(values):
                 self._chattering.add(name)
                 line = (
                     f"input {name!r} chatters: until t = {self.time:.6g} s it went up and down "
-                    f"every {SHORTEST} steps or sooner, by {np.ptp(values[-8:]):.3g}, for {AHEAD} "
-                    f"steps: take smaller gains of its controller, or a smaller step"
+                    f"every {SHORTEST} steps or sooner, by {np.ptp(values[-8:]):.3g}, for "
+                    f"{len(values)} steps: take smaller gains of its controller, or a smaller step"
                 )
                 warnings.warn(line, ValidityWarning, stacklevel=3)
+
+    def _growing_input(self) -> str:
+        """The input that went up and down ever farther before a failure, "" if none did."""
+        for name, values in zip(self.inputs, np.array(self._told)[-LAST:].T, strict=True):
+            sizes = np.abs(np.diff(values))
+            if len(sizes) and _chatters(values) and sizes[-1] > GROWTH * sizes[0]:
+                return (
+                    f"input {name!r} goes up and down, ever farther: take smaller gains of its "
+                    f"controller, or a smaller step"
+                )
+        return ""
 
     def _gather(self) -> Array:
         if self._sources:

@@ -97,7 +97,9 @@ def run_on(processes: int, arguments: Sequence[str]) -> int:
     mpiexec = _mpiexec()
     if mpiexec is None:
         raise MethodError("--mpi: expected mpiexec beside Python or on the path, found none")
-    command = [mpiexec, "-n", str(processes), sys.executable, "-m", "duhamel.preprocess"]
+    # -P: without it Python imports first what lies in the folder that the user is in
+    python = [sys.executable, "-P", "-m", "duhamel.preprocess"]
+    command = [mpiexec, "-n", str(processes), *python]
     environment = {**dict.fromkeys(THREADS, "1"), **os.environ}
     with subprocess.Popen([*command, *arguments], env=environment) as running:
         try:

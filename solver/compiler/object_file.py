@@ -203,7 +203,8 @@ def _built_code() -> bytes:
         return _built_here()
     try:
         process = subprocess.run(
-            [sys.executable, "-c", f"from {__package__}.build import main; main()"],
+            # -P: without it Python imports first what lies in the folder that the user is in
+            [sys.executable, "-P", "-c", f"from {__package__}.build import main; main()"],
             env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
             stdin=subprocess.DEVNULL,
             capture_output=True,

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...files.progress import Progress, Work
 from ..arrays import Array
-from ..errors import ModelError
+from ..errors import ModelError, about
 from ..model.model import Model
 from ..model.settings import SteadyRotation
 from .linearize import LinearModel, linearize
@@ -109,7 +109,8 @@ def campbell(
     """
     rotation = model.settings.steady_rotation
     if rotation is None or not np.any(rotation.angular_velocity):
-        raise ModelError("simulation: a Campbell diagram needs the axis of a steady_rotation")
+        with about(model.path):
+            raise ModelError("simulation: a Campbell diagram needs the axis of a steady_rotation")
     speeds = np.asarray(spins, dtype=np.float64)
     if not len(speeds) or (speeds < 0.0).any() or (np.diff(speeds) <= 0.0).any():
         raise ModelError("spins: expected numbers >= 0 that increase")

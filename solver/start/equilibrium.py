@@ -23,6 +23,7 @@ from ..step.bodies import largest_coordinate
 from ..step.elimination import factorize
 from ..step.equations import assemble, evaluate, linearize, set_force_scales
 from ..step.force_laws import law_rounding
+from ..step.measure import ROUNDING
 from ..step.newton import correct
 from ..step.rows import measures_length
 from ..step.second_order import INERTIA, inertia_column
@@ -324,19 +325,22 @@ class _Search:
         evaluate(self.system, self.state, self.work)
         set_force_scales(self.system, self.state, self.work)
 
-    def _residual(self, least: tuple[float, float] = (0.0, 0.0)) -> float:
-        parts = _relative_residuals(self.system, self.lengths, self.state, self.work, least)
+    def _residual(self, least: tuple[float, float] = (0.0, 0.0), opening: float = 0.0) -> float:
+        parts = _relative_residuals(
+            self.system, self.lengths, self.state, self.work, least, opening
+        )
         return max(float(values.max(initial=0.0)) for values in parts)
 
     def _is_rounding(self) -> bool:
-        """Whether all that is left are forces of laws by the rounding of positions.
+        """Whether all that is left are openings and forces of laws by the rounding of positions.
 
-        So it is where nothing is loaded: there forces are rounding, and so is what is left of them.
+        So it is where nothing is loaded: there forces are rounding, and so is what is left of them;
+        and far from the origin, where no joint closes better than coordinates are rounded.
         """
         force, moment = self._law_rounding()
-        size = self.system.bodies.size
+        size, reach = self.system.bodies.size, largest_coordinate(self.system.bodies, self.state)
         floors = (force + moment / size) / TOLERANCE, (moment + force * size) / TOLERANCE
-        return self._residual(floors) <= TOLERANCE
+        return self._residual(floors, ROUNDING * reach / TOLERANCE) <= TOLERANCE
 
     def _law_rounding(self) -> tuple[float, float]:
         """The largest force and moment of a law by the rounding of positions."""
@@ -429,21 +433,24 @@ def _relative_residuals(
     state: State,
     work: Workspace,
     least: tuple[float, float] = (0.0, 0.0),
+    opening: float = 0.0,
 ) -> tuple[Array, ...]:
     """Residuals relative to the largest forces and moments in the system, and to its size.
 
     Of the forces (n_b,) and moments (n_b,) on bodies, the rows (n_rows,) and the active elastic
     dofs (n_a,). least: a force [N] and a moment [N m] below which none counts as the largest.
+    opening: a length [m] that lengths of constraints are relative to where the size is less.
     """
     within, size = _centrifugal_scales(system, state, work), system.bodies.size
     forces, moments = _largest_forces(system, work, least)
     # the length of a spring that carries nothing is right to rounding alone: laws are measured
     # against all forces
     laws = np.maximum(work.couplings.scale, np.where(lengths, forces, moments))
+    constraints = np.where(lengths, max(size, opening), size)
     return (
         np.abs(work.bodies.residual[:, :3]).max(axis=1) / (forces + within[0]),
         np.abs(work.bodies.residual[:, 3:]).max(axis=1) / (moments + within[1]),
-        np.abs(work.couplings.phi) / np.where(system.couplings.compliant == 1, laws, size),
+        np.abs(work.couplings.phi) / np.where(system.couplings.compliant == 1, laws, constraints),
         system.elastic.length * np.abs(work.interfaces.residual) / size,
     )
 

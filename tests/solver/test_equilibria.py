@@ -1,6 +1,7 @@
 """Equilibria that are hard to find: without loads, with integrals of servos, of stiff contacts."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -78,6 +79,19 @@ def test_an_unloaded_model_is_in_equilibrium_and_stays_there(seed):
     x = results.body("second").x
     assert not list(results.validity.brief())
     assert np.abs(x - x[0]).max() < 1e-12 * np.abs(x).max()
+
+
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize(("distance", "stiffness", "g"), [(1e5, 1.0, 0.0), (1e4, 1e4, G)])
+def test_a_model_far_from_the_origin_is_where_a_near_one_is(seed, distance, stiffness, g):
+    """Its joints close no better than coordinates are rounded."""
+    place, gravity = distance * np.array([-0.8, 0.5, 0.3]), np.array([0.0, 0.0, -g])
+    near, far = (
+        simulate(replace(held_by_a_bushing(seed, at, 0.5, stiffness), gravity=gravity))
+        for at in (np.zeros(3), place)
+    )
+    apart = far.body("second").x - near.body("second").x - place
+    assert np.abs(apart).max() < 20.0 * np.finfo(float).eps * distance
 
 
 @pytest.mark.parametrize("seed", range(8))

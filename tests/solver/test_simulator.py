@@ -293,25 +293,43 @@ def test_a_results_file_holds_the_steps_before_an_error_or_an_early_end(coarse, 
         Simulator(model, OUTPUTS).finish()
 
 
-@pytest.mark.parametrize(("damping", "is_stable"), [(15.0, True), (45.0, False)])
-def test_a_controller_whose_gain_is_too_large_for_its_delay_is_told(damping, is_stable):
-    """A damper d of a wheel J, told a step late and linear in between, is stable for d < 2 J / h:
+def damped_wheel(damping, steps, **options):
+    """A wheel under a damper d that is told a step late and linear in between, for some steps.
 
-    z^2 + (a / 2 - 1) z + a / 2 = 0 with a = d h / J. Its torque is limited.
+    It is stable for d < 2 J / h = 40 N m s / rad:
+
+        z^2 + (a / 2 - 1) z + a / 2 = 0 with a = d h / J
     """
-    J, h = 0.02, 1e-3
+    J, h, limit = 0.02, 1e-3, options.pop("limit", np.inf)
     model = Model(
         {"wheel": RigidBody(1.0, [J, J, J], start=Start(angular_velocity=[0, 0, 1.0]))},
         [Revolute("ground", "wheel", [0, 0, 1], name="axle")],
-        motors=[Motor("drive", "axle", "angle", torque=Input("torque"), limit=30.0)],
+        motors=[Motor("drive", "axle", "angle", torque=Input("torque"))],
         settings=Settings(t_end=0.6, step=h),
     )
-    simulator = Simulator(model, ["joints/axle/angle_rate"])
+    with Simulator(model, ["joints/axle/angle_rate"], **options) as simulator:
+        for _ in range(steps):
+            simulator.step([np.clip(-damping * simulator.outputs[0], -limit, limit)])
+    return float(simulator.outputs[0])
+
+
+@pytest.mark.parametrize(("damping", "is_stable"), [(15.0, True), (45.0, False)])
+def test_a_controller_whose_gain_is_too_large_for_its_delay_is_told(damping, is_stable):
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        for _ in range(600):
-            simulator.step([np.clip(-damping * simulator.outputs[0], -30.0, 30.0)])
+        rate = damped_wheel(damping, 600, limit=30.0)
     told = [str(each.message) for each in caught if each.category is ValidityWarning]
     assert len(told) == (0 if is_stable else 1)
     assert is_stable or told[0].startswith("input 'torque' chatters: until t = 0.512 s")
-    assert (abs(simulator.outputs[0]) < 1e-3) == is_stable
+    assert (abs(rate) < 1e-3) == is_stable
+
+
+def test_an_input_that_chatters_to_the_end_of_a_short_run_is_told(tmp_path):
+    with pytest.warns(ValidityWarning, match=r"input 'torque' chatters: until t = 0\.4 s"):
+        damped_wheel(45.0, 400, limit=30.0, results=tmp_path / "wheel.h5")
+
+
+@pytest.mark.parametrize("damping", [100.0, 1e4])
+def test_a_step_that_fails_for_a_controller_names_its_input(damping):
+    with pytest.raises(ConvergenceError, match="likely cause: input 'torque' goes up and down"):
+        damped_wheel(damping, 600)

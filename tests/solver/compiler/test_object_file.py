@@ -258,6 +258,19 @@ assert object_file._new_code() == b"code"
     assert (tmp_path / "log").read_text() == "built\n"
 
 
+def test_the_process_that_builds_imports_nothing_from_the_folder_of_the_user(tmp_path, monkeypatch):
+    for folder, code in (("package", CODE), ("user", b"planted")):
+        module = tmp_path / folder / "planted" / "build.py"
+        module.parent.mkdir(parents=True)
+        (module.parent / "__init__.py").touch()
+        text = f"import sys\ndef main(): sys.stdout.buffer.write({marks.MARK + code!r})\n"
+        module.write_text(text, encoding="utf-8")
+    monkeypatch.setattr(object_file, "__package__", "planted")
+    monkeypatch.syspath_prepend(tmp_path / "package")
+    monkeypatch.chdir(tmp_path / "user")
+    assert object_file._built_code() == CODE
+
+
 @pytest.mark.parametrize("python", ["none", "frozen", "lost"])
 def test_without_a_python_to_start_code_is_built_in_the_process(monkeypatch, python):
     if python == "frozen":
