@@ -7,7 +7,7 @@ from ..lower.lower import LoweredModel
 from ..step.system import System
 from .matrices import Matrix, block_diagonal, is_small
 
-ROUNDED = 1e-14
+NO_MOTION = 1e-14
 """eigenvalues of an accelerance, over its largest, that are rounding: of interfaces that move as
 one"""
 
@@ -61,7 +61,7 @@ def accelerance_root(lowered: LoweredModel) -> Matrix:
         _accelerances(lowered), lengths, lowered.superelements, strict=False
     ):
         values, vectors = np.linalg.eigh(element.mass * length[:, None] * accelerance * length)
-        values[values < ROUNDED * values.max(initial=0.0)] = 0.0
+        values[values < NO_MOTION * values.max(initial=0.0)] = 0.0
         roots.append(vectors * np.sqrt(values))
     return block_diagonal(roots, is_small(lowered.system))
 

@@ -61,9 +61,9 @@ def _causes(lowered: LoweredModel, state: State, work: Workspace) -> Iterator[st
         )
     elif angle[widest] > TURNED:
         yield (
-            f"body {names[widest]!r} has turned by {angle[widest]:.3g} rad by elasticity alone, for "
-            f"joints leave it no motion: its loads may be beyond a buckling load, or too large for "
-            f"linear elasticity"
+            f"body {names[widest]!r} has turned by {angle[widest]:.3g} rad by elasticity alone, "
+            "for its joints leave it no motion: its loads may be beyond a buckling load, or too "
+            "large for linear elasticity"
         )
 
 
