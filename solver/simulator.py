@@ -105,6 +105,8 @@ class Simulator:
             initial = initialize(model, lowered, source)
             lowered, state = initial.lowered, initial.state
             check_range(lowered, state, 0)
+            for line in initial.warnings:
+                warnings.warn(line, ValidityWarning, stacklevel=2)
             output = make_output(lowered, 1)
             sources = {name: views(lowered, name, output) for name in outputs}
             self._recording = None if path is None else Recording(path, initial)
