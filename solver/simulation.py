@@ -254,7 +254,7 @@ def march(course: Course, progress: bool = False) -> None:
         judged = time.perf_counter()
         while done < total:
             started = time.perf_counter()
-            n = keeper.steps_until_due(done, min(batch, total - done))
+            n = keeper.steps_until_due(done, min(branches.most_steps(batch), total - done))
             stride, n = phases.begin(convolution.steps_until_due(done, n))
             steps = done + stride * np.arange(1, n + 1)
             rows = recorder.rows(steps, stride)

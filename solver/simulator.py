@@ -197,10 +197,10 @@ class Simulator:
             cause = Judge(self._lowered).cause(self._state, number - 1)
             raise failure(self._lowered, self._state, self._work, number, residual, cause)
         self._number = number
+        self._branches.check(self._work, number)
         self._told.append(tuple(inputs))
         if last or number % AHEAD == 0:
             self._removed.check(self._work, self.time)
-            self._branches.check(self._work, number)
             self._check_inputs()
         self._convolution.update(self._state)
         if last:
