@@ -13,7 +13,7 @@ from ..errors import OutOfRangeError
 from ..lower.lower import LoweredModel
 from ..step.system import Workspace
 
-EVERY = 16
+BETWEEN_CHECKS = 16
 """steps between checks: a joint must not come back from the wrong branch, or fail there, unseen"""
 LEAST = 1e-6
 """q_3^2 above which a joint is on the wrong branch: below it both are the same to rounding"""
@@ -36,7 +36,7 @@ class Branches:
 
     def most_steps(self, batch: int) -> int:
         """Steps to take before the next check, of a batch."""
-        return min(batch, EVERY * self._lowered.ratio) if self._rows else batch
+        return min(batch, BETWEEN_CHECKS * self._lowered.ratio) if self._rows else batch
 
     def check(self, work: Workspace, step: int) -> None:
         """`OutOfRangeError` for a joint that has left the branch on which it started."""
