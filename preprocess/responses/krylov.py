@@ -179,20 +179,18 @@ class KrylovSpace:
 
     def _solve_low(self) -> None:
         """Solve with the low shift, or with the first higher one that gradients begin with."""
-        while True:
-            assert self._lower is not None
-            try:
-                return self._solve_with(self._lower)
-            except NotConvergedError:
-                if not self._raise_low():
-                    raise
+        assert self._lower is not None
+        try:
+            self._solve_with(self._lower)
+        except NotConvergedError as error:
+            self._solve_higher(error)
 
-    def _raise_low(self) -> bool:
-        """Raise the low shift, if there is one and the higher one is below that of the step."""
+    def _solve_higher(self, error: NotConvergedError) -> None:
+        """Solve with a higher low shift; raise `error` if it would be above that of the step."""
         if self._lower is None or RISE * self._lower > self._highest:
-            return False
+            raise error
         self._lower *= RISE
-        return True
+        self._solve_low()
 
     def _next(self, B: Array, refined: bool = True) -> Array:
         """S^-1 B, with a higher shift from here on where the low one asks too much of gradients."""
@@ -203,10 +201,8 @@ class KrylovSpace:
             self.rough |= quick is not None
             try:
                 return (quick or solve)(B)
-            except NotConvergedError:
-                if not self._raise_low():
-                    raise
-                self._solve_low()
+            except NotConvergedError as error:
+                self._solve_higher(error)
 
     def ritz(self, blocks: int) -> tuple[Array, Array]:
         """omega (m,) [rad/s] and Q (r, m) of the first blocks, as `ritz_modes` has them."""
