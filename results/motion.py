@@ -15,7 +15,7 @@ from .batches import EventRows, balance, dissipated, numerical, time_of
 from .quantity import Quantity, Recorded, joined, quantity, vector
 from .rotations import rotate
 
-energy = partial(quantity, "J", plot="")
+_energy = partial(quantity, "J", plot="")
 """the field of an energy, which `plot` has as "energy:NAME" """
 
 
@@ -517,40 +517,40 @@ class Energy(Recorded, group="energy"):
     convolution has created energy. `plot` has each as "energy:NAME".
     """
 
-    kinetic: Array = energy("kinetic energy of the rigid motions", name="kinetic_energy")
+    kinetic: Array = _energy("kinetic energy of the rigid motions", name="kinetic_energy")
     """(n,) kinetic energy of the rigid motions [J]"""
-    elastic: Array = energy(
+    elastic: Array = _energy(
         "elastic energy of flexible bodies, vibration included", name="elastic_energy"
     )
     """(n,) elastic energy of flexible bodies, vibration included [J]"""
-    springs: Array = energy(
+    springs: Array = _energy(
         "energy stored in springs, contacts and friction",
         name="spring_energy",
         words="energy of springs",
     )
     """(n,) energy stored in springs, contacts and friction [J]"""
-    potential: Array = energy("potential energy of gravity", name="potential_energy")
+    potential: Array = _energy("potential energy of gravity", name="potential_energy")
     """(n,) potential energy of gravity [J]"""
-    work: Array = energy(
+    work: Array = _energy(
         "work of loads, drives and motors since t = 0",
         name="external_work",
         words="work from outside",
     )
     """(n,) work of loads, drives and motors since t = 0 [J]"""
-    dissipated: Array = energy(
+    dissipated: Array = _energy(
         "energy taken by dampers and modal damping since t = 0",
         name="dissipated_energy",
         derive=dissipated,
     )
     """(n,) energy taken by dampers and modal damping since t = 0 [J], by contacts and friction
     too"""
-    numerical: Array = energy(
+    numerical: Array = _energy(
         "energy that time stepping took from the modes since t = 0",
         name="numerical_dissipation",
         derive=numerical,
     )
     """(n,) energy that time stepping took from the modes since t = 0 [J]"""
-    balance: Array = energy(
+    balance: Array = _energy(
         "change of all energies since t = 0, and both dissipations, less external work",
         name="energy_balance",
         derive=balance,

@@ -24,9 +24,9 @@ from .results import Results
 from .rotations import inverse, product, rotate, twists
 
 AXES, TANGENTS = DIMENSIONS["axis"].entries, DIMENSIONS["tangent_axis"].entries
-ABOUT = ("rad", "rad/s", "rad/s²", "N m", "kg m²/s")
+UNITS_ABOUT_AXES = ("rad", "rad/s", "rad/s²", "N m", "kg m²/s")
 """units of vectors about an axis; others are along one"""
-MOVING = "BODY|FRAME"
+BODY_OR_FRAME = "BODY|FRAME"
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Kind:
         """What stands between its name and the axis."""
         if self.along is not None:
             return self.along
-        return "about" if self.units[0] in ABOUT else "along"
+        return "about" if self.units[0] in UNITS_ABOUT_AXES else "along"
 
     def unit(self, results: Results, *names: str) -> str:
         return self.unit_of(results, *names) if self.unit_of else self.units[0]
@@ -137,7 +137,7 @@ def _coordinates(results: Results, joint: str) -> dict[str, Quantity]:
 
 
 def _moving(results: Results, name: str) -> BodyMotion | FrameMotion:
-    _known_in_roles(results, MOVING, name)
+    _known_in_roles(results, BODY_OR_FRAME, name)
     return results.body(name) if name in results.bodies else results.frame(name)
 
 
@@ -235,15 +235,17 @@ KINDS = _of_records() | {
     "displacement": Kind(
         displacement,
         ("m",),
-        (MOVING, MOVING),
+        (BODY_OR_FRAME, BODY_OR_FRAME),
         "of the first, in the axes of the second, since t = 0",
     ),
     "angle": Kind(
-        angle, ("rad",), (MOVING,), "turned since t = 0 about x, y, z, beyond full turns too"
+        angle, ("rad",), (BODY_OR_FRAME,), "turned since t = 0 about x, y, z, beyond full turns too"
     ),
-    "angular_velocity": Kind(angular_velocity, ("rad/s",), (MOVING,), "angular velocity, in space"),
+    "angular_velocity": Kind(
+        angular_velocity, ("rad/s",), (BODY_OR_FRAME,), "angular velocity, in space"
+    ),
     "angular_acceleration": Kind(
-        angular_acceleration, ("rad/s²",), (MOVING,), "angular acceleration, in space"
+        angular_acceleration, ("rad/s²",), (BODY_OR_FRAME,), "angular acceleration, in space"
     ),
     "coordinate": Kind(
         coordinate,
