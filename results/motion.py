@@ -193,7 +193,7 @@ class Coupling(Recorded):
         coordinate and friction_state, 1 sticks, 2 slips; of a spring "coordinates" (n, rows).
         Angles are continued over full turns. They are attributes too, as `joint.angle`.
         """
-        others = {"multipliers", "force", "moment", "_origin"}
+        others = {"multipliers", "force", "moment"}
         return {name: array for name, array in vars(self).items() if name not in others}
 
     def __getattr__(self, name: str) -> Array:

@@ -220,6 +220,10 @@ class Recorded:
     `ResultsError` when it is asked for.
     """
 
+    # beside `vars`, which has the arrays alone
+    __slots__ = ("__dict__", "_origin")
+    _origin: tuple[str, int]
+
     group: ClassVar[str] = ""
     owner: ClassVar[str] = ""
     quantities: ClassVar[tuple[Quantity, ...]] = ()
@@ -237,10 +241,11 @@ class Recorded:
 
     def __init__(self, arrays: Mapping[str, Any], origin: tuple[str, int] = ("", 0)) -> None:
         """arrays: by attribute; origin: the name of the results and their version."""
-        vars(self).update(arrays, _origin=origin)
+        vars(self).update(arrays)
+        object.__setattr__(self, "_origin", origin)
 
     def lacks(self, attribute: Attribute) -> NoReturn:
-        results, version = vars(self)["_origin"]
+        results, version = self._origin
         names = ", ".join(repr(quantity.name) for quantity in attribute.quantities)
         raise ResultsError(lacking(results, version, names, attribute.quantities[0].since))
 

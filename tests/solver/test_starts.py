@@ -300,5 +300,7 @@ def test_velocities_that_joints_take_away_are_told(beam):
     with warnings.catch_warnings():
         warnings.simplefilter("error", ValidityWarning)
         start(mass(0.0))
-        free = RigidBody(9.0, [1.0] * 3, start=Start(velocity=[1, 0, 0], angular_velocity=[0, 0, 1]))
+        free = RigidBody(
+            9.0, [1.0] * 3, start=Start(velocity=[1, 0, 0], angular_velocity=[0, 0, 1])
+        )
         start(Model({"mass": free}, settings=Settings(t_end=1e-3, step=1e-4)))
